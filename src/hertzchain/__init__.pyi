@@ -1,0 +1,12 @@
+from .chain import TAPERS as TAPERS
+from .chain import Chain as Chain
+from .errors import InputError as InputError
+from .errors import ModelRangeWarning as ModelRangeWarning
+from .errors import SimulationError as SimulationError
+from .pulse import Comparison as Comparison
+from .pulse import Pulse as Pulse
+from .simulation import Run as Run
+from .simulation import propagate as propagate
+from .simulation import simulate as simulate
+from .theory.bca import bca as bca
+from .theory.modified_bca import modified_bca as modified_bca

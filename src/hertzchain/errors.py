@@ -1,0 +1,34 @@
+"""What can go wrong, by whose doing.
+
+========================  ====================================================
+`InputError`              the request cannot be met: what, which value, what is
+                          allowed, what to try (the command line exits with 2)
+`SimulationError`         the request was sound but the run could not finish
+`ModelRangeWarning`       a number was computed outside a theory's stated range
+========================  ====================================================
+"""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Iterable
+
+
+class InputError(ValueError):
+    """A chain, option or file that cannot be used; raised once, at the border."""
+
+
+class SimulationError(RuntimeError):
+    """A run that ended without the numbers it was asked for."""
+
+
+class ModelRangeWarning(UserWarning):
+    """A theory was evaluated outside the range in which it is known to hold."""
+
+
+def unknown_name(what: str, name: object, known: Iterable[str]) -> InputError:
+    """Error for a misspelt name: says what exists and what is nearest."""
+    choices = list(known)
+    near = difflib.get_close_matches(str(name), choices, n=1, cutoff=0.5)
+    hint = f"; did you mean {near[0]!r}?" if near else ""
+    return InputError(f"unknown {what} {name!r}: choose from {', '.join(choices)}{hint}")

@@ -1,0 +1,461 @@
+"""The leading pulse, a row per bead: the one result of every simulation and every theory.
+
+A `Pulse` says what passed each bead; `compare` holds two of them against each
+other.  What a method does not predict is `None`, never a number that looks like
+a prediction.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, fields
+from typing import TYPE_CHECKING, Any, Final, Literal
+
+import numpy as np
+
+from hertzchain.chain import Chain
+from hertzchain.contacts import Array
+from hertzchain.errors import InputError
+
+if TYPE_CHECKING:
+    import pandas as pd
+    import xarray as xr
+    from matplotlib.axes import Axes
+
+Quantity = Literal[
+    "velocity",
+    "momentum",
+    "energy",
+    "peak_time",
+    "arrival",
+    "residence",
+    "peak_overlap",
+    "peak_force",
+]
+
+# Name, the paper's symbol, description. Order: as in tables.
+QUANTITIES: Final[dict[Quantity, tuple[str, str]]] = {
+    "velocity": ("v", "first maximum of the bead's velocity"),
+    "momentum": ("P", "momentum m v of the bead at that maximum"),
+    "energy": ("E", "kinetic energy m v^2 / 2 of the bead at that maximum"),
+    "peak_time": ("t_v", "time of that maximum"),
+    "arrival": ("t", "time at which the bead becomes faster than the one behind it"),
+    "residence": ("T", "time from the arrival at this bead to that at the next"),
+    "peak_overlap": ("d", "largest overlap with the next bead"),
+    "peak_force": ("F", "largest force on the next bead"),
+}
+PER_CONTACT: Final = frozenset({"residence", "peak_overlap", "peak_force"})
+
+
+@dataclass(frozen=True, eq=False)
+class Pulse:
+    r"""What the leading pulse does to each bead of a chain.
+
+    Attributes
+    ----------
+    chain : Chain
+        The chain it ran along.
+    method : str
+        What computed it, such as ``"simulation"`` or ``"BCA"``.
+    velocity : ndarray, shape (N,)
+        First local maximum :math:`v_k` of each bead's velocity [scaled]; bead 1
+        is the striker and has its strike velocity, the last bead the velocity
+        with which it leaves the chain.
+    peak_time : ndarray, shape (N,), or None
+        Time of that maximum [scaled].
+    arrival : ndarray, shape (N,), or None
+        Time :math:`t_k` at which bead k overtakes bead k - 1, the moment of
+        largest overlap of contact k - 1 [scaled]; 0 for bead 1.
+    peak_overlap : ndarray, shape (N - 1,), or None
+        First maximum of the overlap of each contact [scaled].
+
+    Examples
+    --------
+    >>> import hertzchain as hc
+    >>> pulse = hc.bca(hc.Chain.tapered("backward-exponential", 0.05, beads=4))
+    >>> pulse.momentum.round(4)
+    array([1.    , 1.0768, 1.1595, 1.2485])
+    """
+
+    chain: Chain
+    method: str
+    velocity: Array
+    peak_time: Array | None = None
+    arrival: Array | None = None
+    peak_overlap: Array | None = None
+
+    def __post_init__(self) -> None:
+        lengths = {"velocity": self.chain.beads, "peak_time": self.chain.beads}
+        lengths |= {"arrival": self.chain.beads, "peak_overlap": self.chain.beads - 1}
+        for field in fields(self):
+            if field.name in lengths and getattr(self, field.name) is not None:
+                values = np.array(getattr(self, field.name), dtype=float)
+                _check_column(self, field.name, values, lengths[field.name])
+                values.setflags(write=False)
+                object.__setattr__(self, field.name, values)
+
+    @property
+    def bead(self) -> np.ndarray[Any, np.dtype[np.int64]]:
+        """Bead numbers k = 1..N, shape (N,)."""
+        return np.arange(1, self.chain.beads + 1)
+
+    @property
+    def momentum(self) -> Array:
+        """Momentum P_k = m_k v_k [scaled], shape (N,)."""
+        return self.chain.masses * self.velocity
+
+    @property
+    def energy(self) -> Array:
+        """Kinetic energy E_k = m_k v_k^2 / 2 [scaled], shape (N,)."""
+        return 0.5 * self.momentum * self.velocity
+
+    @property
+    def residence(self) -> Array | None:
+        """Residence time T_k = t_{k+1} - t_k on bead k [scaled], shape (N - 1,)."""
+        return None if self.arrival is None else np.diff(self.arrival)
+
+    @property
+    def peak_force(self) -> Array | None:
+        """Largest force F = r_k d^p of contact k [scaled], shape (N - 1,)."""
+        if self.peak_overlap is None:
+            return None
+        return self.chain.stiffness * self.peak_overlap**self.chain.exponent
+
+    def column(self, quantity: Quantity) -> Array | None:
+        """One quantity by its name, as the attribute of that name.
+
+        Parameters
+        ----------
+        quantity : str
+            A key of `hertzchain.pulse.QUANTITIES`.
+
+        Returns
+        -------
+        ndarray or None
+            `None` if the method does not predict it.
+
+        Examples
+        --------
+        >>> import hertzchain as hc
+        >>> float(hc.bca(hc.Chain.uniform(3)).column("velocity")[2])
+        1.0
+        """
+        values: Array | None = getattr(self, quantity)
+        return values
+
+    def columns(self) -> dict[Quantity, Array]:
+        """Every quantity that the method predicts, by name.
+
+        Returns
+        -------
+        dict
+            Arrays of length N, or N - 1 for quantities of a contact.
+
+        Examples
+        --------
+        >>> import hertzchain as hc
+        >>> list(hc.modified_bca(hc.Chain.tapered("forward-linear", 0.01, beads=9)).columns())
+        ['velocity', 'momentum', 'energy']
+        """
+        found = {name: self.column(name) for name in QUANTITIES}
+        return {name: values for name, values in found.items() if values is not None}
+
+    def compare(self, reference: Pulse) -> Comparison:
+        """Hold this pulse against another one of a chain with the same radii.
+
+        Parameters
+        ----------
+        reference : Pulse
+            The pulse to measure errors from.
+
+        Returns
+        -------
+        Comparison
+            Relative errors per bead; ``print`` shows the worst and typical ones.
+
+        Raises
+        ------
+        InputError
+            If the two chains differ.
+
+        Examples
+        --------
+        >>> import hertzchain as hc
+        >>> chain = hc.Chain.uniform(30)
+        >>> comparison = hc.bca(chain).compare(hc.propagate(chain))
+        >>> round(comparison.worst("velocity"), 2)
+        0.47
+        """
+        return Comparison(self, reference)
+
+    def to_xarray(self) -> xr.Dataset:
+        """Labelled dataset with coordinate ``bead`` = 1..N and ``contact`` = 1..N-1.
+
+        Returns
+        -------
+        xarray.Dataset
+            One variable a quantity, with units ("1": scaled) and long names.
+
+        Examples
+        --------
+        >>> import hertzchain as hc
+        >>> dataset = hc.bca(hc.Chain.uniform(5)).to_xarray()
+        >>> float(dataset.velocity.sel(bead=5))
+        1.0
+        """
+        import xarray as xr
+
+        variables = {
+            name: (
+                "contact" if name in PER_CONTACT else "bead",
+                values,
+                {"units": "1", "long_name": QUANTITIES[name][1]},
+            )
+            for name, values in self.columns().items()
+        }
+        variables["radius"] = ("bead", self.chain.radii, {"units": "1", "long_name": "radius"})
+        variables["mass"] = ("bead", self.chain.masses, {"units": "1", "long_name": "mass"})
+        return xr.Dataset(
+            variables,
+            coords={"bead": self.bead, "contact": self.bead[:-1]},
+            attrs={"chain": self.chain.description, "method": self.method},
+        )
+
+    def to_dataframe(self) -> pd.DataFrame:
+        """Table with a row per bead; a quantity of contact k stands in row k.
+
+        Returns
+        -------
+        pandas.DataFrame
+            Indexed by ``bead``; the last row has no contact and is NaN there.
+
+        Examples
+        --------
+        >>> import hertzchain as hc
+        >>> hc.bca(hc.Chain.uniform(5)).to_dataframe().velocity.loc[5].item()
+        1.0
+        """
+        import pandas as pd
+
+        columns = {
+            str(name): pd.Series(values, index=self.bead[: len(values)])
+            for name, values in self.columns().items()
+        }
+        return pd.DataFrame(columns, index=pd.Index(self.bead, name="bead"))
+
+    def plot(self, quantity: Quantity = "velocity", *, ax: Axes | None = None) -> Axes:
+        """Draw one quantity against the bead number.
+
+        Parameters
+        ----------
+        quantity : str
+            Name of the quantity.
+        ax : matplotlib.axes.Axes, optional
+            Axes to draw into; a new figure's if not given.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+
+        Examples
+        --------
+        >>> import hertzchain as hc
+        >>> axes = hc.bca(hc.Chain.uniform(5)).plot("arrival")
+        >>> axes.get_xlabel()
+        'bead $k$'
+        """
+        from hertzchain.plotting import plot_pulses
+
+        return plot_pulses([self], quantity, ax=ax)
+
+    def __repr__(self) -> str:
+        return f"Pulse({self.method}: {self.chain.description})"
+
+    def __str__(self) -> str:
+        names = ", ".join(self.columns())
+        last = f"v_{self.chain.beads} = {self.velocity[-1]:.9g}"
+        return f"{self.method}, {self.chain.description}\n  {last}; has {names}"
+
+    def _repr_html_(self) -> str:
+        title = f"<p><b>{self.method}</b>, {self.chain.description}</p>"
+        return title + str(self.to_dataframe().to_html(max_rows=12, na_rep="", float_format="%.6g"))
+
+
+@dataclass(frozen=True, eq=False)
+class Comparison:
+    """Relative errors of one pulse, measured from another of the same chain.
+
+    Attributes
+    ----------
+    pulse : Pulse
+        The pulse judged.
+    reference : Pulse
+        What it is measured from.
+
+    Raises
+    ------
+    InputError
+        If the chains differ.
+
+    Examples
+    --------
+    >>> import hertzchain as hc
+    >>> chain = hc.Chain.tapered("backward-exponential", 0.05, beads=50)
+    >>> comparison = hc.bca(chain).compare(hc.propagate(chain))
+    >>> comparison.worst_bead("velocity") > 40
+    True
+    """
+
+    pulse: Pulse
+    reference: Pulse
+
+    def __post_init__(self) -> None:
+        ours, theirs = self.pulse.chain, self.reference.chain
+        same_law = ours.exponent == theirs.exponent
+        if not (same_law and np.array_equal(ours.radii, theirs.radii)):
+            raise InputError(
+                "pulses of different chains cannot be compared: "
+                f"{ours.description} and {theirs.description}"
+            )
+
+    def errors(self, quantity: Quantity) -> Array:
+        """Relative errors, (ours - reference) / reference, bead by bead.
+
+        The start of the clock is no prediction: arrival and peak times of bead 1
+        are compared as differences (both are 0).
+
+        Parameters
+        ----------
+        quantity : str
+            Name of the quantity.
+
+        Returns
+        -------
+        ndarray
+            Shape (N,), or (N - 1,) for quantities of a contact.
+
+        Raises
+        ------
+        InputError
+            If one of the two methods does not predict the quantity.
+
+        Examples
+        --------
+        >>> import hertzchain as hc
+        >>> pulse = hc.bca(hc.Chain.uniform(3))
+        >>> pulse.compare(pulse).errors("velocity")
+        array([0., 0., 0.])
+        """
+        ours, theirs = self.pulse.column(quantity), self.reference.column(quantity)
+        if ours is None or theirs is None:
+            missing = self.pulse if ours is None else self.reference
+            raise InputError(f"{missing.method} does not predict {quantity}")
+        return (ours - theirs) / np.where(theirs == 0.0, 1.0, theirs)
+
+    @property
+    def quantities(self) -> list[Quantity]:
+        """Names of the quantities that both methods predict."""
+        theirs = self.reference.columns()
+        return [name for name in self.pulse.columns() if name in theirs]
+
+    def worst(self, quantity: Quantity, *, first_bead: int = 2) -> float:
+        """Largest absolute relative error from ``first_bead`` on.
+
+        Parameters
+        ----------
+        quantity : str
+            Name of the quantity.
+        first_bead : int
+            First bead (or contact) that counts.
+
+        Returns
+        -------
+        float
+
+        Examples
+        --------
+        >>> import hertzchain as hc
+        >>> pulse = hc.bca(hc.Chain.uniform(3))
+        >>> pulse.compare(pulse).worst("velocity")
+        0.0
+        """
+        return self._reduce(quantity, first_bead, lambda e: float(np.max(e)))
+
+    def rms(self, quantity: Quantity, *, first_bead: int = 2) -> float:
+        """Root mean square of the relative errors from ``first_bead`` on.
+
+        Parameters
+        ----------
+        quantity, first_bead
+            As for `worst`.
+
+        Returns
+        -------
+        float
+
+        Examples
+        --------
+        >>> import hertzchain as hc
+        >>> pulse = hc.bca(hc.Chain.uniform(3))
+        >>> pulse.compare(pulse).rms("momentum")
+        0.0
+        """
+        return self._reduce(quantity, first_bead, lambda e: float(np.sqrt(np.mean(e**2))))
+
+    def worst_bead(self, quantity: Quantity, *, first_bead: int = 2) -> int:
+        """Bead (or contact) number of the largest error.
+
+        Parameters
+        ----------
+        quantity, first_bead
+            As for `worst`.
+
+        Returns
+        -------
+        int
+
+        Examples
+        --------
+        >>> import hertzchain as hc
+        >>> chain = hc.Chain.uniform(30)
+        >>> hc.bca(chain).compare(hc.propagate(chain)).worst_bead("velocity")
+        29
+        """
+        return first_bead + int(self._reduce(quantity, first_bead, lambda e: float(np.argmax(e))))
+
+    def _reduce(
+        self, quantity: Quantity, first_bead: int, summary: Callable[[Array], float]
+    ) -> float:
+        errors = np.abs(self.errors(quantity))[first_bead - 1 :]
+        if not len(errors):
+            raise InputError(
+                f"first_bead = {first_bead} leaves no bead of {self.pulse.chain.beads} to compare"
+            )
+        return summary(errors)
+
+    def __str__(self) -> str:
+        lines = [
+            f"{self.pulse.method} against {self.reference.method}, "
+            f"{self.pulse.chain.description}; relative errors, k >= 2",
+            f"  {'quantity':<13}{'worst':>10}{'at k':>6}{'rms':>10}",
+        ]
+        for name in self.quantities:
+            worst, at, rms = self.worst(name), self.worst_bead(name), self.rms(name)
+            lines.append(f"  {name:<13}{worst:>10.2%}{at:>6}{rms:>10.2%}")
+        return "\n".join(lines)
+
+
+def _check_column(pulse: Pulse, name: str, values: Array, length: int) -> None:
+    """Refuse a column that could only mislead: wrong length, not finite, or not positive."""
+    if values.shape != (length,):
+        raise InputError(f"{name} of a pulse must have shape ({length},), got {values.shape}")
+    first = 1 if name in ("arrival", "peak_time") else 0
+    bad = ~(np.isfinite(values) & (values > 0.0))
+    bad[:first] = ~np.isfinite(values[:first])
+    if bad.any():
+        k = int(np.argmax(bad))
+        raise InputError(
+            f"{name} of bead {k + 1} is {values[k]:g} by {pulse.method} for the chain "
+            f"{pulse.chain.description}: it underflows or overflows; use fewer beads or a "
+            "weaker taper"
+        )

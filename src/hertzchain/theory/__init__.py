@@ -1,0 +1,1 @@
+"""Theories of the leading pulse, a file each: a chain in, a `Pulse` out, nothing integrated."""

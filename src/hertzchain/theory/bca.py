@@ -1,0 +1,236 @@
+r"""The binary collision approximation (BCA): one contact acts at a time.
+
+The pulse sits on two beads; bead k strikes the resting bead k + 1, hands on what
+an elastic collision hands on, and is forgotten.  Secs. 2 to 4 of the paper.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from hertzchain.chain import Chain, Taper, rate_symbol
+from hertzchain.contacts import (
+    Array,
+    collision_overlap,
+    compression_time,
+    reduced_mass,
+    velocity_transfer,
+)
+from hertzchain.errors import InputError
+from hertzchain.pulse import Pulse
+
+
+def bca(chain: Chain) -> Pulse:
+    r"""Leading pulse of any chain by the binary collision approximation.
+
+    .. math::
+
+        v_k = \prod_{j=1}^{k-1} \frac{2}{1 + m_{j+1}/m_j},
+        \qquad t_k = \sum_{j=1}^{k-1} T_j
+
+    with Eq. (5) of the paper for the velocities (the exact product, not its
+    asymptotic form) and the collision's `hertzchain.contacts.compression_time` as
+    residence time :math:`T_j` of the pulse on bead j.
+
+    Parameters
+    ----------
+    chain : Chain
+        Any chain.
+
+    Returns
+    -------
+    Pulse
+        Velocity, arrival and largest overlaps (momentum, energy, residence and
+        force follow).
+
+    Raises
+    ------
+    InputError
+        If a velocity underflows.
+
+    Examples
+    --------
+    In a uniform chain the BCA does not notice that the pulse spreads: the velocity
+    stays 1, where the integration gives 0.6816.
+
+    >>> import hertzchain as hc
+    >>> pulse = hc.bca(hc.Chain.uniform(50))
+    >>> float(pulse.velocity[49]), round(float(pulse.residence[0]), 6)
+    (1.0, 1.219419)
+    """
+    m = chain.masses
+    velocity = np.concatenate(([1.0], np.cumprod(velocity_transfer(m[:-1], m[1:]))))
+    reduced, speed = reduced_mass(m[:-1], m[1:]), velocity[:-1]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        time = compression_time(reduced, chain.stiffness, speed, chain.exponent)
+        overlap = collision_overlap(reduced, chain.stiffness, speed, chain.exponent)
+    return Pulse(
+        chain=chain,
+        method="BCA",
+        velocity=velocity,
+        arrival=np.concatenate(([0.0], np.cumsum(time))),
+        peak_overlap=overlap,
+    )
+
+
+def bca_velocity_closed_form(taper: Taper, rate: float, beads: int) -> Array:
+    r"""The product of the BCA in closed form, for the four tapers of the paper.
+
+    Exponential tapers, Eqs. (12) and (14), forward by :math:`q \to -q`:
+
+    .. math:: v_k = A^{1-k}, \qquad A = \tfrac12 [1 + (1-q)^{-3}] .
+
+    Linear tapers, with :math:`a = 1/S` and
+    :math:`g(x) = \Gamma(x)\,|\Gamma(x + i\sqrt3/2)|^2` from
+    :math:`m_k + m_{k+1} \propto (x^2+\tfrac34)\,x` (derived here, not in the paper):
+
+    .. math::
+
+        v_k^{bl} = \left[\frac{\Gamma(a+k-1)}{\Gamma(a)}\right]^3
+                   \frac{g(a+\frac12)}{g(a+k-\frac12)},
+        \qquad
+        v_k^{fl} = \left[\frac{\Gamma(a+1)}{\Gamma(a-k+2)}\right]^3
+                   \frac{g(a-k+\frac32)}{g(a+\frac12)} .
+
+    Parameters
+    ----------
+    taper : str
+        Name of the taper.
+    rate : float
+        Its S or q.
+    beads : int
+        Number of beads N.
+
+    Returns
+    -------
+    ndarray, shape (N,)
+        Velocities [scaled].
+
+    Raises
+    ------
+    InputError
+        As `Chain.tapered`.
+
+    Examples
+    --------
+    >>> bca_velocity_closed_form("backward-linear", 1.0, 3).round(6)
+    array([1.      , 0.222222, 0.101587])
+    """
+    k = np.arange(1, Chain.tapered(taper, rate, beads=beads).beads + 1)
+    if rate_symbol(taper) == "q":
+        return np.asarray(np.exp((k - 1) * exponential_rates(taper, rate)["velocity"]))
+    from scipy.special import loggamma
+
+    a = 1.0 / rate
+    if taper == "backward-linear":
+        log_mass_part = 3.0 * (loggamma(a + k - 1) - loggamma(a))
+        return np.asarray(np.exp(log_mass_part + _log_g(np.array(a + 0.5)) - _log_g(a + k - 0.5)))
+    log_mass_part = 3.0 * (loggamma(a + 1.0) - loggamma(a - k + 2.0))
+    return np.asarray(np.exp(log_mass_part + _log_g(a - k + 1.5) - _log_g(np.array(a + 0.5))))
+
+
+def exponential_rates(taper: Taper, rate: float) -> dict[str, float]:
+    r"""Rates per bead of velocity, momentum and energy of an exponential taper.
+
+    .. math::
+
+        \frac{d\ln v}{dk} = -\ln \tfrac12\left[1 + (1-q)^{-3}\right], \quad
+        \mathcal P = -\ln\left(1 - \tfrac32 q + \tfrac32 q^2 - \tfrac12 q^3\right), \quad
+        \mathcal E = -2 \ln \tfrac12\left[(1-q)^{3/2} + (1-q)^{-3/2}\right]
+
+    from Eqs. (12), (16) and (18) for a backward taper, and with :math:`q \to -q`
+    for a forward one, Eqs. (26) and (27).
+
+    Parameters
+    ----------
+    taper : str
+        ``"backward-exponential"`` or ``"forward-exponential"``.
+    rate : float
+        Tapering parameter q.
+
+    Returns
+    -------
+    dict
+        ``velocity``, ``momentum`` and ``energy``: change of the logarithm per bead.
+
+    Raises
+    ------
+    InputError
+        For a linear taper, which has no constant rate.
+
+    Examples
+    --------
+    The first entries of tables 1 and 2:
+
+    >>> rates = exponential_rates("backward-exponential", 0.01)
+    >>> round(rates["momentum"], 5), round(rates["energy"], 5)
+    (0.01496, -0.00023)
+    """
+    if rate_symbol(taper) != "q":
+        raise InputError(f"a {taper} taper has no constant rate; only exponential tapers have")
+    q = rate if taper == "backward-exponential" else -rate
+    return {
+        "velocity": float(-np.log(0.5 * (1.0 + (1.0 - q) ** -3))),
+        "momentum": float(-np.log(1.0 - 1.5 * q + 1.5 * q**2 - 0.5 * q**3)),
+        "energy": float(-2.0 * np.log(0.5 * ((1.0 - q) ** 1.5 + (1.0 - q) ** -1.5))),
+    }
+
+
+def backward_linear_prefactor(rate: float) -> float:
+    r"""Prefactor of the asymptotic law of backward linear tapers.
+
+    .. math:: v_k \to a_{bl}^u k^{-3/2}, \qquad
+              a_{bl}^u = \frac{g(a + \frac12)}{\Gamma(a)^3}, \quad a = 1/S
+
+    the constant of Eq. (28), which the paper does not give; g as in
+    `bca_velocity_closed_form`.
+
+    Parameters
+    ----------
+    rate : float
+        Tapering parameter S > 0.
+
+    Returns
+    -------
+    float
+
+    Examples
+    --------
+    >>> round(backward_linear_prefactor(0.1), 6)
+    28.262858
+    """
+    from scipy.special import loggamma
+
+    a = 1.0 / rate
+    return float(np.exp(_log_g(np.array(a + 0.5)) - 3.0 * loggamma(a)))
+
+
+def forward_linear_momentum_slope(rate: float) -> float:
+    r"""Slope of the linear decay of momentum in a forward linear taper.
+
+    .. math:: \frac{dP}{dk} = -\frac32\, S\,(1+S)^2
+
+    the expansion of Eq. (24) for :math:`k \ll 1 + 1/S`; the column "Binary" of
+    table 3.
+
+    Parameters
+    ----------
+    rate : float
+        Tapering parameter S > 0.
+
+    Returns
+    -------
+    float
+
+    Examples
+    --------
+    >>> round(forward_linear_momentum_slope(0.01), 4)
+    -0.0153
+    """
+    return -1.5 * rate * (1.0 + rate) ** 2
+
+
+def _log_g(x: Array) -> Array:
+    from scipy.special import loggamma
+
+    return np.asarray(loggamma(x) + 2.0 * loggamma(x + 0.5j * np.sqrt(3.0)).real)

@@ -122,6 +122,7 @@ def calibrate(
     pulses = [propagate(Chain.tapered(taper, rate, beads=beads)) for rate in used]
     exact = np.array([pulse.velocity[k - 1] for pulse in pulses])
     unmodified = np.array([bca(pulse.chain).velocity[k - 1] for pulse in pulses])
+    correction: Correction
     if rate_symbol(taper) == "S":
         correction, errors = _fit_ratio(exact / unmodified)
     else:

@@ -14,12 +14,13 @@ becomes of it if only one contact acts at a time that of `hertzchain.theory`.
 from __future__ import annotations
 
 import math
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-Array: TypeAlias = NDArray[np.float64]
+# Of float64, unless a docstring says otherwise.
+Array: TypeAlias = NDArray[Any]
 
 HERTZ_EXPONENT = 1.5
 
@@ -133,7 +134,9 @@ def collision_overlap(
     0.828614
     """
     energy = np.asarray(reduced, float) * np.square(speed) / 2.0
-    return np.asarray(((exponent + 1.0) * energy / stiffness) ** (1.0 / (exponent + 1.0)))
+    return np.asarray(
+        ((exponent + 1.0) * energy / np.asarray(stiffness)) ** (1.0 / (exponent + 1.0))
+    )
 
 
 def compression_time(

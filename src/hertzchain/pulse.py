@@ -205,8 +205,8 @@ class Pulse:
         """
         import xarray as xr
 
-        variables = {
-            name: (
+        variables: dict[str, object] = {
+            str(name): (
                 "contact" if name in PER_CONTACT else "bead",
                 values,
                 {"units": "1", "long_name": QUANTITIES[name][1]},

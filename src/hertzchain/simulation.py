@@ -353,6 +353,7 @@ def _integrate(
     max_steps: int,
     progress: Progress | None,
 ) -> Run:
+    from hertzchain.kernels import dop853
     from hertzchain.kernels import full_chain as kernel
 
     beads = chain.beads
@@ -362,7 +363,7 @@ def _integrate(
     clock, counts = np.zeros(kernel.CLOCK_SIZE), np.zeros(kernel.COUNTS_SIZE, np.int64)
     peaks, crossings = np.zeros((2, beads)), np.zeros((2, beads - 1))
     peaks[1, 0] = 1.0
-    stages, work = np.empty((kernel.STAGES, 2 * beads)), np.empty((3, 2 * beads))
+    stages, work = np.empty((dop853.STAGES, 2 * beads)), np.empty((3, 2 * beads))
     kernel.start(
         state, clock, inverse_mass, stiffness, chain.exponent, 1e-4 * _transit_times(chain)[0]
     )

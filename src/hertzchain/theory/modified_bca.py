@@ -157,12 +157,14 @@ def modified_bca(
         velocity = printed_velocity(chain.taper, chain.rate, k)
         method = "modified BCA, printed"
     else:
-        if isinstance(coefficients, str) and coefficients != "calibrated":
+        if not isinstance(coefficients, str):
+            correction, method = coefficients, "modified BCA"
+        elif coefficients == "calibrated":
+            correction = calibrated_corrections()[chain.taper]
+            method = "modified BCA, calibrated"
+        else:
             raise unknown_name("coefficients", coefficients, ("calibrated", "printed"))
-        own = not isinstance(coefficients, str)
-        correction = coefficients if own else calibrated_corrections()[chain.taper]
         velocity = correction.velocity(bca(chain).velocity, chain.rate, k)
-        method = "modified BCA" if own else "modified BCA, calibrated"
     velocity[0] = 1.0
     return Pulse(chain=chain, method=method, velocity=velocity)
 

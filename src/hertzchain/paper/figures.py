@@ -1,0 +1,428 @@
+"""The paper's fourteen figures from our integration and theory, each with a checked statement."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from typing import Final, Literal
+
+import matplotlib
+import matplotlib.pyplot as plt
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure as MatplotlibFigure
+from matplotlib.lines import Line2D
+
+from hertzchain.calibration import line
+from hertzchain.chain import Taper, rate_symbol
+from hertzchain.contacts import Array
+from hertzchain.paper.published import FigureQuantity, PublishedFigure, published_figures
+from hertzchain.paper.tables import Pulses
+from hertzchain.plotting import house_style, label_right_ends
+from hertzchain.pulse import Pulse
+from hertzchain.theory.bca import bca, forward_linear_momentum_slope
+from hertzchain.theory.modified_bca import modified_bca
+
+# Beads drawn, of chains of 100: the last ten feel the free end.
+LAST_BEAD: Final = 90
+
+LABELS: Final[dict[FigureQuantity, str]] = {
+    "velocity": "velocity $v_k$",
+    "momentum": "momentum $P_k$",
+    "energy": "kinetic energy $E_k$",
+    "ratio": "$v_k$ of the BCA / $v_k$ of the integration",
+}
+
+
+@dataclass(frozen=True, eq=False)
+class Curve:
+    """One chain of a figure: its integration and the theory beside it, beads 1..90."""
+
+    rate: float
+    integration: Pulse
+    unmodified: Pulse
+    theory: Pulse
+
+    @property
+    def k(self) -> Array:
+        """Bead numbers drawn."""
+        return self.integration.bead[:LAST_BEAD]
+
+    def values(self, pulse: Pulse, quantity: FigureQuantity) -> Array:
+        """The figure's quantity of one of the curve's pulses."""
+        if quantity == "ratio":
+            return (self.unmodified.velocity / pulse.velocity)[:LAST_BEAD]
+        column = pulse.column(quantity)
+        assert column is not None
+        return column[:LAST_BEAD]
+
+    def over(self, first: int, last: int, values: Array) -> tuple[Array, Array]:
+        """Bead numbers first..last and the values there."""
+        return self.k[first - 1 : last].astype(float), values[first - 1 : last]
+
+
+@dataclass(frozen=True)
+class Statement:
+    """What a figure shows, as numbers that must lie between bounds."""
+
+    claim: str
+    measured: dict[str, float]
+    low: float
+    high: float
+
+    @property
+    def holds(self) -> bool:
+        """Whether every number lies between the bounds."""
+        return all(self.low <= value <= self.high for value in self.measured.values())
+
+
+@dataclass(frozen=True, eq=False)
+class Figure:
+    """A figure of the paper with our data."""
+
+    published: PublishedFigure
+    curves: tuple[Curve, ...]
+    statement: Statement
+
+    @property
+    def order_as_captioned(self) -> bool:
+        """Whether the curves' right ends lie in the order that the caption gives."""
+        quantity = self.published.quantity
+        ends = [curve.values(curve.integration, quantity)[-1] for curve in self.curves]
+        if self.published.order == "falling":
+            ends.reverse()
+        return bool(np.all(np.diff(ends) > 0.0))
+
+
+@dataclass(frozen=True)
+class Layout:
+    """How a figure is drawn: what the paper's caption and text fix beyond the data."""
+
+    theory: Literal["BCA", "modified BCA", "none"]
+    xscale: Literal["linear", "log"] = "linear"
+    yscale: Literal["linear", "log"] = "linear"
+    first_bead: int = 1
+    lines: Callable[[Axes], None] | None = field(default=None, repr=False)
+
+
+def _line_of_slope_three_halves(axes: Axes) -> None:
+    k = np.array([4.0, 90.0])
+    axes.plot(k, 1.0 * k**1.5, color="black", linewidth=1.2, label="slope 3/2")
+
+
+def _horizontal_line(axes: Axes) -> None:
+    axes.axhline(0.24, xmin=0.35, color="black", linewidth=1.2, label="horizontal")
+
+
+def _line_at_three_halves(axes: Axes) -> None:
+    label = "3/2, inverse of the working ratio"
+    axes.axhline(1.5, color="black", linewidth=0.9, linestyle="--", label=label)
+
+
+LAYOUTS: Final[dict[int, Layout]] = {
+    1: Layout("BCA", "log", "log", lines=_line_of_slope_three_halves),
+    2: Layout("BCA", lines=_horizontal_line),
+    3: Layout("BCA", yscale="log"),
+    4: Layout("BCA", yscale="log"),
+    5: Layout("BCA"),
+    6: Layout("BCA"),
+    7: Layout("BCA", yscale="log"),
+    8: Layout("BCA", yscale="log"),
+    9: Layout("none", first_bead=2, lines=_line_at_three_halves),
+    10: Layout("modified BCA", "log", "log"),
+    11: Layout("none", first_bead=2),
+    12: Layout("modified BCA", yscale="log"),
+    13: Layout("modified BCA"),
+    14: Layout("modified BCA", yscale="log"),
+}
+
+
+def figure_chains(name: str) -> set[tuple[Taper, float]]:
+    """The chains whose integration a figure needs.
+
+    Parameters
+    ----------
+    name : str
+        ``"figure1"`` to ``"figure14"``.
+
+    Returns
+    -------
+    set of (taper, rate)
+
+    Examples
+    --------
+    >>> sorted(figure_chains("figure1"))
+    [('backward-linear', 0.1), ('backward-linear', 0.5), ('backward-linear', 0.9)]
+    """
+    published = published_figures()[name]
+    return {(published.taper, rate) for rate in published.rates}
+
+
+def reproduce_figure(name: str, pulses: Pulses) -> Figure:
+    """Collect the data of one figure and check its statement.
+
+    Parameters
+    ----------
+    name : str
+        ``"figure1"`` to ``"figure14"``.
+    pulses : mapping of (taper, rate) to Pulse
+        Integrated chains of 100 beads; at least those of `figure_chains`.
+
+    Returns
+    -------
+    Figure
+
+    Examples
+    --------
+    >>> from hertzchain.paper.reproduction import integrate_chains
+    >>> figure = reproduce_figure("figure5", integrate_chains(figure_chains("figure5")))
+    >>> figure.statement.holds, figure.order_as_captioned
+    (True, False)
+    """
+    published = published_figures()[name]
+    modified = LAYOUTS[published.number].theory == "modified BCA"
+    curves = []
+    for rate in published.rates:
+        pulse = pulses[published.taper, rate]
+        unmodified = bca(pulse.chain)
+        theory = modified_bca(pulse.chain) if modified else unmodified
+        curves.append(Curve(rate, pulse, unmodified, theory))
+    return Figure(published, tuple(curves), STATEMENTS[published.number](curves))
+
+
+def draw_figure(figure: Figure) -> MatplotlibFigure:
+    """Draw one figure as its caption describes it.
+
+    Circles are the integration, + symbols the theory; every curve is drawn at about
+    thirty of its beads so that the symbols stay apart.
+
+    Parameters
+    ----------
+    figure : Figure
+        Data from `reproduce_figure`.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+
+    Examples
+    --------
+    >>> from hertzchain.paper.reproduction import integrate_chains
+    >>> figure = reproduce_figure("figure6", integrate_chains(figure_chains("figure6")))
+    >>> draw_figure(figure).axes[0].get_ylabel()
+    'kinetic energy $E_k$'
+    """
+    published, layout = figure.published, LAYOUTS[figure.published.number]
+    symbol = rate_symbol(published.taper)
+    colours = [matplotlib.colormaps["viridis"](x) for x in np.linspace(0, 0.76, len(figure.curves))]
+    with house_style():
+        canvas, axes = plt.subplots()
+        axes.set_xscale(layout.xscale)
+        axes.set_yscale(layout.yscale)
+        shown = _shown_beads(layout)
+        for curve, colour in zip(figure.curves, colours, strict=True):
+            ours = curve.values(curve.integration, published.quantity)
+            axes.plot(curve.k[shown], ours[shown], "o", color=colour, markerfacecolor="none")
+            if layout.theory != "none":
+                theory = curve.values(curve.theory, published.quantity)
+                axes.plot(curve.k[shown], theory[shown], "+", color=colour, markersize=5)
+        if layout.lines is not None:
+            layout.lines(axes)
+        axes.set_xlabel("bead $k$")
+        axes.set_ylabel(LABELS[published.quantity])
+        axes.set_xlim(right=LAST_BEAD * (1.06 if layout.xscale == "log" else 1.01))
+        _legend(axes, layout)
+        label_right_ends(
+            axes,
+            [
+                (
+                    float(LAST_BEAD),
+                    float(curve.values(curve.integration, published.quantity)[-1]),
+                    f"${symbol} = {curve.rate:g}$",
+                    matplotlib.colors.to_hex(colour),
+                )
+                for curve, colour in zip(figure.curves, colours, strict=True)
+            ],
+        )
+    return canvas
+
+
+def figure_csv(figure: Figure) -> str:
+    """The data of a figure as CSV: one row a bead and chain.
+
+    Parameters
+    ----------
+    figure : Figure
+        Data from `reproduce_figure`.
+
+    Returns
+    -------
+    str
+
+    Examples
+    --------
+    >>> from hertzchain.paper.reproduction import integrate_chains
+    >>> figure = reproduce_figure("figure6", integrate_chains(figure_chains("figure6")))
+    >>> figure_csv(figure).splitlines()[0]
+    'S,k,integration,BCA'
+    """
+    published, theory = figure.published, LAYOUTS[figure.published.number].theory
+    columns = [rate_symbol(published.taper), "k"]
+    columns += ["BCA/integration"] if theory == "none" else ["integration", theory]
+    rows = [",".join(columns)]
+    for curve in figure.curves:
+        ours = curve.values(curve.integration, published.quantity)
+        beside = curve.values(curve.theory, published.quantity)
+        for k, value, predicted in zip(curve.k, ours, beside, strict=True):
+            row = f"{curve.rate:g},{k},{value:.12g}"
+            rows.append(row if theory == "none" else f"{row},{predicted:.12g}")
+    return "\n".join(rows) + "\n"
+
+
+def _shown_beads(layout: Layout) -> Array:
+    """Indices of the beads drawn, evenly spaced on the axis."""
+    first, count = layout.first_bead, 30
+    if layout.xscale == "log":
+        k = np.geomspace(first, LAST_BEAD, count)
+    else:
+        k = np.linspace(first, LAST_BEAD, count)
+    return np.unique(k.round().astype(int)) - 1
+
+
+def _legend(axes: Axes, layout: Layout) -> None:
+    def symbol(marker: str, size: float) -> Line2D:
+        return Line2D([], [], color="0.25", marker=marker, ms=size, mfc="none", linestyle="none")
+
+    handles, labels = axes.get_legend_handles_labels()
+    if layout.theory == "none":
+        handles, labels = [symbol("o", 4), *handles], ["BCA / integration", *labels]
+    else:
+        handles = [symbol("o", 4), symbol("+", 5), *handles]
+        labels = ["integration", layout.theory, *labels]
+    axes.legend(handles, labels)
+
+
+def _worst_errors(curves: Sequence[Curve]) -> dict[str, float]:
+    """Largest absolute relative error of the theory's velocity, beads 5..80."""
+    return {
+        f"{curve.rate:g}": float(
+            np.abs(curve.theory.velocity / curve.integration.velocity - 1.0)[4:80].max()
+        )
+        for curve in curves
+    }
+
+
+def _power_law_growth(curves: Sequence[Curve]) -> Statement:
+    measured = {}
+    for curve in curves:
+        slopes = []
+        for pulse in (curve.integration, curve.unmodified):
+            k, values = curve.over(40, 90, pulse.momentum)
+            slopes.append(line(np.log(k), np.log(values))[0][1])
+        measured[f"{curve.rate:g}"] = float(slopes[0] / slopes[1])
+    claim = (
+        "The slope of ln P against ln k, k = 40..90, is that of the BCA within 2 % "
+        "(ratio of the two; the BCA's own slope tends to 3/2)"
+    )
+    return Statement(claim, measured, 0.98, 1.02)
+
+
+def _saturation(curves: Sequence[Curve]) -> Statement:
+    energies = {f"{curve.rate:g}": curve.integration.energy for curve in curves}
+    measured = {rate: float(energy[89] / energy[59]) for rate, energy in energies.items()}
+    return Statement("The energy saturates: E_90/E_60 is 1 within 3 %", measured, 0.97, 1.0)
+
+
+def _straight_lines(curves: Sequence[Curve]) -> Statement:
+    measured = {}
+    for curve in curves:
+        k, ratio = curve.over(5, 80, curve.values(curve.integration, "ratio"))
+        (intercept, slope), _ = line(k, ratio)
+        measured[f"{curve.rate:g}"] = float(np.abs(ratio / (intercept + slope * k) - 1.0).max())
+    claim = "The ratio grows linearly with k: it leaves a straight line by at most 1 %, k = 5..80"
+    return Statement(claim, measured, 0.0, 0.01)
+
+
+def _nearly_constant_ratio(curves: Sequence[Curve]) -> Statement:
+    measured = {}
+    for curve in curves:
+        ratio = curve.values(curve.integration, "ratio")[9:]
+        measured[f"{curve.rate:g}, least"] = float(1.0 / ratio.max())
+        measured[f"{curve.rate:g}, largest"] = float(1.0 / ratio.min())
+    claim = "The inverse of the ratio stays within 8 % of the working value 2/3 for k = 10..90"
+    return Statement(claim, measured, 2.0 / 3.0 * 0.92, 2.0 / 3.0 * 1.08)
+
+
+def _energy_kept(curves: Sequence[Curve]) -> Statement:
+    energy = curves[0].integration.energy
+    measured = {f"{curves[0].rate:g}": float(energy[89] / energy[9])}
+    claim = "For the smallest S the energy is constant: E_90/E_10 is 1 within 1 %"
+    return Statement(claim, measured, 0.99, 1.01)
+
+
+def _linear_decay(curves: Sequence[Curve]) -> Statement:
+    measured = {}
+    for curve in curves:
+        slope = line(*curve.over(5, 60, curve.integration.momentum))[0][1]
+        measured[f"{curve.rate:g}"] = float(slope / forward_linear_momentum_slope(curve.rate))
+    claim = (
+        "Momentum falls linearly, k = 5..60, with 0.55 to 0.70 of the slope that the BCA "
+        "starts with (table 3)"
+    )
+    return Statement(claim, measured, 0.55, 0.70)
+
+
+def _rate_statement(
+    quantity: FigureQuantity, low: float, high: float, claim: str
+) -> Callable[[Sequence[Curve]], Statement]:
+    """Ratio of the exponential rates of integration and BCA, beads 5..80."""
+
+    def statement(curves: Sequence[Curve]) -> Statement:
+        measured = {}
+        for curve in curves:
+            rates = []
+            for pulse in (curve.integration, curve.unmodified):
+                k, values = curve.over(5, 80, curve.values(pulse, quantity))
+                rates.append(line(k, np.log(values))[0][1])
+            measured[f"{curve.rate:g}"] = float(rates[0] / rates[1])
+        return Statement(claim, measured, low, high)
+
+    return statement
+
+
+def _error_statement(high: float) -> Callable[[Sequence[Curve]], Statement]:
+    def statement(curves: Sequence[Curve]) -> Statement:
+        claim = f"The modified BCA's velocity is right within {high:.0%}, k = 5..80"
+        return Statement(claim, _worst_errors(curves), 0.0, high)
+
+    return statement
+
+
+STATEMENTS: Final[dict[int, Callable[[Sequence[Curve]], Statement]]] = {
+    1: _power_law_growth,
+    2: _saturation,
+    3: _rate_statement(
+        "momentum", 0.985, 1.0,
+        "Momentum grows exponentially, 0.985 to 1 times as fast as the BCA says, k = 5..80",
+    ),
+    4: _rate_statement(
+        "energy", 1.1, 1.5,
+        "Energy decays exponentially, 1.1 to 1.5 times as fast as the BCA says, k = 5..80",
+    ),
+    5: _linear_decay,
+    6: _energy_kept,
+    7: _rate_statement(
+        "momentum", 1.0, 1.06,
+        "Momentum decays exponentially, 1 to 1.06 times as fast as the BCA says, k = 5..80",
+    ),
+    8: _rate_statement(
+        "energy", 1.8, 2.4,
+        "Energy decays exponentially, 1.8 to 2.4 times as fast as the BCA says, k = 5..80",
+    ),
+    9: _nearly_constant_ratio,
+    10: _error_statement(0.14),
+    11: _straight_lines,
+    12: _error_statement(0.02),
+    13: _error_statement(0.05),
+    14: _error_statement(0.06),
+}  # fmt: skip

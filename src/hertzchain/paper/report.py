@@ -1,0 +1,288 @@
+"""Write a reproduction to disk: report, verdict, summary, figures and their data.
+
+====================  =========================================================
+`report.html`         one self-contained page, tables, figures, errata, method
+`verdict.json`        the outcome for machines; ``schema_version`` counts changes
+`summary.md`          the outcome in a screenful
+`figures/`            each figure as SVG and PNG, its data as CSV
+====================  =========================================================
+"""
+
+from __future__ import annotations
+
+import base64
+import functools
+import importlib.metadata
+import io
+import json
+import os
+import platform
+import shutil
+import tempfile
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, Final
+
+import matplotlib.pyplot as plt
+from jinja2 import Environment, PackageLoader, select_autoescape
+from matplotlib.figure import Figure as MatplotlibFigure
+
+from hertzchain.chain import rate_symbol
+from hertzchain.errors import InputError
+from hertzchain.paper.errata import draw_formula_errors
+from hertzchain.paper.figures import Figure, draw_figure, figure_csv
+from hertzchain.paper.reproduction import Reproduction
+from hertzchain.paper.tables import Table
+
+SCHEMA_VERSION: Final = 1
+FILES: Final = ("report.html", "verdict.json", "summary.md", "figures")
+
+
+def write_report(
+    reproduction: Reproduction,
+    out: Path,
+    *,
+    progress: Callable[[int, int], None] | None = None,
+) -> Path:
+    """Write everything about a reproduction into a folder.
+
+    All of it is made beside the folder first and then moved in, so that an earlier
+    report stays whole if this one fails.
+
+    Parameters
+    ----------
+    reproduction : Reproduction
+        What to report.
+    out : pathlib.Path
+        Folder to write into; made if missing.
+    progress : callable, optional
+        Called as ``progress(figures_drawn, figures)``.
+
+    Returns
+    -------
+    pathlib.Path
+        The HTML report.
+
+    Raises
+    ------
+    InputError
+        If the folder cannot be written.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from hertzchain.paper.reproduction import reproduce
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     write_report(reproduce(["table3"]), Path(folder)).name
+    'report.html'
+    """
+    check_writable(out)
+    with tempfile.TemporaryDirectory(dir=out, prefix=".writing-") as folder:
+        fresh = Path(folder)
+        images = _write_figures(reproduction, fresh / "figures", progress)
+        (fresh / "verdict.json").write_text(
+            json.dumps(verdict(reproduction), indent=2, allow_nan=False) + "\n", "utf-8"
+        )
+        (fresh / "summary.md").write_text(_render("summary.md.j2", reproduction), "utf-8")
+        (fresh / "report.html").write_text(
+            _render("report.html.j2", reproduction, images=images), "utf-8"
+        )
+        for name in FILES:
+            target = out / name
+            if target.is_dir():
+                shutil.rmtree(target)
+            (fresh / name).replace(target)
+    return out / "report.html"
+
+
+def check_writable(out: Path) -> None:
+    """Make a folder and see that files can be written in it.
+
+    Parameters
+    ----------
+    out : pathlib.Path
+        The folder.
+
+    Raises
+    ------
+    InputError
+        If it cannot.
+
+    Examples
+    --------
+    >>> check_writable(Path(tempfile.gettempdir()))
+    """
+    try:
+        out.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=out):
+            pass
+    except OSError as error:
+        raise InputError(
+            f"cannot write into {os.fspath(out)!r} ({error.strerror}); choose another folder "
+            "with --out"
+        ) from None
+
+
+def verdict(reproduction: Reproduction) -> dict[str, Any]:
+    """The outcome as plain data; the content of ``verdict.json``.
+
+    Parameters
+    ----------
+    reproduction : Reproduction
+        What to report.
+
+    Returns
+    -------
+    dict
+        Keys are stable within one ``schema_version``.
+
+    Examples
+    --------
+    >>> from hertzchain.paper.reproduction import reproduce
+    >>> verdict(reproduce(["table3"]))["within_tolerance"]
+    True
+    """
+    return {
+        "schema_version": SCHEMA_VERSION,
+        "within_tolerance": reproduction.within_tolerance,
+        "verdict": reproduction.verdict,
+        "tables": {
+            table.published.name: {
+                "window": list(table.window),
+                "entries": [
+                    {
+                        "taper": entry.taper,
+                        "column": entry.column,
+                        table.published.symbol: entry.rate,
+                        "printed": entry.printed.text,
+                        "ours": entry.ours,
+                        "units_of_last_digit": entry.units,
+                        "tolerance": entry.tolerance,
+                        "agrees": entry.agrees,
+                    }
+                    for entry in table.entries
+                ],
+            }
+            for table in reproduction.tables
+        },
+        "figures": {
+            figure.published.name: {
+                "claim": figure.statement.claim,
+                "measured": figure.statement.measured,
+                "bounds": [figure.statement.low, figure.statement.high],
+                "holds": figure.statement.holds,
+                "order_as_captioned": figure.order_as_captioned,
+            }
+            for figure in reproduction.figures
+        },
+        "errata": [
+            {
+                "place": erratum.place,
+                "printed": erratum.printed,
+                "follows": erratum.follows,
+                "inference": erratum.inference,
+                "evidence": dict(erratum.evidence),
+            }
+            for erratum in reproduction.errata
+        ],
+        "method": method(reproduction),
+    }
+
+
+def method(reproduction: Reproduction) -> dict[str, Any]:
+    """How the numbers were made: integrator, tolerance, windows, versions, time.
+
+    Parameters
+    ----------
+    reproduction : Reproduction
+        What to report.
+
+    Returns
+    -------
+    dict
+
+    Examples
+    --------
+    >>> from hertzchain.paper.reproduction import reproduce
+    >>> method(reproduce(["table3"]))["chains"]
+    10
+    """
+    packages = ("hertzchain", "numpy", "scipy", "numba", "matplotlib")
+    return {
+        "integrator": "DOP853, every bead, error of a step measured against nearby speeds",
+        "rtol": reproduction.rtol,
+        "beads": reproduction.beads,
+        "chains": len(reproduction.pulses),
+        "energy_drift": reproduction.energy_drift,
+        "momentum_drift": reproduction.momentum_drift,
+        "windows": {fit: list(window) for fit, window in reproduction.windows.items()},
+        "seconds": round(reproduction.seconds, 3),
+        "python": platform.python_version(),
+        "versions": {package: importlib.metadata.version(package) for package in packages},
+    }
+
+
+def _write_figures(
+    reproduction: Reproduction, folder: Path, progress: Callable[[int, int], None] | None
+) -> dict[str, str]:
+    """Save every figure; returns them as data addresses for the page."""
+    folder.mkdir()
+    drawings: list[tuple[str, Callable[[], MatplotlibFigure]]] = []
+    for figure in reproduction.figures:
+        name = figure.published.name
+        drawings.append((name, functools.partial(draw_figure, figure)))
+        (folder / f"{name}.csv").write_text(figure_csv(figure), "utf-8")
+    if reproduction.errata:
+        drawings.append(("errata", lambda: draw_formula_errors(reproduction.pulses)))
+    images = {}
+    for done, (name, draw) in enumerate(drawings, start=1):
+        canvas = draw()
+        vector = io.BytesIO()
+        # Without a date two runs give the same bytes.
+        canvas.savefig(vector, format="svg", metadata={"Date": None})
+        canvas.savefig(folder / f"{name}.png")
+        plt.close(canvas)
+        (folder / f"{name}.svg").write_bytes(vector.getvalue())
+        encoded = base64.b64encode(vector.getvalue()).decode("ascii")
+        images[name] = f"data:image/svg+xml;base64,{encoded}"
+        if progress is not None:
+            progress(done, len(drawings))
+    return images
+
+
+@functools.cache
+def _templates() -> Environment:
+    loader = PackageLoader("hertzchain.paper", "templates")
+    environment = Environment(
+        loader=loader,
+        autoescape=select_autoescape(["html.j2", "html"]),
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    environment.filters["describe"] = _measured
+    return environment
+
+
+def _render(template: str, reproduction: Reproduction, **more: Any) -> str:
+    return _templates().get_template(template).render(
+        reproduction=reproduction,
+        method=method(reproduction),
+        rate_symbol=rate_symbol,
+        rows=_rows,
+        **more,
+    )  # fmt: skip
+
+
+def _rows(table: Table) -> list[list[Any]]:
+    """Entries of a table side by side: one row a rate, all columns of both tapers."""
+    by_rate: dict[float, list[Any]] = {}
+    for entry in table.entries:
+        by_rate.setdefault(entry.rate, []).append(entry)
+    return list(by_rate.values())
+
+
+def _measured(figure: Figure) -> str:
+    """The numbers behind a statement, as a range where there are many."""
+    values = figure.statement.measured.values()
+    low, high = min(values), max(values)
+    return f"{low:.4g}" if low == high else f"{low:.4g} to {high:.4g}"

@@ -1,0 +1,186 @@
+"""Draw pulses and runs: data to axes, no computing.
+
+Every function takes data and optional axes, and returns the axes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from importlib import resources
+from typing import Final
+
+import matplotlib.pyplot as plt
+import numpy as np
+from matplotlib.axes import Axes
+
+from hertzchain.pulse import PER_CONTACT, Pulse, Quantity
+from hertzchain.simulation import Run
+
+# Colours of Okabe and Ito, told apart by colour-blind readers; markers say it again in grey.
+COLOURS: Final = ("#000000", "#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00")
+MARKERS: Final = ("o", "+", "x", "s", "^", "v", "D")
+LABELS: Final[dict[Quantity, str]] = {
+    "velocity": "velocity $v_k$",
+    "momentum": "momentum $P_k$",
+    "energy": "kinetic energy $E_k$",
+    "peak_time": "time of the velocity maximum",
+    "arrival": "arrival time $t_k$",
+    "residence": "residence time $T_k$",
+    "peak_overlap": "largest overlap",
+    "peak_force": "largest force $F_k$",
+}
+
+
+@contextmanager
+def house_style() -> Iterator[None]:
+    """The package's matplotlib style, for the figures made inside a ``with`` block.
+
+    Examples
+    --------
+    >>> with house_style():
+    ...     figure, axes = plt.subplots()
+    """
+    style = resources.files("hertzchain").joinpath("hertzchain.mplstyle")
+    with resources.as_file(style) as path, plt.style.context(path):
+        yield
+
+
+def plot_pulses(
+    pulses: Sequence[Pulse],
+    quantity: Quantity = "velocity",
+    *,
+    log: bool = False,
+    ax: Axes | None = None,
+) -> Axes:
+    """Draw one quantity of several pulses against the bead number.
+
+    Parameters
+    ----------
+    pulses : sequence of Pulse
+        Pulses to compare; those that do not predict the quantity are left out.
+    quantity : str
+        Name of the quantity.
+    log : bool
+        Logarithmic ordinate.
+    ax : matplotlib.axes.Axes, optional
+        Axes to draw into; a new figure's if not given.
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+
+    Examples
+    --------
+    >>> import hertzchain as hc
+    >>> chain = hc.Chain.uniform(20)
+    >>> axes = plot_pulses([hc.propagate(chain), hc.bca(chain)], "momentum")
+    >>> len(axes.lines)
+    2
+    """
+    with house_style():
+        axes = ax if ax is not None else plt.subplots()[1]
+        for i, pulse in enumerate(pulses):
+            values = pulse.column(quantity)
+            if values is None:
+                continue
+            axes.plot(
+                pulse.bead[: len(values)],
+                values,
+                color=COLOURS[i % len(COLOURS)],
+                marker=MARKERS[i % len(MARKERS)],
+                markerfacecolor="none",
+                markevery=max(1, len(values) // 40),
+                linewidth=0.6,
+                label=pulse.method,
+            )
+        axes.set_xlabel("contact $k$" if quantity in PER_CONTACT else "bead $k$")
+        axes.set_ylabel(LABELS[quantity])
+        axes.set_yscale("log" if log else "linear")
+        axes.set_title("; ".join(dict.fromkeys(pulse.chain.description for pulse in pulses)))
+        axes.legend()
+    return axes
+
+
+def plot_run(run: Run, *, ax: Axes | None = None) -> Axes:
+    """Draw the velocity of every bead over time as a map, bead 1 at the bottom.
+
+    Parameters
+    ----------
+    run : Run
+        A run with saved times.
+    ax : matplotlib.axes.Axes, optional
+        Axes to draw into; a new figure's if not given.
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+
+    Examples
+    --------
+    >>> import hertzchain as hc
+    >>> plot_run(hc.simulate(hc.Chain.uniform(9))).get_xlabel()
+    'time $t$'
+    """
+    with house_style():
+        axes = ax if ax is not None else plt.subplots()[1]
+        # One colour for at rest: white, red forwards, blue backwards.
+        largest = float(np.abs(run.velocities).max())
+        beads = np.arange(1, run.chain.beads + 1)
+        colours = axes.pcolormesh(
+            run.times,
+            beads,
+            run.velocities.T,
+            cmap="RdBu_r",
+            vmin=-largest,
+            vmax=largest,
+            shading="nearest",
+            rasterized=True,
+        )
+        axes.figure.colorbar(colours, ax=axes, label="velocity $v_k(t)$")
+        axes.set_xlabel("time $t$")
+        axes.set_ylabel("bead $k$")
+        axes.set_title(run.chain.description)
+    return axes
+
+
+def label_right_ends(axes: Axes, labels: Sequence[tuple[float, float, str, str]]) -> None:
+    """Name curves at their right ends, moved apart where they would overlap.
+
+    Parameters
+    ----------
+    axes : matplotlib.axes.Axes
+        Axes whose limits and scales are final.
+    labels : sequence of (x, y, text, colour)
+        Right ends of the curves.
+
+    Examples
+    --------
+    >>> figure, axes = plt.subplots()
+    >>> label_right_ends(axes, [(1.0, 0.5, "a", "black"), (1.0, 0.5, "b", "black")])
+    >>> [text.get_text() for text in axes.texts]
+    ['a', 'b']
+    """
+    to_axes = axes.transData + axes.transAxes.inverted()
+    ends = sorted((*to_axes.transform((x, y)), text, colour) for x, y, text, colour in labels)
+    ends.sort(key=lambda end: end[1])
+    spacing = 0.052
+    heights = np.array([end[1] for end in ends])
+    # Push apart from below, then give half of the total shift back: stays near the curves.
+    spread = heights.copy()
+    for i in range(1, len(spread)):
+        spread[i] = max(spread[i], spread[i - 1] + spacing)
+    spread -= (spread - heights).mean()
+    for (x, y, text, colour), height in zip(ends, spread, strict=True):
+        axes.annotate(
+            text,
+            xy=(x, y),
+            xytext=(1.03, height),
+            xycoords="axes fraction",
+            textcoords="axes fraction",
+            color=colour,
+            va="center",
+            fontsize=8.5,
+            annotation_clip=False,
+            arrowprops={"arrowstyle": "-", "color": colour, "linewidth": 0.5, "shrinkB": 1.0},
+        )

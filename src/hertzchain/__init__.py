@@ -8,10 +8,9 @@
 1.439
 """
 
-from importlib.metadata import version
-
 import lazy_loader
+
+__version__ = "0.1.0"
 
 # The names are listed once, in __init__.pyi; each is loaded when first used.
 __getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
-__version__ = version("hertzchain")

@@ -8,5 +8,6 @@ from .pulse import Pulse as Pulse
 from .simulation import Run as Run
 from .simulation import propagate as propagate
 from .simulation import simulate as simulate
+from .store import load_chain as load_chain
 from .theory.bca import bca as bca
 from .theory.modified_bca import modified_bca as modified_bca

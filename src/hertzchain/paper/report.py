@@ -17,6 +17,7 @@ import io
 import json
 import os
 import platform
+import re
 import shutil
 import tempfile
 from collections.abc import Callable
@@ -25,6 +26,7 @@ from typing import Any, Final
 
 import matplotlib.pyplot as plt
 from jinja2 import Environment, PackageLoader, select_autoescape
+from markupsafe import Markup, escape
 from matplotlib.figure import Figure as MatplotlibFigure
 
 from hertzchain.chain import rate_symbol
@@ -260,6 +262,7 @@ def _templates() -> Environment:
         lstrip_blocks=True,
     )
     environment.filters["describe"] = _measured
+    environment.filters["typeset"] = _typeset
     return environment
 
 
@@ -279,6 +282,14 @@ def _rows(table: Table) -> list[list[Any]]:
     for entry in table.entries:
         by_rate.setdefault(entry.rate, []).append(entry)
     return list(by_rate.values())
+
+
+def _typeset(formula: str) -> Markup:
+    """Turn a_b and a^b, or a^(b), of a line of text into subscripts and superscripts."""
+    text = str(escape(formula))
+    text = re.sub(r"(?<=\w)_(\w+)", r"<sub>\1</sub>", text)
+    text = re.sub(r"\^\(([^()]+)\)|\^(-?[\w.]+\w)", r"<sup>\1\2</sup>", text)
+    return Markup(text)
 
 
 def _measured(figure: Figure) -> str:

@@ -1,0 +1,18 @@
+"""What to cite."""
+
+from __future__ import annotations
+
+from typing import Final
+
+CITATIONS: Final = (
+    "The paper:\n"
+    "  L. P. Machado, A. Rosas, K. Lindenberg, Momentum and energy propagation in tapered\n"
+    "  granular chains, arXiv:1307.1191.",
+    "The binary collision approximation:\n"
+    "  A. Rosas, K. Lindenberg, Pulse velocity in a granular chain,\n"
+    "  Phys. Rev. E 69, 037601 (2004), doi:10.1103/PhysRevE.69.037601.",
+    "The integrator DOP853:\n"
+    "  E. Hairer, S. P. Norsett, G. Wanner, Solving Ordinary Differential Equations I,\n"
+    "  2nd ed. (Springer, 1993), doi:10.1007/978-3-540-78862-1.",
+    "This software:\n  hertzchain, the version given by hertzchain --version; see CITATION.cff.",
+)

@@ -1,0 +1,456 @@
+"""The command line: parse, call one library function, show.
+
+Results go to stdout, messages and progress to stderr.  Exit codes: 0 done,
+1 failed, 2 bad usage or input, 3 finished but outside tolerance, 130 interrupted.
+"""
+
+from __future__ import annotations
+
+import sys
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Final
+
+import click
+
+# Nothing heavier here: `--help` must answer at once, so commands import what they need.
+if TYPE_CHECKING:
+    from rich.table import Table
+
+    from hertzchain.chain import Chain
+    from hertzchain.paper.reproduction import Reproduction
+    from hertzchain.pulse import Pulse, Quantity
+    from hertzchain.simulation import Run
+
+DONE, FAILED, BAD_INPUT, OUTSIDE_TOLERANCE, INTERRUPTED = 0, 1, 2, 3, 130
+METHODS: Final = ("propagate", "simulate", "bca", "modified-bca", "modified-bca-printed")
+TABLE_ROWS: Final = 26
+
+
+@click.group(context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100})
+@click.version_option(package_name="hertzchain")
+def cli() -> None:
+    """Impacts on granular chains: simulate, predict, compare.
+
+    \b
+    Example:
+      hertzchain pulse --taper backward-exponential --rate 0.05 --beads 100
+    """
+
+
+def main() -> None:
+    """Run the command line and leave with its exit code."""
+    from hertzchain.errors import InputError, SimulationError
+
+    try:
+        code = cli.main(standalone_mode=False)
+    except click.ClickException as error:
+        error.show()
+        code = error.exit_code
+    except (click.Abort, KeyboardInterrupt):
+        click.echo("interrupted", err=True)
+        code = INTERRUPTED
+    except InputError as error:
+        click.echo(f"Error: {error}", err=True)
+        code = BAD_INPUT
+    except SimulationError as error:
+        click.echo(f"Error: {error}", err=True)
+        code = FAILED
+    sys.exit(code or DONE)
+
+
+def chain_options(command: Callable[..., Any]) -> Callable[..., Any]:
+    """The options that describe a chain, shared by the commands that need one."""
+    for option in (
+        click.argument("file", required=False, type=click.Path(path_type=Path)),
+        click.option("--taper", help="Taper, or uniform.  [default: uniform]"),
+        click.option("--rate", type=float, help="Tapering parameter: S (linear), q (exponential)."),
+        click.option("--beads", type=int, help="Number of beads N.  [default: 100]"),
+    )[::-1]:
+        command = option(command)
+    return command
+
+
+@cli.command()
+@chain_options
+@click.option(
+    "--method",
+    "methods",
+    multiple=True,
+    default=("propagate",),
+    show_default=True,
+    metavar="NAME",
+    help=f"Repeatable: {', '.join(METHODS)}.",
+)
+@click.option(
+    "--quantity",
+    default="velocity",
+    show_default=True,
+    metavar="NAME",
+    help="What to show side by side when there are several methods.",
+)
+@click.option("--all", "every_bead", is_flag=True, help="Show every bead in the table.")
+@click.option("--json", "as_json", is_flag=True, help="Print everything as JSON.")
+@click.option("--csv", "as_csv", is_flag=True, help="Print everything as CSV.")
+@click.option(
+    "--plot",
+    type=click.Path(path_type=Path),
+    metavar="FILE",
+    help="Also draw the quantity into FILE (.png, .svg or .pdf).",
+)
+def pulse(
+    file: Path | None, taper: str | None, rate: float | None, beads: int | None,
+    methods: tuple[str, ...], quantity: str, every_bead: bool, as_json: bool, as_csv: bool,
+    plot: Path | None,
+) -> None:  # fmt: skip
+    """Follow the leading pulse along a chain, by one or several methods.
+
+    The chain comes from the options or from a TOML FILE.
+
+    \b
+    Examples:
+      hertzchain pulse --taper backward-exponential --rate 0.05 --beads 100
+      hertzchain pulse --taper forward-linear --rate 0.009 --method propagate --method bca
+      hertzchain pulse chain.toml --csv > pulse.csv
+    """
+    from hertzchain import store
+    from hertzchain.pulse import QUANTITIES
+
+    if as_json and as_csv:
+        raise click.UsageError("--json and --csv exclude each other")
+    _known("method", methods, METHODS)
+    _known("quantity", (quantity,), tuple(QUANTITIES))
+    _drawable(plot)
+    chain = _chain(file, taper, rate, beads)
+    with _progress("beads passed") as progress:
+        pulses = [_compute(method, chain, progress) for method in dict.fromkeys(methods)]
+    if plot is not None:
+        _draw_pulses(pulses, quantity, plot)  # type: ignore[arg-type]
+    if as_json:
+        click.echo(store.pulses_as_json(pulses))
+    elif as_csv:
+        click.echo(store.pulses_as_csv(pulses), nl=False)
+    elif len(pulses) == 1:
+        _show(_pulse_table(pulses[0], every_bead))
+    else:
+        _show(_side_by_side(pulses, quantity, every_bead))  # type: ignore[arg-type]
+        for other in pulses[1:]:
+            click.echo(f"\n{other.compare(pulses[0])}")
+
+
+@cli.command()
+@chain_options
+@click.option("--until", type=float, help="Time to stop at.  [default: when the pulse has left]")
+@click.option("--times", type=int, default=400, show_default=True, help="Times to save.")
+@click.option("--rtol", type=float, default=1e-12, show_default=True, help="Tolerance of a step.")
+@click.option("--max-steps", type=int, help="Step limit.  [default: 2000 per bead]")
+@click.option(
+    "--out",
+    type=click.Path(path_type=Path),
+    metavar="FILE",
+    help="Save the trajectories into FILE (.nc or .csv).",
+)
+@click.option(
+    "--plot",
+    type=click.Path(path_type=Path),
+    metavar="FILE",
+    help="Draw velocities over time and bead into FILE (.png, .svg or .pdf).",
+)
+@click.option("--json", "as_json", is_flag=True, help="Print the summary as JSON.")
+def simulate(
+    file: Path | None, taper: str | None, rate: float | None, beads: int | None,
+    until: float | None, times: int, rtol: float, max_steps: int | None, out: Path | None,
+    plot: Path | None, as_json: bool,
+) -> None:  # fmt: skip
+    """Integrate the whole chain and keep its trajectories.
+
+    \b
+    Examples:
+      hertzchain simulate --beads 50 --until 60 --out run.nc
+      hertzchain simulate --taper forward-exponential --rate 0.05 --beads 60 --plot run.png
+    """
+    from hertzchain import simulation, store
+
+    _drawable(plot)
+    if out is not None and out.suffix not in (".nc", ".csv"):
+        raise click.UsageError(f"--out {out} must end in .nc or .csv")
+    chain = _chain(file, taper, rate, beads)
+    with _progress("beads passed") as progress:
+        run = simulation.simulate(
+            chain, until=until, times=times, rtol=rtol, max_steps=max_steps, progress=progress
+        )
+    if out is not None:
+        store.save_run(run, out)
+    if plot is not None:
+        _save_axes(run.plot(), plot)
+    _show_run(run, as_json)
+
+
+@cli.command()
+@click.option(
+    "--only", metavar="NAMES", help="Parts to do, separated by commas: table1, figure5, errata, ..."
+)
+@click.option(
+    "--out",
+    type=click.Path(path_type=Path),
+    default=Path("reproduction"),
+    show_default=True,
+    metavar="DIR",
+    help="Folder for report, figures and data.",
+)
+@click.option(
+    "--window-exponential",
+    metavar="FIRST:LAST",
+    default="5:80",
+    show_default=True,
+    help="Beads of the fits in tables 1 and 2.",
+)
+@click.option(
+    "--window-linear",
+    metavar="FIRST:LAST",
+    default="5:60",
+    show_default=True,
+    help="Beads of the fit in table 3.",
+)
+@click.option("--json", "as_json", is_flag=True, help="Print verdict.json.")
+def reproduce(
+    only: str | None, out: Path, window_exponential: str, window_linear: str, as_json: bool
+) -> None:
+    """Regenerate every table and figure of the paper and say where they agree.
+
+    Writes report.html, verdict.json, summary.md and figures/ into the folder.
+    Leaves with exit code 3 if anything is outside its tolerance.
+
+    \b
+    Examples:
+      hertzchain reproduce
+      hertzchain reproduce --only table1,figure5 --out check
+    """
+    import json
+
+    from hertzchain.paper import report, reproduction
+
+    parts = None if only is None else [part.strip() for part in only.split(",") if part.strip()]
+    windows = {
+        "exponential": _window("--window-exponential", window_exponential),
+        "linear": _window("--window-linear", window_linear),
+    }
+    report.check_writable(out)
+    with _progress("chains integrated") as progress:
+        result = reproduction.reproduce(parts, windows=windows, progress=progress)  # type: ignore[arg-type]
+    with _progress("figures drawn") as progress:
+        page = report.write_report(result, out, progress=progress)
+    if as_json:
+        click.echo(json.dumps(report.verdict(result), indent=2, allow_nan=False))
+    else:
+        _show_reproduction(result)
+        click.echo(f"Report: {page}")
+    if not result.within_tolerance:
+        sys.exit(OUTSIDE_TOLERANCE)
+
+
+@cli.command()
+def cite() -> None:
+    """Print what to cite: the paper, the methods, this software.
+
+    \b
+    Example:
+      hertzchain cite
+    """
+    from hertzchain.citations import CITATIONS
+
+    click.echo("\n\n".join(CITATIONS))
+
+
+def _chain(file: Path | None, taper: str | None, rate: float | None, beads: int | None) -> Chain:
+    from hertzchain import store
+    from hertzchain.chain import TAPERS, Chain
+    from hertzchain.errors import unknown_name
+
+    if file is not None:
+        if not (taper is None and rate is None and beads is None):
+            raise click.UsageError("give a chain FILE or --taper, --rate and --beads, not both")
+        return store.load_chain(file)
+    count = 100 if beads is None else beads
+    if taper is None and rate is not None:
+        raise click.UsageError(f"--rate needs --taper: {', '.join(TAPERS)}")
+    if taper is None or taper == "uniform":
+        if rate is not None:
+            raise click.UsageError("a uniform chain has no --rate")
+        return Chain.uniform(count)
+    if taper not in TAPERS:
+        raise unknown_name("taper", taper, (*TAPERS, "uniform"))
+    if rate is None:
+        raise click.UsageError(f"--taper {taper} needs --rate, its S or q, such as 0.005")
+    return Chain.tapered(taper, rate, beads=count)
+
+
+def _compute(method: str, chain: Chain, progress: Callable[[int, int], None]) -> Pulse:
+    from hertzchain import bca, modified_bca, propagate, simulate
+
+    if method == "propagate":
+        return propagate(chain, progress=progress)
+    if method == "simulate":
+        return simulate(chain, times=0, progress=progress).pulse()
+    if method == "bca":
+        return bca(chain)
+    return modified_bca(chain, "printed" if method.endswith("printed") else "calibrated")
+
+
+def _known(what: str, names: tuple[str, ...], choices: tuple[str, ...]) -> None:
+    from hertzchain.errors import unknown_name
+
+    for name in names:
+        if name not in choices:
+            raise unknown_name(what, name, choices)
+
+
+def _window(option: str, text: str) -> tuple[int, int]:
+    try:
+        first, last = (int(part) for part in text.split(":"))
+    except ValueError:
+        raise click.UsageError(f"{option} must look like 5:80, got {text!r}") from None
+    return first, last
+
+
+@contextmanager
+def _progress(what: str) -> Iterator[Callable[[int, int], None]]:
+    """A bar on stderr, once the work has taken a second and if someone is looking."""
+    from rich.console import Console
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
+
+    columns = TextColumn(what), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn()
+    console = Console(stderr=True)
+    bar = Progress(*columns, console=console, transient=True, disable=not console.is_terminal)
+    task = bar.add_task(what, total=None)
+    started = time.monotonic()
+
+    def update(done: int, total: int) -> None:
+        bar.update(task, completed=done, total=total)
+        if time.monotonic() - started > 1.0 and not bar.live.is_started:
+            bar.start()
+
+    try:
+        yield update
+    finally:
+        bar.stop()
+
+
+def _show(table: Table) -> None:
+    from rich.console import Console
+
+    # Never shorten a number: a narrow terminal folds the line itself.
+    needed = Console(width=1000).measure(table).maximum
+    Console(width=max(needed, Console().width)).print(table)
+
+
+def _rows(beads: int, every_bead: bool) -> list[int]:
+    """Indices of the beads to show: all, or evenly spread ones with both ends."""
+    import numpy as np
+
+    if every_bead or beads <= TABLE_ROWS:
+        return list(range(beads))
+    return [int(i) for i in np.unique(np.linspace(0, beads - 1, TABLE_ROWS).round())]
+
+
+def _table(title: str, shown: int, beads: int) -> Table:
+    from rich import box
+    from rich.table import Table
+
+    caption = None if shown == beads else f"{shown} of {beads} beads; --all shows every one"
+    table = Table(title=title, caption=caption, box=box.SIMPLE_HEAD, title_justify="left")
+    table.add_column("bead k", justify="right")
+    return table
+
+
+def _pulse_table(pulse: Pulse, every_bead: bool) -> Table:
+    from hertzchain.pulse import QUANTITIES
+
+    beads = pulse.chain.beads
+    rows = _rows(beads, every_bead)
+    table = _table(f"{pulse.method}: {pulse.chain.description}", len(rows), beads)
+    columns = pulse.columns()
+    for name in columns:
+        table.add_column(f"{name}\n{QUANTITIES[name][0]}", justify="right", no_wrap=True)
+    for i in rows:
+        cells = (f"{values[i]:.6g}" if i < len(values) else "" for values in columns.values())
+        table.add_row(str(i + 1), *cells)
+    return table
+
+
+def _side_by_side(pulses: list[Pulse], quantity: Quantity, every_bead: bool) -> Table:
+    chain = pulses[0].chain
+    rows = _rows(chain.beads, every_bead)
+    table = _table(f"{quantity}: {chain.description}", len(rows), chain.beads)
+    columns = [pulse.column(quantity) for pulse in pulses]
+    for pulse in pulses:
+        table.add_column(pulse.method, justify="right")
+    for i in rows:
+        cells = (
+            f"{values[i]:.9g}" if values is not None and i < len(values) else ""
+            for values in columns
+        )
+        table.add_row(str(i + 1), *cells)
+    return table
+
+
+def _show_run(run: Run, as_json: bool) -> None:
+    import json
+
+    from hertzchain import store
+
+    summary = {
+        "status": run.status,
+        "message": run.message,
+        "end_time": run.end_time,
+        "steps": run.steps,
+        "evaluations": run.evaluations,
+        "energy_drift": run.energy_drift,
+        "momentum_drift": run.momentum_drift,
+        "saved_times": len(run.times),
+    }
+    if as_json:
+        document = {"schema_version": store.SCHEMA_VERSION} | summary
+        document["chain"] = store.chain_as_dict(run.chain)
+        click.echo(json.dumps(document, indent=2, allow_nan=False))
+        return
+    click.echo(f"{run.chain.description}\n{run.message}")
+    click.echo(f"energy drift {run.energy_drift:.1e}, momentum drift {run.momentum_drift:.1e}")
+    click.echo(f"{len(run.times)} times saved, {run.evaluations} evaluations of the force")
+
+
+def _show_reproduction(result: Reproduction) -> None:
+    click.echo(result.verdict)
+    for table in result.tables:
+        for entry in table.entries:
+            if not entry.agrees:
+                click.echo(
+                    f"  outside tolerance: {entry.table}, {entry.taper}, {entry.column}, rate "
+                    f"{entry.rate:g}: printed {entry.printed.text}, ours {entry.ours:.7f}"
+                )
+    for figure in result.figures:
+        if not figure.statement.holds:
+            click.echo(f"  does not hold: {figure.published.name}: {figure.statement.claim}")
+
+
+def _drawable(plot: Path | None) -> None:
+    if plot is not None and plot.suffix not in (".png", ".svg", ".pdf"):
+        raise click.UsageError(f"--plot {plot} must end in .png, .svg or .pdf")
+
+
+def _draw_pulses(pulses: list[Pulse], quantity: Quantity, plot: Path) -> None:
+    from hertzchain.plotting import plot_pulses
+
+    _save_axes(plot_pulses(pulses, quantity), plot)
+
+
+def _save_axes(axes: Any, plot: Path) -> None:
+    import io
+
+    from hertzchain import store
+
+    content = io.BytesIO()
+    axes.figure.savefig(content, format=plot.suffix[1:])
+    store.write_bytes(plot, content.getvalue())

@@ -109,8 +109,8 @@ def calibrate(
     Examples
     --------
     >>> result = calibrate("backward-linear", rates=(0.5,), beads=30, window=(5, 25))
-    >>> round(result.correction.ratio, 2)
-    0.67
+    >>> round(result.correction.ratio, 1)
+    0.7
     """
     if taper not in TAPERS:
         raise unknown_name("taper", taper, TAPERS)

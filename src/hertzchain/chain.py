@@ -311,21 +311,19 @@ def _checked_radii(radii: ArrayLike) -> Array:
     _checked_beads(len(values))
     with np.errstate(over="ignore", under="ignore"):
         masses = values**3
-    _refuse_first(~(values > 0.0), values, "radii must be positive")
-    _refuse_first(
-        ~(masses < math.inf) | ~(masses >= np.finfo(float).tiny),
-        values,
-        "its mass cannot be represented (radii within 1e-102..1e102 of the first can); "
-        "use fewer beads or a weaker taper",
-    )
-    values.setflags(write=False)
-    return values
-
-
-def _refuse_first(bad: NDArray[np.bool_], values: Array, reason: str) -> None:
+    representable = (masses >= np.finfo(float).tiny) & (masses < math.inf)
+    bad = ~((values > 0.0) & representable)
     if bad.any():
         k = int(np.argmax(bad))
+        reason = (
+            "its mass cannot be represented (radii within 1e-102..1e102 of the first can); "
+            "use fewer beads or a weaker taper"
+            if values[k] > 0.0
+            else "radii must be positive"
+        )
         raise InputError(f"radius of bead {k + 1} is {values[k]:g}: {reason}")
+    values.setflags(write=False)
+    return values
 
 
 def _first_unreadable(radii: object) -> str:

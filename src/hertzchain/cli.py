@@ -91,6 +91,7 @@ def chain_options(command: Callable[..., Any]) -> Callable[..., Any]:
     metavar="NAME",
     help="What to show side by side when there are several methods.",
 )
+@click.option("--log", is_flag=True, help="Draw with a logarithmic ordinate.")
 @click.option("--all", "every_bead", is_flag=True, help="Show every bead in the table.")
 @click.option("--json", "as_json", is_flag=True, help="Print everything as JSON.")
 @click.option("--csv", "as_csv", is_flag=True, help="Print everything as CSV.")
@@ -103,7 +104,7 @@ def chain_options(command: Callable[..., Any]) -> Callable[..., Any]:
 def pulse(
     file: Path | None, taper: str | None, rate: float | None, beads: int | None,
     methods: tuple[str, ...], quantity: str, every_bead: bool, as_json: bool, as_csv: bool,
-    plot: Path | None,
+    plot: Path | None, log: bool,
 ) -> None:  # fmt: skip
     """Follow the leading pulse along a chain, by one or several methods.
 
@@ -127,7 +128,9 @@ def pulse(
     with _progress("beads passed") as progress:
         pulses = [_compute(method, chain, progress) for method in dict.fromkeys(methods)]
     if plot is not None:
-        _draw_pulses(pulses, quantity, plot)  # type: ignore[arg-type]
+        from hertzchain import plotting
+
+        _save_axes(plotting.plot_pulses(pulses, quantity, log=log), plot)  # type: ignore[arg-type]
     if as_json:
         click.echo(store.pulses_as_json(pulses))
     elif as_csv:
@@ -144,7 +147,7 @@ def pulse(
 @chain_options
 @click.option("--until", type=float, help="Time to stop at.  [default: when the pulse has left]")
 @click.option("--times", type=int, default=400, show_default=True, help="Times to save.")
-@click.option("--rtol", type=float, default=1e-12, show_default=True, help="Tolerance of a step.")
+@click.option("--rtol", type=float, default=1e-13, show_default=True, help="Tolerance of a step.")
 @click.option("--max-steps", type=int, help="Step limit.  [default: 2000 per bead]")
 @click.option(
     "--out",
@@ -440,17 +443,7 @@ def _drawable(plot: Path | None) -> None:
         raise click.UsageError(f"--plot {plot} must end in .png, .svg or .pdf")
 
 
-def _draw_pulses(pulses: list[Pulse], quantity: Quantity, plot: Path) -> None:
-    from hertzchain.plotting import plot_pulses
-
-    _save_axes(plot_pulses(pulses, quantity), plot)
-
-
 def _save_axes(axes: Any, plot: Path) -> None:
-    import io
+    from hertzchain import plotting, store
 
-    from hertzchain import store
-
-    content = io.BytesIO()
-    axes.figure.savefig(content, format=plot.suffix[1:])
-    store.write_bytes(plot, content.getvalue())
+    store.write_bytes(plot, plotting.figure_bytes(axes.figure, plot.suffix[1:]))

@@ -27,7 +27,27 @@ class ModelRangeWarning(UserWarning):
 
 
 def unknown_name(what: str, name: object, known: Iterable[str]) -> InputError:
-    """Error for a misspelt name: says what exists and what is nearest."""
+    """Error for a misspelt name, which says what exists and what is nearest.
+
+    Parameters
+    ----------
+    what : str
+        What kind of name it is.
+    name : object
+        The name given.
+    known : iterable of str
+        The names that exist.
+
+    Returns
+    -------
+    InputError
+        To be raised by the caller.
+
+    Examples
+    --------
+    >>> print(unknown_name("colour", "gren", ["red", "green"]))
+    unknown colour 'gren': choose from red, green; did you mean 'green'?
+    """
     choices = list(known)
     near = difflib.get_close_matches(str(name), choices, n=1, cutoff=0.5)
     hint = f"; did you mean {near[0]!r}?" if near else ""

@@ -5,6 +5,7 @@ Every function takes data and optional axes, and returns the axes.
 
 from __future__ import annotations
 
+import io
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from importlib import resources
@@ -13,6 +14,7 @@ from typing import Final
 import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 
 from hertzchain.pulse import PER_CONTACT, Pulse, Quantity
 from hertzchain.simulation import Run
@@ -44,6 +46,33 @@ def house_style() -> Iterator[None]:
     style = resources.files("hertzchain").joinpath("hertzchain.mplstyle")
     with resources.as_file(style) as path, plt.style.context(path):
         yield
+
+
+def figure_bytes(figure: Figure, kind: str) -> bytes:
+    """A figure as the content of a file; two runs give the same bytes.
+
+    Parameters
+    ----------
+    figure : matplotlib.figure.Figure
+        The figure to save.
+    kind : str
+        ``"png"``, ``"svg"`` or ``"pdf"``.
+
+    Returns
+    -------
+    bytes
+
+    Examples
+    --------
+    >>> figure, axes = plt.subplots()
+    >>> figure_bytes(figure, "png")[1:4]
+    b'PNG'
+    """
+    undated = {"svg": {"Date": None}, "pdf": {"CreationDate": None}}.get(kind)
+    content = io.BytesIO()
+    with house_style():
+        figure.savefig(content, format=kind, metadata=undated)
+    return content.getvalue()
 
 
 def plot_pulses(

@@ -419,7 +419,7 @@ class Comparison:
         >>> import hertzchain as hc
         >>> chain = hc.Chain.uniform(30)
         >>> hc.bca(chain).compare(hc.propagate(chain)).worst_bead("velocity")
-        29
+        28
         """
         return first_bead + int(self._reduce(quantity, first_bead, lambda e: float(np.argmax(e))))
 

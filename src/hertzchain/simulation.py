@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 Status = Literal["pulse left", "time reached", "step limit", "step too small", "underflow"]
 Progress = Callable[[int, int], None]
 
-DEFAULT_RTOL: Final = 1e-12
+DEFAULT_RTOL: Final = 1e-13
 STEPS_PER_BEAD: Final = 2_000
 # Work of one call of the compiled loop, in bead-steps: a fraction of a second, after
 # which progress is told and an interrupt is heard.
@@ -233,8 +233,9 @@ def simulate(
     chain : Chain
         The chain; bead 1 moves with velocity 1 at time 0, the others are at rest.
     until : float, optional
-        Time to stop at [scaled].  By default the run ends when the pulse has left:
-        when every bead has passed its first velocity maximum.
+        Time to stop at [scaled].  By default the last of the given ``times`` or, if
+        they are a number, when the pulse has left: when every bead has passed its
+        first velocity maximum.
     times : int or array_like
         Times at which to save positions and velocities: increasing numbers >= 0, or
         a number of evenly spaced ones (exactly so many if ``until`` is given, else
@@ -271,6 +272,8 @@ def simulate(
         until = _checked_number("until", until, 0.0, np.inf)
     limit = STEPS_PER_BEAD * chain.beads if max_steps is None else _checked_limit(max_steps)
     frames = _Frames(chain, until, times)
+    if until is None and not isinstance(times, int | np.integer):
+        until = float(frames.times[-1])
     run = _integrate(chain, until, frames, rtol, limit, progress)
     if check and not run.success:
         raise SimulationError(run.message)
@@ -324,15 +327,16 @@ class _Frames:
     def __init__(self, chain: Chain, until: float | None, times: int | ArrayLike) -> None:
         self.spacing: float | None = None
         if not isinstance(times, int | np.integer):
-            self.times = _checked_times(times, until)
+            self.times = _checked_times(chain, times, until)
         elif times < 0 or times == 1:
             raise InputError(f"times must be 0 or at least 2 when it is a number, got {times}")
-        elif until is None and times > 0:
-            self.spacing = 0.5 * float(_transit_times(chain).sum()) / times
-            self.times = self.spacing * np.arange(int(times))
         else:
-            self.times = np.linspace(0.0, until or 0.0, int(times))
-        _check_memory(chain, len(self.times))
+            count = _fitting_count(chain, int(times))
+            if until is None and count > 0:
+                self.spacing = 0.5 * float(_transit_times(chain).sum()) / count
+                self.times = self.spacing * np.arange(count)
+            else:
+                self.times = np.linspace(0.0, until or 0.0, count)
         self.states = np.empty((len(self.times), 2 * chain.beads))
 
     def thin_out(self) -> int:
@@ -443,11 +447,12 @@ def _checked_limit(max_steps: int) -> int:
     return limit
 
 
-def _checked_times(times: ArrayLike, until: float | None) -> Array:
+def _checked_times(chain: Chain, times: ArrayLike, until: float | None) -> Array:
     try:
         given = np.array(times, dtype=float)
     except (TypeError, ValueError):
         raise InputError(f"times must be numbers, got {times!r}") from None
+    _fitting_count(chain, given.size)
     if given.ndim != 1 or not len(given):
         raise InputError(f"times must be a list of numbers, got an array of shape {given.shape}")
     if not (np.all(np.isfinite(given)) and given[0] >= 0.0 and np.all(np.diff(given) > 0.0)):
@@ -459,11 +464,12 @@ def _checked_times(times: ArrayLike, until: float | None) -> Array:
     return given
 
 
-def _check_memory(chain: Chain, frames: int) -> None:
+def _fitting_count(chain: Chain, frames: int) -> int:
+    """The number of saved times, if they fit in memory."""
     # Positions and velocities, 8 bytes each, and once more while they are put together.
     needed = frames * chain.beads * 2 * 8 * 2
     if needed < 2**28:
-        return
+        return frames
     import psutil
 
     free = psutil.virtual_memory().available
@@ -472,3 +478,4 @@ def _check_memory(chain: Chain, frames: int) -> None:
             f"{frames} saved times of {chain.beads} beads need {needed / 2**30:.1f} GiB, "
             f"and {free / 2**30:.1f} GiB are free: save fewer times"
         )
+    return frames

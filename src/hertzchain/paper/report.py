@@ -13,7 +13,6 @@ from __future__ import annotations
 import base64
 import functools
 import importlib.metadata
-import io
 import json
 import os
 import platform
@@ -35,6 +34,7 @@ from hertzchain.paper.errata import draw_formula_errors
 from hertzchain.paper.figures import Figure, draw_figure, figure_csv
 from hertzchain.paper.reproduction import Reproduction
 from hertzchain.paper.tables import Table
+from hertzchain.plotting import figure_bytes
 
 SCHEMA_VERSION: Final = 1
 FILES: Final = ("report.html", "verdict.json", "summary.md", "figures")
@@ -239,13 +239,11 @@ def _write_figures(
     images = {}
     for done, (name, draw) in enumerate(drawings, start=1):
         canvas = draw()
-        vector = io.BytesIO()
-        # Without a date two runs give the same bytes.
-        canvas.savefig(vector, format="svg", metadata={"Date": None})
-        canvas.savefig(folder / f"{name}.png")
+        vector = figure_bytes(canvas, "svg")
+        (folder / f"{name}.svg").write_bytes(vector)
+        (folder / f"{name}.png").write_bytes(figure_bytes(canvas, "png"))
         plt.close(canvas)
-        (folder / f"{name}.svg").write_bytes(vector.getvalue())
-        encoded = base64.b64encode(vector.getvalue()).decode("ascii")
+        encoded = base64.b64encode(vector).decode("ascii")
         images[name] = f"data:image/svg+xml;base64,{encoded}"
         if progress is not None:
             progress(done, len(drawings))
@@ -287,7 +285,7 @@ def _rows(table: Table) -> list[list[Any]]:
 def _typeset(formula: str) -> Markup:
     """Turn a_b and a^b, or a^(b), of a line of text into subscripts and superscripts."""
     text = str(escape(formula))
-    text = re.sub(r"(?<=\w)_(\w+)", r"<sub>\1</sub>", text)
+    text = re.sub(r"(?<=[\w′])_(\w+)", r"<sub>\1</sub>", text)
     text = re.sub(r"\^\(([^()]+)\)|\^(-?[\w.]+\w)", r"<sup>\1\2</sup>", text)
     return Markup(text)
 

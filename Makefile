@@ -1,0 +1,46 @@
+# One word a task; each makes its own environment in .venv. Needs Python 3.11+ and make.
+PYTHON ?= python3
+BIN := .venv/bin
+
+.PHONY: reproduce test docs calibrate constraints clean
+
+reproduce: .venv/installed
+	$(BIN)/hertzchain reproduce
+
+test: .venv/installed-test
+	$(BIN)/ruff format --check src tests docs
+	$(BIN)/ruff check src tests docs
+	$(BIN)/mypy
+	$(BIN)/lint-imports
+	$(BIN)/python -m sphinx -W --keep-going -q -b html docs docs/_build/html
+	$(BIN)/pytest -q -n 2 --dist loadfile
+
+docs: .venv/installed-test
+	$(BIN)/python -m sphinx -W --keep-going -b html docs docs/_build/html
+
+# The constants of the modified BCA, found again from our own integration.
+calibrate: .venv/installed
+	$(BIN)/python -m hertzchain.calibration > .venv/calibrated.toml
+	mv .venv/calibrated.toml src/hertzchain/theory/calibrated.toml
+
+# Newest versions that fit each other, without the address of any package index.
+constraints:
+	uv pip compile --universal --all-extras --no-header --no-annotate --quiet \
+		--output-file constraints.txt pyproject.toml
+
+clean:
+	rm -rf .venv docs/_build reproduction
+
+.venv/installed: .venv/python constraints.txt
+	$(BIN)/pip install --quiet --constraint constraints.txt --editable .
+	touch $@
+
+.venv/installed-test: .venv/python constraints.txt
+	$(BIN)/pip install --quiet --constraint constraints.txt --editable '.[test,docs]'
+	touch $@ .venv/installed
+
+.venv/python: pyproject.toml
+	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || \
+		{ echo "hertzchain needs Python 3.11 or newer; try: make PYTHON=python3.12 $(MAKECMDGOALS)" >&2; exit 2; }
+	$(PYTHON) -m venv .venv
+	touch $@

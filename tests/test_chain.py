@@ -1,0 +1,85 @@
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from hertzchain import Chain, InputError
+from hertzchain.chain import TAPERS
+
+
+def test_tapers_follow_their_equations():
+    k = np.arange(1, 11)
+    expected = {
+        "backward-linear": 1 + 0.05 * (k - 1),
+        "backward-exponential": 0.95 ** -(k - 1.0),
+        "forward-linear": 1 - 0.05 * (k - 1),
+        "forward-exponential": 1.05 ** -(k - 1.0),
+    }
+    for taper in TAPERS:
+        chain = Chain.tapered(taper, 0.05, beads=10)
+        np.testing.assert_allclose(chain.radii, expected[taper], rtol=1e-15)
+        np.testing.assert_array_equal(chain.masses, chain.radii**3)
+
+
+def test_radii_are_kept_in_units_of_the_first():
+    chain = Chain.from_radii([4.0, 2.0, 1.0])
+    np.testing.assert_array_equal(chain.radii, [1.0, 0.5, 0.25])
+
+
+def test_a_chain_cannot_be_changed():
+    chain = Chain.uniform(3)
+    with pytest.raises(ValueError, match="read-only"):
+        chain.radii[0] = 2.0
+    with pytest.raises(AttributeError):
+        chain.rate = 0.1
+
+
+def test_the_longest_forward_linear_chain_is_named_and_is_the_longest():
+    with pytest.raises(InputError, match="at most 100 beads"):
+        Chain.tapered("forward-linear", 0.01, beads=101)
+    assert Chain.tapered("forward-linear", 0.01, beads=100).radii[-1] > 0
+
+
+@given(st.floats(1e-3, 0.9))
+def test_the_named_longest_forward_linear_chain_exists(rate):
+    with pytest.raises(InputError) as caught:
+        Chain.tapered("forward-linear", rate, beads=5000)
+    longest = int(str(caught.value).split("at most ")[1].split()[0])
+    assert Chain.tapered("forward-linear", rate, beads=longest).radii.min() > 0
+    with pytest.raises(InputError):
+        Chain.tapered("forward-linear", rate, beads=longest + 1)
+
+
+@pytest.mark.parametrize(
+    ("build", "said"),
+    [
+        (lambda: Chain.tapered("backward-exponential", 1.0, beads=5), "between 0 and 1, got 1"),
+        (lambda: Chain.tapered("forward-exponential", 0.0, beads=5), "between 0 and 1, got 0"),
+        (lambda: Chain.tapered("forward-exponential", float("nan"), beads=5), "got nan"),
+        (lambda: Chain.tapered("backward-linear", -0.1, beads=5), "positive and finite, got -0.1"),
+        (lambda: Chain.tapered("backward-linear", float("inf"), beads=5), "finite, got inf"),
+        (lambda: Chain.tapered("backward-linear", "x", beads=5), "must be a number, got 'x'"),
+        (lambda: Chain.tapered("forward-linear", 1.5, beads=5), "below 1 for even two beads"),
+        (lambda: Chain.tapered("bakward-linear", 0.1, beads=5), "did you mean 'backward-linear'"),
+        (lambda: Chain.tapered("backward-exponential", 0.5, beads=2000), "bead 343 .*represented"),
+        (lambda: Chain.tapered("forward-exponential", 0.5, beads=2000), "bead 584 .*represented"),
+        (lambda: Chain.uniform(1), "at least 2, got 1"),
+        (lambda: Chain.uniform(2.5), "whole number of at least 2, got 2.5"),
+        (lambda: Chain.uniform(True), "whole number of at least 2, got True"),
+        (lambda: Chain.uniform(10**15), "do not fit in memory: .* hold [0-9]+ beads"),
+        (lambda: Chain.uniform(5, exponent=1.0), "above 1 and finite, got 1"),
+        (lambda: Chain.uniform(5, exponent="hard"), "a number above 1, got 'hard'"),
+        (lambda: Chain.from_radii([1.0]), "at least two numbers"),
+        (lambda: Chain.from_radii([[1.0, 2.0]]), "shape"),
+        (lambda: Chain.from_radii([1.0, 0.0]), "bead 2 is 0: radii must be positive"),
+        (lambda: Chain.from_radii([1.0, 2.0, -3.0]), "bead 3 is -3"),
+        (lambda: Chain.from_radii([1.0, float("nan")]), "bead 2 is nan"),
+        (lambda: Chain.from_radii([1.0, "big"]), "bead 2 is 'big'"),
+        (lambda: Chain.from_radii("radii"), "list of positive numbers, got 'radii'"),
+        (lambda: Chain.from_radii([1.0, 1e-200]), "bead 2 is 1e-200: its mass cannot"),
+    ],
+)
+def test_bad_chains_are_refused_in_one_sentence(build, said):
+    with pytest.raises(InputError, match=said) as caught:
+        build()
+    assert "\n" not in str(caught.value)

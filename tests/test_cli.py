@@ -1,0 +1,169 @@
+import csv
+import io
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+
+import pytest
+
+from hertzchain import cli
+
+
+@pytest.fixture
+def run(monkeypatch, capsys):
+    def call(*arguments):
+        monkeypatch.setattr(sys, "argv", ["hertzchain", *map(str, arguments)])
+        with pytest.raises(SystemExit) as stopped:
+            cli.main()
+        out, err = capsys.readouterr()
+        return stopped.value.code, out, err
+
+    return call
+
+
+@pytest.mark.parametrize("command", [(), ("pulse",), ("simulate",), ("reproduce",), ("cite",)])
+def test_every_help_shows_an_example(run, command):
+    code, out, _ = run(*command, "--help")
+    assert code == 0
+    assert "Example" in out
+    assert f"hertzchain {command[0] if command else 'pulse'}" in out
+
+
+def test_pulse_table(run):
+    code, out, err = run("pulse", "--beads", 100)
+    assert (code, err) == (0, "")
+    assert "26 of 100 beads" in out
+    assert "0.751472" not in run("pulse", "--beads", 100)[1]
+    assert "0.751472" in run("pulse", "--beads", 100, "--all")[1]
+
+
+def test_pulse_by_several_methods(run):
+    code, out, _ = run(
+        "pulse", "--taper", "backward-linear", "--rate", 0.5, "--beads", 12,
+        "--method", "propagate", "--method", "bca", "--method", "modified-bca-printed",
+        "--quantity", "energy",
+    )  # fmt: skip
+    assert code == 0
+    assert "energy: backward-linear, S = 0.5, 12 beads" in out
+    assert "modified BCA, printed against" in out
+
+
+def test_pulse_as_json_and_csv_is_nothing_but_data(run):
+    code, out, err = run("pulse", "--beads", 5, "--method", "bca", "--json")
+    assert (code, err) == (0, "")
+    assert json.loads(out)["pulses"][0]["velocity"] == [1.0] * 5
+    code, out, err = run("pulse", "--beads", 5, "--method", "simulate", "--csv")
+    assert (code, err) == (0, "")
+    assert len(list(csv.DictReader(io.StringIO(out)))) == 5
+
+
+def test_pulse_from_a_file_with_a_plot(run, tmp_path):
+    (tmp_path / "chain.toml").write_text("[chain]\nradii = [1, 2, 1]\n")
+    code, out, _ = run("pulse", tmp_path / "chain.toml", "--plot", tmp_path / "pulse.png")
+    assert code == 0
+    assert "free radii, 3 beads" in out
+    assert (tmp_path / "pulse.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_simulate(run, tmp_path):
+    code, out, err = run(
+        "simulate", "--beads", 10, "--until", 5, "--out", tmp_path / "run.csv",
+        "--plot", tmp_path / "run.svg",
+    )  # fmt: skip
+    assert (code, err) == (0, "")
+    assert "stopped as asked at t = 5" in out
+    assert (tmp_path / "run.csv").exists()
+    assert (tmp_path / "run.svg").exists()
+    document = json.loads(run("simulate", "--beads", 10, "--json")[1])
+    assert document["status"] == "pulse left"
+    assert document["energy_drift"] < 1e-10
+
+
+def test_reproduce_a_part(run, tmp_path):
+    code, out, err = run("reproduce", "--only", "table3,figure6", "--out", tmp_path)
+    assert (code, err) == (0, "")
+    assert "20 of 20 numbers" in out
+    assert (tmp_path / "report.html").exists()
+    code, out, _ = run("reproduce", "--only", "table3", "--out", tmp_path, "--json")
+    assert json.loads(out)["within_tolerance"] is True
+
+
+def test_reproduce_leaves_with_3_outside_tolerance(run, tmp_path):
+    code, out, _ = run(
+        "reproduce", "--only", "table1", "--out", tmp_path, "--window-exponential", "20:40"
+    )
+    assert code == 3
+    assert "outside tolerance: table1" in out
+
+
+def test_cite(run):
+    code, out, _ = run("cite")
+    assert code == 0
+    assert "arXiv:1307.1191" in out
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (["pulse", "--taper", "backward-exponential", "--rate", "1.5"], "between 0 and 1, got 1.5"),
+        (["pulse", "--taper", "forward-linear", "--rate", "0.01", "--beads", "101"],
+         "at most 100 beads"),
+        (["pulse", "--taper", "backward-linear"], "needs --rate"),
+        (["pulse", "--taper", "uniform", "--rate", "1"], "no --rate"),
+        (["pulse", "--rate", "1"], "--rate needs --taper"),
+        (["pulse", "--taper", "sideways", "--rate", "1"], "unknown taper 'sideways'"),
+        (["pulse", "--beads", "1"], "at least 2"),
+        (["pulse", "--beads", "2.5"], "not a valid integer"),
+        (["pulse", "--beads", "1000000000000000"], "do not fit in memory"),
+        (["pulse", "--method", "bcaa"], "did you mean 'bca'"),
+        (["pulse", "--quantity", "speed"], "unknown quantity 'speed'"),
+        (["pulse", "--json", "--csv"], "exclude each other"),
+        (["pulse", "--plot", "pulse.doc"], "must end in .png"),
+        (["pulse", "missing.toml"], "cannot read chain file 'missing.toml'"),
+        (["pulse", "missing.toml", "--beads", "3"], "not both"),
+        (["pulse", "--method", "modified-bca"], "needs a tapered chain"),
+        (["simulate", "--until", "-1"], "until must be positive"),
+        (["simulate", "--rtol", "1"], "rtol must be between"),
+        (["simulate", "--out", "run.xls"], "must end in .nc or .csv"),
+        (["reproduce", "--only", "tabel1"], "did you mean 'table1'"),
+        (["reproduce", "--window-linear", "5-60"], "must look like 5:80"),
+        (["reproduce", "--window-linear", "60:5", "--only", "table3"], "window 60..5"),
+        (["reproduce", "--out", "/proc/nowhere"], "cannot write into"),
+        (["recite"], "No such command"),
+    ],
+)  # fmt: skip
+def test_bad_input_gets_one_sentence_and_code_2(run, tmp_path, monkeypatch, arguments, said):
+    monkeypatch.chdir(tmp_path)
+    code, out, err = run(*arguments)
+    assert code == 2
+    assert out == ""
+    assert said in err.replace("\n", " ")
+    assert "Traceback" not in err
+    assert [p for p in tmp_path.rglob("*") if p.is_file()] == []
+
+
+def test_a_run_that_cannot_finish_leaves_with_1(run):
+    code, out, err = run("simulate", "--beads", 50, "--max-steps", 10)
+    assert (code, out) == (1, "")
+    assert "stopped by the step limit" in err
+
+
+def test_interrupt_leaves_with_130():
+    environment = os.environ | {"PYTHONUNBUFFERED": "1"}
+    command = [sys.executable, "-c", "from hertzchain.cli import main; main()"]
+    process = subprocess.Popen(
+        [*command, "simulate", "--beads", "20000", "--times", "0"],
+        env=environment,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+    time.sleep(6.0)
+    process.send_signal(signal.SIGINT)
+    started = time.monotonic()
+    _, err = process.communicate(timeout=30)
+    assert process.returncode == 130
+    assert time.monotonic() - started < 15.0
+    assert "Traceback" not in err

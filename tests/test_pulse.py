@@ -1,0 +1,88 @@
+import numpy as np
+import pytest
+
+import hertzchain as hc
+from hertzchain.pulse import QUANTITIES
+
+
+@pytest.fixture(scope="module")
+def pulses():
+    chain = hc.Chain.tapered("forward-exponential", 0.03, beads=20)
+    return hc.propagate(chain), hc.bca(chain)
+
+
+def test_derived_quantities(pulses):
+    exact, _ = pulses
+    m = exact.chain.masses
+    np.testing.assert_allclose(exact.momentum, m * exact.velocity, rtol=1e-15)
+    np.testing.assert_allclose(exact.energy, 0.5 * m * exact.velocity**2, rtol=1e-15)
+    np.testing.assert_allclose(np.cumsum(exact.residence), exact.arrival[1:], rtol=1e-14)
+    force = exact.chain.stiffness * exact.peak_overlap**1.5
+    np.testing.assert_allclose(exact.peak_force, force, rtol=1e-14)
+
+
+def test_compare_measures_from_the_reference(pulses):
+    exact, theory = pulses
+    comparison = theory.compare(exact)
+    expected = theory.velocity / exact.velocity - 1
+    np.testing.assert_allclose(comparison.errors("velocity"), expected, rtol=1e-12)
+    worst = np.abs(expected[1:]).argmax()
+    assert comparison.worst("velocity") == pytest.approx(np.abs(expected[1:]).max())
+    assert comparison.worst_bead("velocity") == worst + 2
+    assert comparison.rms("velocity", first_bead=10) == pytest.approx(
+        np.sqrt(np.mean(expected[9:] ** 2))
+    )
+    assert "peak_time" not in comparison.quantities
+    assert "velocity" in str(comparison)
+
+
+def test_compare_refuses_what_cannot_be_compared(pulses):
+    exact, theory = pulses
+    with pytest.raises(hc.InputError, match="different chains"):
+        exact.compare(hc.bca(hc.Chain.uniform(20)))
+    with pytest.raises(hc.InputError, match="BCA does not predict peak_time"):
+        theory.compare(exact).errors("peak_time")
+    with pytest.raises(hc.InputError, match="leaves no bead"):
+        theory.compare(exact).worst("velocity", first_bead=21)
+
+
+def test_dataset_counts_beads_from_one(pulses):
+    dataset = pulses[0].to_xarray()
+    assert float(dataset.velocity.sel(bead=1)) == 1.0
+    assert float(dataset.peak_force.sel(contact=19)) == pulses[0].peak_force[18]
+    assert dataset.velocity.attrs["units"] == "1"
+    assert set(QUANTITIES) <= set(dataset)
+
+
+def test_dataframe_and_html(pulses):
+    table = pulses[0].to_dataframe()
+    assert table.index.name == "bead"
+    assert list(table.index) == list(range(1, 21))
+    assert np.isnan(table.residence.loc[20])
+    assert "forward-exponential" in pulses[0]._repr_html_()
+
+
+def test_plot_draws_the_data(pulses):
+    axes = pulses[0].plot("peak_force")
+    np.testing.assert_array_equal(axes.lines[0].get_ydata(), pulses[0].peak_force)
+    assert axes.get_xlabel() == "contact $k$"
+
+
+def test_run_plot_draws_every_bead():
+    run = hc.simulate(hc.Chain.uniform(12), times=20)
+    axes = run.plot()
+    assert axes.collections[0].get_array().size == run.velocities.size
+
+
+@pytest.mark.parametrize(
+    ("columns", "said"),
+    [
+        ({"velocity": [1.0, 1.0]}, r"shape \(3,\)"),
+        ({"velocity": [1.0, 0.0, 1.0]}, "bead 2 is 0"),
+        ({"velocity": [1.0, np.nan, 1.0]}, "bead 2 is nan"),
+        ({"velocity": [1.0, 1.0, 1.0], "arrival": [0.0, 1.0, np.inf]}, "arrival of bead 3"),
+    ],
+)
+def test_a_pulse_holds_no_doubtful_numbers(columns, said):
+    with pytest.raises(hc.InputError, match=said):
+        hc.Pulse(hc.Chain.uniform(3), "test", **columns)

@@ -1,0 +1,101 @@
+import json
+import re
+from html.parser import HTMLParser
+
+import pytest
+
+import hertzchain as hc
+from hertzchain.paper.report import write_report
+from hertzchain.paper.reproduction import reproduce
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    out = tmp_path_factory.mktemp("report")
+    write_report(reproduce(["table2", "figure6", "figure11", "errata"]), out)
+    return out
+
+
+def test_files(folder):
+    assert {path.name for path in folder.iterdir()} == {
+        "report.html", "verdict.json", "summary.md", "figures",
+    }  # fmt: skip
+    assert {path.name for path in (folder / "figures").iterdir()} == {
+        f"{name}.{ending}" for name in ("figure6", "figure11") for ending in ("svg", "png", "csv")
+    } | {"errata.svg", "errata.png"}
+
+
+class _Addresses(HTMLParser):
+    def __init__(self):
+        super().__init__()
+        self.found, self.images = [], 0
+
+    def handle_starttag(self, tag, attrs):
+        for name, value in attrs:
+            if name in ("src", "srcset", "data") or (tag == "link" and name == "href"):
+                self.found.append(value)
+        self.images += tag == "img"
+
+
+def test_the_page_asks_for_nothing(folder):
+    page = (folder / "report.html").read_text("utf-8")
+    addresses = _Addresses()
+    addresses.feed(page)
+    assert addresses.images == 3
+    assert all(address.startswith("data:image/svg+xml;base64,") for address in addresses.found)
+    assert not re.search(r"@import|url\(", page)
+    assert "<script" not in page
+
+
+def test_the_page_opens_with_the_verdict(folder):
+    page = (folder / "report.html").read_text("utf-8")
+    opening = page[: page.index("<h2")]
+    assert "28 of 28 numbers of the tables agree" in opening
+    assert "as printed" in opening
+
+
+def test_verdict_is_plain_versioned_data(folder):
+    verdict = json.loads((folder / "verdict.json").read_text("utf-8"))
+    assert verdict["schema_version"] == 1
+    assert verdict["within_tolerance"] is True
+    assert len(verdict["tables"]["table2"]["entries"]) == 28
+    assert verdict["tables"]["table2"]["window"] == [5, 80]
+    assert verdict["figures"]["figure6"]["holds"] is True
+    assert len(verdict["errata"]) == 13
+    assert verdict["method"]["energy_drift"] < 1e-10
+
+
+def test_two_reports_have_the_same_figures(folder, tmp_path):
+    write_report(reproduce(["figure6"]), tmp_path)
+    for ending in ("svg", "csv", "png"):
+        name = f"figures/figure6.{ending}"
+        assert (tmp_path / name).read_bytes() == (folder / name).read_bytes()
+
+
+def test_a_report_replaces_an_earlier_one(tmp_path):
+    for part, present in (("figure6", True), ("table3", False)):
+        write_report(reproduce([part]), tmp_path)
+        assert (tmp_path / "figures" / "figure6.svg").exists() is present
+
+
+def test_a_failure_leaves_the_earlier_report(tmp_path, monkeypatch):
+    result = reproduce(["figure6"])
+    write_report(result, tmp_path)
+    before = (tmp_path / "report.html").read_bytes()
+
+    def fails(*_):
+        raise RuntimeError("no drawing today")
+
+    monkeypatch.setattr("hertzchain.paper.report.draw_figure", fails)
+    with pytest.raises(RuntimeError):
+        write_report(result, tmp_path)
+    assert (tmp_path / "report.html").read_bytes() == before
+    assert {path.name for path in tmp_path.iterdir()} == {
+        "report.html", "verdict.json", "summary.md", "figures",
+    }  # fmt: skip
+
+
+def test_an_unwritable_folder_is_named(tmp_path):
+    (tmp_path / "file").write_text("not a folder")
+    with pytest.raises(hc.InputError, match="cannot write into .*file"):
+        write_report(reproduce(["table3"]), tmp_path / "file")

@@ -1,0 +1,238 @@
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from reference import peaks, trajectory
+
+import hertzchain as hc
+from hertzchain import contacts
+
+# Constants of the uniform chain (scaled, p = 3/2), from an integration at rtol 1e-13 and,
+# for amplitude and speed, from the fixed point of the travelling wave: two methods that
+# share nothing with ours.
+UNIFORM_VELOCITIES = [.751471736247, .714561003489, .698649441531, .690749497480,
+                      .686608736488, .684377061915, .683155358512]  # fmt: skip
+UNIFORM_TIMES = [1.8828111864, 3.1210959390, 4.3295734157, 5.5272747592,
+                 6.7206217128, 7.9120858067, 9.1026863759]  # fmt: skip
+
+
+def test_peaks_and_times_of_the_uniform_chain(uniform_run):
+    pulse = uniform_run.pulse()
+    np.testing.assert_allclose(pulse.velocity[1:8], UNIFORM_VELOCITIES, rtol=1e-11)
+    np.testing.assert_allclose(pulse.peak_time[1:8], UNIFORM_TIMES, rtol=1e-10)
+    assert pulse.velocity[20] == pytest.approx(0.681632351111, rel=1e-11)
+    assert pulse.velocity[60] == pytest.approx(0.681631548571, rel=5e-11)
+
+
+def test_solitary_wave_of_the_uniform_chain(uniform_run):
+    pulse = uniform_run.pulse()
+    middle = slice(50, 80)
+    np.testing.assert_allclose(np.diff(pulse.peak_time)[middle], 1.1897555770, rtol=2e-10)
+    np.testing.assert_allclose(pulse.residence[middle], 1.1897555770, rtol=2e-10)
+    np.testing.assert_allclose(pulse.peak_force[middle], 0.6395542321, rtol=1e-9)
+    np.testing.assert_allclose(pulse.peak_overlap[middle], 0.7423093281, rtol=1e-9)
+
+
+def test_the_last_bead_flies_off_with_its_known_velocity(uniform_run):
+    assert uniform_run.pulse().velocity[-1] == pytest.approx(0.98567886, abs=6e-9)
+
+
+def test_what_is_thrown_back(uniform_run):
+    thrown_back = [-0.07108502, -0.03027379, -0.0158334, -0.0088857, -0.00512658, -0.00298598]
+    np.testing.assert_allclose(uniform_run.velocities[-1, :6], thrown_back, atol=6e-8)
+
+
+@pytest.mark.parametrize(
+    ("p", "amplitude"),
+    [(1.25, .57733689), (1.75, .74714607), (2.0, .79433275), (2.5, .85911287),
+     (3.0, .90128004), (4.0, .95024781)],
+)  # fmt: skip
+def test_amplitude_for_other_exponents(p, amplitude):
+    pulse = hc.simulate(hc.Chain.uniform(100, exponent=p), times=0).pulse()
+    assert pulse.velocity[80] == pytest.approx(amplitude, abs=6e-9)
+
+
+@pytest.mark.parametrize(
+    ("taper", "rate", "beads", "tolerance"),
+    [
+        ("backward-exponential", 0.05, 60, 1e-9),
+        ("backward-exponential", 0.1, 60, 4e-9),
+        ("forward-exponential", 0.1, 60, 2e-11),
+        ("backward-linear", 0.9, 60, 2.5e-9),
+        ("forward-linear", 0.009, 100, 5e-11),
+    ],
+)
+def test_peaks_against_an_independent_integration(taper, rate, beads, tolerance):
+    chain = hc.Chain.tapered(taper, rate, beads=beads)
+    run = hc.simulate(chain, times=0)
+    velocities, times = peaks(chain.radii, run.end_time)
+    pulse = run.pulse()
+    np.testing.assert_allclose(pulse.velocity[1:-1], velocities, rtol=tolerance)
+    np.testing.assert_allclose(pulse.peak_time[1:-1], times, rtol=tolerance)
+
+
+@pytest.mark.parametrize(
+    ("taper", "rate", "beads"),
+    [
+        ("backward-exponential", 0.1, 100),
+        ("forward-exponential", 0.1, 60),
+        ("backward-linear", 0.9, 100),
+        ("forward-linear", 0.009, 100),
+    ],
+)
+def test_energy_and_momentum_are_conserved(taper, rate, beads):
+    run = hc.simulate(hc.Chain.tapered(taper, rate, beads=beads), times=0)
+    assert run.energy_drift < 1e-10
+    assert run.momentum_drift < 1e-13
+
+
+@pytest.mark.parametrize(
+    ("taper", "rate", "log_rate"),
+    [("backward-exponential", 0.05, -.08047222), ("backward-exponential", 0.3, -.67671292),
+     ("backward-exponential", 0.5, -1.50724739), ("forward-exponential", 0.05, +.06748234),
+     ("forward-exponential", 0.03, +.04253678)],
+)  # fmt: skip
+def test_exponential_tapers_settle_to_their_exact_rate(taper, rate, log_rate):
+    pulse = hc.simulate(hc.Chain.tapered(taper, rate, beads=60), times=0).pulse()
+    assert np.log(pulse.velocity[50] / pulse.velocity[49]) == pytest.approx(log_rate, abs=2e-8)
+
+
+def test_two_beads_collide_as_two_bodies():
+    chain = hc.Chain.from_radii([1.0, 0.6])
+    pulse = hc.simulate(chain, times=0).pulse()
+    assert pulse.velocity[1] == pytest.approx(2 / (1 + 0.6**3), rel=1e-11)
+    reduced = contacts.reduced_mass(1.0, 0.6**3)
+    duration = contacts.compression_time(reduced, chain.stiffness[0], 1.0)
+    assert pulse.arrival[1] == pytest.approx(duration, rel=1e-9)
+    overlap = contacts.collision_overlap(reduced, chain.stiffness[0], 1.0)
+    assert pulse.peak_overlap[0] == pytest.approx(overlap, rel=1e-11)
+
+
+def test_saved_states_are_the_trajectory():
+    chain = hc.Chain.tapered("forward-linear", 0.03, beads=20)
+    times = np.linspace(0.5, 20.0, 40)
+    run = hc.simulate(chain, times=times)
+    expected = trajectory(chain.radii, 20.0).sol(times)
+    np.testing.assert_array_equal(run.times, times)
+    np.testing.assert_allclose(run.positions.T, expected[:20], atol=1e-10)
+    np.testing.assert_allclose(run.velocities.T, expected[20:], atol=1e-10)
+
+
+radii_lists = st.lists(st.floats(0.3, 3.0), min_size=4, max_size=16)
+
+
+@settings(max_examples=25)
+@given(radii_lists)
+def test_any_chain_conserves(radii):
+    run = hc.simulate(hc.Chain.from_radii(radii), times=0)
+    assert run.energy_drift < 1e-10
+    assert run.momentum_drift < 1e-13
+    assert np.all(np.isfinite(run.pulse().velocity))
+
+
+@settings(max_examples=15)
+@given(radii_lists, st.floats(1e-3, 1e3))
+def test_the_unit_of_radii_plays_no_part(radii, unit):
+    plain = hc.simulate(hc.Chain.from_radii(radii), times=0).pulse()
+    scaled = hc.simulate(hc.Chain.from_radii(np.array(radii) * unit), times=0).pulse()
+    np.testing.assert_allclose(scaled.velocity, plain.velocity, rtol=1e-9)
+
+
+def test_beads_far_ahead_change_nothing():
+    short = hc.simulate(hc.Chain.tapered("backward-linear", 0.2, beads=40), times=0).pulse()
+    long = hc.simulate(hc.Chain.tapered("backward-linear", 0.2, beads=60), times=0).pulse()
+    np.testing.assert_allclose(long.velocity[:28], short.velocity[:28], rtol=1e-10)
+    assert abs(long.velocity[39] / short.velocity[39] - 1) > 0.1
+
+
+def test_tolerance_sets_the_error():
+    exact = 0.681631548571
+    errors = [
+        abs(hc.simulate(hc.Chain.uniform(80), times=0, rtol=rtol).pulse().velocity[60] / exact - 1)
+        for rtol in (1e-4, 1e-7, 1e-10)
+    ]
+    assert errors[0] > 10 * errors[1] > 100 * errors[2]
+    assert errors[1] < 1e-6
+
+
+def test_a_run_can_be_cut_into_pieces_without_a_trace(monkeypatch):
+    chain = hc.Chain.tapered("backward-exponential", 0.1, beads=30)
+    whole = hc.simulate(chain, times=100)
+    monkeypatch.setattr("hertzchain.simulation.BEAD_STEPS_PER_CALL", 1)
+    pieces = hc.simulate(chain, times=100)
+    np.testing.assert_array_equal(pieces.velocities, whole.velocities)
+    np.testing.assert_array_equal(pieces.pulse().velocity, whole.pulse().velocity)
+
+
+def test_the_grid_of_saved_times_is_even_and_bounded():
+    run = hc.simulate(hc.Chain.tapered("backward-exponential", 0.3, beads=40), times=64)
+    assert 32 <= len(run.times) <= 64
+    np.testing.assert_allclose(np.diff(run.times), run.times[1], rtol=1e-12)
+    assert run.end_time - run.times[-1] < 2 * run.times[1]
+
+
+def test_extreme_chain_within_range_and_one_that_underflows():
+    pulse = hc.propagate(hc.Chain.tapered("backward-exponential", 0.5, beads=250))
+    assert np.log(pulse.velocity[200] / pulse.velocity[199]) == pytest.approx(-1.507247, abs=1e-6)
+    with pytest.raises(hc.SimulationError, match="too small to represent"):
+        hc.simulate(hc.Chain.tapered("backward-exponential", 0.5, beads=330), times=0)
+
+
+def test_a_run_that_cannot_finish_says_so():
+    with pytest.raises(hc.SimulationError, match=r"step limit .* raise max_steps"):
+        hc.simulate(hc.Chain.uniform(50), max_steps=100)
+    run = hc.simulate(hc.Chain.uniform(50), max_steps=100, check=False)
+    assert (run.status, run.success, run.steps) == ("step limit", False, 100)
+    with pytest.raises(hc.SimulationError, match="no pulse of all beads"):
+        run.pulse()
+
+
+def test_a_run_stopped_early_has_no_pulse():
+    run = hc.simulate(hc.Chain.uniform(50), until=10.0)
+    assert run.status == "time reached"
+    assert run.times[-1] == 10.0
+    with pytest.raises(hc.SimulationError, match="had passed 8 of 50 beads"):
+        run.pulse()
+
+
+def test_progress_is_told_and_an_interrupt_is_heard():
+    told = []
+    hc.simulate(hc.Chain.uniform(500), times=0, progress=lambda *now: told.append(now))
+    assert told[-1] == (500, 500)
+    assert told == sorted(told)
+    assert len(told) > 2
+
+    def interrupt(*_):
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        hc.simulate(hc.Chain.uniform(300), progress=interrupt)
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        ({"until": -1.0}, "until must be positive and finite, got -1"),
+        ({"until": "soon"}, "until must be a number, got 'soon'"),
+        ({"rtol": 0.1}, "rtol must be between 1e-14 and 0.001, got 0.1"),
+        ({"times": 1}, "0 or at least 2"),
+        ({"times": [2.0, 1.0]}, "increasing"),
+        ({"times": [1.0, float("nan")]}, "finite"),
+        ({"times": ["now"]}, "times must be numbers"),
+        ({"times": []}, "list of numbers"),
+        ({"times": [1.0, 9.0], "until": 5.0}, "stops at until = 5"),
+        ({"times": 10**12}, "GiB are free: save fewer times"),
+        ({"max_steps": 0}, "at least 1, got 0"),
+        ({"max_steps": 2.5}, "whole number"),
+    ],
+)
+def test_bad_options_are_refused_in_one_sentence(options, said):
+    with pytest.raises(hc.InputError, match=said):
+        hc.simulate(hc.Chain.uniform(5), **options)
+
+
+def test_run_as_dataset(uniform_run):
+    dataset = uniform_run.to_xarray()
+    assert dataset.velocity.dims == ("time", "bead")
+    assert dataset.bead.values[0] == 1
+    assert dataset.velocity.attrs == {"units": "1", "long_name": "velocity of the bead"}

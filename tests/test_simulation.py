@@ -55,11 +55,11 @@ def test_amplitude_for_other_exponents(p, amplitude):
 @pytest.mark.parametrize(
     ("taper", "rate", "beads", "tolerance"),
     [
-        ("backward-exponential", 0.05, 60, 1e-9),
+        ("backward-exponential", 0.05, 60, 8e-10),
         ("backward-exponential", 0.1, 60, 4e-9),
-        ("forward-exponential", 0.1, 60, 2e-11),
-        ("backward-linear", 0.9, 60, 2.5e-9),
-        ("forward-linear", 0.009, 100, 5e-11),
+        ("forward-exponential", 0.1, 60, 8e-12),
+        ("backward-linear", 0.9, 60, 2.4e-9),
+        ("forward-linear", 0.009, 100, 4e-12),
     ],
 )
 def test_peaks_against_an_independent_integration(taper, rate, beads, tolerance):

@@ -7,7 +7,6 @@ Results go to stdout, messages and progress to stderr.  Exit codes: 0 done,
 from __future__ import annotations
 
 import sys
-import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -320,25 +319,18 @@ def _window(option: str, text: str) -> tuple[int, int]:
 
 @contextmanager
 def _progress(what: str) -> Iterator[Callable[[int, int], None]]:
-    """A bar on stderr, once the work has taken a second and if someone is looking."""
+    """A bar on stderr that vanishes when done, if someone is looking."""
     from rich.console import Console
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
-    columns = TextColumn(what), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn()
+    columns = TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn()
     console = Console(stderr=True)
-    bar = Progress(*columns, console=console, transient=True, disable=not console.is_terminal)
-    task = bar.add_task(what, total=None)
-    started = time.monotonic()
-
-    def update(done: int, total: int) -> None:
-        bar.update(task, completed=done, total=total)
-        if time.monotonic() - started > 1.0 and not bar.live.is_started:
-            bar.start()
-
-    try:
-        yield update
-    finally:
-        bar.stop()
+    with Progress(
+        *columns, TimeElapsedColumn(), console=console, transient=True,
+        disable=not console.is_terminal,
+    ) as bar:  # fmt: skip
+        task = bar.add_task("starting; the first use on a machine compiles", total=None)
+        yield lambda done, total: bar.update(task, description=what, completed=done, total=total)
 
 
 def _show(table: Table) -> None:

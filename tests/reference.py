@@ -33,7 +33,7 @@ def trajectory(radii, until, rtol=1e-13):
     )
 
 
-def peaks(radii, until):
+def peaks(radii, until, foot=1e-6):
     """First velocity maxima of beads 2..N-1: (velocities, times), by root-finding a = 0."""
     radii = np.asarray(radii, float)
     n = len(radii)
@@ -43,7 +43,7 @@ def peaks(radii, until):
     velocities, times = np.empty(n - 2), np.empty(n - 2)
     for k in range(1, n - 1):
         nearby = np.abs(y[n + max(k - 3, 0) : n + min(k + 4, n)]).max(axis=0)
-        turned = (a[k, :-1] > 0) & (a[k, 1:] <= 0) & (y[n + k, 1:] > 1e-6 * nearby[1:])
+        turned = (a[k, :-1] > 0) & (a[k, 1:] <= 0) & (y[n + k, 1:] > foot * nearby[1:])
         i = int(np.argmax(turned))
         when = brentq(
             lambda t, k=k: accelerations(radii, solution.sol(t)[:n])[k],

@@ -45,7 +45,11 @@ def test_line_against_known_errors():
         ({"taper": "linear"}, "unknown taper 'linear'"),
         ({"taper": "forward-linear", "window": (5, 100)}, "before the free end"),
         ({"taper": "forward-linear", "window": (9, 10)}, "at least three beads"),
-        ({"taper": "forward-exponential", "rates": [0.01, 0.02]}, "at least 3 rates"),
+        ({"taper": "forward-exponential", "rates": [0.01, 0.02]}, "at least 3 different rates"),
+        ({"taper": "forward-exponential", "rates": [0.05] * 3}, "different rates"),
+        ({"taper": "forward-linear", "rates": ["a"]}, "must be a number"),
+        ({"taper": "forward-linear", "window": (5.5, 20)}, "first and a last bead"),
+        ({"taper": "forward-linear", "window": (2, 4, 5)}, "first and a last bead"),
     ],
 )
 def test_bad_input_is_refused(options, said):

@@ -67,19 +67,36 @@ def test_the_named_longest_forward_linear_chain_exists(rate):
         (lambda: Chain.uniform(2.5), "whole number of at least 2, got 2.5"),
         (lambda: Chain.uniform(True), "whole number of at least 2, got True"),
         (lambda: Chain.uniform(10**15), "do not fit in memory: .* hold [0-9]+ beads"),
-        (lambda: Chain.uniform(5, exponent=1.0), "above 1 and finite, got 1"),
-        (lambda: Chain.uniform(5, exponent="hard"), "a number above 1, got 'hard'"),
+        (lambda: Chain.uniform(5, exponent=1.0), "above 1 and at most 50, got 1"),
+        (lambda: Chain.uniform(5, exponent="hard"), "must be a number, got 'hard'"),
         (lambda: Chain.from_radii([1.0]), "at least two numbers"),
-        (lambda: Chain.from_radii([[1.0, 2.0]]), "shape"),
+        (lambda: Chain.from_radii([[1.0, 2.0]]), "list of at least two numbers"),
         (lambda: Chain.from_radii([1.0, 0.0]), "bead 2 is 0: radii must be positive"),
         (lambda: Chain.from_radii([1.0, 2.0, -3.0]), "bead 3 is -3"),
         (lambda: Chain.from_radii([1.0, float("nan")]), "bead 2 is nan"),
         (lambda: Chain.from_radii([1.0, "big"]), "bead 2 is 'big'"),
         (lambda: Chain.from_radii("radii"), "list of positive numbers, got 'radii'"),
-        (lambda: Chain.from_radii([1.0, 1e-200]), "bead 2 is 1e-200: its mass cannot"),
+        (lambda: Chain.from_radii([1.0, 1e-200]), "bead 2 has 1e-200 times .*mass cannot"),
+        (lambda: Chain.from_radii([1.0, float("inf")]), "bead 2 is inf: radii must be positive"),
+        (lambda: Chain.from_radii([True, True]), "bead 1 is True"),
+        (lambda: Chain.from_radii(np.array([1 + 1j, 2])), "list of positive numbers"),
+        (lambda: Chain.from_radii([1, 10**400]), "list of positive numbers|bead 2"),
+        (lambda: Chain.tapered("backward-linear", True, beads=5), "must be a number, got True"),
+        (lambda: Chain.tapered("backward-linear", 10**400, beads=5), "too large"),
+        (lambda: Chain.tapered("uniform", 0.1, beads=5), "Chain.uniform"),
+        (lambda: Chain(np.array([2.0, 1.0])), "first of a chain's radii must be 1, got 2"),
+        (lambda: Chain(np.ones(3), taper="backward-linear"), "a taper and a rate or neither"),
+        (lambda: Chain(np.ones(3), taper="backward-linear", rate=0.1), "are not those of a"),
     ],
 )
 def test_bad_chains_are_refused_in_one_sentence(build, said):
     with pytest.raises(InputError, match=said) as caught:
         build()
     assert "\n" not in str(caught.value)
+
+
+def test_rounding_of_one_over_s_leaves_no_bead_of_nothing():
+    # 1/(1/49) is rounded up to 49.00000000000001, and bead 50 would have a radius of 1e-16.
+    with pytest.raises(InputError, match="at most 49 beads"):
+        Chain.tapered("forward-linear", 1 / 49, beads=50)
+    assert Chain.tapered("forward-linear", 1 / 49, beads=49).radii[-1] == pytest.approx(1 / 49)

@@ -129,7 +129,12 @@ def test_cite(run):
         (["simulate", "--rtol", "1"], "rtol must be between"),
         (["simulate", "--out", "run.xls"], "must end in .nc or .csv"),
         (["reproduce", "--only", "tabel1"], "did you mean 'table1'"),
-        (["reproduce", "--window-linear", "5-60"], "must look like 5:80"),
+        (["reproduce", "--window-linear", "5-60"], "must look like 5:60"),
+        (["reproduce", "--only", ","], "at least one part"),
+        (["simulate", "--times", "0", "--out", "run.csv"], "--times 0 is too few"),
+        (["pulse", "--plot", "nowhere/pulse.png"], "there is no folder nowhere"),
+        (["pulse", "--method", "bca", "--method", "propagate", "--quantity", "peak_time"],
+         "BCA does not predict peak_time"),
         (["reproduce", "--window-linear", "60:5", "--only", "table3"], "window 60..5"),
         (["reproduce", "--out", "/proc/nowhere"], "cannot write into"),
         (["recite"], "No such command"),
@@ -145,9 +150,9 @@ def test_bad_input_gets_one_sentence_and_code_2(run, tmp_path, monkeypatch, argu
     assert [p for p in tmp_path.rglob("*") if p.is_file()] == []
 
 
-def test_a_run_that_cannot_finish_leaves_with_1(run):
+def test_a_run_that_cannot_finish_is_bad_input(run):
     code, out, err = run("simulate", "--beads", 50, "--max-steps", 10)
-    assert (code, out) == (1, "")
+    assert (code, out) == (2, "")
     assert "stopped by the step limit" in err
 
 
@@ -167,3 +172,22 @@ def test_interrupt_leaves_with_130():
     assert process.returncode == 130
     assert time.monotonic() - started < 15.0
     assert "Traceback" not in err
+
+
+def test_two_beads_can_be_compared(run):
+    code, out, _ = run("pulse", "--beads", 2, "--method", "propagate", "--method", "bca")
+    assert code == 0
+    assert "BCA against" in out
+
+
+def test_a_closed_pipe_is_no_failure_of_ours():
+    script = "from hertzchain.cli import main; main()"
+    done = subprocess.run(
+        f'"{sys.executable}" -c "{script}" pulse --beads 400 --csv | head -1',
+        shell=True,
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    assert done.stdout.startswith("method,bead")
+    assert "Traceback" not in done.stderr

@@ -6,10 +6,11 @@ import numpy as np
 import pytest
 
 import hertzchain as hc
-from hertzchain.paper.errata import errata, errata_chains, velocity_formulas, worst_errors
-from hertzchain.paper.figures import LAYOUTS, draw_figure, figure_csv
+from hertzchain.paper.errata import errata, errata_chains
+from hertzchain.paper.figures import LAYOUTS, draw_figure, figure_csv, reproduce_figure
+from hertzchain.paper.formulas import velocity_formulas, worst_errors
 from hertzchain.paper.published import Printed, published_figures
-from hertzchain.paper.reproduction import ITEMS, integrate_chains, reproduce
+from hertzchain.paper.reproduction import integrate_chains, items, reproduce
 from hertzchain.paper.tables import Entry, reproduce_table, table_chains
 
 
@@ -27,7 +28,7 @@ def test_published_data_is_complete():
     ]
     assert counts == [28, 28, 20]
     assert len(published_figures()) == 14
-    assert len(ITEMS) == 3 + 14 + 1
+    assert len(items()) == 3 + 14 + 1
 
 
 def test_printed_numbers_keep_their_digits():
@@ -71,13 +72,16 @@ def test_every_figure_has_its_statement(reproduction):
         assert len(figure.statement.measured) >= 1
 
 
-def test_statements_would_fail_on_wrong_physics():
-    # Beads of the wrong mass: R^3 replaced by a chain of nearly equal beads.
-    from hertzchain.paper.figures import figure_chains, reproduce_figure
-
-    wrong = integrate_chains([("backward-exponential", 0.001)])["backward-exponential", 0.001]
-    pulses = dict.fromkeys(figure_chains("figure4"), wrong)
-    assert not reproduce_figure("figure4", pulses).statement.holds
+@pytest.mark.parametrize("name", published_figures())
+def test_statements_would_fail_on_wrong_physics(reproduction, name):
+    figure = next(f for f in reproduction.figures if f.published.name == name)
+    pulses = {}
+    for curve in figure.curves:
+        # The pulse of a chain whose taper has its rate off by a third.
+        pulse = curve.integration
+        wrong = pulse.velocity ** (4 / 3 if figure.published.number != 9 else 1.2)
+        pulses[figure.published.taper, curve.rate] = hc.Pulse(pulse.chain, "wrong", wrong)
+    assert not reproduce_figure(name, pulses).statement.holds
 
 
 def test_captions_whose_order_is_contradicted(reproduction):
@@ -126,7 +130,7 @@ def test_errors_of_the_formulas_as_printed_and_mended():
     assert max(worst("forward-linear", "as printed")) == pytest.approx(0.97, abs=0.01)
     assert max(worst("forward-linear", "with the exponent -3/2 of Eq. (22)")) < 0.10
     places = [erratum.place for erratum in errata(pulses)]
-    assert len(places) == len(set(places)) == 13
+    assert len(places) == len(set(places)) == 17
 
 
 def test_parts_can_be_asked_for():
@@ -135,8 +139,16 @@ def test_parts_can_be_asked_for():
     assert part.errata == ()
     with pytest.raises(hc.InputError, match="did you mean 'figure"):
         reproduce(["figure15"])
-    with pytest.raises(hc.InputError, match="window 5..120"):
-        reproduce(["table1"], windows={"exponential": (5, 120)})
+    for windows, said in (
+        ({"exponential": (5, 120)}, r"window 5\.\.120"),
+        ({"linear": (5.5, 60.5)}, "first and a last bead"),
+        ({"linar": (5, 60)}, "did you mean 'linear'"),
+    ):
+        with pytest.raises(hc.InputError, match=said):
+            reproduce(["figure6"], windows=windows)
+    for nothing in ([], "table3"):
+        with pytest.raises(hc.InputError, match="at least one part in a list"):
+            reproduce(nothing)
 
 
 def test_readme_quotes_the_verdict(reproduction):

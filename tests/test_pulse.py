@@ -42,8 +42,14 @@ def test_compare_refuses_what_cannot_be_compared(pulses):
         exact.compare(hc.bca(hc.Chain.uniform(20)))
     with pytest.raises(hc.InputError, match="BCA does not predict peak_time"):
         theory.compare(exact).errors("peak_time")
-    with pytest.raises(hc.InputError, match="leaves no bead"):
-        theory.compare(exact).worst("velocity", first_bead=21)
+    for first_bead in (0, -2, 21):
+        with pytest.raises(hc.InputError, match="first_bead must be a bead that has velocity"):
+            theory.compare(exact).worst("velocity", first_bead=first_bead)
+    for name in ("velo", "chain"):
+        with pytest.raises(hc.InputError, match="unknown quantity"):
+            theory.column(name)
+    with pytest.raises(hc.InputError, match="BCA does not predict peak_time"):
+        theory.plot("peak_time")
 
 
 def test_dataset_counts_beads_from_one(pulses):
@@ -79,6 +85,8 @@ def test_run_plot_draws_every_bead():
     [
         ({"velocity": [1.0, 1.0]}, r"shape \(3,\)"),
         ({"velocity": [1.0, 0.0, 1.0]}, "bead 2 is 0"),
+        ({"velocity": ["fast", 1.0, 1.0]}, "must be 3 numbers"),
+        ({"velocity": [1.0] * 3, "residence": [1.0, 0.0]}, "residence of contact 2 is 0"),
         ({"velocity": [1.0, np.nan, 1.0]}, "bead 2 is nan"),
         ({"velocity": [1.0, 1.0, 1.0], "arrival": [0.0, 1.0, np.inf]}, "arrival of bead 3"),
     ],

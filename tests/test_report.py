@@ -61,7 +61,7 @@ def test_verdict_is_plain_versioned_data(folder):
     assert len(verdict["tables"]["table2"]["entries"]) == 28
     assert verdict["tables"]["table2"]["window"] == [5, 80]
     assert verdict["figures"]["figure6"]["holds"] is True
-    assert len(verdict["errata"]) == 13
+    assert len(verdict["errata"]) == 17
     assert verdict["method"]["energy_drift"] < 1e-10
 
 
@@ -99,3 +99,25 @@ def test_an_unwritable_folder_is_named(tmp_path):
     (tmp_path / "file").write_text("not a folder")
     with pytest.raises(hc.InputError, match="cannot write into .*file"):
         write_report(reproduce(["table3"]), tmp_path / "file")
+
+
+def test_what_others_keep_in_the_folder_stays(tmp_path):
+    (tmp_path / "figures").mkdir()
+    (tmp_path / "figures" / "thesis.png").write_text("mine")
+    write_report(reproduce(["figure6"]), tmp_path)
+    assert (tmp_path / "figures" / "thesis.png").read_text() == "mine"
+    assert (tmp_path / "figures" / "figure6.svg").exists()
+
+
+def test_what_is_in_the_way_is_named_before_anything_is_written(tmp_path):
+    (tmp_path / "figures").write_text("a file")
+    with pytest.raises(hc.InputError, match="figures' is in the way"):
+        write_report(reproduce(["table3"]), tmp_path)
+    assert [path.name for path in tmp_path.iterdir()] == ["figures"]
+
+
+def test_windows_that_were_asked_for_are_said_to_be(tmp_path):
+    write_report(reproduce(["table3"], windows={"linear": (5, 99)}), tmp_path)
+    page = (tmp_path / "report.html").read_text("utf-8")
+    assert "were asked for" in page
+    assert "verdict bad" in page

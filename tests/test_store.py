@@ -46,7 +46,10 @@ def test_chain_files(tmp_path):
         ("[chain]\nradii = [1, 2]\nbeads = 2", "has radii and also beads"),
         ("[chain]\nradii = [1, -2]", "bead 2 is -2"),
         ('[chain]\nradii = [1, "two"]', "bead 2 is 'two'"),
-        ("[chain]\nradii = 5", "shape"),
+        ("[chain]\nradii = 5", "at least two numbers, got 5"),
+        ("[chain]\nradii = [true, true]", "bead 1 is True"),
+        ('[chain]\ntaper = "unifrm"\nbeads = 2', "did you mean 'uniform'"),
+        ('[chain]\ntaper = "forward-linear"\nbeads = 3\nrate = true', "must be a number"),
         ('[chain]\ntaper = "uniform"\nbeads = 2.5', "whole number"),
     ],
 )
@@ -98,3 +101,14 @@ def test_files_are_written_whole_or_not_at_all(tmp_path):
     with pytest.raises(hc.InputError, match="cannot write"):
         store.save_run(run, tmp_path / "missing" / "run.csv")
     assert list(tmp_path.iterdir()) == []
+
+
+def test_a_run_without_saved_times_is_not_written(tmp_path):
+    with pytest.raises(hc.InputError, match="saved no times"):
+        store.save_run(hc.simulate(hc.Chain.uniform(3), times=0), tmp_path / "run.csv")
+
+
+def test_a_byte_order_mark_is_read_over(tmp_path):
+    path = tmp_path / "chain.toml"
+    path.write_bytes(b"\xef\xbb\xbf[chain]\r\nradii = [1, 2]\r\n")
+    assert hc.load_chain(path).beads == 2

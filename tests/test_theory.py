@@ -133,7 +133,9 @@ def test_modified_bca_by_coefficients():
             "Hertz contacts",
         ),
         (
-            lambda: hc.modified_bca(hc.Chain.tapered("forward-linear", 0.01, beads=9), "calibratd"),
+            lambda: hc.modified_bca(
+                hc.Chain.tapered("forward-linear", 0.005, beads=9), "calibratd"
+            ),
             "did you mean 'calibrated'",
         ),
     ],
@@ -141,3 +143,26 @@ def test_modified_bca_by_coefficients():
 def test_bad_input_is_refused(call, said):
     with pytest.raises(hc.InputError, match=said):
         call()
+
+
+def test_slope_of_the_paper_exceeds_that_of_the_exact_product():
+    momentum = hc.bca(hc.Chain.tapered("forward-linear", 0.01, beads=2)).momentum
+    ratio = forward_linear_momentum_slope(0.01) / (momentum[1] - momentum[0])
+    assert ratio == pytest.approx(1.01**1.5, rel=2e-4)
+
+
+def test_rates_outside_the_fitted_ones_are_announced():
+    chain = hc.Chain.tapered("backward-exponential", 0.5, beads=9)
+    with pytest.warns(hc.ModelRangeWarning, match=r"q = 0\.01\.\.0\.08, not 0\.5"):
+        hc.modified_bca(chain)
+
+
+def test_functions_of_a_taper_check_it():
+    for call in (
+        lambda: exponential_rates("bakward-exponential", 0.1),
+        lambda: exponential_rates("backward-exponential", 1.5),
+        lambda: backward_linear_prefactor(-0.3),
+        lambda: forward_linear_momentum_slope(2.0),
+    ):
+        with pytest.raises(hc.InputError):
+            call()

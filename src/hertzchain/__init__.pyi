@@ -11,3 +11,5 @@ from .simulation import simulate as simulate
 from .store import load_chain as load_chain
 from .theory.bca import bca as bca
 from .theory.modified_bca import modified_bca as modified_bca
+
+__version__: str

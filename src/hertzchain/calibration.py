@@ -6,13 +6,14 @@ fit is a function, with its windows as arguments, so that anyone can repeat it.
 
 from __future__ import annotations
 
+import operator
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 
-from hertzchain.chain import TAPERS, Chain, Taper, rate_symbol
+from hertzchain.chain import TAPERS, Chain, Taper, check_taper, rate_symbol
 from hertzchain.contacts import Array
 from hertzchain.errors import InputError, unknown_name
 from hertzchain.simulation import propagate
@@ -28,7 +29,7 @@ RATES: Final[dict[Taper, tuple[float, ...]]] = {
     "forward-linear": (0.001, 0.003, 0.005, 0.007, 0.009),
     "forward-exponential": (0.01, 0.02, 0.03, 0.04, 0.05, 0.06),
 }
-# Beads 5..80, as the paper's own fits in tables 1 and 2.
+# Beads 5..80, the window that brings back the paper's tables 1 and 2.
 WINDOW: Final[Window] = (5, 80)
 BEADS: Final = 100
 
@@ -114,10 +115,12 @@ def calibrate(
     """
     if taper not in TAPERS:
         raise unknown_name("taper", taper, TAPERS)
-    used = tuple(RATES[taper] if rates is None else (float(rate) for rate in rates))
+    used = RATES[taper] if rates is None else tuple(check_taper(taper, rate) for rate in rates)
     needed = 1 if rate_symbol(taper) == "S" else 3
-    if len(used) < needed:
-        raise InputError(f"calibrating {taper} needs at least {needed} rates, got {len(used)}")
+    if len(set(used)) < needed:
+        raise InputError(
+            f"calibrating {taper} needs at least {needed} different rates, got {_listed(used)}"
+        )
     k = beads_in_window(window, beads)
     pulses = [propagate(Chain.tapered(taper, rate, beads=beads)) for rate in used]
     exact = np.array([pulse.velocity[k - 1] for pulse in pulses])
@@ -155,7 +158,12 @@ def beads_in_window(window: Window, beads: int) -> np.ndarray[tuple[int], np.dty
     >>> beads_in_window((5, 8), 100)
     array([5, 6, 7, 8])
     """
-    first, last = window
+    try:
+        first, last = (operator.index(bead) for bead in window)
+    except (TypeError, ValueError):
+        raise InputError(
+            f"a window is a first and a last bead, such as (5, 80), got {window!r}"
+        ) from None
     if not (first >= 2 and first + 2 <= last < beads):
         raise InputError(
             f"window {first}..{last} must hold at least three beads between 2 and "

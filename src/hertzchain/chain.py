@@ -18,13 +18,17 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from hertzchain.contacts import HERTZ_EXPONENT, Array, hertz_stiffness
-from hertzchain.errors import InputError, unknown_name
+from hertzchain.errors import InputError, real_number, unknown_name
 
 Taper = Literal["backward-linear", "backward-exponential", "forward-linear", "forward-exponential"]
 TAPERS: Final[tuple[Taper, ...]] = get_args(Taper)
 
 # What an integration holds per bead: sixteen stages and the state, 8 bytes a number.
 BYTES_PER_BEAD: Final = 400
+# A radius below this is what rounding leaves of zero.
+ROUNDING: Final = 1e-12
+# Beyond it a contact is a hard wall, which steps in time cannot follow.
+LARGEST_EXPONENT: Final = 50.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,6 +71,19 @@ class Chain:
     def __post_init__(self) -> None:
         object.__setattr__(self, "exponent", _checked_exponent(self.exponent))
         object.__setattr__(self, "radii", _checked_radii(self.radii))
+        if self.radii[0] != 1.0:
+            raise InputError(
+                f"the first of a chain's radii must be 1, got {self.radii[0]:g}; "
+                "Chain.from_radii takes radii in any unit"
+            )
+        if (self.taper is None) != (self.rate is None):
+            raise InputError("a chain has a taper and a rate or neither; use Chain.tapered")
+        if self.taper is not None and self.rate is not None:
+            check_taper(self.taper, self.rate, self.beads)
+            if not np.array_equal(self.radii, _tapered_radii(self.taper, self.rate, self.beads)):
+                raise InputError(
+                    f"these radii are not those of a {self.taper} taper; use Chain.tapered"
+                )
 
     @classmethod
     def tapered(
@@ -75,12 +92,12 @@ class Chain:
         r"""A chain whose radii grow (backward) or shrink (forward) along it.
 
         ====================  ============================  =====================
-        taper                 radius of bead k              Eq. of the paper
+        taper                 radius of bead k              in the paper
         ====================  ============================  =====================
-        backward-linear       :math:`1 + S(k-1)`            (6)
-        backward-exponential  :math:`(1-q)^{-(k-1)}`        (7)
-        forward-linear        :math:`1 - S(k-1)`            (19), :math:`N<1+1/S`
-        forward-exponential   :math:`(1+q)^{-(k-1)}`        (21)
+        backward-linear       :math:`1 + S(k-1)`            Eq. (6)
+        backward-exponential  :math:`(1-q)^{-(k-1)}`        Eq. (7)
+        forward-linear        :math:`1 - S(k-1)`            Eq. (19), N < 1 + 1/S
+        forward-exponential   :math:`(1+q)^{-(k-1)}`        Eq. (21)
         ====================  ============================  =====================
 
         Parameters
@@ -109,11 +126,9 @@ class Chain:
         >>> Chain.tapered("forward-linear", 0.25, beads=4).radii
         array([1.  , 0.75, 0.5 , 0.25])
         """
-        if taper not in TAPERS:
-            raise unknown_name("taper", taper, TAPERS)
         count = _checked_beads(beads)
-        checked = _checked_rate(taper, rate, count)
-        return cls(_tapered_radii(taper, checked, count), exponent, taper, checked)
+        checked = check_taper(taper, rate, count)
+        return cls(_tapered_radii(taper, checked, count), exponent, taper, checked)  # type: ignore[arg-type]
 
     @classmethod
     def uniform(cls, beads: int, *, exponent: float = HERTZ_EXPONENT) -> Chain:
@@ -168,7 +183,7 @@ class Chain:
         >>> Chain.from_radii([5.0, 2.5, 5.0]).masses
         array([1.   , 0.125, 1.   ])
         """
-        given = _checked_radii(radii)
+        given = _positive_radii(radii)
         with np.errstate(over="ignore", under="ignore"):
             return cls(given / given[0], exponent)
 
@@ -214,11 +229,19 @@ def rate_symbol(taper: str) -> Literal["S", "q"]:
     -------
     str
 
+    Raises
+    ------
+    InputError
+        If there is no such taper.
+
     Examples
     --------
     >>> rate_symbol("backward-linear")
     'S'
     """
+    if taper not in TAPERS:
+        hint = "; equal beads are Chain.uniform" if taper == "uniform" else ""
+        raise InputError(str(unknown_name("taper", taper, TAPERS)) + hint)
     return "S" if taper.endswith("linear") else "q"
 
 
@@ -253,26 +276,52 @@ def _checked_beads(beads: int) -> int:
     return count
 
 
-def _checked_rate(taper: str, rate: float, beads: int) -> float:
+def check_taper(taper: str, rate: float, beads: int = 2) -> float:
+    """The rate of a taper, if the taper exists and a chain of so many beads has that rate.
+
+    Parameters
+    ----------
+    taper : str
+        Name of the taper.
+    rate : float
+        Tapering parameter S or q.
+    beads : int
+        Number of beads.
+
+    Returns
+    -------
+    float
+        The rate.
+
+    Raises
+    ------
+    InputError
+        For an unknown taper, or a rate outside its range.
+
+    Examples
+    --------
+    >>> check_taper("forward-linear", 0.01, 100)
+    0.01
+    """
     symbol = rate_symbol(taper)
-    try:
-        value = float(rate)
-    except (TypeError, ValueError):
-        raise InputError(f"{symbol} of a {taper} taper must be a number, got {rate!r}") from None
+    value = real_number(f"{symbol} of a {taper} taper", rate)
     if symbol == "q":
         if not 0.0 < value < 1.0:
             raise InputError(
                 f"q of a {taper} taper must lie between 0 and 1, got {value:g}; "
-                "try 0.05, or Chain.uniform for equal beads"
+                "try 0.05, or a uniform chain for equal beads"
             )
         return value
     if not 0.0 < value < math.inf:
         raise InputError(
             f"S of a {taper} taper must be positive and finite, got {value:g}; "
-            "try 0.005, or Chain.uniform for equal beads"
+            "try 0.005, or a uniform chain for equal beads"
         )
-    if taper == "forward-linear" and beads >= 1.0 + 1.0 / value:
-        longest = math.ceil(1.0 + 1.0 / value) - 1
+    if taper == "forward-linear" and not _last_radius(value, beads) > ROUNDING:
+        # 1/S is rounded: step down from it to the first chain that has a radius left.
+        longest = math.ceil(1.0 + 1.0 / value)
+        while longest >= 2 and not _last_radius(value, longest) > ROUNDING:
+            longest -= 1
         advice = (
             f"use at most {longest} beads or a smaller S"
             if longest >= 2
@@ -285,43 +334,55 @@ def _checked_rate(taper: str, rate: float, beads: int) -> float:
     return value
 
 
+def _last_radius(rate: float, beads: int) -> float:
+    return 1.0 - rate * (beads - 1)
+
+
 def _checked_exponent(exponent: float) -> float:
-    try:
-        value = float(exponent)
-    except (TypeError, ValueError):
-        raise InputError(f"exponent must be a number above 1, got {exponent!r}") from None
-    if not 1.0 < value < math.inf:
+    value = real_number("exponent of the contact force", exponent)
+    if not 1.0 < value <= LARGEST_EXPONENT:
         raise InputError(
-            f"exponent of the contact force must be above 1 and finite, got {value:g}; "
-            "Hertz contacts have 1.5"
+            f"exponent of the contact force must be above 1 and at most {LARGEST_EXPONENT:g}, "
+            f"got {value:g}; Hertz contacts have 1.5"
         )
     return value
 
 
-def _checked_radii(radii: ArrayLike) -> Array:
-    """Read-only copy of radii that are positive and whose masses can be represented."""
+def _positive_radii(radii: ArrayLike) -> Array:
+    """A copy of radii that are numbers, positive and finite, and at least two."""
     try:
-        values: NDArray[np.float64] = np.array(radii, dtype=float)
-    except (TypeError, ValueError):
-        raise InputError(_first_unreadable(radii)) from None
-    if values.ndim != 1 or len(values) < 2:
+        given = np.asarray(radii)
+    except ValueError:
+        raise InputError(f"radii must be a list of positive numbers, got {radii!r}") from None
+    if given.dtype.kind not in "iuf":
+        raise InputError(_first_unreadable(radii))
+    if given.ndim != 1 or len(given) < 2:
+        raise InputError(f"radii must be a list of at least two numbers, got {radii!r}")
+    _checked_beads(len(given))
+    values: NDArray[np.float64] = given.astype(float)
+    good = (values > 0.0) & (values < math.inf)
+    if not good.all():
+        k = int(np.argmin(good))
         raise InputError(
-            f"radii must be a list of at least two numbers, got an array of shape {values.shape}"
+            f"radius of bead {k + 1} is {values[k]:g}: radii must be positive and finite"
         )
-    _checked_beads(len(values))
+    return values
+
+
+def _checked_radii(radii: ArrayLike) -> Array:
+    """Read-only copy of scaled radii whose masses can be represented."""
+    values = np.array(radii, dtype=float)
     with np.errstate(over="ignore", under="ignore"):
         masses = values**3
-    representable = (masses >= np.finfo(float).tiny) & (masses < math.inf)
-    bad = ~((values > 0.0) & representable)
-    if bad.any():
-        k = int(np.argmax(bad))
-        reason = (
-            "its mass cannot be represented (radii within 1e-102..1e102 of the first can); "
-            "use fewer beads or a weaker taper"
-            if values[k] > 0.0
-            else "radii must be positive"
-        )
-        raise InputError(f"radius of bead {k + 1} is {values[k]:g}: {reason}")
+    good = (masses >= np.finfo(float).tiny) & (masses < math.inf)
+    if values.ndim == 1 and not good.all():
+        k = int(np.argmin(good))
+        if not values[k] < 0.0:
+            raise InputError(
+                f"bead {k + 1} has {values[k]:g} times the radius of the first: its mass cannot "
+                "be represented beyond 1e-102..1e102; use fewer beads or a weaker taper"
+            )
+    values = _positive_radii(values)
     values.setflags(write=False)
     return values
 
@@ -330,7 +391,7 @@ def _first_unreadable(radii: object) -> str:
     if isinstance(radii, Sequence) and not isinstance(radii, str):
         for k, value in enumerate(radii, start=1):
             try:
-                float(value)
-            except (TypeError, ValueError):
+                real_number("", value)
+            except InputError:
                 return f"radius of bead {k} is {value!r}: radii must be positive numbers"
     return f"radii must be a list of positive numbers, got {radii!r}"

@@ -1,7 +1,8 @@
 """The command line: parse, call one library function, show.
 
 Results go to stdout, messages and progress to stderr.  Exit codes: 0 done,
-1 failed, 2 bad usage or input, 3 finished but outside tolerance, 130 interrupted.
+1 failed, 2 bad usage or input or a run that cannot finish, 3 finished but outside
+tolerance, 130 interrupted.
 """
 
 from __future__ import annotations
@@ -56,6 +57,12 @@ def main() -> None:
         code = BAD_INPUT
     except SimulationError as error:
         click.echo(f"Error: {error}", err=True)
+        code = BAD_INPUT
+    except OSError as error:
+        # Such as a pipe that was closed or a disk that is full.
+        if not isinstance(error, BrokenPipeError):
+            click.echo(f"Error: cannot write the results: {error.strerror}", err=True)
+        sys.stdout = None
         code = FAILED
     sys.exit(code or DONE)
 
@@ -64,7 +71,10 @@ def chain_options(command: Callable[..., Any]) -> Callable[..., Any]:
     """The options that describe a chain, shared by the commands that need one."""
     for option in (
         click.argument("file", required=False, type=click.Path(path_type=Path)),
-        click.option("--taper", help="Taper, or uniform.  [default: uniform]"),
+        click.option(
+            "--taper",
+            help="uniform, or backward-/forward- with linear/exponential.  [default: uniform]",
+        ),
         click.option("--rate", type=float, help="Tapering parameter: S (linear), q (exponential)."),
         click.option("--beads", type=int, help="Number of beads N.  [default: 100]"),
     )[::-1]:
@@ -88,7 +98,8 @@ def chain_options(command: Callable[..., Any]) -> Callable[..., Any]:
     default="velocity",
     show_default=True,
     metavar="NAME",
-    help="What to show side by side when there are several methods.",
+    help="What to draw, and to show side by side when there are several methods: "
+    "velocity, momentum, energy, peak_time, arrival, residence, peak_overlap, peak_force.",
 )
 @click.option("--log", is_flag=True, help="Draw with a logarithmic ordinate.")
 @click.option("--all", "every_bead", is_flag=True, help="Show every bead in the table.")
@@ -116,13 +127,14 @@ def pulse(
       hertzchain pulse chain.toml --csv > pulse.csv
     """
     from hertzchain import store
+    from hertzchain.errors import InputError
     from hertzchain.pulse import QUANTITIES
 
     if as_json and as_csv:
         raise click.UsageError("--json and --csv exclude each other")
     _known("method", methods, METHODS)
     _known("quantity", (quantity,), tuple(QUANTITIES))
-    _drawable(plot)
+    _writable(plot, "--plot", (".png", ".svg", ".pdf"))
     chain = _chain(file, taper, rate, beads)
     with _progress("beads passed") as progress:
         pulses = [_compute(method, chain, progress) for method in dict.fromkeys(methods)]
@@ -137,6 +149,8 @@ def pulse(
     elif len(pulses) == 1:
         _show(_pulse_table(pulses[0], every_bead))
     else:
+        for missing in (other for other in pulses if other.column(quantity) is None):  # type: ignore[arg-type]
+            raise InputError(f"{missing.method} does not predict {quantity}")
         _show(_side_by_side(pulses, quantity, every_bead))  # type: ignore[arg-type]
         for other in pulses[1:]:
             click.echo(f"\n{other.compare(pulses[0])}")
@@ -147,7 +161,9 @@ def pulse(
 @click.option("--until", type=float, help="Time to stop at.  [default: when the pulse has left]")
 @click.option("--times", type=int, default=400, show_default=True, help="Times to save.")
 @click.option("--rtol", type=float, default=1e-13, show_default=True, help="Tolerance of a step.")
-@click.option("--max-steps", type=int, help="Step limit.  [default: 2000 per bead]")
+@click.option(
+    "--max-steps", type=int, help="Step limit.  [default: 2000 per bead, at least a million]"
+)
 @click.option(
     "--out",
     type=click.Path(path_type=Path),
@@ -175,9 +191,10 @@ def simulate(
     """
     from hertzchain import simulation, store
 
-    _drawable(plot)
-    if out is not None and out.suffix not in (".nc", ".csv"):
-        raise click.UsageError(f"--out {out} must end in .nc or .csv")
+    _writable(plot, "--plot", (".png", ".svg", ".pdf"))
+    _writable(out, "--out", (".nc", ".csv"))
+    if times < 2 and (out is not None or plot is not None):
+        raise click.UsageError(f"--out and --plot need saved times: --times {times} is too few")
     chain = _chain(file, taper, rate, beads)
     with _progress("beads passed") as progress:
         run = simulation.simulate(
@@ -285,7 +302,8 @@ def _chain(file: Path | None, taper: str | None, rate: float | None, beads: int 
     if taper not in TAPERS:
         raise unknown_name("taper", taper, (*TAPERS, "uniform"))
     if rate is None:
-        raise click.UsageError(f"--taper {taper} needs --rate, its S or q, such as 0.005")
+        usual = "its S, such as 0.005" if taper.endswith("linear") else "its q, such as 0.05"
+        raise click.UsageError(f"--taper {taper} needs --rate, {usual}")
     return Chain.tapered(taper, rate, beads=count)
 
 
@@ -313,7 +331,7 @@ def _window(option: str, text: str) -> tuple[int, int]:
     try:
         first, last = (int(part) for part in text.split(":"))
     except ValueError:
-        raise click.UsageError(f"{option} must look like 5:80, got {text!r}") from None
+        raise click.UsageError(f"{option} must look like 5:60, got {text!r}") from None
     return first, last
 
 
@@ -430,9 +448,14 @@ def _show_reproduction(result: Reproduction) -> None:
             click.echo(f"  does not hold: {figure.published.name}: {figure.statement.claim}")
 
 
-def _drawable(plot: Path | None) -> None:
-    if plot is not None and plot.suffix not in (".png", ".svg", ".pdf"):
-        raise click.UsageError(f"--plot {plot} must end in .png, .svg or .pdf")
+def _writable(path: Path | None, option: str, endings: tuple[str, ...]) -> None:
+    """Refuse a file that could not be written, before any work is done for it."""
+    if path is None:
+        return
+    if path.suffix not in endings:
+        raise click.UsageError(f"{option} {path} must end in {' or '.join(endings)}")
+    if not path.parent.is_dir():
+        raise click.UsageError(f"{option} {path}: there is no folder {path.parent}")
 
 
 def _save_axes(axes: Any, plot: Path) -> None:

@@ -11,6 +11,7 @@
 from __future__ import annotations
 
 import difflib
+import numbers
 from collections.abc import Iterable
 
 
@@ -49,6 +50,39 @@ def unknown_name(what: str, name: object, known: Iterable[str]) -> InputError:
     unknown colour 'gren': choose from red, green; did you mean 'green'?
     """
     choices = list(known)
-    near = difflib.get_close_matches(str(name), choices, n=1, cutoff=0.5)
-    hint = f"; did you mean {near[0]!r}?" if near else ""
+    lower = {choice.lower(): choice for choice in choices}
+    near = difflib.get_close_matches(str(name).lower(), lower, n=1, cutoff=0.5)
+    hint = f"; did you mean {lower[near[0]]!r}?" if near else ""
     return InputError(f"unknown {what} {name!r}: choose from {', '.join(choices)}{hint}")
+
+
+def real_number(what: str, value: object) -> float:
+    """A number as given, as a float; not a truth value, text or anything else.
+
+    Parameters
+    ----------
+    what : str
+        What the number is, for the error.
+    value : object
+        What was given.
+
+    Returns
+    -------
+    float
+
+    Raises
+    ------
+    InputError
+        If it is not a real number, or too large to be a float.
+
+    Examples
+    --------
+    >>> real_number("rate", 1)
+    1.0
+    """
+    if isinstance(value, numbers.Real) and not isinstance(value, bool):
+        try:
+            return float(value)
+        except OverflowError:
+            raise InputError(f"{what} is too large: at most 1.8e308") from None
+    raise InputError(f"{what} must be a number, got {value!r}")

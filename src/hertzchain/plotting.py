@@ -16,6 +16,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from hertzchain.errors import InputError
 from hertzchain.pulse import PER_CONTACT, Pulse, Quantity
 from hertzchain.simulation import Run
 
@@ -87,7 +88,7 @@ def plot_pulses(
     Parameters
     ----------
     pulses : sequence of Pulse
-        Pulses to compare; those that do not predict the quantity are left out.
+        Pulses to compare.
     quantity : str
         Name of the quantity.
     log : bool
@@ -99,6 +100,11 @@ def plot_pulses(
     -------
     matplotlib.axes.Axes
 
+    Raises
+    ------
+    InputError
+        If a method does not predict the quantity.
+
     Examples
     --------
     >>> import hertzchain as hc
@@ -107,12 +113,13 @@ def plot_pulses(
     >>> len(axes.lines)
     2
     """
+    missing = [pulse.method for pulse in pulses if pulse.column(quantity) is None]
+    if missing:
+        raise InputError(f"{missing[0]} does not predict {quantity}")
     with house_style():
         axes = ax if ax is not None else plt.subplots()[1]
         for i, pulse in enumerate(pulses):
-            values = pulse.column(quantity)
-            if values is None:
-                continue
+            values = pulse.columns()[quantity]
             axes.plot(
                 pulse.bead[: len(values)],
                 values,
@@ -145,12 +152,19 @@ def plot_run(run: Run, *, ax: Axes | None = None) -> Axes:
     -------
     matplotlib.axes.Axes
 
+    Raises
+    ------
+    InputError
+        If fewer than two times were saved.
+
     Examples
     --------
     >>> import hertzchain as hc
     >>> plot_run(hc.simulate(hc.Chain.uniform(9))).get_xlabel()
     'time $t$'
     """
+    if len(run.times) < 2:
+        raise InputError(f"a map needs at least 2 saved times, the run has {len(run.times)}")
     with house_style():
         axes = ax if ax is not None else plt.subplots()[1]
         # One colour for at rest: white, red forwards, blue backwards.

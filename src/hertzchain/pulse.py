@@ -8,14 +8,15 @@ a prediction.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Final, Literal
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from hertzchain.chain import Chain
 from hertzchain.contacts import Array
-from hertzchain.errors import InputError
+from hertzchain.errors import InputError, unknown_name
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -40,7 +41,7 @@ QUANTITIES: Final[dict[Quantity, tuple[str, str]]] = {
     "energy": ("E", "kinetic energy m v^2 / 2 of the bead at that maximum"),
     "peak_time": ("t_v", "time of that maximum"),
     "arrival": ("t", "time at which the bead becomes faster than the one behind it"),
-    "residence": ("T", "time from the arrival at this bead to that at the next"),
+    "residence": ("T", "time from the arrival at this bead to that at the next bead"),
     "peak_overlap": ("d", "largest overlap with the next bead"),
     "peak_force": ("F", "largest force on the next bead"),
 }
@@ -68,6 +69,10 @@ class Pulse:
         largest overlap of contact k - 1 [scaled]; 0 for bead 1.
     peak_overlap : ndarray, shape (N - 1,), or None
         First maximum of the overlap of each contact [scaled].
+    residence : ndarray, shape (N - 1,), or None
+        Residence time :math:`T_k = t_{k+1} - t_k` on bead k [scaled]; from the arrivals if
+        not given.  In strongly uneven chains arrivals need not be in order, and it may be
+        negative.
 
     Examples
     --------
@@ -83,16 +88,17 @@ class Pulse:
     peak_time: Array | None = None
     arrival: Array | None = None
     peak_overlap: Array | None = None
+    residence: Array | None = None
 
     def __post_init__(self) -> None:
-        lengths = {"velocity": self.chain.beads, "peak_time": self.chain.beads}
-        lengths |= {"arrival": self.chain.beads, "peak_overlap": self.chain.beads - 1}
-        for field in fields(self):
-            if field.name in lengths and getattr(self, field.name) is not None:
-                values = np.array(getattr(self, field.name), dtype=float)
-                _check_column(self, field.name, values, lengths[field.name])
-                values.setflags(write=False)
-                object.__setattr__(self, field.name, values)
+        beads = self.chain.beads
+        for name in ("velocity", "peak_time", "arrival", "peak_overlap", "residence"):
+            values = getattr(self, name)
+            if name == "residence" and values is None and self.arrival is not None:
+                values = np.diff(self.arrival)
+            if values is not None:
+                length = beads - 1 if name in PER_CONTACT else beads
+                object.__setattr__(self, name, _checked_column(self, name, values, length))
 
     @property
     def bead(self) -> np.ndarray[Any, np.dtype[np.int64]]:
@@ -108,11 +114,6 @@ class Pulse:
     def energy(self) -> Array:
         """Kinetic energy E_k = m_k v_k^2 / 2 [scaled], shape (N,)."""
         return 0.5 * self.momentum * self.velocity
-
-    @property
-    def residence(self) -> Array | None:
-        """Residence time T_k = t_{k+1} - t_k on bead k [scaled], shape (N - 1,)."""
-        return None if self.arrival is None else np.diff(self.arrival)
 
     @property
     def peak_force(self) -> Array | None:
@@ -134,12 +135,19 @@ class Pulse:
         ndarray or None
             `None` if the method does not predict it.
 
+        Raises
+        ------
+        InputError
+            If there is no such quantity.
+
         Examples
         --------
         >>> import hertzchain as hc
         >>> float(hc.bca(hc.Chain.uniform(3)).column("velocity")[2])
         1.0
         """
+        if quantity not in QUANTITIES:
+            raise unknown_name("quantity", quantity, QUANTITIES)
         values: Array | None = getattr(self, quantity)
         return values
 
@@ -154,7 +162,7 @@ class Pulse:
         Examples
         --------
         >>> import hertzchain as hc
-        >>> list(hc.modified_bca(hc.Chain.tapered("forward-linear", 0.01, beads=9)).columns())
+        >>> list(hc.modified_bca(hc.Chain.tapered("forward-linear", 0.005, beads=9)).columns())
         ['velocity', 'momentum', 'energy']
         """
         found = {name: self.column(name) for name in QUANTITIES}
@@ -337,7 +345,7 @@ class Comparison:
         Raises
         ------
         InputError
-            If one of the two methods does not predict the quantity.
+            If one of the two methods does not predict the quantity, or it is unknown.
 
         Examples
         --------
@@ -426,12 +434,13 @@ class Comparison:
     def _reduce(
         self, quantity: Quantity, first_bead: int, summary: Callable[[Array], float]
     ) -> float:
-        errors = np.abs(self.errors(quantity))[first_bead - 1 :]
-        if not len(errors):
+        errors = np.abs(self.errors(quantity))
+        if not 1 <= first_bead <= len(errors):
             raise InputError(
-                f"first_bead = {first_bead} leaves no bead of {self.pulse.chain.beads} to compare"
+                f"first_bead must be a bead that has {quantity}, 1 to {len(errors)}, "
+                f"got {first_bead}"
             )
-        return summary(errors)
+        return summary(errors[first_bead - 1 :])
 
     def __str__(self) -> str:
         lines = [
@@ -440,22 +449,34 @@ class Comparison:
             f"  {'quantity':<13}{'worst':>10}{'at k':>6}{'rms':>10}",
         ]
         for name in self.quantities:
+            if len(self.errors(name)) < 2:
+                continue  # two beads have one contact
             worst, at, rms = self.worst(name), self.worst_bead(name), self.rms(name)
             lines.append(f"  {name:<13}{worst:>10.2%}{at:>6}{rms:>10.2%}")
         return "\n".join(lines)
 
 
-def _check_column(pulse: Pulse, name: str, values: Array, length: int) -> None:
-    """Refuse a column that could only mislead: wrong length, not finite, or not positive."""
+def _checked_column(pulse: Pulse, name: str, given: ArrayLike, length: int) -> Array:
+    """Read-only copy of a column, unless it could only mislead."""
+    try:
+        values = np.array(given, dtype=float)
+    except (TypeError, ValueError):
+        raise InputError(f"{name} of a pulse must be {length} numbers, got {given!r}") from None
     if values.shape != (length,):
         raise InputError(f"{name} of a pulse must have shape ({length},), got {values.shape}")
-    first = 1 if name in ("arrival", "peak_time") else 0
-    bad = ~(np.isfinite(values) & (values > 0.0))
-    bad[:first] = ~np.isfinite(values[:first])
-    if bad.any():
-        k = int(np.argmax(bad))
+    good = np.isfinite(values)
+    if name == "residence":
+        good &= values != 0.0  # out of order is possible, no time at all is a lost digit
+    else:
+        first = 1 if name in ("arrival", "peak_time") else 0
+        good[first:] &= values[first:] > 0.0
+    if not good.all():
+        k = int(np.argmin(good))
+        place = "contact" if name in PER_CONTACT else "bead"
         raise InputError(
-            f"{name} of bead {k + 1} is {values[k]:g} by {pulse.method} for the chain "
-            f"{pulse.chain.description}: it underflows or overflows; use fewer beads or a "
-            "weaker taper"
+            f"{name} of {place} {k + 1} is {values[k]:g} by {pulse.method} for the chain "
+            f"{pulse.chain.description}: it must be positive and finite; if it underflows or "
+            "overflows, use fewer beads or a weaker taper"
         )
+    values.setflags(write=False)
+    return values

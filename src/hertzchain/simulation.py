@@ -14,26 +14,30 @@ from typing import TYPE_CHECKING, Final, Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
+from hertzchain import __version__
 from hertzchain.chain import Chain
 from hertzchain.contacts import Array, compression_time, reduced_mass
-from hertzchain.errors import InputError, SimulationError
+from hertzchain.errors import InputError, SimulationError, real_number
 from hertzchain.pulse import Pulse
 
 if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.axes import Axes
 
-Status = Literal["pulse left", "time reached", "step limit", "step too small", "underflow"]
+Status = Literal[
+    "pulse left", "time reached", "step limit", "step too small", "underflow", "pulse lost"
+]
 Progress = Callable[[int, int], None]
 
 DEFAULT_RTOL: Final = 1e-13
+# Default step limit: for long chains, and for short ones with a light bead that rattles.
 STEPS_PER_BEAD: Final = 2_000
+LEAST_STEP_LIMIT: Final = 1_000_000
 # Work of one call of the compiled loop, in bead-steps: a fraction of a second, after
 # which progress is told and an interrupt is heard.
 BEAD_STEPS_PER_CALL: Final = 1_000_000
 # Below this, accelerations have lost digits and the steps would shrink without end.
 SMALLEST_ACCELERATION: Final = 1e-290
-UNDERFLOW: Final = -1
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,8 +55,9 @@ class Run:
     velocities : ndarray, shape (T, N)
         Velocities [scaled].
     status : str
-        ``"pulse left"`` or ``"time reached"``; ``"step limit"``, ``"step too small"``
-        and ``"underflow"`` are failures that `simulate` raises unless told not to.
+        ``"pulse left"`` or ``"time reached"``; ``"step limit"``, ``"step too small"``,
+        ``"underflow"`` and ``"pulse lost"`` are failures that `simulate` raises unless
+        told not to.
     end_time : float
         Time at which the integration stopped [scaled].
     energy_drift : float
@@ -100,14 +105,21 @@ class Run:
         return {
             "pulse left": f"the pulse left the chain {at}",
             "time reached": f"stopped as asked {at}; {passed}",
-            "step limit": f"stopped by the step limit {at}; {passed}; raise max_steps",
+            "step limit": (
+                f"stopped by the step limit {at}; {passed}; raise max_steps, or use fewer "
+                "beads or a weaker taper if the time hardly moves"
+            ),
             "underflow": (
                 f"the motion became too small to represent {at}; {passed}; "
                 "use fewer beads or a weaker taper"
             ),
+            "pulse lost": (
+                f"the pulse was lost {at}: {passed}, and nothing more happens; beads far "
+                "heavier than their neighbours hardly move"
+            ),
             "step too small": (
-                f"no step was small enough {at}; {passed}; "
-                "use a larger rtol, fewer beads or a weaker taper"
+                f"the steps became too short for the clock {at}; {passed}; "
+                "use fewer beads or a weaker taper"
             ),
         }[self.status]
 
@@ -115,6 +127,13 @@ class Run:
     def _beads_passed(self) -> int:
         """Beads of which peak and both contacts are recorded; the striker counts."""
         return 1 + int(np.count_nonzero((self._peaks[0, 1:] > 0) & (self._crossings[0] > 0)))
+
+    @property
+    def _residence(self) -> Array:
+        """Times between successive crossings; by difference where they came out of order."""
+        times, _, since_last = self._crossings
+        between = np.diff(times, prepend=0.0)
+        return np.where(since_last > 0.0, since_last, between)
 
     def pulse(self) -> Pulse:
         """The leading pulse: first velocity maxima, arrivals and largest overlaps.
@@ -144,6 +163,7 @@ class Run:
             peak_time=self._peaks[0],
             arrival=np.concatenate(([0.0], self._crossings[0])),
             peak_overlap=self._crossings[1],
+            residence=self._residence,
         )
 
     def to_xarray(self) -> xr.Dataset:
@@ -178,7 +198,11 @@ class Run:
                 "bead": np.arange(1, self.chain.beads + 1),
             },
             attrs={
+                "hertzchain_version": __version__,
                 "chain": self.chain.description,
+                "taper": self.chain.taper or "",
+                "rate": self.chain.rate or 0.0,
+                "exponent": self.chain.exponent,
                 "status": self.status,
                 "energy_drift": self.energy_drift,
                 "momentum_drift": self.momentum_drift,
@@ -241,9 +265,9 @@ def simulate(
         a number of evenly spaced ones (exactly so many if ``until`` is given, else
         at most so many and at least half of them).
     rtol : float
-        Tolerated error of a step, 1e-14 .. 1e-3.
+        Tolerated error of a step, 1e-14 .. 1e-6.
     max_steps : int, optional
-        Step limit; by default 2000 per bead.
+        Step limit; by default 2000 per bead, and at least a million.
     check : bool
         Raise if the run fails; otherwise look at ``run.status``.
     progress : callable, optional
@@ -267,10 +291,11 @@ def simulate(
     >>> run.energy_drift < 1e-10
     True
     """
-    rtol = _checked_number("rtol", rtol, 1e-14, 1e-3)
+    rtol = _checked_number("rtol", rtol, 1e-14, 1e-6)
     if until is not None:
         until = _checked_number("until", until, 0.0, np.inf)
-    limit = STEPS_PER_BEAD * chain.beads if max_steps is None else _checked_limit(max_steps)
+    usual = max(STEPS_PER_BEAD * chain.beads, LEAST_STEP_LIMIT)
+    limit = usual if max_steps is None else _checked_limit(max_steps)
     frames = _Frames(chain, until, times)
     if until is None and not isinstance(times, int | np.integer):
         until = float(frames.times[-1])
@@ -326,7 +351,7 @@ class _Frames:
 
     def __init__(self, chain: Chain, until: float | None, times: int | ArrayLike) -> None:
         self.spacing: float | None = None
-        if not isinstance(times, int | np.integer):
+        if not isinstance(times, int | np.integer) or isinstance(times, bool):
             self.times = _checked_times(chain, times, until)
         elif times < 0 or times == 1:
             raise InputError(f"times must be 0 or at least 2 when it is a number, got {times}")
@@ -339,14 +364,40 @@ class _Frames:
                 self.times = np.linspace(0.0, until or 0.0, count)
         self.states = np.empty((len(self.times), 2 * chain.beads))
 
-    def thin_out(self) -> int:
-        """Make room for later times; returns how many are kept."""
+    def thin_out(self, filled: int) -> int:
+        """Make room for later times; returns how many of the filled ones are kept."""
         assert self.spacing is not None
-        kept = len(self.times[::2])
-        self.states[:kept] = self.states[::2]
+        kept = (filled + 1) // 2
+        self.states[:kept] = self.states[:filled:2].copy()
         self.spacing *= 2.0
         self.times = self.spacing * np.arange(len(self.times))
         return kept
+
+
+class _State:
+    """The arrays of a run that the compiled loop works on."""
+
+    def __init__(self, chain: Chain) -> None:
+        from hertzchain.kernels import dop853
+        from hertzchain.kernels import full_chain as kernel
+
+        beads = chain.beads
+        self.y = np.zeros(2 * beads)
+        self.y[beads] = 1.0
+        self.clock = np.zeros(kernel.CLOCK_SIZE)
+        self.counts = np.zeros(kernel.COUNTS_SIZE, np.int64)
+        self.bodies = (1.0 / chain.masses, chain.stiffness, chain.exponent)
+        self.peaks, self.crossings = np.zeros((2, beads)), np.zeros((3, beads - 1))
+        self.peaks[1, 0] = 1.0
+        self.stages = np.zeros((dop853.STAGES, 2 * beads))
+        self.scratch = (np.empty((3, 2 * beads)), np.zeros((2, beads), np.bool_))
+        kernel.start(self.y, self.clock, self.counts, *self.bodies, 1e-4 * _transit_times(chain)[0])
+
+    @property
+    def underflows(self) -> bool:
+        """Whether accelerations have become too small to have all their digits."""
+        beads = len(self.y) // 2
+        return bool(0.0 < np.max(np.abs(self.stages[0, beads:])) < SMALLEST_ACCELERATION)
 
 
 def _integrate(
@@ -357,61 +408,51 @@ def _integrate(
     max_steps: int,
     progress: Progress | None,
 ) -> Run:
-    from hertzchain.kernels import dop853
     from hertzchain.kernels import full_chain as kernel
 
-    beads = chain.beads
-    inverse_mass, stiffness = 1.0 / chain.masses, chain.stiffness
-    state = np.zeros(2 * beads)
-    state[beads] = 1.0
-    clock, counts = np.zeros(kernel.CLOCK_SIZE), np.zeros(kernel.COUNTS_SIZE, np.int64)
-    peaks, crossings = np.zeros((2, beads)), np.zeros((2, beads - 1))
-    peaks[1, 0] = 1.0
-    stages, work = np.empty((dop853.STAGES, 2 * beads)), np.empty((3, 2 * beads))
-    kernel.start(
-        state, clock, inverse_mass, stiffness, chain.exponent, 1e-4 * _transit_times(chain)[0]
-    )
-    budget = max(20, BEAD_STEPS_PER_CALL // beads)
-    code, saving = kernel.RUNNING, len(frames.times)
-
-    while code in (kernel.RUNNING, kernel.FRAMES_FULL) and counts[kernel.STEPS] < max_steps:
+    state = _State(chain)
+    counts = state.counts
+    end = (np.inf if until is None else until, until is None)
+    budget = max(20, BEAD_STEPS_PER_CALL // chain.beads)
+    code = kernel.RUNNING
+    status: Status | None = None
+    while code in (kernel.RUNNING, kernel.FRAMES_FULL) and status is None:
         code = kernel.advance(
-            state, clock, counts, inverse_mass, stiffness, chain.exponent,
-            np.inf if until is None else until, until is None, rtol,
+            state.y, state.clock, counts, *state.bodies, *end, rtol,
             min(budget, max_steps - int(counts[kernel.STEPS])),
-            frames.times[:saving], frames.states, peaks, crossings, stages, work,
+            frames.times, frames.spacing is not None, frames.states,
+            state.peaks, state.crossings, state.stages, *state.scratch,
         )  # fmt: skip
         if progress is not None:
-            progress(1 + int(min(counts[kernel.PEAKS], counts[kernel.CROSSINGS])), beads)
+            progress(1 + int(min(counts[kernel.PEAKS], counts[kernel.CROSSINGS])), chain.beads)
         if code == kernel.FRAMES_FULL:
-            if frames.spacing is None:
-                saving = 0
-            else:
-                counts[kernel.FRAMES] = frames.thin_out()
-        if 0.0 < np.max(np.abs(stages[0, beads:])) < SMALLEST_ACCELERATION:
-            code = UNDERFLOW
+            counts[kernel.FRAMES] = frames.thin_out(int(counts[kernel.FRAMES]))
+        elif code == kernel.RUNNING and counts[kernel.STEPS] >= max_steps:
+            status = "step limit"
+        if code in (kernel.RUNNING, kernel.STEP_TOO_SMALL) and state.underflows:
+            status = "underflow"
 
-    status: dict[int, Status] = {
+    endings: dict[int, Status] = {
         kernel.PULSE_LEFT: "pulse left",
         kernel.TIME_REACHED: "time reached",
         kernel.STEP_TOO_SMALL: "step too small",
-        UNDERFLOW: "underflow",
+        kernel.PULSE_LOST: "pulse lost",
     }
     filled = int(counts[kernel.FRAMES])
     return Run(
         chain=chain,
         times=frames.times[:filled],
-        positions=frames.states[:filled, :beads],
-        velocities=frames.states[:filled, beads:],
-        status=status.get(code, "step limit"),
-        end_time=float(clock[kernel.TIME]),
-        energy_drift=float(clock[kernel.ENERGY_DRIFT]),
-        momentum_drift=float(clock[kernel.MOMENTUM_DRIFT]),
+        positions=frames.states[:filled, : chain.beads],
+        velocities=frames.states[:filled, chain.beads :],
+        status=status or endings[code],
+        end_time=float(state.clock[kernel.TIME]),
+        energy_drift=float(state.clock[kernel.ENERGY_DRIFT]),
+        momentum_drift=float(state.clock[kernel.MOMENTUM_DRIFT]),
         steps=int(counts[kernel.STEPS]),
         evaluations=int(counts[kernel.EVALUATIONS]),
         rtol=rtol,
-        _peaks=peaks,
-        _crossings=crossings,
+        _peaks=state.peaks,
+        _crossings=state.crossings,
     )
 
 
@@ -427,10 +468,7 @@ def _transit_times(chain: Chain) -> Array:
 
 
 def _checked_number(name: str, value: float, low: float, high: float) -> float:
-    try:
-        number = float(value)
-    except (TypeError, ValueError):
-        raise InputError(f"{name} must be a number, got {value!r}") from None
+    number = real_number(name, value)
     if not (low <= number <= high and 0.0 < number < np.inf):
         allowed = f"between {low:g} and {high:g}" if np.isfinite(high) else "positive and finite"
         raise InputError(f"{name} must be {allowed}, got {number:g}")
@@ -439,7 +477,7 @@ def _checked_number(name: str, value: float, low: float, high: float) -> float:
 
 def _checked_limit(max_steps: int) -> int:
     try:
-        limit = operator.index(max_steps)
+        limit = 0 if isinstance(max_steps, bool) else operator.index(max_steps)
     except TypeError:
         limit = 0
     if limit < 1:
@@ -448,20 +486,25 @@ def _checked_limit(max_steps: int) -> int:
 
 
 def _checked_times(chain: Chain, times: ArrayLike, until: float | None) -> Array:
-    try:
-        given = np.array(times, dtype=float)
-    except (TypeError, ValueError):
-        raise InputError(f"times must be numbers, got {times!r}") from None
-    _fitting_count(chain, given.size)
-    if given.ndim != 1 or not len(given):
-        raise InputError(f"times must be a list of numbers, got an array of shape {given.shape}")
-    if not (np.all(np.isfinite(given)) and given[0] >= 0.0 and np.all(np.diff(given) > 0.0)):
-        raise InputError("times to save at must be finite, increasing and not negative")
-    if until is not None and given[-1] > until:
+    given = np.asarray(times)
+    if given.ndim != 1 or not given.size or given.dtype.kind not in "iuf":
         raise InputError(
-            f"the last time to save at is {given[-1]:g}, but the run stops at until = {until:g}"
+            f"times must be a whole number or a list of increasing numbers, got {times!r}"
         )
-    return given
+    _fitting_count(chain, given.size)
+    values = given.astype(float)
+    good = np.isfinite(values) & (np.diff(values, prepend=-np.inf) > 0.0) & (values >= 0.0)
+    if not good.all():
+        bad = int(np.argmin(good))
+        raise InputError(
+            f"times to save at must be finite, increasing and not negative, but time {bad + 1} "
+            f"of them is {values[bad]:g}"
+        )
+    if until is not None and values[-1] > until:
+        raise InputError(
+            f"the last time to save at is {values[-1]:g}, but the run stops at until = {until:g}"
+        )
+    return values
 
 
 def _fitting_count(chain: Chain, frames: int) -> int:

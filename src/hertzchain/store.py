@@ -17,6 +17,7 @@ and, if the contacts are not Hertz', ``exponent``.
 
 from __future__ import annotations
 
+import contextlib
 import csv
 import io
 import json
@@ -28,7 +29,8 @@ from typing import Any, Final
 
 import numpy as np
 
-from hertzchain.chain import Chain
+from hertzchain import __version__
+from hertzchain.chain import TAPERS, Chain
 from hertzchain.errors import InputError, unknown_name
 from hertzchain.pulse import Pulse
 from hertzchain.simulation import Run
@@ -66,9 +68,11 @@ def load_chain(path: str | os.PathLike[str]) -> Chain:
     """
     name = os.fspath(path)
     try:
-        document = tomllib.loads(Path(path).read_text("utf-8"))
+        document = tomllib.loads(Path(path).read_text("utf-8-sig"))
     except OSError as error:
-        raise InputError(f"cannot read chain file {name!r}: {error.strerror}") from None
+        raise InputError(
+            f"cannot read chain file {name!r} ({error.strerror}); give the path of a TOML file"
+        ) from None
     except UnicodeDecodeError:
         raise InputError(f"chain file {name!r} is not UTF-8 text; chain files are TOML") from None
     except tomllib.TOMLDecodeError as error:
@@ -98,6 +102,8 @@ def _chain_from(document: dict[str, Any]) -> Chain:
         raise InputError(
             f"[chain] has no {' and no '.join(missing)}; give taper, rate and beads, or radii"
         )
+    if table["taper"] not in (*TAPERS, "uniform"):
+        raise unknown_name("taper", table["taper"], (*TAPERS, "uniform"))
     if table["taper"] == "uniform":
         _refuse_beside('taper = "uniform"', table, ("rate",))
         return Chain.uniform(table["beads"], **law)
@@ -133,6 +139,7 @@ def pulses_as_json(pulses: Sequence[Pulse]) -> str:
     """
     document = {
         "schema_version": SCHEMA_VERSION,
+        "hertzchain_version": __version__,
         "chain": chain_as_dict(pulses[0].chain),
         "pulses": [
             {"method": pulse.method}
@@ -223,6 +230,8 @@ def save_run(run: Run, path: str | os.PathLike[str]) -> None:
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     save_run(hc.simulate(hc.Chain.uniform(3), times=10), Path(folder) / "run.csv")
     """
+    if not len(run.times):
+        raise InputError("the run has saved no times to write; give times of at least 2")
     target = Path(path)
     if target.suffix == ".nc":
         # SciPy writes netCDF 3, which every netCDF reader reads, without another library.
@@ -255,13 +264,16 @@ def write_bytes(target: Path, content: bytes) -> None:
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     write_bytes(Path(folder) / "a.txt", b"done")
     """
-    beside = target.with_name(f".{target.name}.partial")
+    beside = target.with_name(f".{target.name}.{os.getpid()}.partial")
     try:
         beside.write_bytes(content)
         beside.replace(target)
     except OSError as error:
-        beside.unlink(missing_ok=True)
-        raise InputError(f"cannot write {os.fspath(target)!r}: {error.strerror}") from None
+        with contextlib.suppress(OSError):
+            beside.unlink(missing_ok=True)
+        raise InputError(
+            f"cannot write {os.fspath(target)!r} ({error.strerror}); choose another place"
+        ) from None
 
 
 def _run_as_csv(run: Run) -> str:

@@ -22,15 +22,19 @@ from numba import njit
 from hertzchain.kernels.dop853 import E3, E5, STAGES, STEP_STAGES, A, B, D
 
 # What `advance` returns.
-RUNNING, PULSE_LEFT, TIME_REACHED, FRAMES_FULL, STEP_TOO_SMALL = 0, 1, 2, 3, 4
+RUNNING, PULSE_LEFT, TIME_REACHED, FRAMES_FULL, STEP_TOO_SMALL, PULSE_LOST = range(6)
 
 # Meaning of the entries of `clock` and `counts`, the parts of the state that are no arrays.
-TIME, STEP, INITIAL_ENERGY, INITIAL_MOMENTUM, ENERGY_DRIFT, MOMENTUM_DRIFT, CLOCK_SIZE = range(7)
-STEPS, EVALUATIONS, FRAMES, PEAKS, CROSSINGS, COUNTS_SIZE = range(6)
+TIME, STEP, SINCE_CROSSING = 0, 1, 2
+INITIAL_ENERGY, INITIAL_MOMENTUM, ENERGY_DRIFT, MOMENTUM_DRIFT, CLOCK_SIZE = range(3, 8)
+STEPS, EVALUATIONS, FRAMES, PEAKS, CROSSINGS, LAST_CROSSING, FROZEN, COUNTS_SIZE = range(8)
+# Rows of `peaks` and of `crossings`.
+PEAK_TIME, PEAK_VELOCITY = 0, 1
+CROSSING_TIME, OVERLAP, RESIDENCE = 0, 1, 2
 
-# A velocity far below its neighbours' is the foot of the pulse, where rounding may
-# look like a maximum. The first true maximum is comparable to them.
-FOOT = 1e-6
+# A bead slower than this, in parts of the speeds around it, is not reached yet: rounding
+# ahead of the pulse could look like a maximum.
+REACHED = 1e-11
 # Beads to either side that set the scale of a bead's error, and the part of the fastest
 # bead in contact that sets it where all of them are slow: the debris behind a pulse.
 NEIGHBOURS = 3
@@ -38,7 +42,13 @@ SLOW = 1e-4
 # Beads slower than this have not been reached: numbers that underflow ahead of the front.
 AT_REST = 1e-290
 SMALLEST_STEP = 1e-280
+# A run that waits this long for the pulse to leave waits for ever.
+ENDLESS = 1e300
 BISECTIONS = 48
+# Parts of a step that are searched for the first event: a light bead may turn twice in one.
+PARTS = 8
+# Steps too short for the clock to notice, in a row, after which the run is given up.
+MOST_FROZEN = 100_000
 
 compiled = njit(cache=True, nogil=True, error_model="numpy")
 
@@ -117,7 +127,7 @@ def velocity_scale(y, scale):
 
 @compiled
 def error_norm(h, stages, scale, rtol):
-    """Largest estimated error of a step, in tolerances.
+    """Largest estimated error of a step, in tolerances; not a number if a stage is none.
 
     Positions count as the velocity error that would cause them within the step.
     """
@@ -134,8 +144,11 @@ def error_norm(h, stages, scale, rtol):
                 error5 += E5[j] * stages[j, i]
                 error3 += E3[j] * stages[j, i]
             unit = rtol * scale[k] if i < beads else rtol * scale[k] / h
-            worst5 = max(worst5, abs(error5) / unit)
-            worst3 = max(worst3, abs(error3) / unit)
+            # Written so that what is not a number is kept: max() would lose it.
+            if not abs(error5) / unit <= worst5:
+                worst5 = abs(error5) / unit
+            if not abs(error3) / unit <= worst3:
+                worst3 = abs(error3) / unit
     if worst5 == 0.0:
         return 0.0
     return worst5 * worst5 / np.sqrt(worst5 * worst5 + 0.01 * worst3 * worst3)
@@ -171,70 +184,132 @@ def acceleration_within(k, theta, h, y, y_new, stages, stiffness, exponent):
 
 
 @compiled
-def record_peaks(h, time, y, y_new, stages, stiffness, exponent, scale, peaks):
-    """First maxima of velocity within the step: where the net force stops being positive."""
+def peak_within(k, h, y, y_new, stages, stiffness, exponent):
+    """Where in the step the net force on bead k first stops being positive; 2 if nowhere."""
+    low = 0.0
+    for part in range(1, PARTS + 1):
+        high = part / PARTS
+        if acceleration_within(k, high, h, y, y_new, stages, stiffness, exponent) <= 0.0:
+            for _ in range(BISECTIONS):
+                middle = 0.5 * (low + high)
+                a = acceleration_within(k, middle, h, y, y_new, stages, stiffness, exponent)
+                low, high = (middle, high) if a > 0.0 else (low, middle)
+            return high
+        low = high
+    return 2.0
+
+
+@compiled
+def crossing_within(c, h, y, y_new, stages):
+    """Where in the step the beads of contact c first have equal velocities; 2 if nowhere."""
+    left = len(y) // 2 + c
+    low = 0.0
+    for part in range(1, PARTS + 1):
+        high = part / PARTS
+        ahead = interpolate(left + 1, high, h, y, y_new, stages)
+        if interpolate(left, high, h, y, y_new, stages) <= ahead:
+            for _ in range(BISECTIONS):
+                middle = 0.5 * (low + high)
+                ahead = interpolate(left + 1, middle, h, y, y_new, stages)
+                closing = interpolate(left, middle, h, y, y_new, stages) > ahead
+                low, high = (middle, high) if closing else (low, middle)
+            return high
+        low = high
+    return 2.0
+
+
+@compiled
+def may_peak(k, stages):
+    """Whether some stage of the step finds bead k, pushed at its start, no longer pushed."""
+    i = stages.shape[1] // 2 + k
+    if stages[0, i] <= 0.0:
+        return False
+    for j in range(1, STEP_STAGES + 1):
+        if stages[j, i] <= 0.0:
+            return True
+    return False
+
+
+@compiled
+def may_cross(c, stages):
+    """Whether some stage finds the beads of contact c, closing at its start, at equal speed."""
+    if stages[0, c] <= stages[0, c + 1]:
+        return False
+    for j in range(1, STEP_STAGES + 1):
+        if stages[j, c] <= stages[j, c + 1]:
+            return True
+    return False
+
+
+@compiled
+def record_peaks(h, time, y, y_new, stages, stiffness, exponent, expected, peaks):
+    """First maxima of velocity within the step, of the beads where one is expected."""
     beads = len(stiffness) + 1
     found = 0
     for k in range(1, beads):
-        a, a_new = stages[0, beads + k], stages[STEP_STAGES, beads + k]
-        foot = y_new[beads + k] <= FOOT * scale[k]
-        if peaks[0, k] > 0.0 or a <= 0.0 or a_new > 0.0 or foot:
+        if not expected[k]:
             continue
-        low, high = 0.0, 1.0
-        for _ in range(BISECTIONS):
-            middle = 0.5 * (low + high)
-            if acceleration_within(k, middle, h, y, y_new, stages, stiffness, exponent) > 0.0:
-                low = middle
-            else:
-                high = middle
-        peaks[0, k] = time + high * h
-        # A bead that has left both neighbours flies on at the velocity of the step's end.
-        flies = a_new == 0.0
-        velocity = interpolate(beads + k, high, h, y, y_new, stages)
-        peaks[1, k] = y_new[beads + k] if flies else velocity
+        theta = peak_within(k, h, y, y_new, stages, stiffness, exponent)
+        if theta > 1.0:
+            continue
+        peaks[PEAK_TIME, k] = time + theta * h
+        # A bead that has left both neighbours for good flies on at the step's last velocity.
+        flies = stages[STEP_STAGES, beads + k] == 0.0 and (
+            acceleration_within(k, theta, h, y, y_new, stages, stiffness, exponent) == 0.0
+        )
+        velocity = interpolate(beads + k, theta, h, y, y_new, stages)
+        peaks[PEAK_VELOCITY, k] = y_new[beads + k] if flies else velocity
         found += 1
     return found
 
 
 @compiled
-def record_crossings(h, time, y, y_new, stages, scale, crossings):
-    """First moments of equal neighbour velocities within the step: largest overlaps."""
-    contacts = crossings.shape[1]
-    beads = contacts + 1
-    found = 0
-    for c in range(contacts):
-        left, right = beads + c, beads + c + 1
-        foot = y_new[right] <= FOOT * scale[c]
-        if crossings[0, c] > 0.0 or y[left] <= y[right] or y_new[left] > y_new[right] or foot:
+def record_crossings(h, clock, counts, y, y_new, stages, expected, crossings):
+    """First moments of equal neighbour velocities within the step: largest overlaps.
+
+    The residence is counted from the crossing before, since the difference of two times
+    loses its digits where the pulse becomes much faster than it was.
+    """
+    for c in range(crossings.shape[1]):
+        if not expected[c]:
             continue
-        low, high = 0.0, 1.0
-        for _ in range(BISECTIONS):
-            middle = 0.5 * (low + high)
-            ahead = interpolate(right, middle, h, y, y_new, stages)
-            if interpolate(left, middle, h, y, y_new, stages) > ahead:
-                low = middle
-            else:
-                high = middle
-        crossings[0, c] = time + high * h
-        behind = interpolate(c, high, h, y, y_new, stages)
-        crossings[1, c] = behind - interpolate(c + 1, high, h, y, y_new, stages)
-        found += 1
-    return found
+        theta = crossing_within(c, h, y, y_new, stages)
+        if theta > 1.0:
+            continue
+        crossings[CROSSING_TIME, c] = clock[TIME] + theta * h
+        behind = interpolate(c, theta, h, y, y_new, stages)
+        crossings[OVERLAP, c] = behind - interpolate(c + 1, theta, h, y, y_new, stages)
+        if counts[LAST_CROSSING] == c - 1:
+            crossings[RESIDENCE, c] = clock[SINCE_CROSSING] + theta * h
+        counts[LAST_CROSSING] = c
+        counts[CROSSINGS] += 1
+        clock[SINCE_CROSSING] = -theta * h
 
 
 @compiled
-def something_happens(y, y_new, stages, scale, peaks, crossings):
-    """Whether a peak or crossing lies within the step, so that the interpolant is needed."""
+def expect_events(y_new, stages, scale, peaks, crossings, expected):
+    """Mark the beads and contacts whose first peak or crossing may lie within the step."""
     beads = len(scale)
+    anything = False
     for k in range(1, beads):
-        v, a, a_new = y_new[beads + k], stages[0, beads + k], stages[STEP_STAGES, beads + k]
-        if peaks[0, k] == 0.0 and a > 0.0 and a_new <= 0.0 and v > FOOT * scale[k]:
-            return True
-        left, right = beads + k - 1, beads + k
-        equal = y[left] > y[right] and y_new[left] <= y_new[right]
-        if crossings[0, k - 1] == 0.0 and equal and v > FOOT * scale[k - 1]:
-            return True
-    return False
+        reached = y_new[beads + k] > REACHED * scale[k]
+        peak = reached and peaks[PEAK_TIME, k] == 0.0 and may_peak(k, stages)
+        waiting = crossings[CROSSING_TIME, k - 1] == 0.0
+        crossing = reached and waiting and may_cross(k - 1, stages)
+        expected[0, k] = peak
+        expected[1, k - 1] = crossing
+        anything = anything or peak or crossing
+    return anything
+
+
+@compiled
+def nothing_can_happen(y):
+    """Whether no beads touch and none approach: from here on all fly freely."""
+    beads = len(y) // 2
+    for k in range(beads - 1):
+        if y[k] > y[k + 1] or y[beads + k] > y[beads + k + 1]:
+            return False
+    return True
 
 
 @compiled
@@ -256,10 +331,12 @@ def conserved(y, inverse_mass, stiffness, exponent):
 
 
 @compiled
-def start(y, clock, inverse_mass, stiffness, exponent, first_step):
+def start(y, clock, counts, inverse_mass, stiffness, exponent, first_step):
     """Clock at zero, with the conserved quantities that drift is measured from."""
     energy, momentum, _ = conserved(y, inverse_mass, stiffness, exponent)
     clock[:] = 0.0
+    counts[:] = 0
+    counts[LAST_CROSSING] = -1
     clock[STEP] = first_step
     clock[INITIAL_ENERGY] = energy
     clock[INITIAL_MOMENTUM] = momentum
@@ -283,7 +360,7 @@ def note_drift(y, clock, inverse_mass, stiffness, exponent):
 def advance(
     y, clock, counts, inverse_mass, stiffness, exponent,
     until, stop_when_left, rtol, budget,
-    frame_times, frames, peaks, crossings, stages, work,
+    frame_times, growing, frames, peaks, crossings, stages, work, expected,
 ):  # fmt: skip
     """Take up to ``budget`` steps and say why it stopped.
 
@@ -295,18 +372,24 @@ def advance(
     inverse_mass, stiffness : (N,), (N - 1,); ``exponent`` the p of the force
     until : time not to step past; ``stop_when_left`` ends the run once all is recorded
     rtol : tolerated error of a step, in units of the speeds around each bead
-    frame_times, frames : (F,) times to save at, and the (F, 2N) states saved
-    peaks, crossings : (2, N), (2, N - 1): time and velocity, time and overlap; 0 = not yet
-    stages, work : (STAGES, 2N), (3, 2N) scratch
+    frame_times, frames : (F,) times to save at, and the (F, 2N) states saved; with
+        ``growing`` the caller is asked for later times before a step would pass the last
+    peaks, crossings : (2, N), (3, N - 1): time and velocity; time, overlap and residence;
+        0 = not yet
+    stages, work, expected : (STAGES, 2N), (3, 2N), (2, N) scratch
     """
     beads = len(inverse_mass)
     trial, y_new, scale = work[0], work[1], work[2, :beads]
     derivative(y, inverse_mass, stiffness, exponent, stages[0])
     for _ in range(budget):
         time, h = clock[TIME], clock[STEP]
-        last_step = time + h >= until
+        last_step = not stop_when_left and time + h >= until
         if last_step:
             h = until - time
+        if stop_when_left and not time + h < ENDLESS:
+            return PULSE_LOST
+        if growing and time + h >= frame_times[-1]:
+            return FRAMES_FULL
         velocity_scale(y, scale)
         try_step(y, h, inverse_mass, stiffness, exponent, stages, trial, y_new)
         counts[EVALUATIONS] += STEP_STAGES
@@ -317,17 +400,21 @@ def advance(
             if not clock[STEP] > SMALLEST_STEP:
                 return STEP_TOO_SMALL
             continue
+        if stop_when_left and error == 0.0 and nothing_can_happen(y):
+            return PULSE_LOST
 
         time_new = until if last_step else time + h
         frame = counts[FRAMES]
         save = frame < len(frame_times) and frame_times[frame] <= time_new
-        if save or something_happens(y, y_new, stages, scale, peaks, crossings):
+        event = expect_events(y_new, stages, scale, peaks, crossings, expected)
+        if save or event:
             complete_stages(y, h, inverse_mass, stiffness, exponent, stages, trial)
             counts[EVALUATIONS] += STAGES - STEP_STAGES - 1
+        if event:
             counts[PEAKS] += record_peaks(
-                h, time, y, y_new, stages, stiffness, exponent, scale, peaks
+                h, time, y, y_new, stages, stiffness, exponent, expected[0], peaks
             )
-            counts[CROSSINGS] += record_crossings(h, time, y, y_new, stages, scale, crossings)
+            record_crossings(h, clock, counts, y, y_new, stages, expected[1], crossings)
         while frame < len(frame_times) and frame_times[frame] <= time_new:
             theta = min(1.0, (frame_times[frame] - time) / h)
             for i in range(2 * beads):
@@ -338,6 +425,10 @@ def advance(
         y[:] = y_new
         stages[0] = stages[STEP_STAGES]
         clock[TIME] = time_new
+        clock[SINCE_CROSSING] += h
+        counts[FROZEN] = counts[FROZEN] + 1 if time_new == time else 0
+        if counts[FROZEN] > MOST_FROZEN:
+            return STEP_TOO_SMALL
         if not last_step:
             clock[STEP] = h * change
         counts[STEPS] += 1
@@ -347,6 +438,4 @@ def advance(
             return PULSE_LEFT
         if last_step:
             return TIME_REACHED
-        if len(frame_times) > 0 and frame == len(frame_times):
-            return FRAMES_FULL
     return RUNNING

@@ -96,7 +96,11 @@ class Figure:
 
 @dataclass(frozen=True)
 class Layout:
-    """How a figure is drawn: what the paper's caption and text fix beyond the data."""
+    """How a figure is drawn.
+
+    The captions fix symbols and lines; scales follow the text and the labels of the
+    figures in the paper's source, and where these say nothing what shows the data best.
+    """
 
     theory: Literal["BCA", "modified BCA", "none"]
     xscale: Literal["linear", "log"] = "linear"
@@ -214,7 +218,7 @@ def draw_figure(figure: Figure) -> MatplotlibFigure:
     """
     published, layout = figure.published, LAYOUTS[figure.published.number]
     symbol = rate_symbol(published.taper)
-    colours = [matplotlib.colormaps["viridis"](x) for x in np.linspace(0, 0.76, len(figure.curves))]
+    colours = [matplotlib.colormaps["viridis"](x) for x in np.linspace(0, 0.72, len(figure.curves))]
     with house_style():
         canvas, axes = plt.subplots()
         axes.set_xscale(layout.xscale)
@@ -281,12 +285,10 @@ def figure_csv(figure: Figure) -> str:
 
 def _shown_beads(layout: Layout) -> Array:
     """Indices of the beads drawn, evenly spaced on the axis."""
-    first, count = layout.first_bead, 30
     if layout.xscale == "log":
-        k = np.geomspace(first, LAST_BEAD, count)
-    else:
-        k = np.linspace(first, LAST_BEAD, count)
-    return np.unique(k.round().astype(int)) - 1
+        k = np.geomspace(layout.first_bead, LAST_BEAD, 30)
+        return np.unique(k.round().astype(int)) - 1
+    return np.arange(LAST_BEAD, layout.first_bead - 1, -3)[::-1] - 1
 
 
 def _legend(axes: Axes, layout: Layout) -> None:
@@ -366,8 +368,8 @@ def _linear_decay(curves: Sequence[Curve]) -> Statement:
         slope = line(*curve.over(5, 60, curve.integration.momentum))[0][1]
         measured[f"{curve.rate:g}"] = float(slope / forward_linear_momentum_slope(curve.rate))
     claim = (
-        "Momentum falls linearly, k = 5..60, with 0.55 to 0.70 of the slope that the BCA "
-        "starts with (table 3)"
+        "Momentum falls linearly, k = 5..60, with 0.55 to 0.70 of the slope of Eq. (24), the "
+        "column “Binary” of table 3"
     )
     return Statement(claim, measured, 0.55, 0.70)
 

@@ -17,7 +17,6 @@ import json
 import os
 import platform
 import re
-import shutil
 import tempfile
 from collections.abc import Callable
 from pathlib import Path
@@ -30,14 +29,15 @@ from matplotlib.figure import Figure as MatplotlibFigure
 
 from hertzchain.chain import rate_symbol
 from hertzchain.errors import InputError
-from hertzchain.paper.errata import draw_formula_errors
 from hertzchain.paper.figures import Figure, draw_figure, figure_csv
+from hertzchain.paper.formulas import draw_formula_errors
 from hertzchain.paper.reproduction import Reproduction
-from hertzchain.paper.tables import Table
+from hertzchain.paper.tables import WINDOWS, Table
 from hertzchain.plotting import figure_bytes
 
 SCHEMA_VERSION: Final = 1
-FILES: Final = ("report.html", "verdict.json", "summary.md", "figures")
+PAGES: Final = ("report.html", "verdict.json", "summary.md")
+OUR_FIGURE: Final = re.compile(r"(figure\d+|errata)\.(svg|png|csv)")
 
 
 def write_report(
@@ -79,22 +79,39 @@ def write_report(
     'report.html'
     """
     check_writable(out)
-    with tempfile.TemporaryDirectory(dir=out, prefix=".writing-") as folder:
-        fresh = Path(folder)
-        images = _write_figures(reproduction, fresh / "figures", progress)
-        (fresh / "verdict.json").write_text(
-            json.dumps(verdict(reproduction), indent=2, allow_nan=False) + "\n", "utf-8"
-        )
-        (fresh / "summary.md").write_text(_render("summary.md.j2", reproduction), "utf-8")
-        (fresh / "report.html").write_text(
-            _render("report.html.j2", reproduction, images=images), "utf-8"
-        )
-        for name in FILES:
-            target = out / name
-            if target.is_dir():
-                shutil.rmtree(target)
-            (fresh / name).replace(target)
+    try:
+        with tempfile.TemporaryDirectory(dir=out, prefix=".writing-") as folder:
+            fresh = Path(folder)
+            images = _write_figures(reproduction, fresh / "figures", progress)
+            _write_pages(reproduction, fresh, images)
+            _replace(fresh, out)
+    except OSError as error:
+        raise InputError(
+            f"cannot write the report into {os.fspath(out)!r} ({error.strerror}); "
+            "choose another folder with --out"
+        ) from None
     return out / "report.html"
+
+
+def _write_pages(reproduction: Reproduction, folder: Path, images: dict[str, str]) -> None:
+    plain = json.dumps(verdict(reproduction), indent=2, allow_nan=False) + "\n"
+    (folder / "verdict.json").write_text(plain, "utf-8")
+    (folder / "summary.md").write_text(_render("summary.md.j2", reproduction), "utf-8")
+    page = _render("report.html.j2", reproduction, images=images)
+    (folder / "report.html").write_text(page, "utf-8")
+
+
+def _replace(fresh: Path, out: Path) -> None:
+    """Move a new report over an old one; other files in the folder stay as they are."""
+    figures = out / "figures"
+    figures.mkdir(exist_ok=True)
+    for path in figures.iterdir():
+        if OUR_FIGURE.fullmatch(path.name):
+            path.unlink()
+    for path in (fresh / "figures").iterdir():
+        path.replace(figures / path.name)
+    for name in PAGES:
+        (fresh / name).replace(out / name)
 
 
 def check_writable(out: Path) -> None:
@@ -114,6 +131,14 @@ def check_writable(out: Path) -> None:
     --------
     >>> check_writable(Path(tempfile.gettempdir()))
     """
+    blocked = [name for name in PAGES if (out / name).is_dir()]
+    if (out / "figures").exists() and not (out / "figures").is_dir():
+        blocked.append("figures")
+    if blocked:
+        raise InputError(
+            f"{os.fspath(out / blocked[0])!r} is in the way of the report; choose another folder "
+            "with --out"
+        )
     try:
         out.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryFile(dir=out):
@@ -155,7 +180,7 @@ def verdict(reproduction: Reproduction) -> dict[str, Any]:
                     {
                         "taper": entry.taper,
                         "column": entry.column,
-                        table.published.symbol: entry.rate,
+                        "rate": entry.rate,
                         "printed": entry.printed.text,
                         "ours": entry.ours,
                         "units_of_last_digit": entry.units,
@@ -270,6 +295,7 @@ def _render(template: str, reproduction: Reproduction, **more: Any) -> str:
         method=method(reproduction),
         rate_symbol=rate_symbol,
         rows=_rows,
+        default_windows=dict(reproduction.windows) == WINDOWS,
         **more,
     )  # fmt: skip
 

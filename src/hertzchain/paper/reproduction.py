@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+import functools
 import time
 from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import dataclass, field
 
-from hertzchain.calibration import BEADS, Window
+from hertzchain.calibration import BEADS, Window, beads_in_window
 from hertzchain.chain import Chain, Taper
-from hertzchain.errors import unknown_name
-from hertzchain.paper.errata import Erratum, errata, errata_chains, printed_and_mended_errors
+from hertzchain.errors import InputError, unknown_name
+from hertzchain.paper.errata import Erratum, errata, errata_chains
 from hertzchain.paper.figures import Figure, figure_chains, reproduce_figure
+from hertzchain.paper.formulas import printed_and_mended_errors
 from hertzchain.paper.published import Fit, published_figures, published_tables
 from hertzchain.paper.tables import WINDOWS, Pulses, Table, reproduce_table, table_chains
 from hertzchain.pulse import Pulse
@@ -55,16 +57,21 @@ class Reproduction:
         all_entries = self.agreeing_entries == self.entries
         return all_entries and self.holding_statements == len(self.figures)
 
-    @property
+    @functools.cached_property
     def verdict(self) -> str:
         """The outcome in one or two sentences."""
         parts = []
         if self.tables:
             exact = sum(entry.units == 0 for table in self.tables for entry in table.entries)
+            seven_decimals = (
+                " (the forward momentum rates, printed to seven decimals, within 1.0e-6)"
+                if any(table.published.name == "table1" for table in self.tables)
+                else ""
+            )
             parts.append(
                 f"{self.agreeing_entries} of {self.entries} numbers of the tables agree with the "
-                f"print within one unit of the last digit (the forward momentum rates, printed to "
-                f"seven decimals, within 1.0e-6); {exact} have the very digits."
+                f"print within one unit of the last digit{seven_decimals}; {exact} have the very "
+                "digits."
             )
         if self.figures:
             parts.append(
@@ -73,9 +80,9 @@ class Reproduction:
         if self.errata:
             printed, mended = printed_and_mended_errors(self.pulses)
             parts.append(
-                f"{len(self.errata)} places where the paper contradicts itself are shown: its four "
-                f"velocity formulas miss the integration by up to {printed:.0%} as printed, and "
-                f"by up to {mended:.0%} once mended."
+                f"{len(self.errata)} places to correct are shown: the paper's four velocity "
+                f"formulas miss the integration by up to {printed:.0%} as printed, and by up to "
+                f"{mended:.0%} once mended (linear tapers by the exact product of the BCA)."
             )
         return " ".join(parts)
 
@@ -114,11 +121,18 @@ def reproduce(
     True
     """
     started = time.perf_counter()
-    parts = set(ITEMS if only is None else only)
+    parts = set(items() if only is None else only)
+    if isinstance(only, str) or not parts:
+        raise InputError(f"name at least one part in a list, of {', '.join(items())}; got {only!r}")
     for part in parts:
-        if part not in ITEMS:
-            raise unknown_name("table or figure", part, ITEMS)
-    used = {**WINDOWS, **(windows or {})}
+        if part not in items():
+            raise unknown_name("table or figure", part, items())
+    used: dict[Fit, Window] = {**WINDOWS}
+    for fit, window in (windows or {}).items():
+        if fit not in WINDOWS:
+            raise unknown_name("fit", fit, WINDOWS)
+        beads_in_window(window, BEADS)
+        used[fit] = window
     tables = [name for name in published_tables() if name in parts]
     figures = [name for name in published_figures() if name in parts]
     wanted: set[tuple[Taper, float]] = set()
@@ -183,5 +197,16 @@ def integrate_chains(
     return pulses
 
 
-# Names of all that can be reproduced, in the order of the paper.
-ITEMS = (*published_tables(), *published_figures(), "errata")
+def items() -> tuple[str, ...]:
+    """Names of all that can be reproduced, in the order of the paper.
+
+    Returns
+    -------
+    tuple of str
+
+    Examples
+    --------
+    >>> items()[0], items()[-1], len(items())
+    ('table1', 'errata', 18)
+    """
+    return (*published_tables(), *published_figures(), "errata")

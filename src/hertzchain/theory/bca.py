@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from hertzchain.chain import Chain, Taper, rate_symbol
+from hertzchain.chain import Chain, Taper, check_taper, rate_symbol
 from hertzchain.contacts import (
     Array,
     collision_overlap,
@@ -70,6 +70,7 @@ def bca(chain: Chain) -> Pulse:
         velocity=velocity,
         arrival=np.concatenate(([0.0], np.cumsum(time))),
         peak_overlap=overlap,
+        residence=time,
     )
 
 
@@ -166,6 +167,7 @@ def exponential_rates(taper: Taper, rate: float) -> dict[str, float]:
     >>> round(rates["momentum"], 5), round(rates["energy"], 5)
     (0.01496, -0.00023)
     """
+    check_taper(taper, rate)
     if rate_symbol(taper) != "q":
         raise InputError(f"a {taper} taper has no constant rate; only exponential tapers have")
     q = rate if taper == "backward-exponential" else -rate
@@ -194,6 +196,11 @@ def backward_linear_prefactor(rate: float) -> float:
     -------
     float
 
+    Raises
+    ------
+    InputError
+        If S is not positive.
+
     Examples
     --------
     >>> round(backward_linear_prefactor(0.1), 6)
@@ -201,7 +208,7 @@ def backward_linear_prefactor(rate: float) -> float:
     """
     from scipy.special import loggamma
 
-    a = 1.0 / rate
+    a = 1.0 / check_taper("backward-linear", rate)
     return float(np.exp(_log_g(np.array(a + 0.5)) - 3.0 * loggamma(a)))
 
 
@@ -210,23 +217,30 @@ def forward_linear_momentum_slope(rate: float) -> float:
 
     .. math:: \frac{dP}{dk} = -\frac32\, S\,(1+S)^2
 
-    the expansion of Eq. (24) for :math:`k \ll 1 + 1/S`; the column "Binary" of
-    table 3.
+    of Eq. (24); the column "Binary" of table 3.  It is not quite the slope with which the
+    exact product of the BCA begins, :math:`P_2 - P_1 = -\frac32 S (1+S)^{1/2} + \dots`:
+    Eq. (22) leaves out a factor :math:`(1+S)^{-3/2}`, without which :math:`v_1 \neq 1`.
 
     Parameters
     ----------
     rate : float
-        Tapering parameter S > 0.
+        Tapering parameter, 0 < S < 1.
 
     Returns
     -------
     float
+
+    Raises
+    ------
+    InputError
+        If S is out of range.
 
     Examples
     --------
     >>> round(forward_linear_momentum_slope(0.01), 4)
     -0.0153
     """
+    check_taper("forward-linear", rate)
     return -1.5 * rate * (1.0 + rate) ** 2
 
 

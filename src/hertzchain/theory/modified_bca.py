@@ -6,26 +6,27 @@ constants come with the package:
 
 ``"printed"``
     The four formulas exactly as the paper's summary prints them, Eqs. (41) to
-    (44).  Three of the four are misprinted (`hertzchain.paper.errata`); they are
-    here to be compared with, not to be used.
+    (44).  All four are misprinted (`hertzchain.paper.errata`); they are here to be
+    compared with, not to be used.
 ``"calibrated"``
     The corrections applied to the exact product of the BCA, with constants that
-    `hertzchain.calibrate` finds from the integration.
+    `hertzchain.calibration.calibrate` finds from the integration.
 """
 
 from __future__ import annotations
 
 import functools
 import tomllib
+import warnings
 from dataclasses import dataclass
 from importlib import resources
 from typing import Literal
 
 import numpy as np
 
-from hertzchain.chain import TAPERS, Chain, Taper
+from hertzchain.chain import TAPERS, Chain, Taper, rate_symbol
 from hertzchain.contacts import Array
-from hertzchain.errors import InputError, unknown_name
+from hertzchain.errors import InputError, ModelRangeWarning, unknown_name
 from hertzchain.pulse import Pulse
 from hertzchain.theory.bca import bca
 
@@ -92,6 +93,13 @@ PRINTED_EXPONENTIAL: dict[Taper, PowerLawCorrection] = {
     "backward-exponential": PowerLawCorrection(c0=1.64, x=0.0259, d0=0.211, y=1.83),
     "forward-exponential": PowerLawCorrection(c0=1.32, x=0.0252, d0=11.1, y=2.57),
 }
+# Rates of the paper's figures, for which both sets of constants were found.
+FITTED_RATES: dict[Taper, tuple[float, float]] = {
+    "backward-linear": (0.1, 0.9),
+    "backward-exponential": (0.01, 0.08),
+    "forward-linear": (0.001, 0.009),
+    "forward-exponential": (0.01, 0.06),
+}
 PRINTED_RATIO: dict[Taper, float] = {"backward-linear": 2.0 / 3.0, "forward-linear": 0.680}
 
 
@@ -114,7 +122,9 @@ def modified_bca(
     the exact product :math:`v_k^u` of the BCA, and exponential ones the same form as
     printed.  The correction is one of velocity alone: no times, no forces.  The
     constants hold for k = 5..80, q = 0.01..0.08 (backward) or 0.01..0.06 (forward),
-    S = 0.1..0.9 (backward) or 0.001..0.009 (forward); see `hertzchain.calibrate`.
+    S = 0.1..0.9 (backward) or 0.001..0.009 (forward); see
+    `hertzchain.calibration.calibrate`.  Rates outside bring a `ModelRangeWarning`,
+    unless the correction is your own.
 
     Parameters
     ----------
@@ -152,12 +162,20 @@ def modified_bca(
             f"modified_bca has constants for Hertz contacts (exponent 1.5), got p = "
             f"{chain.exponent:g}; use bca"
         )
+    low, high = FITTED_RATES[chain.taper]
+    if isinstance(coefficients, str) and not low <= chain.rate <= high:
+        warnings.warn(
+            f"the constants of the modified BCA were found for {chain.taper} tapers with "
+            f"{rate_symbol(chain.taper)} = {low:g}..{high:g}, not {chain.rate:g}",
+            ModelRangeWarning,
+            stacklevel=2,
+        )
     k = np.arange(1, chain.beads + 1)
-    if coefficients == "printed":
+    if isinstance(coefficients, str) and coefficients == "printed":
         velocity = printed_velocity(chain.taper, chain.rate, k)
         method = "modified BCA, printed"
     else:
-        if not isinstance(coefficients, str):
+        if isinstance(coefficients, Correction):
             correction, method = coefficients, "modified BCA"
         elif coefficients == "calibrated":
             correction = calibrated_corrections()[chain.taper]

@@ -1,0 +1,42 @@
+r"""Check that every ``console`` block of the pages shows what the commands print.
+
+In a block, a line after ``$ `` is a command and the lines below it what it prints; ``...``
+stands for anything, and a command may go on after a backslash. ``$ cat FILE`` writes the file
+with the lines shown. Pytest runs this:
+
+>>> from pathlib import Path
+>>> for page in sorted(Path(__file__).parent.glob("*/*.md")):
+...     for failure in failures(page):
+...         print(page.name, failure)
+"""
+
+import doctest
+import os
+import re
+import subprocess
+import sys
+import tempfile
+from collections.abc import Iterator
+from pathlib import Path
+
+FLAGS = doctest.ELLIPSIS | doctest.NORMALIZE_WHITESPACE
+
+
+def failures(page: Path) -> Iterator[str]:
+    """What differs on one page: its blocks run one after another, in one empty folder."""
+    blocks = re.findall(r"^```console\n(.*?)^```", page.read_text("utf-8"), re.M | re.S)
+    scripts = os.pathsep.join([os.fspath(Path(sys.executable).parent), os.environ["PATH"]])
+    environment = os.environ | {"PATH": scripts, "COLUMNS": "80", "MPLBACKEND": "agg"}
+    with tempfile.TemporaryDirectory() as folder:
+        joined = re.sub(r" \\\n +", " ", "".join(blocks))
+        for command in re.split(r"^\$ ", joined, flags=re.M)[1:]:
+            line, _, expected = command.partition("\n")
+            if line.startswith("cat "):
+                Path(folder, line.removeprefix("cat ")).write_text(expected, "utf-8")
+                continue
+            done = subprocess.run(
+                line, shell=True, cwd=folder, env=environment, capture_output=True, text=True
+            )
+            got = done.stdout + done.stderr
+            if not doctest.OutputChecker().check_output(expected, got, FLAGS):
+                yield f"$ {line}\nexpected:\n{expected}\ngot:\n{got}"

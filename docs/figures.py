@@ -1,0 +1,101 @@
+"""Draw the figures of the documentation; the build runs this, so none of them is kept."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+import matplotlib.pyplot as plt
+import numpy as np
+from matplotlib.figure import Figure
+
+import hertzchain as hc
+from hertzchain.paper.errata import errata_chains
+from hertzchain.paper.figures import draw_figure, figure_chains, reproduce_figure
+from hertzchain.paper.formulas import draw_formula_errors
+from hertzchain.paper.reproduction import integrate_chains
+from hertzchain.plotting import COLOURS, house_style, plot_pulses
+
+
+def first_page() -> Figure:
+    """A trajectory, and what two theories make of its leading pulse."""
+    chain = hc.Chain.tapered("forward-linear", 0.006, beads=60)
+    run = hc.simulate(chain, times=600)
+    with house_style():
+        canvas, (left, right) = plt.subplots(1, 2, figsize=(10.0, 3.8))
+        run.plot(ax=left)
+        plot_pulses([run.pulse(), hc.bca(chain), hc.modified_bca(chain)], "momentum", ax=right)
+        right.set_ylim(0.0, 1.05)
+        right.set_title("the leading pulse")
+    return canvas
+
+
+def first_pulse() -> Figure:
+    """The plot of the tutorial."""
+    chain = hc.Chain.tapered("backward-exponential", 0.05, beads=60)
+    canvas = plot_pulses([hc.propagate(chain), hc.bca(chain)]).figure
+    assert isinstance(canvas, Figure)
+    return canvas
+
+
+def moments() -> Figure:
+    """Peak and arrival on the velocities of a few beads."""
+    chain = hc.Chain.tapered("backward-exponential", 0.3, beads=8)
+    run = hc.simulate(chain, until=9.0, times=2000)
+    pulse = hc.propagate(chain)
+    assert pulse.peak_time is not None
+    assert pulse.arrival is not None
+    with house_style():
+        canvas, axes = plt.subplots(figsize=(6.4, 3.6))
+        for i in range(4):
+            colour = COLOURS[i]
+            axes.plot(run.times, run.velocities[:, i], color=colour, linewidth=1.1)
+            if i > 0:
+                peak = pulse.peak_time[i], pulse.velocity[i]
+                crossing = np.interp(pulse.arrival[i], run.times, run.velocities[:, i])
+                axes.plot(*peak, "o", color=colour, markersize=6)
+                axes.plot(pulse.arrival[i], crossing, "x", color="black", markersize=8)
+                axes.annotate(f"$v_{i + 1}$", peak, xytext=(5, 4), textcoords="offset points",
+                              color=colour)  # fmt: skip
+        axes.annotate("$v_1$", (0.62, 0.9), xytext=(4, 2), textcoords="offset points")
+        axes.annotate("$v_4$", (8.4, 0.09), xytext=(0, 6), textcoords="offset points",
+                      color=COLOURS[3])  # fmt: skip
+        axes.plot([], [], "o", color="0.4", label="first maximum: velocity, peak_time")
+        axes.plot([], [], "x", color="black", label="crossing: arrival")
+        axes.axhline(0.0, color="0.7", linewidth=0.6)
+        axes.set_xlim(0.0, 9.0)
+        axes.set_xlabel("time $t$")
+        axes.set_ylabel("velocity $v_k(t)$")
+        axes.legend(loc="upper right")
+    return canvas
+
+
+def figure12() -> Figure:
+    """The paper's figure 12, as reproduced."""
+    return draw_figure(reproduce_figure("figure12", integrate_chains(figure_chains("figure12"))))
+
+
+def formula_errors() -> Figure:
+    """The paper's velocity formulas, as printed and as mended."""
+    return draw_formula_errors(integrate_chains(errata_chains()))
+
+
+FIGURES: dict[str, Callable[[], Figure]] = {
+    "first-page": first_page,
+    "first-pulse": first_pulse,
+    "moments": moments,
+    "figure12": figure12,
+    "formula-errors": formula_errors,
+}
+
+
+def draw_all(folder: Path) -> None:
+    """Save every figure into a folder, as SVG."""
+    folder.mkdir(exist_ok=True)
+    for name, draw in FIGURES.items():
+        canvas = draw()
+        # Without a date two builds give the same bytes.
+        canvas.savefig(folder / f"{name}.svg", metadata={"Date": None})
+        plt.close(canvas)
+
+
+if __name__ == "__main__":
+    draw_all(Path(__file__).parent / "_generated")

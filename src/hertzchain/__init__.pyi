@@ -3,10 +3,12 @@ from .chain import Chain as Chain
 from .errors import InputError as InputError
 from .errors import ModelRangeWarning as ModelRangeWarning
 from .errors import SimulationError as SimulationError
+from .propagation import propagate as propagate
+from .propagation import propagate_many as propagate_many
 from .pulse import Comparison as Comparison
 from .pulse import Pulse as Pulse
+from .pulse_table import PulseTable as PulseTable
 from .simulation import Run as Run
-from .simulation import propagate as propagate
 from .simulation import simulate as simulate
 from .store import load_chain as load_chain
 from .theory.bca import bca as bca

@@ -16,7 +16,7 @@ import numpy as np
 from hertzchain.chain import TAPERS, Chain, Taper, check_taper, rate_symbol
 from hertzchain.contacts import Array
 from hertzchain.errors import InputError, unknown_name
-from hertzchain.simulation import propagate
+from hertzchain.propagation import propagate
 from hertzchain.theory.bca import bca
 from hertzchain.theory.modified_bca import Correction, PowerLawCorrection, RatioCorrection
 

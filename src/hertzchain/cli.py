@@ -402,7 +402,7 @@ def _side_by_side(pulses: list[Pulse], quantity: Quantity, every_bead: bool) -> 
         table.add_column(pulse.method, justify="right")
     for i in rows:
         cells = (
-            f"{values[i]:.9g}" if values is not None and i < len(values) else ""
+            f"{values[i]:.8g}" if values is not None and i < len(values) else ""
             for values in columns
         )
         table.add_row(str(i + 1), *cells)

@@ -1,7 +1,7 @@
 """Integrate a chain's equation of motion: every bead, every contact.
 
-`simulate` keeps the trajectories as a `Run`; `propagate` is for those who want the
-leading pulse alone.
+`simulate` keeps the trajectories as a `Run`; `hertzchain.propagate` is for those who
+want the leading pulse alone.
 """
 
 from __future__ import annotations
@@ -303,43 +303,6 @@ def simulate(
     if check and not run.success:
         raise SimulationError(run.message)
     return run
-
-
-def propagate(
-    chain: Chain, *, rtol: float = DEFAULT_RTOL, progress: Progress | None = None
-) -> Pulse:
-    """Follow the leading pulse along a chain, by integrating the equation of motion.
-
-    Parameters
-    ----------
-    chain : Chain
-        The chain to strike.
-    rtol : float
-        Tolerance of the integration.
-    progress : callable, optional
-        Called as ``progress(beads_passed, beads)`` a few times a second.
-
-    Returns
-    -------
-    Pulse
-
-    Raises
-    ------
-    InputError
-        For a tolerance out of range.
-    SimulationError
-        If the pulse could not be followed to the end.
-
-    Examples
-    --------
-    The leading pulse of equal beads runs into a solitary wave of amplitude
-    0.681631549:
-
-    >>> import hertzchain as hc
-    >>> round(float(hc.propagate(hc.Chain.uniform(60)).velocity[50]), 9)
-    0.681631549
-    """
-    return simulate(chain, times=0, rtol=rtol, progress=progress).pulse()
 
 
 class _Frames:

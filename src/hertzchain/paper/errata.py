@@ -26,7 +26,7 @@ from hertzchain.paper.published import (
     published_tables,
 )
 from hertzchain.paper.tables import Pulses
-from hertzchain.simulation import propagate
+from hertzchain.propagation import propagate
 from hertzchain.theory.bca import (
     backward_linear_prefactor,
     bca,

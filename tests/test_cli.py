@@ -51,6 +51,24 @@ def test_pulse_by_several_methods(run):
     assert "modified BCA, printed against" in out
 
 
+def test_hard_spheres(run):
+    code, out, err = run("pulse", "--beads", 5, "--method", "hard-sphere", "--csv")
+    assert (code, err) == (0, "")
+    (first, *_) = csv.DictReader(io.StringIO(out))
+    assert "velocity" in first
+    assert "arrival" not in first
+
+
+@pytest.mark.filterwarnings("default")
+def test_a_theory_out_of_its_range_warns_in_one_line(run, tmp_path):
+    file = tmp_path / "chain.toml"
+    file.write_text("[chain]\nradii = [1.0, 0.3, 1.0, 0.3, 1.0]\n")
+    code, _, err = run("pulse", file, "--method", "bca")
+    assert code == 0
+    assert err.startswith("Warning: the BCA has one collision at a time, but bead 2")
+    assert err.count("\n") == 1
+
+
 def test_pulse_as_json_and_csv_is_nothing_but_data(run):
     code, out, err = run("pulse", "--beads", 5, "--method", "bca", "--json")
     assert (code, err) == (0, "")

@@ -21,6 +21,7 @@ HEAVY = ("numba", "matplotlib", "xarray", "zarr", "dask", "pandas", "scipy", "ji
 def test_light_floors_load_nothing_heavy():
     code = (
         "import sys, hertzchain as hc; hc.Chain, hc.Pulse, hc.simulate, hc.bca, hc.modified_bca;"
+        "hc.hard_sphere, hc.solitary_wave, hc.effective_chain;"
         f"print([name for name in {HEAVY} if name in sys.modules])"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)

@@ -29,6 +29,7 @@ def test_product_equals_closed_form(taper):
     np.testing.assert_allclose(bca_velocity_closed_form(taper, rate, 100), product, rtol=5e-12)
 
 
+@pytest.mark.filterwarnings("ignore::hertzchain.ModelRangeWarning")
 @given(st.lists(st.floats(0.1, 10.0), min_size=2, max_size=30))
 def test_each_collision_conserves_energy_and_momentum(radii):
     chain = hc.Chain.from_radii(radii)

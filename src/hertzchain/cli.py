@@ -8,6 +8,7 @@ tolerance, 130 interrupted.
 from __future__ import annotations
 
 import sys
+import warnings
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -25,7 +26,9 @@ if TYPE_CHECKING:
     from hertzchain.simulation import Run
 
 DONE, FAILED, BAD_INPUT, OUTSIDE_TOLERANCE, INTERRUPTED = 0, 1, 2, 3, 130
-METHODS: Final = ("propagate", "simulate", "bca", "modified-bca", "modified-bca-printed")
+METHODS: Final = (
+    "propagate", "simulate", "bca", "modified-bca", "modified-bca-printed", "hard-sphere",
+)  # fmt: skip
 TABLE_ROWS: Final = 26
 
 
@@ -45,7 +48,9 @@ def main() -> None:
     from hertzchain.errors import InputError, SimulationError
 
     try:
-        code = cli.main(standalone_mode=False)
+        with warnings.catch_warnings():
+            warnings.showwarning = _show_warning
+            code = cli.main(standalone_mode=False)
     except click.ClickException as error:
         error.show()
         code = error.exit_code
@@ -65,6 +70,10 @@ def main() -> None:
         sys.stdout = None
         code = FAILED
     sys.exit(code or DONE)
+
+
+def _show_warning(message: Warning | str, *_: object, **__: object) -> None:
+    click.echo(f"Warning: {message}", err=True)
 
 
 def chain_options(command: Callable[..., Any]) -> Callable[..., Any]:
@@ -308,7 +317,7 @@ def _chain(file: Path | None, taper: str | None, rate: float | None, beads: int 
 
 
 def _compute(method: str, chain: Chain, progress: Callable[[int, int], None]) -> Pulse:
-    from hertzchain import bca, modified_bca, propagate, simulate
+    from hertzchain import bca, hard_sphere, modified_bca, propagate, simulate
 
     if method == "propagate":
         return propagate(chain, progress=progress)
@@ -316,6 +325,8 @@ def _compute(method: str, chain: Chain, progress: Callable[[int, int], None]) ->
         return simulate(chain, times=0, progress=progress).pulse()
     if method == "bca":
         return bca(chain)
+    if method == "hard-sphere":
+        return hard_sphere(chain)
     return modified_bca(chain, "printed" if method.endswith("printed") else "calibrated")
 
 

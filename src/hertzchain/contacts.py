@@ -53,17 +53,19 @@ def hertz_stiffness(radius: ArrayLike, next_radius: ArrayLike) -> Array:
     return np.sqrt(2.0 * left * (right / (left + right)))
 
 
-def velocity_transfer(mass: ArrayLike, next_mass: ArrayLike) -> Array:
-    r"""Velocity handed to a resting bead by a head-on elastic collision.
+def velocity_transfer(mass: ArrayLike, next_mass: ArrayLike, restitution: float = 1.0) -> Array:
+    r"""Velocity handed to a resting bead by a head-on collision.
 
-    .. math:: \frac{v_{k+1}}{v_k} = \frac{2}{1 + m_{k+1}/m_k}
+    .. math:: \frac{v_{k+1}}{v_k} = \frac{1 + e}{1 + m_{k+1}/m_k}
 
-    the factor of the paper's product for the BCA, Eq. (5).
+    the factor of the paper's product for the BCA, Eq. (5), where e = 1.
 
     Parameters
     ----------
     mass, next_mass : array_like
         Masses of the striking and of the struck bead [any one unit].
+    restitution : float
+        Coefficient of restitution e: relative speed after over before, 0 < e <= 1.
 
     Returns
     -------
@@ -77,7 +79,7 @@ def velocity_transfer(mass: ArrayLike, next_mass: ArrayLike) -> Array:
     >>> float(velocity_transfer(1.0, 1.0))
     1.0
     """
-    return 2.0 / (1.0 + np.asarray(next_mass, float) / np.asarray(mass, float))
+    return (1.0 + restitution) / (1.0 + np.asarray(next_mass, float) / np.asarray(mass, float))
 
 
 def reduced_mass(mass: ArrayLike, next_mass: ArrayLike) -> Array:

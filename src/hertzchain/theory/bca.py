@@ -18,24 +18,34 @@ from hertzchain.contacts import (
 )
 from hertzchain.errors import InputError
 from hertzchain.pulse import Pulse
+from hertzchain.theory.decoration import warn_if_decorated
 
 
-def bca(chain: Chain) -> Pulse:
+def bca(chain: Chain, *, restitution: float = 1.0) -> Pulse:
     r"""Leading pulse of any chain by the binary collision approximation.
 
     .. math::
 
-        v_k = \prod_{j=1}^{k-1} \frac{2}{1 + m_{j+1}/m_j},
+        v_k = \prod_{j=1}^{k-1} \frac{1 + e}{1 + m_{j+1}/m_j},
         \qquad t_k = \sum_{j=1}^{k-1} T_j
 
     with Eq. (5) of the paper for the velocities (the exact product, not its
-    asymptotic form) and the collision's `hertzchain.contacts.compression_time` as
-    residence time :math:`T_j` of the pulse on bead j.
+    asymptotic form; there e = 1) and the collision's
+    `hertzchain.contacts.compression_time` as residence time :math:`T_j` of the pulse on
+    bead j.
+
+    With e < 1, all of a collision's loss is taken to happen while the beads part, as if
+    the force of unloading were :math:`e^2` times that of loading at the same overlap.
+    Until the largest overlap a collision is then the elastic one, so that arrivals and
+    overlaps are the elastic formulas at the diminished velocities.
 
     Parameters
     ----------
     chain : Chain
-        Any chain.
+        Any chain whose beads change little from one to the next; for small beads
+        between large ones see `effective_chain`.
+    restitution : float
+        Coefficient of restitution e of every collision, 0 < e <= 1.
 
     Returns
     -------
@@ -46,7 +56,12 @@ def bca(chain: Chain) -> Pulse:
     Raises
     ------
     InputError
-        If a velocity underflows.
+        If a velocity underflows, or the restitution is out of its range.
+
+    Warns
+    -----
+    ModelRangeWarning
+        If there are small beads between large ones, as `effective_chain` finds them.
 
     Examples
     --------
@@ -58,20 +73,22 @@ def bca(chain: Chain) -> Pulse:
     >>> float(pulse.velocity[49]), round(float(pulse.residence[0]), 6)
     (1.0, 1.219419)
     """
-    m = chain.masses
-    velocity = np.concatenate(([1.0], np.cumprod(velocity_transfer(m[:-1], m[1:]))))
+    m, e = chain.masses, checked_restitution(restitution)
+    velocity = np.concatenate(([1.0], np.cumprod(velocity_transfer(m[:-1], m[1:], e))))
     reduced, speed = reduced_mass(m[:-1], m[1:]), velocity[:-1]
     with np.errstate(divide="ignore", invalid="ignore"):
         time = compression_time(reduced, chain.stiffness, speed, chain.exponent)
         overlap = collision_overlap(reduced, chain.stiffness, speed, chain.exponent)
-    return Pulse(
+    pulse = Pulse(
         chain=chain,
-        method="BCA",
+        method="BCA" if e == 1.0 else f"BCA, e = {e:g}",
         velocity=velocity,
         arrival=np.concatenate(([0.0], np.cumsum(time))),
         peak_overlap=overlap,
         residence=time,
     )
+    warn_if_decorated(chain, "the BCA")
+    return pulse
 
 
 def bca_velocity_closed_form(taper: Taper, rate: float, beads: int) -> Array:
@@ -80,6 +97,8 @@ def bca_velocity_closed_form(taper: Taper, rate: float, beads: int) -> Array:
     Exponential tapers, Eqs. (12) and (14), forward by :math:`q \to -q`:
 
     .. math:: v_k = A^{1-k}, \qquad A = \tfrac12 [1 + (1-q)^{-3}] .
+
+    With restitution e, each is multiplied by :math:`[(1+e)/2]^{k-1}`.
 
     Linear tapers, with :math:`a = 1/S` and
     :math:`g(x) = \Gamma(x)\,|\Gamma(x + i\sqrt3/2)|^2` from
@@ -242,6 +261,37 @@ def forward_linear_momentum_slope(rate: float) -> float:
     """
     check_taper("forward-linear", rate)
     return -1.5 * rate * (1.0 + rate) ** 2
+
+
+def checked_restitution(restitution: float) -> float:
+    """A coefficient of restitution, refused unless 0 < e <= 1.
+
+    Parameters
+    ----------
+    restitution : float
+        The coefficient e.
+
+    Returns
+    -------
+    float
+
+    Raises
+    ------
+    InputError
+        If it is out of this range.
+
+    Examples
+    --------
+    >>> checked_restitution(1)
+    1.0
+    """
+    try:
+        value = float(restitution)
+    except (TypeError, ValueError):
+        raise InputError(f"restitution must be a number in (0, 1], got {restitution!r}") from None
+    if not 0.0 < value <= 1.0:
+        raise InputError(f"restitution must lie above 0 and be at most 1 (no loss), got {value:g}")
+    return value
 
 
 def _log_g(x: Array) -> Array:

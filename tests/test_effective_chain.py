@@ -1,0 +1,147 @@
+import itertools
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+from scipy.optimize import brentq
+
+import hertzchain as hc
+from hertzchain.theory.decoration import small_beads
+
+
+def decorated(large, ratio, small=1):
+    """Between neighbours, so many beads of a fraction of the smaller one's radius."""
+    cells = [[a, *[ratio * min(a, b)] * small] for a, b in itertools.pairwise(large)]
+    return hc.Chain.from_radii([*np.concatenate(cells), large[-1]])
+
+
+def measured(chain, effective, first, last):
+    """Mean time between the maxima of large beads, and their velocities."""
+    pulse, index = hc.propagate(chain), effective.large_beads - 1
+    time = pulse.peak_time[index]
+    return (time[last] - time[first]) / (last - first), pulse.velocity[index]
+
+
+@pytest.mark.parametrize(
+    ("ratio", "small", "off"),
+    [
+        (0.2, 1, 5e-5), (0.3, 1, 2e-4), (0.4, 1, 9e-4), (0.5, 1, 1e-3), (0.3, 2, 5e-4),
+        (0.396, 2, 1.2e-3), (0.292, 5, 2.0e-3),
+    ],
+)  # fmt: skip
+def test_pulse_spacing_against_the_integration(ratio, small, off):
+    chain = decorated(np.ones(30), ratio, small)
+    effective = hc.effective_chain(chain)
+    spacing, velocity = measured(chain, effective, 12, 24)
+    error = effective.spacing(velocity)[12:24].mean() / spacing - 1.0
+    assert abs(error) < 1.1 * off
+    assert abs(error) > off / 10
+
+
+def test_where_the_small_beads_are_not_light():
+    chain = decorated(np.ones(42), 0.7)
+    with pytest.warns(hc.ModelRangeWarning, match=r"beads 1 and 3 have 0.343 .* up to 0.125 only"):
+        effective = hc.effective_chain(chain)
+    spacing, velocity = measured(chain, effective, 15, 35)
+    assert effective.spacing(velocity[25])[25] / spacing > 1.02
+
+
+def test_bca_of_decorated_chains_is_that_of_plain_ones():
+    chain = decorated(np.ones(42), 0.4)
+    effective = hc.effective_chain(chain)
+    spacing, velocity = measured(chain, effective, 15, 35)
+    pulse = effective.bca()
+    assert np.diff(pulse.arrival)[25] / spacing == pytest.approx(1.025, abs=0.01)
+    assert pulse.velocity[25] / velocity[25] == pytest.approx(1.46, abs=0.01)
+    assert pulse.bead[:3].tolist() == [1, 3, 5]
+
+
+def test_without_small_beads_it_is_the_bca():
+    chain = hc.Chain.tapered("forward-exponential", 0.05, beads=12)
+    ours, plain = hc.effective_chain(chain, range(1, 13)).bca(), hc.bca(chain)
+    np.testing.assert_allclose(ours.velocity, plain.velocity, rtol=1e-15)
+    np.testing.assert_allclose(ours.arrival, plain.arrival, rtol=1e-12)
+    np.testing.assert_allclose(ours.peak_force, plain.peak_force, rtol=1e-12)
+
+
+@pytest.mark.parametrize("exponent", [1.5, 2.5])
+def test_contacts_in_series_by_balance_of_forces(exponent):
+    """Push two large beads together by one, and find the overlaps contact after contact."""
+    chain = hc.Chain.from_radii([1.0, 0.3, 0.2, 0.4, 1.2], exponent=exponent)
+    effective = hc.effective_chain(chain, [1, 5])
+
+    def overlaps(force):
+        return (force / chain.stiffness) ** (1.0 / exponent)
+
+    force = brentq(lambda f: overlaps(f).sum() - 1.0, 1e-6, 10.0, xtol=1e-15, rtol=1e-14)
+    assert effective.stiffness[0] == pytest.approx(force, rel=1e-12)
+    # Displacements of the small beads if the left large one moves by one, the right by none.
+    follow = 1.0 - np.cumsum(overlaps(force))[:-1]
+    first = 1.0 + np.sum(follow * chain.masses[1:-1])
+    assert effective.masses[0] == pytest.approx(first, rel=1e-12)
+    assert effective.masses.sum() == pytest.approx(chain.masses.sum(), rel=1e-14)
+
+
+def test_effective_chain_of_tapered_large_beads_moves_as_the_full_one():
+    chain = decorated(0.98 ** np.arange(24), 0.3)
+    effective = hc.effective_chain(chain)
+    spacing, velocity = measured(chain, effective, 8, 18)
+    # The speed of the uniform chain's wave is off by what the taper does to the wave.
+    assert effective.spacing(velocity)[8:18].mean() / spacing == pytest.approx(1.02, abs=1e-3)
+    m, k, n = effective.masses, effective.stiffness, 24
+
+    def rates(_, y):
+        force = k * np.maximum(-np.diff(y[:n]), 0.0) ** 1.5
+        return np.concatenate([y[n:], -np.diff(force, prepend=0.0, append=0.0) / m])
+
+    start = np.zeros(2 * n)
+    start[n] = 1.0
+    run = solve_ivp(
+        rates, (0.0, 45.0), start, method="DOP853", rtol=1e-9, atol=1e-12, dense_output=True
+    )
+    times = np.linspace(10.0, 45.0, 20_001)
+    moving = run.sol(times)[n:]
+    peaks = times[np.argmax(moving, axis=1)]
+    assert (peaks[18] - peaks[8]) / 10 == pytest.approx(spacing, rel=1.5e-3)
+    np.testing.assert_allclose(moving[8:19].max(axis=1), velocity[8:19], rtol=8e-3)
+
+
+def test_small_beads_are_found():
+    found = small_beads(np.array([1.0, 0.5, 0.2, 0.5, 1.0, 1.0, 0.3, 0.9]))
+    assert np.flatnonzero(found).tolist() == [1, 2, 3, 6]
+    tapered = decorated(0.85 ** np.arange(20), 0.3, 2)
+    assert hc.effective_chain(tapered, range(1, 59, 3)).masses.tolist() == (
+        hc.effective_chain(tapered).masses.tolist()
+    )
+    later = np.concatenate([0.5 ** np.arange(5), [0.01, 0.05]])
+    assert np.flatnonzero(small_beads(later)).tolist() == [5]
+    k = np.arange(60)
+    for radii in (0.6**k, 1.3**k, 1 + 0.4 * np.sin(k / 5), 1 - 0.5 * np.exp(-((k - 30) ** 2) / 60)):
+        assert not small_beads(radii).any()
+
+
+def test_theories_of_single_collisions_warn_of_decorated_chains():
+    chain = decorated(np.ones(5), 0.3)
+    for theory in (hc.bca, hc.hard_sphere):
+        with pytest.warns(hc.ModelRangeWarning, match="bead 2 is a small one.*effective_chain"):
+            theory(chain)
+
+
+CHAIN = hc.Chain.from_radii([1.0, 0.3, 1.0, 0.3, 1.0])
+
+
+@pytest.mark.parametrize(
+    ("call", "said"),
+    [
+        (lambda: hc.effective_chain(hc.Chain.uniform(9)), "uniform, 9 beads has none"),
+        (lambda: hc.effective_chain(CHAIN, [1, 3]), r"from 1 to 5, both .* got \[1, 3\]"),
+        (lambda: hc.effective_chain(CHAIN, [1, 3, 3, 5]), "rising bead numbers"),
+        (lambda: hc.effective_chain(CHAIN, [1.0, 3.5, 5.0]), "rising bead numbers"),
+        (lambda: hc.effective_chain(CHAIN, [1, 5]), "bead 3 lies .* has 1 of the radius"),
+        (lambda: hc.effective_chain(CHAIN).spacing([1.0, 0.7]), "each of the 3 large beads"),
+        (lambda: hc.effective_chain(CHAIN).spacing(0.0), "positive"),
+    ],
+)
+def test_bad_input_is_refused(call, said):
+    with pytest.raises(hc.InputError, match=said):
+        call()

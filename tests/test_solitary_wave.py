@@ -1,0 +1,186 @@
+import numpy as np
+import pytest
+
+import hertzchain as hc
+from hertzchain.theory.long_wave import (
+    PUBLISHED_COEFFICIENTS,
+    long_wave_speed_constant,
+    long_wave_velocity,
+    precompressed_speed,
+    sen_manciu_coefficients,
+    sen_manciu_velocity,
+)
+from hertzchain.theory.solitary_wave import solitary_wave
+
+# Digits on which an integration of the strike and the fixed point agree, found with other code.
+CONSTANTS = {
+    1.25: ("0.9466818312", "2.20829199", "1.47921353", "1.00354850"),
+    1.5: ("0.9074700784", "1.66997125", "1.06932295", "1.01301939"),
+    1.75: ("0.8779190188", "1.44816612", "0.89292995", "1.02715347"),
+    2.0: ("0.8552519319", "1.32465263", "0.79121100", "1.04519028"),
+    2.5: ("0.8239183900", "1.19136868", "0.67716278", "1.09123488"),
+    3.0: ("0.8047601163", "1.12214576", "0.61546478", "1.14869213"),
+    4.0: ("0.7867928562", "1.05541083", "0.55372328", "1.29110662"),
+}
+
+
+@pytest.mark.parametrize("exponent", CONSTANTS)
+def test_constants_to_every_printed_digit(exponent):
+    wave = solitary_wave(exponent)
+    found = (wave.speed_constant, wave.momentum_constant, wave.energy_constant)
+    for printed, value in zip(CONSTANTS[exponent], (*found, wave.force_constant), strict=True):
+        assert f"{value:.{len(printed) - 2}f}" == printed
+
+
+@pytest.mark.parametrize("exponent", [1.5, 2.5])
+def test_the_wave_that_a_strike_makes(exponent):
+    pulse = hc.propagate(hc.Chain.uniform(100, exponent=exponent))
+    wave, v = solitary_wave(exponent), float(pulse.velocity[80])
+    period = (pulse.peak_time[90] - pulse.peak_time[70]) / 20
+    assert wave.speed(v) == pytest.approx(1.0 / period, rel=2e-11)
+    if exponent == 1.5:
+        assert f"{period:.10f}" == f"{1.0 / wave.speed(v):.10f}" == "1.1897555770"
+    assert wave.peak_force(v) == pytest.approx(pulse.peak_force[80], rel=1e-10)
+
+
+def test_momentum_and_energy_of_the_wave_in_a_run(uniform_run):
+    v = 0.681631548571
+    time = int(np.searchsorted(uniform_run.times, 80.0))
+    crest = int(np.argmax(uniform_run.velocities[time]))
+    near = slice(crest - 8, crest + 9)
+    velocity, position = uniform_run.velocities[time, near], uniform_run.positions[time]
+    overlap = np.maximum(-np.diff(position[crest - 8 : crest + 10]), 0.0)
+    wave = solitary_wave()
+    assert wave.momentum(v) == pytest.approx(velocity.sum(), abs=1e-9)
+    energy = 0.5 * np.sum(velocity**2) + np.sum(overlap**2.5) / 2.5
+    assert wave.energy(v) == pytest.approx(energy, abs=1e-9)
+
+
+@pytest.mark.parametrize("exponent", [1.05, 1.5, 4.0, 20.0])
+def test_profiles_solve_the_equation_by_another_quadrature(exponent):
+    """c^2 phi(x) is the integral of force times triangle, by Gauss' rule on each half."""
+    wave = solitary_wave(exponent)
+    nodes, weights = np.polynomial.legendre.leggauss(60)
+    s, w = 0.5 * (nodes + 1.0), 0.5 * weights
+    x = np.linspace(-2.0, 2.0, 9)
+
+    def folded(y):
+        left, right = wave.force(y - s), wave.force(y + s)
+        return np.sum(w * (1.0 - s) * (left + right))
+
+    squared_speed = folded(0.0)
+    ours = np.array([folded(y) for y in x]) / squared_speed
+    np.testing.assert_allclose(ours, wave.overlap(x), atol=5e-13)
+    kinetic = 0.5 * np.mean(wave.velocity(np.arange(-5, 5, 1 / 64)) ** 2) * 10
+    if exponent == 1.5:
+        assert kinetic / wave.energy_constant == pytest.approx(wave.kinetic_fraction, rel=1e-12)
+
+
+def test_printed_profile():
+    xi = np.arange(0.0, 3.1, 0.5)
+    velocity = [1, 0.75888, 0.32625, 0.07566, 8.723e-3, 4.450e-4, 8.602e-6]
+    force = [1, 0.70732, 0.24599, 0.03985, 2.736e-3, 6.925e-5, 5.348e-7]
+    wave = solitary_wave()
+    np.testing.assert_allclose(wave.velocity(xi), velocity, rtol=7e-5)
+    np.testing.assert_allclose(wave.force(-xi), force, rtol=2e-4)
+    assert wave.overlap.width() == pytest.approx(1.72571, abs=5e-6)
+    assert wave.force.width() == pytest.approx(1.41193, abs=5e-6)
+    assert wave.velocity.width() == pytest.approx(1.57914, abs=5e-6)
+
+
+def test_hard_spheres_are_the_limit_of_stiff_laws():
+    wave = solitary_wave(20.0)
+    assert wave.momentum_constant == pytest.approx(1.0, abs=1e-6)
+    assert wave.energy_constant == pytest.approx(0.5, abs=1e-6)
+
+
+def test_units_scale_as_the_equation_does():
+    wave, (length, time, mass) = solitary_wave(2.0), (3.0, 5.0, 7.0)
+    stiffness = mass / (length * time**2)
+    speed = wave.speed(0.3 * length / time, mass, stiffness)
+    assert speed * time == pytest.approx(wave.speed(0.3), rel=1e-14)
+    force = wave.peak_force(0.3 * length / time, mass, stiffness)
+    assert force / (mass * length / time**2) == pytest.approx(wave.peak_force(0.3), rel=1e-14)
+
+
+def test_long_wave_theory_is_off_by_what_it_is_known_to_be_off():
+    assert long_wave_speed_constant() / solitary_wave().speed_constant == pytest.approx(
+        1.0079, abs=5e-5
+    )
+    small = solitary_wave(1.05).speed_constant
+    assert long_wave_speed_constant(1.05) == pytest.approx(small, rel=1.3e-4)
+    end = np.pi / 2 / np.sqrt(0.4)
+    np.testing.assert_allclose(
+        long_wave_velocity([0.0, 1.0, end - 1e-9, end, 5.0]),
+        [1.0, np.cos(np.sqrt(0.4)) ** 4, 0.0, 0.0, 0.0],
+        atol=1e-15,
+    )
+
+
+def test_sen_manciu_form_is_the_published_one():
+    ours = sen_manciu_coefficients(solitary_wave())
+    off = np.abs(np.array(ours) / PUBLISHED_COEFFICIENTS - 1.0)
+    assert np.all(off < [6e-5, 7e-4, 0.02])
+    xi = np.linspace(-1.5, 1.5, 61)
+    exact = solitary_wave().velocity(xi)
+    for coefficients in (ours, PUBLISHED_COEFFICIENTS):
+        off = np.abs(sen_manciu_velocity(xi, coefficients) - exact).max()
+        assert 5e-4 < off < 1e-3
+    near = solitary_wave().velocity(0.05)
+    assert sen_manciu_velocity(0.05, ours) == pytest.approx(near, abs=1e-9)
+
+
+def exact_precompressed_speed(force_ratio, exponent):
+    """Fixed point of c^2 phi = triangle * ((1 + phi)^p - 1) with a given crest."""
+    n, step = 4096, 40.0 / 4096
+    x = (np.arange(n) - n // 2) * step
+    triangle = np.sinc(np.fft.rfftfreq(n, step)) ** 2
+    crest = force_ratio ** (1.0 / exponent) - 1.0
+    overlap = crest / np.cosh(x / 2) ** 2
+    for _ in range(2000):
+        new = np.fft.irfft(np.fft.rfft((1.0 + overlap) ** exponent - 1.0) * triangle, n)
+        new = 0.5 * (new + np.roll(new[::-1], 1)) * crest / new[n // 2]
+        change, overlap = np.abs(new - overlap).max(), new
+        if change < 1e-11 * crest:
+            break
+    full = np.fft.irfft(np.fft.rfft((1.0 + overlap) ** exponent - 1.0) * triangle, n)
+    return np.sqrt(full[n // 2] / crest / exponent)
+
+
+@pytest.mark.parametrize(
+    ("ratio", "low"), [(1.5, 0.00015), (3.0, 0.00105), (10.0, 0.0039), (55.0, 0.0080)]
+)
+def test_precompressed_speed_against_the_exact_wave(ratio, low):
+    exact = exact_precompressed_speed(ratio, 1.5)
+    assert 1.0 - precompressed_speed(ratio) / exact == pytest.approx(low, rel=0.1)
+    hertz = np.sqrt(4 / 15 * (3 + 2 * ratio ** (5 / 3) - 5 * ratio ** (2 / 3)))
+    assert precompressed_speed(ratio) == pytest.approx(hertz / (ratio ** (2 / 3) - 1), rel=1e-13)
+
+
+def test_precompressed_speed_is_smooth_where_its_two_forms_meet():
+    p = 1.5
+    edge = 1.05**p
+    ratios = edge + np.array([-2e-6, -1e-6, 0.0, 1e-6, 2e-6])
+    assert np.ptp(np.diff(precompressed_speed(ratios))) < 1e-12
+    assert precompressed_speed(1.0) == 1.0
+    assert precompressed_speed(1.001, 3.0) == pytest.approx(1.0 + 0.001 / 9, rel=1e-7)
+
+
+@pytest.mark.parametrize(
+    ("call", "said"),
+    [
+        (lambda: solitary_wave(1.0), r"exponent .* within 1.05 .. 20, got 1"),
+        (lambda: solitary_wave(float("nan")), "got nan"),
+        (lambda: solitary_wave("Hertz"), "number .* got 'Hertz'"),
+        (lambda: solitary_wave().speed(-1.0), "velocity .* positive"),
+        (lambda: solitary_wave().speed(1.0, mass=0.0), "mass .* positive"),
+        (lambda: solitary_wave().velocity.width(1.0), "level .* got 1"),
+        (lambda: solitary_wave().force.crest_derivative(2), "power one"),
+        (lambda: solitary_wave().force([0.0, 7.0]), "within 6 beads, got 7"),
+        (lambda: precompressed_speed([2.0, 0.5]), "at least 1, got 0.5"),
+        (lambda: long_wave_speed_constant(1.0), "above 1"),
+    ],
+)
+def test_bad_input_is_refused(call, said):
+    with pytest.raises(hc.InputError, match=said):
+        call()

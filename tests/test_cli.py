@@ -209,3 +209,11 @@ def test_a_closed_pipe_is_no_failure_of_ours():
     )
     assert done.stdout.startswith("method,bead")
     assert "Traceback" not in done.stderr
+
+
+def test_progress_in_a_pipe_is_a_line_now_and_then(run, monkeypatch):
+    monkeypatch.setattr(cli, "SECONDS_PER_LINE", 0.0)
+    code, out, err = run("simulate", "--beads", 400, "--json")
+    assert code == 0
+    assert json.loads(out)["status"] == "pulse left"
+    assert "beads passed: 400 of 400" in err

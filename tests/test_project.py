@@ -95,7 +95,9 @@ def test_no_tracked_file_speaks_of_a_machine():
     files = tracked_files()
     if not files:
         pytest.skip("not a git checkout")
-    pattern = re.compile(r"https?://[^\s/]*(?:pypi|pythonhosted|npmjs)|/root/|/home/\w+|/work/")
+    here = [re.escape(f"{folder}/") for folder in (ROOT.parent, Path.home())]
+    hosts = r"https?://[^\s/]*(?:pypi|pythonhosted|npmjs)"
+    pattern = re.compile("|".join([hosts, r"/home/\w+", *here]))
     for path in files:
         if path.suffix in (".png", ".gz") or path.name == Path(__file__).name:
             continue

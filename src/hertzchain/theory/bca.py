@@ -16,7 +16,7 @@ from hertzchain.contacts import (
     reduced_mass,
     velocity_transfer,
 )
-from hertzchain.errors import InputError
+from hertzchain.errors import InputError, real_number
 from hertzchain.pulse import Pulse
 from hertzchain.theory.decoration import warn_if_decorated
 
@@ -285,10 +285,7 @@ def checked_restitution(restitution: float) -> float:
     >>> checked_restitution(1)
     1.0
     """
-    try:
-        value = float(restitution)
-    except (TypeError, ValueError):
-        raise InputError(f"restitution must be a number in (0, 1], got {restitution!r}") from None
+    value = real_number("restitution", restitution)
     if not 0.0 < value <= 1.0:
         raise InputError(f"restitution must lie above 0 and be at most 1 (no loss), got {value:g}")
     return value

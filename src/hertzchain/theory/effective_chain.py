@@ -31,7 +31,7 @@ from hertzchain.theory.decoration import SMALL, small_beads
 from hertzchain.theory.solitary_wave import solitary_wave
 
 # Largest mass of the small beads between two large ones, over that of the smaller of these,
-# up to which the spacing is right to 0.2 per cent: one small bead of half the radius.
+# up to which the spacing is right to about 0.2 per cent: one small bead of half the radius.
 LARGEST_LOAD: Final = 0.125
 
 
@@ -192,8 +192,8 @@ def effective_chain(chain: Chain, large: Sequence[int] | None = None) -> Effecti
 
     The small bead j gives :math:`(1-\lambda_j)\,m_j` to bead a and :math:`\lambda_j m_j` to
     b, which keeps the momentum.  Between equal large beads `EffectiveChain.spacing` is within
-    0.2 per cent of the integration for one small bead of up to half the radius, or several
-    of together one eighth of the mass.  What the small beads keep of the energy, and so the
+    0.2 per cent of the integration for one small bead of up to half the radius, and within
+    0.25 per cent for several of together one eighth of the mass.  What the small beads keep of the energy, and so the
     decay of the pulse at ratios that resonate, is left out.
 
     Parameters

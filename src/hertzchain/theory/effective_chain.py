@@ -193,8 +193,8 @@ def effective_chain(chain: Chain, large: Sequence[int] | None = None) -> Effecti
     The small bead j gives :math:`(1-\lambda_j)\,m_j` to bead a and :math:`\lambda_j m_j` to
     b, which keeps the momentum.  Between equal large beads `EffectiveChain.spacing` is within
     0.2 per cent of the integration for one small bead of up to half the radius, and within
-    0.25 per cent for several of together one eighth of the mass.  What the small beads keep of the energy, and so the
-    decay of the pulse at ratios that resonate, is left out.
+    0.25 per cent for several of together one eighth of the mass.  What the small beads keep
+    of the energy, and so the decay of the pulse at ratios that resonate, is left out.
 
     Parameters
     ----------

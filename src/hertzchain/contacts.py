@@ -82,6 +82,34 @@ def velocity_transfer(mass: ArrayLike, next_mass: ArrayLike, restitution: float 
     return (1.0 + restitution) / (1.0 + np.asarray(next_mass, float) / np.asarray(mass, float))
 
 
+def collision_cascade(masses: ArrayLike, restitution: float = 1.0) -> Array:
+    r"""Velocities if each bead strikes the next, at rest, in a collision of two.
+
+    .. math:: v_k = \prod_{j=1}^{k-1} \frac{1 + e}{1 + m_{j+1}/m_j}, \qquad v_1 = 1
+
+    Eq. (5) of the paper, where e = 1.
+
+    Parameters
+    ----------
+    masses : array_like, shape (N,)
+        Masses of the beads, struck bead first [any one unit].
+    restitution : float
+        Coefficient of restitution e, 0 < e <= 1.
+
+    Returns
+    -------
+    ndarray, shape (N,)
+        Velocities [of the strike].
+
+    Examples
+    --------
+    >>> collision_cascade([1.0, 1.0, 3.0])
+    array([1. , 1. , 0.5])
+    """
+    m = np.asarray(masses, float)
+    return np.concatenate(([1.0], np.cumprod(velocity_transfer(m[:-1], m[1:], restitution))))
+
+
 def reduced_mass(mass: ArrayLike, next_mass: ArrayLike) -> Array:
     r"""Reduced mass :math:`\mu_k = m_k m_{k+1}/(m_k + m_{k+1})` of two beads.
 

@@ -11,10 +11,10 @@ import numpy as np
 from hertzchain.chain import Chain, Taper, check_taper, rate_symbol
 from hertzchain.contacts import (
     Array,
+    collision_cascade,
     collision_overlap,
     compression_time,
     reduced_mass,
-    velocity_transfer,
 )
 from hertzchain.errors import InputError, real_number
 from hertzchain.pulse import Pulse
@@ -74,7 +74,7 @@ def bca(chain: Chain, *, restitution: float = 1.0) -> Pulse:
     (1.0, 1.219419)
     """
     m, e = chain.masses, checked_restitution(restitution)
-    velocity = np.concatenate(([1.0], np.cumprod(velocity_transfer(m[:-1], m[1:], e))))
+    velocity = collision_cascade(m, e)
     reduced, speed = reduced_mass(m[:-1], m[1:]), velocity[:-1]
     with np.errstate(divide="ignore", invalid="ignore"):
         time = compression_time(reduced, chain.stiffness, speed, chain.exponent)

@@ -21,10 +21,10 @@ from numpy.typing import ArrayLike, NDArray
 from hertzchain.chain import Chain
 from hertzchain.contacts import (
     Array,
+    collision_cascade,
     collision_overlap,
     compression_time,
     reduced_mass,
-    velocity_transfer,
 )
 from hertzchain.errors import InputError, ModelRangeWarning
 from hertzchain.theory.decoration import SMALL, small_beads
@@ -93,7 +93,7 @@ class EffectiveChain:
         array([1.     , 0.99338, 0.99338])
         """
         m, k, p = self.masses, self.stiffness, self.exponent
-        velocity = np.concatenate(([1.0], np.cumprod(velocity_transfer(m[:-1], m[1:]))))
+        velocity = collision_cascade(m)
         reduced, speed = reduced_mass(m[:-1], m[1:]), velocity[:-1]
         return EffectivePulse(
             bead=self.large_beads,

@@ -14,7 +14,7 @@ import math
 import numpy as np
 
 from hertzchain.chain import Chain
-from hertzchain.contacts import velocity_transfer
+from hertzchain.contacts import collision_cascade
 from hertzchain.errors import InputError
 from hertzchain.pulse import Pulse
 from hertzchain.theory.bca import checked_restitution
@@ -56,8 +56,8 @@ def hard_sphere(chain: Chain, *, restitution: float = 1.0) -> Pulse:
     >>> hc.hard_sphere(hc.Chain.uniform(4), restitution=0.9).velocity.round(6)
     array([1.      , 0.95    , 0.9025  , 0.857375])
     """
-    m, e = chain.masses, checked_restitution(restitution)
-    velocity = np.concatenate(([1.0], np.cumprod(velocity_transfer(m[:-1], m[1:], e))))
+    e = checked_restitution(restitution)
+    velocity = collision_cascade(chain.masses, e)
     method = "hard sphere" if e == 1.0 else f"hard sphere, e = {e:g}"
     pulse = Pulse(chain=chain, method=method, velocity=velocity)
     warn_if_decorated(chain, "the hard-sphere theory")

@@ -73,6 +73,8 @@ class Pulse:
         Residence time :math:`T_k = t_{k+1} - t_k` on bead k [scaled]; from the arrivals if
         not given.  In strongly uneven chains arrivals need not be in order, and it may be
         negative.
+    velocity_error : ndarray, shape (N,), or None
+        Estimated relative error of each velocity, by a method that estimates one.
 
     Examples
     --------
@@ -89,6 +91,7 @@ class Pulse:
     arrival: Array | None = None
     peak_overlap: Array | None = None
     residence: Array | None = None
+    velocity_error: Array | None = None
 
     def __post_init__(self) -> None:
         beads = self.chain.beads

@@ -1,0 +1,337 @@
+r"""The local-rate law: the leading pulse of any taper, right to a fraction of a per cent.
+
+An exponential chain, of one rate :math:`s = \ln(R_{k+1}/R_k)`, looks the same from every bead,
+so that after a few beads the velocity changes by one factor :math:`e^{\sigma(s)}` a bead, which
+depends on s alone.  In any other chain the pulse is close to that of the local rate and
+remembers, for a few beads, the rates that it came through; the law adds the response to their
+differences, to second degree, and the start at the strike and at the free end likewise.  The
+functions of the rate it needs are in the tables of `hertzchain.theory.universal`.
+"""
+
+from __future__ import annotations
+
+import operator
+import warnings
+from dataclasses import dataclass
+from typing import Final, Literal, get_args
+
+import numpy as np
+
+from hertzchain.chain import Chain
+from hertzchain.contacts import Array
+from hertzchain.errors import InputError, ModelRangeWarning, unknown_name
+from hertzchain.pulse import PER_CONTACT, Pulse
+from hertzchain.theory.universal import (
+    FEWEST_BEADS,
+    UniversalFunctions,
+    known_exponents,
+    log_scales,
+    universal_functions,
+)
+
+Quantity = Literal["velocity", "momentum", "energy", "arrival", "residence", "peak_force"]
+DIFFERENTIABLE: Final[tuple[Quantity, ...]] = get_args(Quantity)
+# An estimated error of velocity beyond which a chain is said to be outside the law's range.
+DOUBTFUL: Final = 0.01
+
+
+def local_rate(chain: Chain) -> Pulse:
+    r"""Leading pulse of a chain of any taper by the local-rate law.
+
+    .. math::
+
+        v_k = \exp\sum_{j<k} \rho_j, \qquad
+        z_k = z^*(s_k) + \sum_i c_i(s_k)\, x_i + \sum_{i\le j} c_{ij}(s_k)\, x_i x_j
+
+    where the state :math:`z_k = (\rho_k, \varphi_k, \tau_k)` is the growth of velocity,
+    :math:`\rho_k = \ln(v_{k+1}/v_k)`, and the peak force and the residence time of contact k
+    in units of the bead's mass, velocity and stiffness; :math:`z^*(s)` is the state on an
+    exponential chain of rate s, and x holds the deviation of the state before from its
+    :math:`z^*` and the differences of the rates :math:`s_{k-2} \dots s_{k+2}`
+    (not in the paper; derived in the explanation "A law for any taper").
+
+    Parameters
+    ----------
+    chain : Chain
+        A chain of at least nine beads, of which neighbours may differ in radius by factors
+        from 0.85 to 3, changing from bead to bead.  Best where the factor changes slowly.
+
+    Returns
+    -------
+    Pulse
+        Velocity with its estimated relative error, arrival, residence, peak overlaps
+        (momentum, energy and force follow).
+
+    Raises
+    ------
+    InputError
+        For a chain of fewer beads, or an exponent that there are no tables for.
+
+    Warns
+    -----
+    ModelRangeWarning
+        If a rate lies outside the tables, or the estimated error of a velocity exceeds 1 %.
+
+    Examples
+    --------
+    >>> import hertzchain as hc
+    >>> chain = hc.Chain.tapered("backward-linear", 0.5, beads=100)
+    >>> comparison = hc.local_rate(chain).compare(hc.propagate(chain))
+    >>> comparison.worst("velocity") < 1e-3
+    True
+    """
+    solution = solve(chain, _checked_functions(chain))
+    log_force, log_time = (
+        scale + solution.states[:, column]
+        for column, scale in enumerate(log_scales(chain, solution.log_velocity), start=1)
+    )
+    residence = np.exp(log_time)
+    error = solution.estimated_error
+    _warn_outside(solution, error)
+    return Pulse(
+        chain=chain,
+        method="local-rate law",
+        velocity=np.exp(solution.log_velocity),
+        arrival=np.concatenate(([0.0], np.cumsum(residence))),
+        peak_overlap=(np.exp(log_force) / chain.stiffness) ** (1.0 / chain.exponent),
+        residence=residence,
+        velocity_error=error,
+    )
+
+
+def local_rate_gradient(chain: Chain, quantity: Quantity = "velocity", *, bead: int) -> Array:
+    r"""Derivatives of the local-rate law's value at one bead to the radii of all beads.
+
+    .. math:: \frac{\partial \ln Q_k}{\partial \ln R_j}, \quad j = 1..N,
+
+    exact for the law, by its adjoint; the cost does not depend on the number of beads asked
+    for twice over.  The units stay when :math:`R_1` is varied: the strike has velocity 1 and
+    masses are :math:`R^3`.
+
+    Parameters
+    ----------
+    chain : Chain
+        As for `local_rate`.
+    quantity : str
+        ``"velocity"``, ``"momentum"``, ``"energy"`` or ``"arrival"`` of a bead,
+        ``"residence"`` on it or ``"peak_force"`` on the next one.
+    bead : int
+        Bead k, from 1; for residence and force up to N - 1, for the arrival from 2.
+
+    Returns
+    -------
+    ndarray, shape (N,)
+
+    Raises
+    ------
+    InputError
+        As `local_rate`, and for an unknown quantity or a bead outside its range.
+
+    Examples
+    --------
+    All beads larger by a factor: the last one's momentum grows as their masses.
+
+    >>> import hertzchain as hc
+    >>> chain = hc.Chain.tapered("forward-linear", 0.01, beads=50)
+    >>> gradient = local_rate_gradient(chain, "momentum", bead=50)
+    >>> round(float(gradient.sum()), 9)
+    3.0
+    """
+    if quantity not in DIFFERENTIABLE:
+        raise unknown_name("quantity", quantity, DIFFERENTIABLE)
+    _check_bead(chain, quantity, bead)
+    solution = solve(chain, _checked_functions(chain))
+    seeds = _Seeds(solution)
+    if quantity == "arrival":
+        _, unit = log_scales(chain, solution.log_velocity)
+        time = np.exp(solution.states[: bead - 1, 2] + unit[: bead - 1])
+        seeds.residence(slice(bead - 1), time / time.sum())
+    elif quantity == "residence":
+        seeds.residence(bead - 1, 1.0)
+    elif quantity == "peak_force":
+        seeds.peak_force(bead - 1)
+    else:
+        powers = {"velocity": (0.0, 1.0), "momentum": (1.0, 1.0), "energy": (1.0, 2.0)}
+        mass, velocity = powers[quantity]
+        seeds.log_mass[bead - 1] += mass
+        seeds.log_velocity[bead - 1] += velocity
+    return seeds.pulled_back()
+
+
+@dataclass(frozen=True, eq=False)
+class Solution:
+    """The states of all contacts by the law and what they came from.
+
+    Attributes
+    ----------
+    chain : Chain
+        The chain.
+    functions : UniversalFunctions
+        The universal functions used.
+    rates : ndarray, shape (N - 1,)
+        Rates :math:`s_k` of the contacts.
+    states : ndarray, shape (N - 1, 3)
+        States :math:`z_k`.
+    inputs : ndarray, shape (N - 1, 7)
+        Deviations :math:`x_k`.
+    thirds : ndarray, shape (N - 1,)
+        Size of the growth's terms of second degree times that of the deviations.
+    lost : int
+        Number of contacts whose state ran away and was set back.
+    """
+
+    chain: Chain
+    functions: UniversalFunctions
+    rates: Array
+    states: Array
+    inputs: Array
+    thirds: Array
+    lost: int
+
+    @property
+    def arguments(self) -> tuple[Array, ...]:
+        """What both kernels begin with."""
+        f = self.functions
+        return self.rates, f.nodes, f.anchors, f.knots, f.response
+
+    @property
+    def log_velocity(self) -> Array:
+        """Logarithms of the velocities, shape (N,)."""
+        return np.concatenate(([0.0], np.cumsum(self.states[:, 0])))
+
+    @property
+    def error_parts(self) -> Array:
+        r"""What the estimated error is made of, shape (N - 1, 3).
+
+        One; :math:`\left[\sum_j (|x_j| q_j)^2\right]^{1/2}` with the size :math:`q_j` of the
+        growth's terms of second degree, in proportion to those of third degree that are left
+        out; and :math:`\sum_j |x_j|`, for what the functions themselves are off.
+        """
+        third = np.sqrt(np.cumsum(self.thirds**2))
+        size = np.cumsum(np.linalg.norm(self.inputs, axis=1))
+        return np.stack([np.ones_like(third), third, size], axis=1)
+
+    @property
+    def estimated_error(self) -> Array:
+        """Estimated relative error of the velocities, shape (N,)."""
+        return np.concatenate(([0.0], self.error_parts @ self.functions.error))
+
+
+def solve(chain: Chain, functions: UniversalFunctions) -> Solution:
+    """Follow the law along a chain.
+
+    Parameters
+    ----------
+    chain : Chain
+        The chain, of at least nine beads.
+    functions : UniversalFunctions
+        Those of its exponent.
+
+    Returns
+    -------
+    Solution
+
+    Examples
+    --------
+    >>> import hertzchain as hc
+    >>> solution = solve(hc.Chain.uniform(40), universal_functions(1.5))
+    >>> float(np.exp(solution.log_velocity[30]).round(3))
+    0.682
+    """
+    from hertzchain.kernels import local_rate as kernel
+
+    rates = np.diff(np.log(chain.radii))
+    states = np.zeros((len(rates), kernel.STATES))
+    inputs, thirds = np.zeros((len(rates), kernel.INPUTS)), np.zeros(len(rates))
+    f = functions
+    lost = kernel.forward(rates, f.nodes, f.anchors, f.knots, f.response, states, inputs, thirds)
+    return Solution(chain, functions, rates, states, inputs, thirds, lost)
+
+
+class _Seeds:
+    """Derivatives of one number to everything it is made from, and so to the radii."""
+
+    def __init__(self, solution: Solution) -> None:
+        self.solution = solution
+        beads = solution.chain.beads
+        self.states = np.zeros_like(solution.states)
+        self.log_velocity, self.log_mass = np.zeros(beads), np.zeros(beads)
+        self.log_stiffness = np.zeros(beads - 1)
+
+    def residence(self, contact: int | slice, weight: float | Array) -> None:
+        """Add the weighted logarithm of residence times; see `log_scales` for the exponents."""
+        p = self.solution.chain.exponent
+        self.states[contact, 2] += weight
+        self.log_mass[contact] += weight / (p + 1.0)
+        self.log_stiffness[contact] -= weight / (p + 1.0)
+        self.log_velocity[contact] -= weight * (p - 1.0) / (p + 1.0)
+
+    def peak_force(self, contact: int) -> None:
+        """Add the logarithm of a peak force."""
+        p = self.solution.chain.exponent
+        self.states[contact, 1] += 1.0
+        self.log_stiffness[contact] += 1.0 / (p + 1.0)
+        self.log_mass[contact] += p / (p + 1.0)
+        self.log_velocity[contact] += 2.0 * p / (p + 1.0)
+
+    def pulled_back(self) -> Array:
+        """Derivatives to the logarithms of all radii, shape (N,)."""
+        from hertzchain.kernels.local_rate import backward
+
+        self.states[:, 0] += np.cumsum(self.log_velocity[:0:-1])[::-1]
+        to_rates = np.zeros_like(self.solution.rates)
+        backward(*self.solution.arguments, self.solution.inputs, self.states, to_rates)
+        radii = self.solution.chain.radii
+        found = 3.0 * self.log_mass
+        found[1:] += to_rates + 0.5 * self.log_stiffness * radii[:-1] / (radii[:-1] + radii[1:])
+        found[:-1] -= to_rates - 0.5 * self.log_stiffness * radii[1:] / (radii[:-1] + radii[1:])
+        return found
+
+
+def _checked_functions(chain: Chain) -> UniversalFunctions:
+    if chain.beads < FEWEST_BEADS:
+        raise InputError(
+            f"the local-rate law needs at least {FEWEST_BEADS} beads, got {chain.beads}: "
+            "strike and free end must not meet; use propagate"
+        )
+    if chain.exponent not in known_exponents():
+        raise InputError(
+            f"the local-rate law has no tables for the exponent {chain.exponent:g}, only for "
+            f"{' and '.join(f'{p:g}' for p in known_exponents())}; use propagate"
+        )
+    return universal_functions(chain.exponent)
+
+
+def _warn_outside(solution: Solution, error: Array) -> None:
+    low, high = solution.functions.range
+    outside = (solution.rates < low) | (solution.rates > high)
+    if outside.any():
+        k = int(np.argmax(outside))
+        reason = (
+            f"rate ln(R_{k + 2}/R_{k + 1}) = {solution.rates[k]:.3g} is outside {low:g} to {high:g}"
+        )
+    elif error[-1] > DOUBTFUL or solution.lost:
+        k = int(np.argmax(error > DOUBTFUL))
+        reason = (
+            f"the radii change too unevenly: from bead {k + 1} on its velocities may be off by "
+            f"more than {DOUBTFUL:.0%}, at the end by {error[-1]:.1%}"
+        )
+    else:
+        return
+    warnings.warn(
+        f"outside the range of the local-rate law, {solution.chain.description}: {reason}; "
+        "use propagate",
+        ModelRangeWarning,
+        stacklevel=3,
+    )
+
+
+def _check_bead(chain: Chain, quantity: str, bead: int) -> None:
+    first = 2 if quantity == "arrival" else 1
+    last = chain.beads - 1 if quantity in PER_CONTACT else chain.beads
+    try:
+        valid = first <= operator.index(bead) <= last
+    except TypeError:
+        valid = False
+    if not valid or isinstance(bead, bool):
+        raise InputError(f"bead must be a whole number from {first} to {last}, got {bead!r}")

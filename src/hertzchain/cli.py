@@ -21,6 +21,7 @@ import click
 if TYPE_CHECKING:
     from rich.table import Table
 
+    from hertzchain.calibration import Calibration
     from hertzchain.chain import Chain
     from hertzchain.paper.reproduction import Reproduction
     from hertzchain.pulse import Pulse, Quantity
@@ -283,6 +284,78 @@ def reproduce(
 
 
 @cli.command()
+@click.option(
+    "--taper",
+    "tapers",
+    multiple=True,
+    metavar="NAME",
+    help="Taper to calibrate; repeatable.  [default: all four]",
+)
+@click.option(
+    "--rates",
+    metavar="NUMBERS",
+    help="Its S or q, separated by commas; with one --taper.  [default: those of the paper]",
+)
+@click.option(
+    "--window", metavar="FIRST:LAST", default="5:80", show_default=True, help="Beads of the fit."
+)
+@click.option("--beads", type=int, default=100, show_default=True, help="Beads of each chain.")
+@click.option(
+    "--output",
+    type=click.Path(path_type=Path),
+    metavar="FILE",
+    help="Also write the constants into FILE (.toml).",
+)
+@click.option("--json", "as_json", is_flag=True, help="Print everything as JSON.")
+def calibrate(
+    tapers: tuple[str, ...], rates: str | None, window: str, beads: int, output: Path | None,
+    as_json: bool,
+) -> None:  # fmt: skip
+    """Fit the constants of the modified BCA to the integration, as the paper did.
+
+    Shows each constant with its standard error and what the paper prints for it, and how
+    far the fitted velocity is off.
+
+    \b
+    Examples:
+      hertzchain calibrate
+      hertzchain calibrate --taper forward-linear --rates 0.01,0.015 --beads 60 --window 5:50
+    """
+    import json
+
+    from hertzchain import calibration, store
+    from hertzchain.chain import TAPERS
+
+    _known("taper", tapers, TAPERS)
+    _writable(output, "--output", (".toml",))
+    chosen = tuple(dict.fromkeys(tapers)) or TAPERS
+    if rates is not None and len(chosen) != 1:
+        raise click.UsageError("--rates are those of one taper: give one --taper")
+    numbers = None if rates is None else _numbers("--rates", rates)
+    beads_of_fit = _window("--window", window)
+    with _progress("chains integrated") as progress:
+        found = [
+            calibration.calibrate(
+                taper,  # type: ignore[arg-type]
+                rates=numbers,
+                window=beads_of_fit,
+                beads=beads,
+                progress=progress,
+            )
+            for taper in chosen
+        ]
+    if output is not None:
+        store.write_bytes(output, calibration.calibrated_toml(found).encode())
+    if as_json:
+        document: dict[str, Any] = {"schema_version": store.SCHEMA_VERSION}
+        document["calibrations"] = [result.as_dict() for result in found]
+        click.echo(json.dumps(document, indent=2, allow_nan=False))
+        return
+    for result in found:
+        _show_calibration(result)
+
+
+@cli.command()
 def cite() -> None:
     """Print what to cite: the paper, the methods, this software.
 
@@ -347,6 +420,13 @@ def _window(option: str, text: str) -> tuple[int, int]:
     except ValueError:
         raise click.UsageError(f"{option} must look like 5:60, got {text!r}") from None
     return first, last
+
+
+def _numbers(option: str, text: str) -> tuple[float, ...]:
+    try:
+        return tuple(float(part) for part in text.split(","))
+    except ValueError:
+        raise click.UsageError(f"{option} must look like 0.01,0.02, got {text!r}") from None
 
 
 @contextmanager
@@ -462,6 +542,29 @@ def _show_run(run: Run, as_json: bool) -> None:
     click.echo(f"{run.chain.description}\n{run.message}")
     click.echo(f"energy drift {run.energy_drift:.1e}, momentum drift {run.momentum_drift:.1e}")
     click.echo(f"{len(run.times)} times saved, {run.evaluations} evaluations of the force")
+
+
+def _show_calibration(result: Calibration) -> None:
+    from rich import box
+    from rich.table import Table
+
+    from hertzchain.chain import rate_symbol
+
+    first, last = result.window
+    click.echo(f"{result.taper}, beads {first}..{last} of {result.beads}")
+    table = Table(title=result.correction.formula, box=box.SIMPLE_HEAD, title_justify="left")
+    for heading in ("constant", "value", "standard error", "printed in the paper"):
+        table.add_column(heading, justify="right")
+    for name, value in result.constants.items():
+        error, printed = result.standard_errors[name], result.printed[name]
+        table.add_row(name, f"{value:.6g}", f"{error:.2g}", f"{printed:.3g}")
+    _show(table)
+    click.echo(
+        f"relative error of velocity: worst {result.worst_error:.2%}, rms {result.rms_error:.2%}"
+    )
+    for rate, worst in zip(result.rates, result.worst_by_rate, strict=True):
+        click.echo(f"  {rate_symbol(result.taper)} = {rate:<6g} worst {worst:7.2%}")
+    click.echo()
 
 
 def _show_reproduction(result: Reproduction) -> None:

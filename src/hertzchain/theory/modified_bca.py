@@ -20,7 +20,7 @@ import tomllib
 import warnings
 from dataclasses import dataclass
 from importlib import resources
-from typing import Literal
+from typing import ClassVar, Literal
 
 import numpy as np
 
@@ -47,6 +47,7 @@ class RatioCorrection:
     """
 
     ratio: float
+    formula: ClassVar = "v = ratio * v_BCA"
 
     def velocity(self, unmodified: Array, rate: float | None, k: Array) -> Array:  # noqa: ARG002
         """Corrected velocity of beads k; the rate plays no part."""
@@ -78,6 +79,7 @@ class PowerLawCorrection:
     x: float
     d0: float
     y: float
+    formula: ClassVar = "v = v_BCA / (c0 q^x + d0 q^y k)"
 
     def velocity(self, unmodified: Array, rate: float | None, k: Array) -> Array:
         """Corrected velocity of beads k of a taper with the given q."""
@@ -219,6 +221,32 @@ def printed_velocity(taper: Taper, rate: float, k: Array) -> Array:
     return PRINTED_EXPONENTIAL[taper].velocity(unmodified, rate, k)
 
 
+def printed_correction(taper: Taper) -> Correction:
+    """The correction of a taper with the constants that the paper prints.
+
+    Linear tapers have the ratios of its text, 2/3 and 0.680; exponential ones Eqs. (38)
+    and (40).  To be applied to the product of the BCA, which the paper's summary does not
+    do for linear tapers; that is `printed_velocity`.
+
+    Parameters
+    ----------
+    taper : str
+        Name of the taper.
+
+    Returns
+    -------
+    RatioCorrection or PowerLawCorrection
+
+    Examples
+    --------
+    >>> printed_correction("forward-linear")
+    RatioCorrection(ratio=0.68)
+    """
+    if rate_symbol(taper) == "S":
+        return RatioCorrection(PRINTED_RATIO[taper])
+    return PRINTED_EXPONENTIAL[taper]
+
+
 @functools.cache
 def calibrated_corrections() -> dict[Taper, Correction]:
     """The corrections that our own calibration found, by taper.
@@ -227,7 +255,7 @@ def calibrated_corrections() -> dict[Taper, Correction]:
     -------
     dict
         From ``calibrated.toml`` beside this module, which
-        ``python -m hertzchain.calibration`` writes.
+        ``hertzchain calibrate`` writes.
 
     Examples
     --------

@@ -30,7 +30,7 @@ def run(monkeypatch, capsys):
 
 @pytest.mark.parametrize(
     "command",
-    [(), ("pulse",), ("simulate",), ("reproduce",), ("calibrate",), ("cite",)],
+    [(), ("pulse",), ("simulate",), ("reproduce",), ("calibrate",), ("scoreboard",), ("cite",)],
 )
 def test_every_help_shows_an_example(run, command):
     code, out, _ = run(*command, "--help")
@@ -171,6 +171,9 @@ def test_cite(run):
         (["calibrate", "--window", "5:100"], "before the free end"),
         (["calibrate", "--output", "constants.json"], "must end in .toml"),
         (["calibrate", "--output", "nowhere/constants.toml"], "there is no folder nowhere"),
+        (["scoreboard", "--quantity", "speed"], "unknown quantity 'speed'"),
+        (["scoreboard", "--first-bead", "98", "--figure", "s.png"], "first_bead must be 2 to 97"),
+        (["scoreboard", "--figure", "s.gif"], "must end in .png"),
         (["recite"], "No such command"),
     ],
 )  # fmt: skip
@@ -224,6 +227,32 @@ def test_calibrate_writes_what_make_calibrate_keeps(run, tmp_path):
     assert [result["taper"] for result in document["calibrations"]] == list(TAPERS)
     stored = Path(hertzchain.__file__).parent / "theory" / "calibrated.toml"
     assert (tmp_path / "constants.toml").read_text("utf-8") == stored.read_text("utf-8")
+
+
+def test_scoreboard(run, tmp_path):
+    code, out, err = run("scoreboard", "--figure", tmp_path / "board.svg")
+    assert (code, err) == (0, "")
+    (row,) = (line.split() for line in out.splitlines() if "waist" in line)
+    assert row[-1] == "–"
+    (row,) = (line for line in out.splitlines() if "q = 0.12..0.3" in line)
+    assert row.count("*") == 2
+    assert "52 chains" in out
+    assert (tmp_path / "board.svg").stat().st_size > 10_000
+
+
+def test_scoreboard_of_every_chain_by_its_mean(run):
+    code, out, _ = run("scoreboard", "--all", "--rms", "--quantity", "arrival", "--first-bead", 2)
+    assert code == 0
+    assert "arrival: rms relative error" in out
+    assert "forward-exponential, q = 0.03" in out
+
+
+def test_scoreboard_as_json_is_nothing_but_data(run):
+    code, out, err = run("scoreboard", "--json")
+    assert (code, err) == (0, "")
+    document = json.loads(out)
+    assert document["schema_version"] == 1
+    assert {chain["last_bead"] for chain in document["chains"]} == {97}
 
 
 def test_two_beads_can_be_compared(run):

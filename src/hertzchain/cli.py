@@ -25,11 +25,13 @@ if TYPE_CHECKING:
     from hertzchain.chain import Chain
     from hertzchain.paper.reproduction import Reproduction
     from hertzchain.pulse import Pulse, Quantity
+    from hertzchain.scoreboard import Scoreboard
     from hertzchain.simulation import Run
 
 DONE, FAILED, BAD_INPUT, OUTSIDE_TOLERANCE, INTERRUPTED = 0, 1, 2, 3, 130
 METHODS: Final = (
-    "propagate", "simulate", "bca", "modified-bca", "modified-bca-printed", "hard-sphere",
+    "propagate", "simulate", "bca", "modified-bca", "modified-bca-printed", "two-thirds-bca",
+    "hard-sphere",
 )  # fmt: skip
 TABLE_ROWS: Final = 26
 # Where no bar can be drawn, a line of progress appears so often.
@@ -356,6 +358,65 @@ def calibrate(
 
 
 @cli.command()
+@click.option(
+    "--quantity",
+    default="velocity",
+    show_default=True,
+    metavar="NAME",
+    help="What to judge: velocity, momentum, energy, arrival, peak_force.",
+)
+@click.option(
+    "--first-bead", type=int, default=10, show_default=True, help="First bead that counts."
+)
+@click.option("--rms", is_flag=True, help="Show the root mean square instead of the worst error.")
+@click.option("--all", "every_chain", is_flag=True, help="A row for each chain, not each family.")
+@click.option(
+    "--figure",
+    type=click.Path(path_type=Path),
+    metavar="FILE",
+    help="Also draw the table into FILE (.png, .svg or .pdf).",
+)
+@click.option(
+    "--json", "as_json", is_flag=True, help="Print all quantities, from beads 2 and 10 on, as JSON."
+)
+def scoreboard(
+    quantity: str, first_bead: int, rms: bool, every_chain: bool, figure: Path | None,
+    as_json: bool,
+) -> None:  # fmt: skip
+    """Hold every theory against the integration: which one to trust where.
+
+    The paper's four tapers at its rates and beyond, and tapers that no theory was fitted
+    to; 100 beads each. Errors count up to bead 97, short of the free end.
+
+    \b
+    Examples:
+      hertzchain scoreboard
+      hertzchain scoreboard --quantity arrival --first-bead 2 --figure arrival.png
+    """
+    import json
+
+    from hertzchain import scoreboard as board_module
+    from hertzchain import store
+
+    _known("quantity", (quantity,), board_module.JUDGED)
+    _writable(figure, "--figure", (".png", ".svg", ".pdf"))
+    with _progress("chains integrated") as progress:
+        board = board_module.scoreboard(progress=progress)
+    what: dict[str, Any] = {"quantity": quantity, "first_bead": first_bead}
+    what["statistic"] = "rms" if rms else "worst"
+    board.table(**what)  # refuses a bead that is not there, before anything is written
+    if figure is not None:
+        from hertzchain import plotting
+
+        _save_axes(plotting.plot_scoreboard(board, **what), figure)
+    if as_json:
+        document = {"schema_version": store.SCHEMA_VERSION} | board.as_dict()
+        click.echo(json.dumps(document, indent=2, allow_nan=False))
+    else:
+        _show(_scoreboard_table(board, by="case" if every_chain else "family", **what))
+
+
+@cli.command()
 def cite() -> None:
     """Print what to cite: the paper, the methods, this software.
 
@@ -393,17 +454,14 @@ def _chain(file: Path | None, taper: str | None, rate: float | None, beads: int 
 
 
 def _compute(method: str, chain: Chain, progress: Callable[[int, int], None]) -> Pulse:
-    from hertzchain import bca, hard_sphere, modified_bca, propagate, simulate
+    from hertzchain import propagate, simulate
+    from hertzchain.theory.catalogue import THEORIES
 
     if method == "propagate":
         return propagate(chain, progress=progress)
     if method == "simulate":
         return simulate(chain, times=0, progress=progress).pulse()
-    if method == "bca":
-        return bca(chain)
-    if method == "hard-sphere":
-        return hard_sphere(chain)
-    return modified_bca(chain, "printed" if method.endswith("printed") else "calibrated")
+    return THEORIES[method](chain)
 
 
 def _known(what: str, names: tuple[str, ...], choices: tuple[str, ...]) -> None:
@@ -565,6 +623,40 @@ def _show_calibration(result: Calibration) -> None:
     for rate, worst in zip(result.rates, result.worst_by_rate, strict=True):
         click.echo(f"  {rate_symbol(result.taper)} = {rate:<6g} worst {worst:7.2%}")
     click.echo()
+
+
+def _scoreboard_table(
+    board: Scoreboard, *, quantity: str, first_bead: int, statistic: str, by: str
+) -> Table:
+    from rich import box
+    from rich.table import Table
+
+    from hertzchain.scoreboard import GROUPS, percentage
+
+    errors = board.table(quantity, first_bead=first_bead, statistic=statistic, by=by)  # type: ignore[arg-type]
+    outside = board.outside(by)  # type: ignore[arg-type]
+    table = Table(
+        title=f"{quantity}: {statistic} relative error in %, k = {first_bead}..{board.last_bead} "
+        f"of {len(board.cases)} chains",
+        caption="– not covered   * outside its range, as the theory itself warns",
+        box=box.SIMPLE_HEAD, title_justify="left", caption_justify="left",
+    )  # fmt: skip
+    table.add_column("", no_wrap=True)
+    for theory in board.theories:
+        table.add_column("-\n".join(theory.rsplit("-", 1)), justify="right")
+    group = None
+    for label, members in board.rows(by).items():  # type: ignore[arg-type]
+        if board.cases[members[0]].group != group:
+            group = board.cases[members[0]].group
+            table.add_section()
+            table.add_row(f"[bold]{GROUPS[group]}[/]")
+        cells = [percentage(error) for error in errors.loc[label]]
+        starred = (
+            cell + ("*" if warned and cell != "–" else " ")
+            for cell, warned in zip(cells, outside.loc[label], strict=True)
+        )
+        table.add_row(f"  {label}", *starred)
+    return table
 
 
 def _show_reproduction(result: Reproduction) -> None:

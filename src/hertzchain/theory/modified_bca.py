@@ -189,6 +189,43 @@ def modified_bca(
     return Pulse(chain=chain, method=method, velocity=velocity)
 
 
+def two_thirds_bca(chain: Chain) -> Pulse:
+    r"""Leading pulse with two thirds of the velocity of the BCA, for any chain.
+
+    .. math:: v_k = \tfrac23 v_k^u, \qquad k \ge 2
+
+    The paper takes 2/3 as its working value of the ratio :math:`v_k/v_k^u` in backward
+    linear tapers (Sec. 5, below Eq. (30)).  It is a good guess for any taper, because equal
+    beads have 0.6816.  Momentum and energy follow; times and forces it has none, as those
+    of the BCA need its unmodified velocity.
+
+    Parameters
+    ----------
+    chain : Chain
+        Any chain.
+
+    Returns
+    -------
+    Pulse
+        Velocity, momentum and energy; bead 1 keeps its strike velocity.
+
+    Warns
+    -----
+    ModelRangeWarning
+        As `bca`.
+
+    Examples
+    --------
+    >>> import hertzchain as hc
+    >>> two_thirds_bca(hc.Chain.uniform(3)).velocity.round(4)
+    array([1.    , 0.6667, 0.6667])
+    """
+    ratio = RatioCorrection(PRINTED_RATIO["backward-linear"])
+    velocity = ratio.velocity(bca(chain).velocity, None, np.arange(1, chain.beads + 1))
+    velocity[0] = 1.0
+    return Pulse(chain=chain, method="2/3 BCA", velocity=velocity)
+
+
 def printed_velocity(taper: Taper, rate: float, k: Array) -> Array:
     """The four formulas of the paper's summary to the letter, misprints included.
 

@@ -252,7 +252,8 @@ def test_scoreboard_as_json_is_nothing_but_data(run):
     assert (code, err) == (0, "")
     document = json.loads(out)
     assert document["schema_version"] == 1
-    assert {chain["last_bead"] for chain in document["chains"]} == {97}
+    assert document["last_bead"] == 97
+    assert len(document["rows"]) == 52
 
 
 def test_two_beads_can_be_compared(run):

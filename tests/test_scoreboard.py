@@ -83,7 +83,8 @@ def test_one_chain_that_is_refused_makes_its_family_a_dash():
     assert np.isnan(board.table("velocity").loc["family", "picky"])
     assert board.table("velocity", by="case").loc["a", "picky"] == 0.0
     assert board.refusals == {("picky", "b"): "24 beads are too many"}
-    entry = board.as_dict()["chains"][1]["theories"]["picky"]
+    entry = board.as_dict()["rows"][1]["theories"]["picky"]
+    assert entry == board.as_dict("family")["rows"][0]["theories"]["picky"]
     assert entry == {"warned": False, "errors": {}, "refusal": "24 beads are too many"}
 
 
@@ -134,16 +135,25 @@ def test_outside_is_where_the_rates_were_not_fitted(board):
     assert not outside["bca"].any()
 
 
+def longer(case):
+    """The same taper, a few beads longer where it has radius left."""
+    if case.chain.taper is None:
+        return unseen_radii(110)[case.name]
+    beads = 105 if case.chain.taper == "forward-linear" else 110
+    return hc.Chain.tapered(case.chain.taper, case.chain.rate, beads=beads)
+
+
 def test_the_free_end_is_not_felt_where_errors_count():
-    shorter, longer = unseen_radii(100), unseen_radii(110)
-    for a, b in zip(
-        hc.propagate_many(list(shorter.values())), hc.propagate_many(list(longer.values())),
-        strict=True,
-    ):  # fmt: skip
+    cases = [*paper_cases(), *unseen_cases()]
+    as_judged = hc.propagate_many([case.chain for case in cases])
+    without_end = hc.propagate_many([longer(case) for case in cases])
+    for case, ours, theirs in zip(cases, as_judged, without_end, strict=True):
         for quantity in JUDGED:
-            ours = a.column(quantity)[: 100 - FREE_END]
-            # Measured: at most 1e-11, of the peak force.
-            np.testing.assert_allclose(ours, b.column(quantity)[: len(ours)], rtol=1e-10)
+            counted = ours.column(quantity)[: case.last_bead]
+            # Measured: 6e-10, of the force in the strongest forward taper.
+            np.testing.assert_allclose(
+                counted, theirs.column(quantity)[: case.last_bead], rtol=1e-9, err_msg=case.name
+            )
 
 
 def test_most_unseen_tapers_are_smooth_and_the_groups_say_so():
@@ -201,9 +211,16 @@ def test_xarray_holds_the_same(board):
 
 def test_json_is_finite(board):
     document = json.loads(json.dumps(board.as_dict(), allow_nan=False))
-    assert len(document["chains"]) == 52
-    errors = document["chains"][0]["theories"]["bca"]["errors"]["velocity"]
+    assert len(document["rows"]) == 52
+    errors = document["rows"][0]["theories"]["bca"]["errors"]["velocity"]
     assert errors["from_10"]["rms"] < errors["from_10"]["worst"] <= errors["from_2"]["worst"]
+
+
+def test_dataframe_holds_the_same(board):
+    rows = board.to_dataframe().set_index(["theory", "case", "quantity", "first_bead"])
+    table = board.table("energy", first_bead=2, statistic="rms", by="case")
+    assert rows.loc[("bca", "waist", "energy", 2), "rms"] == table.loc["waist", "bca"]
+    assert len(rows) == len(board.theories) * len(board.cases) * len(JUDGED) * 2
 
 
 def test_percentages_have_two_digits():

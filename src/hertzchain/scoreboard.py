@@ -30,7 +30,9 @@ if TYPE_CHECKING:
     import xarray as xr
 
 Group = Literal["paper", "beyond", "smooth", "rough"]
+Row = Literal["family", "case", "group"]
 Statistic = Literal["worst", "rms"]
+STATISTICS: Final[tuple[Statistic, ...]] = get_args(Statistic)
 
 GROUPS: Final[dict[Group, str]] = {
     "paper": "the paper's tapers, at its rates",
@@ -242,7 +244,7 @@ class Scoreboard:
         *,
         first_bead: int = 10,
         statistic: Statistic = "worst",
-        by: Literal["family", "case", "group"] = "family",
+        by: Row = "family",
     ) -> pd.DataFrame:
         """One error of each theory on each family of chains.
 
@@ -276,12 +278,8 @@ class Scoreboard:
         """
         import pandas as pd
 
-        for what, given, known in (
-            ("statistic", statistic, get_args(Statistic)),
-            ("row", by, ("family", "case", "group")),
-        ):
-            if given not in known:
-                raise unknown_name(what, given, known)
+        if statistic not in STATISTICS:
+            raise unknown_name("statistic", statistic, STATISTICS)
         values = getattr(self, statistic)(quantity, first_bead=first_bead)
         rows = {
             label: [_gathered(values[t, members], statistic) for t in range(len(self.theories))]
@@ -289,7 +287,7 @@ class Scoreboard:
         }
         return pd.DataFrame.from_dict(rows, orient="index", columns=list(self.theories))
 
-    def outside(self, by: Literal["family", "case", "group"] = "family") -> pd.DataFrame:
+    def outside(self, by: Row = "family") -> pd.DataFrame:
         """Whether a theory warned, for any chain of a row, that it is outside its range.
 
         Parameters
@@ -313,7 +311,7 @@ class Scoreboard:
         rows = {label: self.warned[:, found].any(axis=1) for label, found in self.rows(by).items()}
         return pd.DataFrame.from_dict(rows, orient="index", columns=list(self.theories))
 
-    def rows(self, by: Literal["family", "case", "group"]) -> dict[str, list[int]]:
+    def rows(self, by: Row) -> dict[str, list[int]]:
         """Indices of the chains of each family, case or group, in order.
 
         Parameters
@@ -330,6 +328,8 @@ class Scoreboard:
         >>> scoreboard(theories=["bca"]).rows("family")["backward-linear, S = 0.1..0.9"]
         [0, 1, 2, 3, 4]
         """
+        if by not in get_args(Row):
+            raise unknown_name("row", by, get_args(Row))
         found: dict[str, list[int]] = {}
         for c, case in enumerate(self.cases):
             found.setdefault(case.name if by == "case" else getattr(case, by), []).append(c)
@@ -369,57 +369,91 @@ class Scoreboard:
             },
         )
 
-    def as_dict(self) -> dict[str, Any]:
+    def to_dataframe(self) -> pd.DataFrame:
+        """Every number in a row of its own.
+
+        Returns
+        -------
+        pandas.DataFrame
+            Columns ``theory``, ``case``, ``family``, ``group``, ``quantity``, ``first_bead``
+            (2 and 10), ``worst``, ``rms`` and ``warned``; NaN where a theory does not cover
+            a chain or a quantity.
+
+        Examples
+        --------
+        >>> rows = scoreboard(theories=["bca"]).to_dataframe()
+        >>> len(rows), rows.worst.isna().sum().item()
+        (520, 0)
+        """
+        import pandas as pd
+
+        rows = []
+        for quantity in self.errors:
+            for first in FIRST_BEADS:
+                worst, rms = (f(quantity, first_bead=first) for f in (self.worst, self.rms))
+                for t, c in np.ndindex(worst.shape):
+                    case = self.cases[c]
+                    rows.append(
+                        (self.theories[t], case.name, case.family, case.group, quantity, first,
+                         worst[t, c], rms[t, c], self.warned[t, c])
+                    )  # fmt: skip
+        names = "theory", "case", "family", "group", "quantity", "first_bead"
+        return pd.DataFrame(rows, columns=[*names, "worst", "rms", "warned"])
+
+    def as_dict(self, by: Row = "case") -> dict[str, Any]:
         """The scoreboard as plain data, for JSON.
+
+        Parameters
+        ----------
+        by : str
+            What a row is, as of `table`.
 
         Returns
         -------
         dict
-            Chain by chain the ``worst`` and ``rms`` errors of each theory and quantity from
+            Row by row the ``worst`` and ``rms`` errors of each theory and quantity from
             bead 2 and from bead 10 on; what a theory does not cover is left out.
 
         Examples
         --------
-        >>> (first, *_) = scoreboard(theories=["bca"]).as_dict()["chains"]
+        >>> (first, *_) = scoreboard(theories=["bca"]).as_dict()["rows"]
         >>> list(first["theories"]["bca"]["errors"]["arrival"])
         ['from_2', 'from_10']
         """
-        summaries = {
-            (quantity, first): (
-                self.worst(quantity, first_bead=first), self.rms(quantity, first_bead=first),
+        tables = {
+            (quantity, first, statistic): self.table(
+                quantity, first_bead=first, statistic=statistic, by=by
             )
-            for quantity in self.errors for first in FIRST_BEADS
+            for quantity in self.errors for first in FIRST_BEADS for statistic in STATISTICS
         }  # fmt: skip
+        rows: list[dict[str, Any]] = []
+        for label, members in self.rows(by).items():
+            cases = [self.cases[c] for c in members]
+            theories: dict[str, Any] = {}
+            for t, name in enumerate(self.theories):
+                theories[name] = {"warned": bool(self.warned[t, members].any()), "errors": {}}
+                reasons = {self.refusals.get((name, case.name)) for case in cases} - {None}
+                if reasons:
+                    theories[name]["refusal"] = "; ".join(sorted(map(str, reasons)))
+            for (quantity, first, statistic), table in tables.items():
+                for name, error in table.loc[label].dropna().items():
+                    found = theories[name]["errors"].setdefault(quantity, {})
+                    found.setdefault(f"from_{first}", {})[statistic] = float(error)
+            rows.append(
+                {
+                    "name": label,
+                    "group": cases[0].group,
+                    "chains": [case.name for case in cases],
+                    "smooth": all(is_smooth(case.chain.radii) for case in cases),
+                    "theories": theories,
+                }
+            )
         return {
             "theories": list(self.theories),
             "quantities": list(self.errors),
-            "chains": [
-                {
-                    "name": case.name,
-                    "family": case.family,
-                    "group": case.group,
-                    "smooth": is_smooth(case.chain.radii),
-                    "beads": case.chain.beads,
-                    "last_bead": case.last_bead,
-                    "theories": {
-                        name: self._entry(summaries, t, c) for t, name in enumerate(self.theories)
-                    },
-                }
-                for c, case in enumerate(self.cases)
-            ],
+            "last_bead": self.last_bead,
+            "rows": rows,
         }
-
-    def _entry(
-        self, summaries: Mapping[tuple[Quantity, int], tuple[Array, Array]], t: int, c: int
-    ) -> dict[str, Any]:
-        errors: dict[str, dict[str, dict[str, float]]] = {}
-        for (quantity, first), (worst, rms) in summaries.items():
-            if not np.isnan(worst[t, c]):
-                values = {"worst": float(worst[t, c]), "rms": float(rms[t, c])}
-                errors.setdefault(quantity, {})[f"from_{first}"] = values
-        entry: dict[str, Any] = {"warned": bool(self.warned[t, c]), "errors": errors}
-        refusal = self.refusals.get((self.theories[t], self.cases[c].name))
-        return entry if refusal is None else entry | {"refusal": refusal}
 
     def __repr__(self) -> str:
         return f"Scoreboard({len(self.theories)} theories on {len(self.cases)} chains)"

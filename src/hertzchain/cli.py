@@ -639,11 +639,12 @@ def _scoreboard_table(
         title=f"{quantity}: {statistic} relative error in %, k = {first_bead}..{board.last_bead} "
         f"of {len(board.cases)} chains",
         caption="– not covered   * outside its range, as the theory itself warns",
-        box=box.SIMPLE_HEAD, title_justify="left", caption_justify="left",
+        box=box.SIMPLE_HEAD, title_justify="left", caption_justify="left", pad_edge=False,
+        collapse_padding=True,
     )  # fmt: skip
     table.add_column("", no_wrap=True)
     for theory in board.theories:
-        table.add_column("-\n".join(theory.rsplit("-", 1)), justify="right")
+        table.add_column(theory.replace("-", "-\n"), justify="right", vertical="bottom")
     group = None
     for label, members in board.rows(by).items():  # type: ignore[arg-type]
         if board.cases[members[0]].group != group:
@@ -655,7 +656,7 @@ def _scoreboard_table(
             cell + ("*" if warned and cell != "–" else " ")
             for cell, warned in zip(cells, outside.loc[label], strict=True)
         )
-        table.add_row(f"  {label}", *starred)
+        table.add_row(f" {label}", *starred)
     return table
 
 

@@ -8,16 +8,8 @@ import pytest
 import hertzchain as hc
 from hertzchain import cli
 from hertzchain.plotting import plot_scoreboard
-from hertzchain.scoreboard import (
-    FREE_END,
-    JUDGED,
-    Case,
-    judge,
-    paper_cases,
-    percentage,
-    scoreboard,
-    unseen_cases,
-)
+from hertzchain.scoreboard import JUDGED, judge, percentage, scoreboard
+from hertzchain.scoreboard_cases import FREE_END, Case, paper_cases, unseen_cases
 from hertzchain.theory.catalogue import THEORIES
 from hertzchain.theory.modified_bca import two_thirds_bca
 from hertzchain.unseen_tapers import is_smooth, unseen_radii

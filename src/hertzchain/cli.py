@@ -631,7 +631,8 @@ def _scoreboard_table(
     from rich import box
     from rich.table import Table
 
-    from hertzchain.scoreboard import GROUPS, percentage
+    from hertzchain.scoreboard import percentage
+    from hertzchain.scoreboard_cases import GROUPS
 
     errors = board.table(quantity, first_bead=first_bead, statistic=statistic, by=by)  # type: ignore[arg-type]
     outside = board.outside(by)  # type: ignore[arg-type]

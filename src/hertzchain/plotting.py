@@ -18,7 +18,8 @@ from matplotlib.figure import Figure
 
 from hertzchain.errors import InputError
 from hertzchain.pulse import PER_CONTACT, Pulse, Quantity
-from hertzchain.scoreboard import GROUPS, Scoreboard, Statistic
+from hertzchain.scoreboard import Scoreboard, Statistic
+from hertzchain.scoreboard_cases import GROUPS
 from hertzchain.simulation import Run
 
 # Colours of Okabe and Ito, told apart by colour-blind readers; markers say it again in grey.

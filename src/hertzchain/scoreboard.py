@@ -1,7 +1,7 @@
 r"""Which theory to trust where: every theory against the integration, on many tapers.
 
 The paper's four tapers at its rates and beyond them, and tapers that no theory was fitted
-to (`hertzchain.unseen_tapers`).  Errors count from bead 2 or any later one to bead N - 3:
+to (`hertzchain.scoreboard_cases`).  Errors count from bead 2 or any later one to bead N - 3:
 the last beads fly off the free end, which no theory describes and which is felt by less
 than 1e-9 from bead N - 3 down.
 """
@@ -16,128 +16,24 @@ from typing import TYPE_CHECKING, Any, Final, Literal, get_args
 import numpy as np
 from numpy.typing import NDArray
 
-from hertzchain.calibration import BEADS, RATES
-from hertzchain.chain import TAPERS, Chain, Taper, rate_symbol
+from hertzchain.chain import Chain
 from hertzchain.contacts import Array
 from hertzchain.errors import InputError, ModelRangeWarning, unknown_name
 from hertzchain.propagation import propagate_many
 from hertzchain.pulse import Pulse, Quantity
+from hertzchain.scoreboard_cases import FIRST_BEADS, Case, paper_cases, unseen_cases
 from hertzchain.theory.catalogue import THEORIES, Theory
-from hertzchain.unseen_tapers import is_smooth, unseen_radii
+from hertzchain.unseen_tapers import is_smooth
 
 if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
 
-Group = Literal["paper", "beyond", "smooth", "rough"]
 Row = Literal["family", "case", "group"]
 Statistic = Literal["worst", "rms"]
 STATISTICS: Final[tuple[Statistic, ...]] = get_args(Statistic)
 
-GROUPS: Final[dict[Group, str]] = {
-    "paper": "the paper's tapers, at its rates",
-    "beyond": "the paper's tapers, beyond its rates",
-    "smooth": "unseen tapers, smooth",
-    "rough": "unseen tapers, not smooth",
-}
-RATES_BEYOND: Final[dict[Taper, tuple[float, ...]]] = {
-    "backward-linear": (1.0,),
-    "backward-exponential": (0.12, 0.2, 0.3),
-    "forward-linear": (0.0095,),
-    "forward-exponential": (0.08, 0.1, 0.12),
-}
 JUDGED: Final[tuple[Quantity, ...]] = ("velocity", "momentum", "energy", "arrival", "peak_force")
-FIRST_BEADS: Final = (2, 10)
-FREE_END: Final = 3
-
-
-@dataclass(frozen=True, eq=False)
-class Case:
-    """A chain that theories are judged on.
-
-    Attributes
-    ----------
-    name : str
-        The chain in a few words.
-    family : str
-        What it is a member of: a row of the table.
-    group : str
-        A key of `GROUPS`.
-    chain : Chain
-        The chain.
-
-    Examples
-    --------
-    >>> Case("equal", "equal", "smooth", Chain.uniform(30)).last_bead
-    27
-    """
-
-    name: str
-    family: str
-    group: Group
-    chain: Chain
-
-    def __post_init__(self) -> None:
-        if self.group not in GROUPS:
-            raise unknown_name("group", self.group, GROUPS)
-        if self.last_bead < max(FIRST_BEADS):
-            raise InputError(
-                f"{self.name} has {self.chain.beads} beads; a chain needs at least "
-                f"{max(FIRST_BEADS) + FREE_END} for a theory to be judged on"
-            )
-
-    @property
-    def last_bead(self) -> int:
-        """Last bead, or contact, that counts: N - 3."""
-        return self.chain.beads - FREE_END
-
-
-def paper_cases() -> list[Case]:
-    """The paper's four tapers, at its rates and beyond them.
-
-    Returns
-    -------
-    list of Case
-        Chains of 100 beads.
-
-    Examples
-    --------
-    >>> print(paper_cases()[0].name, "|", paper_cases()[-1].family)
-    backward-linear, S = 0.1 | forward-exponential, q = 0.08..0.12
-    """
-    found = []
-    groups: tuple[tuple[Group, dict[Taper, tuple[float, ...]]], ...] = (
-        ("paper", RATES), ("beyond", RATES_BEYOND),
-    )  # fmt: skip
-    for group, rates_of in groups:
-        for taper in TAPERS:
-            rates, symbol = rates_of[taper], rate_symbol(taper)
-            span = f"{rates[0]:g}" if len(rates) == 1 else f"{rates[0]:g}..{rates[-1]:g}"
-            for rate in rates:
-                chain = Chain.tapered(taper, rate, beads=BEADS)
-                name = f"{taper}, {symbol} = {rate:g}"
-                found.append(Case(name, f"{taper}, {symbol} = {span}", group, chain))
-    return found
-
-
-def unseen_cases() -> list[Case]:
-    """The tapers that no theory was fitted to, smooth ones first.
-
-    Returns
-    -------
-    list of Case
-        Chains of 100 beads.
-
-    Examples
-    --------
-    >>> len(unseen_cases())
-    20
-    """
-    found = [
-        Case(name, name, "smooth" if is_smooth(radii) else "rough", Chain.from_radii(radii))
-        for name, radii in unseen_radii(BEADS).items()
-    ]
-    return sorted(found, key=lambda case: case.group != "smooth")
 
 
 @dataclass(frozen=True, eq=False)

@@ -34,7 +34,8 @@ from hertzchain.paper.formulas import draw_formula_errors
 from hertzchain.paper.reproduction import Reproduction
 from hertzchain.paper.tables import WINDOWS, Table
 from hertzchain.plotting import figure_bytes, plot_scoreboard
-from hertzchain.scoreboard import GROUPS, JUDGED, Scoreboard, percentage
+from hertzchain.scoreboard import JUDGED, Scoreboard, percentage
+from hertzchain.scoreboard_cases import GROUPS
 
 SCHEMA_VERSION: Final = 1
 PAGES: Final = ("report.html", "verdict.json", "summary.md")

@@ -24,8 +24,7 @@ benchmark: .venv/installed
 
 # The constants of the modified BCA, found again from our own integration.
 calibrate: .venv/installed
-	$(BIN)/python -m hertzchain.calibration > .venv/calibrated.toml
-	mv .venv/calibrated.toml src/hertzchain/theory/calibrated.toml
+	$(BIN)/hertzchain calibrate --output src/hertzchain/theory/calibrated.toml
 
 # Newest versions that fit each other, without the address of any package index.
 constraints:

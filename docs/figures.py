@@ -12,7 +12,8 @@ from hertzchain.paper.errata import errata_chains
 from hertzchain.paper.figures import draw_figure, figure_chains, reproduce_figure
 from hertzchain.paper.formulas import draw_formula_errors
 from hertzchain.paper.reproduction import integrate_chains
-from hertzchain.plotting import COLOURS, house_style, plot_pulses
+from hertzchain.plotting import COLOURS, house_style, plot_pulses, plot_scoreboard
+from hertzchain.scoreboard import scoreboard
 
 
 def first_page() -> Figure:
@@ -78,12 +79,20 @@ def formula_errors() -> Figure:
     return draw_formula_errors(integrate_chains(errata_chains()))
 
 
+def scores() -> Figure:
+    """Every theory on every family of chains."""
+    canvas = plot_scoreboard(scoreboard()).figure
+    assert isinstance(canvas, Figure)
+    return canvas
+
+
 FIGURES: dict[str, Callable[[], Figure]] = {
     "first-page": first_page,
     "first-pulse": first_pulse,
     "moments": moments,
     "figure12": figure12,
     "formula-errors": formula_errors,
+    "scoreboard": scores,
 }
 
 

@@ -1,8 +1,10 @@
+import tomllib
+
 import numpy as np
 import pytest
 
 import hertzchain as hc
-from hertzchain.calibration import calibrate, line
+from hertzchain.calibration import calibrate, calibrated_toml, line
 from hertzchain.chain import TAPERS
 from hertzchain.theory.modified_bca import calibrated_corrections
 
@@ -31,6 +33,30 @@ def test_windows_and_rates_are_arguments():
     assert early.worst_error == np.abs(early.residuals).max()
 
 
+def test_the_printed_constants_stand_beside():
+    result = calibrate("forward-exponential", rates=[0.02, 0.04, 0.06], beads=60, window=(5, 40))
+    assert result.printed == {"c0": 1.32, "x": 0.0252, "d0": 11.1, "y": 2.57}
+    assert list(result.constants) == list(result.standard_errors) == list(result.printed)
+    assert result.as_dict()["constants"]["d0"]["printed"] == 11.1
+    assert len(result.worst_by_rate) == 3
+    assert max(result.worst_by_rate) == result.worst_error > result.rms_error > 0.0
+
+
+def test_toml_brings_back_the_constants():
+    result = calibrate("forward-linear", rates=[0.004, 0.008], beads=50, window=(5, 40))
+    table = tomllib.loads(calibrated_toml([result]))["corrections"]
+    assert list(table) == ["forward-linear"]
+    # Six digits are written.
+    assert table["forward-linear"]["ratio"] == pytest.approx(result.correction.ratio, rel=5e-6)
+
+
+def test_progress_counts_chains():
+    told = []
+    calibrate("backward-linear", rates=[0.2, 0.4], beads=20, window=(5, 15),
+              progress=lambda done, total: told.append((done, total)))  # fmt: skip
+    assert told[-1] == (2, 2)
+
+
 def test_line_against_known_errors():
     x = np.array([0.0, 1.0, 2.0, 3.0])
     coefficients, errors = line(x, np.array([1.0, 3.0, 2.0, 4.0]))
@@ -47,6 +73,7 @@ def test_line_against_known_errors():
         ({"taper": "forward-linear", "window": (9, 10)}, "at least three beads"),
         ({"taper": "forward-exponential", "rates": [0.01, 0.02]}, "at least 3 different rates"),
         ({"taper": "forward-exponential", "rates": [0.05] * 3}, "different rates"),
+        ({"taper": "forward-linear", "beads": 200}, "runs out of radius"),
         ({"taper": "forward-linear", "rates": ["a"]}, "must be a number"),
         ({"taper": "forward-linear", "window": (5.5, 20)}, "first and a last bead"),
         ({"taper": "forward-linear", "window": (2, 4, 5)}, "first and a last bead"),

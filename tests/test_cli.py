@@ -2,14 +2,18 @@ import csv
 import io
 import json
 import os
+import re
 import signal
 import subprocess
 import sys
 import time
+from pathlib import Path
 
 import pytest
 
+import hertzchain
 from hertzchain import cli
+from hertzchain.chain import TAPERS
 
 
 @pytest.fixture
@@ -24,7 +28,10 @@ def run(monkeypatch, capsys):
     return call
 
 
-@pytest.mark.parametrize("command", [(), ("pulse",), ("simulate",), ("reproduce",), ("cite",)])
+@pytest.mark.parametrize(
+    "command",
+    [(), ("pulse",), ("simulate",), ("reproduce",), ("calibrate",), ("scoreboard",), ("cite",)],
+)
 def test_every_help_shows_an_example(run, command):
     code, out, _ = run(*command, "--help")
     assert code == 0
@@ -155,6 +162,18 @@ def test_cite(run):
          "BCA does not predict peak_time"),
         (["reproduce", "--window-linear", "60:5", "--only", "table3"], "window 60..5"),
         (["reproduce", "--out", "/proc/nowhere"], "cannot write into"),
+        (["calibrate", "--taper", "forward-linaer"], "did you mean 'forward-linear'"),
+        (["calibrate", "--rates", "0.1"], "give one --taper"),
+        (["calibrate", "--taper", "forward-linear", "--rates", "a"], "must look like 0.01,0.02"),
+        (["calibrate", "--taper", "forward-linear", "--rates", "0.5"], "runs out of radius"),
+        (["calibrate", "--taper", "forward-exponential", "--rates", "0.1"], "at least 3 different"),
+        (["calibrate", "--window", "5-80"], "must look like 5:60"),
+        (["calibrate", "--window", "5:100"], "before the free end"),
+        (["calibrate", "--output", "constants.json"], "must end in .toml"),
+        (["calibrate", "--output", "nowhere/constants.toml"], "there is no folder nowhere"),
+        (["scoreboard", "--quantity", "speed"], "unknown quantity 'speed'"),
+        (["scoreboard", "--first-bead", "98", "--figure", "s.png"], "first_bead must be 2 to 97"),
+        (["scoreboard", "--figure", "s.gif"], "must end in .png"),
         (["recite"], "No such command"),
     ],
 )  # fmt: skip
@@ -190,6 +209,51 @@ def test_interrupt_leaves_with_130():
     assert process.returncode == 130
     assert time.monotonic() - started < 15.0
     assert "Traceback" not in err
+
+
+def test_calibrate_shows_the_paper_beside(run):
+    code, out, err = run("calibrate", "--taper", "forward-exponential")
+    assert (code, err) == (0, "")
+    assert re.search(r"d0 +5\.\d+ +\d\.\d+ +11\.1", out)
+    assert "q = 0.06" in out
+    assert "forward-linear" not in out
+
+
+def test_calibrate_writes_what_make_calibrate_keeps(run, tmp_path):
+    code, out, _ = run("calibrate", "--output", tmp_path / "constants.toml", "--json")
+    assert code == 0
+    document = json.loads(out)
+    assert document["schema_version"] == 1
+    assert [result["taper"] for result in document["calibrations"]] == list(TAPERS)
+    stored = Path(hertzchain.__file__).parent / "theory" / "calibrated.toml"
+    assert (tmp_path / "constants.toml").read_text("utf-8") == stored.read_text("utf-8")
+
+
+def test_scoreboard(run, tmp_path):
+    code, out, err = run("scoreboard", "--figure", tmp_path / "board.svg")
+    assert (code, err) == (0, "")
+    (row,) = (line.split() for line in out.splitlines() if "waist" in line)
+    assert row[-1] == "–"
+    (row,) = (line for line in out.splitlines() if "q = 0.12..0.3" in line)
+    assert row.count("*") == 2
+    assert "52 chains" in out
+    assert (tmp_path / "board.svg").stat().st_size > 10_000
+
+
+def test_scoreboard_of_every_chain_by_its_mean(run):
+    code, out, _ = run("scoreboard", "--all", "--rms", "--quantity", "arrival", "--first-bead", 2)
+    assert code == 0
+    assert "arrival: rms relative error" in out
+    assert "forward-exponential, q = 0.03" in out
+
+
+def test_scoreboard_as_json_is_nothing_but_data(run):
+    code, out, err = run("scoreboard", "--json")
+    assert (code, err) == (0, "")
+    document = json.loads(out)
+    assert document["schema_version"] == 1
+    assert document["last_bead"] == 97
+    assert len(document["rows"]) == 52
 
 
 def test_two_beads_can_be_compared(run):

@@ -12,7 +12,7 @@ from hertzchain.paper.reproduction import reproduce
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
     out = tmp_path_factory.mktemp("report")
-    write_report(reproduce(["table2", "figure6", "figure11", "errata"]), out)
+    write_report(reproduce(["table2", "figure6", "figure11", "errata", "scoreboard"]), out)
     return out
 
 
@@ -22,7 +22,7 @@ def test_files(folder):
     }  # fmt: skip
     assert {path.name for path in (folder / "figures").iterdir()} == {
         f"{name}.{ending}" for name in ("figure6", "figure11") for ending in ("svg", "png", "csv")
-    } | {"errata.svg", "errata.png"}
+    } | {"errata.svg", "errata.png", "scoreboard.svg", "scoreboard.png", "scoreboard.csv"}
 
 
 class _Addresses(HTMLParser):
@@ -41,7 +41,7 @@ def test_the_page_asks_for_nothing(folder):
     page = (folder / "report.html").read_text("utf-8")
     addresses = _Addresses()
     addresses.feed(page)
-    assert addresses.images == 3
+    assert addresses.images == 4
     assert all(address.startswith("data:image/svg+xml;base64,") for address in addresses.found)
     assert not re.search(r"@import|url\(", page)
     assert "<script" not in page
@@ -63,6 +63,28 @@ def test_verdict_is_plain_versioned_data(folder):
     assert verdict["figures"]["figure6"]["holds"] is True
     assert len(verdict["errata"]) == 17
     assert verdict["method"]["energy_drift"] < 1e-10
+    rows = {row["name"]: row["theories"] for row in verdict["scoreboard"]["rows"]}
+    assert rows["waist"]["bca"]["errors"]["velocity"]["from_10"]["worst"] > 0.4
+    assert "refusal" in rows["waist"]["modified-bca"]
+
+
+def test_the_scoreboard_is_in_page_and_summary(folder):
+    page = (folder / "report.html").read_text("utf-8")
+    assert '<h2 id="scoreboard">' in page
+    verdict = page[: page.index("<nav>")]
+    assert "On 13 smooth tapers that no theory was fitted to" in verdict
+    (row,) = re.findall('<td class="text">waist</td>(.*)', page)
+    (line,) = re.findall(r"^\| waist \|(.*)\|$", (folder / "summary.md").read_text("utf-8"), re.M)
+    cells = [cell.strip() for cell in line.split("|")]
+    assert re.findall("<td>(.*?)</td>", row) == cells
+    assert cells[0] == "53"
+    assert "–" in cells
+
+
+def test_a_scoreboard_alone_is_a_report(tmp_path):
+    result = reproduce(["scoreboard"])
+    assert result.verdict.startswith("On 13 smooth")
+    assert write_report(result, tmp_path).exists()
 
 
 def test_two_reports_have_the_same_figures(folder, tmp_path):

@@ -7,18 +7,23 @@ fit is a function, with its windows as arguments, so that anyone can repeat it.
 from __future__ import annotations
 
 import operator
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 
 from hertzchain.chain import TAPERS, Chain, Taper, check_taper, rate_symbol
 from hertzchain.contacts import Array
 from hertzchain.errors import InputError, unknown_name
-from hertzchain.propagation import propagate
+from hertzchain.propagation import propagate_many
 from hertzchain.theory.bca import bca
-from hertzchain.theory.modified_bca import Correction, PowerLawCorrection, RatioCorrection
+from hertzchain.theory.modified_bca import (
+    Correction,
+    PowerLawCorrection,
+    RatioCorrection,
+    printed_correction,
+)
 
 Window = tuple[int, int]
 
@@ -46,6 +51,8 @@ class Calibration:
         Tapering parameters used.
     window : tuple of int
         First and last bead used.
+    beads : int
+        Beads of each chain.
     correction : RatioCorrection or PowerLawCorrection
         The constants, to be passed to `modified_bca`.
     standard_errors : dict of str to float
@@ -63,14 +70,68 @@ class Calibration:
     taper: Taper
     rates: tuple[float, ...]
     window: Window
+    beads: int
     correction: Correction
     standard_errors: dict[str, float]
     residuals: Array
 
     @property
+    def constants(self) -> dict[str, float]:
+        """The constants found, by name."""
+        return {name: getattr(self.correction, name) for name in self.standard_errors}
+
+    @property
+    def printed(self) -> dict[str, float]:
+        """What the paper prints for the same constants, misprints included."""
+        correction = printed_correction(self.taper)
+        return {name: getattr(correction, name) for name in self.standard_errors}
+
+    @property
     def worst_error(self) -> float:
         """Largest absolute relative error of velocity within the window."""
         return float(np.abs(self.residuals).max())
+
+    @property
+    def rms_error(self) -> float:
+        """Root mean square of the relative errors of velocity within the window."""
+        return float(np.sqrt(np.mean(self.residuals**2)))
+
+    @property
+    def worst_by_rate(self) -> tuple[float, ...]:
+        """Largest absolute relative error of velocity of each rate."""
+        return tuple(float(worst) for worst in np.abs(self.residuals).max(axis=1))
+
+    def as_dict(self) -> dict[str, Any]:
+        """The calibration as plain data, for JSON.
+
+        Returns
+        -------
+        dict
+            ``constants`` have a ``value``, a ``standard_error`` and what is ``printed``.
+
+        Examples
+        --------
+        >>> result = calibrate("backward-linear", rates=(0.5,), beads=30, window=(5, 25))
+        >>> list(result.as_dict()["constants"]["ratio"])
+        ['value', 'standard_error', 'printed']
+        """
+        return {
+            "taper": self.taper,
+            "rates": list(self.rates),
+            "window": list(self.window),
+            "beads": self.beads,
+            "constants": {
+                name: {
+                    "value": value,
+                    "standard_error": self.standard_errors[name],
+                    "printed": self.printed[name],
+                }
+                for name, value in self.constants.items()
+            },
+            "worst_error": self.worst_error,
+            "rms_error": self.rms_error,
+            "worst_error_by_rate": list(self.worst_by_rate),
+        }
 
 
 def calibrate(
@@ -79,6 +140,7 @@ def calibrate(
     rates: Sequence[float] | None = None,
     window: Window = WINDOW,
     beads: int = BEADS,
+    progress: Callable[[int, int], None] | None = None,
 ) -> Calibration:
     r"""Fit the correction of one taper to the integration.
 
@@ -97,6 +159,8 @@ def calibrate(
         First and last bead k of the fit in k.
     beads : int
         Beads of each chain, more than ``window[1]`` so that its end is not felt.
+    progress : callable, optional
+        Called as ``progress(chains_done, chains)``.
 
     Returns
     -------
@@ -105,7 +169,10 @@ def calibrate(
     Raises
     ------
     InputError
-        For an unknown taper, a window outside the chain, or too few rates.
+        For an unknown taper, a rate that has no chain of so many beads, a window outside
+        the chain, or too few rates.
+    SimulationError
+        If the pulse of one of the chains cannot be followed.
 
     Examples
     --------
@@ -122,7 +189,8 @@ def calibrate(
             f"calibrating {taper} needs at least {needed} different rates, got {_listed(used)}"
         )
     k = beads_in_window(window, beads)
-    pulses = [propagate(Chain.tapered(taper, rate, beads=beads)) for rate in used]
+    chains = [Chain.tapered(taper, rate, beads=beads) for rate in used]
+    pulses = list(propagate_many(chains, progress=progress))
     exact = np.array([pulse.velocity[k - 1] for pulse in pulses])
     unmodified = np.array([bca(pulse.chain).velocity[k - 1] for pulse in pulses])
     correction: Correction
@@ -131,7 +199,8 @@ def calibrate(
     else:
         correction, errors = _fit_power_laws(np.array(used), k, unmodified / exact)
     modified = [correction.velocity(u, q, k) for u, q in zip(unmodified, used, strict=True)]
-    return Calibration(taper, used, window, correction, errors, np.array(modified) / exact - 1.0)
+    residuals = np.array(modified) / exact - 1.0
+    return Calibration(taper, used, window, beads, correction, errors, residuals)
 
 
 def beads_in_window(window: Window, beads: int) -> np.ndarray[tuple[int], np.dtype[np.int64]]:
@@ -223,35 +292,44 @@ def _fit_power_laws(
     )
 
 
-def calibrated_toml() -> str:
-    """Text of ``theory/calibrated.toml``: the constants of all four tapers.
+def calibrated_toml(calibrations: Sequence[Calibration]) -> str:
+    """Calibrations as the TOML text that `calibrated_corrections` reads.
+
+    Parameters
+    ----------
+    calibrations : sequence of Calibration
+        Any tapers; the package's own ``theory/calibrated.toml`` has all four.
 
     Returns
     -------
     str
+        A table ``[corrections.TAPER]`` each; how it was found stands in comments.
 
     Examples
     --------
-    Shown by ``python -m hertzchain.calibration``.
+    >>> result = calibrate("backward-linear", rates=(0.5,), beads=30, window=(5, 25))
+    >>> print(calibrated_toml([result]).splitlines()[3])
+    [corrections.backward-linear]
     """
     lines = [
-        "# Constants of the modified BCA found from our own integration.",
-        "# Written by: python -m hertzchain.calibration > src/hertzchain/theory/calibrated.toml",
-        f"# Beads {WINDOW[0]}..{WINDOW[1]} of {BEADS}; standard errors and worst relative error",
-        "# of velocity in the window follow each line as a comment.",
+        "# Constants of the modified BCA, found from the integration by: hertzchain calibrate",
+        "# After each constant follows its standard error.",
     ]
-    for taper in TAPERS:
-        result = calibrate(taper)
-        lines += ["", f"[corrections.{taper}]  # {rate_symbol(taper)} = {_listed(result.rates)}"]
+    for result in calibrations:
+        first, last = result.window
+        lines += [
+            "",
+            f"[corrections.{result.taper}]",
+            f"# {rate_symbol(result.taper)} = {_listed(result.rates)}; beads {first}..{last} of "
+            f"{result.beads}",
+        ]
         for name, error in result.standard_errors.items():
-            lines.append(f"{name} = {getattr(result.correction, name):.6g}  # +- {error:.2g}")
-        lines.append(f"# worst error {result.worst_error:.1%}")
+            lines.append(f"{name} = {result.constants[name]:.6g}  # +- {error:.2g}")
+        lines.append(
+            f"# error of velocity: worst {result.worst_error:.1%}, rms {result.rms_error:.1%}"
+        )
     return "\n".join(lines) + "\n"
 
 
 def _listed(rates: Sequence[float]) -> str:
     return ", ".join(f"{rate:g}" for rate in rates)
-
-
-if __name__ == "__main__":
-    print(calibrated_toml(), end="")

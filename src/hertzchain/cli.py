@@ -21,14 +21,17 @@ import click
 if TYPE_CHECKING:
     from rich.table import Table
 
+    from hertzchain.calibration import Calibration
     from hertzchain.chain import Chain
     from hertzchain.paper.reproduction import Reproduction
     from hertzchain.pulse import Pulse, Quantity
+    from hertzchain.scoreboard import Scoreboard
     from hertzchain.simulation import Run
 
 DONE, FAILED, BAD_INPUT, OUTSIDE_TOLERANCE, INTERRUPTED = 0, 1, 2, 3, 130
 METHODS: Final = (
-    "propagate", "simulate", "bca", "modified-bca", "modified-bca-printed", "hard-sphere",
+    "propagate", "simulate", "bca", "modified-bca", "modified-bca-printed", "two-thirds-bca",
+    "hard-sphere",
 )  # fmt: skip
 TABLE_ROWS: Final = 26
 # Where no bar can be drawn, a line of progress appears so often.
@@ -283,6 +286,137 @@ def reproduce(
 
 
 @cli.command()
+@click.option(
+    "--taper",
+    "tapers",
+    multiple=True,
+    metavar="NAME",
+    help="Taper to calibrate; repeatable.  [default: all four]",
+)
+@click.option(
+    "--rates",
+    metavar="NUMBERS",
+    help="Its S or q, separated by commas; with one --taper.  [default: those of the paper]",
+)
+@click.option(
+    "--window", metavar="FIRST:LAST", default="5:80", show_default=True, help="Beads of the fit."
+)
+@click.option("--beads", type=int, default=100, show_default=True, help="Beads of each chain.")
+@click.option(
+    "--output",
+    type=click.Path(path_type=Path),
+    metavar="FILE",
+    help="Also write the constants into FILE (.toml).",
+)
+@click.option("--json", "as_json", is_flag=True, help="Print everything as JSON.")
+def calibrate(
+    tapers: tuple[str, ...], rates: str | None, window: str, beads: int, output: Path | None,
+    as_json: bool,
+) -> None:  # fmt: skip
+    """Fit the constants of the modified BCA to the integration, as the paper did.
+
+    Shows each constant with its standard error and what the paper prints for it, and how
+    far the fitted velocity is off.
+
+    \b
+    Examples:
+      hertzchain calibrate
+      hertzchain calibrate --taper forward-linear --rates 0.01,0.015 --beads 60 --window 5:50
+    """
+    import json
+
+    from hertzchain import calibration, store
+    from hertzchain.chain import TAPERS
+
+    _known("taper", tapers, TAPERS)
+    _writable(output, "--output", (".toml",))
+    chosen = tuple(dict.fromkeys(tapers)) or TAPERS
+    if rates is not None and len(chosen) != 1:
+        raise click.UsageError("--rates are those of one taper: give one --taper")
+    numbers = None if rates is None else _numbers("--rates", rates)
+    beads_of_fit = _window("--window", window)
+    with _progress("chains integrated") as progress:
+        found = [
+            calibration.calibrate(
+                taper,  # type: ignore[arg-type]
+                rates=numbers,
+                window=beads_of_fit,
+                beads=beads,
+                progress=progress,
+            )
+            for taper in chosen
+        ]
+    if output is not None:
+        store.write_bytes(output, calibration.calibrated_toml(found).encode())
+    if as_json:
+        document: dict[str, Any] = {"schema_version": store.SCHEMA_VERSION}
+        document["calibrations"] = [result.as_dict() for result in found]
+        click.echo(json.dumps(document, indent=2, allow_nan=False))
+        return
+    for result in found:
+        _show_calibration(result)
+
+
+@cli.command()
+@click.option(
+    "--quantity",
+    default="velocity",
+    show_default=True,
+    metavar="NAME",
+    help="What to judge: velocity, momentum, energy, arrival, peak_force.",
+)
+@click.option(
+    "--first-bead", type=int, default=10, show_default=True, help="First bead that counts."
+)
+@click.option("--rms", is_flag=True, help="Show the root mean square instead of the worst error.")
+@click.option("--all", "every_chain", is_flag=True, help="A row for each chain, not each family.")
+@click.option(
+    "--figure",
+    type=click.Path(path_type=Path),
+    metavar="FILE",
+    help="Also draw the table into FILE (.png, .svg or .pdf).",
+)
+@click.option(
+    "--json", "as_json", is_flag=True, help="Print all quantities, from beads 2 and 10 on, as JSON."
+)
+def scoreboard(
+    quantity: str, first_bead: int, rms: bool, every_chain: bool, figure: Path | None,
+    as_json: bool,
+) -> None:  # fmt: skip
+    """Hold every theory against the integration: which one to trust where.
+
+    The paper's four tapers at its rates and beyond, and tapers that no theory was fitted
+    to; 100 beads each. Errors count up to bead 97, short of the free end.
+
+    \b
+    Examples:
+      hertzchain scoreboard
+      hertzchain scoreboard --quantity arrival --first-bead 2 --figure arrival.png
+    """
+    import json
+
+    from hertzchain import scoreboard as board_module
+    from hertzchain import store
+
+    _known("quantity", (quantity,), board_module.JUDGED)
+    _writable(figure, "--figure", (".png", ".svg", ".pdf"))
+    with _progress("chains integrated") as progress:
+        board = board_module.scoreboard(progress=progress)
+    what: dict[str, Any] = {"quantity": quantity, "first_bead": first_bead}
+    what["statistic"] = "rms" if rms else "worst"
+    board.table(**what)  # refuses a bead that is not there, before anything is written
+    if figure is not None:
+        from hertzchain import plotting
+
+        _save_axes(plotting.plot_scoreboard(board, **what), figure)
+    if as_json:
+        document = {"schema_version": store.SCHEMA_VERSION} | board.as_dict()
+        click.echo(json.dumps(document, indent=2, allow_nan=False))
+    else:
+        _show(_scoreboard_table(board, by="case" if every_chain else "family", **what))
+
+
+@cli.command()
 def cite() -> None:
     """Print what to cite: the paper, the methods, this software.
 
@@ -320,17 +454,14 @@ def _chain(file: Path | None, taper: str | None, rate: float | None, beads: int 
 
 
 def _compute(method: str, chain: Chain, progress: Callable[[int, int], None]) -> Pulse:
-    from hertzchain import bca, hard_sphere, modified_bca, propagate, simulate
+    from hertzchain import propagate, simulate
+    from hertzchain.theory.catalogue import THEORIES
 
     if method == "propagate":
         return propagate(chain, progress=progress)
     if method == "simulate":
         return simulate(chain, times=0, progress=progress).pulse()
-    if method == "bca":
-        return bca(chain)
-    if method == "hard-sphere":
-        return hard_sphere(chain)
-    return modified_bca(chain, "printed" if method.endswith("printed") else "calibrated")
+    return THEORIES[method](chain)
 
 
 def _known(what: str, names: tuple[str, ...], choices: tuple[str, ...]) -> None:
@@ -347,6 +478,13 @@ def _window(option: str, text: str) -> tuple[int, int]:
     except ValueError:
         raise click.UsageError(f"{option} must look like 5:60, got {text!r}") from None
     return first, last
+
+
+def _numbers(option: str, text: str) -> tuple[float, ...]:
+    try:
+        return tuple(float(part) for part in text.split(","))
+    except ValueError:
+        raise click.UsageError(f"{option} must look like 0.01,0.02, got {text!r}") from None
 
 
 @contextmanager
@@ -462,6 +600,65 @@ def _show_run(run: Run, as_json: bool) -> None:
     click.echo(f"{run.chain.description}\n{run.message}")
     click.echo(f"energy drift {run.energy_drift:.1e}, momentum drift {run.momentum_drift:.1e}")
     click.echo(f"{len(run.times)} times saved, {run.evaluations} evaluations of the force")
+
+
+def _show_calibration(result: Calibration) -> None:
+    from rich import box
+    from rich.table import Table
+
+    from hertzchain.chain import rate_symbol
+
+    first, last = result.window
+    click.echo(f"{result.taper}, beads {first}..{last} of {result.beads}")
+    table = Table(title=result.correction.formula, box=box.SIMPLE_HEAD, title_justify="left")
+    for heading in ("constant", "value", "standard error", "printed in the paper"):
+        table.add_column(heading, justify="right")
+    for name, value in result.constants.items():
+        error, printed = result.standard_errors[name], result.printed[name]
+        table.add_row(name, f"{value:.6g}", f"{error:.2g}", f"{printed:.3g}")
+    _show(table)
+    click.echo(
+        f"relative error of velocity: worst {result.worst_error:.2%}, rms {result.rms_error:.2%}"
+    )
+    for rate, worst in zip(result.rates, result.worst_by_rate, strict=True):
+        click.echo(f"  {rate_symbol(result.taper)} = {rate:<6g} worst {worst:7.2%}")
+    click.echo()
+
+
+def _scoreboard_table(
+    board: Scoreboard, *, quantity: str, first_bead: int, statistic: str, by: str
+) -> Table:
+    from rich import box
+    from rich.table import Table
+
+    from hertzchain.scoreboard import percentage
+    from hertzchain.scoreboard_cases import GROUPS
+
+    errors = board.table(quantity, first_bead=first_bead, statistic=statistic, by=by)  # type: ignore[arg-type]
+    outside = board.outside(by)  # type: ignore[arg-type]
+    table = Table(
+        title=f"{quantity}: {statistic} relative error in %, k = {first_bead}..{board.last_bead} "
+        f"of {len(board.cases)} chains",
+        caption="– not covered   * outside its range, as the theory itself warns",
+        box=box.SIMPLE_HEAD, title_justify="left", caption_justify="left", pad_edge=False,
+        collapse_padding=True,
+    )  # fmt: skip
+    table.add_column("", no_wrap=True)
+    for theory in board.theories:
+        table.add_column(theory.replace("-", "-\n"), justify="right", vertical="bottom")
+    group = None
+    for label, members in board.rows(by).items():  # type: ignore[arg-type]
+        if board.cases[members[0]].group != group:
+            group = board.cases[members[0]].group
+            table.add_section()
+            table.add_row(f"[bold]{GROUPS[group]}[/]")
+        cells = [percentage(error) for error in errors.loc[label]]
+        starred = (
+            cell + ("*" if warned and cell != "–" else " ")
+            for cell, warned in zip(cells, outside.loc[label], strict=True)
+        )
+        table.add_row(f" {label}", *starred)
+    return table
 
 
 def _show_reproduction(result: Reproduction) -> None:

@@ -33,11 +33,13 @@ from hertzchain.paper.figures import Figure, draw_figure, figure_csv
 from hertzchain.paper.formulas import draw_formula_errors
 from hertzchain.paper.reproduction import Reproduction
 from hertzchain.paper.tables import WINDOWS, Table
-from hertzchain.plotting import figure_bytes
+from hertzchain.plotting import figure_bytes, plot_scoreboard
+from hertzchain.scoreboard import JUDGED, Scoreboard, percentage
+from hertzchain.scoreboard_cases import GROUPS
 
 SCHEMA_VERSION: Final = 1
 PAGES: Final = ("report.html", "verdict.json", "summary.md")
-OUR_FIGURE: Final = re.compile(r"(figure\d+|errata)\.(svg|png|csv)")
+OUR_FIGURE: Final = re.compile(r"(figure\d+|errata|scoreboard)\.(svg|png|csv)")
 
 
 def write_report(
@@ -212,6 +214,7 @@ def verdict(reproduction: Reproduction) -> dict[str, Any]:
             }
             for erratum in reproduction.errata
         ],
+        "scoreboard": reproduction.scoreboard.as_dict("family") if reproduction.scoreboard else {},
         "method": method(reproduction),
     }
 
@@ -261,6 +264,10 @@ def _write_figures(
         (folder / f"{name}.csv").write_text(figure_csv(figure), "utf-8")
     if reproduction.errata:
         drawings.append(("errata", lambda: draw_formula_errors(reproduction.pulses)))
+    board = reproduction.scoreboard
+    if board is not None:
+        drawings.append(("scoreboard", functools.partial(_draw_scoreboard, board)))
+        (folder / "scoreboard.csv").write_text(board.to_dataframe().to_csv(index=False), "utf-8")
     images = {}
     for done, (name, draw) in enumerate(drawings, start=1):
         canvas = draw()
@@ -273,6 +280,12 @@ def _write_figures(
         if progress is not None:
             progress(done, len(drawings))
     return images
+
+
+def _draw_scoreboard(board: Scoreboard) -> MatplotlibFigure:
+    canvas = plot_scoreboard(board).figure
+    assert isinstance(canvas, MatplotlibFigure)
+    return canvas
 
 
 @functools.cache
@@ -295,9 +308,29 @@ def _render(template: str, reproduction: Reproduction, **more: Any) -> str:
         method=method(reproduction),
         rate_symbol=rate_symbol,
         rows=_rows,
+        scores=_scores(reproduction.scoreboard) if reproduction.scoreboard else None,
         default_windows=dict(reproduction.windows) == WINDOWS,
         **more,
     )  # fmt: skip
+
+
+def _scores(board: Scoreboard) -> dict[str, list[tuple[str, list[tuple[str, list[str]]]]]]:
+    """Cells of the two tables of the scoreboard, as groups of labelled rows."""
+    errors, outside = board.table("velocity"), board.outside()
+    families: dict[str, list[tuple[str, list[str]]]] = {}
+    for label, members in board.rows("family").items():
+        cells = [
+            percentage(error) + ("*" if warned and error == error else "")
+            for error, warned in zip(errors.loc[label], outside.loc[label], strict=True)
+        ]
+        heading = GROUPS[board.cases[members[0]].group]
+        families.setdefault(heading, []).append((label, cells))
+    groups: dict[str, list[tuple[str, list[str]]]] = {GROUPS[group]: [] for group in GROUPS}
+    for quantity in JUDGED:
+        for group, row in board.table(quantity, by="group").iterrows():
+            cells = [percentage(error) for error in row]
+            groups[GROUPS[group]].append((quantity.replace("_", " "), cells))
+    return {"families": list(families.items()), "groups": list(groups.items())}
 
 
 def _rows(table: Table) -> list[list[Any]]:

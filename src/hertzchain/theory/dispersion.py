@@ -2,9 +2,8 @@ r"""Small oscillations of a chain that a static force holds together.
 
 Precompressed by a force :math:`F_0`, each contact is a spring of stiffness
 :math:`K = p\,k^{1/p} F_0^{1-1/p}` for motions that change its overlap little: V. F.
-Nesterenko, *Dynamics of Heterogeneous Materials*, Springer 2001, ch. 1,
-doi:10.1007/978-1-4757-3524-6.  Without precompression there is no sound, and nothing
-here applies.
+Nesterenko, *Dynamics of Heterogeneous Materials*, Springer 2001.  Without precompression
+there is no sound, and nothing here applies.
 """
 
 from __future__ import annotations

@@ -3,8 +3,8 @@ r"""Decorated chains: small beads between large ones, done away with.
 A light bead between two heavy ones follows them at once, with one force F on both of
 its contacts.  The contacts between neighbouring large beads are then springs in series,
 and the small beads' masses belong to the large ones: U. Harbola, A. Rosas, A. H. Romero,
-M. Esposito and K. Lindenberg, Phys. Rev. E 80, 051302 (2009),
-doi:10.1103/PhysRevE.80.051302, for one bead; derived here for any number of any sizes.
+M. Esposito and K. Lindenberg, Phys. Rev. E 80, 051302 (2009), arXiv:0909.2627, for one
+bead; derived here for any number of any sizes.
 """
 
 from __future__ import annotations

@@ -16,8 +16,9 @@ from hertzchain.contacts import HERTZ_EXPONENT, Array
 from hertzchain.errors import InputError
 from hertzchain.theory.solitary_wave import SolitaryWave
 
-# Sen and Manciu, Phys. Rev. E 64, 056605 (2001), for p = 3/2.
-PUBLISHED_COEFFICIENTS = (2.39536, 0.268529, 0.0061347)
+# Sen and Manciu for p = 3/2, as commonly quoted. They agree with the Taylor coefficients of
+# the exact wave to 5e-5, 6e-4 and 2 per cent.
+QUOTED_COEFFICIENTS = (2.39536, 0.268529, 0.0061347)
 
 
 def long_wave_speed_constant(exponent: float = HERTZ_EXPONENT) -> float:
@@ -118,7 +119,7 @@ def sen_manciu_coefficients(wave: SolitaryWave) -> tuple[float, float, float]:
 
     Examples
     --------
-    Published for p = 3/2 are 2.39536, 0.268529 and 0.0061347:
+    Commonly quoted for p = 3/2 are 2.39536, 0.268529 and 0.0061347:
 
     >>> from hertzchain.theory.solitary_wave import solitary_wave
     >>> [round(c, 4) for c in sen_manciu_coefficients(solitary_wave())]
@@ -132,7 +133,7 @@ def sen_manciu_coefficients(wave: SolitaryWave) -> tuple[float, float, float]:
 
 
 def sen_manciu_velocity(
-    distance: ArrayLike, coefficients: tuple[float, float, float] = PUBLISHED_COEFFICIENTS
+    distance: ArrayLike, coefficients: tuple[float, float, float] = QUOTED_COEFFICIENTS
 ) -> Array:
     r"""Velocity profile of the Sen-Manciu form, one at the crest.
 
@@ -143,7 +144,7 @@ def sen_manciu_velocity(
     distance : array_like
         Distance :math:`\xi` from the crest [beads].
     coefficients : tuple of float
-        C_1, C_3 and C_5; those published for p = 3/2 by default.
+        C_1, C_3 and C_5; those commonly quoted for p = 3/2 by default.
 
     Returns
     -------

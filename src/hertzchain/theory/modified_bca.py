@@ -20,7 +20,7 @@ import tomllib
 import warnings
 from dataclasses import dataclass
 from importlib import resources
-from typing import Literal
+from typing import ClassVar, Literal
 
 import numpy as np
 
@@ -47,6 +47,7 @@ class RatioCorrection:
     """
 
     ratio: float
+    formula: ClassVar = "v = ratio * v_BCA"
 
     def velocity(self, unmodified: Array, rate: float | None, k: Array) -> Array:  # noqa: ARG002
         """Corrected velocity of beads k; the rate plays no part."""
@@ -78,6 +79,7 @@ class PowerLawCorrection:
     x: float
     d0: float
     y: float
+    formula: ClassVar = "v = v_BCA / (c0 q^x + d0 q^y k)"
 
     def velocity(self, unmodified: Array, rate: float | None, k: Array) -> Array:
         """Corrected velocity of beads k of a taper with the given q."""
@@ -187,6 +189,43 @@ def modified_bca(
     return Pulse(chain=chain, method=method, velocity=velocity)
 
 
+def two_thirds_bca(chain: Chain) -> Pulse:
+    r"""Leading pulse with two thirds of the velocity of the BCA, for any chain.
+
+    .. math:: v_k = \tfrac23 v_k^u, \qquad k \ge 2
+
+    The paper takes 2/3 as its working value of the ratio :math:`v_k/v_k^u` in backward
+    linear tapers (Sec. 5, below Eq. (30)).  It is a good guess for any taper, because equal
+    beads have 0.6816.  Momentum and energy follow; times and forces it has none, as those
+    of the BCA need its unmodified velocity.
+
+    Parameters
+    ----------
+    chain : Chain
+        Any chain.
+
+    Returns
+    -------
+    Pulse
+        Velocity, momentum and energy; bead 1 keeps its strike velocity.
+
+    Warns
+    -----
+    ModelRangeWarning
+        As `bca`.
+
+    Examples
+    --------
+    >>> import hertzchain as hc
+    >>> two_thirds_bca(hc.Chain.uniform(3)).velocity.round(4)
+    array([1.    , 0.6667, 0.6667])
+    """
+    ratio = RatioCorrection(PRINTED_RATIO["backward-linear"])
+    velocity = ratio.velocity(bca(chain).velocity, None, np.arange(1, chain.beads + 1))
+    velocity[0] = 1.0
+    return Pulse(chain=chain, method="2/3 BCA", velocity=velocity)
+
+
 def printed_velocity(taper: Taper, rate: float, k: Array) -> Array:
     """The four formulas of the paper's summary to the letter, misprints included.
 
@@ -219,6 +258,32 @@ def printed_velocity(taper: Taper, rate: float, k: Array) -> Array:
     return PRINTED_EXPONENTIAL[taper].velocity(unmodified, rate, k)
 
 
+def printed_correction(taper: Taper) -> Correction:
+    """The correction of a taper with the constants that the paper prints.
+
+    Linear tapers have the ratios of its text, 2/3 and 0.680; exponential ones Eqs. (38)
+    and (40).  To be applied to the product of the BCA, which the paper's summary does not
+    do for linear tapers; that is `printed_velocity`.
+
+    Parameters
+    ----------
+    taper : str
+        Name of the taper.
+
+    Returns
+    -------
+    RatioCorrection or PowerLawCorrection
+
+    Examples
+    --------
+    >>> printed_correction("forward-linear")
+    RatioCorrection(ratio=0.68)
+    """
+    if rate_symbol(taper) == "S":
+        return RatioCorrection(PRINTED_RATIO[taper])
+    return PRINTED_EXPONENTIAL[taper]
+
+
 @functools.cache
 def calibrated_corrections() -> dict[Taper, Correction]:
     """The corrections that our own calibration found, by taper.
@@ -227,7 +292,7 @@ def calibrated_corrections() -> dict[Taper, Correction]:
     -------
     dict
         From ``calibrated.toml`` beside this module, which
-        ``python -m hertzchain.calibration`` writes.
+        ``hertzchain calibrate`` writes.
 
     Examples
     --------

@@ -5,7 +5,7 @@ A wave :math:`d_k(t) = \varphi(k - ct)` of overlaps solves the equation of motio
 .. math:: c^2 \varphi = \Lambda * \varphi^{\,p}, \qquad \Lambda(\xi) = (1 - |\xi|)_+
 
 (stiffness and mass one; J. M. English and R. L. Pego, Proc. Am. Math. Soc. 133, 1763,
-2005, doi:10.1090/S0002-9939-05-07851-2).  `hertzchain.theory.fixed_point` solves it.
+2005).  `hertzchain.theory.fixed_point` solves it.
 """
 
 from __future__ import annotations

@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 DONE, FAILED, BAD_INPUT, OUTSIDE_TOLERANCE, INTERRUPTED = 0, 1, 2, 3, 130
 METHODS: Final = (
     "propagate", "simulate", "bca", "modified-bca", "modified-bca-printed", "two-thirds-bca",
-    "hard-sphere",
+    "hard-sphere", "local-rate",
 )  # fmt: skip
 TABLE_ROWS: Final = 26
 # Where no bar can be drawn, a line of progress appears so often.
@@ -114,7 +114,8 @@ def chain_options(command: Callable[..., Any]) -> Callable[..., Any]:
     show_default=True,
     metavar="NAME",
     help="What to draw, and to show side by side when there are several methods: "
-    "velocity, momentum, energy, peak_time, arrival, residence, peak_overlap, peak_force.",
+    "velocity, momentum, energy, peak_time, arrival, residence, peak_overlap, peak_force, "
+    "velocity_error.",
 )
 @click.option("--log", is_flag=True, help="Draw with a logarithmic ordinate.")
 @click.option("--all", "every_bead", is_flag=True, help="Show every bead in the table.")

@@ -32,6 +32,7 @@ Quantity = Literal[
     "residence",
     "peak_overlap",
     "peak_force",
+    "velocity_error",
 ]
 
 # Name, the paper's symbol, description. Order: as in tables.
@@ -44,6 +45,7 @@ QUANTITIES: Final[dict[Quantity, tuple[str, str]]] = {
     "residence": ("T", "time from the arrival at this bead to that at the next bead"),
     "peak_overlap": ("d", "largest overlap with the next bead"),
     "peak_force": ("F", "largest force on the next bead"),
+    "velocity_error": ("e_v", "estimated relative error of the velocity"),
 }
 PER_CONTACT: Final = frozenset({"residence", "peak_overlap", "peak_force"})
 
@@ -74,7 +76,7 @@ class Pulse:
         not given.  In strongly uneven chains arrivals need not be in order, and it may be
         negative.
     velocity_error : ndarray, shape (N,), or None
-        Estimated relative error of each velocity, by a method that estimates one.
+        Estimated relative error of each velocity, by a method that estimates one; 0 for bead 1.
 
     Examples
     --------
@@ -95,7 +97,9 @@ class Pulse:
 
     def __post_init__(self) -> None:
         beads = self.chain.beads
-        for name in ("velocity", "peak_time", "arrival", "peak_overlap", "residence"):
+        for name in (
+            "velocity", "peak_time", "arrival", "peak_overlap", "residence", "velocity_error",
+        ):  # fmt: skip
             values = getattr(self, name)
             if name == "residence" and values is None and self.arrival is not None:
                 values = np.diff(self.arrival)
@@ -367,7 +371,8 @@ class Comparison:
     def quantities(self) -> list[Quantity]:
         """Names of the quantities that both methods predict."""
         theirs = self.reference.columns()
-        return [name for name in self.pulse.columns() if name in theirs]
+        estimate = "velocity_error"
+        return [name for name in self.pulse.columns() if name in theirs and name != estimate]
 
     def worst(self, quantity: Quantity, *, first_bead: int = 2) -> float:
         """Largest absolute relative error from ``first_bead`` on.
@@ -471,7 +476,7 @@ def _checked_column(pulse: Pulse, name: str, given: ArrayLike, length: int) -> A
     if name == "residence":
         good &= values != 0.0  # out of order is possible, no time at all is a lost digit
     else:
-        first = 1 if name in ("arrival", "peak_time") else 0
+        first = 1 if name in ("arrival", "peak_time", "velocity_error") else 0
         good[first:] &= values[first:] > 0.0
     if not good.all():
         k = int(np.argmin(good))

@@ -54,6 +54,8 @@ class Scoreboard:
         Whether the theory itself gave a `ModelRangeWarning` for the chain.
     refusals : mapping of (str, str) to str
         Why a theory did not cover a chain, by their names.
+    estimates : ndarray, shape (T, C, N)
+        The theory's own estimate of its relative error of velocity; NaN where it has none.
 
     Examples
     --------
@@ -67,6 +69,7 @@ class Scoreboard:
     errors: Mapping[Quantity, Array]
     warned: NDArray[np.bool_]
     refusals: Mapping[tuple[str, str], str]
+    estimates: Array
 
     @property
     def last_bead(self) -> int:
@@ -133,6 +136,49 @@ class Scoreboard:
                 f"got {first_bead!r}"
             )
         return self.errors[quantity][:, :, first_bead - 1 :]
+
+    def coverage(self, theory: str, group: str) -> tuple[float, float]:
+        """How well a theory knows its own error of velocity, from bead 2 on.
+
+        Parameters
+        ----------
+        theory : str
+            One that estimates its error.
+        group : str
+            Chains to look at: a key of ``rows("group")``.
+
+        Returns
+        -------
+        covered : float
+            Part of the beads at which the true error is at most the estimated one.
+        ratio : float
+            Median of the estimated over the true error.
+
+        Raises
+        ------
+        InputError
+            For an unknown theory or group, or one that does not estimate its error.
+
+        Examples
+        --------
+        >>> covered, ratio = scoreboard(theories=["local-rate"]).coverage("local-rate", "smooth")
+        >>> covered > 0.9
+        True
+        """
+        if theory not in self.theories:
+            raise unknown_name("theory", theory, self.theories)
+        rows = self.rows("group")
+        if group not in rows:
+            raise unknown_name("group", group, rows)
+        t = self.theories.index(theory)
+        estimated = self.estimates[t, rows[group], 1:]
+        true = np.abs(self.errors["velocity"][t, rows[group], 1:])
+        counted = np.isfinite(true) & np.isfinite(estimated)
+        if not counted.any():
+            raise InputError(f"{theory} does not estimate its error on the chains of {group!r}")
+        estimated, true = estimated[counted], true[counted]
+        with np.errstate(divide="ignore"):
+            return float(np.mean(true <= estimated)), float(np.median(estimated / true))
 
     def table(
         self,
@@ -428,7 +474,7 @@ def judge(
         raise InputError("a scoreboard needs at least one chain and one theory")
     shape = len(theories), len(cases), max(case.chain.beads for case in cases)
     errors = {quantity: np.full(shape, np.nan) for quantity in JUDGED}
-    warned, refusals = np.zeros(shape[:2], bool), {}
+    warned, refusals, estimates = np.zeros(shape[:2], bool), {}, np.full(shape, np.nan)
     for c, (case, reference) in enumerate(zip(cases, exact, strict=True)):
         for t, (name, theory) in enumerate(theories.items()):
             try:
@@ -436,12 +482,14 @@ def judge(
             except InputError as error:
                 refusals[name, case.name] = str(error)
                 continue
+            if pulse.velocity_error is not None:
+                estimates[t, c, : case.last_bead] = pulse.velocity_error[: case.last_bead]
             comparison = pulse.compare(reference)
             for quantity in comparison.quantities:
                 if quantity in errors:
                     counted = comparison.errors(quantity)[: case.last_bead]
                     errors[quantity][t, c, : case.last_bead] = counted
-    return Scoreboard(tuple(cases), tuple(theories), errors, warned, refusals)
+    return Scoreboard(tuple(cases), tuple(theories), errors, warned, refusals, estimates)
 
 
 def percentage(error: float) -> str:

@@ -1,9 +1,9 @@
 r"""Find the universal functions of the local-rate law from our own integration.
 
-Exponential chains, ramps between two rates and the strike at their first bead: nothing else
-goes in.  The response is fitted in two ways: at the ends of the chain contact by contact, each
-from the true state before; within it so that the velocity *added up* along the whole ramp
-comes out right (Gauss-Newton), since an error of one contact is passed on to all that follow.
+Exponential chains, ramps of the rate and the strike at their first bead: nothing else goes in.
+The response is fitted in two ways: at the ends of the chain contact by contact, each from the
+true state before; within it so that the velocity *added up* along the whole ramp comes out
+right (Gauss-Newton), since an error of one contact is passed on to all that follow.
 
     python -m hertzchain.training 1.5 src/hertzchain/theory/universal_tables
 """
@@ -67,14 +67,15 @@ BEGINNINGS: Final = (0, 1, 3, 22)
 UNIT: Final = 0.1
 RIDGES: Final = {"start": 1e-4, "within": 1e-3, "end": 1e-2}
 # Ramps that the Gauss-Newton steps follow as a whole.
-FOLLOWED: Final = 2000
+FOLLOWED: Final = 3000
 # Errors of velocity below this are as good as none.
 SMALLEST_ERROR: Final = 6e-5
+DOUBLE_RAMPS: Final = 6000
 # Exponential chains, on which the law should be exact, count so many times beside them.
 REPEATED: Final = 5
 # Ramps that the error is estimated from, and the part of their errors that it covers.
-HELD_OUT: Final = 1500
-COVERED: Final = 0.97
+HELD_OUT: Final = 2000
+COVERED: Final = 0.975
 
 
 @dataclass(frozen=True, eq=False)
@@ -155,6 +156,35 @@ def ramp_rates(beginnings: Array) -> Array:
     return np.array(ramps)
 
 
+def double_ramp_rates(random: np.random.Generator, count: int) -> Array:
+    """Rates of ramps that go on in another direction: two changes close to each other.
+
+    Parameters
+    ----------
+    random : numpy.random.Generator
+        Chooses rates, lengths and beginnings.
+    count : int
+        How many.
+
+    Returns
+    -------
+    ndarray, shape (count, contacts)
+    """
+    contact = np.arange(BEADS - 1)
+    ramps: list[Array] = []
+    while len(ramps) < count:
+        rates = np.full(BEADS - 1, random.uniform(LOWEST, 0.5))
+        first = int(random.choice((0, 1, 3, 12, 22)))
+        for _ in range(2):
+            length = int(random.choice((1, 1, 2, 3, 6, 12)))
+            change = random.choice((-1.0, 1.0)) * np.exp(random.uniform(np.log(0.003), np.log(0.3)))
+            rates += change * np.clip((contact - first) / length, 0.0, 1.0)
+            first += length + int(random.choice((0, 0, 1, 3)))
+        if rates.min() >= LOWEST and rates.max() <= HIGHEST:
+            ramps.append(rates)
+    return np.array(ramps)
+
+
 def truncated(rates: Array, random: np.random.Generator) -> list[Array]:
     """Rates of ramps cut off while they still change, or soon after.
 
@@ -177,7 +207,7 @@ def truncated(rates: Array, random: np.random.Generator) -> list[Array]:
 
 
 def follow(rates: Array | list[Array], exponent: float, last: int = BEADS) -> Sample:
-    """Integrate chains of the given rates.
+    """Integrate chains of the given rates, and leave out those that cannot be.
 
     Parameters
     ----------
@@ -194,11 +224,12 @@ def follow(rates: Array | list[Array], exponent: float, last: int = BEADS) -> Sa
     """
     radii = (np.exp(np.concatenate([[0.0], np.cumsum(row)])) for row in rates)
     table = propagate_many((Chain.from_radii(row, exponent=exponent) for row in radii), rtol=RTOL)
-    if table.reasons:
-        row, reason = next(iter(table.reasons.items()))
-        raise SimulationError(f"chain with rates {rates[row]}: {reason}")
-    kept = [state(pulse)[-last:] for pulse in table]
-    return Sample(np.array([row[-last:] for row in rates]), np.array(kept))
+    # The strongest backward ramps end where the clock has no digits left.
+    rows = [row for row in range(len(table)) if row not in table.reasons]
+    if len(rows) < 0.9 * len(table):
+        raise SimulationError(f"{len(table) - len(rows)} of {len(table)} chains failed")
+    kept = [state(table[row])[-last:] for row in rows]
+    return Sample(np.array([rates[row][-last:] for row in rows]), np.array(kept))
 
 
 def splines(rate: Array) -> Array:
@@ -454,13 +485,13 @@ def error_constants(functions: UniversalFunctions, ramps: Sample) -> Array:
 
     Returns
     -------
-    ndarray, shape (3,)
+    ndarray, shape (4,)
     """
     parts, errors = [], []
     for rates, states in zip(ramps.rates, ramps.states, strict=True):
         radii = np.exp(np.concatenate([[0.0], np.cumsum(rates)]))
         solution = solve(Chain.from_radii(radii, exponent=functions.exponent), functions)
-        if not solution.lost:
+        if solution.lost == len(rates):
             parts.append(solution.error_parts[START:])
             errors.append(np.cumsum(solution.states[:, 0] - states[:, 0])[START:])
     part = np.concatenate(parts)
@@ -470,8 +501,10 @@ def error_constants(functions: UniversalFunctions, ramps: Sample) -> Array:
         beyond = logarithm - np.log(part @ np.exp(constants))
         return float(np.mean(np.where(beyond > 0.0, COVERED, COVERED - 1.0) * beyond))
 
-    guess = np.log([1e-5, 1.0, 3e-4])
-    return np.asarray(np.exp(minimize(loss, guess, method="Nelder-Mead").x))
+    guess = np.log([1e-5, 1e-3, 3e-4, 1.0])
+    return np.asarray(
+        np.exp(minimize(loss, guess, method="Nelder-Mead", options={"maxfev": 5000}).x)
+    )
 
 
 def write_tables(folder: Path, anchors: Anchors, found: Array, error: Array) -> None:
@@ -485,7 +518,7 @@ def write_tables(folder: Path, anchors: Anchors, found: Array, error: Array) -> 
         States on exponential chains.
     found : ndarray, shape (stages, terms, splines, 3)
         The response.
-    error : ndarray, shape (3,)
+    error : ndarray, shape (4,)
         Constants of the estimated error.
     """
     folder.mkdir(parents=True, exist_ok=True)
@@ -515,7 +548,7 @@ def write_tables(folder: Path, anchors: Anchors, found: Array, error: Array) -> 
     _write(
         folder / "error.csv",
         "Constants of the estimated error of velocity, found on ramps that were not fitted.",
-        ["a", "b", "c"],
+        ["one", "deviations, start", "deviations, others", "third degree"],
         [[f"{value:.3g}" for value in error]],
     )
 
@@ -545,14 +578,16 @@ def train(exponent: float, folder: Path, tell: Callable[[str], None]) -> None:
     tell(f"p = {exponent:g}: {len(NODES)} exponential chains")
     exponential = follow(exponential_rates(), exponent)
     anchors = Anchors(exponential)
-    rates, held_out = ramp_rates(NODES[::2]), ramp_rates(NODES[1::2])
-    held_out = held_out[random.choice(len(held_out), HELD_OUT, replace=False)]
+    held_out = ramp_rates(NODES[1::2])
+    held_out = held_out[random.choice(len(held_out), HELD_OUT // 2, replace=False)]
+    held_out = np.concatenate([held_out, double_ramp_rates(random, HELD_OUT // 2)])
+    rates = np.concatenate([ramp_rates(NODES[::2]), double_ramp_rates(random, DOUBLE_RAMPS)])
     tell(f"{len(rates)} ramps, cut off at their ends, and {HELD_OUT} held out")
     ramps = follow(rates, exponent)
     ends = follow(truncated(rates, random), exponent, last=START + END + 1)
     tell("fit")
     found = response(anchors, exponential, ramps, ends, random)
-    functions = assembled(exponent, NODES, anchors.values, KNOTS, found, np.zeros(3))
+    functions = assembled(exponent, NODES, anchors.values, KNOTS, found, np.zeros(4))
     error = error_constants(functions, follow(held_out, exponent))
     write_tables(folder / f"p{exponent:g}", anchors, found, error)
 

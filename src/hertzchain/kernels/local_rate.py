@@ -23,12 +23,13 @@ INPUTS = 7
 TERMS = INPUTS + INPUTS * (INPUTS + 1) // 2
 START, END = 4, 3
 WITHIN = START
-# The stage from whose anchor the state before is measured.
-REFERENCES = np.array([0, 0, 1, 2, WITHIN, WITHIN, 5, 6])
+# Coefficients of a cubic polynomial for each component of the state.
+POWERS = 4 * STATES
 # A state this far from an exponential chain's has run away; it is held there, and told.
 FARTHEST = 1.0
 
-compiled = njit(cache=True, nogil=True, error_model="numpy")
+# Sums may be taken in any order, so that they can be taken four numbers at a time.
+compiled = njit(cache=True, nogil=True, error_model="numpy", fastmath={"reassoc", "contract"})
 
 
 @compiled
@@ -43,8 +44,14 @@ def stage_of(contact, contacts):
 def interval_of(rate, ends):
     """The interval that holds a rate and the distance from its left end; outside, the nearest."""
     clipped = min(max(rate, ends[0]), ends[-1])
-    interval = min(max(np.searchsorted(ends, clipped) - 1, 0), len(ends) - 2)
-    return interval, clipped - ends[interval]
+    low, high = 0, len(ends) - 1
+    while high - low > 1:
+        middle = (low + high) // 2
+        if ends[middle] <= clipped:
+            low = middle
+        else:
+            high = middle
+    return low, clipped - ends[low]
 
 
 @compiled
@@ -60,31 +67,19 @@ def anchor(rate, pieces, ends, value, slope):
     """State on an exponential chain of this rate and its derivative; outside, the BCA's trend."""
     interval, x = interval_of(rate, ends)
     inside = ends[0] <= rate <= ends[-1]
+    powers = pieces[interval]
     for i in range(STATES):
-        a, b, c, d = pieces[interval, :, i]
-        value[i] = ((a * x + b) * x + c) * x + d
+        a, b, c = powers[i], powers[STATES + i], powers[2 * STATES + i]
+        value[i] = ((a * x + b) * x + c) * x + powers[3 * STATES + i]
         slope[i] = (3.0 * a * x + 2.0 * b) * x + c if inside else 0.0
     value[0] += bca_growth(rate)
     slope[0] -= 3.0 / (1.0 + np.exp(-3.0 * rate))
 
 
 @compiled
-def local_response(rate, pieces, ends, value, slope):
-    """Coefficients of all terms at a rate, and their derivatives to it."""
-    interval, x = interval_of(rate, ends)
-    inside = 1.0 if ends[0] <= rate <= ends[-1] else 0.0
-    a, b, c, d = pieces[interval]
-    for i in range(TERMS * STATES):
-        value[i] = ((a[i] * x + b[i]) * x + c[i]) * x + d[i]
-        slope[i] = inside * ((3.0 * a[i] * x + 2.0 * b[i]) * x + c[i])
-
-
-@compiled
-def gather(contact, stage, rates, deviation, x):
-    """The inputs of a contact: deviation of the state before, differences of rates around."""
+def gather(contact, stage, rates, x):
+    """The inputs of a contact that are differences of the rates around it."""
     ahead = 2 if stage <= WITHIN else 0
-    for i in range(STATES):
-        x[i] = deviation[i] if contact > 0 else 0.0
     for i in range(INPUTS - STATES):
         last = contact - 1 + i
         known = last >= 1 and last <= contact + ahead
@@ -92,114 +87,137 @@ def gather(contact, stage, rates, deviation, x):
 
 
 @compiled
-def respond(x, coefficients, out):
-    """Add all terms to the state in ``out``; returns the size of what is of second degree."""
-    for i in range(INPUTS):
-        for o in range(STATES):
-            out[o] += coefficients[i * STATES + o] * x[i]
-    second = 0.0
+def all_terms(x, terms):
+    """Each input, then each product of two."""
+    terms[:INPUTS] = x
     term = INPUTS
     for i in range(INPUTS):
         for j in range(i, INPUTS):
-            product = x[i] * x[j]
-            for o in range(STATES):
-                out[o] += coefficients[term * STATES + o] * product
-            second += abs(coefficients[term * STATES] * product)
+            terms[term] = x[i] * x[j]
             term += 1
-    return second
 
 
 @compiled
-def pull_back(x, coefficients, slopes, weight, to_x):
-    """Derivatives of the weighted state to the inputs; returns that to the rate, by the terms."""
-    to_x[:] = 0.0
-    to_rate = 0.0
-    for i in range(INPUTS):
-        for o in range(STATES):
-            to_x[i] += weight[o] * coefficients[i * STATES + o]
-            to_rate += weight[o] * slopes[i * STATES + o] * x[i]
-    term = INPUTS
-    for i in range(INPUTS):
-        for j in range(i, INPUTS):
-            pulled = 0.0
-            for o in range(STATES):
-                pulled += weight[o] * coefficients[term * STATES + o]
-                to_rate += weight[o] * slopes[term * STATES + o] * x[i] * x[j]
-            to_x[i] += pulled * x[j]
-            to_x[j] += pulled * x[i]
-            term += 1
-    return to_rate
+def respond(terms, pieces, x, inside, value, slope):
+    """Add the terms times their polynomials to the state, and to its derivative to the rate."""
+    for i in range(STATES):
+        a = b = c = d = 0.0
+        for term in range(TERMS):
+            a += terms[term] * pieces[term, i]
+            b += terms[term] * pieces[term, STATES + i]
+            c += terms[term] * pieces[term, 2 * STATES + i]
+            d += terms[term] * pieces[term, 3 * STATES + i]
+        value[i] += ((a * x + b) * x + c) * x + d
+        if inside:
+            slope[i] += (3.0 * a * x + 2.0 * b) * x + c
 
 
 @compiled
-def forward(rates, nodes, anchors, knots, response, states, records, thirds):
-    """States of all contacts; returns the number of them that ran away.
+def second_degree(terms, pieces, x):
+    """Size of what the products of two inputs add to the growth."""
+    size = 0.0
+    for term in range(INPUTS, TERMS):
+        a, b, c = pieces[term, 0], pieces[term, STATES], pieces[term, 2 * STATES]
+        size += abs(terms[term] * (((a * x + b) * x + c) * x + pieces[term, 3 * STATES]))
+    return size
+
+
+@compiled
+def forward(rates, nodes, anchors, knots, response, states, slopes, records, thirds):
+    """States of all contacts; returns the first contact that ran away, or their number if none.
 
     Parameters
     ----------
     rates : (M,) rates of the contacts
-    nodes, anchors : ends of intervals, and (stages, intervals, 4, 3) polynomials
-    knots, response : the same of the (stages, intervals, 4, terms * 3) responses
+    nodes, anchors : ends of intervals, and (stages, intervals, 12) polynomials: the coefficients
+        of x^3 to x^0, each for the three components of the state
+    knots, response : the same of the (stages, intervals, terms, 12) responses
     states : (M, 3), written
+    slopes : (M, 3, 2), derivatives of the state to the contact's own rate, all others held,
+        and of its stage's anchor, written
     records : (M, 7), the inputs of each contact, written
     thirds : (M,), the size of the growth's second degree times that of the inputs, written:
         in proportion to the third degree, which is left out
     """
     contacts = len(rates)
     value, slope = np.zeros(STATES), np.zeros(STATES)
-    deviation = np.zeros(STATES)
-    coefficients, ignored = np.empty(TERMS * STATES), np.empty(TERMS * STATES)
-    lost = 0
+    terms = np.empty(TERMS)
+    lost = contacts
     for k in range(contacts):
         stage = stage_of(k, contacts)
-        if k > 0:
-            anchor(rates[k - 1], anchors[REFERENCES[stage]], nodes, value, slope)
-            deviation[:] = states[k - 1] - value
-        gather(k, stage, rates, deviation, records[k])
-        anchor(rates[k], anchors[stage], nodes, states[k], slope)
-        local_response(rates[k], response[stage], knots, coefficients, ignored)
-        value[:] = states[k]
-        thirds[k] = respond(records[k], coefficients, states[k]) * np.sqrt(np.sum(records[k] ** 2))
+        if k == START:
+            # What happens within is measured from the anchor within; other stages have their own.
+            anchor(rates[k - 1], anchors[WITHIN], nodes, value, slope)
+            slopes[k - 1, :, 1] = slope
+        x = records[k]
+        for i in range(STATES):
+            x[i] = states[k - 1, i] - value[i] if k > 0 else 0.0
+        gather(k, stage, rates, x)
+        anchor(rates[k], anchors[stage], nodes, value, slope)
+        states[k], slopes[k, :, 0], slopes[k, :, 1] = value, slope, slope
+        interval, distance = interval_of(rates[k], knots)
+        all_terms(x, terms)
+        inside = knots[0] <= rates[k] <= knots[-1]
+        pieces = response[stage, interval]
+        respond(terms, pieces, distance, inside, states[k], slopes[k, :, 0])
+        size = 0.0
+        for i in range(INPUTS):
+            size += x[i] * x[i]
+        thirds[k] = np.sqrt(size) * second_degree(terms, pieces, distance)
         away = False
         for i in range(STATES):
             if not abs(states[k, i] - value[i]) < FARTHEST:
                 away = True
         if away:
             states[k] = value
-            lost += 1
+            lost = min(lost, k)
     return lost
 
 
 @compiled
-def backward(rates, nodes, anchors, knots, response, records, seeds, to_rates):
+def pull_back(x, distance, pieces, weight, to_x):
+    """Derivatives of the weighted state to the inputs."""
+    weights = np.empty(POWERS)
+    power = 1.0
+    for row in range(3, -1, -1):
+        for i in range(STATES):
+            weights[row * STATES + i] = weight[i] * power
+        power *= distance
+    pulled = np.zeros(TERMS)
+    for term in range(TERMS):
+        for i in range(POWERS):
+            pulled[term] += weights[i] * pieces[term, i]
+    to_x[:] = pulled[:INPUTS]
+    term = INPUTS
+    for i in range(INPUTS):
+        for j in range(i, INPUTS):
+            to_x[i] += pulled[term] * x[j]
+            to_x[j] += pulled[term] * x[i]
+            term += 1
+
+
+@compiled
+def backward(rates, knots, response, slopes, records, seeds, to_rates):
     """Derivatives of a number to all rates, given those to the states.
 
     Parameters
     ----------
-    rates, nodes, anchors, knots, response : as for `forward`
-    records : (M, 7) the inputs that `forward` wrote
+    rates, knots, response : as for `forward`
+    slopes, records : what `forward` wrote
     seeds : (M, 3) derivatives to the states; overwritten
     to_rates : (M,) derivatives to the rates are added to it
     """
     contacts = len(rates)
-    value, slope = np.zeros(STATES), np.zeros(STATES)
     to_x = np.zeros(INPUTS)
-    coefficients, slopes = np.empty(TERMS * STATES), np.empty(TERMS * STATES)
     for k in range(contacts - 1, -1, -1):
         stage = stage_of(k, contacts)
-        anchor(rates[k], anchors[stage], nodes, value, slope)
-        local_response(rates[k], response[stage], knots, coefficients, slopes)
-        to_rates[k] += pull_back(records[k], coefficients, slopes, seeds[k], to_x)
+        interval, distance = interval_of(rates[k], knots)
+        pull_back(records[k], distance, response[stage, interval], seeds[k], to_x)
         for i in range(STATES):
-            to_rates[k] += seeds[k, i] * slope[i]
-        if k == 0:
-            # Nothing before it; its other inputs follow.
-            to_x[:STATES] = 0.0
-        else:
-            anchor(rates[k - 1], anchors[REFERENCES[stage]], nodes, value, slope)
-            for i in range(STATES):
+            to_rates[k] += seeds[k, i] * slopes[k, i, 0]
+            if k > 0:
                 seeds[k - 1, i] += to_x[i]
-                to_rates[k - 1] -= to_x[i] * slope[i]
+                to_rates[k - 1] -= to_x[i] * slopes[k - 1, i, 1]
         ahead = 2 if stage <= WITHIN else 0
         for i in range(INPUTS - STATES):
             last = k - 1 + i

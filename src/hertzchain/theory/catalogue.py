@@ -11,6 +11,7 @@ from hertzchain.chain import Chain
 from hertzchain.pulse import Pulse
 from hertzchain.theory.bca import bca
 from hertzchain.theory.hard_sphere import hard_sphere
+from hertzchain.theory.local_rate import local_rate
 from hertzchain.theory.modified_bca import modified_bca, two_thirds_bca
 
 Theory = Callable[[Chain], Pulse]
@@ -23,5 +24,6 @@ THEORIES: Final[Mapping[str, Theory]] = MappingProxyType(
         "two-thirds-bca": two_thirds_bca,
         "modified-bca-printed": partial(modified_bca, coefficients="printed"),
         "modified-bca": modified_bca,
+        "local-rate": local_rate,
     }
 )

@@ -23,16 +23,18 @@ from hertzchain.errors import InputError, ModelRangeWarning, unknown_name
 from hertzchain.pulse import PER_CONTACT, Pulse
 from hertzchain.theory.universal import (
     FEWEST_BEADS,
+    START,
     UniversalFunctions,
-    known_exponents,
     log_scales,
     universal_functions,
 )
 
 Quantity = Literal["velocity", "momentum", "energy", "arrival", "residence", "peak_force"]
 DIFFERENTIABLE: Final[tuple[Quantity, ...]] = get_args(Quantity)
+# What they are powers of: of the bead's mass and of its velocity.
+POWERS: Final = {"velocity": (0, 1), "momentum": (1, 1), "energy": (1, 2)}
 # An estimated error of velocity beyond which a chain is said to be outside the law's range.
-DOUBTFUL: Final = 0.01
+DOUBTFUL: Final = 0.02
 
 
 def local_rate(chain: Chain) -> Pulse:
@@ -70,7 +72,7 @@ def local_rate(chain: Chain) -> Pulse:
     Warns
     -----
     ModelRangeWarning
-        If a rate lies outside the tables, or the estimated error of a velocity exceeds 1 %.
+        If a rate lies outside the tables, or the estimated error of a velocity exceeds 2 %.
 
     Examples
     --------
@@ -99,14 +101,16 @@ def local_rate(chain: Chain) -> Pulse:
     )
 
 
-def local_rate_gradient(chain: Chain, quantity: Quantity = "velocity", *, bead: int) -> Array:
-    r"""Derivatives of the local-rate law's value at one bead to the radii of all beads.
+def local_rate_gradient(
+    chain: Chain, quantity: Quantity = "velocity", *, bead: int
+) -> tuple[float, Array]:
+    r"""Value of the local-rate law at one bead, and its derivatives to the radii of all beads.
 
-    .. math:: \frac{\partial \ln Q_k}{\partial \ln R_j}, \quad j = 1..N,
+    .. math:: Q_k, \qquad \frac{\partial \ln Q_k}{\partial \ln R_j}, \quad j = 1..N
 
-    exact for the law, by its adjoint; the cost does not depend on the number of beads asked
-    for twice over.  The units stay when :math:`R_1` is varied: the strike has velocity 1 and
-    masses are :math:`R^3`.
+    The derivatives are exact for the law, by its adjoint, and all cost together about as much
+    as the law.  The units stay when :math:`R_1` is varied: the strike has velocity 1 and masses
+    are :math:`R^3`.
 
     Parameters
     ----------
@@ -120,7 +124,9 @@ def local_rate_gradient(chain: Chain, quantity: Quantity = "velocity", *, bead: 
 
     Returns
     -------
-    ndarray, shape (N,)
+    value : float
+        :math:`Q_k` [scaled], the same as that of `local_rate`.
+    gradient : ndarray, shape (N,)
 
     Raises
     ------
@@ -129,11 +135,11 @@ def local_rate_gradient(chain: Chain, quantity: Quantity = "velocity", *, bead: 
 
     Examples
     --------
-    All beads larger by a factor: the last one's momentum grows as their masses.
+    With all beads larger by a factor, the last one's momentum grows as the masses.
 
     >>> import hertzchain as hc
     >>> chain = hc.Chain.tapered("forward-linear", 0.01, beads=50)
-    >>> gradient = local_rate_gradient(chain, "momentum", bead=50)
+    >>> momentum, gradient = local_rate_gradient(chain, "momentum", bead=50)
     >>> round(float(gradient.sum()), 9)
     3.0
     """
@@ -142,20 +148,24 @@ def local_rate_gradient(chain: Chain, quantity: Quantity = "velocity", *, bead: 
     _check_bead(chain, quantity, bead)
     solution = solve(chain, _checked_functions(chain))
     seeds = _Seeds(solution)
-    if quantity == "arrival":
-        _, unit = log_scales(chain, solution.log_velocity)
-        time = np.exp(solution.states[: bead - 1, 2] + unit[: bead - 1])
-        seeds.residence(slice(bead - 1), time / time.sum())
-    elif quantity == "residence":
-        seeds.residence(bead - 1, 1.0)
-    elif quantity == "peak_force":
-        seeds.peak_force(bead - 1)
-    else:
-        powers = {"velocity": (0.0, 1.0), "momentum": (1.0, 1.0), "energy": (1.0, 2.0)}
-        mass, velocity = powers[quantity]
-        seeds.log_mass[bead - 1] += mass
-        seeds.log_velocity[bead - 1] += velocity
-    return seeds.pulled_back()
+    k = bead - 1
+    if quantity in ("arrival", "residence"):
+        contacts = slice(k) if quantity == "arrival" else slice(k, bead)
+        log_time = (
+            solution.states[contacts, 2] + log_scales(chain, solution.log_velocity)[1][contacts]
+        )
+        time = np.exp(log_time)
+        seeds.residence(contacts, time / time.sum())
+        return float(time.sum()), seeds.pulled_back()
+    if quantity == "peak_force":
+        seeds.peak_force(k)
+        log_unit = log_scales(chain, solution.log_velocity)[0][k]
+        return float(np.exp(solution.states[k, 1] + log_unit)), seeds.pulled_back()
+    mass, velocity = POWERS[quantity]
+    seeds.log_mass[k] = mass
+    seeds.log_velocity[k] = velocity
+    value = np.exp(velocity * solution.states[:k, 0].sum()) * chain.radii[k] ** (3 * mass)
+    return float(0.5 * value if quantity == "energy" else value), seeds.pulled_back()
 
 
 @dataclass(frozen=True, eq=False)
@@ -172,27 +182,24 @@ class Solution:
         Rates :math:`s_k` of the contacts.
     states : ndarray, shape (N - 1, 3)
         States :math:`z_k`.
+    slopes : ndarray, shape (N - 1, 3, 2)
+        Derivatives of the states to the contact's own rate, and of their anchors.
     inputs : ndarray, shape (N - 1, 7)
         Deviations :math:`x_k`.
     thirds : ndarray, shape (N - 1,)
         Size of the growth's terms of second degree times that of the deviations.
     lost : int
-        Number of contacts whose state ran away and was set back.
+        First contact, from 0, whose state ran away and was set back; their number if none.
     """
 
     chain: Chain
     functions: UniversalFunctions
     rates: Array
     states: Array
+    slopes: Array
     inputs: Array
     thirds: Array
     lost: int
-
-    @property
-    def arguments(self) -> tuple[Array, ...]:
-        """What both kernels begin with."""
-        f = self.functions
-        return self.rates, f.nodes, f.anchors, f.knots, f.response
 
     @property
     def log_velocity(self) -> Array:
@@ -201,20 +208,25 @@ class Solution:
 
     @property
     def error_parts(self) -> Array:
-        r"""What the estimated error is made of, shape (N - 1, 3).
+        r"""What the estimated error is made of, shape (N - 1, 4).
 
-        One; :math:`\left[\sum_j (|x_j| q_j)^2\right]^{1/2}` with the size :math:`q_j` of the
-        growth's terms of second degree, in proportion to those of third degree that are left
-        out; and :math:`\sum_j |x_j|`, for what the functions themselves are off.
+        One; the deviations :math:`(\sum_j |x_j|^2)^{1/2}` of the contacts after the strike and
+        of all others, for what the functions themselves are off; and, of the others,
+        :math:`[\sum_j (|x_j| q_j)^2]^{1/2}` with the size :math:`q_j` of the growth's terms of
+        second degree: in proportion to the third degree, which is left out.
         """
-        third = np.sqrt(np.cumsum(self.thirds**2))
-        size = np.cumsum(np.linalg.norm(self.inputs, axis=1))
-        return np.stack([np.ones_like(third), third, size], axis=1)
+        start = np.arange(len(self.rates)) < START
+        squares = np.sum(self.inputs**2, axis=1)
+        sums = [squares * start, squares * ~start, self.thirds**2 * ~start]
+        return np.stack([np.ones(len(squares)), *np.sqrt(np.cumsum(sums, axis=1))], axis=1)
 
     @property
     def estimated_error(self) -> Array:
         """Estimated relative error of the velocities, shape (N,)."""
-        return np.concatenate(([0.0], self.error_parts @ self.functions.error))
+        error = self.error_parts @ self.functions.error
+        # From where a state has run away nothing is known.
+        error[self.lost :] += 1.0
+        return np.concatenate(([0.0], error))
 
 
 def solve(chain: Chain, functions: UniversalFunctions) -> Solution:
@@ -241,11 +253,13 @@ def solve(chain: Chain, functions: UniversalFunctions) -> Solution:
     from hertzchain.kernels import local_rate as kernel
 
     rates = np.diff(np.log(chain.radii))
-    states = np.zeros((len(rates), kernel.STATES))
-    inputs, thirds = np.zeros((len(rates), kernel.INPUTS)), np.zeros(len(rates))
+    states, slopes = np.empty((len(rates), 3)), np.empty((len(rates), 3, 2))
+    inputs, thirds = np.empty((len(rates), kernel.INPUTS)), np.empty(len(rates))
     f = functions
-    lost = kernel.forward(rates, f.nodes, f.anchors, f.knots, f.response, states, inputs, thirds)
-    return Solution(chain, functions, rates, states, inputs, thirds, lost)
+    lost = kernel.forward(
+        rates, f.nodes, f.anchors, f.knots, f.response, states, slopes, inputs, thirds
+    )
+    return Solution(chain, functions, rates, states, slopes, inputs, thirds, lost)
 
 
 class _Seeds:
@@ -258,7 +272,7 @@ class _Seeds:
         self.log_velocity, self.log_mass = np.zeros(beads), np.zeros(beads)
         self.log_stiffness = np.zeros(beads - 1)
 
-    def residence(self, contact: int | slice, weight: float | Array) -> None:
+    def residence(self, contact: slice, weight: Array) -> None:
         """Add the weighted logarithm of residence times; see `log_scales` for the exponents."""
         p = self.solution.chain.exponent
         self.states[contact, 2] += weight
@@ -278,13 +292,25 @@ class _Seeds:
         """Derivatives to the logarithms of all radii, shape (N,)."""
         from hertzchain.kernels.local_rate import backward
 
+        solution = self.solution
+        # A velocity is made of the growth at all contacts before.
         self.states[:, 0] += np.cumsum(self.log_velocity[:0:-1])[::-1]
-        to_rates = np.zeros_like(self.solution.rates)
-        backward(*self.solution.arguments, self.solution.inputs, self.states, to_rates)
-        radii = self.solution.chain.radii
+        to_rates = np.zeros(len(solution.rates))
+        f = solution.functions
+        backward(
+            solution.rates,
+            f.knots,
+            f.response,
+            solution.slopes,
+            solution.inputs,
+            self.states,
+            to_rates,
+        )
+        radii = solution.chain.radii
         found = 3.0 * self.log_mass
-        found[1:] += to_rates + 0.5 * self.log_stiffness * radii[:-1] / (radii[:-1] + radii[1:])
-        found[:-1] -= to_rates - 0.5 * self.log_stiffness * radii[1:] / (radii[:-1] + radii[1:])
+        half = 0.5 * self.log_stiffness / (radii[:-1] + radii[1:])
+        found[1:] += to_rates + half * radii[:-1]
+        found[:-1] -= to_rates - half * radii[1:]
         return found
 
 
@@ -293,11 +319,6 @@ def _checked_functions(chain: Chain) -> UniversalFunctions:
         raise InputError(
             f"the local-rate law needs at least {FEWEST_BEADS} beads, got {chain.beads}: "
             "strike and free end must not meet; use propagate"
-        )
-    if chain.exponent not in known_exponents():
-        raise InputError(
-            f"the local-rate law has no tables for the exponent {chain.exponent:g}, only for "
-            f"{' and '.join(f'{p:g}' for p in known_exponents())}; use propagate"
         )
     return universal_functions(chain.exponent)
 
@@ -310,7 +331,7 @@ def _warn_outside(solution: Solution, error: Array) -> None:
         reason = (
             f"rate ln(R_{k + 2}/R_{k + 1}) = {solution.rates[k]:.3g} is outside {low:g} to {high:g}"
         )
-    elif error[-1] > DOUBTFUL or solution.lost:
+    elif error[-1] > DOUBTFUL:
         k = int(np.argmax(error > DOUBTFUL))
         reason = (
             f"the radii change too unevenly: from bead {k + 1} on its velocities may be off by "

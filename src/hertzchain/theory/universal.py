@@ -23,14 +23,15 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 from importlib import resources
-from importlib.resources.abc import Traversable
 from itertools import combinations_with_replacement
+from pathlib import Path
 from typing import Final
 
 import numpy as np
 
 from hertzchain.chain import Chain
 from hertzchain.contacts import Array, velocity_transfer
+from hertzchain.errors import InputError
 from hertzchain.pulse import Pulse
 
 STATE: Final = ("growth", "force", "time")
@@ -66,14 +67,15 @@ class UniversalFunctions:
         Exponent p of the contact force.
     nodes : ndarray, shape (n + 1,)
         Ends of the intervals of the `anchors`.
-    anchors : ndarray, shape (stages, n, 4, 3)
+    anchors : ndarray, shape (stages, n, 12)
         The state of each stage on an exponential chain, growth as excess over that of the BCA:
-        coefficients of the powers 3, 2, 1, 0 of the distance from the interval's left end.
+        coefficients of the powers 3, 2, 1, 0 of the distance from the interval's left end, each
+        for the three components of the state.
     knots : ndarray, shape (K + 1,)
         Ends of the intervals of the `response`.
-    response : ndarray, shape (stages, K, 4, terms * 3)
-        Coefficients of each term (`TERMS`) for each component of the state.
-    error : ndarray, shape (3,)
+    response : ndarray, shape (stages, K, terms, 12)
+        The same polynomials for each term of `TERMS`.
+    error : ndarray, shape (4,)
         Constants of the estimated error, see `hertzchain.theory.local_rate.Solution`.
     """
 
@@ -216,7 +218,7 @@ def padded_knots(knots: Array) -> Array:
     return np.concatenate([[knots[0]] * 3, knots, [knots[-1]] * 3])
 
 
-def tables(exponent: float) -> Traversable:
+def tables(exponent: float) -> Path:
     """The folder of the tables for an exponent; it need not exist.
 
     Parameters
@@ -226,30 +228,14 @@ def tables(exponent: float) -> Traversable:
 
     Returns
     -------
-    importlib.resources.abc.Traversable
+    pathlib.Path
 
     Examples
     --------
     >>> tables(1.5).name
     'p1.5'
     """
-    return resources.files("hertzchain.theory").joinpath("universal_tables", f"p{exponent:g}")
-
-
-def known_exponents() -> list[float]:
-    """Exponents of the contact force that the law has tables for.
-
-    Returns
-    -------
-    list of float
-
-    Examples
-    --------
-    >>> known_exponents()
-    [1.5, 2.0]
-    """
-    folder = tables(1.5).parent  # type: ignore[attr-defined]
-    return sorted(float(entry.name[1:]) for entry in folder.iterdir() if entry.name[0] == "p")
+    return Path(str(resources.files("hertzchain.theory"))) / "universal_tables" / f"p{exponent:g}"
 
 
 def assembled(
@@ -265,7 +251,7 @@ def assembled(
         Rates, and the states on exponential chains of these rates.
     knots, coefficients : ndarray, shapes (K + 1,) and (stages, terms, K + 3, 3)
         Knots, and the coefficients of the responses' B-splines.
-    error : ndarray, shape (3,)
+    error : ndarray, shape (4,)
         Constants of the estimated error.
 
     Returns
@@ -275,15 +261,16 @@ def assembled(
     from scipy.interpolate import CubicSpline
 
     spline = CubicSpline(nodes, values)
-    # (powers, intervals, stages, states), and (intervals, powers, stages, terms, states).
     pieces = cubic_pieces(knots, np.moveaxis(coefficients, 2, 0))
-    pieces = np.moveaxis(pieces, 2, 0).reshape(len(STAGES), len(knots) - 1, 4, -1)
+    # From (powers, intervals, stages, states) and (intervals, powers, stages, terms, states).
+    anchors = np.einsum("pist->sipt", spline.c).reshape(len(STAGES), len(nodes) - 1, -1)
+    response = np.einsum("ipsft->sifpt", pieces)
     return UniversalFunctions(
         exponent=exponent,
         nodes=nodes,
-        anchors=np.ascontiguousarray(np.moveaxis(spline.c, 2, 0).swapaxes(1, 2)),
+        anchors=np.ascontiguousarray(anchors),
         knots=knots,
-        response=np.ascontiguousarray(pieces),
+        response=np.ascontiguousarray(response).reshape(*response.shape[:3], -1),
         error=error,
     )
 
@@ -295,11 +282,16 @@ def universal_functions(exponent: float) -> UniversalFunctions:
     Parameters
     ----------
     exponent : float
-        One of `known_exponents`.
+        Exponent p of the contact force; there are tables for 1.5 and 2.
 
     Returns
     -------
     UniversalFunctions
+
+    Raises
+    ------
+    InputError
+        If there are none for it.
 
     Examples
     --------
@@ -307,6 +299,12 @@ def universal_functions(exponent: float) -> UniversalFunctions:
     (-0.165, 1.1)
     """
     folder = tables(exponent)
+    if not folder.is_dir():
+        known = sorted(entry.name[1:] for entry in tables(1.5).parent.iterdir())
+        raise InputError(
+            f"the local-rate law has no tables for the exponent {exponent:g}, only for "
+            f"{' and '.join(known)}; use propagate"
+        )
     nodes, columns = _numbers(folder / "exponential.csv")
     values = columns.reshape(len(nodes), len(STAGES), len(STATE))
     knots, coefficients = _response(folder / "response.csv")
@@ -315,20 +313,20 @@ def universal_functions(exponent: float) -> UniversalFunctions:
     return assembled(exponent, nodes, values, knots, coefficients, error)
 
 
-def _rows(file: Traversable) -> Iterator[list[str]]:
+def _rows(file: Path) -> Iterator[list[str]]:
     """Rows of a table without its comments."""
     with file.open(encoding="utf-8", newline="") as lines:
         yield from csv.reader(line for line in lines if not line.startswith("#"))
 
 
-def _numbers(file: Traversable) -> tuple[Array, Array]:
+def _numbers(file: Path) -> tuple[Array, Array]:
     """First column and the others of a table with one line of names."""
     _, *rows = _rows(file)
     values = np.array(rows, dtype=float)
     return values[:, 0], values[:, 1:]
 
 
-def _response(file: Traversable) -> tuple[Array, Array]:
+def _response(file: Path) -> tuple[Array, Array]:
     """Knots and coefficients, shape (stages, terms, splines, states), zero where not listed."""
     names, knots, *rows = _rows(file)
     coefficients = np.zeros((len(STAGES), len(TERMS), len(names) - 3, len(STATE)))

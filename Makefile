@@ -2,7 +2,7 @@
 PYTHON ?= python3
 BIN := .venv/bin
 
-.PHONY: reproduce test benchmark docs calibrate constraints clean
+.PHONY: reproduce test benchmark docs calibrate universal constraints clean
 
 reproduce: .venv/installed
 	$(BIN)/hertzchain reproduce
@@ -25,6 +25,11 @@ benchmark: .venv/installed
 # The constants of the modified BCA, found again from our own integration.
 calibrate: .venv/installed
 	$(BIN)/hertzchain calibrate --output src/hertzchain/theory/calibrated.toml
+
+# The universal functions of the local-rate law, found again from our own integration.
+universal: .venv/installed
+	$(BIN)/python -m hertzchain.training 1.5 src/hertzchain/theory/universal_tables
+	$(BIN)/python -m hertzchain.training 2 src/hertzchain/theory/universal_tables
 
 # Newest versions that fit each other, without the address of any package index.
 constraints:

@@ -14,6 +14,7 @@ from hertzchain.paper.formulas import draw_formula_errors
 from hertzchain.paper.reproduction import integrate_chains
 from hertzchain.plotting import COLOURS, house_style, plot_pulses, plot_scoreboard
 from hertzchain.scoreboard import scoreboard
+from hertzchain.theory.universal import bca_growth
 
 
 def first_page() -> Figure:
@@ -86,6 +87,37 @@ def scores() -> Figure:
     return canvas
 
 
+def growth_and_memory() -> Figure:
+    """The local-rate law: the growth on exponential chains, and how long a change is remembered."""
+    with house_style():
+        canvas, (left, right) = plt.subplots(1, 2, figsize=(10.0, 3.8))
+        rates = np.linspace(-0.16, 0.3, 93)
+        growth = [_growth(rate) for rate in rates]
+        left.plot(rates, growth, color=COLOURS[0])
+        left.plot(rates, bca_growth(rates), "--", color=COLOURS[1])
+        left.annotate("exact", (-0.15, 0.12), xytext=(0, -14), textcoords="offset points",
+                      color=COLOURS[0])  # fmt: skip
+        left.annotate("BCA", (-0.15, 0.2), color=COLOURS[1])
+        left.set_xlabel("rate $s$")
+        left.set_ylabel(r"growth per bead $\sigma = \ln(v_{k+1}/v_k)$")
+        changed, beads = 60, np.arange(-3, 15)
+        for i, rate in enumerate((-0.1, 0.0, 0.1)):
+            chain = hc.Chain.from_radii(np.exp(rate * np.arange(100)))
+            response = [
+                hc.local_rate_gradient(chain, bead=changed + k)[1][changed:].sum() for k in beads
+            ]
+            right.plot(beads, response, "o-", color=COLOURS[i], label=f"$s = {rate:g}$")
+        right.set_xlabel("bead $k - j$")
+        right.set_ylabel(r"$\partial\ln v_k/\partial s_j$")
+        right.legend()
+    return canvas
+
+
+def _growth(rate: float) -> float:
+    velocity = hc.local_rate(hc.Chain.from_radii(np.exp(rate * np.arange(90)))).velocity
+    return float(np.log(velocity[80] / velocity[79]))
+
+
 FIGURES: dict[str, Callable[[], Figure]] = {
     "first-page": first_page,
     "first-pulse": first_pulse,
@@ -93,6 +125,7 @@ FIGURES: dict[str, Callable[[], Figure]] = {
     "figure12": figure12,
     "formula-errors": formula_errors,
     "scoreboard": scores,
+    "growth-and-memory": growth_and_memory,
 }
 
 

@@ -14,6 +14,8 @@ from .store import load_chain as load_chain
 from .theory.bca import bca as bca
 from .theory.effective_chain import effective_chain as effective_chain
 from .theory.hard_sphere import hard_sphere as hard_sphere
+from .theory.local_rate import local_rate as local_rate
+from .theory.local_rate import local_rate_gradient as local_rate_gradient
 from .theory.modified_bca import modified_bca as modified_bca
 from .theory.solitary_wave import SolitaryWave as SolitaryWave
 from .theory.solitary_wave import solitary_wave as solitary_wave

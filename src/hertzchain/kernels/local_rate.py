@@ -123,7 +123,7 @@ def second_degree(terms, pieces, x):
 
 
 @compiled
-def forward(rates, nodes, anchors, knots, response, states, slopes, records, thirds):
+def forward(rates, nodes, anchors, knots, response, states, slopes, records, doubts):
     """States of all contacts; returns the first contact that ran away, or their number if none.
 
     Parameters
@@ -136,12 +136,14 @@ def forward(rates, nodes, anchors, knots, response, states, slopes, records, thi
     slopes : (M, 3, 2), derivatives of the state to the contact's own rate, all others held,
         and of its stage's anchor, written
     records : (M, 7), the inputs of each contact, written
-    thirds : (M,), the size of the growth's second degree times that of the inputs, written:
-        in proportion to the third degree, which is left out
+    doubts : (M, 4), what the estimated error is made of, written: one; the norm of all inputs
+        after the strike and of those at all other contacts up to here; and, of these, of the
+        products of their size and of the growth's second degree
     """
     contacts = len(rates)
     value, slope = np.zeros(STATES), np.zeros(STATES)
     terms = np.empty(TERMS)
+    start, others, third = 0.0, 0.0, 0.0
     lost = contacts
     for k in range(contacts):
         stage = stage_of(k, contacts)
@@ -160,10 +162,16 @@ def forward(rates, nodes, anchors, knots, response, states, slopes, records, thi
         inside = knots[0] <= rates[k] <= knots[-1]
         pieces = response[stage, interval]
         respond(terms, pieces, distance, inside, states[k], slopes[k, :, 0])
-        size = 0.0
+        square = 0.0
         for i in range(INPUTS):
-            size += x[i] * x[i]
-        thirds[k] = np.sqrt(size) * second_degree(terms, pieces, distance)
+            square += x[i] * x[i]
+        if k < START:
+            start += square
+        else:
+            others += square
+            third += square * second_degree(terms, pieces, distance) ** 2
+        doubts[k, 0], doubts[k, 1] = 1.0, np.sqrt(start)
+        doubts[k, 2], doubts[k, 3] = np.sqrt(others), np.sqrt(third)
         away = False
         for i in range(STATES):
             if not abs(states[k, i] - value[i]) < FARTHEST:

@@ -23,7 +23,6 @@ from hertzchain.errors import InputError, ModelRangeWarning, unknown_name
 from hertzchain.pulse import PER_CONTACT, Pulse
 from hertzchain.theory.universal import (
     FEWEST_BEADS,
-    START,
     UniversalFunctions,
     log_scales,
     universal_functions,
@@ -170,7 +169,7 @@ def local_rate_gradient(
 
 @dataclass(frozen=True, eq=False)
 class Solution:
-    """The states of all contacts by the law and what they came from.
+    r"""The states of all contacts by the law and what they came from.
 
     Attributes
     ----------
@@ -186,8 +185,11 @@ class Solution:
         Derivatives of the states to the contact's own rate, and of their anchors.
     inputs : ndarray, shape (N - 1, 7)
         Deviations :math:`x_k`.
-    thirds : ndarray, shape (N - 1,)
-        Size of the growth's terms of second degree times that of the deviations.
+    error_parts : ndarray, shape (N - 1, 4)
+        What the estimated error is made of: one; :math:`(\sum_j |x_j|^2)^{1/2}` over the
+        contacts after the strike, and over all others; and, of the others,
+        :math:`[\sum_j (|x_j| q_j)^2]^{1/2}` with the size :math:`q_j` of the growth's terms of
+        second degree, in proportion to the third degree, which is left out.
     lost : int
         First contact, from 0, whose state ran away and was set back; their number if none.
     """
@@ -198,27 +200,13 @@ class Solution:
     states: Array
     slopes: Array
     inputs: Array
-    thirds: Array
+    error_parts: Array
     lost: int
 
     @property
     def log_velocity(self) -> Array:
         """Logarithms of the velocities, shape (N,)."""
         return np.concatenate(([0.0], np.cumsum(self.states[:, 0])))
-
-    @property
-    def error_parts(self) -> Array:
-        r"""What the estimated error is made of, shape (N - 1, 4).
-
-        One; the deviations :math:`(\sum_j |x_j|^2)^{1/2}` of the contacts after the strike and
-        of all others, for what the functions themselves are off; and, of the others,
-        :math:`[\sum_j (|x_j| q_j)^2]^{1/2}` with the size :math:`q_j` of the growth's terms of
-        second degree: in proportion to the third degree, which is left out.
-        """
-        start = np.arange(len(self.rates)) < START
-        squares = np.sum(self.inputs**2, axis=1)
-        sums = [squares * start, squares * ~start, self.thirds**2 * ~start]
-        return np.stack([np.ones(len(squares)), *np.sqrt(np.cumsum(sums, axis=1))], axis=1)
 
     @property
     def estimated_error(self) -> Array:
@@ -254,12 +242,12 @@ def solve(chain: Chain, functions: UniversalFunctions) -> Solution:
 
     rates = np.diff(np.log(chain.radii))
     states, slopes = np.empty((len(rates), 3)), np.empty((len(rates), 3, 2))
-    inputs, thirds = np.empty((len(rates), kernel.INPUTS)), np.empty(len(rates))
+    inputs, parts = np.empty((len(rates), kernel.INPUTS)), np.empty((len(rates), 4))
     f = functions
     lost = kernel.forward(
-        rates, f.nodes, f.anchors, f.knots, f.response, states, slopes, inputs, thirds
+        rates, f.nodes, f.anchors, f.knots, f.response, states, slopes, inputs, parts
     )
-    return Solution(chain, functions, rates, states, slopes, inputs, thirds, lost)
+    return Solution(chain, functions, rates, states, slopes, inputs, parts, lost)
 
 
 class _Seeds:

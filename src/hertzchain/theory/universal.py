@@ -305,6 +305,28 @@ def universal_functions(exponent: float) -> UniversalFunctions:
             f"the local-rate law has no tables for the exponent {exponent:g}, only for "
             f"{' and '.join(known)}; use propagate"
         )
+    return read_tables(folder, exponent)
+
+
+def read_tables(folder: Path, exponent: float) -> UniversalFunctions:
+    """The universal functions from a folder of tables.
+
+    Parameters
+    ----------
+    folder : Path
+        Folder of ``exponential.csv``, ``response.csv`` and ``error.csv``.
+    exponent : float
+        The exponent that they belong to.
+
+    Returns
+    -------
+    UniversalFunctions
+
+    Examples
+    --------
+    >>> read_tables(tables(1.5), 1.5).knots.size
+    13
+    """
     nodes, columns = _numbers(folder / "exponential.csv")
     values = columns.reshape(len(nodes), len(STAGES), len(STATE))
     knots, coefficients = _response(folder / "response.csv")

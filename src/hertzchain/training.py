@@ -57,7 +57,7 @@ KNOTS: Final = np.array(
 BEADS: Final = 64
 # The last contacts of a long chain are not used for those within.
 UNTIL: Final = BEADS - 7
-RTOL: Final = 1e-9
+RTOL: Final = 1e-8
 # Changes of the rate along a ramp, numbers of contacts over which it changes, and contacts
 # (counted from 0) where it begins.
 CHANGES: Final = (0.005, 0.02, 0.05, 0.1, 0.2, 0.4)

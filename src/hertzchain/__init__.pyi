@@ -3,6 +3,8 @@ from .chain import Chain as Chain
 from .drives import SineBurst as SineBurst
 from .drives import Step as Step
 from .drives import Table as Table
+from .equilibrium import StaticState as StaticState
+from .equilibrium import equilibrium as equilibrium
 from .errors import InputError as InputError
 from .errors import InputWarning as InputWarning
 from .errors import ModelRangeWarning as ModelRangeWarning

@@ -9,6 +9,8 @@ from .errors import InputError as InputError
 from .errors import InputWarning as InputWarning
 from .errors import ModelRangeWarning as ModelRangeWarning
 from .errors import SimulationError as SimulationError
+from .hertz_range import HertzRange as HertzRange
+from .hertz_range import hertz_range as hertz_range
 from .losses import Dashpot as Dashpot
 from .losses import Restitution as Restitution
 from .losses import UnloadingRatio as UnloadingRatio

@@ -19,7 +19,9 @@ from typing import Any, Final, Literal, get_args
 import numpy as np
 from numpy.typing import ArrayLike
 
-from hertzchain.checks import column, magnitude, number
+from hertzchain import patterns
+from hertzchain import strikers as striking
+from hertzchain.checks import column, magnitude, number, whole_number
 from hertzchain.contacts import HERTZ_EXPONENT, Array, hertz_stiffness
 from hertzchain.drives import Drive
 from hertzchain.errors import InputError, InputWarning, unknown_name
@@ -171,16 +173,7 @@ class Chain:
         radii = magnitude("radius", self.radii, self._unit("m"))
         checked = scaled_radii if self.units == "scaled" else positive_radii
         self._set("radii", _read_only(checked(radii)))
-        strikers = self.strikers
-        if (
-            isinstance(strikers, bool)
-            or not isinstance(strikers, int)
-            or not (0 <= strikers < self.beads)
-        ):
-            raise InputError(
-                f"strikers must be a whole number from 0 to {self.beads - 1}, one less than "
-                f"there are beads, got {strikers!r}"
-            )
+        strikers = whole_number("strikers", self.strikers, least=0, most=self.beads - 1)
         if self.units == "scaled" and self.radii[strikers] != 1.0:
             which = "after the strikers " if strikers else ""
             raise InputError(
@@ -429,6 +422,88 @@ class Chain:
             fields["velocities"][:1] = number("velocity", velocity, unit="m/s")
         return cls(given, units="SI", materials=kinds, **fields)
 
+    @classmethod
+    def periodic(
+        cls,
+        cell: ArrayLike,
+        *,
+        cells: int,
+        materials: Sequence[MaterialLike] | None = None,
+        **fields: Any,
+    ) -> Chain:
+        """A chain that repeats a cell of beads: a dimer, a trimer, any k-mer.
+
+        Parameters
+        ----------
+        cell : array_like
+            Radii of the beads of one cell, in any one unit; in m if there are materials.
+        cells : int
+            How often it is repeated.
+        materials : sequence of str or Material, optional
+            Materials of the beads of the cell: makes a chain in SI units.
+        **fields
+            Arguments of `from_materials`, or of `from_radii`.
+
+        Returns
+        -------
+        Chain
+
+        Raises
+        ------
+        InputError
+            If a radius is not positive, or a material unknown.
+
+        Examples
+        --------
+        >>> Chain.periodic([5.0, 2.5, 2.5], cells=2).radii
+        array([1. , 0.5, 0.5, 1. , 0.5, 0.5])
+        >>> Chain.periodic([9.5e-3, 9.5e-3], cells=20, materials=["steel-316", "ptfe"])
+        Chain(SI, steel-316 and ptfe, R = 9.5 mm, 40 beads)
+        """
+        cells = whole_number("cells", cells, least=1)
+        if materials is None:
+            return cls.from_radii(np.tile(np.atleast_1d(cell), cells), **fields)
+        radii = np.tile(np.atleast_1d(magnitude("radius", cell, "m")), cells)
+        return cls.from_materials(radii, list(materials) * cells, **fields)
+
+    @classmethod
+    def dimer(cls, mass_ratio: float, *, beads: int, exponent: float = HERTZ_EXPONENT) -> Chain:
+        """Heavy and light beads in turn, with all contacts equal.
+
+        The mass ratio is then the only parameter: at 1, 0.3428, 0.1548, 0.0901, ... solitary
+        waves pass (K. R. Jayaprakash, Y. Starosvetsky, A. F. Vakakis, Phys. Rev. E 83, 036606,
+        2011, doi:10.1103/PhysRevE.83.036606).  Alternating spheres of one material, whose
+        contacts are all equal too, are ``Chain.periodic([1, r], cells=...)``: a factor common
+        to all contacts only changes the time.
+
+        Parameters
+        ----------
+        mass_ratio : float
+            Mass of the light beads over that of the heavy, > 0; the first bead is heavy.
+        beads : int
+            Number of beads.
+        exponent : float
+            Exponent p of the contact force, > 1.
+
+        Returns
+        -------
+        Chain
+
+        Raises
+        ------
+        InputError
+            If the ratio is not positive, or there are too few or many beads.
+
+        Examples
+        --------
+        >>> Chain.dimer(0.125, beads=4).masses
+        array([1.   , 0.125, 1.   , 0.125])
+        """
+        count = checked_beads(beads)
+        ratio = number("mass ratio of a dimer", mass_ratio, above=0.0)
+        masses = np.where(np.arange(count) % 2, ratio, 1.0)
+        return cls(np.cbrt(masses), exponent, masses=masses, stiffness=np.ones(count - 1))
+
     def replace(self, **changes: Any) -> Chain:
         """The same chain with some fields changed; what follows from them follows anew.
 
@@ -464,6 +539,12 @@ class Chain:
             kept |= {"taper": None, "rate": None}
         return Chain(**(kept | changes))
 
+    # Verbs that make another chain of this one, an idea a file.
+    decorated = patterns.decorated
+    with_defects = patterns.with_defects
+    with_scatter = patterns.with_scatter
+    struck_by = striking.struck_by
+
     @property
     def beads(self) -> int:
         """Number of beads N."""
@@ -484,14 +565,15 @@ class Chain:
             return 0.0
         if wall.stiffness is not None:
             return wall.stiffness
-        if self.exponent != HERTZ_EXPONENT or "stiffness" in self.given:
+        # In SI units the materials decide, whatever the other contacts are.
+        odd = "stiffness" in self.given and self.materials is None
+        if self.exponent != HERTZ_EXPONENT or odd:
             raise InputError(
                 "the stiffness of a wall follows from materials only where the contacts are all "
                 "Hertz': give Wall(stiffness=...)"
             )
         radius = float(self.radii[bead])
-        if self.units == "SI":
-            assert self.materials is not None
+        if self.units == "SI" and self.materials is not None:
             own = self.materials[bead]
             modulus = contact_modulus(own, own if wall.material is None else wall.material)
             return float(sphere_stiffness(radius, math.inf, modulus))

@@ -111,7 +111,9 @@ def number(
                             ("at most", most))
         if math.isfinite(bound)
     ]  # fmt: skip
-    allowed = " and ".join(bounds) if bounds else "finite"
+    if not (bounds and math.isfinite(given)):
+        bounds.append("finite")
+    allowed = " and ".join(bounds)
     raise InputError(f"{what} must be {allowed}, got {given:g}{'; ' + hint if hint else ''}")
 
 

@@ -1,5 +1,8 @@
+from .bead_tables import load_drive as load_drive
 from .chain import TAPERS as TAPERS
 from .chain import Chain as Chain
+from .chain_files import chain_as_toml as chain_as_toml
+from .chain_files import load_chain as load_chain
 from .drives import SineBurst as SineBurst
 from .drives import Step as Step
 from .drives import Table as Table
@@ -27,7 +30,6 @@ from .pulse_table import PulseTable as PulseTable
 from .scales import Scales as Scales
 from .simulation import Run as Run
 from .simulation import simulate as simulate
-from .store import load_chain as load_chain
 from .theory.bca import bca as bca
 from .theory.effective_chain import effective_chain as effective_chain
 from .theory.hard_sphere import hard_sphere as hard_sphere

@@ -369,7 +369,7 @@ class Chain:
         materials: MaterialLike | Sequence[MaterialLike],
         *,
         beads: int | None = None,
-        velocity: float = 1.0,
+        velocity: float | None = None,
         **fields: Any,
     ) -> Chain:
         r"""A chain of real beads in SI units, from their radii and materials.
@@ -386,7 +386,7 @@ class Chain:
         beads : int, optional
             Number of beads, if there is one radius for all.
         velocity : float
-            Velocity of bead 1 at time 0 [m/s].
+            Velocity of bead 1 at time 0 [m/s]; 1 if not given, or 0 if there is a drive.
         **fields
             Other fields of `Chain`.
 
@@ -417,7 +417,7 @@ class Chain:
         count = len(given)
         one = isinstance(materials, str | Material)
         kinds = (material(materials),) * count if one else tuple(map(material, materials))  # type: ignore[arg-type]
-        if "velocities" not in fields and fields.get("drive") is None:
+        if velocity is not None:
             fields["velocities"] = np.zeros(count)
             fields["velocities"][:1] = number("velocity", velocity, unit="m/s")
         return cls(given, units="SI", materials=kinds, **fields)

@@ -296,14 +296,14 @@ def cite() -> None:
 
 
 def _chain(file: Path | None, taper: str | None, rate: float | None, beads: int | None) -> Chain:
-    from hertzchain import store
     from hertzchain.chain import TAPERS, Chain
+    from hertzchain.chain_files import load_chain
     from hertzchain.errors import unknown_name
 
     if file is not None:
         if not (taper is None and rate is None and beads is None):
             raise click.UsageError("give a chain FILE or --taper, --rate and --beads, not both")
-        return store.load_chain(file)
+        return load_chain(file)
     count = 100 if beads is None else beads
     if taper is None and rate is not None:
         raise click.UsageError(f"--rate needs --taper: {', '.join(TAPERS)}")

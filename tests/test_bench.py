@@ -205,7 +205,10 @@ def test_theories_take_masses_and_contacts_of_any_kind():
         (lambda: Step(1.0, of="velocity"), "unknown driven quantity 'velocity'"),
         (lambda: SineBurst(1.0, 0.0), "frequency must be above 0"),
         (lambda: SineBurst(1.0, 1.0, cycles=0.7), "multiple of 1/2"),
-        (lambda: SineBurst(1.0, 1.0, cycles=math.inf), "cycles must be above 0 and finite, got inf"),
+        (
+            lambda: SineBurst(1.0, 1.0, cycles=math.inf),
+            "cycles must be above 0 and finite, got inf",
+        ),
         (lambda: SineBurst(1.0, 1.0, window="tukey"), "unknown window 'tukey'"),
         (lambda: Table([0.0, 1.0, 1.0], [0, 1, 2]), "that of row 3 is 1 after 1"),
         (lambda: Table([0.0], [0.0]), "at least two times, got 1"),

@@ -240,7 +240,7 @@ def test_what_a_method_does_not_cover_is_bad_input(run, tmp_path):
     assert "propagate does not cover gravity" in err
 
 
-def test_a_chain_is_given_once(run, tmp_path):
+def test_a_chain_is_given_once(run):
     code, _, err = run("pulse", "a.toml", "--chain", "b.toml")
     assert code == 2
     assert "not both" in err

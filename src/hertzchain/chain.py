@@ -595,7 +595,8 @@ class Chain:
             "masses": "masses" in self.given,
             "stiffness": "stiffness" in self.given,
             "strikers": self.strikers > 0,
-            "velocities": not np.array_equal(self.velocities, struck),
+            "velocities": "velocities" in self.given
+            and not np.array_equal(self.velocities, struck),
             "gaps": bool(self.gaps.any()),
             "precompression": self.precompression > 0.0,
             "gravity": self.gravity != 0.0,

@@ -1,16 +1,35 @@
+from .bead_tables import load_drive as load_drive
 from .chain import TAPERS as TAPERS
 from .chain import Chain as Chain
+from .chain_files import chain_as_toml as chain_as_toml
+from .chain_files import load_chain as load_chain
+from .drives import SineBurst as SineBurst
+from .drives import Step as Step
+from .drives import Table as Table
+from .equilibrium import StaticState as StaticState
+from .equilibrium import equilibrium as equilibrium
 from .errors import InputError as InputError
+from .errors import InputWarning as InputWarning
 from .errors import ModelRangeWarning as ModelRangeWarning
 from .errors import SimulationError as SimulationError
+from .hertz_range import HertzRange as HertzRange
+from .hertz_range import hertz_range as hertz_range
+from .losses import Dashpot as Dashpot
+from .losses import Restitution as Restitution
+from .losses import UnloadingRatio as UnloadingRatio
+from .losses import VelocityPower as VelocityPower
+from .losses import Viscoelastic as Viscoelastic
+from .losses import WaltonBraun as WaltonBraun
+from .materials import Material as Material
+from .materials import material as material
 from .propagation import propagate as propagate
 from .propagation import propagate_many as propagate_many
 from .pulse import Comparison as Comparison
 from .pulse import Pulse as Pulse
 from .pulse_table import PulseTable as PulseTable
+from .scales import Scales as Scales
 from .simulation import Run as Run
 from .simulation import simulate as simulate
-from .store import load_chain as load_chain
 from .theory.bca import bca as bca
 from .theory.effective_chain import effective_chain as effective_chain
 from .theory.hard_sphere import hard_sphere as hard_sphere
@@ -19,5 +38,6 @@ from .theory.local_rate import local_rate_gradient as local_rate_gradient
 from .theory.modified_bca import modified_bca as modified_bca
 from .theory.solitary_wave import SolitaryWave as SolitaryWave
 from .theory.solitary_wave import solitary_wave as solitary_wave
+from .walls import Wall as Wall
 
 __version__: str

@@ -1,42 +1,65 @@
-"""The chain of beads that is struck: its description, builders and checks.
+"""The chain of beads that is struck: its description and its checks.
 
-Everything is in the scaled variables of the paper (Sec. 2): radii in units of
-the first bead's radius, masses of the first bead's mass, velocities of the
-strike's.  Bead ``k = 1..N`` counts from the struck end; contact ``k`` joins
+A plain chain is the paper's: in scaled variables (Sec. 2; radii in units of the first
+bead's, masses of the first bead's mass, velocities of the strike's), touching, at rest,
+struck at bead 1, with free ends and no losses.  Whatever else a bench has is a field
+with a plain default.  Bead ``k = 1..N`` counts from the struck end; contact ``k`` joins
 beads ``k`` and ``k + 1``.  Arrays start at 0: ``chain.radii[0]`` is bead 1.
 """
 
 from __future__ import annotations
 
+import dataclasses
 import math
-import operator
+import warnings
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import Final, Literal, get_args
+from dataclasses import KW_ONLY, dataclass, field
+from typing import Any, Final, Literal, get_args
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from hertzchain import patterns
+from hertzchain import strikers as striking
+from hertzchain.checks import column, magnitude, number, whole_number
 from hertzchain.contacts import HERTZ_EXPONENT, Array, hertz_stiffness
-from hertzchain.errors import InputError, real_number, unknown_name
+from hertzchain.drives import Drive
+from hertzchain.errors import InputError, InputWarning, unknown_name
+from hertzchain.holding import HeldBy, check_holding
+from hertzchain.losses import Loss
+from hertzchain.materials import (
+    Material,
+    MaterialLike,
+    contact_modulus,
+    material,
+    sphere_stiffness,
+)
+from hertzchain.sizes import checked_beads, checked_exponent, positive_radii, scaled_radii
+from hertzchain.tapers import TAPERS as TAPERS
+from hertzchain.tapers import Taper as Taper
+from hertzchain.tapers import check_taper as check_taper
+from hertzchain.tapers import rate_symbol as rate_symbol
+from hertzchain.tapers import tapered_radii
+from hertzchain.walls import Wall
 
-Taper = Literal["backward-linear", "backward-exponential", "forward-linear", "forward-exponential"]
-TAPERS: Final[tuple[Taper, ...]] = get_args(Taper)
+Units = Literal["scaled", "SI"]
+UNITS: Final[tuple[Units, ...]] = get_args(Units)
 
-# What an integration holds per bead: sixteen stages and the state, 8 bytes a number.
-BYTES_PER_BEAD: Final = 400
-# A radius below this is what rounding leaves of zero.
-ROUNDING: Final = 1e-12
-# Beyond it a contact is a hard wall, which steps in time cannot follow.
-LARGEST_EXPONENT: Final = 50.0
+# Radii above it [m] are taken for millimetres, with a warning.
+LARGE_RADIUS: Final = 1.0
+
+# Default of a field that follows from the others unless given.
+FROM_OTHERS: Final[Any] = None
+DERIVED: Final = ("masses", "stiffness", "velocities", "gaps")
 
 
 @dataclass(frozen=True, eq=False)
 class Chain:
-    r"""A row of touching beads at rest; the first is struck with velocity one.
+    r"""A row of beads, and what is done to it; plainly, the first is struck with velocity one.
 
-    Make one with a builder: `Chain.tapered`, `Chain.uniform` or
-    `Chain.from_radii`.  The scaled equation of motion, Eq. (4) of the paper, is
+    Make one with a builder: `Chain.tapered`, `Chain.uniform` or `Chain.from_radii` for
+    the scaled variables of the paper, `Chain.from_materials` in SI units; `Chain.replace`
+    changes fields.  The equation of motion of a plain chain, Eq. (4) of the paper, is
 
     .. math::
 
@@ -46,13 +69,57 @@ class Chain:
     Attributes
     ----------
     radii : ndarray, shape (N,)
-        Radii :math:`R_k` [scaled]; the first is 1.
+        Radii :math:`R_k` [scaled, or m]; scaled, the first after the strikers is 1.
     exponent : float
         Exponent p of the contact force, > 1; 3/2 for spheres (Hertz).
     taper : str or None
         Name of the taper, if the chain was built from one.
     rate : float or None
         Tapering parameter, S of a linear or q of an exponential taper.
+    masses : ndarray, shape (N,)
+        Masses :math:`m_k` > 0 [scaled, or kg]; if not given, :math:`R_k^3` (Eq. (3) of
+        the paper), or what the materials weigh.
+    stiffness : ndarray, shape (N - 1,)
+        Stiffness :math:`r_k` > 0 of each contact [scaled, or N/m^p]; if not given,
+        Hertz': below Eq. (4) of the paper, or from the materials.
+    units : str
+        ``"scaled"`` or ``"SI"``: m, kg, s, N.  `hertzchain.Scales` converts.
+    materials : tuple of Material, length N, or None
+        Of each bead, where known.
+    velocities : ndarray, shape (N,)
+        Velocities at time 0, positive towards bead N [scaled, or m/s]; if not given, 1
+        for bead 1 (or the strikers) and 0 for the others, or 0 for all if there is a drive.
+    gaps : ndarray, shape (N - 1,)
+        Distance >= 0 of neighbouring beads at time 0 [scaled, or m]; 0 if not given.
+    strikers : int
+        How many beads at the front are strikers: they fly in and belong to no static
+        equilibrium.  See `Chain.struck_by`.
+    precompression : float
+        Static force >= 0 on every contact behind the strikers [scaled, or N]; with gravity,
+        on the contact that bears least.
+    held_by : str
+        What holds the precompressed chain: ``"walls"`` at both ends, which stay where they
+        are, or ``"force"``: a constant force at each end that has no wall.
+    gravity : float
+        Component of the acceleration of gravity along the chain, positive towards bead N
+        [scaled, or m/s^2].  A chain that stands on a wall without gaps is in equilibrium at
+        time 0; else it falls.
+    left_wall, right_wall : Wall or None
+        Wall behind bead 1, and in front of bead N; `None` is a free end.
+    drive : SineBurst, Step, Table or None
+        Force on bead 1, or displacement of the left wall, in the course of time.
+    loss : Restitution, Viscoelastic, ... or None
+        One of the laws of `hertzchain.losses`, for all contacts and walls.
+
+    Raises
+    ------
+    InputError
+        If a field is out of its range or contradicts another.
+
+    Warns
+    -----
+    InputWarning
+        If radii in SI units look like millimetres.
 
     Examples
     --------
@@ -61,29 +128,139 @@ class Chain:
     Chain(backward-exponential, q = 0.05, 100 beads)
     >>> chain.radii[:3].round(4)
     array([1.    , 1.0526, 1.108 ])
+    >>> chain.replace(right_wall=Wall(), gravity=0.01)
+    Chain(backward-exponential, q = 0.05, 100 beads, gravity, right wall)
     """
 
     radii: Array
     exponent: float = HERTZ_EXPONENT
     taper: Taper | None = None
     rate: float | None = None
+    _: KW_ONLY
+    masses: Array = FROM_OTHERS
+    stiffness: Array = FROM_OTHERS
+    units: Units = "scaled"
+    materials: tuple[Material, ...] | None = None
+    velocities: Array = FROM_OTHERS
+    gaps: Array = FROM_OTHERS
+    strikers: int = 0
+    precompression: float = 0.0
+    held_by: HeldBy = "walls"
+    gravity: float = 0.0
+    left_wall: Wall | None = None
+    right_wall: Wall | None = None
+    drive: Drive | None = None
+    loss: Loss | None = None
+    # Names of the derived fields that were given.
+    given: frozenset[str] = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "exponent", _checked_exponent(self.exponent))
-        object.__setattr__(self, "radii", _checked_radii(self.radii))
-        if self.radii[0] != 1.0:
+        given = frozenset(name for name in DERIVED if getattr(self, name) is not None)
+        self._set("given", given)
+        self._set("exponent", checked_exponent(self.exponent))
+        if self.units not in UNITS:
+            raise unknown_name("units", self.units, UNITS)
+        self._check_radii()
+        self._check_taper()
+        self._check_bodies()
+        self._check_start()
+        check_holding(self)
+
+    def _set(self, name: str, value: object) -> None:
+        object.__setattr__(self, name, value)
+
+    def _check_radii(self) -> None:
+        radii = magnitude("radius", self.radii, self._unit("m"))
+        checked = scaled_radii if self.units == "scaled" else positive_radii
+        self._set("radii", _read_only(checked(radii)))
+        strikers = whole_number("strikers", self.strikers, least=0, most=self.beads - 1)
+        if self.units == "scaled" and self.radii[strikers] != 1.0:
+            which = "after the strikers " if strikers else ""
             raise InputError(
-                f"the first of a chain's radii must be 1, got {self.radii[0]:g}; "
-                "Chain.from_radii takes radii in any unit"
+                f"the first {which}of a scaled chain's radii must be 1, got "
+                f"{self.radii[strikers]:g}; Chain.from_radii takes radii in any unit"
             )
+        if self.units == "SI" and self.radii.max() > LARGE_RADIUS:
+            k = int(np.argmax(self.radii))
+            warnings.warn(
+                f"bead {k + 1} has a radius of {self.radii[k]:g} m: radii are in metres; divide "
+                "by 1000 if these are millimetres",
+                InputWarning,
+                stacklevel=4,
+            )
+
+    def _check_taper(self) -> None:
         if (self.taper is None) != (self.rate is None):
             raise InputError("a chain has a taper and a rate or neither; use Chain.tapered")
-        if self.taper is not None and self.rate is not None:
-            check_taper(self.taper, self.rate, self.beads)
-            if not np.array_equal(self.radii, _tapered_radii(self.taper, self.rate, self.beads)):
-                raise InputError(
-                    f"these radii are not those of a {self.taper} taper; use Chain.tapered"
-                )
+        if self.taper is None or self.rate is None:
+            return
+        check_taper(self.taper, self.rate, self.beads)
+        if not np.array_equal(self.radii, tapered_radii(self.taper, self.rate, self.beads)):
+            raise InputError(
+                f"these radii are not those of a {self.taper} taper; use Chain.tapered"
+            )
+
+    def _check_bodies(self) -> None:
+        """Masses and contact stiffness, given or from radii and materials."""
+        count, unit = self.beads, f"N/m**{self.exponent}"
+        if self.materials is not None:
+            self._set("materials", _checked_materials(self.materials, count))
+        for name, what, length, place, si in (
+            ("masses", "mass", count, "bead", "kg"),
+            ("stiffness", "stiffness", count - 1, "contact", unit),
+        ):
+            if name not in self.given:
+                self._set(name, self._derived(name))
+            elif (values := getattr(self, name)) is not None:
+                checked = column(what, values, length, place, unit=self._unit(si), above=0.0)
+                self._set(name, checked)
+
+    def _derived(self, name: str) -> Array:
+        """Masses or stiffness that follow from radii, or radii and materials."""
+        radii, materials = self.radii, self.materials
+        if self.units == "scaled":
+            if name == "masses":
+                return _read_only(radii**3)
+            return _read_only(hertz_stiffness(radii[:-1], radii[1:]))
+        if materials is None:
+            raise InputError(
+                f"a chain in SI units needs {name} or materials; Chain.from_materials makes "
+                "one of radii and materials"
+            )
+        if name == "masses":
+            densities = np.array([each.density for each in materials])
+            return _read_only(4.0 / 3.0 * math.pi * densities * radii**3)
+        if self.exponent != HERTZ_EXPONENT:
+            raise InputError(
+                f"materials give the stiffness of Hertz contacts (exponent 1.5), not of p = "
+                f"{self.exponent:g}: give stiffness, in N/m^{self.exponent:g}"
+            )
+        compliance = np.array([each.compliance for each in materials])
+        modulus = 1.0 / (compliance[:-1] + compliance[1:])
+        return _read_only(sphere_stiffness(radii[:-1], radii[1:], modulus))
+
+    def _check_start(self) -> None:
+        """Velocities, gaps and static forces at time 0."""
+        if "velocities" in self.given:
+            values = column("velocity", self.velocities, self.beads, "bead", unit=self._unit("m/s"))
+        else:
+            values = np.zeros(self.beads)
+            if self.drive is None:
+                values[: max(1, self.strikers)] = 1.0
+        self._set("velocities", _read_only(values))
+        gaps = np.zeros(self.beads - 1)
+        if "gaps" in self.given:
+            unit = self._unit("m")
+            gaps = column("gap", self.gaps, self.beads - 1, "contact", unit=unit, least=0.0)
+        self._set("gaps", _read_only(gaps))
+        gravity = number("gravity", self.gravity, unit=self._unit("m/s**2"))
+        self._set("gravity", gravity)
+        force = number("precompression", self.precompression, unit=self._unit("N"), least=0.0,
+                       hint="beads do not pull")  # fmt: skip
+        self._set("precompression", force)
+
+    def _unit(self, unit: str) -> str | None:
+        return unit if self.units == "SI" else None
 
     @classmethod
     def tapered(
@@ -126,9 +303,9 @@ class Chain:
         >>> Chain.tapered("forward-linear", 0.25, beads=4).radii
         array([1.  , 0.75, 0.5 , 0.25])
         """
-        count = _checked_beads(beads)
+        count = checked_beads(beads)
         checked = check_taper(taper, rate, count)
-        return cls(_tapered_radii(taper, checked, count), exponent, taper, checked)  # type: ignore[arg-type]
+        return cls(tapered_radii(taper, checked, count), exponent, taper, checked)  # type: ignore[arg-type]
 
     @classmethod
     def uniform(cls, beads: int, *, exponent: float = HERTZ_EXPONENT) -> Chain:
@@ -155,7 +332,7 @@ class Chain:
         >>> Chain.uniform(20)
         Chain(uniform, 20 beads)
         """
-        return cls(np.ones(_checked_beads(beads)), exponent)
+        return cls(np.ones(checked_beads(beads)), exponent)
 
     @classmethod
     def from_radii(cls, radii: ArrayLike, *, exponent: float = HERTZ_EXPONENT) -> Chain:
@@ -183,9 +360,192 @@ class Chain:
         >>> Chain.from_radii([5.0, 2.5, 5.0]).masses
         array([1.   , 0.125, 1.   ])
         """
-        given = _positive_radii(radii)
+        given = positive_radii(radii)
         with np.errstate(over="ignore", under="ignore"):
             return cls(given / given[0], exponent)
+
+    @classmethod
+    def from_materials(
+        cls,
+        radii: ArrayLike,
+        materials: MaterialLike | Sequence[MaterialLike],
+        *,
+        beads: int | None = None,
+        velocity: float | None = None,
+        **fields: Any,
+    ) -> Chain:
+        r"""A chain of real beads in SI units, from their radii and materials.
+
+        Contacts are Hertz', between unlike spheres too:
+        `hertzchain.materials.sphere_stiffness`.
+
+        Parameters
+        ----------
+        radii : array_like
+            Radius of each bead [m], struck bead first; or one for all.
+        materials : str, Material or sequence of them
+            A material or its name in the catalogue, for all beads or for each.
+        beads : int, optional
+            Number of beads, if there is one radius for all.
+        velocity : float
+            Velocity of bead 1 at time 0 [m/s]; 1 if not given, or 0 if there is a drive.
+        **fields
+            Other fields of `Chain`.
+
+        Returns
+        -------
+        Chain
+
+        Raises
+        ------
+        InputError
+            For an unknown material, lists of unlike lengths, or a field out of its range.
+
+        Examples
+        --------
+        >>> chain = Chain.from_materials(5e-3, "steel-52100", beads=20)
+        >>> chain
+        Chain(SI, steel-52100, R = 5 mm, 20 beads)
+        >>> round(float(chain.masses[0]), 9), float(chain.stiffness[0]).__round__(-3)
+        (0.004073598, 7435897000.0)
+        """
+        given = np.asarray(magnitude("radius", radii, "m"))
+        if given.ndim == 0:
+            if beads is None:
+                raise InputError("one radius for all beads needs their number: give beads")
+            given = np.full(checked_beads(beads), given)
+        elif beads is not None and beads != len(given):
+            raise InputError(f"beads = {beads}, but there are {len(given)} radii: leave beads out")
+        count = len(given)
+        one = isinstance(materials, str | Material)
+        kinds = (material(materials),) * count if one else tuple(map(material, materials))  # type: ignore[arg-type]
+        if velocity is not None:
+            fields["velocities"] = np.zeros(count)
+            fields["velocities"][:1] = number("velocity", velocity, unit="m/s")
+        return cls(given, units="SI", materials=kinds, **fields)
+
+    @classmethod
+    def periodic(
+        cls,
+        cell: ArrayLike,
+        *,
+        cells: int,
+        materials: Sequence[MaterialLike] | None = None,
+        **fields: Any,
+    ) -> Chain:
+        """A chain that repeats a cell of beads: a dimer, a trimer, any k-mer.
+
+        Parameters
+        ----------
+        cell : array_like
+            Radii of the beads of one cell, in any one unit; in m if there are materials.
+        cells : int
+            How often it is repeated.
+        materials : sequence of str or Material, optional
+            Materials of the beads of the cell: makes a chain in SI units.
+        **fields
+            Arguments of `from_materials`, or of `from_radii`.
+
+        Returns
+        -------
+        Chain
+
+        Raises
+        ------
+        InputError
+            If a radius is not positive, or a material unknown.
+
+        Examples
+        --------
+        >>> Chain.periodic([5.0, 2.5, 2.5], cells=2).radii
+        array([1. , 0.5, 0.5, 1. , 0.5, 0.5])
+        >>> Chain.periodic([9.5e-3, 9.5e-3], cells=20, materials=["steel-316", "ptfe"])
+        Chain(SI, steel-316 and ptfe, R = 9.5 mm, 40 beads)
+        """
+        cells = whole_number("cells", cells, least=1)
+        if materials is None:
+            return cls.from_radii(np.tile(np.atleast_1d(cell), cells), **fields)
+        radii = np.tile(np.atleast_1d(magnitude("radius", cell, "m")), cells)
+        return cls.from_materials(radii, list(materials) * cells, **fields)
+
+    @classmethod
+    def dimer(cls, mass_ratio: float, *, beads: int, exponent: float = HERTZ_EXPONENT) -> Chain:
+        """Heavy and light beads in turn, with all contacts equal.
+
+        The mass ratio is then the only parameter: at 1, 0.3428, 0.1548, 0.0901, ... solitary
+        waves pass (K. R. Jayaprakash, Y. Starosvetsky, A. F. Vakakis, Phys. Rev. E 83, 036606,
+        2011, doi:10.1103/PhysRevE.83.036606).  Alternating spheres of one material, whose
+        contacts are all equal too, are ``Chain.periodic([1, r], cells=...)``: a factor common
+        to all contacts only changes the time.
+
+        Parameters
+        ----------
+        mass_ratio : float
+            Mass of the light beads over that of the heavy, > 0; the first bead is heavy.
+        beads : int
+            Number of beads.
+        exponent : float
+            Exponent p of the contact force, > 1.
+
+        Returns
+        -------
+        Chain
+
+        Raises
+        ------
+        InputError
+            If the ratio is not positive, or there are too few or many beads.
+
+        Examples
+        --------
+        >>> Chain.dimer(0.125, beads=4).masses
+        array([1.   , 0.125, 1.   , 0.125])
+        """
+        count = checked_beads(beads)
+        ratio = number("mass ratio of a dimer", mass_ratio, above=0.0)
+        masses = np.where(np.arange(count) % 2, ratio, 1.0)
+        return cls(np.cbrt(masses), exponent, masses=masses, stiffness=np.ones(count - 1))
+
+    def replace(self, **changes: Any) -> Chain:
+        """The same chain with some fields changed; what follows from them follows anew.
+
+        Parameters
+        ----------
+        **changes
+            Fields of `Chain` and their new values.
+
+        Returns
+        -------
+        Chain
+
+        Raises
+        ------
+        InputError
+            For a field that does not exist, is out of its range or contradicts another.
+
+        Examples
+        --------
+        >>> Chain.uniform(20).replace(right_wall=Wall.rigid())
+        Chain(uniform, 20 beads, right wall)
+        """
+        fields = [item.name for item in dataclasses.fields(self) if item.init]
+        for name in changes:
+            if name not in fields:
+                raise unknown_name("field of a chain", name, fields)
+        kept = {
+            name: getattr(self, name)
+            for name in fields
+            if name not in DERIVED or name in self.given
+        }
+        if "radii" in changes:
+            kept |= {"taper": None, "rate": None}
+        return Chain(**(kept | changes))
+
+    # Verbs that make another chain of this one, an idea a file.
+    decorated = patterns.decorated
+    with_defects = patterns.with_defects
+    with_scatter = patterns.with_scatter
+    struck_by = striking.struck_by
 
     @property
     def beads(self) -> int:
@@ -193,205 +553,133 @@ class Chain:
         return len(self.radii)
 
     @property
-    def masses(self) -> Array:
-        """Masses m_k = R_k^3 [scaled], Eq. (3) of the paper, shape (N,)."""
-        return self.radii**3
+    def wall_stiffness(self) -> tuple[float, float]:
+        r"""Stiffness of the contacts with left and right wall [scaled, or N/m^p]; 0 if free.
+
+        Scaled, a flat wall of the bead's own material has :math:`\sqrt{2R}`, a rigid one
+        twice as much.
+        """
+        left = self._stiffness_at(self.left_wall, 0)
+        return left, self._stiffness_at(self.right_wall, self.beads - 1)
+
+    def _stiffness_at(self, wall: Wall | None, bead: int) -> float:
+        if wall is None:
+            return 0.0
+        if wall.stiffness is not None:
+            return wall.stiffness
+        # In SI units the materials decide, whatever the other contacts are.
+        odd = "stiffness" in self.given and self.materials is None
+        if self.exponent != HERTZ_EXPONENT or odd:
+            raise InputError(
+                "the stiffness of a wall follows from materials only where the contacts are all "
+                "Hertz': give Wall(stiffness=...)"
+            )
+        radius = float(self.radii[bead])
+        if self.units == "SI" and self.materials is not None:
+            own = self.materials[bead]
+            modulus = contact_modulus(own, own if wall.material is None else wall.material)
+            return float(sphere_stiffness(radius, math.inf, modulus))
+        if wall.material is not None and math.isfinite(wall.material.young):
+            raise InputError(
+                f"a scaled chain has no material to hold against a wall of {wall.material.name}: "
+                "use Chain.from_materials, Wall(), Wall.rigid() or Wall(stiffness=...)"
+            )
+        return math.sqrt(2.0 * radius) * (1.0 if wall.material is None else 2.0)
 
     @property
-    def stiffness(self) -> Array:
-        """Contact stiffness r_k [scaled], below Eq. (4) of the paper, shape (N - 1,)."""
-        return hertz_stiffness(self.radii[:-1], self.radii[1:])
+    def features(self) -> tuple[str, ...]:
+        """What the chain has beyond the paper's: names such as ``"gaps"``, ``"right wall"``."""
+        present = {
+            "SI units": self.units == "SI",
+            "masses": "masses" in self.given,
+            "stiffness": "stiffness" in self.given,
+            "strikers": self.strikers > 0,
+            "velocities": "velocities" in self.given and not self._only_struck,
+            "gaps": "gaps" in self.given and bool(self.gaps.any()),
+            "precompression": self.precompression > 0.0,
+            "gravity": self.gravity != 0.0,
+            "left wall": self.left_wall is not None,
+            "right wall": self.right_wall is not None,
+            "drive": self.drive is not None,
+            "loss": self.loss is not None,
+        }
+        return tuple(name for name, there in present.items() if there)
+
+    @property
+    def _only_struck(self) -> bool:
+        """Whether bead 1 alone moves, with velocity one or, in SI units, any."""
+        first = float(self.velocities[0])
+        sound = first == 1.0 if self.units == "scaled" else first >= 0.0
+        return sound and not self.velocities[1:].any()
 
     @property
     def description(self) -> str:
         """The chain in a few words, as it heads tables and figures."""
-        kind = "free radii"
+        kind, features = "free radii", self.features
         if self.taper is not None:
             kind = f"{self.taper}, {rate_symbol(self.taper)} = {self.rate:g}"
+        elif self.units == "SI":
+            kind = f"SI, {self._composition}"
         elif np.all(self.radii == 1.0):
             kind = "uniform"
         law = "" if self.exponent == HERTZ_EXPONENT else f", p = {self.exponent:g}"
-        return f"{kind}, {self.beads} beads{law}"
+        rest = "".join(f", {name}" for name in features if name != "SI units")
+        return f"{kind}, {self.beads} beads{law}{rest}"
+
+    @property
+    def _composition(self) -> str:
+        names = dict.fromkeys(each.name for each in self.materials or ())
+        kinds = " and ".join(names) if len(names) < 3 else f"{len(names)} materials"
+        low, high = self.radii.min(), self.radii.max()
+        low, high = 1e3 * low, 1e3 * high
+        sizes = f"R = {low:g} mm" if low == high else f"R = {low:g} .. {high:g} mm"
+        return f"{kinds}, {sizes}" if kinds else sizes
 
     def __repr__(self) -> str:
         return f"Chain({self.description})"
 
 
-def rate_symbol(taper: str) -> Literal["S", "q"]:
-    """The paper's letter for the tapering parameter: S if linear, q if exponential.
+def require(chain: Chain, by: str, *, covers: Sequence[str] = (), instead: str = "") -> None:
+    """Refuse a chain that has a feature which a method does not cover.
 
     Parameters
     ----------
-    taper : str
-        Name of a taper.
-
-    Returns
-    -------
-    str
+    chain : Chain
+        The chain.
+    by : str
+        Name of the method.
+    covers : sequence of str
+        Names of the features, of `Chain.features`, that it does cover.
+    instead : str
+        What to use instead.
 
     Raises
     ------
     InputError
-        If there is no such taper.
+        If there is such a feature; all are named.
 
     Examples
     --------
-    >>> rate_symbol("backward-linear")
-    'S'
+    >>> require(Chain.uniform(20), "the BCA")
     """
-    if taper not in TAPERS:
-        hint = "; equal beads are Chain.uniform" if taper == "uniform" else ""
-        raise InputError(str(unknown_name("taper", taper, TAPERS)) + hint)
-    return "S" if taper.endswith("linear") else "q"
-
-
-def _tapered_radii(taper: str, rate: float, beads: int) -> Array:
-    step = np.arange(beads, dtype=float)
-    with np.errstate(over="ignore", under="ignore"):
-        if taper == "backward-linear":
-            return 1.0 + rate * step
-        if taper == "forward-linear":
-            return 1.0 - rate * step
-        ratio = 1.0 - rate if taper == "backward-exponential" else 1.0 + rate
-        return np.asarray(ratio**-step)
-
-
-def _checked_beads(beads: int) -> int:
-    try:
-        count = operator.index(beads)
-    except TypeError:
-        raise InputError(f"beads must be a whole number of at least 2, got {beads!r}") from None
-    if isinstance(beads, bool) or count < 2:
-        raise InputError(f"beads must be a whole number of at least 2, got {beads!r}")
-    # Nobody's memory is full at a hundred thousand beads; asking it takes time.
-    if count > 100_000:
-        import psutil
-
-        free = psutil.virtual_memory().available
-        if count * BYTES_PER_BEAD > free:
-            raise InputError(
-                f"{count} beads do not fit in memory: at {BYTES_PER_BEAD} bytes a bead the "
-                f"{free / 2**30:.1f} GiB free hold {free // BYTES_PER_BEAD} beads; use fewer"
-            )
-    return count
-
-
-def check_taper(taper: str, rate: float, beads: int = 2) -> float:
-    """The rate of a taper, if the taper exists and a chain of so many beads has that rate.
-
-    Parameters
-    ----------
-    taper : str
-        Name of the taper.
-    rate : float
-        Tapering parameter S or q.
-    beads : int
-        Number of beads.
-
-    Returns
-    -------
-    float
-        The rate.
-
-    Raises
-    ------
-    InputError
-        For an unknown taper, or a rate outside its range.
-
-    Examples
-    --------
-    >>> check_taper("forward-linear", 0.01, 100)
-    0.01
-    """
-    symbol = rate_symbol(taper)
-    value = real_number(f"{symbol} of a {taper} taper", rate)
-    if symbol == "q":
-        if not 0.0 < value < 1.0:
-            raise InputError(
-                f"q of a {taper} taper must lie between 0 and 1, got {value:g}; "
-                "try 0.05, or a uniform chain for equal beads"
-            )
-        return value
-    if not 0.0 < value < math.inf:
+    others = [name for name in chain.features if name not in covers]
+    if others:
+        advice = instead or "leave them out"
+        if others == ["SI units"]:
+            advice = "use Scales.of(chain).to_scaled(chain)"
         raise InputError(
-            f"S of a {taper} taper must be positive and finite, got {value:g}; "
-            "try 0.005, or a uniform chain for equal beads"
+            f"{by} does not cover {' and '.join(others)}, which this chain has "
+            f"({chain.description}): {advice}"
         )
-    if taper == "forward-linear" and not _last_radius(value, beads) > ROUNDING:
-        # 1/S is rounded: step down from it to the first chain that has a radius left.
-        longest = math.ceil(1.0 + 1.0 / value)
-        while longest >= 2 and not _last_radius(value, longest) > ROUNDING:
-            longest -= 1
-        advice = (
-            f"use at most {longest} beads or a smaller S"
-            if longest >= 2
-            else "S must be below 1 for even two beads"
-        )
-        raise InputError(
-            f"a forward-linear taper with S = {value:g} runs out of radius at bead "
-            f"{longest + 1}, but {beads} beads were asked for: {advice}"
-        )
-    return value
 
 
-def _last_radius(rate: float, beads: int) -> float:
-    return 1.0 - rate * (beads - 1)
+def _checked_materials(given: Sequence[MaterialLike], beads: int) -> tuple[Material, ...]:
+    kinds = tuple(map(material, given))
+    if len(kinds) != beads:
+        raise InputError(f"there must be {beads} materials, one for each bead, got {len(kinds)}")
+    return kinds
 
 
-def _checked_exponent(exponent: float) -> float:
-    value = real_number("exponent of the contact force", exponent)
-    if not 1.0 < value <= LARGEST_EXPONENT:
-        raise InputError(
-            f"exponent of the contact force must be above 1 and at most {LARGEST_EXPONENT:g}, "
-            f"got {value:g}; Hertz contacts have 1.5"
-        )
-    return value
-
-
-def _positive_radii(radii: ArrayLike) -> Array:
-    """A copy of radii that are numbers, positive and finite, and at least two."""
-    try:
-        given = np.asarray(radii)
-    except ValueError:
-        raise InputError(f"radii must be a list of positive numbers, got {radii!r}") from None
-    if given.dtype.kind not in "iuf":
-        raise InputError(_first_unreadable(radii))
-    if given.ndim != 1 or len(given) < 2:
-        raise InputError(f"radii must be a list of at least two numbers, got {radii!r}")
-    _checked_beads(len(given))
-    values: NDArray[np.float64] = given.astype(float)
-    good = (values > 0.0) & (values < math.inf)
-    if not good.all():
-        k = int(np.argmin(good))
-        raise InputError(
-            f"radius of bead {k + 1} is {values[k]:g}: radii must be positive and finite"
-        )
-    return values
-
-
-def _checked_radii(radii: ArrayLike) -> Array:
-    """Read-only copy of scaled radii whose masses can be represented."""
-    values = np.array(radii, dtype=float)
-    with np.errstate(over="ignore", under="ignore"):
-        masses = values**3
-    good = (masses >= np.finfo(float).tiny) & (masses < math.inf)
-    if values.ndim == 1 and not good.all():
-        k = int(np.argmin(good))
-        if not values[k] < 0.0:
-            raise InputError(
-                f"bead {k + 1} has {values[k]:g} times the radius of the first: its mass cannot "
-                "be represented beyond 1e-102..1e102; use fewer beads or a weaker taper"
-            )
-    values = _positive_radii(values)
+def _read_only(values: Array) -> Array:
     values.setflags(write=False)
     return values
-
-
-def _first_unreadable(radii: object) -> str:
-    if isinstance(radii, Sequence) and not isinstance(radii, str):
-        for k, value in enumerate(radii, start=1):
-            try:
-                real_number("", value)
-            except InputError:
-                return f"radius of bead {k} is {value!r}: radii must be positive numbers"
-    return f"radii must be a list of positive numbers, got {radii!r}"

@@ -7,7 +7,7 @@ a prediction.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Final, Literal
 
@@ -22,6 +22,8 @@ if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
     from matplotlib.axes import Axes
+
+    from hertzchain.scales import Scales
 
 Quantity = Literal[
     "velocity",
@@ -46,6 +48,18 @@ QUANTITIES: Final[dict[Quantity, tuple[str, str]]] = {
     "peak_overlap": ("d", "largest overlap with the next bead"),
     "peak_force": ("F", "largest force on the next bead"),
     "velocity_error": ("e_v", "estimated relative error of the velocity"),
+}
+# Units of a chain in SI units; "1" stands for scaled numbers.
+SI_UNITS: Final[dict[Quantity, str]] = {
+    "velocity": "m/s",
+    "momentum": "kg m/s",
+    "energy": "J",
+    "peak_time": "s",
+    "arrival": "s",
+    "residence": "s",
+    "peak_overlap": "m",
+    "peak_force": "N",
+    "velocity_error": "1",
 }
 PER_CONTACT: Final = frozenset({"residence", "peak_overlap", "peak_force"})
 
@@ -107,6 +121,28 @@ class Pulse:
                 length = beads - 1 if name in PER_CONTACT else beads
                 object.__setattr__(self, name, _checked_column(self, name, values, length))
 
+    def factors(self, scales: Scales) -> Mapping[str, float]:
+        """Units of the columns, for `hertzchain.Scales`.
+
+        Parameters
+        ----------
+        scales : Scales
+            The units.
+
+        Returns
+        -------
+        dict
+
+        Examples
+        --------
+        >>> import hertzchain as hc
+        >>> scales = hc.Scales(radius=1.0, mass=1.0, velocity=2.0, length=1.0)
+        >>> hc.bca(hc.Chain.uniform(3)).factors(scales)["velocity"]
+        2.0
+        """
+        times = dict.fromkeys(("peak_time", "arrival", "residence"), scales.time)
+        return {"velocity": scales.velocity, "peak_overlap": scales.length} | times
+
     @property
     def bead(self) -> np.ndarray[Any, np.dtype[np.int64]]:
         """Bead numbers k = 1..N, shape (N,)."""
@@ -157,6 +193,26 @@ class Pulse:
             raise unknown_name("quantity", quantity, QUANTITIES)
         values: Array | None = getattr(self, quantity)
         return values
+
+    def unit(self, quantity: Quantity) -> str:
+        """Unit of a quantity, ``"1"`` if it is scaled.
+
+        Parameters
+        ----------
+        quantity : str
+            A key of `hertzchain.pulse.QUANTITIES`.
+
+        Returns
+        -------
+        str
+
+        Examples
+        --------
+        >>> import hertzchain as hc
+        >>> hc.bca(hc.Chain.uniform(3)).unit("peak_force")
+        '1'
+        """
+        return SI_UNITS[quantity] if self.chain.units == "SI" else "1"
 
     def columns(self) -> dict[Quantity, Array]:
         """Every quantity that the method predicts, by name.
@@ -209,7 +265,7 @@ class Pulse:
         Returns
         -------
         xarray.Dataset
-            One variable a quantity, with units ("1": scaled) and long names.
+            One variable a quantity, with units ("1" if scaled) and long names.
 
         Examples
         --------
@@ -224,12 +280,13 @@ class Pulse:
             str(name): (
                 "contact" if name in PER_CONTACT else "bead",
                 values,
-                {"units": "1", "long_name": QUANTITIES[name][1]},
+                {"units": self.unit(name), "long_name": QUANTITIES[name][1]},
             )
             for name, values in self.columns().items()
         }
-        variables["radius"] = ("bead", self.chain.radii, {"units": "1", "long_name": "radius"})
-        variables["mass"] = ("bead", self.chain.masses, {"units": "1", "long_name": "mass"})
+        length, mass = ("m", "kg") if self.chain.units == "SI" else ("1", "1")
+        variables["radius"] = ("bead", self.chain.radii, {"units": length, "long_name": "radius"})
+        variables["mass"] = ("bead", self.chain.masses, {"units": mass, "long_name": "mass"})
         return xr.Dataset(
             variables,
             coords={"bead": self.bead, "contact": self.bead[:-1]},
@@ -326,8 +383,11 @@ class Comparison:
 
     def __post_init__(self) -> None:
         ours, theirs = self.pulse.chain, self.reference.chain
-        same_law = ours.exponent == theirs.exponent
-        if not (same_law and np.array_equal(ours.radii, theirs.radii)):
+        same_law = (ours.exponent, ours.units) == (theirs.exponent, theirs.units)
+        if not same_law or not all(
+            np.array_equal(getattr(ours, name), getattr(theirs, name))
+            for name in ("radii", "masses", "stiffness")
+        ):
             raise InputError(
                 "pulses of different chains cannot be compared: "
                 f"{ours.description} and {theirs.description}"

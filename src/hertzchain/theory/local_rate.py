@@ -17,7 +17,7 @@ from typing import Final, Literal, get_args
 
 import numpy as np
 
-from hertzchain.chain import Chain
+from hertzchain.chain import Chain, require
 from hertzchain.contacts import Array
 from hertzchain.errors import InputError, ModelRangeWarning, unknown_name
 from hertzchain.pulse import PER_CONTACT, Pulse
@@ -303,6 +303,7 @@ class _Seeds:
 
 
 def _checked_functions(chain: Chain) -> UniversalFunctions:
+    require(chain, "the local-rate law", instead="use simulate")
     if chain.beads < FEWEST_BEADS:
         raise InputError(
             f"the local-rate law needs at least {FEWEST_BEADS} beads, got {chain.beads}: "

@@ -28,6 +28,7 @@ from rich.table import Table
 
 import hertzchain as hc
 from hertzchain import windows
+from hertzchain.batch import Batch
 from hertzchain.kernels import front
 
 BEADS = 100
@@ -154,8 +155,8 @@ def yardstick() -> dict[str, float]:
             hc.Chain.uniform(BEADS) if taper == "uniform"
             else hc.Chain.tapered("forward-exponential", rate, beads=BEADS)
         ] * 400  # fmt: skip
-        batch = windows.Batch.of(chains)
-        given = (windows._given(batch), batch.first, batch.beads)
+        batch = Batch.of(chains)
+        given = (batch.given(), batch.first, batch.beads)
         columns = np.empty((front.COLUMNS, len(batch.radii)))
         ratios, steps = [], 0
         for _ in range(REPEATS + 2):

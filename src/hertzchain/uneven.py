@@ -65,9 +65,9 @@ class Way:
 
 # Each way's result is checked against that of the one before.
 WAYS: Final = (
-    Way(24, 2.0, 1.3),
-    Way(48, 1 / 2, 1.3),
-    Way(96, 1 / 8, 1.2),
+    Way(24, 2.0, 1.5),
+    Way(48, 1 / 2, 1.5),
+    Way(96, 1 / 8, 1.25),
     Way(200, 1 / 32, 1.1),
     Way(200, 1 / 128, 1.05, 1e-11),
     Way(200, 1 / 512, 1.0, 1e-12),

@@ -50,7 +50,7 @@ def steps_of_two_beads(w, steps, exponent):
 
 def energy_error(steps, exponent):
     """Two beads pressed together and let go: overlap and speed keep the energy."""
-    w = np.zeros(wide_front.END + wide_front.ROW)
+    w = wide_front.new_scratch()[0]
     w[wide_front.STIFFNESS] = 1.0
     w[wide_front.INVERSE_MASS : wide_front.INVERSE_MASS + 2] = 1.0
     w[wide_front.POSITION] = 1.0
@@ -154,8 +154,8 @@ def test_residences_are_times_between_arrivals():
 
 
 def test_results_that_do_not_agree_are_an_error(monkeypatch):
-    """With the first two ways only, the window is too narrow for this chain."""
-    monkeypatch.setattr(uneven, "WAYS", uneven.WAYS[:2])
+    """With the first ways only, the window is too narrow for this chain."""
+    monkeypatch.setattr(uneven, "WAYS", uneven.WAYS[:3])
     chains = [strongly_random(100), hc.Chain.from_radii([1.0, 0.3, 1.0])]
     with pytest.raises(hc.SimulationError, match="results at two tolerances differ by"):
         hc.propagate(chains[0])

@@ -62,7 +62,8 @@ def propagate(
     InputError
         For a tolerance out of range.
     SimulationError
-        If the pulse could not be followed to the end.
+        If the pulse could not be followed to the end, or if its motion magnifies errors so much
+        that the tolerance cannot be met.
 
     Examples
     --------

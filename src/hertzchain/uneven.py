@@ -63,9 +63,11 @@ class Way:
         return self.behind, min(self.part * rtol, self.most), self.grading
 
 
-# Each way's result is checked against that of the one before.
+# Each way's result is checked against that of the one before. The first is for beads of slowly
+# changing radii alone.
 WAYS: Final = (
-    Way(24, 2.0, 1.5),
+    Way(12, 2.0, 1.5),
+    Way(24, 1.0, 1.5),
     Way(48, 1 / 2, 1.5),
     Way(96, 1 / 8, 1.25),
     Way(200, 1 / 32, 1.1),
@@ -75,7 +77,7 @@ WAYS: Final = (
 
 
 def follow_uneven(
-    todo: Indices, rtol: float, batch: Batch, columns: Array, signal: Indices
+    todo: Indices, smooth: bool, rtol: float, batch: Batch, columns: Array, signal: Indices
 ) -> dict[int, str]:
     """Follow some chains of a batch, whatever their beads and force laws.
 
@@ -83,6 +85,8 @@ def follow_uneven(
     ----------
     todo : ndarray of int
         Numbers of the chains, from 0.
+    smooth : bool
+        Whether their radii change slowly.
     rtol : float
         Tolerance of the results.
     batch : Batch
@@ -101,12 +105,13 @@ def follow_uneven(
     --------
     >>> batch = Batch.of([Chain.from_radii([1.0, 0.3, 1.0])])
     >>> columns = np.zeros((5, 3))
-    >>> follow_uneven(np.array([0]), 1e-8, batch, columns, np.zeros(2, np.int64))
+    >>> follow_uneven(np.array([0]), False, 1e-8, batch, columns, np.zeros(2, np.int64))
     {}
     >>> columns[0].round(6)
     array([1.      , 1.147847, 0.997314])
     """
-    failed, differences = _widen(todo, rtol, batch, columns, signal)
+    ways = WAYS if smooth else WAYS[1:]
+    failed, differences = _widen(todo, ways, rtol, batch, columns, signal)
     reasons = {}
     for index, apart in zip(failed, differences, strict=True):
         if signal[STOP]:
@@ -123,7 +128,12 @@ def follow_uneven(
 
 
 def _widen(
-    todo: Indices, rtol: float, batch: Batch, columns: Array, signal: Indices
+    todo: Indices,
+    ways: tuple[Way, ...],
+    rtol: float,
+    batch: Batch,
+    columns: Array,
+    signal: Indices,
 ) -> tuple[Indices, Array]:
     """Follow some chains one way after the other, each until two results agree.
 
@@ -134,7 +144,7 @@ def _widen(
 
     before, differences = columns, np.full(len(todo), np.inf)
     scratch = kernel.new_scratch()
-    for way in WAYS:
+    for way in ways:
         if not len(todo) or signal[STOP]:
             break
         found, status = np.zeros_like(columns), np.zeros(len(todo), np.int64)
@@ -145,7 +155,7 @@ def _widen(
             found, status, signal, scratch,
         )  # fmt: skip
         _complete(found, batch)
-        comparable = (status == kernel.FOLLOWED) & (way is not WAYS[0])
+        comparable = (status == kernel.FOLLOWED) & (way is not ways[0])
         compared = difference(found[:RESIDENCE], before[:RESIDENCE], batch.first)[todo]
         differences = np.where(comparable, compared, np.inf)
         agreed = differences <= AGREEMENT * rtol

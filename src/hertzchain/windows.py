@@ -102,7 +102,11 @@ def follow(batch: Batch, rtol: float, signal: Indices) -> Passage:
     todo = np.union1d(todo, uneven)
 
     columns[:STRIKER_KNOWS, batch.first] = STRUCK
-    return Passage(columns, follow_uneven(todo, rtol, batch, columns, signal))
+    reasons: dict[int, str] = {}
+    for smooth in (True, False):
+        some = todo[(taper | even)[todo] == smooth]
+        reasons |= follow_uneven(some, smooth, rtol, batch, columns, signal)
+    return Passage(columns, reasons)
 
 
 def _shapes(batch: Batch) -> tuple[NDArray[np.bool_], NDArray[np.bool_], NDArray[np.bool_]]:

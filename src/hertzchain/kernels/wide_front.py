@@ -53,14 +53,14 @@ from hertzchain.kernels.rkn8 import (
 )
 
 SLOTS = 256
-# Slots looked at by `spread` beyond the ends of a row, and the one ahead of the last contact.
-ROW = SLOTS + 12
+# Entries for what looks beyond the ends of a row; rows begin with a line of the processor's cache.
+MARGIN = 8
+ROW = SLOTS + 2 * MARGIN
 (
     POSITION, VELOCITY, TRIAL, STIFFNESS, INVERSE_MASS, FORCE, SPEED, SCALE, GRADE, ERROR,
     NEW_VELOCITY,
     STAGE_0, STAGE_1, STAGE_2, STAGE_3, STAGE_4, STAGE_5, STAGE_6, STAGE_7, STAGE_8, END,
-) = range(4, 4 + 21 * ROW, ROW)  # fmt: skip
-STAGES = 9
+) = range(MARGIN, MARGIN + 21 * ROW, ROW)  # fmt: skip
 
 # What is known besides the window: times of the chain, since the last crossing and of the next
 # step; velocity of a bead and force of a contact at the last crossing.
@@ -572,4 +572,7 @@ def follow(window, given, passed, status, signal, scratch):
 
 def new_scratch() -> tuple[Any, Any, Any]:
     """The window and what is known beside it."""
-    return np.zeros(END + ROW), np.zeros(CLOCK_SIZE), np.zeros(PLACE_SIZE, np.int64)
+    line = 64
+    w = np.zeros(END + line // 8)
+    w = w[-w.ctypes.data % line // 8 :][:END]
+    return w, np.zeros(CLOCK_SIZE), np.zeros(PLACE_SIZE, np.int64)

@@ -28,6 +28,7 @@ from rich.table import Table
 
 import hertzchain as hc
 from hertzchain import windows
+from hertzchain.batch import Batch
 from hertzchain.kernels import front
 
 BEADS = 100
@@ -122,8 +123,7 @@ def fixed_step_rows(taper: str, chain: hc.Chain, exact: np.ndarray, until: float
     rows = []
     found, seconds = contenders.verlet_script(chain.radii, until, step=step)
     rows.append(Row("numba Verlet script", taper, largest(found, exact[1:-1]), seconds / 99))
-    # On the forward linear taper LAMMPS 20250722 loses the pulse half-way; not understood.
-    if taper == "uniform" and contenders.lammps_missing() is None:
+    if contenders.lammps_missing() is None:
         found, seconds = contenders.lammps_chain(chain.radii, until, step=step)
         rows.append(Row("LAMMPS", taper, largest(found, exact[1:-1]), seconds / 99))
     return rows
@@ -154,8 +154,8 @@ def yardstick() -> dict[str, float]:
             hc.Chain.uniform(BEADS) if taper == "uniform"
             else hc.Chain.tapered("forward-exponential", rate, beads=BEADS)
         ] * 400  # fmt: skip
-        batch = windows.Batch.of(chains)
-        given = (windows._given(batch), batch.first, batch.beads)
+        batch = Batch.of(chains)
+        given = (batch.given(), batch.first, batch.beads)
         columns = np.empty((front.COLUMNS, len(batch.radii)))
         ratios, steps = [], 0
         for _ in range(REPEATS + 2):
@@ -239,6 +239,57 @@ def sweep() -> dict[str, float]:
     }
 
 
+def long_chain() -> dict[str, float]:
+    """A million equal beads, once, in a process of its own with a warm cache."""
+    code = (
+        "import time, resource, hertzchain as hc; t = time.perf_counter();"
+        "hc.propagate(hc.Chain.uniform(1_000_000));"
+        "print(time.perf_counter() - t, resource.getrusage(resource.RUSAGE_SELF).ru_maxrss)"
+    )
+    out = subprocess.run([sys.executable, "-c", code], capture_output=True, check=True).stdout
+    seconds, kilobytes = map(float, out.split())
+    return {"seconds": seconds, "GiB": kilobytes / 2**20}
+
+
+def uneven_chains() -> dict[str, hc.Chain]:
+    """Chains that scatter the pulse, and other force laws."""
+    random = np.random.default_rng(7)
+    return {
+        "dimer, radii 1 and 0.5": hc.Chain.from_radii(np.tile([1.0, 0.5], BEADS // 2)),
+        "decorated, radii 1 and 0.3": hc.Chain.from_radii(np.tile([1.0, 0.3], BEADS // 2)),
+        "random radii 0.3 .. 3": hc.Chain.from_radii(random.uniform(0.3, 3.0, BEADS)),
+        "random radii within 20 %": hc.Chain.from_radii(np.exp(random.uniform(-0.2, 0.2, BEADS))),
+        "equal beads, p = 2": hc.Chain.uniform(BEADS, exponent=2.0),
+        "equal beads, p = 1.7": hc.Chain.uniform(BEADS, exponent=1.7),
+        "forward exponential, q = 0.15": hc.Chain.tapered("forward-exponential", 0.15, beads=BEADS),
+        "forward exponential, q = 0.3": hc.Chain.tapered("forward-exponential", 0.3, beads=BEADS),
+    }
+
+
+def uneven(console: Console) -> dict[str, dict[str, float]]:
+    """Uneven chains against the full chain at rtol 1e-13, which `propagate` used before."""
+    table, results = Table(title="100 uneven beads, rtol 1e-8"), {}
+    for heading in ("", "worst error", "us per passage", "in 200, 2 threads", "full chain / this"):
+        table.add_column(heading, justify="right" if heading else "left")
+    for name, chain in uneven_chains().items():
+        exact = hc.simulate(chain, times=0).pulse().velocity
+        error = largest(hc.propagate(chain).velocity[1:], exact[1:])
+        one = median_time(lambda chain=chain: hc.propagate(chain)) / (BEADS - 1)
+        several = [chain] * 200
+        many = median_time(lambda several=several: hc.propagate_many(several, threads=2), 3)
+        full = median_time(lambda chain=chain: hc.simulate(chain, times=0), 3) / (BEADS - 1)
+        results[name] = {
+            "error": error, "us": 1e6 * one, "us of 200": 1e6 * many / 200 / (BEADS - 1),
+            "full chain / this": full / one,
+        }  # fmt: skip
+        table.add_row(
+            name, f"{error:.0e}", f"{1e6 * one:.3g}", f"{results[name]['us of 200']:.3g}",
+            f"{full / one:.3g}",
+        )  # fmt: skip
+    console.print(table)
+    return results
+
+
 def show(console: Console, title: str, rows: list[Row]) -> None:
     """A table of contenders: worst error and mean time over the chains of these rows."""
     by_name: dict[str, list[Row]] = {}
@@ -288,13 +339,15 @@ def main() -> None:
     titles = {True: f"{BEADS} beads, four tapers: {TAPERS}", False: f"{BEADS} equal beads"}
     for tapered, title in titles.items():
         show(console, title, [row for row in rows if (row.taper in TAPERS) == tapered])
+    uneven_results = uneven(console)
     missing = contenders.lammps_missing()
     if missing:
         console.print(missing)
     report: dict[str, Any] = {"machine": machine(), "rows": [asdict(row) for row in rows]}
+    report["uneven"] = uneven_results
     for name, measure in (
         ("growth", growth), ("yardstick", yardstick), ("first call", first_call),
-        ("paper", paper), ("sweep", sweep),
+        ("paper", paper), ("sweep", sweep), ("a million equal beads", long_chain),
     ):  # fmt: skip
         report[name] = measure()
         console.print(name, report[name])

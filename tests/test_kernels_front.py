@@ -5,7 +5,7 @@ import pytest
 from numba import njit
 
 import hertzchain as hc
-from hertzchain import windows
+from hertzchain.batch import PASSED, Batch
 from hertzchain.kernels import front, rkn8
 
 STEP = (0.15, 0.1)
@@ -15,8 +15,8 @@ NODES = (0.0, rkn8.C1, rkn8.C2, rkn8.C3, rkn8.C4, rkn8.C5, rkn8.C6, rkn8.C7)
 
 def follow(chains, window=(13, 8), lanes=front.LANES, limits=NO_LIMITS, step=STEP):
     """Columns of each chain, and what became of it."""
-    batch = windows.Batch.of(chains)
-    given = windows._given(batch)
+    batch = Batch.of(chains)
+    given = batch.given()
     columns = np.full((front.COLUMNS, len(batch.radii)), np.nan)
     status = np.zeros(len(chains), np.int64)
     run = front.follow_many if lanes == front.LANES else front.follow_one
@@ -161,12 +161,12 @@ def test_beads_out_of_order_are_noticed(rate):
 
 
 def test_stop_signal_ends_the_kernel():
-    batch = windows.Batch.of([hc.Chain.uniform(50)] * 3)
+    batch = Batch.of([hc.Chain.uniform(50)] * 3)
     signal = np.array([1, 0])
     status = np.zeros(3, np.int64)
     front.follow_many(
-        (13, 8, *STEP), NO_LIMITS, (windows._given(batch), batch.first, batch.beads),
+        (13, 8, *STEP), NO_LIMITS, (batch.given(), batch.first, batch.beads),
         np.empty((front.COLUMNS, 150)), status, signal, front.scratch_of(front.LANES),
     )  # fmt: skip
     assert np.all(status == front.WAITING)
-    assert signal[windows.PASSED] == 0
+    assert signal[PASSED] == 0

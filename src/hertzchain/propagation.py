@@ -16,20 +16,23 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from hertzchain.batch import COLUMNS, PASSED, STOP, Batch, Passage
 from hertzchain.chain import Chain, require
 from hertzchain.contacts import HERTZ_EXPONENT, Array
 from hertzchain.errors import InputError, SimulationError, real_number
 from hertzchain.pulse import Pulse
 from hertzchain.pulse_table import PulseTable
-from hertzchain.windows import COLUMNS, PASSED, STOP, Batch, Passage, follow
+from hertzchain.uneven import LARGEST_RTOL
+from hertzchain.windows import follow
 
 Progress = Callable[[int, int], None]
 
 DEFAULT_RTOL: Final = 1e-8
-# Below, rounding and the treatment of contacts count; above, steps no longer get longer.
-SMALLEST_RTOL, LARGEST_RTOL = 1e-10, 1e-5
-# Beads of one piece of work: about a quarter of a second.
-BLOCK_BEADS: Final = 100_000
+# Below, rounding and the treatment of contacts count.
+SMALLEST_RTOL: Final = 1e-10
+# Beads of one piece of work: at most a quarter of a second of tapers; at least what keeps the
+# lanes of the kernel busy, so that a small ensemble of uneven chains has work for all threads.
+BLOCK_BEADS, LEAST_BLOCK = 100_000, 5_000
 # A chain up to this length is followed before anybody could interrupt it.
 SHORT: Final = 20_000
 POLL: Final = 0.1
@@ -59,7 +62,8 @@ def propagate(
     InputError
         For a tolerance out of range.
     SimulationError
-        If the pulse could not be followed to the end.
+        If the pulse could not be followed to the end, or if its motion magnifies errors so much
+        that the tolerance cannot be met.
 
     Examples
     --------
@@ -124,7 +128,7 @@ def propagate_many(
     """
     rtol, threads = _checked_rtol(rtol), _checked_threads(threads)
     ensemble = _Ensemble.of(chains)
-    blocks = list(ensemble.blocks())
+    blocks = list(ensemble.blocks(threads))
     bad = len(ensemble.reasons)
     done, signals = bad, [np.zeros(2, np.int64) for _ in blocks]
     executor = ThreadPoolExecutor(max_workers=threads)
@@ -212,10 +216,12 @@ class _Ensemble:
         count, beads = given.shape
         return cls(radii, np.full(count, beads), np.full(count, HERTZ_EXPONENT), reasons)
 
-    def blocks(self) -> Iterator[NDArray[np.int64]]:
+    def blocks(self, threads: int) -> Iterator[NDArray[np.int64]]:
         """Rows of one piece of work after the other, without the impossible chains."""
         sound = np.setdiff1d(np.arange(len(self.beads)), list(self.reasons))
-        ends = np.cumsum(self.beads[sound]) // BLOCK_BEADS
+        beads = np.cumsum(self.beads[sound])
+        share = int(beads[-1]) // (4 * threads) if len(beads) else 0
+        ends = beads // min(BLOCK_BEADS, max(LEAST_BLOCK, share))
         for rows in np.split(sound, np.flatnonzero(np.diff(ends)) + 1):
             if len(rows):
                 yield rows

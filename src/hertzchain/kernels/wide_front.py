@@ -1,0 +1,578 @@
+r"""Following the front through anything: a wide window whose every contact opens and closes.
+
+Between unequal beads a pulse is scattered.  Light beads rattle between heavy ones, contacts open
+and close all the time, beads reach their maxima out of order, and what is left behind catches up
+again.  So nothing is assumed here about the order of events; the window is wide, and each of its
+beads is watched for its own first maximum and each contact for its own largest overlap::
+
+      dropped                    the window                     not yet reached
+      . . o o | o  o  o  o  o  o  O  o  o  o  o  o  o  o  o | o o . . .
+      slot      0                 waiting                size-1
+                rear: ``behind``  |    taken in as they are reached: front
+                                  first bead that has not passed all its events
+
+One chain is followed at a time, and the loops without branches over the slots of the window let
+the compiler work on several *slots* with one instruction.  All numbers are in one array ``w``, in
+*rows* with constant offsets; in a row, slot ``s`` is entry ``s``, and contact ``s`` joins slots
+``s`` and ``s + 1``.
+
+The method is RKN8(6)9FM (`hertzchain.kernels.rkn8`), its steps are chosen by its error estimate.
+A contact that opens or closes within a step costs it its order: the force begins or ends like a
+power p of time, and the error is :math:`O(h^{p+1})`.  No closed form repairs that where several
+contacts of a bead come and go together, so steps are made to end where the next contact opens or
+closes, and the estimate sees to the rest.  What is left behind matters less for the pulse the
+further back it is: the error tolerated grows from bead to bead (`grade`).
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+from numba import njit
+
+from hertzchain.kernels.rkn8 import (
+    A1,
+    A2,
+    A3,
+    A4,
+    A5,
+    A6,
+    A7,
+    B_POSITION,
+    B_VELOCITY,
+    C1,
+    C2,
+    C3,
+    C4,
+    C5,
+    C6,
+    C7,
+    E_VELOCITY,
+)
+
+SLOTS = 256
+# Entries for what looks beyond the ends of a row; rows begin with a line of the processor's cache.
+MARGIN = 8
+ROW = SLOTS + 2 * MARGIN
+(
+    POSITION, VELOCITY, TRIAL, STIFFNESS, INVERSE_MASS, FORCE, SPEED, SCALE, GRADE, ERROR,
+    NEW_VELOCITY,
+    STAGE_0, STAGE_1, STAGE_2, STAGE_3, STAGE_4, STAGE_5, STAGE_6, STAGE_7, STAGE_8, END,
+) = range(MARGIN, MARGIN + 21 * ROW, ROW)  # fmt: skip
+
+# What is known besides the window: times of the chain, since the last crossing and of the next
+# step; velocity of a bead and force of a contact at the last crossing.
+TIME, SINCE_CROSSING, STEP, CREST, LARGEST_FORCE, CLOCK_SIZE = range(6)
+# The chain's first entry in `given` and its beads; bead in slot 0, slots in use, first bead that
+# still waits for an event, contact that crossed last.
+FIRST, BEADS, LOW, SIZE, WAITING, LAST_CROSSING, PLACE_SIZE = range(7)
+
+# What becomes of a chain.
+RUNNING, FOLLOWED, WINDOW_FULL, STALLED, BROKEN, STOPPED = range(6)
+# Entries of `signal`, through which other threads stop the kernel and watch it.
+STOP, PASSED = 0, 1
+# Rows of `given`, of every bead, and of `passed`, what is found; 0 = not yet.
+GIVEN_INVERSE_MASS, GIVEN_STIFFNESS = 0, 1
+PEAK_VELOCITY, PEAK_TIME, ARRIVAL, PEAK_OVERLAP, RESIDENCE, COLUMNS = range(6)
+
+# Part of the local time scale taken for the first step.
+FIRST_STEP = 1e-3
+# Most that a step grows or shrinks by; safety of its choice.
+GROWTH, SHRINKAGE, SAFETY = 4.0, 0.1, 0.9
+# Beads behind `waiting` from which on the tolerated error grows from bead to bead.
+UNGRADED = 4
+# Contacts behind `waiting` at whose openings and closings a step ends, if that is no less than
+# this part of it.
+LANDING, LEAST_PART = 12, 0.02
+# Beads are taken in while the force on the last ones is more than this part of the largest.
+REACHED_FORCE = 1e-15
+# A bead slower than this part of those around it has not been reached: rounding ahead of the
+# pulse could look like a maximum.
+REACHED = 1e-11
+# Floor of the speeds that errors are measured in, as a part of the crest's.
+AT_REST = 1e-9
+# Slots the window moves by, or grows by, at a time.
+STRIDE = 4
+# Parts of a step that are searched for the first event (a light bead may turn twice in one), and
+# bisections of such a part: to 1e-12 of a step.
+PARTS, BISECTIONS = 8, 36
+# Steps per bead after which a chain is given up: ten times what random radii need.
+MAX_STEPS = 1000
+SMALLEST_STEP, SMALLEST_CREST, ENDLESS = 1e-280, 1e-280, 1e300
+
+# No references to arrays are counted (`_nrt`; nothing here makes an array).
+OPTIONS: dict[str, Any] = {"cache": True, "nogil": True, "error_model": "numpy", "_nrt": False}
+compiled = njit(**OPTIONS)
+inlined = njit(forceinline=True, **OPTIONS)
+
+
+@compiled
+def force(overlap, stiffness, exponent):
+    """Contact force k d^p of a positive overlap."""
+    if overlap <= 0.0:
+        return 0.0
+    if exponent == 1.5:
+        return stiffness * overlap * math.sqrt(overlap)
+    return stiffness * overlap**exponent
+
+
+@compiled
+def force_rate(overlap, closing, stiffness, exponent):
+    """Its rate of change p k d^(p-1) d'."""
+    if overlap <= 0.0:
+        return 0.0
+    return exponent * stiffness * overlap ** (exponent - 1.0) * closing
+
+
+@compiled
+def press(w, size, exponent):
+    """Forces of all contacts at the trial positions; those of 3/2 and 2 need no power."""
+    if exponent == 1.5:
+        for i in range(size):
+            d = w[TRIAL + i] - w[TRIAL + i + 1]
+            d = d if d > 0.0 else 0.0
+            w[FORCE + 1 + i] = w[STIFFNESS + i] * d * math.sqrt(d)
+    elif exponent == 2.0:
+        for i in range(size):
+            d = w[TRIAL + i] - w[TRIAL + i + 1]
+            d = d if d > 0.0 else 0.0
+            w[FORCE + 1 + i] = w[STIFFNESS + i] * d * d
+    else:
+        for i in range(size):
+            d = w[TRIAL + i] - w[TRIAL + i + 1]
+            w[FORCE + 1 + i] = w[STIFFNESS + i] * d**exponent if d > 0.0 else 0.0
+
+
+@inlined
+def accelerate(w, size, exponent, accelerations):
+    """Accelerations of all slots at the trial positions, Eq. (4) of the paper."""
+    press(w, size, exponent)
+    for i in range(size):
+        net = w[FORCE + i] - w[FORCE + 1 + i]
+        w[accelerations + i] = net * w[INVERSE_MASS + i]
+
+
+@inlined
+def weighted(w, i, weights):
+    """Weighted sum of the first stages of slot i."""
+    total = 0.0
+    stage = STAGE_0 + i
+    for weight in weights:
+        total += weight * w[stage]
+        stage += ROW
+    return total
+
+
+@inlined
+def place(w, size, h, c, weights):
+    """Trial positions of a stage: after the part c of the step."""
+    for i in range(size):
+        push = weighted(w, i, weights)
+        w[TRIAL + i] = w[POSITION + i] + h * (c * w[VELOCITY + i] + h * push)
+
+
+@inlined
+def try_step(w, size, h, exponent):
+    """One step of order 8; stage 0 must hold the accelerations at its start."""
+    place(w, size, h, C1, A1)
+    accelerate(w, size, exponent, STAGE_1)
+    place(w, size, h, C2, A2)
+    accelerate(w, size, exponent, STAGE_2)
+    place(w, size, h, C3, A3)
+    accelerate(w, size, exponent, STAGE_3)
+    place(w, size, h, C4, A4)
+    accelerate(w, size, exponent, STAGE_4)
+    place(w, size, h, C5, A5)
+    accelerate(w, size, exponent, STAGE_5)
+    place(w, size, h, C6, A6)
+    accelerate(w, size, exponent, STAGE_6)
+    place(w, size, h, C7, A7)
+    accelerate(w, size, exponent, STAGE_7)
+    for i in range(size):
+        push = weighted(w, i, B_POSITION)
+        w[TRIAL + i] = w[POSITION + i] + h * (w[VELOCITY + i] + h * push)
+        w[NEW_VELOCITY + i] = w[VELOCITY + i] + h * weighted(w, i, B_VELOCITY)
+    accelerate(w, size, exponent, STAGE_8)
+
+
+@inlined
+def spread(w, size, speeds, wider):
+    """Largest of the speeds of each slot and its two neighbours."""
+    for i in range(size):
+        a, b, c = w[speeds + i - 1], w[speeds + i], w[speeds + i + 1]
+        larger = a if a > b else b
+        w[wider + i] = larger if larger > c else c
+
+
+@compiled
+def measure(w, size, crest):
+    """The speeds in which errors are measured: the largest within three beads, graded."""
+    for i in range(size):
+        w[SPEED + i] = abs(w[VELOCITY + i]) + AT_REST * crest
+    spread(w, size, SPEED, SCALE)
+    spread(w, size, SCALE, SPEED)
+    spread(w, size, SPEED, SCALE)
+    for i in range(size):
+        w[SCALE + i] *= w[GRADE + i]
+
+
+@compiled
+def grade(w, size, waiting, grading):
+    """How much more error is tolerated of the slots behind the waiting one."""
+    tolerated = 1.0
+    for i in range(size - 1, -1, -1):
+        if i < waiting - UNGRADED:
+            tolerated *= grading
+        w[GRADE + i] = tolerated
+
+
+@compiled
+def error_of_step(w, size, h):
+    """Largest estimated error of the velocities, in their scales; what is no number is kept."""
+    for i in range(size):
+        w[ERROR + i] = abs(h * weighted(w, i, E_VELOCITY)) / w[SCALE + i]
+    worst = 0.0
+    for i in range(size):
+        if not w[ERROR + i] <= worst:
+            worst = w[ERROR + i]
+    return worst
+
+
+@compiled
+def hermite(h, x0, v0, a0, j0, x1, v1, a1, j1):
+    """Coefficients of the polynomial of degree 7 in s = t/h through both ends of a step.
+
+    It takes position, velocity, acceleration and jerk from each end.
+    """
+    c1, c2, c3 = h * v0, 0.5 * h * h * a0, h * h * h * j0 / 6.0
+    x = x1 - (x0 + c1 + c2 + c3)
+    v = h * v1 - (c1 + 2.0 * c2 + 3.0 * c3)
+    a = h * h * a1 - (2.0 * c2 + 6.0 * c3)
+    j = h * h * h * j1 - 6.0 * c3
+    c4 = 35.0 * x - 15.0 * v + 2.5 * a - j / 6.0
+    c5 = -84.0 * x + 39.0 * v - 7.0 * a + 0.5 * j
+    c6 = 70.0 * x - 34.0 * v + 6.5 * a - 0.5 * j
+    c7 = -20.0 * x + 10.0 * v - 2.0 * a + j / 6.0
+    return x0, c1, c2, c3, c4, c5, c6, c7
+
+
+@compiled
+def value(c, s):
+    """The polynomial at s."""
+    c0, c1, c2, c3, c4, c5, c6, c7 = c
+    return c0 + s * (c1 + s * (c2 + s * (c3 + s * (c4 + s * (c5 + s * (c6 + s * c7))))))
+
+
+@compiled
+def slope(c, s):
+    """Its derivative with respect to s."""
+    _, c1, c2, c3, c4, c5, c6, c7 = c
+    high = 4.0 * c4 + s * (5.0 * c5 + s * (6.0 * c6 + s * (7.0 * c7)))
+    return c1 + s * (2.0 * c2 + s * (3.0 * c3 + s * high))
+
+
+@compiled
+def jerk(w, i, exponent, positions, velocities):
+    """Rate of change of the acceleration of slot i."""
+    x, v = positions + i, velocities + i
+    push = 0.0
+    if i > 0:
+        push = force_rate(w[x - 1] - w[x], w[v - 1] - w[v], w[STIFFNESS + i - 1], exponent)
+    push -= force_rate(w[x] - w[x + 1], w[v] - w[v + 1], w[STIFFNESS + i], exponent)
+    return push * w[INVERSE_MASS + i]
+
+
+@compiled
+def motion(w, i, h, exponent):
+    """Position of slot i within the step, as a polynomial."""
+    return hermite(
+        h,
+        w[POSITION + i], w[VELOCITY + i], w[STAGE_0 + i],
+        jerk(w, i, exponent, POSITION, VELOCITY),
+        w[TRIAL + i], w[NEW_VELOCITY + i], w[STAGE_8 + i],
+        jerk(w, i, exponent, TRIAL, NEW_VELOCITY),
+    )  # fmt: skip
+
+
+@compiled
+def net_force(w, i, exponent, motions, s):
+    """Net force on slot i, from where it and its neighbours are within the step."""
+    left, here, right = motions
+    x = value(here, s)
+    pushed = force(value(left, s) - x, w[STIFFNESS + i - 1], exponent)
+    return pushed - force(x - value(right, s), w[STIFFNESS + i], exponent)
+
+
+@compiled
+def peak_within(w, i, exponent, motions):
+    """Where in the step the net force on slot i first stops being positive; 2 if nowhere."""
+    low = 0.0
+    for part in range(1, PARTS + 1):
+        high = part / PARTS
+        if net_force(w, i, exponent, motions, high) <= 0.0:
+            for _ in range(BISECTIONS):
+                middle = 0.5 * (low + high)
+                rising = net_force(w, i, exponent, motions, middle) > 0.0
+                low, high = (middle, high) if rising else (low, middle)
+            return high
+        low = high
+    return 2.0
+
+
+@compiled
+def crossing_within(motions):
+    """Where in the step a slot is first no faster than the next; 2 if nowhere."""
+    here, right = motions
+    low = 0.0
+    for part in range(1, PARTS + 1):
+        high = part / PARTS
+        if slope(here, high) <= slope(right, high):
+            for _ in range(BISECTIONS):
+                middle = 0.5 * (low + high)
+                closing = slope(here, middle) > slope(right, middle)
+                low, high = (middle, high) if closing else (low, middle)
+            return high
+        low = high
+    return 2.0
+
+
+@compiled
+def may_peak(w, i):
+    """Whether some stage finds slot i, pushed at the start of the step, no longer pushed."""
+    if w[STAGE_0 + i] <= 0.0:
+        return False
+    for stage in range(STAGE_0, END, ROW):
+        if w[stage + i] <= 0.0:
+            return True
+    return False
+
+
+@compiled
+def may_cross(w, i):
+    """Whether the overlap of contact i, growing at the start of the step, may stop within it."""
+    if w[VELOCITY + i] <= w[VELOCITY + i + 1]:
+        return False
+    if w[NEW_VELOCITY + i] <= w[NEW_VELOCITY + i + 1]:
+        return True
+    return w[STAGE_0 + i] < w[STAGE_0 + i + 1] and w[STAGE_8 + i] > w[STAGE_8 + i + 1]
+
+
+@compiled
+def record_peak(w, i, h, exponent, time, at, passed):
+    """Record the velocity maximum of slot i, if it is within the step."""
+    left, here = motion(w, i - 1, h, exponent), motion(w, i, h, exponent)
+    motions = left, here, motion(w, i + 1, h, exponent)
+    part = peak_within(w, i, exponent, motions)
+    if part > 1.0:
+        return
+    # A bead that has left both neighbours flies on at the velocity of the end of the step.
+    flies = w[STAGE_8 + i] == 0.0 and net_force(w, i, exponent, motions, part) == 0.0
+    passed[PEAK_VELOCITY, at] = w[NEW_VELOCITY + i] if flies else slope(here, part) / h
+    passed[PEAK_TIME, at] = time + part * h
+
+
+@compiled
+def record_crossing(w, i, h, exponent, clock, place, at, passed):
+    """Record the largest overlap of contact i, if it is within the step.
+
+    The residence is counted from the crossing before, since the difference of two times
+    loses its digits where the pulse becomes much faster than it was.
+    """
+    here, right = motion(w, i, h, exponent), motion(w, i + 1, h, exponent)
+    part = crossing_within((here, right))
+    if part > 1.0:
+        return
+    overlap = value(here, part) - value(right, part)
+    passed[ARRIVAL, at + 1] = clock[TIME] + part * h
+    passed[PEAK_OVERLAP, at] = overlap
+    contact = place[LOW] + i
+    if place[LAST_CROSSING] == contact - 1:
+        passed[RESIDENCE, at] = clock[SINCE_CROSSING] + part * h
+    place[LAST_CROSSING] = contact
+    clock[SINCE_CROSSING] = -part * h
+    clock[CREST] = w[NEW_VELOCITY + i + 1]
+    clock[LARGEST_FORCE] = force(overlap, w[STIFFNESS + i], exponent)
+
+
+@compiled
+def record_events(w, clock, place, h, exponent, passed):
+    """Record the first maxima and largest overlaps of the step."""
+    low = place[LOW]
+    for i in range(place[WAITING] - low, min(place[SIZE], place[BEADS] - low)):
+        if not w[NEW_VELOCITY + i] > REACHED * w[SCALE + i]:
+            continue
+        at = place[FIRST] + low + i
+        if passed[ARRIVAL, at] == 0.0 and may_cross(w, i - 1):
+            record_crossing(w, i - 1, h, exponent, clock, place, at - 1, passed)
+        if passed[PEAK_TIME, at] == 0.0 and may_peak(w, i):
+            record_peak(w, i, h, exponent, clock[TIME], at, passed)
+    while place[WAITING] < place[BEADS]:
+        at = place[FIRST] + place[WAITING]
+        if passed[ARRIVAL, at] == 0.0 or passed[PEAK_TIME, at] == 0.0:
+            break
+        place[WAITING] += 1
+
+
+@compiled
+def load_slot(w, place, given, i):
+    """Put the bead of slot i there, at rest; beyond the end of the chain, nothing at all."""
+    bead = place[LOW] + i
+    inside = bead < place[BEADS]
+    at = place[FIRST] + bead
+    w[STIFFNESS + i] = given[GIVEN_STIFFNESS, at] if inside else 0.0
+    w[INVERSE_MASS + i] = given[GIVEN_INVERSE_MASS, at] if inside else 0.0
+    w[POSITION + i] = 0.0
+    w[VELOCITY + i] = 0.0
+
+
+@compiled
+def start(w, clock, place, exponent, given):
+    """Begin a chain: bead 1 struck, bead 2 waited for."""
+    w[:] = 0.0
+    clock[:] = 0.0
+    place[LOW], place[SIZE], place[WAITING], place[LAST_CROSSING] = 0, 2 * STRIDE, 1, -1
+    for i in range(place[SIZE]):
+        load_slot(w, place, given, i)
+    w[VELOCITY] = 1.0
+    # Compression time of the first two beads, as if they were alone, and their largest force.
+    reduced = 1.0 / (w[INVERSE_MASS] + w[INVERSE_MASS + 1])
+    overlap = (0.5 * (exponent + 1.0) * reduced / w[STIFFNESS]) ** (1.0 / (exponent + 1.0))
+    clock[STEP] = FIRST_STEP * overlap
+    clock[CREST] = 1.0
+    clock[LARGEST_FORCE] = force(overlap, w[STIFFNESS], exponent)
+
+
+@compiled
+def take_in(w, clock, place, given):
+    """Widen the window if the pulse has reached its last beads; False if there is no room."""
+    size = place[SIZE]
+    reached = w[FORCE + 1 + size - STRIDE] > REACHED_FORCE * clock[LARGEST_FORCE]
+    if not reached or place[LOW] + size >= place[BEADS]:
+        return True
+    if size + STRIDE > SLOTS:
+        return False
+    for i in range(size, size + STRIDE):
+        load_slot(w, place, given, i)
+    place[SIZE] += STRIDE
+    return True
+
+
+@compiled
+def drop(w, place, exponent, given):
+    """Move the window by STRIDE beads: slots take over from others, the last are loaded."""
+    size = place[SIZE]
+    for i in range(size - STRIDE):
+        for row in (POSITION, VELOCITY, STIFFNESS, INVERSE_MASS):
+            w[row + i] = w[row + i + STRIDE]
+    place[LOW] += STRIDE
+    for i in range(size - STRIDE, size):
+        load_slot(w, place, given, i)
+    for i in range(size):
+        w[TRIAL + i] = w[POSITION + i]
+    accelerate(w, size, exponent, STAGE_0)
+
+
+@compiled
+def step_to_contact(w, size, waiting, h):
+    """The step, cut where the next contact opens or closes, by a parabola."""
+    longest = h
+    for i in range(max(waiting - LANDING, 0), size - 1):
+        overlap = w[POSITION + i] - w[POSITION + i + 1]
+        closing = w[VELOCITY + i] - w[VELOCITY + i + 1]
+        if overlap * closing >= 0.0 or abs(overlap) > 2.0 * abs(closing) * h:
+            continue
+        square = closing * closing - 2.0 * overlap * (w[STAGE_0 + i] - w[STAGE_0 + i + 1])
+        if square > 0.0:
+            time = 2.0 * abs(overlap) / (math.sqrt(square) + abs(closing))
+            if LEAST_PART * longest < time < h:
+                h = time
+    return h
+
+
+@compiled
+def accept(w, size):
+    """Go on from the end of the step."""
+    for i in range(size):
+        w[POSITION + i] = w[TRIAL + i]
+        w[VELOCITY + i] = w[NEW_VELOCITY + i]
+        w[STAGE_0 + i] = w[STAGE_8 + i]
+
+
+@compiled
+def advance(scratch, window, exponent, given, passed):
+    """Take one step, or find it too long; returns RUNNING or what became of the chain."""
+    w, clock, place = scratch
+    behind, tolerance, grading = window
+    size, h = place[SIZE], clock[STEP]
+    measure(w, size, clock[CREST])
+    try_step(w, size, h, exponent)
+    error = error_of_step(w, size, h) / tolerance
+    change = SAFETY * error ** (-1.0 / 7.0) if error > 0.0 else GROWTH
+    if not error <= 1.0:
+        clock[STEP] = h * (max(SHRINKAGE, change) if error > 1.0 else SHRINKAGE)
+        return RUNNING if clock[STEP] > SMALLEST_STEP else BROKEN
+    record_events(w, clock, place, h, exponent, passed)
+    accept(w, size)
+    clock[TIME] += h
+    clock[SINCE_CROSSING] += h
+    if place[WAITING] == place[BEADS]:
+        return FOLLOWED
+    if not clock[CREST] > SMALLEST_CREST or not clock[TIME] < ENDLESS:
+        return BROKEN
+    if not take_in(w, clock, place, given):
+        return WINDOW_FULL
+    if place[WAITING] - place[LOW] >= behind + STRIDE:
+        drop(w, place, exponent, given)
+    grade(w, place[SIZE], place[WAITING] - place[LOW], grading)
+    h *= min(GROWTH, max(SHRINKAGE, change))
+    clock[STEP] = step_to_contact(w, place[SIZE], place[WAITING] - place[LOW], h)
+    return RUNNING
+
+
+@compiled
+def follow(window, given, passed, status, signal, scratch):
+    """Follow the pulse along many chains, one after the other.
+
+    Parameters
+    ----------
+    window : (beads kept behind the first one that still waits for an event; tolerated error of a
+        step, in parts of the speeds around each bead; factor by which that grows from bead to
+        bead behind)
+    given : (chains, first, beads, exponents): (2, M) inverse masses and stiffness of all beads of
+        all chains, where the contact after the last bead of a chain has stiffness 0; where each
+        of the C chains begins among the M beads; how many it has; its force law
+    passed : (COLUMNS, M) zeros, to become what `hertzchain.kernels.front.follow` gives, except
+        the residences of contacts that do not follow the one before: those stay 0
+    status : (C,) what became of each chain
+    signal : (2,) set entry STOP to end early; entry PASSED counts beads
+    scratch : what `new_scratch` gives
+    """
+    chains, first, beads, exponents = given
+    w, clock, place = scratch
+    for index in range(len(status)):
+        place[FIRST], place[BEADS] = first[index], beads[index]
+        start(w, clock, place, exponents[index], chains)
+        grade(w, place[SIZE], place[WAITING], window[2])
+        code = RUNNING
+        trials = MAX_STEPS * beads[index]
+        while code == RUNNING:
+            if signal[STOP] != 0:
+                status[index] = STOPPED
+                return
+            waiting = place[WAITING]
+            code = advance(scratch, window, exponents[index], chains, passed)
+            signal[PASSED] += place[WAITING] - waiting
+            trials -= 1
+            if trials == 0 and code == RUNNING:
+                code = STALLED
+        status[index] = code
+
+
+def new_scratch() -> tuple[Any, Any, Any]:
+    """The window and what is known beside it."""
+    line = 64
+    w = np.zeros(END + line // 8)
+    w = w[-w.ctypes.data % line // 8 :][:END]
+    return w, np.zeros(CLOCK_SIZE), np.zeros(PLACE_SIZE, np.int64)

@@ -229,12 +229,15 @@ def test_the_figure_has_a_symbol_for_every_number(board):
     assert len(axes.get_yticks()) == len(table)
     assert "k = 2" in axes.get_xlabel()
     # Theories without any number are not named.
-    assert [text.get_text() for text in axes.get_legend().get_texts()] == ["bca"]
+    named = [text.get_text() for text in axes.get_legend().get_texts()]
+    assert named == ["bca", "local-rate", "outside its range, it warns"]
     velocity = plot_scoreboard(board)
     pale = [len(line.get_xdata()) for line in velocity.lines if line.get_alpha() == 0.35]
-    # Two theories warn, each for the four families beyond the rates.
-    assert sorted(pale)[-2:] == [4, 4]
-    assert sum(pale) == 8
+    table = board.table("velocity")
+    warned = (board.outside() & table.notna()).to_numpy().sum(axis=0)
+    # Two theories warn for the four families beyond the rates, the law for rough tapers.
+    assert sorted(warned)[-3:-1] == [4, 4]
+    assert sum(pale) == sum(warned)
 
 
 @pytest.mark.parametrize(

@@ -257,6 +257,10 @@ def assembled(
     Returns
     -------
     UniversalFunctions
+
+    Examples
+    --------
+    Used by `read_tables` and by `hertzchain.training`.
     """
     from scipy.interpolate import CubicSpline
 

@@ -59,7 +59,23 @@ class Way:
     most: float = np.inf
 
     def window(self, rtol: float) -> tuple[int, float, float]:
-        """Parameters of the kernel."""
+        """Parameters of the kernel.
+
+        Parameters
+        ----------
+        rtol : float
+            Tolerance of the results.
+
+        Returns
+        -------
+        tuple
+            Beads behind, tolerated error of a step, and its growth per bead.
+
+        Examples
+        --------
+        >>> Way(48, 0.5, 1.5).window(1e-8)
+        (48, 5e-09, 1.5)
+        """
         return self.behind, min(self.part * rtol, self.most), self.grading
 
 

@@ -349,12 +349,14 @@ class _State:
         self.y[beads] = 1.0
         self.clock = np.zeros(kernel.CLOCK_SIZE)
         self.counts = np.zeros(kernel.COUNTS_SIZE, np.int64)
-        self.bodies = (1.0 / chain.masses, chain.stiffness, chain.exponent)
+        self.setup = kernel.Plain(1.0 / chain.masses, chain.stiffness, chain.exponent)
+        self.contacts = None
         self.peaks, self.crossings = np.zeros((2, beads)), np.zeros((3, beads - 1))
         self.peaks[1, 0] = 1.0
         self.stages = np.zeros((dop853.STAGES, 2 * beads))
-        self.scratch = (np.empty((3, 2 * beads)), np.zeros((2, beads), np.bool_))
-        kernel.start(self.y, self.clock, self.counts, *self.bodies, 1e-4 * _transit_times(chain)[0])
+        self.walls = np.zeros((kernel.WALL_ROWS, 2))
+        self.scratch = (np.empty((6, 2 * beads)), np.zeros((2, beads), np.bool_))
+        kernel.start(self.y, self.clock, self.counts, self.setup, self.contacts, 1e-4 * _transit_times(chain)[0])
 
     @property
     def underflows(self) -> bool:
@@ -381,10 +383,10 @@ def _integrate(
     status: Status | None = None
     while code in (kernel.RUNNING, kernel.FRAMES_FULL) and status is None:
         code = kernel.advance(
-            state.y, state.clock, counts, *state.bodies, *end, rtol,
-            min(budget, max_steps - int(counts[kernel.STEPS])),
-            frames.times, frames.spacing is not None, frames.states,
-            state.peaks, state.crossings, state.stages, *state.scratch,
+            state.y, state.clock, counts, state.setup, state.contacts, *end, rtol,
+            min(budget, max_steps - int(counts[kernel.STEPS])), False,
+            frames.times, frames.spacing is not None, frames.states, np.empty((len(frames.times), 0)),
+            state.peaks, state.crossings, state.walls, state.stages, *state.scratch,
         )  # fmt: skip
         if progress is not None:
             progress(1 + int(min(counts[kernel.PEAKS], counts[kernel.CROSSINGS])), chain.beads)

@@ -1,9 +1,15 @@
 r"""The whole chain, every bead, by an adaptive Runge-Kutta method of order 8.
 
-The state is one array ``y`` of length 2N: positions :math:`x_k`, then velocities
-:math:`v_k`, and its derivative is :math:`(v_k, a_k)` with
+The state is one array ``y``: positions :math:`x_k`, velocities :math:`v_k` and, unless
+the chain is plain, a ledger of what enters and leaves.  Its derivative is
+:math:`(v_k, a_k)` with
 
-.. math:: a_k = [F_{k-1} - F_k]/m_k, \qquad F_k = r_k (x_k - x_{k+1})_+^p .
+.. math:: a_k = [F_{k-1} - F_k + X_k]/m_k + g,
+
+:math:`F_c` the force in contact c and :math:`X_k` that from outside.  Contacts
+:math:`c = 1 \dots N - 1` join beads c and c + 1; contacts 0 and N are those with the
+walls.  A plain chain, Eq. (4) of the paper, has :math:`F_c = r_c (x_c - x_{c+1})_+^p`
+and nothing else, and a loop of its own.
 
 `advance` takes steps of DOP853 (`hertzchain.kernels.dop853`) and looks between
 them for what the eye would pick from the curves: the first maximum of each
@@ -12,9 +18,14 @@ method's interpolant of order 7 by bisection, not among the steps.
 
 Contacts open and close with a force that is not smooth (a power 3/2 of time), and
 so does the strike begin; there the error estimate shortens the steps by itself.
+Where a law's force jumps, has a memory or is cut off, each contact is in a *mode* that
+is kept within a step: the first moment at which one must change is located on the
+interpolant, and the step ends there.
 """
 
 from __future__ import annotations
+
+from typing import Any, NamedTuple
 
 import numpy as np
 from numba import njit
@@ -22,15 +33,29 @@ from numba import njit
 from hertzchain.kernels.dop853 import E3, E5, STAGES, STEP_STAGES, A, B, D
 
 # What `advance` returns.
-RUNNING, PULSE_LEFT, TIME_REACHED, FRAMES_FULL, STEP_TOO_SMALL, PULSE_LOST = range(6)
+RUNNING, PULSE_LEFT, TIME_REACHED, FRAMES_FULL, STEP_TOO_SMALL, PULSE_LOST, LAST_STEP = range(7)
 
 # Meaning of the entries of `clock` and `counts`, the parts of the state that are no arrays.
-TIME, STEP, SINCE_CROSSING = 0, 1, 2
-INITIAL_ENERGY, INITIAL_MOMENTUM, ENERGY_DRIFT, MOMENTUM_DRIFT, CLOCK_SIZE = range(3, 8)
-STEPS, EVALUATIONS, FRAMES, PEAKS, CROSSINGS, LAST_CROSSING, FROZEN, COUNTS_SIZE = range(8)
-# Rows of `peaks` and of `crossings`.
+TIME, STEP, SINCE_CROSSING, FASTEST = 0, 1, 2, 3
+INITIAL_ENERGY, INITIAL_MOMENTUM, ENERGY_UNIT, MOMENTUM_UNIT = range(4, 8)
+ENERGY_DRIFT, MOMENTUM_DRIFT, CLOCK_SIZE = 8, 9, 10
+STEPS, EVALUATIONS, FRAMES, PEAKS, CROSSINGS, LAST_CROSSING, FROZEN, SEGMENT, SWITCHES = range(9)
+COUNTS_SIZE = 9
+# Rows of `peaks`, of `crossings` and of `walls`.
 PEAK_TIME, PEAK_VELOCITY = 0, 1
 CROSSING_TIME, OVERLAP, RESIDENCE = 0, 1, 2
+WALL_PEAK_TIME, WALL_PEAK, FIRST_IMPULSE, FIRST_END, WALL_ROWS = range(5)
+# The ledger behind positions and velocities: energy lost in contacts, work and impulse of the
+# drive, impulse given to the chain by the left wall and by the chain to the right one.
+LOST, DRIVEN, PUSHED, LEFT_IMPULSE, RIGHT_IMPULSE, LEDGER = range(6)
+
+# Loss laws, and the modes of a contact under them.
+ELASTIC, DAMPED, UNLOADING, PLASTIC = range(4)
+RELEASED, LOADED, STUCK = range(3)
+# What drives the chain: nothing, a force on bead 1, the place of the left wall.
+NOTHING, PUSH, MOVING_WALL = range(3)
+# A piece of the drive: a cubic in time, then amplitude and angular frequency of three sines.
+CUBIC, SINES = 4, 3
 
 # A bead slower than this, in parts of the speeds around it, is not reached yet: rounding
 # ahead of the pulse could look like a maximum.
@@ -49,8 +74,56 @@ BISECTIONS = 48
 PARTS = 8
 # Steps too short for the clock to notice, in a row, after which the run is given up.
 MOST_FROZEN = 100_000
+# What counts as no relative motion, in parts of the fastest motion so far, and as no excess of
+# force: a contact at rest must not change its mode for rounding.
+STILL = 1e-14
+EVEN = 1e-13
+
+# When in a step its stages are.
+C = A.sum(axis=1)
 
 compiled = njit(cache=True, nogil=True, error_model="numpy")
+
+
+class Plain(NamedTuple):
+    """A chain of Eq. (4) of the paper: beads, the contacts between them, nothing else."""
+
+    inverse_mass: Any  # (N,)
+    stiffness: Any  # (N - 1,)
+    exponent: float
+
+
+class Bench(NamedTuple):
+    """Any other chain: beads, contacts 0..N (walls at both ends), and what acts on them."""
+
+    inverse_mass: Any  # (N,)
+    stiffness: Any  # (N + 1,); 0 where there is no wall
+    exponent: float
+    gap: Any  # (N + 1,)
+    loss: int
+    # DAMPED: k d^p + damping d^overlap_power |d'|^speed_power sgn d'; else 1 - w, or e^2.
+    damping: Any  # (N + 1,)
+    overlap_power: float
+    speed_power: float
+    kept: float
+    attractive: bool
+    gravity: float
+    end_forces: Any  # (2,): held inwards on bead 1 and on bead N
+    drive: int
+    piece_starts: Any  # (pieces,)
+    pieces: Any  # (pieces, CUBIC + 2 SINES)
+
+
+class Contacts(NamedTuple):
+    """What the contacts of a `Bench` remember, and where their forces are written.
+
+    With a `Plain` chain there are none: `None`, for which numba compiles code without them.
+    """
+
+    mode: Any  # (N + 1,)
+    largest: Any  # (N + 1,): largest overlap, where the law depends on it
+    force: Any  # (N + 1,)
+    scratch: Any  # (2, N + 1)
 
 
 @compiled
@@ -64,7 +137,7 @@ def force(overlap, stiffness, exponent):
 
 
 @compiled
-def derivative(y, inverse_mass, stiffness, exponent, out):
+def plain_derivative(y, inverse_mass, stiffness, exponent, out):
     """Velocities and accelerations of all beads, Eq. (4) of the paper."""
     beads = len(inverse_mass)
     pushed = 0.0
@@ -75,6 +148,235 @@ def derivative(y, inverse_mass, stiffness, exponent, out):
         pushed = pushing
     out[beads - 1] = y[2 * beads - 1]
     out[2 * beads - 1] = pushed * inverse_mass[beads - 1]
+
+
+@compiled
+def drive_at(time, setup, segment):
+    """Value, rate and acceleration of the drive at a time within a piece of it."""
+    t = time - setup.piece_starts[segment]
+    c = setup.pieces[segment]
+    value = c[0] + t * (c[1] + t * (c[2] + t * c[3]))
+    rate = c[1] + t * (2.0 * c[2] + t * 3.0 * c[3])
+    second = 2.0 * c[2] + 6.0 * c[3] * t
+    for i in range(SINES):
+        amplitude, w = c[CUBIC + 2 * i], c[CUBIC + 2 * i + 1]
+        value += amplitude * np.sin(w * t)
+        rate += amplitude * w * np.cos(w * t)
+        second -= amplitude * w * w * np.sin(w * t)
+    return value, rate, second
+
+
+@compiled
+def overlap_and_closing(c, y, setup, wall):
+    """Overlap of contact c and the speed at which it grows; ``wall`` is the left wall's motion."""
+    beads = len(setup.inverse_mass)
+    left, left_speed = wall[0], wall[1]
+    if c > 0:
+        left, left_speed = y[c - 1], y[beads + c - 1]
+    right, right_speed = 0.0, 0.0
+    if c < beads:
+        right, right_speed = y[c], y[beads + c]
+    return left - right - setup.gap[c], left_speed - right_speed
+
+
+@compiled
+def damped(overlap, closing, damping, setup):
+    """The part of a damped contact's force that depends on the closing speed."""
+    if setup.overlap_power == 0.25:
+        damping *= np.sqrt(np.sqrt(overlap))
+    elif setup.overlap_power == 0.5:
+        damping *= np.sqrt(overlap)
+    elif setup.overlap_power != 0.0:
+        damping *= overlap**setup.overlap_power
+    if setup.speed_power == 1.0:
+        return damping * closing
+    return damping * np.sign(closing) * abs(closing) ** setup.speed_power
+
+
+@compiled
+def contact_force(c, overlap, closing, setup, contacts):
+    """Force of contact c, and the part of it that is stored: the slope of its potential."""
+    stiffness, exponent = setup.stiffness[c], setup.exponent
+    if setup.loss == PLASTIC:
+        if contacts.mode[c] == LOADED:
+            pushing = force(overlap, stiffness, exponent)
+            return pushing, setup.kept * pushing
+        pushing = force(elastic_overlap(c, overlap, setup, contacts), stiffness, exponent)
+        return pushing, pushing
+    elastic = force(overlap, stiffness, exponent)
+    if setup.loss == UNLOADING:
+        stored = setup.kept * elastic
+        return (elastic if contacts.mode[c] == LOADED else stored), stored
+    if setup.loss == DAMPED:
+        acts = contacts.mode[c] == LOADED if has_modes(setup) else overlap > 0.0
+        if not acts:
+            return 0.0, elastic
+        return elastic + damped(max(overlap, 0.0), closing, setup.damping[c], setup), elastic
+    return elastic, elastic
+
+
+@compiled
+def elastic_overlap(c, overlap, setup, contacts):
+    """Overlap that the loading curve would need for the force of a plastic contact."""
+    if contacts.mode[c] == LOADED:
+        return overlap
+    return (overlap - (1.0 - setup.kept) * contacts.largest[c]) / setup.kept
+
+
+@compiled
+def potential(c, overlap, setup, contacts):
+    """Energy that contact c can give back."""
+    kept = 1.0
+    if setup.loss == PLASTIC:
+        overlap = elastic_overlap(c, overlap, setup, contacts)
+        kept = setup.kept
+    if setup.loss == UNLOADING:
+        kept = setup.kept
+    curve = force(overlap, setup.stiffness[c], setup.exponent)
+    return kept * curve * max(overlap, 0.0) / (setup.exponent + 1.0)
+
+
+@compiled
+def force_on(k, drive, setup):
+    """Force from outside on bead k (0-based), without gravity."""
+    outside = 0.0
+    if k == 0:
+        outside += setup.end_forces[0]
+        if setup.drive == PUSH:
+            outside += drive
+    if k == len(setup.inverse_mass) - 1:
+        outside -= setup.end_forces[1]
+    return outside
+
+
+@compiled
+def hold_stuck(drive, wall_acceleration, setup, contacts):
+    """Forces that keep the closing speed of stuck contacts at zero: a tridiagonal system.
+
+    For contact c between accelerations a_left = (F_{c-1} - F_c + X_left)/m_left and
+    a_right, their difference is zero; neighbours that are not stuck have known forces.
+    """
+    inverse_mass, mode, pushing = setup.inverse_mass, contacts.mode, contacts.force
+    beads = len(inverse_mass)
+    factor, value = contacts.scratch[0], contacts.scratch[1]
+    for c in range(beads + 1):
+        if mode[c] != STUCK:
+            continue
+        left, right, difference = 0.0, 0.0, 0.0
+        if c > 0:
+            left = inverse_mass[c - 1]
+            difference += left * force_on(c - 1, drive, setup) + setup.gravity
+            if mode[c - 1] != STUCK:
+                difference += left * pushing[c - 1]
+        else:
+            difference += wall_acceleration
+        if c < beads:
+            right = inverse_mass[c]
+            difference -= right * force_on(c, drive, setup) + setup.gravity
+            if mode[c + 1] != STUCK:
+                difference += right * pushing[c + 1]
+        pivot = left + right
+        if c > 0 and mode[c - 1] == STUCK:
+            pivot -= left * factor[c - 1]
+            difference += left * value[c - 1]
+        factor[c] = right / pivot
+        value[c] = difference / pivot
+    for c in range(beads, -1, -1):
+        if mode[c] == STUCK:
+            pushing[c] = value[c]
+            if c < beads and mode[c + 1] == STUCK:
+                pushing[c] += factor[c] * pushing[c + 1]
+
+
+@compiled
+def full_derivative(time, y, setup, contacts, segment, out):
+    """Velocities, accelerations and rates of the ledger."""
+    beads = len(setup.inverse_mass)
+    drive = drive_at(time, setup, segment) if setup.drive != NOTHING else (0.0, 0.0, 0.0)
+    wall = drive if setup.drive == MOVING_WALL else (0.0, 0.0, 0.0)
+    lost = 0.0
+    stuck = False
+    for c in range(beads + 1):
+        contacts.force[c] = 0.0
+        if setup.stiffness[c] > 0.0:
+            overlap, closing = overlap_and_closing(c, y, setup, wall)
+            stuck = stuck or contacts.mode[c] == STUCK
+            contacts.force[c], stored = contact_force(c, overlap, closing, setup, contacts)
+            lost += (contacts.force[c] - stored) * closing
+    if stuck:
+        hold_stuck(drive[0], wall[2], setup, contacts)
+    for k in range(beads):
+        net = contacts.force[k] - contacts.force[k + 1] + force_on(k, drive[0], setup)
+        out[k] = y[beads + k]
+        out[beads + k] = net * setup.inverse_mass[k] + setup.gravity
+    out[2 * beads + LOST] = lost
+    out[2 * beads + DRIVEN] = contacts.force[0] * wall[1]
+    out[2 * beads + PUSHED] = 0.0
+    if setup.drive == PUSH:
+        out[2 * beads + DRIVEN] = drive[0] * y[beads]
+        out[2 * beads + PUSHED] = drive[0]
+    out[2 * beads + LEFT_IMPULSE] = contacts.force[0]
+    out[2 * beads + RIGHT_IMPULSE] = contacts.force[beads]
+
+
+@compiled
+def derivative(time, y, setup, contacts, segment, out):
+    """Velocities and accelerations and, unless the chain is plain, rates of the ledger."""
+    if contacts is None:
+        plain_derivative(y, setup.inverse_mass, setup.stiffness, setup.exponent, out)
+    else:
+        full_derivative(time, y, setup, contacts, segment, out)
+
+
+@compiled
+def has_modes(setup):
+    """Whether the force depends on more than overlap and closing speed, or jumps with them."""
+    if setup.loss == DAMPED:
+        return setup.overlap_power == 0.0 or not setup.attractive
+    return setup.loss != ELASTIC
+
+
+@compiled
+def must_switch(c, overlap, closing, setup, contacts, still):
+    """Whether contact c has to leave its mode; relative speeds below ``still`` are none."""
+    mode = contacts.mode[c]
+    if setup.loss == DAMPED:
+        pulls = False
+        if not setup.attractive and overlap > 0.0:
+            pushing = force(overlap, setup.stiffness[c], setup.exponent)
+            pulls = pushing + damped(overlap, closing, setup.damping[c], setup) < 0.0
+        return (overlap < 0.0 or pulls) if mode == LOADED else (overlap > 0.0 and not pulls)
+    if mode == LOADED:
+        return closing < -still
+    if setup.loss == PLASTIC:
+        return overlap > contacts.largest[c] and closing > still
+    if mode == RELEASED:
+        return closing > still
+    loading = force(overlap, setup.stiffness[c], setup.exponent)
+    held = contacts.force[c]
+    return held > (1.0 + EVEN) * loading or held < (1.0 - EVEN) * setup.kept * loading
+
+
+@compiled
+def next_mode(c, time, y, setup, contacts, segment, scratch):
+    """The mode that follows.  A contact whose two forces both drive it back is stuck."""
+    mode = contacts.mode[c]
+    if setup.loss != UNLOADING:
+        return RELEASED if mode == LOADED else LOADED
+    wall = (0.0, 0.0, 0.0)
+    if setup.drive == MOVING_WALL:
+        wall = drive_at(time, setup, segment)
+    overlap, _ = overlap_and_closing(c, y, setup, wall)
+    loading = force(overlap, setup.stiffness[c], setup.exponent)
+    if mode == STUCK:
+        return LOADED if contacts.force[c] > loading else RELEASED
+    contacts.mode[c] = STUCK
+    derivative(time, y, setup, contacts, segment, scratch)
+    contacts.mode[c] = mode
+    held = contacts.force[c]
+    if overlap > 0.0 and setup.kept * loading < held < loading:
+        return STUCK
+    return RELEASED if mode == LOADED else LOADED
 
 
 @compiled
@@ -89,34 +391,40 @@ def add_stages(y, h, weights, stages, count, out):
 
 
 @compiled
-def try_step(y, h, inverse_mass, stiffness, exponent, stages, trial, y_new):
+def try_step(time, y, h, setup, contacts, segment, stages, trial, y_new):
     """One step of order 8; stage 0 must hold the derivative at its start."""
     for s in range(1, STEP_STAGES):
         add_stages(y, h, A[s], stages, s, trial)
-        derivative(trial, inverse_mass, stiffness, exponent, stages[s])
+        derivative(time + C[s] * h, trial, setup, contacts, segment, stages[s])
     add_stages(y, h, B, stages, STEP_STAGES, y_new)
-    derivative(y_new, inverse_mass, stiffness, exponent, stages[STEP_STAGES])
+    derivative(time + h, y_new, setup, contacts, segment, stages[STEP_STAGES])
 
 
 @compiled
-def complete_stages(y, h, inverse_mass, stiffness, exponent, stages, trial):
+def complete_stages(time, y, h, setup, contacts, segment, stages, trial):
     """The three further stages that the interpolant needs."""
     for s in range(STEP_STAGES + 1, STAGES):
         add_stages(y, h, A[s], stages, s, trial)
-        derivative(trial, inverse_mass, stiffness, exponent, stages[s])
+        derivative(time + C[s] * h, trial, setup, contacts, segment, stages[s])
 
 
 @compiled
-def velocity_scale(y, scale):
+def velocity_scale(y, y_new, setup, contacts, scale):
     """The speeds in which the beads' errors are measured.
 
     A bead's is the largest within a few beads, or a small part of that of the fastest
     bead in contact: beads that have lost contact move exactly, however fast they are.
+    On the bench much begins at rest, and is measured by the speed that the step gave it.
     """
     beads = len(scale)
+    if contacts is not None:
+        y = y_new
     fastest = 0.0
     for k in range(beads - 1):
-        if y[k] > y[k + 1]:
+        gap = 0.0
+        if contacts is not None:
+            gap = setup.gap[k + 1]
+        if y[k] > y[k + 1] + gap:
             fastest = max(fastest, abs(y[beads + k]), abs(y[beads + k + 1]))
     for k in range(beads):
         largest = SLOW * fastest
@@ -126,7 +434,7 @@ def velocity_scale(y, scale):
 
 
 @compiled
-def error_norm(h, stages, scale, rtol):
+def error_norm(h, stages, scale, rtol, errors):
     """Largest estimated error of a step, in tolerances; not a number if a stage is none.
 
     Positions count as the velocity error that would cause them within the step.
@@ -134,15 +442,18 @@ def error_norm(h, stages, scale, rtol):
     beads = len(scale)
     worst5 = 0.0
     worst3 = 0.0
+    errors[:] = 0.0
+    for j in range(STEP_STAGES + 1):
+        # The method leaves stages 1 to 4 out of both estimates.
+        if E5[j] != 0.0 or E3[j] != 0.0:
+            for i in range(2 * beads):
+                errors[0, i] += E5[j] * stages[j, i]
+                errors[1, i] += E3[j] * stages[j, i]
     for k in range(beads):
         if scale[k] < AT_REST:
             continue
         for i in (k, beads + k):
-            error5 = 0.0
-            error3 = 0.0
-            for j in range(STEP_STAGES + 1):
-                error5 += E5[j] * stages[j, i]
-                error3 += E3[j] * stages[j, i]
+            error5, error3 = errors[0, i], errors[1, i]
             unit = rtol * scale[k] if i < beads else rtol * scale[k] / h
             # Written so that what is not a number is kept: max() would lose it.
             if not abs(error5) / unit <= worst5:
@@ -170,29 +481,57 @@ def interpolate(i, theta, h, y, y_new, stages):
 
 
 @compiled
-def acceleration_within(k, theta, h, y, y_new, stages, stiffness, exponent):
-    """Net force on bead k at the fraction theta of a completed step."""
+def slope(i, theta, h, y, y_new, stages):
+    """Rate of change of component i at the fraction theta of a completed step."""
+    change = y_new[i] - y[i]
+    value = 0.0
+    rate = 0.0
+    for row in range(6, -1, -1):
+        if row > 2:
+            coefficient = 0.0
+            for j in range(STAGES):
+                coefficient += D[row - 3, j] * stages[j, i]
+            coefficient *= h
+        elif row == 2:
+            coefficient = 2.0 * change - h * (stages[STEP_STAGES, i] + stages[0, i])
+        elif row == 1:
+            coefficient = h * stages[0, i] - change
+        else:
+            coefficient = change
+        value += coefficient
+        if row % 2 == 0:
+            value, rate = value * theta, rate * theta + value
+        else:
+            value, rate = value * (1.0 - theta), rate * (1.0 - theta) - value
+    return rate / h
+
+
+@compiled
+def acceleration_within(k, theta, h, y, y_new, stages, setup, contacts):
+    """Acceleration of bead k, or net force on it, at the fraction theta of a completed step."""
+    if contacts is not None:
+        return slope(len(setup.inverse_mass) + k, theta, h, y, y_new, stages)
     here = interpolate(k, theta, h, y, y_new, stages)
     net = 0.0
     if k > 0:
         left = interpolate(k - 1, theta, h, y, y_new, stages)
-        net += force(left - here, stiffness[k - 1], exponent)
-    if k < len(stiffness):
+        net += force(left - here, setup.stiffness[k - 1], setup.exponent)
+    if k < len(setup.inverse_mass) - 1:
         right = interpolate(k + 1, theta, h, y, y_new, stages)
-        net -= force(here - right, stiffness[k], exponent)
+        net -= force(here - right, setup.stiffness[k], setup.exponent)
     return net
 
 
 @compiled
-def peak_within(k, h, y, y_new, stages, stiffness, exponent):
+def peak_within(k, h, y, y_new, stages, setup, contacts):
     """Where in the step the net force on bead k first stops being positive; 2 if nowhere."""
     low = 0.0
     for part in range(1, PARTS + 1):
         high = part / PARTS
-        if acceleration_within(k, high, h, y, y_new, stages, stiffness, exponent) <= 0.0:
+        if acceleration_within(k, high, h, y, y_new, stages, setup, contacts) <= 0.0:
             for _ in range(BISECTIONS):
                 middle = 0.5 * (low + high)
-                a = acceleration_within(k, middle, h, y, y_new, stages, stiffness, exponent)
+                a = acceleration_within(k, middle, h, y, y_new, stages, setup, contacts)
                 low, high = (middle, high) if a > 0.0 else (low, middle)
             return high
         low = high
@@ -200,9 +539,9 @@ def peak_within(k, h, y, y_new, stages, stiffness, exponent):
 
 
 @compiled
-def crossing_within(c, h, y, y_new, stages):
-    """Where in the step the beads of contact c first have equal velocities; 2 if nowhere."""
-    left = len(y) // 2 + c
+def crossing_within(c, beads, h, y, y_new, stages):
+    """Where in the step beads c and c + 1 (0-based) first have equal velocities; 2 if nowhere."""
+    left = beads + c
     low = 0.0
     for part in range(1, PARTS + 1):
         high = part / PARTS
@@ -219,9 +558,9 @@ def crossing_within(c, h, y, y_new, stages):
 
 
 @compiled
-def may_peak(k, stages):
+def may_peak(k, beads, stages):
     """Whether some stage of the step finds bead k, pushed at its start, no longer pushed."""
-    i = stages.shape[1] // 2 + k
+    i = beads + k
     if stages[0, i] <= 0.0:
         return False
     for j in range(1, STEP_STAGES + 1):
@@ -232,7 +571,7 @@ def may_peak(k, stages):
 
 @compiled
 def may_cross(c, stages):
-    """Whether some stage finds the beads of contact c, closing at its start, at equal speed."""
+    """Whether some stage finds beads c and c + 1, closing at its start, at equal speed."""
     if stages[0, c] <= stages[0, c + 1]:
         return False
     for j in range(1, STEP_STAGES + 1):
@@ -242,20 +581,20 @@ def may_cross(c, stages):
 
 
 @compiled
-def record_peaks(h, time, y, y_new, stages, stiffness, exponent, expected, peaks):
+def record_peaks(h, time, y, y_new, stages, setup, contacts, expected, peaks):
     """First maxima of velocity within the step, of the beads where one is expected."""
-    beads = len(stiffness) + 1
+    beads = len(setup.inverse_mass)
     found = 0
     for k in range(1, beads):
         if not expected[k]:
             continue
-        theta = peak_within(k, h, y, y_new, stages, stiffness, exponent)
+        theta = peak_within(k, h, y, y_new, stages, setup, contacts)
         if theta > 1.0:
             continue
         peaks[PEAK_TIME, k] = time + theta * h
         # A bead that has left both neighbours for good flies on at the step's last velocity.
         flies = stages[STEP_STAGES, beads + k] == 0.0 and (
-            acceleration_within(k, theta, h, y, y_new, stages, stiffness, exponent) == 0.0
+            acceleration_within(k, theta, h, y, y_new, stages, setup, contacts) == 0.0
         )
         velocity = interpolate(beads + k, theta, h, y, y_new, stages)
         peaks[PEAK_VELOCITY, k] = y_new[beads + k] if flies else velocity
@@ -273,7 +612,7 @@ def record_crossings(h, clock, counts, y, y_new, stages, expected, crossings):
     for c in range(crossings.shape[1]):
         if not expected[c]:
             continue
-        theta = crossing_within(c, h, y, y_new, stages)
+        theta = crossing_within(c, crossings.shape[1] + 1, h, y, y_new, stages)
         if theta > 1.0:
             continue
         crossings[CROSSING_TIME, c] = clock[TIME] + theta * h
@@ -293,7 +632,7 @@ def expect_events(y_new, stages, scale, peaks, crossings, expected):
     anything = False
     for k in range(1, beads):
         reached = y_new[beads + k] > REACHED * scale[k]
-        peak = reached and peaks[PEAK_TIME, k] == 0.0 and may_peak(k, stages)
+        peak = reached and peaks[PEAK_TIME, k] == 0.0 and may_peak(k, beads, stages)
         waiting = crossings[CROSSING_TIME, k - 1] == 0.0
         crossing = reached and waiting and may_cross(k - 1, stages)
         expected[0, k] = peak
@@ -303,64 +642,272 @@ def expect_events(y_new, stages, scale, peaks, crossings, expected):
 
 
 @compiled
-def nothing_can_happen(y):
+def nothing_can_happen(y, setup, contacts):
     """Whether no beads touch and none approach: from here on all fly freely."""
-    beads = len(y) // 2
-    for k in range(beads - 1):
-        if y[k] > y[k + 1] or y[beads + k] > y[beads + k + 1]:
-            return False
+    beads = len(setup.inverse_mass)
+    if contacts is None:
+        for k in range(beads - 1):
+            if y[k] > y[k + 1] or y[beads + k] > y[beads + k + 1]:
+                return False
+        return True
+    if setup.gravity != 0.0 or setup.drive != NOTHING or setup.end_forces.any():
+        return False
+    for c in range(beads + 1):
+        if setup.stiffness[c] > 0.0:
+            overlap, closing = overlap_and_closing(c, y, setup, (0.0, 0.0, 0.0))
+            if overlap > 0.0 or closing > 0.0:
+                return False
     return True
 
 
 @compiled
-def conserved(y, inverse_mass, stiffness, exponent):
-    """Energy, momentum and the sum of the beads' absolute momenta."""
+def switch_within(c, time, y, h, y_new, stages, setup, contacts, segment, still, trial, scratch):
+    """Where in the step contact c first must leave its mode; 2 if nowhere."""
+    beads = len(setup.inverse_mass)
+    low, high, found = 0.0, 0.0, False
+    for part in range(1, PARTS + BISECTIONS + 1):
+        if found:
+            theta = 0.5 * (low + high)
+        elif part > PARTS:
+            return 2.0
+        else:
+            theta = part / PARTS
+        wall = (0.0, 0.0, 0.0)
+        if setup.drive == MOVING_WALL:
+            wall = drive_at(time + theta * h, setup, segment)
+        # A stuck contact's force depends on all beads, that of another one on its own two.
+        stuck = contacts.mode[c] == STUCK
+        for k in range(0 if stuck else max(c - 1, 0), beads if stuck else min(c + 1, beads)):
+            trial[k] = interpolate(k, theta, h, y, y_new, stages)
+            trial[beads + k] = interpolate(beads + k, theta, h, y, y_new, stages)
+        if stuck:
+            derivative(time + theta * h, trial, setup, contacts, segment, scratch)
+        overlap, closing = overlap_and_closing(c, trial, setup, wall)
+        if must_switch(c, overlap, closing, setup, contacts, still):
+            high, found = theta, True
+        else:
+            low = theta
+    return high
+
+
+@compiled
+def may_switch(c, time_new, y_new, stages, setup, contacts, segment, still):
+    """Whether contact c must leave its mode at the end of the step, or turned at a stage of it."""
+    wall = (0.0, 0.0, 0.0)
+    if setup.drive == MOVING_WALL:
+        wall = drive_at(time_new, setup, segment)
+    overlap, closing = overlap_and_closing(c, y_new, setup, wall)
+    if must_switch(c, overlap, closing, setup, contacts, still):
+        return True
+    if setup.loss == DAMPED or contacts.mode[c] == STUCK:
+        return False
+    if contacts.mode[c] == RELEASED and setup.loss == PLASTIC:
+        return False
+    sign = 1.0 if contacts.mode[c] == LOADED else -1.0
+    for j in range(1, STEP_STAGES):
+        left = stages[j, c - 1] if c > 0 else wall[1]
+        right = stages[j, c] if c < len(setup.inverse_mass) else 0.0
+        if sign * (left - right) < -still:
+            return True
+    return False
+
+
+@compiled
+def first_switch(time, y, h, y_new, stages, setup, contacts, segment, still, trial, scratch):
+    """The first contact that must leave its mode within the step, and where; -1 if none."""
+    first, earliest = -1, 2.0
+    completed = False
+    for c in range(len(setup.stiffness)):
+        if setup.stiffness[c] == 0.0:
+            continue
+        if not may_switch(c, time + h, y_new, stages, setup, contacts, segment, still):
+            continue
+        if not completed:
+            complete_stages(time, y, h, setup, contacts, segment, stages, trial)
+            completed = True
+        theta = switch_within(
+            c, time, y, h, y_new, stages, setup, contacts, segment, still, trial, scratch
+        )
+        # The forces of stuck contacts were overwritten.
+        derivative(time + h, y_new, setup, contacts, segment, scratch)
+        if theta < earliest:
+            first, earliest = c, theta
+    return first, earliest
+
+
+@compiled
+def switch(first, time, y, setup, contacts, segment, still, scratch):
+    """Give contact ``first`` its next mode, and all others that must change at this moment."""
+    for c in range(len(setup.stiffness)):
+        if setup.stiffness[c] == 0.0:
+            continue
+        wall = (0.0, 0.0, 0.0)
+        if setup.drive == MOVING_WALL:
+            wall = drive_at(time, setup, segment)
+        overlap, closing = overlap_and_closing(c, y, setup, wall)
+        if c != first and not must_switch(c, overlap, closing, setup, contacts, still):
+            continue
+        if setup.loss == PLASTIC and contacts.mode[c] == LOADED:
+            contacts.largest[c] = max(contacts.largest[c], overlap)
+        contacts.mode[c] = next_mode(c, time, y, setup, contacts, segment, scratch)
+        derivative(time, y, setup, contacts, segment, scratch)
+
+
+@compiled
+def record_walls(time, h, y, y_new, stages, walls):
+    """Largest force on each wall, and the impulse until the first contact with it ends."""
+    ledger = len(y) - LEDGER
+    for side in range(2):
+        i = ledger + LEFT_IMPULSE + side
+        largest = 0.0
+        for j in range(STEP_STAGES + 1):
+            largest = max(largest, stages[j, i])
+        if largest > walls[WALL_PEAK, side]:
+            low, high = 0.0, 1.0
+            for _ in range(BISECTIONS):
+                one, two = (2.0 * low + high) / 3.0, (low + 2.0 * high) / 3.0
+                if slope(i, one, h, y, y_new, stages) < slope(i, two, h, y, y_new, stages):
+                    low = one
+                else:
+                    high = two
+            top = slope(i, 0.5 * (low + high), h, y, y_new, stages)
+            if top > walls[WALL_PEAK, side]:
+                walls[WALL_PEAK, side] = top
+                walls[WALL_PEAK_TIME, side] = time + 0.5 * (low + high) * h
+        ended = y_new[i] != 0.0 and stages[STEP_STAGES, i] == 0.0
+        if ended and walls[FIRST_END, side] == 0.0:
+            walls[FIRST_IMPULSE, side] = y_new[i]
+            walls[FIRST_END, side] = time + h
+
+
+@compiled
+def wall_pushed(stages):
+    """Whether some stage of the step finds a wall pushed."""
+    ledger = stages.shape[1] - LEDGER
+    for j in range(STEP_STAGES + 1):
+        if stages[j, ledger + LEFT_IMPULSE] != 0.0 or stages[j, ledger + RIGHT_IMPULSE] != 0.0:
+            return True
+    return False
+
+
+@compiled
+def in_motion(y, inverse_mass, stiffness, exponent):
+    """Energy of motion, and with what plain contacts store; momentum, and sum of absolute ones."""
     beads = len(inverse_mass)
-    energy = 0.0
+    kinetic = 0.0
+    stored = 0.0
     momentum = 0.0
     absolute = 0.0
     for k in range(beads):
         p = y[beads + k] / inverse_mass[k]
         momentum += p
         absolute += abs(p)
-        energy += 0.5 * p * y[beads + k]
-        if k < beads - 1:
+        kinetic += 0.5 * p * y[beads + k]
+        if k < len(stiffness):
             overlap = y[k] - y[k + 1]
-            energy += force(overlap, stiffness[k], exponent) * overlap / (exponent + 1.0)
-    return energy, momentum, absolute
+            stored += force(overlap, stiffness[k], exponent) * overlap / (exponent + 1.0)
+    return kinetic, kinetic + stored, momentum, absolute
 
 
 @compiled
-def start(y, clock, counts, inverse_mass, stiffness, exponent, first_step):
-    """Clock at zero, with the conserved quantities that drift is measured from."""
-    energy, momentum, _ = conserved(y, inverse_mass, stiffness, exponent)
+def not_in_motion(time, y, setup, contacts, segment):
+    """Energy stored less what came from outside, and momentum less what came from outside."""
+    beads = len(setup.inverse_mass)
+    wall = (0.0, 0.0, 0.0)
+    if setup.drive == MOVING_WALL:
+        wall = drive_at(time, setup, segment)
+    ledger = y[2 * beads :]
+    left, right = setup.end_forces
+    energy = right * y[beads - 1] - left * y[0] + ledger[LOST] - ledger[DRIVEN]
+    momentum = (right - left) * time + ledger[RIGHT_IMPULSE] - ledger[LEFT_IMPULSE]
+    momentum -= ledger[PUSHED]
+    for c in range(beads + 1):
+        if setup.stiffness[c] > 0.0:
+            overlap, _ = overlap_and_closing(c, y, setup, wall)
+            energy += potential(c, overlap, setup, contacts)
+    for k in range(beads):
+        energy -= setup.gravity * y[k] / setup.inverse_mass[k]
+        momentum -= setup.gravity * time / setup.inverse_mass[k]
+    return energy, momentum
+
+
+@compiled
+def first_modes(y, setup, contacts):
+    """Touching counts as closed and rest as loading: what comes next is a push."""
+    wall = (0.0, 0.0, 0.0)
+    if setup.drive == MOVING_WALL:
+        wall = drive_at(0.0, setup, 0)
+    for c in range(len(setup.stiffness)):
+        overlap, closing = overlap_and_closing(c, y, setup, wall)
+        contacts.largest[c] = max(overlap, 0.0)
+        loaded = overlap >= 0.0 if setup.loss == DAMPED else closing >= 0.0
+        contacts.mode[c] = LOADED if loaded else RELEASED
+
+
+@compiled
+def start(y, clock, counts, setup, contacts, first_step):
+    """Clock at zero, contacts in their first modes, and what drift is measured from."""
     clock[:] = 0.0
     counts[:] = 0
     counts[LAST_CROSSING] = -1
     clock[STEP] = first_step
-    clock[INITIAL_ENERGY] = energy
-    clock[INITIAL_MOMENTUM] = momentum
+    if contacts is not None:
+        first_modes(y, setup, contacts)
+    note_drift(y, clock, setup, contacts, 0, True)
 
 
 @compiled
-def note_drift(y, clock, inverse_mass, stiffness, exponent):
+def note_drift(y, clock, setup, contacts, segment, first):
     """Keep the largest relative departure from conservation.
 
-    Momentum is compared with the sum of absolute momenta: in a backward taper the pulse
-    gains momenta of thousands, against as much thrown back, and one is their difference.
+    Energy is compared with the largest kinetic energy, momentum with the largest sum of
+    absolute momenta: in a backward taper the pulse gains momenta of thousands, against as
+    much thrown back, and one is their difference.
     """
-    energy, momentum, absolute = conserved(y, inverse_mass, stiffness, exponent)
-    energy_drift = abs(energy / clock[INITIAL_ENERGY] - 1.0)
-    momentum_drift = abs(momentum - clock[INITIAL_MOMENTUM]) / absolute
-    clock[ENERGY_DRIFT] = max(clock[ENERGY_DRIFT], energy_drift)
-    clock[MOMENTUM_DRIFT] = max(clock[MOMENTUM_DRIFT], momentum_drift)
+    beads = len(setup.inverse_mass)
+    between = setup.stiffness
+    if contacts is not None:
+        between = between[:0]
+    kinetic, energy, momentum, absolute = in_motion(
+        y, setup.inverse_mass, between, setup.exponent
+    )
+    if contacts is not None:
+        stored, given = not_in_motion(clock[TIME], y, setup, contacts, segment)
+        energy, momentum = kinetic + stored, momentum + given
+        for k in range(beads):
+            clock[FASTEST] = max(clock[FASTEST], abs(y[beads + k]))
+    if first:
+        clock[INITIAL_ENERGY], clock[INITIAL_MOMENTUM] = energy, momentum
+    clock[ENERGY_UNIT] = max(clock[ENERGY_UNIT], kinetic)
+    clock[MOMENTUM_UNIT] = max(clock[MOMENTUM_UNIT], absolute)
+    if clock[ENERGY_UNIT] > 0.0:
+        energy_drift = abs(energy - clock[INITIAL_ENERGY]) / clock[ENERGY_UNIT]
+        momentum_drift = abs(momentum - clock[INITIAL_MOMENTUM]) / clock[MOMENTUM_UNIT]
+        clock[ENERGY_DRIFT] = max(clock[ENERGY_DRIFT], energy_drift)
+        clock[MOMENTUM_DRIFT] = max(clock[MOMENTUM_DRIFT], momentum_drift)
+
+
+@compiled
+def save_frames(time, time_new, h, y, y_new, stages, setup, contacts, segment,
+                counts, frame_times, frames, frame_forces, trial, scratch):  # fmt: skip
+    """States, and forces where they are asked for, at the saved times within the step."""
+    frame = counts[FRAMES]
+    while frame < len(frame_times) and frame_times[frame] <= time_new:
+        theta = min(1.0, (frame_times[frame] - time) / h)
+        for i in range(len(y)):
+            frames[frame, i] = interpolate(i, theta, h, y, y_new, stages)
+        if contacts is not None:
+            trial[:] = frames[frame]
+            derivative(time + theta * h, trial, setup, contacts, segment, scratch)
+            frame_forces[frame] = contacts.force
+        frame += 1
+    counts[FRAMES] = frame
 
 
 @compiled
 def advance(
-    y, clock, counts, inverse_mass, stiffness, exponent,
-    until, stop_when_left, rtol, budget,
-    frame_times, growing, frames, peaks, crossings, stages, work, expected,
+    y, clock, counts, setup, contacts, until, stop_when_left, rtol, budget, pause,
+    frame_times, growing, frames, frame_forces, peaks, crossings, walls, stages, work, expected,
 ):  # fmt: skip
     """Take up to ``budget`` steps and say why it stopped.
 
@@ -368,59 +915,82 @@ def advance(
 
     Parameters
     ----------
-    y : (2N,) state; ``clock`` (CLOCK_SIZE,) and ``counts`` (COUNTS_SIZE,) beside it
-    inverse_mass, stiffness : (N,), (N - 1,); ``exponent`` the p of the force
+    y : (2N,) or (2N + LEDGER,) state; ``clock`` (CLOCK_SIZE,) and ``counts`` (COUNTS_SIZE,)
+    setup, contacts : what acts on the beads, and what contacts remember
     until : time not to step past; ``stop_when_left`` ends the run once all is recorded
     rtol : tolerated error of a step, in units of the speeds around each bead
-    frame_times, frames : (F,) times to save at, and the (F, 2N) states saved; with
+    pause : come back before the step that ``until`` cuts short: the state that a longer
+        run would go on from
+    frame_times, frames : (F,) times to save at, and the (F, len(y)) states saved; with
         ``growing`` the caller is asked for later times before a step would pass the last
+    frame_forces : (F, N + 1) contact forces saved; nothing with a plain chain
     peaks, crossings : (2, N), (3, N - 1): time and velocity; time, overlap and residence;
         0 = not yet
-    stages, work, expected : (STAGES, 2N), (3, 2N), (2, N) scratch
+    walls : (WALL_ROWS, 2) of the left and the right wall; 0 = not yet
+    stages, work, expected : (STAGES, len(y)), (6, len(y)), (2, N) scratch
     """
-    beads = len(inverse_mass)
-    trial, y_new, scale = work[0], work[1], work[2, :beads]
-    derivative(y, inverse_mass, stiffness, exponent, stages[0])
+    beads = len(setup.inverse_mass)
+    trial, y_new, scratch, scale = work[0], work[1], work[2], work[3, :beads]
+    derivative(clock[TIME], y, setup, contacts, counts[SEGMENT], stages[0])
     for _ in range(budget):
         time, h = clock[TIME], clock[STEP]
-        last_step = not stop_when_left and time + h >= until
-        if last_step:
-            h = until - time
+        segment = counts[SEGMENT]
+        piece_end = np.inf
+        if contacts is not None and segment + 1 < len(setup.piece_starts):
+            piece_end = setup.piece_starts[segment + 1]
+        stop = min(np.inf if stop_when_left else until, piece_end)
+        cut = time + h >= stop
+        last_step = cut and not stop_when_left and stop == until
+        if last_step and pause:
+            return LAST_STEP
+        if cut:
+            h = stop - time
         if stop_when_left and not time + h < ENDLESS:
             return PULSE_LOST
         if growing and time + h >= frame_times[-1]:
             return FRAMES_FULL
-        velocity_scale(y, scale)
-        try_step(y, h, inverse_mass, stiffness, exponent, stages, trial, y_new)
+        try_step(time, y, h, setup, contacts, segment, stages, trial, y_new)
+        velocity_scale(y, y_new, setup, contacts, scale)
         counts[EVALUATIONS] += STEP_STAGES
-        error = error_norm(h, stages, scale, rtol)
+        error = error_norm(h, stages, scale, rtol, work[4:])
         change = 10.0 if error == 0.0 else min(10.0, max(0.2, 0.9 * error**-0.125))
         if not error <= 1.0:
             clock[STEP] = h * (change if error > 1.0 else 0.2)
             if not clock[STEP] > SMALLEST_STEP:
                 return STEP_TOO_SMALL
             continue
-        if stop_when_left and error == 0.0 and nothing_can_happen(y):
+        if stop_when_left and error == 0.0 and nothing_can_happen(y, setup, contacts):
             return PULSE_LOST
 
-        time_new = until if last_step else time + h
+        switching = -1
+        still = STILL * clock[FASTEST]
+        if contacts is not None and has_modes(setup):
+            switching, theta = first_switch(
+                time, y, h, y_new, stages, setup, contacts, segment, still, trial, scratch
+            )
+            if switching >= 0 and theta < 1.0:
+                h *= theta
+                cut = last_step = False
+                try_step(time, y, h, setup, contacts, segment, stages, trial, y_new)
+                counts[EVALUATIONS] += STEP_STAGES
+        time_new = stop if cut else time + h
         frame = counts[FRAMES]
         save = frame < len(frame_times) and frame_times[frame] <= time_new
         event = expect_events(y_new, stages, scale, peaks, crossings, expected)
-        if save or event:
-            complete_stages(y, h, inverse_mass, stiffness, exponent, stages, trial)
+        walled = contacts is not None and wall_pushed(stages)
+        if save or event or walled:
+            complete_stages(time, y, h, setup, contacts, segment, stages, trial)
             counts[EVALUATIONS] += STAGES - STEP_STAGES - 1
         if event:
             counts[PEAKS] += record_peaks(
-                h, time, y, y_new, stages, stiffness, exponent, expected[0], peaks
+                h, time, y, y_new, stages, setup, contacts, expected[0], peaks
             )
             record_crossings(h, clock, counts, y, y_new, stages, expected[1], crossings)
-        while frame < len(frame_times) and frame_times[frame] <= time_new:
-            theta = min(1.0, (frame_times[frame] - time) / h)
-            for i in range(2 * beads):
-                frames[frame, i] = interpolate(i, theta, h, y, y_new, stages)
-            frame += 1
-        counts[FRAMES] = frame
+        if walled:
+            record_walls(time, h, y, y_new, stages, walls)
+        if save:
+            save_frames(time, time_new, h, y, y_new, stages, setup, contacts, segment,
+                        counts, frame_times, frames, frame_forces, trial, scratch)  # fmt: skip
 
         y[:] = y_new
         stages[0] = stages[STEP_STAGES]
@@ -429,10 +999,17 @@ def advance(
         counts[FROZEN] = counts[FROZEN] + 1 if time_new == time else 0
         if counts[FROZEN] > MOST_FROZEN:
             return STEP_TOO_SMALL
-        if not last_step:
+        if not cut and switching < 0:
             clock[STEP] = h * change
         counts[STEPS] += 1
-        note_drift(y, clock, inverse_mass, stiffness, exponent)
+        if contacts is not None and switching >= 0:
+            switch(switching, time_new, y, setup, contacts, segment, still, scratch)
+            counts[SWITCHES] += 1
+        if cut and stop == piece_end:
+            counts[SEGMENT] += 1
+        if switching >= 0 or cut:
+            derivative(time_new, y, setup, contacts, counts[SEGMENT], stages[0])
+        note_drift(y, clock, setup, contacts, counts[SEGMENT], False)
         left = counts[PEAKS] == beads - 1 and counts[CROSSINGS] == beads - 1
         if stop_when_left and left:
             return PULSE_LEFT

@@ -84,7 +84,7 @@ def test_the_named_longest_forward_linear_chain_exists(rate):
         (lambda: Chain.tapered("backward-linear", True, beads=5), "must be a number, got True"),
         (lambda: Chain.tapered("backward-linear", 10**400, beads=5), "too large"),
         (lambda: Chain.tapered("uniform", 0.1, beads=5), "Chain.uniform"),
-        (lambda: Chain(np.array([2.0, 1.0])), "first of a chain's radii must be 1, got 2"),
+        (lambda: Chain(np.array([2.0, 1.0])), "first of a scaled chain's radii must be 1, got 2"),
         (lambda: Chain(np.ones(3), taper="backward-linear"), "a taper and a rate or neither"),
         (lambda: Chain(np.ones(3), taper="backward-linear", rate=0.1), "are not those of a"),
     ],

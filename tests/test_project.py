@@ -75,7 +75,7 @@ def test_every_public_argument_is_described(name):
     if name.endswith("Correction.velocity") or (".paper.figures." in name and "." in name[30:]):
         return
     described = {
-        part.strip() for parameter in documentation["Parameters"]
+        part.strip().lstrip("*") for parameter in documentation["Parameters"]
         for part in parameter.name.split(",")
     }  # fmt: skip
     arguments = set(inspect.signature(function).parameters) - {"self", "cls"}

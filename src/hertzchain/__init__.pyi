@@ -1,13 +1,28 @@
 from .chain import TAPERS as TAPERS
 from .chain import Chain as Chain
+from .drives import SineBurst as SineBurst
+from .drives import Step as Step
+from .drives import Table as Table
+from .equilibrium import StaticState as StaticState
+from .equilibrium import equilibrium as equilibrium
 from .errors import InputError as InputError
+from .errors import InputWarning as InputWarning
 from .errors import ModelRangeWarning as ModelRangeWarning
 from .errors import SimulationError as SimulationError
+from .losses import Dashpot as Dashpot
+from .losses import Restitution as Restitution
+from .losses import UnloadingRatio as UnloadingRatio
+from .losses import VelocityPower as VelocityPower
+from .losses import Viscoelastic as Viscoelastic
+from .losses import WaltonBraun as WaltonBraun
+from .materials import Material as Material
+from .materials import material as material
 from .propagation import propagate as propagate
 from .propagation import propagate_many as propagate_many
 from .pulse import Comparison as Comparison
 from .pulse import Pulse as Pulse
 from .pulse_table import PulseTable as PulseTable
+from .scales import Scales as Scales
 from .simulation import Run as Run
 from .simulation import simulate as simulate
 from .store import load_chain as load_chain
@@ -17,5 +32,6 @@ from .theory.hard_sphere import hard_sphere as hard_sphere
 from .theory.modified_bca import modified_bca as modified_bca
 from .theory.solitary_wave import SolitaryWave as SolitaryWave
 from .theory.solitary_wave import solitary_wave as solitary_wave
+from .walls import Wall as Wall
 
 __version__: str

@@ -1,42 +1,68 @@
-"""The chain of beads that is struck: its description, builders and checks.
+"""The chain of beads that is struck: its description and its checks.
 
-Everything is in the scaled variables of the paper (Sec. 2): radii in units of
-the first bead's radius, masses of the first bead's mass, velocities of the
-strike's.  Bead ``k = 1..N`` counts from the struck end; contact ``k`` joins
+A plain chain is the paper's: in scaled variables (Sec. 2; radii in units of the first
+bead's, masses of the first bead's mass, velocities of the strike's), touching, at rest,
+struck at bead 1, with free ends and no losses.  Whatever else a bench has is a field
+with a plain default.  Bead ``k = 1..N`` counts from the struck end; contact ``k`` joins
 beads ``k`` and ``k + 1``.  Arrays start at 0: ``chain.radii[0]`` is bead 1.
 """
 
 from __future__ import annotations
 
+import dataclasses
 import math
 import operator
+import warnings
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import Final, Literal, get_args
+from dataclasses import KW_ONLY, dataclass, field
+from typing import Any, Final, Literal, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from hertzchain.checks import column, magnitude, number
 from hertzchain.contacts import HERTZ_EXPONENT, Array, hertz_stiffness
-from hertzchain.errors import InputError, real_number, unknown_name
+from hertzchain.drives import Drive
+from hertzchain.errors import InputError, InputWarning, real_number, unknown_name
+from hertzchain.losses import Loss
+from hertzchain.materials import (
+    Material,
+    MaterialLike,
+    contact_modulus,
+    material,
+    sphere_stiffness,
+)
+from hertzchain.tapers import TAPERS as TAPERS
+from hertzchain.tapers import Taper as Taper
+from hertzchain.tapers import check_taper as check_taper
+from hertzchain.tapers import rate_symbol as rate_symbol
+from hertzchain.tapers import tapered_radii
+from hertzchain.walls import Wall
 
-Taper = Literal["backward-linear", "backward-exponential", "forward-linear", "forward-exponential"]
-TAPERS: Final[tuple[Taper, ...]] = get_args(Taper)
+Units = Literal["scaled", "SI"]
+HeldBy = Literal["walls", "force"]
+UNITS: Final[tuple[Units, ...]] = get_args(Units)
+HELD_BY: Final[tuple[HeldBy, ...]] = get_args(HeldBy)
 
 # What an integration holds per bead: sixteen stages and the state, 8 bytes a number.
 BYTES_PER_BEAD: Final = 400
-# A radius below this is what rounding leaves of zero.
-ROUNDING: Final = 1e-12
 # Beyond it a contact is a hard wall, which steps in time cannot follow.
 LARGEST_EXPONENT: Final = 50.0
+# Radii above it [m] are taken for millimetres, with a warning.
+LARGE_RADIUS: Final = 1.0
+
+# Default of a field that follows from the others unless given.
+FROM_OTHERS: Final[Any] = None
+DERIVED: Final = ("masses", "stiffness", "velocities", "gaps")
 
 
 @dataclass(frozen=True, eq=False)
 class Chain:
-    r"""A row of touching beads at rest; the first is struck with velocity one.
+    r"""A row of beads, and what is done to it; plainly, the first is struck with velocity one.
 
-    Make one with a builder: `Chain.tapered`, `Chain.uniform` or
-    `Chain.from_radii`.  The scaled equation of motion, Eq. (4) of the paper, is
+    Make one with a builder: `Chain.tapered`, `Chain.uniform` or `Chain.from_radii` for
+    the scaled variables of the paper, `Chain.from_materials` in SI units; `Chain.replace`
+    changes fields.  The equation of motion of a plain chain, Eq. (4) of the paper, is
 
     .. math::
 
@@ -46,13 +72,57 @@ class Chain:
     Attributes
     ----------
     radii : ndarray, shape (N,)
-        Radii :math:`R_k` [scaled]; the first is 1.
+        Radii :math:`R_k` [scaled, or m]; scaled, the first after the strikers is 1.
     exponent : float
         Exponent p of the contact force, > 1; 3/2 for spheres (Hertz).
     taper : str or None
         Name of the taper, if the chain was built from one.
     rate : float or None
         Tapering parameter, S of a linear or q of an exponential taper.
+    masses : ndarray, shape (N,)
+        Masses :math:`m_k` > 0 [scaled, or kg]; if not given, :math:`R_k^3` (Eq. (3) of
+        the paper), or what the materials weigh.
+    stiffness : ndarray, shape (N - 1,)
+        Stiffness :math:`r_k` > 0 of each contact [scaled, or N/m^p]; if not given,
+        Hertz': below Eq. (4) of the paper, or from the materials.
+    units : str
+        ``"scaled"`` or ``"SI"``: m, kg, s, N.  `hertzchain.Scales` converts.
+    materials : tuple of Material, length N, or None
+        Of each bead, where known.
+    velocities : ndarray, shape (N,)
+        Velocities at time 0, positive towards bead N [scaled, or m/s]; if not given, 1
+        for bead 1 (or the strikers) and 0 for the others, or 0 for all if there is a drive.
+    gaps : ndarray, shape (N - 1,)
+        Distance >= 0 of neighbouring beads at time 0 [scaled, or m]; 0 if not given.
+    strikers : int
+        How many beads at the front are strikers: they fly in and belong to no static
+        equilibrium.  See `Chain.struck_by`.
+    precompression : float
+        Static force >= 0 on every contact behind the strikers [scaled, or N]; with gravity,
+        on the contact that bears least.
+    held_by : str
+        What holds the precompressed chain: ``"walls"`` at both ends, which stay where they
+        are, or ``"force"``: a constant force at each end that has no wall.
+    gravity : float
+        Component of the acceleration of gravity along the chain, positive towards bead N
+        [scaled, or m/s^2].  A chain that stands on a wall without gaps is in equilibrium at
+        time 0; else it falls.
+    left_wall, right_wall : Wall or None
+        Wall behind bead 1, and in front of bead N; `None` is a free end.
+    drive : SineBurst, Step, Table or None
+        Force on bead 1, or displacement of the left wall, in the course of time.
+    loss : Restitution, Viscoelastic, ... or None
+        One of the laws of `hertzchain.losses`, for all contacts and walls.
+
+    Raises
+    ------
+    InputError
+        If a field is out of its range or contradicts another.
+
+    Warns
+    -----
+    InputWarning
+        If radii in SI units look like millimetres.
 
     Examples
     --------
@@ -61,29 +131,205 @@ class Chain:
     Chain(backward-exponential, q = 0.05, 100 beads)
     >>> chain.radii[:3].round(4)
     array([1.    , 1.0526, 1.108 ])
+    >>> chain.replace(right_wall=Wall(), gravity=0.01)
+    Chain(backward-exponential, q = 0.05, 100 beads, gravity, right wall)
     """
 
     radii: Array
     exponent: float = HERTZ_EXPONENT
     taper: Taper | None = None
     rate: float | None = None
+    _: KW_ONLY
+    masses: Array = FROM_OTHERS
+    stiffness: Array = FROM_OTHERS
+    units: Units = "scaled"
+    materials: tuple[Material, ...] | None = None
+    velocities: Array = FROM_OTHERS
+    gaps: Array = FROM_OTHERS
+    strikers: int = 0
+    precompression: float = 0.0
+    held_by: HeldBy = "walls"
+    gravity: float = 0.0
+    left_wall: Wall | None = None
+    right_wall: Wall | None = None
+    drive: Drive | None = None
+    loss: Loss | None = None
+    # Names of the derived fields that were given.
+    given: frozenset[str] = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "exponent", _checked_exponent(self.exponent))
-        object.__setattr__(self, "radii", _checked_radii(self.radii))
-        if self.radii[0] != 1.0:
+        given = frozenset(name for name in DERIVED if getattr(self, name) is not None)
+        self._set("given", given)
+        self._set("exponent", _checked_exponent(self.exponent))
+        if self.units not in UNITS:
+            raise unknown_name("units", self.units, UNITS)
+        self._check_radii()
+        self._check_taper()
+        self._check_bodies()
+        self._check_start()
+        self._check_holding()
+
+    def _set(self, name: str, value: object) -> None:
+        object.__setattr__(self, name, value)
+
+    def _check_radii(self) -> None:
+        radii = magnitude("radius", self.radii, self._unit("m"))
+        self._set("radii", _checked_radii(radii, self.units))
+        strikers = self.strikers
+        if (
+            isinstance(strikers, bool)
+            or not isinstance(strikers, int)
+            or not (0 <= strikers < self.beads)
+        ):
             raise InputError(
-                f"the first of a chain's radii must be 1, got {self.radii[0]:g}; "
-                "Chain.from_radii takes radii in any unit"
+                f"strikers must be a whole number from 0 to {self.beads - 1}, one less than "
+                f"there are beads, got {strikers!r}"
             )
+        if self.units == "scaled" and self.radii[strikers] != 1.0:
+            which = "after the strikers " if strikers else ""
+            raise InputError(
+                f"the first {which}of a scaled chain's radii must be 1, got "
+                f"{self.radii[strikers]:g}; Chain.from_radii takes radii in any unit"
+            )
+        if self.units == "SI" and self.radii.max() > LARGE_RADIUS:
+            k = int(np.argmax(self.radii))
+            warnings.warn(
+                f"bead {k + 1} has a radius of {self.radii[k]:g} m: radii are in metres; divide "
+                "by 1000 if these are millimetres",
+                InputWarning,
+                stacklevel=4,
+            )
+
+    def _check_taper(self) -> None:
         if (self.taper is None) != (self.rate is None):
             raise InputError("a chain has a taper and a rate or neither; use Chain.tapered")
-        if self.taper is not None and self.rate is not None:
-            check_taper(self.taper, self.rate, self.beads)
-            if not np.array_equal(self.radii, _tapered_radii(self.taper, self.rate, self.beads)):
+        if self.taper is None or self.rate is None:
+            return
+        check_taper(self.taper, self.rate, self.beads)
+        if not np.array_equal(self.radii, tapered_radii(self.taper, self.rate, self.beads)):
+            raise InputError(
+                f"these radii are not those of a {self.taper} taper; use Chain.tapered"
+            )
+
+    def _check_bodies(self) -> None:
+        """Masses and contact stiffness, given or from radii and materials."""
+        count, unit = self.beads, f"N/m**{self.exponent}"
+        if self.materials is not None:
+            self._set("materials", _checked_materials(self.materials, count))
+        for name, what, length, place, si in (
+            ("masses", "mass", count, "bead", "kg"),
+            ("stiffness", "stiffness", count - 1, "contact", unit),
+        ):
+            if name not in self.given:
+                self._set(name, self._derived(name))
+            elif (values := getattr(self, name)) is not None:
+                checked = column(what, values, length, place, unit=self._unit(si), above=0.0)
+                self._set(name, checked)
+
+    def _derived(self, name: str) -> Array:
+        """Masses or stiffness that follow from radii, or radii and materials."""
+        radii, materials = self.radii, self.materials
+        if self.units == "scaled":
+            if name == "masses":
+                return _read_only(radii**3)
+            return _read_only(hertz_stiffness(radii[:-1], radii[1:]))
+        if materials is None:
+            raise InputError(
+                f"a chain in SI units needs {name} or materials; Chain.from_materials makes "
+                "one of radii and materials"
+            )
+        if name == "masses":
+            densities = np.array([each.density for each in materials])
+            return _read_only(4.0 / 3.0 * math.pi * densities * radii**3)
+        if self.exponent != HERTZ_EXPONENT:
+            raise InputError(
+                f"materials give the stiffness of Hertz contacts (exponent 1.5), not of p = "
+                f"{self.exponent:g}: give stiffness, in N/m^{self.exponent:g}"
+            )
+        compliance = np.array([each.compliance for each in materials])
+        modulus = 1.0 / (compliance[:-1] + compliance[1:])
+        return _read_only(sphere_stiffness(radii[:-1], radii[1:], modulus))
+
+    def _check_start(self) -> None:
+        """Velocities and gaps at time 0."""
+        if "velocities" in self.given:
+            values = column("velocity", self.velocities, self.beads, "bead", unit=self._unit("m/s"))
+        else:
+            values = np.zeros(self.beads)
+            if self.drive is None:
+                values[: max(1, self.strikers)] = 1.0
+        self._set("velocities", _read_only(values))
+        gaps = self.gaps if "gaps" in self.given else np.zeros(self.beads - 1)
+        unit = self._unit("m")
+        self._set("gaps", column("gap", gaps, self.beads - 1, "contact", unit=unit, least=0.0))
+        gravity = number("gravity", self.gravity, unit=self._unit("m/s**2"))
+        self._set("gravity", gravity)
+
+    def _check_holding(self) -> None:
+        """Walls, drive and precompression, and that they go together."""
+        for side, wall in (("left", self.left_wall), ("right", self.right_wall)):
+            if wall is not None and not isinstance(wall, Wall):
+                raise InputError(f"{side}_wall must be a Wall or None, got {wall!r}")
+        if self.loss is not None and not isinstance(self.loss, Loss):
+            raise InputError(f"loss must be a law of hertzchain.losses or None, got {self.loss!r}")
+        if self.drive is not None and not isinstance(self.drive, Drive):
+            raise InputError(
+                f"drive must be a SineBurst, a Step, a Table or None, got {self.drive!r}"
+            )
+        if self.drive is not None and self.drive.of == "displacement" and self.left_wall is None:
+            raise InputError(
+                "a drive of displacement moves the left wall, but the left end is free: give "
+                "left_wall=Wall(), or a drive of force"
+            )
+        # Refuses a wall whose material has no meaning beside this chain.
+        _ = self.wall_stiffness
+        force = number("precompression", self.precompression, unit=self._unit("N"), least=0.0,
+                       hint="beads do not pull")  # fmt: skip
+        self._set("precompression", force)
+        if self.held_by not in HELD_BY:
+            raise unknown_name("way to hold a chain", self.held_by, HELD_BY)
+        if force > 0.0:
+            self._check_precompression()
+
+    def _check_precompression(self) -> None:
+        walls = (self.left_wall, self.right_wall)
+        if self.held_by == "walls":
+            if self.strikers:
                 raise InputError(
-                    f"these radii are not those of a {self.taper} taper; use Chain.tapered"
+                    "strikers come from where the left wall would hold the precompressed chain: "
+                    "hold it by held_by='force'"
                 )
+            for side, wall in zip(("left", "right"), walls, strict=True):
+                if wall is None:
+                    raise InputError(
+                        f"nothing holds the precompressed chain at its {side} end, which is free: "
+                        f"give {side}_wall, or held_by='force' for a constant force there"
+                    )
+        elif None not in walls:
+            raise InputError(
+                "held_by='force' puts a constant force on free ends, but both ends have walls: "
+                "leave one wall out, or held_by='walls'"
+            )
+        elif self.strikers and self.left_wall is not None:
+            raise InputError(
+                "the left wall stands behind the strikers and cannot hold the precompressed "
+                "chain: leave left_wall out, and a constant force will"
+            )
+        apart = np.flatnonzero(self.gaps[self.strikers :] > 0.0)
+        if len(apart):
+            k = self.strikers + int(apart[0]) + 1
+            raise InputError(
+                f"contact {k} has a gap of {self.gaps[k - 1]:g}, but precompressed beads touch: "
+                "leave the gap or the precompression out"
+            )
+        if any(wall is not None and wall.gap > 0.0 for wall in walls):
+            raise InputError(
+                "a wall with a gap cannot hold a precompressed chain: leave the gap or the "
+                "precompression out"
+            )
+
+    def _unit(self, unit: str) -> str | None:
+        return unit if self.units == "SI" else None
 
     @classmethod
     def tapered(
@@ -128,7 +374,7 @@ class Chain:
         """
         count = _checked_beads(beads)
         checked = check_taper(taper, rate, count)
-        return cls(_tapered_radii(taper, checked, count), exponent, taper, checked)  # type: ignore[arg-type]
+        return cls(tapered_radii(taper, checked, count), exponent, taper, checked)  # type: ignore[arg-type]
 
     @classmethod
     def uniform(cls, beads: int, *, exponent: float = HERTZ_EXPONENT) -> Chain:
@@ -187,73 +433,220 @@ class Chain:
         with np.errstate(over="ignore", under="ignore"):
             return cls(given / given[0], exponent)
 
+    @classmethod
+    def from_materials(
+        cls,
+        radii: ArrayLike,
+        materials: MaterialLike | Sequence[MaterialLike],
+        *,
+        beads: int | None = None,
+        velocity: float = 1.0,
+        **fields: Any,
+    ) -> Chain:
+        r"""A chain of real beads in SI units, from their radii and materials.
+
+        Contacts are Hertz', between unlike spheres too:
+        `hertzchain.materials.sphere_stiffness`.
+
+        Parameters
+        ----------
+        radii : array_like
+            Radius of each bead [m], struck bead first; or one for all.
+        materials : str, Material or sequence of them
+            A material or its name in the catalogue, for all beads or for each.
+        beads : int, optional
+            Number of beads, if there is one radius for all.
+        velocity : float
+            Velocity of bead 1 at time 0 [m/s].
+        **fields
+            Other fields of `Chain`.
+
+        Returns
+        -------
+        Chain
+
+        Raises
+        ------
+        InputError
+            For an unknown material, lists of unlike lengths, or a field out of its range.
+
+        Examples
+        --------
+        >>> chain = Chain.from_materials(5e-3, "steel-52100", beads=20)
+        >>> chain
+        Chain(SI, steel-52100, R = 5 mm, 20 beads)
+        >>> round(float(chain.masses[0]), 9), float(chain.stiffness[0]).__round__(-3)
+        (0.004073598, 7435897000.0)
+        """
+        given = np.asarray(magnitude("radius", radii, "m"))
+        if given.ndim == 0:
+            if beads is None:
+                raise InputError("one radius for all beads needs their number: give beads")
+            given = np.full(_checked_beads(beads), given)
+        elif beads is not None and beads != len(given):
+            raise InputError(f"beads = {beads}, but there are {len(given)} radii: leave beads out")
+        count = len(given)
+        one = isinstance(materials, str | Material)
+        kinds = (material(materials),) * count if one else tuple(map(material, materials))  # type: ignore[arg-type]
+        if "velocities" not in fields and fields.get("drive") is None:
+            fields["velocities"] = np.zeros(count)
+            fields["velocities"][:1] = number("velocity", velocity, unit="m/s")
+        return cls(given, units="SI", materials=kinds, **fields)
+
+    def replace(self, **changes: Any) -> Chain:
+        """The same chain with some fields changed; what follows from them follows anew.
+
+        Parameters
+        ----------
+        **changes
+            Fields of `Chain` and their new values.
+
+        Returns
+        -------
+        Chain
+
+        Raises
+        ------
+        InputError
+            For a field that does not exist, is out of its range or contradicts another.
+
+        Examples
+        --------
+        >>> Chain.uniform(20).replace(right_wall=Wall.rigid())
+        Chain(uniform, 20 beads, right wall)
+        """
+        fields = [item.name for item in dataclasses.fields(self) if item.init]
+        for name in changes:
+            if name not in fields:
+                raise unknown_name("field of a chain", name, fields)
+        kept = {
+            name: getattr(self, name)
+            for name in fields
+            if name not in DERIVED or name in self.given
+        }
+        if "radii" in changes:
+            kept |= {"taper": None, "rate": None}
+        return Chain(**(kept | changes))
+
     @property
     def beads(self) -> int:
         """Number of beads N."""
         return len(self.radii)
 
     @property
-    def masses(self) -> Array:
-        """Masses m_k = R_k^3 [scaled], Eq. (3) of the paper, shape (N,)."""
-        return self.radii**3
+    def wall_stiffness(self) -> tuple[float, float]:
+        r"""Stiffness of the contacts with left and right wall [scaled, or N/m^p]; 0 if free.
+
+        Scaled, a flat wall of the bead's own material has :math:`\sqrt{2R}`, a rigid one
+        twice as much.
+        """
+        left = self._stiffness_at(self.left_wall, 0)
+        return left, self._stiffness_at(self.right_wall, self.beads - 1)
+
+    def _stiffness_at(self, wall: Wall | None, bead: int) -> float:
+        if wall is None:
+            return 0.0
+        if wall.stiffness is not None:
+            return wall.stiffness
+        if self.exponent != HERTZ_EXPONENT or "stiffness" in self.given:
+            raise InputError(
+                "the stiffness of a wall follows from materials only where the contacts are all "
+                "Hertz': give Wall(stiffness=...)"
+            )
+        radius = float(self.radii[bead])
+        if self.units == "SI":
+            assert self.materials is not None
+            own = self.materials[bead]
+            modulus = contact_modulus(own, own if wall.material is None else wall.material)
+            return float(sphere_stiffness(radius, math.inf, modulus))
+        if wall.material is not None and math.isfinite(wall.material.young):
+            raise InputError(
+                f"a scaled chain has no material to hold against a wall of {wall.material.name}: "
+                "use Chain.from_materials, Wall(), Wall.rigid() or Wall(stiffness=...)"
+            )
+        return math.sqrt(2.0 * radius) * (1.0 if wall.material is None else 2.0)
 
     @property
-    def stiffness(self) -> Array:
-        """Contact stiffness r_k [scaled], below Eq. (4) of the paper, shape (N - 1,)."""
-        return hertz_stiffness(self.radii[:-1], self.radii[1:])
+    def features(self) -> tuple[str, ...]:
+        """What the chain has beyond the paper's: names such as ``"gaps"``, ``"right wall"``."""
+        struck = np.zeros(self.beads)
+        # In SI units a strike may have any speed.
+        struck[0] = 1.0 if self.units == "scaled" else max(self.velocities[0], 0.0)
+        present = {
+            "SI units": self.units == "SI",
+            "masses": "masses" in self.given,
+            "stiffness": "stiffness" in self.given,
+            "strikers": self.strikers > 0,
+            "velocities": not np.array_equal(self.velocities, struck),
+            "gaps": bool(self.gaps.any()),
+            "precompression": self.precompression > 0.0,
+            "gravity": self.gravity != 0.0,
+            "left wall": self.left_wall is not None,
+            "right wall": self.right_wall is not None,
+            "drive": self.drive is not None,
+            "loss": self.loss is not None,
+        }
+        return tuple(name for name, there in present.items() if there)
 
     @property
     def description(self) -> str:
         """The chain in a few words, as it heads tables and figures."""
-        kind = "free radii"
+        kind, features = "free radii", self.features
         if self.taper is not None:
             kind = f"{self.taper}, {rate_symbol(self.taper)} = {self.rate:g}"
+        elif self.units == "SI":
+            kind = f"SI, {self._composition}"
         elif np.all(self.radii == 1.0):
             kind = "uniform"
         law = "" if self.exponent == HERTZ_EXPONENT else f", p = {self.exponent:g}"
-        return f"{kind}, {self.beads} beads{law}"
+        rest = "".join(f", {name}" for name in features if name != "SI units")
+        return f"{kind}, {self.beads} beads{law}{rest}"
+
+    @property
+    def _composition(self) -> str:
+        names = dict.fromkeys(each.name for each in self.materials or ())
+        kinds = " and ".join(names) if len(names) < 3 else f"{len(names)} materials"
+        low, high = self.radii.min(), self.radii.max()
+        low, high = 1e3 * low, 1e3 * high
+        sizes = f"R = {low:g} mm" if low == high else f"R = {low:g} .. {high:g} mm"
+        return f"{kinds}, {sizes}" if kinds else sizes
 
     def __repr__(self) -> str:
         return f"Chain({self.description})"
 
 
-def rate_symbol(taper: str) -> Literal["S", "q"]:
-    """The paper's letter for the tapering parameter: S if linear, q if exponential.
+def require(chain: Chain, by: str, *, covers: Sequence[str] = (), instead: str = "") -> None:
+    """Refuse a chain that has a feature which a method does not cover.
 
     Parameters
     ----------
-    taper : str
-        Name of a taper.
-
-    Returns
-    -------
-    str
+    chain : Chain
+        The chain.
+    by : str
+        Name of the method.
+    covers : sequence of str
+        Names of the features, of `Chain.features`, that it does cover.
+    instead : str
+        What to use instead.
 
     Raises
     ------
     InputError
-        If there is no such taper.
+        If there is such a feature; all are named.
 
     Examples
     --------
-    >>> rate_symbol("backward-linear")
-    'S'
+    >>> require(Chain.uniform(20), "the BCA")
     """
-    if taper not in TAPERS:
-        hint = "; equal beads are Chain.uniform" if taper == "uniform" else ""
-        raise InputError(str(unknown_name("taper", taper, TAPERS)) + hint)
-    return "S" if taper.endswith("linear") else "q"
-
-
-def _tapered_radii(taper: str, rate: float, beads: int) -> Array:
-    step = np.arange(beads, dtype=float)
-    with np.errstate(over="ignore", under="ignore"):
-        if taper == "backward-linear":
-            return 1.0 + rate * step
-        if taper == "forward-linear":
-            return 1.0 - rate * step
-        ratio = 1.0 - rate if taper == "backward-exponential" else 1.0 + rate
-        return np.asarray(ratio**-step)
+    others = [name for name in chain.features if name not in covers]
+    if others:
+        advice = instead or "leave them out"
+        if others == ["SI units"]:
+            advice = "use Scales.of(chain).to_scaled(chain)"
+        raise InputError(
+            f"{by} does not cover {' and '.join(others)}, which this chain has "
+            f"({chain.description}): {advice}"
+        )
 
 
 def _checked_beads(beads: int) -> int:
@@ -274,68 +667,6 @@ def _checked_beads(beads: int) -> int:
                 f"{free / 2**30:.1f} GiB free hold {free // BYTES_PER_BEAD} beads; use fewer"
             )
     return count
-
-
-def check_taper(taper: str, rate: float, beads: int = 2) -> float:
-    """The rate of a taper, if the taper exists and a chain of so many beads has that rate.
-
-    Parameters
-    ----------
-    taper : str
-        Name of the taper.
-    rate : float
-        Tapering parameter S or q.
-    beads : int
-        Number of beads.
-
-    Returns
-    -------
-    float
-        The rate.
-
-    Raises
-    ------
-    InputError
-        For an unknown taper, or a rate outside its range.
-
-    Examples
-    --------
-    >>> check_taper("forward-linear", 0.01, 100)
-    0.01
-    """
-    symbol = rate_symbol(taper)
-    value = real_number(f"{symbol} of a {taper} taper", rate)
-    if symbol == "q":
-        if not 0.0 < value < 1.0:
-            raise InputError(
-                f"q of a {taper} taper must lie between 0 and 1, got {value:g}; "
-                "try 0.05, or a uniform chain for equal beads"
-            )
-        return value
-    if not 0.0 < value < math.inf:
-        raise InputError(
-            f"S of a {taper} taper must be positive and finite, got {value:g}; "
-            "try 0.005, or a uniform chain for equal beads"
-        )
-    if taper == "forward-linear" and not _last_radius(value, beads) > ROUNDING:
-        # 1/S is rounded: step down from it to the first chain that has a radius left.
-        longest = math.ceil(1.0 + 1.0 / value)
-        while longest >= 2 and not _last_radius(value, longest) > ROUNDING:
-            longest -= 1
-        advice = (
-            f"use at most {longest} beads or a smaller S"
-            if longest >= 2
-            else "S must be below 1 for even two beads"
-        )
-        raise InputError(
-            f"a forward-linear taper with S = {value:g} runs out of radius at bead "
-            f"{longest + 1}, but {beads} beads were asked for: {advice}"
-        )
-    return value
-
-
-def _last_radius(rate: float, beads: int) -> float:
-    return 1.0 - rate * (beads - 1)
 
 
 def _checked_exponent(exponent: float) -> float:
@@ -369,8 +700,10 @@ def _positive_radii(radii: ArrayLike) -> Array:
     return values
 
 
-def _checked_radii(radii: ArrayLike) -> Array:
-    """Read-only copy of scaled radii whose masses can be represented."""
+def _checked_radii(radii: ArrayLike, units: Units) -> Array:
+    """Read-only copy of radii whose masses can be represented."""
+    if units == "SI":
+        return _read_only(_positive_radii(radii))
     values = np.array(radii, dtype=float)
     with np.errstate(over="ignore", under="ignore"):
         masses = values**3
@@ -383,6 +716,17 @@ def _checked_radii(radii: ArrayLike) -> Array:
                 "be represented beyond 1e-102..1e102; use fewer beads or a weaker taper"
             )
     values = _positive_radii(values)
+    return _read_only(values)
+
+
+def _checked_materials(given: Sequence[MaterialLike], beads: int) -> tuple[Material, ...]:
+    kinds = tuple(map(material, given))
+    if len(kinds) != beads:
+        raise InputError(f"there must be {beads} materials, one for each bead, got {len(kinds)}")
+    return kinds
+
+
+def _read_only(values: Array) -> Array:
     values.setflags(write=False)
     return values
 

@@ -5,6 +5,7 @@
                           allowed, what to try (the command line exits with 2)
 `SimulationError`         the request was sound but the run could not finish
 `ModelRangeWarning`       a number was computed outside a theory's stated range
+`InputWarning`            the request is possible, but unlikely to be meant
 ========================  ====================================================
 """
 
@@ -25,6 +26,10 @@ class SimulationError(RuntimeError):
 
 class ModelRangeWarning(UserWarning):
     """A theory was evaluated outside the range in which it is known to hold."""
+
+
+class InputWarning(UserWarning):
+    """What was asked for is possible, but looks like a slip."""
 
 
 def unknown_name(what: str, name: object, known: Iterable[str]) -> InputError:

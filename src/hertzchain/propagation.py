@@ -16,7 +16,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from hertzchain.chain import Chain
+from hertzchain.chain import Chain, require
 from hertzchain.contacts import HERTZ_EXPONENT, Array
 from hertzchain.errors import InputError, SimulationError, real_number
 from hertzchain.pulse import Pulse
@@ -70,6 +70,7 @@ def propagate(
     >>> round(float(hc.propagate(hc.Chain.uniform(60)).velocity[50]), 8)
     0.68163155
     """
+    require(chain, "propagate", instead="use simulate")
     rtol = _checked_rtol(rtol)
     batch, signal = Batch.of([chain]), np.zeros(2, np.int64)
     if chain.beads <= SHORT and progress is None:
@@ -174,6 +175,7 @@ class _Ensemble:
         for item in chains:
             try:
                 chain = item if isinstance(item, Chain) else Chain.from_radii(item)
+                require(chain, "propagate_many", instead="use simulate")
                 lengths.append(chain.beads)
                 listed.append(chain)
             except InputError as error:

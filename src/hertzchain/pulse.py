@@ -7,7 +7,7 @@ a prediction.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Final, Literal
 
@@ -22,6 +22,8 @@ if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
     from matplotlib.axes import Axes
+
+    from hertzchain.scales import Scales
 
 Quantity = Literal[
     "velocity",
@@ -99,6 +101,28 @@ class Pulse:
             if values is not None:
                 length = beads - 1 if name in PER_CONTACT else beads
                 object.__setattr__(self, name, _checked_column(self, name, values, length))
+
+    def factors(self, scales: Scales) -> Mapping[str, float]:
+        """Units of the columns, for `hertzchain.Scales`.
+
+        Parameters
+        ----------
+        scales : Scales
+            The units.
+
+        Returns
+        -------
+        dict
+
+        Examples
+        --------
+        >>> import hertzchain as hc
+        >>> scales = hc.Scales(radius=1.0, mass=1.0, velocity=2.0, length=1.0)
+        >>> hc.bca(hc.Chain.uniform(3)).factors(scales)["velocity"]
+        2.0
+        """
+        times = dict.fromkeys(("peak_time", "arrival", "residence"), scales.time)
+        return {"velocity": scales.velocity, "peak_overlap": scales.length} | times
 
     @property
     def bead(self) -> np.ndarray[Any, np.dtype[np.int64]]:
@@ -319,8 +343,11 @@ class Comparison:
 
     def __post_init__(self) -> None:
         ours, theirs = self.pulse.chain, self.reference.chain
-        same_law = ours.exponent == theirs.exponent
-        if not (same_law and np.array_equal(ours.radii, theirs.radii)):
+        same_law = (ours.exponent, ours.units) == (theirs.exponent, theirs.units)
+        if not same_law or not all(
+            np.array_equal(getattr(ours, name), getattr(theirs, name))
+            for name in ("radii", "masses", "stiffness")
+        ):
             raise InputError(
                 "pulses of different chains cannot be compared: "
                 f"{ours.description} and {theirs.description}"

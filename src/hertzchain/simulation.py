@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from hertzchain import __version__
-from hertzchain.chain import Chain
+from hertzchain.chain import Chain, require
 from hertzchain.contacts import Array, compression_time, reduced_mass
 from hertzchain.errors import InputError, SimulationError, real_number
 from hertzchain.pulse import Pulse
@@ -291,6 +291,7 @@ def simulate(
     >>> run.energy_drift < 1e-10
     True
     """
+    require(chain, "simulate", covers=("masses", "stiffness"))
     rtol = _checked_number("rtol", rtol, 1e-14, 1e-6)
     if until is not None:
         until = _checked_number("until", until, 0.0, np.inf)

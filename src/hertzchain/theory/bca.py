@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from hertzchain.chain import Chain, Taper, check_taper, rate_symbol
+from hertzchain.chain import Chain, Taper, check_taper, rate_symbol, require
 from hertzchain.contacts import (
     Array,
     collision_cascade,
@@ -73,6 +73,7 @@ def bca(chain: Chain, *, restitution: float = 1.0) -> Pulse:
     >>> float(pulse.velocity[49]), round(float(pulse.residence[0]), 6)
     (1.0, 1.219419)
     """
+    require(chain, "the BCA", covers=("masses", "stiffness"), instead="use simulate")
     m, e = chain.masses, checked_restitution(restitution)
     velocity = collision_cascade(m, e)
     reduced, speed = reduced_mass(m[:-1], m[1:]), velocity[:-1]

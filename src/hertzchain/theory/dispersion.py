@@ -15,7 +15,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
-from hertzchain.chain import Chain
+from hertzchain.chain import Chain, require
 from hertzchain.contacts import HERTZ_EXPONENT, Array, hertz_stiffness
 from hertzchain.errors import InputError, unknown_name
 
@@ -209,6 +209,7 @@ def modes(
     >>> frequencies.round(6)
     array([0.      , 1.732051])
     """
+    require(chain, "modes", covers=("masses", "stiffness"))
     springs = linear_stiffness(chain.stiffness, force, chain.exponent)
     held = [0.0, 0.0]
     for side, end in enumerate(ends):

@@ -18,7 +18,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from hertzchain.chain import Chain
+from hertzchain.chain import Chain, require
 from hertzchain.contacts import (
     Array,
     collision_cascade,
@@ -230,6 +230,7 @@ def effective_chain(chain: Chain, large: Sequence[int] | None = None) -> Effecti
     >>> float(effective_chain(decorated).stiffness[0] / decorated.stiffness[0]).__round__(6)
     0.353553
     """
+    require(chain, "effective_chain", covers=("masses", "stiffness"), instead="use simulate")
     index = _detected(chain) if large is None else _checked_large(chain, large)
     _check_small(chain, index)
     masses, springs = chain.masses, chain.stiffness ** (-1.0 / chain.exponent)

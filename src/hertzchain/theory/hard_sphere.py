@@ -13,7 +13,7 @@ import math
 
 import numpy as np
 
-from hertzchain.chain import Chain
+from hertzchain.chain import Chain, require
 from hertzchain.contacts import collision_cascade
 from hertzchain.errors import InputError
 from hertzchain.pulse import Pulse
@@ -56,6 +56,7 @@ def hard_sphere(chain: Chain, *, restitution: float = 1.0) -> Pulse:
     >>> hc.hard_sphere(hc.Chain.uniform(4), restitution=0.9).velocity.round(6)
     array([1.      , 0.95    , 0.9025  , 0.857375])
     """
+    require(chain, "the hard-sphere theory", covers=("masses", "stiffness", "gaps"))
     e = checked_restitution(restitution)
     velocity = collision_cascade(chain.masses, e)
     method = "hard sphere" if e == 1.0 else f"hard sphere, e = {e:g}"
@@ -100,6 +101,8 @@ def hard_sphere_energy_ratio(chain: Chain, *, restitution: float = 1.0) -> float
     >>> round(ratio, 6)
     0.893718
     """
+    covered = ("SI units", "masses", "stiffness", "gaps")
+    require(chain, "the hard-sphere theory", covers=covered)
     m, e = chain.masses, checked_restitution(restitution)
     mass_ratio = m[1:] / m[:-1]
     return float(np.prod((1.0 + e) ** 2 * mass_ratio / (1.0 + mass_ratio) ** 2))

@@ -24,7 +24,7 @@ from typing import Literal
 
 import numpy as np
 
-from hertzchain.chain import TAPERS, Chain, Taper, rate_symbol
+from hertzchain.chain import TAPERS, Chain, Taper, rate_symbol, require
 from hertzchain.contacts import Array
 from hertzchain.errors import InputError, ModelRangeWarning, unknown_name
 from hertzchain.pulse import Pulse
@@ -157,6 +157,7 @@ def modified_bca(
             f"modified_bca needs a tapered chain ({', '.join(TAPERS)}), got {chain.description}; "
             "use bca for any other"
         )
+    require(chain, "modified_bca", instead="use simulate")
     if chain.exponent != 1.5:
         raise InputError(
             f"modified_bca has constants for Hertz contacts (exponent 1.5), got p = "

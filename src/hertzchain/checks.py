@@ -1,0 +1,213 @@
+"""Numbers as people give them: lists per bead, single values, quantities with a unit.
+
+A quantity of `pint` (anything with ``to`` and ``magnitude``) is converted here, at the
+border, to the plain float in SI that everything else works with.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from hertzchain.contacts import Array
+from hertzchain.errors import InputError, real_number
+
+
+def magnitude(what: str, value: Any, unit: str | None) -> Any:
+    """The plain number or numbers of a quantity with a unit; anything else as it is.
+
+    Parameters
+    ----------
+    what : str
+        What the value is, for the error.
+    value : object
+        A quantity of pint, or a sequence of them, or anything else.
+    unit : str or None
+        Unit to convert to, in pint's spelling; `None` where quantities have no place.
+
+    Returns
+    -------
+    object
+
+    Raises
+    ------
+    InputError
+        If the quantity has another dimension, or stands where only scaled numbers may.
+
+    Examples
+    --------
+    >>> magnitude("gap", 0.1, "m")
+    0.1
+    """
+    if isinstance(value, list | tuple) and any(hasattr(item, "magnitude") for item in value):
+        return [magnitude(what, item, unit) for item in value]
+    if not (hasattr(value, "magnitude") and hasattr(value, "to")):
+        return value
+    if unit is None:
+        raise InputError(
+            f"{what} has a unit ({value}), but the chain is in scaled variables: give plain "
+            "numbers, or units='SI'"
+        )
+    try:
+        return value.to(unit).magnitude
+    # pint's own errors derive from different classes; whatever it says is the reason.
+    except Exception as error:  # noqa: BLE001
+        raise InputError(f"{what} must be convertible to {unit}: {error}") from None
+
+
+def number(
+    what: str,
+    value: Any,
+    *,
+    unit: str | None = None,
+    above: float = -math.inf,
+    least: float = -math.inf,
+    below: float = math.inf,
+    most: float = math.inf,
+    hint: str = "",
+) -> float:
+    """One finite number within its bounds.
+
+    Parameters
+    ----------
+    what : str
+        What the number is.
+    value : float or quantity
+        What was given.
+    unit : str, optional
+        SI unit, if quantities are welcome.
+    above, least : float
+        Lower bound, excluded or included.
+    below, most : float
+        Upper bound, excluded or included.
+    hint : str
+        What to try instead.
+
+    Returns
+    -------
+    float
+
+    Raises
+    ------
+    InputError
+        If it is no number, not finite or out of its bounds.
+
+    Examples
+    --------
+    >>> number("ratio", 0.5, above=0.0, most=1.0)
+    0.5
+    """
+    given = real_number(what, magnitude(what, value, unit))
+    if above < given < below and least <= given <= most and math.isfinite(given):
+        return given
+    bounds = [
+        f"{text} {bound:g}"
+        for text, bound in (("above", above), ("at least", least), ("below", below),
+                            ("at most", most))
+        if math.isfinite(bound)
+    ]  # fmt: skip
+    allowed = " and ".join(bounds) if bounds else "finite"
+    raise InputError(f"{what} must be {allowed}, got {given:g}{'; ' + hint if hint else ''}")
+
+
+def column(
+    what: str,
+    given: ArrayLike | Any,
+    length: int,
+    place: str,
+    *,
+    unit: str | None = None,
+    least: float | None = None,
+    above: float | None = None,
+) -> Array:
+    """A read-only array of finite numbers, one for each bead or contact.
+
+    Parameters
+    ----------
+    what : str
+        What they are, in the singular.
+    given : array_like
+        The numbers; one alone stands for all.
+    length : int
+        How many there must be.
+    place : str
+        ``"bead"`` or ``"contact"``: what is counted.
+    unit : str, optional
+        SI unit, if quantities are welcome.
+    least, above : float, optional
+        Lower bound, included or excluded.
+
+    Returns
+    -------
+    ndarray, shape (length,)
+
+    Raises
+    ------
+    InputError
+        If they are no numbers, too few or many, not finite or below the bound.
+
+    Examples
+    --------
+    >>> column("gap", 0.5, 2, "contact", least=0.0)
+    array([0.5, 0.5])
+    """
+    plain = magnitude(what, given, unit)
+    try:
+        values = np.asarray(plain)
+    except ValueError:
+        raise InputError(f"{what} must be {length} numbers, got {given!r}") from None
+    if values.dtype.kind not in "iuf":
+        raise InputError(first_unreadable(what, place, plain))
+    if values.ndim == 0:
+        values = np.full(length, values)
+    if values.shape != (length,):
+        raise InputError(
+            f"there must be {length} numbers for the {what}, one for each {place}, "
+            f"got {values.size if values.ndim == 1 else f'shape {values.shape}'}"
+        )
+    checked = values.astype(float)
+    good = np.isfinite(checked)
+    allowed = "finite"
+    if least is not None:
+        good &= checked >= least
+        allowed = f"finite and at least {least:g}"
+    if above is not None:
+        good &= checked > above
+        allowed = f"finite and above {above:g}"
+    if not good.all():
+        k = int(np.argmin(good))
+        raise InputError(f"{what} of {place} {k + 1} is {checked[k]:g}: it must be {allowed}")
+    checked.setflags(write=False)
+    return checked
+
+
+def first_unreadable(what: str, place: str, given: object) -> str:
+    """Sentence that names the first entry of a list that is no number.
+
+    Parameters
+    ----------
+    what, place : str
+        What the numbers are, and what they are counted by.
+    given : object
+        What was given.
+
+    Returns
+    -------
+    str
+
+    Examples
+    --------
+    >>> first_unreadable("radius", "bead", [1.0, "big"])
+    "radius of bead 2 is 'big': it must be a number"
+    """
+    if isinstance(given, Sequence) and not isinstance(given, str):
+        for k, value in enumerate(given, start=1):
+            try:
+                real_number("", value)
+            except InputError:
+                return f"{what} of {place} {k} is {value!r}: it must be a number"
+    return f"{what} must be a list of numbers, got {given!r}"

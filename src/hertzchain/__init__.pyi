@@ -22,8 +22,9 @@ from .propagation import propagate_many as propagate_many
 from .pulse import Comparison as Comparison
 from .pulse import Pulse as Pulse
 from .pulse_table import PulseTable as PulseTable
+from .run import Run as Run
+from .run import WallForce as WallForce
 from .scales import Scales as Scales
-from .simulation import Run as Run
 from .simulation import simulate as simulate
 from .store import load_chain as load_chain
 from .theory.bca import bca as bca

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from hertzchain.chain import Chain
     from hertzchain.paper.reproduction import Reproduction
     from hertzchain.pulse import Pulse, Quantity
-    from hertzchain.simulation import Run
+    from hertzchain.run import Run
 
 DONE, FAILED, BAD_INPUT, OUTSIDE_TOLERANCE, INTERRUPTED = 0, 1, 2, 3, 130
 METHODS: Final = (

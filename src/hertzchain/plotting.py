@@ -18,7 +18,7 @@ from matplotlib.figure import Figure
 
 from hertzchain.errors import InputError
 from hertzchain.pulse import PER_CONTACT, Pulse, Quantity
-from hertzchain.simulation import Run
+from hertzchain.run import Run
 
 # Colours of Okabe and Ito, told apart by colour-blind readers; markers say it again in grey.
 COLOURS: Final = ("#000000", "#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00")

@@ -33,7 +33,7 @@ from hertzchain import __version__
 from hertzchain.chain import TAPERS, Chain
 from hertzchain.errors import InputError, unknown_name
 from hertzchain.pulse import Pulse
-from hertzchain.simulation import Run
+from hertzchain.run import Run
 
 SCHEMA_VERSION: Final = 1
 KEYS: Final = ("taper", "rate", "beads", "radii", "exponent")

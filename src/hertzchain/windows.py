@@ -372,14 +372,16 @@ class _MovingWindow:
         reduced = reduced_mass(self.masses[0], self.masses[1])
         transit = float(compression_time(reduced, self.stiffness[0], 1.0, chain.exponent))
         full_chain.start(
-            self.state.reshape(-1), self.clock, self.counts, *self._bodies, 1e-4 * transit
+            self.state.reshape(-1), self.clock, self.counts, self._equation, None, 1e-4 * transit
         )
 
     @property
-    def _bodies(self) -> tuple[Array, Array, float]:
+    def _equation(self) -> Any:
         """Inverse masses, stiffness and exponent within the window."""
         masses, stiffness = self.masses[self.low : self.high], self.stiffness
-        return 1.0 / masses, stiffness[self.low : self.high - 1], self.chain.exponent
+        return self.kernel.Plain(
+            1.0 / masses, stiffness[self.low : self.high - 1], self.chain.exponent
+        )
 
     def run(self, signal: Indices) -> Array:
         code = self.kernel.RUNNING
@@ -410,10 +412,11 @@ class _MovingWindow:
 
         beads = self.high - self.low
         code: int = self.kernel.advance(
-            self.state.reshape(-1), self.clock, self.counts, *self._bodies,
-            np.inf, self.high == self.chain.beads, FULL_RTOL, FULL_STEPS_PER_CALL,
-            np.empty(0), False, np.empty((0, 2 * beads)), self.peaks, self.crossings,
-            np.empty((dop853.STAGES, 2 * beads)), np.empty((3, 2 * beads)),
+            self.state.reshape(-1), self.clock, self.counts, self._equation, None,
+            np.inf, self.high == self.chain.beads, FULL_RTOL, FULL_STEPS_PER_CALL, False,
+            np.empty(0), False, np.empty((0, 2 * beads)), np.empty((0, 0)), self.peaks,
+            self.crossings, np.empty((0, 2)), np.empty((dop853.STAGES, 2 * beads)),
+            np.empty((6, 2 * beads)),
             np.zeros((2, beads), np.bool_),
         )  # fmt: skip
         return code

@@ -1,0 +1,338 @@
+r"""The forces on the beads of a chain, compiled: contacts, walls, drives, weight.
+
+The state ``y`` holds positions :math:`x_k`, velocities :math:`v_k` and, unless the chain
+is plain, a ledger of what enters and leaves.  Its derivative is :math:`(v_k, a_k)` with
+
+.. math:: m_k a_k = F_{k-1} - F_k + X_k ,
+
+:math:`F_c` the force in contact c and :math:`X_k` that from outside.  Contacts
+:math:`c = 1 \dots N - 1` join beads c and c + 1; contacts 0 and N are those with the
+walls.  A `Plain` chain, Eq. (4) of the paper, has :math:`F_c = r_c (x_c - x_{c+1})_+^p`
+and nothing else, and a loop of its own; a `Bench` has everything else.
+
+Where a law's force jumps, has a memory or is cut off, each contact is in a *mode*, which
+`hertzchain.kernels.full_chain` keeps within a step:
+
+=============  ========================  =================  =======================
+law            `LOADED`                  `RELEASED`         `STUCK`
+=============  ========================  =================  =======================
+`DAMPED`       the law acts              no force
+`UNLOADING`    approaching               parting            neither: d' = 0, held by
+                                                            a force between the two
+`PLASTIC`      loading further than      below the largest
+               ever                      overlap so far
+=============  ========================  =================  =======================
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from numba import njit
+
+# The ledger behind positions and velocities: energy lost in contacts, work and impulse of the
+# drive, impulse given to the chain by the left wall and by the chain to the right one.
+LOST, DRIVEN, PUSHED, LEFT_IMPULSE, RIGHT_IMPULSE, LEDGER = range(6)
+
+# Loss laws, and the modes of a contact under them.
+ELASTIC, DAMPED, UNLOADING, PLASTIC = range(4)
+RELEASED, LOADED, STUCK = range(3)
+# What drives the chain: nothing, a force on bead 1, the place of the left wall.
+NOTHING, PUSH, MOVING_WALL = range(3)
+# A piece of the drive: a cubic in time, then amplitude and angular frequency of three sines.
+CUBIC, SINES = 4, 3
+
+# A force within this part of a bound is on it: a contact at rest must not change its mode
+# for rounding.
+EVEN = 1e-13
+
+compiled = njit(cache=True, nogil=True, error_model="numpy")
+
+
+class Plain(NamedTuple):
+    """A chain of Eq. (4) of the paper: beads, the contacts between them, nothing else."""
+
+    inverse_mass: Any  # (N,)
+    stiffness: Any  # (N - 1,)
+    exponent: float
+
+
+class Bench(NamedTuple):
+    """Any other chain: beads, contacts 0..N (walls at both ends), and what acts on them."""
+
+    inverse_mass: Any  # (N,)
+    stiffness: Any  # (N + 1,); 0 where there is no wall
+    exponent: float
+    gap: Any  # (N + 1,)
+    loss: int
+    # DAMPED: k d^p + damping d^overlap_power |d'|^speed_power sgn d'; else 1 - w, or e^2.
+    damping: Any  # (N + 1,)
+    overlap_power: float
+    speed_power: float
+    kept: float
+    attractive: bool
+    body_force: Any  # (N,): weight along the chain, and what holds a free end
+    drive: int
+    piece_starts: Any  # (pieces,)
+    pieces: Any  # (pieces, CUBIC + 2 SINES)
+
+
+class Contacts(NamedTuple):
+    """What the contacts of a `Bench` remember, and where their forces are written.
+
+    With a `Plain` chain there are none: `None`, for which numba compiles code without them.
+    """
+
+    mode: Any  # (N + 1,)
+    largest: Any  # (N + 1,): largest overlap, where the law depends on it
+    force: Any  # (N + 1,)
+    scratch: Any  # (2, N + 1)
+
+
+@compiled
+def force(overlap, stiffness, exponent):
+    """Contact force k d^p of a positive overlap; d^1.5 by a square root is 40 times faster."""
+    if overlap <= 0.0:
+        return 0.0
+    if exponent == 1.5:
+        return stiffness * overlap * np.sqrt(overlap)
+    return stiffness * overlap**exponent
+
+
+@compiled
+def plain_derivative(y, inverse_mass, stiffness, exponent, out):
+    """Velocities and accelerations of all beads, Eq. (4) of the paper."""
+    beads = len(inverse_mass)
+    pushed = 0.0
+    for k in range(beads - 1):
+        pushing = force(y[k] - y[k + 1], stiffness[k], exponent)
+        out[k] = y[beads + k]
+        out[beads + k] = (pushed - pushing) * inverse_mass[k]
+        pushed = pushing
+    out[beads - 1] = y[2 * beads - 1]
+    out[2 * beads - 1] = pushed * inverse_mass[beads - 1]
+
+
+@compiled
+def drive_at(time, setup, segment):
+    """Value, rate and acceleration of the drive at a time within a piece of it."""
+    t = time - setup.piece_starts[segment]
+    c = setup.pieces[segment]
+    value = c[0] + t * (c[1] + t * (c[2] + t * c[3]))
+    rate = c[1] + t * (2.0 * c[2] + t * 3.0 * c[3])
+    second = 2.0 * c[2] + 6.0 * c[3] * t
+    for i in range(SINES):
+        amplitude, w = c[CUBIC + 2 * i], c[CUBIC + 2 * i + 1]
+        value += amplitude * np.sin(w * t)
+        rate += amplitude * w * np.cos(w * t)
+        second -= amplitude * w * w * np.sin(w * t)
+    return value, rate, second
+
+
+@compiled
+def overlap_and_closing(c, y, setup, wall):
+    """Overlap of contact c and the speed at which it grows; ``wall`` is the left wall's motion."""
+    beads = len(setup.inverse_mass)
+    left, left_speed = wall[0], wall[1]
+    if c > 0:
+        left, left_speed = y[c - 1], y[beads + c - 1]
+    right, right_speed = 0.0, 0.0
+    if c < beads:
+        right, right_speed = y[c], y[beads + c]
+    return left - right - setup.gap[c], left_speed - right_speed
+
+
+@compiled
+def damped(overlap, closing, damping, setup):
+    """The part of a damped contact's force that depends on the closing speed."""
+    if setup.overlap_power == 0.25:
+        damping *= np.sqrt(np.sqrt(overlap))
+    elif setup.overlap_power == 0.5:
+        damping *= np.sqrt(overlap)
+    elif setup.overlap_power != 0.0:
+        damping *= overlap**setup.overlap_power
+    if setup.speed_power == 1.0:
+        return damping * closing
+    return damping * np.sign(closing) * abs(closing) ** setup.speed_power
+
+
+@compiled
+def contact_force(c, overlap, closing, setup, contacts):
+    """Force of contact c, and the part of it that is stored: the slope of its potential."""
+    stiffness, exponent = setup.stiffness[c], setup.exponent
+    if setup.loss == PLASTIC:
+        if contacts.mode[c] == LOADED:
+            pushing = force(overlap, stiffness, exponent)
+            return pushing, setup.kept * pushing
+        pushing = force(elastic_overlap(c, overlap, setup, contacts), stiffness, exponent)
+        return pushing, pushing
+    elastic = force(overlap, stiffness, exponent)
+    if setup.loss == UNLOADING:
+        stored = setup.kept * elastic
+        return (elastic if contacts.mode[c] == LOADED else stored), stored
+    if setup.loss == DAMPED:
+        acts = contacts.mode[c] == LOADED if has_modes(setup) else overlap > 0.0
+        if not acts:
+            return 0.0, elastic
+        return elastic + damped(max(overlap, 0.0), closing, setup.damping[c], setup), elastic
+    return elastic, elastic
+
+
+@compiled
+def elastic_overlap(c, overlap, setup, contacts):
+    """Overlap that the loading curve would need for the force of a plastic contact."""
+    if contacts.mode[c] == LOADED:
+        return overlap
+    return (overlap - (1.0 - setup.kept) * contacts.largest[c]) / setup.kept
+
+
+@compiled
+def potential(c, overlap, setup, contacts):
+    """Energy that contact c can give back."""
+    kept = 1.0
+    if setup.loss == PLASTIC:
+        overlap = elastic_overlap(c, overlap, setup, contacts)
+        kept = setup.kept
+    if setup.loss == UNLOADING:
+        kept = setup.kept
+    curve = force(overlap, setup.stiffness[c], setup.exponent)
+    return kept * curve * max(overlap, 0.0) / (setup.exponent + 1.0)
+
+
+@compiled
+def force_on(k, drive, setup):
+    """Force from outside on bead k (0-based)."""
+    if k == 0 and setup.drive == PUSH:
+        return setup.body_force[k] + drive
+    return setup.body_force[k]
+
+
+@compiled
+def hold_stuck(drive, wall_acceleration, setup, contacts):
+    """Forces that keep the closing speed of stuck contacts at zero: a tridiagonal system.
+
+    For contact c between accelerations a_left = (F_{c-1} - F_c + X_left)/m_left and
+    a_right, their difference is zero; neighbours that are not stuck have known forces.
+    """
+    inverse_mass, mode, pushing = setup.inverse_mass, contacts.mode, contacts.force
+    beads = len(inverse_mass)
+    factor, value = contacts.scratch[0], contacts.scratch[1]
+    for c in range(beads + 1):
+        if mode[c] != STUCK:
+            continue
+        left, right, difference = 0.0, 0.0, 0.0
+        if c > 0:
+            left = inverse_mass[c - 1]
+            difference += left * force_on(c - 1, drive, setup)
+            if mode[c - 1] != STUCK:
+                difference += left * pushing[c - 1]
+        else:
+            difference += wall_acceleration
+        if c < beads:
+            right = inverse_mass[c]
+            difference -= right * force_on(c, drive, setup)
+            if mode[c + 1] != STUCK:
+                difference += right * pushing[c + 1]
+        pivot = left + right
+        if c > 0 and mode[c - 1] == STUCK:
+            pivot -= left * factor[c - 1]
+            difference += left * value[c - 1]
+        factor[c] = right / pivot
+        value[c] = difference / pivot
+    for c in range(beads, -1, -1):
+        if mode[c] == STUCK:
+            pushing[c] = value[c]
+            if c < beads and mode[c + 1] == STUCK:
+                pushing[c] += factor[c] * pushing[c + 1]
+
+
+@compiled
+def full_derivative(time, y, setup, contacts, segment, out):
+    """Velocities, accelerations and rates of the ledger."""
+    beads = len(setup.inverse_mass)
+    drive = drive_at(time, setup, segment) if setup.drive != NOTHING else (0.0, 0.0, 0.0)
+    wall = drive if setup.drive == MOVING_WALL else (0.0, 0.0, 0.0)
+    lost = 0.0
+    stuck = False
+    for c in range(beads + 1):
+        contacts.force[c] = 0.0
+        if setup.stiffness[c] > 0.0:
+            overlap, closing = overlap_and_closing(c, y, setup, wall)
+            stuck = stuck or contacts.mode[c] == STUCK
+            contacts.force[c], stored = contact_force(c, overlap, closing, setup, contacts)
+            lost += (contacts.force[c] - stored) * closing
+    if stuck:
+        hold_stuck(drive[0], wall[2], setup, contacts)
+    for k in range(beads):
+        net = contacts.force[k] - contacts.force[k + 1] + force_on(k, drive[0], setup)
+        out[k] = y[beads + k]
+        out[beads + k] = net * setup.inverse_mass[k]
+    out[2 * beads + LOST] = lost
+    out[2 * beads + DRIVEN] = contacts.force[0] * wall[1]
+    out[2 * beads + PUSHED] = 0.0
+    if setup.drive == PUSH:
+        out[2 * beads + DRIVEN] = drive[0] * y[beads]
+        out[2 * beads + PUSHED] = drive[0]
+    out[2 * beads + LEFT_IMPULSE] = contacts.force[0]
+    out[2 * beads + RIGHT_IMPULSE] = contacts.force[beads]
+
+
+@compiled
+def derivative(time, y, setup, contacts, segment, out):
+    """Velocities and accelerations and, unless the chain is plain, rates of the ledger."""
+    if contacts is None:
+        plain_derivative(y, setup.inverse_mass, setup.stiffness, setup.exponent, out)
+    else:
+        full_derivative(time, y, setup, contacts, segment, out)
+
+
+@compiled
+def has_modes(setup):
+    """Whether the force depends on more than overlap and closing speed, or jumps with them."""
+    if setup.loss == DAMPED:
+        return setup.overlap_power == 0.0 or not setup.attractive
+    return setup.loss != ELASTIC
+
+
+@compiled
+def must_switch(c, overlap, closing, setup, contacts, still):
+    """Whether contact c has to leave its mode; relative speeds below ``still`` are none."""
+    mode = contacts.mode[c]
+    if setup.loss == DAMPED:
+        pulls = False
+        if not setup.attractive and overlap > 0.0:
+            pushing = force(overlap, setup.stiffness[c], setup.exponent)
+            pulls = pushing + damped(overlap, closing, setup.damping[c], setup) < 0.0
+        return (overlap < 0.0 or pulls) if mode == LOADED else (overlap > 0.0 and not pulls)
+    if mode == LOADED:
+        return closing < -still
+    if setup.loss == PLASTIC:
+        return overlap > contacts.largest[c] and closing > still
+    if mode == RELEASED:
+        return closing > still
+    loading = force(overlap, setup.stiffness[c], setup.exponent)
+    held = contacts.force[c]
+    return held > (1.0 + EVEN) * loading or held < (1.0 - EVEN) * setup.kept * loading
+
+
+@compiled
+def next_mode(c, time, y, setup, contacts, segment, scratch):
+    """The mode that follows.  A contact whose two forces both drive it back is stuck."""
+    mode = contacts.mode[c]
+    if setup.loss != UNLOADING:
+        return RELEASED if mode == LOADED else LOADED
+    wall = (0.0, 0.0, 0.0)
+    if setup.drive == MOVING_WALL:
+        wall = drive_at(time, setup, segment)
+    overlap, _ = overlap_and_closing(c, y, setup, wall)
+    loading = force(overlap, setup.stiffness[c], setup.exponent)
+    if mode == STUCK:
+        return LOADED if contacts.force[c] > loading else RELEASED
+    contacts.mode[c] = STUCK
+    derivative(time, y, setup, contacts, segment, scratch)
+    contacts.mode[c] = mode
+    held = contacts.force[c]
+    if overlap > 0.0 and setup.kept * loading < held < loading:
+        return STUCK
+    return RELEASED if mode == LOADED else LOADED

@@ -279,8 +279,8 @@ def stored_energy(chain: Chain, times: Array, positions: Array, forces: Array) -
 
     Examples
     --------
-    >>> stored = stored_energy(Chain.uniform(2), np.zeros(1), np.array([[1.0, 0.0]]), np.zeros((1, 3)))
-    >>> stored.round(6)
+    >>> chain, forces = Chain.uniform(2), np.array([[0.0, 1.0, 0.0]])
+    >>> stored_energy(chain, np.zeros(1), np.array([[1.0, 0.0]]), forces)
     array([[0. , 0.4, 0. ]])
     """
     left, right = chain.wall_stiffness
@@ -296,6 +296,9 @@ def stored_energy(chain: Chain, times: Array, positions: Array, forces: Array) -
     bounds: Any = (wall[:, np.newaxis], positions, np.zeros((len(times), 1)))
     overlap = -np.diff(np.hstack(bounds), axis=1) - equilibrium(chain).gaps
     kept = 1.0 - law.ratio if isinstance(law, UnloadingRatio) else 1.0
+    if not getattr(law, "attractive", True):
+        # Where the force is cut off, nothing comes back.
+        overlap = np.where(forces > 0.0, overlap, 0.0)
     return np.asarray(kept * stiffness * np.maximum(overlap, 0.0) ** (p + 1.0) / (p + 1.0))
 
 

@@ -25,7 +25,7 @@ from hertzchain.losses import (
 )
 
 if TYPE_CHECKING:
-    from hertzchain.kernels.forces import Bench, Plain
+    from hertzchain.kernels.forces import Bench, Law, Plain
 
 # What the loop for plain chains knows: anything else goes through the general one.
 PLAIN_FEATURES: Final = frozenset({"SI units", "masses", "stiffness", "strikers", "velocities"})
@@ -59,12 +59,16 @@ def equation_of(chain: Chain) -> Plain | Bench:
         drive = PUSH if chain.drive.of == "force" else MOVING_WALL
     starts, pieces = drive_pieces(chain.drive)
     stiffness = np.concatenate(([left], chain.stiffness, [right]))
+    law, damping = _law(chain, stiffness)
     return Bench(
         inverse_mass=1.0 / chain.masses,
         stiffness=stiffness,
         exponent=chain.exponent,
-        gap=static.gaps,
-        **_loss(chain, stiffness),
+        # Positions are counted from equilibrium, where contacts overlap: rounding is then
+        # that of an overlap, not of the length of the chain.
+        gap=static.gaps - static_closing(chain),
+        damping=damping,
+        law=law,
         body_force=static.body_forces,
         drive=drive,
         piece_starts=starts,
@@ -72,8 +76,28 @@ def equation_of(chain: Chain) -> Plain | Bench:
     )
 
 
+def static_closing(chain: Chain) -> Array:
+    """What each contact, counted with the walls, is closed by the static positions.
+
+    Parameters
+    ----------
+    chain : Chain
+        Any chain.
+
+    Returns
+    -------
+    ndarray, shape (N + 1,)
+
+    Examples
+    --------
+    >>> static_closing(Chain.uniform(2).replace(precompression=8.0, held_by="force"))
+    array([-4.,  4.,  0.])
+    """
+    return -np.diff(np.pad(equilibrium(chain).positions, 1))
+
+
 def start_of(chain: Chain) -> Array:
-    """Positions and velocities at time 0.
+    """Positions, counted from equilibrium, and velocities at time 0.
 
     Parameters
     ----------
@@ -89,12 +113,12 @@ def start_of(chain: Chain) -> Array:
     >>> start_of(Chain.uniform(2))
     array([0., 0., 1., 0.])
     """
-    return np.concatenate([equilibrium(chain).positions, chain.velocities])
+    return np.concatenate([np.zeros(chain.beads), chain.velocities])
 
 
-def _loss(chain: Chain, stiffness: Array) -> dict[str, object]:
-    """The chain's law of dissipation in the kernel's terms."""
-    from hertzchain.kernels.forces import DAMPED, ELASTIC, PLASTIC, UNLOADING
+def _law(chain: Chain, stiffness: Array) -> tuple[Law, Array]:
+    """The chain's contact law in the kernel's terms, and the damping of each contact."""
+    from hertzchain.kernels.forces import DAMPED, ELASTIC, PLASTIC, UNLOADING, Law
 
     law, p = chain.loss, chain.exponent
     kind, kept, overlap_power, speed_power = DAMPED, 1.0, 0.0, 1.0
@@ -116,14 +140,8 @@ def _loss(chain: Chain, stiffness: Array) -> dict[str, object]:
         damping, speed_power = damping + law.gamma, law.alpha
     elif isinstance(law, Dashpot):
         damping = damping + law.gamma
-    return {
-        "loss": kind,
-        "damping": damping,
-        "overlap_power": overlap_power,
-        "speed_power": speed_power,
-        "kept": kept,
-        "attractive": bool(getattr(law, "attractive", True)),
-    }
+    attractive = bool(getattr(law, "attractive", True))
+    return Law(kind, p, overlap_power, speed_power, kept, attractive), damping
 
 
 def drive_pieces(drive: Drive | None) -> tuple[Array, Array]:

@@ -16,6 +16,7 @@ from numpy.typing import ArrayLike
 from hertzchain.chain import Chain
 from hertzchain.contacts import Array
 from hertzchain.equations import equation_of
+from hertzchain.equilibrium import equilibrium
 from hertzchain.errors import InputError, SimulationError, real_number
 from hertzchain.run import Run, Status
 from hertzchain.state import State, contacts_of, first_state, same_motion, transit_times
@@ -257,12 +258,12 @@ def _run(going: _Integration, state: State, status: Status) -> Run:
     return Run(
         chain=state.chain,
         times=frames.times[:filled],
-        positions=saved[:, :beads],
+        positions=saved[:, :beads] + equilibrium(state.chain).positions,
         velocities=saved[:, beads : 2 * beads],
         status=status,
         end_time=float(clock[kernel.TIME]),
-        energy_drift=float(clock[kernel.ENERGY_DRIFT]),
-        momentum_drift=float(clock[kernel.MOMENTUM_DRIFT]),
+        energy_drift=_part(clock[kernel.ENERGY_DRIFT], clock[kernel.ENERGY_UNIT]),
+        momentum_drift=_part(clock[kernel.MOMENTUM_DRIFT], clock[kernel.MOMENTUM_UNIT]),
         steps=int(counts[kernel.STEPS]),
         evaluations=int(counts[kernel.EVALUATIONS]),
         rtol=going.rtol,
@@ -274,6 +275,11 @@ def _run(going: _Integration, state: State, status: Status) -> Run:
         _walls=arrays["walls"],
         _impulses=impulses,
     )
+
+
+def _part(drift: float, unit: float) -> float:
+    """A drift relative to its unit; 0 if nothing ever moved."""
+    return float(drift / unit) if unit > 0.0 else 0.0
 
 
 def _check_end(chain: Chain, until: float | None, times: int | ArrayLike, begin: float) -> None:

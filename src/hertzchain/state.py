@@ -61,7 +61,7 @@ class State:
     @property
     def positions(self) -> Array:
         """Displacements of the beads, shape (N,) [scaled, or m]."""
-        return self.arrays["y"][: self.chain.beads].copy()
+        return self.arrays["y"][: self.chain.beads] + equilibrium(self.chain).positions
 
     @property
     def velocities(self) -> Array:
@@ -73,10 +73,8 @@ class State:
         """Energy (with what is stored) and momentum with which the run began."""
         from hertzchain.kernels import full_chain
 
-        clock, static = self.arrays["clock"], equilibrium(self.chain)
-        # The kernel's balance counts the work of constant forces from x = 0.
-        begun = float(clock[full_chain.INITIAL_ENERGY] + static.body_forces @ static.positions)
-        return begun, float(clock[full_chain.INITIAL_MOMENTUM])
+        clock = self.arrays["clock"]
+        return float(clock[full_chain.INITIAL_ENERGY]), float(clock[full_chain.INITIAL_MOMENTUM])
 
     def copy(self) -> State:
         """The same state in arrays of its own.
@@ -116,7 +114,7 @@ class State:
         for name in ("loss", "drive"):
             if name in self.chain.features:
                 raise InputError(f"a chain with {name} does not run backwards: leave it out")
-        return new_state(self.chain, self.positions, -self.velocities)
+        return new_state(self.chain, self.arrays["y"][: self.chain.beads], -self.velocities)
 
 
 def new_state(chain: Chain, positions: Array, velocities: Array) -> State:
@@ -127,7 +125,7 @@ def new_state(chain: Chain, positions: Array, velocities: Array) -> State:
     chain : Chain
         Any chain.
     positions, velocities : ndarray, shape (N,)
-        Of the beads [scaled, or m and m/s].
+        Of the beads, positions counted from equilibrium [scaled, or m and m/s].
 
     Returns
     -------

@@ -58,6 +58,19 @@ class Plain(NamedTuple):
     exponent: float
 
 
+class Law(NamedTuple):
+    """What all contacts of a chain have in common."""
+
+    kind: int
+    exponent: float
+    # DAMPED: k d^p + damping d^overlap_power |d'|^speed_power sgn d'.
+    overlap_power: float
+    speed_power: float
+    # The part of the energy given back: 1 - w of UNLOADING, e^2 of PLASTIC.
+    kept: float
+    attractive: bool
+
+
 class Bench(NamedTuple):
     """Any other chain: beads, contacts 0..N (walls at both ends), and what acts on them."""
 
@@ -65,13 +78,8 @@ class Bench(NamedTuple):
     stiffness: Any  # (N + 1,); 0 where there is no wall
     exponent: float
     gap: Any  # (N + 1,)
-    loss: int
-    # DAMPED: k d^p + damping d^overlap_power |d'|^speed_power sgn d'; else 1 - w, or e^2.
     damping: Any  # (N + 1,)
-    overlap_power: float
-    speed_power: float
-    kept: float
-    attractive: bool
+    law: Law
     body_force: Any  # (N,): weight along the chain, and what holds a free end
     drive: int
     piece_starts: Any  # (pieces,)
@@ -82,6 +90,7 @@ class Contacts(NamedTuple):
     """What the contacts of a `Bench` remember, and where their forces are written.
 
     With a `Plain` chain there are none: `None`, for which numba compiles code without them.
+    Tuples of arrays are dear to pass: loops over contacts take the arrays out first.
     """
 
     mode: Any  # (N + 1,)
@@ -131,73 +140,97 @@ def drive_at(time, setup, segment):
 
 
 @compiled
-def overlap_and_closing(c, y, setup, wall):
+def overlap_and_closing(c, y, beads, gap, wall):
     """Overlap of contact c and the speed at which it grows; ``wall`` is the left wall's motion."""
-    beads = len(setup.inverse_mass)
     left, left_speed = wall[0], wall[1]
     if c > 0:
         left, left_speed = y[c - 1], y[beads + c - 1]
     right, right_speed = 0.0, 0.0
     if c < beads:
         right, right_speed = y[c], y[beads + c]
-    return left - right - setup.gap[c], left_speed - right_speed
+    return left - right - gap, left_speed - right_speed
 
 
 @compiled
-def damped(overlap, closing, damping, setup):
+def has_modes(law):
+    """Whether the force depends on more than overlap and closing speed, or jumps with them."""
+    if law.kind == DAMPED:
+        return law.overlap_power == 0.0 or not law.attractive
+    return law.kind != ELASTIC
+
+
+@compiled
+def damped(overlap, closing, damping, law):
     """The part of a damped contact's force that depends on the closing speed."""
-    if setup.overlap_power == 0.25:
+    if law.overlap_power == 0.25:
         damping *= np.sqrt(np.sqrt(overlap))
-    elif setup.overlap_power == 0.5:
+    elif law.overlap_power == 0.5:
         damping *= np.sqrt(overlap)
-    elif setup.overlap_power != 0.0:
-        damping *= overlap**setup.overlap_power
-    if setup.speed_power == 1.0:
+    elif law.overlap_power != 0.0:
+        damping *= overlap**law.overlap_power
+    if law.speed_power == 1.0:
         return damping * closing
-    return damping * np.sign(closing) * abs(closing) ** setup.speed_power
+    return damping * np.sign(closing) * abs(closing) ** law.speed_power
 
 
 @compiled
-def contact_force(c, overlap, closing, setup, contacts):
-    """Force of contact c, and the part of it that is stored: the slope of its potential."""
-    stiffness, exponent = setup.stiffness[c], setup.exponent
-    if setup.loss == PLASTIC:
-        if contacts.mode[c] == LOADED:
-            pushing = force(overlap, stiffness, exponent)
-            return pushing, setup.kept * pushing
-        pushing = force(elastic_overlap(c, overlap, setup, contacts), stiffness, exponent)
-        return pushing, pushing
-    elastic = force(overlap, stiffness, exponent)
-    if setup.loss == UNLOADING:
-        stored = setup.kept * elastic
-        return (elastic if contacts.mode[c] == LOADED else stored), stored
-    if setup.loss == DAMPED:
-        acts = contacts.mode[c] == LOADED if has_modes(setup) else overlap > 0.0
+def elastic_overlap(overlap, mode, largest, law):
+    """Overlap that the loading curve would need for the force of a plastic contact."""
+    if mode == LOADED:
+        return overlap
+    return (overlap - (1.0 - law.kept) * largest) / law.kept
+
+
+@compiled
+def contact_force(overlap, closing, stiffness, damping, mode, largest, law):
+    """Force of a contact, and the part of it that is stored: the slope of its potential."""
+    if law.kind == PLASTIC:
+        pushing = force(elastic_overlap(overlap, mode, largest, law), stiffness, law.exponent)
+        return pushing, law.kept * pushing if mode == LOADED else pushing
+    elastic = force(overlap, stiffness, law.exponent)
+    if law.kind == UNLOADING:
+        stored = law.kept * elastic
+        return elastic if mode == LOADED else stored, stored
+    if law.kind == DAMPED:
+        acts = mode == LOADED if has_modes(law) else overlap > 0.0
         if not acts:
-            return 0.0, elastic
-        return elastic + damped(max(overlap, 0.0), closing, setup.damping[c], setup), elastic
+            return 0.0, 0.0
+        return elastic + damped(max(overlap, 0.0), closing, damping, law), elastic
     return elastic, elastic
 
 
 @compiled
-def elastic_overlap(c, overlap, setup, contacts):
-    """Overlap that the loading curve would need for the force of a plastic contact."""
-    if contacts.mode[c] == LOADED:
-        return overlap
-    return (overlap - (1.0 - setup.kept) * contacts.largest[c]) / setup.kept
+def potential(overlap, stiffness, mode, largest, law):
+    """Energy that a contact can give back."""
+    kept = 1.0
+    if law.kind == DAMPED and has_modes(law) and mode == RELEASED:
+        return 0.0
+    if law.kind == PLASTIC:
+        overlap = elastic_overlap(overlap, mode, largest, law)
+        kept = law.kept
+    if law.kind == UNLOADING:
+        kept = law.kept
+    curve = force(overlap, stiffness, law.exponent)
+    return kept * curve * max(overlap, 0.0) / (law.exponent + 1.0)
 
 
 @compiled
-def potential(c, overlap, setup, contacts):
-    """Energy that contact c can give back."""
-    kept = 1.0
-    if setup.loss == PLASTIC:
-        overlap = elastic_overlap(c, overlap, setup, contacts)
-        kept = setup.kept
-    if setup.loss == UNLOADING:
-        kept = setup.kept
-    curve = force(overlap, setup.stiffness[c], setup.exponent)
-    return kept * curve * max(overlap, 0.0) / (setup.exponent + 1.0)
+def must_switch(overlap, closing, stiffness, damping, mode, largest, held, law, still):
+    """Whether a contact has to leave its mode; relative speeds below ``still`` are none."""
+    if law.kind == DAMPED:
+        pulls = False
+        if not law.attractive and overlap > 0.0:
+            pushing = force(overlap, stiffness, law.exponent)
+            pulls = pushing + damped(overlap, closing, damping, law) < 0.0
+        return overlap < 0.0 or pulls if mode == LOADED else overlap > 0.0 and not pulls
+    if mode == LOADED:
+        return closing < -still
+    if law.kind == PLASTIC:
+        return overlap > largest and closing > still
+    if mode == RELEASED:
+        return closing > still
+    loading = force(overlap, stiffness, law.exponent)
+    return held > (1.0 + EVEN) * loading or held < (1.0 - EVEN) * law.kept * loading
 
 
 @compiled
@@ -248,34 +281,49 @@ def hold_stuck(drive, wall_acceleration, setup, contacts):
 
 
 @compiled
+def wall_motion(time, setup, segment):
+    """Place, speed and acceleration of the left wall."""
+    if setup.drive == MOVING_WALL:
+        return drive_at(time, setup, segment)
+    return 0.0, 0.0, 0.0
+
+
+@compiled
 def full_derivative(time, y, setup, contacts, segment, out):
     """Velocities, accelerations and rates of the ledger."""
-    beads = len(setup.inverse_mass)
+    inverse_mass, stiffness, gap, damping = (
+        setup.inverse_mass, setup.stiffness, setup.gap, setup.damping
+    )  # fmt: skip
+    mode, largest, pushing, law = contacts.mode, contacts.largest, contacts.force, setup.law
+    beads = len(inverse_mass)
     drive = drive_at(time, setup, segment) if setup.drive != NOTHING else (0.0, 0.0, 0.0)
     wall = drive if setup.drive == MOVING_WALL else (0.0, 0.0, 0.0)
     lost = 0.0
     stuck = False
     for c in range(beads + 1):
-        contacts.force[c] = 0.0
-        if setup.stiffness[c] > 0.0:
-            overlap, closing = overlap_and_closing(c, y, setup, wall)
-            stuck = stuck or contacts.mode[c] == STUCK
-            contacts.force[c], stored = contact_force(c, overlap, closing, setup, contacts)
-            lost += (contacts.force[c] - stored) * closing
+        pushing[c] = 0.0
+        if stiffness[c] > 0.0:
+            overlap, closing = overlap_and_closing(c, y, beads, gap[c], wall)
+            pushing[c], stored = contact_force(
+                overlap, closing, stiffness[c], damping[c], mode[c], largest[c], law
+            )
+            lost += (pushing[c] - stored) * closing
+            stuck = stuck or mode[c] == STUCK
     if stuck:
         hold_stuck(drive[0], wall[2], setup, contacts)
+    outside = setup.body_force
     for k in range(beads):
-        net = contacts.force[k] - contacts.force[k + 1] + force_on(k, drive[0], setup)
         out[k] = y[beads + k]
-        out[beads + k] = net * setup.inverse_mass[k]
+        out[beads + k] = (pushing[k] - pushing[k + 1] + outside[k]) * inverse_mass[k]
     out[2 * beads + LOST] = lost
-    out[2 * beads + DRIVEN] = contacts.force[0] * wall[1]
+    out[2 * beads + DRIVEN] = pushing[0] * wall[1]
     out[2 * beads + PUSHED] = 0.0
     if setup.drive == PUSH:
+        out[beads] += drive[0] * inverse_mass[0]
         out[2 * beads + DRIVEN] = drive[0] * y[beads]
         out[2 * beads + PUSHED] = drive[0]
-    out[2 * beads + LEFT_IMPULSE] = contacts.force[0]
-    out[2 * beads + RIGHT_IMPULSE] = contacts.force[beads]
+    out[2 * beads + LEFT_IMPULSE] = pushing[0]
+    out[2 * beads + RIGHT_IMPULSE] = pushing[beads]
 
 
 @compiled
@@ -288,51 +336,18 @@ def derivative(time, y, setup, contacts, segment, out):
 
 
 @compiled
-def has_modes(setup):
-    """Whether the force depends on more than overlap and closing speed, or jumps with them."""
-    if setup.loss == DAMPED:
-        return setup.overlap_power == 0.0 or not setup.attractive
-    return setup.loss != ELASTIC
-
-
-@compiled
-def must_switch(c, overlap, closing, setup, contacts, still):
-    """Whether contact c has to leave its mode; relative speeds below ``still`` are none."""
-    mode = contacts.mode[c]
-    if setup.loss == DAMPED:
-        pulls = False
-        if not setup.attractive and overlap > 0.0:
-            pushing = force(overlap, setup.stiffness[c], setup.exponent)
-            pulls = pushing + damped(overlap, closing, setup.damping[c], setup) < 0.0
-        return (overlap < 0.0 or pulls) if mode == LOADED else (overlap > 0.0 and not pulls)
-    if mode == LOADED:
-        return closing < -still
-    if setup.loss == PLASTIC:
-        return overlap > contacts.largest[c] and closing > still
-    if mode == RELEASED:
-        return closing > still
-    loading = force(overlap, setup.stiffness[c], setup.exponent)
-    held = contacts.force[c]
-    return held > (1.0 + EVEN) * loading or held < (1.0 - EVEN) * setup.kept * loading
-
-
-@compiled
-def next_mode(c, time, y, setup, contacts, segment, scratch):
+def next_mode(c, overlap, time, y, setup, contacts, segment, scratch):
     """The mode that follows.  A contact whose two forces both drive it back is stuck."""
-    mode = contacts.mode[c]
-    if setup.loss != UNLOADING:
+    law, mode = setup.law, contacts.mode[c]
+    if law.kind != UNLOADING:
         return RELEASED if mode == LOADED else LOADED
-    wall = (0.0, 0.0, 0.0)
-    if setup.drive == MOVING_WALL:
-        wall = drive_at(time, setup, segment)
-    overlap, _ = overlap_and_closing(c, y, setup, wall)
-    loading = force(overlap, setup.stiffness[c], setup.exponent)
+    loading = force(overlap, setup.stiffness[c], law.exponent)
     if mode == STUCK:
         return LOADED if contacts.force[c] > loading else RELEASED
     contacts.mode[c] = STUCK
     derivative(time, y, setup, contacts, segment, scratch)
     contacts.mode[c] = mode
     held = contacts.force[c]
-    if overlap > 0.0 and setup.kept * loading < held < loading:
+    if overlap > 0.0 and law.kept * loading < held < loading:
         return STUCK
     return RELEASED if mode == LOADED else LOADED

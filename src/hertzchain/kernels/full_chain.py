@@ -23,21 +23,21 @@ from hertzchain.kernels.forces import (
     LEFT_IMPULSE,
     LOADED,
     LOST,
-    MOVING_WALL,
     NOTHING,
     PLASTIC,
     RELEASED,
     RIGHT_IMPULSE,
     STUCK,
+    UNLOADING,
     compiled,
     derivative,
-    drive_at,
     force,
     has_modes,
     must_switch,
     next_mode,
     overlap_and_closing,
     potential,
+    wall_motion,
 )
 from hertzchain.kernels.forces import DRIVEN as DRIVEN
 from hertzchain.kernels.forces import PUSHED as PUSHED
@@ -67,6 +67,8 @@ NEIGHBOURS = 3
 SLOW = 1e-4
 # Beads slower than this have not been reached: numbers that underflow ahead of the front.
 AT_REST = 1e-290
+# Part of a force that is lost to rounding.
+ROUNDING = 1e-15
 SMALLEST_STEP = 1e-280
 # A run that waits this long for the pulse to leave waits for ever.
 ENDLESS = 1e300
@@ -112,25 +114,43 @@ def complete_stages(time, y, h, setup, contacts, segment, stages, trial):
 
 
 @compiled
-def velocity_scale(y, y_new, setup, contacts, scale):
+def velocity_scale(y, scale):
     """The speeds in which the beads' errors are measured.
 
     A bead's is the largest within a few beads, or a small part of that of the fastest
     bead in contact: beads that have lost contact move exactly, however fast they are.
-    On the bench much begins at rest, and is measured by the speed that the step gave it.
     """
     beads = len(scale)
-    if contacts is not None:
-        y = y_new
     fastest = 0.0
     for k in range(beads - 1):
-        gap = 0.0
-        if contacts is not None:
-            gap = setup.gap[k + 1]
-        if y[k] > y[k + 1] + gap:
+        if y[k] > y[k + 1]:
             fastest = max(fastest, abs(y[beads + k]), abs(y[beads + k + 1]))
     for k in range(beads):
         largest = SLOW * fastest
+        for j in range(max(k - NEIGHBOURS, 0), min(k + NEIGHBOURS + 1, beads)):
+            largest = max(largest, abs(y[beads + j]))
+        scale[k] = largest
+
+
+@compiled
+def bench_scale(h, y, wall_speed, setup, contacts, rtol, scale):
+    """The same at the end of a step, as on a bench much begins at rest.
+
+    There are gaps, the left wall may move and set beads in motion, and where contacts bear
+    static forces no velocity is known better than these are rounded.
+    """
+    beads = len(scale)
+    pushing, inverse_mass = contacts.force, setup.inverse_mass
+    fastest = 0.0
+    for c in range(beads + 1):
+        if pushing[c] != 0.0:
+            for k in range(max(c - 1, 0), min(c + 1, beads)):
+                fastest = max(fastest, abs(y[beads + k]))
+    for k in range(beads):
+        rounding = ROUNDING * (abs(pushing[k]) + abs(pushing[k + 1])) * inverse_mass[k] * h / rtol
+        largest = max(SLOW * fastest, rounding)
+        if k < NEIGHBOURS:
+            largest = max(largest, abs(wall_speed))
         for j in range(max(k - NEIGHBOURS, 0), min(k + NEIGHBOURS + 1, beads)):
             largest = max(largest, abs(y[beads + j]))
         scale[k] = largest
@@ -306,6 +326,21 @@ def record_peaks(h, time, y, y_new, stages, setup, contacts, expected, peaks):
 
 
 @compiled
+def record_jumps(time, y, stages, scale, peaks):
+    """First maxima of velocity where an acceleration jumped down, between two steps."""
+    beads = len(scale)
+    found = 0
+    for k in range(1, beads):
+        i = beads + k
+        jumped = stages[STEP_STAGES, i] > 0.0 and stages[0, i] <= 0.0
+        if jumped and peaks[PEAK_TIME, k] == 0.0 and y[i] > REACHED * scale[k]:
+            peaks[PEAK_TIME, k] = time
+            peaks[PEAK_VELOCITY, k] = y[i]
+            found += 1
+    return found
+
+
+@compiled
 def record_crossings(h, clock, counts, y, y_new, stages, expected, crossings):
     """First moments of equal neighbour velocities within the step: largest overlaps.
 
@@ -357,7 +392,7 @@ def nothing_can_happen(y, setup, contacts):
         return False
     for c in range(beads + 1):
         if setup.stiffness[c] > 0.0:
-            overlap, closing = overlap_and_closing(c, y, setup, (0.0, 0.0, 0.0))
+            overlap, closing = overlap_and_closing(c, y, beads, setup.gap[c], (0.0, 0.0, 0.0))
             if overlap > 0.0 or closing > 0.0:
                 return False
     return True
@@ -366,7 +401,12 @@ def nothing_can_happen(y, setup, contacts):
 @compiled
 def switch_within(c, time, y, h, y_new, stages, setup, contacts, segment, still, trial, scratch):
     """Where in the step contact c first must leave its mode; 2 if nowhere."""
-    beads = len(setup.inverse_mass)
+    beads, law, gap = len(setup.inverse_mass), setup.law, setup.gap[c]
+    stiffness, damping = setup.stiffness[c], setup.damping[c]
+    mode, largest, force_of = contacts.mode[c], contacts.largest[c], contacts.force
+    # A stuck contact's force depends on all beads, that of another one on its own two.
+    stuck = mode == STUCK
+    first, last = (0, beads) if stuck else (max(c - 1, 0), min(c + 1, beads))
     low, high, found = 0.0, 0.0, False
     for part in range(1, PARTS + BISECTIONS + 1):
         if found:
@@ -375,18 +415,16 @@ def switch_within(c, time, y, h, y_new, stages, setup, contacts, segment, still,
             return 2.0
         else:
             theta = part / PARTS
-        wall = (0.0, 0.0, 0.0)
-        if setup.drive == MOVING_WALL:
-            wall = drive_at(time + theta * h, setup, segment)
-        # A stuck contact's force depends on all beads, that of another one on its own two.
-        stuck = contacts.mode[c] == STUCK
-        for k in range(0 if stuck else max(c - 1, 0), beads if stuck else min(c + 1, beads)):
+        for k in range(first, last):
             trial[k] = interpolate(k, theta, h, y, y_new, stages)
             trial[beads + k] = interpolate(beads + k, theta, h, y, y_new, stages)
         if stuck:
             derivative(time + theta * h, trial, setup, contacts, segment, scratch)
-        overlap, closing = overlap_and_closing(c, trial, setup, wall)
-        if must_switch(c, overlap, closing, setup, contacts, still):
+        wall = wall_motion(time + theta * h, setup, segment)
+        overlap, closing = overlap_and_closing(c, trial, beads, gap, wall)
+        if must_switch(
+            overlap, closing, stiffness, damping, mode, largest, force_of[c], law, still
+        ):
             high, found = theta, True
         else:
             low = theta
@@ -394,22 +432,11 @@ def switch_within(c, time, y, h, y_new, stages, setup, contacts, segment, still,
 
 
 @compiled
-def may_switch(c, time_new, y_new, stages, setup, contacts, segment, still):
-    """Whether contact c must leave its mode at the end of the step, or turned at a stage of it."""
-    wall = (0.0, 0.0, 0.0)
-    if setup.drive == MOVING_WALL:
-        wall = drive_at(time_new, setup, segment)
-    overlap, closing = overlap_and_closing(c, y_new, setup, wall)
-    if must_switch(c, overlap, closing, setup, contacts, still):
-        return True
-    if setup.loss == DAMPED or contacts.mode[c] == STUCK:
-        return False
-    if contacts.mode[c] == RELEASED and setup.loss == PLASTIC:
-        return False
-    sign = 1.0 if contacts.mode[c] == LOADED else -1.0
+def turned(c, beads, wall_speed, sign, stages, still):
+    """Whether some stage of the step finds contact c opening (sign 1) or closing (-1)."""
     for j in range(1, STEP_STAGES):
-        left = stages[j, c - 1] if c > 0 else wall[1]
-        right = stages[j, c] if c < len(setup.inverse_mass) else 0.0
+        left = stages[j, c - 1] if c > 0 else wall_speed
+        right = stages[j, c] if c < beads else 0.0
         if sign * (left - right) < -still:
             return True
     return False
@@ -418,41 +445,59 @@ def may_switch(c, time_new, y_new, stages, setup, contacts, segment, still):
 @compiled
 def first_switch(time, y, h, y_new, stages, setup, contacts, segment, still, trial, scratch):
     """The first contact that must leave its mode within the step, and where; -1 if none."""
+    stiffness, gap, damping, law = setup.stiffness, setup.gap, setup.damping, setup.law
+    mode, largest, held = contacts.mode, contacts.largest, contacts.force
+    beads = len(setup.inverse_mass)
+    wall = wall_motion(time + h, setup, segment)
+    by_speed = law.kind == UNLOADING or law.kind == PLASTIC
     first, earliest = -1, 2.0
-    completed = False
-    for c in range(len(setup.stiffness)):
-        if setup.stiffness[c] == 0.0:
+    for c in range(beads + 1):
+        if stiffness[c] == 0.0:
             continue
-        if not may_switch(c, time + h, y_new, stages, setup, contacts, segment, still):
+        overlap, closing = overlap_and_closing(c, y_new, beads, gap[c], wall)
+        may = must_switch(
+            overlap, closing, stiffness[c], damping[c], mode[c], largest[c], held[c], law, still
+        )
+        if not may and by_speed and mode[c] == LOADED:
+            may = turned(c, beads, wall[1], 1.0, stages, still)
+        if not may and law.kind == UNLOADING and mode[c] == RELEASED:
+            may = turned(c, beads, wall[1], -1.0, stages, still)
+        if not may:
             continue
-        if not completed:
+        if first < 0:
             complete_stages(time, y, h, setup, contacts, segment, stages, trial)
-            completed = True
         theta = switch_within(
             c, time, y, h, y_new, stages, setup, contacts, segment, still, trial, scratch
         )
         # The forces of stuck contacts were overwritten.
         derivative(time + h, y_new, setup, contacts, segment, scratch)
-        if theta < earliest:
+        if first < 0 or theta < earliest:
             first, earliest = c, theta
-    return first, earliest
+    return first if earliest <= 1.0 else -1, earliest
 
 
 @compiled
 def switch(first, time, y, setup, contacts, segment, still, scratch):
     """Give contact ``first`` its next mode, and all others that must change at this moment."""
-    for c in range(len(setup.stiffness)):
-        if setup.stiffness[c] == 0.0:
+    stiffness, gap, damping, law = setup.stiffness, setup.gap, setup.damping, setup.law
+    mode, largest, held = contacts.mode, contacts.largest, contacts.force
+    beads = len(setup.inverse_mass)
+    wall = wall_motion(time, setup, segment)
+    for c in range(beads + 1):
+        if stiffness[c] == 0.0:
             continue
-        wall = (0.0, 0.0, 0.0)
-        if setup.drive == MOVING_WALL:
-            wall = drive_at(time, setup, segment)
-        overlap, closing = overlap_and_closing(c, y, setup, wall)
-        if c != first and not must_switch(c, overlap, closing, setup, contacts, still):
+        overlap, closing = overlap_and_closing(c, y, beads, gap[c], wall)
+        if c != first and not must_switch(
+            overlap, closing, stiffness[c], damping[c], mode[c], largest[c], held[c], law, still
+        ):
             continue
-        if setup.loss == PLASTIC and contacts.mode[c] == LOADED:
-            contacts.largest[c] = max(contacts.largest[c], overlap)
-        contacts.mode[c] = next_mode(c, time, y, setup, contacts, segment, scratch)
+        if law.kind == PLASTIC and mode[c] == LOADED:
+            largest[c] = max(largest[c], overlap)
+        before = potential(overlap, stiffness[c], mode[c], largest[c], law)
+        mode[c] = next_mode(c, overlap, time, y, setup, contacts, segment, scratch)
+        after = potential(overlap, stiffness[c], mode[c], largest[c], law)
+        # What a contact still stores when its force is cut off comes to nothing.
+        y[2 * beads + LOST] += before - after
         derivative(time, y, setup, contacts, segment, scratch)
 
 
@@ -494,11 +539,10 @@ def wall_pushed(stages):
 
 
 @compiled
-def in_motion(y, inverse_mass, stiffness, exponent):
-    """Energy of motion, and with what plain contacts store; momentum, and sum of absolute ones."""
+def in_motion(y, inverse_mass):
+    """Kinetic energy, momentum, and the sum of the beads' absolute momenta."""
     beads = len(inverse_mass)
     kinetic = 0.0
-    stored = 0.0
     momentum = 0.0
     absolute = 0.0
     for k in range(beads):
@@ -506,42 +550,47 @@ def in_motion(y, inverse_mass, stiffness, exponent):
         momentum += p
         absolute += abs(p)
         kinetic += 0.5 * p * y[beads + k]
-        if k < len(stiffness):
-            overlap = y[k] - y[k + 1]
-            stored += force(overlap, stiffness[k], exponent) * overlap / (exponent + 1.0)
-    return kinetic, kinetic + stored, momentum, absolute
+    return kinetic, momentum, absolute
+
+
+@compiled
+def plain_potential(y, stiffness, exponent):
+    """Energy stored in the contacts of a plain chain."""
+    stored = 0.0
+    for k in range(len(stiffness)):
+        overlap = y[k] - y[k + 1]
+        stored += force(overlap, stiffness[k], exponent) * overlap / (exponent + 1.0)
+    return stored
 
 
 @compiled
 def not_in_motion(time, y, setup, contacts, segment):
     """Energy stored less what came from outside, and momentum less what came from outside."""
-    beads = len(setup.inverse_mass)
-    wall = (0.0, 0.0, 0.0)
-    if setup.drive == MOVING_WALL:
-        wall = drive_at(time, setup, segment)
+    outside, stiffness, gap, law = setup.body_force, setup.stiffness, setup.gap, setup.law
+    mode, largest = contacts.mode, contacts.largest
+    beads = len(outside)
+    wall = wall_motion(time, setup, segment)
     ledger = y[2 * beads :]
     energy = ledger[LOST] - ledger[DRIVEN]
     momentum = ledger[RIGHT_IMPULSE] - ledger[LEFT_IMPULSE] - ledger[PUSHED]
     for c in range(beads + 1):
-        if setup.stiffness[c] > 0.0:
-            overlap, _ = overlap_and_closing(c, y, setup, wall)
-            energy += potential(c, overlap, setup, contacts)
+        if stiffness[c] > 0.0:
+            overlap, _ = overlap_and_closing(c, y, beads, gap[c], wall)
+            energy += potential(overlap, stiffness[c], mode[c], largest[c], law)
     for k in range(beads):
-        energy -= setup.body_force[k] * y[k]
-        momentum -= setup.body_force[k] * time
+        energy -= outside[k] * y[k]
+        momentum -= outside[k] * time
     return energy, momentum
 
 
 @compiled
 def first_modes(y, setup, contacts):
     """Touching counts as closed and rest as loading: what comes next is a push."""
-    wall = (0.0, 0.0, 0.0)
-    if setup.drive == MOVING_WALL:
-        wall = drive_at(0.0, setup, 0)
+    wall = wall_motion(0.0, setup, 0)
     for c in range(len(setup.stiffness)):
-        overlap, closing = overlap_and_closing(c, y, setup, wall)
+        overlap, closing = overlap_and_closing(c, y, len(setup.inverse_mass), setup.gap[c], wall)
         contacts.largest[c] = max(overlap, 0.0)
-        loaded = overlap >= 0.0 if setup.loss == DAMPED else closing >= 0.0
+        loaded = overlap >= 0.0 if setup.law.kind == DAMPED else closing >= 0.0
         contacts.mode[c] = LOADED if loaded else RELEASED
 
 
@@ -559,31 +608,28 @@ def start(y, clock, counts, setup, contacts, first_step):
 
 @compiled
 def note_drift(y, clock, setup, contacts, segment, first):
-    """Keep the largest relative departure from conservation.
+    """Keep the largest departure from conservation, and what to compare it with.
 
     Energy is compared with the largest kinetic energy, momentum with the largest sum of
     absolute momenta: in a backward taper the pulse gains momenta of thousands, against as
     much thrown back, and one is their difference.
     """
     beads = len(setup.inverse_mass)
-    between = setup.stiffness
-    if contacts is not None:
-        between = between[:0]
-    kinetic, energy, momentum, absolute = in_motion(y, setup.inverse_mass, between, setup.exponent)
-    if contacts is not None:
+    kinetic, momentum, absolute = in_motion(y, setup.inverse_mass)
+    if contacts is None:
+        stored = plain_potential(y, setup.stiffness, setup.exponent)
+    else:
         stored, given = not_in_motion(clock[TIME], y, setup, contacts, segment)
-        energy, momentum = kinetic + stored, momentum + given
+        momentum += given
         for k in range(beads):
             clock[FASTEST] = max(clock[FASTEST], abs(y[beads + k]))
+    energy = kinetic + stored
     if first:
         clock[INITIAL_ENERGY], clock[INITIAL_MOMENTUM] = energy, momentum
     clock[ENERGY_UNIT] = max(clock[ENERGY_UNIT], kinetic)
     clock[MOMENTUM_UNIT] = max(clock[MOMENTUM_UNIT], absolute)
-    if clock[ENERGY_UNIT] > 0.0:
-        energy_drift = abs(energy - clock[INITIAL_ENERGY]) / clock[ENERGY_UNIT]
-        momentum_drift = abs(momentum - clock[INITIAL_MOMENTUM]) / clock[MOMENTUM_UNIT]
-        clock[ENERGY_DRIFT] = max(clock[ENERGY_DRIFT], energy_drift)
-        clock[MOMENTUM_DRIFT] = max(clock[MOMENTUM_DRIFT], momentum_drift)
+    clock[ENERGY_DRIFT] = max(clock[ENERGY_DRIFT], abs(energy - clock[INITIAL_ENERGY]))
+    clock[MOMENTUM_DRIFT] = max(clock[MOMENTUM_DRIFT], abs(momentum - clock[INITIAL_MOMENTUM]))
 
 
 @compiled
@@ -649,7 +695,11 @@ def advance(
         if growing and time + h >= frame_times[-1]:
             return FRAMES_FULL
         try_step(time, y, h, setup, contacts, segment, stages, trial, y_new)
-        velocity_scale(y, y_new, setup, contacts, scale)
+        if contacts is None:
+            velocity_scale(y, scale)
+        else:
+            wall_speed = wall_motion(time + h, setup, segment)[1]
+            bench_scale(h, y_new, wall_speed, setup, contacts, rtol, scale)
         counts[EVALUATIONS] += STEP_STAGES
         error = error_norm(h, stages, scale, rtol, work[4:])
         change = 10.0 if error == 0.0 else min(10.0, max(0.2, 0.9 * error**-0.125))
@@ -663,7 +713,7 @@ def advance(
 
         switching = -1
         still = STILL * clock[FASTEST]
-        if contacts is not None and has_modes(setup):
+        if contacts is not None and has_modes(setup.law):
             switching, theta = first_switch(
                 time, y, h, y_new, stages, setup, contacts, segment, still, trial, scratch
             )
@@ -708,6 +758,7 @@ def advance(
             counts[SEGMENT] += 1
         if switching >= 0 or cut:
             derivative(time_new, y, setup, contacts, counts[SEGMENT], stages[0])
+            counts[PEAKS] += record_jumps(time_new, y, stages, scale, peaks)
         note_drift(y, clock, setup, contacts, counts[SEGMENT], False)
         left = counts[PEAKS] == beads - 1 and counts[CROSSINGS] == beads - 1
         if stop_when_left and left:

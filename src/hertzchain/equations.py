@@ -140,6 +140,7 @@ def _law(chain: Chain, stiffness: Array) -> tuple[Law, Array]:
         damping, speed_power = damping + law.gamma, law.alpha
     elif isinstance(law, Dashpot):
         damping = damping + law.gamma
+    damping = np.where(stiffness > 0.0, damping, 0.0)
     attractive = bool(getattr(law, "attractive", True))
     return Law(kind, p, overlap_power, speed_power, kept, attractive), damping
 

@@ -96,7 +96,7 @@ class Contacts(NamedTuple):
     mode: Any  # (N + 1,)
     largest: Any  # (N + 1,): largest overlap, where the law depends on it
     force: Any  # (N + 1,)
-    scratch: Any  # (2, N + 1)
+    scratch: Any  # (3, N + 1)
 
 
 @compiled
@@ -160,17 +160,23 @@ def has_modes(law):
 
 
 @compiled
-def damped(overlap, closing, damping, law):
-    """The part of a damped contact's force that depends on the closing speed."""
+def damping_weight(overlap, law):
+    """d^overlap_power of an overlap that is not negative."""
+    if law.overlap_power == 0.0:
+        return 1.0
     if law.overlap_power == 0.25:
-        damping *= np.sqrt(np.sqrt(overlap))
-    elif law.overlap_power == 0.5:
-        damping *= np.sqrt(overlap)
-    elif law.overlap_power != 0.0:
-        damping *= overlap**law.overlap_power
-    if law.speed_power == 1.0:
-        return damping * closing
-    return damping * np.sign(closing) * abs(closing) ** law.speed_power
+        return np.sqrt(np.sqrt(overlap))
+    if law.overlap_power == 0.5:
+        return np.sqrt(overlap)
+    return overlap**law.overlap_power
+
+
+@compiled
+def signed_power(closing, exponent):
+    """|d'|^exponent with the sign of d'."""
+    if exponent == 1.0:
+        return closing
+    return np.sign(closing) * abs(closing) ** exponent
 
 
 @compiled
@@ -179,24 +185,6 @@ def elastic_overlap(overlap, mode, largest, law):
     if mode == LOADED:
         return overlap
     return (overlap - (1.0 - law.kept) * largest) / law.kept
-
-
-@compiled
-def contact_force(overlap, closing, stiffness, damping, mode, largest, law):
-    """Force of a contact, and the part of it that is stored: the slope of its potential."""
-    if law.kind == PLASTIC:
-        pushing = force(elastic_overlap(overlap, mode, largest, law), stiffness, law.exponent)
-        return pushing, law.kept * pushing if mode == LOADED else pushing
-    elastic = force(overlap, stiffness, law.exponent)
-    if law.kind == UNLOADING:
-        stored = law.kept * elastic
-        return elastic if mode == LOADED else stored, stored
-    if law.kind == DAMPED:
-        acts = mode == LOADED if has_modes(law) else overlap > 0.0
-        if not acts:
-            return 0.0, 0.0
-        return elastic + damped(max(overlap, 0.0), closing, damping, law), elastic
-    return elastic, elastic
 
 
 @compiled
@@ -221,7 +209,8 @@ def must_switch(overlap, closing, stiffness, damping, mode, largest, held, law, 
         pulls = False
         if not law.attractive and overlap > 0.0:
             pushing = force(overlap, stiffness, law.exponent)
-            pulls = pushing + damped(overlap, closing, damping, law) < 0.0
+            weight = damping_weight(overlap, law)
+            pulls = pushing + damping * weight * signed_power(closing, law.speed_power) < 0.0
         return overlap < 0.0 or pulls if mode == LOADED else overlap > 0.0 and not pulls
     if mode == LOADED:
         return closing < -still
@@ -250,7 +239,7 @@ def hold_stuck(drive, wall_acceleration, setup, contacts):
     """
     inverse_mass, mode, pushing = setup.inverse_mass, contacts.mode, contacts.force
     beads = len(inverse_mass)
-    factor, value = contacts.scratch[0], contacts.scratch[1]
+    factor, value = contacts.scratch[1], contacts.scratch[2]
     for c in range(beads + 1):
         if mode[c] != STUCK:
             continue
@@ -289,29 +278,94 @@ def wall_motion(time, setup, segment):
 
 
 @compiled
+def measure(y, gap, wall, overlap, closing):
+    """Overlaps of all contacts, and the speeds at which they grow."""
+    beads = len(gap) - 1
+    overlap[0], closing[0] = wall[0] - y[0] - gap[0], wall[1] - y[beads]
+    for c in range(1, beads):
+        overlap[c] = y[c - 1] - y[c] - gap[c]
+        closing[c] = y[beads + c - 1] - y[beads + c]
+    overlap[beads], closing[beads] = y[beads - 1] - gap[beads], y[2 * beads - 1]
+
+
+@compiled
+def loading_curve(overlap, stiffness, exponent, pushing):
+    """Forces k d_+^p of all contacts; without a branch, so that several are done at once."""
+    for c in range(len(overlap)):
+        closed = overlap[c] if overlap[c] > 0.0 else 0.0
+        if exponent == 1.5:
+            pushing[c] = stiffness[c] * closed * np.sqrt(closed)
+        else:
+            pushing[c] = stiffness[c] * closed**exponent
+
+
+@compiled
+def damp(pushing, overlap, closing, damping, mode, law, extra):
+    """Add to elastic forces what depends on the closing speed; returns the power lost."""
+    # One loop a power, which the compiler can do several contacts at once.
+    if law.overlap_power == 0.25:
+        for c in range(len(extra)):
+            closed = overlap[c] if overlap[c] > 0.0 else 0.0
+            extra[c] = damping[c] * np.sqrt(np.sqrt(closed))
+    else:
+        for c in range(len(extra)):
+            extra[c] = damping[c] * damping_weight(max(overlap[c], 0.0), law)
+    lost = 0.0
+    switched = has_modes(law)
+    for c in range(len(extra)):
+        more = extra[c] * signed_power(closing[c], law.speed_power)
+        if switched and mode[c] != LOADED:
+            pushing[c] = more = 0.0
+        pushing[c] += more
+        lost += more * closing[c]
+    return lost
+
+
+@compiled
+def weaken(pushing, closing, mode, law):
+    """Lower the forces of contacts that part; returns the power lost, and if any is stuck."""
+    lost = 0.0
+    stuck = False
+    for c in range(len(pushing)):
+        if mode[c] == LOADED:
+            lost += (1.0 - law.kept) * pushing[c] * closing[c]
+        else:
+            pushing[c] *= law.kept
+            stuck = stuck or mode[c] == STUCK
+    return lost, stuck
+
+
+@compiled
+def dent(overlap, mode, largest, law):
+    """Replace overlaps of plastic contacts by those that the loading curve would need."""
+    for c in range(len(overlap)):
+        overlap[c] = elastic_overlap(overlap[c], mode[c], largest[c], law)
+
+
+@compiled
 def full_derivative(time, y, setup, contacts, segment, out):
     """Velocities, accelerations and rates of the ledger."""
-    inverse_mass, stiffness, gap, damping = (
-        setup.inverse_mass, setup.stiffness, setup.gap, setup.damping
-    )  # fmt: skip
-    mode, largest, pushing, law = contacts.mode, contacts.largest, contacts.force, setup.law
+    inverse_mass, law = setup.inverse_mass, setup.law
+    mode, pushing, outside = contacts.mode, contacts.force, setup.body_force
+    overlap, closing = contacts.scratch[0], contacts.scratch[1]
     beads = len(inverse_mass)
     drive = drive_at(time, setup, segment) if setup.drive != NOTHING else (0.0, 0.0, 0.0)
     wall = drive if setup.drive == MOVING_WALL else (0.0, 0.0, 0.0)
+    measure(y, setup.gap, wall, overlap, closing)
+    if law.kind == PLASTIC:
+        dent(overlap, mode, contacts.largest, law)
+    loading_curve(overlap, setup.stiffness, law.exponent, pushing)
     lost = 0.0
-    stuck = False
-    for c in range(beads + 1):
-        pushing[c] = 0.0
-        if stiffness[c] > 0.0:
-            overlap, closing = overlap_and_closing(c, y, beads, gap[c], wall)
-            pushing[c], stored = contact_force(
-                overlap, closing, stiffness[c], damping[c], mode[c], largest[c], law
-            )
-            lost += (pushing[c] - stored) * closing
-            stuck = stuck or mode[c] == STUCK
-    if stuck:
-        hold_stuck(drive[0], wall[2], setup, contacts)
-    outside = setup.body_force
+    if law.kind == DAMPED:
+        lost = damp(pushing, overlap, closing, setup.damping, mode, law, contacts.scratch[2])
+    elif law.kind == UNLOADING:
+        lost, stuck = weaken(pushing, closing, mode, law)
+        if stuck:
+            hold_stuck(drive[0], wall[2], setup, contacts)
+    elif law.kind == PLASTIC:
+        for c in range(beads + 1):
+            if mode[c] == LOADED:
+                lost += (1.0 - law.kept) * pushing[c] * closing[c]
     for k in range(beads):
         out[k] = y[beads + k]
         out[beads + k] = (pushing[k] - pushing[k + 1] + outside[k]) * inverse_mass[k]

@@ -217,3 +217,30 @@ def test_progress_in_a_pipe_is_a_line_now_and_then(run, monkeypatch):
     assert code == 0
     assert json.loads(out)["status"] == "pulse left"
     assert "beads passed: 400 of 400" in err
+
+
+def test_a_chain_in_si_units_is_shown_in_si_units(run, tmp_path):
+    beads = "\n".join(["diameter [mm],material", *["10,steel-52100"] * 60])
+    (tmp_path / "balls.csv").write_text(beads)
+    code, out, _ = run("pulse", "--chain", tmp_path / "balls.csv", "--json")
+    assert code == 0
+    document = json.loads(out)
+    assert document["chain"]["units"] == "SI"
+    # Published for these balls and 1 m/s: 209.121 N.
+    assert document["pulses"][0]["peak_force"][50] == pytest.approx(209.121, rel=1e-5)
+    _, out, _ = run("pulse", tmp_path / "balls.csv")
+    assert "[m/s]" in out
+    assert "[N]" in out
+
+
+def test_what_a_method_does_not_cover_is_bad_input(run, tmp_path):
+    (tmp_path / "c.toml").write_text('[chain]\ntaper = "uniform"\nbeads = 5\ngravity = 1.0\n')
+    code, out, err = run("pulse", "--chain", tmp_path / "c.toml")
+    assert (code, out) == (2, "")
+    assert "propagate does not cover gravity" in err
+
+
+def test_a_chain_is_given_once(run):
+    code, _, err = run("pulse", "a.toml", "--chain", "b.toml")
+    assert code == 2
+    assert "not both" in err

@@ -1,5 +1,3 @@
-import itertools
-
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
@@ -10,9 +8,7 @@ from hertzchain.theory.decoration import small_beads
 
 
 def decorated(large, ratio, small=1):
-    """Between neighbours, so many beads of a fraction of the smaller one's radius."""
-    cells = [[a, *[ratio * min(a, b)] * small] for a, b in itertools.pairwise(large)]
-    return hc.Chain.from_radii([*np.concatenate(cells), large[-1]])
+    return hc.Chain.from_radii(large).decorated(ratio, between=small)
 
 
 def measured(chain, effective, first, last):
@@ -127,7 +123,7 @@ def test_theories_of_single_collisions_warn_of_decorated_chains():
             theory(chain)
 
 
-CHAIN = hc.Chain.from_radii([1.0, 0.3, 1.0, 0.3, 1.0])
+CHAIN = hc.Chain.uniform(3).decorated(0.3)
 
 
 @pytest.mark.parametrize(

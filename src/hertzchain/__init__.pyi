@@ -1,5 +1,8 @@
+from .bead_tables import load_drive as load_drive
 from .chain import TAPERS as TAPERS
 from .chain import Chain as Chain
+from .chain_files import chain_as_toml as chain_as_toml
+from .chain_files import load_chain as load_chain
 from .drives import SineBurst as SineBurst
 from .drives import Step as Step
 from .drives import Table as Table
@@ -9,6 +12,8 @@ from .errors import InputError as InputError
 from .errors import InputWarning as InputWarning
 from .errors import ModelRangeWarning as ModelRangeWarning
 from .errors import SimulationError as SimulationError
+from .hertz_range import HertzRange as HertzRange
+from .hertz_range import hertz_range as hertz_range
 from .losses import Dashpot as Dashpot
 from .losses import Restitution as Restitution
 from .losses import UnloadingRatio as UnloadingRatio
@@ -26,7 +31,6 @@ from .run import Run as Run
 from .run import WallForce as WallForce
 from .scales import Scales as Scales
 from .simulation import simulate as simulate
-from .store import load_chain as load_chain
 from .theory.bca import bca as bca
 from .theory.effective_chain import effective_chain as effective_chain
 from .theory.hard_sphere import hard_sphere as hard_sphere

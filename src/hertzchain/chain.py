@@ -11,19 +11,21 @@ from __future__ import annotations
 
 import dataclasses
 import math
-import operator
 import warnings
 from collections.abc import Sequence
 from dataclasses import KW_ONLY, dataclass, field
 from typing import Any, Final, Literal, get_args
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from hertzchain.checks import column, magnitude, number
+from hertzchain import patterns
+from hertzchain import strikers as striking
+from hertzchain.checks import column, magnitude, number, whole_number
 from hertzchain.contacts import HERTZ_EXPONENT, Array, hertz_stiffness
 from hertzchain.drives import Drive
-from hertzchain.errors import InputError, InputWarning, real_number, unknown_name
+from hertzchain.errors import InputError, InputWarning, unknown_name
+from hertzchain.holding import HeldBy, check_holding
 from hertzchain.losses import Loss
 from hertzchain.materials import (
     Material,
@@ -32,6 +34,7 @@ from hertzchain.materials import (
     material,
     sphere_stiffness,
 )
+from hertzchain.sizes import checked_beads, checked_exponent, positive_radii, scaled_radii
 from hertzchain.tapers import TAPERS as TAPERS
 from hertzchain.tapers import Taper as Taper
 from hertzchain.tapers import check_taper as check_taper
@@ -40,14 +43,8 @@ from hertzchain.tapers import tapered_radii
 from hertzchain.walls import Wall
 
 Units = Literal["scaled", "SI"]
-HeldBy = Literal["walls", "force"]
 UNITS: Final[tuple[Units, ...]] = get_args(Units)
-HELD_BY: Final[tuple[HeldBy, ...]] = get_args(HeldBy)
 
-# What an integration holds per bead: sixteen stages and the state, 8 bytes a number.
-BYTES_PER_BEAD: Final = 400
-# Beyond it a contact is a hard wall, which steps in time cannot follow.
-LARGEST_EXPONENT: Final = 50.0
 # Radii above it [m] are taken for millimetres, with a warning.
 LARGE_RADIUS: Final = 1.0
 
@@ -160,31 +157,23 @@ class Chain:
     def __post_init__(self) -> None:
         given = frozenset(name for name in DERIVED if getattr(self, name) is not None)
         self._set("given", given)
-        self._set("exponent", _checked_exponent(self.exponent))
+        self._set("exponent", checked_exponent(self.exponent))
         if self.units not in UNITS:
             raise unknown_name("units", self.units, UNITS)
         self._check_radii()
         self._check_taper()
         self._check_bodies()
         self._check_start()
-        self._check_holding()
+        check_holding(self)
 
     def _set(self, name: str, value: object) -> None:
         object.__setattr__(self, name, value)
 
     def _check_radii(self) -> None:
         radii = magnitude("radius", self.radii, self._unit("m"))
-        self._set("radii", _checked_radii(radii, self.units))
-        strikers = self.strikers
-        if (
-            isinstance(strikers, bool)
-            or not isinstance(strikers, int)
-            or not (0 <= strikers < self.beads)
-        ):
-            raise InputError(
-                f"strikers must be a whole number from 0 to {self.beads - 1}, one less than "
-                f"there are beads, got {strikers!r}"
-            )
+        checked = scaled_radii if self.units == "scaled" else positive_radii
+        self._set("radii", _read_only(checked(radii)))
+        strikers = whole_number("strikers", self.strikers, least=0, most=self.beads - 1)
         if self.units == "scaled" and self.radii[strikers] != 1.0:
             which = "after the strikers " if strikers else ""
             raise InputError(
@@ -251,7 +240,7 @@ class Chain:
         return _read_only(sphere_stiffness(radii[:-1], radii[1:], modulus))
 
     def _check_start(self) -> None:
-        """Velocities and gaps at time 0."""
+        """Velocities, gaps and static forces at time 0."""
         if "velocities" in self.given:
             values = column("velocity", self.velocities, self.beads, "bead", unit=self._unit("m/s"))
         else:
@@ -264,69 +253,9 @@ class Chain:
         self._set("gaps", column("gap", gaps, self.beads - 1, "contact", unit=unit, least=0.0))
         gravity = number("gravity", self.gravity, unit=self._unit("m/s**2"))
         self._set("gravity", gravity)
-
-    def _check_holding(self) -> None:
-        """Walls, drive and precompression, and that they go together."""
-        for side, wall in (("left", self.left_wall), ("right", self.right_wall)):
-            if wall is not None and not isinstance(wall, Wall):
-                raise InputError(f"{side}_wall must be a Wall or None, got {wall!r}")
-        if self.loss is not None and not isinstance(self.loss, Loss):
-            raise InputError(f"loss must be a law of hertzchain.losses or None, got {self.loss!r}")
-        if self.drive is not None and not isinstance(self.drive, Drive):
-            raise InputError(
-                f"drive must be a SineBurst, a Step, a Table or None, got {self.drive!r}"
-            )
-        if self.drive is not None and self.drive.of == "displacement" and self.left_wall is None:
-            raise InputError(
-                "a drive of displacement moves the left wall, but the left end is free: give "
-                "left_wall=Wall(), or a drive of force"
-            )
-        # Refuses a wall whose material has no meaning beside this chain.
-        _ = self.wall_stiffness
         force = number("precompression", self.precompression, unit=self._unit("N"), least=0.0,
                        hint="beads do not pull")  # fmt: skip
         self._set("precompression", force)
-        if self.held_by not in HELD_BY:
-            raise unknown_name("way to hold a chain", self.held_by, HELD_BY)
-        if force > 0.0:
-            self._check_precompression()
-
-    def _check_precompression(self) -> None:
-        walls = (self.left_wall, self.right_wall)
-        if self.held_by == "walls":
-            if self.strikers:
-                raise InputError(
-                    "strikers come from where the left wall would hold the precompressed chain: "
-                    "hold it by held_by='force'"
-                )
-            for side, wall in zip(("left", "right"), walls, strict=True):
-                if wall is None:
-                    raise InputError(
-                        f"nothing holds the precompressed chain at its {side} end, which is free: "
-                        f"give {side}_wall, or held_by='force' for a constant force there"
-                    )
-        elif None not in walls:
-            raise InputError(
-                "held_by='force' puts a constant force on free ends, but both ends have walls: "
-                "leave one wall out, or held_by='walls'"
-            )
-        elif self.strikers and self.left_wall is not None:
-            raise InputError(
-                "the left wall stands behind the strikers and cannot hold the precompressed "
-                "chain: leave left_wall out, and a constant force will"
-            )
-        apart = np.flatnonzero(self.gaps[self.strikers :] > 0.0)
-        if len(apart):
-            k = self.strikers + int(apart[0]) + 1
-            raise InputError(
-                f"contact {k} has a gap of {self.gaps[k - 1]:g}, but precompressed beads touch: "
-                "leave the gap or the precompression out"
-            )
-        if any(wall is not None and wall.gap > 0.0 for wall in walls):
-            raise InputError(
-                "a wall with a gap cannot hold a precompressed chain: leave the gap or the "
-                "precompression out"
-            )
 
     def _unit(self, unit: str) -> str | None:
         return unit if self.units == "SI" else None
@@ -372,7 +301,7 @@ class Chain:
         >>> Chain.tapered("forward-linear", 0.25, beads=4).radii
         array([1.  , 0.75, 0.5 , 0.25])
         """
-        count = _checked_beads(beads)
+        count = checked_beads(beads)
         checked = check_taper(taper, rate, count)
         return cls(tapered_radii(taper, checked, count), exponent, taper, checked)  # type: ignore[arg-type]
 
@@ -401,7 +330,7 @@ class Chain:
         >>> Chain.uniform(20)
         Chain(uniform, 20 beads)
         """
-        return cls(np.ones(_checked_beads(beads)), exponent)
+        return cls(np.ones(checked_beads(beads)), exponent)
 
     @classmethod
     def from_radii(cls, radii: ArrayLike, *, exponent: float = HERTZ_EXPONENT) -> Chain:
@@ -429,7 +358,7 @@ class Chain:
         >>> Chain.from_radii([5.0, 2.5, 5.0]).masses
         array([1.   , 0.125, 1.   ])
         """
-        given = _positive_radii(radii)
+        given = positive_radii(radii)
         with np.errstate(over="ignore", under="ignore"):
             return cls(given / given[0], exponent)
 
@@ -440,7 +369,7 @@ class Chain:
         materials: MaterialLike | Sequence[MaterialLike],
         *,
         beads: int | None = None,
-        velocity: float = 1.0,
+        velocity: float | None = None,
         **fields: Any,
     ) -> Chain:
         r"""A chain of real beads in SI units, from their radii and materials.
@@ -457,7 +386,7 @@ class Chain:
         beads : int, optional
             Number of beads, if there is one radius for all.
         velocity : float
-            Velocity of bead 1 at time 0 [m/s].
+            Velocity of bead 1 at time 0 [m/s]; 1 if not given, or 0 if there is a drive.
         **fields
             Other fields of `Chain`.
 
@@ -482,16 +411,98 @@ class Chain:
         if given.ndim == 0:
             if beads is None:
                 raise InputError("one radius for all beads needs their number: give beads")
-            given = np.full(_checked_beads(beads), given)
+            given = np.full(checked_beads(beads), given)
         elif beads is not None and beads != len(given):
             raise InputError(f"beads = {beads}, but there are {len(given)} radii: leave beads out")
         count = len(given)
         one = isinstance(materials, str | Material)
         kinds = (material(materials),) * count if one else tuple(map(material, materials))  # type: ignore[arg-type]
-        if "velocities" not in fields and fields.get("drive") is None:
+        if velocity is not None:
             fields["velocities"] = np.zeros(count)
             fields["velocities"][:1] = number("velocity", velocity, unit="m/s")
         return cls(given, units="SI", materials=kinds, **fields)
+
+    @classmethod
+    def periodic(
+        cls,
+        cell: ArrayLike,
+        *,
+        cells: int,
+        materials: Sequence[MaterialLike] | None = None,
+        **fields: Any,
+    ) -> Chain:
+        """A chain that repeats a cell of beads: a dimer, a trimer, any k-mer.
+
+        Parameters
+        ----------
+        cell : array_like
+            Radii of the beads of one cell, in any one unit; in m if there are materials.
+        cells : int
+            How often it is repeated.
+        materials : sequence of str or Material, optional
+            Materials of the beads of the cell: makes a chain in SI units.
+        **fields
+            Arguments of `from_materials`, or of `from_radii`.
+
+        Returns
+        -------
+        Chain
+
+        Raises
+        ------
+        InputError
+            If a radius is not positive, or a material unknown.
+
+        Examples
+        --------
+        >>> Chain.periodic([5.0, 2.5, 2.5], cells=2).radii
+        array([1. , 0.5, 0.5, 1. , 0.5, 0.5])
+        >>> Chain.periodic([9.5e-3, 9.5e-3], cells=20, materials=["steel-316", "ptfe"])
+        Chain(SI, steel-316 and ptfe, R = 9.5 mm, 40 beads)
+        """
+        cells = whole_number("cells", cells, least=1)
+        if materials is None:
+            return cls.from_radii(np.tile(np.atleast_1d(cell), cells), **fields)
+        radii = np.tile(np.atleast_1d(magnitude("radius", cell, "m")), cells)
+        return cls.from_materials(radii, list(materials) * cells, **fields)
+
+    @classmethod
+    def dimer(cls, mass_ratio: float, *, beads: int, exponent: float = HERTZ_EXPONENT) -> Chain:
+        """Heavy and light beads in turn, with all contacts equal.
+
+        The mass ratio is then the only parameter: at 1, 0.3428, 0.1548, 0.0901, ... solitary
+        waves pass (K. R. Jayaprakash, Y. Starosvetsky, A. F. Vakakis, Phys. Rev. E 83, 036606,
+        2011, doi:10.1103/PhysRevE.83.036606).  Alternating spheres of one material, whose
+        contacts are all equal too, are ``Chain.periodic([1, r], cells=...)``: a factor common
+        to all contacts only changes the time.
+
+        Parameters
+        ----------
+        mass_ratio : float
+            Mass of the light beads over that of the heavy, > 0; the first bead is heavy.
+        beads : int
+            Number of beads.
+        exponent : float
+            Exponent p of the contact force, > 1.
+
+        Returns
+        -------
+        Chain
+
+        Raises
+        ------
+        InputError
+            If the ratio is not positive, or there are too few or many beads.
+
+        Examples
+        --------
+        >>> Chain.dimer(0.125, beads=4).masses
+        array([1.   , 0.125, 1.   , 0.125])
+        """
+        count = checked_beads(beads)
+        ratio = number("mass ratio of a dimer", mass_ratio, above=0.0)
+        masses = np.where(np.arange(count) % 2, ratio, 1.0)
+        return cls(np.cbrt(masses), exponent, masses=masses, stiffness=np.ones(count - 1))
 
     def replace(self, **changes: Any) -> Chain:
         """The same chain with some fields changed; what follows from them follows anew.
@@ -528,6 +539,12 @@ class Chain:
             kept |= {"taper": None, "rate": None}
         return Chain(**(kept | changes))
 
+    # Verbs that make another chain of this one, an idea a file.
+    decorated = patterns.decorated
+    with_defects = patterns.with_defects
+    with_scatter = patterns.with_scatter
+    struck_by = striking.struck_by
+
     @property
     def beads(self) -> int:
         """Number of beads N."""
@@ -548,14 +565,15 @@ class Chain:
             return 0.0
         if wall.stiffness is not None:
             return wall.stiffness
-        if self.exponent != HERTZ_EXPONENT or "stiffness" in self.given:
+        # In SI units the materials decide, whatever the other contacts are.
+        odd = "stiffness" in self.given and self.materials is None
+        if self.exponent != HERTZ_EXPONENT or odd:
             raise InputError(
                 "the stiffness of a wall follows from materials only where the contacts are all "
                 "Hertz': give Wall(stiffness=...)"
             )
         radius = float(self.radii[bead])
-        if self.units == "SI":
-            assert self.materials is not None
+        if self.units == "SI" and self.materials is not None:
             own = self.materials[bead]
             modulus = contact_modulus(own, own if wall.material is None else wall.material)
             return float(sphere_stiffness(radius, math.inf, modulus))
@@ -649,76 +667,6 @@ def require(chain: Chain, by: str, *, covers: Sequence[str] = (), instead: str =
         )
 
 
-def _checked_beads(beads: int) -> int:
-    try:
-        count = operator.index(beads)
-    except TypeError:
-        raise InputError(f"beads must be a whole number of at least 2, got {beads!r}") from None
-    if isinstance(beads, bool) or count < 2:
-        raise InputError(f"beads must be a whole number of at least 2, got {beads!r}")
-    # Nobody's memory is full at a hundred thousand beads; asking it takes time.
-    if count > 100_000:
-        import psutil
-
-        free = psutil.virtual_memory().available
-        if count * BYTES_PER_BEAD > free:
-            raise InputError(
-                f"{count} beads do not fit in memory: at {BYTES_PER_BEAD} bytes a bead the "
-                f"{free / 2**30:.1f} GiB free hold {free // BYTES_PER_BEAD} beads; use fewer"
-            )
-    return count
-
-
-def _checked_exponent(exponent: float) -> float:
-    value = real_number("exponent of the contact force", exponent)
-    if not 1.0 < value <= LARGEST_EXPONENT:
-        raise InputError(
-            f"exponent of the contact force must be above 1 and at most {LARGEST_EXPONENT:g}, "
-            f"got {value:g}; Hertz contacts have 1.5"
-        )
-    return value
-
-
-def _positive_radii(radii: ArrayLike) -> Array:
-    """A copy of radii that are numbers, positive and finite, and at least two."""
-    try:
-        given = np.asarray(radii)
-    except ValueError:
-        raise InputError(f"radii must be a list of positive numbers, got {radii!r}") from None
-    if given.dtype.kind not in "iuf":
-        raise InputError(_first_unreadable(radii))
-    if given.ndim != 1 or len(given) < 2:
-        raise InputError(f"radii must be a list of at least two numbers, got {radii!r}")
-    _checked_beads(len(given))
-    values: NDArray[np.float64] = given.astype(float)
-    good = (values > 0.0) & (values < math.inf)
-    if not good.all():
-        k = int(np.argmin(good))
-        raise InputError(
-            f"radius of bead {k + 1} is {values[k]:g}: radii must be positive and finite"
-        )
-    return values
-
-
-def _checked_radii(radii: ArrayLike, units: Units) -> Array:
-    """Read-only copy of radii whose masses can be represented."""
-    if units == "SI":
-        return _read_only(_positive_radii(radii))
-    values = np.array(radii, dtype=float)
-    with np.errstate(over="ignore", under="ignore"):
-        masses = values**3
-    good = (masses >= np.finfo(float).tiny) & (masses < math.inf)
-    if values.ndim == 1 and not good.all():
-        k = int(np.argmin(good))
-        if not values[k] < 0.0:
-            raise InputError(
-                f"bead {k + 1} has {values[k]:g} times the radius of the first: its mass cannot "
-                "be represented beyond 1e-102..1e102; use fewer beads or a weaker taper"
-            )
-    values = _positive_radii(values)
-    return _read_only(values)
-
-
 def _checked_materials(given: Sequence[MaterialLike], beads: int) -> tuple[Material, ...]:
     kinds = tuple(map(material, given))
     if len(kinds) != beads:
@@ -729,13 +677,3 @@ def _checked_materials(given: Sequence[MaterialLike], beads: int) -> tuple[Mater
 def _read_only(values: Array) -> Array:
     values.setflags(write=False)
     return values
-
-
-def _first_unreadable(radii: object) -> str:
-    if isinstance(radii, Sequence) and not isinstance(radii, str):
-        for k, value in enumerate(radii, start=1):
-            try:
-                real_number("", value)
-            except InputError:
-                return f"radius of bead {k} is {value!r}: radii must be positive numbers"
-    return f"radii must be a list of positive numbers, got {radii!r}"

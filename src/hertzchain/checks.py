@@ -7,6 +7,7 @@ border, to the plain float in SI that everything else works with.
 from __future__ import annotations
 
 import math
+import operator
 from collections.abc import Sequence
 from typing import Any
 
@@ -110,8 +111,46 @@ def number(
                             ("at most", most))
         if math.isfinite(bound)
     ]  # fmt: skip
-    allowed = " and ".join(bounds) if bounds else "finite"
+    if not (bounds and math.isfinite(given)):
+        bounds.append("finite")
+    allowed = " and ".join(bounds)
     raise InputError(f"{what} must be {allowed}, got {given:g}{'; ' + hint if hint else ''}")
+
+
+def whole_number(what: str, value: object, *, least: int, most: int | None = None) -> int:
+    """One whole number within its bounds.
+
+    Parameters
+    ----------
+    what : str
+        What the number is.
+    value : int
+        What was given.
+    least, most : int
+        Bounds, included.
+
+    Returns
+    -------
+    int
+
+    Raises
+    ------
+    InputError
+        If it is not whole, or out of its bounds.
+
+    Examples
+    --------
+    >>> whole_number("cells", 3, least=1)
+    3
+    """
+    try:
+        count = least - 1 if isinstance(value, bool) else operator.index(value)  # type: ignore[arg-type]
+    except TypeError:
+        count = least - 1
+    if count < least or (most is not None and count > most):
+        bounds = f"of at least {least}" if most is None else f"from {least} to {most}"
+        raise InputError(f"{what} must be a whole number {bounds}, got {value!r}")
+    return count
 
 
 def column(

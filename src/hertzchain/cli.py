@@ -84,6 +84,13 @@ def chain_options(command: Callable[..., Any]) -> Callable[..., Any]:
     for option in (
         click.argument("file", required=False, type=click.Path(path_type=Path)),
         click.option(
+            "--chain",
+            "chain_file",
+            type=click.Path(path_type=Path),
+            metavar="FILE",
+            help="The same as FILE: TOML, or CSV with a row a bead.",
+        ),
+        click.option(
             "--taper",
             help="uniform, or backward-/forward- with linear/exponential.  [default: uniform]",
         ),
@@ -124,13 +131,14 @@ def chain_options(command: Callable[..., Any]) -> Callable[..., Any]:
     help="Also draw the quantity into FILE (.png, .svg or .pdf).",
 )
 def pulse(
-    file: Path | None, taper: str | None, rate: float | None, beads: int | None,
-    methods: tuple[str, ...], quantity: str, every_bead: bool, as_json: bool, as_csv: bool,
-    plot: Path | None, log: bool,
+    file: Path | None, chain_file: Path | None, taper: str | None, rate: float | None,
+    beads: int | None, methods: tuple[str, ...], quantity: str, every_bead: bool, as_json: bool,
+    as_csv: bool, plot: Path | None, log: bool,
 ) -> None:  # fmt: skip
     """Follow the leading pulse along a chain, by one or several methods.
 
-    The chain comes from the options or from a TOML FILE.
+    The chain comes from the options or from a FILE, TOML or CSV.  One in SI units is
+    followed in the paper's scaled variables and shown in SI.
 
     \b
     Examples:
@@ -147,7 +155,7 @@ def pulse(
     _known("method", methods, METHODS)
     _known("quantity", (quantity,), tuple(QUANTITIES))
     _writable(plot, "--plot", (".png", ".svg", ".pdf"))
-    chain = _chain(file, taper, rate, beads)
+    chain = _chain(file, chain_file, taper, rate, beads)
     with _progress("beads passed") as progress:
         pulses = [_compute(method, chain, progress) for method in dict.fromkeys(methods)]
     if plot is not None:
@@ -190,9 +198,9 @@ def pulse(
 )
 @click.option("--json", "as_json", is_flag=True, help="Print the summary as JSON.")
 def simulate(
-    file: Path | None, taper: str | None, rate: float | None, beads: int | None,
-    until: float | None, times: int, rtol: float, max_steps: int | None, out: Path | None,
-    plot: Path | None, as_json: bool,
+    file: Path | None, chain_file: Path | None, taper: str | None, rate: float | None,
+    beads: int | None, until: float | None, times: int, rtol: float, max_steps: int | None,
+    out: Path | None, plot: Path | None, as_json: bool,
 ) -> None:  # fmt: skip
     """Integrate the whole chain and keep its trajectories.
 
@@ -207,7 +215,7 @@ def simulate(
     _writable(out, "--out", (".nc", ".csv"))
     if times < 2 and (out is not None or plot is not None):
         raise click.UsageError(f"--out and --plot need saved times: --times {times} is too few")
-    chain = _chain(file, taper, rate, beads)
+    chain = _chain(file, chain_file, taper, rate, beads)
     with _progress("beads passed") as progress:
         run = simulation.simulate(
             chain, until=until, times=times, rtol=rtol, max_steps=max_steps, progress=progress
@@ -295,15 +303,24 @@ def cite() -> None:
     click.echo("\n\n".join(CITATIONS))
 
 
-def _chain(file: Path | None, taper: str | None, rate: float | None, beads: int | None) -> Chain:
-    from hertzchain import store
+def _chain(
+    file: Path | None,
+    chain_file: Path | None,
+    taper: str | None,
+    rate: float | None,
+    beads: int | None,
+) -> Chain:
     from hertzchain.chain import TAPERS, Chain
+    from hertzchain.chain_files import load_chain
     from hertzchain.errors import unknown_name
 
+    if file is not None and chain_file is not None:
+        raise click.UsageError("give the chain as FILE or as --chain FILE, not both")
+    file = chain_file if file is None else file
     if file is not None:
         if not (taper is None and rate is None and beads is None):
             raise click.UsageError("give a chain FILE or --taper, --rate and --beads, not both")
-        return store.load_chain(file)
+        return load_chain(file)
     count = 100 if beads is None else beads
     if taper is None and rate is not None:
         raise click.UsageError(f"--rate needs --taper: {', '.join(TAPERS)}")
@@ -320,8 +337,11 @@ def _chain(file: Path | None, taper: str | None, rate: float | None, beads: int 
 
 
 def _compute(method: str, chain: Chain, progress: Callable[[int, int], None]) -> Pulse:
-    from hertzchain import bca, hard_sphere, modified_bca, propagate, simulate
+    from hertzchain import Scales, bca, hard_sphere, modified_bca, propagate, simulate
 
+    if chain.units == "SI" and method != "simulate":
+        scales = Scales.of(chain)
+        return scales.to_si(_compute(method, scales.to_scaled(chain), progress))
     if method == "propagate":
         return propagate(chain, progress=progress)
     if method == "simulate":
@@ -409,6 +429,8 @@ def _table(title: str, shown: int, beads: int) -> Table:
 
 
 def _pulse_table(pulse: Pulse, every_bead: bool) -> Table:
+    from rich.markup import escape
+
     from hertzchain.pulse import QUANTITIES
 
     beads = pulse.chain.beads
@@ -416,7 +438,9 @@ def _pulse_table(pulse: Pulse, every_bead: bool) -> Table:
     table = _table(f"{pulse.method}: {pulse.chain.description}", len(rows), beads)
     columns = pulse.columns()
     for name in columns:
-        table.add_column(f"{name}\n{QUANTITIES[name][0]}", justify="right", no_wrap=True)
+        symbol = QUANTITIES[name][0]
+        unit = "" if pulse.chain.units == "scaled" else f" [{pulse.unit(name)}]"
+        table.add_column(f"{name}\n{symbol}{escape(unit)}", justify="right", no_wrap=True)
     for i in rows:
         cells = (f"{values[i]:.6g}" if i < len(values) else "" for values in columns.values())
         table.add_row(str(i + 1), *cells)
@@ -426,7 +450,8 @@ def _pulse_table(pulse: Pulse, every_bead: bool) -> Table:
 def _side_by_side(pulses: list[Pulse], quantity: Quantity, every_bead: bool) -> Table:
     chain = pulses[0].chain
     rows = _rows(chain.beads, every_bead)
-    table = _table(f"{quantity}: {chain.description}", len(rows), chain.beads)
+    unit = "" if chain.units == "scaled" else f" in {pulses[0].unit(quantity)}"
+    table = _table(f"{quantity}{unit}: {chain.description}", len(rows), chain.beads)
     columns = [pulse.column(quantity) for pulse in pulses]
     for pulse in pulses:
         table.add_column(pulse.method, justify="right")

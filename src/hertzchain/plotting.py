@@ -131,7 +131,8 @@ def plot_pulses(
                 label=pulse.method,
             )
         axes.set_xlabel("contact $k$" if quantity in PER_CONTACT else "bead $k$")
-        axes.set_ylabel(LABELS[quantity])
+        unit = "" if pulses[0].chain.units == "scaled" else f" [{pulses[0].unit(quantity)}]"
+        axes.set_ylabel(LABELS[quantity] + unit)
         axes.set_yscale("log" if log else "linear")
         axes.set_title("; ".join(dict.fromkeys(pulse.chain.description for pulse in pulses)))
         axes.legend()

@@ -47,6 +47,17 @@ QUANTITIES: Final[dict[Quantity, tuple[str, str]]] = {
     "peak_overlap": ("d", "largest overlap with the next bead"),
     "peak_force": ("F", "largest force on the next bead"),
 }
+# Units of a chain in SI units; "1" stands for scaled numbers.
+SI_UNITS: Final[dict[Quantity, str]] = {
+    "velocity": "m/s",
+    "momentum": "kg m/s",
+    "energy": "J",
+    "peak_time": "s",
+    "arrival": "s",
+    "residence": "s",
+    "peak_overlap": "m",
+    "peak_force": "N",
+}
 PER_CONTACT: Final = frozenset({"residence", "peak_overlap", "peak_force"})
 
 
@@ -175,6 +186,26 @@ class Pulse:
         values: Array | None = getattr(self, quantity)
         return values
 
+    def unit(self, quantity: Quantity) -> str:
+        """Unit of a quantity, ``"1"`` if it is scaled.
+
+        Parameters
+        ----------
+        quantity : str
+            A key of `hertzchain.pulse.QUANTITIES`.
+
+        Returns
+        -------
+        str
+
+        Examples
+        --------
+        >>> import hertzchain as hc
+        >>> hc.bca(hc.Chain.uniform(3)).unit("peak_force")
+        '1'
+        """
+        return SI_UNITS[quantity] if self.chain.units == "SI" else "1"
+
     def columns(self) -> dict[Quantity, Array]:
         """Every quantity that the method predicts, by name.
 
@@ -226,7 +257,7 @@ class Pulse:
         Returns
         -------
         xarray.Dataset
-            One variable a quantity, with units ("1": scaled) and long names.
+            One variable a quantity, with units ("1" if scaled) and long names.
 
         Examples
         --------
@@ -241,12 +272,13 @@ class Pulse:
             str(name): (
                 "contact" if name in PER_CONTACT else "bead",
                 values,
-                {"units": "1", "long_name": QUANTITIES[name][1]},
+                {"units": self.unit(name), "long_name": QUANTITIES[name][1]},
             )
             for name, values in self.columns().items()
         }
-        variables["radius"] = ("bead", self.chain.radii, {"units": "1", "long_name": "radius"})
-        variables["mass"] = ("bead", self.chain.masses, {"units": "1", "long_name": "mass"})
+        length, mass = ("m", "kg") if self.chain.units == "SI" else ("1", "1")
+        variables["radius"] = ("bead", self.chain.radii, {"units": length, "long_name": "radius"})
+        variables["mass"] = ("bead", self.chain.masses, {"units": mass, "long_name": "mass"})
         return xr.Dataset(
             variables,
             coords={"bead": self.bead, "contact": self.bead[:-1]},

@@ -262,19 +262,16 @@ def _converted_chain(chain: Chain, scales: Scales, *, to_si: bool) -> Chain:
         if wall is not None:
             resolved = Wall(stiffness=stiffness, gap=wall.gap)
             changes[name] = _converted(resolved, scales, to_si=to_si)
-    converted = chain.replace(units=wanted, **changes)
-    return converted if to_si else _plain_where_possible(converted)
+    return _derived_where_possible(chain.replace(units=wanted, **changes))
 
 
-def _plain_where_possible(chain: Chain) -> Chain:
-    """Leave out what the radii say already, so that a plain chain is one."""
-    radii = chain.radii
-    kept: dict[str, None] = {}
-    if np.allclose(chain.masses, radii**3, rtol=ROUNDING, atol=0.0):
-        kept["masses"] = None
-    hertz = hertz_stiffness(radii[:-1], radii[1:])
-    if chain.exponent == HERTZ_EXPONENT and np.allclose(
-        chain.stiffness, hertz, rtol=ROUNDING, atol=0.0
-    ):
-        kept["stiffness"] = None
-    return chain.replace(**kept)
+def _derived_where_possible(chain: Chain) -> Chain:
+    """Leave out masses and contacts that follow from the rest, so that a plain chain is one."""
+    for name in ("masses", "stiffness"):
+        try:
+            derived = chain.replace(**{name: None})
+        except InputError:
+            continue  # nothing that they would follow from
+        if np.allclose(getattr(derived, name), getattr(chain, name), rtol=ROUNDING, atol=0.0):
+            chain = derived
+    return chain

@@ -1,19 +1,4 @@
-"""Files: the only module that knows formats.
-
-A chain file is TOML with one table ``[chain]`` that holds either a taper::
-
-    [chain]
-    taper = "backward-exponential"   # or "uniform", which has no rate
-    rate = 0.05
-    beads = 100
-
-or any radii::
-
-    [chain]
-    radii = [5.0, 4.5, 4.0, 4.5, 5.0]
-
-and, if the contacts are not Hertz', ``exponent``.
-"""
+"""Files of results: pulses and runs as JSON, CSV and netCDF."""
 
 from __future__ import annotations
 
@@ -22,7 +7,6 @@ import csv
 import io
 import json
 import os
-import tomllib
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, Final
@@ -30,92 +14,12 @@ from typing import Any, Final
 import numpy as np
 
 from hertzchain import __version__
-from hertzchain.chain import TAPERS, Chain
-from hertzchain.errors import InputError, unknown_name
+from hertzchain.chain import Chain
+from hertzchain.errors import InputError
 from hertzchain.pulse import Pulse
 from hertzchain.run import Run
 
 SCHEMA_VERSION: Final = 1
-KEYS: Final = ("taper", "rate", "beads", "radii", "exponent")
-
-
-def load_chain(path: str | os.PathLike[str]) -> Chain:
-    r"""Read a chain from a TOML file.
-
-    Parameters
-    ----------
-    path : path-like
-        The file; its layout is at the top of this module.
-
-    Returns
-    -------
-    Chain
-
-    Raises
-    ------
-    InputError
-        If the file is missing or unreadable, a key is unknown, missing or
-        contradicts another, or a value is out of range; the file is named.
-
-    Examples
-    --------
-    >>> import tempfile
-    >>> with tempfile.TemporaryDirectory() as folder:
-    ...     file = Path(folder) / "chain.toml"
-    ...     _ = file.write_text('[chain]\ntaper = "uniform"\nbeads = 20\n')
-    ...     load_chain(file)
-    Chain(uniform, 20 beads)
-    """
-    name = os.fspath(path)
-    try:
-        document = tomllib.loads(Path(path).read_text("utf-8-sig"))
-    except OSError as error:
-        raise InputError(
-            f"cannot read chain file {name!r} ({error.strerror}); give the path of a TOML file"
-        ) from None
-    except UnicodeDecodeError:
-        raise InputError(f"chain file {name!r} is not UTF-8 text; chain files are TOML") from None
-    except tomllib.TOMLDecodeError as error:
-        raise InputError(f"chain file {name!r} is not valid TOML: {error}") from None
-    try:
-        return _chain_from(document)
-    except InputError as error:
-        raise InputError(f"{name}: {error}") from None
-
-
-def _chain_from(document: dict[str, Any]) -> Chain:
-    for key in document:
-        if key != "chain":
-            raise unknown_name("table or key", key, ("chain",))
-    table = document.get("chain")
-    if not isinstance(table, dict):
-        raise InputError("a chain file needs a table [chain]")
-    for key in table:
-        if key not in KEYS:
-            raise unknown_name("key of [chain]", key, KEYS)
-    law = {"exponent": table["exponent"]} if "exponent" in table else {}
-    if "radii" in table:
-        _refuse_beside("radii", table, ("taper", "rate", "beads"))
-        return Chain.from_radii(table["radii"], **law)
-    missing = [key for key in ("taper", "beads") if key not in table]
-    if missing:
-        raise InputError(
-            f"[chain] has no {' and no '.join(missing)}; give taper, rate and beads, or radii"
-        )
-    if table["taper"] not in (*TAPERS, "uniform"):
-        raise unknown_name("taper", table["taper"], (*TAPERS, "uniform"))
-    if table["taper"] == "uniform":
-        _refuse_beside('taper = "uniform"', table, ("rate",))
-        return Chain.uniform(table["beads"], **law)
-    if "rate" not in table:
-        raise InputError(f"[chain] has taper = {table['taper']!r} but no rate, its S or q")
-    return Chain.tapered(table["taper"], table["rate"], beads=table["beads"], **law)
-
-
-def _refuse_beside(what: str, table: dict[str, Any], others: Sequence[str]) -> None:
-    present = [key for key in others if key in table]
-    if present:
-        raise InputError(f"[chain] has {what} and also {', '.join(present)}: leave one out")
 
 
 def pulses_as_json(pulses: Sequence[Pulse]) -> str:
@@ -169,11 +73,15 @@ def chain_as_dict(chain: Chain) -> dict[str, Any]:
     """
     return {
         "description": chain.description,
+        "features": list(chain.features),
+        "units": chain.units,
         "taper": chain.taper,
         "rate": chain.rate,
         "beads": chain.beads,
         "exponent": chain.exponent,
         "radii": chain.radii.tolist(),
+        "masses": chain.masses.tolist(),
+        "stiffness": chain.stiffness.tolist(),
     }
 
 

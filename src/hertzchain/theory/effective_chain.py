@@ -56,7 +56,7 @@ class EffectiveChain:
     Examples
     --------
     >>> import hertzchain as hc
-    >>> effective = hc.effective_chain(hc.Chain.from_radii([1.0, 0.3] * 40 + [1.0]))
+    >>> effective = hc.effective_chain(hc.Chain.uniform(41).decorated(0.3))
     >>> effective
     EffectiveChain(41 large beads of 81, p = 1.5)
     >>> round(float(effective.masses[20]), 3)
@@ -88,7 +88,7 @@ class EffectiveChain:
         have half the share of the small beads:
 
         >>> import hertzchain as hc
-        >>> effective = hc.effective_chain(hc.Chain.from_radii([1.0, 0.3] * 40 + [1.0]))
+        >>> effective = hc.effective_chain(hc.Chain.uniform(41).decorated(0.3))
         >>> effective.bca().velocity[[0, 1, 20]].round(5)
         array([1.     , 0.99338, 0.99338])
         """
@@ -134,7 +134,7 @@ class EffectiveChain:
         Between velocity maxima of beads 51 and 101 of 119, the integration has 2.12796:
 
         >>> import hertzchain as hc
-        >>> effective = hc.effective_chain(hc.Chain.from_radii([1.0, 0.3] * 59 + [1.0]))
+        >>> effective = hc.effective_chain(hc.Chain.uniform(60).decorated(0.3))
         >>> round(float(effective.spacing(0.68012)[30]), 3)
         2.128
         """
@@ -199,8 +199,9 @@ def effective_chain(chain: Chain, large: Sequence[int] | None = None) -> Effecti
     Parameters
     ----------
     chain : Chain
-        A chain with one or more small beads between some or all of its large ones; both
-        may be tapered.  Its first and last bead count as large, whatever their size.
+        A chain with one or more small beads between some or all of its large ones, as
+        `Chain.decorated` makes them; both may be tapered.  Its first and last bead count as
+        large, whatever their size.
     large : sequence of int, optional
         Bead numbers of the large beads, counted from 1; found from the radii by default:
         small beads are runs that both neighbours exceed by more than a factor of 1/0.8.
@@ -226,7 +227,7 @@ def effective_chain(chain: Chain, large: Sequence[int] | None = None) -> Effecti
     Two equal contacts in series are :math:`2^{-3/2}` as stiff as one:
 
     >>> import hertzchain as hc
-    >>> decorated = hc.Chain.from_radii([1.0, 0.25, 1.0])
+    >>> decorated = hc.Chain.uniform(2).decorated(0.25)
     >>> float(effective_chain(decorated).stiffness[0] / decorated.stiffness[0]).__round__(6)
     0.353553
     """

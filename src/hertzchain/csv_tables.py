@@ -1,0 +1,182 @@
+"""CSV files of measured columns: headers carry the units, rows and columns are named in errors."""
+
+from __future__ import annotations
+
+import csv
+import math
+import os
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from types import MappingProxyType
+from typing import Final
+
+from hertzchain.errors import InputError, unknown_name
+
+# Units that headers may have, by dimension, in SI.
+UNITS: Final[Mapping[str, Mapping[str, float]]] = MappingProxyType(
+    {
+        "length": {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6, "µm": 1e-6, "nm": 1e-9,
+                   "in": 25.4e-3},
+        "mass": {"kg": 1.0, "g": 1e-3, "mg": 1e-6},
+        "time": {"s": 1.0, "ms": 1e-3, "us": 1e-6, "µs": 1e-6, "ns": 1e-9},
+        "velocity": {"m/s": 1.0, "cm/s": 1e-2, "mm/s": 1e-3},
+        "force": {"N": 1.0, "kN": 1e3, "mN": 1e-3},
+        "stiffness": {"N/m^1.5": 1.0, "N/um^1.5": 1e9, "N/µm^1.5": 1e9},
+    }
+)  # fmt: skip
+HEADER: Final = re.compile(r"\s*(?P<name>[^\[\]]*?)\s*(?:\[(?P<unit>[^\[\]]*)\]\s*)?")
+
+
+@dataclass(frozen=True)
+class Column:
+    """A column that a table may have.
+
+    Attributes
+    ----------
+    dimension : str
+        A key of `UNITS`; ``"text"`` or ``"number"`` for what has no unit.
+    between_rows : bool
+        Whether the value is of a row and the next, so that the last row has none.
+
+    Examples
+    --------
+    >>> Column("length")
+    Column(dimension='length', between_rows=False)
+    """
+
+    dimension: str
+    between_rows: bool = False
+
+
+@dataclass(frozen=True, eq=False)
+class CsvTable:
+    """The columns found in a file, in SI units, or without any.
+
+    Attributes
+    ----------
+    columns : dict
+        Lists of numbers or text, by name.
+    has_units : bool
+        Whether headers give units; then all do that can.
+    rows : int
+        Number of rows below the header.
+    """
+
+    columns: Mapping[str, Sequence[float | str]]
+    has_units: bool
+    rows: int
+
+
+def read_csv(path: str | os.PathLike[str], known: Mapping[str, Column]) -> CsvTable:
+    r"""Read a table whose header says what the columns are, such as ``radius [mm]``.
+
+    Parameters
+    ----------
+    path : path-like
+        The file; lines that begin with ``#`` are left out.
+    known : mapping of str to Column
+        The columns it may have.
+
+    Returns
+    -------
+    CsvTable
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read, a column is unknown or there twice, units are unknown or
+        given for some columns only, or a cell is empty or no number: row and column are named.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     file = Path(folder) / "beads.csv"
+    ...     _ = file.write_text("radius [mm],material\n5,brass\n4,glass\n")
+    ...     read_csv(file, {"radius": Column("length"), "material": Column("text")}).columns
+    {'radius': [0.005, 0.004], 'material': ['brass', 'glass']}
+    """
+    rows = _rows(path)
+    if not rows:
+        raise InputError("the file has no header; give names and units such as radius [mm]")
+    headers = [_header(text, known) for text in rows[0]]
+    names = [name for name, _ in headers]
+    for name in names:
+        if names.count(name) > 1:
+            raise InputError(f"column {name!r} is there {names.count(name)} times: leave one")
+    measured = [(name, unit) for name, unit in headers if known[name].dimension in UNITS]
+    with_unit = [name for name, unit in measured if unit is not None]
+    without = [name for name, unit in measured if unit is None]
+    if with_unit and without:
+        example = next(iter(UNITS[known[without[0]].dimension]))
+        raise InputError(
+            f"column {without[0]!r} has no unit, but {with_unit[0]!r} has one: write "
+            f"{without[0]} [{example}]"
+        )
+    for number, row in enumerate(rows[1:], start=1):
+        if len(row) != len(headers):
+            raise InputError(f"row {number} has {len(row)} cells, the header has {len(headers)}")
+    body = rows[1:]
+    columns = {
+        name: _values(name, unit, [row[i] for row in body], known[name])
+        for i, (name, unit) in enumerate(headers)
+    }
+    return CsvTable(columns, bool(with_unit), len(body))
+
+
+def _rows(path: str | os.PathLike[str]) -> list[list[str]]:
+    try:
+        text = Path(path).read_text("utf-8-sig")
+    except OSError as error:
+        raise InputError(
+            f"cannot read it ({error.strerror}); give the path of a CSV file"
+        ) from None
+    except UnicodeDecodeError:
+        raise InputError("is not UTF-8 text; save the table as CSV in UTF-8") from None
+    lines = [line for line in text.splitlines() if line.strip() and not line.startswith("#")]
+    return [[cell.strip() for cell in row] for row in csv.reader(lines)]
+
+
+def _header(text: str, known: Mapping[str, Column]) -> tuple[str, str | None]:
+    found = HEADER.fullmatch(text)
+    name = text if found is None else found["name"].lower()
+    unit = None if found is None else found["unit"]
+    if found is None or name not in known:
+        raise unknown_name("column", text, known)
+    dimension = known[name].dimension
+    if unit is not None and dimension not in UNITS:
+        raise InputError(f"column {name!r} has no unit, got [{unit}]")
+    if unit is not None and unit.strip() not in UNITS[dimension]:
+        raise unknown_name(f"unit of column {name!r}", unit, UNITS[dimension])
+    return name, None if unit is None else unit.strip()
+
+
+def _values(
+    name: str, unit: str | None, cells: Sequence[str], column: Column
+) -> list[float] | list[str]:
+    if column.between_rows:
+        if cells and cells[-1]:
+            raise InputError(
+                f"column {name!r} is of a bead and the next one, so its last row must be empty, "
+                f"got {cells[-1]!r} in row {len(cells)}"
+            )
+        cells = cells[:-1]
+    for row, cell in enumerate(cells, start=1):
+        if not cell:
+            raise InputError(f"row {row} of column {name!r} is empty")
+    if column.dimension == "text":
+        return list(cells)
+    factor = 1.0 if unit is None else UNITS[column.dimension][unit]
+    return [_number(cell, row, name) * factor for row, cell in enumerate(cells, start=1)]
+
+
+def _number(cell: str, row: int, name: str) -> float:
+    try:
+        value = float(cell)
+    except ValueError:
+        value = math.nan
+    if not math.isfinite(value):
+        raise InputError(f"row {row} of column {name!r} is {cell!r}: it must be a number")
+    return value

@@ -1,0 +1,163 @@
+"""Chains of many beads by rules: periodic, decorated, with defects, scatter and strikers."""
+
+import math
+
+import numpy as np
+import pytest
+
+import hertzchain as hc
+from hertzchain import Chain, InputError
+from hertzchain.materials import contact_modulus, sphere_stiffness
+from hertzchain.patterns import BALL_GRADES
+
+
+def test_a_dimer_has_one_parameter():
+    chain = Chain.dimer(0.3428, beads=5)
+    np.testing.assert_allclose(chain.masses, [1, 0.3428, 1, 0.3428, 1])
+    np.testing.assert_array_equal(chain.stiffness, 1.0)
+    np.testing.assert_allclose(chain.radii**3, chain.masses, rtol=1e-15)
+
+
+def test_spheres_of_one_material_in_turn_are_such_a_dimer_in_another_time():
+    ratio = 0.3428 ** (1 / 3)
+    spheres = Chain.periodic([1.0, ratio], cells=3)
+    np.testing.assert_allclose(spheres.masses, Chain.dimer(0.3428, beads=6).masses, rtol=1e-14)
+    assert np.ptp(spheres.stiffness) < 1e-15
+
+
+def test_small_beads_follow_the_taper_of_the_large_ones():
+    large = Chain.tapered("forward-exponential", 0.1, beads=6)
+    chain = large.decorated(0.3, between=2)
+    assert chain.beads == 16
+    np.testing.assert_allclose(chain.radii[::3], large.radii, rtol=1e-15)
+    for j in range(5):
+        small = 0.3 * math.sqrt(large.radii[j] * large.radii[j + 1])
+        np.testing.assert_allclose(chain.radii[3 * j + 1 : 3 * j + 3], small, rtol=1e-14)
+
+
+def test_small_beads_may_be_of_one_size_and_another_material():
+    large = Chain.from_materials([5e-3, 4e-3, 3e-3], ["brass", "glass", "brass"], velocity=2.0)
+    chain = large.decorated(radius=1e-3, material="aluminium", between=2)
+    assert [each.name for each in chain.materials] == [
+        "brass", "aluminium", "aluminium", "glass", "aluminium", "aluminium", "brass",
+    ]  # fmt: skip
+    np.testing.assert_array_equal(chain.radii, [5e-3, 1e-3, 1e-3, 4e-3, 1e-3, 1e-3, 3e-3])
+    np.testing.assert_array_equal(chain.velocities, [2.0, 0, 0, 0, 0, 0, 0])
+    assert large.decorated(0.3).materials[1].name == "brass"
+
+
+def test_what_the_chain_stands_between_stays():
+    chain = Chain.uniform(4).replace(right_wall=hc.Wall(), loss=hc.Restitution(0.9))
+    assert chain.decorated(0.3).right_wall == hc.Wall()
+    assert chain.with_scatter(1, relative=0.1).loss == hc.Restitution(0.9)
+
+
+def test_defects_are_counted_from_one():
+    chain = Chain.from_materials(5e-3, "brass", beads=4).with_defects(
+        {1: 4e-3, 3: 6e-3}, material="glass"
+    )
+    np.testing.assert_array_equal(chain.radii, [4e-3, 5e-3, 6e-3, 5e-3])
+    assert [each.name for each in chain.materials] == ["glass", "brass", "glass", "brass"]
+
+
+def test_balls_scatter_within_their_grade_and_by_their_seed():
+    chain = Chain.from_materials(5e-3, "steel-52100", beads=2000)
+    first, second = (chain.with_scatter(seed, grade=100) for seed in (7, 7))
+    np.testing.assert_array_equal(first.radii, second.radii)
+    diameters = 2 * first.radii
+    # The lot's variation is 5 um; 2000 balls leave less than one per cent of it unused.
+    assert 4.95e-6 < np.ptp(diameters) <= 5e-6
+    assert abs(diameters.mean() - 0.01) < 1e-7
+    assert not np.array_equal(chain.with_scatter(8, grade=100).radii, first.radii)
+
+
+def test_grades_get_wider():
+    widths = list(BALL_GRADES.values())
+    assert widths == sorted(widths)
+
+
+def test_relative_scatter_has_its_standard_deviation():
+    radii = Chain.uniform(20_000).with_scatter(np.random.default_rng(3), relative=0.2).radii
+    # Standard error of a standard deviation: 0.2/sqrt(2 N) = 0.001.
+    assert np.log(radii).std() == pytest.approx(0.2, abs=0.004)
+
+
+def test_a_striker_is_a_bead_in_front():
+    chain = Chain.uniform(3).struck_by(radius=2.0, velocity=0.5)
+    np.testing.assert_array_equal(chain.masses, [8, 1, 1, 1])
+    np.testing.assert_array_equal(chain.velocities, [0.5, 0, 0, 0])
+    # Spheres of radius 2 and 1: the paper's factor.
+    assert chain.stiffness[0] == pytest.approx(math.sqrt(2 * 2 * 1 / 3), rel=1e-15)
+    assert chain.strikers == 1
+    assert "masses" not in chain.features
+
+
+def test_a_striker_of_given_mass_is_a_sphere_of_the_chains_density():
+    chain = Chain.uniform(3).struck_by(mass=8.0)
+    assert chain.radii[0] == pytest.approx(2.0, rel=1e-15)
+
+
+def test_several_strikers_one_after_the_other():
+    chain = Chain.uniform(2).struck_by(count=2, gap=0.1).struck_by(mass=8.0, velocity=3.0, gap=0.2)
+    np.testing.assert_array_equal(chain.velocities, [3, 1, 1, 0, 0])
+    np.testing.assert_array_equal(chain.gaps, [0.2, 0, 0.1, 0])
+    assert chain.strikers == 3
+
+
+def test_a_heavy_flat_piston():
+    balls = Chain.from_materials(5e-3, "brass", beads=3)
+    chain = balls.struck_by(mass=0.5, radius=math.inf, material="steel-304", velocity=0.3)
+    modulus = contact_modulus(hc.material("steel-304"), hc.material("brass"))
+    assert chain.stiffness[0] == pytest.approx(
+        float(sphere_stiffness(5e-3, math.inf, modulus)), rel=1e-15
+    )
+    assert chain.masses[0] == 0.5
+    scaled = Chain.uniform(3).struck_by(mass=10.0, radius=math.inf)
+    assert scaled.stiffness[0] == pytest.approx(math.sqrt(2), rel=1e-15)
+
+
+def test_a_striker_of_another_material():
+    chain = Chain.from_materials(5e-3, "brass", beads=3).struck_by(material="ptfe", radius=4e-3)
+    ptfe = hc.material("ptfe")
+    assert chain.masses[0] == pytest.approx(4 / 3 * math.pi * 2170 * 4e-3**3, rel=1e-14)
+    modulus = contact_modulus(ptfe, hc.material("brass"))
+    assert chain.stiffness[0] == pytest.approx(float(sphere_stiffness(4e-3, 5e-3, modulus)))
+
+
+DIMER = Chain.dimer(0.5, beads=4)
+BALLS = Chain.from_materials(5e-3, "brass", beads=3)
+
+
+@pytest.mark.parametrize(
+    ("build", "said"),
+    [
+        (lambda: Chain.dimer(0.0, beads=4), "mass ratio of a dimer must be above 0, got 0"),
+        (lambda: Chain.periodic([1.0, 0.5], cells=0), "cells must be .* at least 1, got 0"),
+        (lambda: Chain.periodic([1.0, -0.5], cells=2), "bead 2 is -0.5"),
+        (lambda: Chain.periodic([1.0, 0.5], cells=2, materials=["brass"]), "4 materials"),
+        (lambda: Chain.uniform(3).decorated(), "give one"),
+        (lambda: Chain.uniform(3).decorated(0.3, radius=0.3), "give one"),
+        (lambda: Chain.uniform(3).decorated(1.0), "beads 1 and 2 would have a radius of 1,"),
+        (lambda: Chain.from_radii([1, 0.1, 1]).decorated(0.5), "radius of 0.158114, .* has 0.1:"),
+        (lambda: Chain.uniform(3).decorated(0.3, between=0), "between must be .* got 0"),
+        (lambda: Chain.uniform(3).decorated(0.3, material="brass"), "chain of materials only"),
+        (lambda: DIMER.decorated(0.3), "has masses and stiffness given bead by bead"),
+        (lambda: Chain.uniform(3).struck_by(mass=2.0).decorated(0.3), "strikers given bead by"),
+        (lambda: Chain.uniform(3).with_defects({4: 1.0}), "from 1 to 3, got 4"),
+        (lambda: Chain.uniform(3).with_defects({2: 0.0}), "radius of bead 2 must be above 0"),
+        (lambda: Chain.uniform(3).with_scatter(1), "give one of the two"),
+        (lambda: Chain.uniform(3).with_scatter(1, grade=100), "micrometres"),
+        (lambda: BALLS.with_scatter(1, grade=11), "no ball grade 11 .* 3, 5, 10"),
+        (lambda: BALLS.with_scatter(1, relative=-0.1), "relative scatter must be at least 0"),
+        (lambda: Chain.uniform(3).struck_by(radius=math.inf), "flat striker needs a mass"),
+        (lambda: Chain.uniform(3).struck_by(count=0), "count of strikers .* got 0"),
+        (lambda: Chain.uniform(3).struck_by(mass=-1.0), "mass of a striker must be above 0"),
+        (lambda: Chain.uniform(3).struck_by(gap=-1.0), "gap must be at least 0, got -1"),
+        (lambda: DIMER.struck_by(mass=1.0), "give stiffness"),
+        (lambda: BALLS.struck_by(mass=1.0, radius=math.inf, count=2), "give stiffness"),
+    ],
+)
+def test_impossible_beads_are_refused(build, said):
+    with pytest.raises(InputError, match=said) as caught:
+        build()
+    assert "\n" not in str(caught.value)

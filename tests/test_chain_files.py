@@ -1,0 +1,261 @@
+"""Chains from TOML and CSV: every feature once, and every way to get it wrong."""
+
+import numpy as np
+import pytest
+
+import hertzchain as hc
+from hertzchain import Chain, InputError, Wall
+
+FIELDS = (
+    "radii", "exponent", "taper", "rate", "masses", "stiffness", "units", "velocities", "gaps",
+    "strikers", "precompression", "held_by", "gravity", "left_wall", "right_wall", "loss",
+    "materials",
+)  # fmt: skip
+
+
+def written(folder, text, name="chain.toml"):
+    path = folder / name
+    path.write_text(text, "utf-8")
+    return path
+
+
+def assert_same(one, other):
+    for name in FIELDS:
+        left, right = getattr(one, name), getattr(other, name)
+        if isinstance(left, np.ndarray):
+            np.testing.assert_array_equal(left, right, err_msg=name)
+        else:
+            assert left == right, name
+    times = np.linspace(0.0, 2.0, 9)
+    assert (one.drive is None) == (other.drive is None)
+    if one.drive is not None:
+        np.testing.assert_array_equal(one.drive.value(times), other.drive.value(times))
+
+
+STEEL = "steel-52100"
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        ("cell = [2, 1]\ncells = 3", Chain.periodic([2, 1], cells=3)),
+        ("mass_ratio = 0.3428\nbeads = 6", Chain.dimer(0.3428, beads=6)),
+        (
+            'radii = 5e-3\nbeads = 4\nmaterials = "brass"',
+            Chain.from_materials(5e-3, "brass", beads=4),
+        ),
+        (
+            'radii = [5e-3, 4e-3]\nmaterials = ["brass", "glass"]\nvelocity = 2',
+            Chain.from_materials([5e-3, 4e-3], ["brass", "glass"], velocity=2.0),
+        ),
+        (
+            'taper = "forward-linear"\nrate = 0.1\nbeads = 4\nradius = 5e-3\nmaterials = "brass"',
+            Chain.from_materials(
+                5e-3 * Chain.tapered("forward-linear", 0.1, beads=4).radii, "brass"
+            ),
+        ),
+        (
+            'cell = [5e-3, 4e-3]\ncells = 2\nmaterials = ["brass", "glass"]',
+            Chain.periodic([5e-3, 4e-3], cells=2, materials=["brass", "glass"]),
+        ),
+        (
+            'units = "SI"\nradii = [5e-3, 4e-3]\nmasses = [1e-3, 2e-3]\nstiffness = [1e9]',
+            Chain([5e-3, 4e-3], units="SI", masses=[1e-3, 2e-3], stiffness=[1e9]),
+        ),
+        (
+            'taper = "uniform"\nbeads = 4\n[chain.decorated]\nratio = 0.3\nbetween = 2',
+            Chain.uniform(4).decorated(0.3, between=2),
+        ),
+        (
+            'taper = "uniform"\nbeads = 9\n[[chain.with_defects]]\nbead = 3\nradius = 0.5\n'
+            "[[chain.with_defects]]\nbead = 7\nradius = 2\n[chain.with_scatter]\nseed = 4\n"
+            "relative = 0.1",
+            Chain.uniform(9).with_defects({3: 0.5, 7: 2.0}).with_scatter(4, relative=0.1),
+        ),
+        (
+            'taper = "uniform"\nbeads = 3\ngaps = [0, 0.1]\n[[chain.struck_by]]\nmass = 4\n'
+            "velocity = 2\ngap = 0.5\n[chain.right_wall]\nrigid = true\n[chain.loss]\n"
+            'law = "restitution"\ncoefficient = 0.9',
+            Chain.uniform(3)
+            .replace(gaps=[0, 0.1])
+            .struck_by(mass=4.0, velocity=2.0, gap=0.5)
+            .replace(right_wall=Wall.rigid(), loss=hc.Restitution(0.9)),
+        ),
+        (
+            'taper = "uniform"\nbeads = 3\nprecompression = 0.5\nheld_by = "force"\n'
+            'gravity = 0.01\n[chain.drive]\nkind = "sine-burst"\namplitude = 0.1\nfrequency = 2',
+            Chain.uniform(3).replace(
+                precompression=0.5, held_by="force", gravity=0.01, drive=hc.SineBurst(0.1, 2.0)
+            ),
+        ),
+        (
+            'radii = 5e-3\nbeads = 3\nmaterials = "mine"\n[chain.right_wall]\nmaterial = "mine"\n'
+            "gap = 1e-5\n[materials.mine]\ndensity = 1000\nyoung = 1e9\npoisson = 0.25",
+            Chain.from_materials(
+                5e-3, hc.Material("mine", 1000, 1e9, 0.25), beads=3,
+                right_wall=Wall.of(hc.Material("mine", 1000, 1e9, 0.25), gap=1e-5),
+            ),
+        ),
+    ],
+)  # fmt: skip
+def test_files_say_what_python_says(tmp_path, text, expected):
+    loaded = hc.load_chain(written(tmp_path, f"[chain]\n{text}\n"))
+    assert_same(loaded, expected)
+    # And back: what is written reads as the same chain.
+    again = written(tmp_path, hc.chain_as_toml(expected), "again.toml")
+    assert_same(hc.load_chain(again), expected)
+
+
+@pytest.mark.parametrize(
+    "loss",
+    [
+        hc.Restitution(0.9, attractive=False), hc.Viscoelastic(1e-6), hc.UnloadingRatio(0.1),
+        hc.VelocityPower(0.1, 1.81), hc.Dashpot(6.0), hc.WaltonBraun(0.8),
+    ],
+)  # fmt: skip
+def test_every_loss_can_be_written_and_read(tmp_path, loss):
+    chain = Chain.uniform(3).replace(loss=loss)
+    assert hc.load_chain(written(tmp_path, hc.chain_as_toml(chain))).loss == loss
+
+
+def test_every_drive_can_be_written_and_read(tmp_path):
+    for drive in (hc.Step(2.0, 0.5, "displacement"), hc.Table([0, 1, 2], [0, 3, 1])):
+        chain = Chain.uniform(3).replace(drive=drive, left_wall=Wall())
+        assert_same(hc.load_chain(written(tmp_path, hc.chain_as_toml(chain))), chain)
+
+
+def test_beads_from_a_table(tmp_path):
+    path = written(
+        tmp_path,
+        "# measured\n diameter [mm] ,material,gap [um],velocity [cm/s],bead\n"
+        "10.0,brass,2,50,1\n\n9.5,glass,0,0,2\n9.0,brass,,0,3\n",
+        "beads.csv",
+    )
+    expected = Chain.from_materials(
+        [5e-3, 4.75e-3, 4.5e-3], ["brass", "glass", "brass"], gaps=[2e-6, 0],
+        velocities=[0.5, 0, 0],
+    )  # fmt: skip
+    chain = hc.load_chain(path)
+    for name in ("radii", "masses", "stiffness", "gaps", "velocities"):
+        np.testing.assert_allclose(getattr(chain, name), getattr(expected, name), rtol=1e-14)
+    toml = written(tmp_path, '[chain]\nfile = "beads.csv"\n[chain.right_wall]\nmaterial = "glass"')
+    assert hc.load_chain(toml).right_wall == Wall.of("glass")
+
+
+def test_a_table_without_units_is_scaled(tmp_path):
+    chain = hc.load_chain(written(tmp_path, "radius,gap\n2,0.1\n1,\n", "beads.csv"))
+    np.testing.assert_array_equal(chain.radii, [1.0, 0.5])
+    np.testing.assert_array_equal(chain.gaps, [0.1])
+    assert chain.units == "scaled"
+
+
+def test_a_byte_order_mark_and_other_line_ends_are_read_over(tmp_path):
+    path = tmp_path / "beads.csv"
+    path.write_bytes("\ufeffradius [mm],material\r\n5,brass\r\n4,brass\r\n".encode())
+    assert hc.load_chain(path).beads == 2
+
+
+def test_drives_from_a_table(tmp_path):
+    path = written(tmp_path, "time [us],force [kN]\n0,0\n10,0.5\n", "hammer.csv")
+    drive = hc.load_drive(path)
+    np.testing.assert_allclose(drive.times, [0.0, 1e-5], rtol=1e-14)
+    np.testing.assert_allclose(drive.values, [0.0, 500.0])
+    chain = written(
+        tmp_path,
+        '[chain]\nradii = 5e-3\nbeads = 3\nmaterials = "brass"\n[chain.drive]\nkind = "table"\n'
+        'file = "hammer.csv"\n',
+    )
+    assert hc.load_chain(chain).drive.of == "force"
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("radius [mm],material\n5,brass\n5\n", "row 2 has 1 cells, the header has 2"),
+        ("radius [mm],materal\n5,brass\n", "unknown column 'materal'.*did you mean 'material'"),
+        ("radius [mm],radius [mm]\n5,5\n4,4\n", "column 'radius' is there 2 times"),
+        ("radius [mm],radius [m]\n5,5\n4,4\n", "column 'radius' is there 2 times"),
+        ("material\nbrass\nbrass\n", "needs a column radius or diameter"),
+        ("radius [mm],diameter [mm],material\n5,10,brass\n5,10,brass\n", "and not both"),
+        ("radius [mm],material\n5,brass\nfive,brass\n", "row 2 of column 'radius' is 'five'"),
+        ("radius [mm],material\n5,brass\n,brass\n", "row 2 of column 'radius' is empty"),
+        ("radius [mm],material\n5,brass\n5,\n", "row 2 of column 'material' is empty"),
+        ("radius [mm],material\n5,brass\nnan,brass\n", "row 2 of column 'radius' is 'nan'"),
+        ("radius [furlong],material\n5,brass\n5,brass\n", "unit of column 'radius' 'furlong'"),
+        ("radius,material\n5,brass\n5,brass\n", r"write radius \[mm\]"),
+        ("radius [mm],gap,material\n5,0,brass\n5,,brass\n", r"'gap' has no unit.*write gap \["),
+        ("radius [mm],material [m]\n5,brass\n", "column 'material' has no unit, got"),
+        ("radius [mm],gap [um],material\n5,0,brass\n5,1,brass\n", "last row must be empty"),
+        ("radius [mm],gap [um],material\n5,-1,brass\n5,,brass\n", "gap of contact 1 is -1e-06"),
+        ("radius [mm],material\n5,bras\n5,brass\n", "unknown material 'bras'"),
+        ("bead,radius\n1,5\n3,5\n", "column 'bead' must count 1, 2, 3"),
+        ("radius [mm]\n5\n5\n", "needs masses or materials"),
+        ("radius [mm],material\n5,brass\n", "at least two"),
+        ("", "no header"),
+    ],
+)
+def test_bad_bead_tables_name_row_and_column(tmp_path, text, said):
+    with pytest.raises(InputError, match=said) as caught:
+        hc.load_chain(written(tmp_path, text, "beads.csv"))
+    assert "beads.csv" in str(caught.value)
+    assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("time [us],force [N]\n0,0\n10,5\n10,6\n", "that of row 3 is 1e-05 after 1e-05"),
+        ("time [us]\n0\n1\n", "either force or displacement, got time"),
+        ("time [us],force [N],displacement [um]\n0,0,0\n1,1,1\n", "either force or"),
+        ("time [us],force [N]\n0,0\n", "at least two times"),
+    ],
+)
+def test_bad_drive_tables_are_refused(tmp_path, text, said):
+    with pytest.raises(InputError, match=said) as caught:
+        hc.load_drive(written(tmp_path, text, "drive.csv"))
+    assert "drive.csv" in str(caught.value)
+
+
+U = 'taper = "uniform"\nbeads = 3\n'
+SI = 'radii = 5e-3\nbeads = 3\nmaterials = "brass"\n'
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        (U + "radii = [1, 2]", "has taper and also radii"),
+        (U + "cells = 3", "has taper and also cells"),
+        ("cell = [1, 2]", "no cells, which goes with cell"),
+        (U + "velocity = 2.0", "has velocity but no materials, so it is scaled"),
+        (U + "radius = 2.0", "has radius but no materials"),
+        ('taper = "uniform"\nbeads = 3\nmaterials = "brass"', "no radius, which goes with taper"),
+        ('mass_ratio = 0.5\nbeads = 3\nmaterials = "brass"', "mass_ratio, a scaled chain"),
+        (SI + "velocity = 1\nvelocities = [1, 0, 0]", "has velocity and also velocities"),
+        ('file = "beads.csv"\nmaterials = "brass"', "file and also materials"),
+        ('file = "none.csv"', r"none\.csv.*No such file"),
+        ('radii = 5e-3\nbeads = 3\nmaterials = 3', "material must be a name, got 3"),
+        (U + "right_wall = 3", r"\[chain.right_wall\] must be a table"),
+        (U + "[chain.right_wall]\nstif = 3", r"key of \[chain.right_wall\] 'stif'.*stiffness"),
+        (U + '[chain.right_wall]\nrigid = true\nmaterial = "brass"', "leave one out"),
+        (U + '[chain.loss]\ncoefficient = 0.9', r"unknown law of \[chain.loss\] None"),
+        (U + '[chain.loss]\nlaw = "restitutoin"', "did you mean 'restitution'"),
+        (U + '[chain.loss]\nlaw = "restitution"', r"\[chain.loss\] has no coefficient"),
+        (U + '[chain.loss]\nlaw = "restitution"\ncoefficient = 2', "at most 1, got 2"),
+        (U + '[chain.drive]\nkind = "sine"', "did you mean 'sine-burst'"),
+        (U + '[chain.drive]\nkind = "table"\nfile = "a.csv"\nof = "force"', "also other keys"),
+        (U + '[chain.drive]\nkind = "table"\ntimes = [0, 0]\nvalues = [1, 1]', "must increase"),
+        (U + "[chain.with_scatter]\nrelative = 0.1", "needs a seed"),
+        (U + "[[chain.with_defects]]\nbead = 2", "needs bead and radius"),
+        (U + "[chain.decorated]\nration = 0.3", "did you mean 'ratio'"),
+        (U + "[[chain.struck_by]]\nspeed = 3", r"unknown key of \[chain.struck_by\] 'speed'"),
+        (SI + "[materials.mine]\ndensity = 1.0\nyoung = 1.0", r"\[materials.mine\] has no poisson"),
+        (U + "gaps = [0, -1]", "gap of contact 2 is -1"),
+        (U + "precompression = 1", "left end, which is free"),
+        (U + "masses = [1, 2]", "3 numbers for the mass"),
+    ],
+)  # fmt: skip
+def test_bad_chain_files_say_what_is_wrong(tmp_path, text, said):
+    with pytest.raises(InputError, match=said) as caught:
+        hc.load_chain(written(tmp_path, f"[chain]\n{text}\n"))
+    assert "chain.toml" in str(caught.value)
+    assert "\n" not in str(caught.value)

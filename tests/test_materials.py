@@ -1,0 +1,195 @@
+"""Materials, contact stiffness from them, and the scales between SI and the paper's variables."""
+
+import math
+
+import numpy as np
+import pytest
+
+import hertzchain as hc
+from hertzchain import Chain, InputError, Material, Scales, Wall
+from hertzchain.materials import RIGID, catalogue, contact_modulus, sphere_stiffness
+
+STEEL = hc.material("steel-52100")
+
+
+def test_catalogue_has_what_benches_have():
+    wanted = {
+        "steel-52100", "steel-304", "steel-316", "brass", "bronze", "aluminium", "titanium",
+        "tungsten-carbide", "silicon-nitride", "alumina", "glass", "ptfe", "nylon",
+        "polycarbonate", "acrylic", "rubber",
+    }  # fmt: skip
+    assert wanted <= set(catalogue())
+
+
+@pytest.mark.parametrize("name", catalogue())
+def test_catalogue_numbers_are_possible_and_sourced(name):
+    found = hc.material(name)
+    assert 900.0 < found.density < 20_000.0
+    assert 1e6 <= found.young < 1e12
+    assert 0.0 < found.poisson < 0.5
+    assert len(found.source) > 20
+    # Everything but rubber yields at a strain of 0.05 to 4 per cent.
+    if found.yield_strength is not None:
+        assert 5e-4 < found.yield_strength / found.young < 0.04
+
+
+def test_steel_balls_of_the_literature():
+    # Published check: E = 203 GPa, nu = 0.3, rho = 7780, R = 5 mm, struck with 1 m/s.
+    chain = Chain.from_materials(5e-3, "steel-52100", beads=3)
+    assert chain.masses[0] == pytest.approx(4.073598e-3, rel=1e-6)
+    assert chain.stiffness[0] == pytest.approx(7.435897e9, rel=1e-7)
+    assert Scales.of(chain).length == pytest.approx(12.45828e-6, rel=1e-6)
+
+
+def test_unlike_spheres_bear_as_hertz_says():
+    # Worked by hand: 1/E* = (1 - nu1^2)/E1 + (1 - nu2^2)/E2, 1/R = 1/R1 + 1/R2.
+    one, other = Material("a", 1.0, 2.0, 0.0), Material("b", 1.0, 3.0, 0.5 - 1e-12)
+    modulus = 1.0 / (0.5 + 0.75 / 3.0)
+    assert contact_modulus(one, other) == pytest.approx(modulus, rel=1e-11)
+    chain = Chain.from_materials([0.1, 0.3], [one, other])
+    assert chain.stiffness[0] == pytest.approx(4 / 3 * modulus * math.sqrt(0.075), rel=1e-11)
+
+
+def test_flat_walls_are_stiffer_by_the_known_factors():
+    chain = Chain.from_materials(5e-3, STEEL, beads=2)
+    pair = chain.stiffness[0]
+    own, rigid = chain.replace(left_wall=Wall(), right_wall=Wall.rigid()).wall_stiffness
+    assert own == pytest.approx(math.sqrt(2) * pair, rel=1e-14)
+    assert rigid == pytest.approx(2 * math.sqrt(2) * pair, rel=1e-14)
+    scaled = Chain.uniform(2).replace(left_wall=Wall(), right_wall=Wall.rigid())
+    assert scaled.wall_stiffness == pytest.approx((math.sqrt(2), 2 * math.sqrt(2)), rel=1e-15)
+    ptfe = chain.replace(right_wall=Wall.of("ptfe")).wall_stiffness[1]
+    modulus = contact_modulus(STEEL, hc.material("ptfe"))
+    assert ptfe == pytest.approx(float(sphere_stiffness(5e-3, np.inf, modulus)), rel=1e-15)
+
+
+def test_the_papers_chains_come_back_from_si():
+    radii = 5e-3 / 0.95 ** np.arange(30)
+    chain = Chain.from_materials(radii, "brass", velocity=3.0)
+    scaled = Scales.of(chain).to_scaled(chain)
+    papers = Chain.tapered("backward-exponential", 0.05, beads=30)
+    assert scaled.features == ()
+    np.testing.assert_allclose(scaled.radii, papers.radii, rtol=1e-14)
+    np.testing.assert_allclose(scaled.stiffness, papers.stiffness, rtol=1e-14)
+
+
+def test_there_and_back_is_the_same_chain():
+    chain = Chain.from_materials(
+        [5e-3, 3e-3, 4e-3], ["brass", "ptfe", "glass"], velocity=2.0, gaps=[1e-6, 0.0],
+        gravity=9.81, left_wall=Wall.of("steel-304", gap=1e-3), loss=hc.Dashpot(3.0),
+        drive=hc.Table([0.0, 1e-3], [0.0, 5.0]), velocities=[2.0, -1.0, 0.0],
+    )  # fmt: skip
+    scales = Scales.of(chain)
+    back = scales.to_si(scales.to_scaled(chain))
+    for name in ("radii", "masses", "stiffness", "velocities", "gaps", "gravity"):
+        np.testing.assert_allclose(getattr(back, name), getattr(chain, name), rtol=1e-14)
+    assert back.wall_stiffness == pytest.approx(chain.wall_stiffness, rel=1e-14)
+    assert back.left_wall.gap == pytest.approx(1e-3, rel=1e-14)
+    assert back.loss.gamma == pytest.approx(3.0, rel=1e-14)
+    np.testing.assert_allclose(back.drive.times, [0.0, 1e-3], rtol=1e-14)
+    np.testing.assert_allclose(back.drive.values, [0.0, 5.0], rtol=1e-14)
+
+
+@pytest.mark.parametrize("loss", [hc.Viscoelastic(1e-6), hc.VelocityPower(2.0, 1.81)])
+def test_losses_scale_like_the_forces_beside_them(loss):
+    # A contact in SI and its scaled image bear the same force in newtons.
+    chain = Chain.from_materials(5e-3, "steel-52100", beads=2, loss=loss)
+    scales = Scales.of(chain)
+    scaled = scales.to_scaled(chain)
+    overlap, rate = 3e-6, 0.4
+
+    def force(chain, d, v):
+        k, law = chain.stiffness[0], chain.loss
+        if isinstance(law, hc.Viscoelastic):
+            return k * (d**1.5 + 1.5 * law.time * d**0.5 * v)
+        return k * d**1.5 + law.gamma * v**law.alpha
+
+    in_si = force(chain, overlap, rate)
+    image = force(scaled, overlap / scales.length, rate / scales.velocity) * scales.force
+    assert image == pytest.approx(in_si, rel=1e-13)
+
+
+def test_a_pulse_in_newtons_and_seconds():
+    chain = Chain.from_materials(5e-3, "steel-52100", beads=60)
+    scales = Scales.of(chain)
+    pulse = scales.to_si(hc.propagate(scales.to_scaled(chain)))
+    # Published check for this chain: 674.659 m/s, 209.121 N, 9.2479 um.
+    assert 0.01 / pulse.residence[50] == pytest.approx(674.659, rel=1e-5)
+    assert pulse.peak_force[50] == pytest.approx(209.121, rel=1e-5)
+    assert pulse.peak_overlap[50] == pytest.approx(9.2479e-6, rel=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("build", "said"),
+    [
+        (lambda: Material("x", 7800.0, 2e11, 0.5), "poisson of 'x' .* below 0.5, got 0.5"),
+        (lambda: Material("x", 7800.0, 2e11, -1.0), "above -1 .* got -1"),
+        (lambda: Material("x", 7800.0, 0.0, 0.3), "young of 'x' must be above 0, got 0"),
+        (lambda: Material("x", -1.0, 2e11, 0.3), "density of 'x' must be above 0, got -1"),
+        (lambda: Material("x", 7800.0, 2e11, 0.3, -5.0), "yield_strength .* above 0, got -5"),
+        (lambda: Material("x", 7800.0, float("nan"), 0.3), "young of 'x'"),
+        (lambda: hc.material("stel-304"), "did you mean 'steel-304'"),
+        (lambda: Chain.from_materials([1e-3, 1e-3], ["brass"]), "2 materials, .* got 1"),
+        (lambda: Chain.from_materials(5e-3, "brass"), "give beads"),
+        (lambda: Chain.from_materials([5e-3] * 3, "brass", beads=4), "beads = 4, .* 3 radii"),
+        (lambda: Chain(np.ones(3), units="SI"), "needs masses or materials"),
+        (lambda: Scales.of(Chain.uniform(3)), "belong to a chain in SI"),
+        (lambda: Scales(1.0, 0.0, 1.0, 1.0), "mass of the scales must be above 0"),
+        (lambda: Scales(1.0, 1.0, 1.0, 1.0).to_scaled(Chain.uniform(3)), "scaled units already"),
+        (lambda: Scales(1.0, 1.0, 1.0, 1.0).to_si(3), "cannot convert 3"),
+    ],
+)
+def test_impossible_materials_are_refused(build, said):
+    with pytest.raises(InputError, match=said) as caught:
+        build()
+    assert "\n" not in str(caught.value)
+
+
+def test_millimetres_given_as_metres_are_suspected():
+    with pytest.warns(hc.InputWarning, match="bead 1 has a radius of 9.5 m.*divide by 1000"):
+        Chain.from_materials(9.5, "brass", beads=3)
+
+
+def test_a_rigid_wall_has_no_compliance():
+    assert RIGID.compliance == 0.0
+    assert math.isinf(RIGID.sound_speed)
+
+
+def test_first_yield_is_where_johnson_has_it():
+    # Johnson 1985, Eq. (11.20): rho V^2/Y = 26 (Y/E*)^4 for equal spheres of radius R, in the
+    # form (1/2) m V^2 = 53 R^3 Y^5/E*^4 of Eq. (11.19), with m and R those of the pair.
+    steel = hc.material("steel-304")
+    radius, strength = 5e-3, steel.yield_strength
+    modulus = contact_modulus(steel, steel)
+    mass = 4 / 3 * math.pi * steel.density * radius**3 / 2
+    speed = math.sqrt(2 * 53 * (radius / 2) ** 3 * strength**5 / modulus**4 / mass)
+    chain = Chain.from_materials(radius, steel, beads=2, velocity=speed)
+    # The book rounds to two digits; pressure goes as the speed to the power 2/5.
+    assert hc.hertz_range(chain).yield_ratio.max() == pytest.approx(1.0, abs=0.005)
+
+
+def test_leaving_hertz_is_complained_of_once_each():
+    fast = Chain.from_materials(5e-3, "aluminium", beads=5, velocity=200.0)
+    complaints = hc.hertz_range(fast).complaints
+    assert len(complaints) == 3
+    for said, complaint in zip(("0.01 up to", "dents", "speed of sound"), complaints, strict=True):
+        assert said in complaint
+    gentle = Chain.from_materials(5e-3, "aluminium", beads=5, velocity=1e-4)
+    assert hc.hertz_range(gentle).complaints == ()
+
+
+def test_a_soft_wall_is_judged_by_its_own_strength():
+    wall = Wall.of("ptfe")
+    chain = Chain.from_materials(5e-3, "steel-52100", beads=2, right_wall=wall)
+    ratio = hc.hertz_range(chain, [0.0, 0.0, 1e-6]).yield_ratio
+    ptfe = hc.material("ptfe")
+    pressure = 2 / math.pi * contact_modulus(STEEL, ptfe) * math.sqrt(1e-6 / 5e-3)
+    assert ratio[2] == pytest.approx(pressure / 1.6 / ptfe.yield_strength, rel=1e-12)
+    assert ratio[1] == 0.0
+
+
+def test_only_chains_of_materials_have_limits():
+    with pytest.raises(InputError, match="need materials"):
+        hc.hertz_range(Chain.uniform(3))
+    with pytest.raises(InputError, match="6 numbers for the overlap"):
+        hc.hertz_range(Chain.from_materials(5e-3, "brass", beads=5), [0.0] * 9)

@@ -205,7 +205,8 @@ def contacts_of(arrays: dict[str, Array]) -> Contacts:
     from hertzchain.kernels.forces import Contacts
 
     number = len(arrays["mode"])
-    return Contacts(arrays["mode"], arrays["largest"], np.zeros(number), np.zeros((3, number)))
+    force, last_force = np.zeros((2, number))
+    return Contacts(arrays["mode"], arrays["largest"], force, last_force, np.zeros((3, number)))
 
 
 def same_motion(chain: Chain, other: Chain) -> bool:

@@ -527,7 +527,8 @@ def _checked_column(pulse: Pulse, name: str, given: ArrayLike, length: int) -> A
     if name == "residence":
         good &= values != 0.0  # out of order is possible, no time at all is a lost digit
     else:
-        first = 1 if name in ("arrival", "peak_time") else 0
+        # Strikers have their velocity from the start.
+        first = max(1, pulse.chain.strikers) if name in ("arrival", "peak_time") else 0
         good[first:] &= values[first:] > 0.0
     if not good.all():
         k = int(np.argmin(good))

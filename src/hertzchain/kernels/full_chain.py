@@ -368,7 +368,7 @@ def record_crossings(h, clock, counts, y, y_new, stages, setup, contacts, expect
 
 
 @compiled
-def expect_events(y_new, stages, scale, peaks, crossings, expected):
+def expect_events(y_new, stages, scale, contacts, peaks, crossings, expected):
     """Mark the beads and contacts whose first peak or crossing may lie within the step."""
     beads = len(scale)
     anything = False
@@ -376,6 +376,9 @@ def expect_events(y_new, stages, scale, peaks, crossings, expected):
         reached = y_new[beads + k] > REACHED * scale[k]
         peak = reached and peaks[PEAK_TIME, k] == 0.0 and may_peak(k, beads, stages)
         waiting = crossings[CROSSING_TIME, k - 1] == 0.0
+        if contacts is not None:
+            # Before a wall a bead may have turned round.
+            reached = abs(y_new[beads + k]) > REACHED * scale[k]
         crossing = reached and waiting and may_cross(k - 1, stages)
         expected[0, k] = peak
         expected[1, k - 1] = crossing
@@ -514,7 +517,12 @@ def record_walls(time, h, y, y_new, stages, walls):
         largest = 0.0
         for j in range(STEP_STAGES + 1):
             largest = max(largest, stages[j, i])
-        if largest > walls[WALL_PEAK, side]:
+        # In a step cut very short the slope has lost its digits, and the stages are the peak.
+        sharp = 1e-15 * abs(y_new[i]) < 1e-12 * h * largest
+        if largest > walls[WALL_PEAK, side] and not sharp:
+            walls[WALL_PEAK, side] = largest
+            walls[WALL_PEAK_TIME, side] = time + h
+        elif largest > walls[WALL_PEAK, side]:
             low, high = 0.0, 1.0
             for _ in range(BISECTIONS):
                 one, two = (2.0 * low + high) / 3.0, (low + 2.0 * high) / 3.0
@@ -733,7 +741,7 @@ def advance(
         time_new = stop if cut else time + h
         frame = counts[FRAMES]
         save = frame < len(frame_times) and frame_times[frame] <= time_new
-        event = expect_events(y_new, stages, scale, peaks, crossings, expected)
+        event = expect_events(y_new, stages, scale, contacts, peaks, crossings, expected)
         walled = contacts is not None and wall_pushed(stages)
         if save or event or walled:
             complete_stages(time, y, h, setup, contacts, segment, stages, trial)

@@ -70,7 +70,7 @@ def test_features_are_named_in_order():
         drive=Step(1.0),
     )  # fmt: skip
     assert chain.features == (
-        "masses", "velocities", "gaps", "gravity", "right wall", "drive", "loss",
+        "masses", "gaps", "gravity", "right wall", "drive", "loss",
     )  # fmt: skip
     assert CHAIN.features == ()
 

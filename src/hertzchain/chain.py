@@ -248,9 +248,11 @@ class Chain:
             if self.drive is None:
                 values[: max(1, self.strikers)] = 1.0
         self._set("velocities", _read_only(values))
-        gaps = self.gaps if "gaps" in self.given else np.zeros(self.beads - 1)
-        unit = self._unit("m")
-        self._set("gaps", column("gap", gaps, self.beads - 1, "contact", unit=unit, least=0.0))
+        gaps = np.zeros(self.beads - 1)
+        if "gaps" in self.given:
+            unit = self._unit("m")
+            gaps = column("gap", self.gaps, self.beads - 1, "contact", unit=unit, least=0.0)
+        self._set("gaps", _read_only(gaps))
         gravity = number("gravity", self.gravity, unit=self._unit("m/s**2"))
         self._set("gravity", gravity)
         force = number("precompression", self.precompression, unit=self._unit("N"), least=0.0,
@@ -587,16 +589,13 @@ class Chain:
     @property
     def features(self) -> tuple[str, ...]:
         """What the chain has beyond the paper's: names such as ``"gaps"``, ``"right wall"``."""
-        struck = np.zeros(self.beads)
-        # In SI units a strike may have any speed.
-        struck[0] = 1.0 if self.units == "scaled" else max(self.velocities[0], 0.0)
         present = {
             "SI units": self.units == "SI",
             "masses": "masses" in self.given,
             "stiffness": "stiffness" in self.given,
             "strikers": self.strikers > 0,
-            "velocities": not np.array_equal(self.velocities, struck),
-            "gaps": bool(self.gaps.any()),
+            "velocities": "velocities" in self.given and not self._only_struck,
+            "gaps": "gaps" in self.given and bool(self.gaps.any()),
             "precompression": self.precompression > 0.0,
             "gravity": self.gravity != 0.0,
             "left wall": self.left_wall is not None,
@@ -605,6 +604,13 @@ class Chain:
             "loss": self.loss is not None,
         }
         return tuple(name for name, there in present.items() if there)
+
+    @property
+    def _only_struck(self) -> bool:
+        """Whether bead 1 alone moves, with velocity one or, in SI units, any."""
+        first = float(self.velocities[0])
+        sound = first == 1.0 if self.units == "scaled" else first >= 0.0
+        return sound and not self.velocities[1:].any()
 
     @property
     def description(self) -> str:

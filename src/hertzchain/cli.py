@@ -369,10 +369,14 @@ def _chain(
 
 def _compute(method: str, chain: Chain, progress: Callable[[int, int], None]) -> Pulse:
     from hertzchain import Scales, bca, hard_sphere, modified_bca, propagate, simulate
+    from hertzchain.hertz_range import warn_outside_hertz
 
     if chain.units == "SI" and method != "simulate":
         scales = Scales.of(chain)
-        return scales.to_si(_compute(method, scales.to_scaled(chain), progress))
+        pulse = scales.to_si(_compute(method, scales.to_scaled(chain), progress))
+        if pulse.peak_overlap is not None:
+            warn_outside_hertz(chain, pulse.peak_overlap)
+        return pulse
     if method == "propagate":
         return propagate(chain, progress=progress)
     if method == "simulate":

@@ -6,16 +6,16 @@ elastic force :math:`F = k\,d^{\,p}` of a contact with overlap :math:`d`, while
 field ``attractive`` says whether it may: `True` ends the contact where the overlap
 does, `False` where the force does, after which the beads fly apart freely.
 
-====================  ===========================================  =====================
-law                   force                                        restitution
-====================  ===========================================  =====================
-`Restitution`         :math:`k d^p + c\sqrt{\mu k}\,d^{(p-1)/2}d'`  e at any speed
-`Viscoelastic`        :math:`k (d^p + p A\,d^{p-1} d')`            falls with speed
-`UnloadingRatio`      :math:`(1-w)\,k d^p` if :math:`d' < 0`       :math:`\sqrt{1-w}`
-`VelocityPower`       :math:`k d^p + \gamma\,|d'|^\alpha` signed   by speed
-`Dashpot`             :math:`k d^p + \gamma d'`                    rises with speed
-`WaltonBraun`         plastic: unloading from a lasting dent       :math:`\sqrt{K_1/K_2}`
-====================  ===========================================  =====================
+================  ============================================  ======================
+law               force                                         restitution
+================  ============================================  ======================
+`Restitution`     :math:`k d^p + c\sqrt{\mu k}\,d^{(p-1)/2}d'`  e at any speed
+`Viscoelastic`    :math:`k (d^p + p A\,d^{p-1} d')`             falls with speed
+`UnloadingRatio`  :math:`(1-w)\,k d^p` if :math:`d' < 0`        :math:`\sqrt{1-w}`
+`VelocityPower`   :math:`k d^p \pm \gamma\,|d'|^\alpha`         depends on speed
+`Dashpot`         :math:`k d^p + \gamma d'`                     rises with speed
+`WaltonBraun`     plastic: unloading to a dent that stays       :math:`\sqrt{K_1/K_2}`
+================  ============================================  ======================
 
 A law is in the units of its chain; only those of `Viscoelastic`, `VelocityPower` and
 `Dashpot` have any.

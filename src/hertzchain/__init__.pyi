@@ -23,6 +23,8 @@ from .losses import Viscoelastic as Viscoelastic
 from .losses import WaltonBraun as WaltonBraun
 from .materials import Material as Material
 from .materials import material as material
+from .pictures import animate as animate
+from .pictures import plot_chain as plot_chain
 from .propagation import propagate as propagate
 from .propagation import propagate_many as propagate_many
 from .pulse import Comparison as Comparison

@@ -3,8 +3,9 @@ r"""Where the energy and the momentum of an impact are, and whence they came.
 At every time the beads' kinetic energy and momentum are split three ways:
 
 leading pulse
-    from the crest of the first pulse forwards, and back to the first bead behind it that
-    is slower than the next but one still behind it, or moves backwards;
+    the crest of the first pulse and what is ahead of it, and behind it the beads that are
+    the slower the further back they are, and still move forwards; nothing any more once the
+    last bead has been turned back;
 lagging
     every other bead that moves towards bead N;
 scattered back
@@ -168,7 +169,7 @@ class Budget:
         >>> axes.get_xlabel()
         'time $t$'
         """
-        from hertzchain.plotting import plot_budget
+        from hertzchain.pictures import plot_budget
 
         return plot_budget(self, of, ax=ax)
 
@@ -327,6 +328,7 @@ def leading_pulse(times: Array, velocities: Array, peak_times: Array) -> Array:
     beads = velocities.shape[1]
     leading = np.zeros(velocities.shape, bool)
     peaked = peak_times != 0.0
+    ended = False
     for row, (time, speed) in enumerate(zip(times, velocities, strict=True)):
         passed = np.flatnonzero(peaked & (peak_times <= time))
         rear = int(passed[-1]) if len(passed) else 0
@@ -334,5 +336,7 @@ def leading_pulse(times: Array, velocities: Array, peak_times: Array) -> Array:
             rear += 1
         while rear > 0 and 0.0 < speed[rear - 1] < speed[rear]:
             rear -= 1
-        leading[row, rear:] = speed[rear:] > 0.0
+        leading[row, rear:] = not ended and speed[rear:] > 0.0
+        # Past the last bead and turned back, by a wall: what comes later is no leading pulse.
+        ended = ended or (rear == beads - 1 and not leading[row].any())
     return leading

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Final, Literal
@@ -430,11 +431,15 @@ class Run:
             },
         )
 
-    def plot(self, *, ax: Axes | None = None) -> Axes:
-        """Draw the velocity of every bead over time, as a map.
+    def plot(
+        self, quantity: Literal["velocity", "force"] = "velocity", *, ax: Axes | None = None
+    ) -> Axes:
+        """Draw the velocity of every bead, or the force in every contact, as a map.
 
         Parameters
         ----------
+        quantity : str
+            ``"velocity"`` or ``"force"``.
         ax : matplotlib.axes.Axes, optional
             Axes to draw into; a new figure's if not given.
 
@@ -450,7 +455,32 @@ class Run:
         """
         from hertzchain.plotting import plot_run
 
-        return plot_run(self, ax=ax)
+        return plot_run(self, quantity, ax=ax)
+
+    def plot_forces(self, beads: Sequence[int], *, ax: Axes | None = None) -> Axes:
+        """Draw what sensors in some beads, and on the walls, show in time.
+
+        Parameters
+        ----------
+        beads : sequence of int
+            Numbers of the beads with a sensor; N + 1 is the right wall, 0 the left one.
+        ax : matplotlib.axes.Axes, optional
+            Axes to draw into; a new figure's if not given.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+
+        Examples
+        --------
+        >>> import hertzchain as hc
+        >>> run = hc.simulate(hc.Chain.uniform(9))
+        >>> run.plot_forces([3, 6]).get_ylabel()
+        'force $F$'
+        """
+        from hertzchain.pictures import plot_forces
+
+        return plot_forces(self, beads, ax=ax)
 
     def __repr__(self) -> str:
         return f"Run({self.chain.description}: {self.message})"

@@ -12,7 +12,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, partial
 from typing import Final
 
 import numpy as np
@@ -214,12 +214,12 @@ def _uniform() -> Iterator[Case]:
     for p, velocity in velocities.items():
         yield Case(
             "uniform chain", f"velocity of the leading pulse, p = {p:g}", velocity, 6e-9,
-            INTEGRATIONS, lambda p=p: _runs("uniform", p).pulse().velocity[150],
+            INTEGRATIONS, partial(_uniform_velocity, p),
         )  # fmt: skip
     for p, constant in speeds.items():
         yield Case(
             "uniform chain", f"speed V (m/k)^(1/(p+1)) v^(-(p-1)/(p+1)), p = {p:g}", constant,
-            5e-10, "fixed point of the travelling wave", lambda p=p: _speed_constant(p),
+            5e-10, "fixed point of the travelling wave", partial(_speed_constant, p),
         )  # fmt: skip
     yield Case(
         "uniform chain", "velocity of the last bead, which flies off", 0.98567886, 6e-9,
@@ -233,6 +233,10 @@ def _uniform() -> Iterator[Case]:
         "uniform chain", "momentum of the leading pulse", 1.138305088728, 5e-9, INTEGRATIONS,
         lambda: _leading("momentum"),
     )  # fmt: skip
+
+
+def _uniform_velocity(p: float) -> float:
+    return float(_runs("uniform", p).pulse().velocity[150])
 
 
 def _speed_constant(p: float) -> float:
@@ -254,7 +258,7 @@ def _strikers() -> Iterator[Case]:
     for mass, velocity in velocities.items():
         yield Case(
             "strikers", f"velocity of the pulse at bead 61, striker of mass {mass:g}", velocity,
-            6e-9, INTEGRATIONS, lambda mass=mass: _struck_by_mass(mass),
+            6e-9, INTEGRATIONS, partial(_struck_by_mass, mass),
         )  # fmt: skip
 
 
@@ -275,7 +279,7 @@ def _ends() -> Iterator[Case]:
     for kind, (stiffness, ratio) in kinds.items():
         yield Case(
             "walls", f"wall force over the pulse's, wall {kind}", ratio, 6e-6, INTEGRATIONS,
-            lambda k=stiffness: _runs("walls", k).wall_force().peak / 0.6395542321,
+            partial(_wall_ratio, stiffness),
         )  # fmt: skip
     # As printed, so that the last digit known can be seen.
     table = {
@@ -291,8 +295,17 @@ def _ends() -> Iterator[Case]:
             yield Case(
                 "walls", f"{quantity.replace('_', ' ')} on the wall, {what}, 20 beads",
                 float(text), 0.6 * digit, INTEGRATIONS,
-                lambda name=name, q=quantity: getattr(_runs(name).wall_force(), q),
+                partial(_on_wall, name, quantity),
             )  # fmt: skip
+
+
+def _wall_ratio(stiffness: float) -> float:
+    """Largest force on a wall over that in the pulse that hits it."""
+    return _runs("walls", stiffness).wall_force().peak / 0.6395542321
+
+
+def _on_wall(name: str, quantity: str) -> float:
+    return float(getattr(_runs(name).wall_force(), quantity))
 
 
 def _dimers() -> Iterator[Case]:
@@ -300,13 +313,13 @@ def _dimers() -> Iterator[Case]:
     for ratio in (1.0, 0.342845, 0.154752, 0.090127, 0.061503):
         yield Case(
             "dimers", f"velocity kept from bead 61 to 181, mass ratio {ratio:g}", 1.0, 1e-8,
-            f"anti-resonance: {JAYAPRAKASH}", lambda ratio=ratio: _kept(ratio, 61, 181),
+            f"anti-resonance: {JAYAPRAKASH}", partial(_kept, ratio, 61, 181),
         )  # fmt: skip
     for ratio, kept, tolerance in ((0.574, 0.574, 6e-4), (0.2397, 0.946, 6e-4),
                                    (0.1224, 0.9935, 6e-5)):  # fmt: skip
         yield Case(
             "dimers", f"velocity kept from bead 21 to 61, mass ratio {ratio:g}", kept, tolerance,
-            INTEGRATIONS, lambda ratio=ratio: _kept(ratio, 21, 61),
+            INTEGRATIONS, partial(_kept, ratio, 21, 61),
         )  # fmt: skip
     yield Case(
         "dimers", "time per cell over the effective chain's, decorated 0.3", 1.0, 2.5e-4,
@@ -353,13 +366,13 @@ def _compressed() -> Iterator[Case]:
     for name, edge, shape in zip(names, edges, shapes, strict=True):
         yield Case(
             "compressed chains", f"band edge of a diatomic chain, {name}", float(edge), 1e-9,
-            HARD_NUMBERS, lambda shape=shape: _mode_frequency(*shape),
+            HARD_NUMBERS, partial(_mode_frequency, *shape),
         )  # fmt: skip
     for strike in (0.05, 1.0, 5.0):
         yield Case(
             "compressed chains", f"speed of a pulse over Nesterenko's, struck with {strike:g}", 1.0,
             8e-3, "long-wave theory, Nesterenko 2001",
-            lambda strike=strike: _on_compression(strike),
+            partial(_on_compression, strike),
         )  # fmt: skip
     yield Case(
         "compressed chains", "under gravity, speed of sound ~ depth to the power", 1.0 / 6.0, 4e-3,
@@ -429,7 +442,7 @@ def _collisions() -> Iterator[Case]:
             yield Case(
                 "restitution", f"Hertz damping, e = {e:g}, at speed {speed:g}", e, 1e-8,
                 "Tsuji et al., Powder Technol. 71, 239 (1992)",
-                lambda e=e, speed=speed: _restitution(Restitution(e), speed),
+                partial(_restitution, Restitution(e), speed),
             )  # fmt: skip
     yield Case(
         "restitution", "viscoelastic, B = 0.015, against its series", _viscoelastic_series(0.015),
@@ -476,7 +489,7 @@ def _real_beads() -> Iterator[Case]:
     for name, (value, tolerance, read) in names.items():
         yield Case(
             "steel beads", name, value, tolerance, "SI units of the constants above",
-            lambda read=read: _steel(read),
+            partial(_steel, read),
         )  # fmt: skip
 
 

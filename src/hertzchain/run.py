@@ -17,6 +17,7 @@ from hertzchain.equilibrium import equilibrium
 from hertzchain.errors import InputError, SimulationError
 from hertzchain.pulse import Pulse
 from hertzchain.state import State
+from hertzchain.waves import Waves, waves_at
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -353,6 +354,38 @@ class Run:
         gaps = equilibrium(self.chain).gaps[1:-1]
         apart: Array = self.positions[:, :-1] - self.positions[:, 1:] - gaps < 0.0
         return apart
+
+    def waves(self, bead: int) -> Waves:
+        """The waves that pass one bead, such as the train that a heavy striker sends.
+
+        Parameters
+        ----------
+        bead : int
+            Number k of the bead, 2 or more.
+
+        Returns
+        -------
+        Waves
+            Their number, times, amplitudes and widths, from the saved times.
+
+        Raises
+        ------
+        InputError
+            If there is no such bead, or fewer than two times were saved.
+
+        Examples
+        --------
+        A striker of four times the mass; the fourth wave is a tenth of the first:
+
+        >>> import hertzchain as hc
+        >>> import numpy as np
+        >>> chain = hc.Chain.uniform(80).replace(masses=np.append(4.0, np.ones(79)))
+        >>> hc.simulate(chain, until=110.0, times=2200).waves(60).amplitudes[:4].round(4)
+        array([1.2131, 0.5505, 0.2658, 0.1324])
+        """
+        k = _checked_index("bead", bead, 2, self.chain.beads)
+        net = self.forces[:, k - 1] - self.forces[:, k] + equilibrium(self.chain).body_forces[k - 1]
+        return waves_at(k, self.times, self.velocity(k), net / self.chain.masses[k - 1])
 
     def budget(self) -> Budget:
         """Energy and momentum at every saved time, by where they are and whence they came.

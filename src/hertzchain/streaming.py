@@ -65,6 +65,14 @@ class StoredRun:
         ------
         xarray.Dataset
             As `Run.to_xarray` gives it.
+
+        Examples
+        --------
+        >>> import hertzchain as hc, tempfile
+        >>> with tempfile.TemporaryDirectory() as folder:
+        ...     stored = hc.stream(hc.Chain.uniform(5), folder, times=[1.0, 2.0])
+        ...     [part.sizes["time"] for part in stored.parts()]
+        [2]
         """
         import xarray as xr
 
@@ -87,6 +95,14 @@ class StoredRun:
         ------
         InputError
             If nothing was saved in that time.
+
+        Examples
+        --------
+        >>> import hertzchain as hc, tempfile
+        >>> with tempfile.TemporaryDirectory() as folder:
+        ...     stored = hc.stream(hc.Chain.uniform(5), folder, times=[1.0, 2.0, 3.0])
+        ...     stored.load(start=2.0).sizes["time"]
+        2
         """
         import xarray as xr
 

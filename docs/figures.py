@@ -38,6 +38,31 @@ def first_pulse() -> Figure:
     return canvas
 
 
+def force_trace() -> Figure:
+    """Sensors in a row of steel balls that hits a wall."""
+    chain = hc.Chain.from_materials(5e-3, "steel-52100", beads=20)
+    struck = chain.struck_by(velocity=0.3).replace(
+        right_wall=hc.Wall.of("steel-304"), loss=hc.Restitution(0.97)
+    )
+    run = hc.simulate(struck, until=700e-6, times=1401)
+    with house_style():
+        canvas, axes = plt.subplots(figsize=(7.0, 3.6))
+        run.plot_forces([6, 11, 16, 22], ax=axes)
+    return canvas
+
+
+def budget() -> Figure:
+    """Energy and momentum of a forward taper that hits a wall."""
+    chain = hc.Chain.tapered("forward-exponential", 0.05, beads=20).replace(right_wall=hc.Wall())
+    found = hc.simulate(chain, until=60.0, times=600).budget()
+    with house_style():
+        canvas, (left, right) = plt.subplots(1, 2, figsize=(11.0, 3.8))
+        found.plot("energy", ax=left)
+        found.plot("momentum", ax=right)
+        left.get_legend().remove()
+    return canvas
+
+
 def moments() -> Figure:
     """Peak and arrival on the velocities of a few beads."""
     chain = hc.Chain.tapered("backward-exponential", 0.3, beads=8)
@@ -120,6 +145,8 @@ def _growth(rate: float) -> float:
 
 FIGURES: dict[str, Callable[[], Figure]] = {
     "first-page": first_page,
+    "force-trace": force_trace,
+    "budget": budget,
     "first-pulse": first_pulse,
     "moments": moments,
     "figure12": figure12,

@@ -221,7 +221,7 @@ def test_what_is_not_a_number_is_not_accepted_as_a_step():
     from hertzchain.kernels.full_chain import error_norm
 
     stages = np.full((STAGES, 6), np.nan)
-    assert np.isnan(error_norm(0.1, stages, np.ones(3), 1e-9))
+    assert np.isnan(error_norm(0.1, stages, np.ones(3), 1e-9, np.empty((2, 6))))
 
 
 def test_residence_keeps_its_digits_where_the_clock_has_lost_them():

@@ -1,4 +1,5 @@
 from .bead_tables import load_drive as load_drive
+from .budget import Budget as Budget
 from .chain import TAPERS as TAPERS
 from .chain import Chain as Chain
 from .chain_files import chain_as_toml as chain_as_toml
@@ -22,14 +23,22 @@ from .losses import Viscoelastic as Viscoelastic
 from .losses import WaltonBraun as WaltonBraun
 from .materials import Material as Material
 from .materials import material as material
+from .pictures import animate as animate
+from .pictures import plot_chain as plot_chain
 from .propagation import propagate as propagate
 from .propagation import propagate_many as propagate_many
 from .pulse import Comparison as Comparison
 from .pulse import Pulse as Pulse
 from .pulse_table import PulseTable as PulseTable
+from .run import Run as Run
+from .run import WallForce as WallForce
 from .scales import Scales as Scales
-from .simulation import Run as Run
 from .simulation import simulate as simulate
+from .state import State as State
+from .store import load_state as load_state
+from .store import save_state as save_state
+from .streaming import StoredRun as StoredRun
+from .streaming import stream as stream
 from .theory.bca import bca as bca
 from .theory.effective_chain import effective_chain as effective_chain
 from .theory.hard_sphere import hard_sphere as hard_sphere
@@ -38,6 +47,7 @@ from .theory.local_rate import local_rate_gradient as local_rate_gradient
 from .theory.modified_bca import modified_bca as modified_bca
 from .theory.solitary_wave import SolitaryWave as SolitaryWave
 from .theory.solitary_wave import solitary_wave as solitary_wave
+from .verification import verify as verify
 from .walls import Wall as Wall
 
 __version__: str

@@ -25,8 +25,9 @@ if TYPE_CHECKING:
     from hertzchain.chain import Chain
     from hertzchain.paper.reproduction import Reproduction
     from hertzchain.pulse import Pulse, Quantity
+    from hertzchain.run import Run
     from hertzchain.scoreboard import Scoreboard
-    from hertzchain.simulation import Run
+    from hertzchain.verification import Verdict
 
 DONE, FAILED, BAD_INPUT, OUTSIDE_TOLERANCE, INTERRUPTED = 0, 1, 2, 3, 130
 METHODS: Final = (
@@ -426,6 +427,36 @@ def scoreboard(
 
 
 @cli.command()
+@click.option(
+    "--only", metavar="NAMES", help="Groups of cases, separated by commas: walls, dimers, ..."
+)
+@click.option("--json", "as_json", is_flag=True, help="Print everything as JSON.")
+def verify(only: str | None, as_json: bool) -> None:
+    """Compute quantities with exact or published values and hold them against these.
+
+    Leaves with exit code 3 if any is outside its tolerance.
+
+    \b
+    Examples:
+      hertzchain verify
+      hertzchain verify --only restitution,walls
+    """
+    import json
+
+    from hertzchain import verification
+
+    groups = None if only is None else [part.strip() for part in only.split(",") if part.strip()]
+    with _progress("cases computed") as progress:
+        verdicts = verification.verify(groups, progress=progress)
+    if as_json:
+        click.echo(json.dumps(verification.as_dict(verdicts), indent=2, allow_nan=False))
+    else:
+        _show_verdicts(verdicts)
+    if not all(verdict.agrees for verdict in verdicts):
+        sys.exit(OUTSIDE_TOLERANCE)
+
+
+@cli.command()
 def cite() -> None:
     """Print what to cite: the paper, the methods, this software.
 
@@ -703,6 +734,29 @@ def _show_reproduction(result: Reproduction) -> None:
     for figure in result.figures:
         if not figure.statement.holds:
             click.echo(f"  does not hold: {figure.published.name}: {figure.statement.claim}")
+
+
+def _show_verdicts(verdicts: list[Verdict]) -> None:
+    from rich import box
+    from rich.table import Table
+
+    agreeing = sum(verdict.agrees for verdict in verdicts)
+    title = f"{agreeing} of {len(verdicts)} cases agree"
+    table = Table(title=title, box=box.SIMPLE_HEAD, title_justify="left")
+    for name, side in (("quantity", "left"), ("expected", "right"), ("ours", "right"),
+                       ("difference", "right"), ("allowed", "right"), ("", "left"),
+                       ("source", "left")):  # fmt: skip
+        table.add_column(name, justify=side, no_wrap=True)  # type: ignore[arg-type]
+    for i, verdict in enumerate(verdicts):
+        case = verdict.case
+        if i == 0 or case.group != verdicts[i - 1].case.group:
+            table.add_row(f"[bold]{case.group}[/bold]")
+        table.add_row(
+            f"  {case.name}", f"{case.expected:.10g}", f"{verdict.ours:.10g}",
+            f"{verdict.difference:+.1e}", f"{case.tolerance:.0e}",
+            "" if verdict.agrees else "OUTSIDE", case.source,
+        )  # fmt: skip
+    _show(table)
 
 
 def _writable(path: Path | None, option: str, endings: tuple[str, ...]) -> None:

@@ -9,18 +9,19 @@ import io
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from importlib import resources
-from typing import Final
+from typing import Final, Literal
 
 import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
 
-from hertzchain.errors import InputError
+from hertzchain.errors import InputError, unknown_name
 from hertzchain.pulse import PER_CONTACT, Pulse, Quantity
+from hertzchain.run import Run
 from hertzchain.scoreboard import Scoreboard, Statistic
 from hertzchain.scoreboard_cases import GROUPS
-from hertzchain.simulation import Run
 
 # Colours of Okabe and Ito, told apart by colour-blind readers; markers say it again in grey.
 COLOURS: Final = ("#000000", "#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00")
@@ -141,13 +142,17 @@ def plot_pulses(
     return axes
 
 
-def plot_run(run: Run, *, ax: Axes | None = None) -> Axes:
-    """Draw the velocity of every bead over time as a map, bead 1 at the bottom.
+def plot_run(
+    run: Run, quantity: Literal["velocity", "force"] = "velocity", *, ax: Axes | None = None
+) -> Axes:
+    """Draw velocities or contact forces over time as a map, bead 1 at the bottom.
 
     Parameters
     ----------
     run : Run
         A run with saved times.
+    quantity : str
+        ``"velocity"`` of every bead or ``"force"`` in every contact.
     ax : matplotlib.axes.Axes, optional
         Axes to draw into; a new figure's if not given.
 
@@ -158,7 +163,7 @@ def plot_run(run: Run, *, ax: Axes | None = None) -> Axes:
     Raises
     ------
     InputError
-        If fewer than two times were saved.
+        If fewer than two times were saved, or for another quantity.
 
     Examples
     --------
@@ -168,24 +173,33 @@ def plot_run(run: Run, *, ax: Axes | None = None) -> Axes:
     """
     if len(run.times) < 2:
         raise InputError(f"a map needs at least 2 saved times, the run has {len(run.times)}")
+    if quantity not in ("velocity", "force"):
+        raise unknown_name("quantity of a map", quantity, ("velocity", "force"))
+    real = run.chain.units == "SI"
+    # One colour for at rest: white, red forwards, blue backwards.
+    values, label, low, colours = run.velocities, "velocity $v_k(t)$", -1.0, "RdBu_r"
+    numbers = np.arange(1, run.chain.beads + 1)
+    if quantity == "force":
+        values, label, low, colours = run.forces, "force $F_k(t)$", 0.0, "afmhot_r"
+        numbers = np.arange(run.chain.beads + 1)
+    unit = {"velocity": "m/s", "force": "N"}[quantity]
     with house_style():
         axes = ax if ax is not None else plt.subplots()[1]
-        # One colour for at rest: white, red forwards, blue backwards.
-        largest = float(np.abs(run.velocities).max())
-        beads = np.arange(1, run.chain.beads + 1)
-        colours = axes.pcolormesh(
-            run.times,
-            beads,
-            run.velocities.T,
-            cmap="RdBu_r",
-            vmin=-largest,
+        largest = float(np.abs(values).max())
+        mesh = axes.pcolormesh(
+            run.times * (1e6 if real else 1.0),
+            numbers,
+            values.T,
+            cmap=colours,
+            vmin=low * largest,
             vmax=largest,
             shading="nearest",
             rasterized=True,
         )
-        axes.figure.colorbar(colours, ax=axes, label="velocity $v_k(t)$")
-        axes.set_xlabel("time $t$")
-        axes.set_ylabel("bead $k$")
+        axes.figure.colorbar(mesh, ax=axes, label=f"{quantity} [{unit}]" if real else label)
+        axes.set_xlabel("time [µs]" if real else "time $t$")
+        axes.set_ylabel("bead $k$" if quantity == "velocity" else "contact $k$")
+        axes.yaxis.set_major_locator(MaxNLocator(integer=True))
         axes.set_title(run.chain.description)
     return axes
 

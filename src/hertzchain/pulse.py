@@ -536,7 +536,9 @@ def _checked_column(pulse: Pulse, name: str, given: ArrayLike, length: int) -> A
     if name == "residence":
         good &= values != 0.0  # out of order is possible, no time at all is a lost digit
     else:
-        first = 1 if name in ("arrival", "peak_time", "velocity_error") else 0
+        # Strikers have their velocity from the start.
+        known = max(1, pulse.chain.strikers)
+        first = known if name in ("arrival", "peak_time", "velocity_error") else 0
         good[first:] &= values[first:] > 0.0
     if not good.all():
         k = int(np.argmin(good))

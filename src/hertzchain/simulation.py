@@ -8,25 +8,19 @@ from __future__ import annotations
 
 import operator
 from collections.abc import Callable
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Final, Literal
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from hertzchain import __version__
-from hertzchain.chain import Chain, require
-from hertzchain.contacts import Array, compression_time, reduced_mass
+from hertzchain.chain import Chain
+from hertzchain.contacts import Array
+from hertzchain.equations import equation_of
+from hertzchain.equilibrium import equilibrium
 from hertzchain.errors import InputError, SimulationError, real_number
-from hertzchain.pulse import Pulse
+from hertzchain.run import Run, Status
+from hertzchain.state import State, contacts_of, first_state, same_motion, transit_times
 
-if TYPE_CHECKING:
-    import xarray as xr
-    from matplotlib.axes import Axes
-
-Status = Literal[
-    "pulse left", "time reached", "step limit", "step too small", "underflow", "pulse lost"
-]
 Progress = Callable[[int, int], None]
 
 DEFAULT_RTOL: Final = 1e-13
@@ -40,230 +34,42 @@ BEAD_STEPS_PER_CALL: Final = 1_000_000
 SMALLEST_ACCELERATION: Final = 1e-290
 
 
-@dataclass(frozen=True, eq=False)
-class Run:
-    r"""A whole trajectory of a chain.
-
-    Attributes
-    ----------
-    chain : Chain
-        The chain that was struck.
-    times : ndarray, shape (T,)
-        Saved times [scaled].
-    positions : ndarray, shape (T, N)
-        Displacements :math:`x_k` of the beads from where they touched [scaled].
-    velocities : ndarray, shape (T, N)
-        Velocities [scaled].
-    status : str
-        ``"pulse left"`` or ``"time reached"``; ``"step limit"``, ``"step too small"``,
-        ``"underflow"`` and ``"pulse lost"`` are failures that `simulate` raises unless
-        told not to.
-    end_time : float
-        Time at which the integration stopped [scaled].
-    energy_drift : float
-        Largest relative change of the total energy over all steps.
-    momentum_drift : float
-        Largest change of the total momentum over all steps, relative to the
-        sum of the beads' absolute momenta.
-    steps, evaluations : int
-        Accepted steps, and evaluations of the force on the whole chain.
-    rtol : float
-        Tolerance of a step.
-
-    Examples
-    --------
-    >>> import hertzchain as hc
-    >>> run = hc.simulate(hc.Chain.uniform(20), until=10.0, times=101)
-    >>> run.velocities.shape, run.status
-    ((101, 20), 'time reached')
-    """
-
-    chain: Chain
-    times: Array
-    positions: Array
-    velocities: Array
-    status: Status
-    end_time: float
-    energy_drift: float
-    momentum_drift: float
-    steps: int
-    evaluations: int
-    rtol: float
-    _peaks: Array
-    _crossings: Array
-
-    @property
-    def success(self) -> bool:
-        """Whether the run reached what it was asked to reach."""
-        return self.status in ("pulse left", "time reached")
-
-    @property
-    def message(self) -> str:
-        """The status in a sentence."""
-        passed = f"the pulse had passed {self._beads_passed} of {self.chain.beads} beads"
-        at = f"at t = {self.end_time:g}, after {self.steps} steps"
-        return {
-            "pulse left": f"the pulse left the chain {at}",
-            "time reached": f"stopped as asked {at}; {passed}",
-            "step limit": (
-                f"stopped by the step limit {at}; {passed}; raise max_steps, or use fewer "
-                "beads or a weaker taper if the time hardly moves"
-            ),
-            "underflow": (
-                f"the motion became too small to represent {at}; {passed}; "
-                "use fewer beads or a weaker taper"
-            ),
-            "pulse lost": (
-                f"the pulse was lost {at}: {passed}, and nothing more happens; beads far "
-                "heavier than their neighbours hardly move"
-            ),
-            "step too small": (
-                f"the steps became too short for the clock {at}; {passed}; "
-                "use fewer beads or a weaker taper"
-            ),
-        }[self.status]
-
-    @property
-    def _beads_passed(self) -> int:
-        """Beads of which peak and both contacts are recorded; the striker counts."""
-        return 1 + int(np.count_nonzero((self._peaks[0, 1:] > 0) & (self._crossings[0] > 0)))
-
-    @property
-    def _residence(self) -> Array:
-        """Times between successive crossings; by difference where they came out of order."""
-        times, _, since_last = self._crossings
-        between = np.diff(times, prepend=0.0)
-        return np.where(since_last > 0.0, since_last, between)
-
-    def pulse(self) -> Pulse:
-        """The leading pulse: first velocity maxima, arrivals and largest overlaps.
-
-        Returns
-        -------
-        Pulse
-            Found between the steps while integrating, not among the saved times.
-
-        Raises
-        ------
-        SimulationError
-            If the run stopped before the pulse had passed every bead.
-
-        Examples
-        --------
-        >>> import hertzchain as hc
-        >>> float(hc.simulate(hc.Chain.uniform(30)).pulse().velocity[1].round(9))
-        0.751471736
-        """
-        if self._beads_passed < self.chain.beads:
-            raise SimulationError(f"no pulse of all beads: {self.message}; simulate for longer")
-        return Pulse(
-            chain=self.chain,
-            method="simulation",
-            velocity=self._peaks[1],
-            peak_time=self._peaks[0],
-            arrival=np.concatenate(([0.0], self._crossings[0])),
-            peak_overlap=self._crossings[1],
-            residence=self._residence,
-        )
-
-    def to_xarray(self) -> xr.Dataset:
-        """Labelled dataset with coordinates ``time`` and ``bead`` = 1..N.
-
-        Returns
-        -------
-        xarray.Dataset
-            ``position`` and ``velocity``, both (time, bead), ``radius`` and ``mass``.
-
-        Examples
-        --------
-        >>> import hertzchain as hc
-        >>> run = hc.simulate(hc.Chain.uniform(9), until=2.0, times=5)
-        >>> dict(run.to_xarray().sizes)
-        {'time': 5, 'bead': 9}
-        """
-        import xarray as xr
-
-        def labelled(values: Array, name: str, *dims: str) -> tuple[object, ...]:
-            return dims, values, {"units": "1", "long_name": name}
-
-        return xr.Dataset(
-            {
-                "position": labelled(self.positions, "displacement of the bead", "time", "bead"),
-                "velocity": labelled(self.velocities, "velocity of the bead", "time", "bead"),
-                "radius": labelled(self.chain.radii, "radius", "bead"),
-                "mass": labelled(self.chain.masses, "mass", "bead"),
-            },
-            coords={
-                "time": ("time", self.times, {"units": "1", "long_name": "time"}),
-                "bead": np.arange(1, self.chain.beads + 1),
-            },
-            attrs={
-                "hertzchain_version": __version__,
-                "chain": self.chain.description,
-                "taper": self.chain.taper or "",
-                "rate": self.chain.rate or 0.0,
-                "exponent": self.chain.exponent,
-                "status": self.status,
-                "energy_drift": self.energy_drift,
-                "momentum_drift": self.momentum_drift,
-                "rtol": self.rtol,
-            },
-        )
-
-    def plot(self, *, ax: Axes | None = None) -> Axes:
-        """Draw the velocity of every bead over time, as a map.
-
-        Parameters
-        ----------
-        ax : matplotlib.axes.Axes, optional
-            Axes to draw into; a new figure's if not given.
-
-        Returns
-        -------
-        matplotlib.axes.Axes
-
-        Examples
-        --------
-        >>> import hertzchain as hc
-        >>> hc.simulate(hc.Chain.uniform(9)).plot().get_ylabel()
-        'bead $k$'
-        """
-        from hertzchain.plotting import plot_run
-
-        return plot_run(self, ax=ax)
-
-    def __repr__(self) -> str:
-        return f"Run({self.chain.description}: {self.message})"
-
-
 def simulate(
     chain: Chain,
     *,
     until: float | None = None,
     times: int | ArrayLike = 400,
+    start: State | None = None,
     rtol: float = DEFAULT_RTOL,
     max_steps: int | None = None,
     check: bool = True,
     progress: Progress | None = None,
 ) -> Run:
-    r"""Integrate the equation of motion of a struck chain, Eq. (4) of the paper.
+    r"""Integrate the equation of motion of a chain, Eq. (4) of the paper and beyond.
 
-    The method is the Runge-Kutta pair DOP853 (order 8, adaptive), applied to every
-    bead; the error of a step is measured, bead by bead, against the speeds within
-    three beads.
+    .. math:: m_k \ddot x_k = F_{k-1} - F_k + X_k
+
+    with the contact forces of the chain's law (`hertzchain.losses`), those of its walls, and
+    :math:`X_k` its weight, drive and whatever holds its ends.  The method is the Runge-Kutta
+    pair DOP853 (order 8, adaptive), applied to every bead; the error of a step is
+    measured, bead by bead, against the speeds within three beads.  Where a law's force
+    jumps or remembers, the moment is located and the step ends there.
 
     Parameters
     ----------
     chain : Chain
-        The chain; bead 1 moves with velocity 1 at time 0, the others are at rest.
+        The chain.
     until : float, optional
-        Time to stop at [scaled].  By default the last of the given ``times`` or, if
+        Time to stop at [scaled, or s].  By default the last of the given ``times`` or, if
         they are a number, when the pulse has left: when every bead has passed its
         first velocity maximum.
     times : int or array_like
-        Times at which to save positions and velocities: increasing numbers >= 0, or
+        Times at which to save the state: increasing numbers >= 0, or
         a number of evenly spaced ones (exactly so many if ``until`` is given, else
         at most so many and at least half of them).
+    start : State, optional
+        State to go on from, such as ``run.state``; times are then those of the run that
+        it is from.  By default the chain at time 0.
     rtol : float
         Tolerated error of a step, 1e-14 .. 1e-6.
     max_steps : int, optional
@@ -280,7 +86,8 @@ def simulate(
     Raises
     ------
     InputError
-        For an option out of its range, or trajectories that do not fit in memory.
+        For an option out of its range, a state of another chain, or trajectories that do
+        not fit in memory.
     SimulationError
         If the run fails and ``check`` is true.
 
@@ -291,144 +98,199 @@ def simulate(
     >>> run.energy_drift < 1e-10
     True
     """
-    require(chain, "simulate", covers=("masses", "stiffness"))
     rtol = _checked_number("rtol", rtol, 1e-14, 1e-6)
     if until is not None:
         until = _checked_number("until", until, 0.0, np.inf)
     usual = max(STEPS_PER_BEAD * chain.beads, LEAST_STEP_LIMIT)
     limit = usual if max_steps is None else _checked_limit(max_steps)
-    frames = _Frames(chain, until, times)
+    if start is None:
+        start = first_state(chain)
+    elif not same_motion(chain, start.chain):
+        raise InputError(
+            f"the state to start from is one of another chain ({start.chain.description}): "
+            "give simulate the chain that it is from"
+        )
+    _check_end(chain, until, times, start.time)
+    frames = _Frames(chain, start.time, until, times)
     if until is None and not isinstance(times, int | np.integer):
         until = float(frames.times[-1])
-    run = _integrate(chain, until, frames, rtol, limit, progress)
+    run = _integrate(chain, start, until, frames, rtol, limit, progress)
     if check and not run.success:
         raise SimulationError(run.message)
     return run
 
 
 class _Frames:
-    """Times to save at, and the states saved.
+    """Times to save at, and what is saved.
 
     Where the end is not known, the grid starts too fine; whenever it is full, every second
     time is dropped and the spacing doubled, so that memory stays what was asked for.
     """
 
-    def __init__(self, chain: Chain, until: float | None, times: int | ArrayLike) -> None:
+    def __init__(
+        self, chain: Chain, begin: float, until: float | None, times: int | ArrayLike
+    ) -> None:
         self.spacing: float | None = None
+        self.begin = begin
         if not isinstance(times, int | np.integer) or isinstance(times, bool):
-            self.times = _checked_times(chain, times, until)
+            self.times = _checked_times(chain, times, begin, until)
         elif times < 0 or times == 1:
             raise InputError(f"times must be 0 or at least 2 when it is a number, got {times}")
         else:
             count = _fitting_count(chain, int(times))
             if until is None and count > 0:
-                self.spacing = 0.5 * float(_transit_times(chain).sum()) / count
-                self.times = self.spacing * np.arange(count)
+                self.spacing = 0.5 * float(transit_times(chain).sum()) / count
+                self.times = begin + self.spacing * np.arange(count)
             else:
-                self.times = np.linspace(0.0, until or 0.0, count)
-        self.states = np.empty((len(self.times), 2 * chain.beads))
+                self.times = np.linspace(begin, until or 0.0, count)
+        self.states, self.forces = np.empty((0, 0)), np.empty((0, 0))
+
+    def allocate(self, length: int, contacts: int) -> None:
+        """Room for states of so many components and forces of so many contacts."""
+        self.states = np.empty((len(self.times), length))
+        self.forces = np.empty((len(self.times), contacts))
 
     def thin_out(self, filled: int) -> int:
         """Make room for later times; returns how many of the filled ones are kept."""
         assert self.spacing is not None
         kept = (filled + 1) // 2
-        self.states[:kept] = self.states[:filled:2].copy()
+        for saved in (self.states, self.forces):
+            saved[:kept] = saved[:filled:2].copy()
         self.spacing *= 2.0
-        self.times = self.spacing * np.arange(len(self.times))
+        self.times = self.begin + self.spacing * np.arange(len(self.times))
         return kept
 
 
-class _State:
-    """The arrays of a run that the compiled loop works on."""
+class _Integration:
+    """A state on its way, the compiled loop that moves it, and the loop's scratch."""
 
-    def __init__(self, chain: Chain) -> None:
+    def __init__(self, chain: Chain, start: State, frames: _Frames, rtol: float) -> None:
         from hertzchain.kernels import dop853
         from hertzchain.kernels import full_chain as kernel
 
-        beads = chain.beads
-        self.y = np.zeros(2 * beads)
-        self.y[beads] = 1.0
-        self.clock = np.zeros(kernel.CLOCK_SIZE)
-        self.counts = np.zeros(kernel.COUNTS_SIZE, np.int64)
-        self.bodies = (1.0 / chain.masses, chain.stiffness, chain.exponent)
-        self.peaks, self.crossings = np.zeros((2, beads)), np.zeros((3, beads - 1))
-        self.peaks[1, 0] = 1.0
-        self.stages = np.zeros((dop853.STAGES, 2 * beads))
-        self.scratch = (np.empty((3, 2 * beads)), np.zeros((2, beads), np.bool_))
-        kernel.start(self.y, self.clock, self.counts, *self.bodies, 1e-4 * _transit_times(chain)[0])
+        self.kernel: Any = kernel
+        self.state = start.copy()
+        arrays = self.state.arrays
+        self.clock, self.counts = arrays["clock"], arrays["counts"]
+        self.counts[kernel.FRAMES] = 0
+        self.equation = equation_of(chain)
+        self.plain = len(arrays["y"]) == 2 * chain.beads
+        self.contacts = None if self.plain else contacts_of(arrays)
+        frames.allocate(len(arrays["y"]), 0 if self.plain else chain.beads + 1)
+        self.frames, self.rtol = frames, rtol
+        length = len(arrays["y"])
+        self.stages = np.zeros((dop853.STAGES, length))
+        self.scratch = np.empty((6, length)), np.zeros((2, chain.beads), np.bool_)
+
+    def advance(self, end: tuple[float, bool], steps: int, pause: bool) -> int:
+        """Take up to so many steps; returns why it stopped."""
+        arrays, frames = self.state.arrays, self.frames
+        code: int = self.kernel.advance(
+            arrays["y"], self.clock, self.counts, self.equation, self.contacts, *end,
+            self.rtol, steps, pause, frames.times, frames.spacing is not None, frames.states,
+            frames.forces, arrays["peaks"], arrays["crossings"], arrays["walls"], self.stages,
+            *self.scratch,
+        )  # fmt: skip
+        return code
 
     @property
     def underflows(self) -> bool:
         """Whether accelerations have become too small to have all their digits."""
-        beads = len(self.y) // 2
-        return bool(0.0 < np.max(np.abs(self.stages[0, beads:])) < SMALLEST_ACCELERATION)
+        beads = self.state.chain.beads
+        return bool(0.0 < np.max(np.abs(self.stages[0, beads : 2 * beads])) < SMALLEST_ACCELERATION)
 
 
 def _integrate(
     chain: Chain,
+    start: State,
     until: float | None,
     frames: _Frames,
     rtol: float,
     max_steps: int,
     progress: Progress | None,
 ) -> Run:
-    from hertzchain.kernels import full_chain as kernel
-
-    state = _State(chain)
-    counts = state.counts
+    going = _Integration(chain, start, frames, rtol)
+    kernel, counts = going.kernel, going.counts
     end = (np.inf if until is None else until, until is None)
     budget = max(20, BEAD_STEPS_PER_CALL // chain.beads)
+    first = int(counts[kernel.STEPS])
     code = kernel.RUNNING
     status: Status | None = None
-    while code in (kernel.RUNNING, kernel.FRAMES_FULL) and status is None:
-        code = kernel.advance(
-            state.y, state.clock, counts, *state.bodies, *end, rtol,
-            min(budget, max_steps - int(counts[kernel.STEPS])),
-            frames.times, frames.spacing is not None, frames.states,
-            state.peaks, state.crossings, state.stages, *state.scratch,
-        )  # fmt: skip
+    # The state before the step that the end cuts short: a longer run would go on from it.
+    before_end: State | None = None
+    while code in (kernel.RUNNING, kernel.FRAMES_FULL, kernel.LAST_STEP) and status is None:
+        if code == kernel.LAST_STEP:
+            before_end = going.state.copy()
+        steps = min(budget, max_steps - int(counts[kernel.STEPS]) + first)
+        code = going.advance(end, steps, before_end is None)
         if progress is not None:
             progress(1 + int(min(counts[kernel.PEAKS], counts[kernel.CROSSINGS])), chain.beads)
         if code == kernel.FRAMES_FULL:
             counts[kernel.FRAMES] = frames.thin_out(int(counts[kernel.FRAMES]))
-        elif code == kernel.RUNNING and counts[kernel.STEPS] >= max_steps:
+        elif code == kernel.RUNNING and counts[kernel.STEPS] - first >= max_steps:
             status = "step limit"
-        if code in (kernel.RUNNING, kernel.STEP_TOO_SMALL) and state.underflows:
+        if code in (kernel.RUNNING, kernel.STEP_TOO_SMALL) and going.underflows:
             status = "underflow"
+    return _run(going, before_end or going.state.copy(), status or _ending(kernel, code))
 
+
+def _ending(kernel: Any, code: int) -> Status:
     endings: dict[int, Status] = {
         kernel.PULSE_LEFT: "pulse left",
         kernel.TIME_REACHED: "time reached",
         kernel.STEP_TOO_SMALL: "step too small",
         kernel.PULSE_LOST: "pulse lost",
     }
+    return endings[code]
+
+
+def _run(going: _Integration, state: State, status: Status) -> Run:
+    kernel, clock, counts = going.kernel, going.clock, going.counts
+    arrays, frames, beads = going.state.arrays, going.frames, state.chain.beads
     filled = int(counts[kernel.FRAMES])
+    saved = frames.states[:filled]
+    ledger, impulses = saved[:, 2 * beads :], (0.0, 0.0)
+    if going.plain:
+        ledger = np.zeros((filled, kernel.LEDGER))
+    else:
+        now = arrays["y"][2 * beads :]
+        impulses = float(now[kernel.LEFT_IMPULSE]), float(now[kernel.RIGHT_IMPULSE])
     return Run(
-        chain=chain,
+        chain=state.chain,
         times=frames.times[:filled],
-        positions=frames.states[:filled, : chain.beads],
-        velocities=frames.states[:filled, chain.beads :],
-        status=status or endings[code],
-        end_time=float(state.clock[kernel.TIME]),
-        energy_drift=float(state.clock[kernel.ENERGY_DRIFT]),
-        momentum_drift=float(state.clock[kernel.MOMENTUM_DRIFT]),
+        positions=saved[:, :beads] + equilibrium(state.chain).positions,
+        velocities=saved[:, beads : 2 * beads],
+        status=status,
+        end_time=float(clock[kernel.TIME]),
+        energy_drift=_part(clock[kernel.ENERGY_DRIFT], clock[kernel.ENERGY_UNIT]),
+        momentum_drift=_part(clock[kernel.MOMENTUM_DRIFT], clock[kernel.MOMENTUM_UNIT]),
         steps=int(counts[kernel.STEPS]),
         evaluations=int(counts[kernel.EVALUATIONS]),
-        rtol=rtol,
-        _peaks=state.peaks,
-        _crossings=state.crossings,
+        rtol=going.rtol,
+        state=state,
+        _forces=None if going.plain else frames.forces[:filled],
+        _ledger=ledger,
+        _peaks=arrays["peaks"],
+        _crossings=arrays["crossings"],
+        _walls=arrays["walls"],
+        _impulses=impulses,
     )
 
 
-def _transit_times(chain: Chain) -> Array:
-    """Time per contact if the pulse kept its energy, as it nearly does in a slow taper.
+def _part(drift: float, unit: float) -> float:
+    """A drift relative to its unit; 0 if nothing ever moved."""
+    return float(drift / unit) if unit > 0.0 else 0.0
 
-    With v ~ m^(-1/2), each contact is passed in the compression time of its two beads.
-    Used for the first step and the spacing of saved times, where a guess is enough.
-    """
-    reduced = reduced_mass(chain.masses[:-1], chain.masses[1:])
-    speed = 1.0 / np.sqrt(chain.masses[:-1])
-    return compression_time(reduced, chain.stiffness, speed, chain.exponent)
+
+def _check_end(chain: Chain, until: float | None, times: int | ArrayLike, begin: float) -> None:
+    """Refuse an end that has passed, or none where no pulse will leave."""
+    if until is not None and until <= begin:
+        raise InputError(f"the run starts at time {begin:g} and cannot stop at until = {until:g}")
+    struck = chain.velocities[0] > 0.0 and chain.drive is None
+    if until is None and isinstance(times, int | np.integer) and not struck:
+        raise InputError(
+            "bead 1 of this chain is not struck, so that no pulse ends the run: give until"
+        )
 
 
 def _checked_number(name: str, value: float, low: float, high: float) -> float:
@@ -449,7 +311,7 @@ def _checked_limit(max_steps: int) -> int:
     return limit
 
 
-def _checked_times(chain: Chain, times: ArrayLike, until: float | None) -> Array:
+def _checked_times(chain: Chain, times: ArrayLike, begin: float, until: float | None) -> Array:
     given = np.asarray(times)
     if given.ndim != 1 or not given.size or given.dtype.kind not in "iuf":
         raise InputError(
@@ -463,6 +325,11 @@ def _checked_times(chain: Chain, times: ArrayLike, until: float | None) -> Array
         raise InputError(
             f"times to save at must be finite, increasing and not negative, but time {bad + 1} "
             f"of them is {values[bad]:g}"
+        )
+    if values[0] < begin:
+        raise InputError(
+            f"the run goes on from time {begin:g}: the first time to save at, {values[0]:g}, has "
+            "passed"
         )
     if until is not None and values[-1] > until:
         raise InputError(

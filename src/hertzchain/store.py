@@ -7,6 +7,7 @@ import csv
 import io
 import json
 import os
+import zipfile
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, Final
@@ -17,7 +18,8 @@ from hertzchain import __version__
 from hertzchain.chain import Chain
 from hertzchain.errors import InputError
 from hertzchain.pulse import Pulse
-from hertzchain.simulation import Run
+from hertzchain.run import Run
+from hertzchain.state import State, fingerprint
 
 SCHEMA_VERSION: Final = 1
 
@@ -149,6 +151,80 @@ def save_run(run: Run, path: str | os.PathLike[str]) -> None:
     else:
         raise InputError(f"cannot save a run as {target.name!r}: its ending must be .nc or .csv")
     write_bytes(target, content)
+
+
+def save_state(state: State, path: str | os.PathLike[str]) -> None:
+    """Save the state of a run, to go on from it later: ``.npz``.
+
+    Parameters
+    ----------
+    state : State
+        Such as ``run.state``.
+    path : path-like
+        File to write; an existing one is replaced once the new one is whole.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be written.
+
+    Examples
+    --------
+    >>> import hertzchain as hc, tempfile
+    >>> chain = hc.Chain.uniform(5)
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     save_state(hc.simulate(chain, until=2.0).state, Path(folder) / "run.npz")
+    ...     later = hc.simulate(chain, start=load_state(Path(folder) / "run.npz", chain), until=4.0)
+    """
+    content = io.BytesIO()
+    about = {"version": np.array(__version__), "chain": np.array(fingerprint(state.chain))}
+    np.savez(content, **about, **state.arrays)  # type: ignore[arg-type]
+    write_bytes(Path(path), content.getvalue())
+
+
+def load_state(path: str | os.PathLike[str], chain: Chain) -> State:
+    """Read a state that `save_state` wrote.
+
+    Parameters
+    ----------
+    path : path-like
+        The file.
+    chain : Chain
+        The chain that it is a state of.
+
+    Returns
+    -------
+    State
+
+    Raises
+    ------
+    InputError
+        If the file is missing or no such file, or comes from another chain or another
+        version of hertzchain.
+
+    Examples
+    --------
+    See `save_state`.
+    """
+    name = os.fspath(path)
+    try:
+        with np.load(path) as file:
+            arrays = {key: file[key] for key in file.files}
+        version, of_chain = str(arrays.pop("version")), str(arrays.pop("chain"))
+    except (OSError, ValueError, KeyError, zipfile.BadZipFile) as error:
+        reason = getattr(error, "strerror", None) or "it is no file of save_state"
+        raise InputError(f"cannot read state {name!r}: {reason}") from None
+    if version != __version__:
+        raise InputError(
+            f"state {name!r} was written by hertzchain {version}, and this is {__version__}: "
+            "start the run anew, or go on with that version"
+        )
+    if of_chain != fingerprint(chain):
+        raise InputError(
+            f"state {name!r} is one of another chain than {chain.description}: give the chain "
+            "that it is from"
+        )
+    return State(chain, arrays)
 
 
 def write_bytes(target: Path, content: bytes) -> None:

@@ -1,7 +1,25 @@
 """All compiled code: arrays in, arrays and a status code out.
 
-One file an engine, and no compiled function is called across files: numba's
-cache looks at the file of the caller alone, and would go on using an old callee.
-For the same reason, touch an engine's file after changing its tableau.
-Nothing here raises or prints; the callers turn status codes into errors.
+`full_chain` steps every bead, with the forces of `forces`; `front` follows the pulse alone,
+in a file of its own.  Nothing here raises or prints; the callers turn status codes into
+errors.
+
+Numba keeps what it compiled beside these files and, of a function and those that it calls,
+looks at the date of the caller's file alone.  Whatever was compiled before any file here
+changed is therefore thrown away when they are loaded.
 """
+
+from contextlib import suppress
+from pathlib import Path
+
+
+def _forget_stale(folder: Path) -> None:
+    newest = max(source.stat().st_mtime for source in folder.glob("*.py"))
+    for index in (folder / "__pycache__").glob("*.nbi"):
+        # Another process may be faster, or the folder not ours to write.
+        with suppress(OSError):
+            if index.stat().st_mtime < newest:
+                index.unlink()
+
+
+_forget_stale(Path(__file__).parent)

@@ -1,0 +1,408 @@
+r"""The forces on the beads of a chain, compiled: contacts, walls, drives, weight.
+
+The state ``y`` holds positions :math:`x_k`, velocities :math:`v_k` and, unless the chain
+is plain, a ledger of what enters and leaves.  Its derivative is :math:`(v_k, a_k)` with
+
+.. math:: m_k a_k = F_{k-1} - F_k + X_k ,
+
+:math:`F_c` the force in contact c and :math:`X_k` that from outside.  Contacts
+:math:`c = 1 \dots N - 1` join beads c and c + 1; contacts 0 and N are those with the
+walls.  A `Plain` chain, Eq. (4) of the paper, has :math:`F_c = r_c (x_c - x_{c+1})_+^p`
+and nothing else, and a loop of its own; a `Bench` has everything else.
+
+Where a law's force jumps, has a memory or is cut off, each contact is in a *mode*, which
+`hertzchain.kernels.full_chain` keeps within a step:
+
+=============  ========================  =================  =======================
+law            `LOADED`                  `RELEASED`         `STUCK`
+=============  ========================  =================  =======================
+`DAMPED`       the law acts              no force
+`UNLOADING`    approaching               parting            neither: d' = 0, held by
+                                                            a force between the two
+`PLASTIC`      loading further than      below the largest
+               ever                      overlap so far
+=============  ========================  =================  =======================
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from numba import njit
+
+# The ledger behind positions and velocities: energy lost in contacts, work and impulse of the
+# drive, impulse given to the chain by the left wall and by the chain to the right one.
+LOST, DRIVEN, PUSHED, LEFT_IMPULSE, RIGHT_IMPULSE, LEDGER = range(6)
+
+# Loss laws, and the modes of a contact under them.
+ELASTIC, DAMPED, UNLOADING, PLASTIC = range(4)
+RELEASED, LOADED, STUCK = range(3)
+# What drives the chain: nothing, a force on bead 1, the place of the left wall.
+NOTHING, PUSH, MOVING_WALL = range(3)
+# A piece of the drive: a cubic in time, then amplitude and angular frequency of three sines.
+CUBIC, SINES = 4, 3
+
+# A force within this part of a bound is on it: a contact at rest must not change its mode
+# for rounding.
+EVEN = 1e-13
+
+compiled = njit(cache=True, nogil=True, error_model="numpy")
+
+
+class Plain(NamedTuple):
+    """A chain of Eq. (4) of the paper: beads, the contacts between them, nothing else."""
+
+    inverse_mass: Any  # (N,)
+    stiffness: Any  # (N - 1,)
+    exponent: float
+
+
+class Law(NamedTuple):
+    """What all contacts of a chain have in common."""
+
+    kind: int
+    exponent: float
+    # DAMPED: k d^p + damping d^overlap_power |d'|^speed_power sgn d'.
+    overlap_power: float
+    speed_power: float
+    # The part of the energy given back: 1 - w of UNLOADING, e^2 of PLASTIC.
+    kept: float
+    attractive: bool
+
+
+class Bench(NamedTuple):
+    """Any other chain: beads, contacts 0..N (walls at both ends), and what acts on them."""
+
+    inverse_mass: Any  # (N,)
+    stiffness: Any  # (N + 1,); 0 where there is no wall
+    exponent: float
+    gap: Any  # (N + 1,)
+    damping: Any  # (N + 1,)
+    law: Law
+    body_force: Any  # (N,): weight along the chain, and what holds a free end
+    drive: int
+    piece_starts: Any  # (pieces,)
+    pieces: Any  # (pieces, CUBIC + 2 SINES)
+
+
+class Contacts(NamedTuple):
+    """What the contacts of a `Bench` remember, and where their forces are written.
+
+    With a `Plain` chain there are none: `None`, for which numba compiles code without them.
+    Tuples of arrays are dear to pass: loops over contacts take the arrays out first.
+    """
+
+    mode: Any  # (N + 1,)
+    largest: Any  # (N + 1,): largest overlap, where the law depends on it
+    force: Any  # (N + 1,)
+    last_force: Any  # (N + 1,): at the last step's end
+    scratch: Any  # (3, N + 1)
+
+
+@compiled
+def force(overlap, stiffness, exponent):
+    """Contact force k d^p of a positive overlap; d^1.5 by a square root is 40 times faster."""
+    if overlap <= 0.0:
+        return 0.0
+    if exponent == 1.5:
+        return stiffness * overlap * np.sqrt(overlap)
+    return stiffness * overlap**exponent
+
+
+@compiled
+def plain_derivative(y, inverse_mass, stiffness, exponent, out):
+    """Velocities and accelerations of all beads, Eq. (4) of the paper."""
+    beads = len(inverse_mass)
+    pushed = 0.0
+    for k in range(beads - 1):
+        pushing = force(y[k] - y[k + 1], stiffness[k], exponent)
+        out[k] = y[beads + k]
+        out[beads + k] = (pushed - pushing) * inverse_mass[k]
+        pushed = pushing
+    out[beads - 1] = y[2 * beads - 1]
+    out[2 * beads - 1] = pushed * inverse_mass[beads - 1]
+
+
+@compiled
+def drive_at(time, setup, segment):
+    """Value, rate and acceleration of the drive at a time within a piece of it."""
+    t = time - setup.piece_starts[segment]
+    c = setup.pieces[segment]
+    value = c[0] + t * (c[1] + t * (c[2] + t * c[3]))
+    rate = c[1] + t * (2.0 * c[2] + t * 3.0 * c[3])
+    second = 2.0 * c[2] + 6.0 * c[3] * t
+    for i in range(SINES):
+        amplitude, w = c[CUBIC + 2 * i], c[CUBIC + 2 * i + 1]
+        value += amplitude * np.sin(w * t)
+        rate += amplitude * w * np.cos(w * t)
+        second -= amplitude * w * w * np.sin(w * t)
+    return value, rate, second
+
+
+@compiled
+def overlap_and_closing(c, y, beads, gap, wall):
+    """Overlap of contact c and the speed at which it grows; ``wall`` is the left wall's motion."""
+    left, left_speed = wall[0], wall[1]
+    if c > 0:
+        left, left_speed = y[c - 1], y[beads + c - 1]
+    right, right_speed = 0.0, 0.0
+    if c < beads:
+        right, right_speed = y[c], y[beads + c]
+    return left - right - gap, left_speed - right_speed
+
+
+@compiled
+def has_modes(law):
+    """Whether the force depends on more than overlap and closing speed, or jumps with them."""
+    if law.kind == DAMPED:
+        return law.overlap_power == 0.0 or not law.attractive
+    return law.kind != ELASTIC
+
+
+@compiled
+def damping_weight(overlap, law):
+    """d^overlap_power of an overlap that is not negative."""
+    if law.overlap_power == 0.0:
+        return 1.0
+    if law.overlap_power == 0.25:
+        return np.sqrt(np.sqrt(overlap))
+    if law.overlap_power == 0.5:
+        return np.sqrt(overlap)
+    return overlap**law.overlap_power
+
+
+@compiled
+def signed_power(closing, exponent):
+    """|d'|^exponent with the sign of d'."""
+    if exponent == 1.0:
+        return closing
+    return np.sign(closing) * abs(closing) ** exponent
+
+
+@compiled
+def elastic_overlap(overlap, mode, largest, law):
+    """Overlap that the loading curve would need for the force of a plastic contact."""
+    if mode == LOADED:
+        return overlap
+    return (overlap - (1.0 - law.kept) * largest) / law.kept
+
+
+@compiled
+def potential(overlap, stiffness, mode, largest, law):
+    """Energy that a contact can give back."""
+    kept = 1.0
+    if law.kind == DAMPED and has_modes(law) and mode == RELEASED:
+        return 0.0
+    if law.kind == PLASTIC:
+        overlap = elastic_overlap(overlap, mode, largest, law)
+        kept = law.kept
+    if law.kind == UNLOADING:
+        kept = law.kept
+    curve = force(overlap, stiffness, law.exponent)
+    return kept * curve * max(overlap, 0.0) / (law.exponent + 1.0)
+
+
+@compiled
+def must_switch(overlap, closing, stiffness, damping, mode, largest, held, law, still):
+    """Whether a contact has to leave its mode; relative speeds below ``still`` are none."""
+    if law.kind == DAMPED:
+        pulls = False
+        if not law.attractive and overlap > 0.0:
+            pushing = force(overlap, stiffness, law.exponent)
+            weight = damping_weight(overlap, law)
+            pulls = pushing + damping * weight * signed_power(closing, law.speed_power) < 0.0
+        return overlap < 0.0 or pulls if mode == LOADED else overlap > 0.0 and not pulls
+    if mode == LOADED:
+        return closing < -still
+    if law.kind == PLASTIC:
+        return overlap > largest and closing > still
+    if mode == RELEASED:
+        return closing > still
+    loading = force(overlap, stiffness, law.exponent)
+    return held > (1.0 + EVEN) * loading or held < (1.0 - EVEN) * law.kept * loading
+
+
+@compiled
+def force_on(k, drive, setup):
+    """Force from outside on bead k (0-based)."""
+    if k == 0 and setup.drive == PUSH:
+        return setup.body_force[k] + drive
+    return setup.body_force[k]
+
+
+@compiled
+def hold_stuck(drive, wall_acceleration, setup, contacts):
+    """Forces that keep the closing speed of stuck contacts at zero: a tridiagonal system.
+
+    For contact c between accelerations a_left = (F_{c-1} - F_c + X_left)/m_left and
+    a_right, their difference is zero; neighbours that are not stuck have known forces.
+    """
+    inverse_mass, mode, pushing = setup.inverse_mass, contacts.mode, contacts.force
+    beads = len(inverse_mass)
+    factor, value = contacts.scratch[1], contacts.scratch[2]
+    for c in range(beads + 1):
+        if mode[c] != STUCK:
+            continue
+        left, right, difference = 0.0, 0.0, 0.0
+        if c > 0:
+            left = inverse_mass[c - 1]
+            difference += left * force_on(c - 1, drive, setup)
+            if mode[c - 1] != STUCK:
+                difference += left * pushing[c - 1]
+        else:
+            difference += wall_acceleration
+        if c < beads:
+            right = inverse_mass[c]
+            difference -= right * force_on(c, drive, setup)
+            if mode[c + 1] != STUCK:
+                difference += right * pushing[c + 1]
+        pivot = left + right
+        if c > 0 and mode[c - 1] == STUCK:
+            pivot -= left * factor[c - 1]
+            difference += left * value[c - 1]
+        factor[c] = right / pivot
+        value[c] = difference / pivot
+    for c in range(beads, -1, -1):
+        if mode[c] == STUCK:
+            pushing[c] = value[c]
+            if c < beads and mode[c + 1] == STUCK:
+                pushing[c] += factor[c] * pushing[c + 1]
+
+
+@compiled
+def wall_motion(time, setup, segment):
+    """Place, speed and acceleration of the left wall."""
+    if setup.drive == MOVING_WALL:
+        return drive_at(time, setup, segment)
+    return 0.0, 0.0, 0.0
+
+
+@compiled
+def measure(y, gap, wall, overlap, closing):
+    """Overlaps of all contacts, and the speeds at which they grow."""
+    beads = len(gap) - 1
+    overlap[0], closing[0] = wall[0] - y[0] - gap[0], wall[1] - y[beads]
+    for c in range(1, beads):
+        overlap[c] = y[c - 1] - y[c] - gap[c]
+        closing[c] = y[beads + c - 1] - y[beads + c]
+    overlap[beads], closing[beads] = y[beads - 1] - gap[beads], y[2 * beads - 1]
+
+
+@compiled
+def loading_curve(overlap, stiffness, exponent, pushing):
+    """Forces k d_+^p of all contacts; without a branch, so that several are done at once."""
+    for c in range(len(overlap)):
+        closed = overlap[c] if overlap[c] > 0.0 else 0.0
+        if exponent == 1.5:
+            pushing[c] = stiffness[c] * closed * np.sqrt(closed)
+        else:
+            pushing[c] = stiffness[c] * closed**exponent
+
+
+@compiled
+def damp(pushing, overlap, closing, damping, mode, law, extra):
+    """Add to elastic forces what depends on the closing speed; returns the power lost."""
+    # One loop a power, which the compiler can do several contacts at once.
+    if law.overlap_power == 0.25:
+        for c in range(len(extra)):
+            closed = overlap[c] if overlap[c] > 0.0 else 0.0
+            extra[c] = damping[c] * np.sqrt(np.sqrt(closed))
+    else:
+        for c in range(len(extra)):
+            extra[c] = damping[c] * damping_weight(max(overlap[c], 0.0), law)
+    lost = 0.0
+    switched = has_modes(law)
+    for c in range(len(extra)):
+        more = extra[c] * signed_power(closing[c], law.speed_power)
+        if switched and mode[c] != LOADED:
+            pushing[c] = more = 0.0
+        pushing[c] += more
+        lost += more * closing[c]
+    return lost
+
+
+@compiled
+def weaken(pushing, closing, mode, law):
+    """Lower the forces of contacts that part; returns the power lost, and if any is stuck."""
+    lost = 0.0
+    stuck = False
+    for c in range(len(pushing)):
+        if mode[c] == LOADED:
+            lost += (1.0 - law.kept) * pushing[c] * closing[c]
+        else:
+            pushing[c] *= law.kept
+            stuck = stuck or mode[c] == STUCK
+    return lost, stuck
+
+
+@compiled
+def dent(overlap, mode, largest, law):
+    """Replace overlaps of plastic contacts by those that the loading curve would need."""
+    for c in range(len(overlap)):
+        overlap[c] = elastic_overlap(overlap[c], mode[c], largest[c], law)
+
+
+@compiled
+def full_derivative(time, y, setup, contacts, segment, out):
+    """Velocities, accelerations and rates of the ledger."""
+    inverse_mass, law = setup.inverse_mass, setup.law
+    mode, pushing, outside = contacts.mode, contacts.force, setup.body_force
+    overlap, closing = contacts.scratch[0], contacts.scratch[1]
+    beads = len(inverse_mass)
+    drive = drive_at(time, setup, segment) if setup.drive != NOTHING else (0.0, 0.0, 0.0)
+    wall = drive if setup.drive == MOVING_WALL else (0.0, 0.0, 0.0)
+    measure(y, setup.gap, wall, overlap, closing)
+    if law.kind == PLASTIC:
+        dent(overlap, mode, contacts.largest, law)
+    loading_curve(overlap, setup.stiffness, law.exponent, pushing)
+    lost = 0.0
+    if law.kind == DAMPED:
+        lost = damp(pushing, overlap, closing, setup.damping, mode, law, contacts.scratch[2])
+    elif law.kind == UNLOADING:
+        lost, stuck = weaken(pushing, closing, mode, law)
+        if stuck:
+            hold_stuck(drive[0], wall[2], setup, contacts)
+    elif law.kind == PLASTIC:
+        for c in range(beads + 1):
+            if mode[c] == LOADED:
+                lost += (1.0 - law.kept) * pushing[c] * closing[c]
+    for k in range(beads):
+        out[k] = y[beads + k]
+        out[beads + k] = (pushing[k] - pushing[k + 1] + outside[k]) * inverse_mass[k]
+    out[2 * beads + LOST] = lost
+    out[2 * beads + DRIVEN] = pushing[0] * wall[1]
+    out[2 * beads + PUSHED] = 0.0
+    if setup.drive == PUSH:
+        out[beads] += drive[0] * inverse_mass[0]
+        out[2 * beads + DRIVEN] = drive[0] * y[beads]
+        out[2 * beads + PUSHED] = drive[0]
+    out[2 * beads + LEFT_IMPULSE] = pushing[0]
+    out[2 * beads + RIGHT_IMPULSE] = pushing[beads]
+
+
+@compiled
+def derivative(time, y, setup, contacts, segment, out):
+    """Velocities and accelerations and, unless the chain is plain, rates of the ledger."""
+    if contacts is None:
+        plain_derivative(y, setup.inverse_mass, setup.stiffness, setup.exponent, out)
+    else:
+        full_derivative(time, y, setup, contacts, segment, out)
+
+
+@compiled
+def next_mode(c, overlap, time, y, setup, contacts, segment, scratch):
+    """The mode that follows.  A contact whose two forces both drive it back is stuck."""
+    law, mode = setup.law, contacts.mode[c]
+    if law.kind != UNLOADING:
+        return RELEASED if mode == LOADED else LOADED
+    loading = force(overlap, setup.stiffness[c], law.exponent)
+    if mode == STUCK:
+        return LOADED if contacts.force[c] > loading else RELEASED
+    contacts.mode[c] = STUCK
+    derivative(time, y, setup, contacts, segment, scratch)
+    contacts.mode[c] = mode
+    held = contacts.force[c]
+    if overlap > 0.0 and law.kept * loading < held < loading:
+        return STUCK
+    return RELEASED if mode == LOADED else LOADED

@@ -1,0 +1,347 @@
+"""Runs of chains with everything a bench has, against other paths to the same numbers."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.integrate import solve_ivp
+
+import hertzchain as hc
+from hertzchain.equations import drive_pieces
+from hertzchain.equilibrium import equilibrium
+
+LAWS = [
+    None,
+    hc.Restitution(0.8),
+    hc.Restitution(0.5, attractive=False),
+    hc.Viscoelastic(0.05),
+    hc.UnloadingRatio(0.1),
+    hc.UnloadingRatio(0.8),
+    hc.WaltonBraun(0.6),
+    hc.Dashpot(0.05),
+    hc.Dashpot(0.2, attractive=False),
+    hc.VelocityPower(0.05, 1.81),
+]
+# Where the pulse is at t = 12, so that everything has happened by 30.
+SHORT = hc.Chain.tapered("forward-linear", 0.05, beads=12)
+
+
+def by_scipy(chain, times, force):
+    """Positions and velocities by SciPy; ``force(d, d', k, mu)`` is the law of one contact."""
+    static, n, p = equilibrium(chain), chain.beads, chain.exponent
+    left, right = chain.wall_stiffness
+    k = np.concatenate(([left], chain.stiffness, [right]))
+    m = np.concatenate(([np.inf], chain.masses, [np.inf]))
+    mu = 1.0 / (1.0 / m[:-1] + 1.0 / m[1:])
+
+    def rate(t, y):
+        x, v = np.pad(y[:n], 1), np.pad(y[n:], 1)
+        push = 0.0
+        if chain.drive is not None:
+            value = float(chain.drive.value(t))
+            step = 1e-6
+            if chain.drive.of == "force":
+                push = value
+            else:
+                x[0] = value
+                ahead, behind = chain.drive.value([t + step, t - step])
+                v[0] = (ahead - behind) / (2.0 * step)
+        d, closing = -np.diff(x) - static.gaps, -np.diff(v)
+        f = np.where((k > 0) & (d > 0), force(np.maximum(d, 0.0), closing, k, mu, p), 0.0)
+        total = f[:-1] - f[1:] + static.body_forces
+        total[0] += push
+        return np.concatenate([y[n:], total / chain.masses])
+
+    start = np.concatenate([static.positions, chain.velocities])
+    done = solve_ivp(rate, (0.0, times[-1]), start, method="DOP853", rtol=1e-12, atol=1e-13,
+                     t_eval=times, max_step=0.05)  # fmt: skip
+    return done.y[:n].T, done.y[n:].T
+
+
+def elastic(d, _, k, __, p):
+    return k * d**p
+
+
+def hertz_damping(d, closing, k, mu, p):
+    factor = hc.Restitution(0.8).damping(p) * np.sqrt(mu * k)
+    return k * d**p + factor * d ** ((p - 1) / 2) * closing
+
+
+def viscoelastic(d, closing, k, _, p):
+    return k * (d**p + p * 0.05 * d ** (p - 1) * closing)
+
+
+@pytest.mark.parametrize(
+    ("changes", "force"),
+    [
+        ({"right_wall": hc.Wall(gap=0.3), "left_wall": hc.Wall.rigid()}, elastic),
+        ({"gaps": np.linspace(0.0, 0.2, 11)}, elastic),
+        ({"gravity": 0.05, "right_wall": hc.Wall()}, elastic),
+        ({"precompression": 0.2, "held_by": "force"}, elastic),
+        ({"precompression": 0.2, "left_wall": hc.Wall(), "right_wall": hc.Wall()}, elastic),
+        ({"drive": hc.SineBurst(0.3, 0.1, cycles=2.0)}, elastic),
+        ({"drive": hc.SineBurst(0.3, 0.1, cycles=2.0, of="displacement"),
+          "left_wall": hc.Wall()}, elastic),
+        ({"drive": hc.Step(0.3, rise=2.0)}, elastic),
+        ({"loss": hc.Restitution(0.8), "right_wall": hc.Wall()}, hertz_damping),
+        ({"loss": hc.Viscoelastic(0.05, attractive=True), "gravity": 0.02,
+          "right_wall": hc.Wall()}, viscoelastic),
+    ],
+    ids=lambda value: "+".join(value) if isinstance(value, dict) else value.__name__,
+)  # fmt: skip
+def test_trajectories_against_scipy(changes, force):
+    chain = SHORT.replace(**changes)
+    times = np.linspace(0.5, 30.0, 60)
+    positions, velocities = by_scipy(chain, times, force)
+    run = hc.simulate(chain, times=times)
+    # Errors of the reference, which takes kinks for smooth, grow to 4e-8 between two walls.
+    np.testing.assert_allclose(run.positions, positions, atol=1e-7)
+    np.testing.assert_allclose(run.velocities, velocities, atol=1e-7)
+
+
+@pytest.mark.parametrize("law", LAWS, ids=repr)
+def test_the_budget_adds_up(law):
+    chain = SHORT.replace(loss=law, gravity=0.02, right_wall=hc.Wall(), gaps=np.full(11, 0.01))
+    run = hc.simulate(chain, until=80.0, times=300)
+    budget = run.budget()
+    for of in ("energy", "momentum"):
+        assert np.abs(budget.residual(of)).max() < 1e-11
+    assert np.all(np.diff(budget.energy["lost"]) > -1e-12)
+    assert (budget.energy["lost"][-1] > 1e-3) == (law is not None)
+    assert run.energy_drift < 1e-11
+
+
+@pytest.mark.parametrize("law", LAWS, ids=repr)
+def test_a_run_goes_on_from_its_state_to_the_last_bit(law):
+    chain = SHORT.replace(loss=law, right_wall=hc.Wall())
+    whole = hc.simulate(chain, until=40.0, times=80)
+    first = hc.simulate(chain, until=13.7, times=0)
+    second = hc.simulate(chain, start=first.state, until=40.0, times=whole.times[30:])
+    for name in ("positions", "velocities", "forces"):
+        np.testing.assert_array_equal(getattr(second, name), getattr(whole, name)[30:])
+    assert second.wall_force().impulse == whole.wall_force().impulse
+    assert (second.steps, second.energy_drift) == (whole.steps, whole.energy_drift)
+    np.testing.assert_array_equal(second.pulse().velocity, whole.pulse().velocity)
+
+
+@pytest.mark.parametrize("changes", [{}, {"right_wall": hc.Wall(), "gravity": 0.01}])
+def test_lossless_runs_go_back_where_they_came_from(changes):
+    chain = SHORT.replace(**changes)
+    state = hc.simulate(chain, until=25.0).state
+    back = hc.simulate(chain, start=state.reversed(), times=[state.time])
+    # Rounding grows with every contact that opens and closes.
+    np.testing.assert_allclose(back.velocities[0], -chain.velocities, atol=2e-8)
+    np.testing.assert_allclose(back.positions[0], equilibrium(chain).positions, atol=2e-8)
+
+
+def test_what_knows_the_direction_of_time_does_not_go_back():
+    state = hc.simulate(SHORT.replace(loss=hc.Dashpot(0.1)), until=1.0).state
+    with pytest.raises(hc.InputError, match="loss does not run backwards"):
+        state.reversed()
+
+
+def test_fifty_reflections_without_drift():
+    chain = hc.Chain.uniform(10).replace(left_wall=hc.Wall(), right_wall=hc.Wall.rigid())
+    run = hc.simulate(chain, until=600.0, times=0)
+    assert run.energy_drift < 3e-10
+    assert run.momentum_drift < 2e-12
+
+
+def test_a_chain_at_rest_stays_at_rest():
+    for law in LAWS:
+        chain = hc.Chain.uniform(8).replace(
+            gravity=0.1, right_wall=hc.Wall(), velocities=np.zeros(8), loss=law
+        )
+        run = hc.simulate(chain, until=100.0, times=2)
+        np.testing.assert_allclose(run.forces[-1], equilibrium(chain).forces, atol=1e-13)
+        assert np.abs(run.velocities[-1]).max() < 1e-13
+
+
+def test_a_falling_bead_falls_freely():
+    chain = hc.Chain.uniform(2).replace(
+        gravity=0.5, velocities=[0.0, 0.0], right_wall=hc.Wall(gap=1.0)
+    )
+    run = hc.simulate(chain, times=[1.0, 1.9])
+    np.testing.assert_allclose(run.positions[:, 1], [0.25, 0.25 * 1.9**2], rtol=1e-13)
+
+
+def test_beads_with_gaps_meet_when_they_must():
+    chain = hc.Chain.uniform(3).replace(gaps=[2.0, 5.0])
+    run = hc.simulate(chain, times=[1.99, 2.0 + 2.9433 + 3.0])
+    assert run.velocities[0].tolist() == [1.0, 0.0, 0.0]
+    # Equal beads exchange their velocities; the second has not reached the third.
+    np.testing.assert_allclose(run.velocities[1], [0.0, 1.0, 0.0], atol=1e-12)
+
+
+def test_sticking_contacts_are_found_and_hold():
+    """With w = 0.9 a contact can neither close nor open under forces between F and F/10."""
+    from hertzchain.kernels.forces import STUCK
+
+    chain = hc.Chain.uniform(8).replace(
+        gravity=0.2, velocities=np.zeros(8), right_wall=hc.Wall(gap=0.3),
+        loss=hc.UnloadingRatio(0.9),
+    )  # fmt: skip
+    run = hc.simulate(chain, until=60.0, times=200)
+    assert np.count_nonzero(run.state.arrays["mode"] == STUCK) >= 6
+    # Settled: the forces are the weights above, though the overlaps are others.
+    np.testing.assert_allclose(run.forces[-1, 1:], 0.2 * np.arange(1, 9), rtol=1e-9)
+    assert np.abs(run.budget().residual("energy")).max() < 1e-11
+
+
+def test_dents_stay():
+    chain = hc.Chain.uniform(2).replace(loss=hc.WaltonBraun(0.5))
+    run = hc.simulate(chain, until=20.0, times=[20.0])
+    largest = (2.5 * 0.5 / 2) ** 0.4
+    assert run.state.arrays["largest"][1] == pytest.approx(largest, rel=1e-10)
+
+
+def test_walls_feel_what_the_chain_loses():
+    chain = hc.Chain.uniform(20).replace(right_wall=hc.Wall())
+    run = hc.simulate(chain, until=80.0, times=4000)
+    wall = run.wall_force()
+    assert wall.impulse == pytest.approx(1.0 - run.velocities[-1].sum(), rel=1e-12)
+    sampled = np.trapezoid(wall.force, wall.times)
+    assert sampled == pytest.approx(wall.impulse, rel=1e-6)
+    assert 0.0 <= wall.peak - wall.force.max() < 1e-4
+    assert wall.first_impulse < wall.impulse
+    early = hc.simulate(chain, until=20.0).wall_force()
+    assert early.first_impulse is None
+
+
+def test_sensors_see_the_forces_around_them():
+    run = hc.simulate(SHORT, until=12.0)
+    np.testing.assert_array_equal(run.sensor(5), (run.force(4) + run.force(5)) / 2)
+    mass = SHORT.masses[4]
+    acceleration = np.gradient(run.velocity(5), run.times)
+    net = (run.force(4) - run.force(5)) / mass
+    np.testing.assert_allclose(acceleration[1:-1], net[1:-1], atol=6e-3)
+
+
+@pytest.mark.parametrize(
+    "drive",
+    [
+        hc.SineBurst(2.0, 0.7, cycles=3.0),
+        hc.SineBurst(2.0, 0.7, cycles=0.5, window="none"),
+        hc.Step(1.5, rise=2.0),
+        hc.Step(1.5),
+        hc.Table([0.5, 1.0, 3.0], [1.0, -2.0, 0.5]),
+        hc.Table([-1.0, 1.0], [0.0, 2.0]),
+    ],
+    ids=repr,
+)
+def test_pieces_of_drives_are_the_drives(drive):
+    from hertzchain.kernels.forces import PUSH, drive_at
+
+    starts, pieces = drive_pieces(drive)
+    chain = hc.Chain.uniform(2).replace(drive=hc.Step(1.0))
+    setup = hc.equations.equation_of(chain)._replace(drive=PUSH, piece_starts=starts, pieces=pieces)
+    times = np.linspace(0.013, 5.0, 97)
+    values = [drive_at(t, setup, np.searchsorted(starts, t, "right") - 1)[0] for t in times]
+    np.testing.assert_allclose(values, drive.value(times), atol=1e-13)
+
+
+def test_the_work_of_a_drive():
+    chain = hc.Chain.uniform(30).replace(drive=hc.Step(0.5))
+    run = hc.simulate(chain, until=20.0, times=2)
+    budget = run.budget()
+    assert budget.momentum_given["drive"][-1] == pytest.approx(0.5 * 20.0, rel=1e-13)
+    assert budget.energy_given["drive"][-1] == pytest.approx(0.5 * run.positions[-1, 0], rel=1e-11)
+
+
+@settings(max_examples=20)
+@given(
+    st.lists(st.floats(0.5, 2.0), min_size=3, max_size=10),
+    st.sampled_from(LAWS),
+    st.floats(0.0, 0.1),
+    st.floats(0.0, 0.1),
+)
+def test_any_bench_keeps_its_balance(radii, law, gravity, gap):
+    chain = hc.Chain.from_radii(radii).replace(
+        loss=law, gravity=gravity, right_wall=hc.Wall(), gaps=np.full(len(radii) - 1, gap)
+    )
+    run = hc.simulate(chain, until=60.0, times=50)
+    assert run.energy_drift < 1e-9
+    assert np.abs(run.budget().residual("energy")).max() < 1e-9
+    assert np.abs(run.budget().residual("momentum")).max() < 1e-11
+
+
+@settings(max_examples=10)
+@given(st.sampled_from(LAWS[:2] + LAWS[4:7]), st.floats(0.1, 10.0))
+def test_units_of_time_play_no_part(law, speed):
+    """Laws without a time of their own: speeds scale with the strike's, times with its -1/5."""
+    slow = SHORT.replace(loss=law, right_wall=hc.Wall())
+    velocities = np.zeros(12)
+    velocities[0] = speed
+    fast = slow.replace(velocities=velocities)
+    one = hc.simulate(slow, until=30.0, times=0)
+    other = hc.simulate(fast, until=30.0 * speed**-0.2, times=0)
+    assert other.wall_force().peak / speed**1.2 == pytest.approx(one.wall_force().peak, rel=1e-9)
+
+
+def test_strikers_of_any_number():
+    chain = hc.Chain.uniform(40).struck_by(count=3)
+    pulse = hc.simulate(chain, times=0).pulse()
+    assert pulse.velocity[:3].tolist() == [1.0, 1.0, 1.0]
+    assert pulse.velocity[20] > 0.9
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        ({"until": 5.0}, "starts at time .* cannot stop at until = 5"),
+        ({"times": [1.0, 20.0]}, "goes on from time .* has passed"),
+    ],
+)
+def test_the_past_cannot_be_asked_for(options, said):
+    state = hc.simulate(SHORT, until=10.0).state
+    with pytest.raises(hc.InputError, match=said):
+        hc.simulate(SHORT, start=state, **options)
+
+
+def test_a_state_belongs_to_its_chain():
+    state = hc.simulate(SHORT, until=1.0).state
+    with pytest.raises(hc.InputError, match="another chain"):
+        hc.simulate(hc.Chain.uniform(12), start=state, until=2.0)
+
+
+def test_no_pulse_ends_a_driven_run():
+    with pytest.raises(hc.InputError, match="not struck.*give until"):
+        hc.simulate(hc.Chain.uniform(9).replace(drive=hc.Step(1.0)))
+
+
+@pytest.mark.parametrize(
+    ("ask", "said"),
+    [
+        (lambda run: run.force(99), "there is no contact 99: they are numbered 0 to 12"),
+        (lambda run: run.sensor(0), "there is no bead 0: they are numbered 1 to 12"),
+        (lambda run: run.velocity(1.5), "bead must be a whole number"),
+        (lambda run: run.wall_force(), "right end of this chain is free"),
+        (lambda run: run.wall_force("top"), "'left' or 'right'"),
+        (lambda run: run.budget().residual("mass"), "unknown balance 'mass'"),
+    ],
+)
+def test_what_a_run_cannot_tell(ask, said):
+    with pytest.raises(hc.InputError, match=said):
+        ask(hc.simulate(SHORT, until=1.0))
+
+
+def test_leading_pulse_of_a_forward_taper_at_a_wall():
+    chain = hc.Chain.tapered("forward-exponential", 0.05, beads=20)
+    run = hc.simulate(chain.replace(right_wall=hc.Wall()), until=60.0, times=600)
+    momentum = run.budget().momentum
+    # A third of the strike's momentum reaches the wall at first, more later.
+    assert 0.5 < momentum["leading pulse"].max() < 1.3
+    assert momentum["right wall"][-1] > 1.5
+    assert momentum["leading pulse"][-1] == 0.0
+
+
+def test_a_train_of_waves_and_their_width():
+    masses = np.ones(120)
+    masses[0] = 8.0
+    run = hc.simulate(hc.Chain.uniform(120).replace(masses=masses), until=120.0, times=4000)
+    waves = run.waves(80)
+    np.testing.assert_allclose(waves.amplitudes[:3], [1.4413, 0.9331, 0.6331], atol=6e-5)
+    assert np.all(np.diff(waves.times) > 0.0)
+    # Full width at half maximum of the exact wave: 1.57914 beads.
+    speed = 0.9074700784 * waves.amplitudes[0] ** 0.2
+    assert waves.widths[0] * speed == pytest.approx(1.57914, abs=6e-6)

@@ -1,0 +1,124 @@
+import os
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+import hertzchain as hc
+from hertzchain import store, streaming
+
+CHAIN = hc.Chain.uniform(12).replace(right_wall=hc.Wall(), loss=hc.UnloadingRatio(0.2))
+TIMES = np.linspace(0.0, 40.0, 81)
+
+
+@pytest.fixture
+def _small_files(monkeypatch):
+    monkeypatch.setattr(streaming, "FILE_SIZE", 10 * 8 * (3 * 12 + 1))
+
+
+@pytest.mark.usefixtures("_small_files")
+def test_what_is_streamed_is_the_run(tmp_path):
+    whole = hc.simulate(CHAIN, times=TIMES)
+    stored = hc.stream(CHAIN, tmp_path / "run", times=TIMES)
+    assert len(stored.files) > 8
+    data = stored.load()
+    np.testing.assert_array_equal(data.time, TIMES)
+    np.testing.assert_array_equal(data.velocity, whole.velocities)
+    np.testing.assert_array_equal(data.force, whole.forces)
+    assert stored.load(start=10.0, stop=20.0).time.values[[0, -1]].tolist() == [10.0, 20.0]
+
+
+@pytest.mark.usefixtures("_small_files")
+def test_an_interrupted_stream_goes_on_to_the_last_bit(tmp_path):
+    class Stopped(Exception):
+        pass
+
+    def stop(done, _):
+        if done >= 30:
+            raise Stopped
+
+    with pytest.raises(Stopped):
+        hc.stream(CHAIN, tmp_path, times=TIMES, progress=stop)
+    assert 2 < len(streaming.StoredRun(tmp_path).files) < 6
+    stored = hc.stream(CHAIN, tmp_path, times=TIMES)
+    whole = hc.simulate(CHAIN, times=TIMES)
+    np.testing.assert_array_equal(stored.load().velocity, whole.velocities)
+
+
+@pytest.mark.usefixtures("_small_files")
+def test_a_file_ahead_of_its_state_is_written_anew(tmp_path, monkeypatch):
+    calls = []
+
+    def fail_late(state, path):
+        calls.append(state)
+        if len(calls) == 3:
+            raise hc.InputError("cannot write: no space left on device")
+        store.save_state(state, path)
+
+    monkeypatch.setattr(streaming, "save_state", fail_late)
+    with pytest.raises(hc.InputError, match=r"no space left.*times up to \d+\.?\d* are stored"):
+        hc.stream(CHAIN, tmp_path, times=TIMES)
+    monkeypatch.setattr(streaming, "save_state", store.save_state)
+    assert streaming.StoredRun(tmp_path).load().time[-1] >= 9.0
+    stored = hc.stream(CHAIN, tmp_path, times=TIMES)
+    np.testing.assert_array_equal(stored.load().time, TIMES)
+
+
+def test_a_folder_holds_one_run(tmp_path):
+    hc.stream(CHAIN, tmp_path, times=[1.0, 2.0])
+    with pytest.raises(hc.InputError, match="a run with other times"):
+        hc.stream(CHAIN, tmp_path, times=[1.0, 3.0])
+    with pytest.raises(hc.InputError, match="another chain"):
+        hc.stream(hc.Chain.uniform(12), tmp_path, times=[1.0, 2.0])
+    with pytest.raises(hc.InputError, match="increasing"):
+        hc.stream(CHAIN, tmp_path / "b", times=[2.0, 1.0])
+
+
+def test_a_state_goes_through_a_file_unchanged(tmp_path):
+    state = hc.simulate(CHAIN, until=20.0).state
+    hc.save_state(state, tmp_path / "state.npz")
+    again = hc.load_state(tmp_path / "state.npz", CHAIN)
+    for name, values in state.arrays.items():
+        np.testing.assert_array_equal(again.arrays[name], values)
+    later = hc.simulate(CHAIN, start=again, times=[40.0])
+    whole = hc.simulate(CHAIN, times=[40.0])
+    np.testing.assert_array_equal(later.velocities, whole.velocities)
+
+
+def test_states_that_do_not_fit_are_refused(tmp_path, monkeypatch):
+    state, file = hc.simulate(CHAIN, until=1.0).state, tmp_path / "state.npz"
+    monkeypatch.setattr(store, "__version__", "0.0.1")
+    hc.save_state(state, file)
+    monkeypatch.undo()
+    with pytest.raises(hc.InputError, match=r"written by hertzchain 0\.0\.1, and this is"):
+        hc.load_state(file, CHAIN)
+    hc.save_state(state, file)
+    with pytest.raises(hc.InputError, match="one of another chain"):
+        hc.load_state(file, hc.Chain.uniform(12))
+    file.write_bytes(b"nothing")
+    with pytest.raises(hc.InputError, match="no file of save_state"):
+        hc.load_state(file, CHAIN)
+    with pytest.raises(hc.InputError, match="No such file"):
+        hc.load_state(tmp_path / "none.npz", CHAIN)
+
+
+LONG = """
+import resource, sys
+import numpy as np
+import hertzchain as hc
+chain = hc.Chain.uniform(1000).replace(right_wall=hc.Wall(), left_wall=hc.Wall())
+hc.stream(chain, sys.argv[1], times=np.linspace(0.0, float(sys.argv[2]), int(sys.argv[3])))
+print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024)
+"""
+
+
+def test_memory_does_not_grow_with_the_run(tmp_path):
+    """Nearly half a GB of states, in less memory than that would need at once."""
+    arguments = [os.fspath(tmp_path), "120", "20000"]
+    done = subprocess.run(
+        [sys.executable, "-c", LONG, *arguments], capture_output=True, text=True, check=True
+    )
+    stored = sum(file.stat().st_size for file in tmp_path.iterdir())
+    assert stored > 450 * 2**20
+    assert float(done.stdout) < 500

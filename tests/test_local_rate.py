@@ -71,12 +71,9 @@ def test_the_papers_tapers_and_smooth_unseen_ones(board, group, quantity, first_
 
 
 def test_the_law_knows_its_own_error(board):
-    groups = ["smooth", "rough"]
-    beads = [len(board.rows("group")[group]) for group in groups]
-    found = [board.coverage("local-rate", group) for group in groups]
-    covered = np.average([part for part, _ in found], weights=beads)
+    covered, ratio = board.coverage("local-rate", "smooth", "rough")
     assert covered >= 0.95
-    assert max(ratio for _, ratio in found) < 5.0
+    assert ratio <= 5.0
 
 
 def test_it_warns_where_it_is_off(board):

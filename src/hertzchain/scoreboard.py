@@ -137,15 +137,15 @@ class Scoreboard:
             )
         return self.errors[quantity][:, :, first_bead - 1 :]
 
-    def coverage(self, theory: str, group: str) -> tuple[float, float]:
+    def coverage(self, theory: str, *groups: str) -> tuple[float, float]:
         """How well a theory knows its own error of velocity, from bead 2 on.
 
         Parameters
         ----------
         theory : str
             One that estimates its error.
-        group : str
-            Chains to look at: a key of ``rows("group")``.
+        *groups : str
+            Chains to look at: keys of ``rows("group")``.
 
         Returns
         -------
@@ -168,14 +168,16 @@ class Scoreboard:
         if theory not in self.theories:
             raise unknown_name("theory", theory, self.theories)
         rows = self.rows("group")
-        if group not in rows:
-            raise unknown_name("group", group, rows)
+        for group in groups:
+            if group not in rows:
+                raise unknown_name("group", group, rows)
         t = self.theories.index(theory)
-        estimated = self.estimates[t, rows[group], 1:]
-        true = np.abs(self.errors["velocity"][t, rows[group], 1:])
+        chosen = [c for group in groups for c in rows[group]]
+        estimated = self.estimates[t, chosen, 1:]
+        true = np.abs(self.errors["velocity"][t, chosen, 1:])
         counted = np.isfinite(true) & np.isfinite(estimated)
         if not counted.any():
-            raise InputError(f"{theory} does not estimate its error on the chains of {group!r}")
+            raise InputError(f"{theory} does not estimate its error on chains of {groups}")
         estimated, true = estimated[counted], true[counted]
         with np.errstate(divide="ignore"):
             return float(np.mean(true <= estimated)), float(np.median(estimated / true))

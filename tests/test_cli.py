@@ -311,3 +311,13 @@ def test_a_chain_is_given_once(run):
     code, _, err = run("pulse", "a.toml", "--chain", "b.toml")
     assert code == 2
     assert "not both" in err
+
+
+def test_simulate_prints_the_budget(run):
+    code, out, _ = run("simulate", "--beads", "10", "--budget")
+    assert code == 0
+    assert "scattered back" in out
+    assert "adds up within" in out
+    code, _, err = run("simulate", "--beads", "10", "--times", "1", "--budget")
+    assert code == 2
+    assert "need saved times" in err

@@ -201,11 +201,12 @@ def pulse(
     metavar="FILE",
     help="Draw velocities over time and bead into FILE (.png, .svg or .pdf).",
 )
+@click.option("--budget", is_flag=True, help="Print where energy and momentum are at the end.")
 @click.option("--json", "as_json", is_flag=True, help="Print the summary as JSON.")
 def simulate(
     file: Path | None, chain_file: Path | None, taper: str | None, rate: float | None,
     beads: int | None, until: float | None, times: int, rtol: float, max_steps: int | None,
-    out: Path | None, plot: Path | None, as_json: bool,
+    out: Path | None, plot: Path | None, budget: bool, as_json: bool,
 ) -> None:  # fmt: skip
     """Integrate the whole chain and keep its trajectories.
 
@@ -213,13 +214,18 @@ def simulate(
     Examples:
       hertzchain simulate --beads 50 --until 60 --out run.nc
       hertzchain simulate --taper forward-exponential --rate 0.05 --beads 60 --plot run.png
+      hertzchain simulate experiment.toml --until 7e-4 --budget
     """
     from hertzchain import simulation, store
 
     _writable(plot, "--plot", (".png", ".svg", ".pdf"))
     _writable(out, "--out", (".nc", ".csv"))
-    if times < 2 and (out is not None or plot is not None):
-        raise click.UsageError(f"--out and --plot need saved times: --times {times} is too few")
+    if budget and as_json:
+        raise click.UsageError("--budget and --json exclude each other")
+    if times < 2 and (out is not None or plot is not None or budget):
+        raise click.UsageError(
+            f"--out, --plot and --budget need saved times: --times {times} is too few"
+        )
     chain = _chain(file, chain_file, taper, rate, beads)
     with _progress("beads passed") as progress:
         run = simulation.simulate(
@@ -230,6 +236,8 @@ def simulate(
     if plot is not None:
         _save_axes(run.plot(), plot)
     _show_run(run, as_json)
+    if budget:
+        click.echo(run.budget())
 
 
 @cli.command()

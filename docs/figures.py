@@ -116,13 +116,13 @@ def growth_and_memory() -> Figure:
     """The local-rate law: the growth on exponential chains, and how long a change is remembered."""
     with house_style():
         canvas, (left, right) = plt.subplots(1, 2, figsize=(10.0, 3.8))
-        rates = np.linspace(-0.16, 0.3, 93)
+        rates = np.linspace(-0.14, 0.3, 89)
         growth = [_growth(rate) for rate in rates]
         left.plot(rates, growth, color=COLOURS[0])
         left.plot(rates, bca_growth(rates), "--", color=COLOURS[1])
-        left.annotate("exact", (-0.15, 0.12), xytext=(0, -14), textcoords="offset points",
+        left.annotate("exact", (-0.13, 0.13), xytext=(0, -18), textcoords="offset points",
                       color=COLOURS[0])  # fmt: skip
-        left.annotate("BCA", (-0.15, 0.2), color=COLOURS[1])
+        left.annotate("BCA", (-0.11, 0.165), color=COLOURS[1])
         left.set_xlabel("rate $s$")
         left.set_ylabel(r"growth per bead $\sigma = \ln(v_{k+1}/v_k)$")
         changed, beads = 60, np.arange(-3, 15)
@@ -132,6 +132,7 @@ def growth_and_memory() -> Figure:
                 hc.local_rate_gradient(chain, bead=changed + k)[1][changed:].sum() for k in beads
             ]
             right.plot(beads, response, "o-", color=COLOURS[i], label=f"$s = {rate:g}$")
+        right.set_xticks(beads[::3])
         right.set_xlabel("bead $k - j$")
         right.set_ylabel(r"$\partial\ln v_k/\partial s_j$")
         right.legend()

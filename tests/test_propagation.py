@@ -318,4 +318,5 @@ def test_interrupt(what):
     assert process.returncode != 0
     assert "KeyboardInterrupt" in errors
     assert "stopped after" in errors
-    assert took < 1.5
+    # Within a second; where other work takes the processors, somewhat later.
+    assert took < 4.0

@@ -230,7 +230,7 @@ def test_the_figure_has_a_symbol_for_every_number(board):
     assert "k = 2" in axes.get_xlabel()
     # Theories without any number are not named.
     named = [text.get_text() for text in axes.get_legend().get_texts()]
-    assert named == ["bca", "local-rate", "outside its range, it warns"]
+    assert named == ["bca", "local-rate", "pale: outside its range, it warns"]
     velocity = plot_scoreboard(board)
     pale = [len(line.get_xdata()) for line in velocity.lines if line.get_alpha() == 0.35]
     table = board.table("velocity")

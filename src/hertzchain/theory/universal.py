@@ -108,7 +108,7 @@ def state(pulse: Pulse) -> Array:
     --------
     >>> import hertzchain as hc
     >>> state(hc.propagate(hc.Chain.uniform(30)))[20].round(4)
-    array([-0.    ,  0.0129,  0.1737])
+    array([-0.    ,  0.0129,  0.0971])
     """
     assert pulse.peak_force is not None
     assert pulse.residence is not None

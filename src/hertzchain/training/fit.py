@@ -121,7 +121,8 @@ def inputs(anchors: Anchors, stage: int, rates: Array, contact: int, before: Arr
     --------
     The rate changes by 0.1 from one contact to the next:
 
-    >>> anchors = Anchors(Sample(exponential_rates(), np.zeros((len(NODES), BEADS - 1, 3))))
+    >>> contacts = len(NODES), BEADS - 1
+    >>> anchors = Anchors(Sample(np.zeros(contacts), np.zeros((*contacts, 3))))
     >>> inputs(anchors, WITHIN, 0.1 * np.arange(9.0)[None], 5, np.zeros((1, 3)))[0, 3:].round(9)
     array([1., 1., 1., 1.])
     """

@@ -34,6 +34,7 @@ from hertzchain.paper.formulas import draw_formula_errors
 from hertzchain.paper.reproduction import Reproduction
 from hertzchain.paper.tables import WINDOWS, Table
 from hertzchain.plotting import figure_bytes
+from hertzchain.verification import as_dict
 
 SCHEMA_VERSION: Final = 1
 PAGES: Final = ("report.html", "verdict.json", "summary.md")
@@ -212,6 +213,7 @@ def verdict(reproduction: Reproduction) -> dict[str, Any]:
             }
             for erratum in reproduction.errata
         ],
+        "verification": as_dict(reproduction.verification)["cases"],
         "method": method(reproduction),
     }
 

@@ -17,6 +17,7 @@ from hertzchain.paper.published import Fit, published_figures, published_tables
 from hertzchain.paper.tables import WINDOWS, Pulses, Table, reproduce_table, table_chains
 from hertzchain.pulse import Pulse
 from hertzchain.simulation import DEFAULT_RTOL, simulate
+from hertzchain.verification import Verdict, verify
 
 Progress = Callable[[int, int], None]
 
@@ -35,6 +36,7 @@ class Reproduction:
     rtol: float = DEFAULT_RTOL
     beads: int = BEADS
     windows: Mapping[Fit, Window] = field(default_factory=lambda: WINDOWS)
+    verification: tuple[Verdict, ...] = ()
 
     @property
     def entries(self) -> int:
@@ -53,9 +55,10 @@ class Reproduction:
 
     @property
     def within_tolerance(self) -> bool:
-        """Whether every entry agrees and every figure's statement holds."""
+        """Whether every entry agrees, every statement holds and every known value is met."""
         all_entries = self.agreeing_entries == self.entries
-        return all_entries and self.holding_statements == len(self.figures)
+        all_known = all(verdict.agrees for verdict in self.verification)
+        return all_entries and all_known and self.holding_statements == len(self.figures)
 
     @functools.cached_property
     def verdict(self) -> str:
@@ -84,6 +87,12 @@ class Reproduction:
                 f"formulas miss the integration by up to {printed:.0%} as printed, and by up to "
                 f"{mended:.0%} once mended (linear tapers by the exact product of the BCA)."
             )
+        if self.verification:
+            agreeing = sum(verdict.agrees for verdict in self.verification)
+            parts.append(
+                f"Beyond the paper, {agreeing} of {len(self.verification)} quantities with exact "
+                "or published values are met."
+            )
         return " ".join(parts)
 
 
@@ -99,7 +108,7 @@ def reproduce(
     ----------
     only : collection of str, optional
         Parts to do: ``"table1"`` to ``"table3"``, ``"figure1"`` to ``"figure14"``,
-        ``"errata"``.  All by default.
+        ``"errata"``, ``"verification"``.  All by default.
     windows : mapping, optional
         First and last bead of the fits of ``"exponential"`` tables (1 and 2) and the
         ``"linear"`` one (3).
@@ -148,10 +157,11 @@ def reproduce(
         figures=tuple(reproduce_figure(name, pulses) for name in figures),
         errata=tuple(errata(pulses)) if "errata" in parts else (),
         pulses=pulses,
-        energy_drift=max(energy for energy, _ in drifts),
-        momentum_drift=max(momentum for _, momentum in drifts),
+        energy_drift=max((energy for energy, _ in drifts), default=0.0),
+        momentum_drift=max((momentum for _, momentum in drifts), default=0.0),
         seconds=time.perf_counter() - started,
         windows=used,
+        verification=tuple(verify()) if "verification" in parts else (),
     )
 
 
@@ -207,6 +217,6 @@ def items() -> tuple[str, ...]:
     Examples
     --------
     >>> items()[0], items()[-1], len(items())
-    ('table1', 'errata', 18)
+    ('table1', 'verification', 19)
     """
-    return (*published_tables(), *published_figures(), "errata")
+    return (*published_tables(), *published_figures(), "errata", "verification")

@@ -1,6 +1,7 @@
 """What holds for the project as a whole: lightness, docstrings, no traces of a machine."""
 
 import inspect
+import os
 import pkgutil
 import re
 import subprocess
@@ -109,3 +110,16 @@ def test_versions_agree():
     citation = (ROOT / "CITATION.cff").read_text("utf-8")
     assert f"version: {hc.__version__}" in citation
     assert f"## [{hc.__version__}]" in (ROOT / "CHANGELOG.md").read_text("utf-8")
+
+
+def test_what_was_compiled_before_a_kernel_changed_is_thrown_away(tmp_path):
+    from hertzchain.kernels import _forget_stale
+
+    source, cache = tmp_path / "kernel.py", tmp_path / "__pycache__"
+    cache.mkdir()
+    old, new = cache / "old.nbi", cache / "new.nbi"
+    for at, file in enumerate((old, source, new)):
+        file.touch()
+        os.utime(file, (at, at))
+    _forget_stale(tmp_path)
+    assert [file.name for file in cache.iterdir()] == ["new.nbi"]

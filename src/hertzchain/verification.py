@@ -281,11 +281,13 @@ def _ends() -> Iterator[Case]:
             "walls", f"wall force over the pulse's, wall {kind}", ratio, 6e-6, INTEGRATIONS,
             partial(_wall_ratio, stiffness),
         )  # fmt: skip
-    # As printed, so that the last digit known can be seen.
+    # As printed, so that the last digit known can be seen. In forward tapers light beads knock
+    # against each other and the wall until the fourth digit depends on rounding: SciPy's DOP853
+    # gives 3.14941 and 3.47847 at rtol 1e-11, 3.14936 and 3.47687 at 1e-13.
     table = {
         "mono": ("1.24323", "2.34539", "2.36546"),
-        "forward-exponential": ("0.88930", "1.77524", "3.14937"),
-        "forward-linear": ("0.56417", "1.26397", "3.4773"),
+        "forward-exponential": ("0.88930", "1.77524", "3.15"),
+        "forward-linear": ("0.56417", "1.26397", "3.48"),
         "backward-exponential": ("1.41652", "8.90193", "8.90193"),
     }
     for name, values in table.items():

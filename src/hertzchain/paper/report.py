@@ -36,6 +36,7 @@ from hertzchain.paper.tables import WINDOWS, Table
 from hertzchain.plotting import figure_bytes, plot_scoreboard
 from hertzchain.scoreboard import JUDGED, Scoreboard, percentage
 from hertzchain.scoreboard_cases import GROUPS
+from hertzchain.verification import as_dict
 
 SCHEMA_VERSION: Final = 1
 PAGES: Final = ("report.html", "verdict.json", "summary.md")
@@ -215,6 +216,7 @@ def verdict(reproduction: Reproduction) -> dict[str, Any]:
             for erratum in reproduction.errata
         ],
         "scoreboard": reproduction.scoreboard.as_dict("family") if reproduction.scoreboard else {},
+        "verification": as_dict(reproduction.verification)["cases"],
         "method": method(reproduction),
     }
 

@@ -18,6 +18,7 @@ from hertzchain.paper.tables import WINDOWS, Pulses, Table, reproduce_table, tab
 from hertzchain.pulse import Pulse
 from hertzchain.scoreboard import Scoreboard, percentage, scoreboard
 from hertzchain.simulation import DEFAULT_RTOL, simulate
+from hertzchain.verification import Verdict, verify
 
 Progress = Callable[[int, int], None]
 
@@ -37,6 +38,7 @@ class Reproduction:
     beads: int = BEADS
     windows: Mapping[Fit, Window] = field(default_factory=lambda: WINDOWS)
     scoreboard: Scoreboard | None = None
+    verification: tuple[Verdict, ...] = ()
 
     @property
     def entries(self) -> int:
@@ -55,9 +57,10 @@ class Reproduction:
 
     @property
     def within_tolerance(self) -> bool:
-        """Whether every entry agrees and every figure's statement holds."""
+        """Whether every entry agrees, every statement holds and every known value is met."""
         all_entries = self.agreeing_entries == self.entries
-        return all_entries and self.holding_statements == len(self.figures)
+        all_known = all(verdict.agrees for verdict in self.verification)
+        return all_entries and all_known and self.holding_statements == len(self.figures)
 
     @functools.cached_property
     def verdict(self) -> str:
@@ -88,6 +91,12 @@ class Reproduction:
             )
         if self.scoreboard is not None:
             parts.append(_best_theory(self.scoreboard))
+        if self.verification:
+            agreeing = sum(verdict.agrees for verdict in self.verification)
+            parts.append(
+                f"Beyond the paper, {agreeing} of {len(self.verification)} quantities with exact "
+                "or published values are met."
+            )
         return " ".join(parts)
 
 
@@ -103,7 +112,7 @@ def reproduce(
     ----------
     only : collection of str, optional
         Parts to do: ``"table1"`` to ``"table3"``, ``"figure1"`` to ``"figure14"``,
-        ``"errata"``, ``"scoreboard"``.  All by default.
+        ``"errata"``, ``"scoreboard"``, ``"verification"``.  All by default.
     windows : mapping, optional
         First and last bead of the fits of ``"exponential"`` tables (1 and 2) and the
         ``"linear"`` one (3).
@@ -157,6 +166,7 @@ def reproduce(
         scoreboard=scoreboard() if "scoreboard" in parts else None,
         seconds=time.perf_counter() - started,
         windows=used,
+        verification=tuple(verify()) if "verification" in parts else (),
     )
 
 
@@ -223,6 +233,6 @@ def items() -> tuple[str, ...]:
     Examples
     --------
     >>> items()[0], items()[-1], len(items())
-    ('table1', 'scoreboard', 19)
+    ('table1', 'verification', 20)
     """
-    return (*published_tables(), *published_figures(), "errata", "scoreboard")
+    return (*published_tables(), *published_figures(), "errata", "scoreboard", "verification")

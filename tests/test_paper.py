@@ -28,7 +28,7 @@ def test_published_data_is_complete():
     ]
     assert counts == [28, 28, 20]
     assert len(published_figures()) == 14
-    assert len(items()) == 3 + 14 + 2
+    assert len(items()) == 3 + 14 + 3
 
 
 def test_printed_numbers_keep_their_digits():

@@ -41,17 +41,18 @@ def stage_of(contact, contacts):
 
 
 @compiled
-def interval_of(rate, ends):
-    """The interval that holds a rate and the distance from its left end; outside, the nearest."""
+def interval_of(rate, ends, guess):
+    """The interval that holds a rate and the distance from its left end; outside, the nearest.
+
+    Searched from the contact before: most rates are close to it.
+    """
     clipped = min(max(rate, ends[0]), ends[-1])
-    low, high = 0, len(ends) - 1
-    while high - low > 1:
-        middle = (low + high) // 2
-        if ends[middle] <= clipped:
-            low = middle
-        else:
-            high = middle
-    return low, clipped - ends[low]
+    interval = guess
+    while interval > 0 and clipped < ends[interval]:
+        interval -= 1
+    while interval < len(ends) - 2 and clipped >= ends[interval + 1]:
+        interval += 1
+    return interval, clipped - ends[interval]
 
 
 @compiled
@@ -63,9 +64,12 @@ def bca_growth(rate):
 
 
 @compiled
-def anchor(rate, pieces, ends, value, slope):
-    """State on an exponential chain of this rate and its derivative; outside, the BCA's trend."""
-    interval, x = interval_of(rate, ends)
+def anchor(rate, pieces, ends, guess, value, slope):
+    """State on an exponential chain of this rate and its derivative; outside, the BCA's trend.
+
+    Returns the interval of the rate.
+    """
+    interval, x = interval_of(rate, ends, guess)
     inside = ends[0] <= rate <= ends[-1]
     powers = pieces[interval]
     for i in range(STATES):
@@ -74,6 +78,7 @@ def anchor(rate, pieces, ends, value, slope):
         slope[i] = (3.0 * a * x + 2.0 * b) * x + c if inside else 0.0
     value[0] += bca_growth(rate)
     slope[0] -= 3.0 / (1.0 + np.exp(-3.0 * rate))
+    return interval
 
 
 @compiled
@@ -100,16 +105,29 @@ def all_terms(x, terms):
 @compiled
 def respond(terms, pieces, x, inside, value, slope):
     """Add the terms times their polynomials to the state, and to its derivative to the rate."""
-    for i in range(STATES):
-        a = b = c = d = 0.0
-        for term in range(TERMS):
-            a += terms[term] * pieces[term, i]
-            b += terms[term] * pieces[term, STATES + i]
-            c += terms[term] * pieces[term, 2 * STATES + i]
-            d += terms[term] * pieces[term, 3 * STATES + i]
-        value[i] += ((a * x + b) * x + c) * x + d
-        if inside:
-            slope[i] += (3.0 * a * x + 2.0 * b) * x + c
+    # All twelve sums at once stay in registers: growth, force, time for each power of x.
+    a0 = a1 = a2 = b0 = b1 = b2 = c0 = c1 = c2 = d0 = d1 = d2 = 0.0
+    for term in range(TERMS):
+        factor, row = terms[term], pieces[term]
+        a0 += factor * row[0]
+        a1 += factor * row[1]
+        a2 += factor * row[2]
+        b0 += factor * row[3]
+        b1 += factor * row[4]
+        b2 += factor * row[5]
+        c0 += factor * row[6]
+        c1 += factor * row[7]
+        c2 += factor * row[8]
+        d0 += factor * row[9]
+        d1 += factor * row[10]
+        d2 += factor * row[11]
+    value[0] += ((a0 * x + b0) * x + c0) * x + d0
+    value[1] += ((a1 * x + b1) * x + c1) * x + d1
+    value[2] += ((a2 * x + b2) * x + c2) * x + d2
+    if inside:
+        slope[0] += (3.0 * a0 * x + 2.0 * b0) * x + c0
+        slope[1] += (3.0 * a1 * x + 2.0 * b1) * x + c1
+        slope[2] += (3.0 * a2 * x + 2.0 * b2) * x + c2
 
 
 @compiled
@@ -144,20 +162,21 @@ def forward(rates, nodes, anchors, knots, response, states, slopes, records, dou
     value, slope = np.zeros(STATES), np.zeros(STATES)
     terms = np.empty(TERMS)
     start, others, third = 0.0, 0.0, 0.0
+    node, interval = 0, 0
     lost = contacts
     for k in range(contacts):
         stage = stage_of(k, contacts)
         if k == START:
             # What happens within is measured from the anchor within; other stages have their own.
-            anchor(rates[k - 1], anchors[WITHIN], nodes, value, slope)
+            anchor(rates[k - 1], anchors[WITHIN], nodes, node, value, slope)
             slopes[k - 1, :, 1] = slope
         x = records[k]
         for i in range(STATES):
             x[i] = states[k - 1, i] - value[i] if k > 0 else 0.0
         gather(k, stage, rates, x)
-        anchor(rates[k], anchors[stage], nodes, value, slope)
+        node = anchor(rates[k], anchors[stage], nodes, node, value, slope)
         states[k], slopes[k, :, 0], slopes[k, :, 1] = value, slope, slope
-        interval, distance = interval_of(rates[k], knots)
+        interval, distance = interval_of(rates[k], knots, interval)
         all_terms(x, terms)
         inside = knots[0] <= rates[k] <= knots[-1]
         pieces = response[stage, interval]
@@ -183,18 +202,18 @@ def forward(rates, nodes, anchors, knots, response, states, slopes, records, dou
 
 
 @compiled
-def pull_back(x, distance, pieces, weight, to_x):
-    """Derivatives of the weighted state to the inputs."""
-    weights = np.empty(POWERS)
+def pull_back(x, distance, pieces, weight, weights, pulled, to_x):
+    """Derivatives of the weighted state to the inputs; ``weights`` and ``pulled`` are scratch."""
     power = 1.0
     for row in range(3, -1, -1):
         for i in range(STATES):
             weights[row * STATES + i] = weight[i] * power
         power *= distance
-    pulled = np.zeros(TERMS)
     for term in range(TERMS):
+        total = 0.0
         for i in range(POWERS):
-            pulled[term] += weights[i] * pieces[term, i]
+            total += weights[i] * pieces[term, i]
+        pulled[term] = total
     to_x[:] = pulled[:INPUTS]
     term = INPUTS
     for i in range(INPUTS):
@@ -216,11 +235,13 @@ def backward(rates, knots, response, slopes, records, seeds, to_rates):
     to_rates : (M,) derivatives to the rates are added to it
     """
     contacts = len(rates)
-    to_x = np.zeros(INPUTS)
+    to_x, weights, pulled = np.zeros(INPUTS), np.empty(POWERS), np.empty(TERMS)
+    interval = 0
     for k in range(contacts - 1, -1, -1):
         stage = stage_of(k, contacts)
-        interval, distance = interval_of(rates[k], knots)
-        pull_back(records[k], distance, response[stage, interval], seeds[k], to_x)
+        interval, distance = interval_of(rates[k], knots, interval)
+        pieces = response[stage, interval]
+        pull_back(records[k], distance, pieces, seeds[k], weights, pulled, to_x)
         for i in range(STATES):
             to_rates[k] += seeds[k, i] * slopes[k, i, 0]
             if k > 0:

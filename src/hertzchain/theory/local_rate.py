@@ -240,7 +240,8 @@ def solve(chain: Chain, functions: UniversalFunctions) -> Solution:
     """
     from hertzchain.kernels import local_rate as kernel
 
-    rates = np.diff(np.log(chain.radii))
+    log_radii = np.log(chain.radii)
+    rates = log_radii[1:] - log_radii[:-1]
     states, slopes = np.empty((len(rates), 3)), np.empty((len(rates), 3, 2))
     inputs, parts = np.empty((len(rates), kernel.INPUTS)), np.empty((len(rates), 4))
     f = functions
@@ -294,11 +295,14 @@ class _Seeds:
             self.states,
             to_rates,
         )
-        radii = solution.chain.radii
         found = 3.0 * self.log_mass
-        half = 0.5 * self.log_stiffness / (radii[:-1] + radii[1:])
-        found[1:] += to_rates + half * radii[:-1]
-        found[:-1] -= to_rates - half * radii[1:]
+        found[1:] += to_rates
+        found[:-1] -= to_rates
+        if self.log_stiffness.any():
+            radii = solution.chain.radii
+            half = 0.5 * self.log_stiffness / (radii[:-1] + radii[1:])
+            found[1:] += half * radii[:-1]
+            found[:-1] += half * radii[1:]
         return found
 
 

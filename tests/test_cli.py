@@ -14,6 +14,7 @@ import pytest
 import hertzchain
 from hertzchain import cli
 from hertzchain.chain import TAPERS
+from hertzchain.cli import progress
 
 
 @pytest.fixture
@@ -278,7 +279,7 @@ def test_a_closed_pipe_is_no_failure_of_ours():
 
 
 def test_progress_in_a_pipe_is_a_line_now_and_then(run, monkeypatch):
-    monkeypatch.setattr(cli, "SECONDS_PER_LINE", 0.0)
+    monkeypatch.setattr(progress, "SECONDS_PER_LINE", 0.0)
     code, out, err = run("simulate", "--beads", 400, "--json")
     assert code == 0
     assert json.loads(out)["status"] == "pulse left"

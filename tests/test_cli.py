@@ -9,11 +9,13 @@ import sys
 import time
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import hertzchain
-from hertzchain import cli
+from hertzchain import cli, streaming
 from hertzchain.chain import TAPERS
+from hertzchain.cli import progress
 
 
 @pytest.fixture
@@ -107,6 +109,39 @@ def test_simulate(run, tmp_path):
     assert document["energy_drift"] < 1e-10
 
 
+def test_an_interrupted_stream_goes_on_when_repeated(run, tmp_path, monkeypatch):
+    saved = []
+
+    def interrupt(*arguments):
+        saved.append(arguments)
+        if len(saved) == 3:
+            raise KeyboardInterrupt
+        save_run(*arguments)
+
+    save_run = streaming.save_run
+    # Ten times a file.
+    monkeypatch.setattr(streaming, "FILE_SIZE", 10 * 8 * (3 * 12 + 1))
+    monkeypatch.setattr(streaming, "save_run", interrupt)
+    command = ["simulate", "--beads", 12, "--until", 40, "--times", 81, "--stream"]
+    code, out, err = run(*command, tmp_path / "long")
+    assert (code, out) == (130, "")
+    assert "the same command goes on" in err
+    first = streaming.StoredRun(tmp_path / "long").load()
+    assert 0 < first.sizes["time"] <= 20
+
+    monkeypatch.setattr(streaming, "save_run", save_run)
+    code, out, err = run(*command, tmp_path / "long")
+    assert (code, err) == (0, "")
+    assert "81 times up to t = 40 in" in out
+    stored = streaming.StoredRun(tmp_path / "long")
+    whole = hertzchain.simulate(hertzchain.Chain.uniform(12), until=40.0, times=81)
+    np.testing.assert_array_equal(stored.load().time, whole.times)
+    np.testing.assert_array_equal(stored.load().velocity, whole.velocities)
+    document = json.loads(run(*command, tmp_path / "long", "--json")[1])
+    assert document["files"] == len(stored.files) > 3
+    assert document["saved_times"] == 81
+
+
 def test_reproduce_a_part(run, tmp_path):
     code, out, err = run("reproduce", "--only", "table3,figure6", "--out", tmp_path)
     assert (code, err) == (0, "")
@@ -174,6 +209,14 @@ def test_cite(run):
         (["scoreboard", "--quantity", "speed"], "unknown quantity 'speed'"),
         (["scoreboard", "--first-bead", "98", "--figure", "s.png"], "first_bead must be 2 to 97"),
         (["scoreboard", "--figure", "s.gif"], "must end in .png"),
+        (["simulate", "--stream", "long"], "--stream needs --until"),
+        (["simulate", "--stream", "long", "--until", "-1"], "must be positive and finite, got -1"),
+        (["simulate", "--stream", "long", "--until", "9", "--times", "1"], "--times 1 is too few"),
+        (["simulate", "--stream", "long", "--until", "9", "--out", "a.nc"],
+         "--stream and --out exclude each other"),
+        (["simulate", "--stream", "long", "--until", "9", "--max-steps", "9"],
+         "--stream and --max-steps exclude each other"),
+        (["simulate", "--stream", "/dev/null", "--until", "9"], "'/dev/null' is a file"),
         (["recite"], "No such command"),
     ],
 )  # fmt: skip
@@ -278,7 +321,7 @@ def test_a_closed_pipe_is_no_failure_of_ours():
 
 
 def test_progress_in_a_pipe_is_a_line_now_and_then(run, monkeypatch):
-    monkeypatch.setattr(cli, "SECONDS_PER_LINE", 0.0)
+    monkeypatch.setattr(progress, "SECONDS_PER_LINE", 0.0)
     code, out, err = run("simulate", "--beads", 400, "--json")
     assert code == 0
     assert json.loads(out)["status"] == "pulse left"

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import hertzchain as hc
-from hertzchain import cli
+from hertzchain.cli.pulse import METHODS
 from hertzchain.plotting import plot_scoreboard
 from hertzchain.scoreboard import JUDGED, judge, percentage, scoreboard
 from hertzchain.scoreboard_cases import FREE_END, Case, paper_cases, unseen_cases
@@ -190,7 +190,7 @@ def test_two_thirds():
 
 
 def test_the_command_line_knows_every_theory():
-    assert set(cli.METHODS) == {"propagate", "simulate", *THEORIES}
+    assert set(METHODS) == {"propagate", "simulate", *THEORIES}
 
 
 def test_xarray_holds_the_same(board):

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import hertzchain as hc
-from hertzchain import store, streaming
+from hertzchain import simulation, store, streaming
 
 CHAIN = hc.Chain.uniform(12).replace(right_wall=hc.Wall(), loss=hc.UnloadingRatio(0.2))
 TIMES = np.linspace(0.0, 40.0, 81)
@@ -73,6 +73,43 @@ def test_a_folder_holds_one_run(tmp_path):
         hc.stream(hc.Chain.uniform(12), tmp_path, times=[1.0, 2.0])
     with pytest.raises(hc.InputError, match="increasing"):
         hc.stream(CHAIN, tmp_path / "b", times=[2.0, 1.0])
+
+
+def test_a_folder_of_something_else_is_left_alone(tmp_path):
+    (tmp_path / "part-000001.nc").write_bytes(b"mine")
+    (tmp_path / "notes.txt").write_text("mine")
+    with pytest.raises(hc.InputError, match=r"holds 'notes.txt' and no run"):
+        hc.stream(CHAIN, tmp_path, times=TIMES)
+    assert (tmp_path / "part-000001.nc").read_bytes() == b"mine"
+    with pytest.raises(hc.InputError, match=r"notes.txt' is a file"):
+        hc.stream(CHAIN, tmp_path / "notes.txt", times=TIMES)
+    (tmp_path / "other").mkdir()
+    hc.save_state(hc.simulate(CHAIN, until=1.0).state, tmp_path / "other" / "state.npz")
+    with pytest.raises(hc.InputError, match=r"holds 'state.npz' and no run"):
+        hc.stream(CHAIN, tmp_path / "other", times=TIMES)
+
+
+def test_notes_beside_a_run_are_no_obstacle(tmp_path):
+    hc.stream(CHAIN, tmp_path, times=[1.0, 2.0])
+    (tmp_path / "notes.txt").write_text("mine")
+    assert len(hc.stream(CHAIN, tmp_path, times=[1.0, 2.0, 3.0]).files) == 2
+
+
+@pytest.mark.parametrize(("seconds", "fewest", "most"), [(0.0, 9, 12), (100.0, 4, 5)])
+def test_files_grow_until_one_takes_long(tmp_path, monkeypatch, seconds, fewest, most):
+    monkeypatch.setattr(streaming, "FIRST_TIMES", 10)
+    monkeypatch.setattr(streaming, "SECONDS_PER_FILE", seconds)
+    stored = hc.stream(CHAIN, tmp_path, times=TIMES)
+    assert fewest <= len(stored.files) <= most
+    np.testing.assert_array_equal(stored.load().time, TIMES)
+
+
+def test_a_long_run_has_no_step_limit(tmp_path, monkeypatch):
+    monkeypatch.setattr(simulation, "LEAST_STEP_LIMIT", 10)
+    monkeypatch.setattr(simulation, "STEPS_PER_BEAD", 1)
+    with pytest.raises(hc.SimulationError, match="step limit"):
+        hc.simulate(CHAIN, times=TIMES)
+    hc.stream(CHAIN, tmp_path, times=TIMES)
 
 
 def test_a_state_goes_through_a_file_unchanged(tmp_path):

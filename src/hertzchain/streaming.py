@@ -9,6 +9,8 @@ reader of netCDF, whatever becomes of the run.
 from __future__ import annotations
 
 import os
+import sys
+import time
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -28,9 +30,13 @@ from hertzchain.store import load_state, save_run, save_state
 if TYPE_CHECKING:
     import xarray as xr
 
-# Size of a file [bytes], roughly.
+# Size of a file [bytes], roughly, at most.
 FILE_SIZE: Final = 2**24
+# Files grow from so many times on, until one takes so long [s]: no more is lost when interrupted.
+FIRST_TIMES: Final = 100
+SECONDS_PER_FILE: Final = 10.0
 STATE_FILE: Final = "state.npz"
+FIRST_PART: Final = "part-000001.nc"
 
 
 @dataclass(frozen=True)
@@ -125,14 +131,15 @@ def stream(
 ) -> StoredRun:
     """Simulate a chain, writing saved times into a folder as they come.
 
-    Called again with the same chain, times and folder, it goes on where it stopped.
+    Called again with the same chain, times and folder, it goes on where it stopped.  There
+    is no step limit.
 
     Parameters
     ----------
     chain : Chain
         The chain.
     folder : path-like
-        Folder for the files; made if it does not exist.
+        Folder for the files, new, empty or with this run in it; made if it does not exist.
     times : array_like
         Increasing times >= 0 at which to save [scaled, or s].
     rtol : float
@@ -147,8 +154,8 @@ def stream(
     Raises
     ------
     InputError
-        If times are not increasing, the folder holds another run, or a file cannot be
-        written; what was written before stays readable.
+        If times are not increasing, the folder holds another run or anything else, or a
+        file cannot be written; what was written before stays readable.
     SimulationError
         If the run fails.
 
@@ -163,15 +170,13 @@ def stream(
     wanted = np.asarray(times, float)
     if wanted.ndim != 1 or not wanted.size or np.any(np.diff(wanted) <= 0.0):
         raise InputError("times to save at must be a list of increasing numbers")
-    try:
-        stored.folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise InputError(f"cannot make folder {os.fspath(folder)!r} ({error.strerror})") from None
+    _make_folder(stored.folder)
     state, done = _where_it_stopped(chain, stored, wanted)
-    count = max(1, FILE_SIZE // (8 * (3 * chain.beads + 1)))
+    most = max(1, FILE_SIZE // (8 * (3 * chain.beads + 1)))
+    count = min(FIRST_TIMES, most)
     while done < len(wanted):
-        chunk = wanted[done : done + count]
-        run = simulate(chain, start=state, times=chunk, rtol=rtol)
+        started, chunk = time.monotonic(), wanted[done : done + count]
+        run = simulate(chain, start=state, times=chunk, rtol=rtol, max_steps=sys.maxsize)
         if done + count < len(wanted):
             # The end cut the last step short: what is saved within it comes again, uncut.
             run = _beginning(run, int(np.searchsorted(chunk, run.state.time, "right")))
@@ -187,7 +192,28 @@ def stream(
         state, done = run.state, done + len(run.times)
         if progress is not None:
             progress(done, len(wanted))
+        if time.monotonic() - started < SECONDS_PER_FILE:
+            count = max(count, min(2 * count, most))
     return stored
+
+
+def _make_folder(folder: Path) -> None:
+    """Make the folder; refuse one in use for something else, whose files are not ours."""
+    name = os.fspath(folder)
+    if folder.exists() and not folder.is_dir():
+        raise InputError(f"{name!r} is a file, and a run needs a folder: choose another name")
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        found = sorted(file.name for file in folder.iterdir() if not file.name.startswith("."))
+    except OSError as error:
+        raise InputError(f"cannot make folder {name!r} ({error.strerror})") from None
+    # The first part may have come without its state; then it is written anew.
+    if STATE_FILE in found and FIRST_PART in found:
+        return
+    for other in (other for other in found if other != FIRST_PART):
+        raise InputError(
+            f"{name!r} holds {other!r} and no run of stream: choose a new or an empty folder"
+        )
 
 
 def _where_it_stopped(chain: Chain, stored: StoredRun, wanted: Array) -> tuple[State | None, int]:

@@ -1,0 +1,117 @@
+"""The command `pulse`: the leading pulse, by one or several methods."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, Final
+
+import click
+
+from hertzchain.cli.options import chain_from, chain_options, check_known, check_writable
+from hertzchain.cli.progress import progress_of
+from hertzchain.cli.pulse_tables import side_by_side, table_of
+from hertzchain.cli.show import save_axes, show_table
+
+if TYPE_CHECKING:
+    from hertzchain.chain import Chain
+    from hertzchain.pulse import Pulse
+
+METHODS: Final = (
+    "propagate", "simulate", "bca", "modified-bca", "modified-bca-printed", "two-thirds-bca",
+    "hard-sphere", "local-rate",
+)  # fmt: skip
+
+
+@click.command()
+@chain_options
+@click.option(
+    "--method",
+    "methods",
+    multiple=True,
+    default=("propagate",),
+    show_default=True,
+    metavar="NAME",
+    help=f"Repeatable: {', '.join(METHODS)}.",
+)
+@click.option(
+    "--quantity",
+    default="velocity",
+    show_default=True,
+    metavar="NAME",
+    help="What to draw, and to show side by side when there are several methods: "
+    "velocity, momentum, energy, peak_time, arrival, residence, peak_overlap, peak_force, "
+    "velocity_error.",
+)
+@click.option("--log", is_flag=True, help="Draw with a logarithmic ordinate.")
+@click.option("--all", "every_bead", is_flag=True, help="Show every bead in the table.")
+@click.option("--json", "as_json", is_flag=True, help="Print everything as JSON.")
+@click.option("--csv", "as_csv", is_flag=True, help="Print everything as CSV.")
+@click.option(
+    "--plot",
+    type=click.Path(path_type=Path),
+    metavar="FILE",
+    help="Also draw the quantity into FILE (.png, .svg or .pdf).",
+)
+def pulse(
+    file: Path | None, chain_file: Path | None, taper: str | None, rate: float | None,
+    beads: int | None, methods: tuple[str, ...], quantity: str, every_bead: bool, as_json: bool,
+    as_csv: bool, plot: Path | None, log: bool,
+) -> None:  # fmt: skip
+    """Follow the leading pulse along a chain, by one or several methods.
+
+    The chain comes from the options or from a FILE, TOML or CSV.  One in SI units is
+    followed in the paper's scaled variables and shown in SI.
+
+    \b
+    Examples:
+      hertzchain pulse --taper backward-exponential --rate 0.05 --beads 100
+      hertzchain pulse --taper forward-linear --rate 0.009 --method propagate --method bca
+      hertzchain pulse chain.toml --csv > pulse.csv
+    """
+    from hertzchain import store
+    from hertzchain.errors import InputError
+    from hertzchain.pulse import QUANTITIES
+
+    if as_json and as_csv:
+        raise click.UsageError("--json and --csv exclude each other")
+    check_known("method", methods, METHODS)
+    check_known("quantity", (quantity,), tuple(QUANTITIES))
+    check_writable(plot, "--plot", (".png", ".svg", ".pdf"))
+    chain = chain_from(file, chain_file, taper, rate, beads)
+    with progress_of("beads passed") as progress:
+        pulses = [_compute(method, chain, progress) for method in dict.fromkeys(methods)]
+    if plot is not None:
+        from hertzchain import plotting
+
+        save_axes(plotting.plot_pulses(pulses, quantity, log=log), plot)  # type: ignore[arg-type]
+    if as_json:
+        click.echo(store.pulses_as_json(pulses))
+    elif as_csv:
+        click.echo(store.pulses_as_csv(pulses), nl=False)
+    elif len(pulses) == 1:
+        show_table(table_of(pulses[0], every_bead))
+    else:
+        for missing in (other for other in pulses if other.column(quantity) is None):  # type: ignore[arg-type]
+            raise InputError(f"{missing.method} does not predict {quantity}")
+        show_table(side_by_side(pulses, quantity, every_bead))  # type: ignore[arg-type]
+        for other in pulses[1:]:
+            click.echo(f"\n{other.compare(pulses[0])}")
+
+
+def _compute(method: str, chain: Chain, progress: Callable[[int, int], None]) -> Pulse:
+    from hertzchain import Scales, propagate, simulate
+    from hertzchain.hertz_range import warn_outside_hertz
+    from hertzchain.theory.catalogue import THEORIES
+
+    if chain.units == "SI" and method != "simulate":
+        scales = Scales.of(chain)
+        pulse = scales.to_si(_compute(method, scales.to_scaled(chain), progress))
+        if pulse.peak_overlap is not None:
+            warn_outside_hertz(chain, pulse.peak_overlap)
+        return pulse
+    if method == "propagate":
+        return propagate(chain, progress=progress)
+    if method == "simulate":
+        return simulate(chain, times=0, progress=progress).pulse()
+    return THEORIES[method](chain)

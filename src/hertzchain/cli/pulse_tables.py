@@ -1,0 +1,69 @@
+"""Pulses as tables, a row per bead."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Final
+
+if TYPE_CHECKING:
+    from rich.table import Table
+
+    from hertzchain.pulse import Pulse, Quantity
+
+TABLE_ROWS: Final = 26
+
+
+def table_of(pulse: Pulse, every_bead: bool) -> Table:
+    """A pulse with a column for each quantity."""
+    from rich.markup import escape
+
+    from hertzchain.pulse import QUANTITIES
+
+    beads = pulse.chain.beads
+    rows = _rows(beads, every_bead)
+    table = _bead_table(f"{pulse.method}: {pulse.chain.description}", len(rows), beads)
+    columns = pulse.columns()
+    for name in columns:
+        symbol = QUANTITIES[name][0]
+        unit = "" if pulse.chain.units == "scaled" else f" [{pulse.unit(name)}]"
+        table.add_column(f"{name}\n{symbol}{escape(unit)}", justify="right", no_wrap=True)
+    for i in rows:
+        cells = (f"{values[i]:.6g}" if i < len(values) else "" for values in columns.values())
+        table.add_row(str(i + 1), *cells)
+    return table
+
+
+def side_by_side(pulses: list[Pulse], quantity: Quantity, every_bead: bool) -> Table:
+    """One quantity of several pulses, a column for each."""
+    chain = pulses[0].chain
+    rows = _rows(chain.beads, every_bead)
+    unit = "" if chain.units == "scaled" else f" in {pulses[0].unit(quantity)}"
+    table = _bead_table(f"{quantity}{unit}: {chain.description}", len(rows), chain.beads)
+    columns = [pulse.column(quantity) for pulse in pulses]
+    for pulse in pulses:
+        table.add_column(pulse.method, justify="right")
+    for i in rows:
+        cells = (
+            f"{values[i]:.8g}" if values is not None and i < len(values) else ""
+            for values in columns
+        )
+        table.add_row(str(i + 1), *cells)
+    return table
+
+
+def _bead_table(title: str, shown: int, beads: int) -> Table:
+    from rich import box
+    from rich.table import Table
+
+    caption = None if shown == beads else f"{shown} of {beads} beads; --all shows every one"
+    table = Table(title=title, caption=caption, box=box.SIMPLE_HEAD, title_justify="left")
+    table.add_column("bead k", justify="right")
+    return table
+
+
+def _rows(beads: int, every_bead: bool) -> list[int]:
+    """Indices of the beads to show: all, or evenly spread ones with both ends."""
+    import numpy as np
+
+    if every_bead or beads <= TABLE_ROWS:
+        return list(range(beads))
+    return [int(i) for i in np.unique(np.linspace(0, beads - 1, TABLE_ROWS).round())]

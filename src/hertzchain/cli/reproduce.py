@@ -1,0 +1,91 @@
+"""The command `reproduce`: the paper, and where we agree with it."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from hertzchain.cli.exit_codes import OUTSIDE_TOLERANCE
+from hertzchain.cli.options import names_from, window_from
+from hertzchain.cli.progress import progress_of
+from hertzchain.cli.show import show_json
+
+if TYPE_CHECKING:
+    from hertzchain.paper.reproduction import Reproduction
+
+
+@click.command()
+@click.option(
+    "--only", metavar="NAMES", help="Parts to do, separated by commas: table1, figure5, errata, ..."
+)
+@click.option(
+    "--out",
+    type=click.Path(path_type=Path),
+    default=Path("reproduction"),
+    show_default=True,
+    metavar="DIR",
+    help="Folder for report, figures and data.",
+)
+@click.option(
+    "--window-exponential",
+    metavar="FIRST:LAST",
+    default="5:80",
+    show_default=True,
+    help="Beads of the fits in tables 1 and 2.",
+)
+@click.option(
+    "--window-linear",
+    metavar="FIRST:LAST",
+    default="5:60",
+    show_default=True,
+    help="Beads of the fit in table 3.",
+)
+@click.option("--json", "as_json", is_flag=True, help="Print verdict.json.")
+def reproduce(
+    only: str | None, out: Path, window_exponential: str, window_linear: str, as_json: bool
+) -> None:
+    """Regenerate every table and figure of the paper and say where they agree.
+
+    Writes report.html, verdict.json, summary.md and figures/ into the folder.
+    Leaves with exit code 3 if anything is outside its tolerance.
+
+    \b
+    Examples:
+      hertzchain reproduce
+      hertzchain reproduce --only table1,figure5 --out check
+    """
+    from hertzchain.paper import report, reproduction
+
+    windows = {
+        "exponential": window_from("--window-exponential", window_exponential),
+        "linear": window_from("--window-linear", window_linear),
+    }
+    report.check_writable(out)
+    with progress_of("chains integrated") as progress:
+        result = reproduction.reproduce(names_from(only), windows=windows, progress=progress)  # type: ignore[arg-type]
+    with progress_of("figures drawn") as progress:
+        page = report.write_report(result, out, progress=progress)
+    if as_json:
+        show_json(report.verdict(result))
+    else:
+        _show_reproduction(result)
+        click.echo(f"Report: {page}")
+    if not result.within_tolerance:
+        sys.exit(OUTSIDE_TOLERANCE)
+
+
+def _show_reproduction(result: Reproduction) -> None:
+    click.echo(result.verdict)
+    for table in result.tables:
+        for entry in table.entries:
+            if not entry.agrees:
+                click.echo(
+                    f"  outside tolerance: {entry.table}, {entry.taper}, {entry.column}, rate "
+                    f"{entry.rate:g}: printed {entry.printed.text}, ours {entry.ours:.7f}"
+                )
+    for figure in result.figures:
+        if not figure.statement.holds:
+            click.echo(f"  does not hold: {figure.published.name}: {figure.statement.claim}")

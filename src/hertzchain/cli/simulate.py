@@ -1,0 +1,113 @@
+"""The command `simulate`: the whole chain and its trajectories."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from hertzchain.cli.long_run import refuse_with_stream, stream_into
+from hertzchain.cli.options import chain_from, chain_options, check_writable
+from hertzchain.cli.progress import progress_of
+from hertzchain.cli.show import save_axes, show_json
+
+if TYPE_CHECKING:
+    from hertzchain.run import Run
+
+
+@click.command()
+@chain_options
+@click.option("--until", type=float, help="Time to stop at.  [default: when the pulse has left]")
+@click.option("--times", type=int, default=400, show_default=True, help="Times to save.")
+@click.option("--rtol", type=float, default=1e-13, show_default=True, help="Tolerance of a step.")
+@click.option(
+    "--max-steps", type=int, help="Step limit.  [default: 2000 per bead, at least a million]"
+)
+@click.option(
+    "--out",
+    type=click.Path(path_type=Path),
+    metavar="FILE",
+    help="Save the trajectories into FILE (.nc or .csv).",
+)
+@click.option(
+    "--plot",
+    type=click.Path(path_type=Path),
+    metavar="FILE",
+    help="Draw velocities over time and bead into FILE (.png, .svg or .pdf).",
+)
+@click.option(
+    "--stream",
+    type=click.Path(path_type=Path),
+    metavar="FOLDER",
+    help="Save a long run into FOLDER as it goes on; repeated, go on where it stopped.",
+)
+@click.option("--budget", is_flag=True, help="Print where energy and momentum are at the end.")
+@click.option("--json", "as_json", is_flag=True, help="Print the summary as JSON.")
+def simulate(
+    file: Path | None, chain_file: Path | None, taper: str | None, rate: float | None,
+    beads: int | None, until: float | None, times: int, rtol: float, max_steps: int | None,
+    out: Path | None, plot: Path | None, stream: Path | None, budget: bool, as_json: bool,
+) -> None:  # fmt: skip
+    """Integrate the whole chain and keep its trajectories.
+
+    With --stream they are on disk alone, in netCDF files: memory does not grow with the run,
+    and one that was interrupted goes on when the command is repeated.
+
+    \b
+    Examples:
+      hertzchain simulate --beads 50 --until 60 --out run.nc
+      hertzchain simulate --taper forward-exponential --rate 0.05 --beads 60 --plot run.png
+      hertzchain simulate experiment.toml --until 7e-4 --budget
+      hertzchain simulate experiment.toml --until 10 --times 100000 --stream long
+    """
+    from hertzchain import simulation, store
+
+    check_writable(plot, "--plot", (".png", ".svg", ".pdf"))
+    check_writable(out, "--out", (".nc", ".csv"))
+    if budget and as_json:
+        raise click.UsageError("--budget and --json exclude each other")
+    if times < 2 and (out or plot or stream or budget):
+        raise click.UsageError(
+            f"--out, --plot, --stream and --budget need saved times: --times {times} is too few"
+        )
+    if stream is not None:
+        refuse_with_stream(out=out, plot=plot, budget=budget, max_steps=max_steps)
+    chain = chain_from(file, chain_file, taper, rate, beads)
+    if stream is not None:
+        stream_into(stream, chain, until=until, times=times, rtol=rtol, as_json=as_json)
+        return
+    with progress_of("beads passed") as progress:
+        run = simulation.simulate(
+            chain, until=until, times=times, rtol=rtol, max_steps=max_steps, progress=progress
+        )
+    if out is not None:
+        store.save_run(run, out)
+    if plot is not None:
+        save_axes(run.plot(), plot)
+    _show_run(run, as_json)
+    if budget:
+        click.echo(run.budget())
+
+
+def _show_run(run: Run, as_json: bool) -> None:
+    from hertzchain import store
+
+    summary = {
+        "status": run.status,
+        "message": run.message,
+        "end_time": run.end_time,
+        "steps": run.steps,
+        "evaluations": run.evaluations,
+        "energy_drift": run.energy_drift,
+        "momentum_drift": run.momentum_drift,
+        "saved_times": len(run.times),
+    }
+    if as_json:
+        document = {"schema_version": store.SCHEMA_VERSION} | summary
+        document["chain"] = store.chain_as_dict(run.chain)
+        show_json(document)
+        return
+    click.echo(f"{run.chain.description}\n{run.message}")
+    click.echo(f"energy drift {run.energy_drift:.1e}, momentum drift {run.momentum_drift:.1e}")
+    click.echo(f"{len(run.times)} times saved, {run.evaluations} evaluations of the force")

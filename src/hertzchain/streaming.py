@@ -9,6 +9,7 @@ reader of netCDF, whatever becomes of the run.
 from __future__ import annotations
 
 import os
+import warnings
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -19,7 +20,8 @@ from numpy.typing import ArrayLike
 
 from hertzchain.chain import Chain
 from hertzchain.contacts import Array
-from hertzchain.errors import InputError
+from hertzchain.errors import InputError, ModelRangeWarning
+from hertzchain.hertz_range import warn_outside_hertz
 from hertzchain.run import Run
 from hertzchain.simulation import DEFAULT_RTOL, Progress, simulate
 from hertzchain.state import State
@@ -168,10 +170,14 @@ def stream(
     except OSError as error:
         raise InputError(f"cannot make folder {os.fspath(folder)!r} ({error.strerror})") from None
     state, done = _where_it_stopped(chain, stored, wanted)
+    overlaps = np.zeros(chain.beads + 1)
     count = max(1, FILE_SIZE // (8 * (3 * chain.beads + 1)))
     while done < len(wanted):
         chunk = wanted[done : done + count]
-        run = simulate(chain, start=state, times=chunk, rtol=rtol)
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", ModelRangeWarning)  # once, at the end
+            run = simulate(chain, start=state, times=chunk, rtol=rtol)
+        overlaps = np.maximum(overlaps, run.largest_overlaps)
         if done + count < len(wanted):
             # The end cut the last step short: what is saved within it comes again, uncut.
             run = _beginning(run, int(np.searchsorted(chunk, run.state.time, "right")))
@@ -187,6 +193,7 @@ def stream(
         state, done = run.state, done + len(run.times)
         if progress is not None:
             progress(done, len(wanted))
+    warn_outside_hertz(chain, overlaps)
     return stored
 
 

@@ -41,9 +41,7 @@ def first_pulse() -> Figure:
 def force_trace() -> Figure:
     """Sensors in a row of steel balls that hits a wall."""
     chain = hc.Chain.from_materials(5e-3, "steel-52100", beads=20)
-    struck = chain.struck_by(velocity=0.3).replace(
-        right_wall=hc.Wall.of("steel-304"), loss=hc.Restitution(0.97)
-    )
+    struck = chain.struck_by(velocity=0.3).replace(right_wall=hc.Wall(), loss=hc.Restitution(0.97))
     run = hc.simulate(struck, until=700e-6, times=1401)
     with house_style():
         canvas, axes = plt.subplots(figsize=(7.0, 3.6))

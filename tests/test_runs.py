@@ -1,5 +1,7 @@
 """Runs of chains with everything a bench has, against other paths to the same numbers."""
 
+import warnings
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -345,3 +347,98 @@ def test_a_train_of_waves_and_their_width():
     # Full width at half maximum of the exact wave: 1.57914 beads.
     speed = 0.9074700784 * waves.amplitudes[0] ** 0.2
     assert waves.widths[0] * speed == pytest.approx(1.57914, abs=6e-6)
+
+
+BALLS = hc.Chain.from_materials(5e-3, "steel-52100", beads=6, velocity=0.3)
+WALLED = BALLS.replace(
+    right_wall=hc.Wall(), left_wall=hc.Wall(gap=1e-6), loss=hc.WaltonBraun(0.8), gravity=9.81
+)
+DRIVEN = BALLS.replace(velocities=None, drive=hc.Step(20.0, rise=20e-6), loss=hc.Viscoelastic(1e-7))
+
+
+@pytest.mark.parametrize("chain", [BALLS, WALLED, DRIVEN])
+def test_a_run_in_other_units_is_the_run_of_the_chain_in_them(chain):
+    scales = hc.Scales.of(chain, velocity=0.7)
+    times = np.linspace(0.0, 200e-6, 41)
+    in_si = hc.simulate(chain, times=times)
+    scaled = hc.simulate(scales.to_scaled(chain), times=times / scales.time)
+    for one, other in ((scales.to_scaled(in_si), scaled), (scales.to_si(scaled), in_si)):
+        for ours, theirs in (
+            (one.times, other.times),
+            (one.positions, other.positions),
+            (one.velocities, other.velocities),
+            (one.forces, other.forces),
+            (one.end_time, other.end_time),
+            (one._crossings, other._crossings),
+            (one._peaks, other._peaks),
+            (one.state.start, other.state.start),
+        ):
+            np.testing.assert_allclose(ours, theirs, rtol=0, atol=1e-9 * np.abs(theirs).max())
+        for of in ("energy", "momentum"):
+            ours, theirs = one.budget().to_dataframe(of), other.budget().to_dataframe(of)
+            largest = theirs.abs().to_numpy().max()
+            np.testing.assert_allclose(ours, theirs, rtol=0, atol=1e-9 * largest)
+            assert abs(one.budget().residual(of)).max() < 1e-9
+        assert one.chain.units == other.chain.units
+        if chain is WALLED:
+            ours, theirs = one.wall_force("right"), other.wall_force("right")
+            assert ours.peak == pytest.approx(theirs.peak, rel=1e-9)
+            assert ours.peak_time == pytest.approx(theirs.peak_time, rel=1e-6)
+            assert ours.impulse == pytest.approx(theirs.impulse, rel=1e-9)
+
+
+def test_a_run_goes_on_in_other_units():
+    scales = hc.Scales.of(WALLED)
+    state = scales.to_scaled(hc.simulate(WALLED, until=100e-6).state)
+    times = np.linspace(100e-6, 200e-6, 11)
+    later = hc.simulate(scales.to_scaled(WALLED), start=state, times=times[1:] / scales.time)
+    whole = hc.simulate(WALLED, times=times)
+    fastest = np.abs(whole.velocities).max()
+    np.testing.assert_allclose(
+        scales.to_si(later).velocities, whole.velocities[1:], rtol=0, atol=1e-9 * fastest
+    )
+
+
+def test_largest_overlaps_are_those_of_a_finely_saved_run():
+    chain = WALLED.replace(loss=None)
+    coarse = hc.simulate(chain, until=110e-6, times=0).largest_overlaps
+    fine = hc.simulate(chain, until=110e-6, times=9001)
+    apart = np.diff(np.pad(fine.positions, ((0, 0), (1, 1))), axis=1)
+    seen = np.maximum(-apart - equilibrium(chain).gaps, 0.0).max(axis=0)
+    np.testing.assert_allclose(coarse, seen, rtol=0, atol=3e-7 * seen.max())
+    # What is saved counts too: the pulse comes back, and is larger than when it came.
+    late = hc.simulate(chain, until=1e-3, times=2001)
+    assert np.all(late.largest_overlaps >= coarse * (1.0 - 1e-12))
+
+
+def test_static_overlaps_count():
+    held = BALLS.replace(left_wall=hc.Wall(), right_wall=hc.Wall(), precompression=50.0)
+    run = hc.simulate(held.replace(velocities=np.zeros(6)), until=1e-5, times=2)
+    static = (50.0 / np.concatenate(([held.wall_stiffness[0]], held.stiffness))) ** (2 / 3)
+    np.testing.assert_allclose(run.largest_overlaps[:-1], static, rtol=1e-12)
+
+
+def test_a_run_out_of_the_range_of_hertz_warns_once():
+    fast = BALLS.replace(velocities=[1.0, 0, 0, 0, 0, 0])
+    with pytest.warns(hc.ModelRangeWarning) as caught:
+        run = hc.simulate(fast)
+    assert len(caught) == 1
+    said = str(caught[0].message)
+    assert said.startswith("the pressure in contact 1 reaches")
+    assert said in hc.hertz_range(fast, run.largest_overlaps).complaints
+    assert caught[0].filename == __file__
+    with pytest.warns(hc.ModelRangeWarning) as caught:
+        hc.simulate(hc.Chain.from_materials(5e-3, "aluminium", beads=5, velocity=200.0))
+    said = [str(each.message) for each in caught]
+    assert len(said) == 3
+    assert "of its radius" in said[0]
+    assert "first yield" in said[1]
+    assert "speed of sound" in said[2]
+
+
+def test_gentle_runs_and_those_without_materials_do_not_warn():
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        hc.simulate(BALLS)
+        hc.simulate(hc.Chain.uniform(5))
+        hc.simulate(hc.Scales.of(BALLS, velocity=1e-3).to_scaled(BALLS))

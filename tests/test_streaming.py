@@ -159,3 +159,13 @@ def test_memory_does_not_grow_with_the_run(tmp_path):
     stored = sum(file.stat().st_size for file in tmp_path.iterdir())
     assert stored > 450 * 2**20
     assert float(done.stdout) < 500
+
+
+def test_a_long_run_out_of_the_range_of_hertz_warns_once(tmp_path, monkeypatch):
+    monkeypatch.setattr(streaming, "FILE_SIZE", 10 * 8 * (3 * 6 + 1))
+    chain = hc.Chain.from_materials(5e-3, "steel-52100", beads=6, velocity=1.0)
+    with pytest.warns(hc.ModelRangeWarning) as caught:
+        stored = hc.stream(chain, tmp_path, times=np.linspace(0.0, 200e-6, 60))
+    assert len(stored.files) > 3
+    assert len(caught) == 1
+    assert str(caught[0].message).startswith("the pressure in contact 1 reaches 1.4 times")

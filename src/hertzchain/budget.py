@@ -291,16 +291,39 @@ def stored_energy(chain: Chain, times: Array, positions: Array, forces: Array) -
         with np.errstate(divide="ignore", invalid="ignore"):
             overlap = np.where(stiffness > 0.0, (forces / stiffness) ** (1.0 / p), 0.0)
         return np.asarray(law.ratio * forces * overlap / (p + 1.0))
-    wall = np.zeros(len(times))
-    if chain.drive is not None and chain.drive.of == "displacement":
-        wall = chain.drive.value(times)
-    bounds: Any = (wall[:, np.newaxis], positions, np.zeros((len(times), 1)))
-    overlap = -np.diff(np.hstack(bounds), axis=1) - equilibrium(chain).gaps
+    overlap = overlaps_of(chain, times, positions)
     kept = 1.0 - law.ratio if isinstance(law, UnloadingRatio) else 1.0
     if not getattr(law, "attractive", True):
         # Where the force is cut off, nothing comes back.
         overlap = np.where(forces > 0.0, overlap, 0.0)
     return np.asarray(kept * stiffness * np.maximum(overlap, 0.0) ** (p + 1.0) / (p + 1.0))
+
+
+def overlaps_of(chain: Chain, times: Array, positions: Array) -> Array:
+    """How deep the bodies at each contact are in one another; negative where they are apart.
+
+    Parameters
+    ----------
+    chain : Chain
+        The chain.
+    times, positions : ndarray
+        As in a `hertzchain.Run`.
+
+    Returns
+    -------
+    ndarray, shape (T, N + 1)
+        Counted with the walls, from 0 (left wall) to N (right wall) [scaled, or m].
+
+    Examples
+    --------
+    >>> overlaps_of(Chain.uniform(2), np.zeros(1), np.array([[1.0, 0.75]]))
+    array([[-1.  ,  0.25,  0.75]])
+    """
+    wall = np.zeros(len(times))
+    if chain.drive is not None and chain.drive.of == "displacement":
+        wall = chain.drive.value(times)
+    bounds: Any = (wall[:, np.newaxis], positions, np.zeros((len(times), 1)))
+    return np.asarray(-np.diff(np.hstack(bounds), axis=1) - equilibrium(chain).gaps)
 
 
 def leading_pulse(times: Array, velocities: Array, peak_times: Array) -> Array:

@@ -80,11 +80,11 @@ class HertzRange:
             )
         at = int(np.argmax(self.yield_ratio))
         if self.yield_ratio[at] > 1.0:
-            beyond = np.count_nonzero(self.yield_ratio > 1.0)
+            others = np.count_nonzero(self.yield_ratio > 1.0) - 1
+            besides = f" ({others} more exceed it)" if others else ""
             found.append(
                 f"the pressure in {_place(at, self)} reaches {self.yield_ratio[at]:.3g} times that "
-                f"of first yield ({beyond} contacts exceed it): expect dents; WaltonBraun is a law "
-                "for them"
+                f"of first yield{besides}: expect dents; WaltonBraun is a law for them"
             )
         if self.speed_ratio > LARGEST_SPEED_RATIO:
             found.append(

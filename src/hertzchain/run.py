@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Final, Literal
@@ -10,18 +10,20 @@ from typing import TYPE_CHECKING, Final, Literal
 import numpy as np
 
 from hertzchain import __version__
-from hertzchain.budget import Budget, budget_of
+from hertzchain.budget import Budget, budget_of, overlaps_of
 from hertzchain.chain import Chain
 from hertzchain.contacts import Array
 from hertzchain.equilibrium import equilibrium
 from hertzchain.errors import InputError, SimulationError
 from hertzchain.pulse import Pulse
-from hertzchain.state import State
+from hertzchain.state import State, ledger_units, records_units
 from hertzchain.waves import Waves, waves_at
 
 if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.axes import Axes
+
+    from hertzchain.scales import Scales
 
 Status = Literal[
     "pulse left", "time reached", "step limit", "step too small", "underflow", "pulse lost"
@@ -121,7 +123,39 @@ class Run:
     _peaks: Array
     _crossings: Array
     _walls: Array
-    _impulses: tuple[float, float]
+    _impulses: Array
+
+    def factors(self, scales: Scales) -> Mapping[str, float | Array]:
+        """Units of everything saved, for `hertzchain.Scales`.
+
+        Parameters
+        ----------
+        scales : Scales
+            The units.
+
+        Returns
+        -------
+        dict
+
+        Examples
+        --------
+        >>> import hertzchain as hc
+        >>> chain = hc.Chain.from_materials(5e-3, "steel-52100", beads=20, velocity=0.3)
+        >>> scales = hc.Scales.of(chain)
+        >>> run = scales.to_si(hc.simulate(scales.to_scaled(chain)))
+        >>> f"{run.force(10).max():.0f} N after {1e6 * run.pulse().arrival[10]:.0f} us"
+        '49 N after 191 us'
+        """
+        records = {f"_{name}": unit for name, unit in records_units(scales).items()}
+        return records | {
+            "times": scales.time,
+            "positions": scales.length,
+            "velocities": scales.velocity,
+            "end_time": scales.time,
+            "_forces": scales.force,
+            "_ledger": ledger_units(scales),
+            "_impulses": scales.momentum,
+        }
 
     @cached_property
     def forces(self) -> Array:
@@ -134,6 +168,36 @@ class Run:
             return self._forces
         overlap = np.maximum(self.positions[:, :-1] - self.positions[:, 1:], 0.0)
         return np.pad(self.chain.stiffness * overlap**self.chain.exponent, ((0, 0), (1, 1)))
+
+    @cached_property
+    def largest_overlaps(self) -> Array:
+        """Largest overlap of each contact, shape (N + 1,) [scaled, or m].
+
+        Counted with the walls, as `forces`.  Of the leading pulse and of walls it is found
+        between the steps, of what comes later among the saved times.  A wall's is the overlap
+        that bears its largest force :math:`F` without losses, :math:`(F/k)^{1/p}`.
+
+        Examples
+        --------
+        How far a run has gone beyond the range of Hertz' law:
+
+        >>> import hertzchain as hc
+        >>> chain = hc.Chain.from_materials(5e-3, "steel-52100", beads=20, velocity=0.3)
+        >>> print(hc.hertz_range(chain, hc.simulate(chain).largest_overlaps))
+        overlap / radius  0.0016 at contact 1 (limit 0.01)
+        pressure / yield  0.868 at contact 1 (limit 1)
+        speed / sound  5.9e-05 (limit 0.01)
+        """
+        from hertzchain.kernels import full_chain as kernel
+
+        stiffness = np.array(self.chain.wall_stiffness)
+        peak = self._walls[kernel.WALL_PEAK]
+        bearing = np.divide(peak, stiffness, out=np.zeros(2), where=stiffness > 0.0)
+        walls = bearing ** (1.0 / self.chain.exponent)
+        passed = np.concatenate((walls[:1], self._crossings[kernel.OVERLAP], walls[1:]))
+        saved = overlaps_of(self.chain, self.times, self.positions)
+        saved[:, [0, -1]] = np.where(stiffness > 0.0, saved[:, [0, -1]], 0.0)
+        return np.asarray(np.maximum(passed, np.max(saved, axis=0, initial=0.0)))
 
     @property
     def success(self) -> bool:
@@ -333,7 +397,7 @@ class Run:
             peak_time=float(column[kernel.WALL_PEAK_TIME]),
             first_impulse=float(column[kernel.FIRST_IMPULSE]) if ended else None,
             first_end=float(column[kernel.FIRST_END]) if ended else None,
-            impulse=self._impulses[SIDES.index(side)],
+            impulse=float(self._impulses[SIDES.index(side)]),
         )
 
     def open_contacts(self) -> Array:

@@ -33,9 +33,13 @@ ROUNDING = 1e-12
 
 @runtime_checkable
 class _Convertible(Protocol):
-    """A frozen dataclass that says in what units its fields are."""
+    """A frozen dataclass that says in what units its fields are.
 
-    def factors(self, scales: Scales) -> Mapping[str, float]: ...
+    The factor of an array may be an array, that of a dictionary is one with the same keys;
+    what has no factor has no unit.
+    """
+
+    def factors(self, scales: Scales) -> Mapping[str, Any]: ...
 
 
 T = TypeVar("T")
@@ -160,11 +164,11 @@ class Scales:
         return self.velocity**2 / self.length
 
     def to_si(self, item: T) -> T:
-        """A chain, pulse, drive, ... in scaled variables, in SI units.
+        """A chain, run, pulse, drive, ... in scaled variables, in SI units.
 
         Parameters
         ----------
-        item : Chain, Pulse, or part of a chain
+        item : Chain, Run, State, Pulse, or part of a chain
             What to convert.
 
         Returns
@@ -187,14 +191,14 @@ class Scales:
         return _converted(item, self, to_si=True)
 
     def to_scaled(self, item: T) -> T:
-        """A chain, pulse, drive, ... in SI units, in the paper's scaled variables.
+        """A chain, run, pulse, drive, ... in SI units, in the paper's scaled variables.
 
         A chain that is the paper's but for its units becomes a plain one, which the
         theories take.
 
         Parameters
         ----------
-        item : Chain, Pulse, or part of a chain
+        item : Chain, Run, State, Pulse, or part of a chain
             What to convert.
 
         Returns
@@ -220,7 +224,7 @@ def _converted(item: T, scales: Scales, *, to_si: bool) -> T:
         return _converted_chain(item, scales, to_si=to_si)  # type: ignore[return-value]
     changes: dict[str, Any] = {}
     if not dataclasses.is_dataclass(item) or isinstance(item, type):
-        raise InputError(f"cannot convert {item!r}: it is no chain, pulse or part of a chain")
+        raise InputError(f"cannot convert {item!r}: it is no chain, run, pulse or part of a chain")
     for field in dataclasses.fields(item):
         value = getattr(item, field.name)
         if isinstance(value, Chain | _Convertible):
@@ -229,8 +233,16 @@ def _converted(item: T, scales: Scales, *, to_si: bool) -> T:
         for name, factor in item.factors(scales).items():
             value = getattr(item, name)
             if value is not None:
-                changes[name] = value * factor if to_si else value / factor
+                changes[name] = _times(value, factor, to_si=to_si)
     return dataclasses.replace(item, **changes)
+
+
+def _times(value: Any, factor: Any, *, to_si: bool) -> Any:
+    if isinstance(value, dict):
+        return value | {
+            name: _times(value[name], part, to_si=to_si) for name, part in factor.items()
+        }
+    return value * factor if to_si else value / factor
 
 
 def _converted_chain(chain: Chain, scales: Scales, *, to_si: bool) -> Chain:

@@ -18,6 +18,7 @@ from hertzchain.contacts import Array
 from hertzchain.equations import equation_of
 from hertzchain.equilibrium import equilibrium
 from hertzchain.errors import InputError, SimulationError, real_number
+from hertzchain.hertz_range import warn_outside_hertz
 from hertzchain.run import Run, Status
 from hertzchain.state import State, contacts_of, first_state, same_motion, transit_times
 
@@ -91,6 +92,11 @@ def simulate(
     SimulationError
         If the run fails and ``check`` is true.
 
+    Warns
+    -----
+    ModelRangeWarning
+        If a chain of materials has left the range of Hertz' law; see `hertzchain.hertz_range`.
+
     Examples
     --------
     >>> import hertzchain as hc
@@ -117,6 +123,7 @@ def simulate(
     run = _integrate(chain, start, until, frames, rtol, limit, progress)
     if check and not run.success:
         raise SimulationError(run.message)
+    warn_outside_hertz(chain, run.largest_overlaps)
     return run
 
 
@@ -249,12 +256,9 @@ def _run(going: _Integration, state: State, status: Status) -> Run:
     arrays, frames, beads = going.state.arrays, going.frames, state.chain.beads
     filled = int(counts[kernel.FRAMES])
     saved = frames.states[:filled]
-    ledger, impulses = saved[:, 2 * beads :], (0.0, 0.0)
+    ledger, now = saved[:, 2 * beads :], arrays["y"][2 * beads :]
     if going.plain:
-        ledger = np.zeros((filled, kernel.LEDGER))
-    else:
-        now = arrays["y"][2 * beads :]
-        impulses = float(now[kernel.LEFT_IMPULSE]), float(now[kernel.RIGHT_IMPULSE])
+        ledger, now = np.zeros((filled, kernel.LEDGER)), np.zeros(kernel.LEDGER)
     return Run(
         chain=state.chain,
         times=frames.times[:filled],
@@ -273,7 +277,7 @@ def _run(going: _Integration, state: State, status: Status) -> Run:
         _peaks=arrays["peaks"],
         _crossings=arrays["crossings"],
         _walls=arrays["walls"],
-        _impulses=impulses,
+        _impulses=now[[kernel.LEFT_IMPULSE, kernel.RIGHT_IMPULSE]],
     )
 
 

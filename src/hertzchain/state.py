@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
@@ -16,6 +17,7 @@ from hertzchain.errors import InputError
 
 if TYPE_CHECKING:
     from hertzchain.kernels.forces import Contacts
+    from hertzchain.scales import Scales
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,6 +78,45 @@ class State:
         clock = self.arrays["clock"]
         return float(clock[full_chain.INITIAL_ENERGY]), float(clock[full_chain.INITIAL_MOMENTUM])
 
+    def factors(self, scales: Scales) -> Mapping[str, Mapping[str, Array]]:
+        """Units of the arrays, for `hertzchain.Scales`.
+
+        Parameters
+        ----------
+        scales : Scales
+            The units.
+
+        Returns
+        -------
+        dict
+
+        Examples
+        --------
+        >>> import hertzchain as hc
+        >>> state = hc.simulate(hc.Chain.uniform(2), until=3.0).state
+        >>> scales = hc.Scales(radius=1.0, mass=1.0, velocity=2.0, length=6.0)
+        >>> scales.to_si(state).time == 3.0 * state.time
+        True
+        """
+        from hertzchain.kernels import full_chain as kernel
+
+        motion = np.repeat([scales.length, scales.velocity], self.chain.beads)
+        clock = np.full(kernel.CLOCK_SIZE, np.nan)
+        clock[[kernel.TIME, kernel.STEP, kernel.SINCE_CROSSING]] = scales.time
+        clock[kernel.FASTEST] = scales.velocity
+        clock[[kernel.INITIAL_ENERGY, kernel.ENERGY_UNIT, kernel.ENERGY_DRIFT]] = scales.energy
+        clock[[kernel.INITIAL_MOMENTUM, kernel.MOMENTUM_UNIT, kernel.MOMENTUM_DRIFT]] = (
+            scales.momentum
+        )
+        return {
+            "arrays": {
+                "y": np.concatenate([motion, ledger_units(scales)])[: len(self.arrays["y"])],
+                "clock": clock,
+                "largest": np.array(scales.length),
+                **records_units(scales),
+            }
+        }
+
     def copy(self) -> State:
         """The same state in arrays of its own.
 
@@ -115,6 +156,56 @@ class State:
             if name in self.chain.features:
                 raise InputError(f"a chain with {name} does not run backwards: leave it out")
         return new_state(self.chain, self.arrays["y"][: self.chain.beads], -self.velocities)
+
+
+def ledger_units(scales: Scales) -> Array:
+    """Units of what is integrated along with the motion.
+
+    Parameters
+    ----------
+    scales : Scales
+        The units.
+
+    Returns
+    -------
+    ndarray, shape (5,)
+        Of the energy lost, work and impulse of the drive, impulses of left and right wall.
+
+    Examples
+    --------
+    >>> import hertzchain as hc
+    >>> ledger_units(hc.Scales(radius=1.0, mass=3.0, velocity=2.0, length=1.0))
+    array([12., 12.,  6.,  6.,  6.])
+    """
+    return np.repeat([scales.energy, scales.momentum], [2, 3])
+
+
+def records_units(scales: Scales) -> dict[str, Array]:
+    """Units of what is recorded between the steps, row by row.
+
+    Parameters
+    ----------
+    scales : Scales
+        The units.
+
+    Returns
+    -------
+    dict of ndarray, shape (rows, 1)
+        Of ``peaks``, ``crossings`` and ``walls``.
+
+    Examples
+    --------
+    >>> import hertzchain as hc
+    >>> records_units(hc.Scales(radius=1.0, mass=1.0, velocity=2.0, length=6.0))["peaks"]
+    array([[3.],
+           [2.]])
+    """
+    time, length, velocity = scales.time, scales.length, scales.velocity
+    return {
+        "peaks": np.array([[time], [velocity]]),
+        "crossings": np.array([[time], [length], [time]]),
+        "walls": np.array([[time], [scales.force], [scales.momentum], [time]]),
+    }
 
 
 def new_state(chain: Chain, positions: Array, velocities: Array) -> State:

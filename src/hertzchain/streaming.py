@@ -11,6 +11,7 @@ from __future__ import annotations
 import os
 import sys
 import time
+import warnings
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -21,7 +22,8 @@ from numpy.typing import ArrayLike
 
 from hertzchain.chain import Chain
 from hertzchain.contacts import Array
-from hertzchain.errors import InputError
+from hertzchain.errors import InputError, ModelRangeWarning
+from hertzchain.hertz_range import warn_outside_hertz
 from hertzchain.run import Run
 from hertzchain.simulation import DEFAULT_RTOL, Progress, simulate
 from hertzchain.state import State
@@ -174,9 +176,13 @@ def stream(
     state, done = _where_it_stopped(chain, stored, wanted)
     most = max(1, FILE_SIZE // (8 * (3 * chain.beads + 1)))
     count = min(FIRST_TIMES, most)
+    overlaps = np.zeros(chain.beads + 1)
     while done < len(wanted):
         started, chunk = time.monotonic(), wanted[done : done + count]
-        run = simulate(chain, start=state, times=chunk, rtol=rtol, max_steps=sys.maxsize)
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", ModelRangeWarning)  # once, at the end
+            run = simulate(chain, start=state, times=chunk, rtol=rtol, max_steps=sys.maxsize)
+        overlaps = np.maximum(overlaps, run.largest_overlaps)
         if done + count < len(wanted):
             # The end cut the last step short: what is saved within it comes again, uncut.
             run = _beginning(run, int(np.searchsorted(chunk, run.state.time, "right")))
@@ -194,6 +200,7 @@ def stream(
             progress(done, len(wanted))
         if time.monotonic() - started < SECONDS_PER_FILE:
             count = max(count, min(2 * count, most))
+    warn_outside_hertz(chain, overlaps)
     return stored
 
 

@@ -240,8 +240,8 @@ def bead_centres(chain: Chain) -> Array:
     >>> bead_centres(Chain.from_radii([1.0, 0.5]))
     array([1. , 2.5])
     """
-    apart = chain.radii[:-1] + chain.radii[1:] + (chain.gaps if chain.units == "SI" else 0.0)
-    return np.asarray(chain.radii[0] + np.concatenate(([0.0], np.cumsum(apart))))
+    apart = np.cumsum(chain.centre_distances)
+    return np.asarray(chain.radii[0] + np.concatenate(([0.0], apart)))
 
 
 def animate(

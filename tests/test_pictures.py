@@ -66,3 +66,28 @@ def test_bad_requests(run, tmp_path):
         plot_budget(run.budget(), "mass")
     with pytest.raises(hc.InputError, match="unknown quantity of a map"):
         run.plot("mass")
+
+
+@pytest.mark.parametrize(
+    ("of", "label"), [("energy", "energy [µJ]"), ("momentum", "momentum [mN s]")]
+)
+def test_a_budget_in_real_units_has_a_prefix(of, label):
+    # 4.07 g with 0.3 m/s: 183 microjoules, 1.22 mN s.
+    chain = hc.Chain.from_materials(5e-3, "steel-52100", beads=4, velocity=0.3)
+    axes = hc.simulate(chain, until=50e-6).budget().plot(of)
+    assert axes.get_ylabel() == label
+    start = {"energy": "183", "momentum": "1.22"}[of]
+    line = axes.lines[0].get_ydata()[0]
+    assert axes.yaxis.get_major_formatter()(line, 0).startswith(start)
+
+
+def test_an_animation_shows_the_wall(tmp_path):
+    walled = hc.Chain.uniform(5).replace(right_wall=hc.Wall())
+    shown = []
+    for chain in (walled, walled.replace(right_wall=None)):
+        file = hc.animate(hc.simulate(chain, until=9.0, times=5), tmp_path / "x.gif", frames=2)
+        with Image.open(file) as image:
+            shown.append(np.asarray(image.convert("L"), int))
+    # The wall is the only grey thing before anything moves but the striker.
+    grey = [np.count_nonzero(np.abs(each - 0xBB) < 12) for each in shown]
+    assert grey[0] > 3 * grey[1]

@@ -442,3 +442,40 @@ def test_gentle_runs_and_those_without_materials_do_not_warn():
         hc.simulate(BALLS)
         hc.simulate(hc.Chain.uniform(5))
         hc.simulate(hc.Scales.of(BALLS, velocity=1e-3).to_scaled(BALLS))
+
+
+def test_the_pulse_of_equal_beads_has_the_exact_speed_and_width():
+    run = hc.simulate(hc.Chain.uniform(120), times=4000)
+    pulse = run.pulse()
+    # A bead is two radii long; the exact wave, by the fixed point of the travelling wave.
+    exact = 0.9074700784 * pulse.velocity[99] ** 0.2
+    assert pulse.speed[99] / 2.0 == pytest.approx(exact, rel=1e-9)
+    assert run.pulse_width(100) == pytest.approx(1.57914, abs=6e-6)
+
+
+def test_the_speed_of_a_pulse_in_steel():
+    # The published check of these balls, struck with 1 m/s.
+    steel = hc.Material("steel", density=7780.0, young=203e9, poisson=0.3)
+    chain = hc.Chain.from_materials(5e-3, steel, beads=80)
+    run = hc.simulate(chain, times=4000)
+    assert run.pulse().speed[60] == pytest.approx(674.659, abs=6e-4)
+    assert run.pulse_width(61) == pytest.approx(1.57914, abs=6e-6)
+    scales = hc.Scales.of(chain)
+    scaled = scales.to_scaled(run)
+    ours = scaled.pulse().speed * scales.radius / scales.time
+    np.testing.assert_allclose(ours, run.pulse().speed, rtol=1e-13)
+
+
+def test_the_way_through_a_gap_counts_in_real_units():
+    balls = hc.Chain.from_materials(5e-3, "steel-52100", beads=3, velocity=0.3)
+    apart = balls.replace(gaps=[0.0, 1e-3])
+    np.testing.assert_allclose(apart.centre_distances, [10e-3, 11e-3], rtol=1e-14)
+    assert hc.modified_bca(hc.Chain.tapered("forward-linear", 0.005, beads=9)).speed is None
+
+
+def test_no_width_where_the_pulse_has_not_been():
+    run = hc.simulate(hc.Chain.uniform(20), until=8.0)
+    with pytest.raises(hc.SimulationError, match="no width of the pulse at bead 15: stopped as"):
+        run.pulse_width(15)
+    with pytest.raises(hc.InputError, match="numbered 2 to 19"):
+        run.pulse_width(20)

@@ -587,6 +587,16 @@ class Chain:
         return math.sqrt(2.0 * radius) * (1.0 if wall.material is None else 2.0)
 
     @property
+    def centre_distances(self) -> Array:
+        """Distances between the centres of neighbours at first, shape (N - 1,) [R_1, or m].
+
+        With the gaps in SI units; in scaled ones these are in units of the overlaps, and
+        beside a radius nothing.
+        """
+        touching = self.radii[:-1] + self.radii[1:]
+        return touching + self.gaps if self.units == "SI" else touching
+
+    @property
     def features(self) -> tuple[str, ...]:
         """What the chain has beyond the paper's: names such as ``"gaps"``, ``"right wall"``."""
         present = {

@@ -7,6 +7,7 @@ drawn in microseconds, newtons and millimetres.
 from __future__ import annotations
 
 import io
+import math
 import os
 from collections.abc import Sequence
 from pathlib import Path
@@ -17,6 +18,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import EllipseCollection, PatchCollection
 from matplotlib.patches import Circle
+from matplotlib.ticker import FuncFormatter
 
 from hertzchain.budget import BALANCED, Balanced, Budget
 from hertzchain.chain import Chain
@@ -37,7 +39,7 @@ PARTS: Final[dict[str, tuple[str, str]]] = {
     "right wall": ("#777777", ""),
     "lost": ("#D55E00", ".."),
 }
-TICK: Final = {"energy": ("energy", "J"), "momentum": ("momentum", "kg m/s")}
+TICK: Final = {"energy": ("energy", "J"), "momentum": ("momentum", "N s")}
 
 
 def time_axis(chain: Chain) -> tuple[float, str]:
@@ -165,12 +167,25 @@ def plot_budget(budget: Budget, of: Balanced = "energy", *, ax: Axes | None = No
                               label=name)  # fmt: skip
         axes.plot(times, total, color="black", linewidth=1.0, label="given in all")
         quantity, unit = TICK[of]
-        axes.set_ylabel(f"{quantity} [{unit}]" if budget.chain.units == "SI" else quantity)
+        axes.set_ylabel(quantity)
+        if budget.chain.units == "SI":
+            # An impact of balls has some microjoules: a prefix instead of many zeros.
+            scale, prefix = _prefix(float(np.abs([above, below]).max()))
+            axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value / scale:g}"))
+            axes.set_ylabel(f"{quantity} [{prefix}{unit}]")
         axes.set_xlabel(label)
         axes.set_title(budget.chain.description)
         axes.margins(x=0.0)
         axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
     return axes
+
+
+def _prefix(largest: float) -> tuple[float, str]:
+    """Unit prefix with which a number is between 1 and 1000, if there is one."""
+    prefixes = {0: "", -3: "m", -6: "µ", -9: "n"}
+    power = 3 * math.floor(math.log10(largest) / 3) if largest > 0.0 else 0
+    power = min(0, max(-9, power))
+    return 10.0**power, prefixes[power]
 
 
 def plot_chain(chain: Chain, *, ax: Axes | None = None) -> Axes:
@@ -206,20 +221,27 @@ def plot_chain(chain: Chain, *, ax: Axes | None = None) -> Axes:
         )
         low, high = centres[0] - radii[0], centres[-1] + radii[-1]
         tall = 1.15 * radii.max()
-        for wall, at, side in ((chain.left_wall, low, -1.0), (chain.right_wall, high, 1.0)):
-            if wall is not None:
-                # Gaps are in units of motion, as they are: far smaller than beads if scaled.
-                edge = at + side * (factor * wall.gap if chain.units == "SI" else 0.0)
-                axes.fill_betweenx([-tall, tall], edge, edge + side * 0.5 * radii.max(),
-                                   facecolor="#BBBBBB", hatch="///", edgecolor="black",
-                                   linewidth=0.0)  # fmt: skip
+        _draw_walls(chain, factor, tall, axes)
         axes.set_aspect("equal")
         axes.set_xlim(low - 0.7 * radii.max(), high + 0.7 * radii.max())
         axes.set_ylim(-tall, tall)
         axes.set_xlabel(f"place [{unit}]")
         axes.set_yticks([])
+        axes.spines["left"].set_visible(False)  # it would look like a wall
         axes.set_title(chain.description)
     return axes
+
+
+def _draw_walls(chain: Chain, factor: float, tall: float, axes: Axes) -> None:
+    """Walls that reach up and down by ``tall``, half a bead's radius thick."""
+    low, high = factor * np.array([0.0, bead_centres(chain)[-1] + chain.radii[-1]])
+    thick = 0.5 * factor * chain.radii.max()
+    for wall, at, side in ((chain.left_wall, low, -1.0), (chain.right_wall, high, 1.0)):
+        if wall is not None:
+            # Gaps are in units of motion, as they are: far smaller than beads if scaled.
+            edge = at + side * (factor * wall.gap if chain.units == "SI" else 0.0)
+            axes.fill_betweenx([-tall, tall], edge, edge + side * thick, facecolor="#BBBBBB",
+                               hatch="///", edgecolor="black", linewidth=0.0, zorder=0)  # fmt: skip
 
 
 def bead_centres(chain: Chain) -> Array:
@@ -240,8 +262,8 @@ def bead_centres(chain: Chain) -> Array:
     >>> bead_centres(Chain.from_radii([1.0, 0.5]))
     array([1. , 2.5])
     """
-    apart = chain.radii[:-1] + chain.radii[1:] + (chain.gaps if chain.units == "SI" else 0.0)
-    return np.asarray(chain.radii[0] + np.concatenate(([0.0], np.cumsum(apart))))
+    apart = np.cumsum(chain.centre_distances)
+    return np.asarray(chain.radii[0] + np.concatenate(([0.0], apart)))
 
 
 def animate(
@@ -311,7 +333,8 @@ def _pictures(run: Run, chosen: Array, moved: Array) -> list[bytes]:
     chain, radii = run.chain, run.chain.radii
     centres = bead_centres(chain)
     fastest = float(np.abs(run.velocities).max())
-    unit, label = time_axis(chain)
+    unit = time_axis(chain)[0]
+    suffix = " µs" if chain.units == "SI" else ""
     pictures = []
     with house_style():
         figure, axes = plt.subplots(figsize=(8.0, 1.5), dpi=110)
@@ -324,14 +347,17 @@ def _pictures(run: Run, chosen: Array, moved: Array) -> list[bytes]:
         axes.add_collection(beads)
         low = min(0.0, float((centres + moved - radii).min()))
         high = max(float(centres[-1] + radii[-1]), float((centres + moved + radii).max()))
-        axes.set_xlim(low, high)
-        axes.set_ylim(-1.2 * radii.max(), 1.2 * radii.max())
+        tall = 1.2 * radii.max()
+        _draw_walls(chain, 1.0, tall, axes)
+        axes.set_xlim(low - 0.6 * radii.max(), high + 0.6 * radii.max())
+        axes.set_ylim(-tall, tall)
         axes.set_aspect("equal")
         axes.set_axis_off()
         for i in chosen:
             beads.set_offsets(np.column_stack([centres + moved[i], 0.0 * centres]))
             beads.set_array(run.velocities[i])
-            axes.set_title(f"{chain.description}; {label} = {unit * run.times[i]:.1f}", fontsize=8)
+            now = f"t = {unit * run.times[i]:.1f}{suffix}"
+            axes.set_title(f"{chain.description}; {now}", fontsize=8)
             content = io.BytesIO()
             figure.savefig(content, format="png")
             pictures.append(content.getvalue())

@@ -451,6 +451,52 @@ class Run:
         net = self.forces[:, k - 1] - self.forces[:, k] + equilibrium(self.chain).body_forces[k - 1]
         return waves_at(k, self.times, self.velocity(k), net / self.chain.masses[k - 1])
 
+    def pulse_width(self, bead: int) -> float:
+        r"""Width of the leading pulse where it passes a bead, in beads.
+
+        .. math:: w_k = \frac{\Delta t_k}{T_k}
+
+        with the full width at half maximum :math:`\Delta t_k` of the bead's velocity in
+        time, and the residence time :math:`T_k`, in which the pulse moves on by one bead.
+        The solitary wave of equal beads has 1.57914 (p = 3/2).  The time itself is
+        ``run.waves(bead).widths[0]``.
+
+        Parameters
+        ----------
+        bead : int
+            Number k of the bead, 2 to N - 1.
+
+        Returns
+        -------
+        float
+            From the saved times [beads]; NaN where the velocity is not seen to fall to half
+            of its maximum on both sides.
+
+        Raises
+        ------
+        InputError
+            If there is no such bead, or fewer than two times were saved.
+        SimulationError
+            If the pulse had not passed the bead when the run stopped.
+
+        Examples
+        --------
+        >>> import hertzchain as hc
+        >>> run = hc.simulate(hc.Chain.uniform(60), times=2000)
+        >>> round(run.pulse_width(40), 3)
+        1.579
+        """
+        k = _checked_index("bead", bead, 2, self.chain.beads - 1)
+        if self._peaks[0, k - 1] == 0.0 or np.any(self._crossings[0, k - 2 : k] == 0.0):
+            raise SimulationError(
+                f"no width of the pulse at bead {k}: {self.message}; simulate for longer"
+            )
+        waves = self.waves(k)
+        if not len(waves):
+            return float("nan")
+        leading = int(np.argmin(np.abs(waves.times - self._peaks[0, k - 1])))
+        return float(waves.widths[leading] / self._residence[k - 1])
+
     def budget(self) -> Budget:
         """Energy and momentum at every saved time, by where they are and whence they came.
 

@@ -161,3 +161,9 @@ def test_impossible_beads_are_refused(build, said):
     with pytest.raises(InputError, match=said) as caught:
         build()
     assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize("seed", [-1, "a", 1.5])
+def test_a_seed_that_is_none(seed):
+    with pytest.raises(hc.InputError, match="seed of a scatter"):
+        hc.Chain.uniform(5).with_scatter(seed, relative=0.1)

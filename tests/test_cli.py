@@ -366,3 +366,24 @@ def test_simulate_prints_the_budget(run):
     code, _, err = run("simulate", "--beads", "10", "--times", "1", "--budget")
     assert code == 2
     assert "need saved times" in err
+
+
+@pytest.mark.parametrize("only", ["", ",", "table9"])
+def test_a_part_that_is_not_there_leaves_no_folder(run, tmp_path, only):
+    code, _, err = run("reproduce", "--only", only, "--out", tmp_path / "report")
+    assert code == 2
+    assert "table1" in err
+    assert not (tmp_path / "report").exists()
+
+
+def test_verify_nothing(run):
+    code, _, err = run("verify", "--only", ",")
+    assert code == 2
+    assert "name groups of cases" in err
+
+
+def test_a_stray_quotation_mark_is_no_number(run, tmp_path):
+    (tmp_path / "beads.csv").write_text('radius\n1\n"1\n1\n')
+    code, _, err = run("pulse", tmp_path / "beads.csv", "--method", "bca")
+    assert code == 2
+    assert "stray quotation mark" in err

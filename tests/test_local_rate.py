@@ -120,6 +120,12 @@ def test_gradient_is_that_of_the_value(rates, quantity, data):
     per_contact = quantity in ("residence", "peak_force")
     bead = data.draw(st.integers(2, len(radii) - per_contact), label="bead")
     varied = data.draw(st.integers(2, len(radii)), label="varied")
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", ModelRangeWarning)
+        check_gradient(chain, quantity, bead, varied)
+
+
+def check_gradient(chain, quantity, bead, varied):
     value, gradient = hc.local_rate_gradient(chain, quantity, bead=bead)
 
     def moved(step):
@@ -127,13 +133,11 @@ def test_gradient_is_that_of_the_value(rates, quantity, data):
         other[varied - 1] *= np.exp(step)
         return np.log(hc.local_rate_gradient(hc.Chain.from_radii(other), quantity, bead=bead)[0])
 
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", ModelRangeWarning)
-        pulse = hc.local_rate(chain)
+    pulse = hc.local_rate(chain)
     assert value == pytest.approx(pulse.column(quantity)[bead - 1], rel=1e-12)
     numeric = (moved(1e-5) - moved(-1e-5)) / 2e-5
     # Where a state has run away the law jumps.
-    if solve(chain, universal_functions(1.5)).lost == len(smooth):
+    if solve(chain, universal_functions(1.5)).lost == chain.beads - 1:
         assert gradient[varied - 1] == pytest.approx(numeric, rel=1e-4, abs=1e-6)
 
 
@@ -220,3 +224,14 @@ def test_a_step_of_the_radii_is_announced():
     with pytest.warns(ModelRangeWarning, match=r"from bead \d+ on"):
         pulse = hc.local_rate(hc.Chain.from_radii(radii))
     assert pulse.velocity_error[20] < 1e-3 < 0.1 < pulse.velocity_error[40]
+
+
+def test_the_gradient_warns_as_the_law_does():
+    chain = hc.Chain.periodic([1.0, 0.5], cells=10)
+    with pytest.warns(ModelRangeWarning, match="outside the range"):
+        hc.local_rate_gradient(chain, bead=20)
+
+
+def test_what_is_no_chain_is_named():
+    with pytest.raises(InputError, match=r"takes a Chain, got \[1.0, 1.0\]"):
+        hc.local_rate([1.0, 1.0])

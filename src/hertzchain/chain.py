@@ -672,6 +672,8 @@ def require(chain: Chain, by: str, *, covers: Sequence[str] = (), instead: str =
     --------
     >>> require(Chain.uniform(20), "the BCA")
     """
+    if not isinstance(chain, Chain):
+        raise InputError(f"{by} takes a Chain, got {chain!r}; Chain.from_radii makes one of radii")
     others = [name for name in chain.features if name not in covers]
     if others:
         advice = instead or "leave them out"

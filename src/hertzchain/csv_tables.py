@@ -136,7 +136,10 @@ def _rows(path: str | os.PathLike[str]) -> list[list[str]]:
     except UnicodeDecodeError:
         raise InputError("is not UTF-8 text; save the table as CSV in UTF-8") from None
     lines = [line for line in text.splitlines() if line.strip() and not line.startswith("#")]
-    return [[cell.strip() for cell in row] for row in csv.reader(lines)]
+    try:
+        return [[cell.strip() for cell in row] for row in csv.reader(lines, strict=True)]
+    except csv.Error as error:
+        raise InputError(f"is not a CSV table ({error}): look for a stray quotation mark") from None
 
 
 def _header(text: str, known: Mapping[str, Column]) -> tuple[str, str | None]:

@@ -167,7 +167,12 @@ def with_scatter(
         raise InputError(
             "ball grades are tolerances in micrometres: use Chain.from_materials, or relative"
         )
-    chance = np.random.default_rng(rng)
+    try:
+        chance = np.random.default_rng(rng)
+    except (TypeError, ValueError):
+        raise InputError(
+            f"the seed of a scatter must be a whole number of at least 0, got {rng!r}"
+        ) from None
     row = _scattered(self.radii, chance, relative=relative, grade=grade)
     return _with_beads(self, "with_scatter", row, self.materials)
 

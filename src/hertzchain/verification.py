@@ -20,7 +20,7 @@ import numpy as np
 from hertzchain import __version__
 from hertzchain.chain import Chain
 from hertzchain.contacts import Array
-from hertzchain.errors import unknown_name
+from hertzchain.errors import InputError, unknown_name
 from hertzchain.losses import Loss, Restitution, UnloadingRatio, Viscoelastic, WaltonBraun
 from hertzchain.materials import Material
 from hertzchain.run import Run
@@ -123,6 +123,8 @@ def verify(
     """
     every = cases()
     known = list(dict.fromkeys(case.group for case in every))
+    if groups is not None and not groups:
+        raise InputError(f"name groups of cases to verify, of {', '.join(known)}")
     for group in groups or ():
         if group not in known:
             raise unknown_name("group of cases", group, known)

@@ -63,9 +63,10 @@ def reproduce(
         "exponential": window_from("--window-exponential", window_exponential),
         "linear": window_from("--window-linear", window_linear),
     }
+    parts = reproduction.checked_parts(names_from(only))
     report.check_writable(out)
     with progress_of("chains integrated") as progress:
-        result = reproduction.reproduce(names_from(only), windows=windows, progress=progress)  # type: ignore[arg-type]
+        result = reproduction.reproduce(parts, windows=windows, progress=progress)  # type: ignore[arg-type]
     with progress_of("figures drawn") as progress:
         page = report.write_report(result, out, progress=progress)
     if as_json:

@@ -100,6 +100,37 @@ class Reproduction:
         return " ".join(parts)
 
 
+def checked_parts(only: Collection[str] | None) -> set[str]:
+    """The parts of a reproduction, if all of them exist.
+
+    Parameters
+    ----------
+    only : collection of str, optional
+        Names of parts; all by default.
+
+    Returns
+    -------
+    set of str
+
+    Raises
+    ------
+    InputError
+        For an unknown part, or none.
+
+    Examples
+    --------
+    >>> checked_parts(["table1"])
+    {'table1'}
+    """
+    parts = set(items() if only is None else only)
+    if isinstance(only, str) or not parts:
+        raise InputError(f"name at least one part in a list, of {', '.join(items())}; got {only!r}")
+    for part in parts:
+        if part not in items():
+            raise unknown_name("table or figure", part, items())
+    return parts
+
+
 def reproduce(
     only: Collection[str] | None = None,
     *,
@@ -134,12 +165,7 @@ def reproduce(
     True
     """
     started = time.perf_counter()
-    parts = set(items() if only is None else only)
-    if isinstance(only, str) or not parts:
-        raise InputError(f"name at least one part in a list, of {', '.join(items())}; got {only!r}")
-    for part in parts:
-        if part not in items():
-            raise unknown_name("table or figure", part, items())
+    parts = checked_parts(only)
     used: dict[Fit, Window] = {**WINDOWS}
     for fit, window in (windows or {}).items():
         if fit not in WINDOWS:

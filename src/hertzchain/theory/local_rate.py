@@ -132,6 +132,11 @@ def local_rate_gradient(
     InputError
         As `local_rate`, and for an unknown quantity or a bead outside its range.
 
+    Warns
+    -----
+    ModelRangeWarning
+        As `local_rate`.
+
     Examples
     --------
     With all beads larger by a factor, the last one's momentum grows as the masses.
@@ -146,6 +151,7 @@ def local_rate_gradient(
         raise unknown_name("quantity", quantity, DIFFERENTIABLE)
     _check_bead(chain, quantity, bead)
     solution = solve(chain, _checked_functions(chain))
+    _warn_outside(solution, solution.estimated_error)
     seeds = _Seeds(solution)
     k = bead - 1
     if quantity in ("arrival", "residence"):

@@ -94,7 +94,7 @@ def test_bca_with_loss_slows_the_pulse():
     ("call", "said"),
     [
         (lambda: hc.bca(hc.Chain.uniform(3), restitution=0.0), "restitution .* got 0"),
-        (lambda: hc.hard_sphere(hc.Chain.uniform(3), restitution=1.1), "at most 1 .* got 1.1"),
+        (lambda: hc.hard_sphere(hc.Chain.uniform(3), restitution=1.1), "at most 1, got 1.1"),
         (lambda: hc.bca(hc.Chain.uniform(3), restitution=float("nan")), "got nan"),
         (lambda: hc.bca(hc.Chain.uniform(3), restitution="high"), "got 'high'"),
         (lambda: restitution_from_unloading(1.0), "below 1, got 1"),

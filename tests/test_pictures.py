@@ -60,7 +60,7 @@ def test_an_animation_moves(run, tmp_path):
 def test_bad_requests(run, tmp_path):
     with pytest.raises(hc.InputError, match=r"\.gif file"):
         animate(run, tmp_path / "beads.mp4")
-    with pytest.raises(hc.InputError, match="there is no bead 99"):
+    with pytest.raises(hc.InputError, match="bead must be a whole number from 1 to 12, got 99"):
         plot_forces(run, [99])
     with pytest.raises(hc.InputError, match="unknown balance"):
         plot_budget(run.budget(), "mass")

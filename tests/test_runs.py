@@ -314,8 +314,8 @@ def test_no_pulse_ends_a_driven_run():
 @pytest.mark.parametrize(
     ("ask", "said"),
     [
-        (lambda run: run.force(99), "there is no contact 99: they are numbered 0 to 12"),
-        (lambda run: run.sensor(0), "there is no bead 0: they are numbered 1 to 12"),
+        (lambda run: run.force(99), "contact must be a whole number from 0 to 12, got 99"),
+        (lambda run: run.sensor(0), "bead must be a whole number from 1 to 12, got 0"),
         (lambda run: run.velocity(1.5), "bead must be a whole number"),
         (lambda run: run.wall_force(), "right end of this chain is free"),
         (lambda run: run.wall_force("top"), "'left' or 'right'"),
@@ -477,5 +477,5 @@ def test_no_width_where_the_pulse_has_not_been():
     run = hc.simulate(hc.Chain.uniform(20), until=8.0)
     with pytest.raises(hc.SimulationError, match="no width of the pulse at bead 15: stopped as"):
         run.pulse_width(15)
-    with pytest.raises(hc.InputError, match="numbered 2 to 19"):
+    with pytest.raises(hc.InputError, match="from 2 to 19"):
         run.pulse_width(20)

@@ -18,8 +18,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from hertzchain.batch import COLUMNS, PASSED, STOP, Batch, Passage
 from hertzchain.chain import Chain, require
+from hertzchain.checks import number, whole_number
 from hertzchain.contacts import HERTZ_EXPONENT, Array
-from hertzchain.errors import InputError, SimulationError, real_number
+from hertzchain.errors import InputError, SimulationError
 from hertzchain.pulse import Pulse
 from hertzchain.pulse_table import PulseTable
 from hertzchain.uneven import LARGEST_RTOL
@@ -283,18 +284,13 @@ def _followed_while_watching(
 
 
 def _checked_rtol(rtol: float) -> float:
-    value = real_number("rtol", rtol)
-    if not SMALLEST_RTOL <= value <= LARGEST_RTOL:
-        raise InputError(
-            f"rtol must be between {SMALLEST_RTOL:g} and {LARGEST_RTOL:g}, got {value:g}; "
-            "hertzchain.simulate(chain, times=0, rtol=1e-13).pulse() goes below"
-        )
-    return value
+    return number(
+        "rtol", rtol, least=SMALLEST_RTOL, most=LARGEST_RTOL,
+        hint="hertzchain.simulate(chain, times=0, rtol=1e-13).pulse() goes below",
+    )  # fmt: skip
 
 
 def _checked_threads(threads: int | None) -> int:
     if threads is None:
         return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else 1
-    if isinstance(threads, bool) or not isinstance(threads, int) or threads < 1:
-        raise InputError(f"threads must be a whole number of at least 1, got {threads!r}")
-    return threads
+    return whole_number("threads", threads, least=1)

@@ -12,6 +12,7 @@ import numpy as np
 from hertzchain import __version__
 from hertzchain.budget import Budget, budget_of, overlaps_of
 from hertzchain.chain import Chain
+from hertzchain.checks import whole_number
 from hertzchain.contacts import Array
 from hertzchain.equilibrium import equilibrium
 from hertzchain.errors import InputError, SimulationError
@@ -299,7 +300,7 @@ class Run:
         >>> bool(0.63 < run.force(10).max() < 0.65)
         True
         """
-        return self.forces[:, _checked_index("contact", contact, 0, self.chain.beads)]
+        return self.forces[:, whole_number("contact", contact, least=0, most=self.chain.beads)]
 
     def sensor(self, bead: int) -> Array:
         r"""What a force sensor embedded in a bead shows: :math:`(F_{k-1} + F_k)/2`.
@@ -328,7 +329,7 @@ class Run:
         >>> bool(run.sensor(10).max() < run.force(10).max())
         True
         """
-        k = _checked_index("bead", bead, 1, self.chain.beads)
+        k = whole_number("bead", bead, least=1, most=self.chain.beads)
         return 0.5 * (self.forces[:, k - 1] + self.forces[:, k])
 
     def velocity(self, bead: int) -> Array:
@@ -354,7 +355,7 @@ class Run:
         >>> float(hc.simulate(hc.Chain.uniform(5), until=1.0).velocity(1)[0])
         1.0
         """
-        return self.velocities[:, _checked_index("bead", bead, 1, self.chain.beads) - 1]
+        return self.velocities[:, whole_number("bead", bead, least=1, most=self.chain.beads) - 1]
 
     def wall_force(self, side: Side = "right") -> WallForce:
         """What a wall felt: the force in time, its peak, and impulses.
@@ -447,7 +448,7 @@ class Run:
         >>> hc.simulate(chain, until=110.0, times=2200).waves(60).amplitudes[:4].round(4)
         array([1.2131, 0.5505, 0.2658, 0.1324])
         """
-        k = _checked_index("bead", bead, 2, self.chain.beads)
+        k = whole_number("bead", bead, least=2, most=self.chain.beads)
         net = self.forces[:, k - 1] - self.forces[:, k] + equilibrium(self.chain).body_forces[k - 1]
         return waves_at(k, self.times, self.velocity(k), net / self.chain.masses[k - 1])
 
@@ -486,7 +487,7 @@ class Run:
         >>> round(run.pulse_width(40), 3)
         1.579
         """
-        k = _checked_index("bead", bead, 2, self.chain.beads - 1)
+        k = whole_number("bead", bead, least=2, most=self.chain.beads - 1)
         if self._peaks[0, k - 1] == 0.0 or np.any(self._crossings[0, k - 2 : k] == 0.0):
             raise SimulationError(
                 f"no width of the pulse at bead {k}: {self.message}; simulate for longer"
@@ -627,11 +628,3 @@ class Run:
 
     def __repr__(self) -> str:
         return f"Run({self.chain.description}: {self.message})"
-
-
-def _checked_index(what: str, given: int, low: int, high: int) -> int:
-    if isinstance(given, bool) or not isinstance(given, int | np.integer):
-        raise InputError(f"{what} must be a whole number, got {given!r}")
-    if not low <= given <= high:
-        raise InputError(f"there is no {what} {given}: they are numbered {low} to {high}")
-    return int(given)

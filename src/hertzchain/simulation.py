@@ -6,7 +6,6 @@ want the leading pulse alone.
 
 from __future__ import annotations
 
-import operator
 from collections.abc import Callable
 from typing import Any, Final
 
@@ -14,10 +13,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from hertzchain.chain import Chain
+from hertzchain.checks import number, whole_number
 from hertzchain.contacts import Array
 from hertzchain.equations import equation_of
 from hertzchain.equilibrium import equilibrium
-from hertzchain.errors import InputError, SimulationError, real_number
+from hertzchain.errors import InputError, SimulationError
 from hertzchain.hertz_range import warn_outside_hertz
 from hertzchain.run import Run, Status
 from hertzchain.state import State, contacts_of, first_state, same_motion, transit_times
@@ -104,11 +104,11 @@ def simulate(
     >>> run.energy_drift < 1e-10
     True
     """
-    rtol = _checked_number("rtol", rtol, 1e-14, 1e-6)
+    rtol = number("rtol", rtol, least=1e-14, most=1e-6)
     if until is not None:
-        until = _checked_number("until", until, 0.0, np.inf)
+        until = number("until", until, above=0.0)
     usual = max(STEPS_PER_BEAD * chain.beads, LEAST_STEP_LIMIT)
-    limit = usual if max_steps is None else _checked_limit(max_steps)
+    limit = usual if max_steps is None else whole_number("max_steps", max_steps, least=1)
     if start is None:
         start = first_state(chain)
     elif not same_motion(chain, start.chain):
@@ -295,24 +295,6 @@ def _check_end(chain: Chain, until: float | None, times: int | ArrayLike, begin:
         raise InputError(
             "bead 1 of this chain is not struck, so that no pulse ends the run: give until"
         )
-
-
-def _checked_number(name: str, value: float, low: float, high: float) -> float:
-    number = real_number(name, value)
-    if not (low <= number <= high and 0.0 < number < np.inf):
-        allowed = f"between {low:g} and {high:g}" if np.isfinite(high) else "positive and finite"
-        raise InputError(f"{name} must be {allowed}, got {number:g}")
-    return number
-
-
-def _checked_limit(max_steps: int) -> int:
-    try:
-        limit = 0 if isinstance(max_steps, bool) else operator.index(max_steps)
-    except TypeError:
-        limit = 0
-    if limit < 1:
-        raise InputError(f"max_steps must be a whole number of at least 1, got {max_steps!r}")
-    return limit
 
 
 def _checked_times(chain: Chain, times: ArrayLike, begin: float, until: float | None) -> Array:

@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 import math
-import operator
-from collections.abc import Sequence
 from typing import Final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from hertzchain.checks import first_unreadable, number, whole_number
 from hertzchain.contacts import Array
-from hertzchain.errors import InputError, real_number
+from hertzchain.errors import InputError
 
 # What an integration holds per bead: sixteen stages and the state, 8 bytes a number.
 BYTES_PER_BEAD: Final = 400
@@ -41,12 +40,7 @@ def checked_beads(beads: int) -> int:
     >>> checked_beads(20)
     20
     """
-    try:
-        count = operator.index(beads)
-    except TypeError:
-        raise InputError(f"beads must be a whole number of at least 2, got {beads!r}") from None
-    if isinstance(beads, bool) or count < 2:
-        raise InputError(f"beads must be a whole number of at least 2, got {beads!r}")
+    count = whole_number("beads", beads, least=2)
     # Nobody's memory is full at a hundred thousand beads; asking it takes time.
     if count > 100_000:
         import psutil
@@ -82,13 +76,10 @@ def checked_exponent(exponent: float) -> float:
     >>> checked_exponent(2)
     2.0
     """
-    value = real_number("exponent of the contact force", exponent)
-    if not 1.0 < value <= LARGEST_EXPONENT:
-        raise InputError(
-            f"exponent of the contact force must be above 1 and at most {LARGEST_EXPONENT:g}, "
-            f"got {value:g}; Hertz contacts have 1.5"
-        )
-    return value
+    return number(
+        "exponent of the contact force", exponent, above=1.0, most=LARGEST_EXPONENT,
+        hint="Hertz contacts have 1.5",
+    )  # fmt: skip
 
 
 def positive_radii(radii: ArrayLike) -> Array:
@@ -118,7 +109,7 @@ def positive_radii(radii: ArrayLike) -> Array:
     except ValueError:
         raise InputError(f"radii must be a list of positive numbers, got {radii!r}") from None
     if given.dtype.kind not in "iuf":
-        raise InputError(_first_unreadable(radii))
+        raise InputError(first_unreadable("radius", "bead", radii))
     if given.ndim != 1 or len(given) < 2:
         raise InputError(f"radii must be a list of at least two numbers, got {radii!r}")
     checked_beads(len(given))
@@ -166,13 +157,3 @@ def scaled_radii(radii: ArrayLike) -> Array:
                 "be represented beyond 1e-102..1e102; use fewer beads or a weaker taper"
             )
     return positive_radii(values)
-
-
-def _first_unreadable(radii: object) -> str:
-    if isinstance(radii, Sequence) and not isinstance(radii, str):
-        for k, value in enumerate(radii, start=1):
-            try:
-                real_number("", value)
-            except InputError:
-                return f"radius of bead {k} is {value!r}: radii must be positive numbers"
-    return f"radii must be a list of positive numbers, got {radii!r}"

@@ -9,6 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from hertzchain.chain import Chain, Taper, check_taper, rate_symbol, require
+from hertzchain.checks import number
 from hertzchain.contacts import (
     Array,
     collision_cascade,
@@ -16,7 +17,7 @@ from hertzchain.contacts import (
     compression_time,
     reduced_mass,
 )
-from hertzchain.errors import InputError, real_number
+from hertzchain.errors import InputError
 from hertzchain.pulse import Pulse
 from hertzchain.theory.decoration import warn_if_decorated
 
@@ -74,7 +75,7 @@ def bca(chain: Chain, *, restitution: float = 1.0) -> Pulse:
     (1.0, 1.219419)
     """
     require(chain, "the BCA", covers=("masses", "stiffness"), instead="use simulate")
-    m, e = chain.masses, checked_restitution(restitution)
+    m, e = chain.masses, number("restitution", restitution, above=0.0, most=1.0)
     velocity = collision_cascade(m, e)
     reduced, speed = reduced_mass(m[:-1], m[1:]), velocity[:-1]
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -262,34 +263,6 @@ def forward_linear_momentum_slope(rate: float) -> float:
     """
     check_taper("forward-linear", rate)
     return -1.5 * rate * (1.0 + rate) ** 2
-
-
-def checked_restitution(restitution: float) -> float:
-    """A coefficient of restitution, refused unless 0 < e <= 1.
-
-    Parameters
-    ----------
-    restitution : float
-        The coefficient e.
-
-    Returns
-    -------
-    float
-
-    Raises
-    ------
-    InputError
-        If it is out of this range.
-
-    Examples
-    --------
-    >>> checked_restitution(1)
-    1.0
-    """
-    value = real_number("restitution", restitution)
-    if not 0.0 < value <= 1.0:
-        raise InputError(f"restitution must lie above 0 and be at most 1 (no loss), got {value:g}")
-    return value
 
 
 def _log_g(x: Array) -> Array:

@@ -14,10 +14,10 @@ import math
 import numpy as np
 
 from hertzchain.chain import Chain, require
+from hertzchain.checks import number
 from hertzchain.contacts import collision_cascade
 from hertzchain.errors import InputError
 from hertzchain.pulse import Pulse
-from hertzchain.theory.bca import checked_restitution
 from hertzchain.theory.decoration import warn_if_decorated
 
 
@@ -57,7 +57,7 @@ def hard_sphere(chain: Chain, *, restitution: float = 1.0) -> Pulse:
     array([1.      , 0.95    , 0.9025  , 0.857375])
     """
     require(chain, "the hard-sphere theory", covers=("masses", "stiffness", "gaps"))
-    e = checked_restitution(restitution)
+    e = number("restitution", restitution, above=0.0, most=1.0)
     velocity = collision_cascade(chain.masses, e)
     method = "hard sphere" if e == 1.0 else f"hard sphere, e = {e:g}"
     pulse = Pulse(chain=chain, method=method, velocity=velocity)
@@ -103,7 +103,7 @@ def hard_sphere_energy_ratio(chain: Chain, *, restitution: float = 1.0) -> float
     """
     covered = ("SI units", "masses", "stiffness", "gaps")
     require(chain, "the hard-sphere theory", covers=covered)
-    m, e = chain.masses, checked_restitution(restitution)
+    m, e = chain.masses, number("restitution", restitution, above=0.0, most=1.0)
     mass_ratio = m[1:] / m[:-1]
     return float(np.prod((1.0 + e) ** 2 * mass_ratio / (1.0 + mass_ratio) ** 2))
 
@@ -143,7 +143,7 @@ def exponential_energy_ratio(q: float, beads: int, *, restitution: float = 1.0) 
     >>> round(exponential_energy_ratio(0.05, 20), 6)
     0.893718
     """
-    e = checked_restitution(restitution)
+    e = number("restitution", restitution, above=0.0, most=1.0)
     if not 0.0 <= q < 1.0:
         raise InputError(f"q must be at least 0 and below 1, got {q:g}; try 0.05")
     if beads < 2:

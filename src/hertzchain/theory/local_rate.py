@@ -10,7 +10,6 @@ functions of the rate it needs are in the tables of `hertzchain.theory.universal
 
 from __future__ import annotations
 
-import operator
 import warnings
 from dataclasses import dataclass
 from typing import Final, Literal, get_args
@@ -18,6 +17,7 @@ from typing import Final, Literal, get_args
 import numpy as np
 
 from hertzchain.chain import Chain, require
+from hertzchain.checks import whole_number
 from hertzchain.contacts import Array
 from hertzchain.errors import InputError, ModelRangeWarning, unknown_name
 from hertzchain.pulse import PER_CONTACT, Pulse
@@ -149,7 +149,9 @@ def local_rate_gradient(
     """
     if quantity not in DIFFERENTIABLE:
         raise unknown_name("quantity", quantity, DIFFERENTIABLE)
-    _check_bead(chain, quantity, bead)
+    first = 2 if quantity == "arrival" else 1
+    last = chain.beads - 1 if quantity in PER_CONTACT else chain.beads
+    bead = whole_number("bead", bead, least=first, most=last)
     solution = solve(chain, _checked_functions(chain))
     _warn_outside(solution, solution.estimated_error)
     seeds = _Seeds(solution)
@@ -344,14 +346,3 @@ def _warn_outside(solution: Solution, error: Array) -> None:
         ModelRangeWarning,
         stacklevel=3,
     )
-
-
-def _check_bead(chain: Chain, quantity: str, bead: int) -> None:
-    first = 2 if quantity == "arrival" else 1
-    last = chain.beads - 1 if quantity in PER_CONTACT else chain.beads
-    try:
-        valid = first <= operator.index(bead) <= last
-    except TypeError:
-        valid = False
-    if not valid or isinstance(bead, bool):
-        raise InputError(f"bead must be a whole number from {first} to {last}, got {bead!r}")

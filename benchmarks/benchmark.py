@@ -27,9 +27,9 @@ from rich.console import Console
 from rich.table import Table
 
 import hertzchain as hc
-from hertzchain import windows
-from hertzchain.batch import Batch
 from hertzchain.kernels import front
+from hertzchain.propagation import windows
+from hertzchain.propagation.batch import Batch
 
 BEADS = 100
 TAPERS = {

@@ -12,8 +12,10 @@ from hertzchain.paper.errata import errata_chains
 from hertzchain.paper.figures import draw_figure, figure_chains, reproduce_figure
 from hertzchain.paper.formulas import draw_formula_errors
 from hertzchain.paper.reproduction import integrate_chains
-from hertzchain.plotting import COLOURS, house_style, plot_pulses, plot_scoreboard
-from hertzchain.scoreboard import scoreboard
+from hertzchain.plotting.pulses import plot_pulses
+from hertzchain.plotting.scoreboard import plot_scoreboard
+from hertzchain.plotting.style import COLOURS, house_style
+from hertzchain.scoreboard.scoreboard import scoreboard
 from hertzchain.theory.universal import bca_growth
 
 

@@ -164,7 +164,7 @@ def test_theories_take_masses_and_contacts_of_any_kind():
         (lambda: CHAIN.replace(units="cgs"), "unknown units 'cgs'"),
         (lambda: CHAIN.replace(wall=Wall()), "unknown field of a chain 'wall': .* did you mean"),
         (lambda: CHAIN.replace(right_wall="rigid"), "right_wall must be a Wall or None"),
-        (lambda: CHAIN.replace(loss=0.9), "loss must be a law of hertzchain.losses"),
+        (lambda: CHAIN.replace(loss=0.9), "loss must be a law of hertzchain.chain.losses"),
         (lambda: CHAIN.replace(drive="sine"), "drive must be a SineBurst, a Step, a Table"),
         (lambda: CHAIN.replace(strikers=4), "from 0 to 3, got 4"),
         (lambda: CHAIN.replace(precompression=-1.0), "at least 0, got -1; beads do not pull"),

@@ -5,7 +5,7 @@ import pytest
 
 import hertzchain as hc
 from hertzchain.calibration import calibrate, calibrated_toml, line
-from hertzchain.chain import TAPERS
+from hertzchain.chain.chain import TAPERS
 from hertzchain.theory.modified_bca import calibrated_corrections
 
 

@@ -4,7 +4,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from hertzchain import Chain, InputError
-from hertzchain.chain import TAPERS
+from hertzchain.chain.chain import TAPERS
 
 
 def test_tapers_follow_their_equations():

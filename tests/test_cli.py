@@ -13,9 +13,10 @@ import numpy as np
 import pytest
 
 import hertzchain
-from hertzchain import cli, streaming
-from hertzchain.chain import TAPERS
+from hertzchain import cli
+from hertzchain.chain.chain import TAPERS
 from hertzchain.cli import progress
+from hertzchain.store import streaming
 
 
 @pytest.fixture

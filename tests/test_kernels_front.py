@@ -5,8 +5,8 @@ import pytest
 from numba import njit
 
 import hertzchain as hc
-from hertzchain.batch import PASSED, Batch
 from hertzchain.kernels import front, rkn8
+from hertzchain.propagation.batch import PASSED, Batch
 
 STEP = (0.15, 0.1)
 NO_LIMITS = (np.inf, np.inf, np.inf)

@@ -7,7 +7,7 @@ import pytest
 
 import hertzchain as hc
 from hertzchain import Chain, InputError, Material, Scales, Wall
-from hertzchain.materials import RIGID, catalogue, contact_modulus, sphere_stiffness
+from hertzchain.chain.materials import RIGID, catalogue, contact_modulus, sphere_stiffness
 
 STEEL = hc.material("steel-52100")
 

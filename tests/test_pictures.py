@@ -3,7 +3,10 @@ import pytest
 from PIL import Image
 
 import hertzchain as hc
-from hertzchain.pictures import animate, bead_centres, plot_budget, plot_chain, plot_forces
+from hertzchain.plotting.animation import animate
+from hertzchain.plotting.budget import plot_budget
+from hertzchain.plotting.chains import bead_centres, plot_chain
+from hertzchain.plotting.runs import plot_forces
 
 
 @pytest.fixture(scope="module")

@@ -14,7 +14,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import hertzchain as hc
-from hertzchain import propagation
+from hertzchain.propagation import propagate
 
 COLUMNS = ("velocity", "peak_time", "arrival", "peak_overlap")
 
@@ -153,7 +153,7 @@ def test_long_random_chains(spread):
 def test_random_radii_agree_with_the_full_chain(radii, spread):
     """From nearly equal beads to any radii between 0.3 and 3, on every bead."""
     chain = hc.Chain.from_radii(np.array(radii) ** spread)
-    assert largest_error(hc.propagate(chain), full(chain)) < 10 * propagation.DEFAULT_RTOL
+    assert largest_error(hc.propagate(chain), full(chain)) < 10 * propagate.DEFAULT_RTOL
 
 
 @pytest.mark.parametrize("rtol", [1e-6, 1e-7, 1e-9, 1e-10])
@@ -205,7 +205,7 @@ def test_ensemble_rows_are_the_single_chains():
 
 
 def test_threads_change_no_bit(monkeypatch):
-    monkeypatch.setattr(propagation, "BLOCK_BEADS", 500)
+    monkeypatch.setattr(propagate, "BLOCK_BEADS", 500)
     radii = np.random.default_rng(2).uniform(0.95, 1.05, (60, 40))
     one = hc.propagate_many(radii, threads=1)
     two = hc.propagate_many(radii, threads=2)
@@ -269,7 +269,7 @@ def test_labelled_table():
 
 
 def test_progress_counts_chains(monkeypatch):
-    monkeypatch.setattr(propagation, "BLOCK_BEADS", 100)
+    monkeypatch.setattr(propagate, "BLOCK_BEADS", 100)
     seen = []
     hc.propagate_many(np.ones((40, 10)), progress=lambda done, of: seen.append((done, of)))
     assert seen[-1] == (40, 40)

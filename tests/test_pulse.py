@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 import hertzchain as hc
-from hertzchain.pulse import QUANTITIES
+from hertzchain.pulse.quantities import QUANTITIES
 
 
 @pytest.fixture(scope="module")

@@ -9,8 +9,8 @@ from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
 import hertzchain as hc
-from hertzchain.equations import drive_pieces
-from hertzchain.equilibrium import equilibrium
+from hertzchain.chain.equilibrium import equilibrium
+from hertzchain.simulation.equations import drive_pieces, equation_of
 
 LAWS = [
     None,
@@ -236,7 +236,7 @@ def test_pieces_of_drives_are_the_drives(drive):
 
     starts, pieces = drive_pieces(drive)
     chain = hc.Chain.uniform(2).replace(drive=hc.Step(1.0))
-    setup = hc.equations.equation_of(chain)._replace(drive=PUSH, piece_starts=starts, pieces=pieces)
+    setup = equation_of(chain)._replace(drive=PUSH, piece_starts=starts, pieces=pieces)
     times = np.linspace(0.013, 5.0, 97)
     values = [drive_at(t, setup, np.searchsorted(starts, t, "right") - 1)[0] for t in times]
     np.testing.assert_allclose(values, drive.value(times), atol=1e-13)

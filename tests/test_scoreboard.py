@@ -7,12 +7,12 @@ import pytest
 
 import hertzchain as hc
 from hertzchain.cli.pulse import METHODS
-from hertzchain.plotting import plot_scoreboard
-from hertzchain.scoreboard import JUDGED, judge, percentage, scoreboard
-from hertzchain.scoreboard_cases import FREE_END, Case, paper_cases, unseen_cases
+from hertzchain.plotting.scoreboard import plot_scoreboard
+from hertzchain.scoreboard.cases import FREE_END, Case, paper_cases, unseen_cases
+from hertzchain.scoreboard.scoreboard import JUDGED, judge, percentage, scoreboard
+from hertzchain.scoreboard.unseen_tapers import is_smooth, unseen_radii
 from hertzchain.theory.catalogue import THEORIES
 from hertzchain.theory.modified_bca import two_thirds_bca
-from hertzchain.unseen_tapers import is_smooth, unseen_radii
 
 
 @pytest.fixture(scope="module")

@@ -159,7 +159,7 @@ def test_tolerance_sets_the_error():
 def test_a_run_can_be_cut_into_pieces_without_a_trace(monkeypatch):
     chain = hc.Chain.tapered("backward-exponential", 0.1, beads=30)
     whole = hc.simulate(chain, times=100)
-    monkeypatch.setattr("hertzchain.simulation.BEAD_STEPS_PER_CALL", 1)
+    monkeypatch.setattr("hertzchain.simulation.simulate.BEAD_STEPS_PER_CALL", 1)
     pieces = hc.simulate(chain, times=100)
     np.testing.assert_array_equal(pieces.velocities, whole.velocities)
     np.testing.assert_array_equal(pieces.pulse().velocity, whole.pulse().velocity)

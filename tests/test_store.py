@@ -7,7 +7,7 @@ import pytest
 import xarray as xr
 
 import hertzchain as hc
-from hertzchain import store
+from hertzchain.store import results
 
 
 def chain_file(folder, text):
@@ -72,11 +72,11 @@ def test_unreadable_chain_files(tmp_path):
 def test_pulses_as_json_and_csv():
     chain = hc.Chain.tapered("backward-linear", 0.1, beads=5)
     pulses = [hc.bca(chain), hc.modified_bca(chain)]
-    document = json.loads(store.pulses_as_json(pulses))
+    document = json.loads(results.pulses_as_json(pulses))
     assert document["chain"]["radii"] == chain.radii.tolist()
     assert document["pulses"][0]["peak_force"] == pulses[0].peak_force.tolist()
     assert "arrival" not in document["pulses"][1]
-    rows = list(csv.DictReader(io.StringIO(store.pulses_as_csv(pulses))))
+    rows = list(csv.DictReader(io.StringIO(results.pulses_as_csv(pulses))))
     assert len(rows) == 10
     assert float(rows[4]["velocity"]) == pulses[0].velocity[4]
     assert rows[4]["residence"] == rows[5]["arrival"] == ""
@@ -84,11 +84,11 @@ def test_pulses_as_json_and_csv():
 
 def test_saved_runs_can_be_read_again(tmp_path):
     run = hc.simulate(hc.Chain.uniform(6), until=5.0, times=11)
-    store.save_run(run, tmp_path / "run.nc")
+    results.save_run(run, tmp_path / "run.nc")
     with xr.open_dataset(tmp_path / "run.nc", engine="scipy") as dataset:
         np.testing.assert_array_equal(dataset.velocity.values, run.velocities)
         assert dataset.attrs["status"] == "time reached"
-    store.save_run(run, tmp_path / "run.csv")
+    results.save_run(run, tmp_path / "run.csv")
     table = np.genfromtxt(tmp_path / "run.csv", delimiter=",", names=True)
     np.testing.assert_allclose(table["velocity"], run.velocities.ravel(), rtol=1e-11)
     assert table["bead"][5] == 6
@@ -97,15 +97,15 @@ def test_saved_runs_can_be_read_again(tmp_path):
 def test_files_are_written_whole_or_not_at_all(tmp_path):
     run = hc.simulate(hc.Chain.uniform(3), until=1.0, times=5)
     with pytest.raises(hc.InputError, match=r"\.nc or \.csv"):
-        store.save_run(run, tmp_path / "run.xlsx")
+        results.save_run(run, tmp_path / "run.xlsx")
     with pytest.raises(hc.InputError, match="cannot write"):
-        store.save_run(run, tmp_path / "missing" / "run.csv")
+        results.save_run(run, tmp_path / "missing" / "run.csv")
     assert list(tmp_path.iterdir()) == []
 
 
 def test_a_run_without_saved_times_is_not_written(tmp_path):
     with pytest.raises(hc.InputError, match="saved no times"):
-        store.save_run(hc.simulate(hc.Chain.uniform(3), times=0), tmp_path / "run.csv")
+        results.save_run(hc.simulate(hc.Chain.uniform(3), times=0), tmp_path / "run.csv")
 
 
 def test_a_byte_order_mark_is_read_over(tmp_path):

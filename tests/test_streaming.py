@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 import hertzchain as hc
-from hertzchain import simulation, store, streaming
+from hertzchain.simulation import simulate
+from hertzchain.store import results, streaming
 
 CHAIN = hc.Chain.uniform(12).replace(right_wall=hc.Wall(), loss=hc.UnloadingRatio(0.2))
 TIMES = np.linspace(0.0, 40.0, 81)
@@ -54,12 +55,12 @@ def test_a_file_ahead_of_its_state_is_written_anew(tmp_path, monkeypatch):
         calls.append(state)
         if len(calls) == 3:
             raise hc.InputError("cannot write: no space left on device")
-        store.save_state(state, path)
+        results.save_state(state, path)
 
     monkeypatch.setattr(streaming, "save_state", fail_late)
     with pytest.raises(hc.InputError, match=r"no space left.*times up to \d+\.?\d* are stored"):
         hc.stream(CHAIN, tmp_path, times=TIMES)
-    monkeypatch.setattr(streaming, "save_state", store.save_state)
+    monkeypatch.setattr(streaming, "save_state", results.save_state)
     assert streaming.StoredRun(tmp_path).load().time[-1] >= 9.0
     stored = hc.stream(CHAIN, tmp_path, times=TIMES)
     np.testing.assert_array_equal(stored.load().time, TIMES)
@@ -105,8 +106,8 @@ def test_files_grow_until_one_takes_long(tmp_path, monkeypatch, seconds, fewest,
 
 
 def test_a_long_run_has_no_step_limit(tmp_path, monkeypatch):
-    monkeypatch.setattr(simulation, "LEAST_STEP_LIMIT", 10)
-    monkeypatch.setattr(simulation, "STEPS_PER_BEAD", 1)
+    monkeypatch.setattr(simulate, "LEAST_STEP_LIMIT", 10)
+    monkeypatch.setattr(simulate, "STEPS_PER_BEAD", 1)
     with pytest.raises(hc.SimulationError, match="step limit"):
         hc.simulate(CHAIN, times=TIMES)
     hc.stream(CHAIN, tmp_path, times=TIMES)
@@ -125,7 +126,7 @@ def test_a_state_goes_through_a_file_unchanged(tmp_path):
 
 def test_states_that_do_not_fit_are_refused(tmp_path, monkeypatch):
     state, file = hc.simulate(CHAIN, until=1.0).state, tmp_path / "state.npz"
-    monkeypatch.setattr(store, "__version__", "0.0.1")
+    monkeypatch.setattr(results, "__version__", "0.0.1")
     hc.save_state(state, file)
     monkeypatch.undo()
     with pytest.raises(hc.InputError, match=r"written by hertzchain 0\.0\.1, and this is"):

@@ -4,7 +4,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import hertzchain as hc
-from hertzchain.chain import TAPERS
+from hertzchain.chain.chain import TAPERS
 from hertzchain.paper.published import published_correction, published_ratio
 from hertzchain.theory.bca import (
     backward_linear_prefactor,

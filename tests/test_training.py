@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
+from hertzchain.scoreboard.unseen_tapers import unseen_radii
 from hertzchain.theory import universal
 from hertzchain.theory.universal import INPUTS, STAGES, WITHIN, universal_functions
 from hertzchain.training import fit, rollout, samples
 from hertzchain.training.tables import write_tables
-from hertzchain.unseen_tapers import unseen_radii
 
 
 def test_no_unseen_taper_is_among_the_inputs():

@@ -6,9 +6,9 @@ import reference
 from numba import njit
 
 import hertzchain as hc
-from hertzchain import uneven
-from hertzchain.batch import PASSED, Batch
 from hertzchain.kernels import wide_front
+from hertzchain.propagation import uneven
+from hertzchain.propagation.batch import PASSED, Batch
 
 COLUMNS = ("velocity", "peak_time", "arrival", "peak_overlap")
 RADII = np.array([1, 0.3, 3, 0.5, 1, 2, 0.4, 0.6, 1, 0.3, 1, 1, 3, 0.3, 0.3, 1])

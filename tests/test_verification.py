@@ -6,7 +6,8 @@ from pathlib import Path
 import pytest
 
 import hertzchain as hc
-from hertzchain.verification import Case, Verdict, cases, verify
+from hertzchain.verification.cases import Case, cases
+from hertzchain.verification.verify import Verdict, verify
 
 
 @pytest.mark.parametrize("case", cases(), ids=lambda case: f"{case.group}: {case.name}")

@@ -13,10 +13,10 @@ from typing import Any, Final
 
 import numpy as np
 
-from hertzchain.chain import TAPERS, Chain, Taper, check_taper, rate_symbol
+from hertzchain.chain.chain import TAPERS, Chain, Taper, check_taper, rate_symbol
 from hertzchain.contacts import Array
 from hertzchain.errors import InputError, unknown_name
-from hertzchain.propagation import propagate_many
+from hertzchain.propagation.propagate import propagate_many
 from hertzchain.theory.bca import bca
 from hertzchain.theory.modified_bca import (
     Correction,

@@ -7,7 +7,7 @@ apart with the force
 
 with :math:`p = 3/2` for elastic bodies with smooth round surfaces (Hertz).
 Beads never pull.  Everything here is about *one* contact; what a whole chain
-does with its contacts is the business of `hertzchain.simulation`, and what
+does with its contacts is the business of `hertzchain.simulation.simulate`, and what
 becomes of it if only one contact acts at a time that of `hertzchain.theory`.
 """
 

@@ -53,8 +53,9 @@ def calibrate(
       hertzchain calibrate
       hertzchain calibrate --taper forward-linear --rates 0.01,0.015 --beads 60 --window 5:50
     """
-    from hertzchain import calibration, store
-    from hertzchain.chain import TAPERS
+    from hertzchain import calibration
+    from hertzchain.chain.chain import TAPERS
+    from hertzchain.store import results
 
     check_known("taper", tapers, TAPERS)
     check_writable(output, "--output", (".toml",))
@@ -75,9 +76,9 @@ def calibrate(
             for taper in chosen
         ]
     if output is not None:
-        store.write_bytes(output, calibration.calibrated_toml(found).encode())
+        results.write_bytes(output, calibration.calibrated_toml(found).encode())
     if as_json:
-        document: dict[str, Any] = {"schema_version": store.SCHEMA_VERSION}
+        document: dict[str, Any] = {"schema_version": results.SCHEMA_VERSION}
         document["calibrations"] = [result.as_dict() for result in found]
         show_json(document)
         return
@@ -89,7 +90,7 @@ def _show_calibration(result: Calibration) -> None:
     from rich import box
     from rich.table import Table
 
-    from hertzchain.chain import rate_symbol
+    from hertzchain.chain.chain import rate_symbol
 
     first, last = result.window
     click.echo(f"{result.taper}, beads {first}..{last} of {result.beads}")

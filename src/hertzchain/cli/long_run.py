@@ -11,7 +11,7 @@ from hertzchain.cli.progress import progress_of
 from hertzchain.cli.show import show_json
 
 if TYPE_CHECKING:
-    from hertzchain.chain import Chain
+    from hertzchain.chain.chain import Chain
     from hertzchain.contacts import Array
 
 
@@ -27,8 +27,8 @@ def stream_into(
     folder: Path, chain: Chain, *, until: float | None, times: int, rtol: float, as_json: bool
 ) -> None:
     """Run a chain into a folder, or go on with the run in it, and say what is there."""
-    from hertzchain import store
-    from hertzchain.streaming import stream
+    from hertzchain.store import results
+    from hertzchain.store.streaming import stream
 
     moments = _moments(until, times)
     try:
@@ -39,7 +39,7 @@ def stream_into(
         raise
     files, end = len(stored.files), float(moments[-1])
     if as_json:
-        document = {"schema_version": store.SCHEMA_VERSION, "chain": store.chain_as_dict(chain)}
+        document = {"schema_version": results.SCHEMA_VERSION, "chain": results.chain_as_dict(chain)}
         document |= {"folder": str(folder), "files": files, "saved_times": times, "end_time": end}
         show_json(document)
         return

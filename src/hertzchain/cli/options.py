@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 if TYPE_CHECKING:
-    from hertzchain.chain import Chain
+    from hertzchain.chain.chain import Chain
 
 
 def chain_options(command: Callable[..., Any]) -> Callable[..., Any]:
@@ -42,9 +42,9 @@ def chain_from(
     beads: int | None,
 ) -> Chain:
     """The chain that the `chain_options` describe."""
-    from hertzchain.chain import TAPERS, Chain
-    from hertzchain.chain_files import load_chain
+    from hertzchain.chain.chain import TAPERS, Chain
     from hertzchain.errors import unknown_name
+    from hertzchain.store.chain_files import load_chain
 
     if file is not None and chain_file is not None:
         raise click.UsageError("give the chain as FILE or as --chain FILE, not both")

@@ -14,8 +14,8 @@ from hertzchain.cli.pulse_tables import side_by_side, table_of
 from hertzchain.cli.show import save_axes, show_table
 
 if TYPE_CHECKING:
-    from hertzchain.chain import Chain
-    from hertzchain.pulse import Pulse
+    from hertzchain.chain.chain import Chain
+    from hertzchain.pulse.pulse import Pulse
 
 METHODS: Final = (
     "propagate", "simulate", "bca", "modified-bca", "modified-bca-printed", "two-thirds-bca",
@@ -69,9 +69,9 @@ def pulse(
       hertzchain pulse --taper forward-linear --rate 0.009 --method propagate --method bca
       hertzchain pulse chain.toml --csv > pulse.csv
     """
-    from hertzchain import store
     from hertzchain.errors import InputError
-    from hertzchain.pulse import QUANTITIES
+    from hertzchain.pulse.quantities import QUANTITIES
+    from hertzchain.store import results
 
     if as_json and as_csv:
         raise click.UsageError("--json and --csv exclude each other")
@@ -82,13 +82,13 @@ def pulse(
     with progress_of("beads passed") as progress:
         pulses = [_compute(method, chain, progress) for method in dict.fromkeys(methods)]
     if plot is not None:
-        from hertzchain import plotting
+        from hertzchain.plotting.pulses import plot_pulses
 
-        save_axes(plotting.plot_pulses(pulses, quantity, log=log), plot)  # type: ignore[arg-type]
+        save_axes(plot_pulses(pulses, quantity, log=log), plot)  # type: ignore[arg-type]
     if as_json:
-        click.echo(store.pulses_as_json(pulses))
+        click.echo(results.pulses_as_json(pulses))
     elif as_csv:
-        click.echo(store.pulses_as_csv(pulses), nl=False)
+        click.echo(results.pulses_as_csv(pulses), nl=False)
     elif len(pulses) == 1:
         show_table(table_of(pulses[0], every_bead))
     else:
@@ -101,7 +101,7 @@ def pulse(
 
 def _compute(method: str, chain: Chain, progress: Callable[[int, int], None]) -> Pulse:
     from hertzchain import Scales, propagate, simulate
-    from hertzchain.hertz_range import warn_outside_hertz
+    from hertzchain.chain.hertz_range import warn_outside_hertz
     from hertzchain.theory.catalogue import THEORIES
 
     if chain.units == "SI" and method != "simulate":

@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING, Final
 if TYPE_CHECKING:
     from rich.table import Table
 
-    from hertzchain.pulse import Pulse, Quantity
+    from hertzchain.pulse.pulse import Pulse
+    from hertzchain.pulse.quantities import Quantity
 
 TABLE_ROWS: Final = 26
 
@@ -16,7 +17,7 @@ def table_of(pulse: Pulse, every_bead: bool) -> Table:
     """A pulse with a column for each quantity."""
     from rich.markup import escape
 
-    from hertzchain.pulse import QUANTITIES
+    from hertzchain.pulse.quantities import QUANTITIES
 
     beads = pulse.chain.beads
     rows = _rows(beads, every_bead)

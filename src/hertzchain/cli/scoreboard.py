@@ -14,7 +14,7 @@ from hertzchain.cli.show import save_axes, show_json, show_table
 if TYPE_CHECKING:
     from rich.table import Table
 
-    from hertzchain.scoreboard import Scoreboard
+    from hertzchain.scoreboard.scoreboard import Scoreboard
 
 
 @click.command()
@@ -53,8 +53,8 @@ def scoreboard(
       hertzchain scoreboard
       hertzchain scoreboard --quantity arrival --first-bead 2 --figure arrival.png
     """
-    from hertzchain import scoreboard as board_module
-    from hertzchain import store
+    from hertzchain.scoreboard import scoreboard as board_module
+    from hertzchain.store import results
 
     check_known("quantity", (quantity,), board_module.JUDGED)
     check_writable(figure, "--figure", (".png", ".svg", ".pdf"))
@@ -64,11 +64,11 @@ def scoreboard(
     what["statistic"] = "rms" if rms else "worst"
     board.table(**what)  # refuses a bead that is not there, before anything is written
     if figure is not None:
-        from hertzchain import plotting
+        from hertzchain.plotting.scoreboard import plot_scoreboard
 
-        save_axes(plotting.plot_scoreboard(board, **what), figure)
+        save_axes(plot_scoreboard(board, **what), figure)
     if as_json:
-        document = {"schema_version": store.SCHEMA_VERSION} | board.as_dict()
+        document = {"schema_version": results.SCHEMA_VERSION} | board.as_dict()
         show_json(document)
     else:
         show_table(_scoreboard_table(board, by="case" if every_chain else "family", **what))
@@ -80,8 +80,8 @@ def _scoreboard_table(
     from rich import box
     from rich.table import Table
 
-    from hertzchain.scoreboard import percentage
-    from hertzchain.scoreboard_cases import GROUPS
+    from hertzchain.scoreboard.cases import GROUPS
+    from hertzchain.scoreboard.scoreboard import percentage
 
     errors = board.table(quantity, first_bead=first_bead, statistic=statistic, by=by)  # type: ignore[arg-type]
     outside = board.outside(by)  # type: ignore[arg-type]

@@ -13,7 +13,7 @@ from hertzchain.cli.progress import progress_of
 from hertzchain.cli.show import save_axes, show_json
 
 if TYPE_CHECKING:
-    from hertzchain.run import Run
+    from hertzchain.simulation.run import Run
 
 
 @click.command()
@@ -61,7 +61,8 @@ def simulate(
       hertzchain simulate experiment.toml --until 7e-4 --budget
       hertzchain simulate experiment.toml --until 10 --times 100000 --stream long
     """
-    from hertzchain import simulation, store
+    import hertzchain
+    from hertzchain.store.results import save_run
 
     check_writable(plot, "--plot", (".png", ".svg", ".pdf"))
     check_writable(out, "--out", (".nc", ".csv"))
@@ -78,11 +79,11 @@ def simulate(
         stream_into(stream, chain, until=until, times=times, rtol=rtol, as_json=as_json)
         return
     with progress_of("beads passed") as progress:
-        run = simulation.simulate(
+        run = hertzchain.simulate(
             chain, until=until, times=times, rtol=rtol, max_steps=max_steps, progress=progress
         )
     if out is not None:
-        store.save_run(run, out)
+        save_run(run, out)
     if plot is not None:
         save_axes(run.plot(), plot)
     _show_run(run, as_json)
@@ -91,7 +92,8 @@ def simulate(
 
 
 def _show_run(run: Run, as_json: bool) -> None:
-    from hertzchain import store
+
+    from hertzchain.store import results
 
     summary = {
         "status": run.status,
@@ -104,8 +106,8 @@ def _show_run(run: Run, as_json: bool) -> None:
         "saved_times": len(run.times),
     }
     if as_json:
-        document = {"schema_version": store.SCHEMA_VERSION} | summary
-        document["chain"] = store.chain_as_dict(run.chain)
+        document = {"schema_version": results.SCHEMA_VERSION} | summary
+        document["chain"] = results.chain_as_dict(run.chain)
         show_json(document)
         return
     click.echo(f"{run.chain.description}\n{run.message}")

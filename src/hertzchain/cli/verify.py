@@ -13,7 +13,7 @@ from hertzchain.cli.progress import progress_of
 from hertzchain.cli.show import show_json, show_table
 
 if TYPE_CHECKING:
-    from hertzchain.verification import Verdict
+    from hertzchain.verification.verify import Verdict
 
 
 @click.command()
@@ -31,12 +31,13 @@ def verify(only: str | None, as_json: bool) -> None:
       hertzchain verify
       hertzchain verify --only restitution,walls
     """
-    from hertzchain import verification
+    import hertzchain
+    from hertzchain.verification.verify import as_dict
 
     with progress_of("cases computed") as progress:
-        verdicts = verification.verify(names_from(only), progress=progress)
+        verdicts = hertzchain.verify(names_from(only), progress=progress)
     if as_json:
-        show_json(verification.as_dict(verdicts))
+        show_json(as_dict(verdicts))
     else:
         _show_verdicts(verdicts)
     if not all(verdict.agrees for verdict in verdicts):

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from hertzchain.calibration import RATES
-from hertzchain.chain import Chain, Taper, rate_symbol
+from hertzchain.chain.chain import Chain, Taper, rate_symbol
 from hertzchain.paper.formulas import (
     EXACT_PRODUCT,
     WITH_PREFACTOR,
@@ -26,7 +26,7 @@ from hertzchain.paper.published import (
     published_tables,
 )
 from hertzchain.paper.tables import Pulses
-from hertzchain.propagation import propagate
+from hertzchain.propagation.propagate import propagate
 from hertzchain.theory.bca import (
     backward_linear_prefactor,
     bca,

@@ -14,12 +14,12 @@ from matplotlib.figure import Figure as MatplotlibFigure
 from matplotlib.lines import Line2D
 
 from hertzchain.calibration import line
-from hertzchain.chain import Taper, rate_symbol
+from hertzchain.chain.chain import Taper, rate_symbol
 from hertzchain.contacts import Array
 from hertzchain.paper.published import FigureQuantity, PublishedFigure, published_figures
 from hertzchain.paper.tables import Pulses
-from hertzchain.plotting import house_style, label_right_ends
-from hertzchain.pulse import Pulse
+from hertzchain.plotting.style import house_style, label_right_ends
+from hertzchain.pulse.pulse import Pulse
 from hertzchain.theory.bca import bca, forward_linear_momentum_slope
 from hertzchain.theory.modified_bca import modified_bca
 

@@ -10,12 +10,12 @@ import numpy as np
 from matplotlib.figure import Figure as MatplotlibFigure
 
 from hertzchain.calibration import RATES, WINDOW, Window
-from hertzchain.chain import Taper, rate_symbol
+from hertzchain.chain.chain import Taper, rate_symbol
 from hertzchain.contacts import Array
 from hertzchain.paper.published import published_correction, published_ratio
 from hertzchain.paper.tables import Pulses
-from hertzchain.plotting import COLOURS, house_style
-from hertzchain.pulse import Pulse
+from hertzchain.plotting.style import COLOURS, house_style
+from hertzchain.pulse.pulse import Pulse
 from hertzchain.theory.bca import backward_linear_prefactor, bca
 from hertzchain.theory.modified_bca import (
     PowerLawCorrection,

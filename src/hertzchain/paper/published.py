@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from importlib import resources
 from typing import Any, Literal
 
-from hertzchain.chain import Taper
+from hertzchain.chain.chain import Taper
 from hertzchain.theory.modified_bca import PowerLawCorrection
 
 Fit = Literal["exponential", "linear"]

@@ -27,16 +27,17 @@ from jinja2 import Environment, PackageLoader, select_autoescape
 from markupsafe import Markup, escape
 from matplotlib.figure import Figure as MatplotlibFigure
 
-from hertzchain.chain import rate_symbol
+from hertzchain.chain.chain import rate_symbol
 from hertzchain.errors import InputError
 from hertzchain.paper.figures import Figure, draw_figure, figure_csv
 from hertzchain.paper.formulas import draw_formula_errors
 from hertzchain.paper.reproduction import Reproduction
 from hertzchain.paper.tables import WINDOWS, Table
-from hertzchain.plotting import figure_bytes, plot_scoreboard
-from hertzchain.scoreboard import JUDGED, Scoreboard, percentage
-from hertzchain.scoreboard_cases import GROUPS
-from hertzchain.verification import as_dict
+from hertzchain.plotting.scoreboard import plot_scoreboard
+from hertzchain.plotting.style import figure_bytes
+from hertzchain.scoreboard.cases import GROUPS
+from hertzchain.scoreboard.scoreboard import JUDGED, Scoreboard, percentage
+from hertzchain.verification.verify import as_dict
 
 SCHEMA_VERSION: Final = 1
 PAGES: Final = ("report.html", "verdict.json", "summary.md")

@@ -8,17 +8,17 @@ from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import dataclass, field
 
 from hertzchain.calibration import BEADS, Window, beads_in_window
-from hertzchain.chain import Chain, Taper
+from hertzchain.chain.chain import Chain, Taper
 from hertzchain.errors import InputError, unknown_name
 from hertzchain.paper.errata import Erratum, errata, errata_chains
 from hertzchain.paper.figures import Figure, figure_chains, reproduce_figure
 from hertzchain.paper.formulas import printed_and_mended_errors
 from hertzchain.paper.published import Fit, published_figures, published_tables
 from hertzchain.paper.tables import WINDOWS, Pulses, Table, reproduce_table, table_chains
-from hertzchain.pulse import Pulse
-from hertzchain.scoreboard import Scoreboard, percentage, scoreboard
-from hertzchain.simulation import DEFAULT_RTOL, simulate
-from hertzchain.verification import Verdict, verify
+from hertzchain.pulse.pulse import Pulse
+from hertzchain.scoreboard.scoreboard import Scoreboard, percentage, scoreboard
+from hertzchain.simulation.simulate import DEFAULT_RTOL, simulate
+from hertzchain.verification.verify import Verdict, verify
 
 Progress = Callable[[int, int], None]
 

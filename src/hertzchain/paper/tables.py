@@ -9,9 +9,9 @@ from typing import Final, Literal
 import numpy as np
 
 from hertzchain.calibration import Window, beads_in_window, line
-from hertzchain.chain import Taper
+from hertzchain.chain.chain import Taper
 from hertzchain.paper.published import Fit, Printed, PublishedTable, published_tables
-from hertzchain.pulse import Pulse
+from hertzchain.pulse.pulse import Pulse
 from hertzchain.theory.bca import exponential_rates, forward_linear_momentum_slope
 
 Pulses = Mapping[tuple[Taper, float], Pulse]

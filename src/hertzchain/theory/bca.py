@@ -8,7 +8,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from hertzchain.chain import Chain, Taper, check_taper, rate_symbol, require
+from hertzchain.chain.chain import Chain, Taper, check_taper, rate_symbol
+from hertzchain.chain.coverage import require
 from hertzchain.checks import number
 from hertzchain.contacts import (
     Array,
@@ -18,7 +19,7 @@ from hertzchain.contacts import (
     reduced_mass,
 )
 from hertzchain.errors import InputError
-from hertzchain.pulse import Pulse
+from hertzchain.pulse.pulse import Pulse
 from hertzchain.theory.decoration import warn_if_decorated
 
 

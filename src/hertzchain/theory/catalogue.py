@@ -7,8 +7,8 @@ from functools import partial
 from types import MappingProxyType
 from typing import Final
 
-from hertzchain.chain import Chain
-from hertzchain.pulse import Pulse
+from hertzchain.chain.chain import Chain
+from hertzchain.pulse.pulse import Pulse
 from hertzchain.theory.bca import bca
 from hertzchain.theory.hard_sphere import hard_sphere
 from hertzchain.theory.local_rate import local_rate

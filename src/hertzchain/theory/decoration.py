@@ -8,7 +8,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from hertzchain.chain import Chain
+from hertzchain.chain.chain import Chain
 from hertzchain.contacts import Array
 from hertzchain.errors import ModelRangeWarning
 

@@ -14,7 +14,8 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
-from hertzchain.chain import Chain, require
+from hertzchain.chain.chain import Chain
+from hertzchain.chain.coverage import require
 from hertzchain.contacts import HERTZ_EXPONENT, Array, hertz_stiffness
 from hertzchain.errors import InputError, unknown_name
 

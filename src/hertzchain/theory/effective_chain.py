@@ -18,7 +18,8 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from hertzchain.chain import Chain, require
+from hertzchain.chain.chain import Chain
+from hertzchain.chain.coverage import require
 from hertzchain.contacts import (
     Array,
     collision_cascade,

@@ -13,11 +13,12 @@ import math
 
 import numpy as np
 
-from hertzchain.chain import Chain, require
+from hertzchain.chain.chain import Chain
+from hertzchain.chain.coverage import require
 from hertzchain.checks import number
 from hertzchain.contacts import collision_cascade
 from hertzchain.errors import InputError
-from hertzchain.pulse import Pulse
+from hertzchain.pulse.pulse import Pulse
 from hertzchain.theory.decoration import warn_if_decorated
 
 

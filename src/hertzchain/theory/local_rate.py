@@ -16,11 +16,13 @@ from typing import Final, Literal, get_args
 
 import numpy as np
 
-from hertzchain.chain import Chain, require
+from hertzchain.chain.chain import Chain
+from hertzchain.chain.coverage import require
 from hertzchain.checks import whole_number
 from hertzchain.contacts import Array
 from hertzchain.errors import InputError, ModelRangeWarning, unknown_name
-from hertzchain.pulse import PER_CONTACT, Pulse
+from hertzchain.pulse.pulse import Pulse
+from hertzchain.pulse.quantities import PER_CONTACT
 from hertzchain.theory.universal import (
     FEWEST_BEADS,
     UniversalFunctions,

@@ -24,10 +24,11 @@ from typing import ClassVar, Literal
 
 import numpy as np
 
-from hertzchain.chain import TAPERS, Chain, Taper, rate_symbol, require
+from hertzchain.chain.chain import TAPERS, Chain, Taper, rate_symbol
+from hertzchain.chain.coverage import require
 from hertzchain.contacts import Array
 from hertzchain.errors import InputError, ModelRangeWarning, unknown_name
-from hertzchain.pulse import Pulse
+from hertzchain.pulse.pulse import Pulse
 from hertzchain.theory.bca import bca
 
 

@@ -29,10 +29,10 @@ from typing import Final
 
 import numpy as np
 
-from hertzchain.chain import Chain
+from hertzchain.chain.chain import Chain
 from hertzchain.contacts import Array, velocity_transfer
 from hertzchain.errors import InputError
-from hertzchain.pulse import Pulse
+from hertzchain.pulse.pulse import Pulse
 
 STATE: Final = ("growth", "force", "time")
 # Contacts 1..4 feel how the pulse was made, the last three that the chain ends.

@@ -8,10 +8,10 @@ from typing import Final
 
 import numpy as np
 
-from hertzchain.chain import Chain
+from hertzchain.chain.chain import Chain
 from hertzchain.contacts import Array
 from hertzchain.errors import SimulationError
-from hertzchain.propagation import propagate_many
+from hertzchain.propagation.propagate import propagate_many
 from hertzchain.theory.universal import state
 
 # Rates beyond which a pulse in a forward taper has several maxima, and beyond which the BCA

@@ -9,7 +9,7 @@ from typing import Final
 import numpy as np
 from scipy.optimize import minimize
 
-from hertzchain.chain import Chain
+from hertzchain.chain.chain import Chain
 from hertzchain.contacts import Array
 from hertzchain.theory.local_rate import solve
 from hertzchain.theory.universal import (

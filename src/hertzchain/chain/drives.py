@@ -1,0 +1,320 @@
+"""What drives a chain in the course of time: a force on bead 1, or a moving left wall.
+
+Each drive is a frozen dataclass with its value at any time and the moments at which it is
+not smooth, which an integration must not step over.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Final, Literal, TypeAlias, get_args
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from hertzchain.checks import column, number
+from hertzchain.contacts import Array
+from hertzchain.errors import InputError, unknown_name
+
+if TYPE_CHECKING:
+    from hertzchain.chain.scales import Scales
+
+Driven = Literal["force", "displacement"]
+Window = Literal["hann", "none"]
+DRIVEN: Final[tuple[Driven, ...]] = get_args(Driven)
+WINDOWS: Final[tuple[Window, ...]] = get_args(Window)
+
+
+@dataclass(frozen=True)
+class SineBurst:
+    r"""Some periods of a sine, by default under a window that lets it come and go smoothly.
+
+    .. math::
+
+        a(t) = A\,w(t) \sin(2\pi f t), \quad 0 < t < n/f, \qquad
+        w = \tfrac12\left[1 - \cos(2\pi f t/n)\right] \ \text{or}\ 1
+
+    Attributes
+    ----------
+    amplitude : float
+        A [scaled; N for a force, m for a displacement].
+    frequency : float
+        f > 0 [scaled, or Hz].
+    cycles : float
+        Number n of periods: a multiple of 1/2, or infinite without a window.
+    of : str
+        ``"force"``, on bead 1 towards bead N, or ``"displacement"``, of the left wall.
+    window : str
+        ``"hann"`` or ``"none"``.
+
+    Examples
+    --------
+    Half a sine, as a hammer gives:
+
+    >>> blow = SineBurst(100.0, 5e3, cycles=0.5, window="none")
+    >>> blow.value([0.0, 5e-5, 1e-3]).round(9)
+    array([  0., 100.,   0.])
+    """
+
+    amplitude: float
+    frequency: float
+    cycles: float = 5.0
+    of: Driven = "force"
+    window: Window = "hann"
+
+    def __post_init__(self) -> None:
+        _check_driven(self.of)
+        if self.window not in WINDOWS:
+            raise unknown_name("window", self.window, WINDOWS)
+        _set(self, "amplitude", number("amplitude", self.amplitude, unit=_UNIT[self.of]))
+        _set(self, "frequency", number("frequency", self.frequency, unit="Hz", above=0.0))
+        if self.cycles == math.inf and self.window == "none":
+            return
+        _set(self, "cycles", number("cycles", self.cycles, above=0.0))
+        if (2.0 * self.cycles) % 1.0:
+            raise InputError(
+                "cycles must be a multiple of 1/2, so that the burst ends at 0, got "
+                f"{self.cycles:g}"
+            )
+
+    @property
+    def kinks(self) -> Array:
+        """Times at which the drive is not smooth."""
+        return np.array([0.0, self.cycles / self.frequency])
+
+    def value(self, times: ArrayLike) -> Array:
+        """The force or displacement.
+
+        Parameters
+        ----------
+        times : array_like
+            Times [scaled, or s].
+
+        Returns
+        -------
+        ndarray
+
+        Examples
+        --------
+        >>> round(float(SineBurst(1.0, 1.0, cycles=1.0).value(0.25)), 6)
+        0.5
+        """
+        periods = self.frequency * np.asarray(times, float)
+        carrier = self.amplitude * np.sin(2.0 * math.pi * periods)
+        if self.window == "hann":
+            carrier = carrier * np.sin(math.pi * periods / self.cycles) ** 2
+        return np.asarray(np.where((periods > 0.0) & (periods < self.cycles), carrier, 0.0))
+
+    def factors(self, scales: Scales) -> Mapping[str, float]:
+        """Units of the fields that have one.
+
+        Parameters
+        ----------
+        scales : Scales
+            The units.
+
+        Returns
+        -------
+        dict
+
+        Examples
+        --------
+        >>> import hertzchain as hc
+        >>> SineBurst(1.0, 1.0).factors(hc.Scales(1.0, 1.0, velocity=1.0, length=2.0))
+        {'amplitude': 0.5, 'frequency': 0.5}
+        """
+        return {"amplitude": _scale(self.of, scales), "frequency": 1.0 / scales.time}
+
+
+@dataclass(frozen=True)
+class Step:
+    r"""A value that is reached and kept.
+
+    .. math:: a(t) = A\,(3u^2 - 2u^3), \qquad u = \min(t/t_r, 1)
+
+    Attributes
+    ----------
+    amplitude : float
+        A [scaled; N for a force, m for a displacement].
+    rise : float
+        Rise time t_r >= 0 [scaled, or s]; a displacement needs some.
+    of : str
+        ``"force"``, on bead 1 towards bead N, or ``"displacement"``, of the left wall.
+
+    Examples
+    --------
+    >>> Step(2.0, rise=1.0).value([-1.0, 0.5, 9.0])
+    array([0., 1., 2.])
+    """
+
+    amplitude: float
+    rise: float = 0.0
+    of: Driven = "force"
+
+    def __post_init__(self) -> None:
+        _check_driven(self.of)
+        _set(self, "amplitude", number("amplitude", self.amplitude, unit=_UNIT[self.of]))
+        _set(self, "rise", number("rise time", self.rise, unit="s", least=0.0))
+        if self.of == "displacement" and self.rise == 0.0:
+            raise InputError(
+                "a step of displacement needs a rise time above 0: a wall cannot be in two places "
+                "at once"
+            )
+
+    @property
+    def kinks(self) -> Array:
+        """Times at which the drive is not smooth."""
+        return np.array([0.0, self.rise])
+
+    def value(self, times: ArrayLike) -> Array:
+        """The force or displacement.
+
+        Parameters
+        ----------
+        times : array_like
+            Times [scaled, or s].
+
+        Returns
+        -------
+        ndarray
+
+        Examples
+        --------
+        >>> float(Step(3.0).value(1.0))
+        3.0
+        """
+        t = np.asarray(times, float)
+        if self.rise == 0.0:
+            return np.asarray(np.where(t >= 0.0, self.amplitude, 0.0))
+        u = np.clip(t / self.rise, 0.0, 1.0)
+        return np.asarray(self.amplitude * u**2 * (3.0 - 2.0 * u))
+
+    def factors(self, scales: Scales) -> Mapping[str, float]:
+        """Units of the fields that have one.
+
+        Parameters
+        ----------
+        scales : Scales
+            The units.
+
+        Returns
+        -------
+        dict
+
+        Examples
+        --------
+        >>> import hertzchain as hc
+        >>> Step(1.0).factors(hc.Scales(1.0, 1.0, velocity=1.0, length=2.0))
+        {'amplitude': 0.5, 'rise': 2.0}
+        """
+        return {"amplitude": _scale(self.of, scales), "rise": scales.time}
+
+
+@dataclass(frozen=True, eq=False)
+class Table:
+    """Values measured at given times, joined by straight lines; kept before and after.
+
+    Attributes
+    ----------
+    times : ndarray, shape (n,)
+        Increasing times, at least two [scaled, or s].
+    values : ndarray, shape (n,)
+        Force or displacement at those times [scaled; N or m].
+    of : str
+        ``"force"``, on bead 1 towards bead N, or ``"displacement"``, of the left wall.
+
+    Examples
+    --------
+    >>> Table([0.0, 1.0, 2.0], [0.0, 5.0, 0.0]).value([0.5, 3.0])
+    array([2.5, 0. ])
+    """
+
+    times: Array
+    values: Array
+    of: Driven = "force"
+
+    def __post_init__(self) -> None:
+        _check_driven(self.of)
+        times = column("time of the drive", self.times, np.size(self.times), "row", unit="s")
+        values = column("value of the drive", self.values, len(times), "row", unit=_UNIT[self.of])
+        if len(times) < 2:
+            raise InputError(f"the table of a drive needs at least two times, got {len(times)}")
+        falls = np.flatnonzero(np.diff(times) <= 0.0)
+        if len(falls):
+            row = int(falls[0]) + 2
+            raise InputError(
+                f"times of a drive must increase, but that of row {row} is {times[row - 1]:g} "
+                f"after {times[row - 2]:g}"
+            )
+        _set(self, "times", times)
+        _set(self, "values", values)
+
+    @property
+    def kinks(self) -> Array:
+        """Times at which the drive is not smooth."""
+        return self.times
+
+    def value(self, times: ArrayLike) -> Array:
+        """The force or displacement.
+
+        Parameters
+        ----------
+        times : array_like
+            Times [scaled, or s].
+
+        Returns
+        -------
+        ndarray
+
+        Examples
+        --------
+        >>> float(Table([0.0, 1.0], [0.0, 1.0]).value(0.25))
+        0.25
+        """
+        return np.asarray(np.interp(np.asarray(times, float), self.times, self.values))
+
+    def factors(self, scales: Scales) -> Mapping[str, float]:
+        """Units of the fields that have one.
+
+        Parameters
+        ----------
+        scales : Scales
+            The units.
+
+        Returns
+        -------
+        dict
+
+        Examples
+        --------
+        >>> import hertzchain as hc
+        >>> Table([0, 1], [0, 1]).factors(hc.Scales(1.0, 1.0, velocity=1.0, length=2.0))
+        {'times': 2.0, 'values': 0.5}
+        """
+        return {"times": scales.time, "values": _scale(self.of, scales)}
+
+    def __repr__(self) -> str:
+        return (
+            f"Table({len(self.times)} times, {self.times[0]:g} to {self.times[-1]:g}, "
+            f"of={self.of!r})"
+        )
+
+
+Drive: TypeAlias = SineBurst | Step | Table
+
+_UNIT: Final[dict[str, str]] = {"force": "N", "displacement": "m"}
+
+
+def _check_driven(of: str) -> None:
+    if of not in DRIVEN:
+        raise unknown_name("driven quantity", of, DRIVEN)
+
+
+def _scale(of: Driven, scales: Scales) -> float:
+    return scales.force if of == "force" else scales.length
+
+
+def _set(item: object, name: str, value: object) -> None:
+    object.__setattr__(item, name, value)

@@ -1,0 +1,203 @@
+r"""Materials of beads and walls: density, elastic constants, yield strength.
+
+`Material` is one line for a material of your own; `material` finds one of the catalogue
+in ``materials.toml``, where the source of each number stands beside it.
+"""
+
+from __future__ import annotations
+
+import math
+import tomllib
+from dataclasses import dataclass
+from functools import cache
+from importlib.resources import files
+from typing import Any, Final, TypeAlias
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from hertzchain.checks import number
+from hertzchain.contacts import Array
+from hertzchain.errors import InputError, unknown_name
+
+
+@dataclass(frozen=True)
+class Material:
+    """What a bead or a wall is made of, in SI units.
+
+    Attributes
+    ----------
+    name : str
+        Name, as it is printed.
+    density : float
+        Density > 0 [kg/m^3].
+    young : float
+        Young's modulus E > 0 [Pa]; infinite for `RIGID`.
+    poisson : float
+        Poisson's ratio, -1 < nu < 0.5.
+    yield_strength : float or None
+        Stress in tension at which it yields [Pa], where that has a meaning.
+    source : str
+        Where the numbers are from.
+
+    Raises
+    ------
+    InputError
+        If a number is impossible.
+
+    Examples
+    --------
+    A material of your own:
+
+    >>> Material("my steel", density=7850.0, young=210e9, poisson=0.29)
+    Material(my steel: 7850 kg/m^3, E = 210 GPa, nu = 0.29)
+    """
+
+    name: str
+    density: float
+    young: float
+    poisson: float
+    yield_strength: float | None = None
+    source: str = ""
+
+    def __post_init__(self) -> None:
+        def check(field: str, **bounds: Any) -> None:
+            value = number(f"{field} of {self.name!r}", getattr(self, field), **bounds)
+            object.__setattr__(self, field, value)
+
+        check("density", unit="kg/m**3", above=0.0, hint="in kg/m^3, steel has 7800")
+        if self.young != math.inf:
+            check("young", unit="Pa", above=0.0, hint="in Pa, steel has 200e9")
+        check("poisson", unit="", above=-1.0, below=0.5, hint="metals have 0.3, rubber 0.499")
+        if self.yield_strength is not None:
+            check("yield_strength", unit="Pa", above=0.0)
+
+    @property
+    def compliance(self) -> float:
+        r"""The plane-strain compliance :math:`(1-\nu^2)/E` [1/Pa]."""
+        return (1.0 - self.poisson**2) / self.young
+
+    @property
+    def sound_speed(self) -> float:
+        r"""Speed of a thin bar's longitudinal waves, :math:`\sqrt{E/\rho}` [m/s]."""
+        return math.sqrt(self.young / self.density)
+
+    def __repr__(self) -> str:
+        strength = self.yield_strength
+        yields = "" if strength is None else f", yields at {strength / 1e6:g} MPa"
+        modulus = f"E = {self.young / 1e9:g} GPa, nu = {self.poisson:g}"
+        return f"Material({self.name}: {self.density:g} kg/m^3, {modulus}{yields})"
+
+
+# A wall that does not give: only the bead is flattened.
+RIGID: Final = Material("rigid", density=1.0, young=math.inf, poisson=0.0)
+MaterialLike: TypeAlias = Material | str
+
+
+@cache
+def catalogue() -> dict[str, Material]:
+    """All materials of the catalogue by name.
+
+    Returns
+    -------
+    dict
+
+    Examples
+    --------
+    >>> catalogue()["steel-52100"].young
+    203000000000.0
+    """
+    document = tomllib.loads((files("hertzchain.chain") / "materials.toml").read_text("utf-8"))
+    return {name: Material(name, **entry) for name, entry in document.items()}
+
+
+def material(name: MaterialLike) -> Material:
+    """A material by its name in the catalogue; one of your own is handed back.
+
+    Parameters
+    ----------
+    name : str or Material
+        Name, such as ``"steel-52100"``.
+
+    Returns
+    -------
+    Material
+
+    Raises
+    ------
+    InputError
+        If there is no such material.
+
+    Examples
+    --------
+    >>> material("steel-52100").density
+    7780.0
+    """
+    if isinstance(name, Material):
+        return name
+    known = catalogue()
+    if name not in known:
+        raise InputError(
+            f"{unknown_name('material', name, known)}; one of your own is "
+            "Material(name, density=, young=, poisson=)"
+        )
+    return known[name]
+
+
+def contact_modulus(one: Material, other: Material) -> float:
+    r"""Effective modulus of two materials in contact [Pa].
+
+    .. math:: \frac{1}{E^*} = \frac{1-\nu_1^2}{E_1} + \frac{1-\nu_2^2}{E_2}
+
+    K. L. Johnson, *Contact Mechanics*, Cambridge 1985, Eq. (4.20),
+    doi:10.1017/CBO9781139171731.
+
+    Parameters
+    ----------
+    one, other : Material
+        The two materials; one of them may be `RIGID`.
+
+    Returns
+    -------
+    float
+
+    Examples
+    --------
+    >>> steel = material("steel-52100")
+    >>> round(contact_modulus(steel, steel) / 1e9, 2)
+    111.54
+    """
+    return 1.0 / (one.compliance + other.compliance)
+
+
+def sphere_stiffness(radius: ArrayLike, next_radius: ArrayLike, modulus: ArrayLike) -> Array:
+    r"""Hertz stiffness of two spheres in SI, k of :math:`F = k\,d^{3/2}`.
+
+    .. math::
+
+        k = \tfrac43 E^* \sqrt{R_{\mathrm{eff}}}, \qquad
+        \frac1{R_{\mathrm{eff}}} = \frac1{R_1} + \frac1{R_2}
+
+    Johnson 1985, Eq. (4.23).  An infinite radius is a flat wall.
+
+    Parameters
+    ----------
+    radius, next_radius : array_like
+        Radii [m]; one of the two may be infinite.
+    modulus : array_like
+        Effective modulus of `contact_modulus` [Pa].
+
+    Returns
+    -------
+    ndarray
+        Stiffness [N/m^1.5].
+
+    Examples
+    --------
+    >>> steel = material("steel-52100")
+    >>> modulus = contact_modulus(steel, steel)
+    >>> round(float(sphere_stiffness(5e-3, 5e-3, modulus)) / 1e9, 6)
+    7.435897
+    """
+    curvature = 1.0 / np.asarray(radius, float) + 1.0 / np.asarray(next_radius, float)
+    return np.asarray(4.0 / 3.0 * np.asarray(modulus, float) / np.sqrt(curvature))

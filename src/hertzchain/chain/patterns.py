@@ -1,0 +1,243 @@
+"""Other beads in a chain: small ones in between, defects, sizes that scatter.
+
+These functions are methods of `hertzchain.Chain`.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Mapping
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any, Final
+
+import numpy as np
+
+from hertzchain.chain.materials import Material, MaterialLike
+from hertzchain.chain.materials import material as material_named
+from hertzchain.checks import number, whole_number
+from hertzchain.contacts import Array
+from hertzchain.errors import InputError
+
+if TYPE_CHECKING:
+    from hertzchain.chain.chain import Chain
+
+# Variation of ball lot diameter V_DwL by grade [m], of ISO 3290-1:2014 for steel balls: the
+# difference of the mean diameters of the largest and the smallest ball of a lot.
+BALL_GRADES: Final = MappingProxyType(
+    {
+        3: 0.13e-6, 5: 0.25e-6, 10: 0.5e-6, 16: 0.8e-6, 20: 1e-6, 24: 1.2e-6, 28: 1.4e-6,
+        40: 2e-6, 60: 3e-6, 100: 5e-6, 200: 10e-6,
+    }
+)  # fmt: skip
+# Features that say something of each bead.
+BEAD_BY_BEAD: Final = ("masses", "stiffness", "gaps", "velocities", "strikers")
+
+
+def decorated(
+    self: Chain,
+    ratio: float | None = None,
+    *,
+    radius: float | None = None,
+    between: int = 1,
+    material: MaterialLike | None = None,
+) -> Chain:
+    """The same chain with small beads put between its beads.
+
+    Parameters
+    ----------
+    ratio : float, optional
+        Radius of the small beads over the geometric mean of their two large neighbours.
+    radius : float, optional
+        Instead: radius of all small beads [scaled, or m].
+    between : int
+        Number of small beads between two large ones.
+    material : str or Material, optional
+        Of the small beads, in a chain of materials; that of the large bead before if
+        not given.
+
+    Returns
+    -------
+    Chain
+
+    Raises
+    ------
+    InputError
+        If the small beads are not smaller than the large ones, or beads of this chain have
+        masses, gaps or velocities of their own.
+
+    Examples
+    --------
+    >>> import hertzchain as hc
+    >>> hc.Chain.uniform(3).decorated(0.3).radii
+    array([1. , 0.3, 1. , 0.3, 1. ])
+    >>> hc.Chain.tapered("forward-linear", 0.25, beads=3).decorated(radius=0.2, between=2).beads
+    7
+    """
+    if radius is not None:
+        radius = number("radius of the small beads", radius, unit=self._unit("m"), above=0.0)
+    row = _decorated_radii(self.radii, ratio=ratio, radius=radius, between=between)
+    kinds = None
+    if self.materials is not None:
+        cells = [
+            (one,) + (one if material is None else material_named(material),) * between
+            for one in self.materials
+        ]
+        kinds = tuple(itertools.chain.from_iterable(cells))[: len(row)]
+    elif material is not None:
+        raise InputError("material has a meaning in a chain of materials only")
+    return _with_beads(self, "decorated", row, kinds)
+
+
+def with_defects(
+    self: Chain, radii: Mapping[int, float], *, material: MaterialLike | None = None
+) -> Chain:
+    """The same chain with a few beads of other size or material.
+
+    Parameters
+    ----------
+    radii : mapping of int to float
+        Radius [scaled, or m] by bead number, counted from 1.
+    material : str or Material, optional
+        Of these beads, in a chain of materials.
+
+    Returns
+    -------
+    Chain
+
+    Raises
+    ------
+    InputError
+        If there is no such bead, a radius is not positive, or beads of this chain have
+        masses, gaps or velocities of their own.
+
+    Examples
+    --------
+    >>> import hertzchain as hc
+    >>> hc.Chain.uniform(5).with_defects({3: 0.5}).radii
+    array([1. , 1. , 0.5, 1. , 1. ])
+    """
+    row = self.radii.copy()
+    kinds = None if self.materials is None else list(self.materials)
+    if kinds is None and material is not None:
+        raise InputError("material has a meaning in a chain of materials only")
+    for bead, radius in radii.items():
+        bead = whole_number("number of a defect's bead", bead, least=1, most=self.beads)
+        row[bead - 1] = number(f"radius of bead {bead}", radius, unit=self._unit("m"), above=0.0)
+        if kinds is not None and material is not None:
+            kinds[bead - 1] = material_named(material)
+    return _with_beads(self, "with_defects", row, None if kinds is None else tuple(kinds))
+
+
+def with_scatter(
+    self: Chain,
+    rng: np.random.Generator | int,
+    *,
+    relative: float | None = None,
+    grade: int | None = None,
+) -> Chain:
+    """The same chain with radii that scatter by chance, as those of real balls do.
+
+    Parameters
+    ----------
+    rng : numpy.random.Generator or int
+        Source of chance, or a seed.
+    relative : float, optional
+        Standard deviation of the logarithm of the radius, up to 1.
+    grade : int, optional
+        Instead, in SI units: grade of ISO 3290-1 (3 .. 200); diameters lie evenly within
+        the variation that it allows in a lot, 5 um for grade 100.
+
+    Returns
+    -------
+    Chain
+
+    Raises
+    ------
+    InputError
+        If not exactly one of relative and grade is given, there is no such grade, or beads
+        of this chain have masses, gaps or velocities of their own.
+
+    Examples
+    --------
+    >>> import hertzchain as hc
+    >>> hc.Chain.uniform(4).with_scatter(1, relative=0.1).radii.round(3)
+    array([1.   , 1.049, 0.998, 0.848])
+    """
+    if grade is not None and self.units != "SI":
+        raise InputError(
+            "ball grades are tolerances in micrometres: use Chain.from_materials, or relative"
+        )
+    try:
+        chance = np.random.default_rng(rng)
+    except (TypeError, ValueError):
+        raise InputError(
+            f"the seed of a scatter must be a whole number of at least 0, got {rng!r}"
+        ) from None
+    row = _scattered(self.radii, chance, relative=relative, grade=grade)
+    return _with_beads(self, "with_scatter", row, self.materials)
+
+
+def _with_beads(
+    chain: Chain, by: str, radii: Array, materials: tuple[Material, ...] | None
+) -> Chain:
+    """Other beads in the same arrangement, if nothing is given bead by bead."""
+    own = [name for name in chain.features if name in BEAD_BY_BEAD]
+    if own:
+        raise InputError(
+            f"{by} makes other beads, but this chain has {' and '.join(own)} given bead by "
+            "bead: put the beads in a row first, then say the rest"
+        )
+    changes: dict[str, Any] = {"radii": radii, "materials": materials}
+    if chain.units == "scaled":
+        with np.errstate(over="ignore", under="ignore"):
+            changes["radii"] = radii / radii[0]
+    changes["velocities"] = changes["gaps"] = None
+    if "velocities" in chain.given:
+        changes["velocities"] = np.zeros(len(radii))
+        changes["velocities"][0] = chain.velocities[0]
+    return chain.replace(**changes)
+
+
+def _decorated_radii(
+    radii: Array, *, ratio: float | None, radius: float | None, between: int
+) -> Array:
+    """A row of radii with small ones put between them."""
+    if (ratio is None) == (radius is None):
+        raise InputError("small beads have a ratio to their neighbours or a radius: give one")
+    between = whole_number("between", between, least=1)
+    left, right = radii[:-1], radii[1:]
+    if ratio is not None:
+        small = number("ratio of small to large beads", ratio, above=0.0) * np.sqrt(left * right)
+    else:
+        small = np.full(len(left), radius)
+    too_large = np.flatnonzero(small >= np.minimum(left, right))
+    if len(too_large):
+        k = int(too_large[0])
+        raise InputError(
+            f"the small beads between large beads {k + 1} and {k + 2} would have a radius of "
+            f"{small[k]:g}, but the smaller of these has {min(left[k], right[k]):g}: use smaller "
+            "beads, or Chain.from_radii for any radii"
+        )
+    large = np.arange(len(radii)) * (between + 1)
+    row = np.empty(large[-1] + 1)
+    row[large] = radii
+    row[np.delete(np.arange(len(row)), large)] = np.repeat(small, between)
+    return row
+
+
+def _scattered(
+    radii: Array, rng: np.random.Generator, *, relative: float | None, grade: int | None
+) -> Array:
+    """Radii that scatter as those of real balls do."""
+    if (relative is None) == (grade is None):
+        raise InputError("scatter is relative or that of a ball grade: give one of the two")
+    if relative is not None:
+        spread = number("relative scatter", relative, least=0.0, most=1.0)
+        return np.asarray(radii * np.exp(spread * rng.standard_normal(len(radii))))
+    if grade is None or grade not in BALL_GRADES:
+        known = ", ".join(map(str, BALL_GRADES))
+        raise InputError(f"there is no ball grade {grade!r} in ISO 3290-1: choose from {known}")
+    half = 0.25 * BALL_GRADES[grade]
+    if half >= radii.min():
+        raise InputError(f"balls of {radii.min():g} m are too small to scatter by grade {grade}")
+    return np.asarray(radii + rng.uniform(-half, half, len(radii)))

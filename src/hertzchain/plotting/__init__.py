@@ -1,0 +1,1 @@
+"""Results as pictures: data to axes, no computing."""

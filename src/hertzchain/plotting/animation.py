@@ -1,0 +1,118 @@
+"""The beads in motion, as a GIF."""
+
+from __future__ import annotations
+
+import io
+import os
+from pathlib import Path
+
+import matplotlib.pyplot as plt
+import numpy as np
+from matplotlib.collections import EllipseCollection
+
+from hertzchain.contacts import Array
+from hertzchain.errors import InputError
+from hertzchain.plotting.chains import bead_centres, draw_walls
+from hertzchain.plotting.runs import check_times
+from hertzchain.plotting.style import house_style, time_axis
+from hertzchain.simulation.run import Run
+from hertzchain.store.results import write_bytes
+
+
+def animate(
+    run: Run,
+    path: str | os.PathLike[str],
+    *,
+    frames: int = 120,
+    seconds: float = 6.0,
+    magnify: float | None = None,
+) -> Path:
+    """Write an animation of the beads as a GIF: their motion magnified, their speed as colour.
+
+    Parameters
+    ----------
+    run : Run
+        A run with saved times; the more, the smoother.
+    path : path-like
+        File to write, ``.gif``.
+    frames : int
+        Number of pictures, at most the saved times.
+    seconds : float
+        How long it plays.
+    magnify : float, optional
+        Factor on the displacements; by default the largest becomes two radii.
+
+    Returns
+    -------
+    pathlib.Path
+        The file.
+
+    Raises
+    ------
+    InputError
+        For another ending, fewer than two saved times, or a file that cannot be written.
+
+    Examples
+    --------
+    >>> import hertzchain as hc, tempfile
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     run = hc.simulate(hc.Chain.uniform(9), until=12.0, times=20)
+    ...     file = animate(run, Path(folder) / "beads.gif", frames=5)
+    ...     file.read_bytes()[:3]
+    b'GIF'
+    """
+    from PIL import Image
+
+    check_times(run)
+    target = Path(path)
+    if target.suffix != ".gif":
+        raise InputError(f"an animation is a .gif file, got {target.name!r}")
+    chosen = np.unique(np.linspace(0, len(run.times) - 1, max(2, frames)).round().astype(int))
+    moved = run.positions - run.positions[0]
+    largest = float(np.abs(moved).max())
+    factor = magnify or 2.0 * float(run.chain.radii.mean()) / max(largest, np.finfo(float).tiny)
+    images = [Image.open(io.BytesIO(png)) for png in _pictures(run, chosen, factor * moved)]
+    content = io.BytesIO()
+    images[0].convert("P").save(
+        content, format="GIF", save_all=True, append_images=images[1:], loop=0,
+        duration=max(20, round(1000.0 * seconds / len(images))),
+    )  # fmt: skip
+    write_bytes(target, content.getvalue())
+    return target
+
+
+def _pictures(run: Run, chosen: Array, moved: Array) -> list[bytes]:
+    """One PNG for each chosen time."""
+    chain, radii = run.chain, run.chain.radii
+    centres = bead_centres(chain)
+    fastest = float(np.abs(run.velocities).max())
+    unit = time_axis(chain)[0]
+    suffix = " µs" if chain.units == "SI" else ""
+    pictures = []
+    with house_style():
+        figure, axes = plt.subplots(figsize=(8.0, 1.5), dpi=110)
+        beads = EllipseCollection(
+            2 * radii, 2 * radii, np.zeros(chain.beads), units="xy", cmap="RdBu_r",
+            offsets=np.column_stack([centres, 0.0 * centres]), offset_transform=axes.transData,
+            edgecolor="black", linewidth=0.4,
+        )  # fmt: skip
+        beads.set_clim(-fastest, fastest)
+        axes.add_collection(beads)
+        low = min(0.0, float((centres + moved - radii).min()))
+        high = max(float(centres[-1] + radii[-1]), float((centres + moved + radii).max()))
+        tall = 1.2 * radii.max()
+        draw_walls(chain, 1.0, tall, axes)
+        axes.set_xlim(low - 0.6 * radii.max(), high + 0.6 * radii.max())
+        axes.set_ylim(-tall, tall)
+        axes.set_aspect("equal")
+        axes.set_axis_off()
+        for i in chosen:
+            beads.set_offsets(np.column_stack([centres + moved[i], 0.0 * centres]))
+            beads.set_array(run.velocities[i])
+            now = f"t = {unit * run.times[i]:.1f}{suffix}"
+            axes.set_title(f"{chain.description}; {now}", fontsize=8)
+            content = io.BytesIO()
+            figure.savefig(content, format="png")
+            pictures.append(content.getvalue())
+        plt.close(figure)
+    return pictures

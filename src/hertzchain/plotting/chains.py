@@ -1,0 +1,119 @@
+"""Draw a chain to scale."""
+
+from __future__ import annotations
+
+import matplotlib.pyplot as plt
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.collections import PatchCollection
+from matplotlib.patches import Circle
+
+from hertzchain.chain.chain import Chain
+from hertzchain.contacts import Array
+from hertzchain.plotting.style import house_style
+
+
+def plot_chain(chain: Chain, *, ax: Axes | None = None) -> Axes:
+    """Draw a chain to scale: beads, gaps and walls.
+
+    Parameters
+    ----------
+    chain : Chain
+        Any chain.
+    ax : matplotlib.axes.Axes, optional
+        Axes to draw into; a new figure's if not given.
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+
+    Examples
+    --------
+    >>> import hertzchain as hc
+    >>> axes = plot_chain(hc.Chain.tapered("forward-linear", 0.05, beads=15))
+    >>> len(axes.collections)
+    1
+    """
+    factor, unit = (1e3, "mm") if chain.units == "SI" else (1.0, "$R_1$")
+    radii = factor * chain.radii
+    centres = bead_centres(chain) * factor
+    with house_style():
+        axes = ax if ax is not None else plt.subplots(figsize=(7.0, 1.6))[1]
+        circles = [Circle((x, 0.0), r) for x, r in zip(centres, radii, strict=True)]
+        face = _face_colours(chain)
+        axes.add_collection(
+            PatchCollection(circles, facecolor=face, edgecolor="black", linewidth=0.4)
+        )
+        low, high = centres[0] - radii[0], centres[-1] + radii[-1]
+        tall = 1.15 * radii.max()
+        draw_walls(chain, factor, tall, axes)
+        axes.set_aspect("equal")
+        axes.set_xlim(low - 0.7 * radii.max(), high + 0.7 * radii.max())
+        axes.set_ylim(-tall, tall)
+        axes.set_xlabel(f"place [{unit}]")
+        axes.set_yticks([])
+        axes.spines["left"].set_visible(False)  # it would look like a wall
+        axes.set_title(chain.description)
+    return axes
+
+
+def draw_walls(chain: Chain, factor: float, tall: float, axes: Axes) -> None:
+    """Draw the walls of a chain, half of the largest bead's radius thick.
+
+    Parameters
+    ----------
+    chain : Chain
+        Any chain.
+    factor : float
+        What lengths are multiplied by.
+    tall : float
+        How far the walls reach up and down, as drawn.
+    axes : matplotlib.axes.Axes
+        Axes to draw into.
+
+    Examples
+    --------
+    >>> import hertzchain as hc
+    >>> figure, axes = plt.subplots()
+    >>> draw_walls(hc.Chain.uniform(3).replace(right_wall=hc.Wall()), 1.0, 2.0, axes)
+    >>> len(axes.collections)
+    1
+    """
+    low, high = factor * np.array([0.0, bead_centres(chain)[-1] + chain.radii[-1]])
+    thick = 0.5 * factor * chain.radii.max()
+    for wall, at, side in ((chain.left_wall, low, -1.0), (chain.right_wall, high, 1.0)):
+        if wall is not None:
+            # Gaps are in units of motion, as they are: far smaller than beads if scaled.
+            edge = at + side * (factor * wall.gap if chain.units == "SI" else 0.0)
+            axes.fill_betweenx([-tall, tall], edge, edge + side * thick, facecolor="#BBBBBB",
+                               hatch="///", edgecolor="black", linewidth=0.0, zorder=0)  # fmt: skip
+
+
+def bead_centres(chain: Chain) -> Array:
+    """Where the centres of the beads are, bead 1 at its radius.
+
+    Parameters
+    ----------
+    chain : Chain
+        Any chain.  Gaps of a scaled chain, in units of motion, are not drawn.
+
+    Returns
+    -------
+    ndarray, shape (N,)
+        In the unit of the radii.
+
+    Examples
+    --------
+    >>> bead_centres(Chain.from_radii([1.0, 0.5]))
+    array([1. , 2.5])
+    """
+    apart = np.cumsum(chain.centre_distances)
+    return np.asarray(chain.radii[0] + np.concatenate(([0.0], apart)))
+
+
+def _face_colours(chain: Chain) -> list[str]:
+    """A colour for each material, light enough for black edges."""
+    names = [each.name for each in chain.materials] if chain.materials else ["beads"]
+    tints = ("#DDE6EE", "#F0D9C0", "#D3E8DC", "#F3DDE9", "#E8E8E8", "#FBEFC9")
+    by_name = {name: tints[i % len(tints)] for i, name in enumerate(dict.fromkeys(names))}
+    return [by_name[name] for name in names]

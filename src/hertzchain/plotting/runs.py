@@ -1,0 +1,151 @@
+"""Draw runs: maps over time and bead, forces as sensors see them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Literal
+
+import matplotlib.pyplot as plt
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.ticker import MaxNLocator
+
+from hertzchain.errors import InputError, unknown_name
+from hertzchain.plotting.style import COLOURS, house_style, time_axis
+from hertzchain.simulation.run import Run
+
+
+def plot_run(
+    run: Run, quantity: Literal["velocity", "force"] = "velocity", *, ax: Axes | None = None
+) -> Axes:
+    """Draw velocities or contact forces over time as a map, bead 1 at the bottom.
+
+    Parameters
+    ----------
+    run : Run
+        A run with saved times.
+    quantity : str
+        ``"velocity"`` of every bead or ``"force"`` in every contact.
+    ax : matplotlib.axes.Axes, optional
+        Axes to draw into; a new figure's if not given.
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+
+    Raises
+    ------
+    InputError
+        If fewer than two times were saved, or for another quantity.
+
+    Examples
+    --------
+    >>> import hertzchain as hc
+    >>> plot_run(hc.simulate(hc.Chain.uniform(9))).get_xlabel()
+    'time $t$'
+    """
+    if len(run.times) < 2:
+        raise InputError(f"a map needs at least 2 saved times, the run has {len(run.times)}")
+    if quantity not in ("velocity", "force"):
+        raise unknown_name("quantity of a map", quantity, ("velocity", "force"))
+    real = run.chain.units == "SI"
+    # One colour for at rest: white, red forwards, blue backwards.
+    values, label, low, colours = run.velocities, "velocity $v_k(t)$", -1.0, "RdBu_r"
+    numbers = np.arange(1, run.chain.beads + 1)
+    if quantity == "force":
+        values, label, low, colours = run.forces, "force $F_k(t)$", 0.0, "afmhot_r"
+        numbers = np.arange(run.chain.beads + 1)
+    unit = {"velocity": "m/s", "force": "N"}[quantity]
+    with house_style():
+        axes = ax if ax is not None else plt.subplots()[1]
+        largest = float(np.abs(values).max())
+        mesh = axes.pcolormesh(
+            run.times * (1e6 if real else 1.0),
+            numbers,
+            values.T,
+            cmap=colours,
+            vmin=low * largest,
+            vmax=largest,
+            shading="nearest",
+            rasterized=True,
+        )
+        axes.figure.colorbar(mesh, ax=axes, label=f"{quantity} [{unit}]" if real else label)
+        axes.set_xlabel("time [µs]" if real else "time $t$")
+        axes.set_ylabel("bead $k$" if quantity == "velocity" else "contact $k$")
+        axes.yaxis.set_major_locator(MaxNLocator(integer=True))
+        axes.set_title(run.chain.description)
+    return axes
+
+
+def plot_forces(run: Run, beads: Sequence[int], *, ax: Axes | None = None) -> Axes:
+    """Draw what sensors in some beads, and on the walls, show in time.
+
+    Parameters
+    ----------
+    run : Run
+        A run with saved times.
+    beads : sequence of int
+        Numbers of the beads with a sensor; N + 1 is the right wall, 0 the left one.
+    ax : matplotlib.axes.Axes, optional
+        Axes to draw into; a new figure's if not given.
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+
+    Raises
+    ------
+    InputError
+        If there is no such bead, or fewer than two times were saved.
+
+    Examples
+    --------
+    >>> import hertzchain as hc
+    >>> chain = hc.Chain.uniform(20).replace(right_wall=hc.Wall())
+    >>> axes = plot_forces(hc.simulate(chain, until=30.0), [5, 10, 21])
+    >>> [text.get_text() for text in axes.get_legend().get_texts()]
+    ['bead 5', 'bead 10', 'right wall']
+    """
+    check_times(run)
+    factor, label = time_axis(run.chain)
+    walls = {0: "left", run.chain.beads + 1: "right"}
+    with house_style():
+        axes = ax if ax is not None else plt.subplots()[1]
+        for i, k in enumerate(beads):
+            wall = walls.get(k)
+            force = run.wall_force(wall).force if wall else run.sensor(k)  # type: ignore[arg-type]
+            axes.plot(
+                factor * run.times,
+                force,
+                color=COLOURS[i % len(COLOURS)],
+                linestyle=("-", "--", "-.", ":")[i // len(COLOURS) % 4],
+                label=f"{wall} wall" if wall else f"bead {k}",
+            )
+        axes.set_xlabel(label)
+        axes.set_ylabel("force [N]" if run.chain.units == "SI" else "force $F$")
+        axes.set_title(run.chain.description)
+        axes.margins(x=0.0)
+        axes.legend()
+    return axes
+
+
+def check_times(run: Run) -> None:
+    """Refuse a run without saved times to draw.
+
+    Parameters
+    ----------
+    run : Run
+        Any run.
+
+    Raises
+    ------
+    InputError
+        If fewer than two times were saved.
+
+    Examples
+    --------
+    >>> import hertzchain as hc
+    >>> check_times(hc.simulate(hc.Chain.uniform(9), until=1.0))
+    """
+    if len(run.times) < 2:
+        raise InputError(f"a picture needs at least 2 saved times, the run has {len(run.times)}")

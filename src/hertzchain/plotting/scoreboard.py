@@ -1,0 +1,101 @@
+"""Draw the scoreboard: a row for each family of chains, a symbol for each theory."""
+
+from __future__ import annotations
+
+import matplotlib.pyplot as plt
+import numpy as np
+from matplotlib.axes import Axes
+
+from hertzchain.plotting.style import COLOURS, MARKERS, house_style
+from hertzchain.pulse.quantities import Quantity
+from hertzchain.scoreboard.cases import GROUPS
+from hertzchain.scoreboard.scoreboard import Scoreboard, Statistic
+
+
+def plot_scoreboard(
+    board: Scoreboard,
+    quantity: Quantity = "velocity",
+    *,
+    first_bead: int = 10,
+    statistic: Statistic = "worst",
+    ax: Axes | None = None,
+) -> Axes:
+    """Draw a scoreboard: a row for each family of chains, a symbol for each theory.
+
+    Parameters
+    ----------
+    board : Scoreboard
+        What to draw.
+    quantity, first_bead, statistic
+        As of `Scoreboard.table`.
+    ax : matplotlib.axes.Axes, optional
+        Axes to draw into; a new figure's if not given.
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+        Abscissa: error, logarithmic.  A pale symbol: the theory itself warns that it is
+        outside its range.  No symbol: not covered.
+
+    Examples
+    --------
+    >>> from hertzchain.scoreboard.scoreboard import scoreboard
+    >>> plot_scoreboard(scoreboard(theories=["bca"])).get_xscale()
+    'log'
+    """
+    errors = board.table(quantity, first_bead=first_bead, statistic=statistic)
+    outside = board.outside()
+    heights, headings = _scoreboard_rows(board)
+    with house_style():
+        axes = ax if ax is not None else plt.subplots(figsize=(8.0, 0.23 * max(heights) + 1.1))[1]
+        for t, theory in enumerate(board.theories):
+            if errors[theory].isna().all():
+                continue
+            for warned, strength in ((False, 1.0), (True, 0.35)):
+                rows = outside[theory].to_numpy() == warned
+                axes.plot(
+                    100.0 * errors[theory].to_numpy()[rows],
+                    np.array(heights)[rows],
+                    MARKERS[t % len(MARKERS)],
+                    color=COLOURS[t % len(COLOURS)],
+                    markerfacecolor="none",
+                    markeredgewidth=1.3,
+                    markersize=6.5,
+                    alpha=strength,
+                    label=None if warned else theory,
+                )
+        if (outside & errors.notna()).to_numpy().any():
+            axes.plot([], [], "o", color="0.7", markerfacecolor="none", markersize=6.5,
+                      label="pale: outside its range, it warns")  # fmt: skip
+        axes.set_xscale("log")
+        axes.xaxis.set_major_formatter(lambda percent, _: f"{percent:g} %")
+        axes.set_yticks(heights, list(errors.index))
+        axes.set_ylim(max(heights) + 0.7, -0.7)
+        axes.tick_params(axis="y", length=0)
+        axes.grid(color="0.88", linewidth=0.6)
+        axes.set_axisbelow(True)
+        for height, text in headings:
+            axes.text(-0.01, height, text, transform=axes.get_yaxis_transform(), ha="right",
+                      va="center", fontweight="bold", fontsize="small")  # fmt: skip
+        axes.set_xlabel(
+            f"{statistic} relative error of {quantity.replace('_', ' ')}, "
+            f"$k = {first_bead} \\dots {board.last_bead}$"
+        )
+        axes.legend(loc="lower center", bbox_to_anchor=(0.4, 1.0), ncols=3, frameon=False)
+    return axes
+
+
+def _scoreboard_rows(board: Scoreboard) -> tuple[list[float], list[tuple[float, str]]]:
+    """Height of each family and of each group's heading, from above."""
+    heights: list[float] = []
+    headings: list[tuple[float, str]] = []
+    at, group = 0.0, None
+    for members in board.rows("family").values():
+        if board.cases[members[0]].group != group:
+            group = board.cases[members[0]].group
+            at += 0.4 if heights else 0.0
+            headings.append((at, GROUPS[group]))
+            at += 1.0
+        heights.append(at)
+        at += 1.0
+    return heights, headings

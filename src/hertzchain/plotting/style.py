@@ -1,0 +1,123 @@
+"""The package's style of figures: colours, markers, files that are the same every time."""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from importlib import resources
+from typing import Final
+
+import matplotlib.pyplot as plt
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from hertzchain.chain.chain import Chain
+
+# Colours of Okabe and Ito, told apart by colour-blind readers; markers say it again in grey.
+COLOURS: Final = ("#000000", "#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00")
+MARKERS: Final = ("o", "+", "x", "s", "^", "v", "D")
+
+
+@contextmanager
+def house_style() -> Iterator[None]:
+    """The package's matplotlib style, for the figures made inside a ``with`` block.
+
+    Examples
+    --------
+    >>> with house_style():
+    ...     figure, axes = plt.subplots()
+    """
+    style = resources.files("hertzchain.plotting").joinpath("hertzchain.mplstyle")
+    with resources.as_file(style) as path, plt.style.context(path):
+        yield
+
+
+def figure_bytes(figure: Figure, kind: str) -> bytes:
+    """A figure as the content of a file; two runs give the same bytes.
+
+    Parameters
+    ----------
+    figure : matplotlib.figure.Figure
+        The figure to save.
+    kind : str
+        ``"png"``, ``"svg"`` or ``"pdf"``.
+
+    Returns
+    -------
+    bytes
+
+    Examples
+    --------
+    >>> figure, axes = plt.subplots()
+    >>> figure_bytes(figure, "png")[1:4]
+    b'PNG'
+    """
+    undated = {"svg": {"Date": None}, "pdf": {"CreationDate": None}}.get(kind)
+    content = io.BytesIO()
+    with house_style():
+        figure.savefig(content, format=kind, metadata=undated)
+    return content.getvalue()
+
+
+def time_axis(chain: Chain) -> tuple[float, str]:
+    """Factor and label of times: microseconds for a chain in SI units.
+
+    Parameters
+    ----------
+    chain : Chain
+        Any chain.
+
+    Returns
+    -------
+    tuple of float and str
+
+    Examples
+    --------
+    >>> time_axis(Chain.uniform(2))
+    (1.0, 'time $t$')
+    """
+    return (1e6, "time [µs]") if chain.units == "SI" else (1.0, "time $t$")
+
+
+def label_right_ends(axes: Axes, labels: Sequence[tuple[float, float, str, str]]) -> None:
+    """Name curves at their right ends, moved apart where they would overlap.
+
+    Parameters
+    ----------
+    axes : matplotlib.axes.Axes
+        Axes whose limits and scales are final.
+    labels : sequence of (x, y, text, colour)
+        Right ends of the curves.
+
+    Examples
+    --------
+    >>> figure, axes = plt.subplots()
+    >>> label_right_ends(axes, [(1.0, 0.5, "a", "black"), (1.0, 0.5, "b", "black")])
+    >>> [text.get_text() for text in axes.texts]
+    ['a', 'b']
+    """
+    to_axes = axes.transData + axes.transAxes.inverted()
+    ends = sorted((*to_axes.transform((x, y)), text, colour) for x, y, text, colour in labels)
+    ends.sort(key=lambda end: end[1])
+    spacing = 0.052
+    heights = np.array([end[1] for end in ends])
+    # Push apart from below, then give half of the total shift back: stays near the curves.
+    spread = heights.copy()
+    for i in range(1, len(spread)):
+        spread[i] = max(spread[i], spread[i - 1] + spacing)
+    spread -= (spread - heights).mean()
+    for (x, y, text, colour), height in zip(ends, spread, strict=True):
+        axes.annotate(
+            text,
+            xy=(x, y),
+            xytext=(1.03, height),
+            xycoords="axes fraction",
+            textcoords="axes fraction",
+            color=colour,
+            va="center",
+            fontsize=8.5,
+            annotation_clip=False,
+            arrowprops={"arrowstyle": "-", "color": colour, "linewidth": 0.5, "shrinkB": 1.0},
+        )

@@ -1,0 +1,1 @@
+"""The theories against the integration, over tapers that none was fitted to."""

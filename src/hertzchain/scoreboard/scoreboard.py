@@ -1,0 +1,537 @@
+r"""Which theory to trust where: every theory against the integration, on many tapers.
+
+The paper's four tapers at its rates and beyond them, and tapers that no theory was fitted
+to (`hertzchain.scoreboard.cases`).  Errors count from bead 2 or any later one to bead N - 3:
+the last beads fly off the free end, which no theory describes and which is felt by less
+than 1e-9 from bead N - 3 down.
+"""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Final, Literal, get_args
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hertzchain.chain.chain import Chain
+from hertzchain.contacts import Array
+from hertzchain.errors import InputError, ModelRangeWarning, unknown_name
+from hertzchain.propagation.propagate import propagate_many
+from hertzchain.pulse.pulse import Pulse
+from hertzchain.pulse.quantities import Quantity
+from hertzchain.scoreboard.cases import FIRST_BEADS, Case, paper_cases, unseen_cases
+from hertzchain.scoreboard.unseen_tapers import is_smooth
+from hertzchain.theory.catalogue import THEORIES, Theory
+
+if TYPE_CHECKING:
+    import pandas as pd
+    import xarray as xr
+
+Row = Literal["family", "case", "group"]
+Statistic = Literal["worst", "rms"]
+STATISTICS: Final[tuple[Statistic, ...]] = get_args(Statistic)
+
+JUDGED: Final[tuple[Quantity, ...]] = ("velocity", "momentum", "energy", "arrival", "peak_force")
+
+
+@dataclass(frozen=True, eq=False)
+class Scoreboard:
+    """Relative errors of theories on chains, bead by bead.
+
+    Attributes
+    ----------
+    cases : tuple of Case
+        The C chains.
+    theories : tuple of str
+        Names of the T theories.
+    errors : mapping of str to ndarray, shape (T, C, N)
+        Relative error of each quantity at bead (or contact) k = 1..N; N is that of the
+        longest chain.  NaN beyond the last bead that counts, and all along where a theory
+        does not cover a chain or a quantity.
+    warned : ndarray of bool, shape (T, C)
+        Whether the theory itself gave a `ModelRangeWarning` for the chain.
+    refusals : mapping of (str, str) to str
+        Why a theory did not cover a chain, by their names.
+    estimates : ndarray, shape (T, C, N)
+        The theory's own estimate of its relative error of velocity; NaN where it has none.
+
+    Examples
+    --------
+    >>> board = scoreboard(theories=["bca"])
+    >>> board.cases[0].name, percentage(board.worst("velocity")[0, 0])
+    ('backward-linear, S = 0.1', '49')
+    """
+
+    cases: tuple[Case, ...]
+    theories: tuple[str, ...]
+    errors: Mapping[Quantity, Array]
+    warned: NDArray[np.bool_]
+    refusals: Mapping[tuple[str, str], str]
+    estimates: Array
+
+    @property
+    def last_bead(self) -> int:
+        """Last bead (or contact) that counts in every chain."""
+        return min(case.last_bead for case in self.cases)
+
+    def worst(self, quantity: Quantity, *, first_bead: int = 10) -> Array:
+        """Largest absolute relative error along each chain.
+
+        Parameters
+        ----------
+        quantity : str
+            One of `JUDGED`.
+        first_bead : int
+            First bead (or contact) that counts.
+
+        Returns
+        -------
+        ndarray, shape (T, C)
+            NaN where a theory does not cover a chain or the quantity.
+
+        Raises
+        ------
+        InputError
+            For another quantity, or a bead that not all chains have.
+
+        Examples
+        --------
+        >>> board = scoreboard(theories=["hard-sphere"])
+        >>> bool(np.isnan(board.worst("arrival")).all())
+        True
+        """
+        return np.asarray(np.fmax.reduce(np.abs(self._counted(quantity, first_bead)), axis=2))
+
+    def rms(self, quantity: Quantity, *, first_bead: int = 10) -> Array:
+        """Root mean square of the relative errors along each chain.
+
+        Parameters
+        ----------
+        quantity, first_bead
+            As for `worst`.
+
+        Returns
+        -------
+        ndarray, shape (T, C)
+
+        Examples
+        --------
+        >>> board = scoreboard(theories=["bca"])
+        >>> bool((board.rms("energy") < board.worst("energy")).all())
+        True
+        """
+        errors = self._counted(quantity, first_bead)
+        beads = np.sum(~np.isnan(errors), axis=2)
+        with np.errstate(invalid="ignore"):
+            return np.asarray(np.sqrt(np.nansum(errors**2, axis=2) / beads))
+
+    def _counted(self, quantity: Quantity, first_bead: int) -> Array:
+        if quantity not in self.errors:
+            raise unknown_name("quantity of the scoreboard", quantity, self.errors)
+        if isinstance(first_bead, bool) or not 2 <= first_bead <= self.last_bead:
+            raise InputError(
+                f"first_bead must be 2 to {self.last_bead}, the last bead that counts, "
+                f"got {first_bead!r}"
+            )
+        return self.errors[quantity][:, :, first_bead - 1 :]
+
+    def coverage(self, theory: str, *groups: str) -> tuple[float, float]:
+        """How well a theory knows its own error of velocity, from bead 2 on.
+
+        Parameters
+        ----------
+        theory : str
+            One that estimates its error.
+        *groups : str
+            Chains to look at: keys of ``rows("group")``.
+
+        Returns
+        -------
+        covered : float
+            Part of the beads at which the true error is at most the estimated one.
+        ratio : float
+            Median of the estimated over the true error.
+
+        Raises
+        ------
+        InputError
+            For an unknown theory or group, or one that does not estimate its error.
+
+        Examples
+        --------
+        >>> covered, ratio = scoreboard(theories=["local-rate"]).coverage("local-rate", "smooth")
+        >>> covered > 0.9
+        True
+        """
+        if theory not in self.theories:
+            raise unknown_name("theory", theory, self.theories)
+        rows = self.rows("group")
+        for group in groups:
+            if group not in rows:
+                raise unknown_name("group", group, rows)
+        t = self.theories.index(theory)
+        chosen = [c for group in groups for c in rows[group]]
+        estimated = self.estimates[t, chosen, 1:]
+        true = np.abs(self.errors["velocity"][t, chosen, 1:])
+        counted = np.isfinite(true) & np.isfinite(estimated)
+        if not counted.any():
+            raise InputError(f"{theory} does not estimate its error on chains of {groups}")
+        estimated, true = estimated[counted], true[counted]
+        with np.errstate(divide="ignore"):
+            return float(np.mean(true <= estimated)), float(np.median(estimated / true))
+
+    def table(
+        self,
+        quantity: Quantity = "velocity",
+        *,
+        first_bead: int = 10,
+        statistic: Statistic = "worst",
+        by: Row = "family",
+    ) -> pd.DataFrame:
+        """One error of each theory on each family of chains.
+
+        Parameters
+        ----------
+        quantity : str
+            One of `JUDGED`.
+        first_bead : int
+            First bead (or contact) that counts.
+        statistic : str
+            ``"worst"``, or ``"rms"`` over beads and then over the chains of a row.
+        by : str
+            What a row is: ``"family"``, a single ``"case"`` or a whole ``"group"``.
+
+        Returns
+        -------
+        pandas.DataFrame
+            Relative errors, theories by rows; NaN where a theory does not cover all of a
+            row's chains.
+
+        Raises
+        ------
+        InputError
+            For an unknown name or a bead that not all chains have.
+
+        Examples
+        --------
+        >>> table = scoreboard().table("velocity", by="group")
+        >>> table.loc["smooth", "two-thirds-bca"] < table.loc["smooth", "bca"]
+        np.True_
+        """
+        import pandas as pd
+
+        if statistic not in STATISTICS:
+            raise unknown_name("statistic", statistic, STATISTICS)
+        values = getattr(self, statistic)(quantity, first_bead=first_bead)
+        rows = {
+            label: [_gathered(values[t, members], statistic) for t in range(len(self.theories))]
+            for label, members in self.rows(by).items()
+        }
+        return pd.DataFrame.from_dict(rows, orient="index", columns=list(self.theories))
+
+    def outside(self, by: Row = "family") -> pd.DataFrame:
+        """Whether a theory warned, for any chain of a row, that it is outside its range.
+
+        Parameters
+        ----------
+        by : str
+            What a row is, as of `table`.
+
+        Returns
+        -------
+        pandas.DataFrame
+            Truth values, theories by rows.
+
+        Examples
+        --------
+        >>> outside = scoreboard(theories=["modified-bca"]).outside()
+        >>> outside.index[outside["modified-bca"]][0]
+        'backward-linear, S = 1'
+        """
+        import pandas as pd
+
+        rows = {label: self.warned[:, found].any(axis=1) for label, found in self.rows(by).items()}
+        return pd.DataFrame.from_dict(rows, orient="index", columns=list(self.theories))
+
+    def rows(self, by: Row) -> dict[str, list[int]]:
+        """Indices of the chains of each family, case or group, in order.
+
+        Parameters
+        ----------
+        by : str
+            What a row is.
+
+        Returns
+        -------
+        dict of str to list of int
+
+        Examples
+        --------
+        >>> scoreboard(theories=["bca"]).rows("family")["backward-linear, S = 0.1..0.9"]
+        [0, 1, 2, 3, 4]
+        """
+        if by not in get_args(Row):
+            raise unknown_name("row", by, get_args(Row))
+        found: dict[str, list[int]] = {}
+        for c, case in enumerate(self.cases):
+            found.setdefault(case.name if by == "case" else getattr(case, by), []).append(c)
+        return found
+
+    def to_xarray(self) -> xr.Dataset:
+        """Labelled dataset of the errors, with dimensions ``theory``, ``case`` and ``bead``.
+
+        Returns
+        -------
+        xarray.Dataset
+            One variable a quantity, and ``warned``; ``family`` and ``group`` are coordinates.
+
+        Examples
+        --------
+        >>> errors = scoreboard().to_xarray()
+        >>> round(float(errors.velocity.sel(theory="bca", case="bump", bead=20)), 2)
+        0.47
+        """
+        import xarray as xr
+
+        dims = ("theory", "case", "bead")
+        columns: dict[str, tuple[object, ...]] = {
+            str(name): (dims, values, {"units": "1", "long_name": f"relative error of {name}"})
+            for name, values in self.errors.items()
+        }
+        columns["warned"] = (dims[:2], self.warned, {"long_name": "theory warned of its range"})
+        longest = max(case.chain.beads for case in self.cases)
+        return xr.Dataset(
+            columns,
+            coords={
+                "theory": list(self.theories),
+                "case": [case.name for case in self.cases],
+                "bead": np.arange(1, longest + 1),
+                "family": ("case", [case.family for case in self.cases]),
+                "group": ("case", [case.group for case in self.cases]),
+            },
+        )
+
+    def to_dataframe(self) -> pd.DataFrame:
+        """Every number in a row of its own.
+
+        Returns
+        -------
+        pandas.DataFrame
+            Columns ``theory``, ``case``, ``family``, ``group``, ``quantity``, ``first_bead``
+            (2 and 10), ``worst``, ``rms`` and ``warned``; NaN where a theory does not cover
+            a chain or a quantity.
+
+        Examples
+        --------
+        >>> rows = scoreboard(theories=["bca"]).to_dataframe()
+        >>> len(rows), rows.worst.isna().sum().item()
+        (520, 0)
+        """
+        import pandas as pd
+
+        rows = []
+        for quantity in self.errors:
+            for first in FIRST_BEADS:
+                worst, rms = (f(quantity, first_bead=first) for f in (self.worst, self.rms))
+                for t, c in np.ndindex(worst.shape):
+                    case = self.cases[c]
+                    rows.append(
+                        (self.theories[t], case.name, case.family, case.group, quantity, first,
+                         worst[t, c], rms[t, c], self.warned[t, c])
+                    )  # fmt: skip
+        names = "theory", "case", "family", "group", "quantity", "first_bead"
+        return pd.DataFrame(rows, columns=[*names, "worst", "rms", "warned"])
+
+    def as_dict(self, by: Row = "case") -> dict[str, Any]:
+        """The scoreboard as plain data, for JSON.
+
+        Parameters
+        ----------
+        by : str
+            What a row is, as of `table`.
+
+        Returns
+        -------
+        dict
+            Row by row the ``worst`` and ``rms`` errors of each theory and quantity from
+            bead 2 and from bead 10 on; what a theory does not cover is left out.
+
+        Examples
+        --------
+        >>> (first, *_) = scoreboard(theories=["bca"]).as_dict()["rows"]
+        >>> list(first["theories"]["bca"]["errors"]["arrival"])
+        ['from_2', 'from_10']
+        """
+        tables = {
+            (quantity, first, statistic): self.table(
+                quantity, first_bead=first, statistic=statistic, by=by
+            )
+            for quantity in self.errors for first in FIRST_BEADS for statistic in STATISTICS
+        }  # fmt: skip
+        rows: list[dict[str, Any]] = []
+        for label, members in self.rows(by).items():
+            cases = [self.cases[c] for c in members]
+            theories: dict[str, Any] = {}
+            for t, name in enumerate(self.theories):
+                theories[name] = {"warned": bool(self.warned[t, members].any()), "errors": {}}
+                reasons = {self.refusals.get((name, case.name)) for case in cases} - {None}
+                if reasons:
+                    theories[name]["refusal"] = "; ".join(sorted(map(str, reasons)))
+            for (quantity, first, statistic), table in tables.items():
+                for name, error in table.loc[label].dropna().items():
+                    found = theories[name]["errors"].setdefault(quantity, {})
+                    found.setdefault(f"from_{first}", {})[statistic] = float(error)
+            rows.append(
+                {
+                    "name": label,
+                    "group": cases[0].group,
+                    "chains": [case.name for case in cases],
+                    "smooth": all(is_smooth(case.chain.radii) for case in cases),
+                    "theories": theories,
+                }
+            )
+        return {
+            "theories": list(self.theories),
+            "quantities": list(self.errors),
+            "last_bead": self.last_bead,
+            "rows": rows,
+        }
+
+    def __repr__(self) -> str:
+        return f"Scoreboard({len(self.theories)} theories on {len(self.cases)} chains)"
+
+
+def scoreboard(
+    *,
+    theories: Sequence[str] | None = None,
+    progress: Callable[[int, int], None] | None = None,
+) -> Scoreboard:
+    """Hold theories against the integration, on the paper's tapers and on unseen ones.
+
+    Parameters
+    ----------
+    theories : sequence of str, optional
+        Names in `hertzchain.theory.catalogue.THEORIES`; all by default.
+    progress : callable, optional
+        Called as ``progress(chains_done, chains)``.
+
+    Returns
+    -------
+    Scoreboard
+
+    Raises
+    ------
+    InputError
+        For an unknown theory, or none.
+
+    Examples
+    --------
+    >>> scoreboard(theories=["bca", "modified-bca"])
+    Scoreboard(2 theories on 52 chains)
+    """
+    chosen = tuple(THEORIES) if theories is None else tuple(theories)
+    if isinstance(theories, str) or not chosen:
+        raise InputError(f"name theories in a list, of {', '.join(THEORIES)}; got {theories!r}")
+    for name in chosen:
+        if name not in THEORIES:
+            raise unknown_name("theory", name, THEORIES)
+    cases = [*paper_cases(), *unseen_cases()]
+    exact = propagate_many([case.chain for case in cases], progress=progress)
+    return judge(cases, exact, {name: THEORIES[name] for name in chosen})
+
+
+def judge(
+    cases: Sequence[Case], exact: Iterable[Pulse], theories: Mapping[str, Theory] = THEORIES
+) -> Scoreboard:
+    """Hold theories against pulses that are taken for the truth.
+
+    Parameters
+    ----------
+    cases : sequence of Case
+        Chains to judge on.
+    exact : iterable of Pulse
+        The true pulse of each.
+    theories : mapping of str to callable
+        Functions from a chain to a pulse, by name.
+
+    Returns
+    -------
+    Scoreboard
+
+    Raises
+    ------
+    InputError
+        If a pulse is not one of the chain it stands beside, or there are none.
+
+    Examples
+    --------
+    >>> import hertzchain as hc
+    >>> case = Case("equal", "equal", "smooth", Chain.uniform(30))
+    >>> judge([case], [hc.propagate(case.chain)]).theories[0]
+    'bca'
+    """
+    if not cases or not theories:
+        raise InputError("a scoreboard needs at least one chain and one theory")
+    shape = len(theories), len(cases), max(case.chain.beads for case in cases)
+    errors = {quantity: np.full(shape, np.nan) for quantity in JUDGED}
+    warned, refusals, estimates = np.zeros(shape[:2], bool), {}, np.full(shape, np.nan)
+    for c, (case, reference) in enumerate(zip(cases, exact, strict=True)):
+        for t, (name, theory) in enumerate(theories.items()):
+            try:
+                pulse, warned[t, c] = _predicted(theory, case.chain)
+            except InputError as error:
+                refusals[name, case.name] = str(error)
+                continue
+            if pulse.velocity_error is not None:
+                estimates[t, c, : case.last_bead] = pulse.velocity_error[: case.last_bead]
+            comparison = pulse.compare(reference)
+            for quantity in comparison.quantities:
+                if quantity in errors:
+                    counted = comparison.errors(quantity)[: case.last_bead]
+                    errors[quantity][t, c, : case.last_bead] = counted
+    return Scoreboard(tuple(cases), tuple(theories), errors, warned, refusals, estimates)
+
+
+def percentage(error: float) -> str:
+    """A relative error in per cent with two digits, as tables show it; a dash if there is none.
+
+    Parameters
+    ----------
+    error : float
+        Relative error; NaN where a theory does not cover a chain.
+
+    Returns
+    -------
+    str
+
+    Examples
+    --------
+    >>> [percentage(error) for error in (26.517, 0.5312, 0.0718, 0.00123, float("nan"))]
+    ['2652', '53', '7.2', '0.12', '–']
+    """
+    if np.isnan(error):
+        return "–"
+    percent = 100.0 * error
+    exponent = int(f"{percent:.1e}".partition("e")[2])
+    decimals = 0 if percent == 0.0 else max(0, 1 - exponent)
+    return f"{percent:.{decimals}f}"
+
+
+def _predicted(theory: Theory, chain: Chain) -> tuple[Pulse, bool]:
+    """A theory's pulse, and whether it warned that the chain is outside its range."""
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        pulse = theory(chain)
+    outside = [issubclass(item.category, ModelRangeWarning) for item in caught]
+    for item, expected in zip(caught, outside, strict=True):
+        if not expected:
+            warnings.warn_explicit(item.message, item.category, item.filename, item.lineno)
+    return pulse, any(outside)
+
+
+def _gathered(values: Array, statistic: Statistic) -> float:
+    """One number for several chains; NaN if one of them is."""
+    return float(np.max(values) if statistic == "worst" else np.sqrt(np.mean(values**2)))

@@ -1,0 +1,365 @@
+r"""Where the energy and the momentum of an impact are, and whence they came.
+
+At every time the beads' kinetic energy and momentum are split three ways:
+
+leading pulse
+    the crest of the first pulse and what is ahead of it, and behind it the beads that are
+    the slower the further back they are, and still move forwards; nothing any more once the
+    last bead has been turned back;
+lagging
+    every other bead that moves towards bead N;
+scattered back
+    every bead that moves away from it.
+
+Energy is also stored in contacts and walls, and lost in them; momentum is given to walls.
+What came from outside, beside the strike, is the work and impulse of gravity, of a drive and
+of forces that hold the ends.  Losses, work of the drive and impulses of the walls are
+integrated along with the motion, and all the rest follows from the saved state.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Final, Literal
+
+import numpy as np
+
+from hertzchain.chain.chain import Chain
+from hertzchain.chain.equilibrium import equilibrium
+from hertzchain.chain.losses import UnloadingRatio, WaltonBraun
+from hertzchain.contacts import Array
+from hertzchain.errors import unknown_name
+
+if TYPE_CHECKING:
+    import pandas as pd
+    from matplotlib.axes import Axes
+
+Balanced = Literal["energy", "momentum"]
+BALANCED: Final[tuple[Balanced, ...]] = ("energy", "momentum")
+MOVING: Final = ("leading pulse", "lagging", "scattered back")
+
+
+@dataclass(frozen=True, eq=False)
+class Budget:
+    """Energy and momentum at the saved times of a run; see `hertzchain.simulation.budget`.
+
+    Attributes
+    ----------
+    chain : Chain
+        The chain.
+    times : ndarray, shape (T,)
+        Saved times [scaled, or s].
+    energy : dict of ndarray, shape (T,)
+        Where the energy is: ``"leading pulse"``, ``"lagging"``, ``"scattered back"``,
+        ``"contacts"``, ``"walls"`` (stored in their contacts), ``"lost"`` [scaled, or J].
+    momentum : dict of ndarray, shape (T,)
+        Where the momentum is: the same three, ``"left wall"`` and ``"right wall"`` [scaled,
+        or kg m/s].
+    energy_given, momentum_given : dict of ndarray, shape (T,)
+        Whence they came: ``"start"``, ``"gravity"``, ``"drive"``, ``"held ends"``.
+
+    Examples
+    --------
+    >>> import hertzchain as hc
+    >>> chain = hc.Chain.uniform(30).replace(right_wall=hc.Wall())
+    >>> budget = hc.simulate(chain, until=60.0).budget()
+    >>> round(float(budget.momentum["right wall"][-1]), 2)
+    2.37
+    """
+
+    chain: Chain
+    times: Array
+    energy: dict[str, Array]
+    momentum: dict[str, Array]
+    energy_given: dict[str, Array]
+    momentum_given: dict[str, Array]
+
+    def residual(self, of: Balanced = "energy") -> Array:
+        """What is there less what was given, in parts of the largest amount in motion.
+
+        Parameters
+        ----------
+        of : str
+            ``"energy"`` or ``"momentum"``.
+
+        Returns
+        -------
+        ndarray, shape (T,)
+            Zero but for errors of the integration.
+
+        Raises
+        ------
+        InputError
+            For another word.
+
+        Examples
+        --------
+        >>> import hertzchain as hc
+        >>> budget = hc.simulate(hc.Chain.uniform(9)).budget()
+        >>> bool(abs(budget.residual("momentum")).max() < 1e-12)
+        True
+        """
+        there, given = self._sides(of)
+        moving = np.sum([np.abs(there[name]) for name in MOVING], axis=0)
+        difference: Array = np.sum([*there.values()], axis=0) - np.sum([*given.values()], axis=0)
+        return difference / max(float(moving.max()), np.finfo(float).tiny)
+
+    def _sides(self, of: str) -> tuple[dict[str, Array], dict[str, Array]]:
+        if of not in BALANCED:
+            raise unknown_name("balance", of, BALANCED)
+        if of == "energy":
+            return self.energy, self.energy_given
+        return self.momentum, self.momentum_given
+
+    def to_dataframe(self, of: Balanced = "energy") -> pd.DataFrame:
+        """Table with a row per saved time and a column per item.
+
+        Parameters
+        ----------
+        of : str
+            ``"energy"`` or ``"momentum"``.
+
+        Returns
+        -------
+        pandas.DataFrame
+            Columns ``("there", ...)`` and ``("given", ...)``.
+
+        Raises
+        ------
+        InputError
+            For another word.
+
+        Examples
+        --------
+        >>> import hertzchain as hc
+        >>> table = hc.simulate(hc.Chain.uniform(9)).budget().to_dataframe()
+        >>> round(float(table["given", "start"].iloc[-1]), 12)
+        0.5
+        """
+        import pandas as pd
+
+        there, given = self._sides(of)
+        columns = {("there", name): values for name, values in there.items()}
+        columns |= {("given", name): values for name, values in given.items()}
+        return pd.DataFrame(columns, index=pd.Index(self.times, name="time"))
+
+    def plot(self, of: Balanced = "energy", *, ax: Axes | None = None) -> Axes:
+        """Draw where it is over time, stacked.
+
+        Parameters
+        ----------
+        of : str
+            ``"energy"`` or ``"momentum"``.
+        ax : matplotlib.axes.Axes, optional
+            Axes to draw into; a new figure's if not given.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+
+        Raises
+        ------
+        InputError
+            For another word.
+
+        Examples
+        --------
+        >>> import hertzchain as hc
+        >>> axes = hc.simulate(hc.Chain.uniform(9)).budget().plot()
+        >>> axes.get_xlabel()
+        'time $t$'
+        """
+        from hertzchain.plotting.budget import plot_budget
+
+        return plot_budget(self, of, ax=ax)
+
+    def __str__(self) -> str:
+        lines = [f"{self.chain.description}, at the last saved time {self.times[-1]:.6g}"]
+        for of in BALANCED:
+            there, given = self._sides(of)
+            total = float(np.sum([values[-1] for values in given.values()]))
+            lines.append(f"  {of:<16}{'':>14}{'part':>9}")
+            for name, values in {**there, **{f"from {k}": v for k, v in given.items()}}.items():
+                if np.any(values != 0.0):
+                    part = f"{values[-1] / total:>9.2%}" if total != 0.0 else ""
+                    lines.append(f"    {name:<14}{values[-1]:>14.6g}{part}")
+            worst = float(np.abs(self.residual(of)).max())
+            lines.append(f"    adds up within {worst:.1e}")
+        return "\n".join(lines)
+
+
+def budget_of(
+    chain: Chain,
+    times: Array,
+    positions: Array,
+    velocities: Array,
+    forces: Array,
+    ledger: Array,
+    peak_times: Array,
+    start: tuple[float, float],
+) -> Budget:
+    """The budget of saved states.
+
+    Parameters
+    ----------
+    chain : Chain
+        The chain.
+    times, positions, velocities, forces : ndarray
+        As in a `hertzchain.Run`.
+    ledger : ndarray, shape (T, 5)
+        Energy lost, work and impulse of the drive, impulses of left and right wall.
+    peak_times : ndarray, shape (N,)
+        When each bead passed its first velocity maximum; 0 if it has not.
+    start : tuple of float
+        Energy and momentum at time 0.
+
+    Returns
+    -------
+    Budget
+
+    Examples
+    --------
+    >>> import hertzchain as hc
+    >>> sorted(hc.simulate(hc.Chain.uniform(3)).budget().momentum_given)
+    ['drive', 'gravity', 'held ends', 'start']
+    """
+    lost, worked, pushed, from_left, to_right = ledger.T
+    momenta = chain.masses * velocities
+    kinetic = 0.5 * momenta * velocities
+    stored = stored_energy(chain, times, positions, forces)
+    leading = leading_pulse(times, velocities, peak_times)
+    forwards = velocities > 0.0
+    parts = {"leading pulse": leading, "lagging": forwards & ~leading, "scattered back": ~forwards}
+
+    moved = positions - equilibrium(chain).positions
+    weight = chain.masses * chain.gravity
+    held = equilibrium(chain).body_forces - weight
+    return Budget(
+        chain=chain,
+        times=times,
+        energy={name: np.sum(kinetic * part, axis=1) for name, part in parts.items()}
+        | {
+            "contacts": stored[:, 1:-1].sum(axis=1),
+            "walls": stored[:, 0] + stored[:, -1],
+            "lost": lost,
+        },
+        momentum={name: np.sum(momenta * part, axis=1) for name, part in parts.items()}
+        | {"left wall": -from_left, "right wall": to_right},
+        energy_given={
+            "start": np.full(len(times), start[0]),
+            "gravity": moved @ weight,
+            "drive": worked,
+            "held ends": moved @ held,
+        },
+        momentum_given={
+            "start": np.full(len(times), start[1]),
+            "gravity": times * weight.sum(),
+            "drive": pushed,
+            "held ends": times * held.sum(),
+        },
+    )
+
+
+def stored_energy(chain: Chain, times: Array, positions: Array, forces: Array) -> Array:
+    r"""Energy that each contact can give back.
+
+    .. math:: U = \frac{k\,d^{\,p+1}}{p+1},
+       \qquad (1 - w)\,U \ \text{(unloading ratio)},
+       \qquad \frac{K_1}{K_2}\,\frac{F (F/k)^{1/p}}{p+1} \ \text{(Walton-Braun)}
+
+    Parameters
+    ----------
+    chain : Chain
+        The chain.
+    times, positions, forces : ndarray
+        As in a `hertzchain.Run`.
+
+    Returns
+    -------
+    ndarray, shape (T, N + 1)
+
+    Examples
+    --------
+    >>> chain, forces = Chain.uniform(2), np.array([[0.0, 1.0, 0.0]])
+    >>> stored_energy(chain, np.zeros(1), np.array([[1.0, 0.0]]), forces)
+    array([[0. , 0.4, 0. ]])
+    """
+    left, right = chain.wall_stiffness
+    stiffness = np.concatenate(([left], chain.stiffness, [right]))
+    p, law = chain.exponent, chain.loss
+    if isinstance(law, WaltonBraun):
+        with np.errstate(divide="ignore", invalid="ignore"):
+            overlap = np.where(stiffness > 0.0, (forces / stiffness) ** (1.0 / p), 0.0)
+        return np.asarray(law.ratio * forces * overlap / (p + 1.0))
+    overlap = overlaps_of(chain, times, positions)
+    kept = 1.0 - law.ratio if isinstance(law, UnloadingRatio) else 1.0
+    if not getattr(law, "attractive", True):
+        # Where the force is cut off, nothing comes back.
+        overlap = np.where(forces > 0.0, overlap, 0.0)
+    return np.asarray(kept * stiffness * np.maximum(overlap, 0.0) ** (p + 1.0) / (p + 1.0))
+
+
+def overlaps_of(chain: Chain, times: Array, positions: Array) -> Array:
+    """How deep the bodies at each contact are in one another; negative where they are apart.
+
+    Parameters
+    ----------
+    chain : Chain
+        The chain.
+    times, positions : ndarray
+        As in a `hertzchain.Run`.
+
+    Returns
+    -------
+    ndarray, shape (T, N + 1)
+        Counted with the walls, from 0 (left wall) to N (right wall) [scaled, or m].
+
+    Examples
+    --------
+    >>> overlaps_of(Chain.uniform(2), np.zeros(1), np.array([[1.0, 0.75]]))
+    array([[-1.  ,  0.25,  0.75]])
+    """
+    wall = np.zeros(len(times))
+    if chain.drive is not None and chain.drive.of == "displacement":
+        wall = chain.drive.value(times)
+    bounds: Any = (wall[:, np.newaxis], positions, np.zeros((len(times), 1)))
+    return np.asarray(-np.diff(np.hstack(bounds), axis=1) - equilibrium(chain).gaps)
+
+
+def leading_pulse(times: Array, velocities: Array, peak_times: Array) -> Array:
+    """Which beads belong to the leading pulse, at each time.
+
+    Parameters
+    ----------
+    times : ndarray, shape (T,)
+        Times.
+    velocities : ndarray, shape (T, N)
+        Velocities.
+    peak_times : ndarray, shape (N,)
+        When each bead passed its first velocity maximum; 0 if it has not.
+
+    Returns
+    -------
+    ndarray of bool, shape (T, N)
+
+    Examples
+    --------
+    >>> leading_pulse(np.array([3.0]), np.array([[-0.1, 0.2, 0.1, 0.7, 0.3]]),
+    ...               np.array([0.0, 1.0, 2.0, 3.0, 0.0]))
+    array([[False, False,  True,  True,  True]])
+    """
+    beads = velocities.shape[1]
+    leading = np.zeros(velocities.shape, bool)
+    peaked = peak_times != 0.0
+    ended = False
+    for row, (time, speed) in enumerate(zip(times, velocities, strict=True)):
+        passed = np.flatnonzero(peaked & (peak_times <= time))
+        rear = int(passed[-1]) if len(passed) else 0
+        if rear + 1 < beads and speed[rear + 1] > speed[rear]:
+            rear += 1
+        while rear > 0 and 0.0 < speed[rear - 1] < speed[rear]:
+            rear -= 1
+        leading[row, rear:] = not ended and speed[rear:] > 0.0
+        # Past the last bead and turned back, by a wall: what comes later is no leading pulse.
+        ended = ended or (rear == beads - 1 and not leading[row].any())
+    return leading

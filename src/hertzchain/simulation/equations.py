@@ -1,0 +1,215 @@
+"""A chain as the arrays that the compiled equations take.
+
+`equation_of` writes down what acts on the beads, `start_of` where they are and how they
+move at time 0.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+
+from hertzchain.chain.chain import Chain
+from hertzchain.chain.drives import Drive, SineBurst, Step, Table
+from hertzchain.chain.equilibrium import equilibrium
+from hertzchain.chain.losses import (
+    Dashpot,
+    Restitution,
+    UnloadingRatio,
+    VelocityPower,
+    Viscoelastic,
+    WaltonBraun,
+)
+from hertzchain.contacts import Array, reduced_mass
+
+if TYPE_CHECKING:
+    from hertzchain.kernels.forces import Bench, Law, Plain
+
+# What the loop for plain chains knows: anything else goes through the general one.
+PLAIN_FEATURES: Final = frozenset({"SI units", "masses", "stiffness", "strikers", "velocities"})
+
+
+def equation_of(chain: Chain) -> Plain | Bench:
+    """What acts on the beads of a chain, for the compiled loop.
+
+    Parameters
+    ----------
+    chain : Chain
+        Any chain.
+
+    Returns
+    -------
+    Plain or Bench
+
+    Examples
+    --------
+    >>> type(equation_of(Chain.uniform(3).replace(gravity=0.1))).__name__
+    'Bench'
+    """
+    from hertzchain.kernels.forces import MOVING_WALL, NOTHING, PUSH, Bench, Plain
+
+    if PLAIN_FEATURES.issuperset(chain.features):
+        return Plain(1.0 / chain.masses, np.array(chain.stiffness), chain.exponent)
+    left, right = chain.wall_stiffness
+    static = equilibrium(chain)
+    drive = NOTHING
+    if chain.drive is not None:
+        drive = PUSH if chain.drive.of == "force" else MOVING_WALL
+    starts, pieces = drive_pieces(chain.drive)
+    stiffness = np.concatenate(([left], chain.stiffness, [right]))
+    law, damping = _law(chain, stiffness)
+    return Bench(
+        inverse_mass=1.0 / chain.masses,
+        stiffness=stiffness,
+        exponent=chain.exponent,
+        # Positions are counted from equilibrium, where contacts overlap: rounding is then
+        # that of an overlap, not of the length of the chain.
+        gap=static.gaps - static_closing(chain),
+        damping=damping,
+        law=law,
+        body_force=static.body_forces,
+        drive=drive,
+        piece_starts=starts,
+        pieces=pieces,
+    )
+
+
+def static_closing(chain: Chain) -> Array:
+    """What each contact, counted with the walls, is closed by the static positions.
+
+    Parameters
+    ----------
+    chain : Chain
+        Any chain.
+
+    Returns
+    -------
+    ndarray, shape (N + 1,)
+
+    Examples
+    --------
+    >>> static_closing(Chain.uniform(2).replace(precompression=8.0, held_by="force"))
+    array([-4.,  4.,  0.])
+    """
+    return -np.diff(np.pad(equilibrium(chain).positions, 1))
+
+
+def start_of(chain: Chain) -> Array:
+    """Positions, counted from equilibrium, and velocities at time 0.
+
+    Parameters
+    ----------
+    chain : Chain
+        Any chain.
+
+    Returns
+    -------
+    ndarray, shape (2N,)
+
+    Examples
+    --------
+    >>> start_of(Chain.uniform(2))
+    array([0., 0., 1., 0.])
+    """
+    return np.concatenate([np.zeros(chain.beads), chain.velocities])
+
+
+def _law(chain: Chain, stiffness: Array) -> tuple[Law, Array]:
+    """The chain's contact law in the kernel's terms, and the damping of each contact."""
+    from hertzchain.kernels.forces import DAMPED, ELASTIC, PLASTIC, UNLOADING, Law
+
+    law, p = chain.loss, chain.exponent
+    kind, kept, overlap_power, speed_power = DAMPED, 1.0, 0.0, 1.0
+    damping = np.zeros(chain.beads + 1)
+    if law is None:
+        kind = ELASTIC
+    elif isinstance(law, UnloadingRatio):
+        kind, kept = UNLOADING, 1.0 - law.ratio
+    elif isinstance(law, WaltonBraun):
+        kind, kept = PLASTIC, law.ratio
+    elif isinstance(law, Restitution):
+        # A wall is as heavy as can be: the reduced mass is the bead's.
+        inner = reduced_mass(chain.masses[:-1], chain.masses[1:])
+        reduced = np.concatenate((chain.masses[:1], inner, chain.masses[-1:]))
+        damping, overlap_power = law.damping(p) * np.sqrt(reduced * stiffness), 0.5 * (p - 1.0)
+    elif isinstance(law, Viscoelastic):
+        damping, overlap_power = p * law.time * stiffness, p - 1.0
+    elif isinstance(law, VelocityPower):
+        damping, speed_power = damping + law.gamma, law.alpha
+    elif isinstance(law, Dashpot):
+        damping = damping + law.gamma
+    damping = np.where(stiffness > 0.0, damping, 0.0)
+    attractive = bool(getattr(law, "attractive", True))
+    return Law(kind, p, overlap_power, speed_power, kept, attractive), damping
+
+
+def drive_pieces(drive: Drive | None) -> tuple[Array, Array]:
+    r"""A drive as pieces of smooth curves.
+
+    Piece j holds from its start :math:`t_j` on and is, with :math:`s = t - t_j`,
+
+    .. math:: c_0 + c_1 s + c_2 s^2 + c_3 s^3 + \sum_{i=1}^3 a_i \sin \omega_i s .
+
+    A sine under a Hann window of n periods is three sines: with the carrier's angular
+    frequency :math:`\omega`,
+    :math:`\tfrac{A}{2}\sin\omega s - \tfrac{A}{4}[\sin(\omega + \tfrac{\omega}{n})s
+    + \sin(\omega - \tfrac{\omega}{n})s]`.
+
+    Parameters
+    ----------
+    drive : SineBurst, Step, Table or None
+        The drive.
+
+    Returns
+    -------
+    starts : ndarray, shape (pieces,)
+        Increasing; the first is 0.
+    pieces : ndarray, shape (pieces, 10)
+        Coefficients :math:`c_0 \dots c_3, a_1, \omega_1, \dots, a_3, \omega_3`.
+
+    Examples
+    --------
+    >>> starts, pieces = drive_pieces(Step(2.0))
+    >>> starts, pieces[:, 0]
+    (array([0.]), array([2.]))
+    """
+    if isinstance(drive, Step):
+        rest = _cubic(drive.amplitude)
+        if drive.rise == 0.0:
+            return np.zeros(1), rest[np.newaxis]
+        rise = _cubic(0.0, 0.0, 3.0 * drive.amplitude / drive.rise**2,
+                      -2.0 * drive.amplitude / drive.rise**3)  # fmt: skip
+        return np.array([0.0, drive.rise]), np.array([rise, rest])
+    if isinstance(drive, SineBurst):
+        amplitude, carrier = drive.amplitude, 2.0 * math.pi * drive.frequency
+        burst = _cubic()
+        burst[4:6] = amplitude, carrier
+        if drive.window == "hann":
+            side = carrier / drive.cycles
+            burst[4:] = (0.5 * amplitude, carrier, -0.25 * amplitude, carrier + side,
+                         -0.25 * amplitude, carrier - side)  # fmt: skip
+        if math.isinf(drive.cycles):
+            return np.zeros(1), burst[np.newaxis]
+        return np.array([0.0, drive.cycles / drive.frequency]), np.array([burst, _cubic()])
+    if isinstance(drive, Table):
+        return _table_pieces(drive)
+    return np.zeros(1), _cubic()[np.newaxis]
+
+
+def _table_pieces(drive: Table) -> tuple[Array, Array]:
+    """Straight lines from 0 on; the first and last value are kept outside the table."""
+    later = drive.times[drive.times > 0.0]
+    starts = np.concatenate(([0.0], later))
+    values = drive.value(starts)
+    slopes = np.append(np.diff(values) / np.diff(starts), 0.0)
+    pieces = np.zeros((len(starts), 10))
+    pieces[:, 0], pieces[:, 1] = values, slopes
+    return starts, pieces
+
+
+def _cubic(*coefficients: float) -> Array:
+    piece = np.zeros(10)
+    piece[: len(coefficients)] = coefficients
+    return piece

@@ -1,0 +1,342 @@
+"""Integrate a chain's equation of motion: every bead, every contact.
+
+`simulate` keeps the trajectories as a `Run`; `hertzchain.propagate` is for those who
+want the leading pulse alone.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from hertzchain.chain.chain import Chain
+from hertzchain.chain.equilibrium import equilibrium
+from hertzchain.chain.hertz_range import warn_outside_hertz
+from hertzchain.checks import number, whole_number
+from hertzchain.contacts import Array
+from hertzchain.errors import InputError, SimulationError
+from hertzchain.simulation.equations import equation_of
+from hertzchain.simulation.run import Run, Status
+from hertzchain.simulation.state import State, contacts_of, first_state, same_motion, transit_times
+
+Progress = Callable[[int, int], None]
+
+DEFAULT_RTOL: Final = 1e-13
+# Default step limit: for long chains, and for short ones with a light bead that rattles.
+STEPS_PER_BEAD: Final = 2_000
+LEAST_STEP_LIMIT: Final = 1_000_000
+# Work of one call of the compiled loop, in bead-steps: a fraction of a second, after
+# which progress is told and an interrupt is heard.
+BEAD_STEPS_PER_CALL: Final = 1_000_000
+# Below this, accelerations have lost digits and the steps would shrink without end.
+SMALLEST_ACCELERATION: Final = 1e-290
+
+
+def simulate(
+    chain: Chain,
+    *,
+    until: float | None = None,
+    times: int | ArrayLike = 400,
+    start: State | None = None,
+    rtol: float = DEFAULT_RTOL,
+    max_steps: int | None = None,
+    check: bool = True,
+    progress: Progress | None = None,
+) -> Run:
+    r"""Integrate the equation of motion of a chain, Eq. (4) of the paper and beyond.
+
+    .. math:: m_k \ddot x_k = F_{k-1} - F_k + X_k
+
+    with the contact forces of the chain's law (`hertzchain.chain.losses`), those of its walls, and
+    :math:`X_k` its weight, drive and whatever holds its ends.  The method is the Runge-Kutta
+    pair DOP853 (order 8, adaptive), applied to every bead; the error of a step is
+    measured, bead by bead, against the speeds within three beads.  Where a law's force
+    jumps or remembers, the moment is located and the step ends there.
+
+    Parameters
+    ----------
+    chain : Chain
+        The chain.
+    until : float, optional
+        Time to stop at [scaled, or s].  By default the last of the given ``times`` or, if
+        they are a number, when the pulse has left: when every bead has passed its
+        first velocity maximum.
+    times : int or array_like
+        Times at which to save the state: increasing numbers >= 0, or
+        a number of evenly spaced ones (exactly so many if ``until`` is given, else
+        at most so many and at least half of them).
+    start : State, optional
+        State to go on from, such as ``run.state``; times are then those of the run that
+        it is from.  By default the chain at time 0.
+    rtol : float
+        Tolerated error of a step, 1e-14 .. 1e-6.
+    max_steps : int, optional
+        Step limit; by default 2000 per bead, and at least a million.
+    check : bool
+        Raise if the run fails; otherwise look at ``run.status``.
+    progress : callable, optional
+        Called as ``progress(beads_passed, beads)`` a few times a second.
+
+    Returns
+    -------
+    Run
+
+    Raises
+    ------
+    InputError
+        For an option out of its range, a state of another chain, or trajectories that do
+        not fit in memory.
+    SimulationError
+        If the run fails and ``check`` is true.
+
+    Warns
+    -----
+    ModelRangeWarning
+        If a chain of materials has left the range of Hertz' law; see
+        `hertzchain.chain.hertz_range`.
+
+    Examples
+    --------
+    >>> import hertzchain as hc
+    >>> run = hc.simulate(hc.Chain.tapered("forward-linear", 0.01, beads=60))
+    >>> run.energy_drift < 1e-10
+    True
+    """
+    rtol = number("rtol", rtol, least=1e-14, most=1e-6)
+    if until is not None:
+        until = number("until", until, above=0.0)
+    usual = max(STEPS_PER_BEAD * chain.beads, LEAST_STEP_LIMIT)
+    limit = usual if max_steps is None else whole_number("max_steps", max_steps, least=1)
+    if start is None:
+        start = first_state(chain)
+    elif not same_motion(chain, start.chain):
+        raise InputError(
+            f"the state to start from is one of another chain ({start.chain.description}): "
+            "give simulate the chain that it is from"
+        )
+    _check_end(chain, until, times, start.time)
+    frames = _Frames(chain, start.time, until, times)
+    if until is None and not isinstance(times, int | np.integer):
+        until = float(frames.times[-1])
+    run = _integrate(chain, start, until, frames, rtol, limit, progress)
+    if check and not run.success:
+        raise SimulationError(run.message)
+    warn_outside_hertz(chain, run.largest_overlaps)
+    return run
+
+
+class _Frames:
+    """Times to save at, and what is saved.
+
+    Where the end is not known, the grid starts too fine; whenever it is full, every second
+    time is dropped and the spacing doubled, so that memory stays what was asked for.
+    """
+
+    def __init__(
+        self, chain: Chain, begin: float, until: float | None, times: int | ArrayLike
+    ) -> None:
+        self.spacing: float | None = None
+        self.begin = begin
+        if not isinstance(times, int | np.integer) or isinstance(times, bool):
+            self.times = _checked_times(chain, times, begin, until)
+        elif times < 0 or times == 1:
+            raise InputError(f"times must be 0 or at least 2 when it is a number, got {times}")
+        else:
+            count = _fitting_count(chain, int(times))
+            if until is None and count > 0:
+                self.spacing = 0.5 * float(transit_times(chain).sum()) / count
+                self.times = begin + self.spacing * np.arange(count)
+            else:
+                self.times = np.linspace(begin, until or 0.0, count)
+        self.states, self.forces = np.empty((0, 0)), np.empty((0, 0))
+
+    def allocate(self, length: int, contacts: int) -> None:
+        """Room for states of so many components and forces of so many contacts."""
+        self.states = np.empty((len(self.times), length))
+        self.forces = np.empty((len(self.times), contacts))
+
+    def thin_out(self, filled: int) -> int:
+        """Make room for later times; returns how many of the filled ones are kept."""
+        assert self.spacing is not None
+        kept = (filled + 1) // 2
+        for saved in (self.states, self.forces):
+            saved[:kept] = saved[:filled:2].copy()
+        self.spacing *= 2.0
+        self.times = self.begin + self.spacing * np.arange(len(self.times))
+        return kept
+
+
+class _Integration:
+    """A state on its way, the compiled loop that moves it, and the loop's scratch."""
+
+    def __init__(self, chain: Chain, start: State, frames: _Frames, rtol: float) -> None:
+        from hertzchain.kernels import dop853
+        from hertzchain.kernels import full_chain as kernel
+
+        self.kernel: Any = kernel
+        self.state = start.copy()
+        arrays = self.state.arrays
+        self.clock, self.counts = arrays["clock"], arrays["counts"]
+        self.counts[kernel.FRAMES] = 0
+        self.equation = equation_of(chain)
+        self.plain = len(arrays["y"]) == 2 * chain.beads
+        self.contacts = None if self.plain else contacts_of(arrays)
+        frames.allocate(len(arrays["y"]), 0 if self.plain else chain.beads + 1)
+        self.frames, self.rtol = frames, rtol
+        length = len(arrays["y"])
+        self.stages = np.zeros((dop853.STAGES, length))
+        self.scratch = np.empty((6, length)), np.zeros((2, chain.beads), np.bool_)
+
+    def advance(self, end: tuple[float, bool], steps: int, pause: bool) -> int:
+        """Take up to so many steps; returns why it stopped."""
+        arrays, frames = self.state.arrays, self.frames
+        code: int = self.kernel.advance(
+            arrays["y"], self.clock, self.counts, self.equation, self.contacts, *end,
+            self.rtol, steps, pause, frames.times, frames.spacing is not None, frames.states,
+            frames.forces, arrays["peaks"], arrays["crossings"], arrays["walls"], self.stages,
+            *self.scratch,
+        )  # fmt: skip
+        return code
+
+    @property
+    def underflows(self) -> bool:
+        """Whether accelerations have become too small to have all their digits."""
+        beads = self.state.chain.beads
+        return bool(0.0 < np.max(np.abs(self.stages[0, beads : 2 * beads])) < SMALLEST_ACCELERATION)
+
+
+def _integrate(
+    chain: Chain,
+    start: State,
+    until: float | None,
+    frames: _Frames,
+    rtol: float,
+    max_steps: int,
+    progress: Progress | None,
+) -> Run:
+    going = _Integration(chain, start, frames, rtol)
+    kernel, counts = going.kernel, going.counts
+    end = (np.inf if until is None else until, until is None)
+    budget = max(20, BEAD_STEPS_PER_CALL // chain.beads)
+    first = int(counts[kernel.STEPS])
+    code = kernel.RUNNING
+    status: Status | None = None
+    # The state before the step that the end cuts short: a longer run would go on from it.
+    before_end: State | None = None
+    while code in (kernel.RUNNING, kernel.FRAMES_FULL, kernel.LAST_STEP) and status is None:
+        if code == kernel.LAST_STEP:
+            before_end = going.state.copy()
+        steps = min(budget, max_steps - int(counts[kernel.STEPS]) + first)
+        code = going.advance(end, steps, before_end is None)
+        if progress is not None:
+            progress(1 + int(min(counts[kernel.PEAKS], counts[kernel.CROSSINGS])), chain.beads)
+        if code == kernel.FRAMES_FULL:
+            counts[kernel.FRAMES] = frames.thin_out(int(counts[kernel.FRAMES]))
+        elif code == kernel.RUNNING and counts[kernel.STEPS] - first >= max_steps:
+            status = "step limit"
+        if code in (kernel.RUNNING, kernel.STEP_TOO_SMALL) and going.underflows:
+            status = "underflow"
+    return _run(going, before_end or going.state.copy(), status or _ending(kernel, code))
+
+
+def _ending(kernel: Any, code: int) -> Status:
+    endings: dict[int, Status] = {
+        kernel.PULSE_LEFT: "pulse left",
+        kernel.TIME_REACHED: "time reached",
+        kernel.STEP_TOO_SMALL: "step too small",
+        kernel.PULSE_LOST: "pulse lost",
+    }
+    return endings[code]
+
+
+def _run(going: _Integration, state: State, status: Status) -> Run:
+    kernel, clock, counts = going.kernel, going.clock, going.counts
+    arrays, frames, beads = going.state.arrays, going.frames, state.chain.beads
+    filled = int(counts[kernel.FRAMES])
+    saved = frames.states[:filled]
+    ledger, now = saved[:, 2 * beads :], arrays["y"][2 * beads :]
+    if going.plain:
+        ledger, now = np.zeros((filled, kernel.LEDGER)), np.zeros(kernel.LEDGER)
+    return Run(
+        chain=state.chain,
+        times=frames.times[:filled],
+        positions=saved[:, :beads] + equilibrium(state.chain).positions,
+        velocities=saved[:, beads : 2 * beads],
+        status=status,
+        end_time=float(clock[kernel.TIME]),
+        energy_drift=_part(clock[kernel.ENERGY_DRIFT], clock[kernel.ENERGY_UNIT]),
+        momentum_drift=_part(clock[kernel.MOMENTUM_DRIFT], clock[kernel.MOMENTUM_UNIT]),
+        steps=int(counts[kernel.STEPS]),
+        evaluations=int(counts[kernel.EVALUATIONS]),
+        rtol=going.rtol,
+        state=state,
+        _forces=None if going.plain else frames.forces[:filled],
+        _ledger=ledger,
+        _peaks=arrays["peaks"],
+        _crossings=arrays["crossings"],
+        _walls=arrays["walls"],
+        _impulses=now[[kernel.LEFT_IMPULSE, kernel.RIGHT_IMPULSE]],
+    )
+
+
+def _part(drift: float, unit: float) -> float:
+    """A drift relative to its unit; 0 if nothing ever moved."""
+    return float(drift / unit) if unit > 0.0 else 0.0
+
+
+def _check_end(chain: Chain, until: float | None, times: int | ArrayLike, begin: float) -> None:
+    """Refuse an end that has passed, or none where no pulse will leave."""
+    if until is not None and until <= begin:
+        raise InputError(f"the run starts at time {begin:g} and cannot stop at until = {until:g}")
+    struck = chain.velocities[0] > 0.0 and chain.drive is None
+    if until is None and isinstance(times, int | np.integer) and not struck:
+        raise InputError(
+            "bead 1 of this chain is not struck, so that no pulse ends the run: give until"
+        )
+
+
+def _checked_times(chain: Chain, times: ArrayLike, begin: float, until: float | None) -> Array:
+    given = np.asarray(times)
+    if given.ndim != 1 or not given.size or given.dtype.kind not in "iuf":
+        raise InputError(
+            f"times must be a whole number or a list of increasing numbers, got {times!r}"
+        )
+    _fitting_count(chain, given.size)
+    values = given.astype(float)
+    good = np.isfinite(values) & (np.diff(values, prepend=-np.inf) > 0.0) & (values >= 0.0)
+    if not good.all():
+        bad = int(np.argmin(good))
+        raise InputError(
+            f"times to save at must be finite, increasing and not negative, but time {bad + 1} "
+            f"of them is {values[bad]:g}"
+        )
+    if values[0] < begin:
+        raise InputError(
+            f"the run goes on from time {begin:g}: the first time to save at, {values[0]:g}, has "
+            "passed"
+        )
+    if until is not None and values[-1] > until:
+        raise InputError(
+            f"the last time to save at is {values[-1]:g}, but the run stops at until = {until:g}"
+        )
+    return values
+
+
+def _fitting_count(chain: Chain, frames: int) -> int:
+    """The number of saved times, if they fit in memory."""
+    # Positions and velocities, 8 bytes each, and once more while they are put together.
+    needed = frames * chain.beads * 2 * 8 * 2
+    if needed < 2**28:
+        return frames
+    import psutil
+
+    free = psutil.virtual_memory().available
+    if needed > free:
+        raise InputError(
+            f"{frames} saved times of {chain.beads} beads need {needed / 2**30:.1f} GiB, "
+            f"and {free / 2**30:.1f} GiB are free: save fewer times"
+        )
+    return frames

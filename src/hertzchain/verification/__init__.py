@@ -1,0 +1,1 @@
+"""Exact and published values of the field, and ours beside them."""

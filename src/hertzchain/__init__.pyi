@@ -40,6 +40,10 @@ from .store.results import load_state as load_state
 from .store.results import save_state as save_state
 from .store.streaming import StoredRun as StoredRun
 from .store.streaming import stream as stream
+from .store.sweep_store import StoreError as StoreError
+from .sweeps.sweep import merge_sweeps as merge_sweeps
+from .sweeps.sweep import open_sweep as open_sweep
+from .sweeps.sweep import sweep as sweep
 from .theory.bca import bca as bca
 from .theory.effective_chain import effective_chain as effective_chain
 from .theory.hard_sphere import hard_sphere as hard_sphere

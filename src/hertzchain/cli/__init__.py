@@ -13,7 +13,7 @@ import warnings
 import click
 
 # Nothing heavier in any file here: `--help` must answer at once, so commands import what they need.
-from hertzchain.cli import calibrate, cite, pulse, reproduce, scoreboard, simulate, verify
+from hertzchain.cli import calibrate, cite, pulse, reproduce, scoreboard, simulate, sweep, verify
 from hertzchain.cli.exit_codes import BAD_INPUT, DONE, FAILED, INTERRUPTED
 
 
@@ -30,7 +30,7 @@ def cli() -> None:
 
 for _command in (
     pulse.pulse, simulate.simulate, reproduce.reproduce, calibrate.calibrate,
-    scoreboard.scoreboard, verify.verify, cite.cite,
+    scoreboard.scoreboard, sweep.sweep, verify.verify, cite.cite,
 ):  # fmt: skip
     cli.add_command(_command)
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from datetime import timedelta
 from typing import Final
 
 import click
@@ -14,32 +15,64 @@ SECONDS_PER_LINE: Final = 5.0
 
 
 @contextmanager
-def progress_of(what: str) -> Iterator[Callable[[int, int], None]]:
-    """A bar on stderr that vanishes when done; in a pipe or file, a line now and then."""
+def progress_of(what: str, *, rate: bool = False) -> Iterator[Callable[[int, int], None]]:
+    """A bar on stderr that vanishes when done; in a pipe or file, a line now and then.
+
+    With ``rate`` it also tells how many a second, and the time that remains.
+    """
     from rich.console import Console
-    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
+    from rich.progress import (
+        BarColumn,
+        MofNCompleteColumn,
+        Progress,
+        TextColumn,
+        TimeElapsedColumn,
+    )
 
-    columns = TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn()
     console = Console(stderr=True)
+    pace = _Pace() if rate else None
     if not console.is_terminal:
-        yield _lines_of_progress(what)
+        yield _lines_of_progress(what, pace)
         return
-    with Progress(
-        *columns, TimeElapsedColumn(), console=console, transient=True
-    ) as bar:  # fmt: skip
-        task = bar.add_task("starting; the first use on a machine compiles", total=None)
-        yield lambda done, total: bar.update(task, description=what, completed=done, total=total)
+    columns = [TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn()]
+    last = TextColumn("{task.fields[pace]}") if rate else TimeElapsedColumn()
+    with Progress(*columns, last, console=console, transient=True) as bar:
+        task = bar.add_task("starting; the first use on a machine compiles", total=None, pace="")
+
+        def update(done: int, total: int) -> None:
+            told = pace.told(done, total) if pace else ""
+            bar.update(task, description=what, completed=done, total=total, pace=told)
+
+        yield update
 
 
-def _lines_of_progress(what: str) -> Callable[[int, int], None]:
-    told: list[float] = []
+class _Pace:
+    """How many a second since the beginning, and the time that remains."""
+
+    def __init__(self) -> None:
+        self.begun: tuple[float, int] | None = None
+
+    def told(self, done: int, total: int) -> str:
+        now = time.monotonic()
+        if self.begun is None:
+            self.begun = now, done
+        elapsed, more = now - self.begun[0], done - self.begun[1]
+        if more <= 0 or elapsed <= 0.0:
+            return ""
+        left = timedelta(seconds=round((total - done) * elapsed / more))
+        return f"{more / elapsed:.3g} a second, {left} to go"
+
+
+def _lines_of_progress(what: str, pace: _Pace | None) -> Callable[[int, int], None]:
+    shown: list[float] = []
 
     def update(done: int, total: int) -> None:
         now = time.monotonic()
-        if told and now - told[-1] < SECONDS_PER_LINE:
+        told = pace.told(done, total) if pace else ""
+        if shown and now - shown[-1] < SECONDS_PER_LINE:
             return
-        if told:
-            click.echo(f"{what}: {done} of {total}", err=True)
-        told.append(now)
+        if shown:
+            click.echo(f"{what}: {done} of {total}" + (f", {told}" if told else ""), err=True)
+        shown.append(now)
 
     return update

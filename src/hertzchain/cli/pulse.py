@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
@@ -14,8 +13,7 @@ from hertzchain.cli.pulse_tables import side_by_side, table_of
 from hertzchain.cli.show import save_axes, show_table
 
 if TYPE_CHECKING:
-    from hertzchain.chain.chain import Chain
-    from hertzchain.pulse.pulse import Pulse
+    pass
 
 METHODS: Final = (
     "propagate", "simulate", "bca", "modified-bca", "modified-bca-printed", "two-thirds-bca",
@@ -72,6 +70,7 @@ def pulse(
     from hertzchain.errors import InputError
     from hertzchain.pulse.quantities import QUANTITIES
     from hertzchain.store import results
+    from hertzchain.sweeps.methods import pulse_by
 
     if as_json and as_csv:
         raise click.UsageError("--json and --csv exclude each other")
@@ -80,7 +79,7 @@ def pulse(
     check_writable(plot, "--plot", (".png", ".svg", ".pdf"))
     chain = chain_from(file, chain_file, taper, rate, beads)
     with progress_of("beads passed") as progress:
-        pulses = [_compute(method, chain, progress) for method in dict.fromkeys(methods)]
+        pulses = [pulse_by(method, chain, progress) for method in dict.fromkeys(methods)]
     if plot is not None:
         from hertzchain.plotting.pulses import plot_pulses
 
@@ -97,21 +96,3 @@ def pulse(
         show_table(side_by_side(pulses, quantity, every_bead))  # type: ignore[arg-type]
         for other in pulses[1:]:
             click.echo(f"\n{other.compare(pulses[0])}")
-
-
-def _compute(method: str, chain: Chain, progress: Callable[[int, int], None]) -> Pulse:
-    from hertzchain import Scales, propagate, simulate
-    from hertzchain.chain.hertz_range import warn_outside_hertz
-    from hertzchain.theory.catalogue import THEORIES
-
-    if chain.units == "SI" and method != "simulate":
-        scales = Scales.of(chain)
-        pulse = scales.to_si(_compute(method, scales.to_scaled(chain), progress))
-        if pulse.peak_overlap is not None:
-            warn_outside_hertz(chain, pulse.peak_overlap)
-        return pulse
-    if method == "propagate":
-        return propagate(chain, progress=progress)
-    if method == "simulate":
-        return simulate(chain, times=0, progress=progress).pulse()
-    return THEORIES[method](chain)

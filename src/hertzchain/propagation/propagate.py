@@ -11,7 +11,7 @@ import os
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
 from dataclasses import dataclass, field
-from typing import Final
+from typing import Final, TypeGuard
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -173,12 +173,16 @@ class _Ensemble:
     @classmethod
     def of(cls, chains: Iterable[Chain | ArrayLike] | ArrayLike) -> _Ensemble:
         if isinstance(chains, np.ndarray) and chains.ndim == 2:
-            return cls._of_rows(chains)
+            return cls._of_rows(chains, np.full(len(chains), chains.shape[1]))
         if isinstance(chains, str | Chain) or not isinstance(chains, Iterable):
             raise InputError(f"chains must be a sequence of chains or radii, got {chains!r}")
+        given = list(chains)
+        rows = [item for item in given if _is_row(item)]
+        if len(rows) == len(given) > 0:
+            return cls._of_rows(*_padded(rows))
         listed: list[Chain | str] = []
         lengths = []
-        for item in chains:
+        for item in given:
             try:
                 chain = item if isinstance(item, Chain) else Chain.from_radii(item)
                 require(chain, "propagate_many", instead="use simulate")
@@ -200,23 +204,23 @@ class _Ensemble:
         return cls(radii, beads, exponents, reasons)
 
     @classmethod
-    def _of_rows(cls, rows: NDArray[np.float64]) -> _Ensemble:
+    def _of_rows(cls, rows: NDArray[np.float64], beads: NDArray[np.int64]) -> _Ensemble:
         try:
             given = np.asarray(rows, float)
         except (TypeError, ValueError):
             raise InputError("radii must be numbers") from None
+        inside = np.arange(given.shape[1]) < beads[:, np.newaxis]
         reasons = {}
         with np.errstate(all="ignore"):
             radii = given / given[:, :1] if given.shape[1] else given.copy()
             masses = radii**3
             sound = (given > 0.0) & (masses >= np.finfo(float).tiny) & (masses < np.inf)
-        for row in np.flatnonzero(~sound.all(axis=1) | (given.shape[1] < 2)):
+        for row in np.flatnonzero(~(sound | ~inside).all(axis=1) | (beads < 2)):
             try:
-                Chain.from_radii(given[row])
+                Chain.from_radii(given[row, : beads[row]])
             except InputError as error:
                 reasons[int(row)] = str(error)
-        count, beads = given.shape
-        return cls(radii, np.full(count, beads), np.full(count, HERTZ_EXPONENT), reasons)
+        return cls(radii, beads, np.full(len(given), HERTZ_EXPONENT), reasons)
 
     def blocks(self, threads: int) -> Iterator[NDArray[np.int64]]:
         """Rows of one piece of work after the other, without the impossible chains."""
@@ -256,6 +260,18 @@ class _Ensemble:
             self.radii, self.beads, self.exponents,
             velocity, peak_time, arrival, overlap[:, :-1], residence[:, :-1], self.reasons,
         )  # fmt: skip
+
+
+def _is_row(item: object) -> TypeGuard[NDArray[np.float64]]:
+    return isinstance(item, np.ndarray) and item.ndim == 1 and item.dtype.kind in "iuf"
+
+
+def _padded(rows: Sequence[NDArray[np.float64]]) -> tuple[Array, NDArray[np.int64]]:
+    """Rows of unlike lengths as one array, and their lengths."""
+    lengths = np.array([len(row) for row in rows], np.int64)
+    padded = np.full((len(rows), int(lengths.max())), np.nan)
+    padded[np.arange(padded.shape[1]) < lengths[:, np.newaxis]] = np.concatenate(rows)
+    return padded, lengths
 
 
 def _follow_block(

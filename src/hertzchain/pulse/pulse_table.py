@@ -11,10 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hertzchain.chain.chain import Chain
-from hertzchain.contacts import Array
-from hertzchain.errors import SimulationError
+from hertzchain.contacts import Array, hertz_stiffness
+from hertzchain.errors import SimulationError, unknown_name
 from hertzchain.pulse.pulse import Pulse
-from hertzchain.pulse.quantities import QUANTITIES
+from hertzchain.pulse.quantities import QUANTITIES, Quantity
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -127,6 +127,43 @@ class PulseTable:
         if not -len(self) <= index < len(self):
             raise IndexError(f"chain {index} of {len(self)}")
         return index % len(self)
+
+    def column(self, quantity: Quantity) -> Array | None:
+        """One quantity of all chains by its name, as `Pulse.column`.
+
+        Parameters
+        ----------
+        quantity : str
+            Name of the quantity.
+
+        Returns
+        -------
+        ndarray, shape (C, N) or (C, N - 1), or None
+            `None` where an integration has nothing to tell, as of ``velocity_error``.
+
+        Raises
+        ------
+        InputError
+            For an unknown name.
+
+        Examples
+        --------
+        >>> import hertzchain as hc
+        >>> hc.propagate_many([[1.0, 1.0], [1.0, 2.0]]).column("momentum").round(4)
+        array([[1.    , 1.    ],
+               [1.    , 1.7778]])
+        """
+        if quantity not in QUANTITIES:
+            raise unknown_name("quantity", quantity, QUANTITIES)
+        if quantity == "momentum":
+            return self.radii**3 * self.velocity
+        if quantity == "energy":
+            return 0.5 * self.radii**3 * self.velocity**2
+        if quantity == "peak_force":
+            stiffness = hertz_stiffness(self.radii[:, :-1], self.radii[:, 1:])
+            return stiffness * self.peak_overlap ** self.exponents[:, np.newaxis]
+        found: Array | None = getattr(self, quantity, None)
+        return found
 
     def to_xarray(self) -> xr.Dataset:
         """Labelled dataset with dimensions ``chain``, ``bead`` = 1..N and ``contact``.

@@ -125,9 +125,36 @@ def load_chain(path: str | os.PathLike[str]) -> Chain:
     except tomllib.TOMLDecodeError as error:
         raise InputError(f"chain file {name!r} is not valid TOML: {error}") from None
     try:
-        return _ChainFile(document, Path(path).parent).chain()
+        return chain_from(document, Path(path).parent)
     except InputError as error:
         raise InputError(f"{name}: {error}") from None
+
+
+def chain_from(document: Mapping[str, Any], folder: Path = Path()) -> Chain:
+    """The chain that a parsed chain file describes.
+
+    Parameters
+    ----------
+    document : mapping
+        Tables ``chain`` and, if there are any, ``materials``.
+    folder : pathlib.Path
+        Where the files are that it names.
+
+    Returns
+    -------
+    Chain
+
+    Raises
+    ------
+    InputError
+        As `load_chain`.
+
+    Examples
+    --------
+    >>> chain_from({"chain": {"taper": "uniform", "beads": 20}})
+    Chain(uniform, 20 beads)
+    """
+    return _ChainFile(document, folder).chain()
 
 
 def chain_as_toml(chain: Chain) -> str:
@@ -190,7 +217,7 @@ def chain_as_toml(chain: Chain) -> str:
 class _ChainFile:
     """A parsed TOML file, and where the files it names are."""
 
-    def __init__(self, document: dict[str, Any], folder: Path) -> None:
+    def __init__(self, document: Mapping[str, Any], folder: Path) -> None:
         for key in document:
             if key not in ("chain", "materials"):
                 raise unknown_name("table or key", key, ("chain", "materials"))

@@ -1,0 +1,148 @@
+"""A sweep as a file for other programs: CSV, Parquet, netCDF."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+from collections.abc import Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING, Final
+
+from hertzchain.errors import InputError
+
+if TYPE_CHECKING:
+    import pandas as pd
+    import xarray as xr
+
+ENDINGS: Final = (".csv", ".parquet", ".nc")
+# Rows that are in memory at once, about.
+ROWS: Final = 500_000
+
+
+def export_sweep(dataset: xr.Dataset, path: str | os.PathLike[str]) -> None:
+    """Write a sweep into one file: a row for each point, method and bead, or netCDF.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        Of `hertzchain.sweep` or `hertzchain.open_sweep`.
+    path : path-like
+        The file, by its ending: ``.csv``, ``.parquet``, ``.nc`` (netCDF-4).
+
+    Raises
+    ------
+    InputError
+        For another ending, a package that is not installed, or a file that cannot be written.
+
+    Examples
+    --------
+    >>> import hertzchain as hc, tempfile
+    >>> spec = {"chain": {"taper": "uniform"}, "axes": {"beads": [9]}, "sweep": {"at": "last"}}
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     export_sweep(hc.sweep(spec), Path(folder) / "sweep.csv")
+    ...     print((Path(folder) / "sweep.csv").read_text().splitlines()[0])
+    beads,by,velocity,reason,status
+    """
+    target = Path(path)
+    if target.suffix not in ENDINGS:
+        raise InputError(f"a sweep is exported as {', '.join(ENDINGS)}, got {target.name!r}")
+    beside = target.with_name(f".{target.name}.{os.getpid()}.partial")
+    write = {".csv": _write_csv, ".parquet": _write_parquet, ".nc": _write_netcdf}[target.suffix]
+    try:
+        write(dataset, beside)
+        beside.replace(target)
+    except ImportError as error:
+        raise InputError(
+            f"{target.suffix} files need the package {error.name}: pip install 'hertzchain[export]'"
+        ) from None
+    except OSError as error:
+        raise InputError(
+            f"cannot write {os.fspath(path)!r} ({error.strerror}); choose another place"
+        ) from None
+    finally:
+        with contextlib.suppress(OSError):
+            beside.unlink(missing_ok=True)
+
+
+def _write_csv(dataset: xr.Dataset, file: Path) -> None:
+    with file.open("w", encoding="utf-8", newline="") as stream:
+        for number, table in enumerate(tables_of(dataset)):
+            table.to_csv(stream, header=number == 0, index=False, lineterminator="\n")
+
+
+def _write_parquet(dataset: xr.Dataset, file: Path) -> None:
+    import pyarrow as pa
+    import pyarrow.parquet as pq
+
+    writer = None
+    try:
+        for frame in tables_of(dataset):
+            table = pa.Table.from_pandas(frame, preserve_index=False)
+            if writer is None:
+                metadata = {key: str(value) for key, value in dataset.attrs.items()}
+                schema = table.schema.with_metadata({**(table.schema.metadata or {}), **metadata})
+                writer = pq.ParquetWriter(file, schema)
+            writer.write_table(table.cast(writer.schema))
+    finally:
+        if writer is not None:
+            writer.close()
+
+
+def _write_netcdf(dataset: xr.Dataset, file: Path) -> None:
+    import h5netcdf  # noqa: F401  (named in the error if it is missing, and so is the next)
+    import h5py  # noqa: F401
+
+    texts = {
+        name: values.astype(object)
+        for name, values in dataset.variables.items()
+        if values.dtype.kind == "T"
+    }
+    plain = dataset.assign(texts) if texts else dataset
+    plain.attrs = {key: value for key, value in dataset.attrs.items() if key != "arrays"}
+    plain.to_netcdf(file, engine="h5netcdf")
+
+
+def tables_of(dataset: xr.Dataset) -> Iterator[pd.DataFrame]:
+    """A sweep as tables that follow each other, each small enough for the memory.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        Of a sweep.
+
+    Yields
+    ------
+    pandas.DataFrame
+        A row for each point, method and bead; quantities of contact k stand in the row of
+        bead k.  Beads that a shorter chain does not have are left out.
+
+    Examples
+    --------
+    >>> import hertzchain as hc
+    >>> spec = {"chain": {"taper": "uniform"}, "axes": {"beads": [3, 5]}}
+    >>> [len(table) for table in tables_of(hc.sweep(spec))]
+    [8]
+    """
+    import xarray as xr
+
+    if "contact" in dataset.dims:
+        contacts = dataset[[name for name in dataset if "contact" in dataset[name].dims]]
+        others = dataset.drop_dims("contact")
+        dataset = xr.merge([others, contacts.rename(contact="bead")], join="outer")
+    first = next(iter(dataset.status.dims))
+    sizes = dict(dataset.sizes)
+    rows = max(1, ROWS * sizes[first] // max(1, _product(sizes)))
+    order = [*dataset.status.dims, *(name for name in ("bead",) if name in dataset.dims)]
+    for start in range(0, sizes[first], rows):
+        part = dataset.isel({first: slice(start, start + rows)}).load()
+        table = part.to_dataframe(dim_order=[str(name) for name in order]).reset_index()
+        if "bead" in table and "beads" in table:
+            table = table[table.bead <= table.beads]
+        yield table
+
+
+def _product(sizes: dict[object, int]) -> int:
+    total = 1
+    for size in sizes.values():
+        total *= size
+    return total

@@ -1,0 +1,433 @@
+"""The store of a sweep: a zarr folder with an array for each quantity, a chunk for each batch.
+
+Any program that reads zarr reads it, while the sweep still runs.  A batch is written whole:
+its data first, then its chunk of ``status``, which says that it is done.  Nothing in the store
+depends on when or by whom it was computed, so that a sweep that was interrupted and taken up
+again leaves the same bytes as one that was not.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import errno
+import os
+import shutil
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hertzchain.errors import InputError
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+SCHEMA: Final = "hertzchain sweep 1"
+MARKER: Final = "schema"
+STATUS: Final = "status"
+# Of `status`.
+MEANINGS: Final = ("missing", "done", "failed")
+
+
+class StoreError(RuntimeError):
+    """A store that could not be written to its end; what is in it stays good."""
+
+
+@dataclass(frozen=True, eq=False)
+class Variable:
+    """One array of a store.
+
+    Attributes
+    ----------
+    dimensions : tuple of str
+        Names of its dimensions.
+    shape, chunk : tuple of int
+        Of all of it, and of one batch.
+    dtype : str
+        ``"f8"``, ``"i8"``, ``"i1"`` or ``"str"``.
+    attributes : mapping
+        Units, long name.
+    values : ndarray, optional
+        All values of a coordinate.
+
+    Examples
+    --------
+    >>> Variable(("rate",), (3,), (3,), "f8", {"units": "1"}).dimensions
+    ('rate',)
+    """
+
+    dimensions: tuple[str, ...]
+    shape: tuple[int, ...]
+    chunk: tuple[int, ...]
+    dtype: str
+    attributes: Mapping[str, Any]
+    values: NDArray[Any] | None = None
+
+    @property
+    def size(self) -> int:
+        """Bytes of all of it, text left out."""
+        width = {"f8": 8, "i8": 8, "i1": 1}.get(self.dtype, 0)
+        return width * int(np.prod(self.shape, dtype=float))
+
+
+class SweepStore:
+    """A store that exists.
+
+    Parameters
+    ----------
+    folder : path-like
+        Where it is.
+
+    Raises
+    ------
+    InputError
+        If there is none, or what is there is no sweep, or damaged.
+    """
+
+    def __init__(self, folder: str | os.PathLike[str]) -> None:
+        import zarr
+
+        self.folder = Path(folder)
+        name = os.fspath(folder)
+        if not self.folder.is_dir():
+            raise InputError(f"there is no sweep store {name!r}: it would be a folder")
+        if not (self.folder / "zarr.json").is_file():
+            raise InputError(f"{name!r} is no store of a sweep: it is left as it is")
+        try:
+            group: Any = zarr.open_group(self.folder, mode="r+", zarr_format=3)
+            self.attributes: dict[str, Any] = dict(group.attrs)
+            if self.attributes.get(MARKER) != SCHEMA:
+                raise InputError(f"{name!r} is no store of a sweep: it is left as it is")
+            # A chunk that is there proves that its batch is done; of reasons there are few.
+            self.arrays: dict[str, Any] = {
+                key: group[key].with_config({"write_empty_chunks": key != "reason"})
+                for key in self.attributes["arrays"]
+            }
+            self.status = self.arrays[STATUS]
+        except InputError:
+            raise
+        # Whatever zarr stumbles over in a file that is not as it was written.
+        except Exception as error:  # noqa: BLE001
+            raise InputError(
+                f"the sweep store {name!r} is damaged ({error}): move it away and sweep again"
+            ) from None
+
+    @classmethod
+    def create(
+        cls,
+        folder: str | os.PathLike[str],
+        variables: Mapping[str, Variable],
+        attributes: Mapping[str, Any],
+    ) -> SweepStore:
+        """Make an empty store, whole or not at all.
+
+        Parameters
+        ----------
+        folder : path-like
+            Where it shall be; nothing may be there.
+        variables : mapping of str to Variable
+            Arrays by name, among them ``status``.
+        attributes : mapping
+            Of the dataset.
+
+        Returns
+        -------
+        SweepStore
+
+        Raises
+        ------
+        InputError
+            If it cannot be made there.
+        StoreError
+            If the disk is full.
+
+        Examples
+        --------
+        >>> import tempfile
+        >>> status = Variable(("rate", "by"), (4, 1), (2, 1), "i1", {})
+        >>> with tempfile.TemporaryDirectory() as parent:
+        ...     store = SweepStore.create(Path(parent) / "sweep", {"status": status}, {})
+        ...     store.missing().tolist()
+        [0, 1]
+        """
+        import zarr
+
+        target = Path(folder)
+        beside = target.with_name(f".{target.name}.new")
+        try:
+            target.parent.mkdir(parents=True, exist_ok=True)
+            shutil.rmtree(beside, ignore_errors=True)
+            group = zarr.create_group(
+                beside,
+                attributes={MARKER: SCHEMA, "arrays": list(variables), **attributes},
+            )
+            for name, variable in variables.items():
+                _create_array(group, name, variable)
+            beside.replace(target)
+        except OSError as error:
+            with contextlib.suppress(OSError):
+                shutil.rmtree(beside, ignore_errors=True)
+            if error.errno in FULL:
+                raise StoreError(f"cannot make the store {target}: {error.strerror}") from None
+            raise InputError(
+                f"cannot make the store {os.fspath(folder)!r} ({error.strerror}); choose another "
+                "place"
+            ) from None
+        return cls(target)
+
+    @property
+    def grid(self) -> tuple[int, ...]:
+        """Number of batches along each dimension."""
+        shape, chunk = self.status.shape, self.status.chunks
+        return tuple(-(-n // c) for n, c in zip(shape, chunk, strict=True))[:-1] or (1,)
+
+    def missing(self) -> NDArray[np.int64]:
+        """Numbers of the batches that are not done.
+
+        Returns
+        -------
+        ndarray of int
+
+        Raises
+        ------
+        InputError
+            If data of a batch that is done are not there.
+        """
+        missing = []
+        for batch in range(int(np.prod(self.grid))):
+            if not self._chunk(STATUS, batch).is_file():
+                missing.append(batch)
+                continue
+            for name in self._data:
+                file = self._chunk(name, batch)
+                if not file.is_file() or file.stat().st_size == 0:
+                    raise InputError(
+                        f"the sweep store {os.fspath(self.folder)!r} is damaged: {file} is "
+                        f"{'empty' if file.is_file() else 'missing'}; delete "
+                        f"{self._chunk(STATUS, batch)} to compute that batch anew"
+                    )
+        return np.array(missing, np.int64)
+
+    def write(self, batch: int, region: tuple[slice, ...], columns: Mapping[str, Any]) -> None:
+        """Write a batch: data, then that it is done.
+
+        Parameters
+        ----------
+        batch : int
+            Its number.
+        region : tuple of slice
+            Where its points are.
+        columns : mapping
+            Values by name of the array, ``status`` among them.
+
+        Raises
+        ------
+        StoreError
+            If they cannot be written; the batch then counts as not done.
+        """
+        try:
+            for name in sorted(columns, key=lambda name: name == STATUS):
+                array = self.arrays[name]
+                shape = tuple(part.stop - part.start for part in region)
+                values = np.asarray(columns[name]).reshape(shape + array.shape[len(region) :])
+                array[(*region, ...)] = values
+        except OSError as error:
+            self._chunk(STATUS, batch).unlink(missing_ok=True)
+            raise StoreError(
+                f"cannot write to {os.fspath(self.folder)!r}: {error.strerror or error}"
+            ) from None
+
+    def clean(self) -> None:
+        """Remove what a killed process left half written."""
+        for file in self.folder.rglob("*.partial"):
+            file.unlink(missing_ok=True)
+
+    def copy_batch(self, other: SweepStore, batch: int) -> None:
+        """Take a batch that another store of the same sweep has done.
+
+        Parameters
+        ----------
+        other : SweepStore
+            Where it is done.
+        batch : int
+            Its number.
+
+        Raises
+        ------
+        StoreError
+            If it cannot be copied.
+        """
+        try:
+            for name in sorted((*self._data, "reason", STATUS), key=lambda name: name == STATUS):
+                source, target = other._chunk(name, batch), self._chunk(name, batch)
+                if source.is_file():
+                    target.parent.mkdir(parents=True, exist_ok=True)
+                    partial = target.with_name(f"{target.name}.partial")
+                    shutil.copyfile(source, partial)
+                    partial.replace(target)
+        except OSError as error:
+            raise StoreError(f"cannot copy into {os.fspath(self.folder)!r}: {error}") from None
+
+    def open(self) -> xr.Dataset:
+        """All of it as a dataset, read when looked at.
+
+        Returns
+        -------
+        xarray.Dataset
+        """
+        import xarray as xr
+
+        return plain_text(
+            xr.open_zarr(self.folder, chunks=None, consolidated=False, mask_and_scale=False)
+        )
+
+    def counts(self) -> dict[str, int]:
+        """How many points are missing, done and failed; failed is one where a method failed.
+
+        Returns
+        -------
+        dict of str to int
+        """
+        counts = dict.fromkeys(MEANINGS, 0)
+        for part in self._status_by_batch():
+            worst = np.where((part == 0).any(axis=-1), 0, part.max(axis=-1))
+            for value, meaning in enumerate(MEANINGS):
+                counts[meaning] += int((worst == value).sum())
+        return counts
+
+    def failures(self, most: int) -> list[tuple[dict[str, Any], str]]:
+        """Where points failed, and why.
+
+        Parameters
+        ----------
+        most : int
+            How many at most.
+
+        Returns
+        -------
+        list of tuple of dict and str
+            Values of the axes and of ``by``, and the reason.
+        """
+        found: list[tuple[dict[str, Any], str]] = []
+        dataset, rows = self.open(), self.status.chunks[0]
+        for start in range(0, self.status.shape[0], rows):
+            part = dataset.isel({dataset.status.dims[0]: slice(start, start + rows)})
+            for place in np.argwhere(part.status.values == MEANINGS.index("failed")):
+                at = part.reason.isel(dict(zip(part.status.dims, place, strict=True)))
+                named = {str(name): value.item() for name, value in at.coords.items()}
+                found.append((named, str(at.item())))
+                if len(found) == most:
+                    return found
+        return found
+
+    def _status_by_batch(self) -> Iterator[NDArray[np.int8]]:
+        rows = self.status.chunks[0]
+        for start in range(0, self.status.shape[0], rows):
+            yield np.asarray(self.status[start : start + rows])
+
+    @property
+    def _data(self) -> Sequence[str]:
+        """Names of the arrays of which every batch writes a chunk."""
+        return [
+            name for name, array in self.arrays.items()
+            if name not in (STATUS, "reason") and array.metadata.attributes.get("by_batch")
+        ]  # fmt: skip
+
+    def _chunk(self, name: str, batch: int) -> Path:
+        """File of a batch; each holds whole beads and methods."""
+        corner = [str(int(i)) for i in np.unravel_index(batch, self.grid)]
+        more = ["0"] * (self.arrays[name].ndim - len(corner))
+        return self.folder.joinpath(name, "c", *corner, *more)
+
+
+def plain_text(dataset: xr.Dataset) -> xr.Dataset:
+    """A dataset whose text coordinates are NumPy's fixed-width text, which can be selected by.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        Any dataset.
+
+    Returns
+    -------
+    xarray.Dataset
+
+    Examples
+    --------
+    >>> import xarray as xr
+    >>> names = np.array(["a", "b"], dtype=np.dtypes.StringDType())
+    >>> plain_text(xr.Dataset(coords={"name": names})).name.dtype.kind
+    'U'
+    """
+    texts = {
+        name: (values.dims, np.array([str(text) for text in values.values]), values.attrs)
+        for name, values in dataset.coords.items()
+        if values.dtype.kind == "T"
+    }
+    return dataset.drop_vars(texts).assign_coords(texts)
+
+
+FULL: Final = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
+
+
+@contextlib.contextmanager
+def locked(folder: str | os.PathLike[str]) -> Iterator[None]:
+    """Keep others out of a store for the time of a ``with`` block.
+
+    The lock is the operating system's, on a file beside the store: it ends with the process.
+
+    Parameters
+    ----------
+    folder : path-like
+        The store.
+
+    Raises
+    ------
+    InputError
+        If another process has it.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> with tempfile.TemporaryDirectory() as parent, locked(Path(parent) / "sweep"):
+    ...     pass
+    """
+    import filelock
+
+    target = Path(folder)
+    lock = filelock.FileLock(target.with_name(f".{target.name}.lock"), timeout=0)
+    try:
+        target.parent.mkdir(parents=True, exist_ok=True)
+        lock.acquire()
+    except filelock.Timeout:
+        raise InputError(
+            f"another process sweeps into {os.fspath(folder)!r}: wait for it, or choose another "
+            "store"
+        ) from None
+    except OSError as error:
+        raise InputError(
+            f"cannot lock the store {os.fspath(folder)!r} ({error.strerror}); choose another place"
+        ) from None
+    try:
+        yield
+    finally:
+        lock.release()
+
+
+def _create_array(group: Any, name: str, variable: Variable) -> None:
+    by_batch = variable.values is None
+    fill: Any = {"f8": np.nan, "str": ""}.get(variable.dtype, 0)
+    array = group.create_array(
+        name,
+        shape=variable.shape,
+        chunks=tuple(max(1, n) for n in variable.chunk),
+        dtype=str if variable.dtype == "str" else variable.dtype,
+        fill_value=fill,
+        dimension_names=variable.dimensions,
+        attributes={**variable.attributes, **({"by_batch": 1} if by_batch else {})},
+    )
+    if variable.values is not None:
+        array[...] = variable.values

@@ -1,0 +1,1 @@
+"""Many chains: parameters that vary, methods side by side, results in one labelled dataset."""

@@ -1,0 +1,201 @@
+"""Parameters that vary: where in the description of a chain they are, and their values."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, Final
+
+import numpy as np
+
+from hertzchain.checks import number, whole_number
+from hertzchain.errors import InputError, unknown_name
+from hertzchain.store.csv_tables import UNITS
+
+SPACINGS: Final = ("list", "linspace", "geomspace")
+# Dimension of what has one, by the last name of its path that is no number.
+DIMENSIONS: Final[Mapping[str, str]] = {
+    "radius": "length", "radii": "length", "gap": "length", "gaps": "length", "cell": "length",
+    "mass": "mass", "masses": "mass",
+    "velocity": "velocity", "velocities": "velocity",
+    "precompression": "force",
+    "until": "time",
+}  # fmt: skip
+SI: Final[Mapping[str, str]] = {
+    "length": "m", "mass": "kg", "velocity": "m/s", "force": "N", "time": "s",
+}  # fmt: skip
+
+
+@dataclass(frozen=True, eq=False)
+class Axis:
+    """One parameter and the values that it takes.
+
+    Attributes
+    ----------
+    path : tuple of str
+        Where it is: ``("rate",)`` is a key of ``[chain]``, ``("loss", "restitution")`` one of
+        ``[chain.loss]``, ``("radii", "5")`` the radius of bead 5, ``("method", "rtol")`` an
+        option of the integration.
+    entry : mapping or sequence
+        Values as specified: a list, or ``{"linspace": [first, last, number]}``, or geomspace;
+        with ``"unit"`` if they are not in SI or scaled.
+
+    Raises
+    ------
+    InputError
+        If the entry is neither, or has no values, or one twice.
+
+    Examples
+    --------
+    >>> axis = Axis(("rate",), {"linspace": [0.02, 0.1, 5]})
+    >>> [round(value, 2) for value in axis.values], axis.name
+    ([0.02, 0.04, 0.06, 0.08, 0.1], 'rate')
+    >>> Axis(("radius",), {"list": [5, 10], "unit": "mm"}).values
+    [0.005, 0.01]
+    """
+
+    path: tuple[str, ...]
+    entry: Mapping[str, Any] | Sequence[Any]
+
+    def __post_init__(self) -> None:
+        if not self.values:
+            raise InputError("has no values")
+
+    def __len__(self) -> int:
+        return len(self.values)
+
+    @property
+    def name(self) -> str:
+        """The last name of the path, with the number of a bead after it."""
+        words = [*self.path]
+        numbers: list[str] = []
+        while len(words) > 1 and words[-1].isdigit():
+            numbers.insert(0, words.pop())
+        return "_".join([words[-1], *numbers])
+
+    @property
+    def long_name(self) -> str:
+        """The path, as in the specification."""
+        return ".".join(self.path)
+
+    @property
+    def dimension(self) -> str | None:
+        """Dimension of the values, a key of `hertzchain.store.csv_tables.UNITS`, if known."""
+        return next((DIMENSIONS[word] for word in self.path[::-1] if word in DIMENSIONS), None)
+
+    @property
+    def unit(self) -> str | None:
+        """The unit that the specification gives, if it does."""
+        return self.entry.get("unit") if isinstance(self.entry, Mapping) else None
+
+    @cached_property
+    def values(self) -> list[Any]:
+        """All values, in SI units or scaled."""
+        if not isinstance(self.entry, Mapping):
+            return _plain(self.entry)
+        known = (*SPACINGS, "unit")
+        for key in self.entry:
+            if key not in known:
+                raise unknown_name("key of an axis", key, known)
+        given = [key for key in SPACINGS if key in self.entry]
+        if len(given) != 1:
+            raise InputError(f"needs one of {', '.join(SPACINGS)}, has {len(given)} of them")
+        found = self.entry[given[0]]
+        values = _plain(found) if given[0] == "list" else _spaced(given[0], found)
+        return values if self.unit is None else [self._factor * each for each in values]
+
+    @property
+    def _factor(self) -> float:
+        if self.dimension is None:
+            raise InputError(f"has the unit {self.unit!r}, but {self.long_name} takes none")
+        known = UNITS[self.dimension]
+        if self.unit is None or self.unit not in known:
+            raise unknown_name(f"unit of {self.dimension}", self.unit, known)
+        return known[self.unit]
+
+    def coordinate(self) -> np.ndarray[Any, np.dtype[Any]]:
+        """The values as an array for a dataset; what is no number or text is text as JSON."""
+        kinds = {type(value) for value in self.values}
+        if kinds <= {int, float}:
+            return np.array(self.values)
+        texts = [value if isinstance(value, str) else json.dumps(value) for value in self.values]
+        return np.array(texts, dtype=np.dtypes.StringDType())
+
+    def twice(self) -> Any | None:
+        """A value that is there twice, if one is."""
+        seen = set()
+        for value in map(json.dumps, self.values):
+            if value in seen:
+                return json.loads(value)
+            seen.add(value)
+        return None
+
+
+def flattened(table: Mapping[str, Any], path: tuple[str, ...] = ()) -> Iterator[tuple[Any, ...]]:
+    """Paths and entries of nested tables of axes.
+
+    Parameters
+    ----------
+    table : mapping
+        Tables within tables; dotted keys are paths too.
+    path : tuple of str
+        Where the table is.
+
+    Yields
+    ------
+    path : tuple of str
+        Path of the parameter.
+    entry : object
+        Its values as specified.
+
+    Examples
+    --------
+    >>> [*flattened({"loss": {"restitution": [0.8, 0.9]}, "radii.2": [1.0]})]
+    [(('loss', 'restitution'), [0.8, 0.9]), (('radii', '2'), [1.0])]
+    """
+    for key, entry in table.items():
+        place = (*path, *str(key).split("."))
+        if isinstance(entry, Mapping) and not set(entry) & {*SPACINGS, "unit"}:
+            yield from flattened(entry, place)
+        else:
+            yield place, entry
+
+
+def _plain(given: Any) -> list[Any]:
+    """The values of a list, as JSON has them."""
+    if isinstance(given, np.ndarray):
+        given = given.tolist()
+    if not isinstance(given, list | tuple):
+        raise InputError(f"must be a list of values or a table with linspace, got {given!r}")
+    values = [each.item() if isinstance(each, np.generic) else each for each in given]
+    for place, value in enumerate(values, start=1):
+        if isinstance(value, float) and not math.isfinite(value):
+            raise InputError(f"value {place} is {value:g}: it must be finite")
+    kinds = {float if type(each) is int else type(each) for each in values}
+    if len(kinds) > 1:
+        names = sorted(kind.__name__ for kind in kinds)
+        raise InputError(f"has values of different types: {', '.join(names)}")
+    return values
+
+
+def _spaced(kind: str, given: Any) -> list[float]:
+    if not isinstance(given, list | tuple) or len(given) != 3:
+        raise InputError(f"{kind} must be [first, last, number of values], got {given!r}")
+    first, last = (
+        number(f"{kind}'s {what}", value)
+        for what, value in zip(("first", "last"), given[:2], strict=True)
+    )
+    count = whole_number(f"{kind}'s number of values", given[2], least=1)
+    if kind == "geomspace":
+        if not first * last > 0.0:
+            raise InputError(f"geomspace needs ends of one sign, got {first:g} and {last:g}")
+        values = np.geomspace(first, last, count)
+    else:
+        values = np.linspace(first, last, count)
+    # Whole numbers stay whole: beads, seeds.
+    if np.all(values == np.round(values)) and np.abs(values).max() < 2**53:
+        return [int(value) for value in values]
+    return [float(value) for value in values]

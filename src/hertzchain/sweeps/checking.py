@@ -1,0 +1,118 @@
+"""A sweep is checked before anything is computed: all that is wrong, each with its path."""
+
+from __future__ import annotations
+
+from hertzchain.errors import InputError, SimulationError
+from hertzchain.pulse.quantities import QUANTITIES
+from hertzchain.sweeps.methods import INTEGRATIONS, pulse_by
+from hertzchain.sweeps.plan import Index, Plan, spread
+from hertzchain.sweeps.specification import WALL_QUANTITIES, raise_all
+from hertzchain.sweeps.warned import recorded
+
+
+def check_plan(plan: Plan, heading: str = "") -> None:
+    """Refuse a sweep of which a method, or a value of an axis, can give nothing.
+
+    Parameters
+    ----------
+    plan : Plan
+        The sweep.
+    heading : str
+        What errors are about.
+
+    Raises
+    ------
+    InputError
+        All of them, each with its path.  What fails only together with some of the other
+        values is a failed point, and no error.
+
+    Examples
+    --------
+    >>> from hertzchain.sweeps.specification import Specification
+    >>> chain, axes = {"taper": "uniform"}, {"beads": [20, 40]}
+    >>> check_plan(Plan(Specification.of({"chain": chain, "axes": axes})))
+    """
+    with recorded():
+        problems = _bad_values(plan) or _bad_requests(plan) or _never_predicted(plan)
+    raise_all(problems, heading)
+
+
+def _bad_requests(plan: Plan) -> list[str]:
+    """Methods and quantities that these chains cannot give."""
+    spec, problems = plan.specification, []
+    if isinstance(spec.at, tuple) and spec.at[-1] > plan.longest:
+        problems.append(f"sweep.at: there is no bead {spec.at[-1]} in {plan.longest} beads")
+    if any(name in WALL_QUANTITIES for name in spec.keep) and not _has_wall(plan):
+        problems.append("sweep.keep: the chains have no right wall: give right_wall in [chain]")
+    for place, method in enumerate(spec.methods, start=1):
+        if method != "simulate" and (reason := _refusal(plan, method)):
+            problems.append(f"sweep.methods[{place}]: {reason}")
+    return problems
+
+
+def _bad_values(plan: Plan) -> list[str]:
+    """Values of an axis with which no chain can be made, whatever the others are."""
+    if plan.zipped:
+        reasons = [_reason(plan, index) for index in plan.tried()]
+        return [f"axes: {reasons[0]}"] if all(reasons) else []
+    ends = (0,) * len(plan.shape), tuple(n - 1 for n in plan.shape)
+    problems = []
+    for place, axis in enumerate(plan.specification.axes):
+        bad = {}
+        for i in spread(len(axis)):
+            reasons = [_reason(plan, (*end[:place], i, *end[place + 1 :])) for end in ends]
+            if all(reasons):
+                bad[i] = reasons[0]
+        if len(bad) == len(spread(len(axis))) > 1:
+            problems.append(f"axes.{axis.long_name}: with every value, {next(iter(bad.values()))}")
+        else:
+            problems += [f"axes.{axis.long_name}[{i + 1}]: {why}" for i, why in bad.items()]
+    return list(dict.fromkeys(problems))
+
+
+def _reason(plan: Plan, index: Index) -> str:
+    """Why there is no such chain; empty if there is."""
+    try:
+        plan.chain(index)
+    except InputError as error:
+        return str(error)
+    return ""
+
+
+def _refusal(plan: Plan, method: str) -> str:
+    """Why a method gives nothing for the first and the last point; empty if it does."""
+    reason = ""
+    for index in (next(plan.tried()), [*plan.tried()][-1]):
+        try:
+            pulse_by(method, plan.chain(index))
+        except InputError as error:
+            reason = reason or str(error)
+        except SimulationError:
+            return ""
+        else:
+            return ""
+    return reason
+
+
+def _never_predicted(plan: Plan) -> list[str]:
+    """Kept quantities that none of the methods gives."""
+    spec = plan.specification
+    wanted = {name for name in (*spec.keep, *spec.errors) if name in QUANTITIES}
+    if set(spec.methods) & {*INTEGRATIONS}:
+        wanted &= {"velocity_error"}
+    if not wanted:
+        return []
+    theories = [method for method in spec.methods if method not in INTEGRATIONS]
+    pulses = [pulse_by(method, plan.chain((0,) * len(plan.shape))) for method in theories]
+    return [
+        f"sweep.keep: no method gives {name}: {', '.join(spec.methods)}"
+        for name in sorted(wanted)
+        if all(pulse.column(name) is None for pulse in pulses)
+    ]
+
+
+def _has_wall(plan: Plan) -> bool:
+    return any(
+        not _reason(plan, index) and plan.chain(index).right_wall is not None
+        for index in plan.tried()
+    )

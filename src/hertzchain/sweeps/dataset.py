@@ -1,0 +1,187 @@
+"""What the store of a sweep holds: its variables, coordinates and attributes."""
+
+from __future__ import annotations
+
+import platform
+from collections.abc import Mapping
+from importlib.metadata import version
+from typing import Any, Final
+
+import numpy as np
+
+from hertzchain import __version__
+from hertzchain.pulse.quantities import PER_CONTACT, QUANTITIES, SI_UNITS, Quantity
+from hertzchain.store.sweep_store import MEANINGS, STATUS, Variable
+from hertzchain.sweeps.axes import SI, Axis
+from hertzchain.sweeps.plan import Plan
+from hertzchain.sweeps.specification import WALL_QUANTITIES
+from hertzchain.sweeps.work import Result
+
+WALL_UNITS: Final = {
+    "wall_peak_force": "N", "wall_peak_time": "s", "wall_first_impulse": "N s",
+    "wall_impulse": "N s",
+}  # fmt: skip
+
+
+def variables_of(plan: Plan) -> dict[str, Variable]:
+    """Arrays of the store of a sweep, by name.
+
+    Parameters
+    ----------
+    plan : Plan
+        What is swept.
+
+    Returns
+    -------
+    dict of str to Variable
+
+    Examples
+    --------
+    >>> from hertzchain.sweeps.specification import Specification
+    >>> chain, axes = {"taper": "uniform"}, {"beads": [20, 40]}
+    >>> found = variables_of(Plan(Specification.of({"chain": chain, "axes": axes})))
+    >>> found["velocity"].dimensions, found["velocity"].shape
+    (('beads', 'by', 'bead'), (2, 1, 40))
+    """
+    found = {name: _kept(plan, name) for name in plan.variables}
+    methods = plan.specification.methods
+    labels: dict[str, tuple[str, dict[str, Any]]] = {
+        "outside_range": ("i1", {"long_name": "1 where the method says it is outside its range"}),
+        "reason": ("str", {"long_name": "why the method failed; empty if it did not"}),
+        STATUS: ("i1", {
+            "long_name": "what became of the point",
+            "flag_values": list(range(len(MEANINGS))), "flag_meanings": " ".join(MEANINGS),
+        }),
+    }  # fmt: skip
+    for name, (dtype, attributes) in labels.items():
+        found[name] = Variable(
+            (*plan.dimensions, "by"), (*plan.shape, len(methods)),
+            (*plan.block, len(methods)), dtype, attributes,
+        )  # fmt: skip
+    if plan.ragged:
+        attributes = {"long_name": "number of beads", "units": "1"}
+        found["beads"] = Variable(plan.dimensions, plan.shape, plan.block, "i8", attributes)
+    if not plan.judged:
+        del found["outside_range"]
+    # The status goes last wherever they are written in order.
+    found[STATUS] = found.pop(STATUS)
+    return found | _coordinates(plan)
+
+
+def attributes_of(plan: Plan) -> dict[str, str]:
+    """Attributes of the dataset: the whole specification and the versions.
+
+    Parameters
+    ----------
+    plan : Plan
+        What is swept.
+
+    Returns
+    -------
+    dict of str to str
+
+    Examples
+    --------
+    >>> from hertzchain.sweeps.specification import Specification
+    >>> chain, axes = {"taper": "uniform"}, {"beads": [20, 40]}
+    >>> attributes_of(Plan(Specification.of({"chain": chain, "axes": axes})))["units"]
+    'scaled'
+    """
+    return {
+        "title": plan.specification.title,
+        "units": plan.units,
+        "specification": plan.specification.as_json(),
+        "hertzchain_version": __version__,
+        "python_version": platform.python_version(),
+        **{f"{name}_version": version(name) for name in ("numpy", "numba", "scipy", "zarr")},
+    }
+
+
+def columns_of(plan: Plan, result: Result) -> Mapping[str, Any]:
+    """The arrays of one batch, as the store takes them.
+
+    Parameters
+    ----------
+    plan : Plan
+        What is swept.
+    result : Result
+        What the batch gave.
+
+    Returns
+    -------
+    mapping of str to array_like
+    """
+    columns = {**result.columns, STATUS: result.status}
+    if any(any(reasons) for reasons in result.reason):
+        columns["reason"] = np.array(result.reason, dtype=np.dtypes.StringDType())
+    if plan.judged:
+        columns["outside_range"] = result.outside_range
+    if plan.ragged:
+        columns["beads"] = result.beads
+    return columns
+
+
+def _kept(plan: Plan, name: str) -> Variable:
+    spec, si = plan.specification, plan.units == "SI"
+    dimensions, methods = (*plan.dimensions, "by"), len(spec.methods)
+    shape, chunk = (*plan.shape, methods), (*plan.block, methods)
+    if name in WALL_QUANTITIES:
+        unit = WALL_UNITS[name] if si else "1"
+        attributes = {"long_name": WALL_QUANTITIES[name][1], "units": unit}
+        return Variable(dimensions, shape, chunk, "f8", attributes)
+    if name.startswith("worst_error_of_"):
+        what = name.removeprefix("worst_error_of_")
+        told = f"largest relative error of {what}, k >= 2, against {spec.reference}"
+        return Variable(dimensions, shape, chunk, "f8", {"long_name": told, "units": "1"})
+    quantity: Quantity = name.removeprefix("relative_error_of_")  # type: ignore[assignment]
+    if name in QUANTITIES:
+        symbol, description = QUANTITIES[quantity]
+        attributes = {"long_name": description, "symbol": symbol}
+        attributes["units"] = SI_UNITS[quantity] if si else "1"
+    else:
+        told = f"relative error of {quantity} against {spec.reference}"
+        attributes = {"long_name": told, "units": "1"}
+    if spec.at == "last":
+        return Variable(dimensions, shape, chunk, "f8", attributes)
+    beads = _beads_kept(plan, contact=quantity in PER_CONTACT)
+    along = "contact" if quantity in PER_CONTACT else "bead"
+    return Variable(
+        (*dimensions, along), (*shape, len(beads)), (*chunk, len(beads)), "f8", attributes
+    )
+
+
+def _beads_kept(plan: Plan, *, contact: bool) -> list[int]:
+    at = plan.specification.at
+    if isinstance(at, tuple):
+        return list(at)
+    return list(range(1, plan.longest + 1 - contact))
+
+
+def _coordinates(plan: Plan) -> dict[str, Variable]:
+    spec = plan.specification
+    methods = np.array(spec.methods, dtype=np.dtypes.StringDType())
+    found = {"by": _coordinate("by", methods, {"long_name": "method"})}
+    for name, axis in zip(plan.names, spec.axes, strict=True):
+        along = "point" if plan.zipped else name
+        found[name] = _coordinate(along, axis.coordinate(), _axis_labels(axis, plan))
+    if plan.zipped:
+        numbers = np.arange(1, plan.points + 1)
+        found["point"] = _coordinate("point", numbers, {"long_name": "number of the point"})
+    for along in ("bead", "contact"):
+        if any(along in _kept(plan, name).dimensions for name in plan.variables):
+            numbers = np.array(_beads_kept(plan, contact=along == "contact"))
+            found[along] = _coordinate(along, numbers, {"long_name": f"{along} k, from 1"})
+    return found
+
+
+def _axis_labels(axis: Axis, plan: Plan) -> dict[str, str]:
+    labels = {"long_name": axis.long_name}
+    if axis.coordinate().dtype.kind in "if":
+        known = axis.dimension if plan.units == "SI" else None
+        labels["units"] = SI[known] if known else "1"
+    return labels
+
+
+def _coordinate(along: str, values: np.ndarray[Any, Any], attributes: dict[str, Any]) -> Variable:
+    dtype = {"i": "i8", "f": "f8"}.get(values.dtype.kind, "str")
+    return Variable((along,), values.shape, values.shape, dtype, attributes, values)

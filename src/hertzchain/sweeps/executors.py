@@ -1,0 +1,158 @@
+"""Where batches are computed: threads here, processes here, a dask scheduler anywhere."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator
+from concurrent.futures import Executor, ProcessPoolExecutor, ThreadPoolExecutor
+from contextlib import contextmanager
+from typing import Final
+
+from hertzchain import __version__
+from hertzchain.checks import whole_number
+from hertzchain.errors import InputError, unknown_name
+
+POOLS: Final = ("threads", "processes")
+# Seconds until a scheduler counts as unreachable.
+PATIENCE: Final = 5.0
+
+
+def processors() -> int:
+    """Number of processors that this process may use.
+
+    Returns
+    -------
+    int
+
+    Examples
+    --------
+    >>> processors() >= 1
+    True
+    """
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+@contextmanager
+def local_pool(kind: str = "threads", workers: int | None = None) -> Iterator[Executor]:
+    """A pool of this machine for the time of a ``with`` block.
+
+    Threads are the default: the compiled kernels let go of the interpreter, and threads start at
+    once.  Processes pay where most of the time is Python's own, as in sweeps of theories alone.
+
+    Parameters
+    ----------
+    kind : str
+        ``"threads"`` or ``"processes"``.
+    workers : int, optional
+        How many; by default, one for each processor.
+
+    Yields
+    ------
+    concurrent.futures.Executor
+
+    Raises
+    ------
+    InputError
+        For an unknown kind, or fewer than one worker.
+
+    Examples
+    --------
+    >>> with local_pool(workers=2) as pool:
+    ...     pool.submit(abs, -1).result()
+    1
+    """
+    if kind not in POOLS:
+        raise unknown_name("pool", kind, POOLS)
+    count = processors() if workers is None else whole_number("workers", workers, least=1)
+    pool: Executor
+    if kind == "threads":
+        pool = ThreadPoolExecutor(count)
+    else:
+        import multiprocessing
+
+        # A fork would copy the threads' locks in whatever state they are.
+        pool = ProcessPoolExecutor(count, mp_context=multiprocessing.get_context("spawn"))
+    try:
+        yield pool
+    finally:
+        pool.shutdown(wait=True, cancel_futures=True)
+
+
+@contextmanager
+def dask_pool(address: str) -> Iterator[Executor]:
+    """The workers of a running dask scheduler for the time of a ``with`` block.
+
+    Parameters
+    ----------
+    address : str
+        Such as ``tcp://127.0.0.1:8786``.
+
+    Yields
+    ------
+    concurrent.futures.Executor
+
+    Raises
+    ------
+    InputError
+        If distributed is not installed, the scheduler does not answer within seconds, or a
+        worker has another version of the package.
+    """
+    try:
+        from distributed import Client
+    except ImportError:
+        raise InputError(
+            "a dask scheduler needs the package distributed: pip install 'hertzchain[cluster]'"
+        ) from None
+    try:
+        client = Client(address, timeout=PATIENCE, set_as_default=False)  # type: ignore[no-untyped-call]
+    except (OSError, ValueError) as error:
+        raise InputError(
+            f"no dask scheduler answers at {address!r} within {PATIENCE:g} s ({error}): check that "
+            "it runs there (dask scheduler --host 127.0.0.1 --port 8786), the port, and firewalls "
+            "between"
+        ) from None
+    try:
+        _check_versions(client.run(_version_here))
+        with client.get_executor(pure=False) as pool:  # type: ignore[no-untyped-call]
+            yield pool
+    finally:
+        client.close()  # type: ignore[no-untyped-call]
+
+
+def _version_here() -> str:
+    """Version of the package where this runs; the words of the error if there is none."""
+    try:
+        from hertzchain import __version__ as version
+    except ImportError as error:
+        return str(error)
+    return version
+
+
+def _check_versions(by_worker: dict[str, str]) -> None:
+    for worker, version in by_worker.items():
+        check_version(version, f"worker {worker}")
+
+
+def check_version(version: str, who: str) -> None:
+    """Refuse what another version of the package computes.
+
+    Parameters
+    ----------
+    version : str
+        The version found.
+    who : str
+        Where.
+
+    Raises
+    ------
+    InputError
+        If it is not this one.
+
+    Examples
+    --------
+    >>> check_version(__version__, "this process")
+    """
+    if version != __version__:
+        raise InputError(
+            f"{who} has hertzchain {version}, this is {__version__}: install the same everywhere"
+        )

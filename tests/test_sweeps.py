@@ -1,0 +1,314 @@
+import json
+
+import numpy as np
+import pytest
+import xarray as xr
+
+import hertzchain as hc
+from hertzchain.plotting.sweeps import plot_sweep
+from hertzchain.store.sweep_files import export_sweep
+from hertzchain.sweeps.plan import Plan
+from hertzchain.sweeps.specification import Specification, differences
+
+FORWARD = {"taper": "forward-exponential", "beads": 40}
+RATES = [0.02, 0.05, 0.08]
+
+
+def swept(chain, axes, **settings):
+    method = settings.pop("method", {})
+    return hc.sweep({"chain": chain, "axes": axes, "sweep": settings, "method": method})
+
+
+def test_every_point_is_what_the_methods_give_alone():
+    methods = ["propagate", "simulate", "bca", "local-rate"]
+    found = swept(FORWARD, {"rate": RATES, "beads": [20, 30]}, methods=methods,
+                  keep=["velocity", "energy", "peak_force", "arrival"])  # fmt: skip
+    assert found.velocity.dims == ("rate", "beads", "by", "bead")
+    for rate in RATES:
+        for beads in (20, 30):
+            chain = hc.Chain.tapered("forward-exponential", rate, beads=beads)
+            point = found.sel(rate=rate, beads=beads)
+            pulses = {
+                "propagate": hc.propagate(chain), "bca": hc.bca(chain),
+                "simulate": hc.simulate(chain, times=0).pulse(), "local-rate": hc.local_rate(chain),
+            }  # fmt: skip
+            for by, pulse in pulses.items():
+                one = point.sel(by=by)
+                np.testing.assert_allclose(one.velocity[:beads], pulse.velocity, rtol=1e-15)
+                np.testing.assert_allclose(one.energy[:beads], pulse.energy, rtol=4e-15)
+                np.testing.assert_allclose(one.arrival[:beads], pulse.arrival, rtol=1e-15)
+                force = one.peak_force[: beads - 1]
+                np.testing.assert_allclose(force, pulse.peak_force, rtol=4e-15)
+                assert np.isnan(one.velocity[beads:]).all()
+    assert (found.status == 1).all()
+
+
+def test_beads_are_chosen_by_number_or_the_last():
+    axes = {"beads": [10, 20]}
+    every = swept(FORWARD | {"rate": 0.05}, axes, keep=["velocity", "residence"])
+    some = swept(FORWARD | {"rate": 0.05}, axes, keep=["velocity", "residence"], at=[2, 15])
+    last = swept(FORWARD | {"rate": 0.05}, axes, keep=["velocity", "residence"], at="last")
+    np.testing.assert_array_equal(some.bead, [2, 15])
+    np.testing.assert_array_equal(some.velocity, every.velocity.sel(bead=[2, 15]))
+    assert last.velocity.dims == ("beads", "by")
+    for beads in (10, 20):
+        one, whole = last.sel(beads=beads), every.sel(beads=beads)
+        assert one.velocity.item() == whole.velocity.sel(bead=beads).item()
+        assert one.residence.item() == whole.residence.sel(contact=beads - 1).item()
+
+
+def test_errors_are_measured_from_the_reference():
+    found = swept(FORWARD, {"rate": RATES}, methods=["bca", "propagate"], errors=["velocity"],
+                  reference="propagate")  # fmt: skip
+    bca, exact = found.velocity.sel(by="bca"), found.velocity.sel(by="propagate")
+    expected = (bca - exact) / exact
+    np.testing.assert_allclose(
+        found.relative_error_of_velocity.sel(by="bca"), expected, rtol=1e-12, atol=1e-15
+    )
+    worst = np.abs(expected.values[:, 1:]).max(axis=1)
+    np.testing.assert_allclose(found.worst_error_of_velocity.sel(by="bca"), worst, rtol=1e-12)
+    assert (found.worst_error_of_velocity.sel(by="propagate") == 0.0).all()
+
+
+def test_zip_and_points_run_together():
+    axes = {"taper": ["forward-linear", "backward-linear"], "rate": [0.01, 0.3]}
+    zipped = swept({"beads": 20}, axes, combine="zip")
+    assert zipped.velocity.dims == ("point", "by", "bead")
+    for i, (taper, rate) in enumerate(zip(*axes.values(), strict=True)):
+        pulse = hc.propagate(hc.Chain.tapered(taper, rate, beads=20))
+        np.testing.assert_array_equal(zipped.velocity[i, 0], pulse.velocity)
+    rows = [dict(zip(axes, row, strict=True)) for row in zip(*axes.values(), strict=True)]
+    points = hc.sweep({"chain": {"beads": 20}, "points": rows})
+    xr.testing.assert_equal(points, zipped)
+
+
+def test_points_come_from_a_csv_file(tmp_path):
+    (tmp_path / "points.csv").write_text("rate,beads\n0.02,10\n0.05,20\n")
+    (tmp_path / "sweep.toml").write_text(
+        'points = "points.csv"\n[chain]\ntaper = "forward-exponential"\n'
+    )
+    found = hc.sweep(tmp_path / "sweep.toml")
+    assert found.rate.values.tolist() == [0.02, 0.05]
+    assert found.beads.values.tolist() == [10, 20]
+
+
+def test_real_chains_walls_and_losses():
+    chain = {
+        "radii": 5e-3, "beads": 8, "materials": "steel-52100", "velocity": 0.05,
+        "loss": {"law": "restitution", "coefficient": 0.9}, "right_wall": {"rigid": True},
+    }  # fmt: skip
+    axes = {
+        "loss": {"coefficient": [0.8, 1.0]},
+        "velocity": {"linspace": [1, 5, 3], "unit": "cm/s"},
+    }
+    keep = ["velocity", "wall_peak_force", "wall_impulse", "wall_first_impulse"]
+    found = swept(chain, axes, methods=["simulate"], keep=keep, method={"until": 5e-3})
+    np.testing.assert_allclose(found.chain_velocity, [0.01, 0.03, 0.05])
+    assert found.chain_velocity.units == "m/s"
+    assert found.wall_peak_force.units == "N"
+    one = hc.Chain.from_materials(5e-3, "steel-52100", beads=8, velocity=0.03).replace(
+        loss=hc.Restitution(0.8), right_wall=hc.Wall.rigid()
+    )
+    wall = hc.simulate(one, times=0, until=5e-3).wall_force()
+    point = found.isel(coefficient=0, chain_velocity=1, by=0)
+    assert point.wall_peak_force.item() == wall.peak
+    assert point.wall_impulse.item() == wall.impulse
+    assert point.wall_first_impulse.item() == wall.first_impulse
+
+
+def test_si_chains_by_scaled_methods_are_in_si():
+    chain = {"radii": 5e-3, "materials": "glass", "velocity": 0.01}
+    found = swept(chain, {"beads": [10, 12]}, methods=["propagate", "bca"], keep=["peak_force"])
+    one = hc.Chain.from_materials(5e-3, "glass", beads=12, velocity=0.01)
+    force = hc.simulate(one, times=0).pulse().peak_force
+    assert found.peak_force.units == "N"
+    np.testing.assert_allclose(found.peak_force.sel(beads=12, by="propagate"), force, rtol=1e-7)
+
+
+def test_any_bead_and_any_part_can_vary():
+    found = swept({"radii": [1.0, 1.0, 1.0, 1.0]}, {"radii.3": [0.5, 1.0]})
+    assert found.radii_3.values.tolist() == [0.5, 1.0]
+    pulse = hc.propagate(hc.Chain.from_radii([1.0, 1.0, 0.5, 1.0]))
+    np.testing.assert_array_equal(found.velocity.sel(radii_3=0.5)[0], pulse.velocity)
+    seeds = swept({"taper": "uniform", "beads": 12, "with_scatter": {"relative": 0.01}},
+                  {"with_scatter": {"seed": [1, 2]}})  # fmt: skip
+    scattered = hc.Chain.uniform(12).with_scatter(2, relative=0.01)
+    np.testing.assert_array_equal(seeds.velocity.sel(seed=2)[0], hc.propagate(scattered).velocity)
+
+
+def test_a_chain_and_arrays_are_welcome():
+    chain = hc.Chain.uniform(15).replace(loss=hc.Dashpot(0.1))
+    found = swept(chain, {"loss.gamma": np.array([0.0, 0.1])}, methods=["simulate"])
+    pulse = hc.simulate(chain, times=0).pulse()
+    np.testing.assert_array_equal(found.velocity.sel(gamma=0.1)[0], pulse.velocity)
+
+
+def test_a_point_that_fails_has_its_reason_and_the_others_go_on():
+    chain, axes = {"taper": "forward-linear"}, {"rate": [0.01, 0.05], "beads": [15, 40]}
+    found = swept(chain, axes, methods=["propagate", "bca"])
+    assert found.status.sel(rate=0.05, beads=40).values.tolist() == [2, 2]
+    assert "runs out of radius" in str(found.reason.sel(rate=0.05, beads=40).values[0])
+    assert (found.status == 2).sum() == 2
+    assert np.isnan(found.velocity.sel(rate=0.05, beads=40)).all()
+    assert np.isfinite(found.velocity.sel(rate=0.01, beads=40)).all()
+
+
+def test_warnings_of_theories_are_kept_and_not_shown(recwarn):
+    chain = {"taper": "backward-exponential", "beads": 40}
+    found = swept(chain, {"rate": [0.05, 0.8]}, methods=["local-rate"])
+    assert found.outside_range.values.tolist() == [[0], [1]]
+    assert not recwarn.list
+
+
+def test_options_can_vary():
+    found = swept({"taper": "uniform", "beads": 30}, {"method": {"rtol": [1e-6, 1e-9]}})
+    pulse = hc.propagate(hc.Chain.uniform(30), rtol=1e-6)
+    np.testing.assert_array_equal(found.velocity.sel(rtol=1e-6)[0], pulse.velocity)
+    assert not np.array_equal(found.velocity.sel(rtol=1e-9)[0], pulse.velocity)
+
+
+BAD = [
+    ({}, "a sweep needs a table \\[chain\\]"),
+    ({"chain": {"taper": "uniform"}}, "axes: nothing varies"),
+    ({"chian": {}}, "unknown table or key 'chian'.*did you mean 'chain'"),
+    ({"axes": {"raet": [1]}}, "axes.raet: unknown parameter 'raet'.*did you mean 'rate'"),
+    ({"axes": {"rate": 3}}, "axes.rate: must be a list of values or a table with linspace, got 3"),
+    ({"axes": {"rate": []}}, "axes.rate: has no values"),
+    ({"axes": {"rate": [0.1, "a"]}}, "axes.rate: has values of different types"),
+    ({"axes": {"rate": [0.1, 0.1]}}, "axes.rate: has the value 0.1 twice"),
+    ({"axes": {"rate": [float("nan")]}}, "axes.rate: value 1 is nan: it must be finite"),
+    ({"axes": {"rate": {"linspace": [1, 2]}}}, "linspace must be \\[first, last, number"),
+    ({"axes": {"rate": {"geomspace": [-1, 2, 3]}}}, "ends of one sign"),
+    ({"axes": {"rate": {"linspace": [0, 1, 2], "step": 1}}}, "unknown key of an axis 'step'"),
+    ({"axes": {"rate": {"list": [1], "unit": "mm"}}}, "has the unit 'mm', but rate takes none"),
+    ({"axes": {"radius": {"list": [1], "unit": "furlong"}}}, "unknown unit of length 'furlong'"),
+    ({"axes": {"rate": [0.05, 2.0]}}, "axes.rate\\[2\\]: .*0 < q|axes.rate\\[2\\]: "),
+    ({"axes": {"rate": ["a", "b"]}}, "axes.rate: with every value, "),
+    ({"axes": {"method": {"rtl": [1]}}}, "unknown option 'rtl'.*did you mean 'rtol'"),
+    ({"axes": {"rate": [0.1, 0.2], "beads": [9]}, "sweep": {"combine": "zip"}},
+     "axes: zip needs axes of one length, but rate has 2, beads has 1 values"),
+    ({"sweep": {"methods": ["propgate"]}}, "sweep.methods\\[1\\]: .*did you mean 'propagate'"),
+    ({"sweep": {"methods": []}}, "sweep.methods: must be a list of names"),
+    ({"sweep": {"keep": ["speed"]}}, "sweep.keep\\[1\\]: unknown quantity 'speed'"),
+    ({"sweep": {"keep": ["wall_impulse"]}}, "needs the method 'simulate'"),
+    ({"sweep": {"methods": ["simulate"], "keep": ["wall_impulse"]}}, "have no right wall"),
+    ({"sweep": {"methods": ["modified-bca"], "keep": ["arrival"]}}, "no method gives arrival"),
+    ({"sweep": {"at": "first"}}, "sweep.at: must be 'every', 'last' or a list"),
+    ({"sweep": {"at": [3, 2]}}, "sweep.at: beads must increase"),
+    ({"sweep": {"at": [50]}}, "sweep.at: there is no bead 50 in 40 beads"),
+    ({"sweep": {"errors": ["velocity"]}}, "there is only one method"),
+    ({"sweep": {"reference": "bca"}}, "sweep.reference: unknown reference 'bca'"),
+    ({"sweep": {"batch": 0}}, "sweep.batch: .*from 1 to 1000000, got 0"),
+    ({"sweep": {"kep": []}}, "sweep: unknown key 'kep'.*did you mean 'keep'"),
+    ({"method": {"until": 3}}, "method.until: no method takes it: add simulate"),
+    ({"method": {"rtol": "small"}}, "method.rtol: rtol must be a number"),
+    ({"chain": {"taper": "forward-exponential", "beads": 40, "gravity": 0.1}},
+     "sweep.methods\\[1\\]: propagate does not cover gravity"),
+    ({"chain": {"file": "beads.csv"}}, "chain: .*beads.csv"),
+    ({"points": [{"rate": 1}]}, "points: there are also axes"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("change", "said"), BAD)
+def test_what_cannot_be_used_is_refused(change, said):
+    given = {"chain": dict(FORWARD), "axes": {"rate": [0.05]}}
+    if change in (BAD[0][0], BAD[1][0]):
+        given = {}
+    with pytest.raises(hc.InputError, match=said):
+        hc.sweep(given | change)
+
+
+def test_all_errors_are_listed_at_once(tmp_path):
+    (tmp_path / "bad.toml").write_text(
+        '[chain]\ntaper = "uniform"\n[axes]\nbeads = []\n[sweep]\nmethods = ["bac"]\nkeep = ["v"]\n'
+    )
+    with pytest.raises(hc.InputError) as error:
+        hc.sweep(tmp_path / "bad.toml")
+    lines = str(error.value).splitlines()
+    assert lines[0].endswith("bad.toml: 3 errors:")
+    assert [line.split(":")[0].strip() for line in lines[1:]] == [
+        "axes.beads", "sweep.methods[1]", "sweep.keep[1]",
+    ]  # fmt: skip
+
+
+def test_specifications_survive_json_and_tell_their_differences():
+    given = {"chain": dict(FORWARD), "axes": {"rate": {"linspace": [0.01, 0.1, 4]}, "beads": [9]}}
+    spec = Specification.of(given)
+    again = Specification.from_json(spec.as_json())
+    assert again.as_json() == spec.as_json()
+    assert Plan(again).shape == Plan(spec).shape == (4, 1)
+    other = Specification.of(given | {"sweep": {"at": "last"}})
+    assert differences(spec.as_json(), other.as_json()) == ["sweep.at: 'every', now 'last'"]
+    assert json.loads(spec.as_json())["axes"]["rate"] == {"linspace": [0.01, 0.1, 4]}
+
+
+@pytest.mark.parametrize("shape", [(1,), (7,), (1000,), (3, 5), (40, 300), (2, 1, 9), (70, 80, 3)])
+def test_batches_hold_every_point_once(shape):
+    names = ("rate", "gravity", "exponent")[: len(shape)]
+    axes = {name: {"linspace": [0.01, 0.02, n]} if n > 1 else [0.01]
+            for name, n in zip(names, shape, strict=True)}  # fmt: skip
+    plan = Plan(Specification.of({"chain": dict(FORWARD), "axes": axes}))
+    seen = np.zeros(shape, int)
+    for batch in range(plan.batches):
+        indices = list(plan.indices(batch))
+        assert len(indices) <= max(8, -(-seen.size // 32))
+        seen[plan.region(batch)] += 1
+        assert all(seen[index] == 1 for index in indices)
+    assert (seen == 1).all()
+
+
+@pytest.mark.parametrize("ending", [".csv", ".parquet", ".nc"])
+def test_exports_hold_the_numbers(tmp_path, ending):
+    import pandas as pd
+
+    found = swept({"taper": "forward-linear"}, {"rate": [0.01, 0.05], "beads": [15, 40]},
+                  methods=["propagate", "bca"], keep=["velocity", "residence"])  # fmt: skip
+    file = tmp_path / f"sweep{ending}"
+    export_sweep(found, file)
+    assert [item.name for item in tmp_path.iterdir()] == [file.name]
+    if ending == ".nc":
+        with xr.open_dataset(file, engine="h5netcdf") as again:
+            np.testing.assert_array_equal(again.velocity, found.velocity)
+            assert again.attrs["specification"] == found.attrs["specification"]
+        return
+    table = pd.read_csv(file) if ending == ".csv" else pd.read_parquet(file)
+    assert len(table) == 2 * 2 * (15 + 40)
+    row = table.query("rate == 0.01 and beads == 40 and by == 'bca' and bead == 7").iloc[0]
+    point = found.sel(rate=0.01, beads=40, by="bca")
+    assert row.velocity == point.velocity.sel(bead=7).item()
+    assert row.residence == point.residence.sel(contact=7).item()
+    failed = table.query("rate == 0.05 and beads == 40")
+    assert (failed.status == 2).all()
+    assert failed.reason.str.contains("runs out").all()
+
+
+def test_exports_of_another_kind_are_refused(tmp_path):
+    found = swept(FORWARD, {"rate": [0.05]})
+    with pytest.raises(hc.InputError, match="exported as .csv, .parquet, .nc, got 'a.xls'"):
+        export_sweep(found, tmp_path / "a.xls")
+    with pytest.raises(hc.InputError, match="cannot write"):
+        export_sweep(found, tmp_path / "missing" / "a.csv")
+
+
+def test_curves_and_maps():
+    found = swept(FORWARD, {"rate": RATES, "beads": [20, 30]}, methods=["propagate", "bca"],
+                  keep=["momentum"], at="last", errors=["velocity"])  # fmt: skip
+    curves = plot_sweep(found, "momentum", beads=20)
+    assert [line.get_label() for line in curves.lines] == ["propagate", "bca"]
+    np.testing.assert_array_equal(
+        curves.lines[1].get_ydata(), found.momentum.sel(beads=20, by="bca")
+    )
+    drawn = plot_sweep(found, "worst_error_of_velocity", by="bca", log=True, levels=[0.4])
+    assert (drawn.get_xlabel(), drawn.get_ylabel()) == ("rate", "beads")
+    np.testing.assert_array_equal(
+        drawn.collections[0].get_array().reshape(2, 3),
+        found.worst_error_of_velocity.sel(by="bca").T,
+    )
+    with pytest.raises(hc.InputError, match="3 dimensions left"):
+        plot_sweep(found, "momentum")
+    with pytest.raises(hc.InputError, match="unknown dimension of momentum 'baeds'"):
+        plot_sweep(found, "momentum", baeds=3)
+    with pytest.raises(hc.InputError, match="unknown by 'bac'"):
+        plot_sweep(found, "momentum", by="bac")
+    with pytest.raises(hc.InputError, match="unknown quantity of this sweep 'speed'"):
+        plot_sweep(found, "speed")

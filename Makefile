@@ -2,7 +2,7 @@
 PYTHON ?= python3
 BIN := .venv/bin
 
-.PHONY: reproduce test benchmark docs calibrate universal constraints clean
+.PHONY: reproduce test test-long benchmark docs calibrate universal constraints clean
 
 reproduce: .venv/installed
 	$(BIN)/hertzchain reproduce
@@ -14,6 +14,10 @@ test: .venv/installed-test
 	$(BIN)/lint-imports
 	$(BIN)/python -m sphinx -W --keep-going -q -b html docs docs/_build/html
 	$(BIN)/pytest -q -n 2 --dist loadfile
+
+# What takes minutes: sweeps killed thirty times.
+test-long: .venv/installed-test
+	$(BIN)/pytest -q -n 2 -m long tests
 
 docs: .venv/installed-test
 	$(BIN)/python -m sphinx -W --keep-going -b html docs docs/_build/html

@@ -6,7 +6,7 @@ import os
 from collections.abc import Iterator
 from concurrent.futures import Executor, ProcessPoolExecutor, ThreadPoolExecutor
 from contextlib import contextmanager
-from typing import Final
+from typing import Any, Final
 
 from hertzchain import __version__
 from hertzchain.checks import whole_number
@@ -79,13 +79,15 @@ def local_pool(kind: str = "threads", workers: int | None = None) -> Iterator[Ex
 
 
 @contextmanager
-def dask_pool(address: str) -> Iterator[Executor]:
+def dask_pool(address: str, *, workers: int = 1) -> Iterator[Executor]:
     """The workers of a running dask scheduler for the time of a ``with`` block.
 
     Parameters
     ----------
     address : str
         Such as ``tcp://127.0.0.1:8786``.
+    workers : int
+        So many must be there, or come within seconds, before anything is computed.
 
     Yields
     ------
@@ -94,8 +96,8 @@ def dask_pool(address: str) -> Iterator[Executor]:
     Raises
     ------
     InputError
-        If distributed is not installed, the scheduler does not answer within seconds, or a
-        worker has another version of the package.
+        If distributed is not installed, the scheduler does not answer within seconds, has too
+        few workers, or one with another version of the package.
     """
     try:
         from distributed import Client
@@ -112,11 +114,25 @@ def dask_pool(address: str) -> Iterator[Executor]:
             "between"
         ) from None
     try:
+        threads = _wait_for(client, workers, address)
         _check_versions(client.run(_version_here))
         with client.get_executor(pure=False) as pool:  # type: ignore[no-untyped-call]
+            pool.workers = threads
             yield pool
     finally:
         client.close()  # type: ignore[no-untyped-call]
+
+
+def _wait_for(client: Any, workers: int, address: str) -> int:
+    """Threads of all workers, once there are enough of these."""
+    try:
+        client.wait_for_workers(workers, timeout=PATIENCE)
+    except TimeoutError:
+        raise InputError(
+            f"the dask scheduler at {address!r} has {len(client.nthreads())} workers, and needs "
+            f"{workers}: start them (dask worker {address} --nthreads 1)"
+        ) from None
+    return int(sum(client.nthreads().values()))
 
 
 def _version_here() -> str:

@@ -370,7 +370,8 @@ def _wait(running: set[Future[Result]]) -> tuple[set[Future[Result]], set[Future
 
 
 def _workers_of(pool: Executor) -> int:
-    return int(getattr(pool, "_max_workers", 0) or 2 * processors())
+    known = getattr(pool, "workers", None) or getattr(pool, "_max_workers", None)
+    return int(known or 2 * processors())
 
 
 def _in_memory(plan: Plan, pool: Executor, progress: Progress | None) -> xr.Dataset:

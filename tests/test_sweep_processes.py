@@ -1,0 +1,414 @@
+"""Sweeps against everything: kills, full disks, other processes, other machines' versions."""
+
+import contextlib
+import json
+import os
+import random
+import resource
+import signal
+import subprocess
+import sys
+import threading
+import time
+from concurrent.futures import ThreadPoolExecutor
+
+import pytest
+import xarray as xr
+
+import hertzchain as hc
+from hertzchain.store.sweep_store import SweepStore, locked
+from hertzchain.sweeps import executors
+from hertzchain.sweeps import sweep as sweep_module
+
+# Half a second or so of work, in 32 batches; some points fail.
+SPECIFICATION = """
+[chain]
+taper = "forward-linear"
+[axes]
+rate = {linspace = [0.004, 0.012, 64]}
+beads = {linspace = [70, 100, 31]}
+[sweep]
+methods = ["propagate", "bca"]
+keep = ["velocity", "peak_force"]
+batch = 62
+"""
+HERTZCHAIN = [sys.executable, "-m", "hertzchain"]
+
+
+@pytest.fixture(scope="module")
+def specification(tmp_path_factory):
+    file = tmp_path_factory.mktemp("specification") / "sweep.toml"
+    file.write_text(SPECIFICATION)
+    return file
+
+
+@pytest.fixture(scope="module")
+def undisturbed(specification, tmp_path_factory):
+    """Every file of the store of a sweep that nothing disturbed."""
+    store = tmp_path_factory.mktemp("undisturbed") / "sweep"
+    hc.sweep(specification, store)
+    return contents(store)
+
+
+def contents(store):
+    return {str(file.relative_to(store)): file.read_bytes() for file in sorted(store.rglob("*"))
+            if file.is_file()}  # fmt: skip
+
+
+def command(specification, store, *options):
+    return [*HERTZCHAIN, "sweep", str(specification), "--store", str(store), *options]
+
+
+def start(specification, store, *options):
+    # A group of its own, as a terminal gives it; workers are in it too.
+    return subprocess.Popen(
+        command(specification, store, *options), stdout=subprocess.DEVNULL,
+        stderr=subprocess.PIPE, text=True, start_new_session=True,
+    )  # fmt: skip
+
+
+def done_batches(store):
+    return len(list((store / "status").glob("c/**/0")))
+
+
+def kill_at(process, store, batches, sign=signal.SIGKILL):
+    """Send a signal once so many batches are done, or when the process ends by itself."""
+    while process.poll() is None and done_batches(store) < batches:
+        time.sleep(0.002)
+    time.sleep(random.uniform(0.0, 0.03))
+    with contextlib.suppress(ProcessLookupError):
+        process.send_signal(sign)
+
+
+def kill_and_resume(specification, store, undisturbed, *, kills, seed):
+    """Kill again and again, then let it go to its end."""
+    random.seed(seed)
+    for _ in range(kills):
+        process = start(specification, store, "--workers", "2")
+        kill_at(process, store, done_batches(store) + random.randint(0, 8))
+        process.communicate()
+    hc.sweep(specification, store)
+    assert contents(store) == undisturbed
+
+
+def test_killed_sweeps_end_with_the_same_bytes(specification, undisturbed, tmp_path):
+    kill_and_resume(specification, tmp_path / "sweep", undisturbed, kills=3, seed=1)
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("seed", range(15))
+def test_thirty_kills_of_main_and_workers(specification, undisturbed, tmp_path, seed):
+    kill_and_resume(specification, tmp_path / "main", undisturbed, kills=1, seed=seed)
+    kill_worker_and_resume(specification, tmp_path / "worker", undisturbed, seed=seed)
+
+
+def test_a_killed_worker_is_told_and_the_sweep_goes_on(specification, undisturbed, tmp_path):
+    told = kill_worker_and_resume(specification, tmp_path / "sweep", undisturbed, seed=3)
+    assert "a worker process ended abruptly" in told
+    assert "the same command goes on" in told
+
+
+def kill_worker_and_resume(specification, store, undisturbed, *, seed):
+    random.seed(seed)
+    process = start(specification, store, "--processes", "--workers", "2")
+    workers = []
+    while process.poll() is None and not (workers and done_batches(store) > seed % 5):
+        workers = workers_of(process.pid)
+        time.sleep(0.005)
+    if workers:
+        with contextlib.suppress(ProcessLookupError):
+            os.kill(random.choice(workers), signal.SIGKILL)
+    _, told = process.communicate(timeout=60)
+    assert process.returncode == 1  # failed points, or the worker
+    hc.sweep(specification, store)
+    assert contents(store) == undisturbed
+    return told
+
+
+def workers_of(pid):
+    """Processes that a pool has started, without those that only keep its accounts."""
+    import psutil
+
+    with contextlib.suppress(psutil.Error):
+        return [child.pid for child in psutil.Process(pid).children(recursive=True)
+                if "spawn_main" in " ".join(child.cmdline())]  # fmt: skip
+    return []
+
+
+def test_an_interrupt_leaves_a_store_that_goes_on(specification, undisturbed, tmp_path):
+    store = tmp_path / "sweep"
+    process = start(specification, store)
+    kill_at(process, store, 2, signal.SIGINT)
+    begun = time.monotonic()
+    _, told = process.communicate(timeout=60)
+    assert time.monotonic() - begun < 5.0
+    assert process.returncode == 130
+    assert "the same command goes on" in told
+    assert 2 <= done_batches(store) < 32
+    hc.sweep(specification, store)
+    assert contents(store) == undisturbed
+
+
+def test_a_disk_that_fills_is_told_and_the_sweep_goes_on(specification, undisturbed, tmp_path):
+    store = tmp_path / "sweep"
+    largest = max(len(content) for content in undisturbed.values())
+    # The largest chunk does not fit, all others do.
+    limited = subprocess.run(
+        command(specification, store), capture_output=True, text=True, timeout=120,
+        env=os.environ | {"NUMBA_DISABLE_PER_FUNCTION_CACHE": "0"},
+        preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (largest - 1, largest - 1)),
+    )  # fmt: skip
+    assert limited.returncode == 1
+    assert "cannot write to" in limited.stderr
+    assert "File too large" in limited.stderr
+    assert "the same command goes on" in limited.stderr
+    assert "Traceback" not in limited.stderr
+    hc.sweep(specification, store)
+    assert contents(store) == undisturbed
+
+
+def test_a_sweep_that_cannot_fit_is_refused(specification, tmp_path, monkeypatch):
+    monkeypatch.setattr(sweep_module.shutil, "disk_usage",
+                        lambda _: type("Usage", (), {"free": 1000})())  # fmt: skip
+    with pytest.raises(hc.InputError, match="needs 0.00.* GB for 1984 points.* has 1e-06 GB free"):
+        hc.sweep(specification, tmp_path / "sweep")
+    assert list(tmp_path.glob("sweep*")) == []
+
+
+def test_two_sweeps_into_one_store_are_kept_apart(specification, undisturbed, tmp_path):
+    store = tmp_path / "sweep"
+    process = start(specification, store)
+    while not store.exists():
+        time.sleep(0.002)
+    process.send_signal(signal.SIGSTOP)
+    with pytest.raises(hc.InputError, match="another process sweeps into"):
+        hc.sweep(specification, store)
+    process.kill()
+    process.communicate()
+    # A dead process holds no lock.
+    hc.sweep(specification, store)
+    assert contents(store) == undisturbed
+
+
+def test_a_lock_ends_with_its_block(tmp_path):
+    with locked(tmp_path / "sweep"):
+        pass
+    with locked(tmp_path / "sweep"):
+        assert [file.name for file in tmp_path.iterdir()] == [".sweep.lock"]
+
+
+def test_shards_merge_into_the_same_bytes(specification, undisturbed, tmp_path):
+    shards = [tmp_path / f"{i}" for i in (1, 2, 3)]
+    for i, shard in enumerate(shards[:2], start=1):
+        subprocess.run(command(specification, shard, "--shard", f"{i}/3"), check=False)
+    partly = subprocess.run(
+        [*HERTZCHAIN, "sweep", "merge", str(tmp_path / "all"), *map(str, shards[:2])],
+        capture_output=True, text=True, check=False,
+    )  # fmt: skip
+    assert partly.returncode == 1
+    assert "lacks" in partly.stderr
+    hc.sweep(specification, shards[2], shard=(3, 3))
+    _, missing = hc.merge_sweeps(shards, tmp_path / "all")
+    assert missing == 0
+    assert contents(tmp_path / "all") == undisturbed
+    with pytest.raises(hc.InputError, match="shard 4 of 3 does not exist"):
+        hc.sweep(specification, tmp_path / "x", shard=(4, 3))
+    with pytest.raises(hc.InputError, match="a shard needs a store"):
+        hc.sweep(specification, shard=(1, 3))
+
+
+def test_a_changed_specification_is_refused_with_the_difference(specification, tmp_path):
+    store, other = tmp_path / "sweep", tmp_path / "other.toml"
+    hc.sweep(specification, store, shard=(1, 31))
+    before = contents(store)
+    other.write_text(SPECIFICATION.replace("0.012", "0.011").replace("62", "31"))
+    with pytest.raises(hc.InputError) as error:
+        hc.sweep(other, store)
+    assert "axes.rate.linspace: [0.004, 0.012, 64], now [0.004, 0.011, 64]" in str(error.value)
+    assert "sweep.batch: 62, now 31" in str(error.value)
+    assert contents(store) == before
+    hc.sweep(other, tmp_path / "second", shard=(1, 31))
+    with pytest.raises(hc.InputError, match="is of another specification"):
+        hc.merge_sweeps([store, tmp_path / "second"], tmp_path / "all")
+
+
+def test_what_is_not_ours_or_damaged_is_left_alone(specification, tmp_path):
+    (tmp_path / "mine").mkdir()
+    (tmp_path / "mine" / "thesis.tex").write_text("all I have")
+    with pytest.raises(hc.InputError, match="mine' is no store of a sweep: it is left as it is"):
+        hc.sweep(specification, tmp_path / "mine")
+    xr.Dataset({"a": ("x", [1.0])}).to_zarr(tmp_path / "other", zarr_format=3, consolidated=False)
+    with pytest.raises(hc.InputError, match="other' is no store of a sweep"):
+        hc.sweep(specification, tmp_path / "other")
+    (tmp_path / "file").write_text("")
+    with pytest.raises(hc.InputError, match="there is no sweep store"):
+        hc.open_sweep(tmp_path / "file")
+    store = tmp_path / "sweep"
+    hc.sweep(specification, store)
+    chunk = next(file for file in (store / "velocity" / "c").rglob("0") if file.is_file())
+    chunk.write_bytes(b"")
+    with pytest.raises(hc.InputError, match="damaged: .*velocity.* is empty; delete .*status"):
+        hc.sweep(specification, store)
+    (store / "velocity" / "zarr.json").write_text("{")
+    with pytest.raises(hc.InputError, match="is damaged .*move it away"):
+        hc.open_sweep(store)
+    assert (tmp_path / "mine" / "thesis.tex").read_text() == "all I have"
+
+
+def test_a_damaged_batch_is_computed_anew_when_its_status_is_gone(
+    specification, undisturbed, tmp_path
+):
+    store = tmp_path / "sweep"
+    hc.sweep(specification, store)
+    chunk = sorted(file for file in (store / "velocity" / "c").rglob("*") if file.is_file())[3]
+    chunk.write_bytes(b"")
+    status = store / "status" / chunk.relative_to(store / "velocity").parent
+    status.unlink()
+    hc.sweep(specification, store)
+    assert contents(store) == undisturbed
+
+
+def test_other_versions_are_refused_with_both_named(specification, tmp_path, monkeypatch):
+    store = tmp_path / "sweep"
+    with monkeypatch.context() as changed:
+        changed.setattr("hertzchain.sweeps.dataset.__version__", "0.0.9")
+        hc.sweep(specification, store, shard=(1, 31))
+    with pytest.raises(
+        hc.InputError, match=rf"begun by hertzchain 0\.0\.9, this is {hc.__version__}"
+    ):
+        hc.sweep(specification, store)
+
+    class Elsewhere(ThreadPoolExecutor):
+        def submit(self, function, *arguments):
+            def older():
+                result = function(*arguments)
+                object.__setattr__(result, "version", "0.0.9")
+                return result
+
+            return super().submit(older)
+
+    with Elsewhere(1) as pool, pytest.raises(hc.InputError, match=r"worker has hertzchain 0\.0\.9"):
+        hc.sweep(specification, tmp_path / "new", executor=pool)
+
+
+def test_a_store_can_be_read_while_it_grows(specification, tmp_path):
+    store, seen = tmp_path / "sweep", []
+
+    def look(done, total):
+        if 0 < done < total and not seen:
+            found = hc.open_sweep(store)
+            seen.append((done, int((found.status != 0).all("by").sum())))
+            assert SweepStore(store).counts()["missing"] == total - seen[0][1]
+
+    hc.sweep(specification, store, progress=look)
+    assert seen[0][1] >= seen[0][0] > 0
+
+
+def test_any_executor_gives_the_same_bytes(specification, undisturbed, tmp_path):
+    with executors.local_pool("processes", 2) as pool:
+        hc.sweep(specification, tmp_path / "sweep", executor=pool)
+    assert contents(tmp_path / "sweep") == undisturbed
+
+
+def test_in_memory_is_the_same(specification, tmp_path):
+    xr.testing.assert_equal(
+        hc.sweep(specification), hc.sweep(specification, tmp_path / "sweep").load()
+    )
+
+
+def test_a_process_that_writes_half_a_chunk_is_cleaned_up(specification, undisturbed, tmp_path):
+    store = tmp_path / "sweep"
+    hc.sweep(specification, store, shard=(1, 2))
+    (store / "velocity" / "c" / "0" / "x.partial").write_bytes(b"half")
+    hc.sweep(specification, store)
+    assert contents(store) == undisturbed
+
+
+def test_status_tells_how_far_and_why(specification, tmp_path):
+    store = tmp_path / "sweep"
+    hc.sweep(specification, store, shard=(32, 32))
+    told = subprocess.run([*HERTZCHAIN, "sweep", "status", str(store)], capture_output=True,
+                          text=True, check=False)  # fmt: skip
+    assert told.returncode == 1
+    assert "1922 missing" in told.stdout
+    assert "runs out of radius at bead" in told.stdout
+    assert "rate = 0.011" in told.stdout
+
+
+@pytest.fixture
+def cluster(tmp_path):
+    """A scheduler and two worker processes on loopback, that end with the test."""
+    base = [sys.executable, "-m", "distributed.cli.dask_scheduler"]
+    scheduler = [*base, "--host", "127.0.0.1", "--port", "0", "--no-dashboard",
+                 "--scheduler-file", str(tmp_path / "scheduler.json")]  # fmt: skip
+    worker = [sys.executable, "-m", "distributed.cli.dask_worker",
+              "--scheduler-file", str(tmp_path / "scheduler.json"), "--host", "127.0.0.1", "--nthreads", "1",
+              "--no-dashboard", "--no-nanny", "--local-directory", str(tmp_path / "dask")]  # fmt: skip
+    quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
+    processes = [subprocess.Popen(scheduler, **quiet)]
+    try:
+        while not (tmp_path / "scheduler.json").exists():
+            time.sleep(0.05)
+        processes += [subprocess.Popen(worker, **quiet) for _ in range(2)]
+        yield tmp_path / "scheduler.json", processes
+    finally:
+        for process in processes[::-1]:
+            process.kill()
+            process.wait()
+
+
+def test_a_dask_worker_that_is_killed_costs_nothing(
+    cluster, specification, undisturbed, tmp_path, monkeypatch
+):
+    file, processes = cluster
+    address = json.loads(file.read_text())["address"]
+    store = tmp_path / "sweep"
+    done = []
+
+    def kill(count, _):
+        done.append(count)
+        if count > 300 and processes[1].poll() is None:
+            processes[1].kill()
+
+    monkeypatch.setattr(executors, "PATIENCE", 60.0)
+    with executors.dask_pool(address, workers=2) as pool:
+        hc.sweep(specification, store, executor=pool, progress=kill)
+    assert processes[1].poll() is not None
+    assert done == sorted(set(done))
+    assert contents(store) == undisturbed
+
+
+def test_a_scheduler_that_does_not_answer_is_told_soon(monkeypatch):
+    monkeypatch.setattr(executors, "PATIENCE", 1.0)
+    begun = time.monotonic()
+    said = "no dask scheduler answers at 'tcp://127.0.0.1:1'"
+    with pytest.raises(hc.InputError, match=said), executors.dask_pool("tcp://127.0.0.1:1"):
+        pass
+    assert time.monotonic() - begun < 15.0
+    assert threading.active_count() < 50
+
+
+def test_options_of_the_command_that_contradict(specification):
+    for options, said in (
+        (["--shard", "2"], "--shard must look like 2/8, got '2'"),
+        (["--scheduler", "tcp://x:1", "--processes"], "--scheduler has workers of its own"),
+        (["--workers", "0"], "workers must be a whole number of at least 1, got 0"),
+    ):
+        told = subprocess.run([*HERTZCHAIN, "sweep", str(specification), *options],
+                              capture_output=True, text=True, check=False)  # fmt: skip
+        assert told.returncode == 2
+        assert said in told.stderr
+
+
+def test_chunks_are_batches(specification, tmp_path):
+    store = tmp_path / "sweep"
+    hc.sweep(specification, store)
+    opened = SweepStore(store)
+    assert opened.grid == (32, 1)
+    assert len(opened.missing()) == 0
+    assert opened.counts() == {
+        "missing": 0,
+        "done": int((hc.open_sweep(store).status == 1).all("by").sum()),
+        "failed": int((hc.open_sweep(store).status == 2).any("by").sum()),
+    }
+    assert opened.counts()["failed"] > 0

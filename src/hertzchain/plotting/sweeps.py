@@ -109,6 +109,9 @@ def _selected(dataset: xr.Dataset, quantity: str | None, at: Mapping[str, Any]) 
 def _curves(drawn: xr.DataArray, axes: Axes, *, log: bool) -> None:
     along = next(name for name in drawn.dims if name != "by")
     curves = [drawn.sel(by=name) for name in drawn.by.values] if "by" in drawn.dims else [drawn]
+    if log:
+        # The reference has no error, and no place on a logarithmic scale.
+        curves = [curve for curve in curves if (curve > 0.0).any()]
     for i, curve in enumerate(curves):
         axes.plot(
             np.arange(curve.size) if curve[along].dtype.kind == "U" else curve[along],
@@ -124,6 +127,7 @@ def _curves(drawn: xr.DataArray, axes: Axes, *, log: bool) -> None:
     axes.set_xlabel(_label(drawn[along], str(along)))
     axes.set_ylabel(_label(drawn, str(drawn.name)))
     axes.set_yscale("log" if log else "linear")
+    axes.set_xscale(_scale(drawn[along]))
     if len(curves) > 1:
         axes.legend()
 
@@ -148,8 +152,19 @@ def _map(drawn: xr.DataArray, axes: Axes, *, log: bool, levels: list[float] | No
     for name, axis in ((across, axes.xaxis), (down, axes.yaxis)):
         if drawn[name].dtype.kind == "U":
             axis.set_ticks(range(drawn[name].size), labels=drawn[name].values)
+    axes.set_xscale(_scale(drawn[across]))
+    axes.set_yscale(_scale(drawn[down]))
     axes.set_xlabel(_label(drawn[across], str(across)))
     axes.set_ylabel(_label(drawn[down], str(down)))
+
+
+def _scale(coordinate: xr.DataArray) -> str:
+    """Logarithmic for values in geometric progression."""
+    values = coordinate.to_numpy()
+    if values.dtype.kind not in "if" or values.size < 3 or values.min() <= 0.0:
+        return "linear"
+    steps = np.diff(np.log(values))
+    return "log" if np.ptp(steps) < 1e-6 * abs(steps[0]) else "linear"
 
 
 def _places(coordinate: xr.DataArray) -> Any:

@@ -280,9 +280,11 @@ class SweepStore:
         """
         import xarray as xr
 
-        return plain_text(
+        found = plain_text(
             xr.open_zarr(self.folder, chunks=None, consolidated=False, mask_and_scale=False)
         )
+        # In the order in which they were made, not in that of the folder.
+        return found[[name for name in self.attributes["arrays"] if name in found.data_vars]]
 
     def counts(self) -> dict[str, int]:
         """How many points are missing, done and failed; failed is one where a method failed.

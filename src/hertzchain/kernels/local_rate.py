@@ -194,7 +194,6 @@ def forward(
             y[1 + i] = states[k - 1, i] - value[i] if k > 0 else 0.0
         gather(k, stage, rates, y)
         node = anchor(rates[k], anchors[stage], nodes, node, value, slope)
-        states[k], slopes[k, :, 0], slopes[k, :, 1] = value, slope, slope
         interval, distance = interval_of(rates[k], knots, interval)
         inside = knots[0] <= rates[k] <= knots[-1]
         pieces = response[stage, interval]
@@ -202,7 +201,8 @@ def forward(
         product(matrix, y, by_input)
         product(derivative, y, by_input_slope)
         for i in range(STATES):
-            states[k, i] += times(y, by_input, i)
+            states[k, i] = value[i] + times(y, by_input, i)
+            slopes[k, i, 0] = slopes[k, i, 1] = slope[i]
             if inside:
                 slopes[k, i, 0] += times(y, by_input_slope, i)
             for j in range(FORM):
@@ -258,10 +258,10 @@ def backward(contacts, slopes, to_inputs, seeds, to_rates):
 
 
 @compiled
-def rates_of(radii):
-    """Rates of the contacts."""
+def logarithms(radii):
+    """Logarithms of the radii, and the rates of the contacts."""
     logs = np.log(radii)
-    return logs[1:] - logs[:-1]
+    return logs, logs[1:] - logs[:-1]
 
 
 @compiled
@@ -291,13 +291,15 @@ def log_stiffness(radii, contact):
 
 
 @compiled
-def log_quantity(powers, bead, radii, log_velocity, states):
-    """Logarithm of m^a v^b r^c e^(d phi + e tau) of a bead and its contact, if there is a state."""
-    found = powers[0] * 3.0 * np.log(radii[bead]) + powers[1] * log_velocity
-    if bead < len(states):
-        found += powers[2] * log_stiffness(radii, bead)
-        found += powers[3] * states[bead, 1] + powers[4] * states[bead, 2]
-    return found
+def log_of_bead(powers, log_radius, log_velocity):
+    """Logarithm of m^a v^b of a bead, given those of its radius and velocity."""
+    return powers[0] * 3.0 * log_radius + powers[1] * log_velocity
+
+
+@compiled
+def log_of_contact(powers, stiffness, state):
+    """Logarithm of r^c e^(d phi + e tau) of a contact, given that of its stiffness r."""
+    return powers[2] * stiffness + powers[3] * state[1] + powers[4] * state[2]
 
 
 @compiled
@@ -311,11 +313,11 @@ def pulse(
     radii : (N,)
     nodes, anchors, knots, response : as for `forward`
     constants : (4,) of the estimated error
-    of_time, of_overlap : (5,) powers of `log_quantity` of residence times and overlaps
+    of_time, of_overlap : (5,) powers (a, b, c, d, e) of residence times and overlaps
     by_bead : (3, N) velocities, their estimated errors, arrivals, written
     by_contact : (2, N - 1) residence times, overlaps, written
     """
-    rates = rates_of(radii)
+    logs, rates = logarithms(radii)
     contacts = len(rates)
     states, doubts = np.empty((contacts, STATES)), np.empty((contacts, 4))
     slopes, to_inputs = np.empty((contacts, STATES, 2)), np.empty((contacts, STATES, FORM))
@@ -327,8 +329,11 @@ def pulse(
     velocity[0], error[0], arrival[0] = 1.0, 0.0, 0.0
     log_velocity = 0.0
     for k in range(contacts):
-        residence[k] = np.exp(log_quantity(of_time, k, radii, log_velocity, states))
-        overlap[k] = np.exp(log_quantity(of_overlap, k, radii, log_velocity, states))
+        stiffness, z = log_stiffness(radii, k), states[k]
+        of_bead = log_of_bead(of_time, logs[k], log_velocity)
+        residence[k] = np.exp(of_bead + log_of_contact(of_time, stiffness, z))
+        of_bead = log_of_bead(of_overlap, logs[k], log_velocity)
+        overlap[k] = np.exp(of_bead + log_of_contact(of_overlap, stiffness, z))
         log_velocity += states[k, 0]
         velocity[k + 1] = np.exp(log_velocity)
         error[k + 1] = estimated_error(k, doubts, constants, lost)
@@ -345,12 +350,12 @@ def gradient(
     Parameters
     ----------
     radii, nodes, anchors, knots, response, constants : as for `pulse`
-    powers : (5,) powers of `log_quantity`
+    powers : (5,) powers (a, b, c, d, e) of the quantity
     begin, end : the beads, from 0, the last excluded
     followed : how many contacts it depends on; the states of no more are known
     found : (N,) derivatives of its logarithm to those of the radii, written
     """
-    rates = rates_of(radii)
+    logs, rates = logarithms(radii)
     states, doubts = np.empty((followed, STATES)), np.empty((followed, 4))
     slopes, to_inputs = np.empty((followed, STATES, 2)), np.empty((followed, STATES, FORM))
     lost = forward(
@@ -359,9 +364,11 @@ def gradient(
     parts = np.empty(end - begin)
     log_velocity = states[:begin, 0].sum()
     for k in range(begin, end):
-        parts[k - begin] = np.exp(log_quantity(powers, k, radii, log_velocity, states))
+        log_part = log_of_bead(powers, logs[k], log_velocity)
         if k < followed:
+            log_part += log_of_contact(powers, log_stiffness(radii, k), states[k])
             log_velocity += states[k, 0]
+        parts[k - begin] = np.exp(log_part)
     total = parts.sum()
     pull_back(rates, begin, parts / total, radii, powers, slopes, to_inputs, found)
     error = estimated_error(followed - 1, doubts, constants, lost) if followed > 0 else 0.0
@@ -370,7 +377,7 @@ def gradient(
 
 @compiled
 def pull_back(rates, begin, weights, radii, powers, slopes, to_inputs, found):
-    """Derivatives of a weighted sum of `log_quantity` from a bead on to all log radii."""
+    """Derivatives of a quantity's weighted logarithms, from a bead on, to all log radii."""
     followed = len(slopes)
     seeds, to_rates = np.zeros((followed, STATES)), np.zeros(len(rates))
     found[:] = 0.0

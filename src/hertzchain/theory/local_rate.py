@@ -111,8 +111,8 @@ def local_rate_gradient(
 
     .. math:: Q_k, \qquad \frac{\partial \ln Q_k}{\partial \ln R_j}, \quad j = 1..N
 
-    The derivatives are exact for the law, by its adjoint, and all cost together about as much
-    as the law.  Only the chain up to the bead, and two beads ahead, has a part in them.  The
+    The derivatives are exact for the law, by its adjoint, and all together cost little more
+    than the value.  Only the chain up to the bead, and two beads ahead, has a part in them.  The
     units stay when :math:`R_1` is varied: the strike has velocity 1 and masses are
     :math:`R^3`.
 
@@ -233,7 +233,7 @@ def solve(chain: Chain, functions: UniversalFunctions) -> Solution:
     """
     from hertzchain.kernels import local_rate as kernel
 
-    rates = kernel.rates_of(chain.radii)
+    _, rates = kernel.logarithms(chain.radii)
     contacts = len(rates)
     states, parts = np.empty((contacts, 3)), np.empty((contacts, 4))
     # What only the gradient needs.

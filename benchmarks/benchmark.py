@@ -6,6 +6,7 @@ medians of runs side by side; the machine may be shared.
 
 from __future__ import annotations
 
+import functools
 import json
 import math
 import os
@@ -15,6 +16,7 @@ import statistics
 import subprocess
 import sys
 import time
+import timeit
 from collections.abc import Callable
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -64,6 +66,13 @@ def median_time(action: Callable[[], object], repeats: int = REPEATS) -> float:
         action()
         times.append(time.perf_counter() - began)
     return statistics.median(times)
+
+
+def shortest_time(action: Callable[[], object]) -> float:
+    """Shortest of many times [s], of what takes some microseconds and no other work may touch."""
+    action()
+    times = timeit.repeat(action, number=20, repeat=500)
+    return min(times) / 20
 
 
 def ours(taper: str, chain: hc.Chain, exact: np.ndarray) -> list[Row]:
@@ -221,6 +230,22 @@ def paper() -> dict[str, float]:
     }
 
 
+def law() -> dict[str, float]:
+    """The local-rate law and its gradient on the four tapers: worst of the shortest times [us]."""
+    chains = [hc.Chain.tapered(taper, rate, beads=BEADS) for taper, rate in TAPERS.items()]
+    actions: dict[str, Callable[[hc.Chain], object]] = {
+        "local_rate": hc.local_rate,
+        "local_rate_gradient": lambda chain: hc.local_rate_gradient(chain, bead=BEADS),
+        "local_rate_gradient of the arrival": lambda chain: hc.local_rate_gradient(
+            chain, "arrival", bead=BEADS
+        ),
+    }
+    return {
+        name: 1e6 * max(shortest_time(functools.partial(action, chain)) for chain in chains)
+        for name, action in actions.items()
+    }
+
+
 # Peak memory [kB] of a process. Linux counts that of the parent, too, in ru_maxrss.
 PEAK = (
     "import pathlib, resource; status = pathlib.Path('/proc/self/status');"
@@ -356,6 +381,7 @@ def main() -> None:
     for name, measure in (
         ("growth", growth), ("yardstick", yardstick), ("first call", first_call),
         ("paper", paper), ("sweep", sweep), ("a million equal beads", long_chain),
+        ("us of the local-rate law", law),
     ):  # fmt: skip
         report[name] = measure()
         console.print(name, report[name])

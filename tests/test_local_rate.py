@@ -1,6 +1,7 @@
 """The local-rate law against the integration, published rates and finite differences."""
 
 import warnings
+from functools import partial
 
 import numpy as np
 import pytest
@@ -13,8 +14,8 @@ from hertzchain.scoreboard.scoreboard import scoreboard
 from hertzchain.theory.local_rate import DIFFERENTIABLE, solve
 from hertzchain.theory.universal import (
     FEWEST_BEADS,
+    INPUTS,
     STAGES,
-    TERMS,
     universal_functions,
 )
 
@@ -159,8 +160,8 @@ def test_functions_are_smooth_to_the_second_derivative():
         (functions.knots, functions.response),
     ):
         h = np.diff(ends)[:-1, None]
-        cubic = pieces.reshape(len(STAGES), len(ends) - 1, -1, 4, 3)
-        a, b, c, d = (cubic[:, :, :, row].reshape(len(STAGES), len(h) + 1, -1) for row in range(4))
+        cubic = pieces.reshape(len(STAGES), len(ends) - 1, 4, -1)
+        a, b, c, d = (cubic[:, :, power] for power in range(4))
         value = ((a[:, :-1] * h + b[:, :-1]) * h + c[:, :-1]) * h + d[:, :-1]
         slope = (3.0 * a[:, :-1] * h + 2.0 * b[:, :-1]) * h + c[:, :-1]
         half_bend = 3.0 * a[:, :-1] * h + b[:, :-1]
@@ -171,11 +172,12 @@ def test_functions_are_smooth_to_the_second_derivative():
 
 def test_every_stage_has_an_anchor_and_only_what_can_occur_a_response():
     response = universal_functions(1.5).response
-    assert response.shape[2] == len(TERMS)
-    before_the_strike = [i for i, term in enumerate(TERMS) if "before" in term]
-    assert not response[STAGES.index("start 1"), :, before_the_strike].any()
-    beyond_the_end = [i for i, term in enumerate(TERMS) if "s[k+" in term]
-    assert not response[STAGES.index("end 1"), :, beyond_the_end].any()
+    matrices = response.reshape(*response.shape[:3], 8, 3, 8)
+    np.testing.assert_array_equal(matrices, np.swapaxes(matrices, 3, 5))
+    before_the_strike = [1 + i for i, name in enumerate(INPUTS) if "before" in name]
+    assert not matrices[STAGES.index("start 1"), :, :, before_the_strike].any()
+    beyond_the_end = [1 + i for i, name in enumerate(INPUTS) if "s[k+" in name]
+    assert not matrices[STAGES.index("end 1"), :, :, beyond_the_end].any()
 
 
 @pytest.mark.parametrize(
@@ -232,6 +234,19 @@ def test_the_gradient_warns_as_the_law_does():
         hc.local_rate_gradient(chain, bead=20)
 
 
-def test_what_is_no_chain_is_named():
+def test_the_gradient_warns_only_of_the_chain_up_to_the_bead():
+    chain = hc.Chain.from_radii(np.where(np.arange(60) < 30, 1.0, 1.3))
+    _, gradient = hc.local_rate_gradient(chain, bead=20)
+    # A velocity is felt by no bead further ahead than two.
+    assert gradient[21] != 0.0
+    assert not gradient[22:].any()
+    with pytest.warns(ModelRangeWarning, match=r"from bead \d+ on .*, at bead 40 by"):
+        hc.local_rate_gradient(chain, bead=40)
+    with pytest.warns(ModelRangeWarning, match=r"from bead \d+ on .*, at the end by"):
+        hc.local_rate_gradient(chain, bead=60)
+
+
+@pytest.mark.parametrize("evaluated", [hc.local_rate, partial(hc.local_rate_gradient, bead=2)])
+def test_what_is_no_chain_is_named(evaluated):
     with pytest.raises(InputError, match=r"takes a Chain, got \[1.0, 1.0\]"):
-        hc.local_rate([1.0, 1.0])
+        evaluated([1.0, 1.0])

@@ -4,13 +4,19 @@ The state of contact k (`hertzchain.theory.universal`) follows from that of the 
 
 .. math::
 
-    z_k = z^*(s_k) + \sum_i c_i(s_k)\,x_i + \sum_{i \le j} c_{ij}(s_k)\,x_i x_j,
-    \qquad x = \left(z_{k-1} - z^*(s_{k-1}),\; s_{k-1} - s_{k-2},\; s_k - s_{k-1},\;
+    z_k = z^*(s_k) + y^T A(s_k)\,y, \qquad
+    y = \left(1,\; z_{k-1} - z^*(s_{k-1}),\; s_{k-1} - s_{k-2},\; s_k - s_{k-1},\;
                  s_{k+1} - s_k,\; s_{k+2} - s_{k+1}\right)
 
-with functions of the rate that are polynomials of third degree on intervals, and that belong
-to one of the stages: the first four contacts, those within, the last three.  Going backward,
-the derivatives of any one number to all rates cost as much as two or three times the law.
+with a symmetric matrix A for each of the three components of z.  :math:`z^*` and A are cubic
+polynomials of the rate on intervals, and belong to one of the stages: the first four contacts,
+those within, the last three.  The product A y is all the work, and gives everything::
+
+    A(s) y  --->  z  = z* + y.(A y)      forward
+            --->  dz/dy = 2 A y          kept for the way back
+            --->  dz/ds = y.(A'(s) y)    from the same coefficients
+
+so that the derivatives of any one number to all rates cost little more than the law.
 """
 
 from __future__ import annotations
@@ -19,16 +25,18 @@ import numpy as np
 from numba import njit
 
 STATES = 3
+# Each input, after a one: a row of eight numbers, which a processor multiplies at once.
 INPUTS = 7
-TERMS = INPUTS + INPUTS * (INPUTS + 1) // 2
+FORM = 1 + INPUTS
+# A row of all three matrices side by side, and all their rows.
+ROW = STATES * FORM
+MATRIX = FORM * ROW
 START, END = 4, 3
 WITHIN = START
-# Coefficients of a cubic polynomial for each component of the state.
-POWERS = 4 * STATES
 # A state this far from an exponential chain's has run away; it is held there, and told.
 FARTHEST = 1.0
 
-# Sums may be taken in any order, so that they can be taken four numbers at a time.
+# Sums may be taken in any order, so that they can be taken eight numbers at a time.
 compiled = njit(cache=True, nogil=True, error_model="numpy", fastmath={"reassoc", "contract"})
 
 
@@ -38,6 +46,12 @@ def stage_of(contact, contacts):
     if contact < START:
         return contact
     return max(WITHIN, WITHIN + 1 + contact - (contacts - END))
+
+
+@compiled
+def rates_ahead(stage):
+    """How many rates ahead of its own a contact responds to."""
+    return 2 if stage <= WITHIN else 0
 
 
 @compiled
@@ -57,10 +71,12 @@ def interval_of(rate, ends, guess):
 
 @compiled
 def bca_growth(rate):
-    """Growth of velocity by the BCA, ln[2/(1 + e^(3s))], without overflow."""
+    """Growth of velocity by the BCA, ln[2/(1 + e^(3s))], and its derivative, without overflow."""
     if rate > 0.0:
-        return np.log(2.0) - 3.0 * rate - np.log1p(np.exp(-3.0 * rate))
-    return np.log(2.0) - np.log1p(np.exp(3.0 * rate))
+        small = np.exp(-3.0 * rate)
+        return np.log(2.0) - 3.0 * rate - np.log1p(small), -3.0 / (1.0 + small)
+    small = np.exp(3.0 * rate)
+    return np.log(2.0) - np.log1p(small), -3.0 * small / (1.0 + small)
 
 
 @compiled
@@ -76,119 +92,129 @@ def anchor(rate, pieces, ends, guess, value, slope):
         a, b, c = powers[i], powers[STATES + i], powers[2 * STATES + i]
         value[i] = ((a * x + b) * x + c) * x + powers[3 * STATES + i]
         slope[i] = (3.0 * a * x + 2.0 * b) * x + c if inside else 0.0
-    value[0] += bca_growth(rate)
-    slope[0] -= 3.0 / (1.0 + np.exp(-3.0 * rate))
+    growth, growth_slope = bca_growth(rate)
+    value[0] += growth
+    slope[0] += growth_slope
     return interval
 
 
 @compiled
-def gather(contact, stage, rates, x):
+def gather(contact, stage, rates, y):
     """The inputs of a contact that are differences of the rates around it."""
-    ahead = 2 if stage <= WITHIN else 0
+    ahead = rates_ahead(stage)
     for i in range(INPUTS - STATES):
         last = contact - 1 + i
         known = last >= 1 and last <= contact + ahead
-        x[STATES + i] = rates[last] - rates[last - 1] if known else 0.0
+        y[1 + STATES + i] = rates[last] - rates[last - 1] if known else 0.0
 
 
 @compiled
-def all_terms(x, terms):
-    """Each input, then each product of two."""
-    terms[:INPUTS] = x
-    term = INPUTS
-    for i in range(INPUTS):
-        for j in range(i, INPUTS):
-            terms[term] = x[i] * x[j]
-            term += 1
+def evaluate(pieces, x, matrix, derivative):
+    """The matrix A and its derivative to the rate, all numbers side by side."""
+    for i in range(MATRIX):
+        a, b, c = pieces[0, i], pieces[1, i], pieces[2, i]
+        matrix[i] = ((a * x + b) * x + c) * x + pieces[3, i]
+        derivative[i] = (3.0 * a * x + 2.0 * b) * x + c
 
 
 @compiled
-def respond(terms, pieces, x, inside, value, slope):
-    """Add the terms times their polynomials to the state, and to its derivative to the rate."""
-    # All twelve sums at once stay in registers: growth, force, time for each power of x.
-    a0 = a1 = a2 = b0 = b1 = b2 = c0 = c1 = c2 = d0 = d1 = d2 = 0.0
-    for term in range(TERMS):
-        factor, row = terms[term], pieces[term]
-        a0 += factor * row[0]
-        a1 += factor * row[1]
-        a2 += factor * row[2]
-        b0 += factor * row[3]
-        b1 += factor * row[4]
-        b2 += factor * row[5]
-        c0 += factor * row[6]
-        c1 += factor * row[7]
-        c2 += factor * row[8]
-        d0 += factor * row[9]
-        d1 += factor * row[10]
-        d2 += factor * row[11]
-    value[0] += ((a0 * x + b0) * x + c0) * x + d0
-    value[1] += ((a1 * x + b1) * x + c1) * x + d1
-    value[2] += ((a2 * x + b2) * x + c2) * x + d2
-    if inside:
-        slope[0] += (3.0 * a0 * x + 2.0 * b0) * x + c0
-        slope[1] += (3.0 * a1 * x + 2.0 * b1) * x + c1
-        slope[2] += (3.0 * a2 * x + 2.0 * b2) * x + c2
+def product(matrix, y, found):
+    """A y, its three components side by side."""
+    y0, y1, y2, y3, y4, y5, y6, y7 = y[0], y[1], y[2], y[3], y[4], y[5], y[6], y[7]
+    # Written out, so that numbers next to each other are taken together.
+    for i in range(ROW):
+        found[i] = (
+            (y0 * matrix[i] + y1 * matrix[ROW + i])
+            + (y2 * matrix[2 * ROW + i] + y3 * matrix[3 * ROW + i])
+            + (y4 * matrix[4 * ROW + i] + y5 * matrix[5 * ROW + i])
+            + (y6 * matrix[6 * ROW + i] + y7 * matrix[7 * ROW + i])
+        )
 
 
 @compiled
-def second_degree(terms, pieces, x):
+def times(y, found, i):
+    """Component i of y.(A y)."""
+    total = 0.0
+    for j in range(FORM):
+        total += y[j] * found[i * FORM + j]
+    return total
+
+
+@compiled
+def second_degree(matrix, y):
     """Size of what the products of two inputs add to the growth."""
+    y1, y2, y3, y4 = abs(y[1]), abs(y[2]), abs(y[3]), abs(y[4])
+    y5, y6, y7 = abs(y[5]), abs(y[6]), abs(y[7])
     size = 0.0
-    for term in range(INPUTS, TERMS):
-        a, b, c = pieces[term, 0], pieces[term, STATES], pieces[term, 2 * STATES]
-        size += abs(terms[term] * (((a * x + b) * x + c) * x + pieces[term, 3 * STATES]))
+    for j in range(1, FORM):
+        size += abs(y[j]) * (
+            (y1 * abs(matrix[ROW + j]) + y2 * abs(matrix[2 * ROW + j]))
+            + (y3 * abs(matrix[3 * ROW + j]) + y4 * abs(matrix[4 * ROW + j]))
+            + (y5 * abs(matrix[5 * ROW + j]) + y6 * abs(matrix[6 * ROW + j]))
+            + y7 * abs(matrix[7 * ROW + j])
+        )
     return size
 
 
 @compiled
-def forward(rates, nodes, anchors, knots, response, states, slopes, records, doubts):
-    """States of all contacts; returns the first contact that ran away, or their number if none.
+def forward(
+    rates, followed, nodes, anchors, knots, response, states, slopes, to_inputs, doubts
+):  # fmt: skip
+    """States of the contacts; returns the first that ran away, or the number followed if none.
 
     Parameters
     ----------
-    rates : (M,) rates of the contacts
+    rates : (M,) rates of all contacts
+    followed : how many contacts to follow
     nodes, anchors : ends of intervals, and (stages, intervals, 12) polynomials: the coefficients
         of x^3 to x^0, each for the three components of the state
-    knots, response : the same of the (stages, intervals, terms, 12) responses
-    states : (M, 3), written
-    slopes : (M, 3, 2), derivatives of the state to the contact's own rate, all others held,
+    knots, response : the same of the (stages, intervals, 4, 192) matrices A: of each power the
+        eight rows, of each the three components, of each the eight columns
+    states : (followed, 3), written
+    slopes : (followed, 3, 2), derivatives of the state to the contact's own rate, all others held,
         and of its stage's anchor, written
-    records : (M, 7), the inputs of each contact, written
-    doubts : (M, 4), what the estimated error is made of, written: one; the norm of all inputs
-        after the strike and of those at all other contacts up to here; and, of these, of the
-        products of their size and of the growth's second degree
+    to_inputs : (followed, 3, 8), derivatives of the state to y, written
+    doubts : (followed, 4), what the estimated error is made of, written: one; the norm of all
+        inputs after the strike and of those at all other contacts up to here; and, of these, of
+        the products of their size and of the growth's second degree
     """
-    contacts = len(rates)
     value, slope = np.zeros(STATES), np.zeros(STATES)
-    terms = np.empty(TERMS)
+    y, matrix, derivative = np.ones(FORM), np.empty(MATRIX), np.empty(MATRIX)
+    by_input, by_input_slope = np.empty(ROW), np.empty(ROW)
     start, others, third = 0.0, 0.0, 0.0
     node, interval = 0, 0
-    lost = contacts
-    for k in range(contacts):
-        stage = stage_of(k, contacts)
+    lost = followed
+    for k in range(followed):
+        stage = stage_of(k, len(rates))
         if k == START:
             # What happens within is measured from the anchor within; other stages have their own.
             anchor(rates[k - 1], anchors[WITHIN], nodes, node, value, slope)
             slopes[k - 1, :, 1] = slope
-        x = records[k]
         for i in range(STATES):
-            x[i] = states[k - 1, i] - value[i] if k > 0 else 0.0
-        gather(k, stage, rates, x)
+            y[1 + i] = states[k - 1, i] - value[i] if k > 0 else 0.0
+        gather(k, stage, rates, y)
         node = anchor(rates[k], anchors[stage], nodes, node, value, slope)
-        states[k], slopes[k, :, 0], slopes[k, :, 1] = value, slope, slope
         interval, distance = interval_of(rates[k], knots, interval)
-        all_terms(x, terms)
         inside = knots[0] <= rates[k] <= knots[-1]
         pieces = response[stage, interval]
-        respond(terms, pieces, distance, inside, states[k], slopes[k, :, 0])
+        evaluate(pieces, distance, matrix, derivative)
+        product(matrix, y, by_input)
+        product(derivative, y, by_input_slope)
+        for i in range(STATES):
+            states[k, i] = value[i] + times(y, by_input, i)
+            slopes[k, i, 0] = slopes[k, i, 1] = slope[i]
+            if inside:
+                slopes[k, i, 0] += times(y, by_input_slope, i)
+            for j in range(FORM):
+                to_inputs[k, i, j] = 2.0 * by_input[i * FORM + j]
         square = 0.0
-        for i in range(INPUTS):
-            square += x[i] * x[i]
+        for i in range(1, FORM):
+            square += y[i] * y[i]
         if k < START:
             start += square
         else:
             others += square
-            third += square * second_degree(terms, pieces, distance) ** 2
+            third += square * second_degree(matrix, y) ** 2
         doubts[k, 0], doubts[k, 1] = 1.0, np.sqrt(start)
         doubts[k, 2], doubts[k, 3] = np.sqrt(others), np.sqrt(third)
         away = False
@@ -202,54 +228,174 @@ def forward(rates, nodes, anchors, knots, response, states, slopes, records, dou
 
 
 @compiled
-def pull_back(x, distance, pieces, weight, weights, pulled, to_x):
-    """Derivatives of the weighted state to the inputs; ``weights`` and ``pulled`` are scratch."""
-    power = 1.0
-    for row in range(3, -1, -1):
-        for i in range(STATES):
-            weights[row * STATES + i] = weight[i] * power
-        power *= distance
-    for term in range(TERMS):
-        total = 0.0
-        for i in range(POWERS):
-            total += weights[i] * pieces[term, i]
-        pulled[term] = total
-    to_x[:] = pulled[:INPUTS]
-    term = INPUTS
-    for i in range(INPUTS):
-        for j in range(i, INPUTS):
-            to_x[i] += pulled[term] * x[j]
-            to_x[j] += pulled[term] * x[i]
-            term += 1
-
-
-@compiled
-def backward(rates, knots, response, slopes, records, seeds, to_rates):
+def backward(contacts, slopes, to_inputs, seeds, to_rates):
     """Derivatives of a number to all rates, given those to the states.
 
     Parameters
     ----------
-    rates, knots, response : as for `forward`
-    slopes, records : what `forward` wrote
-    seeds : (M, 3) derivatives to the states; overwritten
-    to_rates : (M,) derivatives to the rates are added to it
+    contacts : number of all contacts
+    slopes, to_inputs : what `forward` wrote of the contacts that it followed
+    seeds : derivatives to their states; overwritten
+    to_rates : (contacts,) derivatives to the rates are added to it
     """
-    contacts = len(rates)
-    to_x, weights, pulled = np.zeros(INPUTS), np.empty(POWERS), np.empty(TERMS)
-    interval = 0
-    for k in range(contacts - 1, -1, -1):
-        stage = stage_of(k, contacts)
-        interval, distance = interval_of(rates[k], knots, interval)
-        pieces = response[stage, interval]
-        pull_back(records[k], distance, pieces, seeds[k], weights, pulled, to_x)
+    to_y = np.empty(FORM)
+    for k in range(len(seeds) - 1, -1, -1):
+        for j in range(FORM):
+            to_y[j] = 0.0
+            for i in range(STATES):
+                to_y[j] += seeds[k, i] * to_inputs[k, i, j]
         for i in range(STATES):
             to_rates[k] += seeds[k, i] * slopes[k, i, 0]
             if k > 0:
-                seeds[k - 1, i] += to_x[i]
-                to_rates[k - 1] -= to_x[i] * slopes[k - 1, i, 1]
-        ahead = 2 if stage <= WITHIN else 0
+                seeds[k - 1, i] += to_y[1 + i]
+                to_rates[k - 1] -= to_y[1 + i] * slopes[k - 1, i, 1]
+        ahead = rates_ahead(stage_of(k, contacts))
         for i in range(INPUTS - STATES):
             last = k - 1 + i
             if last >= 1 and last <= k + ahead:
-                to_rates[last] += to_x[STATES + i]
-                to_rates[last - 1] -= to_x[STATES + i]
+                to_rates[last] += to_y[1 + STATES + i]
+                to_rates[last - 1] -= to_y[1 + STATES + i]
+
+
+@compiled
+def logarithms(radii):
+    """Logarithms of the radii, and the rates of the contacts."""
+    logs = np.log(radii)
+    return logs, logs[1:] - logs[:-1]
+
+
+@compiled
+def estimated_error(contact, doubts, constants, lost):
+    """Estimated relative error of the velocity behind a contact."""
+    # From where a state has run away nothing is known.
+    error = 1.0 if contact >= lost else 0.0
+    for i in range(4):
+        error += constants[i] * doubts[contact, i]
+    return error
+
+
+@compiled
+def any_outside(rates, ends):
+    """Whether a rate lies outside the tables."""
+    for rate in rates:
+        if not ends[0] <= rate <= ends[-1]:
+            return True
+    return False
+
+
+@compiled
+def log_stiffness(radii, contact):
+    """Logarithm of a contact's stiffness, see `hertzchain.contacts.hertz_stiffness`."""
+    left, right = radii[contact], radii[contact + 1]
+    return 0.5 * np.log(2.0 * left * (right / (left + right)))
+
+
+@compiled
+def log_of_bead(powers, log_radius, log_velocity):
+    """Logarithm of m^a v^b of a bead, given those of its radius and velocity."""
+    return powers[0] * 3.0 * log_radius + powers[1] * log_velocity
+
+
+@compiled
+def log_of_contact(powers, stiffness, state):
+    """Logarithm of r^c e^(d phi + e tau) of a contact, given that of its stiffness r."""
+    return powers[2] * stiffness + powers[3] * state[1] + powers[4] * state[2]
+
+
+@compiled
+def pulse(
+    radii, nodes, anchors, knots, response, constants, of_time, of_overlap, by_bead, by_contact
+):
+    """The law along a chain; returns the error at its end, infinite if a rate is outside.
+
+    Parameters
+    ----------
+    radii : (N,)
+    nodes, anchors, knots, response : as for `forward`
+    constants : (4,) of the estimated error
+    of_time, of_overlap : (5,) powers (a, b, c, d, e) of residence times and overlaps
+    by_bead : (3, N) velocities, their estimated errors, arrivals, written
+    by_contact : (2, N - 1) residence times, overlaps, written
+    """
+    logs, rates = logarithms(radii)
+    contacts = len(rates)
+    states, doubts = np.empty((contacts, STATES)), np.empty((contacts, 4))
+    slopes, to_inputs = np.empty((contacts, STATES, 2)), np.empty((contacts, STATES, FORM))
+    lost = forward(
+        rates, contacts, nodes, anchors, knots, response, states, slopes, to_inputs, doubts
+    )
+    velocity, error, arrival = by_bead[0], by_bead[1], by_bead[2]
+    residence, overlap = by_contact[0], by_contact[1]
+    velocity[0], error[0], arrival[0] = 1.0, 0.0, 0.0
+    log_velocity = 0.0
+    for k in range(contacts):
+        stiffness, z = log_stiffness(radii, k), states[k]
+        of_bead = log_of_bead(of_time, logs[k], log_velocity)
+        residence[k] = np.exp(of_bead + log_of_contact(of_time, stiffness, z))
+        of_bead = log_of_bead(of_overlap, logs[k], log_velocity)
+        overlap[k] = np.exp(of_bead + log_of_contact(of_overlap, stiffness, z))
+        log_velocity += states[k, 0]
+        velocity[k + 1] = np.exp(log_velocity)
+        error[k + 1] = estimated_error(k, doubts, constants, lost)
+        arrival[k + 1] = arrival[k] + residence[k]
+    return np.inf if any_outside(rates, nodes) else error[-1]
+
+
+@compiled
+def gradient(
+    radii, nodes, anchors, knots, response, constants, powers, begin, end, followed, found
+):
+    """Sum of a quantity over some beads; returns it and its error, infinite if one is outside.
+
+    Parameters
+    ----------
+    radii, nodes, anchors, knots, response, constants : as for `pulse`
+    powers : (5,) powers (a, b, c, d, e) of the quantity
+    begin, end : the beads, from 0, the last excluded
+    followed : how many contacts it depends on; the states of no more are known
+    found : (N,) derivatives of its logarithm to those of the radii, written
+    """
+    logs, rates = logarithms(radii)
+    states, doubts = np.empty((followed, STATES)), np.empty((followed, 4))
+    slopes, to_inputs = np.empty((followed, STATES, 2)), np.empty((followed, STATES, FORM))
+    lost = forward(
+        rates, followed, nodes, anchors, knots, response, states, slopes, to_inputs, doubts
+    )
+    parts = np.empty(end - begin)
+    log_velocity = states[:begin, 0].sum()
+    for k in range(begin, end):
+        log_part = log_of_bead(powers, logs[k], log_velocity)
+        if k < followed:
+            log_part += log_of_contact(powers, log_stiffness(radii, k), states[k])
+            log_velocity += states[k, 0]
+        parts[k - begin] = np.exp(log_part)
+    total = parts.sum()
+    pull_back(rates, begin, parts / total, radii, powers, slopes, to_inputs, found)
+    error = estimated_error(followed - 1, doubts, constants, lost) if followed > 0 else 0.0
+    return total, np.inf if any_outside(rates[:followed], nodes) else error
+
+
+@compiled
+def pull_back(rates, begin, weights, radii, powers, slopes, to_inputs, found):
+    """Derivatives of a quantity's weighted logarithms, from a bead on, to all log radii."""
+    followed = len(slopes)
+    seeds, to_rates = np.zeros((followed, STATES)), np.zeros(len(rates))
+    found[:] = 0.0
+    to_velocity = 0.0
+    for k in range(begin + len(weights) - 1, -1, -1):
+        # A velocity is made of the growth at all contacts before.
+        if k < followed:
+            seeds[k, 0] = to_velocity
+        if k < begin:
+            continue
+        weight = weights[k - begin]
+        to_velocity += weight * powers[1]
+        found[k] += weight * powers[0] * 3.0
+        if k < followed:
+            seeds[k, 1], seeds[k, 2] = weight * powers[3], weight * powers[4]
+            half = 0.5 * weight * powers[2] / (radii[k] + radii[k + 1])
+            found[k] += half * radii[k + 1]
+            found[k + 1] += half * radii[k]
+    backward(len(rates), slopes, to_inputs, seeds, to_rates)
+    found[1:] += to_rates
+    found[:-1] -= to_rates

@@ -26,14 +26,12 @@ from hertzchain.pulse.quantities import PER_CONTACT
 from hertzchain.theory.universal import (
     FEWEST_BEADS,
     UniversalFunctions,
-    log_scales,
+    powers,
     universal_functions,
 )
 
 Quantity = Literal["velocity", "momentum", "energy", "arrival", "residence", "peak_force"]
 DIFFERENTIABLE: Final[tuple[Quantity, ...]] = get_args(Quantity)
-# What they are powers of: of the bead's mass and of its velocity.
-POWERS: Final = {"velocity": (0, 1), "momentum": (1, 1), "energy": (1, 2)}
 # An estimated error of velocity beyond which a chain is said to be outside the law's range.
 DOUBTFUL: Final = 0.02
 
@@ -83,22 +81,26 @@ def local_rate(chain: Chain) -> Pulse:
     >>> comparison.worst("velocity") < 1e-3
     True
     """
-    solution = solve(chain, _checked_functions(chain))
-    log_force, log_time = (
-        scale + solution.states[:, column]
-        for column, scale in enumerate(log_scales(chain, solution.log_velocity), start=1)
+    from hertzchain.kernels import local_rate as kernel
+
+    functions, of = _checked_functions(chain), powers(chain.exponent)
+    by_bead, by_contact = np.empty((3, chain.beads)), np.empty((2, chain.beads - 1))
+    wanted = of["residence"], of["peak_overlap"]
+    error = kernel.pulse(
+        chain.radii, *functions.tables, functions.error, *wanted, by_bead, by_contact
     )
-    residence = np.exp(log_time)
-    error = solution.estimated_error
-    _warn_outside(solution, error)
+    if not error <= DOUBTFUL:
+        _warn_outside(chain, functions, chain.beads)
+    velocity, velocity_error, arrival = by_bead
+    residence, peak_overlap = by_contact
     return Pulse(
         chain=chain,
         method="local-rate law",
-        velocity=np.exp(solution.log_velocity),
-        arrival=np.concatenate(([0.0], np.cumsum(residence))),
-        peak_overlap=(np.exp(log_force) / chain.stiffness) ** (1.0 / chain.exponent),
+        velocity=velocity,
+        arrival=arrival,
+        peak_overlap=peak_overlap,
         residence=residence,
-        velocity_error=error,
+        velocity_error=velocity_error,
     )
 
 
@@ -109,9 +111,10 @@ def local_rate_gradient(
 
     .. math:: Q_k, \qquad \frac{\partial \ln Q_k}{\partial \ln R_j}, \quad j = 1..N
 
-    The derivatives are exact for the law, by its adjoint, and all cost together about as much
-    as the law.  The units stay when :math:`R_1` is varied: the strike has velocity 1 and masses
-    are :math:`R^3`.
+    The derivatives are exact for the law, by its adjoint, and all together cost little more
+    than the value.  Only the chain up to the bead, and two beads ahead, has a part in them.  The
+    units stay when :math:`R_1` is varied: the strike has velocity 1 and masses are
+    :math:`R^3`.
 
     Parameters
     ----------
@@ -137,7 +140,7 @@ def local_rate_gradient(
     Warns
     -----
     ModelRangeWarning
-        As `local_rate`.
+        As `local_rate`, for the chain up to the bead.
 
     Examples
     --------
@@ -151,30 +154,30 @@ def local_rate_gradient(
     """
     if quantity not in DIFFERENTIABLE:
         raise unknown_name("quantity", quantity, DIFFERENTIABLE)
+    from hertzchain.kernels import local_rate as kernel
+
+    functions = _checked_functions(chain)
     first = 2 if quantity == "arrival" else 1
     last = chain.beads - 1 if quantity in PER_CONTACT else chain.beads
     bead = whole_number("bead", bead, least=first, most=last)
-    solution = solve(chain, _checked_functions(chain))
-    _warn_outside(solution, solution.estimated_error)
-    seeds = _Seeds(solution)
-    k = bead - 1
-    if quantity in ("arrival", "residence"):
-        contacts = slice(k) if quantity == "arrival" else slice(k, bead)
-        log_time = (
-            solution.states[contacts, 2] + log_scales(chain, solution.log_velocity)[1][contacts]
-        )
-        time = np.exp(log_time)
-        seeds.residence(contacts, time / time.sum())
-        return float(time.sum()), seeds.pulled_back()
-    if quantity == "peak_force":
-        seeds.peak_force(k)
-        log_unit = log_scales(chain, solution.log_velocity)[0][k]
-        return float(np.exp(solution.states[k, 1] + log_unit)), seeds.pulled_back()
-    mass, velocity = POWERS[quantity]
-    seeds.log_mass[k] = mass
-    seeds.log_velocity[k] = velocity
-    value = np.exp(velocity * solution.states[:k, 0].sum()) * chain.radii[k] ** (3 * mass)
-    return float(0.5 * value if quantity == "energy" else value), seeds.pulled_back()
+    found = np.empty(chain.beads)
+    of = "residence" if quantity == "arrival" else quantity
+    # The arrival is the sum of all residence times before.
+    begin, end = (0, bead - 1) if quantity == "arrival" else (bead - 1, bead)
+    followed = end if of in PER_CONTACT else bead - 1
+    value, error = kernel.gradient(
+        chain.radii,
+        *functions.tables,
+        functions.error,
+        powers(chain.exponent)[of],
+        begin,
+        end,
+        followed,
+        found,
+    )
+    if not error <= DOUBTFUL:
+        _warn_outside(chain, functions, followed + 1)
+    return 0.5 * value if quantity == "energy" else value, found
 
 
 @dataclass(frozen=True, eq=False)
@@ -183,18 +186,10 @@ class Solution:
 
     Attributes
     ----------
-    chain : Chain
-        The chain.
-    functions : UniversalFunctions
-        The universal functions used.
     rates : ndarray, shape (N - 1,)
         Rates :math:`s_k` of the contacts.
     states : ndarray, shape (N - 1, 3)
         States :math:`z_k`.
-    slopes : ndarray, shape (N - 1, 3, 2)
-        Derivatives of the states to the contact's own rate, and of their anchors.
-    inputs : ndarray, shape (N - 1, 7)
-        Deviations :math:`x_k`.
     error_parts : ndarray, shape (N - 1, 4)
         What the estimated error is made of: one; :math:`(\sum_j |x_j|^2)^{1/2}` over the
         contacts after the strike, and over all others; and, of the others,
@@ -204,12 +199,8 @@ class Solution:
         First contact, from 0, whose state ran away and was set back; their number if none.
     """
 
-    chain: Chain
-    functions: UniversalFunctions
     rates: Array
     states: Array
-    slopes: Array
-    inputs: Array
     error_parts: Array
     lost: int
 
@@ -217,14 +208,6 @@ class Solution:
     def log_velocity(self) -> Array:
         """Logarithms of the velocities, shape (N,)."""
         return np.concatenate(([0.0], np.cumsum(self.states[:, 0])))
-
-    @property
-    def estimated_error(self) -> Array:
-        """Estimated relative error of the velocities, shape (N,)."""
-        error = self.error_parts @ self.functions.error
-        # From where a state has run away nothing is known.
-        error[self.lost :] += 1.0
-        return np.concatenate(([0.0], error))
 
 
 def solve(chain: Chain, functions: UniversalFunctions) -> Solution:
@@ -250,70 +233,13 @@ def solve(chain: Chain, functions: UniversalFunctions) -> Solution:
     """
     from hertzchain.kernels import local_rate as kernel
 
-    log_radii = np.log(chain.radii)
-    rates = log_radii[1:] - log_radii[:-1]
-    states, slopes = np.empty((len(rates), 3)), np.empty((len(rates), 3, 2))
-    inputs, parts = np.empty((len(rates), kernel.INPUTS)), np.empty((len(rates), 4))
-    f = functions
-    lost = kernel.forward(
-        rates, f.nodes, f.anchors, f.knots, f.response, states, slopes, inputs, parts
-    )
-    return Solution(chain, functions, rates, states, slopes, inputs, parts, lost)
-
-
-class _Seeds:
-    """Derivatives of one number to everything it is made from, and so to the radii."""
-
-    def __init__(self, solution: Solution) -> None:
-        self.solution = solution
-        beads = solution.chain.beads
-        self.states = np.zeros_like(solution.states)
-        self.log_velocity, self.log_mass = np.zeros(beads), np.zeros(beads)
-        self.log_stiffness = np.zeros(beads - 1)
-
-    def residence(self, contact: slice, weight: Array) -> None:
-        """Add the weighted logarithm of residence times; see `log_scales` for the exponents."""
-        p = self.solution.chain.exponent
-        self.states[contact, 2] += weight
-        self.log_mass[contact] += weight / (p + 1.0)
-        self.log_stiffness[contact] -= weight / (p + 1.0)
-        self.log_velocity[contact] -= weight * (p - 1.0) / (p + 1.0)
-
-    def peak_force(self, contact: int) -> None:
-        """Add the logarithm of a peak force."""
-        p = self.solution.chain.exponent
-        self.states[contact, 1] += 1.0
-        self.log_stiffness[contact] += 1.0 / (p + 1.0)
-        self.log_mass[contact] += p / (p + 1.0)
-        self.log_velocity[contact] += 2.0 * p / (p + 1.0)
-
-    def pulled_back(self) -> Array:
-        """Derivatives to the logarithms of all radii, shape (N,)."""
-        from hertzchain.kernels.local_rate import backward
-
-        solution = self.solution
-        # A velocity is made of the growth at all contacts before.
-        self.states[:, 0] += np.cumsum(self.log_velocity[:0:-1])[::-1]
-        to_rates = np.zeros(len(solution.rates))
-        f = solution.functions
-        backward(
-            solution.rates,
-            f.knots,
-            f.response,
-            solution.slopes,
-            solution.inputs,
-            self.states,
-            to_rates,
-        )
-        found = 3.0 * self.log_mass
-        found[1:] += to_rates
-        found[:-1] -= to_rates
-        if self.log_stiffness.any():
-            radii = solution.chain.radii
-            half = 0.5 * self.log_stiffness / (radii[:-1] + radii[1:])
-            found[1:] += half * radii[:-1]
-            found[:-1] += half * radii[1:]
-        return found
+    _, rates = kernel.logarithms(chain.radii)
+    contacts = len(rates)
+    states, parts = np.empty((contacts, 3)), np.empty((contacts, 4))
+    # What only the gradient needs.
+    slopes, to_inputs = np.empty((contacts, 3, 2)), np.empty((contacts, 3, kernel.FORM))
+    lost = kernel.forward(rates, contacts, *functions.tables, states, slopes, to_inputs, parts)
+    return Solution(rates, states, parts, lost)
 
 
 def _checked_functions(chain: Chain) -> UniversalFunctions:
@@ -326,25 +252,25 @@ def _checked_functions(chain: Chain) -> UniversalFunctions:
     return universal_functions(chain.exponent)
 
 
-def _warn_outside(solution: Solution, error: Array) -> None:
-    low, high = solution.functions.range
-    outside = (solution.rates < low) | (solution.rates > high)
+def _warn_outside(chain: Chain, functions: UniversalFunctions, bead: int) -> None:
+    """Say what is wrong with the chain up to a bead."""
+    solution, (low, high) = solve(chain, functions), functions.range
+    rates = solution.rates[: bead - 1]
+    outside = ~((rates >= low) & (rates <= high))
     if outside.any():
         k = int(np.argmax(outside))
-        reason = (
-            f"rate ln(R_{k + 2}/R_{k + 1}) = {solution.rates[k]:.3g} is outside {low:g} to {high:g}"
-        )
-    elif error[-1] > DOUBTFUL:
-        k = int(np.argmax(error > DOUBTFUL))
-        reason = (
-            f"the radii change too unevenly: from bead {k + 1} on its velocities may be off by "
-            f"more than {DOUBTFUL:.0%}, at the end by {error[-1]:.1%}"
-        )
+        reason = f"rate ln(R_{k + 2}/R_{k + 1}) = {rates[k]:.3g} is outside {low:g} to {high:g}"
     else:
-        return
+        error = solution.error_parts @ functions.error
+        error[solution.lost :] += 1.0
+        k = int(np.argmax(~(error <= DOUBTFUL)))
+        place = "the end" if bead == chain.beads else f"bead {bead}"
+        reason = (
+            f"the radii change too unevenly: from bead {k + 2} on its velocities may be off by "
+            f"more than {DOUBTFUL:.0%}, at {place} by {error[bead - 2]:.1%}"
+        )
     warnings.warn(
-        f"outside the range of the local-rate law, {solution.chain.description}: {reason}; "
-        "use propagate",
+        f"outside the range of the local-rate law, {chain.description}: {reason}; use propagate",
         ModelRangeWarning,
         stacklevel=3,
     )

@@ -73,8 +73,10 @@ class UniversalFunctions:
         for the three components of the state.
     knots : ndarray, shape (K + 1,)
         Ends of the intervals of the `response`.
-    response : ndarray, shape (stages, K, terms, 12)
-        The same polynomials for each term of `TERMS`.
+    response : ndarray, shape (stages, K, 4, 192)
+        The same for the symmetric matrices :math:`A(s)` of the response :math:`y^T A y`,
+        y a one and the `INPUTS`: for each power the rows of all three components side by side,
+        shape (8, 3, 8).
     error : ndarray, shape (4,)
         Constants of the estimated error, see `hertzchain.theory.local_rate.Solution`.
     """
@@ -85,6 +87,11 @@ class UniversalFunctions:
     knots: Array
     response: Array
     error: Array
+
+    @property
+    def tables(self) -> tuple[Array, Array, Array, Array]:
+        """Nodes, anchors, knots and response, as the kernel takes them."""
+        return self.nodes, self.anchors, self.knots, self.response
 
     @property
     def range(self) -> tuple[float, float]:
@@ -141,11 +148,43 @@ def log_scales(chain: Chain, log_velocity: Array) -> tuple[Array, Array]:
     >>> force.tolist(), time.tolist()
     ([0.0, 0.0], [0.0, 0.0])
     """
-    p, stiffness = chain.exponent, np.log(chain.stiffness)
-    mass, velocity = np.log(chain.masses[:-1]), log_velocity[:-1]
-    force = (stiffness + p * (mass + 2.0 * velocity)) / (p + 1.0)
-    time = (mass - stiffness - (p - 1.0) * velocity) / (p + 1.0)
+    of = powers(chain.exponent)
+    scaled = np.log(chain.masses[:-1]), log_velocity[:-1], np.log(chain.stiffness)
+    force, time = (of[name][:3] @ scaled for name in ("peak_force", "residence"))
     return force, time
+
+
+@functools.cache
+def powers(exponent: float) -> dict[str, Array]:
+    r"""What the quantities are products of powers of.
+
+    .. math:: \ln Q_k = a\ln m_k + b\ln v_k + c\ln r_k + d\,\varphi_k + e\,\tau_k
+
+    Parameters
+    ----------
+    exponent : float
+        Exponent p of the contact force.
+
+    Returns
+    -------
+    dict
+        Of :math:`(a, b, c, d, e)` by name; the energy without its one half.
+
+    Examples
+    --------
+    >>> powers(1.5)["residence"]
+    array([ 0.4, -0.2, -0.4,  0. ,  1. ])
+    """
+    p = exponent
+    listed = {
+        "velocity": (0.0, 1.0, 0.0, 0.0, 0.0),
+        "momentum": (1.0, 1.0, 0.0, 0.0, 0.0),
+        "energy": (1.0, 2.0, 0.0, 0.0, 0.0),
+        "peak_force": (p / (p + 1.0), 2.0 * p / (p + 1.0), 1.0 / (p + 1.0), 1.0, 0.0),
+        "peak_overlap": (1.0 / (p + 1.0), 2.0 / (p + 1.0), -1.0 / (p + 1.0), 1.0 / p, 0.0),
+        "residence": (1.0 / (p + 1.0), -(p - 1.0) / (p + 1.0), -1.0 / (p + 1.0), 0.0, 1.0),
+    }
+    return {name: np.array(numbers) for name, numbers in listed.items()}
 
 
 def bca_growth(rate: Array) -> Array:
@@ -266,17 +305,33 @@ def assembled(
 
     spline = CubicSpline(nodes, values)
     pieces = cubic_pieces(knots, np.moveaxis(coefficients, 2, 0))
-    # From (powers, intervals, stages, states) and (intervals, powers, stages, terms, states).
+    # From (powers, intervals, stages, states).
     anchors = np.einsum("pist->sipt", spline.c).reshape(len(STAGES), len(nodes) - 1, -1)
-    response = np.einsum("ipsft->sifpt", pieces)
     return UniversalFunctions(
         exponent=exponent,
         nodes=nodes,
         anchors=np.ascontiguousarray(anchors),
         knots=knots,
-        response=np.ascontiguousarray(response).reshape(*response.shape[:3], -1),
+        response=_matrices(pieces),
         error=error,
     )
+
+
+def _matrices(pieces: Array) -> Array:
+    """Symmetric matrices of the responses, from (intervals, powers, stages, terms, states).
+
+    A product of two inputs stands in both places of the matrix, half in each; so does an
+    input, which is its product with one.
+    """
+    intervals, powers, stages, _, states = pieces.shape
+    side = 1 + len(INPUTS)
+    found = np.zeros((stages, intervals, powers, side, states, side))
+    ends = [(0, 1 + i) for i in range(len(INPUTS))] + [(1 + i, 1 + j) for i, j in PAIRS]
+    for term, (i, j) in enumerate(ends):
+        half = 0.5 * np.einsum("ipst->sipt", pieces[:, :, :, term])
+        found[:, :, :, i, :, j] += half
+        found[:, :, :, j, :, i] += half
+    return found.reshape(stages, intervals, powers, -1)
 
 
 @functools.cache

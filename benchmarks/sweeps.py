@@ -25,14 +25,18 @@ import hertzchain as hc
 POINTS, BEADS, REPEATS = 40_000, 100, 5
 MILLION = 1_000_000
 ALONE = """
-import resource, sys, tempfile, time
+import sys, time
+from pathlib import Path
 import hertzchain as hc
 points, at, folder = int(sys.argv[1]), sys.argv[2], sys.argv[3]
 axes = {"rate": {"linspace": [0.01, 0.1, points]}}
 chain = {"taper": "forward-exponential", "beads": 100}
 begun = time.perf_counter()
 hc.sweep({"chain": chain, "axes": axes, "sweep": {"at": at}}, folder + "/store")
-print(time.perf_counter() - begun, resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024)
+seconds = time.perf_counter() - begun
+# Of this process alone; what getrusage tells may be of its parent.
+peak = next(line for line in Path("/proc/self/status").open() if line.startswith("VmHWM"))
+print(seconds, int(peak.split()[1]) / 1024)
 """
 
 

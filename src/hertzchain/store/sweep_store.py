@@ -195,6 +195,16 @@ class SweepStore:
         ------
         InputError
             If data of a batch that is done are not there.
+
+        Examples
+        --------
+        >>> import hertzchain as hc, tempfile
+        >>> spec = {"chain": {"taper": "uniform"}, "axes": {"beads": [20, 40]}}
+        >>> with tempfile.TemporaryDirectory() as folder:
+        ...     _ = hc.sweep(spec, Path(folder) / "sweep")
+        ...     store = SweepStore(Path(folder) / "sweep")
+        ...     store.missing()
+        array([], dtype=int64)
         """
         missing = []
         for batch in range(int(np.prod(self.grid))):
@@ -227,6 +237,16 @@ class SweepStore:
         ------
         StoreError
             If they cannot be written; the batch then counts as not done.
+
+        Examples
+        --------
+        >>> import tempfile
+        >>> status = Variable(("rate", "by"), (4, 1), (2, 1), "i1", {})
+        >>> with tempfile.TemporaryDirectory() as parent:
+        ...     store = SweepStore.create(Path(parent) / "sweep", {"status": status}, {})
+        ...     store.write(0, (slice(0, 2),), {"status": [1, 1]})
+        ...     store.missing()
+        array([1])
         """
         try:
             for name in sorted(columns, key=lambda name: name == STATUS):
@@ -241,7 +261,20 @@ class SweepStore:
             ) from None
 
     def clean(self) -> None:
-        """Remove what a killed process left half written."""
+        """Remove what a killed process left half written.
+
+        Examples
+        --------
+        >>> import hertzchain as hc, tempfile
+        >>> spec = {"chain": {"taper": "uniform"}, "axes": {"beads": [20, 40]}}
+        >>> with tempfile.TemporaryDirectory() as folder:
+        ...     _ = hc.sweep(spec, Path(folder) / "sweep")
+        ...     store = SweepStore(Path(folder) / "sweep")
+        ...     (store.folder / "velocity" / "half.partial").touch()
+        ...     store.clean()
+        ...     sum(1 for _ in store.folder.rglob("*.partial"))
+        0
+        """
         for file in self.folder.rglob("*.partial"):
             file.unlink(missing_ok=True)
 
@@ -259,6 +292,19 @@ class SweepStore:
         ------
         StoreError
             If it cannot be copied.
+
+        Examples
+        --------
+        >>> import hertzchain as hc, tempfile
+        >>> spec = {"chain": {"taper": "uniform"}, "axes": {"beads": [20, 40]}}
+        >>> with tempfile.TemporaryDirectory() as folder:
+        ...     _ = hc.sweep(spec, Path(folder) / "sweep")
+        ...     store = SweepStore(Path(folder) / "sweep")
+        ...     _ = hc.sweep(spec, Path(folder) / "part", shard=(2, 2))  # no batch is left for it
+        ...     part = SweepStore(Path(folder) / "part")
+        ...     part.copy_batch(store, 0)
+        ...     part.missing()
+        array([], dtype=int64)
         """
         try:
             for name in sorted((*self._data, "reason", STATUS), key=lambda name: name == STATUS):
@@ -277,6 +323,16 @@ class SweepStore:
         Returns
         -------
         xarray.Dataset
+
+        Examples
+        --------
+        >>> import hertzchain as hc, tempfile
+        >>> spec = {"chain": {"taper": "uniform"}, "axes": {"beads": [20, 40]}}
+        >>> with tempfile.TemporaryDirectory() as folder:
+        ...     _ = hc.sweep(spec, Path(folder) / "sweep")
+        ...     store = SweepStore(Path(folder) / "sweep")
+        ...     dict(store.open().sizes)
+        {'beads': 2, 'by': 1, 'bead': 40}
         """
         import xarray as xr
 
@@ -292,6 +348,16 @@ class SweepStore:
         Returns
         -------
         dict of str to int
+
+        Examples
+        --------
+        >>> import hertzchain as hc, tempfile
+        >>> spec = {"chain": {"taper": "uniform"}, "axes": {"beads": [20, 40]}}
+        >>> with tempfile.TemporaryDirectory() as folder:
+        ...     _ = hc.sweep(spec, Path(folder) / "sweep")
+        ...     store = SweepStore(Path(folder) / "sweep")
+        ...     store.counts()
+        {'missing': 0, 'done': 2, 'failed': 0}
         """
         counts = dict.fromkeys(MEANINGS, 0)
         for part in self._status_by_batch():
@@ -312,6 +378,17 @@ class SweepStore:
         -------
         list of tuple of dict and str
             Values of the axes and of ``by``, and the reason.
+
+        Examples
+        --------
+        >>> import hertzchain as hc, tempfile
+        >>> axes = {"rate": [0.02, 0.05], "beads": [20, 40]}
+        >>> spec = {"chain": {"taper": "forward-linear"}, "axes": axes}
+        >>> with tempfile.TemporaryDirectory() as folder:
+        ...     _ = hc.sweep(spec, Path(folder) / "sweep")
+        ...     (place, reason), = SweepStore(Path(folder) / "sweep").failures(5)
+        >>> place, reason[36:60]
+        ({'rate': 0.05, 'beads': 40, 'by': 'propagate'}, 'runs out of radius at be')
         """
         found: list[tuple[dict[str, Any], str]] = []
         dataset, rows = self.open(), self.status.chunks[0]

@@ -117,7 +117,13 @@ class Axis:
         return known[self.unit]
 
     def coordinate(self) -> np.ndarray[Any, np.dtype[Any]]:
-        """The values as an array for a dataset; what is no number or text is text as JSON."""
+        """The values as an array for a dataset; what is no number or text is text as JSON.
+
+        Examples
+        --------
+        >>> Axis(("beads",), [20, 40]).coordinate()
+        array([20, 40])
+        """
         kinds = {type(value) for value in self.values}
         if kinds <= {int, float}:
             return np.array(self.values)
@@ -125,7 +131,13 @@ class Axis:
         return np.array(texts, dtype=np.dtypes.StringDType())
 
     def twice(self) -> Any | None:
-        """A value that is there twice, if one is."""
+        """A value that is there twice, if one is.
+
+        Examples
+        --------
+        >>> Axis(("rate",), [0.1, 0.2, 0.1]).twice()
+        0.1
+        """
         seen = set()
         for value in map(json.dumps, self.values):
             if value in seen:

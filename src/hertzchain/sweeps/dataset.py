@@ -110,6 +110,15 @@ def columns_of(plan: Plan, result: Result) -> Mapping[str, Any]:
     Returns
     -------
     mapping of str to array_like
+
+    Examples
+    --------
+    >>> from hertzchain.sweeps.specification import Specification
+    >>> from hertzchain.sweeps.work import run_batch
+    >>> chain, axes = {"taper": "uniform"}, {"beads": [20, 40]}
+    >>> plan = Plan(Specification.of({"chain": chain, "axes": axes}))
+    >>> sorted(columns_of(plan, run_batch(plan.specification.as_json(), 0)))
+    ['status', 'velocity']
     """
     columns = {**result.columns, STATUS: result.status}
     if any(any(reasons) for reasons in result.reason):

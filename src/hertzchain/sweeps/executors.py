@@ -98,6 +98,15 @@ def dask_pool(address: str, *, workers: int = 1) -> Iterator[Executor]:
     InputError
         If distributed is not installed, the scheduler does not answer within seconds, has too
         few workers, or one with another version of the package.
+
+    Examples
+    --------
+    >>> try:
+    ...     with dask_pool("no address"):
+    ...         pass
+    ... except InputError as error:
+    ...     print(str(error)[:43])
+    no dask scheduler answers at 'no address' w
     """
     try:
         from distributed import Client

@@ -107,6 +107,13 @@ class Plan:
         Returns
         -------
         dict
+
+        Examples
+        --------
+        >>> axes = {"rate": [0.02, 0.04], "beads": [10, 20, 30]}
+        >>> plan = Plan(Specification.of({"chain": {"taper": "forward-linear"}, "axes": axes}))
+        >>> plan.document((0, 1))["chain"]
+        {'taper': 'forward-linear', 'rate': 0.02, 'beads': 20}
         """
         spec = self.specification
         found: dict[str, Any] = {
@@ -134,6 +141,13 @@ class Plan:
         ------
         InputError
             If there is no such chain.
+
+        Examples
+        --------
+        >>> axes = {"rate": [0.02, 0.04], "beads": [10, 20, 30]}
+        >>> plan = Plan(Specification.of({"chain": {"taper": "forward-linear"}, "axes": axes}))
+        >>> plan.chain((0, 1))
+        Chain(forward-linear, S = 0.02, 20 beads)
         """
         document = self.document(index)
         return chain_from({"chain": document["chain"], "materials": document["materials"]})
@@ -154,6 +168,13 @@ class Plan:
         ------
         InputError
             If there is no such taper.
+
+        Examples
+        --------
+        >>> axes = {"rate": [0.02, 0.04], "beads": [10, 20, 30]}
+        >>> plan = Plan(Specification.of({"chain": {"taper": "forward-linear"}, "axes": axes}))
+        >>> plan.radii((1, 0))[:3]
+        array([1.  , 0.96, 0.92])
         """
         if self._taper is None:
             return None
@@ -253,6 +274,13 @@ class Plan:
         Returns
         -------
         tuple of slice
+
+        Examples
+        --------
+        >>> axes = {"rate": [0.02, 0.04], "beads": [10, 20, 30]}
+        >>> plan = Plan(Specification.of({"chain": {"taper": "forward-linear"}, "axes": axes}))
+        >>> plan.region(0)
+        (slice(0, 2, None), slice(0, 3, None))
         """
         corner = np.unravel_index(batch, self.grid)
         return tuple(
@@ -271,6 +299,13 @@ class Plan:
         Yields
         ------
         tuple of int
+
+        Examples
+        --------
+        >>> axes = {"rate": [0.02, 0.04], "beads": [10, 20, 30]}
+        >>> plan = Plan(Specification.of({"chain": {"taper": "forward-linear"}, "axes": axes}))
+        >>> [*plan.indices(0)][:4]
+        [(0, 0), (0, 1), (0, 2), (1, 0)]
         """
         return itertools.product(*(range(part.start, part.stop) for part in self.region(batch)))
 
@@ -290,6 +325,13 @@ class Plan:
         Yields
         ------
         tuple of int
+
+        Examples
+        --------
+        >>> axes = {"rate": [0.02, 0.04], "beads": [10, 20, 30]}
+        >>> plan = Plan(Specification.of({"chain": {"taper": "forward-linear"}, "axes": axes}))
+        >>> len([*plan.tried()])
+        6
         """
         for flat in spread(self.points):
             yield tuple(int(i) for i in np.unravel_index(flat, self.shape))

@@ -342,8 +342,9 @@ def cluster(tmp_path):
     scheduler = [*base, "--host", "127.0.0.1", "--port", "0", "--no-dashboard",
                  "--scheduler-file", str(tmp_path / "scheduler.json")]  # fmt: skip
     worker = [sys.executable, "-m", "distributed.cli.dask_worker",
-              "--scheduler-file", str(tmp_path / "scheduler.json"), "--host", "127.0.0.1", "--nthreads", "1",
-              "--no-dashboard", "--no-nanny", "--local-directory", str(tmp_path / "dask")]  # fmt: skip
+              "--scheduler-file", str(tmp_path / "scheduler.json"), "--host", "127.0.0.1",
+              "--no-dashboard", "--no-nanny", "--nthreads", "1",
+              "--local-directory", str(tmp_path / "dask")]  # fmt: skip
     quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
     processes = [subprocess.Popen(scheduler, **quiet)]
     try:

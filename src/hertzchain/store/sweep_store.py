@@ -387,8 +387,10 @@ class SweepStore:
         >>> with tempfile.TemporaryDirectory() as folder:
         ...     _ = hc.sweep(spec, Path(folder) / "sweep")
         ...     (place, reason), = SweepStore(Path(folder) / "sweep").failures(5)
-        >>> place, reason[36:60]
-        ({'rate': 0.05, 'beads': 40, 'by': 'propagate'}, 'runs out of radius at be')
+        >>> place
+        {'rate': 0.05, 'beads': 40, 'by': 'propagate'}
+        >>> reason[:66]
+        'a forward-linear taper with S = 0.05 runs out of radius at bead 21'
         """
         found: list[tuple[dict[str, Any], str]] = []
         dataset, rows = self.open(), self.status.chunks[0]

@@ -438,15 +438,15 @@ class Run:
         Returns
         -------
         float
-            From the saved times [beads]; NaN where the velocity is not seen to fall to half
-            of its maximum on both sides.
+            From the saved times [beads].
 
         Raises
         ------
         InputError
             If there is no such bead, or fewer than two times were saved.
         SimulationError
-            If the pulse had not passed the bead when the run stopped.
+            If the pulse had not passed the bead when the run stopped, or the velocity is not
+            seen to fall to half of its maximum on both sides.
 
         Examples
         --------
@@ -461,10 +461,17 @@ class Run:
                 f"no width of the pulse at bead {k}: {self.message}; simulate for longer"
             )
         waves = self.waves(k)
-        if not len(waves):
-            return float("nan")
-        leading = int(np.argmin(np.abs(waves.times - self._peaks[0, k - 1])))
-        return float(waves.widths[leading] / self._residence[k - 1])
+        width = np.nan
+        if len(waves):
+            leading = int(np.argmin(np.abs(waves.times - self._peaks[0, k - 1])))
+            width = waves.widths[leading] / self._residence[k - 1]
+        if not np.isfinite(width):
+            raise SimulationError(
+                f"no width of the pulse at bead {k}: among the {len(self.times)} saved times its "
+                "velocity is not seen to fall to half of its maximum on both sides; save more "
+                "times, or let the run go on for longer (until)"
+            )
+        return float(width)
 
     def budget(self) -> Budget:
         """Energy and momentum at every saved time, by where they are and whence they came.

@@ -209,7 +209,7 @@ class Chain:
             ("stiffness", "stiffness", count - 1, "contact", unit, stiffness_of),
         ):
             if name not in self.given:
-                self._set(name, _read_only(derived(self)))
+                self._set(name, _derived(what, place, derived(self)))
             elif (values := getattr(self, name)) is not None:
                 checked = column(what, values, length, place, unit=self._unit(si), above=0.0)
                 self._set(name, checked)
@@ -566,6 +566,18 @@ def _checked_materials(given: Sequence[MaterialLike], beads: int) -> tuple[Mater
     if len(kinds) != beads:
         raise InputError(f"there must be {beads} materials, one for each bead, got {len(kinds)}")
     return kinds
+
+
+def _derived(what: str, place: str, values: Array) -> Array:
+    """What follows from radii and materials, unless it is no number any more."""
+    good = (values > 0.0) & np.isfinite(values)
+    if not good.all():
+        k = int(np.argmin(good))
+        raise InputError(
+            f"{what} of {place} {k + 1} would be {values[k]:g} from its radius and material: look "
+            "at their units, and take a wall, not a bead, for what does not give"
+        )
+    return _read_only(values)
 
 
 def _read_only(values: Array) -> Array:

@@ -33,6 +33,18 @@ Status = Literal[
 # Units by the chain's: time, length, velocity, force, mass.
 UNITS: Final = {"scaled": ("1",) * 5, "SI": ("s", "m", "m/s", "N", "kg")}
 
+# What may make the motion of a chain stiff, by its features, and what to try.
+MILDER: Final = {
+    "loss": "a weaker loss",
+    "precompression": "less precompression",
+    "gravity": "less gravity",
+    "left wall": "a softer left wall",
+    "right wall": "a softer right wall",
+    "drive": "a slower drive",
+    "masses": "less unequal masses",
+    "stiffness": "less unequal stiffness",
+}
+
 
 @dataclass(frozen=True, eq=False)
 class Run:
@@ -183,22 +195,31 @@ class Run:
             "pulse left": f"the pulse left the chain {at}",
             "time reached": f"stopped as asked {at}; {passed}",
             "step limit": (
-                f"stopped by the step limit {at}; {passed}; raise max_steps, or use fewer "
-                "beads or a weaker taper if the time hardly moves"
+                f"stopped by the step limit {at}; {passed}; raise max_steps, or use "
+                f"{self._milder} if the time hardly moves"
             ),
             "underflow": (
-                f"the motion became too small to represent {at}; {passed}; "
-                "use fewer beads or a weaker taper"
+                f"the motion became too small to represent {at}; {passed}; use {self._milder}"
             ),
             "pulse lost": (
-                f"the pulse was lost {at}: {passed}, and nothing more happens; beads far "
-                "heavier than their neighbours hardly move"
+                f"the pulse was lost {at}: {passed}, and nothing more happens; "
+                + (
+                    "use a weaker loss"
+                    if self.chain.loss is not None
+                    else "beads far heavier than their neighbours hardly move"
+                )
             ),
             "step too small": (
-                f"the steps became too short for the clock {at}; {passed}; "
-                "use fewer beads or a weaker taper"
+                f"the steps became too short for the clock {at}; {passed}; use {self._milder}"
             ),
         }[self.status]
+
+    @property
+    def _milder(self) -> str:
+        """What of this chain may make its motion stiff, made less so."""
+        found = [advice for name, advice in MILDER.items() if name in self.chain.features]
+        even = np.ptp(self.chain.radii) == 0.0
+        return " or ".join(found or ["fewer beads" if even else "fewer beads or a weaker taper"])
 
     @property
     def _beads_passed(self) -> int:

@@ -33,6 +33,8 @@ LEAST_STEP_LIMIT: Final = 1_000_000
 BEAD_STEPS_PER_CALL: Final = 1_000_000
 # Below this, accelerations have lost digits and the steps would shrink without end.
 SMALLEST_ACCELERATION: Final = 1e-290
+# Steps are parts of the time of a contact, and must be numbers too.
+SHORTEST_CONTACT: Final = 1e-280
 
 
 def simulate(
@@ -110,6 +112,7 @@ def simulate(
         until = number("until", until, above=0.0)
     usual = max(STEPS_PER_BEAD * chain.beads, LEAST_STEP_LIMIT)
     limit = usual if max_steps is None else whole_number("max_steps", max_steps, least=1)
+    _check_clock(chain)
     if start is None:
         start = first_state(chain)
     elif not same_motion(chain, start.chain):
@@ -285,6 +288,17 @@ def _run(going: _Integration, state: State, status: Status) -> Run:
 def _part(drift: float, unit: float) -> float:
     """A drift relative to its unit; 0 if nothing ever moved."""
     return float(drift / unit) if unit > 0.0 else 0.0
+
+
+def _check_clock(chain: Chain) -> None:
+    """Refuse a motion that is too fast for any clock."""
+    times = transit_times(chain)
+    k = int(np.argmin(times))
+    if times[k] < SHORTEST_CONTACT:
+        raise InputError(
+            f"a pulse would pass contact {k + 1} in {times[k]:g}{' s' * (chain.units == 'SI')}, "
+            "too short a time to represent: look at the units of masses, stiffness and velocities"
+        )
 
 
 def _check_end(chain: Chain, until: float | None, times: int | ArrayLike, begin: float) -> None:

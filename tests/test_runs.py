@@ -318,7 +318,7 @@ def test_no_pulse_ends_a_driven_run():
         (lambda run: run.sensor(0), "bead must be a whole number from 1 to 12, got 0"),
         (lambda run: run.velocity(1.5), "bead must be a whole number"),
         (lambda run: run.wall_force(), "right end of this chain is free"),
-        (lambda run: run.wall_force("top"), "'left' or 'right'"),
+        (lambda run: run.wall_force("top"), "choose from left, right"),
         (lambda run: run.budget().residual("mass"), "unknown balance 'mass'"),
     ],
 )

@@ -278,7 +278,7 @@ def test_progress_is_told_and_an_interrupt_is_heard():
         ({"times": 1}, "0 or at least 2"),
         ({"times": [2.0, 1.0]}, "increasing"),
         ({"times": [1.0, float("nan")]}, "finite"),
-        ({"times": ["now"]}, "list of increasing numbers"),
+        ({"times": ["now"]}, "time of entry 1 is 'now'"),
         ({"times": []}, "list of increasing numbers"),
         ({"times": [1.0, 9.0], "until": 5.0}, "stops at until = 5"),
         ({"times": 10**12}, "GiB are free: save fewer times"),

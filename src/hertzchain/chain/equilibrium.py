@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from hertzchain.chain.chain import Chain
+from hertzchain.chain.coverage import check_chain
 from hertzchain.chain.holding import static_forces, static_overlaps
 from hertzchain.contacts import Array
 
@@ -80,6 +81,7 @@ def equilibrium(chain: Chain) -> StaticState:
     >>> equilibrium(chain).positions.round(9)
     array([12.,  8.,  4.,  0.])
     """
+    check_chain("equilibrium", chain)
     forces = static_forces(chain)
     overlaps = static_overlaps(chain, forces)
 

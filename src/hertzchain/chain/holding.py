@@ -6,11 +6,12 @@ from typing import TYPE_CHECKING, Final, Literal, get_args
 
 import numpy as np
 
+from hertzchain.arguments import one_of
 from hertzchain.chain.drives import Drive
 from hertzchain.chain.losses import Loss
 from hertzchain.chain.walls import Wall
 from hertzchain.contacts import Array
-from hertzchain.errors import InputError, unknown_name
+from hertzchain.errors import InputError, shown
 
 if TYPE_CHECKING:
     from hertzchain.chain.chain import Chain
@@ -42,13 +43,15 @@ def check_holding(chain: Chain) -> None:
     """
     for side, wall in (("left", chain.left_wall), ("right", chain.right_wall)):
         if wall is not None and not isinstance(wall, Wall):
-            raise InputError(f"{side}_wall must be a Wall or None, got {wall!r}")
+            raise InputError(f"{side}_wall must be a Wall or None, got {shown(wall)}")
     if chain.loss is not None and not isinstance(chain.loss, Loss):
         raise InputError(
-            f"loss must be a law of hertzchain.chain.losses or None, got {chain.loss!r}"
+            f"loss must be a law of hertzchain.chain.losses or None, got {shown(chain.loss)}"
         )
     if chain.drive is not None and not isinstance(chain.drive, Drive):
-        raise InputError(f"drive must be a SineBurst, a Step, a Table or None, got {chain.drive!r}")
+        raise InputError(
+            f"drive must be a SineBurst, a Step, a Table or None, got {shown(chain.drive)}"
+        )
     if chain.drive is not None and chain.drive.of == "displacement" and chain.left_wall is None:
         raise InputError(
             "a drive of displacement moves the left wall, but the left end is free: give "
@@ -56,8 +59,7 @@ def check_holding(chain: Chain) -> None:
         )
     # Refuses a wall whose material has no meaning beside this chain.
     _ = chain.wall_stiffness
-    if chain.held_by not in HELD_BY:
-        raise unknown_name("way to hold a chain", chain.held_by, HELD_BY)
+    one_of("way to hold a chain", chain.held_by, HELD_BY)
     if chain.precompression > 0.0:
         _check_precompression(chain)
     _check_static_overlaps(chain)

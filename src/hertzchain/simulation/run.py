@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Final, Literal
 import numpy as np
 
 from hertzchain import __version__
+from hertzchain.arguments import one_of
 from hertzchain.chain.chain import Chain
 from hertzchain.chain.equilibrium import equilibrium
 from hertzchain.checks import whole_number
@@ -371,8 +372,7 @@ class Run:
         >>> round(wall.peak, 4), round(wall.first_impulse, 4)
         (1.2432, 2.3454)
         """
-        if side not in SIDES:
-            raise InputError(f"a wall is 'left' or 'right', got {side!r}")
+        one_of("side of a wall", side, SIDES)
         if f"{side} wall" not in self.chain.features:
             raise InputError(f"the {side} end of this chain is free: give it a {side}_wall")
         from hertzchain.kernels import full_chain as kernel

@@ -189,7 +189,7 @@ class Run:
     @property
     def message(self) -> str:
         """The status in a sentence."""
-        passed = f"the pulse had passed {self._beads_passed} of {self.chain.beads} beads"
+        passed = f"the pulse had passed {self.beads_passed} of {self.chain.beads} beads"
         unit = " s" if self.chain.units == "SI" else ""
         at = f"at t = {self.end_time:g}{unit}, after {self.steps} steps"
         return {
@@ -223,8 +223,9 @@ class Run:
         return " or ".join(found or ["fewer beads" if even else "fewer beads or a weaker taper"])
 
     @property
-    def _beads_passed(self) -> int:
-        """Beads of which peak and both contacts are recorded; the striker counts."""
+    def beads_passed(self) -> int:
+        """Number of beads that the pulse has passed, the striker among them."""
+        # Those of which peak and both contacts are recorded.
         return 1 + int(np.count_nonzero((self._peaks[0, 1:] != 0) & (self._crossings[0] > 0)))
 
     @property
@@ -253,7 +254,7 @@ class Run:
         >>> float(hc.simulate(hc.Chain.uniform(30)).pulse().velocity[1].round(9))
         0.751471736
         """
-        if self._beads_passed < self.chain.beads:
+        if self.beads_passed < self.chain.beads:
             raise SimulationError(f"no pulse of all beads: {self.message}; simulate for longer")
         return Pulse(
             chain=self.chain,

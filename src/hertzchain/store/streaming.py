@@ -166,8 +166,8 @@ def stream(
     Raises
     ------
     InputError
-        If times are not increasing, the folder holds another run or anything else, or a
-        file cannot be written; what was written before stays readable.
+        If times are not increasing, the folder holds another run, one with another tolerance
+        or anything else, or a file cannot be written; what was written before stays readable.
     SimulationError
         If the run fails.
 
@@ -189,7 +189,7 @@ def stream(
             f"times to save at must be a list of increasing numbers >= 0, got {shown(times)}"
         )
     _make_folder(stored.folder)
-    state, done = _where_it_stopped(chain, stored, wanted)
+    state, done = _where_it_stopped(chain, stored, wanted, rtol)
     most = max(1, FILE_SIZE // (8 * (3 * chain.beads + 1)))
     count = min(FIRST_TIMES, most)
     overlaps = np.zeros(chain.beads + 1)
@@ -239,13 +239,21 @@ def _make_folder(folder: Path) -> None:
         )
 
 
-def _where_it_stopped(chain: Chain, stored: StoredRun, wanted: Array) -> tuple[State | None, int]:
+def _where_it_stopped(
+    chain: Chain, stored: StoredRun, wanted: Array, rtol: float
+) -> tuple[State | None, int]:
     """State to go on from and how many times are stored; of a file without its state, none."""
     if not (stored.folder / STATE_FILE).exists():
         for file in stored.files:
             file.unlink()
         return None, 0
     state = load_state(stored.folder / STATE_FILE, chain)
+    began = float(next(stored.parts()).attrs["rtol"])
+    if began != rtol:
+        raise InputError(
+            f"{os.fspath(stored.folder)!r} holds a run with rtol = {began:g}, and now rtol is "
+            f"{rtol:g}: go on with {began:g}, or choose another folder"
+        )
     saved = np.concatenate([part.time.values for part in stored.parts()])
     # A file is written before its state: the last one may be ahead of it.
     if len(saved) > len(wanted) or not np.array_equal(saved, wanted[: len(saved)]):

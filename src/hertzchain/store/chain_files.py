@@ -36,7 +36,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from hertzchain.arguments import file_path
+from hertzchain.arguments import file_path, one_of
 from hertzchain.chain.chain import TAPERS, Chain
 from hertzchain.chain.coverage import check_chain
 from hertzchain.chain.drives import Drive, SineBurst, Step, Table
@@ -291,8 +291,7 @@ class _ChainFile:
 
     def _tapered(self, law: dict[str, Any]) -> Chain:
         table = self.table
-        if table["taper"] not in (*TAPERS, "uniform"):
-            raise unknown_name("taper", table["taper"], (*TAPERS, "uniform"))
+        one_of("taper", table["taper"], (*TAPERS, "uniform"))
         beads = self._needed("beads")
         if table["taper"] == "uniform":
             self._refuse_beside('taper = "uniform"', ["rate"])
@@ -358,9 +357,9 @@ class _ChainFile:
                 entry["material"] = self._material(entry["material"])
             return _called(Wall, f"chain.{name}", entry)
         kinds, key = (LAWS, "law") if name == "loss" else (DRIVES, "kind")
-        kind = entry.pop(key, None)
-        if kind not in kinds:
-            raise unknown_name(f"{key} of [chain.{name}]", kind, kinds)
+        if key not in entry:
+            raise InputError(f"[chain.{name}] has no {key}: choose from {', '.join(kinds)}")
+        kind = one_of(f"{key} of [chain.{name}]", entry.pop(key), kinds)
         if kind == "table" and "file" in entry:
             if len(entry) > 1:
                 raise InputError("[chain.drive] has file and also other keys: leave them out")

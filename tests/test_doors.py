@@ -36,6 +36,8 @@ def doors(folder):
     scales, state = hc.Scales.of(balls), folder / "state.npz"
     stored = hc.stream(chain, folder / "run", times=[1.0, 2.0])
     hc.save_state(run.state, state)
+    plan = {"chain": {"taper": "uniform"}, "axes": {"beads": [5, 6]}}
+    hc.sweep(plan, folder / "sweep")
     return {
         "Chain": tried(
             Chain,
@@ -147,6 +149,7 @@ def doors(folder):
         "Pulse.compare": tried(pulse.compare, reference=pulse),
         "Pulse.plot": tried(pulse.plot, quantity="velocity", ax=None),
         "PulseTable.chain": tried(table.chain, index=0),
+        "PulseTable.column": tried(table.column, quantity="velocity"),
         "PulseTable[...]": tried(lambda index: table[index], index=0),
         "Budget.residual": tried(budget.residual, of="energy"),
         "Budget.to_dataframe": tried(budget.to_dataframe, of="energy"),
@@ -202,6 +205,17 @@ def doors(folder):
         "SolitaryWave.velocity.width": tried(wave.velocity.width, level=0.5),
         "SolitaryWave.velocity.crest_derivative": tried(wave.velocity.crest_derivative, order=2),
         "EffectiveChain.spacing": tried(hc.effective_chain(small).spacing, velocity=1.0),
+        "sweep": tried(
+            hc.sweep,
+            specification=plan,
+            store=folder / "sweep",
+            executor=None,
+            workers=1,
+            shard=(1, 1),
+            progress=None,
+        ),
+        "merge_sweeps": tried(hc.merge_sweeps, stores=[folder / "sweep"], into=folder / "all"),
+        "open_sweep": tried(hc.open_sweep, store=folder / "sweep"),
         "verify": tried(hc.verify, groups=["restitution"], progress=None),
     }
 

@@ -7,6 +7,7 @@ import pytest
 
 import hertzchain as hc
 from hertzchain import Chain, Dashpot, InputError, Restitution, SineBurst, Step, Table, Wall
+from hertzchain.errors import unknown_name
 
 CHAIN = Chain.uniform(4)
 
@@ -235,3 +236,29 @@ def test_contradictions_are_refused_in_one_sentence(build, said):
     with pytest.raises(InputError, match=said) as caught:
         build()
     assert "\n" not in str(caught.value)
+
+
+def test_a_refusal_names_the_chain_in_either_units():
+    balls = Chain.from_materials(5e-3, "brass", beads=9).replace(gravity=9.81)
+    with pytest.raises(InputError, match=r"\(SI, brass, R = 5 mm, 9 beads, gravity\): use"):
+        hc.bca(balls)
+    with pytest.raises(InputError, match=r"got SI, brass, R = 5 mm, 9 beads, gravity; use bca"):
+        hc.modified_bca(balls)
+
+
+@pytest.mark.parametrize(
+    ("name", "known", "meant"),
+    [
+        ("iron", ["brass", "bronze"], None),
+        ("teflon", ["ptfe", "nylon"], None),
+        (float("nan"), ["nylon"], None),
+        (True, ["rubber"], None),
+        ("mas", ["masses", "gaps"], "masses"),
+        ("foward-linear", ["forward-linear", "backward-linear"], "forward-linear"),
+        ("wall", ["gaps", "right_wall"], "right_wall"),
+    ],
+)
+def test_only_near_names_are_suggested(name, known, meant):
+    said = str(unknown_name("name", name, known))
+    assert ("did you mean" in said) == (meant is not None)
+    assert meant is None or said.endswith(f"did you mean {meant!r}?")

@@ -237,10 +237,12 @@ SI = 'radii = 5e-3\nbeads = 3\nmaterials = "brass"\n'
         (U + "right_wall = 3", r"\[chain.right_wall\] must be a table"),
         (U + "[chain.right_wall]\nstif = 3", r"key of \[chain.right_wall\] 'stif'.*stiffness"),
         (U + '[chain.right_wall]\nrigid = true\nmaterial = "brass"', "leave one out"),
-        (U + '[chain.loss]\ncoefficient = 0.9', r"unknown law of \[chain.loss\] None"),
+        (U + '[chain.loss]\ncoefficient = 0.9', r"\[chain.loss\] has no law: choose from rest"),
         (U + '[chain.loss]\nlaw = "restitutoin"', "did you mean 'restitution'"),
         (U + '[chain.loss]\nlaw = "restitution"', r"\[chain.loss\] has no coefficient"),
         (U + '[chain.loss]\nlaw = "restitution"\ncoefficient = 2', "at most 1, got 2"),
+        (U + "[chain.drive]\namplitude = 0.9", r"\[chain.drive\] has no kind: choose from sine"),
+        (U + "[chain.loss]\nlaw = 3", r"unknown law of \[chain.loss\] 3: choose from"),
         (U + '[chain.drive]\nkind = "sine"', "did you mean 'sine-burst'"),
         (U + '[chain.drive]\nkind = "table"\nfile = "a.csv"\nof = "force"', "also other keys"),
         (U + '[chain.drive]\nkind = "table"\ntimes = [0, 0]\nvalues = [1, 1]', "must increase"),
@@ -259,3 +261,20 @@ def test_bad_chain_files_say_what_is_wrong(tmp_path, text, said):
         hc.load_chain(written(tmp_path, f"[chain]\n{text}\n"))
     assert "chain.toml" in str(caught.value)
     assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("table", "said"),
+    [
+        ("radius\n1\nnan\n", "row 2 of column 'radius' is 'nan': it must be finite"),
+        ("radius\n-inf\n1\n", "row 1 of column 'radius' is '-inf': it must be finite"),
+        ("radius\n1\nbig\n", "row 2 of column 'radius' is 'big': it must be a number"),
+        ("radius\n5\n", r"at least two numbers, got \[5.0\]$"),
+        ("radius [mm]\n", r"at least two numbers, got \[\]$"),
+    ],
+)
+def test_numbers_in_tables_are_finite(tmp_path, table, said):
+    file = tmp_path / "beads.csv"
+    file.write_text(table)
+    with pytest.raises(hc.InputError, match=said):
+        hc.load_chain(file)

@@ -217,6 +217,10 @@ def test_cite(run):
          "--stream and --out exclude each other"),
         (["simulate", "--stream", "long", "--until", "9", "--max-steps", "9"],
          "--stream and --max-steps exclude each other"),
+        (["simulate", "--stream", "long", "--until", "9", "--sensor", "3"],
+         "--stream and --sensor exclude each other"),
+        (["simulate", "--sensor", "101"], "--sensor must be a whole number from 1 to 100, got 101"),
+        (["simulate", "--sensor", "3", "--times", "0"], "--times 0 is too few"),
         (["simulate", "--stream", "/dev/null", "--until", "9"], "'/dev/null' is a file"),
         (["recite"], "No such command"),
     ],
@@ -388,3 +392,42 @@ def test_a_stray_quotation_mark_is_no_number(run, tmp_path):
     code, _, err = run("pulse", tmp_path / "beads.csv", "--method", "bca")
     assert code == 2
     assert "stray quotation mark" in err
+
+
+EXPERIMENT = """[chain]
+radii = [5e-3, 5e-3, 5e-3, 5e-3]
+materials = "steel-52100"
+velocity = 0.2
+[chain.right_wall]
+"""
+
+
+def test_simulate_prints_what_walls_and_sensors_felt(run, tmp_path):
+    file, picture = tmp_path / "experiment.toml", tmp_path / "forces.svg"
+    file.write_text(EXPERIMENT)
+    command = ("simulate", file, "--until", "2e-4", "--times", "101", "--sensor", "2")
+    code, out, err = run(*command, "--sensor", "3", "--plot", picture)
+    assert (code, err) == (0, "")
+    felt = hertzchain.simulate(hertzchain.load_chain(file), until=2e-4, times=101)
+    wall, force = felt.wall_force(), felt.sensor(3)
+    assert f"right wall: peak {wall.peak:.6g} N at t = {wall.peak_time:.6g} s; impulse of" in out
+    assert f"first contact {wall.first_impulse:.6g} N s, impulse in all {wall.impulse:.6g} N" in out
+    at = felt.times[force.argmax()]
+    assert f"sensor in bead 3: peak {force.max():.6g} N at t = {at:.6g} s" in out
+    drawn = picture.read_text()
+    assert all(f"<!-- {name} -->" in drawn for name in ("bead 2", "bead 3", "right wall"))
+    document = json.loads(run(*command, "--json")[1])
+    assert document["walls"][0]["impulse"] == wall.impulse
+    assert document["sensors"] == [
+        {"bead": 2, "peak": felt.sensor(2).max(),
+         "peak_time": felt.times[felt.sensor(2).argmax()]}
+    ]  # fmt: skip
+
+
+def test_simulate_says_what_a_wall_has_not_felt(run, tmp_path):
+    file = tmp_path / "experiment.toml"
+    file.write_text(EXPERIMENT)
+    assert "the first contact is not over, impulse" in run("simulate", file, "--until", "6e-5")[1]
+    file.write_text(EXPERIMENT + "gap = 0.1\n")
+    assert "right wall: not reached" in run("simulate", file, "--until", "1e-5")[1]
+    assert json.loads(run("simulate", "--beads", 3, "--json")[1])["walls"] == []

@@ -91,3 +91,34 @@ def test_strikers_just_meet_the_compressed_chain():
     np.testing.assert_allclose(contact_forces(chain, state), [0, 0, 1, 1, 1], atol=1e-14)
     np.testing.assert_allclose(net_forces(chain, state), 0.0, atol=1e-14)
     assert state.positions[0] - state.positions[1] - state.gaps[1] == pytest.approx(-0.3)
+
+
+def test_beads_are_not_pressed_through_each_other():
+    balls = Chain.from_materials(5e-3, "brass", beads=5)
+    with pytest.raises(
+        hc.InputError, match=r"contact 1 .* 0\.005 m: it bears at most 1\.35e\+06 N"
+    ):
+        balls.replace(precompression=1e30, held_by="force")
+    held = balls.replace(precompression=1.35e6, held_by="force")
+    # Just below a radius, by Hertz' law: F = k d^(3/2).
+    assert 0.99 < (1.35e6 / held.stiffness[0]) ** (2.0 / 3.0) / 5e-3 < 1.0
+    with pytest.raises(hc.InputError, match=r"^gravity presses contact 4 .* use less gravity"):
+        balls.replace(gravity=1e9, right_wall=Wall())
+
+
+def test_the_motion_beside_a_scaled_precompression_is_seen():
+    with pytest.raises(
+        hc.InputError, match=r"1e\+06 times those of a strike: .* at most 9.95e\+08"
+    ):
+        Chain.uniform(5).replace(precompression=1e30, held_by="force")
+    force = 9.95e8
+    chain = Chain.uniform(5).replace(precompression=force, held_by="force")
+    # So stiff a chain is linear: its normal modes, of springs p k^(1/p) F^(1 - 1/p).
+    spring = 1.5 * force ** (1.0 / 3.0)
+    row = np.diff(np.eye(5), axis=0)
+    squares, shapes = np.linalg.eigh(spring * row.T @ row)
+    time = 6.0 / np.sqrt(spring)
+    start = shapes[0]
+    exact = shapes @ (np.cos(np.sqrt(np.abs(squares)) * time) * start)
+    run = hc.simulate(chain, times=[time])
+    np.testing.assert_allclose(run.velocities[0], exact, atol=1e-6)  # measured: 1.3e-7

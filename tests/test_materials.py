@@ -193,3 +193,17 @@ def test_only_chains_of_materials_have_limits():
         hc.hertz_range(Chain.uniform(3))
     with pytest.raises(InputError, match="6 numbers for the overlap"):
         hc.hertz_range(Chain.from_materials(5e-3, "brass", beads=5), [0.0] * 9)
+
+
+@pytest.mark.parametrize(
+    ("density", "young", "radius", "reason"),
+    [
+        (1e-300, 1e11, 1e-9, "mass of bead 1 would be 0"),
+        (7800.0, math.inf, 5e-3, "stiffness of contact 1 would be inf .* take a wall, not a bead"),
+        (1e308, 1e11, 1.0, "mass of bead 1 would be inf"),
+    ],
+)
+def test_bodies_that_are_no_numbers_are_refused(density, young, radius, reason):
+    odd = Material("odd", density=density, young=young, poisson=0.3)
+    with pytest.raises(InputError, match=reason):
+        Chain.from_materials(radius, odd, beads=3)

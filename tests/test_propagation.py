@@ -282,9 +282,18 @@ def test_bad_threads(threads):
         hc.propagate_many(np.ones((1, 3)), threads=threads)
 
 
-@pytest.mark.parametrize("chains", [hc.Chain.uniform(3), "forward", 7])
-def test_what_is_no_ensemble(chains):
-    with pytest.raises(hc.InputError, match="sequence of chains"):
+@pytest.mark.parametrize(
+    ("chains", "said"),
+    [
+        (hc.Chain.uniform(3), "takes a list of chains, got one: use propagate"),
+        ("forward", "a list of chains or rows of radii, got 'forward'"),
+        (7, "a list of chains or rows of radii, got 7"),
+        ([1, 2, 3], r"got \[1, 2, 3\]: of one row of radii make a list, \[\[...\]\]"),
+        (np.ones(3), "of one row of radii make a list"),
+    ],
+)
+def test_what_is_no_ensemble(chains, said):
+    with pytest.raises(hc.InputError, match=said):
         hc.propagate_many(chains)
 
 

@@ -43,7 +43,9 @@ def test_compare_refuses_what_cannot_be_compared(pulses):
     with pytest.raises(hc.InputError, match="BCA does not predict peak_time"):
         theory.compare(exact).errors("peak_time")
     for first_bead in (0, -2, 21):
-        with pytest.raises(hc.InputError, match="first_bead must be a bead that has velocity"):
+        with pytest.raises(
+            hc.InputError, match="first_bead of velocity must be a whole number from 1 to 20, got"
+        ):
             theory.compare(exact).worst("velocity", first_bead=first_bead)
     for name in ("velo", "chain"):
         with pytest.raises(hc.InputError, match="unknown quantity"):
@@ -86,7 +88,7 @@ def test_run_plot_draws_every_bead():
     [
         ({"velocity": [1.0, 1.0]}, r"shape \(3,\)"),
         ({"velocity": [1.0, 0.0, 1.0]}, "bead 2 is 0"),
-        ({"velocity": ["fast", 1.0, 1.0]}, "must be 3 numbers"),
+        ({"velocity": ["fast", 1.0, 1.0]}, "velocity of bead 1 is 'fast': it must be a number"),
         ({"velocity": [1.0] * 3, "residence": [1.0, 0.0]}, "residence of contact 2 is 0"),
         ({"velocity": [1.0, np.nan, 1.0]}, "bead 2 is nan"),
         ({"velocity": [1.0, 1.0, 1.0], "arrival": [0.0, 1.0, np.inf]}, "arrival of bead 3"),

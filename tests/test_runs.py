@@ -318,7 +318,7 @@ def test_no_pulse_ends_a_driven_run():
         (lambda run: run.sensor(0), "bead must be a whole number from 1 to 12, got 0"),
         (lambda run: run.velocity(1.5), "bead must be a whole number"),
         (lambda run: run.wall_force(), "right end of this chain is free"),
-        (lambda run: run.wall_force("top"), "'left' or 'right'"),
+        (lambda run: run.wall_force("top"), "choose from left, right"),
         (lambda run: run.budget().residual("mass"), "unknown balance 'mass'"),
     ],
 )
@@ -479,3 +479,14 @@ def test_no_width_where_the_pulse_has_not_been():
         run.pulse_width(15)
     with pytest.raises(hc.InputError, match="from 2 to 19"):
         run.pulse_width(20)
+
+
+def test_a_width_that_is_not_seen_is_an_error():
+    chain = hc.Chain.uniform(30)
+    with pytest.raises(hc.SimulationError, match="among the 3 saved times .* save more times"):
+        hc.simulate(chain, times=4).pulse_width(10)
+    # The last saved time is just past the crest.
+    arrival = hc.simulate(chain).pulse().peak_time[9]
+    times = np.linspace(0.0, arrival + 0.05, 500)
+    with pytest.raises(hc.SimulationError, match="no width of the pulse at bead 10"):
+        hc.simulate(chain, times=times).pulse_width(10)

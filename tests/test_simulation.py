@@ -278,7 +278,7 @@ def test_progress_is_told_and_an_interrupt_is_heard():
         ({"times": 1}, "0 or at least 2"),
         ({"times": [2.0, 1.0]}, "increasing"),
         ({"times": [1.0, float("nan")]}, "finite"),
-        ({"times": ["now"]}, "list of increasing numbers"),
+        ({"times": ["now"]}, "time of entry 1 is 'now'"),
         ({"times": []}, "list of increasing numbers"),
         ({"times": [1.0, 9.0], "until": 5.0}, "stops at until = 5"),
         ({"times": 10**12}, "GiB are free: save fewer times"),
@@ -296,3 +296,36 @@ def test_run_as_dataset(uniform_run):
     assert dataset.velocity.dims == ("time", "bead")
     assert dataset.bead.values[0] == 1
     assert dataset.velocity.attrs == {"units": "1", "long_name": "velocity of the bead"}
+
+
+def test_motion_too_fast_for_any_clock_is_refused():
+    stiff = hc.Material("stiff", density=1e-300, young=1e300, poisson=0.3)
+    for chain in (
+        hc.Chain.from_materials(5e-3, stiff, beads=5),
+        hc.Chain.uniform(3).replace(velocities=[1e-300, 0.0, 0.0]),
+    ):
+        with pytest.raises(hc.InputError, match="pass contact 1 in 0( s)?, too short a time"):
+            hc.simulate(chain)
+
+
+@pytest.mark.parametrize(
+    ("changes", "advice"),
+    [
+        ({"loss": hc.Dashpot(1e12)}, "use a weaker loss if"),
+        ({"precompression": 1e9, "held_by": "force"}, "use less precompression if"),
+        ({"right_wall": hc.Wall(stiffness=1e30)}, "use a softer right wall if"),
+        ({}, "use fewer beads if"),
+        ({"radii": [1.0, 0.9, 0.8]}, "use fewer beads or a weaker taper if"),
+    ],
+)
+def test_advice_fits_what_is_stiff(changes, advice):
+    chain = hc.Chain.uniform(3).replace(**changes)
+    run = hc.simulate(chain, until=9.0, max_steps=10, check=False)
+    assert run.status == "step limit"
+    assert advice in run.message
+
+
+def test_a_pulse_that_was_damped_away():
+    chain = hc.Chain.uniform(3).replace(loss=hc.Viscoelastic(1e300))
+    with pytest.raises(hc.SimulationError, match="the pulse was lost .*; use a weaker loss"):
+        hc.simulate(chain)

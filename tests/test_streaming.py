@@ -66,6 +66,15 @@ def test_a_file_ahead_of_its_state_is_written_anew(tmp_path, monkeypatch):
     np.testing.assert_array_equal(stored.load().time, TIMES)
 
 
+def test_a_folder_holds_one_tolerance(tmp_path):
+    hc.stream(CHAIN, tmp_path, times=[1.0, 2.0], rtol=1e-10)
+    with pytest.raises(
+        hc.InputError, match="rtol = 1e-10, and now rtol is 1e-12: go on with 1e-10, or choose"
+    ):
+        hc.stream(CHAIN, tmp_path, times=[1.0, 2.0, 3.0], rtol=1e-12)
+    assert hc.stream(CHAIN, tmp_path, times=[1.0, 2.0, 3.0], rtol=1e-10).load().sizes["time"] == 3
+
+
 def test_a_folder_holds_one_run(tmp_path):
     hc.stream(CHAIN, tmp_path, times=[1.0, 2.0])
     with pytest.raises(hc.InputError, match="a run with other times"):

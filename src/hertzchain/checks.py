@@ -7,6 +7,7 @@ border, to the plain float in SI that everything else works with.
 from __future__ import annotations
 
 import math
+import numbers
 import operator
 from collections.abc import Sequence
 from typing import Any
@@ -15,7 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from hertzchain.contacts import Array
-from hertzchain.errors import InputError, real_number
+from hertzchain.errors import InputError, real_number, shown
 
 
 def magnitude(what: str, value: Any, unit: str | None) -> Any:
@@ -149,7 +150,7 @@ def whole_number(what: str, value: object, *, least: int, most: int | None = Non
         count = least - 1
     if count < least or (most is not None and count > most):
         bounds = f"of at least {least}" if most is None else f"from {least} to {most}"
-        raise InputError(f"{what} must be a whole number {bounds}, got {value!r}")
+        raise InputError(f"{what} must be a whole number {bounds}, got {shown(value)}")
     return count
 
 
@@ -194,13 +195,7 @@ def column(
     >>> column("gap", 0.5, 2, "contact", least=0.0)
     array([0.5, 0.5])
     """
-    plain = magnitude(what, given, unit)
-    try:
-        values = np.asarray(plain)
-    except ValueError:
-        raise InputError(f"{what} must be {length} numbers, got {given!r}") from None
-    if values.dtype.kind not in "iuf":
-        raise InputError(first_unreadable(what, place, plain))
+    values = real_numbers(what, magnitude(what, given, unit), place)
     if values.ndim == 0:
         values = np.full(length, values)
     if values.shape != (length,):
@@ -208,7 +203,7 @@ def column(
             f"there must be {length} numbers for the {what}, one for each {place}, "
             f"got {values.size if values.ndim == 1 else f'shape {values.shape}'}"
         )
-    checked = values.astype(float)
+    checked = values.copy()
     good = np.isfinite(checked)
     allowed = "finite"
     if least is not None:
@@ -224,29 +219,51 @@ def column(
     return checked
 
 
-def first_unreadable(what: str, place: str, given: object) -> str:
-    """Sentence that names the first entry of a list that is no number.
+def real_numbers(what: str, given: ArrayLike | Any, place: str = "entry") -> Array:
+    """Real numbers in an array of any shape; no truth values, text or anything else.
 
     Parameters
     ----------
-    what, place : str
-        What the numbers are, and what they are counted by.
-    given : object
-        What was given.
+    what : str
+        What they are, in the singular.
+    given : array_like
+        The numbers.
+    place : str
+        What they are counted by.
 
     Returns
     -------
-    str
+    ndarray
+
+    Raises
+    ------
+    InputError
+        If they are no numbers, or no array; the first of a list that is none is named.
 
     Examples
     --------
-    >>> first_unreadable("radius", "bead", [1.0, "big"])
-    "radius of bead 2 is 'big': it must be a number"
+    >>> real_numbers("radius", [1, 0.5], "bead")
+    array([1. , 0.5])
     """
-    if isinstance(given, Sequence) and not isinstance(given, str):
-        for k, value in enumerate(given, start=1):
-            try:
-                real_number("", value)
-            except InputError:
-                return f"{what} of {place} {k} is {value!r}: it must be a number"
-    return f"{what} must be a list of numbers, got {given!r}"
+    try:
+        values = np.asarray(given)
+    except (ValueError, TypeError):
+        raise InputError(f"{what} must be a list of numbers, got {shown(given)}") from None
+    listed = isinstance(given, Sequence) and not isinstance(given, str)
+    # Among numbers, NumPy takes truth values for 0 and 1.
+    if listed or values.dtype.kind not in "iuf":
+        for k, value in enumerate(values.tolist() if values.ndim else []):
+            item = given[k] if listed else value  # type: ignore[index]
+            if isinstance(item, numbers.Real) and not isinstance(item, bool | np.bool_):
+                continue
+            if isinstance(item, Sequence | np.ndarray) and not isinstance(item, str):
+                continue  # a shape, which is for the caller to judge
+            raise InputError(f"{what} of {place} {k + 1} is {shown(item)}: it must be a number")
+    try:
+        if values.dtype.kind in "iufO" and values.size + values.ndim:
+            return values.astype(float)
+    except OverflowError:
+        raise InputError(f"{what} is too large: at most 1.8e308") from None
+    except (TypeError, ValueError):
+        pass
+    raise InputError(f"{what} must be a list of numbers, got {shown(given)}")

@@ -14,6 +14,11 @@ from __future__ import annotations
 import difflib
 import numbers
 from collections.abc import Iterable
+from typing import Final
+
+# How alike two names must be for one to be meant by the other, unless it is a part of it: "mas"
+# and "masses" are, "iron" and "bronze" are not.
+NEAR: Final = 0.65
 
 
 class InputError(ValueError):
@@ -30,6 +35,28 @@ class ModelRangeWarning(UserWarning):
 
 class InputWarning(UserWarning):
     """What was asked for is possible, but looks like a slip."""
+
+
+def shown(value: object) -> str:
+    """A value as an error shows it: in one short line.
+
+    Parameters
+    ----------
+    value : object
+        What was given.
+
+    Returns
+    -------
+    str
+
+    Examples
+    --------
+    >>> shown(list(range(99)))
+    '[0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 1...'
+    """
+    plain = value.tolist() if hasattr(value, "tolist") else value
+    text = " ".join(repr(plain).split())
+    return text if len(text) <= 60 else text[:40].rstrip() + "..."
 
 
 def unknown_name(what: str, name: object, known: Iterable[str]) -> InputError:
@@ -56,9 +83,12 @@ def unknown_name(what: str, name: object, known: Iterable[str]) -> InputError:
     """
     choices = list(known)
     lower = {choice.lower(): choice for choice in choices}
-    near = difflib.get_close_matches(str(name).lower(), lower, n=1, cutoff=0.5)
+    asked = name.lower() if isinstance(name, str) else ""
+    near = difflib.get_close_matches(asked, lower, n=1, cutoff=NEAR)
+    if not near and len(asked) > 2:
+        near = [name for name in lower if asked in name]
     hint = f"; did you mean {lower[near[0]]!r}?" if near else ""
-    return InputError(f"unknown {what} {name!r}: choose from {', '.join(choices)}{hint}")
+    return InputError(f"unknown {what} {shown(name)}: choose from {', '.join(choices)}{hint}")
 
 
 def real_number(what: str, value: object) -> float:
@@ -90,4 +120,4 @@ def real_number(what: str, value: object) -> float:
             return float(value)
         except OverflowError:
             raise InputError(f"{what} is too large: at most 1.8e308") from None
-    raise InputError(f"{what} must be a number, got {value!r}")
+    raise InputError(f"{what} must be a number, got {shown(value)}")

@@ -47,7 +47,8 @@ def masses_of(chain: Chain) -> Array:
     if chain.units == "scaled":
         return chain.radii**3
     densities = np.array([each.density for each in _materials(chain, "masses")])
-    return 4.0 / 3.0 * math.pi * densities * chain.radii**3
+    with np.errstate(over="ignore", under="ignore"):
+        return 4.0 / 3.0 * math.pi * densities * chain.radii**3
 
 
 def stiffness_of(chain: Chain) -> Array:
@@ -89,7 +90,8 @@ def stiffness_of(chain: Chain) -> Array:
             f"{chain.exponent:g}: give stiffness, in N/m^{chain.exponent:g}"
         )
     compliance = np.array([each.compliance for each in materials])
-    modulus = 1.0 / (compliance[:-1] + compliance[1:])
+    with np.errstate(divide="ignore", over="ignore"):
+        modulus = 1.0 / (compliance[:-1] + compliance[1:])
     return np.asarray(sphere_stiffness(radii[:-1], radii[1:], modulus))
 
 

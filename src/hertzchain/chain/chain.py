@@ -18,6 +18,7 @@ from typing import Any, Final, Literal, get_args
 import numpy as np
 from numpy.typing import ArrayLike
 
+from hertzchain.arguments import listed, one_of
 from hertzchain.chain import patterns
 from hertzchain.chain import strikers as striking
 from hertzchain.chain.bodies import masses_of, stiffness_of, wall_stiffness_of
@@ -37,7 +38,7 @@ from hertzchain.chain.tapers import check_taper as check_taper
 from hertzchain.chain.tapers import rate_symbol as rate_symbol
 from hertzchain.chain.tapers import tapered_radii
 from hertzchain.chain.walls import Wall
-from hertzchain.checks import column, magnitude, number, whole_number
+from hertzchain.checks import column, magnitude, number, real_numbers, whole_number
 from hertzchain.contacts import HERTZ_EXPONENT, Array
 from hertzchain.errors import InputError, InputWarning, unknown_name
 
@@ -157,8 +158,7 @@ class Chain:
         given = frozenset(name for name in DERIVED if getattr(self, name) is not None)
         self._set("given", given)
         self._set("exponent", checked_exponent(self.exponent))
-        if self.units not in UNITS:
-            raise unknown_name("units", self.units, UNITS)
+        one_of("units", self.units, UNITS)
         self._check_radii()
         self._check_taper()
         self._check_bodies()
@@ -209,7 +209,7 @@ class Chain:
             ("stiffness", "stiffness", count - 1, "contact", unit, stiffness_of),
         ):
             if name not in self.given:
-                self._set(name, _read_only(derived(self)))
+                self._set(name, _derived(what, place, derived(self)))
             elif (values := getattr(self, name)) is not None:
                 checked = column(what, values, length, place, unit=self._unit(si), above=0.0)
                 self._set(name, checked)
@@ -384,7 +384,7 @@ class Chain:
         >>> round(float(chain.masses[0]), 9), float(chain.stiffness[0]).__round__(-3)
         (0.004073598, 7435897000.0)
         """
-        given = np.asarray(magnitude("radius", radii, "m"))
+        given = real_numbers("radius", magnitude("radius", radii, "m"), "bead")
         if given.ndim == 0:
             if beads is None:
                 raise InputError("one radius for all beads needs their number: give beads")
@@ -393,7 +393,8 @@ class Chain:
             raise InputError(f"beads = {beads}, but there are {len(given)} radii: leave beads out")
         count = len(given)
         one = isinstance(materials, str | Material)
-        kinds = (material(materials),) * count if one else tuple(map(material, materials))  # type: ignore[arg-type]
+        named = [materials] * count if one else listed("materials", materials, "names")
+        kinds = tuple(map(material, named))
         if velocity is not None:
             fields["velocities"] = np.zeros(count)
             fields["velocities"][:1] = number("velocity", velocity, unit="m/s")
@@ -438,10 +439,13 @@ class Chain:
         Chain(SI, steel-316 and ptfe, R = 9.5 mm, 40 beads)
         """
         cells = whole_number("cells", cells, least=1)
+        unit = None if materials is None else "m"
+        one = real_numbers("radius", magnitude("radius", cell, unit), "bead")
+        radii = np.tile(np.atleast_1d(one), cells)
         if materials is None:
-            return cls.from_radii(np.tile(np.atleast_1d(cell), cells), **fields)
-        radii = np.tile(np.atleast_1d(magnitude("radius", cell, "m")), cells)
-        return cls.from_materials(radii, list(materials) * cells, **fields)
+            return cls.from_radii(radii, **fields)
+        kinds = listed("materials of the cell", materials, "names")
+        return cls.from_materials(radii, kinds * cells, **fields)
 
     @classmethod
     def dimer(cls, mass_ratio: float, *, beads: int, exponent: float = HERTZ_EXPONENT) -> Chain:
@@ -562,10 +566,22 @@ class Chain:
 
 
 def _checked_materials(given: Sequence[MaterialLike], beads: int) -> tuple[Material, ...]:
-    kinds = tuple(map(material, given))
+    kinds = tuple(map(material, listed("materials", given, "names")))
     if len(kinds) != beads:
         raise InputError(f"there must be {beads} materials, one for each bead, got {len(kinds)}")
     return kinds
+
+
+def _derived(what: str, place: str, values: Array) -> Array:
+    """What follows from radii and materials, unless it is no number any more."""
+    good = (values > 0.0) & np.isfinite(values)
+    if not good.all():
+        k = int(np.argmin(good))
+        raise InputError(
+            f"{what} of {place} {k + 1} would be {values[k]:g} from its radius and material: look "
+            "at their units, and take a wall, not a bead, for what does not give"
+        )
+    return _read_only(values)
 
 
 def _read_only(values: Array) -> Array:

@@ -5,7 +5,32 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from hertzchain.chain.chain import Chain
-from hertzchain.errors import InputError
+from hertzchain.errors import InputError, shown
+
+
+def check_chain(by: str, chain: object) -> None:
+    """Refuse what is no chain.
+
+    Parameters
+    ----------
+    by : str
+        Name of the method.
+    chain : Chain
+        What was given.
+
+    Raises
+    ------
+    InputError
+        If it is no chain.
+
+    Examples
+    --------
+    >>> check_chain("simulate", Chain.uniform(20))
+    """
+    if not isinstance(chain, Chain):
+        raise InputError(
+            f"{by} takes a Chain, got {shown(chain)}; Chain.from_radii makes one of radii"
+        )
 
 
 def require(chain: Chain, by: str, *, covers: Sequence[str] = (), instead: str = "") -> None:
@@ -31,8 +56,7 @@ def require(chain: Chain, by: str, *, covers: Sequence[str] = (), instead: str =
     --------
     >>> require(Chain.uniform(20), "the BCA")
     """
-    if not isinstance(chain, Chain):
-        raise InputError(f"{by} takes a Chain, got {chain!r}; Chain.from_radii makes one of radii")
+    check_chain(by, chain)
     others = [name for name in chain.features if name not in covers]
     if others:
         advice = instead or "leave them out"

@@ -14,9 +14,10 @@ from typing import TYPE_CHECKING, Final, Literal, TypeAlias, get_args
 import numpy as np
 from numpy.typing import ArrayLike
 
-from hertzchain.checks import column, number
+from hertzchain.arguments import one_of
+from hertzchain.checks import column, number, real_numbers
 from hertzchain.contacts import Array
-from hertzchain.errors import InputError, unknown_name
+from hertzchain.errors import InputError
 
 if TYPE_CHECKING:
     from hertzchain.chain.scales import Scales
@@ -66,8 +67,7 @@ class SineBurst:
 
     def __post_init__(self) -> None:
         _check_driven(self.of)
-        if self.window not in WINDOWS:
-            raise unknown_name("window", self.window, WINDOWS)
+        one_of("window", self.window, WINDOWS)
         _set(self, "amplitude", number("amplitude", self.amplitude, unit=_UNIT[self.of]))
         _set(self, "frequency", number("frequency", self.frequency, unit="Hz", above=0.0))
         if self.cycles == math.inf and self.window == "none":
@@ -101,7 +101,7 @@ class SineBurst:
         >>> round(float(SineBurst(1.0, 1.0, cycles=1.0).value(0.25)), 6)
         0.5
         """
-        periods = self.frequency * np.asarray(times, float)
+        periods = self.frequency * _moments(times)
         carrier = self.amplitude * np.sin(2.0 * math.pi * periods)
         if self.window == "hann":
             carrier = carrier * np.sin(math.pi * periods / self.cycles) ** 2
@@ -185,7 +185,7 @@ class Step:
         >>> float(Step(3.0).value(1.0))
         3.0
         """
-        t = np.asarray(times, float)
+        t = _moments(times)
         if self.rise == 0.0:
             return np.asarray(np.where(t >= 0.0, self.amplitude, 0.0))
         u = np.clip(t / self.rise, 0.0, 1.0)
@@ -273,7 +273,7 @@ class Table:
         >>> float(Table([0.0, 1.0], [0.0, 1.0]).value(0.25))
         0.25
         """
-        return np.asarray(np.interp(np.asarray(times, float), self.times, self.values))
+        return np.asarray(np.interp(_moments(times), self.times, self.values))
 
     def factors(self, scales: Scales) -> Mapping[str, float]:
         """Units of the fields that have one.
@@ -307,9 +307,15 @@ Drive: TypeAlias = SineBurst | Step | Table
 _UNIT: Final[dict[str, str]] = {"force": "N", "displacement": "m"}
 
 
+def _moments(times: ArrayLike) -> Array:
+    moments = real_numbers("time", times)
+    if not np.isfinite(moments).all():
+        raise InputError("times of a drive must be finite")
+    return moments
+
+
 def _check_driven(of: str) -> None:
-    if of not in DRIVEN:
-        raise unknown_name("driven quantity", of, DRIVEN)
+    one_of("driven quantity", of, DRIVEN)
 
 
 def _scale(of: Driven, scales: Scales) -> float:

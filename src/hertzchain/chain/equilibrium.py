@@ -11,6 +11,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from hertzchain.chain.chain import Chain
+from hertzchain.chain.coverage import check_chain
+from hertzchain.chain.holding import static_forces, static_overlaps
 from hertzchain.contacts import Array
 
 
@@ -79,12 +81,9 @@ def equilibrium(chain: Chain) -> StaticState:
     >>> equilibrium(chain).positions.round(9)
     array([12.,  8.,  4.,  0.])
     """
-    forces = _static_forces(chain)
-    left, right = chain.wall_stiffness
-    stiffness = np.concatenate(([left], chain.stiffness, [right]))
-    overlaps = np.zeros(chain.beads + 1)
-    bearing = (forces > 0.0) & (stiffness > 0.0)
-    overlaps[bearing] = (forces[bearing] / stiffness[bearing]) ** (1.0 / chain.exponent)
+    check_chain("equilibrium", chain)
+    forces = static_forces(chain)
+    overlaps = static_overlaps(chain, forces)
 
     # Each bead from the one after it; strikers just meet the chain, but for their gaps.
     behind = overlaps[1:-1].copy()
@@ -107,24 +106,3 @@ def equilibrium(chain: Chain) -> StaticState:
         if chain.right_wall is None:
             body_forces[-1] -= forces[-1]
     return StaticState(positions, gaps, forces, body_forces)
-
-
-def _static_forces(chain: Chain) -> Array:
-    """Force of each contact from 0 to N; that of a free end is what holds it."""
-    forces = np.zeros(chain.beads + 1)
-    first = chain.strikers
-    weights = np.abs(chain.gravity) * chain.masses[first:]
-    if not (chain.precompression > 0.0 or _stands(chain)):
-        return forces
-    from_top = weights if chain.gravity >= 0.0 else weights[::-1]
-    held = chain.precompression + np.concatenate(([0.0], np.cumsum(from_top)))
-    forces[first:] = held if chain.gravity >= 0.0 else held[::-1]
-    return forces
-
-
-def _stands(chain: Chain) -> bool:
-    """Whether gravity presses the touching chain against a wall that it touches."""
-    down = chain.right_wall if chain.gravity > 0.0 else chain.left_wall
-    on_wall = chain.gravity != 0.0 and down is not None and down.gap == 0.0
-    from_strikers = chain.strikers > 0 and chain.gravity < 0.0
-    return on_wall and not from_strikers and not chain.gaps[chain.strikers :].any()

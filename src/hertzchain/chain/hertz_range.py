@@ -28,9 +28,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from hertzchain.chain.chain import Chain
+from hertzchain.chain.coverage import check_chain
 from hertzchain.chain.materials import Material
 from hertzchain.chain.walls import Wall
-from hertzchain.checks import column
+from hertzchain.checks import column, real_numbers
 from hertzchain.contacts import Array, collision_overlap, reduced_mass
 from hertzchain.errors import InputError, ModelRangeWarning
 
@@ -138,6 +139,7 @@ def hertz_range(chain: Chain, overlaps: ArrayLike | None = None) -> HertzRange:
     steel-52100 1.0
     steel-304 1.0
     """
+    check_chain("hertz_range", chain)
     if chain.units != "SI" or chain.materials is None:
         raise InputError(
             "the limits of Hertz' law need materials: make the chain by Chain.from_materials, "
@@ -194,7 +196,7 @@ def _collisions(chain: Chain) -> Array:
 
 def _with_walls(chain: Chain, overlaps: ArrayLike) -> Array:
     if np.size(overlaps) == chain.beads - 1:
-        overlaps = np.pad(np.asarray(overlaps, float), 1)
+        overlaps = np.pad(real_numbers("overlap", overlaps, "contact").reshape(-1), 1)
     return column("overlap", overlaps, chain.beads + 1, "contact", least=0.0)
 
 

@@ -6,16 +6,21 @@ from typing import TYPE_CHECKING, Final, Literal, get_args
 
 import numpy as np
 
+from hertzchain.arguments import one_of
 from hertzchain.chain.drives import Drive
 from hertzchain.chain.losses import Loss
 from hertzchain.chain.walls import Wall
-from hertzchain.errors import InputError, unknown_name
+from hertzchain.contacts import Array
+from hertzchain.errors import InputError, shown
 
 if TYPE_CHECKING:
     from hertzchain.chain.chain import Chain
 
 HeldBy = Literal["walls", "force"]
 HELD_BY: Final[tuple[HeldBy, ...]] = get_args(HeldBy)
+# Largest static overlap of a scaled chain, in units of those of the strike: beside larger ones
+# velocities lose more than half of their digits in rounding.
+LARGEST_SCALED_OVERLAP: Final = 1e6
 
 
 def check_holding(chain: Chain) -> None:
@@ -38,13 +43,15 @@ def check_holding(chain: Chain) -> None:
     """
     for side, wall in (("left", chain.left_wall), ("right", chain.right_wall)):
         if wall is not None and not isinstance(wall, Wall):
-            raise InputError(f"{side}_wall must be a Wall or None, got {wall!r}")
+            raise InputError(f"{side}_wall must be a Wall or None, got {shown(wall)}")
     if chain.loss is not None and not isinstance(chain.loss, Loss):
         raise InputError(
-            f"loss must be a law of hertzchain.chain.losses or None, got {chain.loss!r}"
+            f"loss must be a law of hertzchain.chain.losses or None, got {shown(chain.loss)}"
         )
     if chain.drive is not None and not isinstance(chain.drive, Drive):
-        raise InputError(f"drive must be a SineBurst, a Step, a Table or None, got {chain.drive!r}")
+        raise InputError(
+            f"drive must be a SineBurst, a Step, a Table or None, got {shown(chain.drive)}"
+        )
     if chain.drive is not None and chain.drive.of == "displacement" and chain.left_wall is None:
         raise InputError(
             "a drive of displacement moves the left wall, but the left end is free: give "
@@ -52,10 +59,10 @@ def check_holding(chain: Chain) -> None:
         )
     # Refuses a wall whose material has no meaning beside this chain.
     _ = chain.wall_stiffness
-    if chain.held_by not in HELD_BY:
-        raise unknown_name("way to hold a chain", chain.held_by, HELD_BY)
+    one_of("way to hold a chain", chain.held_by, HELD_BY)
     if chain.precompression > 0.0:
         _check_precompression(chain)
+    _check_static_overlaps(chain)
 
 
 def _check_precompression(chain: Chain) -> None:
@@ -94,3 +101,97 @@ def _check_precompression(chain: Chain) -> None:
             "a wall with a gap cannot hold a precompressed chain: leave the gap or the "
             "precompression out"
         )
+
+
+def static_forces(chain: Chain) -> Array:
+    """Force that each contact bears before anything moves.
+
+    Parameters
+    ----------
+    chain : Chain
+        Any chain.
+
+    Returns
+    -------
+    ndarray, shape (N + 1,)
+        Of contacts 0 (left wall) to N (right wall); that of a free end is what holds it.
+
+    Examples
+    --------
+    >>> import hertzchain as hc
+    >>> static_forces(hc.Chain.uniform(2).replace(gravity=0.1, right_wall=hc.Wall()))
+    array([0. , 0.1, 0.2])
+    """
+    forces = np.zeros(chain.beads + 1)
+    first = chain.strikers
+    weights = np.abs(chain.gravity) * chain.masses[first:]
+    if not (chain.precompression > 0.0 or _stands(chain)):
+        return forces
+    from_top = weights if chain.gravity >= 0.0 else weights[::-1]
+    held = chain.precompression + np.concatenate(([0.0], np.cumsum(from_top)))
+    forces[first:] = held if chain.gravity >= 0.0 else held[::-1]
+    return forces
+
+
+def static_overlaps(chain: Chain, forces: Array) -> Array:
+    r"""Overlaps :math:`(F_c/k_c)^{1/p}` under static forces; 0 at a free end.
+
+    Parameters
+    ----------
+    chain : Chain
+        Any chain.
+    forces : ndarray, shape (N + 1,)
+        Of `static_forces`.
+
+    Returns
+    -------
+    ndarray, shape (N + 1,)
+
+    Examples
+    --------
+    >>> import hertzchain as hc
+    >>> static_overlaps(hc.Chain.uniform(3), np.full(4, 8.0)).round(9)
+    array([0., 4., 4., 0.])
+    """
+    left, right = chain.wall_stiffness
+    stiffness = np.concatenate(([left], chain.stiffness, [right]))
+    overlaps = np.zeros(chain.beads + 1)
+    bearing = (forces > 0.0) & (stiffness > 0.0)
+    overlaps[bearing] = (forces[bearing] / stiffness[bearing]) ** (1.0 / chain.exponent)
+    return overlaps
+
+
+def _check_static_overlaps(chain: Chain) -> None:
+    """Refuse forces that press beads through each other before anything moves."""
+    forces = static_forces(chain)
+    if not forces.any():
+        return
+    overlaps = static_overlaps(chain, forces)
+    limits = np.full(chain.beads + 1, LARGEST_SCALED_OVERLAP)
+    if chain.units == "SI":
+        row = np.concatenate((chain.radii[:1], chain.radii, chain.radii[-1:]))
+        limits = np.minimum(row[:-1], row[1:])
+    excess = overlaps / limits
+    worst = int(np.argmax(excess))
+    if excess[worst] <= 1.0:
+        return
+    left, right = chain.wall_stiffness
+    stiffness = np.concatenate(([left], chain.stiffness, [right]))[worst]
+    # Rounded down, to be met when asked for.
+    largest = 0.995 * stiffness * limits[worst] ** chain.exponent
+    what = "precompression" if chain.precompression > 0.0 else "gravity"
+    unit, beside = "", f"{limits[worst]:g} times those of a strike"
+    if chain.units == "SI":
+        unit, beside = " N", f"the radius of a bead, {limits[worst]:g} m"
+    raise InputError(
+        f"{what} presses contact {worst} with {forces[worst]:g}{unit} to an overlap of more than "
+        f"{beside}: it bears at most {largest:.3g}{unit} there; use less {what}"
+    )
+
+
+def _stands(chain: Chain) -> bool:
+    """Whether gravity presses the touching chain against a wall that it touches."""
+    down = chain.right_wall if chain.gravity > 0.0 else chain.left_wall
+    on_wall = chain.gravity != 0.0 and down is not None and down.gap == 0.0
+    from_strikers = chain.strikers > 0 and chain.gravity < 0.0
+    return on_wall and not from_strikers and not chain.gaps[chain.strikers :].any()

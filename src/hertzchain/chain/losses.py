@@ -28,6 +28,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, TypeAlias
 
+from hertzchain.arguments import truth
+from hertzchain.chain.sizes import checked_exponent
 from hertzchain.checks import number
 from hertzchain.contacts import HERTZ_EXPONENT
 
@@ -74,6 +76,7 @@ class Restitution:
     attractive: bool = True
 
     def __post_init__(self) -> None:
+        truth("attractive", self.attractive)
         value = number("coefficient of restitution", self.coefficient, above=0.0, most=1.0)
         object.__setattr__(self, "coefficient", value)
 
@@ -97,12 +100,17 @@ class Restitution:
         -------
         float
 
+        Raises
+        ------
+        InputError
+            If the exponent is out of its range.
+
         Examples
         --------
         >>> Restitution(1.0).damping()
         0.0
         """
-        return math.sqrt(2.0 * (exponent + 1.0)) * self.damping_ratio
+        return math.sqrt(2.0 * (checked_exponent(exponent) + 1.0)) * self.damping_ratio
 
 
 @dataclass(frozen=True)
@@ -134,6 +142,7 @@ class Viscoelastic:
     attractive: bool = False
 
     def __post_init__(self) -> None:
+        truth("attractive", self.attractive)
         object.__setattr__(self, "time", number("relaxation time", self.time, unit="s", least=0.0))
 
     def factors(self, scales: Scales) -> Mapping[str, float]:
@@ -214,6 +223,7 @@ class VelocityPower:
     attractive: bool = True
 
     def __post_init__(self) -> None:
+        truth("attractive", self.attractive)
         object.__setattr__(self, "alpha", number("alpha", self.alpha, above=0.0, most=10.0))
         unit = f"N*(s/m)**{self.alpha}"
         object.__setattr__(self, "gamma", number("gamma", self.gamma, unit=unit, least=0.0))
@@ -265,6 +275,7 @@ class Dashpot:
     attractive: bool = True
 
     def __post_init__(self) -> None:
+        truth("attractive", self.attractive)
         object.__setattr__(self, "gamma", number("gamma", self.gamma, unit="kg/s", least=0.0))
 
     def factors(self, scales: Scales) -> Mapping[str, float]:

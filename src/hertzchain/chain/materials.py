@@ -16,6 +16,7 @@ from typing import Any, Final, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike
 
+from hertzchain.arguments import instance, text
 from hertzchain.checks import number
 from hertzchain.contacts import Array
 from hertzchain.errors import InputError, unknown_name
@@ -61,12 +62,15 @@ class Material:
     source: str = ""
 
     def __post_init__(self) -> None:
+        text("name of a material", self.name)
+        instance("source of a material", self.source, str)
+
         def check(field: str, **bounds: Any) -> None:
             value = number(f"{field} of {self.name!r}", getattr(self, field), **bounds)
             object.__setattr__(self, field, value)
 
         check("density", unit="kg/m**3", above=0.0, hint="in kg/m^3, steel has 7800")
-        if self.young != math.inf:
+        if not (isinstance(self.young, float) and self.young == math.inf):
             check("young", unit="Pa", above=0.0, hint="in Pa, steel has 200e9")
         check("poisson", unit="", above=-1.0, below=0.5, hint="metals have 0.3, rubber 0.499")
         if self.yield_strength is not None:
@@ -136,7 +140,7 @@ def material(name: MaterialLike) -> Material:
     if isinstance(name, Material):
         return name
     known = catalogue()
-    if name not in known:
+    if not isinstance(name, str) or name not in known:
         raise InputError(
             f"{unknown_name('material', name, known)}; one of your own is "
             "Material(name, density=, young=, poisson=)"

@@ -16,7 +16,7 @@ from hertzchain.chain.materials import Material, MaterialLike
 from hertzchain.chain.materials import material as material_named
 from hertzchain.checks import number, whole_number
 from hertzchain.contacts import Array
-from hertzchain.errors import InputError
+from hertzchain.errors import InputError, shown
 
 if TYPE_CHECKING:
     from hertzchain.chain.chain import Chain
@@ -120,6 +120,10 @@ def with_defects(
     kinds = None if self.materials is None else list(self.materials)
     if kinds is None and material is not None:
         raise InputError("material has a meaning in a chain of materials only")
+    if not isinstance(radii, Mapping):
+        raise InputError(
+            f"defects must be radii by bead number, such as {{3: 0.5}}, got {shown(radii)}"
+        )
     for bead, radius in radii.items():
         bead = whole_number("number of a defect's bead", bead, least=1, most=self.beads)
         row[bead - 1] = number(f"radius of bead {bead}", radius, unit=self._unit("m"), above=0.0)
@@ -167,12 +171,9 @@ def with_scatter(
         raise InputError(
             "ball grades are tolerances in micrometres: use Chain.from_materials, or relative"
         )
-    try:
-        chance = np.random.default_rng(rng)
-    except (TypeError, ValueError):
-        raise InputError(
-            f"the seed of a scatter must be a whole number of at least 0, got {rng!r}"
-        ) from None
+    if not isinstance(rng, np.random.Generator):
+        rng = whole_number("seed of a scatter", rng, least=0)
+    chance = np.random.default_rng(rng)
     row = _scattered(self.radii, chance, relative=relative, grade=grade)
     return _with_beads(self, "with_scatter", row, self.materials)
 
@@ -234,9 +235,11 @@ def _scattered(
     if relative is not None:
         spread = number("relative scatter", relative, least=0.0, most=1.0)
         return np.asarray(radii * np.exp(spread * rng.standard_normal(len(radii))))
-    if grade is None or grade not in BALL_GRADES:
+    if type(grade) is not int or grade not in BALL_GRADES:
         known = ", ".join(map(str, BALL_GRADES))
-        raise InputError(f"there is no ball grade {grade!r} in ISO 3290-1: choose from {known}")
+        raise InputError(
+            f"there is no ball grade {shown(grade)} in ISO 3290-1: choose from {known}"
+        )
     half = 0.25 * BALL_GRADES[grade]
     if half >= radii.min():
         raise InputError(f"balls of {radii.min():g} m are too small to scatter by grade {grade}")

@@ -14,6 +14,7 @@ unless asked for here.
 from __future__ import annotations
 
 import dataclasses
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, Protocol, TypeVar, runtime_checkable
@@ -21,11 +22,13 @@ from typing import Any, Protocol, TypeVar, runtime_checkable
 import numpy as np
 
 from hertzchain.chain.chain import Chain
+from hertzchain.chain.coverage import check_chain
 from hertzchain.chain.materials import contact_modulus, sphere_stiffness
+from hertzchain.chain.sizes import checked_exponent
 from hertzchain.chain.walls import Wall
 from hertzchain.checks import number
 from hertzchain.contacts import HERTZ_EXPONENT, hertz_stiffness
-from hertzchain.errors import InputError
+from hertzchain.errors import InputError, shown
 
 # Two numbers that only rounding has made different.
 ROUNDING = 1e-12
@@ -83,6 +86,20 @@ class Scales:
         for name, unit in (("radius", "m"), ("mass", "kg"), ("velocity", "m/s"), ("length", "m")):
             value = number(f"{name} of the scales", getattr(self, name), unit=unit, above=0.0)
             object.__setattr__(self, name, value)
+        object.__setattr__(self, "exponent", checked_exponent(self.exponent))
+        for name in ("time", "energy", "force", "stiffness", "acceleration"):
+            self._check_derived(name)
+
+    def _check_derived(self, name: str) -> None:
+        """Refuse units that cannot be represented."""
+        try:
+            value = float(getattr(self, name))
+        except (OverflowError, ZeroDivisionError):
+            value = math.inf
+        if not 0.0 < value < math.inf:
+            raise InputError(
+                f"the unit of {name} that follows from {self} is {value:g}: look at their units"
+            )
 
     @classmethod
     def of(cls, chain: Chain, *, velocity: float | None = None) -> Scales:
@@ -112,6 +129,7 @@ class Scales:
         >>> Scales.of(chain).velocity
         2.0
         """
+        check_chain("Scales.of", chain)
         if chain.units != "SI":
             raise InputError(
                 "scales belong to a chain in SI units; for a scaled one give radius, mass, "
@@ -224,7 +242,9 @@ def _converted(item: T, scales: Scales, *, to_si: bool) -> T:
         return _converted_chain(item, scales, to_si=to_si)  # type: ignore[return-value]
     changes: dict[str, Any] = {}
     if not dataclasses.is_dataclass(item) or isinstance(item, type):
-        raise InputError(f"cannot convert {item!r}: it is no chain, run, pulse or part of a chain")
+        raise InputError(
+            f"cannot convert {shown(item)}: it is no chain, run, pulse or part of a chain"
+        )
     for field in dataclasses.fields(item):
         value = getattr(item, field.name)
         if isinstance(value, Chain | _Convertible):

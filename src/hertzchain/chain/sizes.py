@@ -6,11 +6,11 @@ import math
 from typing import Final
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from hertzchain.checks import first_unreadable, number, whole_number
+from hertzchain.checks import number, real_numbers, whole_number
 from hertzchain.contacts import Array
-from hertzchain.errors import InputError
+from hertzchain.errors import InputError, shown
 
 # What an integration holds per bead: sixteen stages and the state, 8 bytes a number.
 BYTES_PER_BEAD: Final = 400
@@ -104,16 +104,11 @@ def positive_radii(radii: ArrayLike) -> Array:
     >>> positive_radii([5, 4])
     array([5., 4.])
     """
-    try:
-        given = np.asarray(radii)
-    except ValueError:
-        raise InputError(f"radii must be a list of positive numbers, got {radii!r}") from None
-    if given.dtype.kind not in "iuf":
-        raise InputError(first_unreadable("radius", "bead", radii))
-    if given.ndim != 1 or len(given) < 2:
-        raise InputError(f"radii must be a list of at least two numbers, got {radii!r}")
-    checked_beads(len(given))
-    values: NDArray[np.float64] = given.astype(float)
+    values = real_numbers("radius", radii, "bead")
+    if values.ndim != 1 or len(values) < 2:
+        raise InputError(f"radii must be a list of at least two numbers, got {shown(radii)}")
+    checked_beads(len(values))
+    values = values.copy()
     good = (values > 0.0) & (values < math.inf)
     if not good.all():
         k = int(np.argmin(good))
@@ -145,7 +140,7 @@ def scaled_radii(radii: ArrayLike) -> Array:
     >>> scaled_radii([1, 0.5])
     array([1. , 0.5])
     """
-    values = np.array(radii, dtype=float)
+    values = real_numbers("radius", radii, "bead")
     with np.errstate(over="ignore", under="ignore"):
         masses = values**3
     good = (masses >= np.finfo(float).tiny) & (masses < math.inf)

@@ -39,7 +39,7 @@ def rate_symbol(taper: str) -> Literal["S", "q"]:
     >>> rate_symbol("backward-linear")
     'S'
     """
-    if taper not in TAPERS:
+    if not isinstance(taper, str) or taper not in TAPERS:
         hint = "; equal beads are Chain.uniform" if taper == "uniform" else ""
         raise InputError(str(unknown_name("taper", taper, TAPERS)) + hint)
     return "S" if taper.endswith("linear") else "q"

@@ -13,7 +13,10 @@ from hertzchain.cli.progress import progress_of
 from hertzchain.cli.show import save_axes, show_json
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
     from hertzchain.simulation.run import Run
+    from hertzchain.simulation.wall_force import WallForce
 
 
 @click.command()
@@ -34,7 +37,15 @@ if TYPE_CHECKING:
     "--plot",
     type=click.Path(path_type=Path),
     metavar="FILE",
-    help="Draw velocities over time and bead into FILE (.png, .svg or .pdf).",
+    help="Draw velocities, or with --sensor forces, into FILE (.png, .svg or .pdf).",
+)
+@click.option(
+    "--sensor",
+    "sensors",
+    type=int,
+    multiple=True,
+    metavar="BEAD",
+    help="Print the peak force in a sensor in this bead, and when; repeat it for more.",
 )
 @click.option(
     "--stream",
@@ -47,9 +58,13 @@ if TYPE_CHECKING:
 def simulate(
     file: Path | None, chain_file: Path | None, taper: str | None, rate: float | None,
     beads: int | None, until: float | None, times: int, rtol: float, max_steps: int | None,
-    out: Path | None, plot: Path | None, stream: Path | None, budget: bool, as_json: bool,
+    out: Path | None, plot: Path | None, sensors: tuple[int, ...], stream: Path | None,
+    budget: bool, as_json: bool,
 ) -> None:  # fmt: skip
     """Integrate the whole chain and keep its trajectories.
+
+    What walls felt is printed, and what sensors in beads showed (the mean of the forces on both
+    halves of the bead).
 
     With --stream they are on disk alone, in netCDF files: memory does not grow with the run,
     and one that was interrupted goes on when the command is repeated.
@@ -59,22 +74,27 @@ def simulate(
       hertzchain simulate --beads 50 --until 60 --out run.nc
       hertzchain simulate --taper forward-exponential --rate 0.05 --beads 60 --plot run.png
       hertzchain simulate experiment.toml --until 7e-4 --budget
+      hertzchain simulate experiment.toml --until 7e-4 --sensor 6 --sensor 11 --plot forces.png
       hertzchain simulate experiment.toml --until 10 --times 100000 --stream long
     """
     import hertzchain
+    from hertzchain.checks import whole_number
     from hertzchain.store.results import save_run
 
     check_writable(plot, "--plot", (".png", ".svg", ".pdf"))
     check_writable(out, "--out", (".nc", ".csv"))
     if budget and as_json:
         raise click.UsageError("--budget and --json exclude each other")
-    if times < 2 and (out or plot or stream or budget):
+    if times < 2 and (out or plot or sensors or stream or budget):
         raise click.UsageError(
-            f"--out, --plot, --stream and --budget need saved times: --times {times} is too few"
+            "--out, --plot, --sensor, --stream and --budget need saved times: --times "
+            f"{times} is too few"
         )
     if stream is not None:
-        refuse_with_stream(out=out, plot=plot, budget=budget, max_steps=max_steps)
+        refuse_with_stream(out=out, plot=plot, sensor=sensors, budget=budget, max_steps=max_steps)
     chain = chain_from(file, chain_file, taper, rate, beads)
+    for bead in sensors:
+        whole_number("--sensor", bead, least=1, most=chain.beads)
     if stream is not None:
         stream_into(stream, chain, until=until, times=times, rtol=rtol, as_json=as_json)
         return
@@ -85,17 +105,30 @@ def simulate(
     if out is not None:
         save_run(run, out)
     if plot is not None:
-        save_axes(run.plot(), plot)
-    _show_run(run, as_json)
+        save_axes(_drawn(run, sensors), plot)
+    _show_run(run, sensors, as_json)
     if budget:
         click.echo(run.budget())
 
 
-def _show_run(run: Run, as_json: bool) -> None:
+def _drawn(run: Run, sensors: tuple[int, ...]) -> Axes:
+    """Forces in time of sensors and walls, or the map of all velocities."""
+    if not sensors:
+        return run.plot()
+    ends = {"left": 0, "right": run.chain.beads + 1}
+    return run.plot_forces([*sensors, *(ends[wall.side] for wall in _walls(run))])
 
+
+def _walls(run: Run) -> list[WallForce]:
+    from hertzchain.simulation.wall_force import SIDES
+
+    return [run.wall_force(side) for side in SIDES if f"{side} wall" in run.chain.features]
+
+
+def _show_run(run: Run, sensors: tuple[int, ...], as_json: bool) -> None:
     from hertzchain.store import results
 
-    summary = {
+    summary: dict[str, object] = {
         "status": run.status,
         "message": run.message,
         "end_time": run.end_time,
@@ -105,11 +138,40 @@ def _show_run(run: Run, as_json: bool) -> None:
         "momentum_drift": run.momentum_drift,
         "saved_times": len(run.times),
     }
+    names = ("side", "peak", "peak_time", "first_impulse", "first_end", "impulse")
+    walls = [{name: getattr(wall, name) for name in names} for wall in _walls(run)]
+    shown = [_peak(run, bead) for bead in sensors]
     if as_json:
         document = {"schema_version": results.SCHEMA_VERSION} | summary
+        document |= {"walls": walls, "sensors": shown}
         document["chain"] = results.chain_as_dict(run.chain)
         show_json(document)
         return
     click.echo(f"{run.chain.description}\n{run.message}")
     click.echo(f"energy drift {run.energy_drift:.1e}, momentum drift {run.momentum_drift:.1e}")
     click.echo(f"{len(run.times)} times saved, {run.evaluations} evaluations of the force")
+    newton, second, impulse = (" N", " s", " N s") if run.chain.units == "SI" else ("", "", "")
+    for wall in walls:
+        if wall["peak"] == 0.0:
+            click.echo(f"{wall['side']} wall: not reached")
+            continue
+        first = "the first contact is not over"
+        if wall["first_impulse"] is not None:
+            first = f"impulse of the first contact {wall['first_impulse']:.6g}{impulse}"
+        click.echo(
+            f"{wall['side']} wall: peak {wall['peak']:.6g}{newton} at t = "
+            f"{wall['peak_time']:.6g}{second}; {first}, impulse in all "
+            f"{wall['impulse']:.6g}{impulse}"
+        )
+    for sensor in shown:
+        click.echo(
+            f"sensor in bead {sensor['bead']}: peak {sensor['peak']:.6g}{newton} at t = "
+            f"{sensor['peak_time']:.6g}{second}"
+        )
+
+
+def _peak(run: Run, bead: int) -> dict[str, float]:
+    """Largest force that a sensor showed at the saved times, and when."""
+    force = run.sensor(bead)
+    at = int(force.argmax())
+    return {"bead": bead, "peak": float(force[at]), "peak_time": float(run.times[at])}

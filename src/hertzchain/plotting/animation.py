@@ -10,6 +10,8 @@ import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.collections import EllipseCollection
 
+from hertzchain.arguments import file_path, instance
+from hertzchain.checks import number, whole_number
 from hertzchain.contacts import Array
 from hertzchain.errors import InputError
 from hertzchain.plotting.chains import bead_centres, draw_walls
@@ -36,7 +38,7 @@ def animate(
     path : path-like
         File to write, ``.gif``.
     frames : int
-        Number of pictures, at most the saved times.
+        Number of pictures, at least 2; at most the saved times are shown.
     seconds : float
         How long it plays.
     magnify : float, optional
@@ -63,11 +65,16 @@ def animate(
     """
     from PIL import Image
 
+    instance("run", run, Run, "simulate makes one")
     check_times(run)
-    target = Path(path)
+    target = file_path("animation", path)
+    frames = whole_number("frames", frames, least=2)
+    seconds = number("seconds", seconds, above=0.0)
+    if magnify is not None:
+        magnify = number("magnify", magnify, above=0.0)
     if target.suffix != ".gif":
         raise InputError(f"an animation is a .gif file, got {target.name!r}")
-    chosen = np.unique(np.linspace(0, len(run.times) - 1, max(2, frames)).round().astype(int))
+    chosen = np.unique(np.linspace(0, len(run.times) - 1, frames).round().astype(int))
     moved = run.positions - run.positions[0]
     largest = float(np.abs(moved).max())
     factor = magnify or 2.0 * float(run.chain.radii.mean()) / max(largest, np.finfo(float).tiny)

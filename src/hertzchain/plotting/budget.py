@@ -5,13 +5,13 @@ from __future__ import annotations
 import math
 from typing import Final
 
-import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.ticker import FuncFormatter
 
-from hertzchain.errors import InputError, unknown_name
-from hertzchain.plotting.style import house_style, time_axis
+from hertzchain.arguments import one_of
+from hertzchain.errors import InputError
+from hertzchain.plotting.style import axes_in, house_style, time_axis
 from hertzchain.simulation.budget import BALANCED, Balanced, Budget
 
 # Where energy and momentum are, from light to dark as they are lost to the pulse.
@@ -58,8 +58,7 @@ def plot_budget(budget: Budget, of: Balanced = "energy", *, ax: Axes | None = No
     >>> axes.get_ylabel()
     'momentum'
     """
-    if of not in BALANCED:
-        raise unknown_name("balance", of, BALANCED)
+    one_of("balance", of, BALANCED)
     if len(budget.times) < 2:
         raise InputError("a stacked plot needs at least 2 saved times, the run has 1")
     there = budget.energy if of == "energy" else budget.momentum
@@ -68,7 +67,7 @@ def plot_budget(budget: Budget, of: Balanced = "energy", *, ax: Axes | None = No
     factor, label = time_axis(budget.chain)
     times, total = factor * budget.times, np.sum([*given.values()], axis=0)
     with house_style():
-        axes = ax if ax is not None else plt.subplots()[1]
+        axes = axes_in(ax)
         above, below = np.zeros(len(times)), np.zeros(len(times))
         for name, values in shown.items():
             colour, hatch = PARTS[name]

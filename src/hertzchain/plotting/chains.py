@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import PatchCollection
 from matplotlib.patches import Circle
 
 from hertzchain.chain.chain import Chain
+from hertzchain.chain.coverage import check_chain
 from hertzchain.contacts import Array
-from hertzchain.plotting.style import house_style
+from hertzchain.plotting.style import axes_in, house_style
 
 
 def plot_chain(chain: Chain, *, ax: Axes | None = None) -> Axes:
@@ -34,11 +34,12 @@ def plot_chain(chain: Chain, *, ax: Axes | None = None) -> Axes:
     >>> len(axes.collections)
     1
     """
+    check_chain("plot_chain", chain)
     factor, unit = (1e3, "mm") if chain.units == "SI" else (1.0, "$R_1$")
     radii = factor * chain.radii
     centres = bead_centres(chain) * factor
     with house_style():
-        axes = ax if ax is not None else plt.subplots(figsize=(7.0, 1.6))[1]
+        axes = axes_in(ax, figsize=(7.0, 1.6))
         circles = [Circle((x, 0.0), r) for x, r in zip(centres, radii, strict=True)]
         face = _face_colours(chain)
         axes.add_collection(
@@ -74,7 +75,7 @@ def draw_walls(chain: Chain, factor: float, tall: float, axes: Axes) -> None:
     Examples
     --------
     >>> import hertzchain as hc
-    >>> figure, axes = plt.subplots()
+    >>> axes = axes_in(None)
     >>> draw_walls(hc.Chain.uniform(3).replace(right_wall=hc.Wall()), 1.0, 2.0, axes)
     >>> len(axes.collections)
     1

@@ -5,11 +5,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Final
 
-import matplotlib.pyplot as plt
 from matplotlib.axes import Axes
 
 from hertzchain.errors import InputError
-from hertzchain.plotting.style import COLOURS, MARKERS, house_style
+from hertzchain.plotting.style import COLOURS, MARKERS, axes_in, house_style
 from hertzchain.pulse.pulse import Pulse
 from hertzchain.pulse.quantities import PER_CONTACT, Quantity
 
@@ -66,7 +65,7 @@ def plot_pulses(
     if missing:
         raise InputError(f"{missing[0]} does not predict {quantity}")
     with house_style():
-        axes = ax if ax is not None else plt.subplots()[1]
+        axes = axes_in(ax)
         for i, pulse in enumerate(pulses):
             values = pulse.columns()[quantity]
             axes.plot(

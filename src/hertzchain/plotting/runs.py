@@ -5,13 +5,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Literal
 
-import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.ticker import MaxNLocator
 
-from hertzchain.errors import InputError, unknown_name
-from hertzchain.plotting.style import COLOURS, house_style, time_axis
+from hertzchain.arguments import listed, one_of
+from hertzchain.checks import whole_number
+from hertzchain.errors import InputError
+from hertzchain.plotting.style import COLOURS, axes_in, house_style, time_axis
 from hertzchain.simulation.run import Run
 
 
@@ -46,8 +47,7 @@ def plot_run(
     """
     if len(run.times) < 2:
         raise InputError(f"a map needs at least 2 saved times, the run has {len(run.times)}")
-    if quantity not in ("velocity", "force"):
-        raise unknown_name("quantity of a map", quantity, ("velocity", "force"))
+    one_of("quantity of a map", quantity, ("velocity", "force"))
     real = run.chain.units == "SI"
     # One colour for at rest: white, red forwards, blue backwards.
     values, label, low, colours = run.velocities, "velocity $v_k(t)$", -1.0, "RdBu_r"
@@ -57,7 +57,7 @@ def plot_run(
         numbers = np.arange(run.chain.beads + 1)
     unit = {"velocity": "m/s", "force": "N"}[quantity]
     with house_style():
-        axes = ax if ax is not None else plt.subplots()[1]
+        axes = axes_in(ax)
         largest = float(np.abs(values).max())
         mesh = axes.pcolormesh(
             run.times * (1e6 if real else 1.0),
@@ -107,11 +107,14 @@ def plot_forces(run: Run, beads: Sequence[int], *, ax: Axes | None = None) -> Ax
     ['bead 5', 'bead 10', 'right wall']
     """
     check_times(run)
+    numbers = [whole_number("bead", k, least=0) for k in listed("beads", beads, "bead numbers")]
+    if not numbers:
+        raise InputError("name the beads whose forces to draw, such as [3, 6]")
     factor, label = time_axis(run.chain)
     walls = {0: "left", run.chain.beads + 1: "right"}
     with house_style():
-        axes = ax if ax is not None else plt.subplots()[1]
-        for i, k in enumerate(beads):
+        axes = axes_in(ax)
+        for i, k in enumerate(numbers):
             wall = walls.get(k)
             force = run.wall_force(wall).force if wall else run.sensor(k)  # type: ignore[arg-type]
             axes.plot(

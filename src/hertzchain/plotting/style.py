@@ -13,6 +13,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from hertzchain.arguments import instance
 from hertzchain.chain.chain import Chain
 
 # Colours of Okabe and Ito, told apart by colour-blind readers; markers say it again in grey.
@@ -59,6 +60,37 @@ def figure_bytes(figure: Figure, kind: str) -> bytes:
     with house_style():
         figure.savefig(content, format=kind, metadata=undated)
     return content.getvalue()
+
+
+def axes_in(ax: Axes | None, figsize: tuple[float, float] | None = None) -> Axes:
+    """The axes to draw into: those given, or a new figure's.
+
+    Parameters
+    ----------
+    ax : matplotlib.axes.Axes or None
+        Axes, if any are given.
+    figsize : tuple of float, optional
+        Size of a new figure [inches].
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+
+    Raises
+    ------
+    InputError
+        If something else was given.
+
+    Examples
+    --------
+    >>> axes = axes_in(None)
+    >>> axes_in(axes) is axes
+    True
+    """
+    if ax is None:
+        return plt.subplots(figsize=figsize)[1]
+    instance("ax", ax, Axes, "plt.subplots()[1] is one")
+    return ax
 
 
 def time_axis(chain: Chain) -> tuple[float, str]:

@@ -7,6 +7,7 @@ equation of motion as `hertzchain.simulate`, on the beads around the pulse only
 
 from __future__ import annotations
 
+import numbers
 import os
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
@@ -16,11 +17,12 @@ from typing import Final, TypeGuard
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from hertzchain.arguments import callback, listed
 from hertzchain.chain.chain import Chain
 from hertzchain.chain.coverage import require
-from hertzchain.checks import number, whole_number
+from hertzchain.checks import number, real_numbers, whole_number
 from hertzchain.contacts import HERTZ_EXPONENT, Array
-from hertzchain.errors import InputError, SimulationError
+from hertzchain.errors import InputError, SimulationError, shown
 from hertzchain.propagation.batch import COLUMNS, PASSED, STOP, Batch, Passage
 from hertzchain.propagation.uneven import LARGEST_RTOL
 from hertzchain.propagation.windows import follow
@@ -77,6 +79,7 @@ def propagate(
     0.68163155
     """
     require(chain, "propagate", instead="use simulate")
+    callback("progress", progress)
     rtol = _checked_rtol(rtol)
     batch, signal = Batch.of([chain]), np.zeros(2, np.int64)
     if chain.beads <= SHORT and progress is None:
@@ -128,6 +131,7 @@ def propagate_many(
     >>> hc.propagate_many(chains).velocity[:, -1].round(3)
     array([ 4.053, 14.765, 46.469])
     """
+    callback("progress", progress)
     rtol, threads = _checked_rtol(rtol), _checked_threads(threads)
     ensemble = _Ensemble.of(chains)
     blocks = list(ensemble.blocks(threads))
@@ -157,6 +161,39 @@ def propagate_many(
     return ensemble.table()
 
 
+def rows_of(chains: Iterable[Chain | ArrayLike] | ArrayLike) -> list[Chain | ArrayLike]:
+    """Chains or rows of radii, as a list; not one chain alone.
+
+    Parameters
+    ----------
+    chains : iterable of Chain or array_like
+        What was given.
+
+    Returns
+    -------
+    list
+
+    Raises
+    ------
+    InputError
+        If it is no list, or its items are numbers, as in one row of radii.
+
+    Examples
+    --------
+    >>> rows_of([[1.0, 2.0]])
+    [[1.0, 2.0]]
+    """
+    if isinstance(chains, Chain):
+        raise InputError("propagate_many takes a list of chains, got one: use propagate(chain)")
+    given = listed("chains", chains, "chains or rows of radii")
+    if given and all(isinstance(item, numbers.Real) for item in given):
+        raise InputError(
+            f"chains must be a list of chains or rows of radii, got {shown(given)}: of one row of "
+            "radii make a list, [[...]]"
+        )
+    return given
+
+
 @dataclass(eq=False)
 class _Ensemble:
     """Radii of all chains in padded rows, and the results as they come in."""
@@ -174,41 +211,36 @@ class _Ensemble:
     def of(cls, chains: Iterable[Chain | ArrayLike] | ArrayLike) -> _Ensemble:
         if isinstance(chains, np.ndarray) and chains.ndim == 2:
             return cls._of_rows(chains, np.full(len(chains), chains.shape[1]))
-        if isinstance(chains, str | Chain) or not isinstance(chains, Iterable):
-            raise InputError(f"chains must be a sequence of chains or radii, got {chains!r}")
-        given = list(chains)
+        given = rows_of(chains)
         rows = [item for item in given if _is_row(item)]
         if len(rows) == len(given) > 0:
             return cls._of_rows(*_padded(rows))
-        listed: list[Chain | str] = []
+        found: list[Chain | str] = []
         lengths = []
         for item in given:
             try:
                 chain = item if isinstance(item, Chain) else Chain.from_radii(item)
                 require(chain, "propagate_many", instead="use simulate")
                 lengths.append(chain.beads)
-                listed.append(chain)
+                found.append(chain)
             except InputError as error:
                 lengths.append(np.size(item) if isinstance(item, np.ndarray | Sequence) else 0)
-                listed.append(str(error))
+                found.append(str(error))
         beads = np.array(lengths, np.int64)
-        radii = np.full((len(listed), int(beads.max(initial=0))), np.nan)
-        exponents = np.full(len(listed), HERTZ_EXPONENT)
+        radii = np.full((len(found), int(beads.max(initial=0))), np.nan)
+        exponents = np.full(len(found), HERTZ_EXPONENT)
         reasons = {}
-        for row, found in enumerate(listed):
-            if isinstance(found, str):
-                reasons[row] = found
+        for row, each in enumerate(found):
+            if isinstance(each, str):
+                reasons[row] = each
             else:
-                radii[row, : found.beads] = found.radii
-                exponents[row] = found.exponent
+                radii[row, : each.beads] = each.radii
+                exponents[row] = each.exponent
         return cls(radii, beads, exponents, reasons)
 
     @classmethod
     def _of_rows(cls, rows: NDArray[np.float64], beads: NDArray[np.int64]) -> _Ensemble:
-        try:
-            given = np.asarray(rows, float)
-        except (TypeError, ValueError):
-            raise InputError("radii must be numbers") from None
+        given = real_numbers("radii", rows, "chain")
         inside = np.arange(given.shape[1]) < beads[:, np.newaxis]
         reasons = {}
         with np.errstate(all="ignore"):

@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from hertzchain.checks import whole_number
 from hertzchain.contacts import Array
-from hertzchain.errors import InputError
+from hertzchain.errors import InputError, shown
 from hertzchain.pulse.quantities import Quantity
 
 if TYPE_CHECKING:
@@ -45,6 +46,12 @@ class Comparison:
     reference: Pulse
 
     def __post_init__(self) -> None:
+        for name in ("pulse", "reference"):
+            given = getattr(self, name)
+            if not hasattr(given, "velocity_error"):
+                raise InputError(
+                    f"{name} must be a Pulse, got {shown(given)}; theories and propagate make one"
+                )
         ours, theirs = self.pulse.chain, self.reference.chain
         same_law = (ours.exponent, ours.units) == (theirs.exponent, theirs.units)
         if not same_law or not all(
@@ -166,11 +173,9 @@ class Comparison:
         self, quantity: Quantity, first_bead: int, summary: Callable[[Array], float]
     ) -> float:
         errors = np.abs(self.errors(quantity))
-        if not 1 <= first_bead <= len(errors):
-            raise InputError(
-                f"first_bead must be a bead that has {quantity}, 1 to {len(errors)}, "
-                f"got {first_bead}"
-            )
+        first_bead = whole_number(
+            f"first_bead of {quantity}", first_bead, least=1, most=len(errors)
+        )
         return summary(errors[first_bead - 1 :])
 
     def __str__(self) -> str:

@@ -14,9 +14,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from hertzchain.arguments import one_of, text
 from hertzchain.chain.chain import Chain
+from hertzchain.chain.coverage import check_chain
+from hertzchain.checks import real_numbers
 from hertzchain.contacts import Array
-from hertzchain.errors import InputError, unknown_name
+from hertzchain.errors import InputError
 from hertzchain.pulse.comparison import Comparison
 from hertzchain.pulse.quantities import PER_CONTACT, QUANTITIES, SI_UNITS, Quantity
 
@@ -74,6 +77,10 @@ class Pulse:
     velocity_error: Array | None = None
 
     def __post_init__(self) -> None:
+        check_chain("Pulse", self.chain)
+        text("method of a pulse", self.method)
+        if self.velocity is None:
+            raise InputError("a pulse has at least the velocity of each bead, got None")
         beads = self.chain.beads
         for name in (
             "velocity", "peak_time", "arrival", "peak_overlap", "residence", "velocity_error",
@@ -180,8 +187,7 @@ class Pulse:
         >>> float(hc.bca(hc.Chain.uniform(3)).column("velocity")[2])
         1.0
         """
-        if quantity not in QUANTITIES:
-            raise unknown_name("quantity", quantity, QUANTITIES)
+        one_of("quantity", quantity, QUANTITIES)
         values: Array | None = getattr(self, quantity)
         return values
 
@@ -197,12 +203,18 @@ class Pulse:
         -------
         str
 
+        Raises
+        ------
+        InputError
+            If there is no such quantity.
+
         Examples
         --------
         >>> import hertzchain as hc
         >>> hc.bca(hc.Chain.uniform(3)).unit("peak_force")
         '1'
         """
+        one_of("quantity", quantity, QUANTITIES)
         return SI_UNITS[quantity] if self.chain.units == "SI" else "1"
 
     def columns(self) -> dict[Quantity, Array]:
@@ -346,10 +358,8 @@ class Pulse:
 
 def _checked_column(pulse: Pulse, name: str, given: ArrayLike, length: int) -> Array:
     """Read-only copy of a column, unless it could only mislead."""
-    try:
-        values = np.array(given, dtype=float)
-    except (TypeError, ValueError):
-        raise InputError(f"{name} of a pulse must be {length} numbers, got {given!r}") from None
+    place = "contact" if name in PER_CONTACT else "bead"
+    values = real_numbers(name, given, place).copy()
     if values.shape != (length,):
         raise InputError(f"{name} of a pulse must have shape ({length},), got {values.shape}")
     good = np.isfinite(values)
@@ -362,7 +372,6 @@ def _checked_column(pulse: Pulse, name: str, given: ArrayLike, length: int) -> A
         good[first:] &= values[first:] > 0.0
     if not good.all():
         k = int(np.argmin(good))
-        place = "contact" if name in PER_CONTACT else "bead"
         raise InputError(
             f"{name} of {place} {k + 1} is {values[k]:g} by {pulse.method} for the chain "
             f"{pulse.chain.description}: it must be positive and finite; if it underflows or "

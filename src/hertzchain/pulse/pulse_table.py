@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import operator
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
@@ -10,9 +11,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from hertzchain.arguments import one_of
 from hertzchain.chain.chain import Chain
 from hertzchain.contacts import Array, hertz_stiffness
-from hertzchain.errors import SimulationError, unknown_name
+from hertzchain.errors import InputError, SimulationError, shown
 from hertzchain.pulse.pulse import Pulse
 from hertzchain.pulse.quantities import QUANTITIES, Quantity
 
@@ -124,9 +126,13 @@ class PulseTable:
         return len(self.beads)
 
     def _row(self, index: int) -> int:
-        if not -len(self) <= index < len(self):
-            raise IndexError(f"chain {index} of {len(self)}")
-        return index % len(self)
+        try:
+            row = operator.index(index)
+        except TypeError:
+            raise InputError(f"a row is a whole number, got {shown(index)}") from None
+        if not -len(self) <= row < len(self):
+            raise IndexError(f"there is no chain {row} among {len(self)}, counted from 0")
+        return row % len(self)
 
     def column(self, quantity: Quantity) -> Array | None:
         """One quantity of all chains by its name, as `Pulse.column`.
@@ -153,8 +159,7 @@ class PulseTable:
         array([[1.    , 1.    ],
                [1.    , 1.7778]])
         """
-        if quantity not in QUANTITIES:
-            raise unknown_name("quantity", quantity, QUANTITIES)
+        one_of("quantity", quantity, QUANTITIES)
         if quantity == "momentum":
             return self.radii**3 * self.velocity
         if quantity == "energy":

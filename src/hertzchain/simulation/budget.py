@@ -24,11 +24,11 @@ from typing import TYPE_CHECKING, Any, Final, Literal
 
 import numpy as np
 
+from hertzchain.arguments import one_of
 from hertzchain.chain.chain import Chain
 from hertzchain.chain.equilibrium import equilibrium
 from hertzchain.chain.losses import UnloadingRatio, WaltonBraun
 from hertzchain.contacts import Array
-from hertzchain.errors import unknown_name
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -105,8 +105,7 @@ class Budget:
         return difference / max(float(moving.max()), np.finfo(float).tiny)
 
     def _sides(self, of: str) -> tuple[dict[str, Array], dict[str, Array]]:
-        if of not in BALANCED:
-            raise unknown_name("balance", of, BALANCED)
+        one_of("balance", of, BALANCED)
         if of == "energy":
             return self.energy, self.energy_given
         return self.momentum, self.momentum_given

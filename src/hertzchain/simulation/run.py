@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Final, Literal
 import numpy as np
 
 from hertzchain import __version__
+from hertzchain.arguments import one_of
 from hertzchain.chain.chain import Chain
 from hertzchain.chain.equilibrium import equilibrium
 from hertzchain.checks import whole_number
@@ -32,6 +33,18 @@ Status = Literal[
 ]
 # Units by the chain's: time, length, velocity, force, mass.
 UNITS: Final = {"scaled": ("1",) * 5, "SI": ("s", "m", "m/s", "N", "kg")}
+
+# What may make the motion of a chain stiff, by its features, and what to try.
+MILDER: Final = {
+    "loss": "a weaker loss",
+    "precompression": "less precompression",
+    "gravity": "less gravity",
+    "left wall": "a softer left wall",
+    "right wall": "a softer right wall",
+    "drive": "a slower drive",
+    "masses": "less unequal masses",
+    "stiffness": "less unequal stiffness",
+}
 
 
 @dataclass(frozen=True, eq=False)
@@ -176,33 +189,43 @@ class Run:
     @property
     def message(self) -> str:
         """The status in a sentence."""
-        passed = f"the pulse had passed {self._beads_passed} of {self.chain.beads} beads"
+        passed = f"the pulse had passed {self.beads_passed} of {self.chain.beads} beads"
         unit = " s" if self.chain.units == "SI" else ""
         at = f"at t = {self.end_time:g}{unit}, after {self.steps} steps"
         return {
             "pulse left": f"the pulse left the chain {at}",
             "time reached": f"stopped as asked {at}; {passed}",
             "step limit": (
-                f"stopped by the step limit {at}; {passed}; raise max_steps, or use fewer "
-                "beads or a weaker taper if the time hardly moves"
+                f"stopped by the step limit {at}; {passed}; raise max_steps, or use "
+                f"{self._milder} if the time hardly moves"
             ),
             "underflow": (
-                f"the motion became too small to represent {at}; {passed}; "
-                "use fewer beads or a weaker taper"
+                f"the motion became too small to represent {at}; {passed}; use {self._milder}"
             ),
             "pulse lost": (
-                f"the pulse was lost {at}: {passed}, and nothing more happens; beads far "
-                "heavier than their neighbours hardly move"
+                f"the pulse was lost {at}: {passed}, and nothing more happens; "
+                + (
+                    "use a weaker loss"
+                    if self.chain.loss is not None
+                    else "beads far heavier than their neighbours hardly move"
+                )
             ),
             "step too small": (
-                f"the steps became too short for the clock {at}; {passed}; "
-                "use fewer beads or a weaker taper"
+                f"the steps became too short for the clock {at}; {passed}; use {self._milder}"
             ),
         }[self.status]
 
     @property
-    def _beads_passed(self) -> int:
-        """Beads of which peak and both contacts are recorded; the striker counts."""
+    def _milder(self) -> str:
+        """What of this chain may make its motion stiff, made less so."""
+        found = [advice for name, advice in MILDER.items() if name in self.chain.features]
+        even = np.ptp(self.chain.radii) == 0.0
+        return " or ".join(found or ["fewer beads" if even else "fewer beads or a weaker taper"])
+
+    @property
+    def beads_passed(self) -> int:
+        """Number of beads that the pulse has passed, the striker among them."""
+        # Those of which peak and both contacts are recorded.
         return 1 + int(np.count_nonzero((self._peaks[0, 1:] != 0) & (self._crossings[0] > 0)))
 
     @property
@@ -231,7 +254,7 @@ class Run:
         >>> float(hc.simulate(hc.Chain.uniform(30)).pulse().velocity[1].round(9))
         0.751471736
         """
-        if self._beads_passed < self.chain.beads:
+        if self.beads_passed < self.chain.beads:
             raise SimulationError(f"no pulse of all beads: {self.message}; simulate for longer")
         return Pulse(
             chain=self.chain,
@@ -350,8 +373,7 @@ class Run:
         >>> round(wall.peak, 4), round(wall.first_impulse, 4)
         (1.2432, 2.3454)
         """
-        if side not in SIDES:
-            raise InputError(f"a wall is 'left' or 'right', got {side!r}")
+        one_of("side of a wall", side, SIDES)
         if f"{side} wall" not in self.chain.features:
             raise InputError(f"the {side} end of this chain is free: give it a {side}_wall")
         from hertzchain.kernels import full_chain as kernel
@@ -438,15 +460,15 @@ class Run:
         Returns
         -------
         float
-            From the saved times [beads]; NaN where the velocity is not seen to fall to half
-            of its maximum on both sides.
+            From the saved times [beads].
 
         Raises
         ------
         InputError
             If there is no such bead, or fewer than two times were saved.
         SimulationError
-            If the pulse had not passed the bead when the run stopped.
+            If the pulse had not passed the bead when the run stopped, or the velocity is not
+            seen to fall to half of its maximum on both sides.
 
         Examples
         --------
@@ -461,10 +483,17 @@ class Run:
                 f"no width of the pulse at bead {k}: {self.message}; simulate for longer"
             )
         waves = self.waves(k)
-        if not len(waves):
-            return float("nan")
-        leading = int(np.argmin(np.abs(waves.times - self._peaks[0, k - 1])))
-        return float(waves.widths[leading] / self._residence[k - 1])
+        width = np.nan
+        if len(waves):
+            leading = int(np.argmin(np.abs(waves.times - self._peaks[0, k - 1])))
+            width = waves.widths[leading] / self._residence[k - 1]
+        if not np.isfinite(width):
+            raise SimulationError(
+                f"no width of the pulse at bead {k}: among the {len(self.times)} saved times its "
+                "velocity is not seen to fall to half of its maximum on both sides; save more "
+                "times, or let the run go on for longer (until)"
+            )
+        return float(width)
 
     def budget(self) -> Budget:
         """Energy and momentum at every saved time, by where they are and whence they came.

@@ -12,12 +12,14 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import ArrayLike
 
+from hertzchain.arguments import callback, instance, truth
 from hertzchain.chain.chain import Chain
+from hertzchain.chain.coverage import check_chain
 from hertzchain.chain.equilibrium import equilibrium
 from hertzchain.chain.hertz_range import warn_outside_hertz
-from hertzchain.checks import number, whole_number
+from hertzchain.checks import number, real_numbers, whole_number
 from hertzchain.contacts import Array
-from hertzchain.errors import InputError, SimulationError
+from hertzchain.errors import InputError, SimulationError, shown
 from hertzchain.simulation.equations import equation_of
 from hertzchain.simulation.run import Run, Status
 from hertzchain.simulation.state import State, contacts_of, first_state, same_motion, transit_times
@@ -33,6 +35,8 @@ LEAST_STEP_LIMIT: Final = 1_000_000
 BEAD_STEPS_PER_CALL: Final = 1_000_000
 # Below this, accelerations have lost digits and the steps would shrink without end.
 SMALLEST_ACCELERATION: Final = 1e-290
+# Steps are parts of the time of a contact, and must be numbers too.
+SHORTEST_CONTACT: Final = 1e-280
 
 
 def simulate(
@@ -105,14 +109,19 @@ def simulate(
     >>> run.energy_drift < 1e-10
     True
     """
-    rtol = number("rtol", rtol, least=1e-14, most=1e-6)
+    check_chain("simulate", chain)
+    callback("progress", progress)
+    check = truth("check", check)
+    rtol = checked_rtol(rtol)
     if until is not None:
         until = number("until", until, above=0.0)
     usual = max(STEPS_PER_BEAD * chain.beads, LEAST_STEP_LIMIT)
     limit = usual if max_steps is None else whole_number("max_steps", max_steps, least=1)
+    _check_clock(chain)
     if start is None:
         start = first_state(chain)
-    elif not same_motion(chain, start.chain):
+    instance("start", start, State, "run.state is one")
+    if not same_motion(chain, start.chain):
         raise InputError(
             f"the state to start from is one of another chain ({start.chain.description}): "
             "give simulate the chain that it is from"
@@ -126,6 +135,31 @@ def simulate(
         raise SimulationError(run.message)
     warn_outside_hertz(chain, run.largest_overlaps)
     return run
+
+
+def checked_rtol(rtol: float) -> float:
+    """A tolerance of a step, 1e-14 .. 1e-6.
+
+    Parameters
+    ----------
+    rtol : float
+        What was given.
+
+    Returns
+    -------
+    float
+
+    Raises
+    ------
+    InputError
+        If it is out of this range.
+
+    Examples
+    --------
+    >>> checked_rtol(1e-13)
+    1e-13
+    """
+    return number("rtol", rtol, least=1e-14, most=1e-6)
 
 
 class _Frames:
@@ -287,6 +321,17 @@ def _part(drift: float, unit: float) -> float:
     return float(drift / unit) if unit > 0.0 else 0.0
 
 
+def _check_clock(chain: Chain) -> None:
+    """Refuse a motion that is too fast for any clock."""
+    times = transit_times(chain)
+    k = int(np.argmin(times))
+    if times[k] < SHORTEST_CONTACT:
+        raise InputError(
+            f"a pulse would pass contact {k + 1} in {times[k]:g}{' s' * (chain.units == 'SI')}, "
+            "too short a time to represent: look at the units of masses, stiffness and velocities"
+        )
+
+
 def _check_end(chain: Chain, until: float | None, times: int | ArrayLike, begin: float) -> None:
     """Refuse an end that has passed, or none where no pulse will leave."""
     if until is not None and until <= begin:
@@ -299,13 +344,15 @@ def _check_end(chain: Chain, until: float | None, times: int | ArrayLike, begin:
 
 
 def _checked_times(chain: Chain, times: ArrayLike, begin: float, until: float | None) -> Array:
-    given = np.asarray(times)
-    if given.ndim != 1 or not given.size or given.dtype.kind not in "iuf":
+    if isinstance(times, str | bool | float | None) or not np.size(times):
         raise InputError(
-            f"times must be a whole number or a list of increasing numbers, got {times!r}"
+            f"times must be a whole number or a list of increasing numbers, got {shown(times)}"
         )
+    given = real_numbers("time", times)
+    if given.ndim != 1:
+        raise InputError(f"times must be numbers in one row, got {shown(times)}")
     _fitting_count(chain, given.size)
-    values = given.astype(float)
+    values = given
     good = np.isfinite(values) & (np.diff(values, prepend=-np.inf) > 0.0) & (values >= 0.0)
     if not good.all():
         bad = int(np.argmin(good))

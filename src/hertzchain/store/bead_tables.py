@@ -8,6 +8,7 @@ from typing import Any, Final
 
 import numpy as np
 
+from hertzchain.arguments import file_path
 from hertzchain.chain.chain import Chain
 from hertzchain.chain.drives import Table
 from hertzchain.chain.materials import Material, material
@@ -61,8 +62,9 @@ def load_beads(path: str | os.PathLike[str], own: Mapping[str, Material] | None 
     ...     load_beads(file)
     Chain(SI, brass and glass, R = 4 .. 5 mm, 2 beads)
     """
+    file = file_path("table of beads", path)
     try:
-        return _chain_of(read_csv(path, BEAD_COLUMNS), own or {})
+        return _chain_of(read_csv(file, BEAD_COLUMNS), own or {})
     except InputError as error:
         raise InputError(f"{os.fspath(path)}: {error}") from None
 
@@ -124,8 +126,9 @@ def load_drive(path: str | os.PathLike[str]) -> Table:
     ...     load_drive(file)
     Table(3 times, 0 to 3e-05, of='force')
     """
+    file = file_path("table of a drive", path)
     try:
-        table = read_csv(path, DRIVE_COLUMNS)
+        table = read_csv(file, DRIVE_COLUMNS)
         of = [name for name in ("force", "displacement") if name in table.columns]
         if "time" not in table.columns or len(of) != 1:
             raise InputError(

@@ -36,7 +36,9 @@ from typing import Any, Final
 
 import numpy as np
 
+from hertzchain.arguments import file_path, one_of
 from hertzchain.chain.chain import TAPERS, Chain
+from hertzchain.chain.coverage import check_chain
 from hertzchain.chain.drives import Drive, SineBurst, Step, Table
 from hertzchain.chain.losses import (
     Dashpot,
@@ -110,11 +112,12 @@ def load_chain(path: str | os.PathLike[str]) -> Chain:
     ...     load_chain(file)
     Chain(uniform, 20 beads)
     """
+    file = file_path("chain file", path)
     name = os.fspath(path)
-    if Path(path).suffix.lower() == ".csv":
+    if file.suffix.lower() == ".csv":
         return load_beads(path)
     try:
-        document = tomllib.loads(Path(path).read_text("utf-8-sig"))
+        document = tomllib.loads(file.read_text("utf-8-sig"))
     except OSError as error:
         raise InputError(
             f"cannot read chain file {name!r} ({error.strerror}); give the path of a TOML or "
@@ -125,7 +128,7 @@ def load_chain(path: str | os.PathLike[str]) -> Chain:
     except tomllib.TOMLDecodeError as error:
         raise InputError(f"chain file {name!r} is not valid TOML: {error}") from None
     try:
-        return chain_from(document, Path(path).parent)
+        return chain_from(document, file.parent)
     except InputError as error:
         raise InputError(f"{name}: {error}") from None
 
@@ -176,6 +179,7 @@ def chain_as_toml(chain: Chain) -> str:
     radii = [1.0, 1.0]
     right_wall = {rigid = true, gap = 0.0}
     """
+    check_chain("chain_as_toml", chain)
     entries: dict[str, Any] = {}
     if chain.taper is not None:
         entries |= {"taper": chain.taper, "rate": chain.rate, "beads": chain.beads}
@@ -287,8 +291,7 @@ class _ChainFile:
 
     def _tapered(self, law: dict[str, Any]) -> Chain:
         table = self.table
-        if table["taper"] not in (*TAPERS, "uniform"):
-            raise unknown_name("taper", table["taper"], (*TAPERS, "uniform"))
+        one_of("taper", table["taper"], (*TAPERS, "uniform"))
         beads = self._needed("beads")
         if table["taper"] == "uniform":
             self._refuse_beside('taper = "uniform"', ["rate"])
@@ -354,9 +357,9 @@ class _ChainFile:
                 entry["material"] = self._material(entry["material"])
             return _called(Wall, f"chain.{name}", entry)
         kinds, key = (LAWS, "law") if name == "loss" else (DRIVES, "kind")
-        kind = entry.pop(key, None)
-        if kind not in kinds:
-            raise unknown_name(f"{key} of [chain.{name}]", kind, kinds)
+        if key not in entry:
+            raise InputError(f"[chain.{name}] has no {key}: choose from {', '.join(kinds)}")
+        kind = one_of(f"{key} of [chain.{name}]", entry.pop(key), kinds)
         if kind == "table" and "file" in entry:
             if len(entry) > 1:
                 raise InputError("[chain.drive] has file and also other keys: leave them out")

@@ -179,7 +179,7 @@ def _number(cell: str, row: int, name: str) -> float:
     try:
         value = float(cell)
     except ValueError:
-        value = math.nan
+        raise InputError(f"row {row} of column {name!r} is {cell!r}: it must be a number") from None
     if not math.isfinite(value):
-        raise InputError(f"row {row} of column {name!r} is {cell!r}: it must be a number")
+        raise InputError(f"row {row} of column {name!r} is {cell!r}: it must be finite")
     return value

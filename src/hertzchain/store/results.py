@@ -15,7 +15,9 @@ from typing import Any, Final
 import numpy as np
 
 from hertzchain import __version__
+from hertzchain.arguments import file_path, instance
 from hertzchain.chain.chain import Chain
+from hertzchain.chain.coverage import check_chain
 from hertzchain.errors import InputError
 from hertzchain.pulse.pulse import Pulse
 from hertzchain.simulation.run import Run
@@ -142,7 +144,7 @@ def save_run(run: Run, path: str | os.PathLike[str]) -> None:
     """
     if not len(run.times):
         raise InputError("the run has saved no times to write; give times of at least 2")
-    target = Path(path)
+    target = file_path("file of a run", path)
     if target.suffix == ".nc":
         # SciPy writes netCDF 3, which every netCDF reader reads, without another library.
         content: bytes = bytes(run.to_xarray().to_netcdf(engine="scipy"))
@@ -176,10 +178,12 @@ def save_state(state: State, path: str | os.PathLike[str]) -> None:
     ...     save_state(hc.simulate(chain, until=2.0).state, Path(folder) / "run.npz")
     ...     later = hc.simulate(chain, start=load_state(Path(folder) / "run.npz", chain), until=4.0)
     """
+    instance("state", state, State, "run.state is one")
+    target = file_path("state file", path)
     content = io.BytesIO()
     about = {"version": np.array(__version__), "chain": np.array(fingerprint(state.chain))}
     np.savez(content, **about, **state.arrays)  # type: ignore[arg-type]
-    write_bytes(Path(path), content.getvalue())
+    write_bytes(target, content.getvalue())
 
 
 def load_state(path: str | os.PathLike[str], chain: Chain) -> State:
@@ -206,6 +210,8 @@ def load_state(path: str | os.PathLike[str], chain: Chain) -> State:
     --------
     See `save_state`.
     """
+    check_chain("load_state", chain)
+    file_path("state file", path)
     name = os.fspath(path)
     try:
         with np.load(path) as file:

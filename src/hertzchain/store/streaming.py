@@ -8,6 +8,7 @@ reader of netCDF, whatever becomes of the run.
 
 from __future__ import annotations
 
+import math
 import os
 import sys
 import time
@@ -20,12 +21,15 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 from numpy.typing import ArrayLike
 
+from hertzchain.arguments import callback, file_path
 from hertzchain.chain.chain import Chain
+from hertzchain.chain.coverage import check_chain
 from hertzchain.chain.hertz_range import warn_outside_hertz
+from hertzchain.checks import real_numbers
 from hertzchain.contacts import Array
-from hertzchain.errors import InputError, ModelRangeWarning
+from hertzchain.errors import InputError, ModelRangeWarning, real_number, shown
 from hertzchain.simulation.run import Run
-from hertzchain.simulation.simulate import DEFAULT_RTOL, Progress, simulate
+from hertzchain.simulation.simulate import DEFAULT_RTOL, Progress, checked_rtol, simulate
 from hertzchain.simulation.state import State
 from hertzchain.store.results import load_state, save_run, save_state
 
@@ -60,6 +64,9 @@ class StoredRun:
     """
 
     folder: Path
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "folder", file_path("folder", self.folder))
 
     @property
     def files(self) -> list[Path]:
@@ -114,6 +121,9 @@ class StoredRun:
         """
         import xarray as xr
 
+        for name, given in (("start", start), ("stop", stop)):
+            if math.isnan(real_number(name, given)):
+                raise InputError(f"{name} must be a time, got nan")
         chosen = [part.sel(time=slice(start, stop)) for part in self.parts()]
         chosen = [part for part in chosen if part.sizes["time"]]
         if not chosen:
@@ -156,8 +166,8 @@ def stream(
     Raises
     ------
     InputError
-        If times are not increasing, the folder holds another run or anything else, or a
-        file cannot be written; what was written before stays readable.
+        If times are not increasing, the folder holds another run, one with another tolerance
+        or anything else, or a file cannot be written; what was written before stays readable.
     SimulationError
         If the run fails.
 
@@ -168,12 +178,18 @@ def stream(
     ...     len(hc.stream(hc.Chain.uniform(5), folder, times=[1.0, 2.0]).files)
     1
     """
-    stored = StoredRun(Path(folder))
-    wanted = np.asarray(times, float)
-    if wanted.ndim != 1 or not wanted.size or np.any(np.diff(wanted) <= 0.0):
-        raise InputError("times to save at must be a list of increasing numbers")
+    check_chain("stream", chain)
+    callback("progress", progress)
+    rtol = checked_rtol(rtol)
+    stored = StoredRun(file_path("folder", folder))
+    wanted = real_numbers("time", times)
+    row = wanted.ndim == 1 and wanted.size > 0
+    if not (row and np.isfinite(wanted).all() and wanted[0] >= 0.0 and np.all(np.diff(wanted) > 0)):
+        raise InputError(
+            f"times to save at must be a list of increasing numbers >= 0, got {shown(times)}"
+        )
     _make_folder(stored.folder)
-    state, done = _where_it_stopped(chain, stored, wanted)
+    state, done = _where_it_stopped(chain, stored, wanted, rtol)
     most = max(1, FILE_SIZE // (8 * (3 * chain.beads + 1)))
     count = min(FIRST_TIMES, most)
     overlaps = np.zeros(chain.beads + 1)
@@ -223,13 +239,21 @@ def _make_folder(folder: Path) -> None:
         )
 
 
-def _where_it_stopped(chain: Chain, stored: StoredRun, wanted: Array) -> tuple[State | None, int]:
+def _where_it_stopped(
+    chain: Chain, stored: StoredRun, wanted: Array, rtol: float
+) -> tuple[State | None, int]:
     """State to go on from and how many times are stored; of a file without its state, none."""
     if not (stored.folder / STATE_FILE).exists():
         for file in stored.files:
             file.unlink()
         return None, 0
     state = load_state(stored.folder / STATE_FILE, chain)
+    began = float(next(stored.parts()).attrs["rtol"])
+    if began != rtol:
+        raise InputError(
+            f"{os.fspath(stored.folder)!r} holds a run with rtol = {began:g}, and now rtol is "
+            f"{rtol:g}: go on with {began:g}, or choose another folder"
+        )
     saved = np.concatenate([part.time.values for part in stored.parts()])
     # A file is written before its state: the last one may be ahead of it.
     if len(saved) > len(wanted) or not np.array_equal(saved, wanted[: len(saved)]):

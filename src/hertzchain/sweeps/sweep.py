@@ -8,7 +8,7 @@ import os
 import shutil
 import threading
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import (
     FIRST_COMPLETED,
     BrokenExecutor,
@@ -25,7 +25,9 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from hertzchain import __version__
-from hertzchain.errors import InputError
+from hertzchain.arguments import callback, file_path, instance, listed
+from hertzchain.checks import whole_number
+from hertzchain.errors import InputError, shown
 from hertzchain.store.sweep_store import StoreError, SweepStore, locked, plain_text
 from hertzchain.sweeps.checking import check_plan
 from hertzchain.sweeps.dataset import attributes_of, columns_of, variables_of
@@ -123,6 +125,11 @@ def sweep(
     >>> found.velocity.sel(by="bca").values.round(2)
     array([ 3.13,  9.27, 26.05])
     """
+    callback("progress", progress)
+    if executor is not None:
+        instance("executor", executor, Executor, "concurrent.futures has some")
+    if store is not None:
+        file_path("store", store)
     spec = Specification.of(specification)
     plan = Plan(spec)
     check_plan(plan, _heading(specification))
@@ -185,7 +192,7 @@ def estimate(specification: Any, *, workers: int | None = None) -> Estimate:
 
 
 def merge_sweeps(
-    stores: list[str | os.PathLike[str]], into: str | os.PathLike[str]
+    stores: Sequence[str | os.PathLike[str]], into: str | os.PathLike[str]
 ) -> tuple[xr.Dataset, int]:
     """Join the stores of the shards of one sweep.
 
@@ -221,9 +228,11 @@ def merge_sweeps(
     ...     missing, bool((found.status == 1).all())
     (0, True)
     """
-    if not stores:
+    paths = [file_path("store", each) for each in listed("stores", stores, "paths")]
+    file_path("store to merge into", into)
+    if not paths:
         raise InputError("there are no stores to merge: name those of the shards")
-    parts = [SweepStore(store) for store in stores]
+    parts = [SweepStore(path) for path in paths]
     text = parts[0].attributes["specification"]
     for part in parts[1:]:
         _check_same(part, text, f"{os.fspath(parts[0].folder)!r} and {os.fspath(part.folder)!r}")
@@ -264,7 +273,7 @@ def open_sweep(store: str | os.PathLike[str]) -> xr.Dataset:
     ...     hc.open_sweep(Path(folder) / "sweep").sizes["bead"]
     40
     """
-    return SweepStore(store).open()
+    return SweepStore(file_path("store", store)).open()
 
 
 def _opened(plan: Plan, folder: str | os.PathLike[str]) -> SweepStore:
@@ -304,7 +313,10 @@ def _check_same(store: SweepStore, text: str, what: str) -> None:
 def _of_shard(batches: list[int], shard: tuple[int, int] | None) -> list[int]:
     if shard is None:
         return batches
-    i, n = shard
+    parts = listed("shard", shard, "two whole numbers")
+    if len(parts) != 2:
+        raise InputError(f"shard must be two whole numbers, such as (1, 4), got {shown(shard)}")
+    i, n = (whole_number("shard", part, least=1) for part in parts)
     if not 1 <= i <= n:
         raise InputError(f"shard {i} of {n} does not exist: they are numbered 1 to {n}")
     return [batch for batch in batches if batch % n == i - 1]

@@ -18,8 +18,10 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from hertzchain.arguments import listed
 from hertzchain.chain.chain import Chain
 from hertzchain.chain.coverage import require
+from hertzchain.checks import real_numbers
 from hertzchain.contacts import (
     Array,
     collision_cascade,
@@ -27,7 +29,7 @@ from hertzchain.contacts import (
     compression_time,
     reduced_mass,
 )
-from hertzchain.errors import InputError, ModelRangeWarning
+from hertzchain.errors import InputError, ModelRangeWarning, shown
 from hertzchain.theory.decoration import SMALL, small_beads
 from hertzchain.theory.solitary_wave import solitary_wave
 
@@ -139,11 +141,11 @@ class EffectiveChain:
         >>> round(float(effective.spacing(0.68012)[30]), 3)
         2.128
         """
-        v = np.asarray(velocity, float)
+        v = real_numbers("velocity", velocity, "large bead")
         if v.shape not in ((), self.masses.shape) or not np.all((v > 0.0) & np.isfinite(v)):
             raise InputError(
                 f"velocity must be one positive number or one for each of the {len(self.masses)} "
-                f"large beads, got {velocity!r}"
+                f"large beads, got {shown(velocity)}"
             )
         v = np.broadcast_to(v, self.masses.shape)
         s, p = 1.0 / (self.exponent + 1.0), self.exponent
@@ -257,13 +259,13 @@ def _detected(chain: Chain) -> NDArray[Any]:
 
 
 def _checked_large(chain: Chain, large: Sequence[int]) -> NDArray[Any]:
-    index = np.asarray(large)
+    index = np.asarray(listed("large", large, "bead numbers"))
     whole = index.ndim == 1 and len(index) >= 2 and np.issubdtype(index.dtype, np.integer)
     ends = whole and index[0] == 1 and index[-1] == chain.beads
     if not ends or np.any(np.diff(index) <= 0):
         raise InputError(
             f"large must be rising bead numbers from 1 to {chain.beads}, both included (the first "
-            f"and the last bead have no neighbour on one side), got {large!r}"
+            f"and the last bead have no neighbour on one side), got {shown(large)}"
         )
     return index - 1
 

@@ -16,11 +16,12 @@ from typing import Final, Literal, get_args
 
 import numpy as np
 
+from hertzchain.arguments import one_of
 from hertzchain.chain.chain import Chain
 from hertzchain.chain.coverage import require
 from hertzchain.checks import whole_number
 from hertzchain.contacts import Array
-from hertzchain.errors import InputError, ModelRangeWarning, unknown_name
+from hertzchain.errors import InputError, ModelRangeWarning
 from hertzchain.pulse.pulse import Pulse
 from hertzchain.pulse.quantities import PER_CONTACT
 from hertzchain.theory.universal import (
@@ -152,10 +153,9 @@ def local_rate_gradient(
     >>> round(float(gradient.sum()), 9)
     3.0
     """
-    if quantity not in DIFFERENTIABLE:
-        raise unknown_name("quantity", quantity, DIFFERENTIABLE)
     from hertzchain.kernels import local_rate as kernel
 
+    one_of("quantity", quantity, DIFFERENTIABLE)
     functions = _checked_functions(chain)
     first = 2 if quantity == "arrival" else 1
     last = chain.beads - 1 if quantity in PER_CONTACT else chain.beads

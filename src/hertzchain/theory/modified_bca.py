@@ -25,7 +25,7 @@ from typing import ClassVar, Literal
 import numpy as np
 
 from hertzchain.chain.chain import TAPERS, Chain, Taper, rate_symbol
-from hertzchain.chain.coverage import require
+from hertzchain.chain.coverage import check_chain, require
 from hertzchain.contacts import Array
 from hertzchain.errors import InputError, ModelRangeWarning, unknown_name
 from hertzchain.pulse.pulse import Pulse
@@ -155,6 +155,7 @@ def modified_bca(
     >>> float(abs(errors[4:80]).max()) < 0.01
     True
     """
+    check_chain("modified_bca", chain)
     if chain.taper is None or chain.rate is None:
         raise InputError(
             f"modified_bca needs a tapered chain ({', '.join(TAPERS)}), got {chain.description}; "

@@ -17,14 +17,16 @@ from typing import Final
 
 import numpy as np
 
+from hertzchain.checks import number
 from hertzchain.contacts import HERTZ_EXPONENT
-from hertzchain.errors import InputError
 from hertzchain.theory.fixed_point import POINTS_PER_BEAD, box_transform, fixed_point
 from hertzchain.theory.wave_profile import WaveProfile
 
 # Below, the wave is wide and the iteration slow; above, the grid is too coarse for ten digits.
 SMALLEST_EXPONENT: Final = 1.05
 LARGEST_EXPONENT: Final = 20.0
+# Of velocity, mass and stiffness, and its inverse the smallest: no power of them overflows.
+LARGEST: Final = 1e60
 
 
 @dataclass(frozen=True, eq=False)
@@ -234,21 +236,15 @@ def _solved(p: float) -> SolitaryWave:
 
 
 def _checked_exponent(exponent: float) -> float:
-    try:
-        value = float(exponent)
-    except (TypeError, ValueError):
-        value = math.nan
-    if not SMALLEST_EXPONENT <= value <= LARGEST_EXPONENT:
-        raise InputError(
-            f"exponent of a solitary wave must be a number within {SMALLEST_EXPONENT:g} .. "
-            f"{LARGEST_EXPONENT:g}, got {exponent!r}; Hertz contacts have 1.5"
-        )
-    return value
+    return number(
+        "exponent of a solitary wave", exponent, least=SMALLEST_EXPONENT, most=LARGEST_EXPONENT,
+        hint="Hertz contacts have 1.5",
+    )  # fmt: skip
 
 
 def _checked_wave(velocity: float, mass: float, stiffness: float) -> tuple[float, float, float]:
-    named = {"velocity": velocity, "mass": mass, "stiffness": stiffness}
-    for name, value in named.items():
-        if not 0.0 < value < math.inf:
-            raise InputError(f"{name} of a solitary wave must be positive and finite, got {value}")
-    return float(velocity), float(mass), float(stiffness)
+    v, m, k = (
+        number(f"{name} of a solitary wave", value, least=1.0 / LARGEST, most=LARGEST)
+        for name, value in (("velocity", velocity), ("mass", mass), ("stiffness", stiffness))
+    )
+    return v, m, k

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import ArrayLike
 
+from hertzchain.checks import number, real_numbers, whole_number
 from hertzchain.contacts import Array
 from hertzchain.errors import InputError
 
@@ -74,7 +75,7 @@ class WaveProfile:
 
         An `InputError` says where a distance is beyond ``half_length``.
         """
-        xi = np.asarray(distance, float)
+        xi = real_numbers("distance", distance)
         within = np.abs(xi) <= self.half_length
         if not within.all():
             raise InputError(
@@ -112,8 +113,7 @@ class WaveProfile:
         >>> [round(f.width(), 5) for f in (wave.overlap, wave.force, wave.velocity)]
         [1.72571, 1.41193, 1.57914]
         """
-        if not 0.0 < level < 1.0:
-            raise InputError(f"level of a width must lie between 0 and 1, got {level:g}; try 0.5")
+        level = number("level of a width", level, above=0.0, below=1.0, hint="try 0.5")
         inside, outside = 0.0, self.half_length
         for _ in range(60):
             middle = 0.5 * (inside + outside)
@@ -148,6 +148,7 @@ class WaveProfile:
         """
         if self.power != 1.0:
             raise InputError("crest_derivative needs a profile of power one: velocity or overlap")
+        order = whole_number("order of a derivative", order, least=0)
         if order % 2:
             return 0.0
         wave_numbers = np.pi / self.half_length * np.arange(len(self._coefficients))

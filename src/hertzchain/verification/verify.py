@@ -13,7 +13,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from hertzchain import __version__
-from hertzchain.errors import InputError, unknown_name
+from hertzchain.arguments import callback, listed, one_of
+from hertzchain.errors import InputError
 from hertzchain.simulation.simulate import Progress
 from hertzchain.verification.cases import Case, cases, shared_runs
 
@@ -78,11 +79,13 @@ def verify(
     """
     every = cases()
     known = list(dict.fromkeys(case.group for case in every))
+    callback("progress", progress)
+    if groups is not None:
+        groups = listed("groups", groups, "names")
     if groups is not None and not groups:
         raise InputError(f"name groups of cases to verify, of {', '.join(known)}")
     for group in groups or ():
-        if group not in known:
-            raise unknown_name("group of cases", group, known)
+        one_of("group of cases", group, known)
     chosen = [case for case in every if groups is None or case.group in groups]
     verdicts = []
     for done, case in enumerate(chosen, start=1):

@@ -8,7 +8,8 @@ import hertzchain as hc
 from hertzchain.plotting.sweeps import plot_sweep
 from hertzchain.store.sweep_files import export_sweep
 from hertzchain.sweeps.plan import Plan
-from hertzchain.sweeps.specification import Specification, differences
+from hertzchain.sweeps.reading import read_specification, specification_from_json
+from hertzchain.sweeps.specification import differences
 
 FORWARD = {"taper": "forward-exponential", "beads": 40}
 RATES = [0.02, 0.05, 0.08]
@@ -233,11 +234,11 @@ def test_all_errors_are_listed_at_once(tmp_path):
 
 def test_specifications_survive_json_and_tell_their_differences():
     given = {"chain": dict(FORWARD), "axes": {"rate": {"linspace": [0.01, 0.1, 4]}, "beads": [9]}}
-    spec = Specification.of(given)
-    again = Specification.from_json(spec.as_json())
+    spec = read_specification(given)
+    again = specification_from_json(spec.as_json())
     assert again.as_json() == spec.as_json()
     assert Plan(again).shape == Plan(spec).shape == (4, 1)
-    other = Specification.of(given | {"sweep": {"at": "last"}})
+    other = read_specification(given | {"sweep": {"at": "last"}})
     assert differences(spec.as_json(), other.as_json()) == ["sweep.at: 'every', now 'last'"]
     assert json.loads(spec.as_json())["axes"]["rate"] == {"linspace": [0.01, 0.1, 4]}
 
@@ -247,7 +248,7 @@ def test_batches_hold_every_point_once(shape):
     names = ("rate", "gravity", "exponent")[: len(shape)]
     axes = {name: {"linspace": [0.01, 0.02, n]} if n > 1 else [0.01]
             for name, n in zip(names, shape, strict=True)}  # fmt: skip
-    plan = Plan(Specification.of({"chain": dict(FORWARD), "axes": axes}))
+    plan = Plan(read_specification({"chain": dict(FORWARD), "axes": axes}))
     seen = np.zeros(shape, int)
     for batch in range(plan.batches):
         indices = list(plan.indices(batch))

@@ -201,8 +201,10 @@ def _show_estimate(specification: Path, workers: int | None, as_json: bool) -> N
             "bytes_on_disk": found.bytes_on_disk, "seconds": found.seconds,
         })  # fmt: skip
         return
+    from rich.filesize import decimal
+
     click.echo(f"{found.points} points in {found.batches} batches")
-    click.echo(f"at most {_size(found.bytes_on_disk)} on disk")
+    click.echo(f"at most {decimal(found.bytes_on_disk)} on disk")
     click.echo(f"about {_duration(found.seconds)} on this machine")
 
 
@@ -227,14 +229,6 @@ def _show_outcome(store: Path, part: tuple[int, int] | None, as_json: bool) -> i
             click.echo(f"  and {counts['failed'] - len(failures)} more: variable `reason`")
     incomplete = counts["missing"] and part is None
     return FAILED if counts["failed"] or incomplete else DONE
-
-
-def _size(count: int) -> str:
-    for unit in ("B", "kB", "MB"):
-        if count < 1000:
-            return f"{count:.3g} {unit}"
-        count /= 1000  # type: ignore[assignment]
-    return f"{count:.3g} GB"
 
 
 def _duration(seconds: float) -> str:

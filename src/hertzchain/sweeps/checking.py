@@ -6,7 +6,8 @@ from hertzchain.errors import InputError, SimulationError
 from hertzchain.pulse.quantities import QUANTITIES
 from hertzchain.sweeps.methods import INTEGRATIONS, pulse_by
 from hertzchain.sweeps.plan import Index, Plan, spread
-from hertzchain.sweeps.specification import WALL_QUANTITIES, raise_all
+from hertzchain.sweeps.reading import raise_all
+from hertzchain.sweeps.specification import WALL_QUANTITIES
 from hertzchain.sweeps.warned import recorded
 
 
@@ -28,9 +29,9 @@ def check_plan(plan: Plan, heading: str = "") -> None:
 
     Examples
     --------
-    >>> from hertzchain.sweeps.specification import Specification
+    >>> from hertzchain.sweeps.reading import read_specification
     >>> chain, axes = {"taper": "uniform"}, {"beads": [20, 40]}
-    >>> check_plan(Plan(Specification.of({"chain": chain, "axes": axes})))
+    >>> check_plan(Plan(read_specification({"chain": chain, "axes": axes})))
     """
     with recorded():
         problems = _bad_values(plan) or _bad_requests(plan) or _never_predicted(plan)

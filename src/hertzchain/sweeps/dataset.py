@@ -37,9 +37,9 @@ def variables_of(plan: Plan) -> dict[str, Variable]:
 
     Examples
     --------
-    >>> from hertzchain.sweeps.specification import Specification
+    >>> from hertzchain.sweeps.reading import read_specification
     >>> chain, axes = {"taper": "uniform"}, {"beads": [20, 40]}
-    >>> found = variables_of(Plan(Specification.of({"chain": chain, "axes": axes})))
+    >>> found = variables_of(Plan(read_specification({"chain": chain, "axes": axes})))
     >>> found["velocity"].dimensions, found["velocity"].shape
     (('beads', 'by', 'bead'), (2, 1, 40))
     """
@@ -82,9 +82,9 @@ def attributes_of(plan: Plan) -> dict[str, str]:
 
     Examples
     --------
-    >>> from hertzchain.sweeps.specification import Specification
+    >>> from hertzchain.sweeps.reading import read_specification
     >>> chain, axes = {"taper": "uniform"}, {"beads": [20, 40]}
-    >>> attributes_of(Plan(Specification.of({"chain": chain, "axes": axes})))["units"]
+    >>> attributes_of(Plan(read_specification({"chain": chain, "axes": axes})))["units"]
     'scaled'
     """
     return {
@@ -113,10 +113,10 @@ def columns_of(plan: Plan, result: Result) -> Mapping[str, Any]:
 
     Examples
     --------
-    >>> from hertzchain.sweeps.specification import Specification
+    >>> from hertzchain.sweeps.reading import read_specification
     >>> from hertzchain.sweeps.work import run_batch
     >>> chain, axes = {"taper": "uniform"}, {"beads": [20, 40]}
-    >>> plan = Plan(Specification.of({"chain": chain, "axes": axes}))
+    >>> plan = Plan(read_specification({"chain": chain, "axes": axes}))
     >>> sorted(columns_of(plan, run_batch(plan.specification.as_json(), 0)))
     ['status', 'velocity']
     """

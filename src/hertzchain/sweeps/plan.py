@@ -19,6 +19,7 @@ from hertzchain.errors import InputError
 from hertzchain.store.chain_files import chain_from
 from hertzchain.sweeps.axes import Axis
 from hertzchain.sweeps.methods import INTEGRATIONS
+from hertzchain.sweeps.reading import specification_from_json
 from hertzchain.sweeps.specification import TAKEN, Specification
 
 Index = tuple[int, ...]
@@ -45,9 +46,10 @@ class Plan:
 
     Examples
     --------
+    >>> from hertzchain.sweeps.reading import read_specification
     >>> axes = {"rate": [0.02, 0.04], "beads": [10, 20, 30]}
     >>> chain = {"taper": "forward-exponential"}
-    >>> plan = Plan(Specification.of({"chain": chain, "axes": axes}))
+    >>> plan = Plan(read_specification({"chain": chain, "axes": axes}))
     >>> plan.dimensions, plan.shape, plan.points, plan.longest
     (('rate', 'beads'), (2, 3), 6, 30)
     >>> plan.chain((1, 2))
@@ -110,8 +112,9 @@ class Plan:
 
         Examples
         --------
+        >>> from hertzchain.sweeps.reading import read_specification
         >>> axes = {"rate": [0.02, 0.04], "beads": [10, 20, 30]}
-        >>> plan = Plan(Specification.of({"chain": {"taper": "forward-linear"}, "axes": axes}))
+        >>> plan = Plan(read_specification({"chain": {"taper": "forward-linear"}, "axes": axes}))
         >>> plan.document((0, 1))["chain"]
         {'taper': 'forward-linear', 'rate': 0.02, 'beads': 20}
         """
@@ -144,8 +147,9 @@ class Plan:
 
         Examples
         --------
+        >>> from hertzchain.sweeps.reading import read_specification
         >>> axes = {"rate": [0.02, 0.04], "beads": [10, 20, 30]}
-        >>> plan = Plan(Specification.of({"chain": {"taper": "forward-linear"}, "axes": axes}))
+        >>> plan = Plan(read_specification({"chain": {"taper": "forward-linear"}, "axes": axes}))
         >>> plan.chain((0, 1))
         Chain(forward-linear, S = 0.02, 20 beads)
         """
@@ -171,8 +175,9 @@ class Plan:
 
         Examples
         --------
+        >>> from hertzchain.sweeps.reading import read_specification
         >>> axes = {"rate": [0.02, 0.04], "beads": [10, 20, 30]}
-        >>> plan = Plan(Specification.of({"chain": {"taper": "forward-linear"}, "axes": axes}))
+        >>> plan = Plan(read_specification({"chain": {"taper": "forward-linear"}, "axes": axes}))
         >>> plan.radii((1, 0))[:3]
         array([1.  , 0.96, 0.92])
         """
@@ -277,8 +282,9 @@ class Plan:
 
         Examples
         --------
+        >>> from hertzchain.sweeps.reading import read_specification
         >>> axes = {"rate": [0.02, 0.04], "beads": [10, 20, 30]}
-        >>> plan = Plan(Specification.of({"chain": {"taper": "forward-linear"}, "axes": axes}))
+        >>> plan = Plan(read_specification({"chain": {"taper": "forward-linear"}, "axes": axes}))
         >>> plan.region(0)
         (slice(0, 2, None), slice(0, 3, None))
         """
@@ -302,8 +308,9 @@ class Plan:
 
         Examples
         --------
+        >>> from hertzchain.sweeps.reading import read_specification
         >>> axes = {"rate": [0.02, 0.04], "beads": [10, 20, 30]}
-        >>> plan = Plan(Specification.of({"chain": {"taper": "forward-linear"}, "axes": axes}))
+        >>> plan = Plan(read_specification({"chain": {"taper": "forward-linear"}, "axes": axes}))
         >>> [*plan.indices(0)][:4]
         [(0, 0), (0, 1), (0, 2), (1, 0)]
         """
@@ -328,8 +335,9 @@ class Plan:
 
         Examples
         --------
+        >>> from hertzchain.sweeps.reading import read_specification
         >>> axes = {"rate": [0.02, 0.04], "beads": [10, 20, 30]}
-        >>> plan = Plan(Specification.of({"chain": {"taper": "forward-linear"}, "axes": axes}))
+        >>> plan = Plan(read_specification({"chain": {"taper": "forward-linear"}, "axes": axes}))
         >>> len([*plan.tried()])
         6
         """
@@ -356,11 +364,12 @@ def plan_of(text: str) -> Plan:
 
     Examples
     --------
+    >>> from hertzchain.sweeps.reading import read_specification
     >>> axes = {"beads": [20, 40]}
-    >>> plan_of(Specification.of({"chain": {"taper": "uniform"}, "axes": axes}).as_json()).points
+    >>> plan_of(read_specification({"chain": {"taper": "uniform"}, "axes": axes}).as_json()).points
     2
     """
-    return Plan(Specification.from_json(text))
+    return Plan(specification_from_json(text))
 
 
 def with_value(document: Any, path: tuple[str, ...], value: Any) -> Any:

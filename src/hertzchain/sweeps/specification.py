@@ -1,49 +1,15 @@
-"""What a sweep shall do, as a TOML file or a mapping says it; checked as a whole.
-
-::
-
-    title = "momentum over taper and length"
-
-    [chain]                       # as in a chain file
-    taper = "forward-exponential"
-    rate = 0.05
-    beads = 60
-
-    [axes]                        # what varies: every combination
-    rate = {linspace = [0.01, 0.1, 19]}
-    beads = [20, 40, 60]
-
-    [sweep]
-    methods = ["propagate", "local-rate"]
-    keep = ["momentum"]           # quantities of a pulse, or of a wall
-    at = "last"                   # or "every" bead, or a list of beads
-    errors = ["velocity"]         # of the other methods against the first
-
-    [method]
-    rtol = 1e-8
-"""
+"""What a sweep shall do: every choice, checked, as text of one form."""
 
 from __future__ import annotations
 
 import json
-import os
-import tomllib
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any, Final
 
-from hertzchain.chain.chain import Chain
-from hertzchain.checks import number, whole_number
-from hertzchain.errors import InputError, unknown_name
-from hertzchain.pulse.quantities import QUANTITIES
-from hertzchain.store.chain_files import KEYS, chain_as_toml, chain_from
-from hertzchain.sweeps.axes import Axis, flattened
-from hertzchain.sweeps.methods import METHODS, OPTIONS
+from hertzchain.errors import InputError
+from hertzchain.sweeps.axes import Axis
 
-TABLES: Final = ("title", "chain", "materials", "axes", "points", "sweep", "method")
-SETTINGS: Final = ("combine", "methods", "keep", "at", "errors", "reference", "batch")
-COMBINATIONS: Final = ("product", "zip")
 # Quantities of the right wall, of `simulate` alone, and what `WallForce` calls them.
 WALL_QUANTITIES: Final[Mapping[str, tuple[str, str]]] = {
     "wall_peak_force": ("peak", "largest force on the right wall"),
@@ -89,7 +55,8 @@ class Specification:
 
     Examples
     --------
-    >>> spec = Specification.of({"chain": {"taper": "uniform"}, "axes": {"beads": [20, 40]}})
+    >>> from hertzchain.sweeps.reading import read_specification
+    >>> spec = read_specification({"chain": {"taper": "uniform"}, "axes": {"beads": [20, 40]}})
     >>> spec.methods, len(spec.axes[0])
     (('propagate',), 2)
     """
@@ -107,61 +74,6 @@ class Specification:
     batch: int | None
     options: Mapping[str, Any]
 
-    @classmethod
-    def of(cls, given: Any) -> Specification:
-        """A specification from a TOML file, a mapping with the same tables, or JSON text.
-
-        Parameters
-        ----------
-        given : path-like, mapping or Specification
-            Where it is, or what it says.  ``chain`` may be a `Chain`, values may be arrays.
-
-        Returns
-        -------
-        Specification
-
-        Raises
-        ------
-        InputError
-            If anything in it cannot be used: all errors, each with its path.
-
-        Examples
-        --------
-        >>> beads = [20, 40, 80]
-        >>> Specification.of({"chain": {"taper": "uniform"}, "axes": {"beads": beads}}).at
-        'every'
-        """
-        if isinstance(given, Specification):
-            return given
-        if isinstance(given, Mapping):
-            return _Reader(given, Path()).specification()
-        if not isinstance(given, str | os.PathLike):
-            raise InputError(f"a sweep takes a TOML file or a mapping, got {given!r}")
-        return _Reader(
-            _document(given), Path(given).parent, f"{os.fspath(given)}: "
-        ).specification()
-
-    @classmethod
-    def from_json(cls, text: str) -> Specification:
-        """The specification that `as_json` wrote.
-
-        Parameters
-        ----------
-        text : str
-            JSON text.
-
-        Returns
-        -------
-        Specification
-
-        Examples
-        --------
-        >>> spec = Specification.of({"chain": {"taper": "uniform"}, "axes": {"beads": [20]}})
-        >>> Specification.from_json(spec.as_json()).as_json() == spec.as_json()
-        True
-        """
-        return cls.of(json.loads(text))
-
     def as_json(self) -> str:
         """All of it as JSON text, the same for the same sweep.
 
@@ -171,7 +83,8 @@ class Specification:
 
         Examples
         --------
-        >>> spec = Specification.of({"chain": {"taper": "uniform"}, "axes": {"beads": [20]}})
+        >>> from hertzchain.sweeps.reading import read_specification
+        >>> spec = read_specification({"chain": {"taper": "uniform"}, "axes": {"beads": [20]}})
         >>> spec.as_json()[:42]
         '{"title": "", "chain": {"taper": "uniform"'
         """
@@ -220,251 +133,36 @@ def differences(one: str, other: str) -> list[str]:
     ]
 
 
-class _Reader:
-    """Reads a document and gathers what is wrong with it."""
-
-    def __init__(self, document: Mapping[str, Any], folder: Path, heading: str = "") -> None:
-        self.document, self.folder, self.heading = document, folder, heading
-        self.problems: list[str] = []
-
-    def specification(self) -> Specification:
-        for key in self.document:
-            if key not in TABLES:
-                self._add("", unknown_name("table or key", key, TABLES))
-        settings = self._table("sweep")
-        for key in settings:
-            if key not in SETTINGS:
-                self._add("sweep", unknown_name("key", key, SETTINGS))
-        chain, materials = self._chain()
-        axes, combine = self._axes(settings)
-        methods = self._names(settings, "methods", METHODS, ("propagate",))
-        kept = (*QUANTITIES, *WALL_QUANTITIES)
-        keep = self._names(settings, "keep", kept, ("velocity",))
-        errors = self._names(settings, "errors", tuple(QUANTITIES), ())
-        reference = settings.get("reference", methods[0] if methods else "")
-        if reference not in methods:
-            self._add("sweep.reference", unknown_name("reference", reference, methods))
-        if errors and len(methods) == 1:
-            self._add("sweep.errors", f"there is only one method, {methods[0]}: add others")
-        if "simulate" not in methods and set(keep) & set(WALL_QUANTITIES):
-            self._add("sweep.keep", "what a wall felt needs the method 'simulate'")
-        title = self.document.get("title", "")
-        if not isinstance(title, str):
-            self._add("title", f"must be text, got {title!r}")
-        batch = settings.get("batch")
-        if batch is not None:
-            batch = self._try("sweep.batch", whole_number, "batch", batch, least=1, most=10**6)
-        at, options = self._at(settings.get("at", "every")), self._options(axes, methods)
-        self._raise()
-        return Specification(
-            title, chain, materials, axes, combine, methods, keep, at, errors, reference, batch,
-            options,
-        )  # fmt: skip
-
-    def _chain(self) -> tuple[Mapping[str, Any], Mapping[str, Any]]:
-        given, materials = self.document.get("chain"), self._table("materials")
-        if isinstance(given, Chain):
-            return self._inlined(given)
-        if not isinstance(given, Mapping):
-            self._add("chain", "a sweep needs a table [chain], as in a chain file")
-            return {}, materials
-        drive = given.get("drive")
-        names_files = "file" in given or (isinstance(drive, Mapping) and "file" in drive)
-        if names_files:
-            # What computes may be another machine: nothing but the specification goes there.
-            found = self._try("chain", chain_from, {"chain": given, "materials": materials},
-                              self.folder)  # fmt: skip
-            return self._inlined(found) if found is not None else ({}, materials)
-        for key in given:
-            if key not in KEYS:
-                self._add("chain", unknown_name("key of [chain]", key, KEYS))
-        return _as_json_has_it(given), _as_json_has_it(materials)
-
-    def _inlined(self, chain: Chain) -> tuple[Mapping[str, Any], Mapping[str, Any]]:
-        document = tomllib.loads(chain_as_toml(chain))
-        return document["chain"], document.get("materials", {})
-
-    def _axes(self, settings: Mapping[str, Any]) -> tuple[tuple[Axis, ...], str]:
-        combine = settings.get("combine", "product")
-        if combine not in COMBINATIONS:
-            self._add("sweep.combine", unknown_name("combination", combine, COMBINATIONS))
-        points = self.document.get("points")
-        entries: dict[tuple[str, ...], Any] = {}
-        if points is not None:
-            if "axes" in self.document or "combine" in settings:
-                self._add("points", "there are also axes or combine: leave them or points out")
-            entries, combine = self._columns(points), "zip"
-        else:
-            entries = dict(flattened(self._table("axes")))
-            if not entries:
-                self._add("axes", "nothing varies: give parameters and their values")
-        place = "points" if points is not None else "axes"
-        found = [self._axis(place, path, entry) for path, entry in entries.items()]
-        axes = tuple(axis for axis in found if axis is not None)
-        lengths = {axis.long_name: len(axis) for axis in axes}
-        if combine == "zip" and len(set(lengths.values())) > 1:
-            told = ", ".join(f"{name} has {length}" for name, length in lengths.items())
-            self._add("axes", f"zip needs axes of one length, but {told} values")
-        if combine == "product":
-            for axis in axes:
-                if (value := axis.twice()) is not None:
-                    self._add(f"axes.{axis.long_name}", f"has the value {value!r} twice")
-        return axes, combine
-
-    def _axis(self, place: str, path: tuple[str, ...], entry: Any) -> Axis | None:
-        where = f"{place}.{'.'.join(path)}"
-        options = tuple(dict.fromkeys(name for names in OPTIONS.values() for name in names))
-        if path[0] == "method" and len(path) == 2:
-            if path[1] not in options:
-                self._add(where, unknown_name("option", path[1], options))
-        elif path[0] not in KEYS:
-            known = (*KEYS, *(f"method.{name}" for name in options))
-            self._add(where, unknown_name("parameter", ".".join(path), known))
-            return None
-        return self._try(where, Axis, path, entry)
-
-    def _columns(self, points: Any) -> dict[tuple[str, ...], list[Any]]:
-        """Rows of explicit points as lists by parameter."""
-        if isinstance(points, str):
-            points = self._try("points", _rows_of_csv, self.folder / points) or []
-        if not isinstance(points, Sequence) or not points:
-            self._add("points", "must be tables [[points]], or the name of a CSV file")
-            return {}
-        rows = [dict(flattened(row)) if isinstance(row, Mapping) else {} for row in points]
-        columns: dict[tuple[str, ...], list[Any]] = {path: [] for path in rows[0]}
-        for place, row in enumerate(rows, start=1):
-            if row.keys() != columns.keys():
-                names = [".".join(path) for path in columns]
-                self._add(f"points[{place}]", f"must give {', '.join(names)}, as the first does")
-                return {}
-            for path, value in row.items():
-                columns[path].append(value)
-        return columns
-
-    def _names(
-        self, settings: Mapping[str, Any], key: str, known: Sequence[str], default: tuple[str, ...]
-    ) -> tuple[str, ...]:
-        given = settings.get(key, default)
-        listed = [given] if isinstance(given, str) else given
-        if not isinstance(listed, list | tuple) or (default and not listed):
-            self._add(f"sweep.{key}", f"must be a list of names, got {given!r}")
-            return default
-        for place, name in enumerate(listed, start=1):
-            if name not in known:
-                what = {"methods": "method"}.get(key, "quantity")
-                self._add(f"sweep.{key}[{place}]", unknown_name(what, name, known))
-        if len(set(map(str, listed))) < len(listed):
-            self._add(f"sweep.{key}", f"names one of them twice: {', '.join(map(str, listed))}")
-        return tuple(listed)
-
-    def _at(self, given: Any) -> str | tuple[int, ...]:
-        if given in ("every", "last"):
-            return str(given)
-        if not isinstance(given, list | tuple) or not given:
-            self._add("sweep.at", f"must be 'every', 'last' or a list of beads, got {given!r}")
-            return "every"
-        beads = [self._try("sweep.at", whole_number, "bead", bead, least=1) for bead in given]
-        found = tuple(bead for bead in beads if bead is not None)
-        if sorted(set(found)) != list(found):
-            self._add("sweep.at", f"beads must increase, got {list(given)}")
-        return found
-
-    def _options(self, axes: Sequence[Axis], methods: Sequence[str]) -> Mapping[str, Any]:
-        given = self._table("method")
-        used = {axis.path[1] for axis in axes if axis.path[0] == "method"} | given.keys()
-        known = tuple(dict.fromkeys(name for names in OPTIONS.values() for name in names))
-        heard = {name for method in methods for name in OPTIONS.get(method, ())}
-        for name in sorted(used):
-            if name not in known:
-                self._add(f"method.{name}", unknown_name("option", name, known))
-            elif name not in heard:
-                fit = [method for method, names in OPTIONS.items() if name in names]
-                self._add(f"method.{name}", f"no method takes it: add {' or '.join(fit)}")
-        for name, value in given.items():
-            self._try(f"method.{name}", number, name, value, above=0.0)
-        return dict(given)
-
-    def _table(self, name: str) -> Mapping[str, Any]:
-        entry = self.document.get(name, {})
-        if not isinstance(entry, Mapping):
-            self._add(name, f"must be a table, got {entry!r}")
-            return {}
-        return entry
-
-    def _try(self, place: str, function: Any, *arguments: Any, **more: Any) -> Any:
-        try:
-            return function(*arguments, **more)
-        except InputError as error:
-            self._add(place, error)
-            return None
-
-    def _add(self, place: str, problem: InputError | str) -> None:
-        self.problems.append(f"{place}: {problem}" if place else str(problem))
-
-    def _raise(self) -> None:
-        raise_all(self.problems, self.heading)
+def _entry(axis: Axis) -> Mapping[str, Any]:
+    """An axis as it was specified, in plain types."""
+    if isinstance(axis.entry, Mapping) and "list" not in axis.entry:
+        return plain_json(axis.entry)
+    return {"list": axis.values}
 
 
-def raise_all(problems: Sequence[str], heading: str = "") -> None:
-    """Raise one error that lists all that is wrong; nothing if nothing is.
+def plain_json(given: Any) -> Any:
+    """The same in the types that JSON has, arrays as lists.
 
     Parameters
     ----------
-    problems : sequence of str
-        What is wrong, each with its path.
-    heading : str
-        What it is about.
+    given : object
+        Nested tables, lists, numbers and text.
+
+    Returns
+    -------
+    object
 
     Raises
     ------
     InputError
-        If there are problems.
+        If there is anything else in it.
 
     Examples
     --------
-    >>> raise_all([])
+    >>> plain_json({"beads": (20, 40)})
+    {'beads': [20, 40]}
     """
-    if len(problems) == 1:
-        raise InputError(heading + problems[0])
-    if problems:
-        raise InputError(
-            f"{heading}{len(problems)} errors:" + "".join(f"\n  {p}" for p in problems)
-        )
 
-
-def _document(path: str | os.PathLike[str]) -> dict[str, Any]:
-    name = os.fspath(path)
-    try:
-        return tomllib.loads(Path(path).read_text("utf-8-sig"))
-    except OSError as error:
-        raise InputError(
-            f"cannot read specification {name!r} ({error.strerror}); give the path of a TOML file"
-        ) from None
-    except (UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
-        raise InputError(f"specification {name!r} is not valid TOML: {error}") from None
-
-
-def _rows_of_csv(path: Path) -> list[dict[str, Any]]:
-    import pandas as pd
-
-    try:
-        table = pd.read_csv(path, comment="#", skipinitialspace=True)
-    except (OSError, ValueError) as error:
-        raise InputError(f"cannot read {os.fspath(path)!r}: {error}") from None
-    if table.isna().any().any():
-        row, column = next(zip(*table.isna().to_numpy().nonzero(), strict=True))
-        raise InputError(f"{path}: row {row + 1} has no {table.columns[column]}")
-    return [{str(key): value for key, value in row.items()} for row in table.to_dict("records")]
-
-
-def _entry(axis: Axis) -> Mapping[str, Any]:
-    """An axis as it was specified, in plain types."""
-    if isinstance(axis.entry, Mapping) and "list" not in axis.entry:
-        return _as_json_has_it(axis.entry)
-    return {"list": axis.values}
-
-
-def _as_json_has_it(given: Any) -> Any:
     def plain(value: Any) -> Any:
         if hasattr(value, "tolist"):
             return value.tolist()

@@ -33,6 +33,7 @@ from hertzchain.sweeps.checking import check_plan
 from hertzchain.sweeps.dataset import attributes_of, columns_of, variables_of
 from hertzchain.sweeps.executors import check_version, local_pool, processors
 from hertzchain.sweeps.plan import Plan
+from hertzchain.sweeps.reading import read_specification, specification_from_json
 from hertzchain.sweeps.specification import Specification, differences
 from hertzchain.sweeps.work import Result, run_batch
 
@@ -130,7 +131,7 @@ def sweep(
         instance("executor", executor, Executor, "concurrent.futures has some")
     if store is not None:
         file_path("store", store)
-    spec = Specification.of(specification)
+    spec = read_specification(specification)
     plan = Plan(spec)
     check_plan(plan, _heading(specification))
     with ExitStack() as stack:
@@ -174,12 +175,12 @@ def estimate(specification: Any, *, workers: int | None = None) -> Estimate:
     >>> estimate({"chain": {"taper": "uniform"}, "axes": {"beads": [20, 40, 60]}}).points
     3
     """
-    spec = Specification.of(specification)
+    spec = read_specification(specification)
     plan = Plan(spec)
     check_plan(plan, _heading(specification))
     size = sum(variable.size for variable in variables_of(plan).values())
     # One point alone compiles, a second one is timed; a whole batch if that is soon done.
-    alone = Plan(Specification.of(_with_batch(spec, 1)))
+    alone = Plan(read_specification(_with_batch(spec, 1)))
     middle = alone.batches // 2
     run_batch(alone.specification.as_json(), middle)
     each = _timed(alone, middle)
@@ -236,7 +237,7 @@ def merge_sweeps(
     text = parts[0].attributes["specification"]
     for part in parts[1:]:
         _check_same(part, text, f"{os.fspath(parts[0].folder)!r} and {os.fspath(part.folder)!r}")
-    plan = Plan(Specification.from_json(text))
+    plan = Plan(specification_from_json(text))
     with locked(into):
         target = _opened(plan, into)
         for part in parts:

@@ -85,9 +85,9 @@ def run_batch(text: str, batch: int, stop: Stop | None = None) -> Result:
 
     Examples
     --------
-    >>> from hertzchain.sweeps.specification import Specification
+    >>> from hertzchain.sweeps.reading import read_specification
     >>> axes = {"beads": [20, 40]}
-    >>> text = Specification.of({"chain": {"taper": "uniform"}, "axes": axes}).as_json()
+    >>> text = read_specification({"chain": {"taper": "uniform"}, "axes": axes}).as_json()
     >>> run_batch(text, 0).columns["velocity"].shape
     (2, 1, 40)
     """

@@ -305,11 +305,42 @@ def test_curves_and_maps():
         drawn.collections[0].get_array().reshape(2, 3),
         found.worst_error_of_velocity.sel(by="bca").T,
     )
-    with pytest.raises(hc.InputError, match="3 dimensions left"):
+    with pytest.raises(hc.InputError, match="3 dimensions left.* such as rate=0.02$"):
         plot_sweep(found, "momentum")
+    with pytest.raises(hc.InputError, match="no axis left to be drawn along: leave rate or beads"):
+        plot_sweep(found, "momentum", rate=0.02, beads=20)
+    with pytest.raises(hc.InputError, match="beads is 21, .* the nearest is 20"):
+        plot_sweep(found, "momentum", beads=21)
+    with pytest.raises(hc.InputError, match="rate must be at least 0.02 and at most 0.08, got 2"):
+        plot_sweep(found, "momentum", rate=2)
     with pytest.raises(hc.InputError, match="unknown dimension of momentum 'baeds'"):
         plot_sweep(found, "momentum", baeds=3)
     with pytest.raises(hc.InputError, match="unknown by 'bac'"):
         plot_sweep(found, "momentum", by="bac")
     with pytest.raises(hc.InputError, match="unknown quantity of this sweep 'speed'"):
         plot_sweep(found, "speed")
+
+
+def test_axes_of_pictures_say_what_varies():
+    chain = {"radii": 5e-3, "materials": "steel-316", "beads": 5, "loss": {"law": "restitution",
+             "coefficient": 1.0}, "struck_by": {"velocity": 0.1}}  # fmt: skip
+    masses = {"list": [4, 6, 9], "unit": "g"}
+    axes = {"materials": ["steel-316", "ptfe"], "loss.coefficient": [0.8, 0.9, 1.0],
+            "struck_by.mass": masses}  # fmt: skip
+    found = swept(chain, axes, methods=["simulate"], at="last", keep=["velocity"])
+    across = plot_sweep(found, **{"struck_by.mass": 6e-3})
+    across.figure.canvas.draw()
+    assert [tick.get_text() for tick in across.get_xticklabels()] == ["steel-316", "ptfe"]
+    assert across.get_ylabel() == "loss coefficient"
+    assert across.get_title() == "striker mass = 0.006 kg"
+    assert across.collections[0].colorbar.ax.get_ylabel() == "velocity $v_{N}$ [m/s]"
+    along = plot_sweep(found, materials="ptfe", coefficient=0.9)
+    # A geometric progression over less than a decade has no ticks to read on a logarithmic scale.
+    assert (along.get_xlabel(), along.get_xscale()) == ("striker mass [kg]", "linear")
+
+
+def test_points_are_ticked_by_whole_numbers():
+    axes = {"rate": [0.02, 0.05], "beads": [10, 12]}
+    found = swept({"taper": "forward-exponential"}, axes, combine="zip")
+    ticks = plot_sweep(found, bead=10).get_xticks()
+    np.testing.assert_array_equal(ticks, ticks.round())

@@ -10,7 +10,7 @@ from matplotlib.patches import Circle
 from hertzchain.chain.chain import Chain
 from hertzchain.chain.coverage import check_chain
 from hertzchain.contacts import Array
-from hertzchain.plotting.style import axes_in, house_style
+from hertzchain.plotting.style import axes_in, house_style, titled
 
 
 def plot_chain(chain: Chain, *, ax: Axes | None = None) -> Axes:
@@ -54,7 +54,7 @@ def plot_chain(chain: Chain, *, ax: Axes | None = None) -> Axes:
         axes.set_xlabel(f"place [{unit}]")
         axes.set_yticks([])
         axes.spines["left"].set_visible(False)  # it would look like a wall
-        axes.set_title(chain.description)
+        titled(axes, chain.description)
     return axes
 
 

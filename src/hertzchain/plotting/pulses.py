@@ -8,7 +8,7 @@ from typing import Final
 from matplotlib.axes import Axes
 
 from hertzchain.errors import InputError
-from hertzchain.plotting.style import COLOURS, MARKERS, axes_in, house_style
+from hertzchain.plotting.style import COLOURS, MARKERS, axes_in, house_style, titled
 from hertzchain.pulse.pulse import Pulse
 from hertzchain.pulse.quantities import PER_CONTACT, Quantity
 
@@ -82,6 +82,6 @@ def plot_pulses(
         unit = "" if pulses[0].chain.units == "scaled" else f" [{pulses[0].unit(quantity)}]"
         axes.set_ylabel(LABELS[quantity] + unit)
         axes.set_yscale("log" if log else "linear")
-        axes.set_title("; ".join(dict.fromkeys(pulse.chain.description for pulse in pulses)))
+        titled(axes, "; ".join(dict.fromkeys(pulse.chain.description for pulse in pulses)))
         axes.legend()
     return axes

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import io
+import re
+import textwrap
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from importlib import resources
@@ -19,6 +21,9 @@ from hertzchain.chain.chain import Chain
 # Colours of Okabe and Ito, told apart by colour-blind readers; markers say it again in grey.
 COLOURS: Final = ("#000000", "#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00")
 MARKERS: Final = ("o", "+", "x", "s", "^", "v", "D")
+
+# Of a title, on average.
+INCHES_PER_LETTER: Final = 0.07
 
 
 @contextmanager
@@ -91,6 +96,30 @@ def axes_in(ax: Axes | None, figsize: tuple[float, float] | None = None) -> Axes
         return plt.subplots(figsize=figsize)[1]
     instance("ax", ax, Axes, "plt.subplots()[1] is one")
     return ax
+
+
+def titled(axes: Axes, text: str) -> None:
+    """Give axes a title, on as many lines as keep it inside the figure.
+
+    Parameters
+    ----------
+    axes : matplotlib.axes.Axes
+        Axes to name.
+    text : str
+        The title; broken after commas and semicolons.
+
+    Examples
+    --------
+    >>> axes = axes_in(None)
+    >>> titled(axes, "steel-52100, R = 1.8625 .. 4.7625 mm, 31 beads, strikers, right wall, loss")
+    >>> print(axes.get_title())
+    steel-52100, R = 1.8625 .. 4.7625 mm, 31 beads, strikers,
+    right wall, loss
+    """
+    inches = axes.get_window_extent().width / axes.figure.dpi
+    whole = re.sub("(?<![,;]) ", "\u00a0", text)
+    lines = textwrap.wrap(whole, max(20, int(inches / INCHES_PER_LETTER)), break_long_words=False)
+    axes.set_title("\n".join(lines).replace("\u00a0", " "))
 
 
 def time_axis(chain: Chain) -> tuple[float, str]:

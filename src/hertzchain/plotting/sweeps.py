@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.colors import LogNorm
+from matplotlib.ticker import MaxNLocator
 
+from hertzchain.checks import number
 from hertzchain.errors import InputError, unknown_name
-from hertzchain.plotting.style import COLOURS, MARKERS, house_style
+from hertzchain.plotting.style import COLOURS, MARKERS, house_style, titled
+from hertzchain.pulse.quantities import PER_CONTACT
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -41,8 +44,9 @@ def plot_sweep(
     ax : matplotlib.axes.Axes, optional
         Axes to draw into; a new figure's if not given.
     **at
-        Where along the other dimensions: ``bead=20``, ``by="bca"``, or values of an axis, the
-        nearest if it is a number.
+        Where along the other dimensions: ``bead=20``, ``by="bca"``, or a value of an axis, by its
+        dimension or, in a mapping, by its name in the specification (``"loss.coefficient"``).
+        Between the values of an axis the nearest is taken; the title says which.
 
     Returns
     -------
@@ -51,8 +55,8 @@ def plot_sweep(
     Raises
     ------
     InputError
-        If the quantity or a dimension does not exist, or more or fewer than one or two
-        dimensions are left.
+        If the quantity, a dimension or a value does not exist, or not one or two dimensions,
+        beside the methods, are left.
 
     Examples
     --------
@@ -66,44 +70,73 @@ def plot_sweep(
     'beads'
     """
     drawn = _selected(dataset, quantity, at)
+    along = [name for name in drawn.dims if name != "by"]
+    if not along or drawn.ndim > 2:
+        raise InputError(_undrawable(drawn, at))
     with house_style():
         axes = ax if ax is not None else plt.subplots()[1]
-        if drawn.ndim == 1 or (drawn.ndim == 2 and "by" in drawn.dims):
+        if len(along) == 1:
             _curves(drawn, axes, log=log)
-        elif drawn.ndim == 2:
-            _map(drawn, axes, log=log, levels=levels)
         else:
-            left = ", ".join(f"{name} ({size})" for name, size in drawn.sizes.items())
-            raise InputError(
-                f"{drawn.name} has {drawn.ndim} dimensions left, {left}, and 1 or 2 can be drawn: "
-                "choose a value of the others, such as bead=20"
-            )
+            _map(drawn, axes, log=log, levels=levels)
         told = [dataset.attrs.get("title", "")]
-        told += [f"{name} = {_short(value.item())}" for name, value in drawn.coords.items()
-                 if value.ndim == 0]  # fmt: skip
-        axes.set_title("; ".join(part for part in told if part))
+        only = {"by"} if dataset.sizes.get("by") == 1 else set()
+        told += [
+            _told(value, str(name)) for name, value in drawn.coords.items()
+            if value.ndim == 0 and name not in only
+        ]  # fmt: skip
+        titled(axes, "; ".join(part for part in told if part))
     return axes
 
 
 def _selected(dataset: xr.Dataset, quantity: str | None, at: Mapping[str, Any]) -> xr.DataArray:
     names = [
-        str(name) for name, values in dataset.data_vars.items()
+        str(name) for name in dataset.data_vars
         if name not in ("status", "reason", "outside_range", "beads")
     ]  # fmt: skip
     if quantity is not None and quantity not in dataset:
         raise unknown_name("quantity of this sweep", quantity, names)
     values = dataset[names[0] if quantity is None else quantity]
-    for name, value in at.items():
+    long_names = {values[name].attrs.get("long_name"): str(name) for name in values.dims}
+    for given, value in at.items():
+        name = long_names.get(given, given)
         if name not in values.dims:
-            raise unknown_name(f"dimension of {values.name}", name, map(str, values.dims))
-        coordinate = values[name]
-        if coordinate.dtype.kind in "if":
-            values = values.sel({name: value}, method="nearest")
-        elif value in coordinate.values:
-            values = values.sel({name: value})
-        else:
-            raise unknown_name(name, value, map(str, coordinate.values))
+            raise unknown_name(f"dimension of {values.name}", given, map(str, values.dims))
+        values = values.isel({name: _index(values[name], given, value)})
     return values.squeeze(drop=False)
+
+
+def _index(coordinate: xr.DataArray, name: str, value: Any) -> int:
+    """Where a value is: an exact text or whole number, the nearest of other numbers."""
+    there = coordinate.to_numpy()
+    if there.dtype.kind not in "if":
+        if value not in there:
+            raise unknown_name(name, value, map(str, there))
+        return int(np.flatnonzero(there == value)[0])
+    unit = coordinate.attrs.get("units", "1")
+    what = name if unit == "1" else f"{name} [{unit}]"
+    low, high = float(there.min()), float(there.max())
+    slack = 1e-9 * max(abs(low), abs(high))
+    place = number(what, value, least=low - slack, most=high + slack)
+    nearest = int(np.abs(there - place).argmin())
+    if there.dtype.kind == "i" and there[nearest] != place:
+        raise InputError(
+            f"{what} is {place:g}, which is not among the values of this sweep: the nearest "
+            f"is {there[nearest]}"
+        )
+    return nearest
+
+
+def _undrawable(drawn: xr.DataArray, at: Mapping[str, Any]) -> str:
+    if drawn.ndim > 2:
+        left = ", ".join(f"{name} ({size})" for name, size in drawn.sizes.items())
+        first = drawn[drawn.dims[0]].values[0]
+        return (
+            f"{drawn.name} has {drawn.ndim} dimensions left, {left}, and 1 or 2 can be drawn: "
+            f"choose a value of the others, such as {drawn.dims[0]}={_short(first)}"
+        )
+    hint = f": leave {' or '.join(map(str, at))} out" if at else ""
+    return f"{drawn.name} has no axis left to be drawn along{hint}"
 
 
 def _curves(drawn: xr.DataArray, axes: Axes, *, log: bool) -> None:
@@ -114,7 +147,7 @@ def _curves(drawn: xr.DataArray, axes: Axes, *, log: bool) -> None:
         curves = [curve for curve in curves if (curve > 0.0).any()]
     for i, curve in enumerate(curves):
         axes.plot(
-            np.arange(curve.size) if curve[along].dtype.kind == "U" else curve[along],
+            _places(curve[along]),
             curve,
             color=COLOURS[i % len(COLOURS)],
             marker=MARKERS[i % len(MARKERS)],
@@ -122,12 +155,9 @@ def _curves(drawn: xr.DataArray, axes: Axes, *, log: bool) -> None:
             markevery=max(1, curve.size // 40),
             label=str(curve.by.item()) if "by" in curve.coords else None,
         )
-    if drawn[along].dtype.kind == "U":
-        axes.set_xticks(range(drawn[along].size), drawn[along].values)
-    axes.set_xlabel(_label(drawn[along], str(along)))
-    axes.set_ylabel(_label(drawn, str(drawn.name)))
+    axes.set_ylabel(_quantity_label(drawn))
     axes.set_yscale("log" if log else "linear")
-    axes.set_xscale(_scale(drawn[along]))
+    _set_axis(axes, "x", drawn[along])
     if len(curves) > 1:
         axes.legend()
 
@@ -145,36 +175,72 @@ def _map(drawn: xr.DataArray, axes: Axes, *, log: bool, levels: list[float] | No
     mesh = axes.pcolormesh(
         x, y, values, cmap="viridis", norm=norm, shading="nearest", rasterized=True
     )
-    axes.figure.colorbar(mesh, ax=axes, label=_label(drawn, str(drawn.name)))
+    axes.figure.colorbar(mesh, ax=axes, label=_quantity_label(drawn))
     if levels:
         lines = axes.contour(x, y, values, levels=sorted(levels), colors="white", linewidths=1.2)
         axes.clabel(lines, fmt="%g", fontsize=8)
-    for name, axis in ((across, axes.xaxis), (down, axes.yaxis)):
-        if drawn[name].dtype.kind == "U":
-            axis.set_ticks(range(drawn[name].size), labels=drawn[name].values)
-    axes.set_xscale(_scale(drawn[across]))
-    axes.set_yscale(_scale(drawn[down]))
-    axes.set_xlabel(_label(drawn[across], str(across)))
-    axes.set_ylabel(_label(drawn[down], str(down)))
+    _set_axis(axes, "x", drawn[across])
+    _set_axis(axes, "y", drawn[down])
 
 
-def _scale(coordinate: xr.DataArray) -> str:
-    """Logarithmic for values in geometric progression."""
+def _set_axis(axes: Axes, which: Literal["x", "y"], coordinate: xr.DataArray) -> None:
+    """Scale, ticks and label of the abscissa or ordinate."""
     values = coordinate.to_numpy()
+    axes.set(**{f"{which}scale": _scale(values), f"{which}label": _axis_label(coordinate)})
+    axis = axes.xaxis if which == "x" else axes.yaxis
+    # Scales bring ticks of their own: ours go after them.
+    if values.dtype.kind not in "if":
+        axis.set_ticks(range(values.size), labels=[str(value) for value in values])
+    elif values.dtype.kind == "i" and axis.get_scale() == "linear":
+        axis.set_major_locator(MaxNLocator("auto", integer=True, steps=[1, 2, 5, 10]))
+
+
+def _scale(values: np.ndarray[Any, Any]) -> str:
+    """Logarithmic for a decade or more in geometric progression."""
     if values.dtype.kind not in "if" or values.size < 3 or values.min() <= 0.0:
         return "linear"
     steps = np.diff(np.log(values))
-    return "log" if np.ptp(steps) < 1e-6 * abs(steps[0]) else "linear"
+    even = np.ptp(steps) < 1e-6 * abs(steps[0])
+    return "log" if even and values.max() >= 10.0 * values.min() else "linear"
 
 
 def _places(coordinate: xr.DataArray) -> Any:
-    return np.arange(coordinate.size) if coordinate.dtype.kind == "U" else coordinate.to_numpy()
+    values = coordinate.to_numpy()
+    return values if values.dtype.kind in "if" else np.arange(values.size)
 
 
-def _label(values: xr.DataArray, name: str) -> str:
+def _axis_label(coordinate: xr.DataArray) -> str:
+    """``struck_by.mass`` of a specification is the striker's mass."""
+    name = str(coordinate.name)
+    if name in ("bead", "contact"):
+        return f"{name} $k$"
+    words = coordinate.attrs.get("long_name", name) if name not in ("by", "point") else name
+    plain = words.removeprefix("method.").removeprefix("with_").replace("struck_by", "striker")
+    return _with_unit(plain.replace(".", " ").replace("_", " "), coordinate)
+
+
+def _quantity_label(drawn: xr.DataArray) -> str:
+    """Name, the paper's symbol and the unit; the last bead of a chain is N."""
+    name, symbol = str(drawn.name), drawn.attrs.get("symbol", "")
+    text = name.replace("_", " ")
+    if len(symbol) == 1:
+        last = "N-1" if name in PER_CONTACT else "N"
+        place = "k" if {"bead", "contact"} & set(drawn.coords) else last
+        text += f" ${symbol}_{{{place}}}$"
+    return _with_unit(text, drawn)
+
+
+def _with_unit(text: str, values: xr.DataArray) -> str:
     unit = values.attrs.get("units", "1")
-    text = {"bead": "bead $k$", "contact": "contact $k$"}.get(name, name.replace("_", " "))
     return text if unit == "1" else f"{text} [{unit}]"
+
+
+def _told(value: xr.DataArray, name: str) -> str:
+    if name == "by":
+        return f"by {value.item()}"
+    unit = value.attrs.get("units", "1")
+    label = _axis_label(value).removesuffix(f" [{unit}]")
+    return f"{label} = {_short(value.item())}" + ("" if unit == "1" else f" {unit}")
 
 
 def _short(value: Any) -> str:

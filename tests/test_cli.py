@@ -427,7 +427,10 @@ def test_simulate_prints_what_walls_and_sensors_felt(run, tmp_path):
 def test_simulate_says_what_a_wall_has_not_felt(run, tmp_path):
     file = tmp_path / "experiment.toml"
     file.write_text(EXPERIMENT)
-    assert "the first contact is not over, impulse" in run("simulate", file, "--until", "6e-5")[1]
+    assert "the first contact is not over, impulse" in run("simulate", file, "--until", "9e-5")[1]
+    early = run("simulate", file, "--until", "6e-5")[1]
+    assert "N at the end, t = 6e-05 s, and rising: a later --until" in early
+    assert "right wall: peak" not in early
     file.write_text(EXPERIMENT + "gap = 0.1\n")
     assert "right wall: not reached" in run("simulate", file, "--until", "1e-5")[1]
     assert json.loads(run("simulate", "--beads", 3, "--json")[1])["walls"] == []

@@ -21,7 +21,11 @@ if TYPE_CHECKING:
 
 @click.command()
 @chain_options
-@click.option("--until", type=float, help="Time to stop at.  [default: when the pulse has left]")
+@click.option(
+    "--until",
+    type=float,
+    help="Time to stop at.  [default: when the pulse has left or is in the wall]",
+)
 @click.option("--times", type=int, default=400, show_default=True, help="Times to save.")
 @click.option("--rtol", type=float, default=1e-13, show_default=True, help="Tolerance of a step.")
 @click.option(
@@ -151,23 +155,31 @@ def _show_run(run: Run, sensors: tuple[int, ...], as_json: bool) -> None:
     click.echo(f"energy drift {run.energy_drift:.1e}, momentum drift {run.momentum_drift:.1e}")
     click.echo(f"{len(run.times)} times saved, {run.evaluations} evaluations of the force")
     newton, second, impulse = (" N", " s", " N s") if run.chain.units == "SI" else ("", "", "")
-    for wall in walls:
-        if wall["peak"] == 0.0:
-            click.echo(f"{wall['side']} wall: not reached")
-            continue
-        first = "the first contact is not over"
-        if wall["first_impulse"] is not None:
-            first = f"impulse of the first contact {wall['first_impulse']:.6g}{impulse}"
-        click.echo(
-            f"{wall['side']} wall: peak {wall['peak']:.6g}{newton} at t = "
-            f"{wall['peak_time']:.6g}{second}; {first}, impulse in all "
-            f"{wall['impulse']:.6g}{impulse}"
-        )
+    for wall in _walls(run):
+        click.echo(_wall_line(wall, run.end_time, newton, second, impulse))
     for sensor in shown:
         click.echo(
             f"sensor in bead {sensor['bead']}: peak {sensor['peak']:.6g}{newton} at t = "
             f"{sensor['peak_time']:.6g}{second}"
         )
+
+
+def _wall_line(wall: WallForce, end: float, newton: str, second: str, impulse: str) -> str:
+    """What a wall felt; a force that still rises has no peak to tell."""
+    if wall.peak == 0.0:
+        return f"{wall.side} wall: not reached"
+    if wall.peak_time >= (1.0 - 1e-9) * end:
+        return (
+            f"{wall.side} wall: {wall.peak:.6g}{newton} at the end, t = {end:.6g}{second}, and "
+            f"rising: a later --until shows the peak; impulse so far {wall.impulse:.6g}{impulse}"
+        )
+    first = "the first contact is not over"
+    if wall.first_impulse is not None:
+        first = f"impulse of the first contact {wall.first_impulse:.6g}{impulse}"
+    return (
+        f"{wall.side} wall: peak {wall.peak:.6g}{newton} at t = {wall.peak_time:.6g}{second}; "
+        f"{first}, impulse in all {wall.impulse:.6g}{impulse}"
+    )
 
 
 def _peak(run: Run, bead: int) -> dict[str, float]:

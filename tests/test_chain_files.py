@@ -226,7 +226,7 @@ SI = 'radii = 5e-3\nbeads = 3\nmaterials = "brass"\n'
         (U + "radii = [1, 2]", "has taper and also radii"),
         (U + "cells = 3", "has taper and also cells"),
         ("cell = [1, 2]", "no cells, which goes with cell"),
-        (U + "velocity = 2.0", "has velocity but no materials, so it is scaled"),
+        (U + "velocity = 2.0", "has velocity but no materials: .* leave velocity out"),
         (U + "radius = 2.0", "has radius but no materials"),
         ('taper = "uniform"\nbeads = 3\nmaterials = "brass"', "no radius, which goes with taper"),
         ('mass_ratio = 0.5\nbeads = 3\nmaterials = "brass"', "mass_ratio, a scaled chain"),

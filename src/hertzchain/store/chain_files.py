@@ -273,7 +273,10 @@ class _ChainFile:
             return self._si_beads(form, law)
         if "radius" in table or "velocity" in table:
             key = "radius" if "radius" in table else "velocity"
-            raise InputError(f"[chain] has {key} but no materials, so it is scaled")
+            raise InputError(
+                f"[chain] has {key} but no materials: scaled chains begin with radius 1 and "
+                f"velocity 1; leave {key} out, or give materials"
+            )
         return self._scaled_beads(form, law)
 
     def _scaled_beads(self, form: str, law: dict[str, Any]) -> Chain:

@@ -6,7 +6,8 @@ import xarray as xr
 
 import hertzchain as hc
 from hertzchain.plotting.sweeps import plot_sweep
-from hertzchain.store.sweep_files import export_sweep
+from hertzchain.store.sweep_files import export_sweep, tables_of
+from hertzchain.sweeps.axes import Axis
 from hertzchain.sweeps.plan import Plan
 from hertzchain.sweeps.reading import read_specification, specification_from_json
 from hertzchain.sweeps.specification import differences
@@ -337,6 +338,24 @@ def test_axes_of_pictures_say_what_varies():
     along = plot_sweep(found, materials="ptfe", coefficient=0.9)
     # A geometric progression over less than a decade has no ticks to read on a logarithmic scale.
     assert (along.get_xlabel(), along.get_xscale()) == ("striker mass [kg]", "linear")
+
+
+def test_spaced_values_are_looked_up_as_they_are_written():
+    losses = Axis(("loss", "coefficient"), {"linspace": [0.8, 1.0, 5]})
+    assert losses.values == [0.8, 0.85, 0.9, 0.95, 1.0]
+    assert Axis(("rate",), {"geomspace": [1e-3, 0.1, 3]}).values == [0.001, 0.01, 0.1]
+    assert Axis(("radius",), {"list": [0.7, 2.3], "unit": "mm"}).values == [0.0007, 0.0023]
+    ends = {"linspace": [np.pi / 100, np.pi / 10, 3]}
+    assert Axis(("rate",), ends).values[::2] == [np.pi / 100, np.pi / 10]
+
+
+def test_tables_begin_with_where_and_end_with_how_it_went():
+    axes = {"rate": [0.02, 0.05], "beads": [10, 12]}
+    found = swept({"taper": "forward-exponential"}, axes, combine="zip", methods=["bca"],
+                  keep=["velocity", "peak_force"])  # fmt: skip
+    (table,) = tables_of(found)
+    assert list(table) == ["point", "rate", "beads", "by", "bead", "velocity", "peak_force",
+                           "outside_range", "reason", "status"]  # fmt: skip
 
 
 def test_points_are_ticked_by_whole_numbers():

@@ -138,7 +138,15 @@ def tables_of(dataset: xr.Dataset) -> Iterator[pd.DataFrame]:
         table = part.to_dataframe(dim_order=[str(name) for name in order]).reset_index()
         if "bead" in table and "beads" in table:
             table = table[table.bead <= table.beads]
-        yield table
+        yield table[_in_reading_order(dataset, [str(name) for name in order], list(table))]
+
+
+def _in_reading_order(dataset: xr.Dataset, dimensions: list[str], names: list[str]) -> list[str]:
+    """Columns: where, what was computed, how it went."""
+    parameters = [name for name in names if dataset[name].dims == ("point",)]
+    outcome = [name for name in ("outside_range", "reason", "status") if name in names]
+    first = list(dict.fromkeys([*dimensions[:1], *parameters, *dimensions]))
+    return [*first, *(name for name in names if name not in (*first, *outcome)), *outcome]
 
 
 def _product(sizes: dict[object, int]) -> int:

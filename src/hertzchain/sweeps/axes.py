@@ -105,7 +105,7 @@ class Axis:
             raise InputError(f"needs one of {', '.join(SPACINGS)}, has {len(given)} of them")
         found = self.entry[given[0]]
         values = _plain(found) if given[0] == "list" else _spaced(given[0], found)
-        return values if self.unit is None else [self._factor * each for each in values]
+        return values if self.unit is None else [_decimal(self._factor * each) for each in values]
 
     @property
     def _factor(self) -> float:
@@ -210,4 +210,9 @@ def _spaced(kind: str, given: Any) -> list[float]:
     # Whole numbers stay whole: beads, seeds.
     if np.all(values == np.round(values)) and np.abs(values).max() < 2**53:
         return [int(value) for value in values]
-    return [float(value) for value in values]
+    return [first, *(_decimal(value) for value in values[1:-1]), last][:count]
+
+
+def _decimal(value: float) -> float:
+    """Without the last digit's rounding: 0.85, not 0.8500000000000001; so it can be looked up."""
+    return float(f"{value:.15g}")

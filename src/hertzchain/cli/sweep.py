@@ -45,6 +45,8 @@ def sweep() -> None:
       hertzchain sweep status taper.zarr
       hertzchain sweep export taper.zarr taper.csv
       hertzchain sweep plot taper.zarr taper.png --quantity momentum
+
+    Workers, shards and a dask scheduler: `hertzchain sweep run --help`.
     """
 
 
@@ -54,7 +56,7 @@ def sweep() -> None:
     "--store",
     type=click.Path(path_type=Path),
     metavar="FOLDER",
-    help="Where results go.  [default: the name of SPEC with .zarr]",
+    help="Where results go.  [default: the name of SPEC with .zarr, in the working folder]",
 )
 @click.option("--workers", type=int, help="Threads or processes.  [default: one a processor]")
 @click.option("--processes", is_flag=True, help="A pool of processes in place of threads.")
@@ -137,7 +139,12 @@ def merge(into: Path, stores: tuple[Path, ...]) -> int:
 @click.argument("store", type=click.Path(path_type=Path))
 @click.argument("file", type=click.Path(path_type=Path))
 @click.option("--quantity", metavar="NAME", help="What to draw.  [default: the first kept]")
-@click.option("--at", multiple=True, metavar="NAME=VALUE", help="Where along other dimensions.")
+@click.option(
+    "--at",
+    multiple=True,
+    metavar="NAME=VALUE",
+    help="Where along other dimensions; between the values of an axis the nearest.",
+)
 @click.option("--level", type=float, multiple=True, help="Draw a line at this value into a map.")
 @click.option("--log", is_flag=True, help="Logarithmic scale of the quantity.")
 def plot(
@@ -212,10 +219,11 @@ def _show_outcome(store: Path, part: tuple[int, int] | None, as_json: bool) -> i
     from hertzchain.store.sweep_store import SweepStore
 
     opened = SweepStore(store)
-    counts, failures = opened.counts(), opened.failures(5)
+    counts, failures, outside = opened.counts(), opened.failures(5), opened.outside_range()
     if as_json:
         show_json({
             "schema_version": 1, "store": str(store), **counts,
+            "outside_range": outside,
             "failures": [{"point": place, "reason": reason} for place, reason in failures],
         })  # fmt: skip
     else:
@@ -227,6 +235,9 @@ def _show_outcome(store: Path, part: tuple[int, int] | None, as_json: bool) -> i
                        f"{reason}")  # fmt: skip
         if counts["failed"] > len(failures):
             click.echo(f"  and {counts['failed'] - len(failures)} more: variable `reason`")
+        if outside:
+            click.echo(f"  at {outside} points a method is outside its range: variable "
+                       "`outside_range`")  # fmt: skip
     incomplete = counts["missing"] and part is None
     return FAILED if counts["failed"] or incomplete else DONE
 

@@ -366,6 +366,31 @@ class SweepStore:
                 counts[meaning] += int((worst == value).sum())
         return counts
 
+    def outside_range(self) -> int:
+        """How many points have a method that says it is outside its range.
+
+        Returns
+        -------
+        int
+
+        Examples
+        --------
+        >>> import hertzchain as hc, tempfile
+        >>> methods = {"methods": ["propagate", "local-rate"]}
+        >>> axes = {"rate": [0.02, 0.2], "beads": [20]}
+        >>> spec = {"chain": {"taper": "forward-exponential"}, "axes": axes, "sweep": methods}
+        >>> with tempfile.TemporaryDirectory() as folder:
+        ...     _ = hc.sweep(spec, Path(folder) / "sweep")
+        ...     SweepStore(Path(folder) / "sweep").outside_range()
+        1
+        """
+        if "outside_range" not in self.arrays:
+            return 0
+        array, rows = self.arrays["outside_range"], self.status.chunks[0]
+        starts = range(0, array.shape[0], rows)
+        parts = (np.asarray(array[start : start + rows]) for start in starts)
+        return sum(int(part.any(axis=-1).sum()) for part in parts)
+
     def failures(self, most: int) -> list[tuple[dict[str, Any], str]]:
         """Where points failed, and why.
 

@@ -60,7 +60,9 @@ class _Pace:
         if more <= 0 or elapsed <= 0.0:
             return ""
         left = timedelta(seconds=round((total - done) * elapsed / more))
-        return f"{more / elapsed:.3g} a second, {left} to go"
+        pace = more / elapsed
+        shown = f"{pace:.0f}" if pace >= 10 else f"{pace:.2g}"
+        return f"{shown} a second, {left} to go"
 
 
 def _lines_of_progress(what: str, pace: _Pace | None) -> Callable[[int, int], None]:

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import Final
 
+from hertzchain import __version__
+
 CITATIONS: Final = (
     "The paper:\n"
     "  L. P. Machado, A. Rosas, K. Lindenberg, Momentum and energy propagation in tapered\n"
@@ -14,5 +16,5 @@ CITATIONS: Final = (
     "The integrator DOP853:\n"
     "  E. Hairer, S. P. Norsett, G. Wanner, Solving Ordinary Differential Equations I,\n"
     "  2nd ed. (Springer, 1993), doi:10.1007/978-3-540-78862-1.",
-    "This software:\n  hertzchain, the version given by hertzchain --version; see CITATION.cff.",
+    f"This software:\n  hertzchain {__version__}; see CITATION.cff.",
 )

@@ -29,7 +29,9 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 import numpy as np
-from numba import njit
+
+from hertzchain.kernels.powers import OPTIONS as OPTIONS
+from hertzchain.kernels.powers import compiled, powers
 
 # The ledger behind positions and velocities: energy lost in contacts, work and impulse of the
 # drive, impulse given to the chain by the left wall and by the chain to the right one.
@@ -46,10 +48,6 @@ CUBIC, SINES = 4, 3
 # A force within this part of a bound is on it: a contact at rest must not change its mode
 # for rounding.
 EVEN = 1e-13
-
-# References to arrays are not counted (`_nrt`): that would cost as much as the forces do.
-OPTIONS: dict[str, Any] = {"cache": True, "nogil": True, "error_model": "numpy", "_nrt": False}
-compiled = njit(**OPTIONS)
 
 
 class Plain(NamedTuple):
@@ -100,6 +98,7 @@ class Contacts(NamedTuple):
     force: Any  # (N + 1,)
     last_force: Any  # (N + 1,): at the last step's end
     scratch: Any  # (3, N + 1)
+    powers: Any  # (4, N + 1): scratch of powers
 
 
 @compiled
@@ -308,19 +307,29 @@ def measure(y, gap, wall, overlap, closing):
 
 
 @compiled
-def loading_curve(overlap, stiffness, exponent, pushing):
+def loading_curve(overlap, stiffness, exponent, pushing, scratch):
     """Forces k d_+^p of all contacts."""
     if exponent == 1.5:
         for c in range(len(overlap)):
             closed = overlap[c] if overlap[c] > 0.0 else 0.0
             pushing[c] = stiffness[c] * closed * np.sqrt(closed)
         return
+    power_of_closed(overlap, exponent, pushing, scratch)
     for c in range(len(overlap)):
-        pushing[c] = stiffness[c] * overlap[c] ** exponent if overlap[c] > 0.0 else 0.0
+        pushing[c] *= stiffness[c]
 
 
 @compiled
-def weigh(overlap, damping, law, weight):
+def power_of_closed(overlap, exponent, out, scratch):
+    """d_+^exponent of all contacts."""
+    closed = scratch[2, : len(overlap)]
+    for c in range(len(overlap)):
+        closed[c] = overlap[c] if overlap[c] > 0.0 else 0.0
+    powers(closed, exponent, out, scratch)
+
+
+@compiled
+def weigh(overlap, damping, law, weight, scratch):
     """What multiplies the power of the closing speed: damping * d_+^overlap_power."""
     if law.overlap_power == 0.0:
         copy(damping, weight)
@@ -333,14 +342,15 @@ def weigh(overlap, damping, law, weight):
             closed = overlap[c] if overlap[c] > 0.0 else 0.0
             weight[c] = damping[c] * np.sqrt(closed)
     else:
+        power_of_closed(overlap, law.overlap_power, weight, scratch)
         for c in range(len(weight)):
-            weight[c] = damping[c] * damping_weight(max(overlap[c], 0.0), law)
+            weight[c] *= damping[c]
 
 
 @compiled
-def damp(pushing, overlap, closing, damping, mode, law, more):
+def damp(pushing, overlap, closing, damping, mode, law, more, scratch):
     """Add to elastic forces what depends on the closing speed; returns the power lost."""
-    weigh(overlap, damping, law, more)
+    weigh(overlap, damping, law, more, scratch)
     if has_modes(law):
         for c in range(len(more)):
             acts = 1.0 if mode[c] == LOADED else 0.0
@@ -350,9 +360,12 @@ def damp(pushing, overlap, closing, damping, mode, law, more):
         for c in range(len(more)):
             more[c] *= closing[c]
     else:
+        speed, power = scratch[2, : len(more)], scratch[3, : len(more)]
         for c in range(len(more)):
-            if more[c] != 0.0:
-                more[c] *= signed_power(closing[c], law.speed_power)
+            speed[c] = abs(closing[c])
+        powers(speed, law.speed_power, power, scratch)
+        for c in range(len(more)):
+            more[c] *= power[c] if closing[c] > 0.0 else -power[c]
     for c in range(len(more)):
         pushing[c] += more[c]
     return sum_of_products(more, closing)
@@ -416,11 +429,11 @@ def full_derivative(time, y, setup, contacts, segment, out):
     measure(y, setup.gap, wall, overlap, closing)
     if law.kind == PLASTIC:
         dent(overlap, mode, contacts.largest, law.kept)
-    loading_curve(overlap, setup.stiffness, law.exponent, pushing)
+    loading_curve(overlap, setup.stiffness, law.exponent, pushing, contacts.powers)
     lost = 0.0
     if law.kind == DAMPED:
-        lost = damp(pushing, overlap, closing, setup.damping, mode, law,
-                    contacts.scratch[2, : beads + 1])  # fmt: skip
+        more = contacts.scratch[2, : beads + 1]
+        lost = damp(pushing, overlap, closing, setup.damping, mode, law, more, contacts.powers)
     elif law.kind == UNLOADING:
         lost = power_lost(pushing, closing, mode, law)
         if weaken(pushing, mode, law):

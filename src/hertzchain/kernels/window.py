@@ -111,13 +111,14 @@ def outrun(y, y_new, low, high, all_beads):
 
 
 def part_of(setup, contacts, low, high, ends):
-    """The equation of the beads of a window; ``ends`` is scratch, (2, N + 1)."""
-    if contacts is None:
-        return plain_part(setup, low, high)
-    return bench_part(setup, low, high, ends)
+    """The equation of the beads of a window; ``ends`` is scratch, (2, N + 1).
+
+    Compiled code alone can call it: a function that gives one type or another is chosen when its
+    caller is compiled.
+    """
+    raise NotImplementedError
 
 
-# A function that gives one type or another must be chosen when it is compiled.
 @overload(part_of, jit_options=WITHOUT_CACHE)
 def _(setup, contacts, low, high, ends):  # noqa: ARG001
     if isinstance(contacts, types.NoneType):
@@ -158,6 +159,7 @@ def contacts_within(contacts, low, high):
     return Contacts(
         contacts.mode[low : high + 1], contacts.largest[low : high + 1],
         contacts.force[low : high + 1], contacts.last_force[low : high + 1], contacts.scratch,
+        contacts.powers,
     )  # fmt: skip
 
 

@@ -296,7 +296,8 @@ def contacts_of(arrays: dict[str, Array]) -> Contacts:
 
     number = len(arrays["mode"])
     force, last_force = np.zeros((2, number))
-    return Contacts(arrays["mode"], arrays["largest"], force, last_force, np.zeros((3, number)))
+    scratch, powers = np.zeros((3, number)), np.zeros((4, number))
+    return Contacts(arrays["mode"], arrays["largest"], force, last_force, scratch, powers)
 
 
 def same_motion(chain: Chain, other: Chain) -> bool:

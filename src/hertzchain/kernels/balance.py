@@ -8,12 +8,12 @@ from hertzchain.kernels.forces import (
     LOST,
     PUSHED,
     RIGHT_IMPULSE,
-    compiled,
     force,
     overlap_and_closing,
     potential,
     wall_motion,
 )
+from hertzchain.kernels.options import compiled
 from hertzchain.kernels.records import (
     ENERGY_DRIFT,
     ENERGY_UNIT,

@@ -12,7 +12,7 @@ which a search for a maximum costs little.
 from __future__ import annotations
 
 from hertzchain.kernels.dop853 import STEP_STAGES, D
-from hertzchain.kernels.forces import compiled
+from hertzchain.kernels.options import compiled
 
 COEFFICIENTS = 7
 

@@ -9,15 +9,8 @@ from __future__ import annotations
 
 from hertzchain.kernels.dense import slope, state_within, value
 from hertzchain.kernels.dop853 import STEP_STAGES
-from hertzchain.kernels.forces import (
-    LEDGER,
-    LEFT_IMPULSE,
-    RIGHT_IMPULSE,
-    compiled,
-    copy,
-    derivative,
-    force,
-)
+from hertzchain.kernels.forces import LEDGER, LEFT_IMPULSE, RIGHT_IMPULSE, copy, derivative, force
+from hertzchain.kernels.options import compiled
 from hertzchain.kernels.records import (
     CROSSING_TIME,
     CROSSINGS,
@@ -156,30 +149,49 @@ def record_jumps(time, y, stages, scale, peaks):
 
 
 @compiled
-def record_crossings(h, clock, counts, y, dense, setup, contacts, first, expected, crossings):
-    """First moments of equal neighbour velocities within the step: largest overlaps.
+def note_crossing(c, after, overlap, clock, counts, first, crossings):
+    """Write down a largest overlap ``after`` the time of the clock.
 
     The residence is counted from the crossing before, since the difference of two times
     loses its digits where the pulse becomes much faster than it was.  The window begins with
     bead ``first``.
     """
+    crossings[CROSSING_TIME, c] = clock[TIME] + after
+    crossings[OVERLAP, c] = overlap
+    if counts[LAST_CROSSING] == first + c - 1:
+        crossings[RESIDENCE, c] = clock[SINCE_CROSSING] + after
+    counts[LAST_CROSSING] = first + c
+    counts[CROSSINGS] += 1
+    clock[SINCE_CROSSING] = -after
+
+
+@compiled
+def record_crossings(h, clock, counts, y, dense, setup, contacts, first, expected, crossings):
+    """First moments of equal neighbour velocities within the step: largest overlaps."""
     for c in range(crossings.shape[1]):
         if not expected[c]:
             continue
         theta = crossing_within(c, crossings.shape[1] + 1, y, dense)
         if theta > 1.0:
             continue
-        crossings[CROSSING_TIME, c] = clock[TIME] + theta * h
         behind = value(c, theta, y, dense)
         overlap = behind - value(c + 1, theta, y, dense)
         if contacts is not None:
             overlap -= setup.gap[c + 1]
-        crossings[OVERLAP, c] = overlap
-        if counts[LAST_CROSSING] == first + c - 1:
-            crossings[RESIDENCE, c] = clock[SINCE_CROSSING] + theta * h
-        counts[LAST_CROSSING] = first + c
-        counts[CROSSINGS] += 1
-        clock[SINCE_CROSSING] = -theta * h
+        note_crossing(c, theta * h, overlap, clock, counts, first, crossings)
+
+
+@compiled
+def record_stops(clock, counts, y, stages, scale, gap, first, crossings):
+    """The same between two steps, where beads that closed in on each other got stuck."""
+    beads = len(scale)
+    for c in range(beads - 1):
+        closed_in = stages[STEP_STAGES, c] > stages[STEP_STAGES, c + 1]
+        stopped = closed_in and stages[0, c] <= stages[0, c + 1]
+        reached = abs(y[beads + c + 1]) > REACHED * scale[c + 1]
+        if stopped and reached and crossings[CROSSING_TIME, c] == 0.0:
+            overlap = y[c] - y[c + 1] - gap[c + 1]
+            note_crossing(c, 0.0, overlap, clock, counts, first, crossings)
 
 
 @compiled

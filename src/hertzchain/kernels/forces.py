@@ -11,7 +11,7 @@ walls.  A `Plain` chain, Eq. (4) of the paper, has :math:`F_c = r_c (x_c - x_{c+
 and nothing else, and a loop of its own; a `Bench` has everything else.
 
 Where a law's force jumps, has a memory or is cut off, each contact is in a *mode*, which
-`hertzchain.kernels.full_chain` keeps within a step:
+`hertzchain.kernels.switching` keeps within a step:
 
 =============  ========================  =================  =======================
 law            `LOADED`                  `RELEASED`         `STUCK`
@@ -30,8 +30,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from hertzchain.kernels.powers import OPTIONS as OPTIONS
-from hertzchain.kernels.powers import compiled, powers
+from hertzchain.kernels.options import compiled
+from hertzchain.kernels.powers import powers
 
 # The ledger behind positions and velocities: energy lost in contacts, work and impulse of the
 # drive, impulse given to the chain by the left wall and by the chain to the right one.
@@ -44,10 +44,6 @@ RELEASED, LOADED, STUCK = range(3)
 NOTHING, PUSH, MOVING_WALL = range(3)
 # A piece of the drive: a cubic in time, then amplitude and angular frequency of three sines.
 CUBIC, SINES = 4, 3
-
-# A force within this part of a bound is on it: a contact at rest must not change its mode
-# for rounding.
-EVEN = 1e-13
 
 
 class Plain(NamedTuple):
@@ -209,28 +205,6 @@ def potential(overlap, stiffness, mode, largest, law):
         kept = law.kept
     curve = force(overlap, stiffness, law.exponent)
     return kept * curve * max(overlap, 0.0) / (law.exponent + 1.0)
-
-
-@compiled
-def must_switch(overlap, closing, stiffness, damping, mode, largest, held, law, still):
-    """Whether a contact has to leave its mode; relative speeds below ``still`` are none."""
-    if law.kind == DAMPED:
-        pulls = False
-        if not law.attractive and overlap > 0.0:
-            pushing = force(overlap, stiffness, law.exponent)
-            weight = damping_weight(overlap, law)
-            pulls = pushing + damping * weight * signed_power(closing, law.speed_power) < 0.0
-        return overlap < 0.0 or pulls if mode == LOADED else overlap > 0.0 and not pulls
-    if overlap <= 0.0 and mode != STUCK:
-        return False
-    if mode == LOADED:
-        return closing < -still
-    if law.kind == PLASTIC:
-        return overlap > largest and closing > still
-    if mode == RELEASED:
-        return closing > still
-    loading = force(overlap, stiffness, law.exponent)
-    return held > (1.0 + EVEN) * loading or held < (1.0 - EVEN) * law.kept * loading
 
 
 @compiled
@@ -462,21 +436,3 @@ def derivative(time, y, setup, contacts, segment, out):
         plain_derivative(y, setup.inverse_mass, setup.stiffness, setup.exponent, out)
     else:
         full_derivative(time, y, setup, contacts, segment, out)
-
-
-@compiled
-def next_mode(c, overlap, time, y, setup, contacts, segment, scratch):
-    """The mode that follows.  A contact whose two forces both drive it back is stuck."""
-    law, mode = setup.law, contacts.mode[c]
-    if law.kind != UNLOADING:
-        return RELEASED if mode == LOADED else LOADED
-    loading = force(overlap, setup.stiffness[c], law.exponent)
-    if mode == STUCK:
-        return LOADED if contacts.force[c] > loading else RELEASED
-    contacts.mode[c] = STUCK
-    derivative(time, y, setup, contacts, segment, scratch)
-    contacts.mode[c] = mode
-    held = contacts.force[c]
-    if overlap > 0.0 and law.kept * loading < held < loading:
-        return STUCK
-    return RELEASED if mode == LOADED else LOADED

@@ -40,6 +40,7 @@ from numba import njit
 from numba.misc.special import literally
 
 from hertzchain.kernels.hermite import curvature, hermite, slope, third, value
+from hertzchain.kernels.options import CONTRACTED
 from hertzchain.kernels.rkn8 import (
     A1,
     A2,
@@ -95,18 +96,10 @@ FOOT = 1e-6
 # Steps a bead may take to pass: ten times what any taper needs.
 MAX_STEPS = 400
 
-# No references to arrays are counted (`_nrt`; nothing here makes an array): with so many short
-# functions, counting took longer than the work. The second kind is for every step.
-# A product and a sum may become one instruction (`contract`): 5 % of the time.
-OPTIONS: dict[str, Any] = {
-    "cache": True,
-    "nogil": True,
-    "error_model": "numpy",
-    "fastmath": {"contract"},
-    "_nrt": False,
-}
-compiled = njit(**OPTIONS)
-inlined = njit(forceinline=True, **OPTIONS)
+# With so many short functions, counting references took longer than the work, and contraction is
+# 5 % of the time. The second kind is for every step.
+compiled = njit(**CONTRACTED)
+inlined = njit(forceinline=True, **CONTRACTED)
 
 
 @inlined

@@ -22,6 +22,7 @@ from hertzchain.kernels.events import (
     record_crossings,
     record_jumps,
     record_peaks,
+    record_stops,
     record_walls,
     save_frames,
     wall_pushed,
@@ -29,13 +30,13 @@ from hertzchain.kernels.events import (
 from hertzchain.kernels.forces import (
     NOTHING,
     UNLOADING,
-    compiled,
     copy,
     derivative,
     has_modes,
     overlap_and_closing,
     wall_motion,
 )
+from hertzchain.kernels.options import compiled
 from hertzchain.kernels.records import (
     CROSSINGS,
     EVALUATIONS,
@@ -181,7 +182,7 @@ def advance_window(
                 return STEP_TOO_SMALL, tried
             continue
         if outrun(y, y_new, low, low + beads, all_beads):
-            return OUTRUN, tried
+            return OUTRUN, tried - 1
         if stop_when_left and error == 0.0 and nothing_can_happen(y, setup, contacts):
             return PULSE_LOST, tried
 
@@ -242,6 +243,8 @@ def advance_window(
         if switching >= 0 or cut:
             begin(time_new, y, setup, contacts, counts[SEGMENT], stages)
             counts[PEAKS] += record_jumps(time_new, y, stages, scale, peaks)
+            if contacts is not None:
+                record_stops(clock, counts, y, stages, scale, setup.gap, low, crossings)
         note_drift(y, clock, setup, contacts, counts[SEGMENT], flying, False)
         left = counts[PEAKS] == all_beads - 1 and counts[CROSSINGS] == all_beads - 1
         if stop_when_left and left:

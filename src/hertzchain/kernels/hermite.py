@@ -7,19 +7,11 @@ with this one the maxima between two steps keep their digits.
 
 from __future__ import annotations
 
-from typing import Any
-
 from numba import njit
 
-# Products may be added without rounding in between; there are no arrays to count.
-OPTIONS: dict[str, Any] = {
-    "cache": True,
-    "nogil": True,
-    "error_model": "numpy",
-    "fastmath": {"contract"},
-    "_nrt": False,
-}
-compiled = njit(**OPTIONS)
+from hertzchain.kernels.options import CONTRACTED
+
+compiled = njit(**CONTRACTED)
 
 
 @compiled

@@ -13,14 +13,10 @@ one instruction.
 from __future__ import annotations
 
 import math
-from typing import Any
 
 import numpy as np
-from numba import njit
 
-# References to arrays are not counted (`_nrt`): that would cost as much as the forces do.
-OPTIONS: dict[str, Any] = {"cache": True, "nogil": True, "error_model": "numpy", "_nrt": False}
-compiled = njit(**OPTIONS)
+from hertzchain.kernels.options import compiled
 
 # A float64 is 2^(exponent - BIAS) (1 + mantissa), its exponent from bit SHIFT on.
 SHIFT, BIAS = 52, 1023

@@ -10,7 +10,8 @@ from __future__ import annotations
 import numpy as np
 
 from hertzchain.kernels.dop853 import E3, E5, STAGES, STEP_STAGES, A
-from hertzchain.kernels.forces import compiled, derivative
+from hertzchain.kernels.forces import derivative
+from hertzchain.kernels.options import compiled
 
 # Beads to either side that set the scale of a bead's error, and the part of the fastest
 # bead in contact that sets it where all of them are slow: the debris behind a pulse.

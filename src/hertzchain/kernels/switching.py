@@ -17,19 +17,23 @@ from hertzchain.kernels.forces import (
     RELEASED,
     STUCK,
     UNLOADING,
-    compiled,
+    damping_weight,
     derivative,
-    must_switch,
-    next_mode,
+    force,
     overlap_and_closing,
     potential,
+    signed_power,
     wall_motion,
 )
+from hertzchain.kernels.options import compiled
 from hertzchain.kernels.step import complete_stages
 
 # What counts as no relative motion, in parts of the fastest motion so far: a contact at rest
 # must not change its mode for rounding.
 STILL = 1e-14
+# A force within this part of a bound is on it: a contact at rest must not change its mode
+# for rounding.
+EVEN = 1e-13
 
 
 @compiled
@@ -41,6 +45,28 @@ def first_modes(y, setup, contacts):
         contacts.largest[c] = max(overlap, 0.0)
         loaded = overlap >= 0.0 if setup.law.kind == DAMPED else closing >= 0.0
         contacts.mode[c] = LOADED if loaded else RELEASED
+
+
+@compiled
+def must_switch(overlap, closing, stiffness, damping, mode, largest, held, law, still):
+    """Whether a contact has to leave its mode; relative speeds below ``still`` are none."""
+    if law.kind == DAMPED:
+        pulls = False
+        if not law.attractive and overlap > 0.0:
+            pushing = force(overlap, stiffness, law.exponent)
+            weight = damping_weight(overlap, law)
+            pulls = pushing + damping * weight * signed_power(closing, law.speed_power) < 0.0
+        return overlap < 0.0 or pulls if mode == LOADED else overlap > 0.0 and not pulls
+    if overlap <= 0.0 and mode != STUCK:
+        return False
+    if mode == LOADED:
+        return closing < -still
+    if law.kind == PLASTIC:
+        return overlap > largest and closing > still
+    if mode == RELEASED:
+        return closing > still
+    loading = force(overlap, stiffness, law.exponent)
+    return held > (1.0 + EVEN) * loading or held < (1.0 - EVEN) * law.kept * loading
 
 
 @compiled
@@ -140,6 +166,51 @@ def first_switch(time, y, h, y_new, stages, dense, setup, contacts, segment, sti
 
 
 @compiled
+def next_mode(c, overlap, time, y, setup, contacts, segment, scratch):
+    """The mode that follows.  A contact whose two forces both drive it back is stuck."""
+    law, mode = setup.law, contacts.mode[c]
+    if law.kind != UNLOADING:
+        return RELEASED if mode == LOADED else LOADED
+    loading = force(overlap, setup.stiffness[c], law.exponent)
+    if mode == STUCK:
+        # It is at one of the bounds: rounding may have put it on either side of that.
+        middle = 0.5 * (1.0 + law.kept) * loading
+        return LOADED if contacts.force[c] > middle else RELEASED
+    contacts.mode[c] = STUCK
+    derivative(time, y, setup, contacts, segment, scratch)
+    contacts.mode[c] = mode
+    held = contacts.force[c]
+    if overlap > 0.0 and law.kept * loading < held < loading:
+        return STUCK
+    return RELEASED if mode == LOADED else LOADED
+
+
+@compiled
+def stop_moving(c, wall_speed, y, inverse_mass, mode):
+    """Give the beads that contact c, now stuck, and stuck ones beside it join one velocity.
+
+    What little they still moved apart would count as parting or closing when they come loose.
+    """
+    beads = len(inverse_mass)
+    first, last = c, c
+    while first > 0 and mode[first - 1] == STUCK:
+        first -= 1
+    while last < beads and mode[last + 1] == STUCK:
+        last += 1
+    mass, momentum = 0.0, 0.0
+    for k in range(max(first - 1, 0), min(last + 1, beads)):
+        mass += 1.0 / inverse_mass[k]
+        momentum += y[beads + k] / inverse_mass[k]
+    velocity = momentum / mass
+    if first == 0:
+        velocity = wall_speed
+    elif last == beads:
+        velocity = 0.0
+    for k in range(max(first - 1, 0), min(last + 1, beads)):
+        y[beads + k] = velocity
+
+
+@compiled
 def forget_unloading(y, wall, setup, contacts):
     """An open contact will load when it closes."""
     beads, mode = len(setup.inverse_mass), contacts.mode
@@ -172,4 +243,6 @@ def switch(first, time, y, setup, contacts, segment, still, scratch):
         after = potential(overlap, stiffness[c], mode[c], largest[c], law)
         # What a contact still stores when its force is cut off comes to nothing.
         y[2 * beads + LOST] += before - after
+        if mode[c] == STUCK:
+            stop_moving(c, wall[1], y, setup.inverse_mass, mode)
         derivative(time, y, setup, contacts, segment, scratch)

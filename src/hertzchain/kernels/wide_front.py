@@ -33,6 +33,7 @@ import numpy as np
 from numba import njit
 
 from hertzchain.kernels.hermite import hermite, slope, value
+from hertzchain.kernels.options import OPTIONS, compiled
 from hertzchain.kernels.rkn8 import (
     A1,
     A2,
@@ -103,9 +104,6 @@ PARTS, BISECTIONS = 8, 36
 MAX_STEPS = 1000
 SMALLEST_STEP, SMALLEST_CREST, ENDLESS = 1e-280, 1e-280, 1e300
 
-# No references to arrays are counted (`_nrt`; nothing here makes an array).
-OPTIONS: dict[str, Any] = {"cache": True, "nogil": True, "error_model": "numpy", "_nrt": False}
-compiled = njit(**OPTIONS)
 inlined = njit(forceinline=True, **OPTIONS)
 
 

@@ -7,13 +7,14 @@ force on each wall: between two steps, on the method's interpolant
 
 from __future__ import annotations
 
-from hertzchain.kernels.dense import slope, state_within, value
-from hertzchain.kernels.dop853 import STEP_STAGES
+from hertzchain.kernels.dense import find_coefficients, slope, state_within, value
+from hertzchain.kernels.dop853 import STAGES, STEP_STAGES
 from hertzchain.kernels.forces import LEDGER, LEFT_IMPULSE, RIGHT_IMPULSE, copy, derivative, force
 from hertzchain.kernels.options import compiled
 from hertzchain.kernels.records import (
     CROSSING_TIME,
     CROSSINGS,
+    EVALUATIONS,
     FIRST_END,
     FIRST_IMPULSE,
     FRAMES,
@@ -21,12 +22,14 @@ from hertzchain.kernels.records import (
     OVERLAP,
     PEAK_TIME,
     PEAK_VELOCITY,
+    PEAKS,
     RESIDENCE,
     SINCE_CROSSING,
     TIME,
     WALL_PEAK,
     WALL_PEAK_TIME,
 )
+from hertzchain.kernels.step import complete_stages
 from hertzchain.kernels.window import put_back
 
 # A bead slower than this, in parts of the speeds around it, is not reached yet: rounding
@@ -278,3 +281,30 @@ def save_frames(time, time_new, h, y, dense, first, chain, setup, contacts, segm
             copy(contacts.force, frame_forces[frame, first : first + beads + 1])
         frame += 1
     counts[FRAMES] = frame
+
+
+@compiled
+def record_step(
+    time, time_new, h, y, y_new, dense_is_found, first, chain, clock, counts, setup, contacts,
+    segment, stages, dense, scale, expected, frame_times, frames, frame_forces, peaks, crossings,
+    walls, trial, scratch,
+):  # fmt: skip
+    """All that a completed step has to show; its interpolant is made if that is anything."""
+    frame = counts[FRAMES]
+    save = frame < len(frame_times) and frame_times[frame] <= time_new
+    event = expect_events(y_new, stages, scale, contacts, peaks, crossings, expected)
+    walled = contacts is not None and wall_pushed(stages)
+    if (save or event or walled) and not dense_is_found:
+        complete_stages(time, y, h, setup, contacts, segment, stages, trial)
+        find_coefficients(h, y, y_new, stages, dense)
+        counts[EVALUATIONS] += STAGES - STEP_STAGES - 1
+    if event:
+        counts[PEAKS] += record_peaks(
+            h, time, y, y_new, stages, dense, setup, contacts, expected[0], peaks
+        )
+        record_crossings(h, clock, counts, y, dense, setup, contacts, first, expected[1], crossings)
+    if walled:
+        record_walls(time, h, y, y_new, stages, dense, walls)
+    if save:
+        save_frames(time, time_new, h, y, dense, first, chain, setup, contacts, segment, counts,
+                    frame_times, frames, frame_forces, trial, scratch)  # fmt: skip

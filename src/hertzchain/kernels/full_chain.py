@@ -15,18 +15,9 @@ from __future__ import annotations
 import numpy as np
 
 from hertzchain.kernels.balance import in_motion, note_drift
-from hertzchain.kernels.dense import COEFFICIENTS, find_coefficients
+from hertzchain.kernels.dense import COEFFICIENTS
 from hertzchain.kernels.dop853 import STAGES, STEP_STAGES
-from hertzchain.kernels.events import (
-    expect_events,
-    record_crossings,
-    record_jumps,
-    record_peaks,
-    record_stops,
-    record_walls,
-    save_frames,
-    wall_pushed,
-)
+from hertzchain.kernels.events import record_jumps, record_step, record_stops
 from hertzchain.kernels.forces import (
     NOTHING,
     UNLOADING,
@@ -41,7 +32,6 @@ from hertzchain.kernels.records import (
     CROSSINGS,
     EVALUATIONS,
     FASTEST,
-    FRAMES,
     FROZEN,
     LAST_CROSSING,
     PEAKS,
@@ -54,7 +44,6 @@ from hertzchain.kernels.records import (
 )
 from hertzchain.kernels.step import (
     bench_scale,
-    complete_stages,
     error_norm,
     try_step,
     velocity_scale,
@@ -200,26 +189,11 @@ def advance_window(
                 try_step(time, y, h, setup, contacts, segment, stages, trial, y_new)
                 counts[EVALUATIONS] += STEP_STAGES
         time_new = stop if cut else time + h
-        frame = counts[FRAMES]
-        save = frame < len(frame_times) and frame_times[frame] <= time_new
-        event = expect_events(y_new, stages, scale, contacts, peaks, crossings, expected)
-        walled = contacts is not None and wall_pushed(stages)
-        if (save or event or walled) and not dense_is_found:
-            complete_stages(time, y, h, setup, contacts, segment, stages, trial)
-            find_coefficients(h, y, y_new, stages, dense)
-            counts[EVALUATIONS] += STAGES - STEP_STAGES - 1
-        if event:
-            counts[PEAKS] += record_peaks(
-                h, time, y, y_new, stages, dense, setup, contacts, expected[0], peaks
-            )
-            record_crossings(
-                h, clock, counts, y, dense, setup, contacts, low, expected[1], crossings
-            )
-        if walled:
-            record_walls(time, h, y, y_new, stages, dense, walls)
-        if save:
-            save_frames(time, time_new, h, y, dense, low, chain, setup, contacts, segment,
-                        counts, frame_times, frames, frame_forces, trial, scratch)  # fmt: skip
+        record_step(
+            time, time_new, h, y, y_new, dense_is_found, low, chain, clock, counts, setup, contacts,
+            segment, stages, dense, scale, expected, frame_times, frames, frame_forces, peaks,
+            crossings, walls, trial, scratch,
+        )  # fmt: skip
 
         copy(y_new, y)
         copy(stages[STEP_STAGES], stages[0])

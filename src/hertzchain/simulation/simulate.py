@@ -241,7 +241,12 @@ class _Integration:
     @property
     def underflows(self) -> bool:
         """Whether accelerations have become too small to have all their digits."""
-        return bool(0.0 < np.max(np.abs(self.accelerations)) < SMALLEST_ACCELERATION)
+        from hertzchain.kernels import records
+
+        arrived, velocity = self.state.arrays["peaks"][:, self.counts[records.PEAKS]]
+        # What has become nothing is judged by the last bead that the pulse has reached.
+        vanished = abs(velocity) < SMALLEST_ACCELERATION * arrived
+        return bool(vanished or 0.0 < np.max(np.abs(self.accelerations)) < SMALLEST_ACCELERATION)
 
 
 def _integrate(
@@ -275,7 +280,7 @@ def _integrate(
             counts[records.FRAMES] = frames.thin_out(int(counts[records.FRAMES]))
         elif code == kernel.RUNNING and counts[records.STEPS] - first >= max_steps:
             status = "step limit"
-        if code in (kernel.RUNNING, kernel.STEP_TOO_SMALL) and going.underflows:
+        if code in (kernel.RUNNING, kernel.STEP_TOO_SMALL, kernel.PULSE_LOST) and going.underflows:
             status = "underflow"
     return _run(going, before_end or going.state.copy(), status or _ending(kernel, code))
 

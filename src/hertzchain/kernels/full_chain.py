@@ -1,4 +1,4 @@
-r"""The whole chain, every bead, by an adaptive Runge-Kutta method of order 8.
+r"""The whole chain, every bead that moves, by an adaptive Runge-Kutta method of order 8.
 
 `advance` takes steps of DOP853 (`hertzchain.kernels.step`) for the beads that need them
 (`hertzchain.kernels.window`), and looks between the steps for what the eye would pick from the

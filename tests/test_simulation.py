@@ -218,7 +218,7 @@ def test_saved_times_are_right_where_the_grid_has_grown():
 
 def test_what_is_not_a_number_is_not_accepted_as_a_step():
     from hertzchain.kernels.dop853 import STAGES
-    from hertzchain.kernels.full_chain import error_norm
+    from hertzchain.kernels.step import error_norm
 
     stages = np.full((STAGES, 6), np.nan)
     assert np.isnan(error_norm(0.1, stages, np.ones(3), 1e-9, np.empty((2, 6))))

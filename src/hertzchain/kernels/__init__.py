@@ -1,8 +1,8 @@
 """All compiled code: arrays in, arrays and a status code out.
 
-`full_chain` steps every bead, with the forces of `forces`; `front` follows the pulse alone,
-in a file of its own.  Nothing here raises or prints; the callers turn status codes into
-errors.
+`full_chain` steps the beads of a whole chain, with the forces of `forces`; `front` and
+`wide_front` follow the pulse alone; `local_rate` is a theory.  Nothing here raises or prints;
+the callers turn status codes into errors.
 
 Numba keeps what it compiled beside these files and, of a function and those that it calls,
 looks at the date of the caller's file alone.  Whatever was compiled before any file here

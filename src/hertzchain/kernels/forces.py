@@ -11,7 +11,7 @@ walls.  A `Plain` chain, Eq. (4) of the paper, has :math:`F_c = r_c (x_c - x_{c+
 and nothing else, and a loop of its own; a `Bench` has everything else.
 
 Where a law's force jumps, has a memory or is cut off, each contact is in a *mode*, which
-`hertzchain.kernels.full_chain` keeps within a step:
+`hertzchain.kernels.switching` keeps within a step:
 
 =============  ========================  =================  =======================
 law            `LOADED`                  `RELEASED`         `STUCK`
@@ -29,7 +29,9 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 import numpy as np
-from numba import njit
+
+from hertzchain.kernels.options import compiled
+from hertzchain.kernels.powers import powers
 
 # The ledger behind positions and velocities: energy lost in contacts, work and impulse of the
 # drive, impulse given to the chain by the left wall and by the chain to the right one.
@@ -42,12 +44,6 @@ RELEASED, LOADED, STUCK = range(3)
 NOTHING, PUSH, MOVING_WALL = range(3)
 # A piece of the drive: a cubic in time, then amplitude and angular frequency of three sines.
 CUBIC, SINES = 4, 3
-
-# A force within this part of a bound is on it: a contact at rest must not change its mode
-# for rounding.
-EVEN = 1e-13
-
-compiled = njit(cache=True, nogil=True, error_model="numpy")
 
 
 class Plain(NamedTuple):
@@ -98,6 +94,14 @@ class Contacts(NamedTuple):
     force: Any  # (N + 1,)
     last_force: Any  # (N + 1,): at the last step's end
     scratch: Any  # (3, N + 1)
+    powers: Any  # (4, N + 1): scratch of powers
+
+
+@compiled
+def copy(source, target):
+    """As ``target[:] = source``, which would look first whether the two overlap."""
+    for i in range(len(target)):
+        target[i] = source[i]
 
 
 @compiled
@@ -204,26 +208,6 @@ def potential(overlap, stiffness, mode, largest, law):
 
 
 @compiled
-def must_switch(overlap, closing, stiffness, damping, mode, largest, held, law, still):
-    """Whether a contact has to leave its mode; relative speeds below ``still`` are none."""
-    if law.kind == DAMPED:
-        pulls = False
-        if not law.attractive and overlap > 0.0:
-            pushing = force(overlap, stiffness, law.exponent)
-            weight = damping_weight(overlap, law)
-            pulls = pushing + damping * weight * signed_power(closing, law.speed_power) < 0.0
-        return overlap < 0.0 or pulls if mode == LOADED else overlap > 0.0 and not pulls
-    if mode == LOADED:
-        return closing < -still
-    if law.kind == PLASTIC:
-        return overlap > largest and closing > still
-    if mode == RELEASED:
-        return closing > still
-    loading = force(overlap, stiffness, law.exponent)
-    return held > (1.0 + EVEN) * loading or held < (1.0 - EVEN) * law.kept * loading
-
-
-@compiled
 def force_on(k, drive, setup):
     """Force from outside on bead k (0-based)."""
     if k == 0 and setup.drive == PUSH:
@@ -282,65 +266,129 @@ def wall_motion(time, setup, segment):
 def measure(y, gap, wall, overlap, closing):
     """Overlaps of all contacts, and the speeds at which they grow."""
     beads = len(gap) - 1
-    overlap[0], closing[0] = wall[0] - y[0] - gap[0], wall[1] - y[beads]
+    position, velocity = y[:beads], y[beads : 2 * beads]
     for c in range(1, beads):
-        overlap[c] = y[c - 1] - y[c] - gap[c]
-        closing[c] = y[beads + c - 1] - y[beads + c]
-    overlap[beads], closing[beads] = y[beads - 1] - gap[beads], y[2 * beads - 1]
+        overlap[c] = position[c - 1] - position[c] - gap[c]
+    for c in range(1, beads):
+        closing[c] = velocity[c - 1] - velocity[c]
+    overlap[0], closing[0] = wall[0] - position[0] - gap[0], wall[1] - velocity[0]
+    overlap[beads] = position[beads - 1] - gap[beads]
+    closing[beads] = velocity[beads - 1]
+
+
+# The loops below each do one thing and have no branch, so that the compiler does several
+# contacts at once.
 
 
 @compiled
-def loading_curve(overlap, stiffness, exponent, pushing):
-    """Forces k d_+^p of all contacts; without a branch, so that several are done at once."""
-    for c in range(len(overlap)):
-        closed = overlap[c] if overlap[c] > 0.0 else 0.0
-        if exponent == 1.5:
-            pushing[c] = stiffness[c] * closed * np.sqrt(closed)
-        else:
-            pushing[c] = stiffness[c] * closed**exponent
-
-
-@compiled
-def damp(pushing, overlap, closing, damping, mode, law, extra):
-    """Add to elastic forces what depends on the closing speed; returns the power lost."""
-    # One loop a power, which the compiler can do several contacts at once.
-    if law.overlap_power == 0.25:
-        for c in range(len(extra)):
+def loading_curve(overlap, stiffness, exponent, pushing, scratch):
+    """Forces k d_+^p of all contacts."""
+    if exponent == 1.5:
+        for c in range(len(overlap)):
             closed = overlap[c] if overlap[c] > 0.0 else 0.0
-            extra[c] = damping[c] * np.sqrt(np.sqrt(closed))
+            pushing[c] = stiffness[c] * closed * np.sqrt(closed)
+        return
+    power_of_closed(overlap, exponent, pushing, scratch)
+    for c in range(len(overlap)):
+        pushing[c] *= stiffness[c]
+
+
+@compiled
+def power_of_closed(overlap, exponent, out, scratch):
+    """d_+^exponent of all contacts."""
+    closed = scratch[2, : len(overlap)]
+    for c in range(len(overlap)):
+        closed[c] = overlap[c] if overlap[c] > 0.0 else 0.0
+    powers(closed, exponent, out, scratch)
+
+
+@compiled
+def weigh(overlap, damping, law, weight, scratch):
+    """What multiplies the power of the closing speed: damping * d_+^overlap_power."""
+    if law.overlap_power == 0.0:
+        copy(damping, weight)
+    elif law.overlap_power == 0.25:
+        for c in range(len(weight)):
+            closed = overlap[c] if overlap[c] > 0.0 else 0.0
+            weight[c] = damping[c] * np.sqrt(np.sqrt(closed))
+    elif law.overlap_power == 0.5:
+        for c in range(len(weight)):
+            closed = overlap[c] if overlap[c] > 0.0 else 0.0
+            weight[c] = damping[c] * np.sqrt(closed)
     else:
-        for c in range(len(extra)):
-            extra[c] = damping[c] * damping_weight(max(overlap[c], 0.0), law)
-    lost = 0.0
-    switched = has_modes(law)
-    for c in range(len(extra)):
-        more = extra[c] * signed_power(closing[c], law.speed_power)
-        if switched and mode[c] != LOADED:
-            pushing[c] = more = 0.0
-        pushing[c] += more
-        lost += more * closing[c]
-    return lost
+        power_of_closed(overlap, law.overlap_power, weight, scratch)
+        for c in range(len(weight)):
+            weight[c] *= damping[c]
 
 
 @compiled
-def weaken(pushing, closing, mode, law):
-    """Lower the forces of contacts that part; returns the power lost, and if any is stuck."""
-    lost = 0.0
-    stuck = False
+def damp(pushing, overlap, closing, damping, mode, law, more, scratch):
+    """Add to elastic forces what depends on the closing speed; returns the power lost."""
+    weigh(overlap, damping, law, more, scratch)
+    if has_modes(law):
+        for c in range(len(more)):
+            acts = 1.0 if mode[c] == LOADED else 0.0
+            pushing[c] *= acts
+            more[c] *= acts
+    if law.speed_power == 1.0:
+        for c in range(len(more)):
+            more[c] *= closing[c]
+    else:
+        speed, power = scratch[2, : len(more)], scratch[3, : len(more)]
+        for c in range(len(more)):
+            speed[c] = abs(closing[c])
+        powers(speed, law.speed_power, power, scratch)
+        for c in range(len(more)):
+            more[c] *= power[c] if closing[c] > 0.0 else -power[c]
+    for c in range(len(more)):
+        pushing[c] += more[c]
+    return sum_of_products(more, closing)
+
+
+@compiled
+def sum_of_products(a, b):
+    """Sum of a * b: four sums, which do not wait for each other."""
+    s, t, u, v = 0.0, 0.0, 0.0, 0.0
+    whole = len(a) - len(a) % 4
+    for i in range(0, whole, 4):
+        s += a[i] * b[i]
+        t += a[i + 1] * b[i + 1]
+        u += a[i + 2] * b[i + 2]
+        v += a[i + 3] * b[i + 3]
+    for i in range(whole, len(a)):
+        s += a[i] * b[i]
+    return (s + t) + (u + v)
+
+
+@compiled
+def weaken(pushing, mode, law):
+    """Lower the forces of contacts that part; returns if any is stuck."""
+    stuck = 0
     for c in range(len(pushing)):
-        if mode[c] == LOADED:
-            lost += (1.0 - law.kept) * pushing[c] * closing[c]
-        else:
-            pushing[c] *= law.kept
-            stuck = stuck or mode[c] == STUCK
-    return lost, stuck
+        pushing[c] *= 1.0 if mode[c] == LOADED else law.kept
+        stuck += 1 if mode[c] == STUCK else 0
+    return stuck > 0
 
 
 @compiled
-def dent(overlap, mode, largest, law):
+def power_lost(pushing, closing, mode, law):
+    """What loading takes that unloading will not give back."""
+    s, t = 0.0, 0.0
+    for c in range(0, len(pushing) - 1, 2):
+        s += pushing[c] * closing[c] if mode[c] == LOADED else 0.0
+        t += pushing[c + 1] * closing[c + 1] if mode[c + 1] == LOADED else 0.0
+    last = len(pushing) - 1
+    if last % 2 == 0 and mode[last] == LOADED:
+        s += pushing[last] * closing[last]
+    return (1.0 - law.kept) * (s + t)
+
+
+@compiled
+def dent(overlap, mode, largest, kept):
     """Replace overlaps of plastic contacts by those that the loading curve would need."""
     for c in range(len(overlap)):
-        overlap[c] = elastic_overlap(overlap[c], mode[c], largest[c], law)
+        unloading = (overlap[c] - (1.0 - kept) * largest[c]) / kept
+        overlap[c] = overlap[c] if mode[c] == LOADED else unloading
 
 
 @compiled
@@ -348,28 +396,28 @@ def full_derivative(time, y, setup, contacts, segment, out):
     """Velocities, accelerations and rates of the ledger."""
     inverse_mass, law = setup.inverse_mass, setup.law
     mode, pushing, outside = contacts.mode, contacts.force, setup.body_force
-    overlap, closing = contacts.scratch[0], contacts.scratch[1]
     beads = len(inverse_mass)
+    overlap, closing = contacts.scratch[0, : beads + 1], contacts.scratch[1, : beads + 1]
     drive = drive_at(time, setup, segment) if setup.drive != NOTHING else (0.0, 0.0, 0.0)
     wall = drive if setup.drive == MOVING_WALL else (0.0, 0.0, 0.0)
     measure(y, setup.gap, wall, overlap, closing)
     if law.kind == PLASTIC:
-        dent(overlap, mode, contacts.largest, law)
-    loading_curve(overlap, setup.stiffness, law.exponent, pushing)
+        dent(overlap, mode, contacts.largest, law.kept)
+    loading_curve(overlap, setup.stiffness, law.exponent, pushing, contacts.powers)
     lost = 0.0
     if law.kind == DAMPED:
-        lost = damp(pushing, overlap, closing, setup.damping, mode, law, contacts.scratch[2])
+        more = contacts.scratch[2, : beads + 1]
+        lost = damp(pushing, overlap, closing, setup.damping, mode, law, more, contacts.powers)
     elif law.kind == UNLOADING:
-        lost, stuck = weaken(pushing, closing, mode, law)
-        if stuck:
+        lost = power_lost(pushing, closing, mode, law)
+        if weaken(pushing, mode, law):
             hold_stuck(drive[0], wall[2], setup, contacts)
     elif law.kind == PLASTIC:
-        for c in range(beads + 1):
-            if mode[c] == LOADED:
-                lost += (1.0 - law.kept) * pushing[c] * closing[c]
+        lost = power_lost(pushing, closing, mode, law)
+    copy(y[beads : 2 * beads], out[:beads])
+    acceleration = out[beads : 2 * beads]
     for k in range(beads):
-        out[k] = y[beads + k]
-        out[beads + k] = (pushing[k] - pushing[k + 1] + outside[k]) * inverse_mass[k]
+        acceleration[k] = (pushing[k] - pushing[k + 1] + outside[k]) * inverse_mass[k]
     out[2 * beads + LOST] = lost
     out[2 * beads + DRIVEN] = pushing[0] * wall[1]
     out[2 * beads + PUSHED] = 0.0
@@ -388,21 +436,3 @@ def derivative(time, y, setup, contacts, segment, out):
         plain_derivative(y, setup.inverse_mass, setup.stiffness, setup.exponent, out)
     else:
         full_derivative(time, y, setup, contacts, segment, out)
-
-
-@compiled
-def next_mode(c, overlap, time, y, setup, contacts, segment, scratch):
-    """The mode that follows.  A contact whose two forces both drive it back is stuck."""
-    law, mode = setup.law, contacts.mode[c]
-    if law.kind != UNLOADING:
-        return RELEASED if mode == LOADED else LOADED
-    loading = force(overlap, setup.stiffness[c], law.exponent)
-    if mode == STUCK:
-        return LOADED if contacts.force[c] > loading else RELEASED
-    contacts.mode[c] = STUCK
-    derivative(time, y, setup, contacts, segment, scratch)
-    contacts.mode[c] = mode
-    held = contacts.force[c]
-    if overlap > 0.0 and law.kept * loading < held < loading:
-        return STUCK
-    return RELEASED if mode == LOADED else LOADED

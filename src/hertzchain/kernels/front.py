@@ -39,6 +39,8 @@ import numpy as np
 from numba import njit
 from numba.misc.special import literally
 
+from hertzchain.kernels.hermite import curvature, hermite, slope, third, value
+from hertzchain.kernels.options import CONTRACTED
 from hertzchain.kernels.rkn8 import (
     A1,
     A2,
@@ -94,18 +96,10 @@ FOOT = 1e-6
 # Steps a bead may take to pass: ten times what any taper needs.
 MAX_STEPS = 400
 
-# No references to arrays are counted (`_nrt`; nothing here makes an array): with so many short
-# functions, counting took longer than the work. The second kind is for every step.
-# A product and a sum may become one instruction (`contract`): 5 % of the time.
-OPTIONS: dict[str, Any] = {
-    "cache": True,
-    "nogil": True,
-    "error_model": "numpy",
-    "fastmath": {"contract"},
-    "_nrt": False,
-}
-compiled = njit(**OPTIONS)
-inlined = njit(forceinline=True, **OPTIONS)
+# With so many short functions, counting references took longer than the work, and contraction is
+# 5 % of the time. The second kind is for every step.
+compiled = njit(**CONTRACTED)
+inlined = njit(forceinline=True, **CONTRACTED)
 
 
 @inlined
@@ -228,54 +222,6 @@ def overlap_jerk(w, i, lanes, positions, velocities):
     ahead = force_rate(w, k, lanes, positions, velocities) * w[INVERSE_MASS + k]
     between = force_rate(w, i, lanes, positions, velocities)
     return behind + ahead - between * (w[INVERSE_MASS + i] + w[INVERSE_MASS + k])
-
-
-@compiled
-def hermite(h, x0, v0, a0, j0, x1, v1, a1, j1):
-    """Coefficients of the polynomial of degree 7 in s = t/h through both ends of a step.
-
-    It takes position, velocity, acceleration and jerk from each end.
-    """
-    c1, c2, c3 = h * v0, 0.5 * h * h * a0, h * h * h * j0 / 6.0
-    x = x1 - (x0 + c1 + c2 + c3)
-    v = h * v1 - (c1 + 2.0 * c2 + 3.0 * c3)
-    a = h * h * a1 - (2.0 * c2 + 6.0 * c3)
-    j = h * h * h * j1 - 6.0 * c3
-    c4 = 35.0 * x - 15.0 * v + 2.5 * a - j / 6.0
-    c5 = -84.0 * x + 39.0 * v - 7.0 * a + 0.5 * j
-    c6 = 70.0 * x - 34.0 * v + 6.5 * a - 0.5 * j
-    c7 = -20.0 * x + 10.0 * v - 2.0 * a + j / 6.0
-    return x0, c1, c2, c3, c4, c5, c6, c7
-
-
-@compiled
-def value(c, s):
-    """The polynomial at s."""
-    c0, c1, c2, c3, c4, c5, c6, c7 = c
-    return c0 + s * (c1 + s * (c2 + s * (c3 + s * (c4 + s * (c5 + s * (c6 + s * c7))))))
-
-
-@compiled
-def slope(c, s):
-    """Its first derivative with respect to s."""
-    _, c1, c2, c3, c4, c5, c6, c7 = c
-    high = 4.0 * c4 + s * (5.0 * c5 + s * (6.0 * c6 + s * (7.0 * c7)))
-    return c1 + s * (2.0 * c2 + s * (3.0 * c3 + s * high))
-
-
-@compiled
-def curvature(c, s):
-    """Its second derivative."""
-    _, _, c2, c3, c4, c5, c6, c7 = c
-    high = 12.0 * c4 + s * (20.0 * c5 + s * (30.0 * c6 + s * (42.0 * c7)))
-    return 2.0 * c2 + s * (6.0 * c3 + s * high)
-
-
-@compiled
-def third(c, s):
-    """Its third derivative."""
-    _, _, _, c3, c4, c5, c6, c7 = c
-    return 6.0 * c3 + s * (24.0 * c4 + s * (60.0 * c5 + s * (120.0 * c6 + s * (210.0 * c7))))
 
 
 @compiled

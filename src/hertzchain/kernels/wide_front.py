@@ -32,6 +32,8 @@ from typing import Any
 import numpy as np
 from numba import njit
 
+from hertzchain.kernels.hermite import hermite, slope, value
+from hertzchain.kernels.options import OPTIONS, compiled
 from hertzchain.kernels.rkn8 import (
     A1,
     A2,
@@ -102,9 +104,6 @@ PARTS, BISECTIONS = 8, 36
 MAX_STEPS = 1000
 SMALLEST_STEP, SMALLEST_CREST, ENDLESS = 1e-280, 1e-280, 1e300
 
-# No references to arrays are counted (`_nrt`; nothing here makes an array).
-OPTIONS: dict[str, Any] = {"cache": True, "nogil": True, "error_model": "numpy", "_nrt": False}
-compiled = njit(**OPTIONS)
 inlined = njit(forceinline=True, **OPTIONS)
 
 
@@ -238,39 +237,6 @@ def error_of_step(w, size, h):
         if not w[ERROR + i] <= worst:
             worst = w[ERROR + i]
     return worst
-
-
-@compiled
-def hermite(h, x0, v0, a0, j0, x1, v1, a1, j1):
-    """Coefficients of the polynomial of degree 7 in s = t/h through both ends of a step.
-
-    It takes position, velocity, acceleration and jerk from each end.
-    """
-    c1, c2, c3 = h * v0, 0.5 * h * h * a0, h * h * h * j0 / 6.0
-    x = x1 - (x0 + c1 + c2 + c3)
-    v = h * v1 - (c1 + 2.0 * c2 + 3.0 * c3)
-    a = h * h * a1 - (2.0 * c2 + 6.0 * c3)
-    j = h * h * h * j1 - 6.0 * c3
-    c4 = 35.0 * x - 15.0 * v + 2.5 * a - j / 6.0
-    c5 = -84.0 * x + 39.0 * v - 7.0 * a + 0.5 * j
-    c6 = 70.0 * x - 34.0 * v + 6.5 * a - 0.5 * j
-    c7 = -20.0 * x + 10.0 * v - 2.0 * a + j / 6.0
-    return x0, c1, c2, c3, c4, c5, c6, c7
-
-
-@compiled
-def value(c, s):
-    """The polynomial at s."""
-    c0, c1, c2, c3, c4, c5, c6, c7 = c
-    return c0 + s * (c1 + s * (c2 + s * (c3 + s * (c4 + s * (c5 + s * (c6 + s * c7))))))
-
-
-@compiled
-def slope(c, s):
-    """Its derivative with respect to s."""
-    _, c1, c2, c3, c4, c5, c6, c7 = c
-    high = 4.0 * c4 + s * (5.0 * c5 + s * (6.0 * c6 + s * (7.0 * c7)))
-    return c1 + s * (2.0 * c2 + s * (3.0 * c3 + s * high))
 
 
 @compiled

@@ -170,13 +170,13 @@ class Run:
         pressure / yield  0.868 at contact 1 (limit 1)
         speed / sound  5.9e-05 (limit 0.01)
         """
-        from hertzchain.kernels import full_chain as kernel
+        from hertzchain.kernels import records
 
         stiffness = np.array(self.chain.wall_stiffness)
-        peak = self._walls[kernel.WALL_PEAK]
+        peak = self._walls[records.WALL_PEAK]
         bearing = np.divide(peak, stiffness, out=np.zeros(2), where=stiffness > 0.0)
         walls = bearing ** (1.0 / self.chain.exponent)
-        passed = np.concatenate((walls[:1], self._crossings[kernel.OVERLAP], walls[1:]))
+        passed = np.concatenate((walls[:1], self._crossings[records.OVERLAP], walls[1:]))
         saved = overlaps_of(self.chain, self.times, self.positions)
         saved[:, [0, -1]] = np.where(stiffness > 0.0, saved[:, [0, -1]], 0.0)
         return np.asarray(np.maximum(passed, np.max(saved, axis=0, initial=0.0)))
@@ -376,18 +376,18 @@ class Run:
         one_of("side of a wall", side, SIDES)
         if f"{side} wall" not in self.chain.features:
             raise InputError(f"the {side} end of this chain is free: give it a {side}_wall")
-        from hertzchain.kernels import full_chain as kernel
+        from hertzchain.kernels import records
 
         column = self._walls[:, SIDES.index(side)]
-        ended = column[kernel.FIRST_END] > 0.0
+        ended = column[records.FIRST_END] > 0.0
         return WallForce(
             side=side,
             times=self.times,
             force=self.forces[:, 0 if side == "left" else -1],
-            peak=float(column[kernel.WALL_PEAK]),
-            peak_time=float(column[kernel.WALL_PEAK_TIME]),
-            first_impulse=float(column[kernel.FIRST_IMPULSE]) if ended else None,
-            first_end=float(column[kernel.FIRST_END]) if ended else None,
+            peak=float(column[records.WALL_PEAK]),
+            peak_time=float(column[records.WALL_PEAK_TIME]),
+            first_impulse=float(column[records.FIRST_IMPULSE]) if ended else None,
+            first_end=float(column[records.FIRST_END]) if ended else None,
             impulse=float(self._impulses[SIDES.index(side)]),
         )
 

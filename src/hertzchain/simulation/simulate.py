@@ -207,22 +207,25 @@ class _Integration:
     """A state on its way, the compiled loop that moves it, and the loop's scratch."""
 
     def __init__(self, chain: Chain, start: State, frames: _Frames, rtol: float) -> None:
-        from hertzchain.kernels import dop853
-        from hertzchain.kernels import full_chain as kernel
+        from hertzchain.kernels import full_chain, records
 
-        self.kernel: Any = kernel
+        self.kernel: Any = full_chain
         self.state = start.copy()
         arrays = self.state.arrays
         self.clock, self.counts = arrays["clock"], arrays["counts"]
-        self.counts[kernel.FRAMES] = 0
+        self.counts[records.FRAMES] = 0
         self.equation = equation_of(chain)
         self.plain = len(arrays["y"]) == 2 * chain.beads
         self.contacts = None if self.plain else contacts_of(arrays)
         frames.allocate(len(arrays["y"]), 0 if self.plain else chain.beads + 1)
         self.frames, self.rtol = frames, rtol
         length = len(arrays["y"])
-        self.stages = np.zeros((dop853.STAGES, length))
-        self.scratch = np.empty((6, length)), np.zeros((2, chain.beads), np.bool_)
+        self.accelerations = np.zeros(chain.beads)
+        self.scratch = (
+            np.zeros(full_chain.ROWS * length),
+            np.empty((2, chain.beads + 1)),
+            np.zeros((2, chain.beads), np.bool_),
+        )
 
     def advance(self, end: tuple[float, bool], steps: int, pause: bool) -> int:
         """Take up to so many steps; returns why it stopped."""
@@ -230,16 +233,20 @@ class _Integration:
         code: int = self.kernel.advance(
             arrays["y"], self.clock, self.counts, self.equation, self.contacts, *end,
             self.rtol, steps, pause, frames.times, frames.spacing is not None, frames.states,
-            frames.forces, arrays["peaks"], arrays["crossings"], arrays["walls"], self.stages,
-            *self.scratch,
+            frames.forces, arrays["peaks"], arrays["crossings"], arrays["walls"],
+            self.accelerations, *self.scratch,
         )  # fmt: skip
         return code
 
     @property
     def underflows(self) -> bool:
         """Whether accelerations have become too small to have all their digits."""
-        beads = self.state.chain.beads
-        return bool(0.0 < np.max(np.abs(self.stages[0, beads : 2 * beads])) < SMALLEST_ACCELERATION)
+        from hertzchain.kernels import records
+
+        arrived, velocity = self.state.arrays["peaks"][:, self.counts[records.PEAKS]]
+        # What has become nothing is judged by the last bead that the pulse has reached.
+        vanished = abs(velocity) < SMALLEST_ACCELERATION * arrived
+        return bool(vanished or 0.0 < np.max(np.abs(self.accelerations)) < SMALLEST_ACCELERATION)
 
 
 def _integrate(
@@ -251,11 +258,13 @@ def _integrate(
     max_steps: int,
     progress: Progress | None,
 ) -> Run:
+    from hertzchain.kernels import records
+
     going = _Integration(chain, start, frames, rtol)
     kernel, counts = going.kernel, going.counts
     end = (np.inf if until is None else until, until is None)
     budget = max(20, BEAD_STEPS_PER_CALL // chain.beads)
-    first = int(counts[kernel.STEPS])
+    first = int(counts[records.STEPS])
     code = kernel.RUNNING
     status: Status | None = None
     # The state before the step that the end cuts short: a longer run would go on from it.
@@ -263,15 +272,15 @@ def _integrate(
     while code in (kernel.RUNNING, kernel.FRAMES_FULL, kernel.LAST_STEP) and status is None:
         if code == kernel.LAST_STEP:
             before_end = going.state.copy()
-        steps = min(budget, max_steps - int(counts[kernel.STEPS]) + first)
+        steps = min(budget, max_steps - int(counts[records.STEPS]) + first)
         code = going.advance(end, steps, before_end is None)
         if progress is not None:
-            progress(1 + int(min(counts[kernel.PEAKS], counts[kernel.CROSSINGS])), chain.beads)
+            progress(1 + int(min(counts[records.PEAKS], counts[records.CROSSINGS])), chain.beads)
         if code == kernel.FRAMES_FULL:
-            counts[kernel.FRAMES] = frames.thin_out(int(counts[kernel.FRAMES]))
-        elif code == kernel.RUNNING and counts[kernel.STEPS] - first >= max_steps:
+            counts[records.FRAMES] = frames.thin_out(int(counts[records.FRAMES]))
+        elif code == kernel.RUNNING and counts[records.STEPS] - first >= max_steps:
             status = "step limit"
-        if code in (kernel.RUNNING, kernel.STEP_TOO_SMALL) and going.underflows:
+        if code in (kernel.RUNNING, kernel.STEP_TOO_SMALL, kernel.PULSE_LOST) and going.underflows:
             status = "underflow"
     return _run(going, before_end or going.state.copy(), status or _ending(kernel, code))
 
@@ -287,24 +296,26 @@ def _ending(kernel: Any, code: int) -> Status:
 
 
 def _run(going: _Integration, state: State, status: Status) -> Run:
-    kernel, clock, counts = going.kernel, going.clock, going.counts
+    from hertzchain.kernels import forces, records
+
+    clock, counts = going.clock, going.counts
     arrays, frames, beads = going.state.arrays, going.frames, state.chain.beads
-    filled = int(counts[kernel.FRAMES])
+    filled = int(counts[records.FRAMES])
     saved = frames.states[:filled]
     ledger, now = saved[:, 2 * beads :], arrays["y"][2 * beads :]
     if going.plain:
-        ledger, now = np.zeros((filled, kernel.LEDGER)), np.zeros(kernel.LEDGER)
+        ledger, now = np.zeros((filled, forces.LEDGER)), np.zeros(forces.LEDGER)
     return Run(
         chain=state.chain,
         times=frames.times[:filled],
         positions=saved[:, :beads] + equilibrium(state.chain).positions,
         velocities=saved[:, beads : 2 * beads],
         status=status,
-        end_time=float(clock[kernel.TIME]),
-        energy_drift=_part(clock[kernel.ENERGY_DRIFT], clock[kernel.ENERGY_UNIT]),
-        momentum_drift=_part(clock[kernel.MOMENTUM_DRIFT], clock[kernel.MOMENTUM_UNIT]),
-        steps=int(counts[kernel.STEPS]),
-        evaluations=int(counts[kernel.EVALUATIONS]),
+        end_time=float(clock[records.TIME]),
+        energy_drift=_part(clock[records.ENERGY_DRIFT], clock[records.ENERGY_UNIT]),
+        momentum_drift=_part(clock[records.MOMENTUM_DRIFT], clock[records.MOMENTUM_UNIT]),
+        steps=int(counts[records.STEPS]),
+        evaluations=int(counts[records.EVALUATIONS]),
         rtol=going.rtol,
         state=state,
         _forces=None if going.plain else frames.forces[:filled],
@@ -312,7 +323,7 @@ def _run(going: _Integration, state: State, status: Status) -> Run:
         _peaks=arrays["peaks"],
         _crossings=arrays["crossings"],
         _walls=arrays["walls"],
-        _impulses=now[[kernel.LEFT_IMPULSE, kernel.RIGHT_IMPULSE]],
+        _impulses=now[[forces.LEFT_IMPULSE, forces.RIGHT_IMPULSE]],
     )
 
 

@@ -56,9 +56,9 @@ class State:
     @property
     def time(self) -> float:
         """Time of the state [scaled, or s]."""
-        from hertzchain.kernels import full_chain
+        from hertzchain.kernels import records
 
-        return float(self.arrays["clock"][full_chain.TIME])
+        return float(self.arrays["clock"][records.TIME])
 
     @property
     def positions(self) -> Array:
@@ -73,10 +73,10 @@ class State:
     @property
     def start(self) -> tuple[float, float]:
         """Energy (with what is stored) and momentum with which the run began."""
-        from hertzchain.kernels import full_chain
+        from hertzchain.kernels import records
 
         clock = self.arrays["clock"]
-        return float(clock[full_chain.INITIAL_ENERGY]), float(clock[full_chain.INITIAL_MOMENTUM])
+        return float(clock[records.INITIAL_ENERGY]), float(clock[records.INITIAL_MOMENTUM])
 
     def factors(self, scales: Scales) -> Mapping[str, Mapping[str, Array]]:
         """Units of the arrays, for `hertzchain.Scales`.
@@ -98,14 +98,14 @@ class State:
         >>> scales.to_si(state).time == 3.0 * state.time
         True
         """
-        from hertzchain.kernels import full_chain as kernel
+        from hertzchain.kernels import records
 
         motion = np.repeat([scales.length, scales.velocity], self.chain.beads)
-        clock = np.full(kernel.CLOCK_SIZE, np.nan)
-        clock[[kernel.TIME, kernel.STEP, kernel.SINCE_CROSSING]] = scales.time
-        clock[kernel.FASTEST] = scales.velocity
-        clock[[kernel.INITIAL_ENERGY, kernel.ENERGY_UNIT, kernel.ENERGY_DRIFT]] = scales.energy
-        clock[[kernel.INITIAL_MOMENTUM, kernel.MOMENTUM_UNIT, kernel.MOMENTUM_DRIFT]] = (
+        clock = np.full(records.CLOCK_SIZE, np.nan)
+        clock[[records.TIME, records.STEP, records.SINCE_CROSSING]] = scales.time
+        clock[records.FASTEST] = scales.velocity
+        clock[[records.INITIAL_ENERGY, records.ENERGY_UNIT, records.ENERGY_DRIFT]] = scales.energy
+        clock[[records.INITIAL_MOMENTUM, records.MOMENTUM_UNIT, records.MOMENTUM_DRIFT]] = (
             scales.momentum
         )
         return {
@@ -227,31 +227,30 @@ def new_state(chain: Chain, positions: Array, velocities: Array) -> State:
     >>> new_state(Chain.uniform(2), np.zeros(2), np.array([0.0, 1.0])).velocities
     array([0., 1.])
     """
-    from hertzchain.kernels import forces
-    from hertzchain.kernels import full_chain as kernel
+    from hertzchain.kernels import forces, full_chain, records
 
     beads, equation = chain.beads, equation_of(chain)
     plain = isinstance(equation, forces.Plain)
     arrays = {
         "y": np.concatenate([positions, velocities, np.zeros(0 if plain else forces.LEDGER)]),
-        "clock": np.zeros(kernel.CLOCK_SIZE),
-        "counts": np.zeros(kernel.COUNTS_SIZE, np.int64),
+        "clock": np.zeros(records.CLOCK_SIZE),
+        "counts": np.zeros(records.COUNTS_SIZE, np.int64),
         "mode": np.zeros(beads + 1, np.int64),
         "largest": np.zeros(beads + 1),
         "peaks": np.zeros((2, beads)),
         "crossings": np.zeros((3, beads - 1)),
-        "walls": np.zeros((kernel.WALL_ROWS, 2)),
+        "walls": np.zeros((records.WALL_ROWS, 2)),
     }
     # Strikers are the pulse from the start on.
     ahead = max(1, chain.strikers)
-    arrays["peaks"][0, 1:ahead] = kernel.FROM_THE_START
+    arrays["peaks"][0, 1:ahead] = records.FROM_THE_START
     arrays["peaks"][1, :ahead] = velocities[:ahead]
     first_step = 1e-4 * float(transit_times(chain)[0])
-    kernel.start(
+    full_chain.start(
         arrays["y"], arrays["clock"], arrays["counts"], equation,
         None if plain else contacts_of(arrays), first_step,
     )  # fmt: skip
-    arrays["counts"][kernel.PEAKS] = ahead - 1
+    arrays["counts"][records.PEAKS] = ahead - 1
     return State(chain, arrays)
 
 
@@ -297,7 +296,8 @@ def contacts_of(arrays: dict[str, Array]) -> Contacts:
 
     number = len(arrays["mode"])
     force, last_force = np.zeros((2, number))
-    return Contacts(arrays["mode"], arrays["largest"], force, last_force, np.zeros((3, number)))
+    scratch, powers = np.zeros((3, number)), np.zeros((4, number))
+    return Contacts(arrays["mode"], arrays["largest"], force, last_force, scratch, powers)
 
 
 def same_motion(chain: Chain, other: Chain) -> bool:

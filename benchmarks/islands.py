@@ -1,0 +1,170 @@
+"""What could be won if each island of touching beads were stepped on a time scale of its own.
+
+A run is cut into pieces.  Beads joined by contacts that are closed at some time within a piece
+are an island; each island is integrated again, alone, from the same state over the same time.
+Its steps times its beads, summed over the islands, is what such a method would cost at least:
+beads that touch nothing cost nothing, and so does finding the islands.  Compared with the steps of
+the whole chain times the beads of its window (`hertzchain.kernels.window`), and in time.
+
+``make benchmark`` prints the table and writes ``benchmark/islands.json``.
+"""
+
+from __future__ import annotations
+
+import json
+import time
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+from rich.console import Console
+from rich.table import Table
+
+import hertzchain as hc
+from hertzchain.kernels import full_chain, records, step, window
+from hertzchain.simulation.equations import equation_of
+from hertzchain.simulation.simulate import DEFAULT_RTOL
+from hertzchain.simulation.state import State, contacts_of
+
+# Pieces that a run is cut into, and moments of a piece at which its contacts are looked at.
+PIECES, MOMENTS = 60, 50
+NO_TIMES, NO_STATES = np.empty(0), np.empty((0, 0))
+
+
+def cases() -> dict[str, tuple[hc.Chain, float]]:
+    """Chains, and how many transits of the pulse each is followed."""
+    wall = hc.Wall.rigid()
+    decorated = hc.Chain.from_radii(np.tile([1.0, 0.3], 50))
+    backward = hc.Chain.tapered("backward-exponential", 0.05, beads=100)
+    forward = hc.Chain.tapered("forward-exponential", 0.02, beads=100)
+    return {
+        "decorated, radii 1 and 0.3, 1 transit": (decorated, 1.0),
+        "decorated, with a wall, 2 transits": (decorated.replace(right_wall=wall), 2.0),
+        "backward, q = 0.05, with a wall, 2 transits": (backward.replace(right_wall=wall), 2.0),
+        "forward, q = 0.02, with a wall, 2 transits": (forward.replace(right_wall=wall), 2.0),
+        "equal beads, with a wall, 2 transits": (
+            hc.Chain.uniform(100).replace(right_wall=wall), 2.0,
+        ),
+    }  # fmt: skip
+
+
+def islands(closed: NDArray[np.bool_]) -> list[tuple[int, int]]:
+    """First bead and the one after the last of the groups that closed contacts 0..N join."""
+    beads = len(closed) - 1
+    ends = [0, *(np.flatnonzero(~closed[1:beads]) + 1), beads]
+    groups = [(int(a), int(b)) for a, b in pairwise(ends)]
+    return [(a, b) for a, b in groups if closed[a : b + 1].any()]
+
+
+def closed_contacts(chain: hc.Chain, run: hc.Run) -> NDArray[np.bool_]:
+    """Contacts, those with walls included, that are closed at some saved time, (N + 1,)."""
+    gap = np.zeros(chain.beads + 1)
+    gap[[0, -1]] = [np.inf, 0.0 if chain.right_wall is not None else np.inf]
+    overlaps = -np.diff(np.pad(run.positions, ((0, 0), (1, 1))), axis=1) - gap
+    return (overlaps > 0.0).any(axis=0)
+
+
+def steps_alone(
+    state: State, first: int, end: int, duration: float, fastest: float
+) -> tuple[int, float]:
+    """Steps that beads ``first`` to ``end`` - 1 take by themselves, and the time that takes [s]."""
+    chain, arrays = state.chain, state.arrays
+    equation, beads = equation_of(chain), end - first
+    plain = len(arrays["y"]) == 2 * chain.beads
+    joints = slice(first, end + 1)
+    contacts = None if plain else contacts_of(
+        {"mode": arrays["mode"][joints].copy(), "largest": arrays["largest"][joints].copy()}
+    )  # fmt: skip
+    ends = np.empty((2, chain.beads + 1))
+    if plain:
+        part = window.plain_part.py_func(equation, first, end)
+    else:
+        part = window.bench_part.py_func(equation, first, end, ends)
+    y = np.empty(len(arrays["y"]) - 2 * (chain.beads - beads))
+    window.take_out(arrays["y"], chain.beads, first, end, y)
+    # In the whole chain the slow are measured against the fastest in contact.
+    slow = step.SLOW * fastest / max(float(np.abs(y[beads : 2 * beads]).max()), 1e-300)
+    rtol = min(DEFAULT_RTOL * max(1.0, slow), 1e-6)
+    clock, counts = np.zeros(records.CLOCK_SIZE), np.zeros(records.COUNTS_SIZE, np.int64)
+    clock[records.STEP] = arrays["clock"][records.STEP]
+    rest = (
+        NO_TIMES, False, NO_STATES, NO_STATES, np.ones((2, beads)), np.ones((3, beads - 1)),
+        np.zeros((records.WALL_ROWS, 2)), np.zeros(beads), np.zeros(full_chain.ROWS * len(y)),
+        np.empty((2, beads + 1)), np.zeros((2, beads), np.bool_),
+    )  # fmt: skip
+    seconds = []
+    # The first call takes no step: what it costs, one loop over all islands would not pay.
+    for budget in (0, 10**6):
+        began = time.perf_counter()
+        full_chain.advance(
+            y, clock, counts, part, contacts, duration, False, rtol, budget, False, *rest
+        )
+        seconds.append(time.perf_counter() - began)
+    return int(counts[records.STEPS]), max(seconds[1] - seconds[0], 0.0)
+
+
+def count(chain: hc.Chain, transits: float) -> dict[str, float]:
+    """Bead-steps of the whole chain and of its islands alone, in each piece of a run."""
+    transit = hc.simulate(chain, times=0).end_time if chain.right_wall is None else (
+        hc.simulate(chain.replace(right_wall=None), times=0).end_time
+    )  # fmt: skip
+    state = hc.simulate(chain, until=1e-3 * transit, times=0).state
+    now, alone, numbers, seconds_alone = [], [], [], 0.0
+    for end in np.linspace(0.0, transits * transit, PIECES + 1)[1:]:
+        run = hc.simulate(chain, start=state, times=np.linspace(state.time, end, MOMENTS))
+        low, high = beads_in_window(state)
+        taken = int(
+            run.state.arrays["counts"][records.STEPS] - state.arrays["counts"][records.STEPS]
+        )
+        groups = islands(closed_contacts(chain, run))
+        duration = run.state.time - state.time
+        speeds = np.abs(state.velocities)
+        fastest = max((float(speeds[a:b].max()) for a, b in groups), default=0.0)
+        now.append(taken * (high - low))
+        for a, b in groups:
+            steps, seconds = steps_alone(state, a, b, duration, fastest)
+            alone.append((b - a) * steps)
+            seconds_alone += seconds
+        numbers.append(len(groups))
+        state = run.state
+    seconds_now = np.inf
+    for _ in range(3):
+        began = time.perf_counter()
+        hc.simulate(chain, until=transits * transit, times=0)
+        seconds_now = min(seconds_now, time.perf_counter() - began)
+    return {
+        "bead_steps": sum(now), "bead_steps_alone": sum(alone),
+        "ratio": sum(now) / sum(alone), "ratio_of_times": seconds_now / seconds_alone,
+        "most_islands": max(numbers),
+    }  # fmt: skip
+
+
+def beads_in_window(state: State) -> tuple[int, int]:
+    """First bead of the window and the one after its last."""
+    chain, arrays = state.chain, state.arrays
+    equation = equation_of(chain)
+    plain = len(arrays["y"]) == 2 * chain.beads
+    contacts = None if plain else contacts_of(arrays)
+    trim = window.trimmed(equation, contacts)
+    return window.bounds(arrays["y"], equation, contacts, 0, chain.beads, trim)
+
+
+def main() -> None:
+    """Count, print and save."""
+    console = Console(width=110)
+    table = Table(title="bead-steps of the window and of its islands alone")
+    for heading in ("", "window", "islands alone", "ratio", "ratio of times", "most islands"):
+        table.add_column(heading, justify="right" if heading else "left")
+    found = {name: count(chain, transits) for name, (chain, transits) in cases().items()}
+    for name, values in found.items():
+        table.add_row(name, *(f"{value:.3g}" for value in values.values()))
+    console.print(table)
+    target = Path("benchmark") / "islands.json"
+    target.parent.mkdir(exist_ok=True)
+    target.write_text(json.dumps(found, indent=2) + "\n")
+    console.print(f"written to {target}")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,310 @@
+r"""What the eye would pick from the curves, found within the steps.
+
+The first maximum of each bead's velocity, the largest overlap of each contact, the largest
+force on each wall: between two steps, on the method's interpolant
+(`hertzchain.kernels.dense`), by bisection.
+"""
+
+from __future__ import annotations
+
+from hertzchain.kernels.dense import find_coefficients, slope, state_within, value
+from hertzchain.kernels.dop853 import STAGES, STEP_STAGES
+from hertzchain.kernels.forces import LEDGER, LEFT_IMPULSE, RIGHT_IMPULSE, copy, derivative, force
+from hertzchain.kernels.options import compiled
+from hertzchain.kernels.records import (
+    CROSSING_TIME,
+    CROSSINGS,
+    EVALUATIONS,
+    FIRST_END,
+    FIRST_IMPULSE,
+    FRAMES,
+    LAST_CROSSING,
+    OVERLAP,
+    PEAK_TIME,
+    PEAK_VELOCITY,
+    PEAKS,
+    RESIDENCE,
+    SINCE_CROSSING,
+    TIME,
+    WALL_PEAK,
+    WALL_PEAK_TIME,
+)
+from hertzchain.kernels.step import complete_stages
+from hertzchain.kernels.window import put_back
+
+# A bead slower than this, in parts of the speeds around it, is not reached yet: rounding
+# ahead of the pulse could look like a maximum.
+REACHED = 1e-11
+BISECTIONS = 48
+# Parts of a step that are searched for the first event: a light bead may turn twice in one.
+PARTS = 8
+
+
+@compiled
+def acceleration_within(k, theta, h, y, dense, setup, contacts):
+    """Acceleration of bead k, or net force on it, at the fraction theta of a completed step."""
+    if contacts is not None:
+        return slope(len(setup.inverse_mass) + k, theta, h, dense)
+    here = value(k, theta, y, dense)
+    net = 0.0
+    if k > 0:
+        left = value(k - 1, theta, y, dense)
+        net += force(left - here, setup.stiffness[k - 1], setup.exponent)
+    if k < len(setup.inverse_mass) - 1:
+        right = value(k + 1, theta, y, dense)
+        net -= force(here - right, setup.stiffness[k], setup.exponent)
+    return net
+
+
+@compiled
+def peak_within(k, h, y, dense, setup, contacts):
+    """Where in the step the net force on bead k first stops being positive; 2 if nowhere."""
+    low = 0.0
+    for part in range(1, PARTS + 1):
+        high = part / PARTS
+        if acceleration_within(k, high, h, y, dense, setup, contacts) <= 0.0:
+            for _ in range(BISECTIONS):
+                middle = 0.5 * (low + high)
+                a = acceleration_within(k, middle, h, y, dense, setup, contacts)
+                low, high = (middle, high) if a > 0.0 else (low, middle)
+            return high
+        low = high
+    return 2.0
+
+
+@compiled
+def crossing_within(c, beads, y, dense):
+    """Where in the step beads c and c + 1 (0-based) first have equal velocities; 2 if nowhere."""
+    left = beads + c
+    low = 0.0
+    for part in range(1, PARTS + 1):
+        high = part / PARTS
+        ahead = value(left + 1, high, y, dense)
+        if value(left, high, y, dense) <= ahead:
+            for _ in range(BISECTIONS):
+                middle = 0.5 * (low + high)
+                ahead = value(left + 1, middle, y, dense)
+                closing = value(left, middle, y, dense) > ahead
+                low, high = (middle, high) if closing else (low, middle)
+            return high
+        low = high
+    return 2.0
+
+
+@compiled
+def may_peak(k, beads, stages):
+    """Whether some stage of the step finds bead k, pushed at its start, no longer pushed."""
+    i = beads + k
+    if stages[0, i] <= 0.0:
+        return False
+    for j in range(1, STEP_STAGES + 1):
+        if stages[j, i] <= 0.0:
+            return True
+    return False
+
+
+@compiled
+def may_cross(c, stages):
+    """Whether some stage finds beads c and c + 1, closing at its start, at equal speed."""
+    if stages[0, c] <= stages[0, c + 1]:
+        return False
+    for j in range(1, STEP_STAGES + 1):
+        if stages[j, c] <= stages[j, c + 1]:
+            return True
+    return False
+
+
+@compiled
+def record_peaks(h, time, y, y_new, stages, dense, setup, contacts, expected, peaks):
+    """First maxima of velocity within the step, of the beads where one is expected."""
+    beads = len(setup.inverse_mass)
+    found = 0
+    for k in range(1, beads):
+        if not expected[k]:
+            continue
+        theta = peak_within(k, h, y, dense, setup, contacts)
+        if theta > 1.0:
+            continue
+        peaks[PEAK_TIME, k] = time + theta * h
+        # A bead that has left both neighbours for good flies on at the step's last velocity.
+        flies = stages[STEP_STAGES, beads + k] == 0.0 and (
+            acceleration_within(k, theta, h, y, dense, setup, contacts) == 0.0
+        )
+        velocity = value(beads + k, theta, y, dense)
+        peaks[PEAK_VELOCITY, k] = y_new[beads + k] if flies else velocity
+        found += 1
+    return found
+
+
+@compiled
+def record_jumps(time, y, stages, scale, peaks):
+    """First maxima of velocity where an acceleration jumped down, between two steps."""
+    beads = len(scale)
+    found = 0
+    for k in range(1, beads):
+        i = beads + k
+        jumped = stages[STEP_STAGES, i] > 0.0 and stages[0, i] <= 0.0
+        if jumped and peaks[PEAK_TIME, k] == 0.0 and y[i] > REACHED * scale[k]:
+            peaks[PEAK_TIME, k] = time
+            peaks[PEAK_VELOCITY, k] = y[i]
+            found += 1
+    return found
+
+
+@compiled
+def note_crossing(c, after, overlap, clock, counts, first, crossings):
+    """Write down a largest overlap ``after`` the time of the clock.
+
+    The residence is counted from the crossing before, since the difference of two times
+    loses its digits where the pulse becomes much faster than it was.  The window begins with
+    bead ``first``.
+    """
+    crossings[CROSSING_TIME, c] = clock[TIME] + after
+    crossings[OVERLAP, c] = overlap
+    if counts[LAST_CROSSING] == first + c - 1:
+        crossings[RESIDENCE, c] = clock[SINCE_CROSSING] + after
+    counts[LAST_CROSSING] = first + c
+    counts[CROSSINGS] += 1
+    clock[SINCE_CROSSING] = -after
+
+
+@compiled
+def record_crossings(h, clock, counts, y, dense, setup, contacts, first, expected, crossings):
+    """First moments of equal neighbour velocities within the step: largest overlaps."""
+    for c in range(crossings.shape[1]):
+        if not expected[c]:
+            continue
+        theta = crossing_within(c, crossings.shape[1] + 1, y, dense)
+        if theta > 1.0:
+            continue
+        behind = value(c, theta, y, dense)
+        overlap = behind - value(c + 1, theta, y, dense)
+        if contacts is not None:
+            overlap -= setup.gap[c + 1]
+        note_crossing(c, theta * h, overlap, clock, counts, first, crossings)
+
+
+@compiled
+def record_stops(clock, counts, y, stages, scale, gap, first, crossings):
+    """The same between two steps, where beads that closed in on each other got stuck."""
+    beads = len(scale)
+    for c in range(beads - 1):
+        closed_in = stages[STEP_STAGES, c] > stages[STEP_STAGES, c + 1]
+        stopped = closed_in and stages[0, c] <= stages[0, c + 1]
+        reached = abs(y[beads + c + 1]) > REACHED * scale[c + 1]
+        if stopped and reached and crossings[CROSSING_TIME, c] == 0.0:
+            overlap = y[c] - y[c + 1] - gap[c + 1]
+            note_crossing(c, 0.0, overlap, clock, counts, first, crossings)
+
+
+@compiled
+def expect_events(y_new, stages, scale, contacts, peaks, crossings, expected):
+    """Mark the beads and contacts whose first peak or crossing may lie within the step."""
+    beads = len(scale)
+    anything = False
+    for k in range(1, beads):
+        reached = y_new[beads + k] > REACHED * scale[k]
+        peak = reached and peaks[PEAK_TIME, k] == 0.0 and may_peak(k, beads, stages)
+        waiting = crossings[CROSSING_TIME, k - 1] == 0.0
+        if contacts is not None:
+            # Before a wall a bead may have turned round.
+            reached = abs(y_new[beads + k]) > REACHED * scale[k]
+        crossing = reached and waiting and may_cross(k - 1, stages)
+        expected[0, k] = peak
+        expected[1, k - 1] = crossing
+        anything = anything or peak or crossing
+    return anything
+
+
+@compiled
+def record_walls(time, h, y, y_new, stages, dense, walls):
+    """Largest force on each wall, and the impulse until the first contact with it ends."""
+    ledger = len(y) - LEDGER
+    for side in range(2):
+        i = ledger + LEFT_IMPULSE + side
+        largest = 0.0
+        for j in range(STEP_STAGES + 1):
+            largest = max(largest, stages[j, i])
+        # In a step cut very short the slope has lost its digits, and the stages are the peak.
+        sharp = 1e-15 * abs(y_new[i]) < 1e-12 * h * largest
+        if largest > walls[WALL_PEAK, side] and not sharp:
+            walls[WALL_PEAK, side] = largest
+            walls[WALL_PEAK_TIME, side] = time + h
+        elif largest > walls[WALL_PEAK, side]:
+            low, high = 0.0, 1.0
+            for _ in range(BISECTIONS):
+                one, two = (2.0 * low + high) / 3.0, (low + 2.0 * high) / 3.0
+                if slope(i, one, h, dense) < slope(i, two, h, dense):
+                    low = one
+                else:
+                    high = two
+            top = slope(i, 0.5 * (low + high), h, dense)
+            if top > walls[WALL_PEAK, side]:
+                walls[WALL_PEAK, side] = top
+                walls[WALL_PEAK_TIME, side] = time + 0.5 * (low + high) * h
+        ended = y_new[i] != 0.0 and stages[STEP_STAGES, i] == 0.0
+        if ended and walls[FIRST_END, side] == 0.0:
+            walls[FIRST_IMPULSE, side] = y_new[i]
+            walls[FIRST_END, side] = time + h
+
+
+@compiled
+def wall_pushed(stages):
+    """Whether some stage of the step finds a wall pushed."""
+    ledger = stages.shape[1] - LEDGER
+    for j in range(STEP_STAGES + 1):
+        if stages[j, ledger + LEFT_IMPULSE] != 0.0 or stages[j, ledger + RIGHT_IMPULSE] != 0.0:
+            return True
+    return False
+
+
+@compiled
+def save_frames(time, time_new, h, y, dense, first, chain, setup, contacts, segment,
+                counts, frame_times, frames, frame_forces, trial, scratch):  # fmt: skip
+    """States, and forces where they are asked for, at the saved times within the step.
+
+    ``y`` is that of the window, which begins with bead ``first``, ``chain`` that of all beads.
+    """
+    beads = len(setup.inverse_mass)
+    all_beads = (len(chain) - (len(y) - 2 * beads)) // 2
+    frame = counts[FRAMES]
+    while frame < len(frame_times) and frame_times[frame] <= time_new:
+        theta = min(1.0, (frame_times[frame] - time) / h)
+        state_within(theta, y, dense, trial)
+        copy(chain, frames[frame])
+        for k in range(first):
+            frames[frame, k] += theta * h * chain[all_beads + k]
+        put_back(trial, all_beads, first, first + beads, frames[frame])
+        if contacts is not None:
+            derivative(time + theta * h, trial, setup, contacts, segment, scratch)
+            frame_forces[frame] = 0.0
+            copy(contacts.force, frame_forces[frame, first : first + beads + 1])
+        frame += 1
+    counts[FRAMES] = frame
+
+
+@compiled
+def record_step(
+    time, time_new, h, y, y_new, dense_is_found, first, chain, clock, counts, setup, contacts,
+    segment, stages, dense, scale, expected, frame_times, frames, frame_forces, peaks, crossings,
+    walls, trial, scratch,
+):  # fmt: skip
+    """All that a completed step has to show; its interpolant is made if that is anything."""
+    frame = counts[FRAMES]
+    save = frame < len(frame_times) and frame_times[frame] <= time_new
+    event = expect_events(y_new, stages, scale, contacts, peaks, crossings, expected)
+    walled = contacts is not None and wall_pushed(stages)
+    if (save or event or walled) and not dense_is_found:
+        complete_stages(time, y, h, setup, contacts, segment, stages, trial)
+        find_coefficients(h, y, y_new, stages, dense)
+        counts[EVALUATIONS] += STAGES - STEP_STAGES - 1
+    if event:
+        counts[PEAKS] += record_peaks(
+            h, time, y, y_new, stages, dense, setup, contacts, expected[0], peaks
+        )
+        record_crossings(h, clock, counts, y, dense, setup, contacts, first, expected[1], crossings)
+    if walled:
+        record_walls(time, h, y, y_new, stages, dense, walls)
+    if save:
+        save_frames(time, time_new, h, y, dense, first, chain, setup, contacts, segment, counts,
+                    frame_times, frames, frame_forces, trial, scratch)  # fmt: skip

@@ -1,0 +1,20 @@
+"""What the entries of a run's arrays mean: its clock, its counts, what it records.
+
+They are the parts of a run's state that are not the motion itself; `hertzchain.kernels.full_chain`
+writes them and `hertzchain.simulation` reads them.
+"""
+
+from __future__ import annotations
+
+# Entries of `clock` and `counts`, the parts of the state that are no arrays.
+TIME, STEP, SINCE_CROSSING, FASTEST = 0, 1, 2, 3
+INITIAL_ENERGY, INITIAL_MOMENTUM, ENERGY_UNIT, MOMENTUM_UNIT = range(4, 8)
+ENERGY_DRIFT, MOMENTUM_DRIFT, CLOCK_SIZE = 8, 9, 10
+STEPS, EVALUATIONS, FRAMES, PEAKS, CROSSINGS, LAST_CROSSING, FROZEN, SEGMENT, SWITCHES = range(9)
+COUNTS_SIZE = 9
+# Rows of `peaks`, of `crossings` and of `walls`.
+PEAK_TIME, PEAK_VELOCITY = 0, 1
+CROSSING_TIME, OVERLAP, RESIDENCE = 0, 1, 2
+WALL_PEAK_TIME, WALL_PEAK, FIRST_IMPULSE, FIRST_END, WALL_ROWS = range(5)
+# Peak time of a striker, which has its velocity from the start on.
+FROM_THE_START = -1.0

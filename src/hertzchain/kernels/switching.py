@@ -1,0 +1,248 @@
+r"""When a contact leaves its mode: the moment is found, and the step ends there.
+
+What the modes are stands in `hertzchain.kernels.forces`.  They are kept within a step, so that the
+forces are smooth; here is which contact must leave its mode first, when, and into which.
+"""
+
+from __future__ import annotations
+
+from hertzchain.kernels.dense import find_coefficients, state_within, value
+from hertzchain.kernels.dop853 import STEP_STAGES
+from hertzchain.kernels.events import BISECTIONS, PARTS
+from hertzchain.kernels.forces import (
+    DAMPED,
+    LOADED,
+    LOST,
+    PLASTIC,
+    RELEASED,
+    STUCK,
+    UNLOADING,
+    damping_weight,
+    derivative,
+    force,
+    overlap_and_closing,
+    potential,
+    signed_power,
+    wall_motion,
+)
+from hertzchain.kernels.options import compiled
+from hertzchain.kernels.step import complete_stages
+
+# What counts as no relative motion, in parts of the fastest motion so far: a contact at rest
+# must not change its mode for rounding.
+STILL = 1e-14
+# A force within this part of a bound is on it: a contact at rest must not change its mode
+# for rounding.
+EVEN = 1e-13
+
+
+@compiled
+def first_modes(y, setup, contacts):
+    """Touching counts as closed and rest as loading: what comes next is a push."""
+    wall = wall_motion(0.0, setup, 0)
+    for c in range(len(setup.stiffness)):
+        overlap, closing = overlap_and_closing(c, y, len(setup.inverse_mass), setup.gap[c], wall)
+        contacts.largest[c] = max(overlap, 0.0)
+        loaded = overlap >= 0.0 if setup.law.kind == DAMPED else closing >= 0.0
+        contacts.mode[c] = LOADED if loaded else RELEASED
+
+
+@compiled
+def must_switch(overlap, closing, stiffness, damping, mode, largest, held, law, still):
+    """Whether a contact has to leave its mode; relative speeds below ``still`` are none."""
+    if law.kind == DAMPED:
+        pulls = False
+        if not law.attractive and overlap > 0.0:
+            pushing = force(overlap, stiffness, law.exponent)
+            weight = damping_weight(overlap, law)
+            pulls = pushing + damping * weight * signed_power(closing, law.speed_power) < 0.0
+        return overlap < 0.0 or pulls if mode == LOADED else overlap > 0.0 and not pulls
+    if overlap <= 0.0 and mode != STUCK:
+        return False
+    if mode == LOADED:
+        return closing < -still
+    if law.kind == PLASTIC:
+        return overlap > largest and closing > still
+    if mode == RELEASED:
+        return closing > still
+    loading = force(overlap, stiffness, law.exponent)
+    return held > (1.0 + EVEN) * loading or held < (1.0 - EVEN) * law.kept * loading
+
+
+@compiled
+def turned(c, beads, wall_speed, sign, stages, still):
+    """Whether some stage of the step finds contact c opening (sign 1) or closing (-1)."""
+    for j in range(1, STEP_STAGES):
+        left = stages[j, c - 1] if c > 0 else wall_speed
+        right = stages[j, c] if c < beads else 0.0
+        if sign * (left - right) < -still:
+            return True
+    return False
+
+
+@compiled
+def may_switch(c, y, y_new, stages, setup, contacts, walls, still):
+    """Whether contact c, by what the stages of a step say, must leave its mode within it.
+
+    ``walls`` is the motion of the left wall at both ends of the step.
+    """
+    law, mode, gap = setup.law, contacts.mode[c], setup.gap[c]
+    beads = len(setup.inverse_mass)
+    overlap, closing = overlap_and_closing(c, y_new, beads, gap, walls[1])
+    remembers = law.kind == UNLOADING or law.kind == PLASTIC
+    if remembers and overlap <= 0.0 and mode != STUCK:
+        # Open at both ends: there is no force whose mode could matter.
+        before, _ = overlap_and_closing(c, y, beads, gap, walls[0])
+        if before <= 0.0:
+            return False
+    if must_switch(overlap, closing, setup.stiffness[c], setup.damping[c], mode,
+                   contacts.largest[c], contacts.force[c], law, still):  # fmt: skip
+        return True
+    if remembers and mode == LOADED:
+        return turned(c, beads, walls[1][1], 1.0, stages, still)
+    if law.kind == UNLOADING and mode == RELEASED:
+        return turned(c, beads, walls[1][1], -1.0, stages, still)
+    return False
+
+
+@compiled
+def switch_within(c, time, y, h, dense, setup, contacts, segment, still, trial, scratch):
+    """Where in the step contact c first must leave its mode; 2 if nowhere."""
+    beads, law, gap = len(setup.inverse_mass), setup.law, setup.gap[c]
+    stiffness, damping = setup.stiffness[c], setup.damping[c]
+    mode, largest, force_of = contacts.mode[c], contacts.largest[c], contacts.force
+    # A stuck contact's force depends on all beads, that of another one on its own two.
+    first, last = max(c - 1, 0), min(c + 1, beads)
+    low, high, found = 0.0, 0.0, False
+    for part in range(1, PARTS + BISECTIONS + 1):
+        if found:
+            theta = 0.5 * (low + high)
+        elif part > PARTS:
+            return 2.0
+        else:
+            theta = part / PARTS
+        if mode == STUCK:
+            state_within(theta, y, dense, trial)
+            derivative(time + theta * h, trial, setup, contacts, segment, scratch)
+        for k in range(first, last):
+            trial[k] = value(k, theta, y, dense)
+            trial[beads + k] = value(beads + k, theta, y, dense)
+        wall = wall_motion(time + theta * h, setup, segment)
+        overlap, closing = overlap_and_closing(c, trial, beads, gap, wall)
+        if must_switch(
+            overlap, closing, stiffness, damping, mode, largest, force_of[c], law, still
+        ):
+            high, found = theta, True
+        else:
+            low = theta
+    return high
+
+
+@compiled
+def first_switch(time, y, h, y_new, stages, dense, setup, contacts, segment, still, trial, scratch):
+    """The first contact that must leave its mode within the step, and where; -1 if none.
+
+    Tells, too, whether it has completed the stages and found the coefficients in ``dense``.
+    """
+    beads = len(setup.inverse_mass)
+    walls = wall_motion(time, setup, segment), wall_motion(time + h, setup, segment)
+    first, earliest, dense_is_found = -1, 2.0, False
+    for c in range(beads + 1):
+        if setup.stiffness[c] == 0.0:
+            continue
+        if not may_switch(c, y, y_new, stages, setup, contacts, walls, still):
+            continue
+        if not dense_is_found:
+            complete_stages(time, y, h, setup, contacts, segment, stages, trial)
+            find_coefficients(h, y, y_new, stages, dense)
+            dense_is_found = True
+        theta = switch_within(c, time, y, h, dense, setup, contacts, segment, still, trial, scratch)
+        if setup.law.kind == UNLOADING:
+            # The forces of stuck contacts were overwritten.
+            derivative(time + h, y_new, setup, contacts, segment, scratch)
+        if first < 0 or theta < earliest:
+            first, earliest = c, theta
+    return first if earliest <= 1.0 else -1, earliest, dense_is_found
+
+
+@compiled
+def next_mode(c, overlap, time, y, setup, contacts, segment, scratch):
+    """The mode that follows.  A contact whose two forces both drive it back is stuck."""
+    law, mode = setup.law, contacts.mode[c]
+    if law.kind != UNLOADING:
+        return RELEASED if mode == LOADED else LOADED
+    loading = force(overlap, setup.stiffness[c], law.exponent)
+    if mode == STUCK:
+        # It is at one of the bounds: rounding may have put it on either side of that.
+        middle = 0.5 * (1.0 + law.kept) * loading
+        return LOADED if contacts.force[c] > middle else RELEASED
+    contacts.mode[c] = STUCK
+    derivative(time, y, setup, contacts, segment, scratch)
+    contacts.mode[c] = mode
+    held = contacts.force[c]
+    if overlap > 0.0 and law.kept * loading < held < loading:
+        return STUCK
+    return RELEASED if mode == LOADED else LOADED
+
+
+@compiled
+def stop_moving(c, wall_speed, y, inverse_mass, mode):
+    """Give the beads that contact c, now stuck, and stuck ones beside it join one velocity.
+
+    What little they still moved apart would count as parting or closing when they come loose.
+    """
+    beads = len(inverse_mass)
+    first, last = c, c
+    while first > 0 and mode[first - 1] == STUCK:
+        first -= 1
+    while last < beads and mode[last + 1] == STUCK:
+        last += 1
+    mass, momentum = 0.0, 0.0
+    for k in range(max(first - 1, 0), min(last + 1, beads)):
+        mass += 1.0 / inverse_mass[k]
+        momentum += y[beads + k] / inverse_mass[k]
+    velocity = momentum / mass
+    if first == 0:
+        velocity = wall_speed
+    elif last == beads:
+        velocity = 0.0
+    for k in range(max(first - 1, 0), min(last + 1, beads)):
+        y[beads + k] = velocity
+
+
+@compiled
+def forget_unloading(y, wall, setup, contacts):
+    """An open contact will load when it closes."""
+    beads, mode = len(setup.inverse_mass), contacts.mode
+    for c in range(beads + 1):
+        if mode[c] == RELEASED:
+            overlap, _ = overlap_and_closing(c, y, beads, setup.gap[c], wall)
+            if overlap < 0.0:
+                mode[c] = LOADED
+
+
+@compiled
+def switch(first, time, y, setup, contacts, segment, still, scratch):
+    """Give contact ``first`` its next mode, and all others that must change at this moment."""
+    stiffness, gap, damping, law = setup.stiffness, setup.gap, setup.damping, setup.law
+    mode, largest, held = contacts.mode, contacts.largest, contacts.force
+    beads = len(setup.inverse_mass)
+    wall = wall_motion(time, setup, segment)
+    for c in range(beads + 1):
+        if stiffness[c] == 0.0:
+            continue
+        overlap, closing = overlap_and_closing(c, y, beads, gap[c], wall)
+        if c != first and not must_switch(
+            overlap, closing, stiffness[c], damping[c], mode[c], largest[c], held[c], law, still
+        ):
+            continue
+        if law.kind == PLASTIC and mode[c] == LOADED:
+            largest[c] = max(largest[c], overlap)
+        before = potential(overlap, stiffness[c], mode[c], largest[c], law)
+        mode[c] = next_mode(c, overlap, time, y, setup, contacts, segment, scratch)
+        after = potential(overlap, stiffness[c], mode[c], largest[c], law)
+        # What a contact still stores when its force is cut off comes to nothing.
+        y[2 * beads + LOST] += before - after
+        if mode[c] == STUCK:
+            stop_moving(c, wall[1], y, setup.inverse_mass, mode)
+        derivative(time, y, setup, contacts, segment, scratch)

@@ -43,10 +43,11 @@ def test_every_help_shows_an_example(run, command):
 
 
 def test_pulse_table(run):
+    run("pulse", "--beads", 100)  # compiles, which may take long enough to show progress
     code, out, err = run("pulse", "--beads", 100)
     assert (code, err) == (0, "")
     assert "26 of 100 beads" in out
-    assert "0.751472" not in run("pulse", "--beads", 100)[1]
+    assert "0.751472" not in out
     assert "0.751472" in run("pulse", "--beads", 100, "--all")[1]
 
 

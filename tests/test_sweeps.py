@@ -208,6 +208,25 @@ BAD = [
      "sweep.methods\\[1\\]: propagate does not cover gravity"),
     ({"chain": {"file": "beads.csv"}}, "chain: .*beads.csv"),
     ({"points": [{"rate": 1}]}, "points: there are also axes"),
+    ({"axes": {"rate": {"linspace": [0, 1, 10**12]}}}, "from 1 to 10000000, got 1000000000000"),
+    ({"axes": {"rate": {"linspace": [-1e308, 1e308, 3]}}}, "linspace's first must be at least"),
+    ({"axes": {"velocity": {"list": ["a"], "unit": "m/s"}}}, "value 1 must be a number, got 'a'"),
+    ({"axes": {"velocity": {"list": [1], "unit": ["m/s"]}}}, "unknown unit of velocity \\['m"),
+    ({"axes": {"rate": [1j]}}, "axes.rate: value 1 is 1j, which cannot stand in a specification"),
+    ({"axes": {"rate": [None]}}, "value 1 is None, which cannot stand in"),
+    ({"axes": {"with_scatter.seed": [10**30]}}, "value 1 is too large: .* 63 bits"),
+    ({"axes": {"rate": [0.05], 3.5: [1]}}, "axes.3.5: unknown parameter '3.5'"),
+    ({"axes": {"radii.3": [0.5], "radii": [[1, 1]]}}, "axes.radii: would undo axes.radii.3: leave"),
+    ({"axes": {"loss": {"gamma": [1]}, "loss.gamma": [2]}}, "loss.gamma: would undo axes.loss.gam"),
+    ({"sweep": {"methods": [["bca"]]}}, "sweep.methods\\[1\\]: unknown method \\['bca'\\]"),
+    ({"sweep": {"combine": np.arange(3)}}, "sweep.combine: unknown combination \\[0, 1, 2\\]"),
+    ({"sweep": {"reference": np.arange(3)}}, "sweep.reference: unknown reference"),
+    ({"sweep": {"at": [[1]]}}, "sweep.at: bead must be a whole number"),
+    ({"sweep": {"batch": object()}}, "sweep: batch is <object .* cannot stand in a specification"),
+    ({"title": "\ud800"}, "title: .* is not valid text"),
+    ({"chain": FORWARD | {"rate": float("nan")}}, "chain: rate is nan: it must be finite"),
+    ({"chain": FORWARD | {"loss": {"gamma": {1, 2}}}}, "chain: loss.gamma is {1, 2}, which cannot"),
+    ({"materials": {"m": {"young": None}}}, "materials: m.young is None, which cannot"),
 ]  # fmt: skip
 
 
@@ -218,6 +237,48 @@ def test_what_cannot_be_used_is_refused(change, said):
         given = {}
     with pytest.raises(hc.InputError, match=said):
         hc.sweep(given | change)
+
+
+@pytest.mark.parametrize(("points", "said"), [
+    (3, r"must be tables \[\[points\]\], or the name of a CSV file, got 3"),
+    ([3], r"points\[1\]: must be a table of parameters, got 3"),
+    ([{}], r"points\[1\]: must be a table of parameters, got {}"),
+    ([{"rate": 0.1}, {"rtae": 0.1}], r"points\[2\]: must give rate, as the first does"),
+    ([{"rate": 0.1}, {"rate": "a"}], "points.rate: has values of different types: float, str"),
+    ("missing.csv", "missing.csv': cannot read it"),
+    ("\0.csv", "points must be a path"),
+])  # fmt: skip
+def test_points_that_cannot_be_used_are_refused(points, said):
+    with pytest.raises(hc.InputError, match=said):
+        hc.sweep({"chain": dict(FORWARD), "points": points})
+
+
+@pytest.mark.parametrize(("text", "said"), [
+    ("", "needs a header of parameters, and a row for each point"),
+    ("rate,beads\n", "needs a header of parameters, and a row for each point"),
+    ("rate,rate\n1,2\n", "column 'rate' is there twice"),
+    ("rate,beads\n0.1\n", "row 1 has 1 cells, the header has 2"),
+    ("rate,beads\n0.1,10,5\n", "row 1 has 3 cells, the header has 2"),
+    ("rate,beads\n0.1,10\n,10\n", "row 2 has no rate"),
+    ("rate,beads\n0.1,10\nnan,10\n", "points.rate: value 2 is nan"),
+    ("rate,baeds\n0.1,10\n", "unknown parameter 'baeds'.*did you mean 'beads'"),
+    ("rate,beads\n0.1,ten\n", "beads must be a whole number .*got 'ten'"),
+    ('rate,beads\n"0.1,10\n', "not a CSV table"),
+])  # fmt: skip
+def test_tables_of_points_that_cannot_be_used_are_refused(tmp_path, text, said):
+    (tmp_path / "points.csv").write_text(text)
+    with pytest.raises(hc.InputError, match=said):
+        hc.sweep({"chain": dict(FORWARD), "points": str(tmp_path / "points.csv")})
+
+
+def test_long_lists_of_errors_are_cut():
+    axes = {"rate": [-1.0 - i for i in range(50)] + [0.1]}
+    with pytest.raises(hc.InputError) as error:
+        hc.sweep({"chain": FORWARD, "axes": axes})
+    lines = str(error.value).splitlines()
+    assert lines[0] == "50 errors:"
+    assert len(lines) == 22
+    assert lines[-1].strip() == "and 30 more"
 
 
 def test_all_errors_are_listed_at_once(tmp_path):

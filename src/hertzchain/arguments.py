@@ -188,9 +188,16 @@ def file_path(what: str, value: object) -> Path:
     >>> file_path("chain file", "chain.toml").suffix
     '.toml'
     """
-    if not isinstance(value, str | os.PathLike) or not os.fspath(value):
+    if not isinstance(value, str | os.PathLike) or not _names_a_file(os.fspath(value)):
         raise InputError(f"{what} must be a path, such as 'name', got {shown(value)}")
     return Path(value)
+
+
+def _names_a_file(text: str) -> bool:
+    try:
+        return bool(text) and b"\0" not in os.fsencode(text)
+    except UnicodeEncodeError:
+        return False
 
 
 def callback(what: str, value: object) -> None:

@@ -98,7 +98,7 @@ def read_csv(path: str | os.PathLike[str], known: Mapping[str, Column]) -> CsvTa
     ...     read_csv(file, {"radius": Column("length"), "material": Column("text")}).columns
     {'radius': [0.005, 0.004], 'material': ['brass', 'glass']}
     """
-    rows = _rows(path)
+    rows = csv_rows(path)
     if not rows:
         raise InputError("the file has no header; give names and units such as radius [mm]")
     headers = [_header(text, known) for text in rows[0]]
@@ -126,7 +126,32 @@ def read_csv(path: str | os.PathLike[str], known: Mapping[str, Column]) -> CsvTa
     return CsvTable(columns, bool(with_unit), len(body))
 
 
-def _rows(path: str | os.PathLike[str]) -> list[list[str]]:
+def csv_rows(path: str | os.PathLike[str]) -> list[list[str]]:
+    r"""Rows of a CSV file as text; empty lines and those that begin with ``#`` are left out.
+
+    Parameters
+    ----------
+    path : path-like
+        The file.
+
+    Returns
+    -------
+    list of list of str
+
+    Raises
+    ------
+    InputError
+        If it cannot be read, or is not CSV.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     file = Path(folder) / "points.csv"
+    ...     _ = file.write_text("# measured\nrate, beads\n0.02, 10\n")
+    ...     csv_rows(file)
+    [['rate', 'beads'], ['0.02', '10']]
+    """
     try:
         text = Path(path).read_text("utf-8-sig")
     except OSError as error:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -11,11 +10,17 @@ from typing import Any, Final
 
 import numpy as np
 
+from hertzchain.arguments import one_of
 from hertzchain.checks import number, whole_number
-from hertzchain.errors import InputError, unknown_name
+from hertzchain.errors import InputError, shown, unknown_name
 from hertzchain.store.csv_tables import UNITS
+from hertzchain.sweeps.plain import plain_json
 
 SPACINGS: Final = ("list", "linspace", "geomspace")
+# Ends of a linspace, at most: their difference must be a number, too.
+LARGEST: Final = 1e300
+# Values of one axis, at most.
+MOST_VALUES: Final = 10_000_000
 # Dimension of what has one, by the last name of its path that is no number.
 DIMENSIONS: Final[Mapping[str, str]] = {
     "radius": "length", "radii": "length", "gap": "length", "gaps": "length", "cell": "length",
@@ -61,6 +66,7 @@ class Axis:
     entry: Mapping[str, Any] | Sequence[Any]
 
     def __post_init__(self) -> None:
+        object.__setattr__(self, "entry", plain_json(self.entry))
         if not self.values:
             raise InputError("has no values")
 
@@ -95,7 +101,7 @@ class Axis:
     def values(self) -> list[Any]:
         """All values, in SI units or scaled."""
         if not isinstance(self.entry, Mapping):
-            return _plain(self.entry)
+            return _listed(self.entry)
         known = (*SPACINGS, "unit")
         for key in self.entry:
             if key not in known:
@@ -104,17 +110,19 @@ class Axis:
         if len(given) != 1:
             raise InputError(f"needs one of {', '.join(SPACINGS)}, has {len(given)} of them")
         found = self.entry[given[0]]
-        values = _plain(found) if given[0] == "list" else _spaced(given[0], found)
-        return values if self.unit is None else [_decimal(self._factor * each) for each in values]
+        values = _listed(found) if given[0] == "list" else _spaced(given[0], found)
+        if "unit" not in self.entry:
+            return values
+        factor = self._factor
+        numbers = (number(f"value {i}", each) for i, each in enumerate(values, start=1))
+        return [_decimal(factor * each) for each in numbers]
 
     @property
     def _factor(self) -> float:
         if self.dimension is None:
-            raise InputError(f"has the unit {self.unit!r}, but {self.long_name} takes none")
+            raise InputError(f"has the unit {shown(self.unit)}, but {self.long_name} takes none")
         known = UNITS[self.dimension]
-        if self.unit is None or self.unit not in known:
-            raise unknown_name(f"unit of {self.dimension}", self.unit, known)
-        return known[self.unit]
+        return known[one_of(f"unit of {self.dimension}", self.unit, known)]
 
     def coordinate(self) -> np.ndarray[Any, np.dtype[Any]]:
         """The values as an array for a dataset; what is no number or text is text as JSON.
@@ -138,11 +146,12 @@ class Axis:
         >>> Axis(("rate",), [0.1, 0.2, 0.1]).twice()
         0.1
         """
-        seen = set()
-        for value in map(json.dumps, self.values):
-            if value in seen:
-                return json.loads(value)
-            seen.add(value)
+        seen: set[Any] = set()
+        for value in self.values:
+            key = json.dumps(value) if isinstance(value, list | dict) else value
+            if key in seen:
+                return value
+            seen.add(key)
         return None
 
 
@@ -176,16 +185,12 @@ def flattened(table: Mapping[str, Any], path: tuple[str, ...] = ()) -> Iterator[
             yield place, entry
 
 
-def _plain(given: Any) -> list[Any]:
-    """The values of a list, as JSON has them."""
-    if isinstance(given, np.ndarray):
-        given = given.tolist()
-    if not isinstance(given, list | tuple):
-        raise InputError(f"must be a list of values or a table with linspace, got {given!r}")
-    values = [each.item() if isinstance(each, np.generic) else each for each in given]
-    for place, value in enumerate(values, start=1):
-        if isinstance(value, float) and not math.isfinite(value):
-            raise InputError(f"value {place} is {value:g}: it must be finite")
+def _listed(values: Any) -> list[Any]:
+    """The values of a list, all of one type."""
+    if not isinstance(values, list):
+        raise InputError(f"must be a list of values or a table with linspace, got {shown(values)}")
+    if len(values) > MOST_VALUES:
+        raise InputError(f"has {len(values)} values, and at most {MOST_VALUES} can be")
     kinds = {float if type(each) is int else type(each) for each in values}
     if len(kinds) > 1:
         names = sorted(kind.__name__ for kind in kinds)
@@ -194,13 +199,13 @@ def _plain(given: Any) -> list[Any]:
 
 
 def _spaced(kind: str, given: Any) -> list[float]:
-    if not isinstance(given, list | tuple) or len(given) != 3:
-        raise InputError(f"{kind} must be [first, last, number of values], got {given!r}")
+    if not isinstance(given, list) or len(given) != 3:
+        raise InputError(f"{kind} must be [first, last, number of values], got {shown(given)}")
     first, last = (
-        number(f"{kind}'s {what}", value)
+        number(f"{kind}'s {what}", value, least=-LARGEST, most=LARGEST)
         for what, value in zip(("first", "last"), given[:2], strict=True)
     )
-    count = whole_number(f"{kind}'s number of values", given[2], least=1)
+    count = whole_number(f"{kind}'s number of values", given[2], least=1, most=MOST_VALUES)
     if kind == "geomspace":
         if not first * last > 0.0:
             raise InputError(f"geomspace needs ends of one sign, got {first:g} and {last:g}")

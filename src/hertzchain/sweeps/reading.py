@@ -32,18 +32,23 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, Final
 
+from hertzchain.arguments import file_path
 from hertzchain.chain.chain import Chain
 from hertzchain.checks import number, whole_number
-from hertzchain.errors import InputError, unknown_name
+from hertzchain.errors import InputError, shown, unknown_name
 from hertzchain.pulse.quantities import QUANTITIES
 from hertzchain.store.chain_files import KEYS, chain_as_toml, chain_from
+from hertzchain.store.csv_tables import csv_rows
 from hertzchain.sweeps.axes import Axis, flattened
 from hertzchain.sweeps.methods import METHODS, OPTIONS
-from hertzchain.sweeps.specification import WALL_QUANTITIES, Specification, plain_json
+from hertzchain.sweeps.plain import plain_json
+from hertzchain.sweeps.specification import WALL_QUANTITIES, Specification
 
 TABLES: Final = ("title", "chain", "materials", "axes", "points", "sweep", "method")
 SETTINGS: Final = ("combine", "methods", "keep", "at", "errors", "reference", "batch")
 COMBINATIONS: Final = ("product", "zip")
+# Errors that are told at once.
+TOLD: Final = 20
 
 
 def read_specification(given: Any) -> Specification:
@@ -74,7 +79,7 @@ def read_specification(given: Any) -> Specification:
     if isinstance(given, Mapping):
         return _Reader(given, Path()).specification()
     if not isinstance(given, str | os.PathLike):
-        raise InputError(f"a sweep takes a TOML file or a mapping, got {given!r}")
+        raise InputError(f"a sweep takes a TOML file or a mapping, got {shown(given)}")
     return _Reader(_document(given), Path(given).parent, f"{os.fspath(given)}: ").specification()
 
 
@@ -129,7 +134,8 @@ class _Reader:
             self._add("sweep.keep", "what a wall felt needs the method 'simulate'")
         title = self.document.get("title", "")
         if not isinstance(title, str):
-            self._add("title", f"must be text, got {title!r}")
+            self._add("title", f"must be text, got {shown(title)}")
+        title = self._try("title", plain_json, title)
         batch = settings.get("batch")
         if batch is not None:
             batch = self._try("sweep.batch", whole_number, "batch", batch, least=1, most=10**6)
@@ -157,7 +163,7 @@ class _Reader:
         for key in given:
             if key not in KEYS:
                 self._add("chain", unknown_name("key of [chain]", key, KEYS))
-        return self._try("chain", plain_json, given) or {}, plain_json(materials)
+        return self._try("chain", plain_json, given) or {}, materials
 
     def _inlined(self, chain: Chain) -> tuple[Mapping[str, Any], Mapping[str, Any]]:
         document = tomllib.loads(chain_as_toml(chain))
@@ -174,9 +180,11 @@ class _Reader:
                 self._add("points", "there are also axes or combine: leave them or points out")
             entries, combine = self._columns(points), "zip"
         else:
-            entries = dict(flattened(self._table("axes")))
+            found_axes = list(flattened(self._mapping("axes")))
+            entries = dict(found_axes)
             if not entries:
                 self._add("axes", "nothing varies: give parameters and their values")
+            self._check_paths([path for path, _ in found_axes])
         place = "points" if points is not None else "axes"
         found = [self._axis(place, path, entry) for path, entry in entries.items()]
         axes = tuple(axis for axis in found if axis is not None)
@@ -205,11 +213,16 @@ class _Reader:
     def _columns(self, points: Any) -> dict[tuple[str, ...], list[Any]]:
         """Rows of explicit points as lists by parameter."""
         if isinstance(points, str):
-            points = self._try("points", _rows_of_csv, self.folder / points) or []
-        if not isinstance(points, Sequence) or not points:
-            self._add("points", "must be tables [[points]], or the name of a CSV file")
+            return self._try("points", _columns_of_csv, self.folder, points) or {}
+        if not isinstance(points, list | tuple) or not points:
+            told = f"must be tables [[points]], or the name of a CSV file, got {shown(points)}"
+            self._add("points", told)
             return {}
-        rows = [dict(flattened(row)) if isinstance(row, Mapping) else {} for row in points]
+        for place, row in enumerate(points, start=1):
+            if not isinstance(row, Mapping) or not row:
+                self._add(f"points[{place}]", f"must be a table of parameters, got {shown(row)}")
+                return {}
+        rows = [dict(flattened(row)) for row in points]
         columns: dict[tuple[str, ...], list[Any]] = {path: [] for path in rows[0]}
         for place, row in enumerate(rows, start=1):
             if row.keys() != columns.keys():
@@ -226,26 +239,27 @@ class _Reader:
         given = settings.get(key, default)
         listed = [given] if isinstance(given, str) else given
         if not isinstance(listed, list | tuple) or (default and not listed):
-            self._add(f"sweep.{key}", f"must be a list of names, got {given!r}")
+            self._add(f"sweep.{key}", f"must be a list of names, got {shown(given)}")
             return default
         for place, name in enumerate(listed, start=1):
             if name not in known:
                 what = {"methods": "method"}.get(key, "quantity")
                 self._add(f"sweep.{key}[{place}]", unknown_name(what, name, known))
-        if len(set(map(str, listed))) < len(listed):
-            self._add(f"sweep.{key}", f"names one of them twice: {', '.join(map(str, listed))}")
-        return tuple(listed)
+        names = tuple(name for name in listed if name in known)
+        if len(set(names)) < len(names):
+            self._add(f"sweep.{key}", f"names one of them twice: {', '.join(names)}")
+        return names or default
 
     def _at(self, given: Any) -> str | tuple[int, ...]:
         if given in ("every", "last"):
             return str(given)
         if not isinstance(given, list | tuple) or not given:
-            self._add("sweep.at", f"must be 'every', 'last' or a list of beads, got {given!r}")
+            self._add("sweep.at", f"must be 'every', 'last' or a list of beads, got {shown(given)}")
             return "every"
         beads = [self._try("sweep.at", whole_number, "bead", bead, least=1) for bead in given]
         found = tuple(bead for bead in beads if bead is not None)
         if sorted(set(found)) != list(found):
-            self._add("sweep.at", f"beads must increase, got {list(given)}")
+            self._add("sweep.at", f"beads must increase, got {shown(given)}")
         return found
 
     def _options(self, axes: Sequence[Axis], methods: Sequence[str]) -> Mapping[str, Any]:
@@ -261,14 +275,26 @@ class _Reader:
                 self._add(f"method.{name}", f"no method takes it: add {' or '.join(fit)}")
         for name, value in given.items():
             self._try(f"method.{name}", number, name, value, above=0.0)
-        return dict(given)
+        return given
 
     def _table(self, name: str) -> Mapping[str, Any]:
+        """A table of plain values."""
+        return self._try(name, plain_json, self._mapping(name)) or {}
+
+    def _mapping(self, name: str) -> Mapping[Any, Any]:
         entry = self.document.get(name, {})
         if not isinstance(entry, Mapping):
-            self._add(name, f"must be a table, got {entry!r}")
+            self._add(name, f"must be a table, got {shown(entry)}")
             return {}
         return entry
+
+    def _check_paths(self, paths: Sequence[tuple[str, ...]]) -> None:
+        """An axis replaces what is below its path, and with it what another axis has set there."""
+        for place, path in enumerate(paths):
+            for earlier in paths[:place]:
+                if earlier[: len(path)] == path:
+                    said = f"would undo axes.{'.'.join(earlier)}: leave one out, or put it first"
+                    self._add(f"axes.{'.'.join(path)}", said)
 
     def _try(self, place: str, function: Any, *arguments: Any, **more: Any) -> Any:
         try:
@@ -306,31 +332,51 @@ def raise_all(problems: Sequence[str], heading: str = "") -> None:
     if len(problems) == 1:
         raise InputError(heading + problems[0])
     if problems:
-        raise InputError(
-            f"{heading}{len(problems)} errors:" + "".join(f"\n  {p}" for p in problems)
-        )
+        lines = [f"{heading}{len(problems)} errors:", *problems[:TOLD]]
+        if len(problems) > TOLD:
+            lines.append(f"and {len(problems) - TOLD} more")
+        raise InputError("\n  ".join(lines))
 
 
 def _document(path: str | os.PathLike[str]) -> dict[str, Any]:
     name = os.fspath(path)
     try:
-        return tomllib.loads(Path(path).read_text("utf-8-sig"))
+        return tomllib.loads(file_path("specification", path).read_text("utf-8-sig"))
     except OSError as error:
         raise InputError(
             f"cannot read specification {name!r} ({error.strerror}); give the path of a TOML file"
         ) from None
-    except (UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
+    except (UnicodeDecodeError, tomllib.TOMLDecodeError, RecursionError) as error:
         raise InputError(f"specification {name!r} is not valid TOML: {error}") from None
 
 
-def _rows_of_csv(path: Path) -> list[dict[str, Any]]:
-    import pandas as pd
-
+def _columns_of_csv(folder: Path, name: str) -> dict[tuple[str, ...], list[Any]]:
+    """Columns of a CSV file by parameter: of numbers if all cells are, otherwise of text."""
+    file = file_path("points", folder / name)
     try:
-        table = pd.read_csv(path, comment="#", skipinitialspace=True)
-    except (OSError, ValueError) as error:
-        raise InputError(f"cannot read {os.fspath(path)!r}: {error}") from None
-    if table.isna().any().any():
-        row, column = next(zip(*table.isna().to_numpy().nonzero(), strict=True))
-        raise InputError(f"{path}: row {row + 1} has no {table.columns[column]}")
-    return [{str(key): value for key, value in row.items()} for row in table.to_dict("records")]
+        rows = csv_rows(file)
+        if len(rows) < 2:
+            raise InputError("needs a header of parameters, and a row for each point")
+        header, *body = rows
+        for column in header:
+            if header.count(column) > 1:
+                raise InputError(f"column {column!r} is there twice: leave one")
+        for number, row in enumerate(body, start=1):
+            if len(row) != len(header):
+                raise InputError(f"row {number} has {len(row)} cells, the header has {len(header)}")
+            if "" in row:
+                raise InputError(f"row {number} has no {header[row.index('')]}")
+    except InputError as error:
+        raise InputError(f"{os.fspath(file)!r}: {error}") from None
+    columns = zip(*body, strict=True)
+    return {tuple(key.split(".")): _cells(cells)
+            for key, cells in zip(header, columns, strict=True)}  # fmt: skip
+
+
+def _cells(cells: Sequence[str]) -> list[Any]:
+    for kind in (int, float):
+        try:
+            return [kind(cell) for cell in cells]
+        except ValueError:
+            continue
+    return list(cells)

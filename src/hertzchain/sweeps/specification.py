@@ -7,7 +7,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, Final
 
-from hertzchain.errors import InputError
 from hertzchain.sweeps.axes import Axis
 
 # Quantities of the right wall, of `simulate` alone, and what `WallForce` calls them.
@@ -134,41 +133,10 @@ def differences(one: str, other: str) -> list[str]:
 
 
 def _entry(axis: Axis) -> Mapping[str, Any]:
-    """An axis as it was specified, in plain types."""
+    """An axis as it was specified."""
     if isinstance(axis.entry, Mapping) and "list" not in axis.entry:
-        return plain_json(axis.entry)
+        return axis.entry
     return {"list": axis.values}
-
-
-def plain_json(given: Any) -> Any:
-    """The same in the types that JSON has, arrays as lists.
-
-    Parameters
-    ----------
-    given : object
-        Nested tables, lists, numbers and text.
-
-    Returns
-    -------
-    object
-
-    Raises
-    ------
-    InputError
-        If there is anything else in it.
-
-    Examples
-    --------
-    >>> plain_json({"beads": (20, 40)})
-    {'beads': [20, 40]}
-    """
-
-    def plain(value: Any) -> Any:
-        if hasattr(value, "tolist"):
-            return value.tolist()
-        raise InputError(f"{value!r} cannot stand in a specification: give numbers, text, lists")
-
-    return json.loads(json.dumps(given, default=plain))
 
 
 def _sorted(table: Mapping[str, Any]) -> Any:

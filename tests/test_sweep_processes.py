@@ -2,15 +2,17 @@
 
 import contextlib
 import json
+import multiprocessing
 import os
 import random
 import resource
 import signal
+import struct
 import subprocess
 import sys
 import threading
 import time
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
 
 import pytest
 import xarray as xr
@@ -135,6 +137,68 @@ def workers_of(pid):
     return []
 
 
+def half_a_result(*_):
+    """Run by a worker: it dies while it sends what it has."""
+    results = sys._getframe(1).f_locals["result_queue"]
+    os.write(results._writer.fileno(), struct.pack("!i", 10**6) + b"half")
+    os.kill(os.getpid(), signal.SIGKILL)
+
+
+def test_a_worker_killed_while_it_sends_is_noticed(specification, tmp_path):
+    class Elsewhere(ProcessPoolExecutor):
+        def submit(self, *_):
+            return super().submit(half_a_result)
+
+    begun = time.monotonic()
+    context = multiprocessing.get_context("spawn")
+    with (
+        Elsewhere(2, mp_context=context) as pool,
+        pytest.raises(hc.StoreError, match="a worker process ended abruptly"),
+    ):
+        hc.sweep(specification, tmp_path / "sweep", executor=pool)
+    assert time.monotonic() - begun < 30.0
+
+
+@pytest.mark.parametrize("sign", [signal.SIGKILL, signal.SIGTERM, signal.SIGINT])
+def test_no_worker_outlives_its_sweep(specification, undisturbed, tmp_path, sign):
+    import psutil
+
+    store = tmp_path / "sweep"
+    process = start(specification, store, "--processes", "--workers", "2")
+    workers = []
+    while process.poll() is None and not (len(workers) > 1 and done_batches(store)):
+        workers = [psutil.Process(pid) for pid in workers_of(process.pid)]
+        time.sleep(0.005)
+    process.send_signal(sign)
+    _, told = process.communicate(timeout=20)
+    assert "Traceback" not in told
+    _, alive = psutil.wait_procs(workers, timeout=10)
+    assert alive == []
+    hc.sweep(specification, store)
+    assert contents(store) == undisturbed
+
+
+def test_an_executor_that_is_shut_down_is_told(specification, undisturbed, tmp_path):
+    with ThreadPoolExecutor(1) as pool:
+        pass
+    with pytest.raises(hc.InputError, match="the executor takes no work .*after shutdown"):
+        hc.sweep(specification, tmp_path / "sweep", executor=pool)
+    hc.sweep(specification, tmp_path / "sweep")
+    assert contents(tmp_path / "sweep") == undisturbed
+
+
+def test_what_progress_raises_ends_the_sweep_and_it_goes_on(specification, undisturbed, tmp_path):
+    def bored(done, _):
+        if done > 200:
+            raise LookupError("enough")
+
+    with pytest.raises(LookupError, match="enough"):
+        hc.sweep(specification, tmp_path / "sweep", progress=bored)
+    assert 2 <= done_batches(tmp_path / "sweep") < 32
+    hc.sweep(specification, tmp_path / "sweep")
+    assert contents(tmp_path / "sweep") == undisturbed
+
+
 def test_an_interrupt_leaves_a_store_that_goes_on(specification, undisturbed, tmp_path):
     store = tmp_path / "sweep"
     process = start(specification, store)
@@ -190,6 +254,37 @@ def test_two_sweeps_into_one_store_are_kept_apart(specification, undisturbed, tm
     assert contents(store) == undisturbed
 
 
+def test_a_store_has_one_lock_by_whatever_name(specification, tmp_path):
+    (tmp_path / "link").symlink_to(tmp_path / "sweep")
+    hc.sweep(specification, tmp_path / "sweep", shard=(31, 31))
+    with locked(tmp_path / "link"), pytest.raises(hc.InputError, match="another process sweeps"):
+        hc.sweep(specification, tmp_path / "sweep")
+
+
+@pytest.mark.parametrize("store", ["/", ".", "/proc/sweep", "x" * 300, "a\0b"])
+def test_places_where_no_store_can_be(specification, store):
+    with pytest.raises(
+        hc.InputError, match=r"is left as it is|cannot lock|must be a path|/proc has 0 GB"
+    ) as error:
+        hc.sweep(specification, store)
+    assert "another process" not in str(error.value)
+    with pytest.raises(hc.InputError, match=r"no store of a sweep|no sweep store|must be a path"):
+        hc.open_sweep(store)
+
+
+def test_a_sweep_too_large_for_memory_or_disk_is_refused_at_once():
+    rates = {"linspace": [0.01, 0.1, 1000_000]}
+    given = {"chain": {"taper": "forward-exponential", "beads": 20},
+             "axes": {"rate": rates, "exponent": {"linspace": [1.3, 2.0, 1000_000]}}}  # fmt: skip
+    begun = time.monotonic()
+    with pytest.raises(hc.InputError, match=r"needs 1\.61e\+05 GB .*or give a store"):
+        hc.sweep(given)
+    assert time.monotonic() - begun < 20.0
+    given["axes"] = {"beads": [10, 10**11]}
+    with pytest.raises(hc.InputError, match=r"needs 3e\+03 GB for 2 points"):
+        hc.sweep(given | {"chain": {"taper": "uniform"}})
+
+
 def test_a_lock_ends_with_its_block(tmp_path):
     with locked(tmp_path / "sweep"):
         pass
@@ -213,6 +308,7 @@ def test_shards_merge_into_the_same_bytes(specification, undisturbed, tmp_path):
     assert contents(tmp_path / "all") == undisturbed
     with pytest.raises(hc.InputError, match="shard 4 of 3 does not exist"):
         hc.sweep(specification, tmp_path / "x", shard=(4, 3))
+    assert [file.name for file in tmp_path.iterdir() if "x" in file.name] == []
     with pytest.raises(hc.InputError, match="a shard needs a store"):
         hc.sweep(specification, shard=(1, 3))
 
@@ -241,8 +337,10 @@ def test_what_is_not_ours_or_damaged_is_left_alone(specification, tmp_path):
     with pytest.raises(hc.InputError, match="other' is no store of a sweep"):
         hc.sweep(specification, tmp_path / "other")
     (tmp_path / "file").write_text("")
-    with pytest.raises(hc.InputError, match="there is no sweep store"):
+    with pytest.raises(hc.InputError, match="file' is no store of a sweep"):
         hc.open_sweep(tmp_path / "file")
+    with pytest.raises(hc.InputError, match="there is no sweep store"):
+        hc.open_sweep(tmp_path / "nothing")
     store = tmp_path / "sweep"
     hc.sweep(specification, store)
     chunk = next(file for file in (store / "velocity" / "c").rglob("0") if file.is_file())
@@ -253,6 +351,50 @@ def test_what_is_not_ours_or_damaged_is_left_alone(specification, tmp_path):
     with pytest.raises(hc.InputError, match="is damaged .*move it away"):
         hc.open_sweep(store)
     assert (tmp_path / "mine" / "thesis.tex").read_text() == "all I have"
+
+
+DAMAGES = {
+    "cut": lambda content: content[: len(content) // 2],
+    "empty": lambda _: b"",
+    "flipped": lambda content: bytes([*content[:-9], content[-9] ^ 1, *content[-8:]]),
+    "zeros": lambda content: bytes(len(content)),
+}
+
+
+@pytest.mark.parametrize("how", DAMAGES)
+def test_every_damaged_file_is_named(how, tmp_path):
+    store = tmp_path / "sweep"
+    axes = {"rate": [0.01, 0.02, 0.05], "beads": [15, 40], "gravity": [0.0]}
+    hc.sweep({"chain": {"taper": "forward-linear"}, "axes": axes,
+              "sweep": {"methods": ["simulate", "bca"], "batch": 2}}, store)  # fmt: skip
+    for file in [file for file in store.rglob("*") if file.is_file()]:
+        good = file.read_bytes()
+        if file.name == "zarr.json" and how == "flipped":
+            continue  # other text may still be JSON
+        file.write_bytes(DAMAGES[how](good))
+        with pytest.raises(hc.InputError, match="is damaged"):
+            SweepStore(store).check()
+        if "status" in file.parts:
+            with pytest.raises(hc.InputError, match="is damaged"):
+                SweepStore(store).counts()
+        told = run(["export", str(store), str(tmp_path / "sweep.csv")])
+        assert (told.exit_code, type(told.exception)) == (1, hc.InputError), file
+        file.write_bytes(good)
+    SweepStore(store).check()
+    for name in ("rate", "gravity"):
+        good = (store / name / "c" / "0").read_bytes()
+        (store / name / "c" / "0").unlink()
+        with pytest.raises(hc.InputError, match=f"damaged .there is no '{name}/c/0'"):
+            hc.open_sweep(store)
+        (store / name / "c" / "0").write_bytes(good)
+
+
+def run(arguments):
+    from click.testing import CliRunner
+
+    from hertzchain.cli.sweep import sweep
+
+    return CliRunner().invoke(sweep, arguments)
 
 
 def test_a_damaged_batch_is_computed_anew_when_its_status_is_gone(

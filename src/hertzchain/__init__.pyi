@@ -21,6 +21,7 @@ from .errors import InputError as InputError
 from .errors import InputWarning as InputWarning
 from .errors import ModelRangeWarning as ModelRangeWarning
 from .errors import SimulationError as SimulationError
+from .errors import StoreError as StoreError
 from .plotting.animation import animate as animate
 from .plotting.chains import plot_chain as plot_chain
 from .propagation.propagate import propagate as propagate
@@ -40,7 +41,6 @@ from .store.results import load_state as load_state
 from .store.results import save_state as save_state
 from .store.streaming import StoredRun as StoredRun
 from .store.streaming import stream as stream
-from .store.sweep_store import StoreError as StoreError
 from .sweeps.sweep import merge_sweeps as merge_sweeps
 from .sweeps.sweep import open_sweep as open_sweep
 from .sweeps.sweep import sweep as sweep

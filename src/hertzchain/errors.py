@@ -4,6 +4,7 @@
 `InputError`              the request cannot be met: what, which value, what is
                           allowed, what to try (the command line exits with 2)
 `SimulationError`         the request was sound but the run could not finish
+`StoreError`              results cannot be written (the command line exits with 1)
 `ModelRangeWarning`       a number was computed outside a theory's stated range
 `InputWarning`            the request is possible, but unlikely to be meant
 ========================  ====================================================
@@ -27,6 +28,10 @@ class InputError(ValueError):
 
 class SimulationError(RuntimeError):
     """A run that ended without the numbers it was asked for."""
+
+
+class StoreError(RuntimeError):
+    """A store that could not be written to its end; what is in it stays good."""
 
 
 class ModelRangeWarning(UserWarning):

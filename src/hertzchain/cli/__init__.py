@@ -37,7 +37,7 @@ for _command in (
 
 def main() -> None:
     """Run the command line and leave with its exit code."""
-    from hertzchain.errors import InputError, SimulationError
+    from hertzchain.errors import InputError, SimulationError, StoreError
 
     try:
         with warnings.catch_warnings():
@@ -55,6 +55,9 @@ def main() -> None:
     except SimulationError as error:
         click.echo(f"Error: {error}", err=True)
         code = BAD_INPUT
+    except StoreError as error:
+        click.echo(f"Error: {error}", err=True)
+        code = FAILED
     except OSError as error:
         # Such as a pipe that was closed or a disk that is full.
         if not isinstance(error, BrokenPipeError):

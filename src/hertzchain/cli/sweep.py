@@ -110,11 +110,13 @@ def status(store: Path, as_json: bool) -> int:
 @click.argument("file", type=click.Path(path_type=Path))
 def export(store: Path, file: Path) -> None:
     """Write a store as one FILE: .csv, .parquet or .nc (netCDF-4)."""
-    import hertzchain
     from hertzchain.store.sweep_files import export_sweep
+    from hertzchain.store.sweep_store import SweepStore
 
     check_writable(file, "FILE", EXPORTS)
-    export_sweep(hertzchain.open_sweep(store), file)
+    opened = SweepStore(store)
+    with opened.read():
+        export_sweep(opened.open(), file)
     click.echo(file)
 
 
@@ -152,14 +154,14 @@ def plot(
     log: bool,
 ) -> None:  # fmt: skip
     """Draw a store into FILE (.png, .svg or .pdf): curves over one axis, a map over two."""
-    import hertzchain
     from hertzchain.plotting.sweeps import plot_sweep
+    from hertzchain.store.sweep_store import SweepStore
 
     check_writable(file, "FILE", (".png", ".svg", ".pdf"))
     chosen = dict(map(_place, at))
-    axes = plot_sweep(
-        hertzchain.open_sweep(store), quantity, log=log, levels=list(level) or None, **chosen
-    )
+    opened = SweepStore(store)
+    with opened.read():
+        axes = plot_sweep(opened.open(), quantity, log=log, levels=list(level) or None, **chosen)
     save_axes(axes, file)
     click.echo(file)
 

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import contextlib
 import errno
+import itertools
 import os
 import shutil
 from collections.abc import Iterator, Mapping, Sequence
@@ -20,7 +21,7 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from hertzchain.errors import InputError
+from hertzchain.errors import InputError, StoreError
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -30,10 +31,6 @@ MARKER: Final = "schema"
 STATUS: Final = "status"
 # Of `status`.
 MEANINGS: Final = ("missing", "done", "failed")
-
-
-class StoreError(RuntimeError):
-    """A store that could not be written to its end; what is in it stays good."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -92,10 +89,9 @@ class SweepStore:
 
         self.folder = Path(folder)
         name = os.fspath(folder)
-        if not self.folder.is_dir():
+        _refuse_others(folder)
+        if not os.path.isdir(folder):  # noqa: PTH112  (a name that is too long is no error)
             raise InputError(f"there is no sweep store {name!r}: it would be a folder")
-        if not (self.folder / "zarr.json").is_file():
-            raise InputError(f"{name!r} is no store of a sweep: it is left as it is")
         try:
             group: Any = zarr.open_group(self.folder, mode="r+", zarr_format=3)
             self.attributes: dict[str, Any] = dict(group.attrs)
@@ -107,12 +103,14 @@ class SweepStore:
                 for key in self.attributes["arrays"]
             }
             self.status = self.arrays[STATUS]
+            self._check_coordinates()
         except InputError:
             raise
         # Whatever zarr stumbles over in a file that is not as it was written.
         except Exception as error:  # noqa: BLE001
+            reason = f"there is no {error}" if isinstance(error, KeyError) else error
             raise InputError(
-                f"the sweep store {name!r} is damaged ({error}): move it away and sweep again"
+                f"the sweep store {name!r} is damaged ({reason}): move it away and sweep again"
             ) from None
 
     @classmethod
@@ -179,6 +177,11 @@ class SweepStore:
         return cls(target)
 
     @property
+    def specification(self) -> str:
+        """JSON text of what is swept."""
+        return str(self.attributes.get("specification", "{}"))
+
+    @property
     def grid(self) -> tuple[int, ...]:
         """Number of batches along each dimension."""
         shape, chunk = self.status.shape, self.status.chunks
@@ -211,15 +214,84 @@ class SweepStore:
             if not self._chunk(STATUS, batch).is_file():
                 missing.append(batch)
                 continue
-            for name in self._data:
+            for name in (*self._data, STATUS):
                 file = self._chunk(name, batch)
                 if not file.is_file() or file.stat().st_size == 0:
-                    raise InputError(
-                        f"the sweep store {os.fspath(self.folder)!r} is damaged: {file} is "
-                        f"{'empty' if file.is_file() else 'missing'}; delete "
-                        f"{self._chunk(STATUS, batch)} to compute that batch anew"
-                    )
+                    how = "empty" if file.is_file() else "missing"
+                    raise self._damaged(file, how, batch)
         return np.array(missing, np.int64)
+
+    def check(self) -> None:
+        """Read all that is there, to find what is not as it was written.
+
+        Raises
+        ------
+        InputError
+            For the first chunk that cannot be read.
+
+        Examples
+        --------
+        >>> import hertzchain as hc, tempfile
+        >>> spec = {"chain": {"taper": "uniform"}, "axes": {"beads": [20, 40]}}
+        >>> with tempfile.TemporaryDirectory() as folder:
+        ...     _ = hc.sweep(spec, Path(folder) / "sweep")
+        ...     SweepStore(Path(folder) / "sweep").check()
+        """
+        missing = {*self.missing().tolist()}
+        for batch in range(int(np.prod(self.grid))):
+            for name in (*self._data, "reason", STATUS):
+                file = self._chunk(name, batch)
+                # Of reasons, only those of batches that have some are there.
+                if batch in missing or name not in self.arrays or not file.exists():
+                    continue
+                corner = file.relative_to(self.folder / name / "c").parts
+                try:
+                    self.arrays[name].blocks[tuple(map(int, corner))]
+                # Codecs raise what they like.
+                except Exception:  # noqa: BLE001
+                    raise self._damaged(file, "not as it was written", batch) from None
+
+    def _damaged(self, file: Path, how: str, batch: int) -> InputError:
+        return InputError(
+            f"the sweep store {os.fspath(self.folder)!r} is damaged: {file} is {how}; delete "
+            f"{self._chunk(STATUS, batch)} to compute that batch anew"
+        )
+
+    @contextlib.contextmanager
+    def read(self) -> Iterator[None]:
+        """For the time of a ``with`` block, say which file is damaged if reading fails.
+
+        Raises
+        ------
+        InputError
+            If a chunk is not as it was written.
+
+        Examples
+        --------
+        >>> import hertzchain as hc, tempfile
+        >>> spec = {"chain": {"taper": "uniform"}, "axes": {"beads": [20, 40]}}
+        >>> with tempfile.TemporaryDirectory() as folder:
+        ...     _ = hc.sweep(spec, Path(folder) / "sweep")
+        ...     store = SweepStore(Path(folder) / "sweep")
+        ...     with store.read():
+        ...         int(store.open().status.sum())
+        2
+        """
+        try:
+            yield
+        except InputError:
+            raise
+        except Exception:
+            self.check()
+            raise
+
+    def _check_coordinates(self) -> None:
+        """Values of axes that are not there would be read as zeros."""
+        for name, array in self.arrays.items():
+            if not array.metadata.attributes.get("by_batch"):
+                if not (self.folder / name / "c" / "0").is_file():
+                    raise KeyError(f"{name}/c/0")
+                np.asarray(array[...])
 
     def write(self, batch: int, region: tuple[slice, ...], columns: Mapping[str, Any]) -> None:
         """Write a batch: data, then that it is done.
@@ -275,8 +347,11 @@ class SweepStore:
         ...     sum(1 for _ in store.folder.rglob("*.partial"))
         0
         """
-        for file in self.folder.rglob("*.partial"):
-            file.unlink(missing_ok=True)
+        try:
+            for file in self.folder.rglob("*.partial"):
+                file.unlink(missing_ok=True)
+        except OSError as error:
+            raise StoreError(f"cannot write to {os.fspath(self.folder)!r}: {error}") from None
 
     def copy_batch(self, other: SweepStore, batch: int) -> None:
         """Take a batch that another store of the same sweep has done.
@@ -360,10 +435,11 @@ class SweepStore:
         {'missing': 0, 'done': 2, 'failed': 0}
         """
         counts = dict.fromkeys(MEANINGS, 0)
-        for part in self._status_by_batch():
-            worst = np.where((part == 0).any(axis=-1), 0, part.max(axis=-1))
-            for value, meaning in enumerate(MEANINGS):
-                counts[meaning] += int((worst == value).sum())
+        with self.read():
+            for part in self._status_by_batch():
+                worst = np.where((part == 0).any(axis=-1), 0, part.max(axis=-1))
+                for value, meaning in enumerate(MEANINGS):
+                    counts[meaning] += int((worst == value).sum())
         return counts
 
     def outside_range(self) -> int:
@@ -417,17 +493,17 @@ class SweepStore:
         >>> reason[:66]
         'a forward-linear taper with S = 0.05 runs out of radius at bead 21'
         """
-        found: list[tuple[dict[str, Any], str]] = []
+        with self.read():
+            return list(itertools.islice(self._failures(), most))
+
+    def _failures(self) -> Iterator[tuple[dict[str, Any], str]]:
         dataset, rows = self.open(), self.status.chunks[0]
         for start in range(0, self.status.shape[0], rows):
             part = dataset.isel({dataset.status.dims[0]: slice(start, start + rows)})
             for place in np.argwhere(part.status.values == MEANINGS.index("failed")):
                 at = part.reason.isel(dict(zip(part.status.dims, place, strict=True)))
                 named = {str(name): value.item() for name, value in at.coords.items()}
-                found.append((named, str(at.item())))
-                if len(found) == most:
-                    return found
-        return found
+                yield named, str(at.item())
 
     def _status_by_batch(self) -> Iterator[NDArray[np.int8]]:
         rows = self.status.chunks[0]
@@ -503,10 +579,15 @@ def locked(folder: str | os.PathLike[str]) -> Iterator[None]:
     """
     import filelock
 
-    target = Path(folder)
-    lock = filelock.FileLock(target.with_name(f".{target.name}.lock"), timeout=0)
+    _refuse_others(folder)
+    # A store has one lock, by whatever name it is called.
+    target = Path(os.path.realpath(folder))
+    file = target.with_name(f".{target.name}.lock")
+    lock = filelock.FileLock(file, timeout=0)
     try:
         target.parent.mkdir(parents=True, exist_ok=True)
+        # What cannot be written would look as if it were locked.
+        file.open("a").close()
         lock.acquire()
     except filelock.Timeout:
         raise InputError(
@@ -523,7 +604,20 @@ def locked(folder: str | os.PathLike[str]) -> Iterator[None]:
         lock.release()
 
 
+def _refuse_others(folder: str | os.PathLike[str]) -> None:
+    """Nothing is done to, or beside, what is no store of a sweep."""
+    # A name that is too long is neither here, and no error.
+    there = os.path.exists(folder)  # noqa: PTH110
+    if there and not (Path(folder) / "zarr.json").is_file():
+        raise InputError(
+            f"{os.fspath(folder)!r} is no store of a sweep: it is left as it is; choose another "
+            "name"
+        )
+
+
 def _create_array(group: Any, name: str, variable: Variable) -> None:
+    from zarr.codecs import ZstdCodec
+
     by_batch = variable.values is None
     fill: Any = {"f8": np.nan, "str": ""}.get(variable.dtype, 0)
     array = group.create_array(
@@ -532,6 +626,9 @@ def _create_array(group: Any, name: str, variable: Variable) -> None:
         chunks=tuple(max(1, n) for n in variable.chunk),
         dtype=str if variable.dtype == "str" else variable.dtype,
         fill_value=fill,
+        # A flipped bit is an error, not a number.
+        compressors=ZstdCodec(checksum=True),
+        config={"write_empty_chunks": True},
         dimension_names=variable.dimensions,
         attributes={**variable.attributes, **({"by_batch": 1} if by_batch else {})},
     )

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import platform
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from importlib.metadata import version
 from typing import Any, Final
 
@@ -43,6 +43,32 @@ def variables_of(plan: Plan) -> dict[str, Variable]:
     >>> found["velocity"].dimensions, found["velocity"].shape
     (('beads', 'by', 'bead'), (2, 1, 40))
     """
+    return _by_batch(plan) | _coordinates(plan)
+
+
+def bytes_of(plan: Plan) -> int:
+    """Bytes of all results of a sweep, text and coordinates left out.
+
+    Parameters
+    ----------
+    plan : Plan
+        What is swept.
+
+    Returns
+    -------
+    int
+
+    Examples
+    --------
+    >>> from hertzchain.sweeps.reading import read_specification
+    >>> chain, axes = {"taper": "uniform"}, {"beads": [20, 40]}
+    >>> bytes_of(Plan(read_specification({"chain": chain, "axes": axes})))
+    642
+    """
+    return sum(variable.size for variable in _by_batch(plan).values())
+
+
+def _by_batch(plan: Plan) -> dict[str, Variable]:
     found = {name: _kept(plan, name) for name in plan.variables}
     methods = plan.specification.methods
     labels: dict[str, tuple[str, dict[str, Any]]] = {
@@ -65,7 +91,7 @@ def variables_of(plan: Plan) -> dict[str, Variable]:
         del found["outside_range"]
     # The status goes last wherever they are written in order.
     found[STATUS] = found.pop(STATUS)
-    return found | _coordinates(plan)
+    return found
 
 
 def attributes_of(plan: Plan) -> dict[str, str]:
@@ -159,11 +185,9 @@ def _kept(plan: Plan, name: str) -> Variable:
     )
 
 
-def _beads_kept(plan: Plan, *, contact: bool) -> list[int]:
+def _beads_kept(plan: Plan, *, contact: bool) -> Sequence[int]:
     at = plan.specification.at
-    if isinstance(at, tuple):
-        return list(at)
-    return list(range(1, plan.longest + 1 - contact))
+    return at if isinstance(at, tuple) else range(1, plan.longest + 1 - contact)
 
 
 def _coordinates(plan: Plan) -> dict[str, Variable]:
@@ -178,7 +202,7 @@ def _coordinates(plan: Plan) -> dict[str, Variable]:
         found["point"] = _coordinate("point", numbers, {"long_name": "number of the point"})
     for along in ("bead", "contact"):
         if any(along in _kept(plan, name).dimensions for name in plan.variables):
-            numbers = np.array(_beads_kept(plan, contact=along == "contact"))
+            numbers = np.asarray(_beads_kept(plan, contact=along == "contact"))
             found[along] = _coordinate(along, numbers, {"long_name": f"{along} k, from 1"})
     return found
 

@@ -2,7 +2,12 @@
 
 from __future__ import annotations
 
+import multiprocessing
+import multiprocessing.process
 import os
+import re
+import signal
+import threading
 from collections.abc import Iterator
 from concurrent.futures import Executor, ProcessPoolExecutor, ThreadPoolExecutor
 from contextlib import contextmanager
@@ -10,9 +15,11 @@ from typing import Any, Final
 
 from hertzchain import __version__
 from hertzchain.checks import whole_number
-from hertzchain.errors import InputError, unknown_name
+from hertzchain.errors import InputError, shown, unknown_name
 
 POOLS: Final = ("threads", "processes")
+# Of a scheduler: scheme, host and port.
+ADDRESS: Final = re.compile(r"(tcp|tls|ws|wss|ucx)://(\[[^]/]+\]|[^:/\[\]]+):\d{1,5}/?")
 # Seconds until a scheduler counts as unreachable.
 PATIENCE: Final = 5.0
 
@@ -68,14 +75,81 @@ def local_pool(kind: str = "threads", workers: int | None = None) -> Iterator[Ex
     if kind == "threads":
         pool = ThreadPoolExecutor(count)
     else:
-        import multiprocessing
-
         # A fork would copy the threads' locks in whatever state they are.
-        pool = ProcessPoolExecutor(count, mp_context=multiprocessing.get_context("spawn"))
+        context = multiprocessing.get_context("spawn")
+        pool = ProcessPoolExecutor(count, mp_context=context, initializer=_serve)
     try:
         yield pool
+    except BaseException:
+        # Nobody waits for what they compute.
+        end_processes(pool)
+        raise
     finally:
         pool.shutdown(wait=True, cancel_futures=True)
+
+
+def _serve() -> None:
+    """A worker process leaves interrupts to its parent, and ends with it, however that ends."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    parent = multiprocessing.parent_process()
+
+    def follow() -> None:
+        if parent is not None:
+            parent.join()
+        os._exit(1)
+
+    threading.Thread(target=follow, daemon=True).start()
+
+
+def lost_a_process(pool: Executor) -> bool:
+    """Whether a pool of processes has lost one of them.
+
+    Parameters
+    ----------
+    pool : concurrent.futures.Executor
+        Any executor.
+
+    Returns
+    -------
+    bool
+
+    Examples
+    --------
+    >>> with local_pool() as pool:
+    ...     lost_a_process(pool)
+    False
+    """
+    return any(process.exitcode for process in _processes(pool))
+
+
+def end_processes(pool: Executor) -> None:
+    """Kill the workers of a pool of processes, whose futures then break; nothing in any other.
+
+    A worker that is killed while it sends a result leaves half of it, for the rest of which the
+    pool would wait forever: it holds a writing end of its own pipe.
+
+    Parameters
+    ----------
+    pool : concurrent.futures.Executor
+        Any executor.
+
+    Examples
+    --------
+    >>> with local_pool() as pool:
+    ...     end_processes(pool)
+    ...     pool.submit(abs, -1).result()
+    1
+    """
+    for process in _processes(pool):
+        process.kill()
+    results = getattr(pool, "_result_queue", None)
+    if isinstance(pool, ProcessPoolExecutor) and results is not None:
+        results._writer.close()
+
+
+def _processes(pool: Executor) -> list[multiprocessing.process.BaseProcess]:
+    known = getattr(pool, "_processes", None) if isinstance(pool, ProcessPoolExecutor) else None
+    return list((known or {}).values())
 
 
 @contextmanager
@@ -105,15 +179,25 @@ def dask_pool(address: str, *, workers: int = 1) -> Iterator[Executor]:
     ...     with dask_pool("no address"):
     ...         pass
     ... except InputError as error:
-    ...     print(str(error)[:43])
-    no dask scheduler answers at 'no address' w
+    ...     print(error)
+    a scheduler's address looks like tcp://127.0.0.1:8786, got 'no address'
     """
     try:
-        from distributed import Client
+        from distributed import Client, Security
     except ImportError:
         raise InputError(
             "a dask scheduler needs the package distributed: pip install 'hertzchain[cluster]'"
         ) from None
+    # Of what cannot be an address, dask would complain at the end once more, for long.
+    if not isinstance(address, str) or not ADDRESS.fullmatch(address):
+        raise InputError(
+            f"a scheduler's address looks like tcp://127.0.0.1:8786, got {shown(address)}"
+        )
+    secured = Security().get_connection_args("client").get("ssl_context")  # type: ignore[no-untyped-call]
+    if address.startswith("tls:") and not secured:
+        raise InputError(
+            f"{address} needs certificates: name them in dask's configuration, distributed.comm.tls"
+        )
     try:
         client = Client(address, timeout=PATIENCE, set_as_default=False)  # type: ignore[no-untyped-call]
     except (OSError, ValueError) as error:

@@ -12,6 +12,7 @@ from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import (
     FIRST_COMPLETED,
     BrokenExecutor,
+    CancelledError,
     Executor,
     Future,
     ThreadPoolExecutor,
@@ -27,11 +28,17 @@ import numpy as np
 from hertzchain import __version__
 from hertzchain.arguments import callback, file_path, instance, listed
 from hertzchain.checks import whole_number
-from hertzchain.errors import InputError, shown
-from hertzchain.store.sweep_store import StoreError, SweepStore, locked, plain_text
+from hertzchain.errors import InputError, StoreError, shown
+from hertzchain.store.sweep_store import SweepStore, locked, plain_text
 from hertzchain.sweeps.checking import check_plan
-from hertzchain.sweeps.dataset import attributes_of, columns_of, variables_of
-from hertzchain.sweeps.executors import check_version, local_pool, processors
+from hertzchain.sweeps.dataset import attributes_of, bytes_of, columns_of, variables_of
+from hertzchain.sweeps.executors import (
+    check_version,
+    end_processes,
+    local_pool,
+    lost_a_process,
+    processors,
+)
 from hertzchain.sweeps.plan import Plan
 from hertzchain.sweeps.reading import read_specification, specification_from_json
 from hertzchain.sweeps.specification import Specification, differences
@@ -46,6 +53,8 @@ Progress = Callable[[int, int], None]
 AHEAD: Final = 2
 # So often an interrupt is heard and progress told, in seconds.
 POLL: Final = 0.1
+# So often a pool is seen without one of its workers before it is given up.
+LOST: Final = 10
 # A batch is timed for an estimate if it takes at most so long, in seconds.
 SAMPLE_SECONDS: Final = 5.0
 # Part of the free disk that a sweep may fill.
@@ -61,7 +70,7 @@ class Estimate:
     points, batches : int
         How many there are.
     bytes_on_disk : int
-        Of the store when it is full, text left out and nothing compressed.
+        Of all results, text left out and nothing compressed.
     seconds : float
         On this machine, from a few points that were timed.
     """
@@ -112,7 +121,7 @@ def sweep(
     InputError
         For anything in the specification that cannot be used, or a store that is not of this
         sweep, is in use, damaged or too large for the disk.
-    hertzchain.store.sweep_store.StoreError
+    hertzchain.StoreError
         If results cannot be written; what is in the store stays good.
 
     Examples
@@ -129,23 +138,25 @@ def sweep(
     callback("progress", progress)
     if executor is not None:
         instance("executor", executor, Executor, "concurrent.futures has some")
+    part = None
     if store is not None:
         file_path("store", store)
-    spec = read_specification(specification)
-    plan = Plan(spec)
+        part = _checked_shard(shard)
+    elif shard is not None:
+        raise InputError("a shard needs a store, which merge_sweeps joins with the others")
+    plan = Plan(read_specification(specification))
+    _check_room(plan, store)
     check_plan(plan, _heading(specification))
     with ExitStack() as stack:
         pool = executor
         if pool is None:
             pool = stack.enter_context(local_pool("threads", workers))
         if store is None:
-            if shard is not None:
-                raise InputError("a shard needs a store, which merge_sweeps joins with the others")
             return _in_memory(plan, pool, progress)
         stack.enter_context(locked(store))
         target = _opened(plan, store)
-        missing = _of_shard([int(batch) for batch in target.missing()], shard)
-        tell = _counted(plan, missing, progress, whole=shard is None)
+        missing = _of_shard([int(batch) for batch in target.missing()], part)
+        tell = _counted(plan, missing, progress, whole=part is None)
         for result in _results(plan, missing, pool, tell):
             target.write(result.batch, plan.region(result.batch), columns_of(plan, result))
         return target.open()
@@ -175,10 +186,11 @@ def estimate(specification: Any, *, workers: int | None = None) -> Estimate:
     >>> estimate({"chain": {"taper": "uniform"}, "axes": {"beads": [20, 40, 60]}}).points
     3
     """
+    count = processors() if workers is None else whole_number("workers", workers, least=1)
     spec = read_specification(specification)
     plan = Plan(spec)
     check_plan(plan, _heading(specification))
-    size = sum(variable.size for variable in variables_of(plan).values())
+    size = bytes_of(plan)
     # One point alone compiles, a second one is timed; a whole batch if that is soon done.
     alone = Plan(read_specification(_with_batch(spec, 1)))
     middle = alone.batches // 2
@@ -188,7 +200,7 @@ def estimate(specification: Any, *, workers: int | None = None) -> Estimate:
     size_of_batch = sum(1 for _ in plan.indices(batch))
     if each * size_of_batch < SAMPLE_SECONDS:
         each = _timed(plan, batch) / size_of_batch
-    seconds = each * plan.points / (workers or processors())
+    seconds = each * plan.points / count
     return Estimate(plan.points, plan.batches, size, seconds)
 
 
@@ -234,7 +246,7 @@ def merge_sweeps(
     if not paths:
         raise InputError("there are no stores to merge: name those of the shards")
     parts = [SweepStore(path) for path in paths]
-    text = parts[0].attributes["specification"]
+    text = parts[0].specification
     for part in parts[1:]:
         _check_same(part, text, f"{os.fspath(parts[0].folder)!r} and {os.fspath(part.folder)!r}")
     plan = Plan(specification_from_json(text))
@@ -284,26 +296,43 @@ def _opened(plan: Plan, folder: str | os.PathLike[str]) -> SweepStore:
         _check_same(store, plan.specification.as_json(), f"the store {os.fspath(folder)!r}")
         store.clean()
         return store
-    variables = variables_of(plan)
-    size = sum(variable.size for variable in variables.values())
-    parent = next(place for place in (Path(folder).absolute()).parents if place.exists())
-    free = shutil.disk_usage(parent).free
+    _check_room(plan, folder)
+    return SweepStore.create(folder, variables_of(plan), attributes_of(plan))
+
+
+def _check_room(plan: Plan, folder: str | os.PathLike[str] | None) -> None:
+    """Refuse a sweep that does not fit on the disk, or without a store into memory."""
+    size = bytes_of(plan)
+    if folder is None:
+        import psutil
+
+        free, where, other = psutil.virtual_memory().available, "there are", "give a store"
+        what = "GB of memory free"
+    elif os.path.exists(folder):  # noqa: PTH110  (a name that is too long is no error yet)
+        return
+    else:
+        parent = next(place for place in (Path(folder).absolute()).parents if place.exists())
+        free, where, other = shutil.disk_usage(parent).free, f"{parent} has", "another place"
+        what = "GB free"
     if size > FREE * free:
         raise InputError(
-            f"the sweep needs {size / 1e9:.3g} GB for {plan.points} points, but {parent} has "
-            f"{free / 1e9:.3g} GB free: keep fewer quantities, at = 'last', or another place"
+            f"the sweep needs {size / 1e9:.3g} GB for {plan.points} points, but {where} "
+            f"{free / 1e9:.3g} {what}: keep fewer quantities, at = 'last', or {other}"
         )
-    return SweepStore.create(folder, variables, attributes_of(plan))
+
+
+def _size(plan: Plan) -> int:
+    return sum(variable.size for variable in variables_of(plan).values())
 
 
 def _check_same(store: SweepStore, text: str, what: str) -> None:
-    found = differences(store.attributes["specification"], text)
+    found = differences(store.specification, text)
     if found:
         raise InputError(
             f"{what} is of another specification; move it away or choose another store. It has"
             + "".join(f"\n  {line}" for line in found)
         )
-    version = store.attributes["hertzchain_version"]
+    version = store.attributes.get("hertzchain_version", "of unknown version")
     if version != __version__:
         raise InputError(
             f"{what} was begun by hertzchain {version}, this is {__version__}: go on with that "
@@ -311,16 +340,22 @@ def _check_same(store: SweepStore, text: str, what: str) -> None:
         )
 
 
-def _of_shard(batches: list[int], shard: tuple[int, int] | None) -> list[int]:
+def _checked_shard(shard: Any) -> tuple[int, int] | None:
     if shard is None:
-        return batches
+        return None
     parts = listed("shard", shard, "two whole numbers")
     if len(parts) != 2:
         raise InputError(f"shard must be two whole numbers, such as (1, 4), got {shown(shard)}")
     i, n = (whole_number("shard", part, least=1) for part in parts)
     if not 1 <= i <= n:
         raise InputError(f"shard {i} of {n} does not exist: they are numbered 1 to {n}")
-    return [batch for batch in batches if batch % n == i - 1]
+    return i, n
+
+
+def _of_shard(batches: list[int], shard: tuple[int, int] | None) -> list[int]:
+    if shard is None:
+        return batches
+    return [batch for batch in batches if batch % shard[1] == shard[0] - 1]
 
 
 def _counted(
@@ -354,17 +389,17 @@ def _results(
         tell(None)
         while left:
             for batch in waiting:
-                running.add(pool.submit(run_batch, text, batch, *more))
+                running.add(_submitted(pool, text, batch, *more))
                 if len(running) >= ahead:
                     break
-            finished, running = _wait(running)
+            finished, running = _wait(running, pool)
             for future in finished:
                 result = future.result()
                 check_version(result.version, "a worker")
                 left -= 1
                 yield result
                 tell(result.batch)
-    except BrokenExecutor:
+    except (BrokenExecutor, CancelledError):
         raise StoreError(
             f"a worker process ended abruptly with {left} of {len(batches)} batches to go (killed, "
             "or out of memory?)"
@@ -375,11 +410,27 @@ def _results(
             future.cancel()
 
 
-def _wait(running: set[Future[Result]]) -> tuple[set[Future[Result]], set[Future[Result]]]:
+def _submitted(pool: Executor, *arguments: Any) -> Future[Result]:
+    try:
+        return pool.submit(run_batch, *arguments)
+    except BrokenExecutor:
+        raise
+    except RuntimeError as error:
+        raise InputError(f"the executor takes no work ({error}): give one that runs") from None
+
+
+def _wait(
+    running: set[Future[Result]], pool: Executor
+) -> tuple[set[Future[Result]], set[Future[Result]]]:
+    lost = 0
     while True:
         finished, others = wait(running, timeout=POLL, return_when=FIRST_COMPLETED)
         if finished:
             return finished, others
+        # A pool soon finds out by itself that a worker is gone, but not always.
+        lost += lost_a_process(pool)
+        if lost > LOST:
+            end_processes(pool)
 
 
 def _workers_of(pool: Executor) -> int:

@@ -281,7 +281,7 @@ def test_a_sweep_too_large_for_memory_or_disk_is_refused_at_once():
         hc.sweep(given)
     assert time.monotonic() - begun < 20.0
     given["axes"] = {"beads": [10, 10**11]}
-    with pytest.raises(hc.InputError, match=r"needs 3e\+03 GB for 2 points"):
+    with pytest.raises(hc.InputError, match=r"needs 1.6e\+03 GB for 2 points"):
         hc.sweep(given | {"chain": {"taper": "uniform"}})
 
 
@@ -529,6 +529,18 @@ def test_a_scheduler_that_does_not_answer_is_told_soon(monkeypatch):
         pass
     assert time.monotonic() - begun < 15.0
     assert threading.active_count() < 50
+
+
+@pytest.mark.parametrize("address", ["http://127.0.0.1:1", "nonsense", "", "tcp://127.0.0.1", 3])
+def test_what_is_no_address_is_refused_at_once(address):
+    begun = time.monotonic()
+    said = "a scheduler's address looks like tcp://127.0.0.1:8786, got"
+    with pytest.raises(hc.InputError, match=said), executors.dask_pool(address):
+        pass
+    said = "tls://127.0.0.1:1 needs certificates"
+    with pytest.raises(hc.InputError, match=said), executors.dask_pool("tls://127.0.0.1:1"):
+        pass
+    assert time.monotonic() - begun < 5.0
 
 
 def test_options_of_the_command_that_contradict(specification):

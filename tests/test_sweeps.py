@@ -11,6 +11,7 @@ from hertzchain.sweeps.axes import Axis
 from hertzchain.sweeps.plan import Plan
 from hertzchain.sweeps.reading import read_specification, specification_from_json
 from hertzchain.sweeps.specification import differences
+from hertzchain.sweeps.sweep import estimate
 
 FORWARD = {"taper": "forward-exponential", "beads": 40}
 RATES = [0.02, 0.05, 0.08]
@@ -424,3 +425,39 @@ def test_points_are_ticked_by_whole_numbers():
     found = swept({"taper": "forward-exponential"}, axes, combine="zip")
     ticks = plot_sweep(found, bead=10).get_xticks()
     np.testing.assert_array_equal(ticks, ticks.round())
+
+
+@pytest.mark.parametrize(("chosen", "said"), [
+    ({"quantity": "reason"}, "unknown quantity of this sweep 'reason'"),
+    ({"quantity": ["velocity"]}, r"unknown quantity of this sweep \['velocity'\]"),
+    ({"bead": 41}, "bead must be at least 1 and at most 40, got 41"),
+    ({"bead": 2.5}, "bead is 2.5, which is not among the values of this sweep"),
+    ({"bead": "x"}, "bead must be a number, got 'x'"),
+    ({"bead": [1, 2]}, r"bead must be a number, got \[1, 2\]"),
+    ({"rate": 7.0}, "rate must be at least 0.02 and at most 0.08, got 7"),
+    ({"rate": float("nan")}, "rate must be .*, got nan"),
+    ({"by": 3}, "unknown by 3: choose from propagate, bca"),
+    ({"bead": 3, "rate": 0.02, "by": "bca"}, "velocity has no axis left to be drawn along"),
+    ({"levels": 3}, "levels must be a list of numbers, got 3"),
+    ({"levels": ["a"]}, "level must be a number, got 'a'"),
+    ({"ax": 3}, "ax must be an Axes, got 3"),
+])  # fmt: skip
+def test_what_cannot_be_drawn_is_refused(chosen, said):
+    found = swept(FORWARD, {"rate": RATES}, methods=["propagate", "bca"])
+    with pytest.raises(hc.InputError, match=said):
+        plot_sweep(found, **chosen)
+
+
+@pytest.mark.parametrize("given", [3, None, {}, xr.Dataset({"a": ("x", [1.0])})])
+def test_what_is_no_sweep_is_neither_drawn_nor_exported(tmp_path, given):
+    for use in (plot_sweep, lambda dataset: export_sweep(dataset, tmp_path / "a.csv")):
+        with pytest.raises(hc.InputError, match=r"dataset must be a Dataset|is not of a sweep"):
+            use(given)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_workers_of_an_estimate_are_checked():
+    given = {"chain": FORWARD, "axes": {"rate": RATES}}
+    for workers in (0, "2", 2.5):
+        with pytest.raises(hc.InputError, match="workers must be a whole number of at least 1"):
+            estimate(given, workers=workers)

@@ -11,10 +11,12 @@ from matplotlib.axes import Axes
 from matplotlib.colors import LogNorm
 from matplotlib.ticker import MaxNLocator
 
+from hertzchain.arguments import instance, listed, one_of
 from hertzchain.checks import number
 from hertzchain.errors import InputError, unknown_name
 from hertzchain.plotting.style import COLOURS, MARKERS, house_style, titled
 from hertzchain.pulse.quantities import PER_CONTACT
+from hertzchain.store.sweep_files import check_sweep
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -69,6 +71,10 @@ def plot_sweep(
     >>> plot_sweep(found).get_ylabel()
     'beads'
     """
+    levels = [number("level", level) for level in listed("levels", levels or [], "numbers")]
+    if ax is not None:
+        instance("ax", ax, Axes)
+    check_sweep(dataset)
     drawn = _selected(dataset, quantity, at)
     along = [name for name in drawn.dims if name != "by"]
     if not along or drawn.ndim > 2:
@@ -94,9 +100,9 @@ def _selected(dataset: xr.Dataset, quantity: str | None, at: Mapping[str, Any]) 
         str(name) for name in dataset.data_vars
         if name not in ("status", "reason", "outside_range", "beads")
     ]  # fmt: skip
-    if quantity is not None and quantity not in dataset:
-        raise unknown_name("quantity of this sweep", quantity, names)
-    values = dataset[names[0] if quantity is None else quantity]
+    known = [*names, *(name for name in ("outside_range", "beads") if name in dataset.data_vars)]
+    chosen = names[0] if quantity is None else one_of("quantity of this sweep", quantity, known)
+    values = dataset[chosen]
     long_names = {values[name].attrs.get("long_name"): str(name) for name in values.dims}
     for given, value in at.items():
         name = long_names.get(given, given)
@@ -110,9 +116,7 @@ def _index(coordinate: xr.DataArray, name: str, value: Any) -> int:
     """Where a value is: an exact text or whole number, the nearest of other numbers."""
     there = coordinate.to_numpy()
     if there.dtype.kind not in "if":
-        if value not in there:
-            raise unknown_name(name, value, map(str, there))
-        return int(np.flatnonzero(there == value)[0])
+        return int(np.flatnonzero(there == one_of(name, value, map(str, there)))[0])
     unit = coordinate.attrs.get("units", "1")
     what = name if unit == "1" else f"{name} [{unit}]"
     low, high = float(there.min()), float(there.max())
@@ -177,7 +181,9 @@ def _map(drawn: xr.DataArray, axes: Axes, *, log: bool, levels: list[float] | No
     )
     axes.figure.colorbar(mesh, ax=axes, label=_quantity_label(drawn))
     if levels:
-        lines = axes.contour(x, y, values, levels=sorted(levels), colors="white", linewidths=1.2)
+        lines = axes.contour(
+            x, y, values, levels=sorted(set(levels)), colors="white", linewidths=1.2
+        )
         axes.clabel(lines, fmt="%g", fontsize=8)
     _set_axis(axes, "x", drawn[across])
     _set_axis(axes, "y", drawn[down])

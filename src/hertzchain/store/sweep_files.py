@@ -8,6 +8,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
+from hertzchain.arguments import file_path, instance
 from hertzchain.errors import InputError
 
 if TYPE_CHECKING:
@@ -43,7 +44,8 @@ def export_sweep(dataset: xr.Dataset, path: str | os.PathLike[str]) -> None:
     ...     print((Path(folder) / "sweep.csv").read_text().splitlines()[0])
     beads,by,velocity,reason,status
     """
-    target = Path(path)
+    target = file_path("file to export to", path)
+    check_sweep(dataset)
     if target.suffix not in ENDINGS:
         raise InputError(f"a sweep is exported as {', '.join(ENDINGS)}, got {target.name!r}")
     beside = target.with_name(f".{target.name}.{os.getpid()}.partial")
@@ -62,6 +64,32 @@ def export_sweep(dataset: xr.Dataset, path: str | os.PathLike[str]) -> None:
     finally:
         with contextlib.suppress(OSError):
             beside.unlink(missing_ok=True)
+
+
+def check_sweep(dataset: object) -> None:
+    """Refuse what is not the dataset of a sweep.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        Of `hertzchain.sweep` or `hertzchain.open_sweep`.
+
+    Raises
+    ------
+    InputError
+        If it is not.
+
+    Examples
+    --------
+    >>> import hertzchain as hc
+    >>> check_sweep(hc.sweep({"chain": {"taper": "uniform"}, "axes": {"beads": [9]}}))
+    """
+    import xarray as xr
+
+    hint = "hertzchain.sweep and open_sweep give one"
+    instance("dataset", dataset, xr.Dataset, hint)
+    if isinstance(dataset, xr.Dataset) and not {"status", "by"} <= dataset.variables.keys():
+        raise InputError(f"the dataset is not of a sweep, it has no status: {hint}")
 
 
 def _write_csv(dataset: xr.Dataset, file: Path) -> None:

@@ -6,6 +6,7 @@ import multiprocessing
 import os
 import random
 import resource
+import shutil
 import signal
 import struct
 import subprocess
@@ -197,6 +198,20 @@ def test_what_progress_raises_ends_the_sweep_and_it_goes_on(specification, undis
     assert 2 <= done_batches(tmp_path / "sweep") < 32
     hc.sweep(specification, tmp_path / "sweep")
     assert contents(tmp_path / "sweep") == undisturbed
+
+
+def test_a_store_that_is_removed_meanwhile_is_told(specification, undisturbed, tmp_path):
+    store = tmp_path / "sweep"
+
+    def remove(done, _):
+        if done > 200:
+            shutil.rmtree(store, ignore_errors=True)
+
+    with pytest.raises(hc.StoreError, match="was moved or removed meanwhile"):
+        hc.sweep(specification, store, progress=remove)
+    assert not store.exists()
+    hc.sweep(specification, store)
+    assert contents(store) == undisturbed
 
 
 def test_an_interrupt_leaves_a_store_that_goes_on(specification, undisturbed, tmp_path):

@@ -12,6 +12,7 @@ from hertzchain.sweeps.plan import Plan
 from hertzchain.sweeps.reading import read_specification, specification_from_json
 from hertzchain.sweeps.specification import differences
 from hertzchain.sweeps.sweep import estimate
+from hertzchain.sweeps.work import _Batch
 
 FORWARD = {"taper": "forward-exponential", "beads": 40}
 RATES = [0.02, 0.05, 0.08]
@@ -156,6 +157,15 @@ def test_a_point_that_fails_has_its_reason_and_the_others_go_on():
     assert np.isfinite(found.velocity.sel(rate=0.01, beads=40)).all()
 
 
+def test_a_point_in_other_units_fails():
+    plan = Plan(read_specification({"chain": FORWARD, "axes": {"rate": RATES}}))
+    plan.__dict__["units"] = "SI"
+    batch = _Batch(plan, 0, lambda: False)
+    batch.one_by_one(0, "bca")
+    assert batch.reason[0] == ["the chain is scaled, and others are SI"]
+    assert (batch.status == 2).all()
+
+
 def test_warnings_of_theories_are_kept_and_not_shown(recwarn):
     chain = {"taper": "backward-exponential", "beads": 40}
     found = swept(chain, {"rate": [0.05, 0.8]}, methods=["local-rate"])
@@ -209,6 +219,11 @@ BAD = [
      "sweep.methods\\[1\\]: propagate does not cover gravity"),
     ({"chain": {"file": "beads.csv"}}, "chain: .*beads.csv"),
     ({"points": [{"rate": 1}]}, "points: there are also axes"),
+    ({"chain": {"radii": [1.0, 1.0], "masses": [1.0, 1.0], "stiffness": 1.0},
+      "axes": {"units": ["SI", "scaled"]}}, "some chains are in SI units, others scaled"),
+    ({"method": {"max_steps": 2.5}, "sweep": {"methods": ["simulate"]}},
+     "method.max_steps: max_steps must be a whole number of at least 1, got 2.5"),
+    ({"axes": {"method.rtol": [1e-8, -1.0]}}, "axes.method.rtol: rtol must be above 0, got -1"),
     ({"axes": {"rate": {"linspace": [0, 1, 10**12]}}}, "from 1 to 10000000, got 1000000000000"),
     ({"axes": {"rate": {"linspace": [-1e308, 1e308, 3]}}}, "linspace's first must be at least"),
     ({"axes": {"velocity": {"list": ["a"], "unit": "m/s"}}}, "value 1 must be a number, got 'a'"),

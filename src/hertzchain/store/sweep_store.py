@@ -320,6 +320,8 @@ class SweepStore:
         ...     store.missing()
         array([1])
         """
+        if not (self.folder / STATUS / "zarr.json").is_file():
+            raise StoreError(f"the store {os.fspath(self.folder)!r} was moved or removed meanwhile")
         try:
             for name in sorted(columns, key=lambda name: name == STATUS):
                 array = self.arrays[name]

@@ -34,7 +34,9 @@ def check_plan(plan: Plan, heading: str = "") -> None:
     >>> check_plan(Plan(read_specification({"chain": chain, "axes": axes})))
     """
     with recorded():
-        problems = _bad_values(plan) or _bad_requests(plan) or _never_predicted(plan)
+        problems = (
+            _bad_values(plan) or _mixed_units(plan) or _bad_requests(plan) or _never_predicted(plan)
+        )
     raise_all(problems, heading)
 
 
@@ -69,6 +71,14 @@ def _bad_values(plan: Plan) -> list[str]:
         else:
             problems += [f"axes.{axis.long_name}[{i + 1}]: {why}" for i, why in bad.items()]
     return list(dict.fromkeys(problems))
+
+
+def _mixed_units(plan: Plan) -> list[str]:
+    """A quantity has one unit in a dataset."""
+    for index in plan.tried():
+        if not _reason(plan, index) and plan.chain(index).units != plan.units:
+            return ["axes: some chains are in SI units, others scaled: sweep them apart"]
+    return []
 
 
 def _reason(plan: Plan, index: Index) -> str:

@@ -274,7 +274,11 @@ class _Reader:
                 fit = [method for method, names in OPTIONS.items() if name in names]
                 self._add(f"method.{name}", f"no method takes it: add {' or '.join(fit)}")
         for name, value in given.items():
-            self._try(f"method.{name}", number, name, value, above=0.0)
+            self._try(f"method.{name}", _check_option, name, value)
+        for axis in axes:
+            if axis.path[0] == "method":
+                for value in axis.values:
+                    self._try(f"axes.{axis.long_name}", _check_option, axis.path[1], value)
         return given
 
     def _table(self, name: str) -> Mapping[str, Any]:
@@ -308,6 +312,13 @@ class _Reader:
 
     def _raise(self) -> None:
         raise_all(self.problems, self.heading)
+
+
+def _check_option(name: str, value: Any) -> None:
+    if name == "max_steps":
+        whole_number(name, value, least=1)
+    else:
+        number(name, value, above=0.0)
 
 
 def raise_all(problems: Sequence[str], heading: str = "") -> None:

@@ -248,7 +248,7 @@ def merge_sweeps(
     parts = [SweepStore(path) for path in paths]
     text = parts[0].specification
     for part in parts[1:]:
-        _check_same(part, text, f"{os.fspath(parts[0].folder)!r} and {os.fspath(part.folder)!r}")
+        _check_same(part, text, f"the store {os.fspath(part.folder)!r}")
     plan = Plan(specification_from_json(text))
     with locked(into):
         target = _opened(plan, into)

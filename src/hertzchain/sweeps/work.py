@@ -254,7 +254,10 @@ class _Batch:
     def chain(self, row: int) -> Chain:
         """The chain of a point, made once."""
         if row not in self.chains:
-            self.chains[row] = self.plan.chain(self.indices[row])
+            chain = self.plan.chain(self.indices[row])
+            if chain.units != self.plan.units:
+                raise InputError(f"the chain is {chain.units}, and others are {self.plan.units}")
+            self.chains[row] = chain
         return self.chains[row]
 
     def _options(self, method: str, index: Index) -> dict[str, Any]:

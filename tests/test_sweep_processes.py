@@ -13,7 +13,7 @@ import subprocess
 import sys
 import threading
 import time
-from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
+from concurrent.futures import Future, ProcessPoolExecutor, ThreadPoolExecutor
 
 import pytest
 import xarray as xr
@@ -177,6 +177,21 @@ def test_no_worker_outlives_its_sweep(specification, undisturbed, tmp_path, sign
     assert alive == []
     hc.sweep(specification, store)
     assert contents(store) == undisturbed
+
+
+def test_an_executor_that_gives_up_is_told(specification, undisturbed, tmp_path):
+    class Lost(ThreadPoolExecutor):
+        def submit(self, *_):
+            future = Future()
+            future.cancel()
+            future.set_running_or_notify_cancel()
+            return future
+
+    said = r"the executor gave up with 32 of 32 batches to go"
+    with Lost(1) as pool, pytest.raises(hc.StoreError, match=said):
+        hc.sweep(specification, tmp_path / "sweep", executor=pool)
+    hc.sweep(specification, tmp_path / "sweep")
+    assert contents(tmp_path / "sweep") == undisturbed
 
 
 def test_an_executor_that_is_shut_down_is_told(specification, undisturbed, tmp_path):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import multiprocessing
 import multiprocessing.process
 import os
@@ -198,6 +199,8 @@ def dask_pool(address: str, *, workers: int = 1) -> Iterator[Executor]:
         raise InputError(
             f"{address} needs certificates: name them in dask's configuration, distributed.comm.tls"
         )
+    # What becomes of the scheduler is told by the sweep.
+    logging.getLogger("distributed.client").setLevel(logging.CRITICAL + 1)
     try:
         client = Client(address, timeout=PATIENCE, set_as_default=False)  # type: ignore[no-untyped-call]
     except (OSError, ValueError) as error:

@@ -399,7 +399,12 @@ def _results(
                 left -= 1
                 yield result
                 tell(result.batch)
-    except (BrokenExecutor, CancelledError):
+    except CancelledError:
+        raise StoreError(
+            f"the executor gave up with {left} of {len(batches)} batches to go (did its scheduler "
+            "end?)"
+        ) from None
+    except BrokenExecutor:
         raise StoreError(
             f"a worker process ended abruptly with {left} of {len(batches)} batches to go (killed, "
             "or out of memory?)"

@@ -221,7 +221,8 @@ def _show_outcome(store: Path, part: tuple[int, int] | None, as_json: bool) -> i
     from hertzchain.store.sweep_store import SweepStore
 
     opened = SweepStore(store)
-    counts, failures, outside = opened.counts(), opened.failures(5), opened.outside_range()
+    counts, outside = opened.counts(), opened.outside_range()
+    failures = opened.failures(5) if counts["failed"] else []
     if as_json:
         show_json({
             "schema_version": 1, "store": str(store), **counts,

@@ -143,9 +143,11 @@ def end_processes(pool: Executor) -> None:
     """
     for process in _processes(pool):
         process.kill()
-    results = getattr(pool, "_result_queue", None)
-    if isinstance(pool, ProcessPoolExecutor) and results is not None:
-        results._writer.close()
+    if isinstance(pool, ProcessPoolExecutor):
+        # There is no public way to its pipe.
+        writer = getattr(getattr(pool, "_result_queue", None), "_writer", None)
+        if writer is not None:
+            writer.close()
 
 
 def _processes(pool: Executor) -> list[multiprocessing.process.BaseProcess]:

@@ -321,10 +321,6 @@ def _check_room(plan: Plan, folder: str | os.PathLike[str] | None) -> None:
         )
 
 
-def _size(plan: Plan) -> int:
-    return sum(variable.size for variable in variables_of(plan).values())
-
-
 def _check_same(store: SweepStore, text: str, what: str) -> None:
     found = differences(store.specification, text)
     if found:

@@ -26,7 +26,7 @@ Index = tuple[int, ...]
 
 # Points of a batch: at most so many (of whole trajectories, which take longer, fewer), and so
 # few that there are batches for all workers.
-MOST, MOST_TRAJECTORIES, LEAST, BATCHES = 4096, 32, 8, 32
+MOST, MOST_TRAJECTORIES, LEAST, BATCHES = 2048, 32, 8, 32
 # Bytes of one quantity in a batch.
 MOST_BYTES: Final = 16 * 2**20
 # Values of one axis that are tried before anything is computed.

@@ -399,6 +399,22 @@ def test_curves_and_maps():
         plot_sweep(found, "speed")
 
 
+def test_cells_of_a_map_meet_halfway_on_its_scales_whatever_the_order_of_values():
+    found = hc.sweep({
+        "chain": {"taper": "forward-linear"},
+        "axes": {"rate": {"geomspace": [1e-4, 1e-2, 3]}, "beads": [40, 20, 30]},
+        "sweep": {"keep": ["momentum"], "at": "last"},
+    })  # fmt: skip
+    drawn = plot_sweep(found, "momentum")
+    corners = drawn.collections[0].get_coordinates()
+    assert corners[0, :, 0].tolist() == pytest.approx(
+        [10**-4.5, 10**-3.5, 10**-2.5, 10**-1.5], rel=1e-12
+    )
+    assert corners[:, 0, 1].tolist() == pytest.approx([15.0, 25.0, 35.0, 45.0])
+    longest = found.momentum.sel(by="propagate", beads=40).values
+    assert drawn.collections[0].get_array()[-1].tolist() == pytest.approx(longest.tolist())
+
+
 def test_axes_of_pictures_say_what_varies():
     chain = {"radii": 5e-3, "materials": "steel-316", "beads": 5, "loss": {"law": "restitution",
              "coefficient": 1.0}, "struck_by": {"velocity": 0.1}}  # fmt: skip

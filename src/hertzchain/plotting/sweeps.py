@@ -109,7 +109,9 @@ def _selected(dataset: xr.Dataset, quantity: str | None, at: Mapping[str, Any]) 
         if name not in values.dims:
             raise unknown_name(f"dimension of {values.name}", given, map(str, values.dims))
         values = values.isel({name: _index(values[name], given, value)})
-    return values.squeeze(drop=False)
+    # Whatever the order of a specification, an axis increases.
+    numbers = [name for name in values.dims if values[name].dtype.kind in "if"]
+    return values.squeeze(drop=False).sortby([name for name in numbers if values.sizes[name] > 1])
 
 
 def _index(coordinate: xr.DataArray, name: str, value: Any) -> int:
@@ -162,7 +164,7 @@ def _curves(drawn: xr.DataArray, axes: Axes, *, log: bool) -> None:
     axes.set_ylabel(_quantity_label(drawn))
     axes.set_yscale("log" if log else "linear")
     _set_axis(axes, "x", drawn[along])
-    if len(curves) > 1:
+    if "by" in drawn.dims:
         axes.legend()
 
 
@@ -176,9 +178,7 @@ def _map(drawn: xr.DataArray, axes: Axes, *, log: bool, levels: list[float] | No
         if not shown.size:
             raise InputError(f"{drawn.name} has no values above 0: leave log out")
         norm = LogNorm(shown.min(), shown.max())
-    mesh = axes.pcolormesh(
-        x, y, values, cmap="viridis", norm=norm, shading="nearest", rasterized=True
-    )
+    mesh = axes.pcolormesh(_edges(x), _edges(y), values, cmap="viridis", norm=norm, rasterized=True)
     axes.figure.colorbar(mesh, ax=axes, label=_quantity_label(drawn))
     if levels:
         lines = axes.contour(
@@ -208,6 +208,15 @@ def _scale(values: np.ndarray[Any, Any]) -> str:
     steps = np.diff(np.log(values))
     even = np.ptp(steps) < 1e-6 * abs(steps[0])
     return "log" if even and values.max() >= 10.0 * values.min() else "linear"
+
+
+def _edges(places: np.ndarray[Any, Any]) -> np.ndarray[Any, Any]:
+    """Where cells around places meet: halfway, on the scale of the axis."""
+    if _scale(places) == "log":
+        return np.asarray(np.exp(_edges(np.log(places))))
+    halves = np.diff(places) / 2.0
+    inner = places[:-1] + halves
+    return np.concatenate(([places[0] - halves[0]], inner, [places[-1] + halves[-1]]))
 
 
 def _places(coordinate: xr.DataArray) -> Any:

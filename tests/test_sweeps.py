@@ -157,6 +157,19 @@ def test_a_point_that_fails_has_its_reason_and_the_others_go_on():
     assert np.isfinite(found.velocity.sel(rate=0.01, beads=40)).all()
 
 
+@pytest.mark.parametrize("methods", [["bca"], ["propagate", "bca"]])
+def test_a_first_point_that_fails_hides_nothing_of_the_others(methods):
+    # Bead 41 is not in the first chain, nor in the one of the other cells: how long they are is
+    # seen where the bead is another.
+    chain = {"cell": [1.0, 0.9], "with_defects": {"bead": 3, "radius": 0.95}}
+    axes = {"with_defects.bead": [41, 3], "cells": [10, 15, 25]}
+    found = swept(chain, axes, methods=methods)
+    assert found.status.sel(by="bca").values.tolist() == [[2, 2, 1], [1, 1, 1]]
+    assert found.beads.values.tolist() == [[0, 0, 50], [20, 30, 50]]
+    pulse = hc.bca(hc.Chain.periodic([1.0, 0.9], cells=25).with_defects({41: 0.95}))
+    np.testing.assert_array_equal(found.velocity[0, 2].sel(by="bca"), pulse.velocity)
+
+
 def test_a_point_in_other_units_fails():
     plan = Plan(read_specification({"chain": FORWARD, "axes": {"rate": RATES}}))
     plan.__dict__["units"] = "SI"
@@ -223,7 +236,11 @@ BAD = [
       "axes": {"units": ["SI", "scaled"]}}, "some chains are in SI units, others scaled"),
     ({"method": {"max_steps": 2.5}, "sweep": {"methods": ["simulate"]}},
      "method.max_steps: max_steps must be a whole number of at least 1, got 2.5"),
-    ({"axes": {"method.rtol": [1e-8, -1.0]}}, "axes.method.rtol: rtol must be above 0, got -1"),
+    ({"axes": {"method.rtol": [1e-8, -1.0]}}, "axes.method.rtol: rtol must be at least 1e-10 .*-1"),
+    ({"method": {"rtol": 1e-3}}, "method.rtol: rtol must be .* at most 1e-05, got 0.001"),
+    ({"method": {"rtol": 1e-5}, "sweep": {"methods": ["simulate", "bca"]}},
+     "method.rtol: rtol must be .* at most 1e-06, got 1e-05"),
+    ({"method": {"until": 0.0}, "sweep": {"methods": ["simulate"]}}, "until must be above 0"),
     ({"axes": {"rate": {"linspace": [0, 1, 10**12]}}}, "from 1 to 10000000, got 1000000000000"),
     ({"axes": {"rate": {"linspace": [-1e308, 1e308, 3]}}}, "linspace's first must be at least"),
     ({"axes": {"velocity": {"list": ["a"], "unit": "m/s"}}}, "value 1 must be a number, got 'a'"),

@@ -80,7 +80,7 @@ def propagate(
     """
     require(chain, "propagate", instead="use simulate")
     callback("progress", progress)
-    rtol = _checked_rtol(rtol)
+    rtol = checked_rtol(rtol)
     batch, signal = Batch.of([chain]), np.zeros(2, np.int64)
     if chain.beads <= SHORT and progress is None:
         passage = follow(batch, rtol, signal)
@@ -132,7 +132,7 @@ def propagate_many(
     array([ 4.053, 14.765, 46.469])
     """
     callback("progress", progress)
-    rtol, threads = _checked_rtol(rtol), _checked_threads(threads)
+    rtol, threads = checked_rtol(rtol), _checked_threads(threads)
     ensemble = _Ensemble.of(chains)
     blocks = list(ensemble.blocks(threads))
     bad = len(ensemble.reasons)
@@ -332,7 +332,28 @@ def _followed_while_watching(
         return future.result()
 
 
-def _checked_rtol(rtol: float) -> float:
+def checked_rtol(rtol: float) -> float:
+    """A tolerance of the pulse, 1e-10 .. 1e-5.
+
+    Parameters
+    ----------
+    rtol : float
+        What was given.
+
+    Returns
+    -------
+    float
+
+    Raises
+    ------
+    InputError
+        If it is out of this range.
+
+    Examples
+    --------
+    >>> checked_rtol(1e-8)
+    1e-08
+    """
     return number(
         "rtol", rtol, least=SMALLEST_RTOL, most=LARGEST_RTOL,
         hint="hertzchain.simulate(chain, times=0, rtol=1e-13).pulse() goes below",
@@ -341,5 +362,9 @@ def _checked_rtol(rtol: float) -> float:
 
 def _checked_threads(threads: int | None) -> int:
     if threads is None:
-        return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else 1
+        return (
+            len(os.sched_getaffinity(0))
+            if hasattr(os, "sched_getaffinity")
+            else os.cpu_count() or 1
+        )
     return whole_number("threads", threads, least=1)

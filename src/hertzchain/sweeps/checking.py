@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+from contextlib import suppress
+
+from hertzchain.chain.chain import Chain
 from hertzchain.errors import InputError, SimulationError
 from hertzchain.pulse.quantities import QUANTITIES
 from hertzchain.sweeps.methods import INTEGRATIONS, pulse_by
@@ -91,11 +95,11 @@ def _reason(plan: Plan, index: Index) -> str:
 
 
 def _refusal(plan: Plan, method: str) -> str:
-    """Why a method gives nothing for the first and the last point; empty if it does."""
+    """Why a method gives nothing for the first and the last chain; empty if it does."""
     reason = ""
-    for index in (next(plan.tried()), [*plan.tried()][-1]):
+    for chain in _chains(plan):
         try:
-            pulse_by(method, plan.chain(index))
+            pulse_by(method, chain)
         except InputError as error:
             reason = reason or str(error)
         except SimulationError:
@@ -103,6 +107,13 @@ def _refusal(plan: Plan, method: str) -> str:
         else:
             return ""
     return reason
+
+
+def _chains(plan: Plan) -> list[Chain]:
+    """The first and the last chain that there is, of those that are tried."""
+    tried = [*plan.tried()]
+    ends = (next((i for i in way if not _reason(plan, i)), None) for way in (tried, tried[::-1]))
+    return [plan.chain(index) for index in dict.fromkeys(ends) if index is not None]
 
 
 def _never_predicted(plan: Plan) -> list[str]:
@@ -113,13 +124,21 @@ def _never_predicted(plan: Plan) -> list[str]:
         wanted &= {"velocity_error"}
     if not wanted:
         return []
-    theories = [method for method in spec.methods if method not in INTEGRATIONS]
-    pulses = [pulse_by(method, plan.chain((0,) * len(plan.shape))) for method in theories]
+    given = {name for method in spec.methods for name in _columns(plan, method)}
     return [
         f"sweep.keep: no method gives {name}: {', '.join(spec.methods)}"
-        for name in sorted(wanted)
-        if all(pulse.column(name) is None for pulse in pulses)
+        for name in sorted(wanted - given)
     ]
+
+
+def _columns(plan: Plan, method: str) -> Iterable[str]:
+    """Quantities that a theory gives; all where none of the chains tried tells."""
+    if method in INTEGRATIONS:
+        return ()
+    for chain in _chains(plan):
+        with suppress(InputError, SimulationError):
+            return pulse_by(method, chain).columns()
+    return QUANTITIES
 
 
 def _has_wall(plan: Plan) -> bool:

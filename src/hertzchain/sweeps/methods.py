@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from typing import Any, Final
 
 from hertzchain.chain.chain import Chain
 from hertzchain.chain.hertz_range import warn_outside_hertz
 from hertzchain.chain.scales import Scales
+from hertzchain.checks import number, whole_number
+from hertzchain.propagation.propagate import checked_rtol as checked_rtol_of_propagate
 from hertzchain.propagation.propagate import propagate
 from hertzchain.pulse.pulse import Pulse
+from hertzchain.simulation.simulate import checked_rtol as checked_rtol_of_simulate
 from hertzchain.simulation.simulate import simulate
 from hertzchain.theory.catalogue import THEORIES
 
@@ -22,6 +25,37 @@ OPTIONS: Final[Mapping[str, tuple[str, ...]]] = {
     "propagate": ("rtol",),
     "simulate": ("rtol", "until", "max_steps"),
 }
+
+
+def check_option(name: str, value: Any, methods: Iterable[str]) -> None:
+    """Refuse a value that an option of the integrations cannot have.
+
+    Parameters
+    ----------
+    name : str
+        Name of the option.
+    value : object
+        What was given.
+    methods : iterable of str
+        The methods that are told.
+
+    Raises
+    ------
+    InputError
+        If one of them takes the option, but not this value.
+
+    Examples
+    --------
+    >>> check_option("rtol", 1e-8, ["propagate", "simulate", "bca"])
+    """
+    if name == "max_steps":
+        whole_number(name, value, least=1)
+    elif name == "until":
+        number(name, value, above=0.0)
+    else:
+        ranges = {"propagate": checked_rtol_of_propagate, "simulate": checked_rtol_of_simulate}
+        for method in ranges.keys() & {*methods}:
+            ranges[method](value)
 
 
 def pulse_by(method: str, chain: Chain, progress: Progress | None = None, **options: Any) -> Pulse:

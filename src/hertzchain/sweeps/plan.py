@@ -16,7 +16,7 @@ from hertzchain.chain.sizes import checked_beads
 from hertzchain.chain.tapers import check_taper, tapered_radii
 from hertzchain.contacts import Array
 from hertzchain.errors import InputError
-from hertzchain.store.chain_files import chain_from
+from hertzchain.store.chain_files import METHODS, chain_from
 from hertzchain.sweeps.axes import Axis
 from hertzchain.sweeps.methods import INTEGRATIONS
 from hertzchain.sweeps.reading import specification_from_json
@@ -228,14 +228,15 @@ class Plan:
 
     def _changes_length(self, place: int, axis: Axis) -> bool:
         first = (0,) * len(self.shape)
-        tried = [(*first[:place], i, *first[place + 1 :]) for i in spread(len(axis))]
-        return len({beads for beads in map(self._beads, tried) if beads}) > 1
+        tried = {self._beads((*first[:place], i, *first[place + 1 :])) for i in spread(len(axis))}
+        # Where there is no chain, another value of another axis may make one of any length.
+        return len(tried) > 1 or 0 in tried
 
     def _beads(self, index: Index) -> int:
         """Number of beads of a point, 0 if there is no such chain."""
         try:
             table = self.document(index)["chain"]
-            if table.keys() <= TAPER_KEYS and isinstance(table.get("beads"), int):
+            if isinstance(table.get("beads"), int) and not table.keys() & METHODS:
                 return int(table["beads"])
             return self.chain(index).beads
         except InputError:

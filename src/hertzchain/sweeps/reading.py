@@ -34,13 +34,13 @@ from typing import Any, Final
 
 from hertzchain.arguments import file_path
 from hertzchain.chain.chain import Chain
-from hertzchain.checks import number, whole_number
+from hertzchain.checks import whole_number
 from hertzchain.errors import InputError, shown, unknown_name
 from hertzchain.pulse.quantities import QUANTITIES
 from hertzchain.store.chain_files import KEYS, chain_as_toml, chain_from
 from hertzchain.store.csv_tables import csv_rows
 from hertzchain.sweeps.axes import Axis, flattened
-from hertzchain.sweeps.methods import METHODS, OPTIONS
+from hertzchain.sweeps.methods import METHODS, OPTIONS, check_option
 from hertzchain.sweeps.plain import plain_json
 from hertzchain.sweeps.specification import WALL_QUANTITIES, Specification
 
@@ -140,7 +140,7 @@ class _Reader:
         if batch is not None:
             batch = self._try("sweep.batch", whole_number, "batch", batch, least=1, most=10**6)
         at, options = self._at(settings.get("at", "every")), self._options(axes, methods)
-        self._raise()
+        raise_all(self.problems, self.heading)
         return Specification(
             title, chain, materials, axes, combine, methods, keep, at, errors, reference, batch,
             options,
@@ -274,11 +274,12 @@ class _Reader:
                 fit = [method for method, names in OPTIONS.items() if name in names]
                 self._add(f"method.{name}", f"no method takes it: add {' or '.join(fit)}")
         for name, value in given.items():
-            self._try(f"method.{name}", _check_option, name, value)
+            self._try(f"method.{name}", check_option, name, value, methods)
         for axis in axes:
             if axis.path[0] == "method":
                 for value in axis.values:
-                    self._try(f"axes.{axis.long_name}", _check_option, axis.path[1], value)
+                    where = f"axes.{axis.long_name}"
+                    self._try(where, check_option, axis.path[1], value, methods)
         return given
 
     def _table(self, name: str) -> Mapping[str, Any]:
@@ -309,16 +310,6 @@ class _Reader:
 
     def _add(self, place: str, problem: InputError | str) -> None:
         self.problems.append(f"{place}: {problem}" if place else str(problem))
-
-    def _raise(self) -> None:
-        raise_all(self.problems, self.heading)
-
-
-def _check_option(name: str, value: Any) -> None:
-    if name == "max_steps":
-        whole_number(name, value, least=1)
-    else:
-        number(name, value, above=0.0)
 
 
 def raise_all(problems: Sequence[str], heading: str = "") -> None:
@@ -372,11 +363,11 @@ def _columns_of_csv(folder: Path, name: str) -> dict[tuple[str, ...], list[Any]]
         for column in header:
             if header.count(column) > 1:
                 raise InputError(f"column {column!r} is there twice: leave one")
-        for number, row in enumerate(body, start=1):
+        for place, row in enumerate(body, start=1):
             if len(row) != len(header):
-                raise InputError(f"row {number} has {len(row)} cells, the header has {len(header)}")
+                raise InputError(f"row {place} has {len(row)} cells, the header has {len(header)}")
             if "" in row:
-                raise InputError(f"row {number} has no {header[row.index('')]}")
+                raise InputError(f"row {place} has no {header[row.index('')]}")
     except InputError as error:
         raise InputError(f"{os.fspath(file)!r}: {error}") from None
     columns = zip(*body, strict=True)

@@ -175,8 +175,6 @@ class _Batch:
         try:
             chain = self.chain(row)
             self.beads[row] = chain.beads
-            if chain.beads > self.plan.longest:
-                raise InputError(f"{chain.beads} beads where {self.plan.longest} were expected")
             with recorded() as warned:
                 self._keep(row, place, method, chain)
             self.outside_range[row, place] = any(
@@ -255,6 +253,8 @@ class _Batch:
         """The chain of a point, made once."""
         if row not in self.chains:
             chain = self.plan.chain(self.indices[row])
+            if chain.beads > self.plan.longest:
+                raise InputError(f"{chain.beads} beads where {self.plan.longest} were expected")
             if chain.units != self.plan.units:
                 raise InputError(f"the chain is {chain.units}, and others are {self.plan.units}")
             self.chains[row] = chain

@@ -13,7 +13,7 @@ import errno
 import itertools
 import os
 import shutil
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
@@ -29,8 +29,9 @@ if TYPE_CHECKING:
 SCHEMA: Final = "hertzchain sweep 1"
 MARKER: Final = "schema"
 STATUS: Final = "status"
-# Of `status`.
+# Of `status`: what it says, by its value.
 MEANINGS: Final = ("missing", "done", "failed")
+MISSING, DONE, FAILED = range(len(MEANINGS))
 
 
 @dataclass(frozen=True, eq=False)
@@ -239,10 +240,10 @@ class SweepStore:
         """
         missing = {*self.missing().tolist()}
         for batch in range(int(np.prod(self.grid))):
-            for name in (*self._data, "reason", STATUS):
+            for name in self._by_batch:
                 file = self._chunk(name, batch)
                 # Of reasons, only those of batches that have some are there.
-                if batch in missing or name not in self.arrays or not file.exists():
+                if batch in missing or not file.exists():
                     continue
                 corner = file.relative_to(self.folder / name / "c").parts
                 try:
@@ -287,11 +288,10 @@ class SweepStore:
 
     def _check_coordinates(self) -> None:
         """Values of axes that are not there would be read as zeros."""
-        for name, array in self.arrays.items():
-            if not array.metadata.attributes.get("by_batch"):
-                if not (self.folder / name / "c" / "0").is_file():
-                    raise KeyError(f"{name}/c/0")
-                np.asarray(array[...])
+        for name in self._coordinates:
+            if not (self.folder / name / "c" / "0").is_file():
+                raise KeyError(f"{name}/c/0")
+            np.asarray(self.arrays[name][...])
 
     def write(self, batch: int, region: tuple[slice, ...], columns: Mapping[str, Any]) -> None:
         """Write a batch: data, then that it is done.
@@ -324,15 +324,24 @@ class SweepStore:
             raise StoreError(f"the store {os.fspath(self.folder)!r} was moved or removed meanwhile")
         try:
             for name in sorted(columns, key=lambda name: name == STATUS):
+                if name == STATUS:
+                    self._settle(batch)
                 array = self.arrays[name]
                 shape = tuple(part.stop - part.start for part in region)
                 values = np.asarray(columns[name]).reshape(shape + array.shape[len(region) :])
                 array[(*region, ...)] = values
         except OSError as error:
-            self._chunk(STATUS, batch).unlink(missing_ok=True)
             raise StoreError(
                 f"cannot write to {os.fspath(self.folder)!r}: {error.strerror or error}"
             ) from None
+
+    def _settle(self, batch: int) -> None:
+        """Have the disk hold the data of a batch, lest a power cut leave a status without them."""
+        for name in self._by_batch[:-1]:
+            file = self._chunk(name, batch)
+            if file.exists():
+                with file.open("r+b") as data:
+                    os.fsync(data.fileno())
 
     def clean(self) -> None:
         """Remove what a killed process left half written.
@@ -384,7 +393,9 @@ class SweepStore:
         array([], dtype=int64)
         """
         try:
-            for name in sorted((*self._data, "reason", STATUS), key=lambda name: name == STATUS):
+            for name in self._by_batch:
+                if name == STATUS:
+                    self._settle(batch)
                 source, target = other._chunk(name, batch), self._chunk(name, batch)
                 if source.is_file():
                     target.parent.mkdir(parents=True, exist_ok=True)
@@ -413,11 +424,10 @@ class SweepStore:
         """
         import xarray as xr
 
-        found = plain_text(
-            xr.open_zarr(self.folder, chunks=None, consolidated=False, mask_and_scale=False)
-        )
+        found = xr.open_zarr(self.folder, chunks=None, consolidated=False, mask_and_scale=False)
+        found = plain_text(found.set_coords(self._coordinates))
         # In the order in which they were made, not in that of the folder.
-        return found[[name for name in self.attributes["arrays"] if name in found.data_vars]]
+        return found[[name for name in self.arrays if name in found.data_vars]]
 
     def counts(self) -> dict[str, int]:
         """How many points are missing, done and failed; failed is one where a method failed.
@@ -438,8 +448,8 @@ class SweepStore:
         """
         counts = dict.fromkeys(MEANINGS, 0)
         with self.read():
-            for part in self._status_by_batch():
-                worst = np.where((part == 0).any(axis=-1), 0, part.max(axis=-1))
+            for part in self._rows_of(STATUS):
+                worst = np.where((part == MISSING).any(axis=-1), MISSING, part.max(axis=-1))
                 for value, meaning in enumerate(MEANINGS):
                     counts[meaning] += int((worst == value).sum())
         return counts
@@ -464,10 +474,8 @@ class SweepStore:
         """
         if "outside_range" not in self.arrays:
             return 0
-        array, rows = self.arrays["outside_range"], self.status.chunks[0]
-        starts = range(0, array.shape[0], rows)
-        parts = (np.asarray(array[start : start + rows]) for start in starts)
-        return sum(int(part.any(axis=-1).sum()) for part in parts)
+        with self.read():
+            return sum(int(part.any(axis=-1).sum()) for part in self._rows_of("outside_range"))
 
     def failures(self, most: int) -> list[tuple[dict[str, Any], str]]:
         """Where points failed, and why.
@@ -502,23 +510,35 @@ class SweepStore:
         dataset, rows = self.open(), self.status.chunks[0]
         for start in range(0, self.status.shape[0], rows):
             part = dataset.isel({dataset.status.dims[0]: slice(start, start + rows)})
-            for place in np.argwhere(part.status.values == MEANINGS.index("failed")):
+            for place in np.argwhere(part.status.values == FAILED):
                 at = part.reason.isel(dict(zip(part.status.dims, place, strict=True)))
                 named = {str(name): value.item() for name, value in at.coords.items()}
                 yield named, str(at.item())
 
-    def _status_by_batch(self) -> Iterator[NDArray[np.int8]]:
-        rows = self.status.chunks[0]
-        for start in range(0, self.status.shape[0], rows):
-            yield np.asarray(self.status[start : start + rows])
+    def _rows_of(self, name: str) -> Iterator[NDArray[np.int8]]:
+        """An array, as many rows at a time as a batch has."""
+        array, rows = self.arrays[name], self.status.chunks[0]
+        for start in range(0, array.shape[0], rows):
+            yield np.asarray(array[start : start + rows])
 
     @property
-    def _data(self) -> Sequence[str]:
-        """Names of the arrays of which every batch writes a chunk."""
+    def _coordinates(self) -> list[str]:
+        """Names of the arrays that are whole from the start."""
         return [
             name for name, array in self.arrays.items()
-            if name not in (STATUS, "reason") and array.metadata.attributes.get("by_batch")
+            if not array.metadata.attributes.get("by_batch")
         ]  # fmt: skip
+
+    @property
+    def _by_batch(self) -> list[str]:
+        """Names of the other arrays, the status last."""
+        others = (STATUS, *self._coordinates)
+        return [*(name for name in self.arrays if name not in others), STATUS]
+
+    @property
+    def _data(self) -> list[str]:
+        """Names of the arrays of which every batch writes a chunk, but for the status."""
+        return [name for name in self._by_batch if name not in ("reason", STATUS)]
 
     def _chunk(self, name: str, batch: int) -> Path:
         """File of a batch; each holds whole beads and methods."""

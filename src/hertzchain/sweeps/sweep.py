@@ -247,9 +247,10 @@ def merge_sweeps(
         raise InputError("there are no stores to merge: name those of the shards")
     parts = [SweepStore(path) for path in paths]
     text = parts[0].specification
-    for part in parts[1:]:
+    for part in parts:
         _check_same(part, text, f"the store {os.fspath(part.folder)!r}")
     plan = Plan(specification_from_json(text))
+    _check_room(plan, into)
     with locked(into):
         target = _opened(plan, into)
         for part in parts:
@@ -296,7 +297,6 @@ def _opened(plan: Plan, folder: str | os.PathLike[str]) -> SweepStore:
         _check_same(store, plan.specification.as_json(), f"the store {os.fspath(folder)!r}")
         store.clean()
         return store
-    _check_room(plan, folder)
     return SweepStore.create(folder, variables_of(plan), attributes_of(plan))
 
 
@@ -308,10 +308,11 @@ def _check_room(plan: Plan, folder: str | os.PathLike[str] | None) -> None:
 
         free, where, other = psutil.virtual_memory().available, "there are", "give a store"
         what = "GB of memory free"
-    elif os.path.exists(folder):  # noqa: PTH110  (a name that is too long is no error yet)
+    # A name that is too long is no error yet, as it would be to pathlib.
+    elif os.path.exists(folder):  # noqa: PTH110
         return
     else:
-        parent = next(place for place in (Path(folder).absolute()).parents if place.exists())
+        parent = next(p for p in Path(folder).absolute().parents if os.path.exists(p))  # noqa: PTH110
         free, where, other = shutil.disk_usage(parent).free, f"{parent} has", "another place"
         what = "GB free"
     if size > FREE * free:

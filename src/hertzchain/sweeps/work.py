@@ -17,14 +17,13 @@ from hertzchain.pulse.pulse import Pulse
 from hertzchain.pulse.quantities import PER_CONTACT, QUANTITIES
 from hertzchain.simulation.run import Run
 from hertzchain.simulation.simulate import simulate
+from hertzchain.store.sweep_store import DONE, FAILED
 from hertzchain.sweeps.methods import OPTIONS, pulse_by
 from hertzchain.sweeps.plan import Index, Plan, plan_of
 from hertzchain.sweeps.specification import WALL_QUANTITIES
 from hertzchain.sweeps.warned import recorded
 
 Stop = Callable[[], bool]
-# What became of a point, as the store has it; 0 is not computed yet.
-DONE, FAILED = 1, 2
 
 
 class Stopped(Exception):

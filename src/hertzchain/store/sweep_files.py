@@ -151,22 +151,28 @@ def tables_of(dataset: xr.Dataset) -> Iterator[pd.DataFrame]:
     >>> [len(table) for table in tables_of(hc.sweep(spec))]
     [8]
     """
-    import xarray as xr
-
-    if "contact" in dataset.dims:
-        contacts = dataset[[name for name in dataset if "contact" in dataset[name].dims]]
-        others = dataset.drop_dims("contact")
-        dataset = xr.merge([others, contacts.rename(contact="bead")], join="outer")
-    first = next(iter(dataset.status.dims))
-    sizes = dict(dataset.sizes)
-    rows = max(1, ROWS * sizes[first] // max(1, _product(sizes)))
-    order = [*dataset.status.dims, *(name for name in ("bead",) if name in dataset.dims)]
-    for start in range(0, sizes[first], rows):
-        part = dataset.isel({first: slice(start, start + rows)}).load()
-        table = part.to_dataframe(dim_order=[str(name) for name in order]).reset_index()
+    first = str(dataset.status.dims[0])
+    beads = max(dataset.sizes.get("bead", 1), dataset.sizes.get("contact", 1))
+    rows = max(1, ROWS * dataset.sizes[first] // max(1, dataset.status.size * beads))
+    for start in range(0, dataset.sizes[first], rows):
+        # Put together while it is small: what is not loaded yet would be, all of it.
+        part = _by_bead(dataset.isel({first: slice(start, start + rows)}).load())
+        order = [str(name) for name in (*part.status.dims, "bead") if name in part.dims]
+        table = part.to_dataframe(dim_order=order).reset_index()
         if "bead" in table and "beads" in table:
             table = table[table.bead <= table.beads]
-        yield table[_in_reading_order(dataset, [str(name) for name in order], list(table))]
+        yield table[_in_reading_order(part, order, list(table))]
+
+
+def _by_bead(dataset: xr.Dataset) -> xr.Dataset:
+    """Contact k at bead k."""
+    import xarray as xr
+
+    if "contact" not in dataset.dims:
+        return dataset
+    contacts = dataset[[name for name in dataset if "contact" in dataset[name].dims]]
+    others = dataset.drop_dims("contact")
+    return xr.merge([others, contacts.rename(contact="bead")], join="outer")
 
 
 def _in_reading_order(dataset: xr.Dataset, dimensions: list[str], names: list[str]) -> list[str]:
@@ -175,10 +181,3 @@ def _in_reading_order(dataset: xr.Dataset, dimensions: list[str], names: list[st
     outcome = [name for name in ("outside_range", "reason", "status") if name in names]
     first = list(dict.fromkeys([*dimensions[:1], *parameters, *dimensions]))
     return [*first, *(name for name in names if name not in (*first, *outcome)), *outcome]
-
-
-def _product(sizes: dict[object, int]) -> int:
-    total = 1
-    for size in sizes.values():
-        total *= size
-    return total

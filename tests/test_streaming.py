@@ -58,7 +58,7 @@ def test_a_file_ahead_of_its_state_is_written_anew(tmp_path, monkeypatch):
         results.save_state(state, path)
 
     monkeypatch.setattr(streaming, "save_state", fail_late)
-    with pytest.raises(hc.InputError, match=r"no space left.*times up to \d+\.?\d* are stored"):
+    with pytest.raises(hc.StoreError, match=r"no space left.*times up to \d+\.?\d* are stored"):
         hc.stream(CHAIN, tmp_path, times=TIMES)
     monkeypatch.setattr(streaming, "save_state", results.save_state)
     assert streaming.StoredRun(tmp_path).load().time[-1] >= 9.0
@@ -97,6 +97,38 @@ def test_a_folder_of_something_else_is_left_alone(tmp_path):
     hc.save_state(hc.simulate(CHAIN, until=1.0).state, tmp_path / "other" / "state.npz")
     with pytest.raises(hc.InputError, match=r"holds 'state.npz' and no run"):
         hc.stream(CHAIN, tmp_path / "other", times=TIMES)
+
+
+@pytest.mark.parametrize("damaged", [b"", b"CDF", bytes(9999)])
+def test_a_damaged_file_is_named(tmp_path, damaged):
+    stored = hc.stream(CHAIN, tmp_path, times=TIMES)
+    file = stored.files[-1]
+    for content in (damaged, file.read_bytes()[: file.stat().st_size // 2]):
+        file.write_bytes(content)
+        for use in (stored.load, lambda: hc.stream(CHAIN, tmp_path, times=TIMES)):
+            with pytest.raises(
+                hc.InputError, match=rf"{file.name}' is damaged .*: move its folder"
+            ):
+                use()
+
+
+def test_two_runs_into_one_folder_are_kept_apart(tmp_path):
+    refused = []
+
+    def again(done, _):
+        with pytest.raises(hc.InputError, match="another process writes into .*run': wait for it"):
+            hc.stream(CHAIN, tmp_path / "run", times=TIMES)
+        refused.append(done)
+
+    stored = hc.stream(CHAIN, tmp_path / "run", times=TIMES, progress=again)
+    assert refused[-1] == len(TIMES)
+    np.testing.assert_array_equal(stored.load().time, TIMES)
+
+
+@pytest.mark.parametrize("name", ["x" * 300, "x" * 300 + "/a"])
+def test_a_folder_that_cannot_be_made_is_told(tmp_path, name):
+    with pytest.raises(hc.InputError, match="cannot make folder .*too long"):
+        hc.stream(CHAIN, tmp_path / name, times=TIMES)
 
 
 def test_notes_beside_a_run_are_no_obstacle(tmp_path):

@@ -274,7 +274,7 @@ def test_two_sweeps_into_one_store_are_kept_apart(specification, undisturbed, tm
     while not store.exists():
         time.sleep(0.002)
     process.send_signal(signal.SIGSTOP)
-    with pytest.raises(hc.InputError, match="another process sweeps into"):
+    with pytest.raises(hc.InputError, match="another process writes into"):
         hc.sweep(specification, store)
     process.kill()
     process.communicate()
@@ -286,7 +286,7 @@ def test_two_sweeps_into_one_store_are_kept_apart(specification, undisturbed, tm
 def test_a_store_has_one_lock_by_whatever_name(specification, tmp_path):
     (tmp_path / "link").symlink_to(tmp_path / "sweep")
     hc.sweep(specification, tmp_path / "sweep", shard=(31, 31))
-    with locked(tmp_path / "link"), pytest.raises(hc.InputError, match="another process sweeps"):
+    with locked(tmp_path / "link"), pytest.raises(hc.InputError, match="another process writes"):
         hc.sweep(specification, tmp_path / "sweep")
 
 

@@ -14,6 +14,7 @@ import sys
 import time
 import warnings
 from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
@@ -27,10 +28,11 @@ from hertzchain.chain.coverage import check_chain
 from hertzchain.chain.hertz_range import warn_outside_hertz
 from hertzchain.checks import real_numbers
 from hertzchain.contacts import Array
-from hertzchain.errors import InputError, ModelRangeWarning, real_number, shown
+from hertzchain.errors import InputError, ModelRangeWarning, StoreError, real_number, shown
 from hertzchain.simulation.run import Run
 from hertzchain.simulation.simulate import DEFAULT_RTOL, Progress, checked_rtol, simulate
 from hertzchain.simulation.state import State
+from hertzchain.store.lock import lock
 from hertzchain.store.results import load_state, save_run, save_state
 
 if TYPE_CHECKING:
@@ -89,10 +91,10 @@ class StoredRun:
         ...     [part.sizes["time"] for part in stored.parts()]
         [2]
         """
-        import xarray as xr
-
         for file in self.files:
-            yield xr.load_dataset(file, engine="scipy")
+            with _opened(file) as part:
+                whole = part.load()
+            yield whole
 
     def load(self, start: float = -np.inf, stop: float = np.inf) -> xr.Dataset:
         """The saved times from ``start`` to ``stop`` in one dataset.
@@ -109,7 +111,7 @@ class StoredRun:
         Raises
         ------
         InputError
-            If nothing was saved in that time.
+            If nothing was saved in that time, or a file is damaged.
 
         Examples
         --------
@@ -124,8 +126,12 @@ class StoredRun:
         for name, given in (("start", start), ("stop", stop)):
             if math.isnan(real_number(name, given)):
                 raise InputError(f"{name} must be a time, got nan")
-        chosen = [part.sel(time=slice(start, stop)) for part in self.parts()]
-        chosen = [part for part in chosen if part.sizes["time"]]
+        chosen = []
+        for file in self.files:
+            with _opened(file) as part:
+                within = part.sel(time=slice(start, stop))
+                if within.sizes["time"]:
+                    chosen.append(within.load())
         if not chosen:
             raise InputError(
                 f"{os.fspath(self.folder)!r} holds no times from {start:g} to {stop:g}"
@@ -167,7 +173,9 @@ def stream(
     ------
     InputError
         If times are not increasing, the folder holds another run, one with another tolerance
-        or anything else, or a file cannot be written; what was written before stays readable.
+        or anything else, is in use by another process, or damaged.
+    hertzchain.StoreError
+        If a file cannot be written; what was written before stays readable.
     SimulationError
         If the run fails.
 
@@ -189,6 +197,15 @@ def stream(
             f"times to save at must be a list of increasing numbers >= 0, got {shown(times)}"
         )
     _make_folder(stored.folder)
+    with lock(stored.folder / ".lock", stored.folder):
+        _go_on(chain, stored, wanted, rtol, progress)
+    return stored
+
+
+def _go_on(
+    chain: Chain, stored: StoredRun, wanted: Array, rtol: float, progress: Progress | None
+) -> None:
+    """Write what is missing, a file at a time."""
     state, done = _where_it_stopped(chain, stored, wanted, rtol)
     most = max(1, FILE_SIZE // (8 * (3 * chain.beads + 1)))
     count = min(FIRST_TIMES, most)
@@ -210,26 +227,29 @@ def stream(
             save_state(run.state, stored.folder / STATE_FILE)
         except InputError as error:
             kept = f"times up to {wanted[done - 1]:g} are stored" if done else "nothing is stored"
-            raise InputError(f"{error}; {kept}, and a further call goes on from there") from None
+            raise StoreError(f"{error}; {kept}, and a further call goes on from there") from None
         state, done = run.state, done + len(run.times)
         if progress is not None:
             progress(done, len(wanted))
         if time.monotonic() - started < SECONDS_PER_FILE:
             count = max(count, min(2 * count, most))
     warn_outside_hertz(chain, overlaps)
-    return stored
 
 
 def _make_folder(folder: Path) -> None:
     """Make the folder; refuse one in use for something else, whose files are not ours."""
     name = os.fspath(folder)
-    if folder.exists() and not folder.is_dir():
-        raise InputError(f"{name!r} is a file, and a run needs a folder: choose another name")
     try:
         folder.mkdir(parents=True, exist_ok=True)
         found = sorted(file.name for file in folder.iterdir() if not file.name.startswith("."))
+    except FileExistsError:
+        raise InputError(
+            f"{name!r} is a file, and a run needs a folder: choose another name"
+        ) from None
     except OSError as error:
-        raise InputError(f"cannot make folder {name!r} ({error.strerror})") from None
+        raise InputError(
+            f"cannot make folder {name!r} ({error.strerror}); choose another place"
+        ) from None
     # The first part may have come without its state; then it is written anew.
     if STATE_FILE in found and FIRST_PART in found:
         return
@@ -248,20 +268,21 @@ def _where_it_stopped(
             file.unlink()
         return None, 0
     state = load_state(stored.folder / STATE_FILE, chain)
-    began = float(next(stored.parts()).attrs["rtol"])
+    with _opened(stored.files[0]) as part:
+        began = float(part.attrs["rtol"])
     if began != rtol:
         raise InputError(
             f"{os.fspath(stored.folder)!r} holds a run with rtol = {began:g}, and now rtol is "
             f"{rtol:g}: go on with {began:g}, or choose another folder"
         )
-    saved = np.concatenate([part.time.values for part in stored.parts()])
+    saved = np.concatenate([_times(file) for file in stored.files])
     # A file is written before its state: the last one may be ahead of it.
     if len(saved) > len(wanted) or not np.array_equal(saved, wanted[: len(saved)]):
         raise InputError(
             f"{os.fspath(stored.folder)!r} holds a run with other times: choose another folder"
         )
-    while stored.files and state.time < _first_time(stored.files[-1]):
-        saved = saved[saved < _first_time(stored.files[-1])]
+    while stored.files and state.time < (first := _times(stored.files[-1])[0]):
+        saved = saved[saved < first]
         stored.files[-1].unlink()
     return state, len(saved)
 
@@ -278,7 +299,22 @@ def _beginning(run: Run, count: int) -> Run:
     )
 
 
-def _first_time(file: Path) -> float:
+def _times(file: Path) -> Array:
+    with _opened(file) as part:
+        return np.array(part.time)
+
+
+@contextmanager
+def _opened(file: Path) -> Iterator[xr.Dataset]:
+    """A file, of which only what is looked at is read."""
     import xarray as xr
 
-    return float(xr.load_dataset(file, engine="scipy").time[0])
+    try:
+        with xr.open_dataset(file, engine="scipy") as part:
+            yield part
+    # SciPy raises what it likes of a file that is not as it was written.
+    except (OSError, ValueError, TypeError, LookupError) as error:
+        reason = str(error).partition("\n")[0]
+        raise InputError(
+            f"{os.fspath(file)!r} is damaged ({reason}): move its folder away and stream again"
+        ) from None

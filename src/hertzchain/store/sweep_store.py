@@ -22,6 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hertzchain.errors import InputError, StoreError
+from hertzchain.store.lock import lock
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -29,6 +30,8 @@ if TYPE_CHECKING:
 SCHEMA: Final = "hertzchain sweep 1"
 MARKER: Final = "schema"
 STATUS: Final = "status"
+# Errors of a disk that is full.
+FULL: Final = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
 # Of `status`: what it says, by its value.
 MEANINGS: Final = ("missing", "done", "failed")
 MISSING, DONE, FAILED = range(len(MEANINGS))
@@ -574,24 +577,22 @@ def plain_text(dataset: xr.Dataset) -> xr.Dataset:
     return dataset.drop_vars(texts).assign_coords(texts)
 
 
-FULL: Final = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
-
-
-@contextlib.contextmanager
-def locked(folder: str | os.PathLike[str]) -> Iterator[None]:
-    """Keep others out of a store for the time of a ``with`` block.
-
-    The lock is the operating system's, on a file beside the store: it ends with the process.
+def locked(folder: str | os.PathLike[str]) -> contextlib.AbstractContextManager[None]:
+    """Keep others out of a store for the time of a ``with`` block, by a lock beside it.
 
     Parameters
     ----------
     folder : path-like
         The store.
 
+    Returns
+    -------
+    context manager
+
     Raises
     ------
     InputError
-        If another process has it.
+        If another process has it, or what is there is no store of a sweep.
 
     Examples
     --------
@@ -599,31 +600,10 @@ def locked(folder: str | os.PathLike[str]) -> Iterator[None]:
     >>> with tempfile.TemporaryDirectory() as parent, locked(Path(parent) / "sweep"):
     ...     pass
     """
-    import filelock
-
     _refuse_others(folder)
     # A store has one lock, by whatever name it is called.
     target = Path(os.path.realpath(folder))
-    file = target.with_name(f".{target.name}.lock")
-    lock = filelock.FileLock(file, timeout=0)
-    try:
-        target.parent.mkdir(parents=True, exist_ok=True)
-        # What cannot be written would look as if it were locked.
-        file.open("a").close()
-        lock.acquire()
-    except filelock.Timeout:
-        raise InputError(
-            f"another process sweeps into {os.fspath(folder)!r}: wait for it, or choose another "
-            "store"
-        ) from None
-    except OSError as error:
-        raise InputError(
-            f"cannot lock the store {os.fspath(folder)!r} ({error.strerror}); choose another place"
-        ) from None
-    try:
-        yield
-    finally:
-        lock.release()
+    return lock(target.with_name(f".{target.name}.lock"), folder)
 
 
 def _refuse_others(folder: str | os.PathLike[str]) -> None:

@@ -1,5 +1,7 @@
 import json
 import tracemalloc
+import warnings
+from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import pytest
@@ -14,6 +16,7 @@ from hertzchain.sweeps.plan import Plan
 from hertzchain.sweeps.reading import read_specification, specification_from_json
 from hertzchain.sweeps.specification import differences
 from hertzchain.sweeps.sweep import estimate
+from hertzchain.sweeps.warned import recorded
 from hertzchain.sweeps.work import _Batch
 
 FORWARD = {"taper": "forward-exponential", "beads": 40}
@@ -186,6 +189,19 @@ def test_warnings_of_theories_are_kept_and_not_shown(recwarn):
     found = swept(chain, {"rate": [0.05, 0.8]}, methods=["local-rate"])
     assert found.outside_range.values.tolist() == [[0], [1]]
     assert not recwarn.list
+
+
+def test_warnings_are_kept_from_the_threads_that_compute_alone():
+    shown = []
+    with warnings.catch_warnings(), ThreadPoolExecutor(1) as pool:
+        warnings.showwarning = lambda message, *_, **__: shown.append(str(message))
+        with recorded() as outer:
+            with recorded() as inner:
+                warnings.warn("inside", hc.ModelRangeWarning, stacklevel=1)
+            warnings.warn("around", UserWarning, stacklevel=1)
+            pool.submit(warnings.warn, "elsewhere", UserWarning).result()
+    assert (inner, outer) == ([hc.ModelRangeWarning], [UserWarning])
+    assert shown == ["elsewhere"]
 
 
 def test_options_can_vary():

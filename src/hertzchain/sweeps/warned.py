@@ -6,11 +6,13 @@ import threading
 import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
+from typing import Any
 
 # Warnings are a matter of the whole process: batches in threads share one recorder.
 _lock = threading.Lock()
-_users: list[object] = []
+_users = 0
 _quiet = warnings.catch_warnings()
+_show = warnings.showwarning
 _heard = threading.local()
 
 
@@ -31,24 +33,32 @@ def recorded() -> Iterator[list[type[Warning]]]:
     >>> heard
     [<class 'hertzchain.errors.ModelRangeWarning'>]
     """
-    global _quiet
+    global _quiet, _show, _users
     mine: list[type[Warning]] = []
     with _lock:
         if not _users:
             _quiet = warnings.catch_warnings()
             _quiet.__enter__()
+            _show = warnings.showwarning
             warnings.simplefilter("always")
-            warnings.showwarning = _hear  # type: ignore[assignment]
-        _users.append(mine)
+            warnings.showwarning = _hear
+        _users += 1
+    outer = getattr(_heard, "categories", None)
     _heard.categories = mine
     try:
         yield mine
     finally:
+        _heard.categories = outer
         with _lock:
-            _users.pop()
+            _users -= 1
             if not _users:
                 _quiet.__exit__(None, None, None)
 
 
-def _hear(_: object, category: type[Warning], *__: object, **___: object) -> None:
-    getattr(_heard, "categories", []).append(category)
+def _hear(message: Any, category: type[Warning], *where: Any, **more: Any) -> None:
+    categories = getattr(_heard, "categories", None)
+    if categories is None:
+        # Of a thread that computes no batch, such as the one that tells progress.
+        _show(message, category, *where, **more)
+    else:
+        categories.append(category)

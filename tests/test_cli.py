@@ -213,7 +213,7 @@ def test_cite(run):
         (["scoreboard", "--first-bead", "98", "--figure", "s.png"], "first_bead must be 2 to 97"),
         (["scoreboard", "--figure", "s.gif"], "must end in .png"),
         (["simulate", "--stream", "long"], "--stream needs --until"),
-        (["simulate", "--stream", "long", "--until", "-1"], "must be positive and finite, got -1"),
+        (["simulate", "--stream", "long", "--until", "-1"], "until must be above 0, got -1"),
         (["simulate", "--stream", "long", "--until", "9", "--times", "1"], "--times 1 is too few"),
         (["simulate", "--stream", "long", "--until", "9", "--out", "a.nc"],
          "--stream and --out exclude each other"),

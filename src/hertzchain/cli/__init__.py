@@ -49,10 +49,7 @@ def main() -> None:
     except (click.Abort, KeyboardInterrupt):
         click.echo("interrupted", err=True)
         code = INTERRUPTED
-    except InputError as error:
-        click.echo(f"Error: {error}", err=True)
-        code = BAD_INPUT
-    except SimulationError as error:
+    except (InputError, SimulationError) as error:
         click.echo(f"Error: {error}", err=True)
         code = BAD_INPUT
     except StoreError as error:

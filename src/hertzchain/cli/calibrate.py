@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from hertzchain.cli.options import check_known, check_writable, numbers_from, window_from
+from hertzchain.cli.options import check_writable, numbers_from, window_from
 from hertzchain.cli.progress import progress_of
 from hertzchain.cli.show import show_json, show_table
 
@@ -54,10 +54,12 @@ def calibrate(
       hertzchain calibrate --taper forward-linear --rates 0.01,0.015 --beads 60 --window 5:50
     """
     from hertzchain import calibration
+    from hertzchain.arguments import one_of
     from hertzchain.chain.chain import TAPERS
     from hertzchain.store import results
 
-    check_known("taper", tapers, TAPERS)
+    for taper in tapers:
+        one_of("taper", taper, TAPERS)
     check_writable(output, "--output", (".toml",))
     chosen = tuple(dict.fromkeys(tapers)) or TAPERS
     if rates is not None and len(chosen) != 1:

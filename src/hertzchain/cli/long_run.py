@@ -52,11 +52,11 @@ def _moments(until: float | None, times: int) -> Array:
     """Evenly spaced times from 0, as many as asked for."""
     import numpy as np
 
+    from hertzchain.checks import number
+
     if until is None:
         raise click.UsageError("--stream needs --until, the time to stop at")
-    if not 0.0 < until < np.inf:
-        raise click.UsageError(f"--until must be positive and finite, got {until:g}")
     try:
-        return np.linspace(0.0, until, times)
+        return np.linspace(0.0, number("until", until, above=0.0), times)
     except MemoryError:
         raise click.UsageError(f"--times {times} do not fit in memory: save fewer") from None

@@ -4,12 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Final
 
 import click
 
 if TYPE_CHECKING:
     from hertzchain.chain.chain import Chain
+
+# Endings of pictures.
+PICTURES: Final = (".png", ".svg", ".pdf")
 
 
 def chain_options(command: Callable[..., Any]) -> Callable[..., Any]:
@@ -42,8 +45,8 @@ def chain_from(
     beads: int | None,
 ) -> Chain:
     """The chain that the `chain_options` describe."""
+    from hertzchain.arguments import one_of
     from hertzchain.chain.chain import TAPERS, Chain
-    from hertzchain.errors import unknown_name
     from hertzchain.store.chain_files import load_chain
 
     if file is not None and chain_file is not None:
@@ -60,21 +63,11 @@ def chain_from(
         if rate is not None:
             raise click.UsageError("a uniform chain has no --rate")
         return Chain.uniform(count)
-    if taper not in TAPERS:
-        raise unknown_name("taper", taper, (*TAPERS, "uniform"))
+    one_of("taper", taper, (*TAPERS, "uniform"))
     if rate is None:
         usual = "its S, such as 0.005" if taper.endswith("linear") else "its q, such as 0.05"
         raise click.UsageError(f"--taper {taper} needs --rate, {usual}")
     return Chain.tapered(taper, rate, beads=count)
-
-
-def check_known(what: str, names: tuple[str, ...], choices: tuple[str, ...]) -> None:
-    """Refuse a name that is none of the choices."""
-    from hertzchain.errors import unknown_name
-
-    for name in names:
-        if name not in choices:
-            raise unknown_name(what, name, choices)
 
 
 def window_from(option: str, text: str) -> tuple[int, int]:

@@ -3,17 +3,14 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 import click
 
-from hertzchain.cli.options import chain_from, chain_options, check_known, check_writable
+from hertzchain.cli.options import PICTURES, chain_from, chain_options, check_writable
 from hertzchain.cli.progress import progress_of
 from hertzchain.cli.pulse_tables import side_by_side, table_of
 from hertzchain.cli.show import save_axes, show_table
-
-if TYPE_CHECKING:
-    pass
 
 METHODS: Final = (
     "propagate", "simulate", "bca", "modified-bca", "modified-bca-printed", "two-thirds-bca",
@@ -67,6 +64,7 @@ def pulse(
       hertzchain pulse --taper forward-linear --rate 0.009 --method propagate --method bca
       hertzchain pulse chain.toml --csv > pulse.csv
     """
+    from hertzchain.arguments import one_of
     from hertzchain.errors import InputError
     from hertzchain.pulse.quantities import QUANTITIES
     from hertzchain.store import results
@@ -74,9 +72,10 @@ def pulse(
 
     if as_json and as_csv:
         raise click.UsageError("--json and --csv exclude each other")
-    check_known("method", methods, METHODS)
-    check_known("quantity", (quantity,), tuple(QUANTITIES))
-    check_writable(plot, "--plot", (".png", ".svg", ".pdf"))
+    for method in methods:
+        one_of("method", method, METHODS)
+    one_of("quantity", quantity, QUANTITIES)
+    check_writable(plot, "--plot", PICTURES)
     chain = chain_from(file, chain_file, taper, rate, beads)
     with progress_of("beads passed") as progress:
         pulses = [pulse_by(method, chain, progress) for method in dict.fromkeys(methods)]

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from hertzchain.cli.options import check_known, check_writable
+from hertzchain.cli.options import PICTURES, check_writable
 from hertzchain.cli.progress import progress_of
 from hertzchain.cli.show import save_axes, show_json, show_table
 
@@ -53,11 +53,12 @@ def scoreboard(
       hertzchain scoreboard
       hertzchain scoreboard --quantity arrival --first-bead 2 --figure arrival.png
     """
+    from hertzchain.arguments import one_of
     from hertzchain.scoreboard import scoreboard as board_module
     from hertzchain.store import results
 
-    check_known("quantity", (quantity,), board_module.JUDGED)
-    check_writable(figure, "--figure", (".png", ".svg", ".pdf"))
+    one_of("quantity", quantity, board_module.JUDGED)
+    check_writable(figure, "--figure", PICTURES)
     with progress_of("chains integrated") as progress:
         board = board_module.scoreboard(progress=progress)
     what: dict[str, Any] = {"quantity": quantity, "first_bead": first_bead}

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import click
 
 from hertzchain.cli.long_run import refuse_with_stream, stream_into
-from hertzchain.cli.options import chain_from, chain_options, check_writable
+from hertzchain.cli.options import PICTURES, chain_from, chain_options, check_writable
 from hertzchain.cli.progress import progress_of
 from hertzchain.cli.show import save_axes, show_json
 
@@ -85,7 +85,7 @@ def simulate(
     from hertzchain.checks import whole_number
     from hertzchain.store.results import save_run
 
-    check_writable(plot, "--plot", (".png", ".svg", ".pdf"))
+    check_writable(plot, "--plot", PICTURES)
     check_writable(out, "--out", (".nc", ".csv"))
     if budget and as_json:
         raise click.UsageError("--budget and --json exclude each other")

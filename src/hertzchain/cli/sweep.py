@@ -9,11 +9,9 @@ from typing import Any
 import click
 
 from hertzchain.cli.exit_codes import DONE, FAILED
-from hertzchain.cli.options import check_writable
+from hertzchain.cli.options import PICTURES, check_writable
 from hertzchain.cli.progress import progress_of
 from hertzchain.cli.show import save_axes, show_json
-
-EXPORTS = (".csv", ".parquet", ".nc")
 
 
 class _Sweep(click.Group):
@@ -110,10 +108,10 @@ def status(store: Path, as_json: bool) -> int:
 @click.argument("file", type=click.Path(path_type=Path))
 def export(store: Path, file: Path) -> None:
     """Write a store as one FILE: .csv, .parquet or .nc (netCDF-4)."""
-    from hertzchain.store.sweep_files import export_sweep
+    from hertzchain.store.sweep_files import ENDINGS, export_sweep
     from hertzchain.store.sweep_store import SweepStore
 
-    check_writable(file, "FILE", EXPORTS)
+    check_writable(file, "FILE", ENDINGS)
     opened = SweepStore(store)
     with opened.read():
         export_sweep(opened.open(), file)
@@ -157,7 +155,7 @@ def plot(
     from hertzchain.plotting.sweeps import plot_sweep
     from hertzchain.store.sweep_store import SweepStore
 
-    check_writable(file, "FILE", (".png", ".svg", ".pdf"))
+    check_writable(file, "FILE", PICTURES)
     chosen = dict(map(_place, at))
     opened = SweepStore(store)
     with opened.read():

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Final, Literal
 
@@ -625,3 +625,33 @@ class Run:
 
     def __repr__(self) -> str:
         return f"Run({self.chain.description}: {self.message})"
+
+
+def beginning_of(run: Run, count: int) -> Run:
+    """The run with its first saved times only.
+
+    Parameters
+    ----------
+    run : Run
+        A run.
+    count : int
+        How many times to keep.
+
+    Returns
+    -------
+    Run
+
+    Examples
+    --------
+    >>> import hertzchain as hc
+    >>> beginning_of(hc.simulate(hc.Chain.uniform(5), times=[0.0, 1.0, 2.0]), 2).times
+    array([0., 1.])
+    """
+    return replace(
+        run,
+        times=run.times[:count],
+        positions=run.positions[:count],
+        velocities=run.velocities[:count],
+        _forces=None if run._forces is None else run._forces[:count],
+        _ledger=run._ledger[:count],
+    )

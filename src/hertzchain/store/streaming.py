@@ -15,7 +15,7 @@ import time
 import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
@@ -29,7 +29,7 @@ from hertzchain.chain.hertz_range import warn_outside_hertz
 from hertzchain.checks import real_numbers
 from hertzchain.contacts import Array
 from hertzchain.errors import InputError, ModelRangeWarning, StoreError, real_number, shown
-from hertzchain.simulation.run import Run
+from hertzchain.simulation.run import beginning_of
 from hertzchain.simulation.simulate import DEFAULT_RTOL, Progress, checked_rtol, simulate
 from hertzchain.simulation.state import State
 from hertzchain.store.lock import lock
@@ -218,7 +218,7 @@ def _go_on(
         overlaps = np.maximum(overlaps, run.largest_overlaps)
         if done + count < len(wanted):
             # The end cut the last step short: what is saved within it comes again, uncut.
-            run = _beginning(run, int(np.searchsorted(chunk, run.state.time, "right")))
+            run = beginning_of(run, int(np.searchsorted(chunk, run.state.time, "right")))
             if not len(run.times):
                 count *= 2
                 continue
@@ -285,18 +285,6 @@ def _where_it_stopped(
         saved = saved[saved < first]
         stored.files[-1].unlink()
     return state, len(saved)
-
-
-def _beginning(run: Run, count: int) -> Run:
-    """The run with its first saved times only."""
-    return replace(
-        run,
-        times=run.times[:count],
-        positions=run.positions[:count],
-        velocities=run.velocities[:count],
-        _forces=None if run._forces is None else run._forces[:count],
-        _ledger=run._ledger[:count],
-    )
 
 
 def _times(file: Path) -> Array:

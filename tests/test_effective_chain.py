@@ -132,7 +132,7 @@ CHAIN = hc.Chain.uniform(3).decorated(0.3)
         (lambda: hc.effective_chain(hc.Chain.uniform(9)), "uniform, 9 beads has none"),
         (lambda: hc.effective_chain(CHAIN, [1, 3]), r"from 1 to 5, both .* got \[1, 3\]"),
         (lambda: hc.effective_chain(CHAIN, [1, 3, 3, 5]), "rising bead numbers"),
-        (lambda: hc.effective_chain(CHAIN, [1.0, 3.5, 5.0]), "rising bead numbers"),
+        (lambda: hc.effective_chain(CHAIN, [1.0, 3.5, 5.0]), "large bead must be a whole number"),
         (lambda: hc.effective_chain(CHAIN, [1, 5]), "bead 3 lies .* has 1 of the radius"),
         (lambda: hc.effective_chain(CHAIN).spacing([1.0, 0.7]), "each of the 3 large beads"),
         (lambda: hc.effective_chain(CHAIN).spacing(0.0), "positive"),

@@ -10,13 +10,16 @@ import math
 import numbers
 import operator
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from hertzchain.contacts import Array
 from hertzchain.errors import InputError, real_number, shown
+
+# What an index of NumPy can be.
+LARGEST: Final = 2**63 - 1
 
 
 def magnitude(what: str, value: Any, unit: str | None) -> Any:
@@ -128,7 +131,7 @@ def whole_number(what: str, value: object, *, least: int, most: int | None = Non
     value : int
         What was given.
     least, most : int
-        Bounds, included.
+        Bounds, included; without an upper one, what 63 bits can say.
 
     Returns
     -------
@@ -148,6 +151,8 @@ def whole_number(what: str, value: object, *, least: int, most: int | None = Non
         count = least - 1 if isinstance(value, bool) else operator.index(value)  # type: ignore[arg-type]
     except TypeError:
         count = least - 1
+    if most is None and count > LARGEST:
+        raise InputError(f"{what} is too large: whole numbers have at most 63 bits")
     if count < least or (most is not None and count > most):
         bounds = f"of at least {least}" if most is None else f"from {least} to {most}"
         raise InputError(f"{what} must be a whole number {bounds}, got {shown(value)}")

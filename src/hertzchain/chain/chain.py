@@ -389,7 +389,7 @@ class Chain:
             if beads is None:
                 raise InputError("one radius for all beads needs their number: give beads")
             given = np.full(checked_beads(beads), given)
-        elif beads is not None and beads != len(given):
+        elif beads is not None and checked_beads(beads) != len(given):
             raise InputError(f"beads = {beads}, but there are {len(given)} radii: leave beads out")
         count = len(given)
         one = isinstance(materials, str | Material)
@@ -441,6 +441,7 @@ class Chain:
         cells = whole_number("cells", cells, least=1)
         unit = None if materials is None else "m"
         one = real_numbers("radius", magnitude("radius", cell, unit), "bead")
+        checked_beads(cells * one.size)
         radii = np.tile(np.atleast_1d(one), cells)
         if materials is None:
             return cls.from_radii(radii, **fields)

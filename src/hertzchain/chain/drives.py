@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from hertzchain.arguments import one_of
-from hertzchain.checks import column, number, real_numbers
+from hertzchain.checks import column, magnitude, number, real_numbers
 from hertzchain.contacts import Array
 from hertzchain.errors import InputError
 
@@ -70,7 +70,8 @@ class SineBurst:
         one_of("window", self.window, WINDOWS)
         _set(self, "amplitude", number("amplitude", self.amplitude, unit=_UNIT[self.of]))
         _set(self, "frequency", number("frequency", self.frequency, unit="Hz", above=0.0))
-        if self.cycles == math.inf and self.window == "none":
+        endless = isinstance(self.cycles, float) and self.cycles == math.inf
+        if endless and self.window == "none":
             return
         _set(self, "cycles", number("cycles", self.cycles, above=0.0))
         if (2.0 * self.cycles) % 1.0:
@@ -237,7 +238,8 @@ class Table:
 
     def __post_init__(self) -> None:
         _check_driven(self.of)
-        times = column("time of the drive", self.times, np.size(self.times), "row", unit="s")
+        given = real_numbers("time of the drive", magnitude("time", self.times, "s"), "row")
+        times = column("time of the drive", given, given.size, "row")
         values = column("value of the drive", self.values, len(times), "row", unit=_UNIT[self.of])
         if len(times) < 2:
             raise InputError(f"the table of a drive needs at least two times, got {len(times)}")

@@ -195,9 +195,10 @@ def _collisions(chain: Chain) -> Array:
 
 
 def _with_walls(chain: Chain, overlaps: ArrayLike) -> Array:
-    if np.size(overlaps) == chain.beads - 1:
-        overlaps = np.pad(real_numbers("overlap", overlaps, "contact").reshape(-1), 1)
-    return column("overlap", overlaps, chain.beads + 1, "contact", least=0.0)
+    values = real_numbers("overlap", overlaps, "contact")
+    if values.size == chain.beads - 1:
+        values = np.pad(values.reshape(-1), 1)
+    return column("overlap", values, chain.beads + 1, "contact", least=0.0)
 
 
 def _wall_material(chain: Chain, wall: Wall | None, bead: int) -> Material:

@@ -14,6 +14,7 @@ import numpy as np
 
 from hertzchain.chain.materials import Material, MaterialLike
 from hertzchain.chain.materials import material as material_named
+from hertzchain.chain.sizes import checked_beads
 from hertzchain.checks import number, whole_number
 from hertzchain.contacts import Array
 from hertzchain.errors import InputError, shown
@@ -206,6 +207,7 @@ def _decorated_radii(
     if (ratio is None) == (radius is None):
         raise InputError("small beads have a ratio to their neighbours or a radius: give one")
     between = whole_number("between", between, least=1)
+    checked_beads(len(radii) + between * (len(radii) - 1))
     left, right = radii[:-1], radii[1:]
     if ratio is not None:
         small = number("ratio of small to large beads", ratio, above=0.0) * np.sqrt(left * right)

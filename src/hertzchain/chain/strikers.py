@@ -12,6 +12,7 @@ import numpy as np
 
 from hertzchain.chain.materials import Material, MaterialLike, contact_modulus, sphere_stiffness
 from hertzchain.chain.materials import material as material_named
+from hertzchain.chain.sizes import checked_beads
 from hertzchain.checks import number, whole_number
 from hertzchain.contacts import HERTZ_EXPONENT, hertz_stiffness
 from hertzchain.errors import InputError
@@ -82,6 +83,7 @@ def struck_by(
     1.833
     """
     count = whole_number("count of strikers", count, least=1)
+    checked_beads(self.beads + count)
     own, radius, mass, drawn = _striker(self, radius, mass, material)
     speed = number("velocity of the strikers", velocity, unit=self._unit("m/s"))
     distance = number("gap", gap, unit=self._unit("m"), least=0.0)
@@ -122,7 +124,7 @@ def _striker(
     sphere = 0.0 if mass is None else float(np.cbrt(mass / _sphere_mass(chain, 1.0, own)))
     if radius is None:
         return own, sphere, None, sphere
-    if radius == math.inf:
+    if isinstance(radius, float) and radius == math.inf:
         if mass is None:
             raise InputError("a flat striker needs a mass: no sphere says what it weighs")
         return own, math.inf, mass, sphere

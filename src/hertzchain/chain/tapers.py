@@ -40,7 +40,8 @@ def rate_symbol(taper: str) -> Literal["S", "q"]:
     'S'
     """
     if not isinstance(taper, str) or taper not in TAPERS:
-        hint = "; equal beads are Chain.uniform" if taper == "uniform" else ""
+        uniform = isinstance(taper, str) and taper == "uniform"
+        hint = "; equal beads are Chain.uniform" if uniform else ""
         raise InputError(str(unknown_name("taper", taper, TAPERS)) + hint)
     return "S" if taper.endswith("linear") else "q"
 

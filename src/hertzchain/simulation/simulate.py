@@ -176,10 +176,10 @@ class _Frames:
         self.begin = begin
         if not isinstance(times, int | np.integer) or isinstance(times, bool):
             self.times = _checked_times(chain, times, begin, until)
-        elif times < 0 or times == 1:
-            raise InputError(f"times must be 0 or at least 2 when it is a number, got {times}")
+        elif (count := whole_number("times", times, least=0)) == 1:
+            raise InputError("times must be 0 or at least 2 when it is a number, got 1")
         else:
-            count = _fitting_count(chain, int(times))
+            _check_memory(chain, count)
             if until is None and count > 0:
                 self.spacing = 0.5 * float(transit_times(chain).sum()) / count
                 self.times = begin + self.spacing * np.arange(count)
@@ -355,15 +355,12 @@ def _check_end(chain: Chain, until: float | None, times: int | ArrayLike, begin:
 
 
 def _checked_times(chain: Chain, times: ArrayLike, begin: float, until: float | None) -> Array:
-    if isinstance(times, str | bool | float | None) or not np.size(times):
+    one = isinstance(times, str | bool | float | None)
+    if one or (values := real_numbers("time", times)).ndim != 1 or not values.size:
         raise InputError(
             f"times must be a whole number or a list of increasing numbers, got {shown(times)}"
         )
-    given = real_numbers("time", times)
-    if given.ndim != 1:
-        raise InputError(f"times must be numbers in one row, got {shown(times)}")
-    _fitting_count(chain, given.size)
-    values = given
+    _check_memory(chain, values.size)
     good = np.isfinite(values) & (np.diff(values, prepend=-np.inf) > 0.0) & (values >= 0.0)
     if not good.all():
         bad = int(np.argmin(good))
@@ -383,12 +380,12 @@ def _checked_times(chain: Chain, times: ArrayLike, begin: float, until: float | 
     return values
 
 
-def _fitting_count(chain: Chain, frames: int) -> int:
-    """The number of saved times, if they fit in memory."""
+def _check_memory(chain: Chain, frames: int) -> None:
+    """Refuse more saved times than fit in memory."""
     # Positions and velocities, 8 bytes each, and once more while they are put together.
     needed = frames * chain.beads * 2 * 8 * 2
     if needed < 2**28:
-        return frames
+        return
     import psutil
 
     free = psutil.virtual_memory().available
@@ -397,4 +394,3 @@ def _fitting_count(chain: Chain, frames: int) -> int:
             f"{frames} saved times of {chain.beads} beads need {needed / 2**30:.1f} GiB, "
             f"and {free / 2**30:.1f} GiB are free: save fewer times"
         )
-    return frames

@@ -21,7 +21,7 @@ from numpy.typing import ArrayLike, NDArray
 from hertzchain.arguments import listed
 from hertzchain.chain.chain import Chain
 from hertzchain.chain.coverage import require
-from hertzchain.checks import real_numbers
+from hertzchain.checks import real_numbers, whole_number
 from hertzchain.contacts import (
     Array,
     collision_cascade,
@@ -259,9 +259,9 @@ def _detected(chain: Chain) -> NDArray[Any]:
 
 
 def _checked_large(chain: Chain, large: Sequence[int]) -> NDArray[Any]:
-    index = np.asarray(listed("large", large, "bead numbers"))
-    whole = index.ndim == 1 and len(index) >= 2 and np.issubdtype(index.dtype, np.integer)
-    ends = whole and index[0] == 1 and index[-1] == chain.beads
+    given = listed("large", large, "bead numbers")
+    index = np.array([whole_number("large bead", k, least=1, most=chain.beads) for k in given])
+    ends = len(index) >= 2 and index[0] == 1 and index[-1] == chain.beads
     if not ends or np.any(np.diff(index) <= 0):
         raise InputError(
             f"large must be rising bead numbers from 1 to {chain.beads}, both included (the first "

@@ -24,10 +24,11 @@ from typing import ClassVar, Literal
 
 import numpy as np
 
+from hertzchain.arguments import one_of
 from hertzchain.chain.chain import TAPERS, Chain, Taper, rate_symbol
 from hertzchain.chain.coverage import check_chain, require
 from hertzchain.contacts import Array
-from hertzchain.errors import InputError, ModelRangeWarning, unknown_name
+from hertzchain.errors import InputError, ModelRangeWarning
 from hertzchain.pulse.pulse import Pulse
 from hertzchain.theory.bca import bca
 
@@ -167,6 +168,8 @@ def modified_bca(
             f"modified_bca has constants for Hertz contacts (exponent 1.5), got p = "
             f"{chain.exponent:g}; use bca"
         )
+    if not isinstance(coefficients, Correction):
+        one_of("coefficients", coefficients, ("calibrated", "printed"))
     low, high = FITTED_RATES[chain.taper]
     if isinstance(coefficients, str) and not low <= chain.rate <= high:
         warnings.warn(
@@ -176,17 +179,15 @@ def modified_bca(
             stacklevel=2,
         )
     k = np.arange(1, chain.beads + 1)
-    if isinstance(coefficients, str) and coefficients == "printed":
+    if coefficients == "printed":
         velocity = printed_velocity(chain.taper, chain.rate, k)
         method = "modified BCA, printed"
     else:
         if isinstance(coefficients, Correction):
             correction, method = coefficients, "modified BCA"
-        elif coefficients == "calibrated":
+        else:
             correction = calibrated_corrections()[chain.taper]
             method = "modified BCA, calibrated"
-        else:
-            raise unknown_name("coefficients", coefficients, ("calibrated", "printed"))
         velocity = correction.velocity(bca(chain).velocity, chain.rate, k)
     velocity[0] = 1.0
     return Pulse(chain=chain, method=method, velocity=velocity)

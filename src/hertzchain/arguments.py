@@ -7,6 +7,8 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from hertzchain.errors import InputError, shown, unknown_name
 
 
@@ -95,8 +97,7 @@ def truth(what: str, value: object) -> bool:
     >>> truth("check", True)
     True
     """
-    # NumPy has truth values of its own.
-    if type(value).__name__ not in ("bool", "bool_"):
+    if not isinstance(value, bool | np.bool_):
         raise InputError(f"{what} must be True or False, got {shown(value)}")
     return bool(value)
 

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import platform
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from importlib.metadata import version
-from typing import Any, Final
+from typing import Any
 
 import numpy as np
 
@@ -16,11 +17,6 @@ from hertzchain.sweeps.axes import SI, Axis
 from hertzchain.sweeps.plan import Plan
 from hertzchain.sweeps.specification import WALL_QUANTITIES
 from hertzchain.sweeps.work import Result
-
-WALL_UNITS: Final = {
-    "wall_peak_force": "N", "wall_peak_time": "s", "wall_first_impulse": "N s",
-    "wall_impulse": "N s",
-}  # fmt: skip
 
 
 def variables_of(plan: Plan) -> dict[str, Variable]:
@@ -70,28 +66,28 @@ def bytes_of(plan: Plan) -> int:
 
 def _by_batch(plan: Plan) -> dict[str, Variable]:
     found = {name: _kept(plan, name) for name in plan.variables}
-    methods = plan.specification.methods
-    labels: dict[str, tuple[str, dict[str, Any]]] = {
-        "outside_range": ("i1", {"long_name": "1 where the method says it is outside its range"}),
-        "reason": ("str", {"long_name": "why the method failed; empty if it did not"}),
-        STATUS: ("i1", {
-            "long_name": "what became of the point",
-            "flag_values": list(range(len(MEANINGS))), "flag_meanings": " ".join(MEANINGS),
-        }),
-    }  # fmt: skip
-    for name, (dtype, attributes) in labels.items():
-        found[name] = Variable(
-            (*plan.dimensions, "by"), (*plan.shape, len(methods)),
-            (*plan.block, len(methods)), dtype, attributes,
-        )  # fmt: skip
+    if plan.judged:
+        said = {"long_name": "1 where the method says it is outside its range"}
+        found["outside_range"] = _by_method(plan, "i1", said)
+    why = {"long_name": "why the method failed; empty if it did not"}
+    found["reason"] = _by_method(plan, "str", why)
     if plan.ragged:
-        attributes = {"long_name": "number of beads", "units": "1"}
-        found["beads"] = Variable(plan.dimensions, plan.shape, plan.block, "i8", attributes)
-    if not plan.judged:
-        del found["outside_range"]
+        count = {"long_name": "number of beads", "units": "1"}
+        found["beads"] = Variable(plan.dimensions, plan.shape, plan.block, "i8", count)
     # The status goes last wherever they are written in order.
-    found[STATUS] = found.pop(STATUS)
+    found[STATUS] = _by_method(plan, "i1", {
+        "long_name": "what became of the point",
+        "flag_values": list(range(len(MEANINGS))), "flag_meanings": " ".join(MEANINGS),
+    })  # fmt: skip
     return found
+
+
+def _by_method(plan: Plan, dtype: str, attributes: dict[str, Any]) -> Variable:
+    """One value for each point and method."""
+    methods = len(plan.specification.methods)
+    return Variable(
+        (*plan.dimensions, "by"), (*plan.shape, methods), (*plan.block, methods), dtype, attributes
+    )
 
 
 def attributes_of(plan: Plan) -> dict[str, str]:
@@ -158,16 +154,14 @@ def columns_of(plan: Plan, result: Result) -> Mapping[str, Any]:
 
 def _kept(plan: Plan, name: str) -> Variable:
     spec, si = plan.specification, plan.units == "SI"
-    dimensions, methods = (*plan.dimensions, "by"), len(spec.methods)
-    shape, chunk = (*plan.shape, methods), (*plan.block, methods)
     if name in WALL_QUANTITIES:
-        unit = WALL_UNITS[name] if si else "1"
-        attributes = {"long_name": WALL_QUANTITIES[name][1], "units": unit}
-        return Variable(dimensions, shape, chunk, "f8", attributes)
+        _, what, unit = WALL_QUANTITIES[name]
+        attributes = {"long_name": what, "units": unit if si else "1"}
+        return _by_method(plan, "f8", attributes)
     if name.startswith("worst_error_of_"):
         what = name.removeprefix("worst_error_of_")
         told = f"largest relative error of {what}, k >= 2, against {spec.reference}"
-        return Variable(dimensions, shape, chunk, "f8", {"long_name": told, "units": "1"})
+        return _by_method(plan, "f8", {"long_name": told, "units": "1"})
     quantity: Quantity = name.removeprefix("relative_error_of_")  # type: ignore[assignment]
     if name in QUANTITIES:
         symbol, description = QUANTITIES[quantity]
@@ -176,13 +170,15 @@ def _kept(plan: Plan, name: str) -> Variable:
     else:
         told = f"relative error of {quantity} against {spec.reference}"
         attributes = {"long_name": told, "units": "1"}
+    one = _by_method(plan, "f8", attributes)
     if spec.at == "last":
-        return Variable(dimensions, shape, chunk, "f8", attributes)
-    beads = _beads_kept(plan, contact=quantity in PER_CONTACT)
+        return one
+    beads = len(_beads_kept(plan, contact=quantity in PER_CONTACT))
     along = "contact" if quantity in PER_CONTACT else "bead"
-    return Variable(
-        (*dimensions, along), (*shape, len(beads)), (*chunk, len(beads)), "f8", attributes
-    )
+    return replace(
+        one, dimensions=(*one.dimensions, along), shape=(*one.shape, beads),
+        chunk=(*one.chunk, beads),
+    )  # fmt: skip
 
 
 def _beads_kept(plan: Plan, *, contact: bool) -> Sequence[int]:

@@ -186,7 +186,7 @@ def dask_pool(address: str, *, workers: int = 1) -> Iterator[Executor]:
     a scheduler's address looks like tcp://127.0.0.1:8786, got 'no address'
     """
     try:
-        from distributed import Client, Security
+        from distributed import Security
     except ImportError:
         raise InputError(
             "a dask scheduler needs the package distributed: pip install 'hertzchain[cluster]'"
@@ -201,8 +201,30 @@ def dask_pool(address: str, *, workers: int = 1) -> Iterator[Executor]:
         raise InputError(
             f"{address} needs certificates: name them in dask's configuration, distributed.comm.tls"
         )
-    # What becomes of the scheduler is told by the sweep.
-    logging.getLogger("distributed.client").setLevel(logging.CRITICAL + 1)
+    with _quiet("distributed.client"), _client(address) as client:
+        threads = _wait_for(client, workers, address)
+        _check_versions(client.run(_version_here))
+        with client.get_executor(pure=False) as pool:
+            pool.workers = threads
+            yield pool
+
+
+@contextmanager
+def _quiet(name: str) -> Iterator[None]:
+    """What becomes of a scheduler is told by the sweep, not by a log."""
+    log = logging.getLogger(name)
+    level = log.level
+    log.setLevel(logging.CRITICAL + 1)
+    try:
+        yield
+    finally:
+        log.setLevel(level)
+
+
+@contextmanager
+def _client(address: str) -> Iterator[Any]:
+    from distributed import Client
+
     try:
         client = Client(address, timeout=PATIENCE, set_as_default=False)  # type: ignore[no-untyped-call]
     except (OSError, ValueError) as error:
@@ -212,11 +234,7 @@ def dask_pool(address: str, *, workers: int = 1) -> Iterator[Executor]:
             "between"
         ) from None
     try:
-        threads = _wait_for(client, workers, address)
-        _check_versions(client.run(_version_here))
-        with client.get_executor(pure=False) as pool:  # type: ignore[no-untyped-call]
-            pool.workers = threads
-            yield pool
+        yield client
     finally:
         client.close()  # type: ignore[no-untyped-call]
 

@@ -9,13 +9,16 @@ from typing import Any, Final
 
 from hertzchain.sweeps.axes import Axis
 
-# Quantities of the right wall, of `simulate` alone, and what `WallForce` calls them.
-WALL_QUANTITIES: Final[Mapping[str, tuple[str, str]]] = {
-    "wall_peak_force": ("peak", "largest force on the right wall"),
-    "wall_peak_time": ("peak_time", "time of the largest force on the right wall"),
-    "wall_first_impulse": ("first_impulse", "impulse of the first contact with the right wall"),
-    "wall_impulse": ("impulse", "impulse of the right wall in the whole run"),
-}
+# Quantities of the right wall, of `simulate` alone: what `WallForce` calls them, what they are,
+# their unit in SI.
+WALL_QUANTITIES: Final[Mapping[str, tuple[str, str, str]]] = {
+    "wall_peak_force": ("peak", "largest force on the right wall", "N"),
+    "wall_peak_time": ("peak_time", "time of the largest force on the right wall", "s"),
+    "wall_first_impulse": (
+        "first_impulse", "impulse of the first contact with the right wall", "N s",
+    ),
+    "wall_impulse": ("impulse", "impulse of the right wall in the whole run", "N s"),
+}  # fmt: skip
 # Names that axes cannot have, since the dataset needs them.
 TAKEN: Final = ("by", "bead", "contact", "point", "status", "reason", "outside_range")
 

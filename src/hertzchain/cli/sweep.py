@@ -199,12 +199,13 @@ def _place(text: str) -> tuple[str, Any]:
 
 
 def _show_estimate(specification: Path, workers: int | None, as_json: bool) -> None:
+    from hertzchain.store.results import SCHEMA_VERSION
     from hertzchain.sweeps.sweep import estimate
 
     found = estimate(specification, workers=workers)
     if as_json:
         show_json({
-            "schema_version": 1, "points": found.points, "batches": found.batches,
+            "schema_version": SCHEMA_VERSION, "points": found.points, "batches": found.batches,
             "bytes_on_disk": found.bytes_on_disk, "seconds": found.seconds,
         })  # fmt: skip
         return
@@ -216,6 +217,7 @@ def _show_estimate(specification: Path, workers: int | None, as_json: bool) -> N
 
 
 def _show_outcome(store: Path, part: tuple[int, int] | None, as_json: bool) -> int:
+    from hertzchain.store.results import SCHEMA_VERSION
     from hertzchain.store.sweep_store import SweepStore
 
     opened = SweepStore(store)
@@ -223,7 +225,7 @@ def _show_outcome(store: Path, part: tuple[int, int] | None, as_json: bool) -> i
     failures = opened.failures(5) if counts["failed"] else []
     if as_json:
         show_json({
-            "schema_version": 1, "store": str(store), **counts,
+            "schema_version": SCHEMA_VERSION, "store": str(store), **counts,
             "outside_range": outside,
             "failures": [{"point": place, "reason": reason} for place, reason in failures],
         })  # fmt: skip

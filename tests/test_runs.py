@@ -517,3 +517,77 @@ def test_contacts_that_stick_and_come_loose_do_not_stop_the_clock(ratio, rtol):
         chain.replace(loss=hc.UnloadingRatio(ratio)), times=0, rtol=rtol, max_steps=5000
     )
     assert np.all(np.diff(run.pulse().arrival) > 0.0)
+
+
+@pytest.mark.parametrize("law", LAWS, ids=repr)
+def test_the_first_contact_with_a_wall_ends_with_its_force(law):
+    wall = hc.Wall(stiffness=1.0)
+    chain = hc.Chain.uniform(3).replace(right_wall=wall, left_wall=wall, loss=law)
+    run = hc.simulate(chain, until=20.0, times=4001)
+    felt = run.wall_force()
+    pushed = felt.force != 0.0
+    begin = int(np.argmax(pushed))
+    end = begin + int(np.argmin(pushed[begin:]))
+    # The clock may show it a step late, of what is then a free flight.
+    assert run.times[end - 1] <= felt.first_end < run.times[end] + 0.1
+    sampled = np.trapezoid(felt.force[:end], run.times[:end])
+    assert felt.first_impulse == pytest.approx(sampled, rel=3e-3)
+
+
+@pytest.mark.parametrize("law", [None, hc.Dashpot(0.1), hc.Viscoelastic(0.1)], ids=repr)
+def test_a_wall_that_comes_and_goes_is_met(law):
+    """Within a period the wall goes away and returns: no step may pass over its visit."""
+    drive = hc.SineBurst(-0.6, 0.4, cycles=1.0, of="displacement", window="none")
+    chain = hc.Chain.uniform(3).replace(left_wall=hc.Wall(gap=0.3), drive=drive, loss=law)
+    run = hc.simulate(chain, times=[2.4])
+    forces = {
+        None: lambda d, _c, k, _mu, p: k * d**p,
+        hc.Dashpot(0.1): lambda d, c, k, _mu, p: k * d**p + 0.1 * c,
+        hc.Viscoelastic(0.1): lambda d, c, k, _mu, p: np.maximum(
+            k * (d**p + p * 0.1 * d ** (p - 1.0) * c), 0.0
+        ),
+    }
+    _, velocities = by_scipy(chain, [0.0, 2.4], forces[law])
+    np.testing.assert_allclose(run.velocities[-1], velocities[-1], atol=9e-11)
+
+
+@pytest.mark.parametrize("law", [None, hc.Dashpot(0.1)], ids=repr)
+def test_a_bead_that_barely_reaches_a_wall_feels_it(law):
+    """Thrown up to a height of 0.25 below a wall at 0.2499."""
+    chain = hc.Chain.uniform(2).replace(
+        gravity=2.0, left_wall=hc.Wall(gap=0.2499), gaps=1e5, velocities=[-1.0, 0.0], loss=law
+    )
+    impulse = hc.simulate(chain, times=[5.0]).wall_force("left").impulse
+    # The force k d^p of a flight that goes on, over the 0.02 that it is beyond the wall.
+    t = np.linspace(-0.01, 0.01, 2001)
+    d, closing = 1e-4 - t**2, -2.0 * t
+    damped = 0.0 if law is None else 0.1 * closing
+    force = np.sqrt(2.0) * np.maximum(d, 0.0) ** 1.5 + damped
+    assert impulse == pytest.approx(np.trapezoid(force, t), rel=2e-3)
+
+
+def test_a_chain_that_falls_freely_is_struck_as_one_at_rest():
+    chain = hc.Chain.uniform(12).replace(masses=np.linspace(1.0, 3.0, 12))
+    resting = hc.simulate(chain, until=25.0).pulse()
+    for gravity in (0.1, -0.1):
+        falling = hc.simulate(chain.replace(gravity=gravity), until=25.0)
+        np.testing.assert_allclose(falling._crossings[0], resting.arrival[1:], rtol=1e-12)
+        np.testing.assert_allclose(falling._crossings[1], resting.peak_overlap, rtol=1e-12)
+
+
+def test_beads_that_part_do_not_hold_each_other():
+    chain = hc.Chain.uniform(3).replace(velocities=[-1.0, 0.0, 0.0], loss=hc.Dashpot(0.5))
+    assert (hc.simulate(chain, until=1.0).forces == 0.0).all()
+    law = hc.Restitution(0.3, attractive=False)
+    held = chain.replace(precompression=1.0, held_by="force", loss=law, velocities=[-9.0, 0, 0])
+    run = hc.simulate(held, until=1.0, times=20)
+    assert (run.forces >= 0.0).all()
+    assert np.abs(run.budget().residual("energy")).max() < 1e-14
+
+
+def test_the_same_waves_arrive_beside_a_wall_that_is_far():
+    chain = hc.Chain.uniform(6).replace(velocities=[1.0, 0, 0, 0, 0, -1.0])
+    walled = chain.replace(left_wall=hc.Wall(gap=1e4))
+    plain, bench = (hc.simulate(each, until=8.0)._crossings[0] for each in (chain, walled))
+    np.testing.assert_allclose(plain, bench, rtol=1e-12)
+    np.testing.assert_allclose(plain, plain[::-1], rtol=1e-12)

@@ -9,7 +9,16 @@ from __future__ import annotations
 
 from hertzchain.kernels.dense import find_coefficients, slope, state_within, value
 from hertzchain.kernels.dop853 import STAGES, STEP_STAGES
-from hertzchain.kernels.forces import LEDGER, LEFT_IMPULSE, RIGHT_IMPULSE, copy, derivative, force
+from hertzchain.kernels.forces import (
+    LEDGER,
+    LEFT_IMPULSE,
+    RIGHT_IMPULSE,
+    copy,
+    derivative,
+    force,
+    overlap_and_closing,
+    wall_motion,
+)
 from hertzchain.kernels.options import compiled
 from hertzchain.kernels.records import (
     CROSSING_TIME,
@@ -115,6 +124,23 @@ def may_cross(c, stages):
 
 
 @compiled
+def touch(c, y, y_new, setup, contacts):
+    """Whether beads c and c + 1 overlap at an end of the step.
+
+    On a bench they may fall together, or come near over a gap; the overlap must be more than
+    rounding makes of their places.
+    """
+    if contacts is None:
+        return True
+    gap = setup.gap[c + 1]
+    for state in (y, y_new):
+        left, right = state[c], state[c + 1]
+        if left - right - gap > REACHED * (abs(left) + abs(right)):
+            return True
+    return False
+
+
+@compiled
 def record_peaks(h, time, y, y_new, stages, dense, setup, contacts, expected, peaks):
     """First maxima of velocity within the step, of the beads where one is expected."""
     beads = len(setup.inverse_mass)
@@ -198,7 +224,7 @@ def record_stops(clock, counts, y, stages, scale, gap, first, crossings):
 
 
 @compiled
-def expect_events(y_new, stages, scale, contacts, peaks, crossings, expected):
+def expect_events(y, y_new, stages, scale, setup, contacts, peaks, crossings, expected):
     """Mark the beads and contacts whose first peak or crossing may lie within the step."""
     beads = len(scale)
     anything = False
@@ -206,10 +232,10 @@ def expect_events(y_new, stages, scale, contacts, peaks, crossings, expected):
         reached = y_new[beads + k] > REACHED * scale[k]
         peak = reached and peaks[PEAK_TIME, k] == 0.0 and may_peak(k, beads, stages)
         waiting = crossings[CROSSING_TIME, k - 1] == 0.0
-        if contacts is not None:
-            # Before a wall a bead may have turned round.
-            reached = abs(y_new[beads + k]) > REACHED * scale[k]
-        crossing = reached and waiting and may_cross(k - 1, stages)
+        # A bead may have turned round, or have come from the other end.
+        met = abs(y_new[beads + k]) > REACHED * scale[k]
+        crossing = met and waiting and may_cross(k - 1, stages)
+        crossing = crossing and touch(k - 1, y, y_new, setup, contacts)
         expected[0, k] = peak
         expected[1, k - 1] = crossing
         anything = anything or peak or crossing
@@ -218,7 +244,7 @@ def expect_events(y_new, stages, scale, contacts, peaks, crossings, expected):
 
 @compiled
 def record_walls(time, h, y, y_new, stages, dense, walls):
-    """Largest force on each wall, and the impulse until the first contact with it ends."""
+    """Largest force on each wall."""
     ledger = len(y) - LEDGER
     for side in range(2):
         i = ledger + LEFT_IMPULSE + side
@@ -242,10 +268,25 @@ def record_walls(time, h, y, y_new, stages, dense, walls):
             if top > walls[WALL_PEAK, side]:
                 walls[WALL_PEAK, side] = top
                 walls[WALL_PEAK_TIME, side] = time + 0.5 * (low + high) * h
-        ended = y_new[i] != 0.0 and stages[STEP_STAGES, i] == 0.0
-        if ended and walls[FIRST_END, side] == 0.0:
-            walls[FIRST_IMPULSE, side] = y_new[i]
-            walls[FIRST_END, side] = time + h
+
+
+@compiled
+def record_wall_ends(time, y, rates, setup, segment, walls):
+    """Impulse of the first contact with each wall, between two steps, where it has ended.
+
+    A wall that a bead comes near may have had a push of rounding from the stages of a step.
+    """
+    beads = len(setup.inverse_mass)
+    for side in range(2):
+        i, c = 2 * beads + LEFT_IMPULSE + side, side * beads
+        pushed = y[i] != 0.0 and rates[i] == 0.0 and setup.stiffness[c] > 0.0
+        if not pushed or walls[FIRST_END, side] != 0.0:
+            continue
+        wall = wall_motion(time, setup, segment)
+        _, closing = overlap_and_closing(c, y, beads, setup.gap[c], wall)
+        if closing < 0.0:
+            walls[FIRST_IMPULSE, side] = y[i]
+            walls[FIRST_END, side] = time
 
 
 @compiled
@@ -292,7 +333,7 @@ def record_step(
     """All that a completed step has to show; its interpolant is made if that is anything."""
     frame = counts[FRAMES]
     save = frame < len(frame_times) and frame_times[frame] <= time_new
-    event = expect_events(y_new, stages, scale, contacts, peaks, crossings, expected)
+    event = expect_events(y, y_new, stages, scale, setup, contacts, peaks, crossings, expected)
     walled = contacts is not None and wall_pushed(stages)
     if (save or event or walled) and not dense_is_found:
         complete_stages(time, y, h, setup, contacts, segment, stages, trial)

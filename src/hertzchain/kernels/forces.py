@@ -145,6 +145,20 @@ def drive_at(time, setup, segment):
 
 
 @compiled
+def reach_of_wall(time, setup, segment):
+    """Bounds of the drive's size and acceleration from the start of a piece of it on."""
+    t = time - setup.piece_starts[segment]
+    c = setup.pieces[segment]
+    size = abs(c[0]) + t * (abs(c[1]) + t * (abs(c[2]) + t * abs(c[3])))
+    second = 2.0 * abs(c[2]) + 6.0 * abs(c[3]) * t
+    for i in range(SINES):
+        amplitude, w = abs(c[CUBIC + 2 * i]), c[CUBIC + 2 * i + 1]
+        size += amplitude
+        second += amplitude * w * w
+    return size, second
+
+
+@compiled
 def overlap_and_closing(c, y, beads, gap, wall):
     """Overlap of contact c and the speed at which it grows; ``wall`` is the left wall's motion."""
     left, left_speed = wall[0], wall[1]

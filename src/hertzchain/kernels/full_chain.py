@@ -17,7 +17,7 @@ import numpy as np
 from hertzchain.kernels.balance import in_motion, note_drift
 from hertzchain.kernels.dense import COEFFICIENTS
 from hertzchain.kernels.dop853 import STAGES, STEP_STAGES
-from hertzchain.kernels.events import record_jumps, record_step, record_stops
+from hertzchain.kernels.events import record_jumps, record_step, record_stops, record_wall_ends
 from hertzchain.kernels.forces import (
     NOTHING,
     UNLOADING,
@@ -48,7 +48,14 @@ from hertzchain.kernels.step import (
     try_step,
     velocity_scale,
 )
-from hertzchain.kernels.switching import STILL, first_modes, first_switch, forget_unloading, switch
+from hertzchain.kernels.switching import (
+    STILL,
+    first_modes,
+    first_switch,
+    forget_unloading,
+    may_close_unseen,
+    switch,
+)
 from hertzchain.kernels.window import (
     bounds,
     contacts_within,
@@ -170,6 +177,11 @@ def advance_window(
             if not clock[STEP] > SMALLEST_STEP:
                 return STEP_TOO_SMALL, tried
             continue
+        if contacts is not None and may_close_unseen(
+            time, h, y, y_new, stages, scale, setup, segment, rtol
+        ):
+            clock[STEP] = 0.5 * h
+            continue
         if outrun(y, y_new, low, low + beads, all_beads):
             return OUTRUN, tried - 1
         if stop_when_left and error == 0.0 and nothing_can_happen(y, setup, contacts):
@@ -219,6 +231,8 @@ def advance_window(
             counts[PEAKS] += record_jumps(time_new, y, stages, scale, peaks)
             if contacts is not None:
                 record_stops(clock, counts, y, stages, scale, setup.gap, low, crossings)
+        if contacts is not None:
+            record_wall_ends(time_new, y, stages[0], setup, counts[SEGMENT], walls)
         note_drift(y, clock, setup, contacts, counts[SEGMENT], flying, False)
         left = counts[PEAKS] == all_beads - 1 and counts[CROSSINGS] == all_beads - 1
         if stop_when_left and left:

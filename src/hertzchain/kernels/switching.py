@@ -1,7 +1,8 @@
 r"""When a contact leaves its mode: the moment is found, and the step ends there.
 
 What the modes are stands in `hertzchain.kernels.forces`.  They are kept within a step, so that the
-forces are smooth; here is which contact must leave its mode first, when, and into which.
+forces are smooth; here is which contact must leave its mode first, when, and into which, and
+whether one may have closed and opened again within a step, unseen.
 """
 
 from __future__ import annotations
@@ -13,6 +14,7 @@ from hertzchain.kernels.forces import (
     DAMPED,
     LOADED,
     LOST,
+    MOVING_WALL,
     PLASTIC,
     RELEASED,
     STUCK,
@@ -22,6 +24,7 @@ from hertzchain.kernels.forces import (
     force,
     overlap_and_closing,
     potential,
+    reach_of_wall,
     signed_power,
     wall_motion,
 )
@@ -34,17 +37,8 @@ STILL = 1e-14
 # A force within this part of a bound is on it: a contact at rest must not change its mode
 # for rounding.
 EVEN = 1e-13
-
-
-@compiled
-def first_modes(y, setup, contacts):
-    """Touching counts as closed and rest as loading: what comes next is a push."""
-    wall = wall_motion(0.0, setup, 0)
-    for c in range(len(setup.stiffness)):
-        overlap, closing = overlap_and_closing(c, y, len(setup.inverse_mass), setup.gap[c], wall)
-        contacts.largest[c] = max(overlap, 0.0)
-        loaded = overlap >= 0.0 if setup.law.kind == DAMPED else closing >= 0.0
-        contacts.mode[c] = LOADED if loaded else RELEASED
+# An overlap of this part of a wall's way may go unseen: a wall may rest where a bead touches it.
+UNSEEN = 1e-10
 
 
 @compiled
@@ -67,6 +61,67 @@ def must_switch(overlap, closing, stiffness, damping, mode, largest, held, law, 
         return closing > still
     loading = force(overlap, stiffness, law.exponent)
     return held > (1.0 + EVEN) * loading or held < (1.0 - EVEN) * law.kept * loading
+
+
+@compiled
+def first_modes(y, setup, contacts):
+    """Touching counts as closed and rest as loading: what comes next is a push.
+
+    Beads that part from the start on do not hold each other.
+    """
+    beads, law, wall = len(setup.inverse_mass), setup.law, wall_motion(0.0, setup, 0)
+    mode, largest = contacts.mode, contacts.largest
+    for c in range(beads + 1):
+        stiffness, damping = setup.stiffness[c], setup.damping[c]
+        overlap, closing = overlap_and_closing(c, y, beads, setup.gap[c], wall)
+        largest[c] = max(overlap, 0.0)
+        parts = closing < 0.0
+        if law.kind == DAMPED:
+            parts = (overlap == 0.0 and parts) or must_switch(
+                overlap, closing, stiffness, damping, LOADED, largest[c], 0.0, law, 0.0
+            )
+        mode[c] = RELEASED if parts else LOADED
+        if law.kind == DAMPED and parts:
+            y[2 * beads + LOST] += potential(overlap, stiffness, LOADED, largest[c], law)
+
+
+@compiled
+def sharpest_turn(c, beads, stages):
+    """Largest relative acceleration of the two beads of contact c at the stages of a step."""
+    sharpest = 0.0
+    for j in range(STEP_STAGES + 1):
+        left = stages[j, beads + c - 1] if c > 0 else 0.0
+        right = stages[j, beads + c] if c < beads else 0.0
+        sharpest = max(sharpest, abs(left - right))
+    return sharpest
+
+
+@compiled
+def may_close_unseen(time, h, y, y_new, stages, scale, setup, segment, rtol):
+    """Whether a contact, open at both ends of a step, may have been closed in between.
+
+    With relative accelerations of at most a, beads come no nearer to each other than at the ends
+    but for a h^2/8.
+    """
+    beads, drive = len(setup.inverse_mass), setup.drive
+    before, after = wall_motion(time, setup, segment), wall_motion(time + h, setup, segment)
+    for c in range(beads + 1):
+        if setup.stiffness[c] == 0.0:
+            continue
+        first, closing = overlap_and_closing(c, y, beads, setup.gap[c], before)
+        last, still_closing = overlap_and_closing(c, y_new, beads, setup.gap[c], after)
+        if first > 0.0 or last > 0.0:
+            continue
+        sharpest, unseen = 0.0, rtol * h * scale[min(c, beads - 1)]
+        if c == 0 and drive == MOVING_WALL:
+            way, sharpest = reach_of_wall(time + h, setup, segment)
+            unseen = UNSEEN * way
+        elif closing <= 0.0 or still_closing >= 0.0:
+            continue
+        sharpest += sharpest_turn(c, beads, stages)
+        if 0.125 * h * h * sharpest > max(-max(first, last), unseen):
+            return True
+    return False
 
 
 @compiled

@@ -585,9 +585,18 @@ def test_beads_that_part_do_not_hold_each_other():
     assert np.abs(run.budget().residual("energy")).max() < 1e-14
 
 
-def test_the_same_waves_arrive_beside_a_wall_that_is_far():
-    chain = hc.Chain.uniform(6).replace(velocities=[1.0, 0, 0, 0, 0, -1.0])
-    walled = chain.replace(left_wall=hc.Wall(gap=1e4))
-    plain, bench = (hc.simulate(each, until=8.0)._crossings[0] for each in (chain, walled))
-    np.testing.assert_allclose(plain, bench, rtol=1e-12)
-    np.testing.assert_allclose(plain, plain[::-1], rtol=1e-12)
+@pytest.mark.parametrize("window", ["none", "hann"])
+def test_a_bead_that_a_drive_brings_to_rest_does_not_stop_the_clock(window):
+    """A force whose impulse is zero, on a bead that it draws off the chain."""
+    drive = hc.SineBurst(-0.5, 0.2, cycles=1.0, window=window)
+    run = hc.simulate(hc.Chain.uniform(3).replace(drive=drive), times=[10.0], max_steps=2000)
+    t = np.linspace(0.0, 5.0, 20001)
+    moved = np.trapezoid((5.0 - t) * drive.value(t), t)
+    assert run.positions[-1, 0] == pytest.approx(moved, rel=1e-7)
+    assert np.abs(run.velocities[-1]).max() < 1e-14
+
+
+def test_the_work_of_a_rising_force_on_a_free_bead():
+    drive = hc.Step(-0.5, rise=4.0)
+    run = hc.simulate(hc.Chain.uniform(3).replace(drive=drive), until=6.0, times=99)
+    assert np.abs(run.budget().residual("energy")).max() < 6e-11

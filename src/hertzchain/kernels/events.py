@@ -232,9 +232,10 @@ def expect_events(y, y_new, stages, scale, setup, contacts, peaks, crossings, ex
         reached = y_new[beads + k] > REACHED * scale[k]
         peak = reached and peaks[PEAK_TIME, k] == 0.0 and may_peak(k, beads, stages)
         waiting = crossings[CROSSING_TIME, k - 1] == 0.0
-        # A bead may have turned round, or have come from the other end.
-        met = abs(y_new[beads + k]) > REACHED * scale[k]
-        crossing = met and waiting and may_cross(k - 1, stages)
+        if contacts is not None:
+            # Before a wall a bead may have turned round.
+            reached = abs(y_new[beads + k]) > REACHED * scale[k]
+        crossing = reached and waiting and may_cross(k - 1, stages)
         crossing = crossing and touch(k - 1, y, y_new, setup, contacts)
         expected[0, k] = peak
         expected[1, k - 1] = crossing

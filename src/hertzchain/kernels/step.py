@@ -114,16 +114,15 @@ def velocity_scale(y, speeds, scale):
 
 
 @compiled
-def bench_scale(h, y, wall_speed, setup, contacts, rtol, speeds, scale):
-    """The same at the end of a step, as on a bench much begins at rest.
+def bench_scale(h, y, y_new, wall_speed, setup, contacts, rtol, speeds, scale):
+    """The same at both ends of a step, as on a bench much begins at rest, or is brought to it.
 
     There are gaps, the left wall may move and set beads in motion, and where contacts bear
     static forces no velocity is known better than these are rounded.
     """
     beads = len(scale)
-    velocities = y[beads : 2 * beads]
     for k in range(beads):
-        speeds[k] = abs(velocities[k])
+        speeds[k] = max(abs(y[beads + k]), abs(y_new[beads + k]))
     # Those at its start: a step that is far too long ends with any force.
     pushing, inverse_mass = contacts.last_force, setup.inverse_mass
     fastest = 0.0

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 import reference
 from numba import njit
+from scipy.optimize import brentq
 
 import hertzchain as hc
 from hertzchain.kernels import wide_front
@@ -226,3 +227,22 @@ def test_a_hopeless_chain_ends_soon_with_advice_that_can_be_followed(monkeypatch
     assert "simulate(chain, times=0, max_steps=500000).pulse()" in said
     table = hc.propagate_many([chain, hc.Chain.uniform(5)])
     assert table.reasons == {0: said}
+
+
+def test_a_contact_counts_as_passed_when_its_bead_turns_round_within_the_step():
+    radii = np.append(1.0, np.exp(np.random.default_rng(355).uniform(-0.8, 0.8, 9)))
+    left, right = 7, 8
+    dense = reference.trajectory(radii, 14.0).sol
+
+    def closing(t):
+        state = dense(t)
+        return state[10 + left] - state[10 + right]
+
+    times = np.linspace(0.0, 14.0, 14001)
+    touching = dense(times)[left] - dense(times)[right] > 1e-6
+    rates = closing(times)
+    first = np.flatnonzero(touching[1:] & (rates[:-1] > 0.0) & (rates[1:] <= 0.0))[0]
+    passed = brentq(closing, *times[first : first + 2], xtol=1e-13)
+    chain = hc.Chain.from_radii(radii)
+    assert hc.simulate(chain, times=0).pulse().arrival[right] == pytest.approx(passed, rel=1e-10)
+    assert hc.propagate(chain).arrival[right] == pytest.approx(passed, rel=1e-7)

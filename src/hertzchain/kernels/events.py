@@ -229,12 +229,12 @@ def expect_events(y, y_new, stages, scale, setup, contacts, peaks, crossings, ex
     beads = len(scale)
     anything = False
     for k in range(1, beads):
-        reached = y_new[beads + k] > REACHED * scale[k]
-        peak = reached and peaks[PEAK_TIME, k] == 0.0 and may_peak(k, beads, stages)
+        # Within the step a bead may turn round.
+        before, after = y[beads + k], y_new[beads + k]
+        forward = max(before, after) > REACHED * scale[k]
+        peak = forward and peaks[PEAK_TIME, k] == 0.0 and may_peak(k, beads, stages)
         waiting = crossings[CROSSING_TIME, k - 1] == 0.0
-        if contacts is not None:
-            # Before a wall a bead may have turned round.
-            reached = abs(y_new[beads + k]) > REACHED * scale[k]
+        reached = max(abs(before), abs(after)) > REACHED * scale[k]
         crossing = reached and waiting and may_cross(k - 1, stages)
         crossing = crossing and touch(k - 1, y, y_new, setup, contacts)
         expected[0, k] = peak

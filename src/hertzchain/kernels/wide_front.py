@@ -367,12 +367,16 @@ def record_events(w, clock, place, h, exponent, passed):
     """Record the first maxima and largest overlaps of the step."""
     low = place[LOW]
     for i in range(place[WAITING] - low, min(place[SIZE], place[BEADS] - low)):
-        if not w[NEW_VELOCITY + i] > REACHED * w[SCALE + i]:
+        # Within the step a bead may turn round.
+        before, after = w[VELOCITY + i], w[NEW_VELOCITY + i]
+        least = REACHED * w[SCALE + i]
+        if not max(abs(before), abs(after)) > least:
             continue
         at = place[FIRST] + low + i
         if passed[ARRIVAL, at] == 0.0 and may_cross(w, i - 1):
             record_crossing(w, i - 1, h, exponent, clock, place, at - 1, passed)
-        if passed[PEAK_TIME, at] == 0.0 and may_peak(w, i):
+        forward = max(before, after) > least
+        if forward and passed[PEAK_TIME, at] == 0.0 and may_peak(w, i):
             record_peak(w, i, h, exponent, clock[TIME], at, passed)
     while place[WAITING] < place[BEADS]:
         at = place[FIRST] + place[WAITING]

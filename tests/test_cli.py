@@ -365,11 +365,25 @@ def test_a_chain_is_given_once(run):
     assert "not both" in err
 
 
+def test_a_real_chain_at_a_wall_is_told_with_units(run, tmp_path):
+    file = tmp_path / "chain.toml"
+    file.write_text(
+        '[chain]\nradii = 5e-3\nmaterials = "steel-52100"\nbeads = 8\nvelocity = 0.05\n'
+        "[chain.right_wall]\n"
+    )
+    code, out, _ = run("simulate", file, "--budget")
+    assert code == 0
+    assert "the pulse is in the wall at t = " in out
+    assert "energy [J]" in out
+    assert "momentum [kg m/s]" in out
+
+
 def test_simulate_prints_the_budget(run):
     code, out, _ = run("simulate", "--beads", "10", "--budget")
     assert code == 0
     assert "scattered back" in out
     assert "adds up within" in out
+    assert "energy  " in out
     code, _, err = run("simulate", "--beads", "10", "--times", "1", "--budget")
     assert code == 2
     assert "need saved times" in err

@@ -29,6 +29,7 @@ from hertzchain.chain.chain import Chain
 from hertzchain.chain.equilibrium import equilibrium
 from hertzchain.chain.losses import UnloadingRatio, WaltonBraun
 from hertzchain.contacts import Array
+from hertzchain.pulse.quantities import SI_UNITS
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -173,11 +174,14 @@ class Budget:
         return plot_budget(self, of, ax=ax)
 
     def __str__(self) -> str:
-        lines = [f"{self.chain.description}, at the last saved time {self.times[-1]:.6g}"]
+        real = self.chain.units == "SI"
+        at = f"{self.times[-1]:.6g}{' s' if real else ''}"
+        lines = [f"{self.chain.description}, at the last saved time {at}"]
         for of in BALANCED:
             there, given = self._sides(of)
             total = float(np.sum([values[-1] for values in given.values()]))
-            lines.append(f"  {of:<16}{'':>14}{'part':>9}")
+            heading = f"{of} [{SI_UNITS[of]}]" if real else of
+            lines.append(f"  {heading:<30}{'part':>9}")
             for name, values in {**there, **{f"from {k}": v for k, v in given.items()}}.items():
                 if np.any(values != 0.0):
                     part = f"{values[-1] / total:>9.2%}" if total != 0.0 else ""

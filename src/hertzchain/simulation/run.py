@@ -191,9 +191,10 @@ class Run:
         """The status in a sentence."""
         passed = f"the pulse had passed {self.beads_passed} of {self.chain.beads} beads"
         unit = " s" if self.chain.units == "SI" else ""
+        walled = "right wall" in self.chain.features
         at = f"at t = {self.end_time:g}{unit}, after {self.steps} steps"
         return {
-            "pulse left": f"the pulse left the chain {at}",
+            "pulse left": f"the pulse {'is in the wall' if walled else 'left the chain'} {at}",
             "time reached": f"stopped as asked {at}; {passed}",
             "step limit": (
                 f"stopped by the step limit {at}; {passed}; raise max_steps, or use "

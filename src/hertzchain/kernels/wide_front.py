@@ -32,6 +32,7 @@ from typing import Any
 import numpy as np
 from numba import njit
 
+from hertzchain.kernels.forces import force
 from hertzchain.kernels.hermite import hermite, slope, value
 from hertzchain.kernels.options import OPTIONS, compiled
 from hertzchain.kernels.rkn8 import (
@@ -105,16 +106,6 @@ MAX_STEPS = 1000
 SMALLEST_STEP, SMALLEST_CREST, ENDLESS = 1e-280, 1e-280, 1e300
 
 inlined = njit(forceinline=True, **OPTIONS)
-
-
-@compiled
-def force(overlap, stiffness, exponent):
-    """Contact force k d^p of a positive overlap."""
-    if overlap <= 0.0:
-        return 0.0
-    if exponent == 1.5:
-        return stiffness * overlap * math.sqrt(overlap)
-    return stiffness * overlap**exponent
 
 
 @compiled

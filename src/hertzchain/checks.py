@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 import numbers
 import operator
+import os
 from collections.abc import Sequence
 from typing import Any, Final
 
@@ -272,3 +273,34 @@ def real_numbers(what: str, given: ArrayLike | Any, place: str = "entry") -> Arr
     except (TypeError, ValueError):
         pass
     raise InputError(f"{what} must be a list of numbers, got {shown(given)}")
+
+
+def worker_count(what: str, given: int | None) -> int:
+    """So many workers, or one for each processor that this process may use.
+
+    Parameters
+    ----------
+    what : str
+        What they are.
+    given : int or None
+        How many; `None` leaves it to the machine.
+
+    Returns
+    -------
+    int
+
+    Raises
+    ------
+    InputError
+        If it is not a whole number, or none.
+
+    Examples
+    --------
+    >>> worker_count("threads", 2), worker_count("threads", None) >= 1
+    (2, True)
+    """
+    if given is not None:
+        return whole_number(what, given, least=1)
+    if hasattr(os, "sched_getaffinity"):
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1

@@ -8,7 +8,6 @@ equation of motion as `hertzchain.simulate`, on the beads around the pulse only
 from __future__ import annotations
 
 import numbers
-import os
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
 from dataclasses import dataclass, field
@@ -20,7 +19,7 @@ from numpy.typing import ArrayLike, NDArray
 from hertzchain.arguments import callback, listed
 from hertzchain.chain.chain import Chain
 from hertzchain.chain.coverage import require
-from hertzchain.checks import number, real_numbers, whole_number
+from hertzchain.checks import number, real_numbers, worker_count
 from hertzchain.contacts import HERTZ_EXPONENT, Array
 from hertzchain.errors import InputError, SimulationError, shown
 from hertzchain.propagation.batch import COLUMNS, PASSED, STOP, Batch, Passage
@@ -132,7 +131,7 @@ def propagate_many(
     array([ 4.053, 14.765, 46.469])
     """
     callback("progress", progress)
-    rtol, threads = checked_rtol(rtol), _checked_threads(threads)
+    rtol, threads = checked_rtol(rtol), worker_count("threads", threads)
     ensemble = _Ensemble.of(chains)
     blocks = list(ensemble.blocks(threads))
     bad = len(ensemble.reasons)
@@ -358,13 +357,3 @@ def checked_rtol(rtol: float) -> float:
         "rtol", rtol, least=SMALLEST_RTOL, most=LARGEST_RTOL,
         hint="hertzchain.simulate(chain, times=0, rtol=1e-13).pulse() goes below",
     )  # fmt: skip
-
-
-def _checked_threads(threads: int | None) -> int:
-    if threads is None:
-        return (
-            len(os.sched_getaffinity(0))
-            if hasattr(os, "sched_getaffinity")
-            else os.cpu_count() or 1
-        )
-    return whole_number("threads", threads, least=1)

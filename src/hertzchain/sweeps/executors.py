@@ -15,7 +15,7 @@ from contextlib import contextmanager
 from typing import Any, Final
 
 from hertzchain import __version__
-from hertzchain.checks import whole_number
+from hertzchain.checks import worker_count
 from hertzchain.errors import InputError, shown, unknown_name
 
 POOLS: Final = ("threads", "processes")
@@ -23,21 +23,6 @@ POOLS: Final = ("threads", "processes")
 ADDRESS: Final = re.compile(r"(tcp|tls|ws|wss|ucx)://(\[[^]/]+\]|[^:/\[\]]+):\d{1,5}/?")
 # Seconds until a scheduler counts as unreachable.
 PATIENCE: Final = 5.0
-
-
-def processors() -> int:
-    """Number of processors that this process may use.
-
-    Returns
-    -------
-    int
-
-    Examples
-    --------
-    >>> processors() >= 1
-    True
-    """
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
 @contextmanager
@@ -71,7 +56,7 @@ def local_pool(kind: str = "threads", workers: int | None = None) -> Iterator[Ex
     """
     if kind not in POOLS:
         raise unknown_name("pool", kind, POOLS)
-    count = processors() if workers is None else whole_number("workers", workers, least=1)
+    count = worker_count("workers", workers)
     pool: Executor
     if kind == "threads":
         pool = ThreadPoolExecutor(count)

@@ -27,7 +27,7 @@ import numpy as np
 
 from hertzchain import __version__
 from hertzchain.arguments import callback, file_path, instance, listed
-from hertzchain.checks import whole_number
+from hertzchain.checks import whole_number, worker_count
 from hertzchain.errors import InputError, StoreError, shown
 from hertzchain.store.sweep_store import SweepStore, locked, plain_text
 from hertzchain.sweeps.checking import check_plan
@@ -37,7 +37,6 @@ from hertzchain.sweeps.executors import (
     end_processes,
     local_pool,
     lost_a_process,
-    processors,
 )
 from hertzchain.sweeps.plan import Plan
 from hertzchain.sweeps.reading import read_specification, specification_from_json
@@ -186,7 +185,7 @@ def estimate(specification: Any, *, workers: int | None = None) -> Estimate:
     >>> estimate({"chain": {"taper": "uniform"}, "axes": {"beads": [20, 40, 60]}}).points
     3
     """
-    count = processors() if workers is None else whole_number("workers", workers, least=1)
+    count = worker_count("workers", workers)
     spec = read_specification(specification)
     plan = Plan(spec)
     check_plan(plan, _heading(specification))
@@ -437,7 +436,7 @@ def _wait(
 
 def _workers_of(pool: Executor) -> int:
     known = getattr(pool, "workers", None) or getattr(pool, "_max_workers", None)
-    return int(known or 2 * processors())
+    return int(known or 2 * worker_count("workers", None))
 
 
 def _in_memory(plan: Plan, pool: Executor, progress: Progress | None) -> xr.Dataset:

@@ -16,7 +16,7 @@ from hertzchain.plotting.pulses import plot_pulses
 from hertzchain.plotting.scoreboard import plot_scoreboard
 from hertzchain.plotting.style import COLOURS, house_style
 from hertzchain.plotting.sweeps import plot_sweep
-from hertzchain.scoreboard.scoreboard import scoreboard
+from hertzchain.scoreboard.judge import scoreboard
 from hertzchain.theory.universal import bca_growth
 
 

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 import hertzchain as hc
 from hertzchain.errors import InputError, ModelRangeWarning
-from hertzchain.scoreboard.scoreboard import scoreboard
+from hertzchain.scoreboard.judge import scoreboard
 from hertzchain.theory.local_rate import DIFFERENTIABLE, solve
 from hertzchain.theory.universal import (
     FEWEST_BEADS,

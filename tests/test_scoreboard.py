@@ -9,7 +9,8 @@ import hertzchain as hc
 from hertzchain.cli.pulse import METHODS
 from hertzchain.plotting.scoreboard import plot_scoreboard
 from hertzchain.scoreboard.cases import FREE_END, Case, paper_cases, unseen_cases
-from hertzchain.scoreboard.scoreboard import JUDGED, judge, percentage, scoreboard
+from hertzchain.scoreboard.judge import judge, scoreboard
+from hertzchain.scoreboard.scoreboard import JUDGED, percentage
 from hertzchain.scoreboard.unseen_tapers import is_smooth, unseen_radii
 from hertzchain.theory.catalogue import THEORIES
 from hertzchain.theory.modified_bca import two_thirds_bca

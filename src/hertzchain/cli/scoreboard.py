@@ -54,13 +54,14 @@ def scoreboard(
       hertzchain scoreboard --quantity arrival --first-bead 2 --figure arrival.png
     """
     from hertzchain.arguments import one_of
-    from hertzchain.scoreboard import scoreboard as board_module
+    from hertzchain.scoreboard import judge
+    from hertzchain.scoreboard.scoreboard import JUDGED
     from hertzchain.store import results
 
-    one_of("quantity", quantity, board_module.JUDGED)
+    one_of("quantity", quantity, JUDGED)
     check_writable(figure, "--figure", PICTURES)
     with progress_of("chains integrated") as progress:
-        board = board_module.scoreboard(progress=progress)
+        board = judge.scoreboard(progress=progress)
     what: dict[str, Any] = {"quantity": quantity, "first_bead": first_bead}
     what["statistic"] = "rms" if rms else "worst"
     board.table(**what)  # refuses a bead that is not there, before anything is written

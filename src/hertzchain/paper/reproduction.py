@@ -16,7 +16,8 @@ from hertzchain.paper.formulas import printed_and_mended_errors
 from hertzchain.paper.published import Fit, published_figures, published_tables
 from hertzchain.paper.tables import WINDOWS, Pulses, Table, reproduce_table, table_chains
 from hertzchain.pulse.pulse import Pulse
-from hertzchain.scoreboard.scoreboard import Scoreboard, percentage, scoreboard
+from hertzchain.scoreboard.judge import scoreboard
+from hertzchain.scoreboard.scoreboard import Scoreboard, percentage
 from hertzchain.simulation.simulate import DEFAULT_RTOL, simulate
 from hertzchain.verification.verify import Verdict, verify
 

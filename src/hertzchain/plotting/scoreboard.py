@@ -39,7 +39,7 @@ def plot_scoreboard(
 
     Examples
     --------
-    >>> from hertzchain.scoreboard.scoreboard import scoreboard
+    >>> from hertzchain.scoreboard.judge import scoreboard
     >>> plot_scoreboard(scoreboard(theories=["bca"])).get_xscale()
     'log'
     """

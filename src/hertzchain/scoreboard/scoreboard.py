@@ -55,6 +55,7 @@ class Scoreboard:
 
     Examples
     --------
+    >>> from hertzchain.scoreboard.judge import scoreboard
     >>> board = scoreboard(theories=["bca"])
     >>> board.cases[0].name, percentage(board.worst("velocity")[0, 0])
     ('backward-linear, S = 0.1', '49')
@@ -94,6 +95,7 @@ class Scoreboard:
 
         Examples
         --------
+        >>> from hertzchain.scoreboard.judge import scoreboard
         >>> board = scoreboard(theories=["hard-sphere"])
         >>> bool(np.isnan(board.worst("arrival")).all())
         True
@@ -114,6 +116,7 @@ class Scoreboard:
 
         Examples
         --------
+        >>> from hertzchain.scoreboard.judge import scoreboard
         >>> board = scoreboard(theories=["bca"])
         >>> bool((board.rms("energy") < board.worst("energy")).all())
         True
@@ -157,6 +160,7 @@ class Scoreboard:
 
         Examples
         --------
+        >>> from hertzchain.scoreboard.judge import scoreboard
         >>> covered, ratio = scoreboard(theories=["local-rate"]).coverage("local-rate", "smooth")
         >>> covered > 0.9
         True
@@ -212,6 +216,7 @@ class Scoreboard:
 
         Examples
         --------
+        >>> from hertzchain.scoreboard.judge import scoreboard
         >>> table = scoreboard().table("velocity", by="group")
         >>> table.loc["smooth", "two-thirds-bca"] < table.loc["smooth", "bca"]
         np.True_
@@ -242,6 +247,7 @@ class Scoreboard:
 
         Examples
         --------
+        >>> from hertzchain.scoreboard.judge import scoreboard
         >>> outside = scoreboard(theories=["modified-bca"]).outside()
         >>> outside.index[outside["modified-bca"]][0]
         'backward-linear, S = 1'
@@ -265,6 +271,7 @@ class Scoreboard:
 
         Examples
         --------
+        >>> from hertzchain.scoreboard.judge import scoreboard
         >>> scoreboard(theories=["bca"]).rows("family")["backward-linear, S = 0.1..0.9"]
         [0, 1, 2, 3, 4]
         """
@@ -285,6 +292,7 @@ class Scoreboard:
 
         Examples
         --------
+        >>> from hertzchain.scoreboard.judge import scoreboard
         >>> errors = scoreboard().to_xarray()
         >>> round(float(errors.velocity.sel(theory="bca", case="bump", bead=20)), 2)
         0.47
@@ -321,6 +329,7 @@ class Scoreboard:
 
         Examples
         --------
+        >>> from hertzchain.scoreboard.judge import scoreboard
         >>> rows = scoreboard(theories=["bca"]).to_dataframe()
         >>> len(rows), rows.worst.isna().sum().item()
         (520, 0)
@@ -356,6 +365,7 @@ class Scoreboard:
 
         Examples
         --------
+        >>> from hertzchain.scoreboard.judge import scoreboard
         >>> (first, *_) = scoreboard(theories=["bca"]).as_dict()["rows"]
         >>> list(first["theories"]["bca"]["errors"]["arrival"])
         ['from_2', 'from_10']

@@ -8,8 +8,8 @@ reproduce: .venv/installed
 	$(BIN)/hertzchain reproduce
 
 test: .venv/installed-test
-	$(BIN)/ruff format --check src tests docs benchmarks
-	$(BIN)/ruff check src tests docs benchmarks
+	$(BIN)/ruff format --check src tests docs benchmarks tools
+	$(BIN)/ruff check src tests docs benchmarks tools
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 	$(BIN)/python -m sphinx -W --keep-going -q -b html docs docs/_build/html

@@ -1,14 +1,14 @@
 """The leading pulse, a row per bead: the one result of every simulation and every theory.
 
 A `Pulse` says what passed each bead; `compare` holds two of them against each
-other.  What a method does not predict is `None`, never a number that looks like
-a prediction.
+other.  What a method does not predict is `None`, and what a run has not seen is NaN with
+a reason in ``notes``, never a number that looks like a prediction.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -19,7 +19,7 @@ from hertzchain.chain.chain import Chain
 from hertzchain.chain.coverage import check_chain
 from hertzchain.checks import real_numbers
 from hertzchain.contacts import Array
-from hertzchain.errors import InputError
+from hertzchain.errors import InputError, shown
 from hertzchain.pulse.comparison import Comparison
 from hertzchain.pulse.quantities import PER_CONTACT, QUANTITIES, SI_UNITS, Quantity
 
@@ -55,9 +55,12 @@ class Pulse:
     residence : ndarray, shape (N - 1,), or None
         Residence time :math:`T_k = t_{k+1} - t_k` on bead k [scaled]; from the arrivals if
         not given.  In strongly uneven chains arrivals need not be in order, and it may be
-        negative.
+        negative; among several strikers it is not defined.
     velocity_error : ndarray, shape (N,), or None
         Estimated relative error of each velocity, by a method that estimates one; 0 for bead 1.
+    notes : dict of str
+        By the name of a quantity, where it is NaN and why, or where it means something else
+        than usual.  A column without a note has no NaN.
 
     Examples
     --------
@@ -75,10 +78,12 @@ class Pulse:
     peak_overlap: Array | None = None
     residence: Array | None = None
     velocity_error: Array | None = None
+    notes: Mapping[str, str] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         check_chain("Pulse", self.chain)
         text("method of a pulse", self.method)
+        object.__setattr__(self, "notes", _checked_notes(self.notes))
         if self.velocity is None:
             raise InputError("a pulse has at least the velocity of each bead, got None")
         beads = self.chain.beads
@@ -283,7 +288,8 @@ class Pulse:
             str(name): (
                 "contact" if name in PER_CONTACT else "bead",
                 values,
-                {"units": self.unit(name), "long_name": QUANTITIES[name][1]},
+                {"units": self.unit(name), "long_name": QUANTITIES[name][1]}
+                | ({"comment": self.notes[name]} if name in self.notes else {}),
             )
             for name, values in self.columns().items()
         }
@@ -343,17 +349,49 @@ class Pulse:
 
         return plot_pulses([self], quantity, ax=ax)
 
+    def notes_in_words(self) -> list[str]:
+        """The notes, each once, after the quantities that it is about.
+
+        Returns
+        -------
+        list of str
+
+        Examples
+        --------
+        >>> import hertzchain as hc
+        >>> pulse = hc.simulate(hc.Chain.uniform(9).struck_by(count=2), times=0).pulse()
+        >>> pulse.notes_in_words()[0][:29]
+        'residence: beads 1 to 2: seve'
+        """
+        about: dict[str, list[str]] = {}
+        for name, note in self.notes.items():
+            about.setdefault(note, []).append(name)
+        return [f"{', '.join(names)}: {note}" for note, names in about.items()]
+
     def __repr__(self) -> str:
         return f"Pulse({self.method}: {self.chain.description})"
 
     def __str__(self) -> str:
         names = ", ".join(self.columns())
         last = f"v_{self.chain.beads} = {self.velocity[-1]:.9g}"
-        return f"{self.method}, {self.chain.description}\n  {last}; has {names}"
+        lines = [f"{self.method}, {self.chain.description}", f"  {last}; has {names}"]
+        return "\n".join(lines + [f"  {note}" for note in self.notes_in_words()])
 
     def _repr_html_(self) -> str:
         title = f"<p><b>{self.method}</b>, {self.chain.description}</p>"
         return title + str(self.to_dataframe().to_html(max_rows=12, na_rep="", float_format="%.6g"))
+
+
+def _checked_notes(notes: object) -> dict[str, str]:
+    """Notes by the names of quantities; a copy."""
+    if not isinstance(notes, Mapping):
+        raise InputError(
+            f"notes of a pulse must be a mapping from quantities to text, got {shown(notes)}"
+        )
+    for name, note in notes.items():
+        one_of("quantity of a note", name, QUANTITIES)
+        text(f"note on {name}", note)
+    return dict(notes)
 
 
 def _checked_column(pulse: Pulse, name: str, given: ArrayLike, length: int) -> Array:
@@ -363,6 +401,7 @@ def _checked_column(pulse: Pulse, name: str, given: ArrayLike, length: int) -> A
     if values.shape != (length,):
         raise InputError(f"{name} of a pulse must have shape ({length},), got {values.shape}")
     good = np.isfinite(values)
+    explained = np.isnan(values) & (name in pulse.notes)
     if name == "residence":
         good &= values != 0.0  # out of order is possible, no time at all is a lost digit
     else:
@@ -370,6 +409,7 @@ def _checked_column(pulse: Pulse, name: str, given: ArrayLike, length: int) -> A
         known = max(1, pulse.chain.strikers)
         first = known if name in ("arrival", "peak_time", "velocity_error") else 0
         good[first:] &= values[first:] > 0.0
+    good |= explained
     if not good.all():
         k = int(np.argmin(good))
         raise InputError(

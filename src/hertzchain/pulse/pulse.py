@@ -19,8 +19,9 @@ from hertzchain.chain.chain import Chain
 from hertzchain.chain.coverage import check_chain
 from hertzchain.checks import real_numbers
 from hertzchain.contacts import Array
-from hertzchain.errors import InputError, shown
+from hertzchain.errors import InputError
 from hertzchain.pulse.comparison import Comparison
+from hertzchain.pulse.notes import checked_notes, notes_in_words
 from hertzchain.pulse.quantities import PER_CONTACT, QUANTITIES, SI_UNITS, Quantity
 
 if TYPE_CHECKING:
@@ -83,7 +84,7 @@ class Pulse:
     def __post_init__(self) -> None:
         check_chain("Pulse", self.chain)
         text("method of a pulse", self.method)
-        object.__setattr__(self, "notes", _checked_notes(self.notes))
+        object.__setattr__(self, "notes", checked_notes(self.notes))
         if self.velocity is None:
             raise InputError("a pulse has at least the velocity of each bead, got None")
         beads = self.chain.beads
@@ -349,25 +350,6 @@ class Pulse:
 
         return plot_pulses([self], quantity, ax=ax)
 
-    def notes_in_words(self) -> list[str]:
-        """The notes, each once, after the quantities that it is about.
-
-        Returns
-        -------
-        list of str
-
-        Examples
-        --------
-        >>> import hertzchain as hc
-        >>> pulse = hc.simulate(hc.Chain.uniform(9).struck_by(count=2), times=0).pulse()
-        >>> pulse.notes_in_words()[0][:29]
-        'residence: beads 1 to 2: seve'
-        """
-        about: dict[str, list[str]] = {}
-        for name, note in self.notes.items():
-            about.setdefault(note, []).append(name)
-        return [f"{', '.join(names)}: {note}" for note, names in about.items()]
-
     def __repr__(self) -> str:
         return f"Pulse({self.method}: {self.chain.description})"
 
@@ -375,23 +357,11 @@ class Pulse:
         names = ", ".join(self.columns())
         last = f"v_{self.chain.beads} = {self.velocity[-1]:.9g}"
         lines = [f"{self.method}, {self.chain.description}", f"  {last}; has {names}"]
-        return "\n".join(lines + [f"  {note}" for note in self.notes_in_words()])
+        return "\n".join(lines + [f"  {note}" for note in notes_in_words(self.notes)])
 
     def _repr_html_(self) -> str:
         title = f"<p><b>{self.method}</b>, {self.chain.description}</p>"
         return title + str(self.to_dataframe().to_html(max_rows=12, na_rep="", float_format="%.6g"))
-
-
-def _checked_notes(notes: object) -> dict[str, str]:
-    """Notes by the names of quantities; a copy."""
-    if not isinstance(notes, Mapping):
-        raise InputError(
-            f"notes of a pulse must be a mapping from quantities to text, got {shown(notes)}"
-        )
-    for name, note in notes.items():
-        one_of("quantity of a note", name, QUANTITIES)
-        text(f"note on {name}", note)
-    return dict(notes)
 
 
 def _checked_column(pulse: Pulse, name: str, given: ArrayLike, length: int) -> Array:

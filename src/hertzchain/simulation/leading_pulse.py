@@ -39,7 +39,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from hertzchain.chain.chain import Chain
+from hertzchain.checks import real_numbers
 from hertzchain.contacts import Array
+from hertzchain.errors import InputError
 from hertzchain.simulation.absent import reason, together
 
 if TYPE_CHECKING:
@@ -80,7 +82,7 @@ class LeadingPulse:
     ...     leading, pulse = run.leading_pulse(), run.pulse()
     ...     print((leading.momentum / pulse.momentum[:-1])[[20, 40, 60]].round(4))
     [1.67 1.67 1.67]
-    [1.7943 1.7949 1.7949]
+    [1.7772 1.7773 1.7773]
     """
 
     chain: Chain
@@ -107,19 +109,30 @@ class LeadingPulse:
         ndarray, shape (T, N)
             Between 0 and 1.
 
+        Raises
+        ------
+        InputError
+            If the shapes do not fit.
+
         Examples
         --------
         >>> import hertzchain as hc
         >>> run = hc.simulate(hc.Chain.uniform(9), times=[8.0])
         >>> run.leading_pulse().weights(run.times, run.velocities).round(2)
-        array([[0.  , 0.  , 0.  , 0.  , 0.94, 1.  , 1.  , 1.  , 1.  ]])
+        array([[0., 0., 0., 0., 0., 1., 1., 1., 1.]])
         """
+        times, velocities = real_numbers("time", times), real_numbers("velocity", velocities)
+        if times.ndim != 1 or velocities.shape != (len(times), self.chain.beads):
+            raise InputError(
+                f"velocities at T times must have shape (T, {self.chain.beads}), got "
+                f"{velocities.shape}, and times shape (T,), got {times.shape}"
+            )
         # Bead N leaves when its velocity is zero, within no time.
         fall = np.append(_last_known(self.rise_time), np.finfo(float).tiny)
-        left = self.rear - np.asarray(times)[:, np.newaxis]
+        left = self.rear - times[:, np.newaxis]
         with np.errstate(over="ignore"):
             parts = np.clip(left / fall, 0.0, 1.0)
-        return np.asarray(parts * (np.asarray(velocities) > 0.0))
+        return np.asarray(parts * (velocities > 0.0))
 
     def factors(self, scales: Scales) -> Mapping[str, float]:
         """Units of everything, for `hertzchain.Scales`.
@@ -145,9 +158,7 @@ class LeadingPulse:
         return times | momenta | {"kinetic_energy": scales.energy}
 
 
-def leading_pulse_of(
-    chain: Chain, crossings: Array, turned_back: float, ended: str
-) -> LeadingPulse:
+def leading_pulse_of(chain: Chain, crossings: Array, turned_back: float) -> LeadingPulse:
     """The leading pulse of what the compiled loop has recorded.
 
     Parameters
@@ -158,8 +169,6 @@ def leading_pulse_of(
         As `hertzchain.kernels.records` lays them out.
     turned_back : float
         When the right wall had turned bead N back; 0 if it has not.
-    ended : str
-        How the run ended.
 
     Returns
     -------
@@ -169,7 +178,7 @@ def leading_pulse_of(
     --------
     >>> import hertzchain as hc
     >>> hc.simulate(hc.Chain.uniform(9)).leading_pulse().crest[:2].round(4)
-    array([1.6094, 2.9127])
+    array([1.2308, 2.5102])
     """
     from hertzchain.kernels import leading_pulse, records
 
@@ -185,7 +194,9 @@ def leading_pulse_of(
     known = np.flatnonzero(rises)
     rear[known[-1] + 1 if len(known) else 0 :] = np.inf
     rear[np.isneginf(rear)] = np.inf
-    unpassed = reason("contact", ~passed, f"no first maximum of the overlap before the run {ended}")
+    unpassed = reason(
+        "contact", ~passed, "no first maximum of the overlap before the end of the run"
+    )
     unrisen = reason(
         "contact", passed & ~rises, "until the crest it handed over no momentum towards bead N"
     )

@@ -233,11 +233,6 @@ class Run:
         return 1 + int(np.count_nonzero((self._peaks[0, 1:] != 0) & (self._crossings[0] > 0)))
 
     @property
-    def _ended(self) -> str:
-        """How the run ended, for reasons of what it has not seen."""
-        return f"stopped at t = {self.end_time:g}{' s' if self.chain.units == 'SI' else ''}"
-
-    @property
     def _reached(self) -> bool:
         """Whether any contact between two beads has been compressed beyond its rest."""
         moved = self.state.arrays["y"][: self.chain.beads]
@@ -278,9 +273,9 @@ class Run:
         """
         if not self._reached:
             raise SimulationError(
-                f"no pulse: no contact was reached when the run {self._ended}; simulate for longer"
+                f"no pulse: {self.message}, and no contact was reached; simulate for longer"
             )
-        return pulse_of(self.chain, self._peaks, self._crossings, self._ended)
+        return pulse_of(self.chain, self._peaks, self._crossings)
 
     def leading_pulse(self) -> LeadingPulse:
         """The leading pulse as a whole: its length, momentum and kinetic energy.
@@ -304,7 +299,7 @@ class Run:
         from hertzchain.kernels import records
 
         turned_back = float(self._walls[records.TURNED_BACK, 1])
-        return leading_pulse_of(self.chain, self._crossings, turned_back, self._ended)
+        return leading_pulse_of(self.chain, self._crossings, turned_back)
 
     def fronts(self) -> Fronts:
         """When the front of what runs along the chain reached each contact, and its speed.
@@ -336,9 +331,9 @@ class Run:
         >>> f"{5 / (fronts.times[14] - fronts.times[9]):.2f}"
         '1.01'
         >>> fronts.notes["times"]
-        'contacts 24 to 39: not reached, or still loaded, when the run stopped at t = 28'
+        'contacts 24 to 39: not reached, or still being loaded, at the end of the run'
         """
-        return fronts_of(self.chain, self.times, self.forces, self._crossings, self._ended)
+        return fronts_of(self.chain, self.times, self.forces, self._crossings)
 
     def force(self, contact: int) -> Array:
         """Force in one contact at the saved times.

@@ -12,9 +12,10 @@ from hertzchain.simulation.absent import reason, together
 # A pulse with more of its momentum behind the crest than this is the front of a tail; a
 # solitary wave has one half.
 TAIL = 2.0 / 3.0
+LATE = "before the end of the run"
 
 
-def pulse_of(chain: Chain, peaks: Array, crossings: Array, ended: str) -> Pulse:
+def pulse_of(chain: Chain, peaks: Array, crossings: Array) -> Pulse:
     """The leading pulse, as far as a run has seen it.
 
     Parameters
@@ -23,8 +24,6 @@ def pulse_of(chain: Chain, peaks: Array, crossings: Array, ended: str) -> Pulse:
         The chain.
     peaks, crossings : ndarray
         As `hertzchain.kernels.records` lays them out.
-    ended : str
-        How the run ended, such as ``"stopped at t = 5"``.
 
     Returns
     -------
@@ -36,9 +35,9 @@ def pulse_of(chain: Chain, peaks: Array, crossings: Array, ended: str) -> Pulse:
     >>> import hertzchain as hc
     >>> pulse = hc.simulate(hc.Chain.uniform(20), until=8.0).pulse()
     >>> pulse.velocity[5:8].round(4)
-    array([0.6827, 0.6825,    nan])
+    array([0.6866, 0.6844,    nan])
     >>> pulse.notes["velocity"]
-    'beads 8 to 20: no first maximum of the velocity before the run stopped at t = 8'
+    'beads 8 to 20: no first maximum of the velocity before the end of the run'
     """
     from hertzchain.kernels import records
 
@@ -53,7 +52,7 @@ def pulse_of(chain: Chain, peaks: Array, crossings: Array, ended: str) -> Pulse:
         arrival=np.concatenate(([0.0], np.where(passed, crossings[records.CROSSING_TIME], np.nan))),
         peak_overlap=np.where(passed, crossings[records.OVERLAP], np.nan),
         residence=residence,
-        notes=_notes(chain, peaked, passed, residence, _tailed(chain, crossings), ended),
+        notes=_notes(chain, peaked, passed, residence, _tailed(chain, crossings)),
     )
 
 
@@ -77,7 +76,7 @@ def residence_of(chain: Chain, crossings: Array) -> Array:
     >>> import hertzchain as hc
     >>> run = hc.simulate(hc.Chain.uniform(30).struck_by(count=2), times=0)
     >>> residence_of(run.chain, run._crossings)[:4].round(3)
-    array([  nan,   nan, 1.274, 1.307])
+    array([  nan,   nan, 1.323, 1.227])
     """
     from hertzchain.kernels import records
 
@@ -126,19 +125,18 @@ def _tailed(chain: Chain, crossings: Array) -> Array:
 
 
 def _notes(
-    chain: Chain, peaked: Array, passed: Array, residence: Array, tailed: Array, ended: str
+    chain: Chain, peaked: Array, passed: Array, residence: Array, tailed: Array
 ) -> dict[str, str]:
     """Why values are absent or mean something else, by the name of the quantity."""
-    slow = reason("bead", ~peaked, f"no first maximum of the velocity before the run {ended}")
+    slow = reason("bead", ~peaked, f"no first maximum of the velocity {LATE}")
     tail = reason(
         "bead",
         tailed,
         "more than two thirds of the momentum of the leading pulse is behind its crest: losses "
         "have turned it into the front of a shock-like tail, which decays more slowly than a pulse",
     )
-    late = f"before the run {ended}"
     unarrived = np.append(False, ~passed)
-    unpassed = reason("contact", ~passed, f"no first maximum of the overlap {late}")
+    unpassed = reason("contact", ~passed, f"no first maximum of the overlap {LATE}")
     undefined = np.zeros(chain.beads - 1, bool)
     undefined[_without_residence(chain)] = True
     why, crests = "they move from the start, and the pulse does not pass from one to the next", ""
@@ -147,13 +145,13 @@ def _notes(
         crests = "times are from crest to crest, which a slow drive shifts; see Run.fronts"
     stay = together(
         reason("bead", undefined, why),
-        reason("bead", np.isnan(residence) & ~undefined, f"no arrival there or at the next {late}"),
+        reason("bead", np.isnan(residence) & ~undefined, f"no arrival there or at the next {LATE}"),
         crests if chain.drive is not None else "",
     )
     notes = dict.fromkeys(("velocity", "momentum", "energy"), together(slow, tail))
     notes |= {
         "peak_time": slow,
-        "arrival": reason("bead", unarrived, f"not faster than the bead behind {late}"),
+        "arrival": reason("bead", unarrived, f"not faster than the bead behind {LATE}"),
         "residence": stay,
         "peak_overlap": unpassed,
         "peak_force": unpassed,

@@ -181,8 +181,7 @@ class Comparison:
         counted = errors[first_bead - 1 :]
         if np.isnan(counted).all():
             raise InputError(
-                f"no bead from {first_bead} on has {quantity} in both pulses; the notes of the pulses "
-                "say why"
+                f"no bead from {first_bead} on has {quantity} in both pulses: see their notes"
             )
         return summary(counted)
 

@@ -85,6 +85,9 @@ def residence_of(chain: Chain, crossings: Array) -> Array:
     passed = times > 0.0
     residence[~passed | ~np.append(True, passed[:-1])] = np.nan
     residence[_without_residence(chain)] = np.nan
+    if chain.drive is not None:
+        # Crests of the drive, not of a pulse that passes from one contact to the next.
+        residence[residence <= 0.0] = np.nan
     return residence
 
 
@@ -121,7 +124,10 @@ def _tailed(chain: Chain, crossings: Array) -> Array:
     ahead = crossings[records.HANDED_OVER]
     behind = crossings[records.LEADING_MOMENTUM] - ahead
     lossy = chain.loss is not None
-    return np.asarray(lossy & (ahead > 0.0) & (behind > TAIL / (1.0 - TAIL) * ahead))
+    tailed = np.asarray(lossy & (ahead > 0.0) & (behind > TAIL / (1.0 - TAIL) * ahead))
+    # Before the end of the chain, beads that would carry a part of the pulse are missing.
+    tailed[-2:] = tailed[-3:-2].any()
+    return tailed
 
 
 def _notes(
@@ -143,9 +149,11 @@ def _notes(
     if not moving_first(chain):
         why = "not struck, so that no pulse arrives there"
         crests = "times are from crest to crest, which a slow drive shifts; see Run.fronts"
+    absent, seen = np.isnan(residence) & ~undefined, passed & np.append(True, passed[:-1])
     stay = together(
         reason("bead", undefined, why),
-        reason("bead", np.isnan(residence) & ~undefined, f"no arrival there or at the next {LATE}"),
+        reason("bead", absent & ~seen, f"no arrival there or at the next {LATE}"),
+        reason("bead", absent & seen, "the crest is at the next contact before it is at this one"),
         crests if chain.drive is not None else "",
     )
     notes = dict.fromkeys(("velocity", "momentum", "energy"), together(slow, tail))

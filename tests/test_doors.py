@@ -11,8 +11,8 @@ from hertzchain import Chain
 
 # What simulations and theories make, and nobody else: no doors, but for their methods.
 RESULTS = (
-    "Budget", "HertzRange", "PulseTable", "Run", "SolitaryWave", "State", "StaticState",
-    "WallForce",
+    "Budget", "Fronts", "HertzRange", "LeadingPulse", "PulseTable", "Run", "SolitaryWave", "State",
+    "StaticState", "WallForce",
 )  # fmt: skip
 # Called with what other doors have checked.
 OUR_OWN = ("factors",)
@@ -146,6 +146,7 @@ def doors(folder):
             peak_overlap=None,
             residence=None,
             velocity_error=None,
+            notes={},
         ),
         "Pulse.column": tried(pulse.column, quantity="velocity"),
         "Pulse.unit": tried(pulse.unit, quantity="velocity"),
@@ -161,6 +162,9 @@ def doors(folder):
         "Run.sensor": tried(run.sensor, bead=1),
         "Run.velocity": tried(run.velocity, bead=1),
         "Run.wall_force": tried(run.wall_force, side="right"),
+        "LeadingPulse.weights": tried(
+            run.leading_pulse().weights, times=run.times, velocities=run.velocities
+        ),
         "Run.waves": tried(run.waves, bead=3),
         "Run.pulse_width": tried(run.pulse_width, bead=3),
         "Run.plot": tried(run.plot, quantity="velocity", ax=None),

@@ -30,6 +30,8 @@ from .pulse.comparison import Comparison as Comparison
 from .pulse.pulse import Pulse as Pulse
 from .pulse.pulse_table import PulseTable as PulseTable
 from .simulation.budget import Budget as Budget
+from .simulation.fronts import Fronts as Fronts
+from .simulation.leading_pulse import LeadingPulse as LeadingPulse
 from .simulation.run import Run as Run
 from .simulation.simulate import simulate as simulate
 from .simulation.state import State as State

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING, Final
 
 if TYPE_CHECKING:
     from rich.table import Table
 
+    from hertzchain.contacts import Array
     from hertzchain.pulse.pulse import Pulse
     from hertzchain.pulse.quantities import Quantity
 
@@ -28,8 +30,8 @@ def table_of(pulse: Pulse, every_bead: bool) -> Table:
         unit = "" if pulse.chain.units == "scaled" else f" [{pulse.unit(name)}]"
         table.add_column(f"{name}\n{symbol}{escape(unit)}", justify="right", no_wrap=True)
     for i in rows:
-        cells = (f"{values[i]:.6g}" if i < len(values) else "" for values in columns.values())
-        table.add_row(str(i + 1), *cells)
+        table.add_row(str(i + 1), *(_cell(values, i, 6) for values in columns.values()))
+    _add_notes(table, [pulse])
     return table
 
 
@@ -43,12 +45,27 @@ def side_by_side(pulses: list[Pulse], quantity: Quantity, every_bead: bool) -> T
     for pulse in pulses:
         table.add_column(pulse.method, justify="right")
     for i in rows:
-        cells = (
-            f"{values[i]:.8g}" if values is not None and i < len(values) else ""
-            for values in columns
-        )
-        table.add_row(str(i + 1), *cells)
+        table.add_row(str(i + 1), *(_cell(values, i, 8) for values in columns))
+    _add_notes(table, pulses)
     return table
+
+
+def _cell(values: Array | None, i: int, digits: int) -> str:
+    """A number in its cell; empty where there is none, a dash where it is missing."""
+    if values is None or i >= len(values):
+        return ""
+    return "-" if math.isnan(values[i]) else f"{values[i]:.{digits}g}"
+
+
+def _add_notes(table: Table, pulses: list[Pulse]) -> None:
+    """Below the table, why values are missing."""
+    from hertzchain.pulse.notes import notes_in_words
+
+    notes = [note for pulse in pulses for note in notes_in_words(pulse.notes)]
+    lines = [str(table.caption)] if table.caption else []
+    if notes:
+        table.caption_justify = "left"
+        table.caption = "\n".join(lines + list(dict.fromkeys(notes)))
 
 
 def _bead_table(title: str, shown: int, beads: int) -> Table:

@@ -19,6 +19,7 @@ from hertzchain.kernels.forces import (
     overlap_and_closing,
     wall_motion,
 )
+from hertzchain.kernels.leading_pulse import note_leading_pulse, rise_of
 from hertzchain.kernels.options import compiled
 from hertzchain.kernels.records import (
     CROSSING_TIME,
@@ -35,6 +36,7 @@ from hertzchain.kernels.records import (
     RESIDENCE,
     SINCE_CROSSING,
     TIME,
+    TURNED_BACK,
     WALL_PEAK,
     WALL_PEAK_TIME,
 )
@@ -141,11 +143,14 @@ def touch(c, y, y_new, setup, contacts):
 
 
 @compiled
-def record_peaks(h, time, y, y_new, stages, dense, setup, contacts, expected, peaks):
-    """First maxima of velocity within the step, of the beads where one is expected."""
+def record_peaks(h, time, y, y_new, stages, dense, setup, contacts, first, expected, peaks):
+    """First maxima of velocity within the step, of the beads where one is expected.
+
+    Returns how many, without that of bead 1, for which no run waits.
+    """
     beads = len(setup.inverse_mass)
     found = 0
-    for k in range(1, beads):
+    for k in range(beads):
         if not expected[k]:
             continue
         theta = peak_within(k, h, y, dense, setup, contacts)
@@ -158,82 +163,106 @@ def record_peaks(h, time, y, y_new, stages, dense, setup, contacts, expected, pe
         )
         velocity = value(beads + k, theta, y, dense)
         peaks[PEAK_VELOCITY, k] = y_new[beads + k] if flies else velocity
-        found += 1
-    return found
-
-
-@compiled
-def record_jumps(time, y, stages, scale, peaks):
-    """First maxima of velocity where an acceleration jumped down, between two steps."""
-    beads = len(scale)
-    found = 0
-    for k in range(1, beads):
-        i = beads + k
-        jumped = stages[STEP_STAGES, i] > 0.0 and stages[0, i] <= 0.0
-        if jumped and peaks[PEAK_TIME, k] == 0.0 and y[i] > REACHED * scale[k]:
-            peaks[PEAK_TIME, k] = time
-            peaks[PEAK_VELOCITY, k] = y[i]
+        if first + k > 0:
             found += 1
     return found
 
 
 @compiled
-def note_crossing(c, after, overlap, clock, counts, first, crossings):
-    """Write down a largest overlap ``after`` the time of the clock.
+def record_jumps(time, y, stages, scale, first, peaks):
+    """First maxima of velocity where an acceleration jumped down, between two steps."""
+    beads = len(scale)
+    found = 0
+    for k in range(min(first, 1), beads):
+        i = beads + k
+        jumped = stages[STEP_STAGES, i] > 0.0 and stages[0, i] <= 0.0
+        if jumped and peaks[PEAK_TIME, k] == 0.0 and y[i] > REACHED * scale[k]:
+            peaks[PEAK_TIME, k] = time
+            peaks[PEAK_VELOCITY, k] = y[i]
+            if first + k > 0:
+                found += 1
+    return found
+
+
+@compiled
+def note_crossing(at, after, overlap, clock, counts, crossings):
+    """Write down a largest overlap of contact ``at``, ``after`` the time of the clock.
 
     The residence is counted from the crossing before, since the difference of two times
-    loses its digits where the pulse becomes much faster than it was.  The window begins with
-    bead ``first``.
+    loses its digits where the pulse becomes much faster than it was.
     """
-    crossings[CROSSING_TIME, c] = clock[TIME] + after
-    crossings[OVERLAP, c] = overlap
-    if counts[LAST_CROSSING] == first + c - 1:
-        crossings[RESIDENCE, c] = clock[SINCE_CROSSING] + after
-    counts[LAST_CROSSING] = first + c
+    crossings[CROSSING_TIME, at] = clock[TIME] + after
+    crossings[OVERLAP, at] = overlap
+    if counts[LAST_CROSSING] == at - 1:
+        crossings[RESIDENCE, at] = clock[SINCE_CROSSING] + after
+    counts[LAST_CROSSING] = at
     counts[CROSSINGS] += 1
     clock[SINCE_CROSSING] = -after
 
 
 @compiled
-def record_crossings(h, clock, counts, y, dense, setup, contacts, first, expected, crossings):
-    """First moments of equal neighbour velocities within the step: largest overlaps."""
-    for c in range(crossings.shape[1]):
+def record_crossings(
+    h, clock, counts, y, dense, setup, contacts, first, chain, inverse_mass, expected, crossings
+):
+    """First moments of equal neighbour velocities within the step: largest overlaps.
+
+    The window begins with bead ``first``; ``chain``, ``inverse_mass`` and the records are those
+    of all beads.
+    """
+    beads = len(setup.inverse_mass)
+    for c in range(beads - 1):
         if not expected[c]:
             continue
-        theta = crossing_within(c, crossings.shape[1] + 1, y, dense)
+        theta = crossing_within(c, beads, y, dense)
         if theta > 1.0:
             continue
         behind = value(c, theta, y, dense)
         overlap = behind - value(c + 1, theta, y, dense)
         if contacts is not None:
             overlap -= setup.gap[c + 1]
-        note_crossing(c, theta * h, overlap, clock, counts, first, crossings)
+        note_crossing(first + c, theta * h, overlap, clock, counts, crossings)
+        rise = rise_of(overlap, c, setup, contacts)
+        note_leading_pulse(first + c, rise, theta, first, y, dense, chain, inverse_mass, crossings)
 
 
 @compiled
-def record_stops(clock, counts, y, stages, scale, gap, first, crossings):
+def record_stops(
+    clock, counts, y, stages, dense, scale, setup, contacts, first, chain, inverse_mass, crossings
+):
     """The same between two steps, where beads that closed in on each other got stuck."""
     beads = len(scale)
     for c in range(beads - 1):
         closed_in = stages[STEP_STAGES, c] > stages[STEP_STAGES, c + 1]
         stopped = closed_in and stages[0, c] <= stages[0, c + 1]
         reached = abs(y[beads + c + 1]) > REACHED * scale[c + 1]
-        if stopped and reached and crossings[CROSSING_TIME, c] == 0.0:
-            overlap = y[c] - y[c + 1] - gap[c + 1]
-            note_crossing(c, 0.0, overlap, clock, counts, first, crossings)
+        if stopped and reached and crossings[CROSSING_TIME, first + c] == 0.0:
+            overlap = y[c] - y[c + 1] - setup.gap[c + 1]
+            note_crossing(first + c, 0.0, overlap, clock, counts, crossings)
+            rise = rise_of(overlap, c, setup, contacts)
+            note_leading_pulse(
+                first + c, rise, 0.0, first, y, dense, chain, inverse_mass, crossings
+            )
 
 
 @compiled
-def expect_events(y, y_new, stages, scale, setup, contacts, peaks, crossings, expected):
+def expect_first_peak(y, y_new, stages, scale, peaks):
+    """Whether bead 1, which was not struck, may be fastest within the step."""
+    beads = len(scale)
+    forward = max(y[beads], y_new[beads]) > REACHED * scale[0]
+    return forward and peaks[PEAK_TIME, 0] == 0.0 and may_peak(0, beads, stages)
+
+
+@compiled
+def expect_events(y, y_new, stages, scale, setup, contacts, first, peaks, crossings, expected):
     """Mark the beads and contacts whose first peak or crossing may lie within the step."""
     beads = len(scale)
-    anything = False
+    anything = expected[0, 0] = first == 0 and expect_first_peak(y, y_new, stages, scale, peaks)
     for k in range(1, beads):
         # Within the step a bead may turn round.
         before, after = y[beads + k], y_new[beads + k]
         forward = max(before, after) > REACHED * scale[k]
         peak = forward and peaks[PEAK_TIME, k] == 0.0 and may_peak(k, beads, stages)
-        waiting = crossings[CROSSING_TIME, k - 1] == 0.0
+        waiting = crossings[CROSSING_TIME, first + k - 1] == 0.0
         reached = max(abs(before), abs(after)) > REACHED * scale[k]
         crossing = reached and waiting and may_cross(k - 1, stages)
         crossing = crossing and touch(k - 1, y, y_new, setup, contacts)
@@ -272,12 +301,16 @@ def record_walls(time, h, y, y_new, stages, dense, walls):
 
 
 @compiled
-def record_wall_ends(time, y, rates, setup, segment, walls):
+def record_wall_ends(time, y, rates, setup, segment, crossings, walls):
     """Impulse of the first contact with each wall, between two steps, where it has ended.
 
     A wall that a bead comes near may have had a push of rounding from the stages of a step.
+    Of the right wall, also when the last bead, passed by the crest, first moves back.
     """
     beads = len(setup.inverse_mass)
+    back = setup.stiffness[beads] > 0.0 and y[2 * beads - 1] < 0.0
+    if back and walls[TURNED_BACK, 1] == 0.0 and crossings[CROSSING_TIME, -1] != 0.0:
+        walls[TURNED_BACK, 1] = time
     for side in range(2):
         i, c = 2 * beads + LEFT_IMPULSE + side, side * beads
         pushed = y[i] != 0.0 and rates[i] == 0.0 and setup.stiffness[c] > 0.0
@@ -327,14 +360,16 @@ def save_frames(time, time_new, h, y, dense, first, chain, setup, contacts, segm
 
 @compiled
 def record_step(
-    time, time_new, h, y, y_new, dense_is_found, first, chain, clock, counts, setup, contacts,
-    segment, stages, dense, scale, expected, frame_times, frames, frame_forces, peaks, crossings,
-    walls, trial, scratch,
+    time, time_new, h, y, y_new, dense_is_found, first, chain, inverse_mass, clock, counts, setup,
+    contacts, segment, stages, dense, scale, expected, frame_times, frames, frame_forces, peaks,
+    crossings, walls, trial, scratch,
 ):  # fmt: skip
     """All that a completed step has to show; its interpolant is made if that is anything."""
     frame = counts[FRAMES]
     save = frame < len(frame_times) and frame_times[frame] <= time_new
-    event = expect_events(y, y_new, stages, scale, setup, contacts, peaks, crossings, expected)
+    event = expect_events(
+        y, y_new, stages, scale, setup, contacts, first, peaks, crossings, expected
+    )
     walled = contacts is not None and wall_pushed(stages)
     if (save or event or walled) and not dense_is_found:
         complete_stages(time, y, h, setup, contacts, segment, stages, trial)
@@ -342,9 +377,12 @@ def record_step(
         counts[EVALUATIONS] += STAGES - STEP_STAGES - 1
     if event:
         counts[PEAKS] += record_peaks(
-            h, time, y, y_new, stages, dense, setup, contacts, expected[0], peaks
+            h, time, y, y_new, stages, dense, setup, contacts, first, expected[0], peaks
         )
-        record_crossings(h, clock, counts, y, dense, setup, contacts, first, expected[1], crossings)
+        record_crossings(
+            h, clock, counts, y, dense, setup, contacts, first, chain, inverse_mass, expected[1],
+            crossings,
+        )  # fmt: skip
     if walled:
         record_walls(time, h, y, y_new, stages, dense, walls)
     if save:

@@ -139,14 +139,15 @@ def estimated_error(time, h, y, y_new, setup, contacts, segment, rtol, stages, w
 
 @compiled
 def advance_window(
-    y, chain, low, flying, trim, budget, clock, counts, setup, contacts, until, stop_when_left,
-    rtol, pause, frame_times, growing, frames, frame_forces, peaks, crossings, walls, stages, dense,
-    work, expected,
+    y, chain, inverse_mass, low, flying, trim, budget, clock, counts, setup, contacts, until,
+    stop_when_left, rtol, pause, frame_times, growing, frames, frame_forces, peaks, crossings,
+    walls, stages, dense, work, expected,
 ):  # fmt: skip
     """`advance` for the beads of a window, from bead ``low`` on, until the window moves.
 
-    ``y`` is the state of its beads, ``chain`` that of all, ``flying`` what those behind it have
-    of energy and momentum, ``trim`` what `trimmed` says; the records are parts of the chain's.
+    ``y`` is the state of its beads, ``chain`` that of all, with ``inverse_mass``, ``flying`` what
+    those behind it have of energy and momentum, ``trim`` what `trimmed` says; ``peaks`` are those
+    of the window, ``crossings`` those of the chain.
     Returns why it stopped and how many steps it tried.
     """
     beads = len(setup.inverse_mass)
@@ -208,9 +209,9 @@ def advance_window(
                 counts[EVALUATIONS] += STEP_STAGES
         time_new = stop if cut else time + h
         record_step(
-            time, time_new, h, y, y_new, dense_is_found, low, chain, clock, counts, setup, contacts,
-            segment, stages, dense, scale, expected, frame_times, frames, frame_forces, peaks,
-            crossings, walls, trial, scratch,
+            time, time_new, h, y, y_new, dense_is_found, low, chain, inverse_mass, clock, counts,
+            setup, contacts, segment, stages, dense, scale, expected, frame_times, frames,
+            frame_forces, peaks, crossings, walls, trial, scratch,
         )  # fmt: skip
 
         copy(y_new, y)
@@ -234,11 +235,12 @@ def advance_window(
             counts[SEGMENT] += 1
         if switching >= 0 or cut:
             begin(time_new, y, setup, contacts, counts[SEGMENT], stages)
-            counts[PEAKS] += record_jumps(time_new, y, stages, scale, peaks)
+            counts[PEAKS] += record_jumps(time_new, y, stages, scale, low, peaks)
             if contacts is not None:
-                record_stops(clock, counts, y, stages, scale, setup.gap, low, crossings)
+                record_stops(clock, counts, y, stages, dense, scale, setup, contacts, low, chain,
+                             inverse_mass, crossings)  # fmt: skip
         if contacts is not None:
-            record_wall_ends(time_new, y, stages[0], setup, counts[SEGMENT], walls)
+            record_wall_ends(time_new, y, stages[0], setup, counts[SEGMENT], crossings, walls)
         note_drift(y, clock, setup, contacts, counts[SEGMENT], flying, False)
         left = counts[PEAKS] == all_beads - 1 and counts[CROSSINGS] == all_beads - 1
         if stop_when_left and left:
@@ -272,8 +274,8 @@ def advance(
     frame_times, frames : (F,) times to save at, and the (F, len(y)) states saved; with
         ``growing`` the caller is asked for later times before a step would pass the last
     frame_forces : (F, N + 1) contact forces saved; nothing with a plain chain
-    peaks, crossings : (2, N), (3, N - 1): time and velocity; time, overlap and residence;
-        0 = not yet
+    peaks, crossings : (2, N), (CROSSING_ROWS, N - 1) as in `hertzchain.kernels.records`;
+        time 0 = not yet
     walls : (WALL_ROWS, 2) of the left and the right wall; 0 = not yet
     accelerations : (N,) those with which the next step would begin
     scratch, ends, expected : (ROWS * len(y),), (2, N + 1), (2, N) scratch
@@ -294,10 +296,9 @@ def advance(
         work, near = rows[STAGES + COEFFICIENTS : ROWS - 1], rows[ROWS - 1]
         take_out(y, beads, low, high, near)
         code, tried = advance_window(
-            near, y, low, flying, trim, budget, clock, counts, part, touching, until,
-            stop_when_left, rtol, pause, frame_times, growing, frames, frame_forces,
-            peaks[:, low:high], crossings[:, low : high - 1], walls, stages, dense, work,
-            expected[:, : high - low],
+            near, y, setup.inverse_mass, low, flying, trim, budget, clock, counts, part, touching,
+            until, stop_when_left, rtol, pause, frame_times, growing, frames, frame_forces,
+            peaks[:, low:high], crossings, walls, stages, dense, work, expected[:, : high - low],
         )  # fmt: skip
         put_back(near, beads, low, high, y)
         accelerations[:] = 0.0

@@ -14,7 +14,9 @@ STEPS, EVALUATIONS, FRAMES, PEAKS, CROSSINGS, LAST_CROSSING, FROZEN, SEGMENT, SW
 COUNTS_SIZE = 9
 # Rows of `peaks`, of `crossings` and of `walls`.
 PEAK_TIME, PEAK_VELOCITY = 0, 1
-CROSSING_TIME, OVERLAP, RESIDENCE = 0, 1, 2
-WALL_PEAK_TIME, WALL_PEAK, FIRST_IMPULSE, FIRST_END, WALL_ROWS = range(5)
+# `HANDED_OVER` begins with minus the momentum of the beads ahead, and is complete at the crossing.
+CROSSING_TIME, OVERLAP, RESIDENCE, HANDED_OVER, RISE_TIME = range(5)
+LEADING_MOMENTUM, LEADING_ENERGY, CROSSING_ROWS = range(5, 8)
+WALL_PEAK_TIME, WALL_PEAK, FIRST_IMPULSE, FIRST_END, TURNED_BACK, WALL_ROWS = range(6)
 # Peak time of a striker, which has its velocity from the start on.
 FROM_THE_START = -1.0

@@ -19,10 +19,10 @@ PARTS: Final[dict[str, tuple[str, str]]] = {
     "leading pulse": ("#0072B2", ""),
     "lagging": ("#56B4E9", ""),
     "scattered back": ("#E69F00", "//"),
-    "contacts": ("#BBBBBB", ""),
-    "walls": ("#777777", ""),
+    "contacts": ("#D9D9D9", ""),
+    "walls": ("#666666", ""),
     "left wall": ("#999999", "\\\\"),
-    "right wall": ("#777777", ""),
+    "right wall": ("#666666", ""),
     "lost": ("#D55E00", ".."),
 }
 

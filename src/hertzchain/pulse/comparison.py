@@ -105,7 +105,7 @@ class Comparison:
         return [name for name in self.pulse.columns() if name in theirs and name != estimate]
 
     def worst(self, quantity: Quantity, *, first_bead: int = 2) -> float:
-        """Largest absolute relative error from ``first_bead`` on.
+        """Largest absolute relative error from ``first_bead`` on, of the beads that both have.
 
         Parameters
         ----------
@@ -125,10 +125,10 @@ class Comparison:
         >>> pulse.compare(pulse).worst("velocity")
         0.0
         """
-        return self._reduce(quantity, first_bead, lambda e: float(np.max(e)))
+        return self._reduce(quantity, first_bead, lambda e: float(np.nanmax(e)))
 
     def rms(self, quantity: Quantity, *, first_bead: int = 2) -> float:
-        """Root mean square of the relative errors from ``first_bead`` on.
+        """Root mean square of the relative errors from ``first_bead`` on, as of `worst`.
 
         Parameters
         ----------
@@ -146,7 +146,7 @@ class Comparison:
         >>> pulse.compare(pulse).rms("momentum")
         0.0
         """
-        return self._reduce(quantity, first_bead, lambda e: float(np.sqrt(np.mean(e**2))))
+        return self._reduce(quantity, first_bead, lambda e: float(np.sqrt(np.nanmean(e**2))))
 
     def worst_bead(self, quantity: Quantity, *, first_bead: int = 2) -> int:
         """Bead (or contact) number of the largest error.
@@ -167,7 +167,9 @@ class Comparison:
         >>> hc.bca(chain).compare(hc.propagate(chain)).worst_bead("velocity")
         28
         """
-        return first_bead + int(self._reduce(quantity, first_bead, lambda e: float(np.argmax(e))))
+        return first_bead + int(
+            self._reduce(quantity, first_bead, lambda e: float(np.nanargmax(e)))
+        )
 
     def _reduce(
         self, quantity: Quantity, first_bead: int, summary: Callable[[Array], float]
@@ -176,7 +178,12 @@ class Comparison:
         first_bead = whole_number(
             f"first_bead of {quantity}", first_bead, least=1, most=len(errors)
         )
-        return summary(errors[first_bead - 1 :])
+        counted = errors[first_bead - 1 :]
+        if np.isnan(counted).all():
+            raise InputError(
+                f"no bead from {first_bead} on has {quantity} in both pulses: see their notes"
+            )
+        return summary(counted)
 
     def __str__(self) -> str:
         lines = [
@@ -185,8 +192,8 @@ class Comparison:
             f"  {'quantity':<13}{'worst':>10}{'at k':>6}{'rms':>10}",
         ]
         for name in self.quantities:
-            if len(self.errors(name)) < 2:
-                continue  # two beads have one contact
+            if np.isnan(self.errors(name)[1:]).all():
+                continue  # two beads have one contact, and a run may not have seen any other
             worst, at, rms = self.worst(name), self.worst_bead(name), self.rms(name)
             lines.append(f"  {name:<13}{worst:>10.2%}{at:>6}{rms:>10.2%}")
         return "\n".join(lines)

@@ -1,14 +1,14 @@
 """The leading pulse, a row per bead: the one result of every simulation and every theory.
 
 A `Pulse` says what passed each bead; `compare` holds two of them against each
-other.  What a method does not predict is `None`, never a number that looks like
-a prediction.
+other.  What a method does not predict is `None`, and what a run has not seen is NaN with
+a reason in ``notes``, never a number that looks like a prediction.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -21,6 +21,7 @@ from hertzchain.checks import real_numbers
 from hertzchain.contacts import Array
 from hertzchain.errors import InputError
 from hertzchain.pulse.comparison import Comparison
+from hertzchain.pulse.notes import checked_notes, notes_in_words
 from hertzchain.pulse.quantities import PER_CONTACT, QUANTITIES, SI_UNITS, Quantity
 
 if TYPE_CHECKING:
@@ -55,9 +56,12 @@ class Pulse:
     residence : ndarray, shape (N - 1,), or None
         Residence time :math:`T_k = t_{k+1} - t_k` on bead k [scaled]; from the arrivals if
         not given.  In strongly uneven chains arrivals need not be in order, and it may be
-        negative.
+        negative; among several strikers it is not defined.
     velocity_error : ndarray, shape (N,), or None
         Estimated relative error of each velocity, by a method that estimates one; 0 for bead 1.
+    notes : dict of str
+        By the name of a quantity, where it is NaN and why, or where it means something else
+        than usual.  A column without a note has no NaN.
 
     Examples
     --------
@@ -75,10 +79,12 @@ class Pulse:
     peak_overlap: Array | None = None
     residence: Array | None = None
     velocity_error: Array | None = None
+    notes: Mapping[str, str] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         check_chain("Pulse", self.chain)
         text("method of a pulse", self.method)
+        object.__setattr__(self, "notes", checked_notes(self.notes))
         if self.velocity is None:
             raise InputError("a pulse has at least the velocity of each bead, got None")
         beads = self.chain.beads
@@ -283,7 +289,8 @@ class Pulse:
             str(name): (
                 "contact" if name in PER_CONTACT else "bead",
                 values,
-                {"units": self.unit(name), "long_name": QUANTITIES[name][1]},
+                {"units": self.unit(name), "long_name": QUANTITIES[name][1]}
+                | ({"comment": self.notes[name]} if name in self.notes else {}),
             )
             for name, values in self.columns().items()
         }
@@ -349,7 +356,8 @@ class Pulse:
     def __str__(self) -> str:
         names = ", ".join(self.columns())
         last = f"v_{self.chain.beads} = {self.velocity[-1]:.9g}"
-        return f"{self.method}, {self.chain.description}\n  {last}; has {names}"
+        lines = [f"{self.method}, {self.chain.description}", f"  {last}; has {names}"]
+        return "\n".join(lines + [f"  {note}" for note in notes_in_words(self.notes)])
 
     def _repr_html_(self) -> str:
         title = f"<p><b>{self.method}</b>, {self.chain.description}</p>"
@@ -363,6 +371,7 @@ def _checked_column(pulse: Pulse, name: str, given: ArrayLike, length: int) -> A
     if values.shape != (length,):
         raise InputError(f"{name} of a pulse must have shape ({length},), got {values.shape}")
     good = np.isfinite(values)
+    explained = np.isnan(values) & (name in pulse.notes)
     if name == "residence":
         good &= values != 0.0  # out of order is possible, no time at all is a lost digit
     else:
@@ -370,6 +379,7 @@ def _checked_column(pulse: Pulse, name: str, given: ArrayLike, length: int) -> A
         known = max(1, pulse.chain.strikers)
         first = known if name in ("arrival", "peak_time", "velocity_error") else 0
         good[first:] &= values[first:] > 0.0
+    good |= explained
     if not good.all():
         k = int(np.argmin(good))
         raise InputError(

@@ -1,15 +1,17 @@
-r"""Where the energy and the momentum of an impact are, and whence they came.
+r"""Where the energy and the momentum of an impact are, and where they came from.
 
 At every time the beads' kinetic energy and momentum are split three ways:
 
 leading pulse
-    the crest of the first pulse and what is ahead of it, and behind it the beads that are
-    the slower the further back they are, and still move forwards; nothing any more once the
-    last bead has been turned back;
+    beads that move towards bead N, with the weights of `hertzchain.simulation.leading_pulse`: a
+    bead leaves the pulse four rise times after the crest has passed it;
 lagging
-    every other bead that moves towards bead N;
+    all else that moves towards bead N;
 scattered back
     every bead that moves away from it.
+
+In strong forward tapers (q > 0.05) tail and hump of the pulse are one, and where the leading
+pulse ends is a convention.
 
 Energy is also stored in contacts and walls, and lost in them; momentum is given to walls.
 What came from outside, beside the strike, is the work and impulse of gravity, of a drive and
@@ -57,7 +59,7 @@ class Budget:
         Where the momentum is: the same three, ``"left wall"`` and ``"right wall"`` [scaled,
         or kg m/s].
     energy_given, momentum_given : dict of ndarray, shape (T,)
-        Whence they came: ``"start"``, ``"gravity"``, ``"drive"``, ``"held ends"``.
+        Where they came from: ``"start"``, ``"gravity"``, ``"drive"``, ``"held ends"``.
 
     Examples
     --------
@@ -198,7 +200,7 @@ def budget_of(
     velocities: Array,
     forces: Array,
     ledger: Array,
-    peak_times: Array,
+    weights: Array,
     start: tuple[float, float],
 ) -> Budget:
     """The budget of saved states.
@@ -211,8 +213,8 @@ def budget_of(
         As in a `hertzchain.Run`.
     ledger : ndarray, shape (T, 5)
         Energy lost, work and impulse of the drive, impulses of left and right wall.
-    peak_times : ndarray, shape (N,)
-        When each bead passed its first velocity maximum; 0 if it has not.
+    weights : ndarray, shape (T, N)
+        Part of each bead that belongs to the leading pulse.
     start : tuple of float
         Energy and momentum at time 0.
 
@@ -230,9 +232,12 @@ def budget_of(
     momenta = chain.masses * velocities
     kinetic = 0.5 * momenta * velocities
     stored = stored_energy(chain, times, positions, forces)
-    leading = leading_pulse(times, velocities, peak_times)
     forwards = velocities > 0.0
-    parts = {"leading pulse": leading, "lagging": forwards & ~leading, "scattered back": ~forwards}
+    parts = {
+        "leading pulse": weights,
+        "lagging": forwards - weights,
+        "scattered back": ~forwards,
+    }
 
     moved = positions - equilibrium(chain).positions
     weight = chain.masses * chain.gravity
@@ -327,42 +332,3 @@ def overlaps_of(chain: Chain, times: Array, positions: Array) -> Array:
         wall = chain.drive.value(times)
     bounds: Any = (wall[:, np.newaxis], positions, np.zeros((len(times), 1)))
     return np.asarray(-np.diff(np.hstack(bounds), axis=1) - equilibrium(chain).gaps)
-
-
-def leading_pulse(times: Array, velocities: Array, peak_times: Array) -> Array:
-    """Which beads belong to the leading pulse, at each time.
-
-    Parameters
-    ----------
-    times : ndarray, shape (T,)
-        Times.
-    velocities : ndarray, shape (T, N)
-        Velocities.
-    peak_times : ndarray, shape (N,)
-        When each bead passed its first velocity maximum; 0 if it has not.
-
-    Returns
-    -------
-    ndarray of bool, shape (T, N)
-
-    Examples
-    --------
-    >>> leading_pulse(np.array([3.0]), np.array([[-0.1, 0.2, 0.1, 0.7, 0.3]]),
-    ...               np.array([0.0, 1.0, 2.0, 3.0, 0.0]))
-    array([[False, False,  True,  True,  True]])
-    """
-    beads = velocities.shape[1]
-    leading = np.zeros(velocities.shape, bool)
-    peaked = peak_times != 0.0
-    ended = False
-    for row, (time, speed) in enumerate(zip(times, velocities, strict=True)):
-        passed = np.flatnonzero(peaked & (peak_times <= time))
-        rear = int(passed[-1]) if len(passed) else 0
-        if rear + 1 < beads and speed[rear + 1] > speed[rear]:
-            rear += 1
-        while rear > 0 and 0.0 < speed[rear - 1] < speed[rear]:
-            rear -= 1
-        leading[row, rear:] = not ended and speed[rear:] > 0.0
-        # Past the last bead and turned back, by a wall: what comes later is no leading pulse.
-        ended = ended or (rear == beads - 1 and not leading[row].any())
-    return leading

@@ -18,6 +18,9 @@ from hertzchain.contacts import Array
 from hertzchain.errors import InputError, SimulationError
 from hertzchain.pulse.pulse import Pulse
 from hertzchain.simulation.budget import Budget, budget_of, overlaps_of
+from hertzchain.simulation.fronts import Fronts, fronts_of
+from hertzchain.simulation.leading_pulse import LeadingPulse, leading_pulse_of
+from hertzchain.simulation.run_pulse import pulse_of, residence_of
 from hertzchain.simulation.state import State, ledger_units, records_units
 from hertzchain.simulation.wall_force import SIDES, Side, WallForce
 from hertzchain.simulation.waves import Waves, waves_at
@@ -230,42 +233,107 @@ class Run:
         return 1 + int(np.count_nonzero((self._peaks[0, 1:] != 0) & (self._crossings[0] > 0)))
 
     @property
-    def _residence(self) -> Array:
-        """Times between successive crossings; by difference where they came out of order."""
-        times, _, since_last = self._crossings
-        between = np.diff(times, prepend=0.0)
-        return np.where(since_last > 0.0, since_last, between)
+    def _reached(self) -> bool:
+        """Whether any contact between two beads has been compressed beyond its rest."""
+        moved = self.state.arrays["y"][: self.chain.beads]
+        compressed = moved[:-1] - moved[1:] > np.maximum(equilibrium(self.chain).gaps[1:-1], 0.0)
+        return bool(np.any(self._crossings[0] > 0.0) or np.any(compressed))
 
     def pulse(self) -> Pulse:
         """The leading pulse: first velocity maxima, arrivals and largest overlaps.
 
+        Of a driven chain, too: the first maximum of bead 1 is then found as that of any other
+        bead, its arrival is 0, the start of the drive, and it has no residence time.
+
         Returns
         -------
         Pulse
-            Found between the steps while integrating, not among the saved times.
+            Found between the steps while integrating, not among the saved times.  What the run
+            has not seen, or what is not defined, is NaN; ``pulse.notes`` says where and why.
 
         Raises
         ------
         SimulationError
-            If the run stopped before the pulse had passed every bead.
+            If the run stopped before any contact was reached.
 
         Examples
         --------
         >>> import hertzchain as hc
         >>> float(hc.simulate(hc.Chain.uniform(30)).pulse().velocity[1].round(9))
         0.751471736
+
+        A chain that a piezoelectric actuator drives:
+
+        >>> burst = hc.SineBurst(0.3, 0.1, cycles=2.0)
+        >>> pulse = hc.simulate(hc.Chain.uniform(30).replace(drive=burst), until=60.0).pulse()
+        >>> pulse.arrival[[0, 10, 20]].round(3)
+        array([ 0.   , 21.03 , 38.853])
+        >>> pulse.notes["residence"].partition(";")[0]
+        'bead 1: not struck, so that no pulse arrives there'
         """
-        if self.beads_passed < self.chain.beads:
-            raise SimulationError(f"no pulse of all beads: {self.message}; simulate for longer")
-        return Pulse(
-            chain=self.chain,
-            method="simulation",
-            velocity=self._peaks[1],
-            peak_time=np.maximum(self._peaks[0], 0.0),
-            arrival=np.concatenate(([0.0], self._crossings[0])),
-            peak_overlap=self._crossings[1],
-            residence=self._residence,
-        )
+        if not self._reached:
+            raise SimulationError(
+                f"no pulse: {self.message}, and no contact was reached; simulate for longer"
+            )
+        return pulse_of(self.chain, self._peaks, self._crossings)
+
+    def leading_pulse(self) -> LeadingPulse:
+        """The leading pulse as a whole: its length, momentum and kinetic energy.
+
+        A `Pulse` has the momentum of one bead; this has that of all beads that the pulse covers.
+
+        Returns
+        -------
+        LeadingPulse
+            Found between the steps while integrating, not among the saved times.
+
+        Examples
+        --------
+        The momentum of the solitary wave of equal beads, struck with momentum 1:
+
+        >>> import hertzchain as hc
+        >>> run = hc.simulate(hc.Chain.uniform(60), times=0)
+        >>> round(float(run.leading_pulse().momentum[40]), 5)
+        1.13831
+        """
+        from hertzchain.kernels import records
+
+        turned_back = float(self._walls[records.TURNED_BACK, 1])
+        return leading_pulse_of(self.chain, self._crossings, turned_back)
+
+    def fronts(self) -> Fronts:
+        """When the front of what runs along the chain reached each contact, and its speed.
+
+        Fronts are for chains that are driven: they exist in shocks, where the force has no
+        maximum, and a slow drive does not shift them as it shifts crests.
+
+        Returns
+        -------
+        Fronts
+            From the saved times.
+
+        Raises
+        ------
+        InputError
+            If fewer than two times were saved.
+
+        Examples
+        --------
+        A piston that pushes on for ever, with losses: a shock without a crest.  Its speed is 1
+        bead per time, by the balance of mass and momentum:
+
+        >>> import hertzchain as hc
+        >>> piston = hc.Table([0.0, 200.0], [0.0, 200.0], of="displacement")
+        >>> chain = hc.Chain.uniform(40).replace(
+        ...     drive=piston, left_wall=hc.Wall(stiffness=1.0), loss=hc.Viscoelastic(0.5)
+        ... )
+        >>> fronts = hc.simulate(chain, until=28.0, times=1000).fronts()
+        >>> f"{5 / (fronts.times[14] - fronts.times[9]):.2f}"
+        '1.01'
+        >>> fronts.notes["times"]
+        'contacts 24 to 39: not reached, or still being loaded, at the end of the run'
+        """
+        return fronts_of(self.chain, self.times, self.forces, self._crossings)
 
     def force(self, contact: int) -> Array:
         """Force in one contact at the saved times.
@@ -483,11 +551,17 @@ class Run:
             raise SimulationError(
                 f"no width of the pulse at bead {k}: {self.message}; simulate for longer"
             )
+        residence = residence_of(self.chain, self._crossings)[k - 1]
+        if np.isnan(residence):
+            raise SimulationError(
+                f"no width of the pulse at bead {k}: it is one of several beads that move from the "
+                "start, on which a pulse has no residence time"
+            )
         waves = self.waves(k)
         width = np.nan
         if len(waves):
             leading = int(np.argmin(np.abs(waves.times - self._peaks[0, k - 1])))
-            width = waves.widths[leading] / self._residence[k - 1]
+            width = waves.widths[leading] / residence
         if not np.isfinite(width):
             raise SimulationError(
                 f"no width of the pulse at bead {k}: among the {len(self.times)} saved times its "
@@ -497,7 +571,7 @@ class Run:
         return float(width)
 
     def budget(self) -> Budget:
-        """Energy and momentum at every saved time, by where they are and whence they came.
+        """Energy and momentum at every saved time, by where they are and where they came from.
 
         Returns
         -------
@@ -520,7 +594,8 @@ class Run:
             raise InputError("the run has saved no times: give simulate times of at least 2")
         return budget_of(
             self.chain, self.times, self.positions, self.velocities, self.forces,
-            self._ledger, self._peaks[0], self.state.start,
+            self._ledger, self.leading_pulse().weights(self.times, self.velocities),
+            self.state.start,
         )  # fmt: skip
 
     def to_xarray(self) -> xr.Dataset:

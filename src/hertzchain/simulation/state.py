@@ -201,10 +201,11 @@ def records_units(scales: Scales) -> dict[str, Array]:
            [2.]])
     """
     time, length, velocity = scales.time, scales.length, scales.velocity
+    momentum, energy = scales.momentum, scales.energy
     return {
         "peaks": np.array([[time], [velocity]]),
-        "crossings": np.array([[time], [length], [time]]),
-        "walls": np.array([[time], [scales.force], [scales.momentum], [time]]),
+        "crossings": np.array([[time], [length], [time], [momentum], [time], [momentum], [energy]]),
+        "walls": np.array([[time], [scales.force], [momentum], [time], [time]]),
     }
 
 
@@ -238,19 +239,22 @@ def new_state(chain: Chain, positions: Array, velocities: Array) -> State:
         "mode": np.zeros(beads + 1, np.int64),
         "largest": np.zeros(beads + 1),
         "peaks": np.zeros((2, beads)),
-        "crossings": np.zeros((3, beads - 1)),
+        "crossings": np.zeros((records.CROSSING_ROWS, beads - 1)),
         "walls": np.zeros((records.WALL_ROWS, 2)),
     }
-    # Strikers are the pulse from the start on.
-    ahead = max(1, chain.strikers)
-    arrays["peaks"][0, 1:ahead] = records.FROM_THE_START
-    arrays["peaks"][1, :ahead] = velocities[:ahead]
+    momenta = chain.masses * velocities
+    arrays["crossings"][records.HANDED_OVER] = -np.cumsum(momenta[:0:-1])[::-1]
+    # Strikers are the pulse from the start on; the maximum of a driven bead 1 is found.
+    struck = max(chain.strikers, int(velocities[0] > 0.0))
+    arrays["peaks"][0, :struck] = records.FROM_THE_START
+    arrays["peaks"][1, :struck] = velocities[:struck]
     first_step = 1e-4 * float(transit_times(chain)[0])
     full_chain.start(
         arrays["y"], arrays["clock"], arrays["counts"], equation,
         None if plain else contacts_of(arrays), first_step,
     )  # fmt: skip
-    arrays["counts"][records.PEAKS] = ahead - 1
+    # Without bead 1's.
+    arrays["counts"][records.PEAKS] = max(struck, 1) - 1
     return State(chain, arrays)
 
 

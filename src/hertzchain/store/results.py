@@ -6,6 +6,7 @@ import contextlib
 import csv
 import io
 import json
+import math
 import os
 import zipfile
 from collections.abc import Sequence
@@ -18,6 +19,7 @@ from hertzchain import __version__
 from hertzchain.arguments import file_path, instance
 from hertzchain.chain.chain import Chain
 from hertzchain.chain.coverage import check_chain
+from hertzchain.contacts import Array
 from hertzchain.errors import InputError
 from hertzchain.pulse.pulse import Pulse
 from hertzchain.simulation.run import Run
@@ -51,11 +53,17 @@ def pulses_as_json(pulses: Sequence[Pulse]) -> str:
         "chain": chain_as_dict(pulses[0].chain),
         "pulses": [
             {"method": pulse.method}
-            | {name: values.tolist() for name, values in pulse.columns().items()}
+            | {name: _as_list(values) for name, values in pulse.columns().items()}
+            | ({"notes": dict(pulse.notes)} if pulse.notes else {})
             for pulse in pulses
         ],
     }
     return json.dumps(document, indent=2, allow_nan=False)
+
+
+def _as_list(values: Array) -> list[float | None]:
+    """Numbers for JSON, which has no NaN."""
+    return [None if math.isnan(value) else value for value in values.tolist()]
 
 
 def chain_as_dict(chain: Chain) -> dict[str, Any]:
@@ -100,7 +108,7 @@ def pulses_as_csv(pulses: Sequence[Pulse]) -> str:
     Returns
     -------
     str
-        What a method does not predict is left empty.
+        What a method does not predict, or a run has not seen, is left empty.
 
     Examples
     --------
@@ -115,9 +123,10 @@ def pulses_as_csv(pulses: Sequence[Pulse]) -> str:
     for pulse in pulses:
         columns = [pulse.column(name) for name in names]
         for i, bead in enumerate(pulse.bead):
-            values = (column[i] if column is not None and i < len(column) else "" for column in
-                      columns)  # fmt: skip
-            writer.writerow([pulse.method, bead, pulse.chain.radii[i], *values])
+            values = (column[i] if column is not None and i < len(column) else np.nan
+                      for column in columns)  # fmt: skip
+            cells = ("" if np.isnan(value) else value for value in values)
+            writer.writerow([pulse.method, bead, pulse.chain.radii[i], *cells])
     return lines.getvalue()
 
 

@@ -69,7 +69,7 @@ def _by_batch(plan: Plan) -> dict[str, Variable]:
     if plan.judged:
         said = {"long_name": "1 where the method says it is outside its range"}
         found["outside_range"] = _by_method(plan, "i1", said)
-    why = {"long_name": "why the method failed; empty if it did not"}
+    why = {"long_name": "why the method failed, or values are missing; empty if neither"}
     found["reason"] = _by_method(plan, "str", why)
     if plan.ragged:
         count = {"long_name": "number of beads", "units": "1"}

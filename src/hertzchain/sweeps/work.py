@@ -13,6 +13,7 @@ from hertzchain.chain.chain import Chain
 from hertzchain.contacts import HERTZ_EXPONENT, Array
 from hertzchain.errors import InputError, ModelRangeWarning, SimulationError
 from hertzchain.propagation.propagate import propagate_many
+from hertzchain.pulse.notes import notes_in_words
 from hertzchain.pulse.pulse import Pulse
 from hertzchain.pulse.quantities import PER_CONTACT, QUANTITIES
 from hertzchain.simulation.run import Run
@@ -45,7 +46,7 @@ class Result:
     status : ndarray of int, shape (points, methods)
         `DONE` or `FAILED`.
     reason : list of list of str
-        Why a method failed at a point; empty if it did not.
+        Why a method failed at a point, or values are missing; empty if neither.
     outside_range : ndarray of int, shape (points, methods)
         1 where a method itself said that it is outside its range.
     beads : ndarray of int, shape (points,)
@@ -187,7 +188,10 @@ class _Batch:
         if method == "simulate":
             run = simulate(chain, times=0, progress=self._watch, **options)
             self._keep_wall(row, place, run)
-            self._keep_pulse(row, place, run.pulse())
+            if self.whole:
+                self._keep_pulse(row, place, run.pulse())
+                if run.beads_passed < chain.beads:
+                    self.status[row, place] = FAILED
         else:
             self._keep_pulse(row, place, pulse_by(method, chain, **options))
 
@@ -196,6 +200,7 @@ class _Batch:
             found = pulse.column(name)  # type: ignore[arg-type]
             if found is not None:
                 values[row, place, : len(found)] = found
+        self.reason[row][place] = "; ".join(notes_in_words(pulse.notes, self.whole))
 
     def _keep_wall(self, row: int, place: int, run: Run) -> None:
         wanted = [name for name in self.single if name in WALL_QUANTITIES]

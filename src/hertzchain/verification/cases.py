@@ -113,8 +113,18 @@ def _uniform() -> Iterator[Case]:
         lambda: shared_runs("uniform", 1.5).state.velocities[0],
     )  # fmt: skip
     yield Case(
-        "uniform chain", "momentum of the leading pulse", 1.138305088728, 5e-9, INTEGRATIONS,
-        lambda: _leading("momentum"),
+        "uniform chain", "momentum of all that moves forwards", 1.138305088728, 5e-9, INTEGRATIONS,
+        lambda: _moving("leading pulse", "lagging"),
+    )  # fmt: skip
+    # What ends the pulse cuts off a part of its tail.
+    yield Case(
+        "uniform chain", "momentum of the leading pulse", 1.138305088728, 2e-5, INTEGRATIONS,
+        lambda: _moving("leading pulse"),
+    )  # fmt: skip
+    yield Case(
+        "uniform chain", "twice the momentum handed over at the crest, by symmetry",
+        1.138305088728, 5e-9, INTEGRATIONS,
+        lambda: 2.0 * shared_runs("uniform", 1.5).leading_pulse().handed_over[150],
     )  # fmt: skip
 
 
@@ -129,9 +139,9 @@ def _speed_constant(p: float) -> float:
     return float(speed * pulse.velocity[150] ** (-(p - 1.0) / (p + 1.0)))
 
 
-def _leading(of: str) -> float:
-    run = simulate(Chain.uniform(100), until=80.0, times=[80.0])
-    return float(getattr(run.budget(), of)["leading pulse"][0])
+def _moving(*parts: str) -> float:
+    budget = simulate(Chain.uniform(100), until=80.0, times=[80.0]).budget()
+    return float(sum(budget.momentum[part][0] for part in parts))
 
 
 def _strikers() -> Iterator[Case]:

@@ -1,0 +1,167 @@
+"""The pulse of a run, from what the compiled loop has recorded between the steps."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from hertzchain.chain.chain import Chain
+from hertzchain.contacts import Array
+from hertzchain.pulse.pulse import Pulse
+from hertzchain.simulation.absent import reason, together
+
+# A pulse with more of its momentum behind the crest than this is the front of a tail; a
+# solitary wave has one half.
+TAIL = 2.0 / 3.0
+LATE = "before the end of the run"
+
+
+def pulse_of(chain: Chain, peaks: Array, crossings: Array) -> Pulse:
+    """The leading pulse, as far as a run has seen it.
+
+    Parameters
+    ----------
+    chain : Chain
+        The chain.
+    peaks, crossings : ndarray
+        As `hertzchain.kernels.records` lays them out.
+
+    Returns
+    -------
+    Pulse
+        What the run has not seen is NaN, with the reason in its notes.
+
+    Examples
+    --------
+    >>> import hertzchain as hc
+    >>> pulse = hc.simulate(hc.Chain.uniform(20), until=8.0).pulse()
+    >>> pulse.velocity[5:8].round(4)
+    array([0.6866, 0.6844,    nan])
+    >>> pulse.notes["velocity"]
+    'beads 8 to 20: no first maximum of the velocity before the end of the run'
+    """
+    from hertzchain.kernels import records
+
+    peaked = peaks[records.PEAK_TIME] != 0.0
+    passed = crossings[records.CROSSING_TIME] > 0.0
+    residence = residence_of(chain, crossings)
+    return Pulse(
+        chain=chain,
+        method="simulation",
+        velocity=np.where(peaked, peaks[records.PEAK_VELOCITY], np.nan),
+        peak_time=np.where(peaked, np.maximum(peaks[records.PEAK_TIME], 0.0), np.nan),
+        arrival=np.concatenate(([0.0], np.where(passed, crossings[records.CROSSING_TIME], np.nan))),
+        peak_overlap=np.where(passed, crossings[records.OVERLAP], np.nan),
+        residence=residence,
+        notes=_notes(chain, peaked, passed, residence, _tailed(chain, crossings)),
+    )
+
+
+def residence_of(chain: Chain, crossings: Array) -> Array:
+    """Times between the crossings of successive contacts; NaN where they have no meaning.
+
+    Parameters
+    ----------
+    chain : Chain
+        The chain.
+    crossings : ndarray
+        As `hertzchain.kernels.records` lays them out.
+
+    Returns
+    -------
+    ndarray, shape (N - 1,)
+        By difference where the crossings came out of order.
+
+    Examples
+    --------
+    >>> import hertzchain as hc
+    >>> run = hc.simulate(hc.Chain.uniform(30).struck_by(count=2), times=0)
+    >>> residence_of(run.chain, run._crossings)[:4].round(3)
+    array([  nan,   nan, 1.323, 1.227])
+    """
+    from hertzchain.kernels import records
+
+    times, since_last = crossings[records.CROSSING_TIME], crossings[records.RESIDENCE]
+    residence = np.where(since_last > 0.0, since_last, np.diff(times, prepend=0.0))
+    passed = times > 0.0
+    residence[~passed | ~np.append(True, passed[:-1])] = np.nan
+    residence[_without_residence(chain)] = np.nan
+    if chain.drive is not None:
+        # Crests of the drive, not of a pulse that passes from one contact to the next.
+        residence[residence <= 0.0] = np.nan
+    return residence
+
+
+def moving_first(chain: Chain) -> int:
+    """How many beads at the front of a chain move forward from the start.
+
+    Parameters
+    ----------
+    chain : Chain
+        Any chain.
+
+    Returns
+    -------
+    int
+
+    Examples
+    --------
+    >>> moving_first(Chain.uniform(9)), moving_first(Chain.uniform(9).struck_by(count=3))
+    (1, 3)
+    """
+    return int(np.argmin(np.append(chain.velocities > 0.0, False)))
+
+
+def _without_residence(chain: Chain) -> slice:
+    """Beads whose residence time is not defined."""
+    first = moving_first(chain)
+    return slice({0: 1, 1: 0}.get(first, first))
+
+
+def _tailed(chain: Chain, crossings: Array) -> Array:
+    """Contacts at which strong loss has made a shock-like tail of the pulse."""
+    from hertzchain.kernels import records
+
+    ahead = crossings[records.HANDED_OVER]
+    behind = crossings[records.LEADING_MOMENTUM] - ahead
+    lossy = chain.loss is not None
+    tailed = np.asarray(lossy & (ahead > 0.0) & (behind > TAIL / (1.0 - TAIL) * ahead))
+    # Before the end of the chain, beads that would carry a part of the pulse are missing.
+    tailed[-2:] = tailed[-3:-2].any()
+    return tailed
+
+
+def _notes(
+    chain: Chain, peaked: Array, passed: Array, residence: Array, tailed: Array
+) -> dict[str, str]:
+    """Why values are absent or mean something else, by the name of the quantity."""
+    slow = reason("bead", ~peaked, f"no first maximum of the velocity {LATE}")
+    tail = reason(
+        "bead",
+        tailed,
+        "more than two thirds of the momentum of the leading pulse is behind its crest: losses "
+        "have turned it into the front of a shock-like tail, which decays more slowly than a pulse",
+    )
+    unarrived = np.append(False, ~passed)
+    unpassed = reason("contact", ~passed, f"no first maximum of the overlap {LATE}")
+    undefined = np.zeros(chain.beads - 1, bool)
+    undefined[_without_residence(chain)] = True
+    why, crests = "they move from the start, and the pulse does not pass from one to the next", ""
+    if not moving_first(chain):
+        why = "not struck, so that no pulse arrives there"
+        crests = "times are from crest to crest, which a slow drive shifts; see Run.fronts"
+    absent, seen = np.isnan(residence) & ~undefined, passed & np.append(True, passed[:-1])
+    stay = together(
+        reason("bead", undefined, why),
+        reason("bead", absent & ~seen, f"no arrival there or at the next {LATE}"),
+        reason("bead", absent & seen, "the crest is at the next contact before it is at this one"),
+        crests if chain.drive is not None else "",
+    )
+    notes = dict.fromkeys(("velocity", "momentum", "energy"), together(slow, tail))
+    notes |= {
+        "peak_time": slow,
+        "arrival": reason("bead", unarrived, f"not faster than the bead behind {LATE}"),
+        "residence": stay,
+        "peak_overlap": unpassed,
+        "peak_force": unpassed,
+    }
+    return {name: note for name, note in notes.items() if note}

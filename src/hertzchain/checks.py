@@ -346,7 +346,7 @@ def real_numbers(
     # Among numbers, NumPy takes truth values for 0 and 1.
     if listed or values.dtype.kind not in "iuf":
         for k, value in enumerate(values.tolist() if values.ndim else []):
-            item = given[k] if listed else value  # type: ignore[index]
+            item = given[k] if listed else value
             if isinstance(item, numbers.Real) and not isinstance(item, bool | np.bool_):
                 continue
             if isinstance(item, Sequence | np.ndarray) and not isinstance(item, str):

@@ -41,6 +41,7 @@ from hertzchain.chain.walls import Wall
 from hertzchain.checks import SCALED, column, magnitude, number, real_numbers, whole_number
 from hertzchain.contacts import HERTZ_EXPONENT, Array
 from hertzchain.errors import InputError, InputWarning, unknown_name
+from hertzchain.frozen import Frozen
 
 Units = Literal["scaled", "SI"]
 UNITS: Final[tuple[Units, ...]] = get_args(Units)
@@ -54,7 +55,7 @@ DERIVED: Final = ("masses", "stiffness", "velocities", "gaps")
 
 
 @dataclass(frozen=True, eq=False)
-class Chain:
+class Chain(Frozen):
     r"""A row of beads, and what is done to it; plainly, the first is struck with velocity one.
 
     Make one with a builder: `Chain.tapered`, `Chain.uniform` or `Chain.from_radii` for

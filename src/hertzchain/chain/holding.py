@@ -81,7 +81,11 @@ def _check_units(chain: Chain, name: str, part: Part) -> None:
             f"{name} has a unit in its {fields}, but the chain is in scaled variables: give plain "
             "numbers, or make a chain in SI units"
         )
-    if isinstance(part, Wall) and "stiffness" in part.with_units and chain.exponent != HERTZ_EXPONENT:
+    if (
+        isinstance(part, Wall)
+        and "stiffness" in part.with_units
+        and chain.exponent != HERTZ_EXPONENT
+    ):
         raise InputError(
             f"the stiffness of {name} was given in N/m^1.5, but the contacts have p = "
             f"{chain.exponent:g}: give a plain number in N/m^{chain.exponent:g}"

@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from hertzchain.arguments import instance, text
-from hertzchain.checks import number
+from hertzchain.checks import number, real_numbers
 from hertzchain.contacts import Array
 from hertzchain.errors import InputError, unknown_name
 
@@ -216,5 +216,6 @@ def sphere_stiffness(radius: ArrayLike, next_radius: ArrayLike, modulus: ArrayLi
     >>> round(float(sphere_stiffness(5e-3, 5e-3, modulus)) / 1e9, 6)
     7.435897
     """
-    curvature = 1.0 / np.asarray(radius, float) + 1.0 / np.asarray(next_radius, float)
-    return np.asarray(4.0 / 3.0 * np.asarray(modulus, float) / np.sqrt(curvature))
+    one, other = (real_numbers("radius", each, unit="m") for each in (radius, next_radius))
+    modulus = real_numbers("modulus", modulus, unit="Pa")
+    return np.asarray(4.0 / 3.0 * modulus / np.sqrt(1.0 / one + 1.0 / other))

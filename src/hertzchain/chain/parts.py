@@ -5,10 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass, field, fields
 
 from hertzchain.checks import has_unit
+from hertzchain.frozen import Frozen
 
 
 @dataclass(frozen=True)
-class Part:
+class Part(Frozen):
     """A part of a chain, whose numbers may have been given with units.
 
     Numbers with a unit are kept in SI.  Since a part does not know its chain, it keeps the names
@@ -23,5 +24,7 @@ class Part:
     with_units: frozenset[str] = field(init=False, repr=False, compare=False, default=frozenset())
 
     def __post_init__(self) -> None:
-        found = {item.name for item in fields(self) if item.init and has_unit(getattr(self, item.name))}
+        found = {
+            item.name for item in fields(self) if item.init and has_unit(getattr(self, item.name))
+        }
         object.__setattr__(self, "with_units", frozenset(found))

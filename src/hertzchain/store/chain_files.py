@@ -243,8 +243,7 @@ class _ChainFile:
     """A parsed TOML file of the right types, and where the files it names are."""
 
     def __init__(self, document: Mapping[str, Any], folder: Path) -> None:
-        given: Mapping[str, Any] = document["chain"]
-        self.table = {name: without_units(value) for name, value in given.items()}
+        self.table: dict[str, Any] = without_units(document["chain"])
         self.folder = folder
         self.materials = {
             str(name): Material(name, **entry)
@@ -253,7 +252,7 @@ class _ChainFile:
 
     def chain(self) -> Chain:
         # Given bead by bead: with the beads, unless these change first.
-        own = {name: self.table[name] for name in ARRAYS if name in self.table}
+        own: dict[str, Any] = {name: self.table[name] for name in ARRAYS if name in self.table}
         changed = any(name in self.table for name in MORE_BEADS)
         chain = self._beads({} if changed else own)
         for name in MORE_BEADS:
@@ -265,7 +264,7 @@ class _ChainFile:
         chain = chain.replace(**own) if own else chain
         for arguments in self._arguments("struck_by"):
             chain = chain.struck_by(**arguments)
-        rest = {name: self.table[name] for name in LATER if name in self.table}
+        rest: dict[str, Any] = {name: self.table[name] for name in LATER if name in self.table}
         rest |= {name: self._part(name) for name in PARTS if name in self.table}
         return chain.replace(**rest) if rest else chain
 
@@ -379,7 +378,7 @@ class _ChainFile:
             yield arguments
 
     def _part(self, name: str) -> Any:
-        entry = {key: without_units(value) for key, value in self.table[name].items()}
+        entry = dict(self.table[name])
         if name.endswith("wall"):
             if entry.pop("rigid", False):
                 if "material" in entry:
@@ -400,7 +399,9 @@ class _ChainFile:
             return load_drive(self.folder / entry["file"])
         for key in ("times", "values") if kind == "table" else ():
             if key not in entry:
-                raise InputError(f"[chain.drive] has no {key}; a table has times and values or a file")
+                raise InputError(
+                    f"[chain.drive] has no {key}; a table has times and values or a file"
+                )
         return DRIVES[kind](**entry)
 
     def _material(self, given: Any) -> Any:

@@ -8,6 +8,7 @@ sweeps and the documentation use it; an application can generate its controls fr
 from __future__ import annotations
 
 import dataclasses
+import itertools
 import math
 import numbers
 from collections.abc import Iterator, Mapping, Sequence
@@ -534,8 +535,36 @@ def _problem_of_list_with_unit(key: Key, value: Mapping[str, Any], what: str) ->
                 return
 
 
+def dimensions_of(path: Sequence[str]) -> set[str]:
+    """Dimensions that the value at a place of [chain] can have; ``""`` if it may have none.
+
+    Parameters
+    ----------
+    path : sequence of str
+        Names of tables and keys, and places in lists.
+
+    Returns
+    -------
+    set of str
+
+    Examples
+    --------
+    >>> dimensions_of(["radii", "5"]), dimensions_of(["loss", "time"]), dimensions_of(["rate"])
+    ({'length'}, {'time'}, {''})
+    """
+    words = [word for word in path if not word.isdigit()]
+    section = SECTIONS["chain"]
+    if words and words[0] in TABLES:
+        section, words = SECTIONS[f"chain.{words[0]}"], words[1:]
+    keys = itertools.chain(section.keys, *section.variants.values())
+    found = [key for key in keys if [key.name] == words]
+    dimensions = {key.dimension for key in found}
+    dimensions |= {key.dimension_if_displacement for key in found if key.dimension_if_displacement}
+    return dimensions or {""}
+
+
 def without_units(value: Any) -> Any:
-    """A list with a unit as a list of text with that unit; anything else as it is.
+    """Lists with a unit, also within tables, as lists of text; anything else as it is.
 
     Parameters
     ----------
@@ -553,4 +582,6 @@ def without_units(value: Any) -> Any:
     """
     if isinstance(value, Mapping) and set(value) == {"list", "unit"}:
         return [f"{item!r} {value['unit']}" for item in value["list"]]
+    if isinstance(value, Mapping):
+        return {name: without_units(item) for name, item in value.items()}
     return value

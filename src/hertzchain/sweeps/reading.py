@@ -38,7 +38,7 @@ from hertzchain.checks import whole_number
 from hertzchain.errors import InputError, shown, unknown_name
 from hertzchain.pulse.quantities import QUANTITIES
 from hertzchain.store.chain_files import chain_as_toml, chain_from
-from hertzchain.store.chain_schema import KEYS, check_document
+from hertzchain.store.chain_schema import KEYS, check_document, without_units
 from hertzchain.store.csv_tables import csv_rows
 from hertzchain.store.toml_files import read_toml
 from hertzchain.sweeps.axes import Axis, flattened
@@ -168,7 +168,7 @@ class _Reader:
             # What is missing may come from an axis.
             problems = check_document({"chain": plain, "materials": materials}, complete=False)
             self.problems += problems
-        return plain or {}, materials
+        return (without_units(plain) if not self.problems else {}), materials
 
     def _inlined(self, chain: Chain) -> tuple[Mapping[str, Any], Mapping[str, Any]]:
         document = self._try("chain", _as_document, chain) or {}

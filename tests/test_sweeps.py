@@ -313,7 +313,7 @@ def test_points_that_cannot_be_used_are_refused(points, said):
     ("rate,beads\n0.1,10\n,10\n", "row 2 has no rate"),
     ("rate,beads\n0.1,10\nnan,10\n", "points.rate: value 2 is nan"),
     ("rate,baeds\n0.1,10\n", "unknown parameter 'baeds'.*did you mean 'beads'"),
-    ("rate,beads\n0.1,ten\n", "beads must be a whole number .*got 'ten'"),
+    ("rate,beads\n0.1,ten\n", "beads of .chain. must be a whole number, got 'ten'"),
     ('rate,beads\n"0.1,10\n', "not a CSV table"),
 ])  # fmt: skip
 def test_tables_of_points_that_cannot_be_used_are_refused(tmp_path, text, said):

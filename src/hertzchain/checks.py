@@ -1,7 +1,9 @@
 """Numbers as people give them: lists per bead, single values, quantities with a unit.
 
-A quantity of `pint` (anything with ``to`` and ``magnitude``) is converted here, at the
-border, to the plain float in SI that everything else works with.
+Text with a unit (``"5 mm"``) and quantities of `pint` (anything with ``to`` and ``magnitude``) are
+converted here to the plain floats in SI that everything else works with.  Every public argument
+that is a number comes through `number`, `whole_number`, `column` or `real_numbers`, so that a unit
+is never stripped: it is converted where a dimension is meant, and refused elsewhere.
 """
 
 from __future__ import annotations
@@ -18,22 +20,55 @@ from numpy.typing import ArrayLike
 
 from hertzchain.contacts import Array
 from hertzchain.errors import InputError, real_number, shown
+from hertzchain.units import converted, quantity
 
 # What an index of NumPy can be.
 LARGEST: Final = 2**63 - 1
+# In place of a unit: a variable of a scaled chain, which has none.
+SCALED: Final = "scaled"
+# Dimensions of an array, at most.
+MAX_DEPTH: Final = 32
 
 
-def magnitude(what: str, value: Any, unit: str | None) -> Any:
-    """The plain number or numbers of a quantity with a unit; anything else as it is.
+def has_unit(value: Any) -> bool:
+    """Whether a value, or one of a list, carries a unit: text such as "5 mm", or a quantity.
+
+    Parameters
+    ----------
+    value : object
+        What was given.
+
+    Returns
+    -------
+    bool
+
+    Examples
+    --------
+    >>> has_unit("5 mm"), has_unit([0.1, "2 um"]), has_unit(0.1)
+    (True, True, False)
+    """
+    if isinstance(value, str):
+        return quantity(value) is not None
+    if isinstance(value, list | tuple):
+        return any(has_unit(item) for item in value if not isinstance(item, float | int))
+    if isinstance(value, np.ndarray) and value.dtype.kind in "UTO":
+        return has_unit(value.tolist())
+    return _is_quantity(value)
+
+
+def magnitude(what: str, value: Any, unit: str | None, depth: int = 0) -> Any:
+    """The plain number or numbers of what carries a unit; anything else as it is.
 
     Parameters
     ----------
     what : str
         What the value is, for the error.
     value : object
-        A quantity of pint, or a sequence of them, or anything else.
+        Text such as ``"5 mm"``, a quantity of pint, a sequence of them, or anything else.
     unit : str or None
-        Unit to convert to, in pint's spelling; `None` where quantities have no place.
+        Unit of SI to convert to; `SCALED` in a scaled chain, `None` for what has no dimension.
+    depth : int
+        Depth of the lists that it stands in.
 
     Returns
     -------
@@ -42,27 +77,72 @@ def magnitude(what: str, value: Any, unit: str | None) -> Any:
     Raises
     ------
     InputError
-        If the quantity has another dimension, or stands where only scaled numbers may.
+        If the unit has another dimension, or there can be none; or if numbers are masked.
 
     Examples
     --------
-    >>> magnitude("gap", 0.1, "m")
-    0.1
+    >>> magnitude("gap", 0.1, "m"), magnitude("gap", "2 um", "m")
+    (0.1, 2e-06)
     """
-    if isinstance(value, list | tuple) and any(hasattr(item, "magnitude") for item in value):
-        return [magnitude(what, item, unit) for item in value]
-    if not (hasattr(value, "magnitude") and hasattr(value, "to")):
+    if type(value) in (float, int):
         return value
-    if unit is None:
+    if isinstance(value, str):
+        found = quantity(value)
+        if found is None:
+            return value
+        return converted(what, *found, _unit_for(what, value, unit))
+    if isinstance(value, np.ndarray) and value.dtype.kind in "UTO":
+        value = value.tolist()
+    if isinstance(value, list | tuple):
+        if depth > MAX_DEPTH or all(type(item) in (float, int) for item in value):
+            return value
+        return [magnitude(what, item, unit, depth + 1) for item in value]
+    if not _is_quantity(value):
+        _refuse_masked(what, value)
+        return value
+    inner = getattr(value, "data", None)
+    if not hasattr(value, "magnitude") and hasattr(inner, "magnitude"):
+        return magnitude(what, inner, unit, depth)
+    if not (hasattr(value, "magnitude") and hasattr(value, "to")):
         raise InputError(
-            f"{what} has a unit ({value}), but the chain is in scaled variables: give plain "
-            "numbers, or units='SI'"
+            f"{what} carries a unit of another package than pint ({shown(value)}): give plain "
+            "numbers in SI, or a quantity of pint"
         )
     try:
-        return value.to(unit).magnitude
+        plain = value.to("" if unit in (None, SCALED) else unit).magnitude
     # pint's own errors derive from different classes; whatever it says is the reason.
     except Exception as error:  # noqa: BLE001
+        _unit_for(what, value, unit)
         raise InputError(f"{what} must be convertible to {unit}: {error}") from None
+    _refuse_masked(what, plain)
+    return plain
+
+
+def _is_quantity(value: Any) -> bool:
+    """Whether it carries a unit: of pint, in an array of xarray, or of another package."""
+    if hasattr(value, "magnitude") or hasattr(getattr(value, "data", None), "magnitude"):
+        return True
+    return isinstance(value, np.ndarray) and (hasattr(value, "unit") or hasattr(value, "units"))
+
+
+def _unit_for(what: str, value: Any, unit: str | None) -> str:
+    """The unit to convert to, if a quantity can be meant at all."""
+    if unit == SCALED:
+        raise InputError(
+            f"{what} has a unit ({shown(value)}), but the chain is in scaled variables: give "
+            "plain numbers, or make a chain in SI units"
+        )
+    if unit is None:
+        raise InputError(f"{what} has a unit ({shown(value)}), but it must be a plain number")
+    return unit
+
+
+def _refuse_masked(what: str, value: Any) -> None:
+    if isinstance(value, np.ma.MaskedArray) and np.ma.is_masked(value):
+        raise InputError(
+            f"{what} has masked entries, which are no numbers: leave them out (`compressed()`) or "
+            "fill them (`filled(value)`)"
+        )
 
 
 def number(
@@ -85,7 +165,7 @@ def number(
     value : float or quantity
         What was given.
     unit : str, optional
-        SI unit, if quantities are welcome.
+        Unit of SI, if the number may have one; `SCALED` in a scaled chain.
     above, least : float
         Lower bound, excluded or included.
     below, most : float
@@ -148,6 +228,7 @@ def whole_number(what: str, value: object, *, least: int, most: int | None = Non
     >>> whole_number("cells", 3, least=1)
     3
     """
+    _refuse_masked(what, value)
     try:
         count = least - 1 if isinstance(value, bool) else operator.index(value)  # type: ignore[arg-type]
     except TypeError:
@@ -183,7 +264,7 @@ def column(
     place : str
         ``"bead"`` or ``"contact"``: what is counted.
     unit : str, optional
-        SI unit, if quantities are welcome.
+        Unit of SI, if the numbers may have one; `SCALED` in a scaled chain.
     least, above : float, optional
         Lower bound, included or excluded.
 
@@ -201,7 +282,7 @@ def column(
     >>> column("gap", 0.5, 2, "contact", least=0.0)
     array([0.5, 0.5])
     """
-    values = real_numbers(what, magnitude(what, given, unit), place)
+    values = real_numbers(what, given, place, unit=unit)
     if values.ndim == 0:
         values = np.full(length, values)
     if values.shape != (length,):
@@ -225,7 +306,9 @@ def column(
     return checked
 
 
-def real_numbers(what: str, given: ArrayLike | Any, place: str = "entry") -> Array:
+def real_numbers(
+    what: str, given: ArrayLike | Any, place: str = "entry", *, unit: str | None = None
+) -> Array:
     """Real numbers in an array of any shape; no truth values, text or anything else.
 
     Parameters
@@ -236,6 +319,8 @@ def real_numbers(what: str, given: ArrayLike | Any, place: str = "entry") -> Arr
         The numbers.
     place : str
         What they are counted by.
+    unit : str, optional
+        Unit of SI, if the numbers may have one; `SCALED` in a scaled chain.
 
     Returns
     -------
@@ -244,13 +329,15 @@ def real_numbers(what: str, given: ArrayLike | Any, place: str = "entry") -> Arr
     Raises
     ------
     InputError
-        If they are no numbers, or no array; the first of a list that is none is named.
+        If they are no numbers, or no array; the first of a list that is none is named.  Or if
+        they have a unit that does not belong there.
 
     Examples
     --------
     >>> real_numbers("radius", [1, 0.5], "bead")
     array([1. , 0.5])
     """
+    given = magnitude(what, given, unit)
     try:
         values = np.asarray(given)
     except (ValueError, TypeError):
@@ -259,7 +346,7 @@ def real_numbers(what: str, given: ArrayLike | Any, place: str = "entry") -> Arr
     # Among numbers, NumPy takes truth values for 0 and 1.
     if listed or values.dtype.kind not in "iuf":
         for k, value in enumerate(values.tolist() if values.ndim else []):
-            item = given[k] if listed else value  # type: ignore[index]
+            item = given[k] if listed else value
             if isinstance(item, numbers.Real) and not isinstance(item, bool | np.bool_):
                 continue
             if isinstance(item, Sequence | np.ndarray) and not isinstance(item, str):

@@ -19,10 +19,19 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from hertzchain.errors import InputError, shown
+
 # Of float64, unless a docstring says otherwise.
 Array: TypeAlias = NDArray[Any]
 
 HERTZ_EXPONENT = 1.5
+
+
+def _floats(values: ArrayLike) -> Array:
+    """An array of floats; NumPy alone would strip a unit, or unmask masked entries."""
+    if hasattr(values, "magnitude") or np.ma.is_masked(values):
+        raise InputError(f"formulas of contacts take plain numbers, got {shown(values)}")
+    return np.asarray(values, float)
 
 
 def hertz_stiffness(radius: ArrayLike, next_radius: ArrayLike) -> Array:
@@ -48,7 +57,7 @@ def hertz_stiffness(radius: ArrayLike, next_radius: ArrayLike) -> Array:
     >>> float(hertz_stiffness(1.0, 1.0))
     1.0
     """
-    left, right = np.asarray(radius, float), np.asarray(next_radius, float)
+    left, right = _floats(radius), _floats(next_radius)
     # R_k/(R_k + R_k+1) first: the plain product of two tiny radii underflows.
     return np.sqrt(2.0 * left * (right / (left + right)))
 
@@ -79,7 +88,7 @@ def velocity_transfer(mass: ArrayLike, next_mass: ArrayLike, restitution: float 
     >>> float(velocity_transfer(1.0, 1.0))
     1.0
     """
-    return (1.0 + restitution) / (1.0 + np.asarray(next_mass, float) / np.asarray(mass, float))
+    return (1.0 + restitution) / (1.0 + _floats(next_mass) / _floats(mass))
 
 
 def collision_cascade(masses: ArrayLike, restitution: float = 1.0) -> Array:
@@ -106,7 +115,7 @@ def collision_cascade(masses: ArrayLike, restitution: float = 1.0) -> Array:
     >>> collision_cascade([1.0, 1.0, 3.0])
     array([1. , 1. , 0.5])
     """
-    m = np.asarray(masses, float)
+    m = _floats(masses)
     return np.concatenate(([1.0], np.cumprod(velocity_transfer(m[:-1], m[1:], restitution))))
 
 
@@ -128,7 +137,7 @@ def reduced_mass(mass: ArrayLike, next_mass: ArrayLike) -> Array:
     >>> float(reduced_mass(1.0, 1.0))
     0.5
     """
-    left, right = np.asarray(mass, float), np.asarray(next_mass, float)
+    left, right = _floats(mass), _floats(next_mass)
     return left * (right / (left + right))
 
 
@@ -163,10 +172,8 @@ def collision_overlap(
     >>> round(float(collision_overlap(0.5, 1.0, 1.0)), 6)
     0.828614
     """
-    energy = np.asarray(reduced, float) * np.square(speed) / 2.0
-    return np.asarray(
-        ((exponent + 1.0) * energy / np.asarray(stiffness)) ** (1.0 / (exponent + 1.0))
-    )
+    energy = _floats(reduced) * np.square(_floats(speed)) / 2.0
+    return np.asarray(((exponent + 1.0) * energy / _floats(stiffness)) ** (1.0 / (exponent + 1.0)))
 
 
 def compression_time(
@@ -205,4 +212,4 @@ def compression_time(
     """
     s = 1.0 / (exponent + 1.0)
     integral = math.sqrt(math.pi) * math.gamma(1.0 + s) / math.gamma(0.5 + s)
-    return integral * collision_overlap(reduced, stiffness, speed, exponent) / np.asarray(speed)
+    return integral * collision_overlap(reduced, stiffness, speed, exponent) / _floats(speed)

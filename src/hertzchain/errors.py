@@ -59,8 +59,16 @@ def shown(value: object) -> str:
     >>> shown(list(range(99)))
     '[0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 1...'
     """
-    plain = value.tolist() if hasattr(value, "tolist") else value
-    text = " ".join(repr(plain).split())
+    try:
+        # A quantity has a list of its numbers only if it has several; its text has the unit.
+        listed = hasattr(value, "tolist") and not hasattr(value, "magnitude")
+        text = repr(value.tolist()) if listed else repr(value)  # type: ignore[attr-defined]
+        if hasattr(value, "magnitude"):
+            text = str(value)
+    # An object whose representation fails, or is nested too deeply, must not hide the error.
+    except Exception:  # noqa: BLE001
+        text = f"an object of type {type(value).__name__}"
+    text = " ".join(text.split())
     return text if len(text) <= 60 else text[:40].rstrip() + "..."
 
 
@@ -90,9 +98,10 @@ def unknown_name(what: str, name: object, known: Iterable[str]) -> InputError:
     lower = {choice.lower(): choice for choice in choices}
     asked = name.lower() if isinstance(name, str) else ""
     near = difflib.get_close_matches(asked, lower, n=1, cutoff=NEAR)
-    if not near and len(asked) > 2:
-        near = [name for name in lower if asked in name]
-    hint = f"; did you mean {lower[near[0]]!r}?" if near else ""
+    # Part of several names, such as "steel", means any of these.
+    parts = [name for name in lower if asked in name] if len(asked) > 2 else []
+    near = parts if len(parts) > 1 and asked not in lower else near or parts
+    hint = f"; did you mean {' or '.join(repr(lower[each]) for each in near[:3])}?" if near else ""
     return InputError(f"unknown {what} {shown(name)}: choose from {', '.join(choices)}{hint}")
 
 
@@ -120,6 +129,8 @@ def real_number(what: str, value: object) -> float:
     >>> real_number("rate", 1)
     1.0
     """
+    if getattr(value, "ndim", None) == 0 and hasattr(value, "item"):
+        value = value.item()  # an array of one number, such as the largest of others
     if isinstance(value, numbers.Real) and not isinstance(value, bool):
         try:
             return float(value)

@@ -38,9 +38,10 @@ from hertzchain.chain.tapers import check_taper as check_taper
 from hertzchain.chain.tapers import rate_symbol as rate_symbol
 from hertzchain.chain.tapers import tapered_radii
 from hertzchain.chain.walls import Wall
-from hertzchain.checks import column, magnitude, number, real_numbers, whole_number
+from hertzchain.checks import SCALED, column, magnitude, number, real_numbers, whole_number
 from hertzchain.contacts import HERTZ_EXPONENT, Array
 from hertzchain.errors import InputError, InputWarning, unknown_name
+from hertzchain.frozen import Frozen
 
 Units = Literal["scaled", "SI"]
 UNITS: Final[tuple[Units, ...]] = get_args(Units)
@@ -54,7 +55,7 @@ DERIVED: Final = ("masses", "stiffness", "velocities", "gaps")
 
 
 @dataclass(frozen=True, eq=False)
-class Chain:
+class Chain(Frozen):
     r"""A row of beads, and what is done to it; plainly, the first is struck with velocity one.
 
     Make one with a builder: `Chain.tapered`, `Chain.uniform` or `Chain.from_radii` for
@@ -173,6 +174,7 @@ class Chain:
         checked = scaled_radii if self.units == "scaled" else positive_radii
         self._set("radii", _read_only(checked(radii)))
         strikers = whole_number("strikers", self.strikers, least=0, most=self.beads - 1)
+        self._set("strikers", strikers)
         if self.units == "scaled" and self.radii[strikers] != 1.0:
             which = "after the strikers " if strikers else ""
             raise InputError(
@@ -234,8 +236,9 @@ class Chain:
                        hint="beads do not pull")  # fmt: skip
         self._set("precompression", force)
 
-    def _unit(self, unit: str) -> str | None:
-        return unit if self.units == "SI" else None
+    def _unit(self, unit: str) -> str:
+        """The unit in which numbers of this chain are kept, for `hertzchain.checks`."""
+        return unit if self.units == "SI" else SCALED
 
     @classmethod
     def tapered(
@@ -335,7 +338,7 @@ class Chain:
         >>> Chain.from_radii([5.0, 2.5, 5.0]).masses
         array([1.   , 0.125, 1.   ])
         """
-        given = positive_radii(radii)
+        given = positive_radii(magnitude("radius", radii, "m"))
         with np.errstate(over="ignore", under="ignore"):
             return cls(given / given[0], exponent)
 
@@ -384,7 +387,7 @@ class Chain:
         >>> round(float(chain.masses[0]), 9), float(chain.stiffness[0]).__round__(-3)
         (0.004073598, 7435897000.0)
         """
-        given = real_numbers("radius", magnitude("radius", radii, "m"), "bead")
+        given = real_numbers("radius", radii, "bead", unit="m")
         if given.ndim == 0:
             if beads is None:
                 raise InputError("one radius for all beads needs their number: give beads")
@@ -406,7 +409,7 @@ class Chain:
         cell: ArrayLike,
         *,
         cells: int,
-        materials: Sequence[MaterialLike] | None = None,
+        materials: MaterialLike | Sequence[MaterialLike] | None = None,
         **fields: Any,
     ) -> Chain:
         """A chain that repeats a cell of beads: a dimer, a trimer, any k-mer.
@@ -417,8 +420,8 @@ class Chain:
             Radii of the beads of one cell, in any one unit; in m if there are materials.
         cells : int
             How often it is repeated.
-        materials : sequence of str or Material, optional
-            Materials of the beads of the cell: makes a chain in SI units.
+        materials : str, Material or sequence of them, optional
+            Material of all beads, or of each bead of the cell: makes a chain in SI units.
         **fields
             Arguments of `from_materials`, or of `from_radii`.
 
@@ -439,14 +442,14 @@ class Chain:
         Chain(SI, steel-316 and ptfe, R = 9.5 mm, 40 beads)
         """
         cells = whole_number("cells", cells, least=1)
-        unit = None if materials is None else "m"
-        one = real_numbers("radius", magnitude("radius", cell, unit), "bead")
+        one = real_numbers("radius", cell, "bead", unit="m")
         checked_beads(cells * one.size)
         radii = np.tile(np.atleast_1d(one), cells)
         if materials is None:
             return cls.from_radii(radii, **fields)
-        kinds = listed("materials of the cell", materials, "names")
-        return cls.from_materials(radii, kinds * cells, **fields)
+        if not isinstance(materials, str | Material):
+            materials = listed("materials of the cell", materials, "names") * cells
+        return cls.from_materials(radii, materials, **fields)
 
     @classmethod
     def dimer(cls, mass_ratio: float, *, beads: int, exponent: float = HERTZ_EXPONENT) -> Chain:

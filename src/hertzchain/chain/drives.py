@@ -15,7 +15,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from hertzchain.arguments import one_of
-from hertzchain.checks import column, magnitude, number, real_numbers
+from hertzchain.chain.parts import Part
+from hertzchain.checks import column, number, real_numbers
 from hertzchain.contacts import Array
 from hertzchain.errors import InputError
 
@@ -29,7 +30,7 @@ WINDOWS: Final[tuple[Window, ...]] = get_args(Window)
 
 
 @dataclass(frozen=True)
-class SineBurst:
+class SineBurst(Part):
     r"""Some periods of a sine, by default under a window that lets it come and go smoothly.
 
     .. math::
@@ -66,6 +67,7 @@ class SineBurst:
     window: Window = "hann"
 
     def __post_init__(self) -> None:
+        super().__post_init__()
         _check_driven(self.of)
         one_of("window", self.window, WINDOWS)
         _set(self, "amplitude", number("amplitude", self.amplitude, unit=_UNIT[self.of]))
@@ -130,7 +132,7 @@ class SineBurst:
 
 
 @dataclass(frozen=True)
-class Step:
+class Step(Part):
     r"""A value that is reached and kept.
 
     .. math:: a(t) = A\,(3u^2 - 2u^3), \qquad u = \min(t/t_r, 1)
@@ -155,6 +157,7 @@ class Step:
     of: Driven = "force"
 
     def __post_init__(self) -> None:
+        super().__post_init__()
         _check_driven(self.of)
         _set(self, "amplitude", number("amplitude", self.amplitude, unit=_UNIT[self.of]))
         _set(self, "rise", number("rise time", self.rise, unit="s", least=0.0))
@@ -214,7 +217,7 @@ class Step:
 
 
 @dataclass(frozen=True, eq=False)
-class Table:
+class Table(Part):
     """Values measured at given times, joined by straight lines; kept before and after.
 
     Attributes
@@ -237,8 +240,9 @@ class Table:
     of: Driven = "force"
 
     def __post_init__(self) -> None:
+        super().__post_init__()
         _check_driven(self.of)
-        given = real_numbers("time of the drive", magnitude("time", self.times, "s"), "row")
+        given = real_numbers("time of the drive", self.times, "row", unit="s")
         times = column("time of the drive", given, given.size, "row")
         values = column("value of the drive", self.values, len(times), "row", unit=_UNIT[self.of])
         if len(times) < 2:

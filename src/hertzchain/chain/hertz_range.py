@@ -85,7 +85,9 @@ class HertzRange:
             besides = f" ({others} more exceed it)" if others else ""
             found.append(
                 f"the pressure in {_place(at, self)} reaches {self.yield_ratio[at]:.3g} times that "
-                f"of first yield{besides}: expect dents; WaltonBraun is a law for them"
+                f"of first yield{besides}: expect dents, and less force than Hertz' law gives; no "
+                "law of loss here has a yield point: reduce the velocity, or use Restitution with "
+                "a coefficient measured at this speed"
             )
         if self.speed_ratio > LARGEST_SPEED_RATIO:
             found.append(

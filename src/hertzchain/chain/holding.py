@@ -9,8 +9,9 @@ import numpy as np
 from hertzchain.arguments import one_of
 from hertzchain.chain.drives import Drive
 from hertzchain.chain.losses import Loss
+from hertzchain.chain.parts import Part
 from hertzchain.chain.walls import Wall
-from hertzchain.contacts import Array
+from hertzchain.contacts import HERTZ_EXPONENT, Array
 from hertzchain.errors import InputError, shown
 
 if TYPE_CHECKING:
@@ -21,6 +22,18 @@ HELD_BY: Final[tuple[HeldBy, ...]] = get_args(HeldBy)
 # Largest static overlap of a scaled chain, in units of those of the strike: beside larger ones
 # velocities lose more than half of their digits in rounding.
 LARGEST_SCALED_OVERLAP: Final = 1e6
+_WALLS: Final = (
+    "Wall() is of the bead's own material, Wall.of('brass') of another, Wall.rigid() is rigid"
+)
+# Parts of a chain: their types, and what to give.
+PARTS: Final = (
+    ("left_wall", Wall, "a Wall", _WALLS),
+    ("right_wall", Wall, "a Wall", _WALLS),
+    ("loss", Loss, "a law of hertzchain.chain.losses",
+     "Restitution(0.95) has the coefficient of restitution 0.95"),
+    ("drive", Drive, "a SineBurst, a Step, a Table",
+     "Step(100.0) is a force of 100 on bead 1"),
+)  # fmt: skip
 
 
 def check_holding(chain: Chain) -> None:
@@ -41,17 +54,12 @@ def check_holding(chain: Chain) -> None:
     >>> import hertzchain as hc
     >>> check_holding(hc.Chain.uniform(3).replace(right_wall=hc.Wall()))
     """
-    for side, wall in (("left", chain.left_wall), ("right", chain.right_wall)):
-        if wall is not None and not isinstance(wall, Wall):
-            raise InputError(f"{side}_wall must be a Wall or None, got {shown(wall)}")
-    if chain.loss is not None and not isinstance(chain.loss, Loss):
-        raise InputError(
-            f"loss must be a law of hertzchain.chain.losses or None, got {shown(chain.loss)}"
-        )
-    if chain.drive is not None and not isinstance(chain.drive, Drive):
-        raise InputError(
-            f"drive must be a SineBurst, a Step, a Table or None, got {shown(chain.drive)}"
-        )
+    for name, kind, allowed, advice in PARTS:
+        part = getattr(chain, name)
+        if part is not None and not isinstance(part, kind):
+            raise InputError(f"{name} must be {allowed} or None, got {shown(part)}; {advice}")
+        if part is not None and part.with_units:
+            _check_units(chain, name, part)
     if chain.drive is not None and chain.drive.of == "displacement" and chain.left_wall is None:
         raise InputError(
             "a drive of displacement moves the left wall, but the left end is free: give "
@@ -63,6 +71,25 @@ def check_holding(chain: Chain) -> None:
     if chain.precompression > 0.0:
         _check_precompression(chain)
     _check_static_overlaps(chain)
+
+
+def _check_units(chain: Chain, name: str, part: Part) -> None:
+    """Refuse numbers with a unit in a scaled chain, or of another exponent."""
+    fields = " and ".join(sorted(part.with_units))
+    if chain.units != "SI":
+        raise InputError(
+            f"{name} has a unit in its {fields}, but the chain is in scaled variables: give plain "
+            "numbers, or make a chain in SI units"
+        )
+    if (
+        isinstance(part, Wall)
+        and "stiffness" in part.with_units
+        and chain.exponent != HERTZ_EXPONENT
+    ):
+        raise InputError(
+            f"the stiffness of {name} was given in N/m^1.5, but the contacts have p = "
+            f"{chain.exponent:g}: give a plain number in N/m^{chain.exponent:g}"
+        )
 
 
 def _check_precompression(chain: Chain) -> None:

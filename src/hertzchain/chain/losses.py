@@ -29,6 +29,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, TypeAlias
 
 from hertzchain.arguments import truth
+from hertzchain.chain.parts import Part
 from hertzchain.chain.sizes import checked_exponent
 from hertzchain.checks import number
 from hertzchain.contacts import HERTZ_EXPONENT
@@ -38,7 +39,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class Restitution:
+class Restitution(Part):
     r"""The same coefficient of restitution at every speed: Hertz damping.
 
     .. math::
@@ -76,7 +77,8 @@ class Restitution:
     attractive: bool = True
 
     def __post_init__(self) -> None:
-        truth("attractive", self.attractive)
+        super().__post_init__()
+        object.__setattr__(self, "attractive", truth("attractive", self.attractive))
         value = number("coefficient of restitution", self.coefficient, above=0.0, most=1.0)
         object.__setattr__(self, "coefficient", value)
 
@@ -114,7 +116,7 @@ class Restitution:
 
 
 @dataclass(frozen=True)
-class Viscoelastic:
+class Viscoelastic(Part):
     r"""Spheres of a viscoelastic material, after Kuwabara and Kono.
 
     .. math:: F = k\left(d^{\,p} + p\,A\,d^{\,p-1} d'\right)
@@ -142,7 +144,8 @@ class Viscoelastic:
     attractive: bool = False
 
     def __post_init__(self) -> None:
-        truth("attractive", self.attractive)
+        super().__post_init__()
+        object.__setattr__(self, "attractive", truth("attractive", self.attractive))
         object.__setattr__(self, "time", number("relaxation time", self.time, unit="s", least=0.0))
 
     def factors(self, scales: Scales) -> Mapping[str, float]:
@@ -167,7 +170,7 @@ class Viscoelastic:
 
 
 @dataclass(frozen=True)
-class UnloadingRatio:
+class UnloadingRatio(Part):
     r"""A force that is smaller while the beads part than while they approach.
 
     .. math:: F = k\,d^{\,p} \times \begin{cases} 1 & d' \ge 0 \\ 1 - w & d' < 0 \end{cases}
@@ -190,12 +193,13 @@ class UnloadingRatio:
     ratio: float
 
     def __post_init__(self) -> None:
+        super().__post_init__()
         value = number("unloading ratio w", self.ratio, least=0.0, below=1.0)
         object.__setattr__(self, "ratio", value)
 
 
 @dataclass(frozen=True)
-class VelocityPower:
+class VelocityPower(Part):
     r"""A loss by a power of the relative velocity.
 
     .. math:: F = k\,d^{\,p} + \gamma\,\mathrm{sgn}(d')\,|d'|^{\alpha}
@@ -223,9 +227,10 @@ class VelocityPower:
     attractive: bool = True
 
     def __post_init__(self) -> None:
-        truth("attractive", self.attractive)
+        super().__post_init__()
+        object.__setattr__(self, "attractive", truth("attractive", self.attractive))
         object.__setattr__(self, "alpha", number("alpha", self.alpha, above=0.0, most=10.0))
-        unit = f"N*(s/m)**{self.alpha}"
+        unit = f"N*s**{self.alpha:.9f}/m**{self.alpha:.9f}"
         object.__setattr__(self, "gamma", number("gamma", self.gamma, unit=unit, least=0.0))
 
     def factors(self, scales: Scales) -> Mapping[str, float]:
@@ -250,7 +255,7 @@ class VelocityPower:
 
 
 @dataclass(frozen=True)
-class Dashpot:
+class Dashpot(Part):
     r"""A linear dashpot beside the spring of each contact.
 
     .. math:: F = k\,d^{\,p} + \gamma\,d'
@@ -275,7 +280,8 @@ class Dashpot:
     attractive: bool = True
 
     def __post_init__(self) -> None:
-        truth("attractive", self.attractive)
+        super().__post_init__()
+        object.__setattr__(self, "attractive", truth("attractive", self.attractive))
         object.__setattr__(self, "gamma", number("gamma", self.gamma, unit="kg/s", least=0.0))
 
     def factors(self, scales: Scales) -> Mapping[str, float]:
@@ -300,8 +306,11 @@ class Dashpot:
 
 
 @dataclass(frozen=True)
-class WaltonBraun:
+class WaltonBraun(Part):
     r"""Plastic contacts: unloading is steeper, and ends at a dent that stays.
+
+    The law has no yield point: contacts are dented by any force, however small, and the
+    first loading is Hertz' at any force.  It is not the law of beads that begin to yield.
 
     .. math::
 
@@ -331,6 +340,7 @@ class WaltonBraun:
     ratio: float
 
     def __post_init__(self) -> None:
+        super().__post_init__()
         value = number("ratio K1/K2 of loading to unloading", self.ratio, above=0.0, most=1.0)
         object.__setattr__(self, "ratio", value)
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 import tomllib
+import unicodedata
 from dataclasses import dataclass
 from functools import cache
 from importlib.resources import files
@@ -17,7 +18,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from hertzchain.arguments import instance, text
-from hertzchain.checks import number
+from hertzchain.checks import number, real_numbers
 from hertzchain.contacts import Array
 from hertzchain.errors import InputError, unknown_name
 
@@ -29,7 +30,7 @@ class Material:
     Attributes
     ----------
     name : str
-        Name, as it is printed.
+        Name, as it is printed: text on one line, without control characters.
     density : float
         Density > 0 [kg/m^3].
     young : float
@@ -64,6 +65,8 @@ class Material:
     def __post_init__(self) -> None:
         text("name of a material", self.name)
         instance("source of a material", self.source, str)
+        _check_text("name", self.name, ("Cc", "Cs"))
+        _check_text("source", self.source, ("Cs",))
 
         def check(field: str, **bounds: Any) -> None:
             value = number(f"{field} of {self.name!r}", getattr(self, field), **bounds)
@@ -91,6 +94,16 @@ class Material:
         yields = "" if strength is None else f", yields at {strength / 1e6:g} MPa"
         modulus = f"E = {self.young / 1e9:g} GPa, nu = {self.poisson:g}"
         return f"Material({self.name}: {self.density:g} kg/m^3, {modulus}{yields})"
+
+
+def _check_text(what: str, given: str, categories: tuple[str, ...]) -> None:
+    """Refuse characters that a file could not carry: half a character, or control characters."""
+    for place, character in enumerate(given, start=1):
+        if unicodedata.category(character) in categories:
+            raise InputError(
+                f"{what} of a material must be text that can be written, but character {place} of "
+                f"{given!a} is U+{ord(character):04X}: leave it out"
+            )
 
 
 # A wall that does not give: only the bead is flattened.
@@ -143,7 +156,7 @@ def material(name: MaterialLike) -> Material:
     if not isinstance(name, str) or name not in known:
         raise InputError(
             f"{unknown_name('material', name, known)}; one of your own is "
-            "Material(name, density=, young=, poisson=)"
+            "Material(name, density=, young=, poisson=), or [materials.NAME] in a chain file"
         )
     return known[name]
 
@@ -203,5 +216,6 @@ def sphere_stiffness(radius: ArrayLike, next_radius: ArrayLike, modulus: ArrayLi
     >>> round(float(sphere_stiffness(5e-3, 5e-3, modulus)) / 1e9, 6)
     7.435897
     """
-    curvature = 1.0 / np.asarray(radius, float) + 1.0 / np.asarray(next_radius, float)
-    return np.asarray(4.0 / 3.0 * np.asarray(modulus, float) / np.sqrt(curvature))
+    one, other = (real_numbers("radius", each, unit="m") for each in (radius, next_radius))
+    modulus = real_numbers("modulus", modulus, unit="Pa")
+    return np.asarray(4.0 / 3.0 * modulus / np.sqrt(1.0 / one + 1.0 / other))

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from hertzchain.chain.materials import RIGID, Material, MaterialLike, material
+from hertzchain.chain.parts import Part
 from hertzchain.checks import number
 from hertzchain.errors import InputError
 
@@ -15,7 +16,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class Wall:
+class Wall(Part):
     r"""A flat wall; its contact with the last bead beside it is one like all others.
 
     ``Wall()`` is of the bead's own material, ``Wall.of("brass")`` of another and
@@ -27,7 +28,8 @@ class Wall:
     Attributes
     ----------
     stiffness : float or None
-        Stiffness k > 0 of the contact of wall and bead [scaled, or N/m^p], if given.
+        Stiffness k > 0 of the contact of wall and bead [scaled, or N/m^p], if given; with a
+        unit only where p = 3/2.
     material : Material or None
         Material of the wall; the bead's own if `None`.
     gap : float
@@ -46,13 +48,14 @@ class Wall:
     gap: float = 0.0
 
     def __post_init__(self) -> None:
+        super().__post_init__()
         if self.stiffness is not None:
             if self.material is not None:
                 raise InputError(
                     "a wall has a stiffness or a material, not both: the material decides how "
                     "stiff its contact is"
                 )
-            k = number("stiffness of a wall", self.stiffness, above=0.0,
+            k = number("stiffness of a wall", self.stiffness, unit="N/m**1.5", above=0.0,
                        hint="Wall.rigid() does not give")  # fmt: skip
             object.__setattr__(self, "stiffness", k)
         elif self.material is not None:

@@ -14,6 +14,7 @@ import click
 
 # Nothing heavier in any file here: `--help` must answer at once, so commands import what they need.
 from hertzchain.cli import calibrate, cite, pulse, reproduce, scoreboard, simulate, sweep, verify
+from hertzchain.cli.environment import prepare_environment
 from hertzchain.cli.exit_codes import BAD_INPUT, DONE, FAILED, INTERRUPTED
 
 
@@ -42,6 +43,7 @@ def main() -> None:
     try:
         with warnings.catch_warnings():
             warnings.showwarning = _show_warning
+            prepare_environment()
             code = cli.main(standalone_mode=False)
     except click.ClickException as error:
         error.show()

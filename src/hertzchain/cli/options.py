@@ -70,6 +70,19 @@ def chain_from(
     return Chain.tapered(taper, rate, beads=count)
 
 
+def time_from(option: str, text: str | None, chain: Chain) -> float | None:
+    """A time of an option: a number or, for a chain in SI units, one with a unit, such as 2ms."""
+    from hertzchain.checks import SCALED, number
+
+    if text is None:
+        return None
+    try:
+        given: float | str = float(text)
+    except ValueError:
+        given = text
+    return number(option, given, unit="s" if chain.units == "SI" else SCALED)
+
+
 def window_from(option: str, text: str) -> tuple[int, int]:
     """First and last bead of ``FIRST:LAST``."""
     try:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import click
 
 from hertzchain.cli.long_run import refuse_with_stream, stream_into
-from hertzchain.cli.options import PICTURES, chain_from, chain_options, check_writable
+from hertzchain.cli.options import PICTURES, chain_from, chain_options, check_writable, time_from
 from hertzchain.cli.progress import progress_of
 from hertzchain.cli.show import save_axes, show_json
 
@@ -23,8 +23,9 @@ if TYPE_CHECKING:
 @chain_options
 @click.option(
     "--until",
-    type=float,
-    help="Time to stop at.  [default: when the pulse has left or is in the wall]",
+    metavar="TIME",
+    help="Time to stop at, such as 2e-3 or, in SI units, 2ms.  "
+    "[default: when the pulse has left or is in the wall]",
 )
 @click.option("--times", type=int, default=400, show_default=True, help="Times to save.")
 @click.option("--rtol", type=float, default=1e-13, show_default=True, help="Tolerance of a step.")
@@ -61,7 +62,7 @@ if TYPE_CHECKING:
 @click.option("--json", "as_json", is_flag=True, help="Print the summary as JSON.")
 def simulate(
     file: Path | None, chain_file: Path | None, taper: str | None, rate: float | None,
-    beads: int | None, until: float | None, times: int, rtol: float, max_steps: int | None,
+    beads: int | None, until: str | None, times: int, rtol: float, max_steps: int | None,
     out: Path | None, plot: Path | None, sensors: tuple[int, ...], stream: Path | None,
     budget: bool, as_json: bool,
 ) -> None:  # fmt: skip
@@ -97,14 +98,15 @@ def simulate(
     if stream is not None:
         refuse_with_stream(out=out, plot=plot, sensor=sensors, budget=budget, max_steps=max_steps)
     chain = chain_from(file, chain_file, taper, rate, beads)
+    end = time_from("--until", until, chain)
     for bead in sensors:
         whole_number("--sensor", bead, least=1, most=chain.beads)
     if stream is not None:
-        stream_into(stream, chain, until=until, times=times, rtol=rtol, as_json=as_json)
+        stream_into(stream, chain, until=end, times=times, rtol=rtol, as_json=as_json)
         return
     with progress_of("beads passed") as progress:
         run = hertzchain.simulate(
-            chain, until=until, times=times, rtol=rtol, max_steps=max_steps, progress=progress
+            chain, until=end, times=times, rtol=rtol, max_steps=max_steps, progress=progress
         )
     if out is not None:
         save_run(run, out)

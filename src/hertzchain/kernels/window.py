@@ -105,10 +105,12 @@ def outrun(y, y_new, low, high, all_beads):
 def part_of(setup, contacts, low, high, ends):
     """The equation of the beads of a window; ``ends`` is scratch, (2, N + 1).
 
-    Compiled code alone can call it: a function that gives one type or another is chosen when its
-    caller is compiled.
+    In compiled code the one or the other is chosen when the caller is compiled; this is what runs
+    when numba is told to compile nothing (NUMBA_DISABLE_JIT=1).
     """
-    raise NotImplementedError
+    if contacts is None:
+        return plain_part(setup, low, high)
+    return bench_part(setup, low, high, ends)
 
 
 @overload(part_of, jit_options=WITHOUT_CACHE)

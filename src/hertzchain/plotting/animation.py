@@ -16,7 +16,7 @@ from hertzchain.contacts import Array
 from hertzchain.errors import InputError
 from hertzchain.plotting.chains import bead_centres, draw_walls
 from hertzchain.plotting.runs import check_times
-from hertzchain.plotting.style import house_style, time_axis
+from hertzchain.plotting.style import house_style, literal, time_axis
 from hertzchain.simulation.run import Run
 from hertzchain.store.results import write_bytes
 
@@ -117,7 +117,7 @@ def _pictures(run: Run, chosen: Array, moved: Array) -> list[bytes]:
             beads.set_offsets(np.column_stack([centres + moved[i], 0.0 * centres]))
             beads.set_array(run.velocities[i])
             now = f"t = {unit * run.times[i]:.1f}{suffix}"
-            axes.set_title(f"{chain.description}; {now}", fontsize=8)
+            axes.set_title(f"{literal(chain.description)}; {now}", fontsize=8)
             content = io.BytesIO()
             figure.savefig(content, format="png")
             pictures.append(content.getvalue())

@@ -11,7 +11,7 @@ from matplotlib.ticker import FuncFormatter
 
 from hertzchain.arguments import one_of
 from hertzchain.errors import InputError
-from hertzchain.plotting.style import axes_in, house_style, time_axis, titled
+from hertzchain.plotting.style import axes_in, house_style, literal, time_axis, titled
 from hertzchain.simulation.budget import BALANCED, Balanced, Budget
 
 # Where energy and momentum are, from light to dark as they are lost to the pulse.
@@ -89,7 +89,7 @@ def plot_budget(budget: Budget, of: Balanced = "energy", *, ax: Axes | None = No
             axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value / scale:g}"))
             axes.set_ylabel(f"{quantity} [{prefix}{unit}]")
         axes.set_xlabel(label)
-        titled(axes, budget.chain.description)
+        titled(axes, literal(budget.chain.description))
         axes.margins(x=0.0)
         axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
     return axes

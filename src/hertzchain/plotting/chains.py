@@ -10,7 +10,7 @@ from matplotlib.patches import Circle
 from hertzchain.chain.chain import Chain
 from hertzchain.chain.coverage import check_chain
 from hertzchain.contacts import Array
-from hertzchain.plotting.style import axes_in, house_style, titled
+from hertzchain.plotting.style import axes_in, house_style, literal, titled
 
 
 def plot_chain(chain: Chain, *, ax: Axes | None = None) -> Axes:
@@ -54,7 +54,7 @@ def plot_chain(chain: Chain, *, ax: Axes | None = None) -> Axes:
         axes.set_xlabel(f"place [{unit}]")
         axes.set_yticks([])
         axes.spines["left"].set_visible(False)  # it would look like a wall
-        titled(axes, chain.description)
+        titled(axes, literal(chain.description))
     return axes
 
 
@@ -114,7 +114,7 @@ def bead_centres(chain: Chain) -> Array:
 
 def _face_colours(chain: Chain) -> list[str]:
     """A colour for each material, light enough for black edges."""
-    names = [each.name for each in chain.materials] if chain.materials else ["beads"]
+    kinds = chain.materials or (None,)
     tints = ("#DDE6EE", "#F0D9C0", "#D3E8DC", "#F3DDE9", "#E8E8E8", "#FBEFC9")
-    by_name = {name: tints[i % len(tints)] for i, name in enumerate(dict.fromkeys(names))}
-    return [by_name[name] for name in names]
+    tint = {kind: tints[i % len(tints)] for i, kind in enumerate(dict.fromkeys(kinds))}
+    return [tint[kind] for kind in kinds]

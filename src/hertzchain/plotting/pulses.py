@@ -8,7 +8,7 @@ from typing import Final
 from matplotlib.axes import Axes
 
 from hertzchain.errors import InputError
-from hertzchain.plotting.style import COLOURS, MARKERS, axes_in, house_style, titled
+from hertzchain.plotting.style import COLOURS, MARKERS, axes_in, house_style, literal, titled
 from hertzchain.pulse.pulse import Pulse
 from hertzchain.pulse.quantities import PER_CONTACT, Quantity
 
@@ -76,12 +76,13 @@ def plot_pulses(
                 markerfacecolor="none",
                 markevery=max(1, len(values) // 40),
                 linewidth=0.6,
-                label=pulse.method,
+                label=literal(pulse.method),
             )
         axes.set_xlabel("contact $k$" if quantity in PER_CONTACT else "bead $k$")
         unit = "" if pulses[0].chain.units == "scaled" else f" [{pulses[0].unit(quantity)}]"
         axes.set_ylabel(LABELS[quantity] + unit)
         axes.set_yscale("log" if log else "linear")
-        titled(axes, "; ".join(dict.fromkeys(pulse.chain.description for pulse in pulses)))
+        chains = dict.fromkeys(pulse.chain.description for pulse in pulses)
+        titled(axes, literal("; ".join(chains)))
         axes.legend()
     return axes

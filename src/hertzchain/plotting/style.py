@@ -98,6 +98,26 @@ def axes_in(ax: Axes | None, figsize: tuple[float, float] | None = None) -> Axes
     return ax
 
 
+def literal(text: str) -> str:
+    """Text as it is, such as a name, in which matplotlib must find no mathematics.
+
+    Parameters
+    ----------
+    text : str
+        Any text.
+
+    Returns
+    -------
+    str
+
+    Examples
+    --------
+    >>> print(literal("glass, $3 each"))
+    glass, \\$3 each
+    """
+    return text.replace("$", r"\$")
+
+
 def titled(axes: Axes, text: str) -> None:
     """Give axes a title, on as many lines as keep it inside the figure.
 

@@ -14,7 +14,7 @@ from matplotlib.ticker import MaxNLocator
 from hertzchain.arguments import instance, listed, one_of
 from hertzchain.checks import number
 from hertzchain.errors import InputError, unknown_name
-from hertzchain.plotting.style import COLOURS, MARKERS, house_style, titled
+from hertzchain.plotting.style import COLOURS, MARKERS, house_style, literal, titled
 from hertzchain.pulse.quantities import PER_CONTACT
 from hertzchain.store.sweep_files import check_sweep
 
@@ -85,7 +85,7 @@ def plot_sweep(
             _curves(drawn, axes, log=log)
         else:
             _map(drawn, axes, log=log, levels=levels)
-        told = [dataset.attrs.get("title", "")]
+        told = [literal(str(dataset.attrs.get("title", "")))]
         only = {"by"} if dataset.sizes.get("by") == 1 else set()
         told += [
             _told(value, str(name)) for name, value in drawn.coords.items()
@@ -196,7 +196,7 @@ def _set_axis(axes: Axes, which: Literal["x", "y"], coordinate: xr.DataArray) ->
     axis = axes.xaxis if which == "x" else axes.yaxis
     # Scales bring ticks of their own: ours go after them.
     if values.dtype.kind not in "if":
-        axis.set_ticks(range(values.size), labels=[str(value) for value in values])
+        axis.set_ticks(range(values.size), labels=[literal(str(value)) for value in values])
     elif values.dtype.kind == "i" and axis.get_scale() == "linear":
         axis.set_major_locator(MaxNLocator("auto", integer=True, steps=[1, 2, 5, 10]))
 
@@ -259,4 +259,4 @@ def _told(value: xr.DataArray, name: str) -> str:
 
 
 def _short(value: Any) -> str:
-    return f"{value:.4g}" if isinstance(value, float) else str(value)
+    return f"{value:.4g}" if isinstance(value, float) else literal(str(value))

@@ -239,7 +239,7 @@ class _Ensemble:
 
     @classmethod
     def _of_rows(cls, rows: NDArray[np.float64], beads: NDArray[np.int64]) -> _Ensemble:
-        given = real_numbers("radii", rows, "chain")
+        given = real_numbers("radii", rows, "chain", unit="m")
         inside = np.arange(given.shape[1]) < beads[:, np.newaxis]
         reasons = {}
         with np.errstate(all="ignore"):

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from html import escape
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -20,6 +21,7 @@ from hertzchain.chain.coverage import check_chain
 from hertzchain.checks import real_numbers
 from hertzchain.contacts import Array
 from hertzchain.errors import InputError
+from hertzchain.frozen import Frozen
 from hertzchain.pulse.comparison import Comparison
 from hertzchain.pulse.notes import checked_notes, notes_in_words
 from hertzchain.pulse.quantities import PER_CONTACT, QUANTITIES, SI_UNITS, Quantity
@@ -33,7 +35,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, eq=False)
-class Pulse:
+class Pulse(Frozen):
     r"""What the leading pulse does to each bead of a chain.
 
     Attributes
@@ -360,7 +362,7 @@ class Pulse:
         return "\n".join(lines + [f"  {note}" for note in notes_in_words(self.notes)])
 
     def _repr_html_(self) -> str:
-        title = f"<p><b>{self.method}</b>, {self.chain.description}</p>"
+        title = f"<p><b>{escape(self.method)}</b>, {escape(self.chain.description)}</p>"
         return title + str(self.to_dataframe().to_html(max_rows=12, na_rep="", float_format="%.6g"))
 
 

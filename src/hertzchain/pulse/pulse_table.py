@@ -6,7 +6,7 @@ import operator
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +15,7 @@ from hertzchain.arguments import one_of
 from hertzchain.chain.chain import Chain
 from hertzchain.contacts import Array, hertz_stiffness
 from hertzchain.errors import InputError, SimulationError, shown
+from hertzchain.frozen import Frozen
 from hertzchain.pulse.pulse import Pulse
 from hertzchain.pulse.quantities import QUANTITIES, Quantity
 
@@ -23,7 +24,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, eq=False)
-class PulseTable:
+class PulseTable(Frozen):
     """What the leading pulse does to each bead of each of C chains.
 
     Chains may differ in length: N is that of the longest, and rows of shorter ones are
@@ -70,6 +71,12 @@ class PulseTable:
         object.__setattr__(self, "reasons", MappingProxyType(dict(self.reasons)))
         for name in ("radii", "velocity", "peak_time", "arrival", "peak_overlap", "residence"):
             getattr(self, name).setflags(write=False)
+
+    def __getstate__(self) -> dict[str, Any]:
+        return self.__dict__ | {"reasons": dict(self.reasons)}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        super().__setstate__(state | {"reasons": MappingProxyType(state["reasons"])})
 
     @property
     def status(self) -> NDArray[np.str_]:

@@ -114,7 +114,7 @@ def simulate(
     check = truth("check", check)
     rtol = checked_rtol(rtol)
     if until is not None:
-        until = number("until", until, above=0.0)
+        until = number("until", until, unit=chain._unit("s"), above=0.0)
     usual = max(STEPS_PER_BEAD * chain.beads, LEAST_STEP_LIMIT)
     limit = usual if max_steps is None else whole_number("max_steps", max_steps, least=1)
     _check_clock(chain)
@@ -356,7 +356,11 @@ def _check_end(chain: Chain, until: float | None, times: int | ArrayLike, begin:
 
 def _checked_times(chain: Chain, times: ArrayLike, begin: float, until: float | None) -> Array:
     one = isinstance(times, str | bool | float | None)
-    if one or (values := real_numbers("time", times)).ndim != 1 or not values.size:
+    if (
+        one
+        or (values := real_numbers("time", times, unit=chain._unit("s"))).ndim != 1
+        or not values.size
+    ):
         raise InputError(
             f"times must be a whole number or a list of increasing numbers, got {shown(times)}"
         )

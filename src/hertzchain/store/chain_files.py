@@ -26,18 +26,16 @@ parts.  Materials of your own are tables ``[materials.NAME]``.
 from __future__ import annotations
 
 import dataclasses
-import inspect
-import json
 import os
 import tomllib
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
 
-from hertzchain.arguments import file_path, one_of
-from hertzchain.chain.chain import TAPERS, Chain
+from hertzchain.arguments import file_path
+from hertzchain.chain.chain import Chain
 from hertzchain.chain.coverage import check_chain
 from hertzchain.chain.drives import Drive, SineBurst, Step, Table
 from hertzchain.chain.losses import (
@@ -50,21 +48,20 @@ from hertzchain.chain.losses import (
     WaltonBraun,
 )
 from hertzchain.chain.materials import RIGID, Material, material
+from hertzchain.chain.sizes import checked_beads
 from hertzchain.chain.walls import Wall
-from hertzchain.errors import InputError, unknown_name
+from hertzchain.checks import number, real_numbers, whole_number
+from hertzchain.errors import InputError
+from hertzchain.simulation.state import fingerprint
 from hertzchain.store.bead_tables import load_beads, load_drive
+from hertzchain.store.chain_schema import FORMS, check_document, without_units
+from hertzchain.store.toml_files import read_toml, toml_key, toml_text
 
-# Forms of [chain]: the key that tells the form, and the keys that go with it.
-FORMS: Final[Mapping[str, tuple[str, ...]]] = {
-    "taper": ("rate", "beads", "radius"),
-    "radii": ("beads",),
-    "cell": ("cells",),
-    "mass_ratio": ("beads",),
-    "file": (),
-}
 ARRAYS: Final = ("masses", "stiffness", "velocities", "gaps")
 LATER: Final = ("precompression", "held_by", "gravity")
-METHODS: Final = ("decorated", "with_defects", "with_scatter", "struck_by")
+# Methods of a chain that change its beads, in the order in which they are applied.
+MORE_BEADS: Final = ("decorated", "with_defects", "with_scatter")
+METHODS: Final = (*MORE_BEADS, "struck_by")
 PARTS: Final = ("left_wall", "right_wall", "loss", "drive")
 LAWS: Final[Mapping[str, type[Loss]]] = {
     "restitution": Restitution,
@@ -75,10 +72,6 @@ LAWS: Final[Mapping[str, type[Loss]]] = {
     "walton-braun": WaltonBraun,
 }
 DRIVES: Final[Mapping[str, type[Drive]]] = {"sine-burst": SineBurst, "step": Step, "table": Table}
-KEYS: Final = (
-    *dict.fromkeys(key for form, more in FORMS.items() for key in (form, *more)),
-    "exponent", "units", "materials", "velocity", "strikers", *ARRAYS, *LATER, *METHODS, *PARTS,
-)  # fmt: skip
 
 
 def load_chain(path: str | os.PathLike[str]) -> Chain:
@@ -113,24 +106,13 @@ def load_chain(path: str | os.PathLike[str]) -> Chain:
     Chain(uniform, 20 beads)
     """
     file = file_path("chain file", path)
-    name = os.fspath(path)
     if file.suffix.lower() == ".csv":
         return load_beads(path)
-    try:
-        document = tomllib.loads(file.read_text("utf-8-sig"))
-    except OSError as error:
-        raise InputError(
-            f"cannot read chain file {name!r} ({error.strerror}); give the path of a TOML or "
-            "CSV file"
-        ) from None
-    except UnicodeDecodeError:
-        raise InputError(f"chain file {name!r} is not UTF-8 text; chain files are TOML") from None
-    except tomllib.TOMLDecodeError as error:
-        raise InputError(f"chain file {name!r} is not valid TOML: {error}") from None
+    document = read_toml("chain file", path, "give the path of a TOML or CSV file")
     try:
         return chain_from(document, file.parent)
     except InputError as error:
-        raise InputError(f"{name}: {error}") from None
+        raise InputError(f"{os.fspath(path)}: {error}") from None
 
 
 def chain_from(document: Mapping[str, Any], folder: Path = Path()) -> Chain:
@@ -157,11 +139,15 @@ def chain_from(document: Mapping[str, Any], folder: Path = Path()) -> Chain:
     >>> chain_from({"chain": {"taper": "uniform", "beads": 20}})
     Chain(uniform, 20 beads)
     """
+    for problem in check_document(document):
+        raise InputError(problem)
     return _ChainFile(document, folder).chain()
 
 
 def chain_as_toml(chain: Chain) -> str:
     """A chain as a TOML chain file, from which `load_chain` makes the same chain.
+
+    Different materials of one name are given different names.
 
     Parameters
     ----------
@@ -172,6 +158,11 @@ def chain_as_toml(chain: Chain) -> str:
     -------
     str
 
+    Raises
+    ------
+    InputError
+        If the chain that is read back would move in another way, which is always checked.
+
     Examples
     --------
     >>> print(chain_as_toml(Chain.uniform(2).replace(right_wall=Wall.rigid())))
@@ -180,78 +171,104 @@ def chain_as_toml(chain: Chain) -> str:
     right_wall = {rigid = true, gap = 0.0}
     """
     check_chain("chain_as_toml", chain)
-    entries: dict[str, Any] = {}
-    if chain.taper is not None:
-        entries |= {"taper": chain.taper, "rate": chain.rate, "beads": chain.beads}
-    else:
-        entries["radii"] = chain.radii.tolist()
-    plain = {item.name: item.default for item in dataclasses.fields(chain)}
-    for name in ("exponent", "units", "strikers", *LATER):
-        if (value := getattr(chain, name)) != plain[name]:
-            entries[name] = value
-    entries |= {name: getattr(chain, name).tolist() for name in ARRAYS if name in chain.given}
-    own: dict[str, Material] = {}
+    names = _names_of_materials(chain)
+    entries = _beads_entries(chain)
     if chain.materials is not None:
-        own = {each.name: each for each in chain.materials}
-        entries["materials"] = [each.name for each in chain.materials]
+        entries["materials"] = [names[each] for each in chain.materials]
     for name in ("left_wall", "right_wall"):
         wall = getattr(chain, name)
         if wall is not None:
-            entries[name] = _wall_entry(wall)
-            if wall.material not in (None, RIGID):
-                own[wall.material.name] = wall.material
+            entries[name] = _wall_entry(wall, names)
     for name, kinds, key in (("loss", LAWS, "law"), ("drive", DRIVES, "kind")):
         part = getattr(chain, name)
         if part is not None:
             kind = next(label for label, cls in kinds.items() if type(part) is cls)
-            entries[name] = {key: kind} | {
-                item.name: _plain(getattr(part, item.name)) for item in dataclasses.fields(part)
-            }
-    lines = ["[chain]", *(f"{name} = {_toml(value)}" for name, value in entries.items())]
-    for each in own.values():
-        lines += ["", f"[materials.{json.dumps(each.name)}]"]
+            entries[name] = {key: kind} | _fields(part)
+    lines = ["[chain]", *(f"{name} = {toml_text(value)}" for name, value in entries.items())]
+    for each, name in names.items():
+        lines += ["", f"[materials.{toml_key(name)}]"]
         lines += [
-            f"{item.name} = {_toml(value)}"
-            for item in dataclasses.fields(each)
-            if item.name != "name" and (value := getattr(each, item.name)) is not None
+            f"{key} = {toml_text(value)}" for key, value in _fields(each).items() if key != "name"
         ]
-    return "\n".join(lines)
+    text = "\n".join(lines)
+    _check_round_trip(chain, text)
+    return text
+
+
+def _beads_entries(chain: Chain) -> dict[str, Any]:
+    """Keys of [chain] that are no tables."""
+    entries: dict[str, Any] = {}
+    if chain.taper is not None and chain.units == "scaled":
+        entries |= {"taper": chain.taper, "rate": chain.rate, "beads": chain.beads}
+    else:
+        entries["radii"] = chain.radii.tolist()
+    usual = {item.name: item.default for item in dataclasses.fields(chain)}
+    for name in ("exponent", "units", "strikers", *LATER):
+        if (value := getattr(chain, name)) != usual[name]:
+            entries[name] = value
+    return entries | {name: getattr(chain, name).tolist() for name in ARRAYS if name in chain.given}
+
+
+def _names_of_materials(chain: Chain) -> dict[Material, str]:
+    """A name for each material of beads and walls; no two have the same."""
+    walls = (chain.left_wall, chain.right_wall)
+    used = [*(chain.materials or ()), *(wall.material for wall in walls if wall is not None)]
+    names: dict[Material, str] = {}
+    taken: set[str] = set()
+    for each in used:
+        if each is None or each == RIGID or each in names:
+            continue
+        name, number = each.name, 2
+        while name in taken:
+            name, number = f"{each.name} ({number})", number + 1
+        names[each] = name
+        taken.add(name)
+    if chain.materials is not None and RIGID in chain.materials:
+        names[RIGID] = RIGID.name
+    return names
+
+
+def _check_round_trip(chain: Chain, text: str) -> None:
+    """Refuse to hand out a file that does not describe the chain."""
+    try:
+        same = fingerprint(chain_from(tomllib.loads(text))) == fingerprint(chain)
+        reason = "the chain read back moves in another way"
+    except (InputError, tomllib.TOMLDecodeError) as error:
+        same, reason = False, str(error)
+    if not same:
+        raise InputError(f"this chain cannot be written as a chain file: {reason}")
 
 
 class _ChainFile:
-    """A parsed TOML file, and where the files it names are."""
+    """A parsed TOML file of the right types, and where the files it names are."""
 
     def __init__(self, document: Mapping[str, Any], folder: Path) -> None:
-        for key in document:
-            if key not in ("chain", "materials"):
-                raise unknown_name("table or key", key, ("chain", "materials"))
-        table = document.get("chain")
-        if not isinstance(table, dict):
-            raise InputError("a chain file needs a table [chain]")
-        for key in table:
-            if key not in KEYS:
-                raise unknown_name("key of [chain]", key, KEYS)
-        self.table, self.folder = table, folder
+        self.table: dict[str, Any] = without_units(document["chain"])
+        self.folder = folder
         self.materials = {
-            name: _built(Material, {"name": name} | _a_table(f"materials.{name}", entry))
-            for name, entry in _a_table("materials", document.get("materials", {})).items()
+            str(name): Material(name, **entry)
+            for name, entry in document.get("materials", {}).items()
         }
 
     def chain(self) -> Chain:
-        chain = self._beads()
-        for name in METHODS[:-1]:
+        # Given bead by bead: with the beads, unless these change first.
+        own: dict[str, Any] = {name: self.table[name] for name in ARRAYS if name in self.table}
+        changed = any(name in self.table for name in MORE_BEADS)
+        chain = self._beads({} if changed else own)
+        for name in MORE_BEADS:
             for arguments in self._arguments(name):
-                chain = _called(getattr(chain, name), f"chain.{name}", arguments)
-        own = {name: self.table[name] for name in (*ARRAYS, "strikers") if name in self.table}
-        if own:
-            chain = chain.replace(**own)
+                chain = getattr(chain, name)(**arguments)
+        own = own if changed or self._form == "file" else {}
+        if "strikers" in self.table and chain.strikers != self.table["strikers"]:
+            own["strikers"] = self.table["strikers"]
+        chain = chain.replace(**own) if own else chain
         for arguments in self._arguments("struck_by"):
-            chain = _called(chain.struck_by, "chain.struck_by", arguments)
-        rest = {name: self.table[name] for name in LATER if name in self.table}
+            chain = chain.struck_by(**arguments)
+        rest: dict[str, Any] = {name: self.table[name] for name in LATER if name in self.table}
         rest |= {name: self._part(name) for name in PARTS if name in self.table}
         return chain.replace(**rest) if rest else chain
 
-    def _beads(self) -> Chain:
+    def _beads(self, own: dict[str, Any]) -> Chain:
         table = self.table
         present = [form for form in FORMS if form in table]
         if not present:
@@ -264,37 +281,52 @@ class _ChainFile:
         keys = {key for more in FORMS.values() for key in more} | set(FORMS)
         self._refuse_beside(form, sorted(keys - {form, *FORMS[form]}))
         law = {"exponent": table["exponent"]} if "exponent" in table else {}
+        if table.get("units") == "scaled" and "materials" in table:
+            raise InputError(
+                "[chain] has units = 'scaled' and also materials, which make a chain in SI units: "
+                "leave one out"
+            )
         if form == "file":
-            if "materials" in table:
-                raise InputError("[chain] has file and also materials: name them in the file")
-            chain = load_beads(self.folder / table["file"], self.materials)
-            return chain.replace(**law) if law else chain
+            return self._beads_of_file(law)
         if "materials" in table or table.get("units") == "SI":
-            return self._si_beads(form, law)
+            return self._si_beads(form, law, own)
         if "radius" in table or "velocity" in table:
             key = "radius" if "radius" in table else "velocity"
             raise InputError(
                 f"[chain] has {key} but no materials: scaled chains begin with radius 1 and "
                 f"velocity 1; leave {key} out, or give materials"
             )
-        return self._scaled_beads(form, law)
+        return self._scaled_beads(form, law, own)
 
-    def _scaled_beads(self, form: str, law: dict[str, Any]) -> Chain:
+    def _beads_of_file(self, law: dict[str, Any]) -> Chain:
+        self._refuse_beside("file", ["materials"], "name them in the file")
+        self._refuse_beside("file", ["velocity"], "give velocities, or a column velocity")
+        chain = load_beads(self.folder / self.table["file"], self.materials)
+        units = self.table.get("units", chain.units)
+        if units != chain.units:
+            raise InputError(
+                f"[chain] has units = {units!r}, but the table of beads is "
+                f"{'in SI units' if chain.units == 'SI' else 'without units'}"
+            )
+        return chain.replace(**law) if law else chain
+
+    def _scaled_beads(self, form: str, law: dict[str, Any], own: dict[str, Any]) -> Chain:
         table = self.table
         if form == "radii":
             self._refuse_beside("radii", ["beads"])
             if table.get("strikers"):
-                return Chain(np.asarray(table["radii"]), strikers=table["strikers"], **law)
-            return Chain.from_radii(table["radii"], **law)
-        if form == "cell":
-            return Chain.periodic(table["cell"], cells=self._needed("cells"), **law)
-        if form == "mass_ratio":
-            return Chain.dimer(table["mass_ratio"], beads=self._needed("beads"), **law)
-        return self._tapered(law)
+                return Chain(table["radii"], strikers=table["strikers"], **law, **own)
+            chain = Chain.from_radii(table["radii"], **law)
+        elif form == "cell":
+            chain = Chain.periodic(table["cell"], cells=self._needed("cells"), **law)
+        elif form == "mass_ratio":
+            chain = Chain.dimer(table["mass_ratio"], beads=self._needed("beads"), **law)
+        else:
+            chain = self._tapered(law)
+        return chain.replace(**own) if own else chain
 
     def _tapered(self, law: dict[str, Any]) -> Chain:
         table = self.table
-        one_of("taper", table["taper"], (*TAPERS, "uniform"))
         beads = self._needed("beads")
         if table["taper"] == "uniform":
             self._refuse_beside('taper = "uniform"', ["rate"])
@@ -303,54 +335,50 @@ class _ChainFile:
             raise InputError(f"[chain] has taper = {table['taper']!r} but no rate, its S or q")
         return Chain.tapered(table["taper"], table["rate"], beads=beads, **law)
 
-    def _si_beads(self, form: str, law: dict[str, Any]) -> Chain:
+    def _si_beads(self, form: str, law: dict[str, Any], own: dict[str, Any]) -> Chain:
         table = self.table
         if form == "mass_ratio":
             raise InputError("[chain] has mass_ratio, a scaled chain, and also materials or SI")
         if "velocity" in table:
             self._refuse_beside("velocity", ["velocities"])
         if form == "taper":
-            radii: Any = self._needed("radius") * self._tapered({}).radii
-        elif form == "cell":
-            radii = np.tile(table["cell"], self._needed("cells"))
+            first = number("radius", self._needed("radius"), unit="m", above=0.0)
+            radii: Any = first * self._tapered({}).radii
         else:
-            radii = table["radii"]
+            radii = table[form]
         if "materials" not in table:
             self._refuse_beside('units = "SI" without materials', ["beads", "velocity"])
-            bodies = {name: table[name] for name in ARRAYS if name in table}
-            return Chain(np.asarray(radii), units="SI", **bodies, **law)
+            return Chain(self._repeated(radii), units="SI", **law, **own)
         kinds = self._material(table["materials"])
-        if form == "cell" and not isinstance(kinds, Material):
-            kinds = list(kinds) * table["cells"]
+        fields = law | own | {"velocity": table.get("velocity")}
+        if form == "cell":
+            return Chain.periodic(radii, cells=self._needed("cells"), materials=kinds, **fields)
         count = table.get("beads") if form == "radii" else None
-        return Chain.from_materials(
-            radii, kinds, beads=count, velocity=table.get("velocity"), **law
-        )
+        return Chain.from_materials(radii, kinds, beads=count, **fields)
 
-    def _arguments(self, name: str) -> list[dict[str, Any]]:
+    def _repeated(self, radii: Any) -> Any:
+        """The radii, as often as a cell is repeated."""
+        if self._form != "cell":
+            return radii
+        cell = real_numbers("radius", radii, "bead", unit="m")
+        cells = whole_number("cells", self._needed("cells"), least=1)
+        checked_beads(cells * cell.size)
+        return np.tile(cell, cells)
+
+    def _arguments(self, name: str) -> Iterator[dict[str, Any]]:
         given = self.table.get(name, [])
-        listed = given if isinstance(given, list) else [given]
-        found = []
-        for entry in listed:
-            arguments = dict(_a_table(f"chain.{name}", entry))
+        for entry in given if isinstance(given, list | tuple) else [given]:
+            arguments = dict(entry)
             if "material" in arguments:
                 arguments["material"] = self._material(arguments["material"])
             if name == "with_defects":
-                bead, radius = arguments.pop("bead", None), arguments.pop("radius", None)
-                if bead is None or radius is None:
-                    raise InputError("[[chain.with_defects]] needs bead and radius")
-                arguments["radii"] = {bead: radius}
+                arguments["radii"] = {arguments.pop("bead"): arguments.pop("radius")}
             if name == "with_scatter":
-                arguments["rng"] = arguments.pop("seed", None)
-                if arguments["rng"] is None:
-                    raise InputError(
-                        "[chain.with_scatter] needs a seed, so that it can be repeated"
-                    )
-            found.append(arguments)
-        return found
+                arguments["rng"] = arguments.pop("seed")
+            yield arguments
 
     def _part(self, name: str) -> Any:
-        entry = dict(_a_table(f"chain.{name}", self.table[name]))
+        entry = dict(self.table[name])
         if name.endswith("wall"):
             if entry.pop("rigid", False):
                 if "material" in entry:
@@ -358,75 +386,56 @@ class _ChainFile:
                 entry["material"] = RIGID
             elif "material" in entry:
                 entry["material"] = self._material(entry["material"])
-            return _called(Wall, f"chain.{name}", entry)
-        kinds, key = (LAWS, "law") if name == "loss" else (DRIVES, "kind")
-        if key not in entry:
-            raise InputError(f"[chain.{name}] has no {key}: choose from {', '.join(kinds)}")
-        kind = one_of(f"{key} of [chain.{name}]", entry.pop(key), kinds)
-        if kind == "table" and "file" in entry:
+            return Wall(**entry)
+        if name == "loss":
+            return LAWS[entry.pop("law")](**entry)
+        return self._drive(entry)
+
+    def _drive(self, entry: dict[str, Any]) -> Drive:
+        kind = entry.pop("kind")
+        if "file" in entry:
             if len(entry) > 1:
                 raise InputError("[chain.drive] has file and also other keys: leave them out")
             return load_drive(self.folder / entry["file"])
-        return _called(kinds[kind], f"chain.{name}", entry)
+        for key in ("times", "values") if kind == "table" else ():
+            if key not in entry:
+                raise InputError(
+                    f"[chain.drive] has no {key}; a table has times and values or a file"
+                )
+        return DRIVES[kind](**entry)
 
     def _material(self, given: Any) -> Any:
-        if isinstance(given, list):
-            return [self._material(each) for each in given]
-        if not isinstance(given, str):
-            raise InputError(f"a material must be a name, got {given!r}")
-        return self.materials.get(given) or material(given)
+        if isinstance(given, str):
+            return self.materials.get(given) or material(given)
+        return [self._material(each) for each in given]
 
     def _needed(self, key: str) -> Any:
         if key not in self.table:
             raise InputError(f"[chain] has no {key}, which goes with {self._form}")
         return self.table[key]
 
-    def _refuse_beside(self, what: str, others: Sequence[str]) -> None:
+    def _refuse_beside(
+        self, what: str, others: Sequence[str], advice: str = "leave one out"
+    ) -> None:
         present = [key for key in others if key in self.table]
         if present:
-            raise InputError(f"[chain] has {what} and also {', '.join(present)}: leave one out")
+            raise InputError(f"[chain] has {what} and also {', '.join(present)}: {advice}")
 
 
-def _a_table(name: str, entry: Any) -> dict[str, Any]:
-    if not isinstance(entry, dict):
-        raise InputError(f"[{name}] must be a table, got {entry!r}")
-    return entry
-
-
-def _built(kind: type[Any], entry: dict[str, Any]) -> Any:
-    return _called(kind, f"materials.{entry['name']}", entry)
-
-
-def _called(function: Callable[..., Any], where: str, arguments: dict[str, Any]) -> Any:
-    """Call with the keys of a table, after holding them against what there is."""
-    parameters = inspect.signature(function).parameters
-    for key in arguments:
-        if key not in parameters:
-            raise unknown_name(f"key of [{where}]", key, parameters)
-    for key, parameter in parameters.items():
-        if parameter.default is inspect.Parameter.empty and key not in arguments:
-            raise InputError(f"[{where}] has no {key}")
-    return function(**arguments)
-
-
-def _wall_entry(wall: Wall) -> dict[str, Any]:
+def _wall_entry(wall: Wall, names: Mapping[Material, str]) -> dict[str, Any]:
     if wall.stiffness is not None:
         return {"stiffness": wall.stiffness, "gap": wall.gap}
     if wall.material is None:
         return {"gap": wall.gap}
-    kind = {"rigid": True} if wall.material == RIGID else {"material": wall.material.name}
+    kind = {"rigid": True} if wall.material == RIGID else {"material": names[wall.material]}
     return kind | {"gap": wall.gap}
 
 
-def _plain(value: Any) -> Any:
-    return value.tolist() if isinstance(value, np.ndarray) else value
-
-
-def _toml(value: Any) -> str:
-    if isinstance(value, dict):
-        return "{" + ", ".join(f"{key} = {_toml(item)}" for key, item in value.items()) + "}"
-    if isinstance(value, list | tuple):
-        return "[" + ", ".join(map(_toml, value)) + "]"
-    if isinstance(value, float):
-        return repr(value)
-    return json.dumps(value, ensure_ascii=False)
+def _fields(item: Any) -> dict[str, Any]:
+    """Fields of a part or material that are given, in plain types."""
+    values = {each.name: getattr(item, each.name) for each in dataclasses.fields(item) if each.init}
+    return {
+        name: value.tolist() if isinstance(value, np.ndarray) else value
+        for name, value in values.items()
+        if value is not None
+    }

@@ -9,24 +9,16 @@ import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from types import MappingProxyType
 from typing import Final
 
 from hertzchain.errors import InputError, unknown_name
+from hertzchain.units import UNITS, converted
 
-# Units that headers may have, by dimension, in SI.
-UNITS: Final[Mapping[str, Mapping[str, float]]] = MappingProxyType(
-    {
-        "length": {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6, "µm": 1e-6, "nm": 1e-9,
-                   "in": 25.4e-3},
-        "mass": {"kg": 1.0, "g": 1e-3, "mg": 1e-6},
-        "time": {"s": 1.0, "ms": 1e-3, "us": 1e-6, "µs": 1e-6, "ns": 1e-9},
-        "velocity": {"m/s": 1.0, "cm/s": 1e-2, "mm/s": 1e-3},
-        "force": {"N": 1.0, "kN": 1e3, "mN": 1e-3},
-        "stiffness": {"N/m^1.5": 1.0, "N/um^1.5": 1e9, "N/µm^1.5": 1e9},
-    }
-)  # fmt: skip
 HEADER: Final = re.compile(r"\s*(?P<name>[^\[\]]*?)\s*(?:\[(?P<unit>[^\[\]]*)\]\s*)?")
+# Units as they are found elsewhere: radius (mm), radius / mm, radius_mm.
+_OTHERWISE: Final = re.compile(r"\s*(?P<name>[A-Za-z]+)\s*[(/_]\s*(?P<unit>[^()]+?)\s*\)?\s*")
+# What separates columns elsewhere.
+_SEPARATORS: Final = {";": "semicolons", "\t": "tabs"}
 
 
 @dataclass(frozen=True)
@@ -162,9 +154,21 @@ def csv_rows(path: str | os.PathLike[str]) -> list[list[str]]:
         raise InputError("is not UTF-8 text; save the table as CSV in UTF-8") from None
     lines = [line for line in text.splitlines() if line.strip() and not line.startswith("#")]
     try:
-        return [[cell.strip() for cell in row] for row in csv.reader(lines, strict=True)]
+        rows = [[cell.strip() for cell in row] for row in csv.reader(lines, strict=True)]
     except csv.Error as error:
         raise InputError(f"is not a CSV table ({error}): look for a stray quotation mark") from None
+    if rows:
+        _check_separator(lines[0])
+    return rows
+
+
+def _check_separator(header: str) -> None:
+    for separator, name in _SEPARATORS.items():
+        if separator in header and "," not in header:
+            raise InputError(
+                f"its columns are separated by {name}: save the table with commas between columns, "
+                "and with points in numbers"
+            )
 
 
 def _header(text: str, known: Mapping[str, Column]) -> tuple[str, str | None]:
@@ -172,12 +176,15 @@ def _header(text: str, known: Mapping[str, Column]) -> tuple[str, str | None]:
     name = text if found is None else found["name"].lower()
     unit = None if found is None else found["unit"]
     if found is None or name not in known:
+        other = _OTHERWISE.fullmatch(text)
+        if other is not None and (name := other["name"].lower()) in known:
+            raise InputError(f"column {text!r}: write its unit as {name} [{other['unit']}]")
         raise unknown_name("column", text, known)
     dimension = known[name].dimension
     if unit is not None and dimension not in UNITS:
         raise InputError(f"column {name!r} has no unit, got [{unit}]")
-    if unit is not None and unit.strip() not in UNITS[dimension]:
-        raise unknown_name(f"unit of column {name!r}", unit, UNITS[dimension])
+    if unit is not None:
+        converted(f"column {name!r}", 1.0, unit, UNITS[dimension][0])
     return name, None if unit is None else unit.strip()
 
 
@@ -196,15 +203,21 @@ def _values(
             raise InputError(f"row {row} of column {name!r} is empty")
     if column.dimension == "text":
         return list(cells)
-    factor = 1.0 if unit is None else UNITS[column.dimension][unit]
-    return [_number(cell, row, name) * factor for row, cell in enumerate(cells, start=1)]
+    numbers = [_number(cell, row, name) for row, cell in enumerate(cells, start=1)]
+    if unit is None:
+        return numbers
+    return [converted(name, cell, unit, UNITS[column.dimension][0]) for cell in cells]
 
 
 def _number(cell: str, row: int, name: str) -> float:
     try:
         value = float(cell)
     except ValueError:
-        raise InputError(f"row {row} of column {name!r} is {cell!r}: it must be a number") from None
+        decimal = re.fullmatch(r"[+-]?\d+,\d+", cell)
+        advice = f"; decimals have a point: {cell.replace(',', '.')}" if decimal else ""
+        raise InputError(
+            f"row {row} of column {name!r} is {cell!r}: it must be a number{advice}"
+        ) from None
     if not math.isfinite(value):
         raise InputError(f"row {row} of column {name!r} is {cell!r}: it must be finite")
     return value

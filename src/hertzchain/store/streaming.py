@@ -190,7 +190,7 @@ def stream(
     callback("progress", progress)
     rtol = checked_rtol(rtol)
     stored = StoredRun(file_path("folder", folder))
-    wanted = real_numbers("time", times)
+    wanted = real_numbers("time", times, unit=chain._unit("s"))
     row = wanted.ndim == 1 and wanted.size > 0
     if not (row and np.isfinite(wanted).all() and wanted[0] >= 0.0 and np.all(np.diff(wanted) > 0)):
         raise InputError(

@@ -10,28 +10,17 @@ from typing import Any, Final
 
 import numpy as np
 
-from hertzchain.arguments import one_of
 from hertzchain.checks import number, whole_number
 from hertzchain.errors import InputError, shown, unknown_name
-from hertzchain.store.csv_tables import UNITS
+from hertzchain.store.chain_schema import dimensions_of
 from hertzchain.sweeps.plain import plain_json
+from hertzchain.units import UNITS, converted, quantity
 
 SPACINGS: Final = ("list", "linspace", "geomspace")
 # Ends of a linspace, at most: their difference must be a number, too.
 LARGEST: Final = 1e300
 # Values of one axis, at most.
 MOST_VALUES: Final = 10_000_000
-# Dimension of what has one, by the last name of its path that is no number.
-DIMENSIONS: Final[Mapping[str, str]] = {
-    "radius": "length", "radii": "length", "gap": "length", "gaps": "length", "cell": "length",
-    "mass": "mass", "masses": "mass",
-    "velocity": "velocity", "velocities": "velocity",
-    "precompression": "force",
-    "until": "time",
-}  # fmt: skip
-SI: Final[Mapping[str, str]] = {
-    "length": "m", "mass": "kg", "velocity": "m/s", "force": "N", "time": "s",
-}  # fmt: skip
 
 
 @dataclass(frozen=True, eq=False)
@@ -89,8 +78,17 @@ class Axis:
 
     @property
     def dimension(self) -> str | None:
-        """Dimension of the values, a key of `hertzchain.store.csv_tables.UNITS`, if known."""
-        return next((DIMENSIONS[word] for word in self.path[::-1] if word in DIMENSIONS), None)
+        """Dimension of the values, a key of `hertzchain.units.UNITS`, if it is known."""
+        possible = self._dimensions
+        # The unit of a stiffness depends on the exponent of the chain.
+        return possible[0] if len(possible) == 1 and possible[0] not in ("", "stiffness") else None
+
+    @property
+    def _dimensions(self) -> list[str]:
+        """What the values can be: an amplitude is a force or a length."""
+        if self.path == ("method", "until"):
+            return ["time"]
+        return sorted(dimensions_of(self.path))
 
     @property
     def unit(self) -> str | None:
@@ -101,7 +99,7 @@ class Axis:
     def values(self) -> list[Any]:
         """All values, in SI units or scaled."""
         if not isinstance(self.entry, Mapping):
-            return _listed(self.entry)
+            return self._plain(_listed(self.entry))
         known = (*SPACINGS, "unit")
         for key in self.entry:
             if key not in known:
@@ -112,17 +110,37 @@ class Axis:
         found = self.entry[given[0]]
         values = _listed(found) if given[0] == "list" else _spaced(given[0], found)
         if "unit" not in self.entry:
-            return values
-        factor = self._factor
+            return self._plain(values)
         numbers = (number(f"value {i}", each) for i, each in enumerate(values, start=1))
-        return [_decimal(factor * each) for each in numbers]
+        return [self._in_si(repr(each), self.unit) for each in numbers]
 
     @property
-    def _factor(self) -> float:
-        if self.dimension is None:
-            raise InputError(f"has the unit {shown(self.unit)}, but {self.long_name} takes none")
-        known = UNITS[self.dimension]
-        return known[one_of(f"unit of {self.dimension}", self.unit, known)]
+    def has_units(self) -> bool:
+        """Whether the values were given with units: such chains cannot be scaled."""
+        if isinstance(self.entry, Mapping):
+            return "unit" in self.entry or _all_quantities(self.entry.get("list", []))
+        return _all_quantities(self.entry)
+
+    def _plain(self, values: list[Any]) -> list[Any]:
+        """Text with units, such as "5 mm", as numbers; other values as they are."""
+        if not _all_quantities(values) or self._dimensions == [""]:
+            return values
+        return [self._in_si(*found) for each in values if (found := quantity(each))]
+
+    def _in_si(self, number: str, unit: Any) -> float:
+        """A number with a unit, in SI."""
+        possible = [each for each in self._dimensions if each]
+        if not possible:
+            raise InputError(f"has the unit {shown(unit)}, but {self.long_name} takes none")
+        if not isinstance(unit, str):
+            raise InputError(f"has the unit {shown(unit)}, which must be text")
+        for place, dimension in enumerate(possible, start=1):
+            try:
+                return converted(possible[0], number, unit, UNITS[dimension][0])
+            except InputError:
+                if place == len(possible):
+                    raise
+        raise AssertionError
 
     def coordinate(self) -> np.ndarray[Any, np.dtype[Any]]:
         """The values as an array for a dataset; what is no number or text is text as JSON.
@@ -183,6 +201,11 @@ def flattened(table: Mapping[str, Any], path: tuple[str, ...] = ()) -> Iterator[
             yield from flattened(entry, place)
         else:
             yield place, entry
+
+
+def _all_quantities(values: Any) -> bool:
+    texts = isinstance(values, list) and all(isinstance(each, str) for each in values)
+    return texts and bool(values) and all(quantity(each) for each in values)
 
 
 def _listed(values: Any) -> list[Any]:

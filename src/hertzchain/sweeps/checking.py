@@ -39,7 +39,7 @@ def check_plan(plan: Plan, heading: str = "") -> None:
     """
     with recorded():
         problems = (
-            _bad_values(plan) or _mixed_units(plan) or _bad_requests(plan) or _never_predicted(plan)
+            _bad_values(plan) or _bad_units(plan) or _bad_requests(plan) or _never_predicted(plan)
         )
     raise_all(problems, heading)
 
@@ -77,8 +77,12 @@ def _bad_values(plan: Plan) -> list[str]:
     return list(dict.fromkeys(problems))
 
 
-def _mixed_units(plan: Plan) -> list[str]:
-    """A quantity has one unit in a dataset."""
+def _bad_units(plan: Plan) -> list[str]:
+    """A quantity has one unit in a dataset, and none in scaled chains."""
+    with_unit = [axis.long_name for axis in plan.specification.axes if axis.has_units]
+    if with_unit and plan.units == "scaled":
+        said = "has a unit, but the chains are in scaled variables: give plain numbers"
+        return [f"axes.{name}: {said}" for name in with_unit]
     for index in plan.tried():
         if not _reason(plan, index) and plan.chain(index).units != plan.units:
             return ["axes: some chains are in SI units, others scaled: sweep them apart"]

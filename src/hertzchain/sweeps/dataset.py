@@ -13,10 +13,11 @@ import numpy as np
 from hertzchain import __version__
 from hertzchain.pulse.quantities import PER_CONTACT, QUANTITIES, SI_UNITS, Quantity
 from hertzchain.store.sweep_store import MEANINGS, STATUS, Variable
-from hertzchain.sweeps.axes import SI, Axis
+from hertzchain.sweeps.axes import Axis
 from hertzchain.sweeps.plan import Plan
 from hertzchain.sweeps.specification import WALL_QUANTITIES
 from hertzchain.sweeps.work import Result
+from hertzchain.units import UNITS
 
 
 def variables_of(plan: Plan) -> dict[str, Variable]:
@@ -207,7 +208,7 @@ def _axis_labels(axis: Axis, plan: Plan) -> dict[str, str]:
     labels = {"long_name": axis.long_name}
     if axis.coordinate().dtype.kind in "if":
         known = axis.dimension if plan.units == "SI" else None
-        labels["units"] = SI[known] if known else "1"
+        labels["units"] = UNITS[known][0] if known else "1"
     return labels
 
 

@@ -51,7 +51,8 @@ def check_option(name: str, value: Any, methods: Iterable[str]) -> None:
     if name == "max_steps":
         whole_number(name, value, least=1)
     elif name == "until":
-        number(name, value, above=0.0)
+        # Whether the chains are in SI units, in which it may have one, is checked by the run.
+        number(name, value, unit="s", above=0.0)
     else:
         ranges = {"propagate": checked_rtol_of_propagate, "simulate": checked_rtol_of_simulate}
         for method in ranges.keys() & {*methods}:

@@ -37,8 +37,10 @@ from hertzchain.chain.chain import Chain
 from hertzchain.checks import whole_number
 from hertzchain.errors import InputError, shown, unknown_name
 from hertzchain.pulse.quantities import QUANTITIES
-from hertzchain.store.chain_files import KEYS, chain_as_toml, chain_from
+from hertzchain.store.chain_files import chain_as_toml, chain_from
+from hertzchain.store.chain_schema import KEYS, check_document, without_units
 from hertzchain.store.csv_tables import csv_rows
+from hertzchain.store.toml_files import read_toml
 from hertzchain.sweeps.axes import Axis, flattened
 from hertzchain.sweeps.methods import METHODS, OPTIONS, check_option
 from hertzchain.sweeps.plain import plain_json
@@ -80,7 +82,8 @@ def read_specification(given: Any) -> Specification:
         return _Reader(given, Path()).specification()
     if not isinstance(given, str | os.PathLike):
         raise InputError(f"a sweep takes a TOML file or a mapping, got {shown(given)}")
-    return _Reader(_document(given), Path(given).parent, f"{os.fspath(given)}: ").specification()
+    document = read_toml("specification", given, "give the path of a TOML file")
+    return _Reader(document, Path(given).parent, f"{os.fspath(given)}: ").specification()
 
 
 def specification_from_json(text: str) -> Specification:
@@ -157,17 +160,19 @@ class _Reader:
         names_files = "file" in given or (isinstance(drive, Mapping) and "file" in drive)
         if names_files:
             # What computes may be another machine: nothing but the specification goes there.
-            found = self._try("chain", chain_from, {"chain": given, "materials": materials},
-                              self.folder)  # fmt: skip
+            document = {"chain": self._table("chain"), "materials": materials}
+            found = self._try("chain", chain_from, document, self.folder)
             return self._inlined(found) if found is not None else ({}, materials)
-        for key in given:
-            if key not in KEYS:
-                self._add("chain", unknown_name("key of [chain]", key, KEYS))
-        return self._try("chain", plain_json, given) or {}, materials
+        plain = self._try("chain", plain_json, given)
+        if plain is not None:
+            # What is missing may come from an axis.
+            problems = check_document({"chain": plain, "materials": materials}, complete=False)
+            self.problems += problems
+        return (without_units(plain) if not self.problems else {}), materials
 
     def _inlined(self, chain: Chain) -> tuple[Mapping[str, Any], Mapping[str, Any]]:
-        document = tomllib.loads(chain_as_toml(chain))
-        return document["chain"], document.get("materials", {})
+        document = self._try("chain", _as_document, chain) or {}
+        return document.get("chain", {}), document.get("materials", {})
 
     def _axes(self, settings: Mapping[str, Any]) -> tuple[tuple[Axis, ...], str]:
         combine = settings.get("combine", "product")
@@ -340,16 +345,8 @@ def raise_all(problems: Sequence[str], heading: str = "") -> None:
         raise InputError("\n  ".join(lines))
 
 
-def _document(path: str | os.PathLike[str]) -> dict[str, Any]:
-    name = os.fspath(path)
-    try:
-        return tomllib.loads(file_path("specification", path).read_text("utf-8-sig"))
-    except OSError as error:
-        raise InputError(
-            f"cannot read specification {name!r} ({error.strerror}); give the path of a TOML file"
-        ) from None
-    except (UnicodeDecodeError, tomllib.TOMLDecodeError, RecursionError) as error:
-        raise InputError(f"specification {name!r} is not valid TOML: {error}") from None
+def _as_document(chain: Chain) -> Any:
+    return plain_json(tomllib.loads(chain_as_toml(chain)), "chain")
 
 
 def _columns_of_csv(folder: Path, name: str) -> dict[tuple[str, ...], list[Any]]:

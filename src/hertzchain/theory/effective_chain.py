@@ -30,6 +30,7 @@ from hertzchain.contacts import (
     reduced_mass,
 )
 from hertzchain.errors import InputError, ModelRangeWarning, shown
+from hertzchain.frozen import Frozen
 from hertzchain.theory.decoration import SMALL, small_beads
 from hertzchain.theory.solitary_wave import solitary_wave
 
@@ -39,7 +40,7 @@ LARGEST_LOAD: Final = 0.125
 
 
 @dataclass(frozen=True, eq=False)
-class EffectiveChain:
+class EffectiveChain(Frozen):
     r"""The large beads of a decorated chain, with the effective contacts between them.
 
     Made by `effective_chain`.  The force between neighbours is

@@ -11,10 +11,11 @@ from numpy.typing import ArrayLike
 from hertzchain.checks import number, real_numbers, whole_number
 from hertzchain.contacts import Array
 from hertzchain.errors import InputError
+from hertzchain.frozen import Frozen
 
 
 @dataclass(frozen=True, eq=False)
-class WaveProfile:
+class WaveProfile(Frozen):
     r"""A profile of a wave, one at its crest; call it with distances from there.
 
     .. math:: f(\xi) = \Bigl(\sum_j a_j \cos \frac{\pi j \xi}{h}\Bigr)^{n}

@@ -1,0 +1,159 @@
+"""Units as people write them, such as ``mm``, ``m/s`` or ``N/m^1.5``, converted to SI.
+
+Text with a unit (``"5 mm"``), headers of CSV files (``radius [mm]``) and lists with a unit
+(``{list = [4, 5], unit = "mm"}``) are all converted here.  The product is rounded once, from the
+decimal digits that were written: ``"9.3 mm"`` is exactly the number 9.3e-3.
+"""
+
+from __future__ import annotations
+
+import decimal
+import math
+import re
+from collections.abc import Mapping
+from decimal import Decimal
+from functools import lru_cache
+from types import MappingProxyType
+from typing import Final, NamedTuple
+
+from hertzchain.errors import InputError, shown, unknown_name
+
+# Symbol: its value in SI, and its powers of metre, kilogram and second.
+SYMBOLS: Final[Mapping[str, tuple[str, tuple[int, int, int]]]] = MappingProxyType(
+    {
+        "m": ("1", (1, 0, 0)), "km": ("1e3", (1, 0, 0)), "cm": ("1e-2", (1, 0, 0)),
+        "mm": ("1e-3", (1, 0, 0)), "um": ("1e-6", (1, 0, 0)), "nm": ("1e-9", (1, 0, 0)),
+        "in": ("25.4e-3", (1, 0, 0)),
+        "kg": ("1", (0, 1, 0)), "g": ("1e-3", (0, 1, 0)), "mg": ("1e-6", (0, 1, 0)),
+        "s": ("1", (0, 0, 1)), "ms": ("1e-3", (0, 0, 1)), "us": ("1e-6", (0, 0, 1)),
+        "ns": ("1e-9", (0, 0, 1)),
+        "N": ("1", (1, 1, -2)), "kN": ("1e3", (1, 1, -2)), "mN": ("1e-3", (1, 1, -2)),
+        "Pa": ("1", (-1, 1, -2)), "kPa": ("1e3", (-1, 1, -2)), "MPa": ("1e6", (-1, 1, -2)),
+        "GPa": ("1e9", (-1, 1, -2)),
+        "Hz": ("1", (0, 0, -1)), "kHz": ("1e3", (0, 0, -1)), "MHz": ("1e6", (0, 0, -1)),
+    }
+)  # fmt: skip
+# Units to choose from, by dimension; the first is that of SI.  Products of `SYMBOLS` are
+# understood, too.
+UNITS: Final[Mapping[str, tuple[str, ...]]] = MappingProxyType(
+    {
+        "length": ("m", "cm", "mm", "um", "µm", "nm", "in"),
+        "mass": ("kg", "g", "mg"),
+        "time": ("s", "ms", "us", "µs", "ns"),
+        "velocity": ("m/s", "cm/s", "mm/s"),
+        "acceleration": ("m/s^2", "cm/s^2", "mm/s^2"),
+        "force": ("N", "kN", "mN"),
+        "stiffness": ("N/m^1.5", "N/um^1.5", "N/µm^1.5"),
+        "frequency": ("Hz", "kHz", "MHz"),
+        "pressure": ("Pa", "kPa", "MPa", "GPa"),
+        "density": ("kg/m^3", "g/cm^3"),
+        "damping": ("kg/s", "g/s"),
+    }
+)
+_FACTOR: Final = re.compile(r"([*/·]?)\s*([A-Za-zµ]+)\s*(?:(?:\^|\*\*)\s*([+-]?\d+(?:\.\d*)?))?\s*")
+_QUANTITY: Final = re.compile(
+    r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*([A-Za-zµμ°%1/][^\[\]{}()=,;]*?)\s*"
+)
+
+
+class Unit(NamedTuple):
+    """Value in SI, and powers of metre, kilogram and second."""
+
+    factor: Decimal
+    powers: tuple[float, float, float]
+
+
+@lru_cache(maxsize=256)
+def _parsed(text: str) -> Unit | None:
+    """A product of powers of `SYMBOLS`; `None` for anything else."""
+    rest = text.strip().replace("μ", "µ").replace("µ", "u").replace("²", "^2").replace("³", "^3")
+    rest = rest.removeprefix("1") if rest.startswith("1/") else rest
+    factor, powers = Decimal(1), [0.0, 0.0, 0.0]
+    while rest:
+        found = _FACTOR.match(rest)
+        if found is None or found[2] not in SYMBOLS:
+            return None
+        value, own = SYMBOLS[found[2]]
+        power = Decimal(found[3] or 1) * (-1 if found[1] == "/" else 1)
+        if abs(power) > 100:
+            return None
+        factor *= Decimal(value) ** power
+        powers = [one + float(power) * other for one, other in zip(powers, own, strict=True)]
+        rest = rest[found.end() :]
+    first, second, third = (round(power, 9) for power in powers)
+    return Unit(factor, (first, second, third))
+
+
+def converted(what: str, number: str | float, unit: str, si: str) -> float:
+    """A number with a unit, in the unit of SI.
+
+    Parameters
+    ----------
+    what : str
+        What it is, for the error.
+    number : str or float
+        The number, best as it was written.
+    unit : str
+        Its unit.
+    si : str
+        Unit of SI to convert to.
+
+    Returns
+    -------
+    float
+
+    Raises
+    ------
+    InputError
+        If there is no such unit, or it is one of another dimension.
+
+    Examples
+    --------
+    >>> converted("radius", "9.3", "mm", "m"), converted("density", 7.8, "g/cm^3", "kg/m^3")
+    (0.0093, 7800.0)
+    """
+    given, target = _parsed(unit), _parsed(si)
+    assert target is not None, si
+    choices = _choices(target) or (si.replace("**", "^"),)
+    if given is None:
+        raise unknown_name(f"unit of {what}", unit, choices)
+    if given.powers != target.powers:
+        needed = f"a unit such as {', '.join(choices)}" if si else "no unit"
+        raise InputError(f"{what} must have {needed}, got {shown(unit)}")
+    value = float(number)
+    if not math.isfinite(value) or value == 0.0:
+        return value
+    try:
+        return float(Decimal(str(number)) * given.factor / target.factor)
+    except (decimal.DecimalException, OverflowError):
+        return value * float(given.factor / target.factor)
+
+
+def quantity(text: str) -> tuple[str, str] | None:
+    """Number and unit of text such as ``"5 mm"``; `None` if it is not a number with a unit.
+
+    Parameters
+    ----------
+    text : str
+        Any text.
+
+    Returns
+    -------
+    tuple of str, or None
+
+    Examples
+    --------
+    >>> quantity("5 mm"), quantity("1e-3m/s"), quantity("5"), quantity("brass")
+    (('5', 'mm'), ('1e-3', 'm/s'), None, None)
+    """
+    found = _QUANTITY.fullmatch(text) if len(text) < 100 else None
+    return None if found is None else (found[1], found[2])
+
+
+def _choices(unit: Unit) -> tuple[str, ...]:
+    """Units of the same dimension that can be offered."""
+    for names in UNITS.values():
+        first = _parsed(names[0])
+        if first is not None and first.powers == unit.powers:
+            return names
+    return ()

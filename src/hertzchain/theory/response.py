@@ -38,7 +38,30 @@ class Response:
             self.behind[c] = _in_series(self.links[c], self.inertia[c - 1] + self.behind[c - 1])
 
     def displacement(self, bead: int, drive: Driven, source: int) -> Complex:
-        """Of a bead; walls are beads 0 and N + 1."""
+        r"""Complex amplitude of a bead's motion, for a drive of amplitude one.
+
+        Parameters
+        ----------
+        bead : int
+            Bead 1..N; walls are 0 and N + 1.
+        drive : str
+            ``"force"`` or ``"displacement"``.
+        source : int
+            The bead or wall that is driven.
+
+        Returns
+        -------
+        ndarray of complex
+            Of the shape of the frequencies.
+
+        Examples
+        --------
+        A mass of 1 on a spring of 2, driven at :math:`\omega = 1`, moves by 1/(2 - 1):
+
+        >>> one = LinearContacts(np.ones(1), np.array([2.0, 0.0]), np.zeros(2))
+        >>> complex(Response(one, np.array(1.0)).displacement(1, "force", 1))
+        (1+0j)
+        """
         moved = self._at_source(drive, source)
         for c in range(source, bead):
             moved = moved * _share(self.links[c], self.inertia[c] + self.ahead[c + 1])
@@ -47,7 +70,26 @@ class Response:
         return moved.reshape(self.omega.shape)
 
     def force(self, contact: int, drive: Driven, source: int) -> Complex:
-        """In a contact, positive if it is pressed more."""
+        """Complex amplitude of the force in a contact, positive if it is pressed more.
+
+        Parameters
+        ----------
+        contact : int
+            Contact 0..N.
+        drive, source
+            As for `displacement`.
+
+        Returns
+        -------
+        ndarray of complex
+            Of the shape of the frequencies.
+
+        Examples
+        --------
+        >>> one = LinearContacts(np.ones(1), np.array([2.0, 0.0]), np.zeros(2))
+        >>> complex(Response(one, np.array(1.0)).force(0, "force", 1)).real
+        -2.0
+        """
         if contact >= source:
             moved = self.displacement(contact, drive, source)
             return moved * self.ahead[contact].reshape(self.omega.shape)

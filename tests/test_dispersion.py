@@ -102,9 +102,25 @@ def test_wall_at_the_small_end_is_a_bead_like_the_last():
     np.testing.assert_allclose(frequencies, np.sqrt(squares), rtol=1e-12)
 
 
+def test_given_stiffness_counts_at_fixed_ends():
+    # 8 times as stiff: by k^(1/p), all frequencies double.
+    chain, ends = hc.Chain.uniform(4), ("fixed", "fixed")
+    plain, _ = modes(chain, 1.0, ends=ends)
+    stiff, _ = modes(chain.replace(stiffness=8.0), 1.0, ends=ends)
+    np.testing.assert_allclose(stiff, 2.0 * plain, rtol=1e-13)
+    unlike = chain.replace(stiffness=[8.0, 1.0, 27.0])
+    found, _ = modes(unlike, 1.0, ends=ends)
+    matrix = stiffness_matrix(1.5 * np.array([4.0, 1.0, 9.0]), (6.0, 13.5))
+    np.testing.assert_allclose(found, np.sqrt(eigh(matrix, eigvals_only=True)), rtol=1e-12)
+
+
 @pytest.mark.parametrize(
     ("call", "said"),
     [
+        (
+            lambda: modes(hc.Chain.uniform(3).replace(precompression=1.0, held_by="force"), 1.0),
+            "does not cover precompression.*use hertzchain.spectrum",
+        ),
         (lambda: modes(hc.Chain.uniform(3), 0.0), "force must be positive .* got 0"),
         (lambda: modes(hc.Chain.uniform(3), 1.0, ends=("free", "wall")), "unknown end 'wall'"),
         (lambda: linear_stiffness([1.0, -2.0], 1.0), "stiffness must be positive .* got -2"),

@@ -11,8 +11,8 @@ from hertzchain import Chain
 
 # What simulations and theories make, and nobody else: no doors, but for their methods.
 RESULTS = (
-    "Budget", "Fronts", "HertzRange", "LeadingPulse", "PulseTable", "Run", "SolitaryWave", "State",
-    "StaticState", "WallForce",
+    "Budget", "Fronts", "HertzRange", "LeadingPulse", "PulseTable", "Run", "SolitaryWave",
+    "Spectrum", "State", "StaticState", "WallForce",
 )  # fmt: skip
 # Called with what other doors have checked.
 OUR_OWN = ("factors",)
@@ -36,6 +36,8 @@ def doors(folder):
     run, pulse = hc.simulate(walled, until=10.0, times=50), hc.bca(chain)
     budget, compared, wave = run.budget(), pulse.compare(pulse), hc.solitary_wave()
     table = hc.propagate_many([[1.0, 1.0, 1.0]])
+    held = chain.replace(precompression=1.0, held_by="force")
+    lines, sent = hc.spectrum(held), {"drive": "force", "at": 1}
     scales, state = hc.Scales.of(balls), folder / "state.npz"
     stored = hc.stream(chain, folder / "run", times=[1.0, 2.0])
     hc.save_state(run.state, state)
@@ -211,6 +213,13 @@ def doors(folder):
         "SolitaryWave.velocity": tried(wave.velocity, distance=0.0),
         "SolitaryWave.velocity.width": tried(wave.velocity.width, level=0.5),
         "SolitaryWave.velocity.crest_derivative": tried(wave.velocity.crest_derivative, order=2),
+        "spectrum": tried(hc.spectrum, chain=held),
+        "Spectrum.transfer": tried(lines.transfer, frequencies=[0.1], bead=2, **sent),
+        "Spectrum.transfer_force": tried(
+            lines.transfer_force, frequencies=[0.1], contact=2, **sent
+        ),
+        "Spectrum.bands": tried(lines.bands, phase=0.1, cell=None),
+        "Spectrum.band_edges": tried(lines.band_edges, cell=None),
         "EffectiveChain.spacing": tried(hc.effective_chain(small).spacing, velocity=1.0),
         "sweep": tried(
             hc.sweep,

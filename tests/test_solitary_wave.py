@@ -1,5 +1,10 @@
+import itertools
+import math
+import pickle
+
 import numpy as np
 import pytest
+from scipy.integrate import quad
 
 import hertzchain as hc
 from hertzchain.theory.long_wave import (
@@ -11,6 +16,7 @@ from hertzchain.theory.long_wave import (
     sen_manciu_velocity,
 )
 from hertzchain.theory.solitary_wave import solitary_wave
+from hertzchain.theory.wave_profile import WaveProfile
 
 # Digits on which an integration of the strike and the fixed point agree, found with other code.
 CONSTANTS = {
@@ -74,6 +80,71 @@ def test_profiles_solve_the_equation_by_another_quadrature(exponent):
     kinetic = 0.5 * np.mean(wave.velocity(np.arange(-5, 5, 1 / 64)) ** 2) * 10
     if exponent == 1.5:
         assert kinetic / wave.energy_constant == pytest.approx(wave.kinetic_fraction, rel=1e-12)
+
+
+def test_tail_of_hertz_contacts_by_arithmetic_of_sixty_digits():
+    # The fixed point in mpmath with 60 digits, 16 and 24 points per bead: all digits agree.
+    wave, known = solitary_wave(), {
+        1: 0.3925945372443485687, 2: 0.019563612249527638832, 3: 0.000065885232434039029111,
+        4: 4.694144675343125841e-9, 5: 1.1204623338285220291e-15, 6: 5.4206027678837335763e-26,
+    }  # fmt: skip
+    for distance, overlap in known.items():
+        assert wave.overlap(distance) == pytest.approx(overlap, rel=1e-11)
+        assert wave.force(-distance) == pytest.approx(overlap**1.5, rel=1e-11)
+
+
+def integral(function, cuts):
+    """Of a function that falls steeply from the first of the increasing cuts on."""
+    return sum(quad(function, low, high, epsrel=1e-11)[0] for low, high in itertools.pairwise(cuts))
+
+
+@pytest.mark.parametrize("exponent", [1.05, 1.25, 1.5, 2.0, 3.0, 20.0])
+def test_tail_solves_the_equation_by_another_quadrature(exponent):
+    wave, p = solitary_wave(exponent), exponent
+    squared_speed = 2.0 * quad(lambda s: (1.0 - s) * wave.force(s), 0.0, 1.0)[0]
+    seam = 0.5 * wave.overlap.width(1e-3)
+    for x in np.linspace(0.8 * seam, 0.5 * wave.overlap.width(1e-290), 9):
+        # Over the force a bead nearer to the crest: forces may be too small for the range.
+        nearer = math.log(wave.overlap(x - 1.0))
+
+        def share(at, x=x, nearer=nearer):
+            overlap = max(float(wave.overlap(at)), 1e-308)
+            return (1.0 - abs(x - at)) * math.exp(p * (math.log(overlap) - nearer))
+
+        cuts = x - 1.0 + np.array([0.0, 1e-4, 1e-3, 1e-2, 0.1, 0.3, 1.0, 2.0])
+        logarithm = p * nearer + math.log(integral(share, cuts) / squared_speed)
+        assert math.log(wave.overlap(x)) == pytest.approx(logarithm, abs=1e-9)
+
+
+@pytest.mark.parametrize("exponent", [1.25, 1.5, 3.0])
+def test_velocity_of_the_tail_is_the_mean_of_the_force(exponent):
+    wave = solitary_wave(exponent)
+    scale = quad(lambda s: wave.force(s), -0.5, 0.5)[0]
+    for x in (0.5, 1.0, 1.4, 2.0, 2.5):
+        x *= wave.velocity.width(1e-3) / 2.0
+        lower = float(wave.force(x - 0.5))
+        cuts = x - 0.5 + np.array([0.0, 1e-3, 1e-2, 0.1, 0.4, 1.0])
+        mean = lower * integral(lambda at, f=lower: wave.force(at) / f, cuts)
+        assert wave.velocity(x) == pytest.approx(mean / scale, rel=1e-9)
+
+
+def test_tail_falls_doubly_exponentially():
+    # English and Pego 2005: ln phi(x + 1) / ln phi(x) tends to p, from above.
+    for p in (1.5, 2.0, 3.0):
+        wave = solitary_wave(p)
+        logs = np.log(wave.overlap(np.arange(2.0, 0.5 * wave.overlap.width(1e-300))))
+        ratios = logs[1:] / logs[:-1]
+        assert (np.diff(ratios) < 0.0).all()
+        assert p < ratios[-1] < 1.1 * p
+
+
+def test_profiles_reach_far_and_can_be_pickled():
+    wave = pickle.loads(pickle.dumps(solitary_wave(2.0)))
+    assert wave.overlap(7.0) == solitary_wave(2.0).overlap(7.0) > 0.0
+    assert wave.overlap([60.0, -1e9]).tolist() == [0.0, 0.0]
+    assert (np.diff(wave.velocity(np.linspace(0.0, 9.0, 400))) <= 0.0).all()
+    level = 1e-100
+    assert wave.overlap(wave.overlap.width(level) / 2.0) == pytest.approx(level, rel=1e-9)
 
 
 def test_printed_profile():
@@ -176,7 +247,11 @@ def test_precompressed_speed_is_smooth_where_its_two_forms_meet():
         (lambda: solitary_wave().speed(1.0, mass=0.0), "mass .* at least 1e-60 .* got 0"),
         (lambda: solitary_wave().velocity.width(1.0), "level .* got 1"),
         (lambda: solitary_wave().force.crest_derivative(2), "power one"),
-        (lambda: solitary_wave().force([0.0, 7.0]), "within 6 beads, got 7"),
+        (lambda: solitary_wave().force([0.0, np.inf]), "must be finite, got inf"),
+        (
+            lambda: WaveProfile.from_samples(np.ones(8), 6.0)([0.0, 7.0]),
+            "lie within 6 beads, got 7",
+        ),
         (lambda: precompressed_speed([2.0, 0.5]), "at least 1, got 0.5"),
         (lambda: long_wave_speed_constant(1.0), "above 1"),
     ],

@@ -54,6 +54,8 @@ from .theory.local_rate import local_rate_gradient as local_rate_gradient
 from .theory.modified_bca import modified_bca as modified_bca
 from .theory.solitary_wave import SolitaryWave as SolitaryWave
 from .theory.solitary_wave import solitary_wave as solitary_wave
+from .theory.spectrum import Spectrum as Spectrum
+from .theory.spectrum import spectrum as spectrum
 from .verification.verify import verify as verify
 
 __version__: str

@@ -175,7 +175,8 @@ def modes(
     r"""Normal modes of a finite chain under a static force.
 
     The eigenvalues :math:`\omega^2` of :math:`M^{-1/2} K M^{-1/2}`, as `spring_modes`
-    finds them, with the springs of `linear_stiffness`.
+    finds them, with the springs of `linear_stiffness`.  `hertzchain.spectrum` does this for a
+    chain with its own precompression, gravity, walls and losses, in SI units too.
 
     Parameters
     ----------
@@ -185,7 +186,8 @@ def modes(
         Static force F_0 > 0 on every contact [scaled].
     ends : tuple of str
         Left and right end: ``"free"``, held by a force that does not change, or
-        ``"fixed"``, in contact with an immobile bead like the last one.
+        ``"fixed"``, in contact with an immobile bead like the last one.  Where the stiffness
+        of contacts is given, that contact is as stiff as the chain's last one on its side.
 
     Returns
     -------
@@ -209,7 +211,7 @@ def modes(
     >>> frequencies.round(6)
     array([0.      , 1.732051])
     """
-    require(chain, "modes", covers=("masses", "stiffness"))
+    require(chain, "modes", covers=("masses", "stiffness"), instead="use hertzchain.spectrum")
     springs = linear_stiffness(chain.stiffness, force, chain.exponent)
     held = [0.0, 0.0]
     for side, end in enumerate(ends):
@@ -218,6 +220,8 @@ def modes(
         if end == "fixed":
             radius = chain.radii[-side]
             wall = hertz_stiffness(radius, radius)
+            if "stiffness" in chain.given:
+                wall = chain.stiffness[-side]
             held[side] = float(linear_stiffness(wall, force, chain.exponent))
     return spring_modes(chain.masses, springs, (held[0], held[1]))
 

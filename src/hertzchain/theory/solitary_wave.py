@@ -12,15 +12,17 @@ from __future__ import annotations
 
 import functools
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 
 from hertzchain.checks import number
-from hertzchain.contacts import HERTZ_EXPONENT
+from hertzchain.contacts import HERTZ_EXPONENT, Array
 from hertzchain.theory.fixed_point import POINTS_PER_BEAD, box_transform, fixed_point
 from hertzchain.theory.wave_profile import WaveProfile
+from hertzchain.theory.wave_tail import WaveTail
 
 # Below, the wave is wide and the iteration slow; above, the grid is too coarse for ten digits.
 SMALLEST_EXPONENT: Final = 1.05
@@ -51,7 +53,8 @@ class SolitaryWave:
     velocity, overlap, force : WaveProfile
         Velocity of a bead, overlap and force of a contact over their crest values, as
         functions of the distance from the crest in beads: ``wave.velocity(0.5)``,
-        ``wave.force.width()``.
+        ``wave.force.width()``.  Within some three beads they are right to 1e-15 of the crest,
+        beyond to 1e-9 of themselves, until they are smaller than the smallest number.
 
     Examples
     --------
@@ -222,6 +225,9 @@ def _solved(p: float) -> SolitaryWave:
     c = math.sqrt(squared_speed)
     velocity = np.fft.irfft(spectrum * box, len(force)) / c
     v, step = float(velocity[len(force) // 2]), 1.0 / POINTS_PER_BEAD
+    core = WaveProfile.from_samples(overlap, half)
+    tail = WaveTail(p, squared_speed, core)
+    forward = WaveProfile.from_samples(velocity / v, half)
     energy = step * np.sum(0.5 * velocity**2 + overlap ** (p + 1.0) / (p + 1.0))
     return SolitaryWave(
         exponent=p,
@@ -229,10 +235,21 @@ def _solved(p: float) -> SolitaryWave:
         momentum_constant=step * float(np.sum(force)) / (c * v),
         energy_constant=float(energy) / v**2,
         force_constant=v ** (-2.0 * p / (p + 1.0)),
-        velocity=WaveProfile.from_samples(velocity / v, half),
-        overlap=WaveProfile.from_samples(overlap, half),
-        force=WaveProfile.from_samples(overlap, half, p),
+        velocity=forward.with_tail(tail.start, _Scaled(tail.velocity, 1.0 / v)),
+        overlap=core.with_tail(tail.start, tail.overlap),
+        force=WaveProfile.from_samples(overlap, half, p).with_tail(tail.start, tail.overlap),
     )
+
+
+@dataclass(frozen=True, eq=False)
+class _Scaled:
+    """A function times a factor, which unlike a lambda can be pickled."""
+
+    function: Callable[[Array], Array]
+    factor: float
+
+    def __call__(self, at: Array) -> Array:
+        return self.factor * self.function(at)
 
 
 def _checked_exponent(exponent: float) -> float:

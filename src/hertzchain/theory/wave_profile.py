@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -20,13 +21,15 @@ class WaveProfile(Frozen):
 
     .. math:: f(\xi) = \Bigl(\sum_j a_j \cos \frac{\pi j \xi}{h}\Bigr)^{n}
 
-    exact to about 1e-15 of the crest, so that far out in the tail nothing but round-off is
-    left.
+    exact to about 1e-15 of the crest.  The profiles of a `hertzchain.SolitaryWave` continue in
+    a tail (`hertzchain.theory.wave_tail`) where the series would be left with its round-off;
+    there they are right to 1e-9 of themselves, down to the smallest numbers.
 
     Attributes
     ----------
     half_length : float
-        Largest distance h that it can be asked for [beads].
+        Half of the period of the series, h [beads]: the largest distance that can be asked
+        for if there is no tail.
     power : float
         The power n, 1 unless it is that of a force.
 
@@ -40,6 +43,9 @@ class WaveProfile(Frozen):
     half_length: float
     power: float
     _coefficients: Array = field(repr=False)
+    # Where the tail begins, and what it is before the power.
+    _seam: float = field(default=math.inf, repr=False)
+    _tail: Callable[[Array], Array] | None = field(default=None, repr=False)
 
     @classmethod
     def from_samples(cls, samples: Array, half_length: float, power: float = 1.0) -> WaveProfile:
@@ -71,22 +77,50 @@ class WaveProfile(Frozen):
         kept.setflags(write=False)
         return cls(half_length, power, kept)
 
+    def with_tail(self, start: float, tail: Callable[[Array], Array]) -> WaveProfile:
+        """The same profile, continued to any distance.
+
+        Parameters
+        ----------
+        start : float
+            Distance from the crest at which the tail takes over [beads].
+        tail : callable
+            Its values, before the power, at an array of distances.
+
+        Returns
+        -------
+        WaveProfile
+
+        Examples
+        --------
+        >>> core = WaveProfile.from_samples(np.ones(16), 1.0)
+        >>> core.with_tail(1.0, lambda x: np.exp(1.0 - x))([0.5, 3.0]).round(4)
+        array([1.    , 0.1353])
+        """
+        return replace(self, _seam=start, _tail=tail)
+
     def __call__(self, distance: ArrayLike) -> Array:
         """Value over that at the crest, at distances from the crest [beads], of their shape.
 
-        An `InputError` says where a distance is beyond ``half_length``.
+        An `InputError` says where a distance is not finite, or is beyond ``half_length`` of a
+        profile without a tail.
         """
-        xi = real_numbers("distance", distance)
-        within = np.abs(xi) <= self.half_length
+        xi = np.abs(real_numbers("distance", distance))
+        within = np.isfinite(xi) & ((self._tail is not None) | (xi <= self.half_length))
         if not within.all():
+            allowed = "be finite"
+            if self._tail is None:
+                allowed = f"lie within {self.half_length:g} beads"
             raise InputError(
-                f"distance from the crest must lie within {self.half_length:g} beads, got "
-                f"{float(xi.flat[np.argmin(within)]):g}; the wave is nothing there"
+                f"distance from the crest must {allowed}, got {float(xi.flat[np.argmin(within)]):g}"
             )
         # Chebyshev polynomials of a cosine are cosines of multiples.
-        cosine = np.cos(np.pi / self.half_length * xi)
-        values = np.asarray(np.polynomial.chebyshev.chebval(cosine, self._coefficients))
-        # Round-off of the far tail may be negative, and then has no broken power.
+        cosine = np.cos(np.pi / self.half_length * np.minimum(xi, self.half_length))
+        values = np.array(np.polynomial.chebyshev.chebval(cosine, self._coefficients))
+        far = xi > self._seam
+        if self._tail is not None and far.any():
+            values[far] = self._tail(xi[far])
+        # Round-off of a series may be negative, and then has no broken power.
         return values if self.power == 1.0 else np.maximum(values, 0.0) ** self.power
 
     def width(self, level: float = 0.5) -> float:
@@ -116,6 +150,8 @@ class WaveProfile(Frozen):
         """
         level = number("level of a width", level, above=0.0, below=1.0, hint="try 0.5")
         inside, outside = 0.0, self.half_length
+        while self._tail is not None and self(outside) > level:
+            outside *= 2.0
         for _ in range(60):
             middle = 0.5 * (inside + outside)
             if self(middle) > level:

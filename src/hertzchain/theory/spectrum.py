@@ -1,0 +1,438 @@
+r"""Spectrum of a chain about its static equilibrium: frequencies, decay, transfer functions.
+
+Displacements x from equilibrium that are much smaller than the static overlaps obey
+
+.. math:: M \ddot x + C \dot x + K x = f(t) ,
+
+with the springs and dampers of `hertzchain.theory.linear_contacts`.  Its solutions are sums of
+:math:`\mathrm{Re}\,[X_j e^{\lambda_j t}]` with
+:math:`(\lambda_j^2 M + \lambda_j C + K) X_j = 0`.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any, Final, Literal, get_args
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from hertzchain.arguments import one_of
+from hertzchain.chain.chain import Chain
+from hertzchain.chain.coverage import check_chain
+from hertzchain.chain.drives import DRIVEN, Driven
+from hertzchain.checks import real_numbers, whole_number
+from hertzchain.contacts import Array
+from hertzchain.errors import InputError
+from hertzchain.theory.dispersion import spring_modes
+from hertzchain.theory.linear_contacts import LinearContacts, linear_contacts
+from hertzchain.theory.response import Complex, Response
+
+WallName = Literal["left wall", "right wall"]
+WALLS: Final[tuple[WallName, ...]] = get_args(WallName)
+# Cells of a periodic chain that differ by less are the same: rounding of radii and forces.
+SAME: Final = 1e-9
+
+
+@dataclass(frozen=True, eq=False)
+class Spectrum:
+    r"""Small oscillations of a chain, made by `spectrum`.
+
+    Frequencies are in cycles per unit of time, as those of drives: Hz for a chain in SI units.
+    There is a mode for each bead, or two where a mode is overdamped; both then have
+    frequency 0 and their own decay rates.
+
+    Attributes
+    ----------
+    chain : Chain
+        The chain.
+    eigenvalues : ndarray of complex, shape (M,)
+        :math:`\lambda_j = -\delta_j + 2\pi i f_j` with :math:`f_j \ge 0`, in order of
+        frequency, then of decay [1/time, or 1/s].  A chain without walls moves as a whole at no
+        cost: its first eigenvalue is 0.
+    modes : ndarray, shape (N, M)
+        Displacements of the beads; ``modes[:, j]`` belongs to eigenvalue j, with
+        :math:`\sum_k m_k |x_k|^2 = 1` and the bead of most energy at a positive real number.
+        Real for a chain without loss, otherwise complex: beads need not move in phase.
+    contacts : LinearContacts
+        Masses, springs and dampers.
+
+    Examples
+    --------
+    Steel balls of 10 mm diameter, pressed together with 10 N between walls:
+
+    >>> import hertzchain as hc
+    >>> wall = hc.Wall()
+    >>> chain = hc.Chain.from_materials(5e-3, "steel-52100", beads=20, velocity=0.0)
+    >>> held = chain.replace(precompression=10.0, left_wall=wall, right_wall=wall)
+    >>> hc.spectrum(held)
+    Spectrum(20 modes, 1333.83 .. 17453.3 Hz: SI, steel-52100, R = 5 mm, 20 beads,
+             precompression, left wall, right wall)
+    """
+
+    chain: Chain
+    eigenvalues: Complex
+    modes: Array | Complex
+    contacts: LinearContacts
+
+    @property
+    def frequencies(self) -> Array:
+        """Frequencies, rising, shape (M,) [cycles per time, or Hz]."""
+        return self.eigenvalues.imag / (2.0 * math.pi)
+
+    @property
+    def decay_rates(self) -> Array:
+        r"""Rates of the decay :math:`e^{-\delta_j t}`, shape (M,) [1/time, or 1/s]."""
+        # Not -0.0 without loss.
+        return 0.0 - self.eigenvalues.real
+
+    @property
+    def damping_ratios(self) -> Array:
+        r""":math:`\delta_j/|\lambda_j|`, shape (M,): 0 without loss, 1 if overdamped.
+
+        The quality factor is :math:`1/(2\,\delta_j/|\lambda_j|)`.
+        """
+        size = np.abs(self.eigenvalues)
+        return np.divide(self.decay_rates, size, out=np.zeros(len(size)), where=size > 0.0)
+
+    def transfer(
+        self,
+        frequencies: ArrayLike,
+        bead: int,
+        *,
+        drive: Driven = "force",
+        at: int | WallName = 1,
+    ) -> Complex:
+        r"""Displacement of a bead under a steady drive.
+
+        With a drive :math:`\mathrm{Re}\,[a\,e^{2\pi i f t}]` the bead moves, after the start has
+        died out, as :math:`\mathrm{Re}\,[H(f)\,a\,e^{2\pi i f t}]`.  Its velocity has
+        :math:`2\pi i f H`.
+
+        Parameters
+        ----------
+        frequencies : array_like
+            Frequencies f >= 0 of the drive [cycles per time, or Hz].
+        bead : int
+            Bead k that responds, from 1.
+        drive : str
+            ``"force"`` on a bead, positive towards bead N, or ``"displacement"`` of a bead or
+            wall.
+        at : int or str
+            What is driven: a bead by its number, ``"left wall"`` or ``"right wall"``.
+
+        Returns
+        -------
+        ndarray of complex
+            H, of the shape of ``frequencies`` [scaled, or m/N for a force; no unit for a
+            displacement]; infinite at a resonance without loss.
+
+        Raises
+        ------
+        InputError
+            If there is no such bead or wall, a wall is driven by a force, a frequency is
+            negative, or 0 with a force on a chain that nothing holds in place.
+
+        Examples
+        --------
+        Two beads between walls, with springs of 3/2, resonate at :math:`\omega^2 = 3/2` and 9/2.
+        At 3, in between, the driven bead stands still:
+
+        >>> import hertzchain as hc
+        >>> wall = hc.Wall(stiffness=1.0)
+        >>> held = hc.Chain.uniform(2).replace(
+        ...     precompression=1.0, left_wall=wall, right_wall=wall)
+        >>> found = hc.spectrum(held)
+        >>> [float(found.transfer(np.sqrt(3) / (2 * np.pi), k).real.round(6)) for k in (1, 2)]
+        [0.0, -0.666667]
+        """
+        response = Response(self.contacts, _angular(frequencies))
+        k = whole_number("bead", bead, least=1, most=self.chain.beads)
+        return response.displacement(k, drive, self._source(drive, at, response))
+
+    def transfer_force(
+        self,
+        frequencies: ArrayLike,
+        contact: int,
+        *,
+        drive: Driven = "force",
+        at: int | WallName = 1,
+    ) -> Complex:
+        """Force in a contact under a steady drive, less the static one.
+
+        Parameters
+        ----------
+        frequencies : array_like
+            Frequencies f >= 0 of the drive [cycles per time, or Hz].
+        contact : int
+            Contact that responds: k joins beads k and k + 1, 0 is the left wall's and N the
+            right wall's.  A sensor in bead k shows the mean of contacts k - 1 and k.
+        drive, at
+            As for `transfer`.
+
+        Returns
+        -------
+        ndarray of complex
+            Amplitude of the force over that of the drive, of the shape of ``frequencies``
+            [no unit for a force; scaled, or N/m for a displacement].
+
+        Raises
+        ------
+        InputError
+            As for `transfer`.
+
+        Examples
+        --------
+        A slow force on bead 1 reaches the wall as it is; far above the cut-off nothing does:
+
+        >>> import hertzchain as hc
+        >>> held = hc.Chain.uniform(9).replace(
+        ...     precompression=1.0, held_by="force", right_wall=hc.Wall())
+        >>> np.abs(hc.spectrum(held).transfer_force([0.0, 2.0], 9)).round(6)
+        array([1., 0.])
+        """
+        response = Response(self.contacts, _angular(frequencies))
+        c = whole_number("contact", contact, least=0, most=self.chain.beads)
+        return response.force(c, drive, self._source(drive, at, response))
+
+    def bands(self, phase: ArrayLike, *, cell: int | None = None) -> Array:
+        r"""Frequencies of plane waves in the endless chain that repeats this one's cell.
+
+        Between neighbouring cells a wave of phase q has the factor :math:`e^{iq}`; losses are
+        left out.
+
+        Parameters
+        ----------
+        phase : array_like
+            Phase q from cell to cell [radians].
+        cell : int, optional
+            Number of beads of the cell; the smallest that repeats if not given.
+
+        Returns
+        -------
+        ndarray, shape (..., cell)
+            Frequencies of each band, rising [cycles per time, or Hz].
+
+        Raises
+        ------
+        InputError
+            If masses or springs do not repeat, as under gravity, or there are not two cells.
+
+        Examples
+        --------
+        >>> import hertzchain as hc
+        >>> held = hc.Chain.uniform(9).replace(precompression=1.0, held_by="force")
+        >>> hc.spectrum(held).bands(np.pi).round(6)  # sqrt(6)/2 pi
+        array([0.389848])
+        """
+        c = self._cell(cell)
+        q = _checked_finite("phase", phase, -math.inf)
+        # As in `spring_modes`: a row is a spring; the last one joins the next cell.
+        rows = np.zeros((*q.shape, c, c), complex)
+        here = np.arange(c)
+        root = np.sqrt(self.contacts.springs[1 : c + 1])
+        weight = 1.0 / np.sqrt(self.contacts.masses[:c])
+        rows[..., here, here] += root * weight
+        rows[..., here[:-1], here[1:]] -= root[:-1] * weight[1:]
+        rows[..., -1, 0] -= root[-1] * weight[0] * np.exp(1j * q)
+        found: Array = np.linalg.svd(rows, compute_uv=False)[..., ::-1] / (2.0 * math.pi)
+        found[np.mod(q, 2.0 * math.pi) == 0.0, 0] = 0.0  # the chain as a whole
+        return found
+
+    def band_edges(self, *, cell: int | None = None) -> Array:
+        """Where the bands of the endless chain that repeats this one's cell begin and end.
+
+        Parameters
+        ----------
+        cell : int, optional
+            As for `bands`.
+
+        Returns
+        -------
+        ndarray, shape (cell, 2)
+            Lower and upper edge of each band [cycles per time, or Hz]; no wave passes between
+            bands, or above the last.
+
+        Raises
+        ------
+        InputError
+            As for `bands`.
+
+        Examples
+        --------
+        Aluminium and steel balls in turn under 20 N: two bands, in kHz.
+
+        >>> import hertzchain as hc
+        >>> pair = hc.Chain.periodic([9.5e-3] * 2, cells=20, velocity=0.0,
+        ...                          materials=["aluminium", "steel-316"])
+        >>> held = pair.replace(precompression=20.0, held_by="force")
+        >>> (hc.spectrum(held).band_edges() / 1e3).round(2)
+        array([[0.  , 4.65],
+               [8.  , 9.25]])
+        """
+        edges = self.bands([0.0, math.pi], cell=cell)
+        return np.sort(edges, axis=0).T.copy()
+
+    def _cell(self, cell: int | None) -> int:
+        """Number of beads of a cell, checked or found."""
+        n = self.chain.beads
+        if cell is not None:
+            cell = whole_number("cell", cell, least=1, most=n // 2)
+        for c in range(1, n // 2 + 1) if cell is None else (cell,):
+            if all(
+                np.allclose(values[c:], values[:-c], rtol=SAME, atol=0.0)
+                for values in (self.contacts.masses, self.contacts.springs[1:-1])
+                if len(values) > c
+            ):
+                return c
+        size = "of any length" if cell is None else f"of {cell} beads"
+        raise InputError(
+            f"no cell {size} repeats in this chain ({self.chain.description}): bands are of "
+            "periodic chains under the same force everywhere; use frequencies"
+        )
+
+    def _source(self, drive: Driven, at: int | WallName, response: Response) -> int:
+        """Place of the drive, checked: 0 is the left wall, N + 1 the right one."""
+        one_of("drive", drive, DRIVEN)
+        beads = self.chain.beads
+        if isinstance(at, str):
+            side = WALLS.index(one_of("driven end", at, WALLS))
+            if self.contacts.springs[-side] == 0.0:
+                raise InputError(f"the {at} cannot be driven: the chain does not touch one there")
+            if drive == "force":
+                raise InputError(
+                    f"a force on the {at} does not move it: drive a bead, or use "
+                    "drive='displacement'"
+                )
+            return (beads + 1) * side
+        place = whole_number("driven bead", at, least=1, most=beads)
+        loose = not self.contacts.springs[[0, -1]].any()
+        if drive == "force" and loose and (response.omega == 0.0).any():
+            raise InputError(
+                "a constant force (frequency 0) accelerates a chain that nothing holds in place "
+                "for ever: give frequencies above 0, or a wall"
+            )
+        return place
+
+    def __repr__(self) -> str:
+        f = self.frequencies
+        unit = " Hz" if self.chain.units == "SI" else ""
+        return f"Spectrum({len(f)} modes, {f[0]:g} .. {f[-1]:g}{unit}: {self.chain.description})"
+
+
+def spectrum(chain: Chain) -> Spectrum:
+    r"""Frequencies, decay rates and modes of a chain about its static equilibrium.
+
+    Walls, gravity, precompression, given masses and stiffness, losses and SI units all count;
+    velocities and drive do not.  An end held by a constant force (``held_by="force"``) moves
+    freely.
+
+    Parameters
+    ----------
+    chain : Chain
+        A chain that something presses together: precompression, or gravity against a wall.
+
+    Returns
+    -------
+    Spectrum
+        Its eigenvalues are good to some 1e-14 of the largest one.
+
+    Raises
+    ------
+    InputError
+        If a contact bears no static force, or its loss is not linear however small the motion:
+        `UnloadingRatio`, `WaltonBraun`, and `VelocityPower` with alpha < 1.
+
+    Warns
+    -----
+    ModelRangeWarning
+        If the loss is a `VelocityPower` with alpha > 1, which small motions do not feel.
+
+    Examples
+    --------
+    Two beads between walls, all springs K = 1.5, with a material time of 0.1: the modes have
+    :math:`\omega^2 = K` and :math:`3K`, and :math:`\delta = A\omega^2/2`.
+
+    >>> import hertzchain as hc
+    >>> wall = hc.Wall(stiffness=1.0)
+    >>> held = hc.Chain.uniform(2).replace(
+    ...     precompression=1.0, left_wall=wall, right_wall=wall, loss=hc.Viscoelastic(0.1))
+    >>> hc.spectrum(held).decay_rates.round(12)
+    array([0.075, 0.225])
+    """
+    check_chain("spectrum", chain)
+    contacts = linear_contacts(chain)
+    eigenvalues, modes = _eigen(contacts)
+    for array in (eigenvalues, modes, contacts.springs, contacts.dampers):
+        array.setflags(write=False)
+    return Spectrum(chain, eigenvalues, modes, contacts)
+
+
+def _eigen(contacts: LinearContacts) -> tuple[Complex, Array | Complex]:
+    """Eigenvalues and modes, in order."""
+    k, c = contacts.springs, contacts.dampers
+    omega, shapes = spring_modes(contacts.masses, k[1:-1], (k[0], k[-1]))
+    if not c.any():
+        return 1j * omega, _oriented(contacts.masses, shapes)
+    # A chain as a whole is not damped.
+    rigid = int(k[0] == k[-1] == 0.0)
+    time = c[1] / k[1]
+    if np.allclose(c, time * k, rtol=1e-14, atol=0.0):
+        values, amplitudes = _by_proportion(omega[rigid:], time)
+    else:
+        values, amplitudes = _coupled(omega[rigid:], shapes[:, rigid:], c)
+    modes = shapes[:, rigid:] @ amplitudes
+    if rigid:
+        values, modes = np.append(0.0, values), np.column_stack([shapes[:, 0], modes])
+    order = np.lexsort((-values.real, values.imag))
+    return values[order], _oriented(contacts.masses, modes[:, order])
+
+
+def _by_proportion(omega: Array, time: float) -> tuple[Complex, Array]:
+    r"""Dampers that are springs times a time: the modes stay, :math:`\delta = A\omega^2/2`."""
+    delta = 0.5 * time * omega**2
+    rings = delta < omega
+    slow = -delta[rings] + 1j * np.sqrt((omega - delta)[rings] * (omega + delta)[rings])
+    fast = delta[~rings] + np.sqrt((delta - omega)[~rings] * (delta + omega)[~rings])
+    values = np.concatenate([slow, -fast, -(omega[~rings] ** 2) / fast])
+    which = np.concatenate([np.flatnonzero(rings), *2 * [np.flatnonzero(~rings)]])
+    return values, np.eye(len(omega), dtype=complex)[:, which]
+
+
+def _coupled(omega: Array, shapes: Array, dampers: Array) -> tuple[Complex, Complex]:
+    r"""Dampers that couple the modes without loss, of amplitudes w.
+
+    :math:`a = \Omega w` and :math:`b = w'` obey :math:`a' = \Omega b,\; b' = -\Omega a - D b`:
+    no square of a frequency is formed.
+    """
+    stretched = np.sqrt(dampers)[:, None] * np.diff(np.pad(shapes, ((1, 1), (0, 0))), axis=0)
+    n = len(omega)
+    system = np.zeros((2 * n, 2 * n))
+    system[:n, n:], system[n:, :n] = np.diag(omega), np.diag(-omega)
+    system[n:, n:] = -stretched.T @ stretched
+    values, vectors = np.linalg.eig(system)
+    # One of each pair of conjugates; the real ones are modes of their own.
+    kept = np.flatnonzero(values.imag >= 0.0)
+    return values[kept].astype(complex), (vectors[:n, kept] / omega[:, None]).astype(complex)
+
+
+def _oriented(masses: Array, modes: Any) -> Any:
+    """Modes of norm one, with the bead of most energy at a positive real number."""
+    weighted = np.sqrt(masses)[:, None] * modes
+    largest = weighted[np.argmax(np.abs(weighted), axis=0), np.arange(modes.shape[1])]
+    return modes * (np.conj(largest) / np.abs(largest) / np.linalg.norm(weighted, axis=0))
+
+
+def _angular(frequencies: ArrayLike) -> Array:
+    return 2.0 * math.pi * _checked_finite("frequency", frequencies, 0.0)
+
+
+def _checked_finite(what: str, given: ArrayLike, least: float) -> Array:
+    values = real_numbers(what, given)
+    good = np.isfinite(values) & (values >= least)
+    if not good.all():
+        worst = float(values.flat[int(np.argmin(good))])
+        bound = " and at least 0" if least == 0.0 else ""
+        raise InputError(f"{what} must be finite{bound}, got {worst:g}")
+    return values

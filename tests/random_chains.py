@@ -1,0 +1,202 @@
+"""Random chains with everything switched on, the same for the same seed.
+
+`random_case(seed)` draws beads, materials or given masses and stiffness, exponent, velocities,
+gaps, walls, gravity, precompression, strikers, drive and loss law: each kind of chain that
+`hertzchain.simulate` accepts.  A failing test names the seeds, so that
+``random_case(seed).chain`` is the whole reproduction.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from scipy_chain import Units
+
+import hertzchain as hc
+
+LAWS = ("Restitution", "Viscoelastic", "UnloadingRatio", "VelocityPower", "Dashpot", "WaltonBraun")
+# Time that a run takes, in units of a collision of the first beads.
+DURATION = 20.0
+
+
+class Case(NamedTuple):
+    """A chain, how long to follow it, and the rough size of what happens in it."""
+
+    seed: int
+    chain: hc.Chain
+    units: Units
+
+    @property
+    def until(self):
+        return DURATION * self.units.time
+
+    def __repr__(self):
+        chain = self.chain
+        parts = (chain.loss, chain.drive, chain.left_wall, chain.right_wall)
+        return f"random_case({self.seed}): {chain}, " + ", ".join(map(repr, parts))
+
+
+def random_case(seed, *, without=(), laws=LAWS, most_beads=8):
+    """A random chain; ``without`` names what it must not have.
+
+    Any of ``"SI"``, ``"loss"``, ``"drive"``, ``"walls"``, ``"strikers"``, ``"gaps"``,
+    ``"precompression"``, ``"gravity"``.
+    """
+    rng = np.random.default_rng(seed)
+    draw = _Draw(rng, without)
+    chain, units = _beads(draw, int(rng.integers(2, most_beads + 1)))
+    changes = _start(draw, chain, units) | _ends(draw, chain, units)
+    if draw.has("gravity", 0.4):
+        changes["gravity"] = draw.near(0.08) * draw.sign() * units.length / units.time**2
+    chain = chain.replace(**changes)
+    chain = _held(draw, chain, units)
+    chain = _struck(draw, chain, units)
+    drive = random_drive(rng, units, walled=chain.left_wall is not None)
+    if draw.has("drive", 0.3):
+        chain = chain.replace(drive=drive)
+    law = random_law(rng, units, laws)
+    if draw.has("loss", 0.8):
+        chain = chain.replace(loss=law)
+    return Case(seed, chain, units)
+
+
+class _Draw:
+    """Random choices of what a chain has."""
+
+    def __init__(self, rng, without):
+        self.rng, self.without = rng, frozenset(without)
+
+    def has(self, feature, chance):
+        # Drawn in any case: what one chain lacks must not change the rest of it.
+        return bool(self.rng.random() < chance) and feature not in self.without
+
+    def near(self, value, factor=3.0):
+        return value * factor ** self.rng.uniform(-1.0, 1.0)
+
+    def sign(self):
+        return float(self.rng.choice([-1.0, 1.0]))
+
+
+def _beads(draw, beads):
+    """Beads and their contacts, at rest but for the first."""
+    rng = draw.rng
+    radii = rng.uniform(0.6, 1.7, beads)
+    if draw.has("SI", 0.4):
+        radii *= draw.near(5e-3)
+        materials = [_material(rng, name) for name in "ABC"]
+        kinds = [materials[i] for i in rng.integers(0, 3, beads)]
+        velocity = draw.near(0.3)
+        chain = hc.Chain.from_materials(radii, kinds, velocity=velocity)
+        mass, stiffness = float(chain.masses[0]), float(chain.stiffness.mean())
+        length = (mass * velocity**2 / stiffness) ** 0.4
+        return chain, Units(length, length / velocity, mass)
+    exponent = float(rng.choice([1.5, 1.5, 1.5, 1.2, 1.35, 1.75, 2.0, 2.5, 3.0]))
+    fields = {}
+    if rng.random() < 0.4:
+        fields["masses"] = rng.uniform(0.4, 3.0, beads)
+    if rng.random() < 0.4:
+        fields["stiffness"] = rng.uniform(0.4, 3.0, beads - 1)
+    return hc.Chain.from_radii(radii, exponent=exponent).replace(**fields), Units()
+
+
+def _material(rng, name):
+    young = 10.0 ** rng.uniform(9.5, 11.5)
+    return hc.Material(name, rng.uniform(1e3, 9e3), young, rng.uniform(0.1, 0.45))
+
+
+def _start(draw, chain, units):
+    """Velocities and gaps."""
+    rng, changes = draw.rng, {}
+    if rng.random() < 0.3:
+        changes["velocities"] = rng.uniform(-0.6, 1.0, chain.beads) * units.velocity
+    if draw.has("gaps", 0.35):
+        gaps = rng.uniform(0.0, 0.4, chain.beads - 1) * (rng.random(chain.beads - 1) < 0.7)
+        changes["gaps"] = gaps * units.length
+    return changes
+
+
+def _ends(draw, chain, units):
+    """Walls."""
+    rng, changes = draw.rng, {}
+    for side, chance in (("left_wall", 0.45), ("right_wall", 0.65)):
+        gap = rng.uniform(0.0, 0.5) * units.length if rng.random() < 0.3 else 0.0
+        stiffness = rng.uniform(0.5, 4.0) * units.stiffness(chain.exponent)
+        kinds = [hc.Wall(stiffness=stiffness, gap=gap)]
+        if chain.exponent == 1.5 and "stiffness" not in chain.given:
+            kinds += [hc.Wall(gap=gap), hc.Wall.rigid(gap=gap)]
+            if chain.materials is not None:
+                kinds.append(hc.Wall.of(_material(rng, "wall"), gap=gap))
+        wall = kinds[int(rng.integers(len(kinds)))]
+        if draw.has("walls", chance):
+            changes[side] = wall
+    return changes
+
+
+def _held(draw, chain, units):
+    """Precompression, with what it excludes left out."""
+    force = draw.near(0.2) * units.force
+    if not draw.has("precompression", 0.3):
+        return chain
+    both = chain.left_wall is not None and chain.right_wall is not None
+    touching = {
+        side: wall and hc.Wall(wall.stiffness, wall.material)
+        for side, wall in (("left_wall", chain.left_wall), ("right_wall", chain.right_wall))
+    }
+    return chain.replace(
+        precompression=force, held_by="walls" if both else "force", gaps=None, **touching
+    )
+
+
+def _struck(draw, chain, units):
+    """Strikers in front of a chain."""
+    rng = draw.rng
+    given = {"velocity": draw.near(1.0, 2.0) * units.velocity, "count": int(rng.integers(1, 4))}
+    if rng.random() < 0.5:
+        given["mass"] = draw.near(2.0) * units.mass
+        if rng.random() < 0.5:
+            given["radius"] = float(chain.radii[0] * rng.uniform(0.5, 2.0))
+    if chain.exponent != 1.5 or "stiffness" in chain.given:
+        given["stiffness"] = draw.near(1.0) * units.stiffness(chain.exponent)
+    if rng.random() < 0.4:
+        given["gap"] = rng.uniform(0.0, 0.5) * units.length
+    if not draw.has("strikers", 0.25) or chain.beads + given["count"] > 9:
+        return chain
+    if chain.precompression > 0.0 and chain.left_wall is not None:
+        chain = chain.replace(left_wall=None, held_by="force")
+    return chain.struck_by(**given)
+
+
+def random_law(rng, units, laws=LAWS):
+    """One of the laws of loss."""
+    name, pulls = str(rng.choice(laws)), bool(rng.random() < 0.5)
+    strength = 10.0 ** rng.uniform(-2.0, -0.3)
+    if name == "Restitution":
+        return hc.Restitution(float(rng.uniform(0.2, 0.99)), pulls)
+    if name == "Viscoelastic":
+        return hc.Viscoelastic(strength * units.time, pulls)
+    if name == "UnloadingRatio":
+        return hc.UnloadingRatio(float(rng.uniform(0.02, 0.9)))
+    if name == "WaltonBraun":
+        return hc.WaltonBraun(float(rng.uniform(0.2, 0.99)))
+    if name == "Dashpot":
+        return hc.Dashpot(strength * units.force / units.velocity, pulls)
+    alpha = float(rng.choice([1.0, 1.25, 1.5, 1.81, 2.0, 3.0]))
+    return hc.VelocityPower(strength * units.force / units.velocity**alpha, alpha, pulls)
+
+
+def random_drive(rng, units, *, walled):
+    """A force on bead 1 or, where there is a left wall, its displacement."""
+    of = "displacement" if walled and rng.random() < 0.5 else "force"
+    size = rng.uniform(-1.0, 1.0) * (units.length if of == "displacement" else 0.6 * units.force)
+    kind = rng.integers(4)
+    if kind == 0:
+        return hc.Step(size, rng.uniform(0.3, 4.0) * units.time, of)
+    if kind == 1 and of == "force":
+        return hc.Step(0.5 * size)
+    if kind == 2:
+        times = np.cumsum(rng.uniform(0.3, 3.0, 5)) - rng.uniform(0.0, 1.0)
+        return hc.Table(times * units.time, size * rng.uniform(-1.0, 1.0, 5), of)
+    cycles = float(rng.choice([0.5, 1.0, 2.0, 3.5]))
+    window = str(rng.choice(["hann", "none"]))
+    return hc.SineBurst(size, rng.uniform(0.08, 0.5) / units.time, cycles, of, window)

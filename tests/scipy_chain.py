@@ -1,0 +1,524 @@
+"""An independent integration of any chain: SciPy's steppers, restarted wherever a force switches.
+
+Written from the equations of the documentation and the papers cited there.  Of a chain only its
+description is read (radii, materials, what was given, walls, law, drive); masses, Hertz stiffness,
+static equilibrium, contact laws and drives are worked out here.  Everything is made dimensionless
+with rough units of the motion, so that one set of tolerances is right for millimetres, too.
+
+A contact is open, loading, unloading or stuck.  Within a piece of the integration no contact
+changes; each has a *margin*, positive while it is right about itself, and the first zero of a margin
+on SciPy's dense output ends the piece.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from scipy.integrate import DOP853, Radau
+from scipy.linalg import expm
+from scipy.optimize import brentq, lsq_linear
+
+OPEN, LOADING, UNLOADING, STUCK = range(4)
+# A margin must be violated by more than rounding [units of the motion].
+NOISE = 1e-13
+# A relative speed this small may be one at which a contact turns: its sign says nothing.
+AT_REST = 1e-9
+MOST_SWITCHES = 20_000
+
+
+class Units(NamedTuple):
+    """Rough size of what happens in a chain; a scaled chain has ones."""
+
+    length: float = 1.0
+    time: float = 1.0
+    mass: float = 1.0
+
+    @property
+    def velocity(self):
+        return self.length / self.time
+
+    @property
+    def force(self):
+        return self.mass * self.length / self.time**2
+
+    def stiffness(self, exponent):
+        return self.force / self.length**exponent
+
+
+class Motion(NamedTuple):
+    """At each time: beads' displacements since time 0 and velocities, forces of contacts 0..N.
+
+    Then what has passed until then: impulses of the left and the right wall, work of the drive.
+    """
+
+    displacements: np.ndarray
+    velocities: np.ndarray
+    forces: np.ndarray
+    impulses: np.ndarray
+    work: np.ndarray
+
+
+def masses_of(chain):
+    if "masses" in chain.given:
+        return np.array(chain.masses)
+    if chain.materials is None:
+        return chain.radii**3
+    return np.array([
+        m.density * 4.0 * math.pi * r**3 / 3.0
+        for m, r in zip(chain.materials, chain.radii, strict=True)
+    ])  # fmt: skip
+
+
+def hertz(one, other, radius, other_radius):
+    """4/3 E* sqrt(R*), Johnson's Eqs. (4.20) to (4.22); a material is (E, nu)."""
+    softness = sum((1.0 - nu**2) / young for young, nu in (one, other))
+    return 4.0 / 3.0 / softness / math.sqrt(1.0 / radius + 1.0 / other_radius)
+
+
+def elastic_constants(chain):
+    """(E, nu) of each bead.  Scaled, two equal beads of radius 1 have stiffness 1."""
+    if chain.materials is None:
+        return [(1.5 * math.sqrt(2.0), 0.0)] * len(chain.radii)
+    return [(each.young, each.poisson) for each in chain.materials]
+
+
+def stiffness_of(chain):
+    """Of contacts 0..N; 0 at a free end."""
+    beads = len(chain.radii)
+    k = np.zeros(beads + 1)
+    solid = elastic_constants(chain)
+    if "stiffness" in chain.given:
+        k[1:-1] = chain.stiffness
+    else:
+        for c in range(1, beads):
+            k[c] = hertz(solid[c - 1], solid[c], chain.radii[c - 1], chain.radii[c])
+    for end, wall in ((0, chain.left_wall), (-1, chain.right_wall)):
+        if wall is None:
+            continue
+        own = solid[end]
+        of_wall = own if wall.material is None else (wall.material.young, wall.material.poisson)
+        k[end] = wall.stiffness or hertz(own, of_wall, chain.radii[end], math.inf)
+    return k
+
+
+def static_forces(chain, masses):
+    """Forces of contacts 0..N at rest; zero where nothing holds or carries the beads."""
+    beads, strikers = len(masses), chain.strikers
+    forces = np.zeros(beads + 1)
+    weight = masses * chain.gravity
+    down = chain.right_wall if chain.gravity > 0.0 else chain.left_wall
+    stands = (
+        chain.gravity != 0.0
+        and down is not None
+        and down.gap == 0.0
+        and not (strikers > 0 and chain.gravity < 0.0)
+        and not np.any(chain.gaps[strikers:] > 0.0)
+    )
+    if chain.precompression == 0.0 and not stands:
+        return forces
+    # Bead k is at rest: F_k = F_{k-1} + weight_k; the smallest of them is the precompression.
+    for k in range(strikers, beads):
+        forces[k + 1] = forces[k] + weight[k]
+    forces[strikers:] += chain.precompression - min(forces[strikers:])
+    return forces
+
+
+def drive_between(chain, start, end):
+    """Value, rate and acceleration of the drive, as one smooth function from start to end."""
+    drive, middle = chain.drive, 0.5 * (start + end)
+    if drive is None:
+        return lambda _t: (0.0, 0.0, 0.0)
+    kind, a = type(drive).__name__, getattr(drive, "amplitude", 0.0)
+    if kind == "Step":
+        if middle >= drive.rise:
+            return lambda _t: (a, 0.0, 0.0)
+        rise = drive.rise
+
+        def smooth_step(t):
+            u = t / rise
+            return (a * u * u * (3 - 2 * u), 6 * a * u * (1 - u) / rise, a * (6 - 12 * u) / rise**2)
+
+        return smooth_step
+    if kind == "Table":
+        values = np.interp([start, end], drive.times, drive.values)
+        slope = (values[1] - values[0]) / (end - start)
+        return lambda t: (values[0] + slope * (t - start), slope, 0.0)
+    if not 0.0 < middle < drive.cycles / drive.frequency:
+        return lambda _t: (0.0, 0.0, 0.0)
+    w = 2.0 * math.pi * drive.frequency
+    slow = 0.0 if drive.window == "none" else w / drive.cycles
+
+    def burst(t):
+        s, ds, dds = math.sin(w * t), w * math.cos(w * t), -w * w * math.sin(w * t)
+        if slow == 0.0:
+            return a * s, a * ds, a * dds
+        g = 0.5 * (1.0 - math.cos(slow * t))
+        dg, ddg = 0.5 * slow * math.sin(slow * t), 0.5 * slow * slow * math.cos(slow * t)
+        return a * g * s, a * (dg * s + g * ds), a * (ddg * s + 2.0 * dg * ds + g * dds)
+
+    return burst
+
+
+def kinks_of(drive):
+    if drive is None:
+        return []
+    kind = type(drive).__name__
+    if kind == "Table":
+        return list(drive.times)
+    return [drive.rise if kind == "Step" else drive.cycles / drive.frequency]
+
+
+class Damped:
+    """k d^p and a viscous part; with ``attractive`` the overlap ends a contact, else the force."""
+
+    def __init__(self, k, p, viscous, attractive):
+        self.k, self.p, self.viscous, self.attractive = k, p, viscous, attractive
+
+    def formula(self, d, closing):
+        d = np.maximum(d, 0.0)
+        return self.k * d**self.p + self.viscous(d, closing)
+
+    def forces(self, mode, _largest, d, closing):
+        return np.where(mode == OPEN, 0.0, self.formula(d, closing))
+
+    def margins(self, mode, _largest, d, closing, _forces):
+        acts = d if self.attractive else np.minimum(d, self.formula(d, closing))
+        return np.where(mode == OPEN, -acts, acts)
+
+    def following(self, mode, _largest, _d, _closing, _force):
+        return LOADING if mode == OPEN else OPEN
+
+
+class Weaker:
+    """k d^p while the beads approach, a part of it while they part, anything between if neither."""
+
+    def __init__(self, k, p, kept):
+        self.k, self.p, self.kept = k, p, kept
+
+    def forces(self, mode, _largest, d, _closing):
+        part = np.array([0.0, 1.0, self.kept, 0.0])[mode]
+        return part * self.k * np.maximum(d, 0.0) ** self.p
+
+    def bounds(self, d):
+        most = self.k * np.maximum(d, 0.0) ** self.p
+        return self.kept * most, most
+
+    def margins(self, mode, _largest, d, closing, forces):
+        least, most = self.bounds(d)
+        of = [-d, np.minimum(d, closing), np.minimum(d, -closing),
+              np.minimum(most - forces, forces - least)]  # fmt: skip
+        return np.choose(mode, of)
+
+    def following(self, mode, _largest, d, closing, _force):
+        if mode == OPEN:
+            return LOADING
+        if d <= NOISE:
+            return OPEN
+        if abs(closing) > AT_REST:
+            return LOADING if closing > 0.0 else UNLOADING
+        return None  # depends on the forces of all others
+
+
+class Plastic:
+    """k d^p at first; below the largest overlap so far a steeper curve that ends at a dent."""
+
+    def __init__(self, k, p, ratio):
+        self.k, self.p, self.ratio = k, p, ratio
+
+    def forces(self, mode, largest, d, _closing):
+        first = self.k * np.maximum(d, 0.0) ** self.p
+        dent = (1.0 - self.ratio) * largest
+        width = np.where(largest > 0.0, largest - dent, 1.0)
+        again = self.k * largest**self.p * (np.maximum(d - dent, 0.0) / width) ** self.p
+        return np.choose(mode, [0.0 * first, first, again, first])
+
+    def margins(self, mode, largest, d, closing, _forces):
+        dent = (1.0 - self.ratio) * largest
+        of = [dent - d, np.minimum(d, closing), np.minimum(largest - d, d - dent), d]
+        return np.choose(mode, of)
+
+    def following(self, mode, largest, d, _closing, _force):
+        if mode == LOADING:
+            return UNLOADING if d > NOISE else OPEN
+        if mode == OPEN:
+            return UNLOADING if largest > NOISE else LOADING
+        return LOADING if d > (1.0 - 0.5 * self.ratio) * largest else OPEN
+
+
+def damping_ratio(e, attractive):
+    """Of the oscillator q' = u, u' = -q - 2 zeta u that returns with speed e if it came with 1.
+
+    In q ~ d^((p+1)/2), and some measure of time, a collision is this oscillator with u = d' for any
+    p.  It ends with q or, if it may not pull, already with its force.
+    """
+    if attractive:
+        return brentq(lambda z: math.exp(-math.pi * z / math.sqrt(1.0 - z * z)) - e, 0.0, 0.9999)
+
+    def excess(zeta):
+        system = np.array([[0.0, 1.0], [-1.0, -2.0 * zeta]])
+
+        def moved(t):
+            return expm(system * t) @ [0.0, 1.0]
+
+        end = brentq(lambda t: system[1] @ moved(t), 1e-9, 3.15)
+        return -moved(end)[1] - e
+
+    return brentq(excess, 0.0, 30.0, xtol=1e-15)
+
+
+def law_of(chain, k, masses, p, units):
+    """The chain's law with dimensionless constants."""
+    law, kind = chain.loss, type(chain.loss).__name__
+    if kind == "UnloadingRatio" and law.ratio > 0.0:
+        return Weaker(k, p, 1.0 - law.ratio)
+    if kind == "WaltonBraun":
+        return Plastic(k, p, law.ratio)
+    viscous = {
+        "Restitution": _hertz_damping,
+        "Viscoelastic": _kuwabara_kono,
+        "VelocityPower": _velocity_power,
+        "Dashpot": _velocity_power,
+    }.get(kind)
+    if viscous is None:
+        return Damped(k, p, lambda _d, closing: 0.0 * closing, True)
+    return Damped(k, p, viscous(law, k, masses, p, units), law.attractive)
+
+
+def _hertz_damping(law, k, masses, p, _units):
+    inverse = 1.0 / np.concatenate(([math.inf], masses, [math.inf]))
+    reduced = 1.0 / (inverse[:-1] + inverse[1:])
+    zeta = damping_ratio(law.coefficient, law.attractive)
+    factor = math.sqrt(2.0 * (p + 1.0)) * zeta * np.sqrt(reduced * k)
+    return lambda d, closing: factor * d ** (0.5 * (p - 1.0)) * closing
+
+
+def _kuwabara_kono(law, k, _masses, p, units):
+    factor = p * (law.time / units.time) * k
+    return lambda d, closing: factor * d ** (p - 1.0) * closing
+
+
+def _velocity_power(law, k, _masses, _p, units):
+    alpha = getattr(law, "alpha", 1.0)
+    factor = np.where(k > 0.0, law.gamma / (units.force / units.velocity**alpha), 0.0)
+    if alpha == 1.0:
+        return lambda _d, closing: factor * closing
+    return lambda _d, closing: factor * np.sign(closing) * np.abs(closing) ** alpha
+
+
+class Contacts:
+    """A chain as dimensionless numbers, what its contacts remember, and how they change."""
+
+    def __init__(self, chain, units):
+        p = float(chain.exponent)
+        masses, k = masses_of(chain), stiffness_of(chain)
+        forces = static_forces(chain, masses)
+        self.free = k == 0.0
+        # What holds the chain behind strikers is a force on its first bead, not their contact.
+        held = (forces > 0.0) & ~self.free & (np.arange(len(k)) >= chain.strikers + bool(chain.strikers))
+        overlaps = np.where(held, (forces / np.where(self.free, 1.0, k)) ** (1.0 / p), 0.0)
+        walls = [getattr(wall, "gap", 0.0) for wall in (chain.left_wall, chain.right_wall)]
+        gaps = np.concatenate((walls[:1], chain.gaps, walls[1:]))
+        self.at_rest = (overlaps - gaps) / units.length
+        outside = masses * chain.gravity
+        if chain.precompression > 0.0:
+            outside[chain.strikers] += forces[chain.strikers] if self.free[0] else 0.0
+            outside[-1] -= forces[-1] if self.free[-1] else 0.0
+        self.outside = outside / units.force
+        self.m, self.k = masses / units.mass, k / units.stiffness(p)
+        self.law = law_of(chain, self.k, self.m, p, units)
+        self.moves_wall = chain.drive is not None and chain.drive.of == "displacement"
+        self.drive, self.drive_unit = None, (units.length if self.moves_wall else units.force)
+        self.time_unit = units.time
+        self.mode = np.full(len(k), OPEN)
+        self.largest = np.zeros(len(k))
+
+    def driven(self, t):
+        value, rate, second = self.drive(t * self.time_unit)
+        T = self.time_unit
+        return np.array([value, rate * T, second * T * T]) / self.drive_unit
+
+    def kinematics(self, t, y):
+        """Overlaps, and the speeds at which they grow."""
+        n = len(self.m)
+        wall = self.driven(t) if self.moves_wall else np.zeros(3)
+        x = np.concatenate((wall[:1], y[:n], [0.0]))
+        v = np.concatenate((wall[1:2], y[n : 2 * n], [0.0]))
+        return self.at_rest - np.diff(x), -np.diff(v)
+
+    def accelerations(self, t, forces):
+        a = (forces[:-1] - forces[1:] + self.outside) / self.m
+        if not self.moves_wall:
+            a[0] += self.driven(t)[0] / self.m[0]
+        return a
+
+    def closing_accelerations(self, t, forces):
+        wall = self.driven(t)[2] if self.moves_wall else 0.0
+        return -np.diff(np.concatenate(([wall], self.accelerations(t, forces), [0.0])))
+
+    def responses(self, which):
+        """Minus the change of d'' of these contacts by a unit force in each: a mass matrix."""
+        inverse = np.concatenate(([0.0], 1.0 / self.m, [0.0]))
+        matrix = np.diag(inverse[:-1] + inverse[1:])
+        matrix -= np.diag(inverse[1:-1], 1) + np.diag(inverse[1:-1], -1)
+        return matrix[np.ix_(which, which)]
+
+    def forces(self, t, d, closing):
+        forces = self.law.forces(self.mode, self.largest, d, closing)
+        forces = np.where(self.free, 0.0, forces)
+        stuck = np.flatnonzero(self.mode == STUCK)
+        if len(stuck):
+            known = self.closing_accelerations(t, forces)[stuck]
+            forces[stuck] = np.linalg.solve(self.responses(stuck), known)
+        return forces
+
+    def margins(self, t, y):
+        d, closing = self.kinematics(t, y)
+        forces = self.forces(t, d, closing)
+        margins = self.law.margins(self.mode, self.largest, d, closing, forces)
+        return np.where(self.free, 1.0, margins)
+
+    def rates(self, t, y):
+        n = len(self.m)
+        forces = self.forces(t, *self.kinematics(t, y))
+        drive = self.driven(t)
+        power = forces[0] * drive[1] if self.moves_wall else drive[0] * y[n]
+        passed = [forces[0], forces[-1], power]
+        return np.concatenate((y[n : 2 * n], self.accelerations(t, forces), passed))
+
+    def start(self, t, y):
+        """Beads that touch are in contact, unless they part."""
+        d, closing = self.kinematics(t, y)
+        self.largest = np.maximum(d, 0.0)
+        touching = (d > 0.0) | ((d == 0.0) & (closing >= 0.0))
+        self.mode = np.where(touching & ~self.free, LOADING, OPEN)
+
+    def switch(self, c, t, y):
+        d, closing = self.kinematics(t, y)
+        forces = self.forces(t, d, closing)
+        mode = self.law.following(self.mode[c], self.largest[c], d[c], closing[c], forces[c])
+        if mode is None:
+            self.decide(c, t, d, forces)
+            self.hold(t, y)
+            return
+        if isinstance(self.law, Plastic) and self.mode[c] == LOADING:
+            self.largest[c] = max(self.largest[c], d[c])
+        self.mode[c] = mode
+
+    def decide(self, c, t, d, forces):
+        """Loading, unloading or stuck, for a contact with d' = 0 and all that are stuck.
+
+        Gauss' principle: of all forces between the bounds the true ones minimise the
+        acceleration of the constraint, F A F / 2 - F b; each d'' is then positive at the upper
+        bound, negative at the lower, and zero between.
+        """
+        which = np.flatnonzero((self.mode == STUCK) | (np.arange(len(d)) == c))
+        least, most = (bound[which] for bound in self.law.bounds(d))
+        others = forces.copy()
+        others[which] = 0.0
+        b = self.closing_accelerations(t, others)[which]
+        root = np.linalg.cholesky(self.responses(which))
+        found = lsq_linear(root.T, np.linalg.solve(root, b), (least, most), method="bvls").x
+        others[which] = found
+        speeding, share = self.closing_accelerations(t, others)[which], (found - least) / (most - least)
+        then = np.full(len(which), STUCK)
+        then[(share > 0.999) & (speeding > AT_REST)] = LOADING
+        then[(share < 0.001) & (speeding < -AT_REST)] = UNLOADING
+        # The contact whose turn it is does leave its mode, even if nothing pulls at it yet.
+        turn = int(np.argmax(which == c))
+        if self.mode[c] == STUCK:
+            then[turn] = LOADING if share[turn] > 0.5 else UNLOADING
+        elif then[turn] == self.mode[c]:
+            then[turn] = STUCK
+        self.mode[which] = then
+
+
+    def hold(self, t, y):
+        """Take from stuck contacts the relative speed, of a rounding error's size, that is left."""
+        _, closing = self.kinematics(t, y)
+        stuck, n = np.flatnonzero(self.mode == STUCK), len(self.m)
+        impulses = np.zeros(n + 1)
+        impulses[stuck] = np.linalg.solve(self.responses(stuck), closing[stuck])
+        y[n : 2 * n] += (impulses[:-1] - impulses[1:]) / self.m
+
+
+def trajectory(chain, times, units=None, rtol=1e-12):
+    """Integrate a chain up to the last of some increasing times; returns a `Motion` at them."""
+    units = units or Units()
+    contacts, n = Contacts(chain, units), len(chain.radii)
+    at = np.asarray(times, float) / units.time
+    y = np.concatenate((np.zeros(n), chain.velocities / units.velocity, np.zeros(3)))
+    saved = np.zeros((len(at), len(y) + n + 1))
+    kinks = [kink / units.time for kink in kinks_of(chain.drive)]
+    ends = sorted({kink for kink in kinks if 0.0 < kink < at[-1]} | {float(at[-1])})
+    t, first = 0.0, True
+    for end in ends:
+        contacts.drive = drive_between(chain, t * units.time, end * units.time)
+        if first:
+            contacts.start(t, y)
+            first = False
+        t, y = _advance(contacts, t, y, end, rtol, at, saved)
+    return Motion(
+        saved[:, :n] * units.length,
+        saved[:, n : 2 * n] * units.velocity,
+        saved[:, 2 * n + 3 :] * units.force,
+        saved[:, 2 * n : 2 * n + 2] * (units.force * units.time),
+        saved[:, 2 * n + 2] * (units.force * units.length),
+    )
+
+
+def _advance(contacts, t, y, end, rtol, at, saved):
+    """Integrate piece by piece to ``end``, where the drive has a kink or the run stops."""
+    for _ in range(MOST_SWITCHES):
+        margins = contacts.margins(t, y)
+        worst = int(np.argmin(margins))
+        if margins[worst] < -NOISE:
+            contacts.switch(worst, t, y)
+            continue
+        t, y, switching = _piece(contacts, t, y, end, rtol, at, saved)
+        if switching is None:
+            return t, y
+        contacts.switch(switching, t, y)
+    raise RuntimeError(f"the reference switches without end at t = {t:g}")
+
+
+def _piece(contacts, t, y, end, rtol, at, saved):
+    """Integrate until a contact must switch; returns where, and which one (None at the end)."""
+    implicit = getattr(contacts.law, "implicit", False)
+    solver = (Radau if implicit else DOP853)(
+        contacts.rates, t, y, end, rtol=rtol, atol=0.1 * rtol, max_step=0.3
+    )
+    while solver.status == "running":
+        message = solver.step()
+        if solver.status == "failed":
+            raise RuntimeError(f"the reference stops at t = {solver.t:g}: {message}")
+        dense = solver.dense_output()
+        when, which = _first_violation(contacts, dense, solver.t_old, solver.t)
+        for i in np.flatnonzero((at >= solver.t_old) & (at <= when)):
+            state = dense(at[i])
+            saved[i] = np.concatenate(
+                (state, contacts.forces(at[i], *contacts.kinematics(at[i], state)))
+            )
+        if which is not None:
+            return when, dense(when), which
+    return solver.t, solver.y, None
+
+
+def _first_violation(contacts, dense, begin, end):
+    """The first zero of a margin within a step, and the contact; (end, None) without one."""
+    earliest, which, low = end, None, begin
+    for theta in (0.25, 0.5, 0.75, 1.0):
+        t = begin + theta * (end - begin) if theta < 1.0 else end
+        margins = contacts.margins(t, dense(t))
+        for c in np.flatnonzero(margins < -NOISE):
+            def margin(s, c=c):
+                return contacts.margins(s, dense(s))[c]
+
+            when = low if margin(low) <= 0.0 else brentq(margin, low, t, xtol=1e-15, rtol=1e-14)
+            if which is None or when < earliest:
+                earliest, which = when, int(c)
+        if which is not None:
+            break
+        low = t
+    return earliest, which

@@ -30,10 +30,17 @@ from .pulse.comparison import Comparison as Comparison
 from .pulse.pulse import Pulse as Pulse
 from .pulse.pulse_table import PulseTable as PulseTable
 from .simulation.budget import Budget as Budget
+from .simulation.energy_flux import EnergyFlux as EnergyFlux
+from .simulation.horizon import Horizon as Horizon
+from .simulation.reflection import Reflection as Reflection
 from .simulation.run import Run as Run
 from .simulation.simulate import simulate as simulate
 from .simulation.state import State as State
+from .simulation.velocity_peaks import VelocityPeaks as VelocityPeaks
 from .simulation.wall_force import WallForce as WallForce
+from .simulation.wave_events import WaveEvent as WaveEvent
+from .simulation.waves import Wave as Wave
+from .simulation.waves import Waves as Waves
 from .store.bead_tables import load_drive as load_drive
 from .store.chain_files import chain_as_toml as chain_as_toml
 from .store.chain_files import load_chain as load_chain

@@ -23,6 +23,7 @@ from hertzchain.simulation.wave_events import (
     events_at,
     largest_force_of,
     require_resolved,
+    sign_change,
 )
 
 if TYPE_CHECKING:
@@ -112,10 +113,9 @@ def energy_flux_of(run: Run) -> EnergyFlux:
 
 def _to_and_fro(curves: ContactCurves) -> tuple[float, float]:
     """Integrals of the positive and of the negative part of the power."""
-    from scipy.interpolate import PPoly
-
-    power = curves.power_curve
-    turning = PPoly.from_spline(power).roots(extrapolate=False)
-    edges = np.concatenate((curves.times[:1], turning[np.isfinite(turning)], curves.times[-1:]))
-    pieces = np.diff(power.antiderivative()(np.unique(edges)))
+    times, power = curves.times, curves.power
+    turns = np.flatnonzero(power[:-1] * power[1:] < 0.0)
+    turning = sign_change(curves.power_curve, times[turns], times[turns + 1])
+    edges = np.concatenate((times[:1], turning, times[-1:]))
+    pieces = np.diff(curves.power_curve.antiderivative()(edges))
     return float(pieces[pieces > 0.0].sum()), float(-pieces[pieces < 0.0].sum())

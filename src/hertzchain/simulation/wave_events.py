@@ -17,6 +17,7 @@ duration the amplitude of a solitary wave is accurate to 1e-6, and J and W to 1e
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any, Final
@@ -37,6 +38,8 @@ PROMINENCE: Final = 0.1
 # Waves meet, or a wall turns one round, where |W| is less than this part of the integral of |f v|.
 STANDING: Final = 0.2
 SPLINE_ORDER: Final = 5
+# Of the time between two saved times, to the digits of a double.
+BISECTIONS: Final = 45
 
 
 @dataclass(frozen=True)
@@ -272,7 +275,7 @@ def events_at(run: Run, contact: int, floor: float) -> list[WaveEvent]:
     crests = _crests(force, floor)
     if not len(crests):
         return []
-    peak_times = _between(curves.force_curve.derivative(), times[crests - 1], times[crests + 1])
+    peak_times = sign_change(curves.force_curve.derivative(), times[crests - 1], times[crests + 1])
     heights = curves.force_curve(peak_times)
     # A kink of the force beside the crest may mislead the spline; the sample does not.
     lower = heights < force[crests]
@@ -300,10 +303,27 @@ def _crests(force: Array, floor: float) -> Array:
     return np.asarray(crests[peak_prominences(force, crests)[0] > PROMINENCE * force[crests]])
 
 
-def _between(curve: Any, low: Array, high: Array) -> Array:
-    """Where a curve changes its sign between two times, by bisection."""
+def sign_change(curve: Callable[[Array], Array], low: Array, high: Array) -> Array:
+    """Where a function changes its sign between two times, by bisection.
+
+    Parameters
+    ----------
+    curve : callable
+        The function.
+    low, high : ndarray, shape (n,)
+        Times between which to look.
+
+    Returns
+    -------
+    ndarray, shape (n,)
+
+    Examples
+    --------
+    >>> sign_change(np.cos, np.array([0.0]), np.array([3.0])).round(6)
+    array([1.570796])
+    """
     negative = curve(low) < 0.0
-    for _ in range(45):
+    for _ in range(BISECTIONS):
         middle = 0.5 * (low + high)
         before = (curve(middle) < 0.0) == negative
         low, high = np.where(before, middle, low), np.where(before, high, middle)
@@ -326,7 +346,7 @@ def _limits(curves: ContactCurves, crests: Array) -> tuple[Array, Array]:
     after = np.concatenate((zeros, [last + 1]))[place]
 
     low, high = np.maximum(valleys - 1, 0), np.minimum(valleys + 1, last)
-    minima = _between(curves.force_curve.derivative(), times[low], times[high])
+    minima = sign_change(curves.force_curve.derivative(), times[low], times[high])
     begin = np.concatenate((times[:1], minima))
     end = np.concatenate((minima, times[-1:]))
     opens_before = before >= np.concatenate(([0], valleys))
@@ -339,7 +359,7 @@ def _limits(curves: ContactCurves, crests: Array) -> tuple[Array, Array]:
 def _zeros(curves: ContactCurves, outside: Array, inside: Array) -> Array:
     """Where the force passes zero between two saved times; the outer one if it is 0 there."""
     times, force = curves.times, curves.force
-    passed = _between(curves.force_curve, times[outside], times[inside])
+    passed = sign_change(curves.force_curve, times[outside], times[inside])
     return np.where(force[outside] == 0.0, times[outside], passed)
 
 
@@ -365,6 +385,6 @@ def _widths(curves: ContactCurves, crests: Array, halves: Array) -> Array:
             continue
         low = np.array([times[rising[-1]], times[falling[0] - 1]])
         high = np.array([times[rising[-1] + 1], times[falling[0]]])
-        passed = _between(lambda t, half=half: curves.force_curve(t) - half, low, high)
+        passed = sign_change(lambda t, half=half: curves.force_curve(t) - half, low, high)
         widths[i] = passed[1] - passed[0]
     return widths

@@ -450,3 +450,46 @@ def test_simulate_says_what_a_wall_has_not_felt(run, tmp_path):
     file.write_text(EXPERIMENT + "gap = 0.1\n")
     assert "right wall: not reached" in run("simulate", file, "--until", "1e-5")[1]
     assert json.loads(run("simulate", "--beads", 3, "--json")[1])["walls"] == []
+
+
+def test_command_line_lists_waves(run):
+    code, out, _ = run("simulate", "--beads", 40, "--until", 60, "--waves")
+    assert code == 0
+    assert "waves: 1 to the right, 0 to the left" in out
+    assert "1..39" in out
+    code, out, _ = run("simulate", "--beads", 40, "--until", 60, "--waves", "--json")
+    (wave,) = json.loads(out)["waves"]
+    assert wave["direction"] == "right"
+    assert wave["momentum"] == pytest.approx(1.1383, abs=1e-3)
+    assert wave["resolved"] is True
+    code, _, err = run("simulate", "--beads", 40, "--until", 60, "--times", 60, "--waves")
+    assert code == 2
+    assert "save at least times=" in err
+    code, _, err = run("simulate", "--beads", 40, "--stream", "x", "--until", 9, "--waves")
+    assert code == 2
+    assert "--stream and --waves exclude each other" in err
+
+
+def test_command_line_tells_how_far_a_run_can_be_predicted(run, tmp_path):
+    chain = tmp_path / "chain.toml"
+    chain.write_text(
+        '[chain]\ntaper = "uniform"\nbeads = 20\n[chain.left_wall]\n[chain.right_wall]\n'
+    )
+    code, out, _ = run("simulate", "--chain", chain, "--until", 300)
+    assert code == 0
+    assert "a long run between walls: --horizon tells" in out
+    code, out, _ = run("simulate", "--chain", chain, "--until", 300, "--horizon")
+    assert code == 0
+    assert "horizon: velocities predictable within 1% until t = " in out
+    assert "--horizon tells" not in out
+    horizon = json.loads(
+        run("simulate", "--chain", chain, "--until", 300, "--horizon", "--json")[1]
+    )["horizon"]
+    assert 60.0 < horizon["time"] < horizon["last_time"] == 300.0
+    assert horizon["rtol"] < horizon["shadow_rtol"]
+    short = json.loads(run("simulate", "--beads", 9, "--horizon", "--json")[1])["horizon"]
+    assert short["time"] is None
+    assert short["error"] < 1e-6
+    code, _, err = run("simulate", "--beads", 9, "--times", 0, "--horizon")
+    assert code == 2
+    assert "--horizon need saved times" in err

@@ -11,8 +11,9 @@ from hertzchain import Chain
 
 # What simulations and theories make, and nobody else: no doors, but for their methods.
 RESULTS = (
-    "Budget", "Fronts", "HertzRange", "LeadingPulse", "PulseTable", "Run", "SolitaryWave",
-    "Spectrum", "State", "StaticState", "WallForce",
+    "Budget", "EnergyFlux", "Fronts", "HertzRange", "Horizon", "LeadingPulse", "PulseTable",
+    "Reflection", "Run", "SolitaryWave", "Spectrum", "State", "StaticState", "VelocityPeaks",
+    "WallForce", "Wave", "WaveEvent", "Waves",
 )  # fmt: skip
 # Called with what other doors have checked.
 OUR_OWN = ("factors",)
@@ -159,7 +160,7 @@ def doors(folder):
         "PulseTable[...]": tried(lambda index: table[index], index=0),
         "Budget.residual": tried(budget.residual, of="energy"),
         "Budget.to_dataframe": tried(budget.to_dataframe, of="energy"),
-        "Budget.plot": tried(budget.plot, of="energy", ax=None),
+        "Budget.plot": tried(budget.plot, of="energy", horizon=None, ax=None),
         "Run.force": tried(run.force, contact=1),
         "Run.sensor": tried(run.sensor, bead=1),
         "Run.velocity": tried(run.velocity, bead=1),
@@ -167,7 +168,13 @@ def doors(folder):
         "LeadingPulse.weights": tried(
             run.leading_pulse().weights, times=run.times, velocities=run.velocities
         ),
-        "Run.waves": tried(run.waves, bead=3),
+        "Run.waves": tried(run.waves, threshold=0.1, min_contacts=3),
+        "Run.reflection": tried(run.reflection, before=3, after=9, since=0.0, until=None),
+        "Run.horizon": tried(run.horizon, within=0.01, progress=None),
+        "Run.velocity_peaks": tried(run.velocity_peaks, bead=3),
+        "Waves.passing": tried(run.waves().passing, contact=3),
+        "Waves.at": tried(run.waves().at, contact=3),
+        "Waves.plot": tried(run.waves().plot, ax=None),
         "Run.pulse_width": tried(run.pulse_width, bead=3),
         "Run.plot": tried(run.plot, quantity="velocity", ax=None),
         "Run.plot_forces": tried(run.plot_forces, beads=[3], ax=None),
@@ -282,8 +289,10 @@ def refusal(door, arguments):
     return None
 
 
-# A whole number is a possible row of a longer table, and a possible number of steps.
-POSSIBLE = {("index", IndexError), ("max_steps", hc.SimulationError)}
+# A whole number is a possible row of a longer table, number of steps, or end of a count of waves.
+POSSIBLE = {
+    ("index", IndexError), ("max_steps", hc.SimulationError), ("until", hc.SimulationError),
+}  # fmt: skip
 
 
 @pytest.mark.parametrize("value", TRIED.values(), ids=TRIED)

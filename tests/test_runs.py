@@ -341,12 +341,12 @@ def test_a_train_of_waves_and_their_width():
     masses = np.ones(120)
     masses[0] = 8.0
     run = hc.simulate(hc.Chain.uniform(120).replace(masses=masses), until=120.0, times=4000)
-    waves = run.waves(80)
-    np.testing.assert_allclose(waves.amplitudes[:3], [1.4413, 0.9331, 0.6331], atol=6e-5)
-    assert np.all(np.diff(waves.times) > 0.0)
+    peaks = run.velocity_peaks(80)
+    np.testing.assert_allclose(peaks.amplitudes[:3], [1.4413, 0.9331, 0.6331], atol=6e-5)
+    assert np.all(np.diff(peaks.times) > 0.0)
     # Full width at half maximum of the exact wave: 1.57914 beads.
-    speed = 0.9074700784 * waves.amplitudes[0] ** 0.2
-    assert waves.widths[0] * speed == pytest.approx(1.57914, abs=6e-6)
+    speed = 0.9074700784 * peaks.amplitudes[0] ** 0.2
+    assert peaks.widths[0] * speed == pytest.approx(1.57914, abs=6e-6)
 
 
 BALLS = hc.Chain.from_materials(5e-3, "steel-52100", beads=6, velocity=0.3)

@@ -10,13 +10,14 @@ import click
 from hertzchain.cli.long_run import refuse_with_stream, stream_into
 from hertzchain.cli.options import PICTURES, chain_from, chain_options, check_writable, time_from
 from hertzchain.cli.progress import progress_of
-from hertzchain.cli.show import save_axes, show_json
+from hertzchain.cli.show import save_axes, show_json, show_table
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
     from hertzchain.simulation.run import Run
     from hertzchain.simulation.wall_force import WallForce
+    from hertzchain.simulation.waves import Waves
 
 
 @click.command()
@@ -59,12 +60,18 @@ if TYPE_CHECKING:
     help="Save a long run into FOLDER as it goes on; repeated, go on where it stopped.",
 )
 @click.option("--budget", is_flag=True, help="Print where energy and momentum are at the end.")
+@click.option(
+    "--waves", is_flag=True, help="Print the travelling waves: pulses, trains, reflections."
+)
+@click.option(
+    "--horizon", is_flag=True, help="Print how far the run can be predicted (integrates it twice)."
+)
 @click.option("--json", "as_json", is_flag=True, help="Print the summary as JSON.")
 def simulate(
     file: Path | None, chain_file: Path | None, taper: str | None, rate: float | None,
     beads: int | None, until: str | None, times: int, rtol: float, max_steps: int | None,
     out: Path | None, plot: Path | None, sensors: tuple[int, ...], stream: Path | None,
-    budget: bool, as_json: bool,
+    budget: bool, waves: bool, horizon: bool, as_json: bool,
 ) -> None:  # fmt: skip
     """Integrate the whole chain and keep its trajectories.
 
@@ -81,6 +88,7 @@ def simulate(
       hertzchain simulate experiment.toml --until 7e-4 --budget
       hertzchain simulate experiment.toml --until 7e-4 --sensor 6 --sensor 11 --plot forces.png
       hertzchain simulate experiment.toml --until 10 --times 100000 --stream long
+      hertzchain simulate --beads 50 --until 60 --times 600 --waves --horizon
     """
     import hertzchain
     from hertzchain.checks import whole_number
@@ -90,13 +98,21 @@ def simulate(
     check_writable(out, "--out", (".nc", ".csv"))
     if budget and as_json:
         raise click.UsageError("--budget and --json exclude each other")
-    if times < 2 and (out or plot or sensors or stream or budget):
+    if times < 2 and (out or plot or sensors or stream or budget or waves or horizon):
         raise click.UsageError(
-            "--out, --plot, --sensor, --stream and --budget need saved times: --times "
-            f"{times} is too few"
+            "--out, --plot, --sensor, --stream, --budget, --waves and --horizon need saved times: "
+            f"--times {times} is too few"
         )
     if stream is not None:
-        refuse_with_stream(out=out, plot=plot, sensor=sensors, budget=budget, max_steps=max_steps)
+        refuse_with_stream(
+            out=out,
+            plot=plot,
+            sensor=sensors,
+            budget=budget,
+            waves=waves,
+            horizon=horizon,
+            max_steps=max_steps,
+        )
     chain = chain_from(file, chain_file, taper, rate, beads)
     end = time_from("--until", until, chain)
     for bead in sensors:
@@ -108,11 +124,15 @@ def simulate(
         run = hertzchain.simulate(
             chain, until=end, times=times, rtol=rtol, max_steps=max_steps, progress=progress
         )
+    if horizon:
+        with progress_of("beads passed, second integration") as progress:
+            run.horizon(progress=progress)
+    found = run.waves() if waves else None
     if out is not None:
         save_run(run, out)
     if plot is not None:
         save_axes(_drawn(run, sensors), plot)
-    _show_run(run, sensors, as_json)
+    _show_run(run, sensors, found, as_json)
     if budget:
         click.echo(run.budget())
 
@@ -131,7 +151,8 @@ def _walls(run: Run) -> list[WallForce]:
     return [run.wall_force(side) for side in SIDES if f"{side} wall" in run.chain.features]
 
 
-def _show_run(run: Run, sensors: tuple[int, ...], as_json: bool) -> None:
+def _show_run(run: Run, sensors: tuple[int, ...], waves: Waves | None, as_json: bool) -> None:
+    from hertzchain.cli.wave_tables import horizon_as_dict, wave_table, waves_as_list
     from hertzchain.store import results
 
     summary: dict[str, object] = {
@@ -150,6 +171,10 @@ def _show_run(run: Run, sensors: tuple[int, ...], as_json: bool) -> None:
     if as_json:
         document = {"schema_version": results.SCHEMA_VERSION} | summary
         document |= {"walls": walls, "sensors": shown}
+        if run.known_horizon is not None:
+            document["horizon"] = horizon_as_dict(run.known_horizon)
+        if waves is not None:
+            document["waves"] = waves_as_list(waves)
         document["chain"] = results.chain_as_dict(run.chain)
         show_json(document)
         return
@@ -164,6 +189,12 @@ def _show_run(run: Run, sensors: tuple[int, ...], as_json: bool) -> None:
             f"sensor in bead {sensor['bead']}: peak {sensor['peak']:.6g}{newton} at t = "
             f"{sensor['peak_time']:.6g}{second}"
         )
+    if run.known_horizon is not None:
+        click.echo(f"horizon: {run.known_horizon.message}")
+    elif run.prediction:
+        click.echo("a long run between walls: --horizon tells how far it can be predicted")
+    if waves is not None:
+        show_table(wave_table(waves))
 
 
 def _wall_line(wall: WallForce, end: float, newton: str, second: str, impulse: str) -> str:

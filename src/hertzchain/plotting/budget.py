@@ -9,10 +9,18 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.ticker import FuncFormatter
 
-from hertzchain.arguments import one_of
+from hertzchain.arguments import instance, one_of
 from hertzchain.errors import InputError
-from hertzchain.plotting.style import axes_in, house_style, literal, time_axis, titled
+from hertzchain.plotting.style import (
+    axes_in,
+    house_style,
+    literal,
+    mark_horizon,
+    time_axis,
+    titled,
+)
 from hertzchain.simulation.budget import BALANCED, Balanced, Budget
+from hertzchain.simulation.horizon import Horizon
 
 # Where energy and momentum are, from light to dark as they are lost to the pulse.
 PARTS: Final[dict[str, tuple[str, str]]] = {
@@ -30,7 +38,13 @@ PARTS: Final[dict[str, tuple[str, str]]] = {
 TICK: Final = {"energy": ("energy", "J"), "momentum": ("momentum", "N s")}
 
 
-def plot_budget(budget: Budget, of: Balanced = "energy", *, ax: Axes | None = None) -> Axes:
+def plot_budget(
+    budget: Budget,
+    of: Balanced = "energy",
+    *,
+    horizon: Horizon | None = None,
+    ax: Axes | None = None,
+) -> Axes:
     """Draw where energy or momentum is over time, stacked; momentum backwards below zero.
 
     Parameters
@@ -39,6 +53,8 @@ def plot_budget(budget: Budget, of: Balanced = "energy", *, ax: Axes | None = No
         Of a run with at least two saved times.
     of : str
         ``"energy"`` or ``"momentum"``.
+    horizon : Horizon, optional
+        What `Run.horizon` found; times beyond it are shaded.
     ax : matplotlib.axes.Axes, optional
         Axes to draw into; a new figure's if not given.
 
@@ -59,6 +75,8 @@ def plot_budget(budget: Budget, of: Balanced = "energy", *, ax: Axes | None = No
     'momentum'
     """
     one_of("balance", of, BALANCED)
+    if horizon is not None:
+        instance("horizon", horizon, Horizon, "run.horizon() is one")
     if len(budget.times) < 2:
         raise InputError("a stacked plot needs at least 2 saved times, the run has 1")
     there = budget.energy if of == "energy" else budget.momentum
@@ -91,6 +109,7 @@ def plot_budget(budget: Budget, of: Balanced = "energy", *, ax: Axes | None = No
         axes.set_xlabel(label)
         titled(axes, literal(budget.chain.description))
         axes.margins(x=0.0)
+        mark_horizon(axes, horizon)
         axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
     return axes
 

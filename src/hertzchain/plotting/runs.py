@@ -12,7 +12,15 @@ from matplotlib.ticker import MaxNLocator
 from hertzchain.arguments import listed, one_of
 from hertzchain.checks import whole_number
 from hertzchain.errors import InputError
-from hertzchain.plotting.style import COLOURS, axes_in, house_style, literal, time_axis, titled
+from hertzchain.plotting.style import (
+    COLOURS,
+    axes_in,
+    house_style,
+    literal,
+    mark_horizon,
+    time_axis,
+    titled,
+)
 from hertzchain.simulation.run import Run
 
 
@@ -73,6 +81,7 @@ def plot_run(
         axes.set_xlabel("time [µs]" if real else "time $t$")
         axes.set_ylabel("bead $k$" if quantity == "velocity" else "contact $k$")
         axes.yaxis.set_major_locator(MaxNLocator(integer=True))
+        mark_horizon(axes, run.known_horizon)
         titled(axes, literal(run.chain.description))
     return axes
 
@@ -128,6 +137,7 @@ def plot_forces(run: Run, beads: Sequence[int], *, ax: Axes | None = None) -> Ax
         axes.set_ylabel("force [N]" if run.chain.units == "SI" else "force $F$")
         titled(axes, literal(run.chain.description))
         axes.margins(x=0.0)
+        mark_horizon(axes, run.known_horizon)
         axes.legend()
     return axes
 

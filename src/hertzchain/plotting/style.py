@@ -8,7 +8,7 @@ import textwrap
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from importlib import resources
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -17,6 +17,9 @@ from matplotlib.figure import Figure
 
 from hertzchain.arguments import instance
 from hertzchain.chain.chain import Chain
+
+if TYPE_CHECKING:
+    from hertzchain.simulation.horizon import Horizon
 
 # Colours of Okabe and Ito, told apart by colour-blind readers; markers say it again in grey.
 COLOURS: Final = ("#000000", "#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00")
@@ -160,6 +163,30 @@ def time_axis(chain: Chain) -> tuple[float, str]:
     (1.0, 'time $t$')
     """
     return (1e6, "time [µs]") if chain.units == "SI" else (1.0, "time $t$")
+
+
+def mark_horizon(axes: Axes, horizon: Horizon | None) -> None:
+    """Shade the times beyond which a run cannot be predicted, and mark where they begin.
+
+    Parameters
+    ----------
+    axes : matplotlib.axes.Axes
+        Axes with times along x.
+    horizon : Horizon or None
+        The horizon of the run, if it is known.
+
+    Examples
+    --------
+    >>> axes = axes_in(None)
+    >>> mark_horizon(axes, None)
+    """
+    if horizon is None or not np.isfinite(horizon.time):
+        return
+    factor = time_axis(horizon.chain)[0]
+    begin, end = factor * horizon.time, factor * horizon.times[-1]
+    axes.axvspan(begin, max(begin, end), color="0.5", alpha=0.25, linewidth=0.0)
+    label = f"error above {100.0 * horizon.within:g}%"
+    axes.axvline(begin, color="black", linestyle=":", linewidth=1.2, label=label)
 
 
 def label_right_ends(axes: Axes, labels: Sequence[tuple[float, float, str, str]]) -> None:

@@ -37,6 +37,8 @@ if TYPE_CHECKING:
     import pandas as pd
     from matplotlib.axes import Axes
 
+    from hertzchain.simulation.horizon import Horizon
+
 Balanced = Literal["energy", "momentum"]
 BALANCED: Final[tuple[Balanced, ...]] = ("energy", "momentum")
 MOVING: Final = ("leading pulse", "lagging", "scattered back")
@@ -145,13 +147,21 @@ class Budget:
         columns |= {("given", name): values for name, values in given.items()}
         return pd.DataFrame(columns, index=pd.Index(self.times, name="time"))
 
-    def plot(self, of: Balanced = "energy", *, ax: Axes | None = None) -> Axes:
+    def plot(
+        self,
+        of: Balanced = "energy",
+        *,
+        horizon: Horizon | None = None,
+        ax: Axes | None = None,
+    ) -> Axes:
         """Draw where it is over time, stacked.
 
         Parameters
         ----------
         of : str
             ``"energy"`` or ``"momentum"``.
+        horizon : Horizon, optional
+            What `Run.horizon` found; times beyond it are shaded.
         ax : matplotlib.axes.Axes, optional
             Axes to draw into; a new figure's if not given.
 
@@ -173,7 +183,7 @@ class Budget:
         """
         from hertzchain.plotting.budget import plot_budget
 
-        return plot_budget(self, of, ax=ax)
+        return plot_budget(self, of, horizon=horizon, ax=ax)
 
     def __str__(self) -> str:
         real = self.chain.units == "SI"

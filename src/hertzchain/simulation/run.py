@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Final, Literal
@@ -21,15 +21,19 @@ from hertzchain.simulation.budget import Budget, budget_of, overlaps_of
 from hertzchain.simulation.fronts import Fronts, fronts_of
 from hertzchain.simulation.leading_pulse import LeadingPulse, leading_pulse_of
 from hertzchain.simulation.run_pulse import pulse_of, residence_of
-from hertzchain.simulation.state import State, ledger_units, records_units
+from hertzchain.simulation.state import State, ledger_units, records_units, transit_times
+from hertzchain.simulation.velocity_peaks import VelocityPeaks, velocity_peaks
 from hertzchain.simulation.wall_force import SIDES, Side, WallForce
-from hertzchain.simulation.waves import Waves, waves_at
 
 if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.axes import Axes
 
     from hertzchain.chain.scales import Scales
+    from hertzchain.simulation.energy_flux import EnergyFlux
+    from hertzchain.simulation.horizon import Horizon
+    from hertzchain.simulation.reflection import Reflection
+    from hertzchain.simulation.waves import Waves
 
 Status = Literal[
     "pulse left", "time reached", "step limit", "step too small", "underflow", "pulse lost"
@@ -48,6 +52,9 @@ MILDER: Final = {
     "masses": "less unequal masses",
     "stiffness": "less unequal stiffness",
 }
+
+# Transits of a pulse after which a run between walls may have become unpredictable.
+LONG_RUN: Final = 3.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -479,8 +486,123 @@ class Run:
         apart: Array = self.positions[:, :-1] - self.positions[:, 1:] - gaps < 0.0
         return apart
 
-    def waves(self, bead: int) -> Waves:
-        """The waves that pass one bead, such as the train that a heavy striker sends.
+    def waves(self, *, threshold: float = 0.01, min_contacts: int = 3) -> Waves:
+        """The travelling waves, in both directions: pulses, trains, reflections.
+
+        A wave is what passes one contact after another as a maximum of the force; see
+        `hertzchain.simulation.waves` for how they are found.
+
+        Parameters
+        ----------
+        threshold : float
+            Least force of a wave, in parts of the largest force of the run.
+        min_contacts : int
+            Least number of contacts that a wave passes.
+
+        Returns
+        -------
+        Waves
+            A sequence of `Wave`, by the time of their first contact.
+
+        Raises
+        ------
+        InputError
+            If fewer than 8 times were saved during the passage of the strongest wave.
+
+        Warns
+        -----
+        InputWarning
+            If some weaker waves are not resolved; they are marked.
+
+        Examples
+        --------
+        A striker of four times the mass sends a train of waves, each half as strong as the one
+        before it:
+
+        >>> import hertzchain as hc
+        >>> import numpy as np
+        >>> chain = hc.Chain.uniform(80).replace(masses=np.append(4.0, np.ones(79)))
+        >>> train = hc.simulate(chain, until=110.0, times=2200).waves().passing(60)
+        >>> [round(wave.amplitude, 3) for wave in train][:4]
+        [1.277, 0.495, 0.207, 0.089]
+        """
+        from hertzchain.simulation.waves import find_waves
+
+        return find_waves(self, threshold, min_contacts)
+
+    def reflection(
+        self, before: int, after: int, *, since: float = 0.0, until: float | None = None
+    ) -> Reflection:
+        """Reflection and transmission of a wave by what is between two contacts.
+
+        Parameters
+        ----------
+        before, after : int
+            Contacts on both sides of an interface or defect, at least a pulse's width (5
+            contacts) from it, in the direction of the wave.  N, or 0, for ``after`` is the wall
+            or free end.
+        since : float
+            Time from which to look for the incident wave [scaled, or s].
+        until : float, optional
+            Time up to which to count [scaled, or s].  Counting stops earlier if another wave
+            enters from outside.
+
+        Returns
+        -------
+        Reflection
+            Coefficients of energy, momentum and force, and the waves themselves.
+
+        Raises
+        ------
+        InputError
+            If there are no such contacts, or fewer than 8 times were saved during the passage
+            of one of the waves.
+        SimulationError
+            If no wave towards ``after`` passes the contact ``before``.
+
+        Examples
+        --------
+        The last 60 beads have twice the radius of the first:
+
+        >>> import hertzchain as hc
+        >>> import numpy as np
+        >>> chain = hc.Chain.from_radii(np.where(np.arange(120) < 60, 1.0, 2.0))
+        >>> found = hc.simulate(chain, until=140.0, times=1500).reflection(50, 75)
+        >>> f"R = {found.reflected_energy:.3f}, T = {found.transmitted_energy:.3f}"
+        'R = 0.523, T = 0.476'
+        """
+        from hertzchain.simulation.reflection import reflection_of
+
+        return reflection_of(self, before, after, since, until)
+
+    def energy_flux(self) -> EnergyFlux:
+        """Energy that passed each contact, to the right and to the left.
+
+        It describes strongly disordered chains, in which waves last for a few contacts only.
+
+        Returns
+        -------
+        EnergyFlux
+
+        Raises
+        ------
+        InputError
+            If fewer than 8 times were saved during the passage of the strongest wave.
+
+        Examples
+        --------
+        >>> import hertzchain as hc
+        >>> chain = hc.Chain.uniform(30).replace(right_wall=hc.Wall.rigid())
+        >>> flux = hc.simulate(chain, until=60.0, times=600).energy_flux()
+        >>> flux.right[19].round(3), flux.left[19].round(3)
+        (np.float64(0.497), np.float64(0.497))
+        """
+        from hertzchain.simulation.energy_flux import energy_flux_of
+
+        return energy_flux_of(self)
+
+    def velocity_peaks(self, bead: int) -> VelocityPeaks:
+        """Peaks of one bead's velocity, forwards and backwards.
 
         Parameters
         ----------
@@ -489,8 +611,8 @@ class Run:
 
         Returns
         -------
-        Waves
-            Their number, times, amplitudes and widths, from the saved times.
+        VelocityPeaks
+            Their times, velocities and widths, from the saved times.
 
         Raises
         ------
@@ -499,17 +621,18 @@ class Run:
 
         Examples
         --------
-        A striker of four times the mass; the fourth wave is a tenth of the first:
+        A wave and its reflection from a rigid wall:
 
         >>> import hertzchain as hc
-        >>> import numpy as np
-        >>> chain = hc.Chain.uniform(80).replace(masses=np.append(4.0, np.ones(79)))
-        >>> hc.simulate(chain, until=110.0, times=2200).waves(60).amplitudes[:4].round(4)
-        array([1.2131, 0.5505, 0.2658, 0.1324])
+        >>> chain = hc.Chain.uniform(40).replace(right_wall=hc.Wall.rigid())
+        >>> run = hc.simulate(chain, until=80.0, times=1600)
+        >>> run.velocity_peaks(25).velocities[:2].round(3)
+        array([ 0.682, -0.681])
         """
         k = whole_number("bead", bead, least=2, most=self.chain.beads)
         net = self.forces[:, k - 1] - self.forces[:, k] + equilibrium(self.chain).body_forces[k - 1]
-        return waves_at(k, self.times, self.velocity(k), net / self.chain.masses[k - 1])
+        acceleration = net / self.chain.masses[k - 1]
+        return velocity_peaks(k, self.times, self.velocity(k), acceleration)
 
     def pulse_width(self, bead: int) -> float:
         r"""Width of the leading pulse where it passes a bead, in beads.
@@ -519,7 +642,7 @@ class Run:
         with the full width at half maximum :math:`\Delta t_k` of the bead's velocity in
         time, and the residence time :math:`T_k`, in which the pulse moves on by one bead.
         The solitary wave of equal beads has 1.57914 (p = 3/2).  The time itself is
-        ``run.waves(bead).widths[0]``.
+        ``run.velocity_peaks(bead).widths[0]``.
 
         Parameters
         ----------
@@ -557,11 +680,11 @@ class Run:
                 f"no width of the pulse at bead {k}: it is one of several beads that move from the "
                 "start, on which a pulse has no residence time"
             )
-        waves = self.waves(k)
+        peaks = self.velocity_peaks(k)
         width = np.nan
-        if len(waves):
-            leading = int(np.argmin(np.abs(waves.times - self._peaks[0, k - 1])))
-            width = waves.widths[leading] / residence
+        if len(peaks):
+            leading = int(np.argmin(np.abs(peaks.times - self._peaks[0, k - 1])))
+            width = peaks.widths[leading] / residence
         if not np.isfinite(width):
             raise SimulationError(
                 f"no width of the pulse at bead {k}: among the {len(self.times)} saved times its "
@@ -597,6 +720,72 @@ class Run:
             self._ledger, self.leading_pulse().weights(self.times, self.velocities),
             self.state.start,
         )  # fmt: skip
+
+    def horizon(
+        self, *, within: float = 0.01, progress: Callable[[int, int], None] | None = None
+    ) -> Horizon:
+        """How far the velocities can be predicted, from a second integration.
+
+        The chain is integrated again with ten times the tolerance (with a tenth of it from
+        rtol = 1e-7 on), which takes about as long as the run itself.  The result is kept: the
+        run's repr then tells it, and a further call takes no time.
+
+        Parameters
+        ----------
+        within : float
+            Error of the velocities up to which they count as predicted, in parts of the largest
+            velocity.
+        progress : callable, optional
+            Called as ``progress(beads_passed, beads)`` a few times a second.
+
+        Returns
+        -------
+        Horizon
+
+        Raises
+        ------
+        InputError
+            If no times were saved, or the run started from a reversed state.
+        SimulationError
+            If the second integration fails.
+
+        Examples
+        --------
+        A pulse that runs to and fro between two walls becomes unpredictable:
+
+        >>> import hertzchain as hc
+        >>> wall = hc.Wall()
+        >>> chain = hc.Chain.uniform(20).replace(left_wall=wall, right_wall=wall)
+        >>> horizon = hc.simulate(chain, until=400.0).horizon()
+        >>> 60.0 < horizon.time < 400.0
+        True
+        """
+        from hertzchain.simulation.horizon import horizon_of
+
+        found = horizon_of(self, within, progress)
+        self.__dict__["_horizon"] = found
+        return found
+
+    @property
+    def known_horizon(self) -> Horizon | None:
+        """What `horizon` found, `None` while it has not been called."""
+        return self.__dict__.get("_horizon")
+
+    @property
+    def prediction(self) -> str:
+        """How far the run can be predicted, in a few words; empty where that is no question.
+
+        Names `horizon` where the run is long and its chain traps waves: without losses, with a
+        wall, and beyond three transits of a pulse.
+        """
+        if self.known_horizon is not None:
+            return self.known_horizon.message
+        chain = self.chain
+        trapped = chain.loss is None and any(chain.wall_stiffness)
+        transits = self.end_time / float(transit_times(chain).sum()) if trapped else 0.0
+        if transits <= LONG_RUN:
+            return ""
+        return f"{transits:.0f} transits long: run.horizon() tells how far it can be predicted"
 
     def to_xarray(self) -> xr.Dataset:
         """Labelled dataset with coordinates ``time``, ``bead`` = 1..N and ``contact`` = 0..N.
@@ -700,7 +889,8 @@ class Run:
         return plot_forces(self, beads, ax=ax)
 
     def __repr__(self) -> str:
-        return f"Run({self.chain.description}: {self.message})"
+        said = self.message, self.prediction
+        return f"Run({self.chain.description}: {'; '.join(filter(None, said))})"
 
 
 def beginning_of(run: Run, count: int) -> Run:

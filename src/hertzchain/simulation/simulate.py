@@ -27,6 +27,7 @@ from hertzchain.simulation.state import State, contacts_of, first_state, same_mo
 Progress = Callable[[int, int], None]
 
 DEFAULT_RTOL: Final = 1e-13
+LEAST_RTOL, LARGEST_RTOL = 1e-14, 1e-6
 # Default step limit: for long chains, and for short ones with a light bead that rattles.
 STEPS_PER_BEAD: Final = 2_000
 LEAST_STEP_LIMIT: Final = 1_000_000
@@ -159,7 +160,7 @@ def checked_rtol(rtol: float) -> float:
     >>> checked_rtol(1e-13)
     1e-13
     """
-    return number("rtol", rtol, least=1e-14, most=1e-6)
+    return number("rtol", rtol, least=LEAST_RTOL, most=LARGEST_RTOL)
 
 
 class _Frames:

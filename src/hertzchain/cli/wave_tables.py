@@ -1,0 +1,70 @@
+"""Waves as a table and as JSON, and the horizon of a run as JSON."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any, Final
+
+if TYPE_CHECKING:
+    from rich.table import Table
+
+    from hertzchain.simulation.horizon import Horizon
+    from hertzchain.simulation.waves import Waves
+
+# Units of the columns of a table of waves in SI units.
+UNITS: Final = {
+    "first_time": "s", "last_time": "s", "amplitude": "N", "momentum": "kg m/s", "energy": "J",
+    "width": "s", "speed": "m/s",
+}  # fmt: skip
+
+
+def wave_table(waves: Waves) -> Table:
+    """A row for each wave, in order of time."""
+    from rich import box
+    from rich.markup import escape
+    from rich.table import Table
+
+    rows = waves_as_list(waves)
+    counts = f"{len(waves.right)} to the right, {len(waves.left)} to the left"
+    missed = sum(not wave.resolved for wave in waves)
+    caption = f"{missed} marked * have too few saved times to be reliable" if missed else None
+    table = Table(
+        title=f"waves: {counts}", caption=caption, box=box.SIMPLE_HEAD, title_justify="left"
+    )
+    for name in ("", "contacts", "times", "amplitude", "momentum", "energy", "width", "speed"):
+        unit = UNITS.get("first_time" if name == "times" else name)
+        shown = f"{name} [{unit}]" if unit and waves.chain.units == "SI" else name
+        table.add_column(escape(shown), justify="right", no_wrap=True)
+    for row in rows:
+        numbers = (row[name] for name in ("amplitude", "momentum", "energy", "width", "speed"))
+        table.add_row(
+            row["direction"] + ("" if row["resolved"] else " *"),
+            f"{row['first_contact']}..{row['last_contact']}",
+            f"{row['first_time']:.4g}..{row['last_time']:.4g}",
+            *("" if value is None else f"{value:.4g}" for value in numbers),
+        )
+    return table
+
+
+def waves_as_list(waves: Waves) -> list[dict[str, Any]]:
+    """Waves as plain data; what is unknown is None."""
+    from hertzchain.simulation.waves import NAMES
+
+    rows = waves.to_dataframe().to_dict("records")
+    for row, wave in zip(rows, waves, strict=True):
+        row["direction"] = NAMES[wave.direction]
+        row["width"] = row["width"] if math.isfinite(row["width"]) else None
+        row["resolved"] = wave.resolved
+    return rows
+
+
+def horizon_as_dict(horizon: Horizon) -> dict[str, Any]:
+    """A horizon as plain data; a time that is not reached is None."""
+    return {
+        "within": horizon.within,
+        "time": horizon.time if math.isfinite(horizon.time) else None,
+        "last_time": float(horizon.times[-1]),
+        "error": float(horizon.error[-1]),
+        "rtol": horizon.rtol,
+        "shadow_rtol": horizon.shadow_rtol,
+    }

@@ -1,0 +1,203 @@
+"""Reflection and transmission of a wave by a wall, an interface or a defect."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+
+from hertzchain.chain.chain import Chain
+from hertzchain.checks import number, whole_number
+from hertzchain.errors import InputError, SimulationError
+from hertzchain.simulation.wave_events import (
+    ContactCurves,
+    WaveEvent,
+    check_saved_times,
+    events_at,
+    largest_force_of,
+    require_resolved,
+)
+
+if TYPE_CHECKING:
+    from hertzchain.simulation.run import Run
+
+# Events from this part of the largest force on are counted.
+THRESHOLD: Final = 0.01
+# Waves of less than this part of the incident energy need not be resolved, nor do they end the
+# count when they enter from outside.
+WEAK: Final = 0.01
+
+
+@dataclass(frozen=True, eq=False)
+class Reflection:
+    r"""What became of a wave between two contacts.
+
+    With impulses J and works W of the wave events at the contacts ``before`` and ``after``,
+
+    .. math:: R = \frac{\sum |W_\text{reflected}|}{W_\text{incident}}, \qquad
+              T = \frac{\sum |W_\text{transmitted}|}{W_\text{incident}},
+
+    and likewise with J for momentum.
+
+    Attributes
+    ----------
+    chain : Chain
+        The chain.
+    before, after : int
+        The contacts between which the object is.
+    incident : WaveEvent
+        The first wave at ``before`` that runs towards ``after``.
+    reflected : tuple of WaveEvent
+        What passed ``before`` in the other direction later, until ``until``.
+    transmitted : tuple of WaveEvent
+        What passed ``after`` in the direction of the incident wave, until ``until``.
+    until : float
+        Time up to which events count [scaled, or s]: the time asked for, the end of the run, or
+        the time at which another wave entered from outside.
+    disturbed : bool
+        Whether another wave entered from outside, and ended the count, before the time asked for
+        or the end of the run.
+    kept_energy : float
+        Net energy that flowed in between the two contacts from the beginning of the incident
+        wave until ``until``, in parts of the incident energy: it is still there, or lost there.
+
+    Examples
+    --------
+    A wave that comes to beads of twice the radius:
+
+    >>> import hertzchain as hc
+    >>> import numpy as np
+    >>> radii = np.where(np.arange(120) < 60, 1.0, 2.0)
+    >>> run = hc.simulate(hc.Chain.from_radii(radii), until=140.0, times=1500)
+    >>> found = run.reflection(50, 75)
+    >>> round(found.reflected_energy, 3), round(found.transmitted_energy, 3)
+    (0.523, 0.476)
+    """
+
+    chain: Chain
+    before: int
+    after: int
+    incident: WaveEvent
+    reflected: tuple[WaveEvent, ...]
+    transmitted: tuple[WaveEvent, ...]
+    until: float
+    disturbed: bool
+    kept_energy: float
+
+    @property
+    def reflected_energy(self) -> float:
+        """Coefficient R of energy."""
+        return sum(event.energy for event in self.reflected) / self.incident.energy
+
+    @property
+    def transmitted_energy(self) -> float:
+        """Coefficient T of energy; 0 where ``after`` is a wall or a free end."""
+        return sum(event.energy for event in self.transmitted) / self.incident.energy
+
+    @property
+    def reflected_momentum(self) -> float:
+        """Momentum carried back, in parts of the incident momentum, positive."""
+        return sum(event.impulse for event in self.reflected) / self.incident.impulse
+
+    @property
+    def transmitted_momentum(self) -> float:
+        """Momentum carried on, in parts of the incident momentum."""
+        return sum(event.impulse for event in self.transmitted) / self.incident.impulse
+
+    @property
+    def reflected_force(self) -> float:
+        """Largest force of the reflected waves, in parts of the incident wave's."""
+        return max((e.amplitude for e in self.reflected), default=0.0) / self.incident.amplitude
+
+    @property
+    def transmitted_force(self) -> float:
+        """Largest force of the transmitted waves, in parts of the incident wave's."""
+        return max((e.amplitude for e in self.transmitted), default=0.0) / self.incident.amplitude
+
+    def __repr__(self) -> str:
+        ended = "another wave entered" if self.disturbed else "nothing else entered"
+        return (
+            f"Reflection(between contacts {self.before} and {self.after}, until t = "
+            f"{self.until:.4g}, {ended}:\n"
+            f"  reflected    energy {self.reflected_energy:.4f}, momentum "
+            f"{self.reflected_momentum:.4f}, waves {len(self.reflected)}\n"
+            f"  transmitted  energy {self.transmitted_energy:.4f}, momentum "
+            f"{self.transmitted_momentum:.4f}, waves {len(self.transmitted)}\n"
+            f"  energy still between them or lost there {self.kept_energy:.4f})"
+        )
+
+
+def reflection_of(
+    run: Run, before: int, after: int, since: float = 0.0, until: float | None = None
+) -> Reflection:
+    """What became of a wave between two contacts; see `hertzchain.Run.reflection`.
+
+    Parameters
+    ----------
+    run : Run
+        A run with saved times.
+    before, after : int
+        Contacts before and after the object, in the direction of the wave.
+    since, until : float
+        Times between which to look.
+
+    Returns
+    -------
+    Reflection
+
+    Examples
+    --------
+    >>> import hertzchain as hc
+    >>> chain = hc.Chain.uniform(40).replace(right_wall=hc.Wall.rigid())
+    >>> found = reflection_of(hc.simulate(chain, until=80.0, times=1000), 30, 40)
+    >>> round(found.reflected_energy, 3)
+    1.0
+    """
+    beads = run.chain.beads
+    first = whole_number("before", before, least=1, most=beads - 1)
+    second = whole_number("after", after, least=0, most=beads)
+    if first == second:
+        raise InputError(f"before and after must be two contacts, got {first} twice")
+    begin = number("since", since)
+    stop = np.inf if until is None else number("until", until, above=begin)
+    check_saved_times(run)
+    floor = THRESHOLD * largest_force_of(run)
+    sign = 1 if second > first else -1
+
+    near = [event for event in events_at(run, first, floor) if event.time >= begin]
+    incident = next((event for event in near if event.direction == sign), None)
+    if incident is None or incident.time > stop:
+        raise SimulationError(
+            f"no wave towards contact {second} passes contact {first} in the time looked at; "
+            f"{run.message}"
+        )
+    near = [event for event in near if event.time > incident.time]
+    far = [event for event in events_at(run, second, floor) if event.time > incident.time]
+
+    entering = [e for e in near if e.direction == sign] + [e for e in far if e.direction == -sign]
+    entry = min((e.begin for e in entering if e.energy > WEAK * incident.energy), default=np.inf)
+    last = min(stop, entry, float(run.times[-1]))
+    reflected = tuple(e for e in near if e.direction == -sign and e.time <= last)
+    transmitted = tuple(e for e in far if e.direction == sign and e.time <= last)
+    for event, name in [
+        (incident, "the incident wave"),
+        *((event, "a reflected wave") for event in reflected),
+        *((event, "a transmitted wave") for event in transmitted),
+    ]:
+        if event.energy >= WEAK * incident.energy:
+            require_resolved(run, event, name)
+    inflow = _net_flow(run, first, incident.begin, last) - _net_flow(
+        run, second, incident.begin, last
+    )
+    return Reflection(
+        chain=run.chain, before=first, after=second, incident=incident, reflected=reflected,
+        transmitted=transmitted, until=last, disturbed=entry < min(stop, float(run.times[-1])),
+        kept_energy=sign * inflow / incident.energy,
+    )  # fmt: skip
+
+
+def _net_flow(run: Run, contact: int, begin: float, end: float) -> float:
+    """Energy that passed a contact towards bead N between two times."""
+    whole = ContactCurves(run, contact).power_curve.antiderivative()
+    return float(whole(end) - whole(begin))

@@ -1,0 +1,140 @@
+"""How far a run can be predicted, against runs with a tighter tolerance."""
+
+import pickle
+import warnings
+
+import numpy as np
+import pytest
+
+import hertzchain as hc
+
+WALLS = {"left_wall": hc.Wall(), "right_wall": hc.Wall()}
+
+
+def box(beads=20, **changes):
+    return hc.Chain.uniform(beads).replace(**(WALLS | changes))
+
+
+def true_horizon(run, within=0.01):
+    """First saved time at which the run differs from one with a hundredth of its tolerance."""
+    tight = hc.simulate(run.chain, times=run.times, rtol=run.rtol / 100.0)
+    error = np.abs(run.velocities - tight.velocities).max(axis=1)
+    beyond = np.flatnonzero(error > within * np.abs(run.velocities).max())
+    return run.times[beyond[0]] if len(beyond) else np.inf
+
+
+@pytest.mark.parametrize(("rtol", "until"), [(1e-12, 500.0), (1e-9, 400.0)])
+@pytest.mark.parametrize("seed", range(6))
+def test_the_horizon_is_never_later_than_the_true_one(seed, rtol, until):
+    radii = np.random.default_rng(seed).uniform(0.8, 1.2, 16)
+    run = hc.simulate(hc.Chain.from_radii(radii).replace(**WALLS), until=until, rtol=rtol)
+    true, found = true_horizon(run), run.horizon().time
+    assert np.isfinite(true)
+    assert 0.5 * true < found <= true
+
+
+def test_what_cannot_become_unpredictable_does_not():
+    for chain in (
+        hc.Chain.uniform(30),
+        box(30, loss=hc.Restitution(0.95)),
+        box(30, precompression=0.3, velocities=np.append(1e-3, np.zeros(29))),
+    ):
+        horizon = hc.simulate(chain, until=200.0).horizon()
+        assert horizon.time == np.inf
+        assert horizon.error[-1] < 1e-5
+        assert "at all saved times, up to t = 200" in repr(horizon)
+
+
+def test_the_drift_of_energy_says_nothing_of_it():
+    run = hc.simulate(box(), until=400.0)
+    assert run.horizon().time < 400.0
+    assert run.horizon().error[-1] > 0.5
+    assert run.energy_drift < 1e-10
+
+
+def test_a_tighter_tolerance_is_no_remedy():
+    loose, tight = (hc.simulate(box(), until=400.0, rtol=rtol).horizon() for rtol in (1e-11, 1e-13))
+    # Two digits of tolerance, and not twice the time.
+    assert loose.time < tight.time < 1.6 * loose.time
+
+
+def test_the_error_is_a_running_maximum():
+    horizon = hc.simulate(box(), until=300.0).horizon()
+    assert np.all(np.diff(horizon.error) >= 0.0)
+    at = np.searchsorted(horizon.times, horizon.time)
+    assert horizon.error[at - 1] <= horizon.within < horizon.error[at]
+
+
+def test_it_is_kept_and_said():
+    run = hc.simulate(box(), until=300.0)
+    assert run.known_horizon is None
+    assert "run.horizon() tells how far it can be predicted" in repr(run)
+    first = run.horizon()
+    assert run.horizon(within=1e-6).time < first.time
+    assert run.horizon(within=0.01).error is first.error
+    assert f"predictable within 1% until t = {first.time:.4g}" in repr(run)
+    assert pickle.loads(pickle.dumps(run)).known_horizon.time == first.time
+
+
+@pytest.mark.parametrize(
+    ("chain", "until"),
+    [(hc.Chain.uniform(20), 300.0), (box(), 50.0), (box(loss=hc.Restitution(0.9)), 300.0)],
+)
+def test_short_and_harmless_runs_say_nothing_of_it(chain, until):
+    assert "horizon" not in repr(hc.simulate(chain, until=until))
+
+
+def test_a_resumed_run_has_the_horizon_of_the_whole():
+    times = np.linspace(2.0, 300.0, 150)
+    whole = hc.simulate(box(), times=times)
+    part = hc.simulate(box(), times=times[:75])
+    rest = hc.simulate(box(), times=times[75:], start=part.state)
+    assert rest.horizon().time == whole.horizon().time
+
+
+def test_a_run_in_si_units_has_the_same_horizon():
+    balls = hc.Chain.from_materials(5e-3, "steel-52100", beads=15, velocity=0.1).replace(**WALLS)
+    scales = hc.Scales.of(balls)
+    plain = hc.simulate(scales.to_scaled(balls), until=250.0)
+    found = plain.horizon()
+    real = scales.to_si(plain)
+    assert real.known_horizon is None
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        horizon = real.horizon()
+    assert horizon.time == pytest.approx(scales.time * found.time, rel=0.1)
+    assert " s;" in repr(horizon)
+
+
+def test_the_largest_tolerance_is_compared_with_a_tighter_one():
+    horizon = hc.simulate(hc.Chain.uniform(9), until=20.0, rtol=1e-6).horizon()
+    assert horizon.shadow_rtol == pytest.approx(1e-7)
+    assert 0.0 < horizon.error[-1] < 1e-3
+
+
+def test_pictures_show_where_it_begins():
+    run = hc.simulate(box(), until=300.0)
+    horizon = run.horizon()
+    budget = run.budget()
+    for axes in (
+        budget.plot(horizon=horizon), budget.plot("momentum", horizon=horizon), run.plot(),
+        run.plot_forces([5]),
+    ):  # fmt: skip
+        begins = [line.get_xdata()[0] for line in axes.lines if line.get_linestyle() == ":"]
+        assert begins == [pytest.approx(horizon.time)]
+    assert "error above 1%" in [text.get_text() for text in axes.get_legend().get_texts()]
+
+
+def test_what_has_no_horizon():
+    chain = hc.Chain.uniform(9)
+    with pytest.raises(hc.InputError, match="no saved times to compare"):
+        hc.simulate(chain, until=5.0, times=0).horizon()
+    with pytest.raises(hc.InputError, match="no saved times to compare"):
+        hc.simulate(chain, until=5.0, times=[0.0]).horizon()
+    state = hc.simulate(chain, until=5.0).state.reversed()
+    with pytest.raises(hc.InputError, match="its state was reversed"):
+        hc.simulate(chain, start=state, until=5.0).horizon()
+    with pytest.raises(hc.InputError, match="within must be above 0 and below 1"):
+        hc.simulate(chain, until=5.0).horizon(within=1.0)
+    with pytest.raises(hc.InputError, match="horizon must be a Horizon"):
+        hc.simulate(chain).budget().plot(horizon=3.0)

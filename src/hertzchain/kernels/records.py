@@ -12,9 +12,12 @@ INITIAL_ENERGY, INITIAL_MOMENTUM, ENERGY_UNIT, MOMENTUM_UNIT = range(4, 8)
 ENERGY_DRIFT, MOMENTUM_DRIFT, CLOCK_SIZE = 8, 9, 10
 STEPS, EVALUATIONS, FRAMES, PEAKS, CROSSINGS, LAST_CROSSING, FROZEN, SEGMENT, SWITCHES = range(9)
 COUNTS_SIZE = 9
-# Rows of `peaks`, of `crossings` and of `walls`.
+# Rows of `peaks`, of `crossings` and of `walls`; `TOUCHING` is 1 while a wall is pressed.
 PEAK_TIME, PEAK_VELOCITY = 0, 1
 CROSSING_TIME, OVERLAP, RESIDENCE = 0, 1, 2
-WALL_PEAK_TIME, WALL_PEAK, FIRST_IMPULSE, FIRST_END, WALL_ROWS = range(5)
+WALL_PEAK_TIME, WALL_PEAK, FIRST_IMPULSE, FIRST_END, TOUCHES, TOUCHING, WALL_ROWS = range(7)
+# Rows of `completion`, which is written between calls of the compiled loop: from when on and with
+# which transit time a wall is watched, since when its peak is complete, and what it had got by then.
+WATCH_START, TRANSIT, SINCE, SINCE_IMPULSE, SINCE_TOUCHES, COMPLETION_ROWS = range(6)
 # Peak time of a striker, which has its velocity from the start on.
 FROM_THE_START = -1.0

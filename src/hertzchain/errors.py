@@ -6,6 +6,7 @@
 `SimulationError`         the request was sound but the run could not finish
 `StoreError`              results cannot be written (the command line exits with 1)
 `ModelRangeWarning`       a number was computed outside a theory's stated range
+`IncompleteWarning`       a result is of a motion that had not ended
 `InputWarning`            the request is possible, but unlikely to be meant
 ========================  ====================================================
 """
@@ -36,6 +37,10 @@ class StoreError(RuntimeError):
 
 class ModelRangeWarning(UserWarning):
     """A theory was evaluated outside the range in which it is known to hold."""
+
+
+class IncompleteWarning(UserWarning):
+    """A result is incomplete: the run ended before the motion that decides it."""
 
 
 class InputWarning(UserWarning):

@@ -87,6 +87,11 @@ class SineBurst(Part):
         """Times at which the drive is not smooth."""
         return np.array([0.0, self.cycles / self.frequency])
 
+    @property
+    def end(self) -> float:
+        """Time after which it does no work; infinite if it never ends [scaled, or s]."""
+        return self.cycles / self.frequency
+
     def value(self, times: ArrayLike) -> Array:
         """The force or displacement.
 
@@ -171,6 +176,12 @@ class Step(Part):
     def kinks(self) -> Array:
         """Times at which the drive is not smooth."""
         return np.array([0.0, self.rise])
+
+    @property
+    def end(self) -> float:
+        """Time after which it does no work: a force never ends [scaled, or s]."""
+        endless = self.of == "force" and self.amplitude != 0.0
+        return math.inf if endless else self.rise
 
     def value(self, times: ArrayLike) -> Array:
         """The force or displacement.
@@ -261,6 +272,12 @@ class Table(Part):
     def kinks(self) -> Array:
         """Times at which the drive is not smooth."""
         return self.times
+
+    @property
+    def end(self) -> float:
+        """Time after which it does no work; infinite for a force that stays [scaled, or s]."""
+        endless = self.of == "force" and self.values[-1] != 0.0
+        return math.inf if endless else max(0.0, float(self.times[-1]))
 
     def value(self, times: ArrayLike) -> Array:
         """The force or displacement.

@@ -12,11 +12,15 @@ INITIAL_ENERGY, INITIAL_MOMENTUM, ENERGY_UNIT, MOMENTUM_UNIT = range(4, 8)
 ENERGY_DRIFT, MOMENTUM_DRIFT, CLOCK_SIZE = 8, 9, 10
 STEPS, EVALUATIONS, FRAMES, PEAKS, CROSSINGS, LAST_CROSSING, FROZEN, SEGMENT, SWITCHES = range(9)
 COUNTS_SIZE = 9
-# Rows of `peaks`, of `crossings` and of `walls`.
+# Rows of `peaks`, of `crossings` and of `walls`; `TOUCHING` is 1 while a wall is pressed.
 PEAK_TIME, PEAK_VELOCITY = 0, 1
 # `HANDED_OVER` begins with minus the momentum of the beads ahead, and is complete at the crossing.
 CROSSING_TIME, OVERLAP, RESIDENCE, HANDED_OVER, RISE_TIME = range(5)
 LEADING_MOMENTUM, LEADING_ENERGY, CROSSING_ROWS = range(5, 8)
-WALL_PEAK_TIME, WALL_PEAK, FIRST_IMPULSE, FIRST_END, TURNED_BACK, WALL_ROWS = range(6)
+WALL_PEAK_TIME, WALL_PEAK, FIRST_IMPULSE, FIRST_END, TURNED_BACK = range(5)
+TOUCHES, TOUCHING, WALL_ROWS = range(5, 8)
+# Rows of `completion`, which is written between calls of the compiled loop: from when on and with
+# which transit time a wall is watched, since when its peak is complete, and what it had got by then.
+WATCH_START, TRANSIT, SINCE, SINCE_IMPULSE, SINCE_TOUCHES, COMPLETION_ROWS = range(6)
 # Peak time of a striker, which has its velocity from the start on.
 FROM_THE_START = -1.0

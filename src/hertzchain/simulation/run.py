@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+import warnings
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -15,15 +17,24 @@ from hertzchain.chain.chain import Chain
 from hertzchain.chain.equilibrium import equilibrium
 from hertzchain.checks import whole_number
 from hertzchain.contacts import Array
-from hertzchain.errors import InputError, SimulationError
+from hertzchain.errors import IncompleteWarning, InputError, SimulationError
 from hertzchain.pulse.pulse import Pulse
 from hertzchain.simulation.budget import Budget, budget_of, overlaps_of
 from hertzchain.simulation.fronts import Fronts, fronts_of
 from hertzchain.simulation.leading_pulse import LeadingPulse, leading_pulse_of
+from hertzchain.simulation.run_end import Status
 from hertzchain.simulation.run_pulse import pulse_of, residence_of
+from hertzchain.simulation.sensor_force import SensorForce, sensor_force_of
 from hertzchain.simulation.state import State, ledger_units, records_units, transit_times
 from hertzchain.simulation.velocity_peaks import VelocityPeaks, velocity_peaks
-from hertzchain.simulation.wall_force import SIDES, Side, WallForce
+from hertzchain.simulation.wall_force import (
+    SIDES,
+    Side,
+    WallForce,
+    incomplete_peak,
+    wall_force_of,
+)
+from hertzchain.simulation.wall_watch import MAX_TRANSITS
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -35,9 +46,6 @@ if TYPE_CHECKING:
     from hertzchain.simulation.reflection import Reflection
     from hertzchain.simulation.waves import Waves
 
-Status = Literal[
-    "pulse left", "time reached", "step limit", "step too small", "underflow", "pulse lost"
-]
 # Units by the chain's: time, length, velocity, force, mass.
 UNITS: Final = {"scaled": ("1",) * 5, "SI": ("s", "m", "m/s", "N", "kg")}
 
@@ -72,9 +80,11 @@ class Run:
     velocities : ndarray, shape (T, N)
         Velocities [scaled, or m/s].
     status : str
-        ``"pulse left"`` or ``"time reached"``; ``"step limit"``, ``"step too small"``,
-        ``"underflow"`` and ``"pulse lost"`` are failures that `simulate` raises unless
-        told not to.
+        Why the run ended.  Without ``until``: ``"wall force complete"`` or, after ten transits,
+        ``"transit limit"`` (with a right wall), ``"pulse left"`` (without), ``"nothing more
+        happens"`` if all beads are in free flight before.  With it: ``"time reached"``.
+        ``"step limit"``, ``"step too small"`` and ``"underflow"`` are failures that `simulate`
+        raises unless told not to.
     end_time : float
         Time at which the integration stopped [scaled, or s].
     energy_drift : float
@@ -116,6 +126,9 @@ class Run:
     _crossings: Array
     _walls: Array
     _impulses: Array
+    _completion: Array
+    _approaches: Array
+    _complete: Array
 
     def factors(self, scales: Scales) -> Mapping[str, float | Array]:
         """Units of everything saved, for `hertzchain.Scales`.
@@ -147,6 +160,7 @@ class Run:
             "_forces": scales.force,
             "_ledger": ledger_units(scales),
             "_impulses": scales.momentum,
+            "_approaches": np.array([[scales.momentum], [scales.energy], [scales.force]]),
         }
 
     @cached_property
@@ -194,32 +208,29 @@ class Run:
     @property
     def success(self) -> bool:
         """Whether the run reached what it was asked to reach."""
-        return self.status in ("pulse left", "time reached")
+        return self.status not in ("step limit", "step too small", "underflow")
 
     @property
     def message(self) -> str:
         """The status in a sentence."""
         passed = f"the pulse had passed {self.beads_passed} of {self.chain.beads} beads"
         unit = " s" if self.chain.units == "SI" else ""
-        walled = "right wall" in self.chain.features
         at = f"at t = {self.end_time:g}{unit}, after {self.steps} steps"
         return {
-            "pulse left": f"the pulse {'is in the wall' if walled else 'left the chain'} {at}",
-            "time reached": f"stopped as asked {at}; {passed}",
+            "pulse left": f"the pulse left the chain {at}",
+            "wall force complete": f"the force on the right wall is complete {at}",
+            "transit limit": (
+                f"stopped after {MAX_TRANSITS} transits of the pulse {at}; the force on the right "
+                "wall is not complete"
+            ),
+            "nothing more happens": f"all beads fly freely and apart {at}; {passed}",
+            "time reached": f"stopped as requested {at}; {passed}",
             "step limit": (
                 f"stopped by the step limit {at}; {passed}; raise max_steps, or use "
                 f"{self._milder} if the time hardly moves"
             ),
             "underflow": (
                 f"the motion became too small to represent {at}; {passed}; use {self._milder}"
-            ),
-            "pulse lost": (
-                f"the pulse was lost {at}: {passed}, and nothing more happens; "
-                + (
-                    "use a weaker loss"
-                    if self.chain.loss is not None
-                    else "beads far heavier than their neighbours hardly move"
-                )
             ),
             "step too small": (
                 f"the steps became too short for the clock {at}; {passed}; use {self._milder}"
@@ -399,6 +410,51 @@ class Run:
         k = whole_number("bead", bead, least=1, most=self.chain.beads)
         return 0.5 * (self.forces[:, k - 1] + self.forces[:, k])
 
+    def sensor_force(self, bead: int) -> SensorForce:
+        """The force in a sensor with its first maximum and its largest value so far.
+
+        Parameters
+        ----------
+        bead : int
+            Number k of the bead.
+
+        Returns
+        -------
+        SensorForce
+
+        Raises
+        ------
+        InputError
+            If there is no such bead, or no times were saved.
+
+        Warns
+        -----
+        IncompleteWarning
+            If the force has had no maximum yet; ``first_maximum`` is then NaN.
+
+        Examples
+        --------
+        The pulse passes bead 10 and returns from the wall:
+
+        >>> import hertzchain as hc
+        >>> chain = hc.Chain.uniform(20).replace(right_wall=hc.Wall())
+        >>> sensor = hc.simulate(chain, until=60.0, times=2000).sensor_force(10)
+        >>> sensor.first_maximum_time < 15.0 and sensor.largest_so_far >= sensor.first_maximum
+        True
+        """
+        force = self.sensor(bead)
+        if not len(self.times):
+            raise InputError("the run has saved no times: give simulate times of at least 2")
+        at_rest = 0.5 * float(equilibrium(self.chain).forces[bead - 1 : bead + 1].sum())
+        sensor = sensor_force_of(bead, self.times, force, at_rest)
+        if math.isnan(sensor.first_maximum):
+            warnings.warn(
+                f"the force in bead {bead} had no maximum before t = {self.times[-1]:g}: simulate "
+                "for longer, or save more times",
+                IncompleteWarning, stacklevel=2,
+            )  # fmt: skip
+        return sensor
+
     def velocity(self, bead: int) -> Array:
         """Velocity of one bead at the saved times.
 
@@ -425,7 +481,7 @@ class Run:
         return self.velocities[:, whole_number("bead", bead, least=1, most=self.chain.beads) - 1]
 
     def wall_force(self, side: Side = "right") -> WallForce:
-        """What a wall felt: the force in time, its peak, and impulses.
+        """The force on a wall: its course, its peak, and impulses.
 
         Parameters
         ----------
@@ -441,31 +497,32 @@ class Run:
         InputError
             If the chain has no such wall.
 
+        Warns
+        -----
+        IncompleteWarning
+            If the run ended before the peak was complete; ``peak`` is then NaN.
+
         Examples
         --------
         >>> import hertzchain as hc
         >>> chain = hc.Chain.uniform(20).replace(right_wall=hc.Wall())
-        >>> wall = hc.simulate(chain, until=60.0).wall_force()
-        >>> round(wall.peak, 4), round(wall.first_impulse, 4)
-        (1.2432, 2.3454)
+        >>> wall = hc.simulate(chain).wall_force()
+        >>> wall.complete, round(wall.peak, 4), round(wall.impulse_of_impact, 4)
+        (True, 1.2432, 2.3454)
         """
         one_of("side of a wall", side, SIDES)
         if f"{side} wall" not in self.chain.features:
             raise InputError(f"the {side} end of this chain is free: give it a {side}_wall")
-        from hertzchain.kernels import records
-
-        column = self._walls[:, SIDES.index(side)]
-        ended = column[records.FIRST_END] > 0.0
-        return WallForce(
-            side=side,
-            times=self.times,
-            force=self.forces[:, 0 if side == "left" else -1],
-            peak=float(column[records.WALL_PEAK]),
-            peak_time=float(column[records.WALL_PEAK_TIME]),
-            first_impulse=float(column[records.FIRST_IMPULSE]) if ended else None,
-            first_end=float(column[records.FIRST_END]) if ended else None,
-            impulse=float(self._impulses[SIDES.index(side)]),
-        )
+        trace = self.times, self.forces[:, 0 if side == "left" else -1]
+        wall = wall_force_of(
+            side, trace, self._walls, self._completion, self._approaches, self._complete,
+            self._impulses,
+        )  # fmt: skip
+        if not wall.complete:
+            units = (" s", " N") if self.chain.units == "SI" else ("", "")
+            told = incomplete_peak(wall, self.end_time, units)
+            warnings.warn(told, IncompleteWarning, stacklevel=2)
+        return wall
 
     def open_contacts(self) -> Array:
         """Which contacts do not touch, at the saved times.

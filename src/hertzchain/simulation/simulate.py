@@ -21,7 +21,8 @@ from hertzchain.checks import number, real_numbers, whole_number
 from hertzchain.contacts import Array
 from hertzchain.errors import InputError, SimulationError, shown
 from hertzchain.simulation.equations import equation_of
-from hertzchain.simulation.run import Run, Status
+from hertzchain.simulation.run import Run
+from hertzchain.simulation.run_end import RunEnd, Status
 from hertzchain.simulation.state import State, contacts_of, first_state, same_motion, transit_times
 
 Progress = Callable[[int, int], None]
@@ -240,6 +241,11 @@ class _Integration:
         return code
 
     @property
+    def forces(self) -> Array | None:
+        """Forces in the contacts, counted with the walls; none of a plain chain."""
+        return None if self.contacts is None else self.contacts.last_force
+
+    @property
     def underflows(self) -> bool:
         """Whether accelerations have become too small to have all their digits."""
         from hertzchain.kernels import records
@@ -263,40 +269,33 @@ def _integrate(
 
     going = _Integration(chain, start, frames, rtol)
     kernel, counts = going.kernel, going.counts
-    end = (np.inf if until is None else until, until is None)
+    end = RunEnd(chain, going.state.arrays, going.equation, until)
     budget = max(20, BEAD_STEPS_PER_CALL // chain.beads)
     first = int(counts[records.STEPS])
-    code = kernel.RUNNING
     status: Status | None = None
     # The state before the step that the end cuts short: a longer run would go on from it.
     before_end: State | None = None
-    while code in (kernel.RUNNING, kernel.FRAMES_FULL, kernel.LAST_STEP) and status is None:
-        if code == kernel.LAST_STEP:
-            before_end = going.state.copy()
-        steps = min(budget, max_steps - int(counts[records.STEPS]) + first)
-        code = going.advance(end, steps, before_end is None)
+    while status is None:
+        goal = end.goal() if before_end is None else (end.until, False)
+        steps = min(budget, end.steps, max_steps - int(counts[records.STEPS]) + first)
+        code = going.advance(goal, steps, before_end is None)
         if progress is not None:
             progress(1 + int(min(counts[records.PEAKS], counts[records.CROSSINGS])), chain.beads)
+        status = end.after(code, kernel, going.forces)
         if code == kernel.FRAMES_FULL:
             counts[records.FRAMES] = frames.thin_out(int(counts[records.FRAMES]))
+        elif code == kernel.LAST_STEP and goal[0] == until:
+            before_end = going.state.copy()
         elif code == kernel.RUNNING and counts[records.STEPS] - first >= max_steps:
             status = "step limit"
         if code in (kernel.RUNNING, kernel.STEP_TOO_SMALL, kernel.PULSE_LOST) and going.underflows:
             status = "underflow"
-    return _run(going, before_end or going.state.copy(), status or _ending(kernel, code))
+    return _run(going, before_end or going.state.copy(), status, end.assess(going.forces))
 
 
-def _ending(kernel: Any, code: int) -> Status:
-    endings: dict[int, Status] = {
-        kernel.PULSE_LEFT: "pulse left",
-        kernel.TIME_REACHED: "time reached",
-        kernel.STEP_TOO_SMALL: "step too small",
-        kernel.PULSE_LOST: "pulse lost",
-    }
-    return endings[code]
-
-
-def _run(going: _Integration, state: State, status: Status) -> Run:
+def _run(
+    going: _Integration, state: State, status: Status, walls: tuple[Array, Array]
+) -> Run:
     from hertzchain.kernels import forces, records
 
     clock, counts = going.clock, going.counts
@@ -325,6 +324,9 @@ def _run(going: _Integration, state: State, status: Status) -> Run:
         _crossings=arrays["crossings"],
         _walls=arrays["walls"],
         _impulses=now[[forces.LEFT_IMPULSE, forces.RIGHT_IMPULSE]],
+        _completion=arrays["completion"],
+        _approaches=walls[0],
+        _complete=walls[1],
     )
 
 

@@ -191,7 +191,7 @@ def records_units(scales: Scales) -> dict[str, Array]:
     Returns
     -------
     dict of ndarray, shape (rows, 1)
-        Of ``peaks``, ``crossings`` and ``walls``.
+        Of ``peaks``, ``crossings``, ``walls`` and ``completion``.
 
     Examples
     --------
@@ -205,7 +205,8 @@ def records_units(scales: Scales) -> dict[str, Array]:
     return {
         "peaks": np.array([[time], [velocity]]),
         "crossings": np.array([[time], [length], [time], [momentum], [time], [momentum], [energy]]),
-        "walls": np.array([[time], [scales.force], [momentum], [time], [time]]),
+        "walls": np.array([[time], [scales.force], [momentum], [time], [time], [1.0], [1.0]]),
+        "completion": np.array([[time], [time], [time], [momentum], [1.0]]),
     }
 
 
@@ -241,6 +242,7 @@ def new_state(chain: Chain, positions: Array, velocities: Array) -> State:
         "peaks": np.zeros((2, beads)),
         "crossings": np.zeros((records.CROSSING_ROWS, beads - 1)),
         "walls": np.zeros((records.WALL_ROWS, 2)),
+        "completion": np.zeros((records.COMPLETION_ROWS, 2)),
     }
     momenta = chain.masses * velocities
     arrays["crossings"][records.HANDED_OVER] = -np.cumsum(momenta[:0:-1])[::-1]
@@ -347,7 +349,7 @@ def fingerprint(chain: Chain) -> str:
     return digest.hexdigest()
 
 
-def transit_times(chain: Chain) -> Array:
+def transit_times(chain: Chain, energy: float | None = None) -> Array:
     """Time that a pulse takes for each contact, roughly.
 
     The least of what a pulse takes that keeps its energy, as it nearly does in a slow taper
@@ -359,6 +361,9 @@ def transit_times(chain: Chain) -> Array:
     ----------
     chain : Chain
         Any chain.
+    energy : float, optional
+        Energy of the pulse, of which a drive is no longer a part; by default that of the bead
+        that is fastest at time 0.
 
     Returns
     -------
@@ -372,16 +377,17 @@ def transit_times(chain: Chain) -> Array:
     masses, p = chain.masses, chain.exponent
     reduced = reduced_mass(masses[:-1], masses[1:])
     times = np.full(chain.beads - 1, np.inf)
-    fastest = float(np.abs(chain.velocities).max())
-    if fastest > 0.0:
-        striking = masses[int(np.argmax(np.abs(chain.velocities)))]
-        speed = fastest * np.sqrt(striking / masses[:-1])
+    fastest = int(np.argmax(np.abs(chain.velocities)))
+    speed = abs(chain.velocities[fastest]) * np.sqrt(masses[fastest] / masses[:-1])
+    if energy is not None:
+        speed = np.sqrt(2.0 * energy / masses[:-1])
+    if speed.any():
         times = compression_time(reduced, chain.stiffness, speed, p)
     force = equilibrium(chain).forces[1:-1]
     held = force > 0.0
     slope = p * chain.stiffness[held] ** (1.0 / p) * force[held] ** (1.0 - 1.0 / p)
     times[held] = np.minimum(times[held], np.sqrt(reduced[held] / slope))
-    if chain.drive is not None:
+    if chain.drive is not None and energy is None:
         kinks = np.unique(np.append(0.0, chain.drive.kinks))
         lengths = np.diff(kinks[np.isfinite(kinks) & (kinks >= 0.0)])
         times = np.minimum(times, np.min(lengths, initial=np.inf))

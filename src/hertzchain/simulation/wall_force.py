@@ -1,7 +1,8 @@
-"""What a wall felt: the force in time, its peak, and impulses kept apart."""
+"""The force on a wall: its course, its peak, whether that is complete, and impulses."""
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Final, Literal
 
@@ -13,7 +14,11 @@ SIDES: Final[tuple[Side, ...]] = ("left", "right")
 
 @dataclass(frozen=True, eq=False)
 class WallForce:
-    """What one wall felt.
+    """The force on one wall.
+
+    The peak is complete when the motion towards the wall has not been able to exceed it for half
+    a transit of the pulse; `hertzchain.simulation.wall_bound` has the equation.  Between two
+    lossless walls a pulse returns for ever, and the peak is that of its first passage.
 
     Attributes
     ----------
@@ -22,14 +27,28 @@ class WallForce:
     times, force : ndarray, shape (T,)
         Force on the wall at the saved times [scaled, or s and N].
     peak, peak_time : float
-        Largest force and when; found between the steps, not among the saved times.
-    first_impulse : float or None
-        Impulse of the first contact; `None` while it lasts, or before.
-    first_end : float or None
-        Time at which the first contact had ended.
+        Largest force and its time, found between the steps, not among the saved times; NaN if
+        the peak is not complete.
+    complete : bool
+        Whether the peak is complete: no later force exceeds it.
+    complete_since : float or None
+        Time from which on it is; `None` if it is not complete.
+    largest_so_far, largest_so_far_time : float
+        Largest force of the run and its time, complete or not.
+    bound : float
+        Largest force that the motion towards the wall could still make at the end of the run.
+    momentum_on_its_way, energy_on_its_way : float
+        Of the motion towards the wall at the end of the run [scaled, or kg m/s and J].
+    touches : int
+        Number of separate contacts with the wall until ``complete_since``, or so far.
+    impulse_of_impact : float
+        Impulse on the wall until ``complete_since``; NaN if the peak is not complete.
+    first_contact_end, first_contact_impulse : float or None
+        Time at which the first contact had ended, and its impulse; `None` while it lasts, or
+        before.  Against a very stiff wall the first contact is the first of many short ones.
     impulse : float
-        Impulse of the whole run.  It is larger than the first contact's where more beads
-        arrive later, as in forward tapers.
+        Impulse of the whole run.  It exceeds that of the impact where more beads arrive later,
+        as in forward tapers.
     """
 
     side: Side
@@ -37,6 +56,102 @@ class WallForce:
     force: Array
     peak: float
     peak_time: float
-    first_impulse: float | None
-    first_end: float | None
+    complete: bool
+    complete_since: float | None
+    largest_so_far: float
+    largest_so_far_time: float
+    bound: float
+    momentum_on_its_way: float
+    energy_on_its_way: float
+    touches: int
+    impulse_of_impact: float
+    first_contact_end: float | None
+    first_contact_impulse: float | None
     impulse: float
+
+
+def wall_force_of(
+    side: Side,
+    trace: tuple[Array, Array],
+    walls: Array,
+    completion: Array,
+    approaches: Array,
+    complete: Array,
+    impulses: Array,
+) -> WallForce:
+    """The force on one wall from the records of a run.
+
+    Parameters
+    ----------
+    side : str
+        ``"left"`` or ``"right"``.
+    trace : tuple of ndarray
+        Saved times and the force at them.
+    walls, completion : ndarray, shape (rows, 2)
+        Records of a `hertzchain.simulation.state.State`.
+    approaches : ndarray, shape (3, 2)
+        Momentum, energy and bound of the motion towards each wall.
+    complete, impulses : ndarray, shape (2,)
+        Of each wall: whether its peak is complete, and its impulse.
+
+    Returns
+    -------
+    WallForce
+    """
+    from hertzchain.kernels import records
+
+    i = SIDES.index(side)
+    done, ended = bool(complete[i]), walls[records.FIRST_END, i] > 0.0
+    peak, time = float(walls[records.WALL_PEAK, i]), float(walls[records.WALL_PEAK_TIME, i])
+    momentum, energy, bound = map(float, approaches[:, i])
+    return WallForce(
+        side=side,
+        times=trace[0],
+        force=trace[1],
+        peak=peak if done else math.nan,
+        peak_time=time if done else math.nan,
+        complete=done,
+        complete_since=float(completion[records.SINCE, i]) if done else None,
+        largest_so_far=peak,
+        largest_so_far_time=time,
+        bound=bound,
+        momentum_on_its_way=momentum,
+        energy_on_its_way=energy,
+        touches=int(completion[records.SINCE_TOUCHES, i] if done else walls[records.TOUCHES, i]),
+        impulse_of_impact=float(completion[records.SINCE_IMPULSE, i]) if done else math.nan,
+        first_contact_end=float(walls[records.FIRST_END, i]) if ended else None,
+        first_contact_impulse=float(walls[records.FIRST_IMPULSE, i]) if ended else None,
+        impulse=float(impulses[i]),
+    )
+
+
+def incomplete_peak(wall: WallForce, end: float, units: tuple[str, str]) -> str:
+    """Why a wall has no peak yet, in a sentence.
+
+    Parameters
+    ----------
+    wall : WallForce
+        An incomplete one.
+    end : float
+        End of the run.
+    units : tuple of str
+        Of time and force, with a space before; empty if scaled.
+
+    Returns
+    -------
+    str
+    """
+    second, newton = units
+    found = f"the {wall.side} wall was not reached before t = {end:.6g}{second}"
+    if wall.largest_so_far > 0.0:
+        found = (
+            f"the peak of the force on the {wall.side} wall is not complete: the largest until "
+            f"t = {end:.6g}{second} is {wall.largest_so_far:.6g}{newton}"
+        )
+    advice = "simulate for longer (until)"
+    if wall.side == "right":
+        advice += ", or without until up to ten transits of the pulse"
+    return (
+        f"{found}, and the motion towards the wall could still make up to "
+        f"{wall.bound:.6g}{newton}; {advice}"
+    )

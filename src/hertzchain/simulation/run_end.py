@@ -1,0 +1,112 @@
+"""Up to which time the compiled loop is called next, and when the run is over.
+
+Without ``until`` a chain with a right wall runs until the largest force on the wall is complete
+(`hertzchain.simulation.wall_watch`), at most ten transits; any other until the pulse has left.
+With ``until`` the run stops at that time, and walls are watched in the same way.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any, Literal
+
+import numpy as np
+
+from hertzchain.chain.chain import Chain
+from hertzchain.contacts import Array
+from hertzchain.kernels import records
+from hertzchain.simulation.wall_bound import RIGHT
+from hertzchain.simulation.wall_watch import WallWatch
+
+if TYPE_CHECKING:
+    from hertzchain.kernels.forces import Bench, Plain
+
+Status = Literal[
+    "pulse left", "time reached", "wall force complete", "transit limit", "nothing more happens",
+    "step limit", "step too small", "underflow",
+]  # fmt: skip
+
+# Where neither impact nor drive sets the time: steps after which to see whether a wall was hit.
+STEPS_PER_LOOK = 256
+
+
+class RunEnd:
+    """The end of a run; ``arrays`` are those of its state, of which the watch writes one."""
+
+    def __init__(
+        self, chain: Chain, arrays: dict[str, Array], equation: Plain | Bench, until: float | None
+    ) -> None:
+        self.chain, self.counts, self.default = chain, arrays["counts"], until is None
+        self.until = math.inf if until is None else until
+        self.struck = bool(chain.velocities[0] > 0.0) and chain.drive is None
+        self.watch: WallWatch | None = None
+        if any(chain.wall_stiffness):
+            self.watch = WallWatch(chain, arrays, equation)  # type: ignore[arg-type]
+
+    def goal(self) -> tuple[float, bool]:
+        """Time not to step past, and whether to stop earlier when the pulse has left."""
+        watch = self.watch
+        if watch is None or watch.closed:
+            return self.until, self.default
+        if watch.started:
+            to_the_wall = not self.default or self.chain.right_wall is not None
+            return (min(self.until, watch.due), False) if to_the_wall else (self.until, True)
+        if self.chain.drive is not None:
+            return min(self.until, self.chain.drive.end), False
+        return self.until, self.struck
+
+    @property
+    def steps(self) -> int:
+        """Steps up to the next look at a wall that is hit at an unknown time; else very many."""
+        looking = self.watch is not None and not self.watch.started
+        if not looking or self.struck or self.chain.drive is not None:
+            return int(np.iinfo(np.int64).max)
+        return STEPS_PER_LOOK - int(self.counts[records.STEPS]) % STEPS_PER_LOOK
+
+    def after(self, code: int, kernel: Any, forces: Array | None) -> Status | None:
+        """What has ended the run, if anything has, when a call of the loop returned a code."""
+        endings: dict[int, Status] = {
+            kernel.PULSE_LEFT: "pulse left",
+            kernel.PULSE_LOST: "nothing more happens",
+            kernel.TIME_REACHED: "time reached",
+            kernel.STEP_TOO_SMALL: "step too small",
+        }
+        if self.watch is None or code in (kernel.TIME_REACHED, kernel.STEP_TOO_SMALL):
+            return endings.get(code)
+        if code == kernel.PULSE_LOST:
+            self.watch.close()
+            return endings[code] if self.default else None
+        if code == kernel.PULSE_LEFT:
+            if not self.watch.started:
+                self.watch.start_after_pulse()
+            return endings[code] if self.default and self.chain.right_wall is None else None
+        if code == kernel.LAST_STEP:
+            return self._after_check(self.watch, forces)
+        if self.steps == STEPS_PER_LOOK and self.watch.hit:
+            self.watch.start_at(self.watch.time)
+        return None
+
+    def _after_check(self, watch: WallWatch, forces: Array | None) -> Status | None:
+        """Start to watch where a drive has ended, or see whether the wall's peak is complete."""
+        if not watch.started:
+            if self.chain.drive is not None and self.chain.drive.end <= self.until:
+                watch.start_at(self.chain.drive.end)
+            return None
+        if watch.closed or watch.due > self.until:
+            return None
+        watch.check(forces)
+        if self.default and watch.complete(RIGHT):
+            return "wall force complete"
+        return "transit limit" if self.default and watch.expired else None
+
+    def assess(self, forces: Array | None) -> tuple[Array, Array]:
+        """Momentum, energy and bound of the motion towards each wall, and whether it is complete.
+
+        Returns arrays of shape (3, 2) and (2,), left wall first; NaN and false without a wall.
+        """
+        approaches, complete = np.full((3, 2), np.nan), np.zeros(2, bool)
+        for target in self.watch.targets if self.watch is not None else ():
+            found, side = self.watch.approach(target, forces), target.side
+            approaches[:, side] = found.momentum, found.energy, found.bound
+            complete[side] = self.watch.complete(side) and self.watch.bounded(side, found)
+        return approaches, complete

@@ -1,13 +1,15 @@
 import os
+import shutil
 import subprocess
 import sys
 
 import numpy as np
 import pytest
+import xarray as xr
 
 import hertzchain as hc
 from hertzchain.simulation import simulate
-from hertzchain.store import results, streaming
+from hertzchain.store import manifest, results, streaming, writing
 
 CHAIN = hc.Chain.uniform(12).replace(right_wall=hc.Wall(), loss=hc.UnloadingRatio(0.2))
 TIMES = np.linspace(0.0, 40.0, 81)
@@ -54,7 +56,7 @@ def test_a_file_ahead_of_its_state_is_written_anew(tmp_path, monkeypatch):
     def fail_late(state, path):
         calls.append(state)
         if len(calls) == 3:
-            raise hc.InputError("cannot write: no space left on device")
+            raise hc.StoreError("cannot write: no space left on device")
         results.save_state(state, path)
 
     monkeypatch.setattr(streaming, "save_state", fail_late)
@@ -69,7 +71,7 @@ def test_a_file_ahead_of_its_state_is_written_anew(tmp_path, monkeypatch):
 def test_a_folder_holds_one_tolerance(tmp_path):
     hc.stream(CHAIN, tmp_path, times=[1.0, 2.0], rtol=1e-10)
     with pytest.raises(
-        hc.InputError, match="rtol = 1e-10, and now rtol is 1e-12: go on with 1e-10, or choose"
+        hc.InputError, match="rtol = 1e-10, and now rtol is 1e-12: continue with 1e-10, or choose"
     ):
         hc.stream(CHAIN, tmp_path, times=[1.0, 2.0, 3.0], rtol=1e-12)
     assert hc.stream(CHAIN, tmp_path, times=[1.0, 2.0, 3.0], rtol=1e-10).load().sizes["time"] == 3
@@ -87,10 +89,14 @@ def test_a_folder_holds_one_run(tmp_path):
 
 def test_a_folder_of_something_else_is_left_alone(tmp_path):
     (tmp_path / "part-000001.nc").write_bytes(b"mine")
+    with pytest.raises(hc.InputError, match=r"holds 'part-000001.nc' and no run"):
+        hc.stream(CHAIN, tmp_path, times=TIMES)
+    assert (tmp_path / "part-000001.nc").read_bytes() == b"mine"
+    (tmp_path / "part-000001.nc").unlink()
     (tmp_path / "notes.txt").write_text("mine")
     with pytest.raises(hc.InputError, match=r"holds 'notes.txt' and no run"):
         hc.stream(CHAIN, tmp_path, times=TIMES)
-    assert (tmp_path / "part-000001.nc").read_bytes() == b"mine"
+    assert [file.name for file in tmp_path.iterdir()] == ["notes.txt"]
     with pytest.raises(hc.InputError, match=r"notes.txt' is a file"):
         hc.stream(CHAIN, tmp_path / "notes.txt", times=TIMES)
     (tmp_path / "other").mkdir()
@@ -107,9 +113,136 @@ def test_a_damaged_file_is_named(tmp_path, damaged):
         file.write_bytes(content)
         for use in (stored.load, lambda: hc.stream(CHAIN, tmp_path, times=TIMES)):
             with pytest.raises(
-                hc.InputError, match=rf"{file.name}' is damaged .*: move its folder"
+                hc.InputError, match=rf"is damaged: {file.name} is not as it was written"
             ):
                 use()
+
+
+@pytest.fixture
+def stored(tmp_path, _small_files):
+    """A run in eight parts or more."""
+    return hc.stream(CHAIN, tmp_path / "run", times=TIMES)
+
+
+def lose(files):
+    files[3].unlink()
+
+
+def repeat(files):
+    shutil.copy(files[2], files[3])
+
+
+def swap(files):
+    content = files[2].read_bytes()
+    shutil.copy(files[4], files[2])
+    files[4].write_bytes(content)
+
+
+def flip(files):
+    content = bytearray(files[3].read_bytes())
+    content[-100] ^= 4
+    files[3].write_bytes(content)
+
+
+@pytest.mark.parametrize("damage", [lose, repeat, swap, flip])
+def test_a_part_that_is_lost_repeated_or_altered_is_refused(stored, damage):
+    whole = stored.load()
+    damage(stored.files)
+    said = r"is damaged: part-00000\d.nc is (missing|not as it was written)"
+    for use in (stored.load, lambda: [*stored.parts()],
+                lambda: hc.stream(CHAIN, stored.folder, times=TIMES)):  # fmt: skip
+        with pytest.raises(hc.InputError, match=said):
+            use()
+    with pytest.warns(hc.DamageWarning, match=r"part-00000\d.nc is .* it is left out"):
+        rest = stored.load(skip_damaged=True)
+    assert 0.6 < rest.sizes["time"] / whole.sizes["time"] < 1.0
+    xr.testing.assert_equal(rest, whole.sel(time=rest.time))
+
+
+def test_parts_of_another_run_are_refused_and_left_alone(stored, tmp_path):
+    other = hc.stream(CHAIN.replace(loss=None), tmp_path / "other", times=TIMES)
+    extra = stored.folder / f"part-{len(stored.files) + 1:06d}.nc"
+    shutil.copy(other.files[0], extra)
+    mine = extra.read_bytes()
+    for use in (stored.load, lambda: hc.stream(CHAIN, stored.folder, times=TIMES)):
+        with pytest.raises(hc.InputError, match=f"{extra.name} is not of this run; move it away"):
+            use()
+    assert extra.read_bytes() == mine
+    extra.unlink()
+    first = stored.files[0]
+    shutil.copy(other.files[0], first)
+    with pytest.raises(hc.InputError, match=f"{first.name} is not as it was written"):
+        stored.load()
+
+
+@pytest.mark.parametrize("name", ["manifest.json", "state.npz"])
+def test_a_run_is_not_resumed_without_its_manifest_and_state(stored, name):
+    (stored.folder / name).unlink()
+    before = {file.name: file.read_bytes() for file in stored.folder.glob("[!.]*")}
+    with pytest.raises(hc.InputError, match=r"and no run of stream|state.npz is missing"):
+        hc.stream(CHAIN, stored.folder, times=TIMES)
+    assert {file.name: file.read_bytes() for file in stored.folder.glob("[!.]*")} == before
+    if name == "manifest.json":
+        with pytest.raises(hc.InputError, match="holds no manifest.json"):
+            stored.load()
+
+
+def test_a_manifest_is_compared_with_its_digest(stored):
+    file = stored.folder / "manifest.json"
+    good = file.read_text()
+    for bad in ("{}", "[", "[]", "null", good[:-9], good.replace('"times": ', '"times": 9', 1)):
+        file.write_text(bad)
+        with pytest.raises(hc.InputError, match="damaged: manifest.json is not as it was written"):
+            stored.load()
+
+
+def test_a_state_of_a_later_time_is_refused(stored):
+    times = np.linspace(0.0, 80.0, 161)
+    older = (stored.folder / "manifest.json").read_bytes()
+    hc.stream(CHAIN, stored.folder, times=times)
+    (stored.folder / "manifest.json").write_bytes(older)
+    for file in sorted(stored.folder.glob("part-*.nc"))[len(stored.files) :]:
+        file.unlink()
+    with pytest.raises(hc.InputError, match=r"state.npz is from t = \d+.*after"):
+        hc.stream(CHAIN, stored.folder, times=times)
+
+
+def test_what_a_killed_run_left_half_written_is_removed(stored):
+    left = [stored.folder / f".{name}.77.partial" for name in ("part-000009.nc", "state.npz")]
+    for file in (*left, stored.folder / ".mine.partial"):
+        file.write_bytes(b"half")
+    hc.stream(CHAIN, stored.folder, times=TIMES)
+    assert not any(file.exists() for file in left)
+    assert (stored.folder / ".mine.partial").read_bytes() == b"half"
+
+
+class Killed(BaseException):
+    """Nothing catches it, as nothing catches a kill."""
+
+
+@pytest.mark.usefixtures("_small_files")
+@pytest.mark.parametrize("kill", range(16))
+def test_a_run_killed_between_any_two_files_is_whole_and_resumed(tmp_path, monkeypatch, kill):
+    calls = []
+
+    def write(target, content):
+        if len(calls) == kill:
+            raise Killed
+        calls.append(target.name)
+        writing.write_bytes(target, content)
+
+    for module in (streaming, results, manifest):
+        monkeypatch.setattr(module, "write_bytes", write)
+    with pytest.raises(Killed):
+        hc.stream(CHAIN, tmp_path, times=TIMES)
+    monkeypatch.undo()
+    whole = hc.simulate(CHAIN, times=TIMES)
+    if (tmp_path / "manifest.json").exists() and streaming.StoredRun(tmp_path).files:
+        part = streaming.StoredRun(tmp_path).load()
+        np.testing.assert_array_equal(part.velocity, whole.velocities[: part.sizes["time"]])
+    found = hc.stream(CHAIN, tmp_path, times=TIMES).load()
+    np.testing.assert_array_equal(found.time, TIMES)
+    np.testing.assert_array_equal(found.velocity, whole.velocities)
 
 
 def test_two_runs_into_one_folder_are_kept_apart(tmp_path):
@@ -127,7 +260,7 @@ def test_two_runs_into_one_folder_are_kept_apart(tmp_path):
 
 @pytest.mark.parametrize("name", ["x" * 300, "x" * 300 + "/a"])
 def test_a_folder_that_cannot_be_made_is_told(tmp_path, name):
-    with pytest.raises(hc.InputError, match="cannot make folder .*too long"):
+    with pytest.raises(hc.InputError, match="cannot write .*too long"):
         hc.stream(CHAIN, tmp_path / name, times=TIMES)
 
 

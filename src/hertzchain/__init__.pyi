@@ -17,6 +17,7 @@ from .chain.materials import Material as Material
 from .chain.materials import material as material
 from .chain.scales import Scales as Scales
 from .chain.walls import Wall as Wall
+from .errors import DamageWarning as DamageWarning
 from .errors import InputError as InputError
 from .errors import InputWarning as InputWarning
 from .errors import ModelRangeWarning as ModelRangeWarning

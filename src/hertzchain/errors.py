@@ -3,11 +3,14 @@
 ========================  ====================================================
 `InputError`              the request cannot be met: what, which value, what is
                           allowed, what to try (the command line exits with 2)
-`SimulationError`         the request was sound but the run could not finish
-`StoreError`              results cannot be written (the command line exits with 1)
+`SimulationError`         the request was sound but the run could not finish (exit
+                          code 1)
+`StoreError`              the request was sound but the disk is full, or a worker
+                          has ended (exit code 1)
 `ModelRangeWarning`       a number was computed outside a theory's stated range
 `IncompleteWarning`       a result is of a motion that had not ended
 `InputWarning`            the request is possible, but unlikely to be meant
+`DamageWarning`           damaged files were left out, as the caller asked
 ========================  ====================================================
 """
 
@@ -32,7 +35,7 @@ class SimulationError(RuntimeError):
 
 
 class StoreError(RuntimeError):
-    """A store that could not be written to its end; what is in it stays good."""
+    """Results that could not be written to their end; what was written before stays good."""
 
 
 class ModelRangeWarning(UserWarning):
@@ -45,6 +48,10 @@ class IncompleteWarning(UserWarning):
 
 class InputWarning(UserWarning):
     """What was asked for is possible, but looks like a slip."""
+
+
+class DamageWarning(UserWarning):
+    """Damaged files of a store or a streamed run were left out, as the caller asked."""
 
 
 def shown(value: object) -> str:

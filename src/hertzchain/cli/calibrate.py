@@ -57,6 +57,7 @@ def calibrate(
     from hertzchain.arguments import one_of
     from hertzchain.chain.chain import TAPERS
     from hertzchain.store import results
+    from hertzchain.store.writing import write_bytes
 
     for taper in tapers:
         one_of("taper", taper, TAPERS)
@@ -78,7 +79,7 @@ def calibrate(
             for taper in chosen
         ]
     if output is not None:
-        results.write_bytes(output, calibration.calibrated_toml(found).encode())
+        write_bytes(output, calibration.calibrated_toml(found).encode())
     if as_json:
         document: dict[str, Any] = {"schema_version": results.SCHEMA_VERSION}
         document["calibrations"] = [result.as_dict() for result in found]

@@ -30,6 +30,6 @@ def show_json(document: dict[str, Any]) -> None:
 def save_axes(axes: Any, plot: Path) -> None:
     """Write the figure of some axes into a file, by its ending."""
     from hertzchain.plotting.style import figure_bytes
-    from hertzchain.store.results import write_bytes
+    from hertzchain.store.writing import write_bytes
 
     write_bytes(plot, figure_bytes(axes.figure, plot.suffix[1:]))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from contextlib import ExitStack
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -12,6 +12,14 @@ from hertzchain.cli.exit_codes import DONE, FAILED
 from hertzchain.cli.options import PICTURES, check_writable
 from hertzchain.cli.progress import progress_of
 from hertzchain.cli.show import save_axes, show_json
+
+if TYPE_CHECKING:
+    from hertzchain.store.sweep_store import SweepStore
+
+
+_skip_damaged = click.option(
+    "--skip-damaged", is_flag=True, help="Count batches with damaged files as missing."
+)
 
 
 class _Sweep(click.Group):
@@ -60,18 +68,20 @@ def sweep() -> None:
 @click.option("--processes", is_flag=True, help="A pool of processes in place of threads.")
 @click.option("--scheduler", metavar="ADDRESS", help="A running dask scheduler: tcp://host:8786.")
 @click.option("--shard", metavar="i/n", help="Only the i-th of n parts, into a store of its own.")
+@_skip_damaged
 @click.option("--dry-run", is_flag=True, help="Say what it would take, and compute nothing.")
 @click.option("--json", "as_json", is_flag=True, help="Print the outcome as JSON.")
 def run(
     specification: Path, store: Path | None, workers: int | None, processes: bool,
-    scheduler: str | None, shard: str | None, dry_run: bool, as_json: bool,
+    scheduler: str | None, shard: str | None, skip_damaged: bool, dry_run: bool, as_json: bool,
 ) -> int:  # fmt: skip
     """Compute what SPEC.toml says, or what is missing of it (`run` may be left out).
 
-    Exit codes: 0 all points are done, 1 some failed or the store cannot be written, 2 the
-    specification or store cannot be used, 130 interrupted.
+    Exit codes: 0 all points are done, 1 some failed or the disk is full, 2 the specification or
+    store cannot be used, 130 interrupted.
     """
     import hertzchain
+    from hertzchain.store.sweep_store import SweepStore
 
     if scheduler is not None and (processes or workers is not None):
         raise click.UsageError("--scheduler has workers of its own: leave --processes and "
@@ -85,54 +95,64 @@ def run(
         pool = stack.enter_context(_pool(scheduler, processes, workers))
         progress = stack.enter_context(progress_of("points done", rate=True))
         try:
-            hertzchain.sweep(specification, target, executor=pool, shard=part, progress=progress)
+            hertzchain.sweep(
+                specification, target, executor=pool, shard=part, skip_damaged=skip_damaged,
+                progress=progress,
+            )  # fmt: skip
         except KeyboardInterrupt:
             click.echo(f"what is done is in {target}; the same command goes on", err=True)
             raise
         except hertzchain.StoreError as error:
             click.echo(f"Error: {error}; the same command goes on from what is done", err=True)
             return FAILED
-    return _show_outcome(target, part, as_json)
+    return _show_outcome(SweepStore(target, skip_damaged=skip_damaged), part, as_json)
 
 
 @sweep.command()
 @click.argument("store", type=click.Path(path_type=Path))
+@_skip_damaged
 @click.option("--json", "as_json", is_flag=True, help="Print it as JSON.")
-def status(store: Path, as_json: bool) -> int:
-    """Say how far a sweep is, also while it runs, and why points failed."""
-    return _show_outcome(store, None, as_json)
+def status(store: Path, skip_damaged: bool, as_json: bool) -> int:
+    """Check all files, and show how far a sweep is, also while it runs, and why points failed."""
+    from hertzchain.store.sweep_store import SweepStore
+
+    opened = SweepStore(store, skip_damaged=skip_damaged)
+    with progress_of("batches checked") as progress:
+        opened.check(progress=progress)
+    return _show_outcome(opened, None, as_json)
 
 
 @sweep.command()
 @click.argument("store", type=click.Path(path_type=Path))
 @click.argument("file", type=click.Path(path_type=Path))
-def export(store: Path, file: Path) -> None:
+@_skip_damaged
+def export(store: Path, file: Path, skip_damaged: bool) -> None:
     """Write a store as one FILE: .csv, .parquet or .nc (netCDF-4)."""
+    import hertzchain
     from hertzchain.store.sweep_files import ENDINGS, export_sweep
-    from hertzchain.store.sweep_store import SweepStore
 
     check_writable(file, "FILE", ENDINGS)
-    opened = SweepStore(store)
-    with opened.read():
-        export_sweep(opened.open(), file)
+    export_sweep(hertzchain.open_sweep(store, skip_damaged=skip_damaged), file)
     click.echo(file)
 
 
 @sweep.command()
 @click.argument("into", type=click.Path(path_type=Path))
 @click.argument("stores", type=click.Path(path_type=Path), nargs=-1, required=True)
-def merge(into: Path, stores: tuple[Path, ...]) -> int:
+@_skip_damaged
+def merge(into: Path, stores: tuple[Path, ...], skip_damaged: bool) -> int:
     """Join the STORES of all shards into the store INTO."""
     import hertzchain
+    from hertzchain.store.sweep_store import SweepStore
 
-    _, missing = hertzchain.merge_sweeps(list(stores), into)
+    _, missing = hertzchain.merge_sweeps(list(stores), into, skip_damaged=skip_damaged)
     if missing:
         click.echo(
             f"{into} lacks {missing} points: run the shards that are missing, or the "
             "specification itself into it",
             err=True,
         )
-    return _show_outcome(into, None, as_json=False)
+    return _show_outcome(SweepStore(into), None, as_json=False)
 
 
 @sweep.command()
@@ -147,19 +167,19 @@ def merge(into: Path, stores: tuple[Path, ...]) -> int:
 )
 @click.option("--level", type=float, multiple=True, help="Draw a line at this value into a map.")
 @click.option("--log", is_flag=True, help="Logarithmic scale of the quantity.")
+@_skip_damaged
 def plot(
     store: Path, file: Path, quantity: str | None, at: tuple[str, ...], level: tuple[float, ...],
-    log: bool,
+    log: bool, skip_damaged: bool,
 ) -> None:  # fmt: skip
     """Draw a store into FILE (.png, .svg or .pdf): curves over one axis, a map over two."""
+    import hertzchain
     from hertzchain.plotting.sweeps import plot_sweep
-    from hertzchain.store.sweep_store import SweepStore
 
     check_writable(file, "FILE", PICTURES)
     chosen = dict(map(_place, at))
-    opened = SweepStore(store)
-    with opened.read():
-        axes = plot_sweep(opened.open(), quantity, log=log, levels=list(level) or None, **chosen)
+    found = hertzchain.open_sweep(store, skip_damaged=skip_damaged)
+    axes = plot_sweep(found, quantity, log=log, levels=list(level) or None, **chosen)
     save_axes(axes, file)
     click.echo(file)
 
@@ -216,11 +236,10 @@ def _show_estimate(specification: Path, workers: int | None, as_json: bool) -> N
     click.echo(f"about {_duration(found.seconds)} on this machine")
 
 
-def _show_outcome(store: Path, part: tuple[int, int] | None, as_json: bool) -> int:
+def _show_outcome(opened: SweepStore, part: tuple[int, int] | None, as_json: bool) -> int:
     from hertzchain.store.results import SCHEMA_VERSION
-    from hertzchain.store.sweep_store import SweepStore
 
-    opened = SweepStore(store)
+    store = opened.folder
     counts, outside = opened.counts(), opened.outside_range()
     failures = opened.failures(5) if counts["failed"] else []
     if as_json:

@@ -18,7 +18,7 @@ from hertzchain.plotting.chains import bead_centres, draw_walls
 from hertzchain.plotting.runs import check_times
 from hertzchain.plotting.style import house_style, literal, time_axis
 from hertzchain.simulation.run import Run
-from hertzchain.store.results import write_bytes
+from hertzchain.store.writing import write_bytes
 
 
 def animate(

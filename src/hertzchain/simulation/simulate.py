@@ -20,6 +20,7 @@ from hertzchain.chain.hertz_range import warn_outside_hertz
 from hertzchain.checks import number, real_numbers, whole_number
 from hertzchain.contacts import Array
 from hertzchain.errors import InputError, SimulationError, shown
+from hertzchain.simulation.checked_state import check_state
 from hertzchain.simulation.equations import equation_of
 from hertzchain.simulation.run import Run
 from hertzchain.simulation.run_end import RunEnd, Status
@@ -128,6 +129,7 @@ def simulate(
             f"the state to start from is one of another chain ({start.chain.description}): "
             "give simulate the chain that it is from"
         )
+    check_state(start)
     _check_end(chain, until, times, start.time)
     frames = _Frames(chain, start.time, until, times)
     if until is None and not isinstance(times, int | np.integer):

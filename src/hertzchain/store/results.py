@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-import contextlib
 import csv
+import hashlib
 import io
 import json
 import math
 import os
-import zipfile
-from collections.abc import Sequence
-from pathlib import Path
+from collections.abc import Mapping, Sequence
 from typing import Any, Final
 
 import numpy as np
@@ -22,8 +20,10 @@ from hertzchain.chain.coverage import check_chain
 from hertzchain.contacts import Array
 from hertzchain.errors import InputError
 from hertzchain.pulse.pulse import Pulse
+from hertzchain.simulation.checked_state import check_state
 from hertzchain.simulation.run import Run
 from hertzchain.simulation.state import State, fingerprint
+from hertzchain.store.writing import write_bytes
 
 SCHEMA_VERSION: Final = 1
 
@@ -148,6 +148,7 @@ def save_run(run: Run, path: str | os.PathLike[str]) -> None:
     Examples
     --------
     >>> import hertzchain as hc, tempfile
+    >>> from pathlib import Path
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     save_run(hc.simulate(hc.Chain.uniform(3), times=10), Path(folder) / "run.csv")
     """
@@ -155,13 +156,34 @@ def save_run(run: Run, path: str | os.PathLike[str]) -> None:
         raise InputError("the run has saved no times to write; give times of at least 2")
     target = file_path("file of a run", path)
     if target.suffix == ".nc":
-        # SciPy writes netCDF 3, which every netCDF reader reads, without another library.
-        content: bytes = bytes(run.to_xarray().to_netcdf(engine="scipy"))
+        content = run_as_netcdf(run)
     elif target.suffix == ".csv":
         content = _run_as_csv(run).encode()
     else:
         raise InputError(f"cannot save a run as {target.name!r}: its ending must be .nc or .csv")
     write_bytes(target, content)
+
+
+def run_as_netcdf(run: Run) -> bytes:
+    """Content of a netCDF file with a run's trajectories.
+
+    Parameters
+    ----------
+    run : Run
+        A run with saved times.
+
+    Returns
+    -------
+    bytes
+
+    Examples
+    --------
+    >>> import hertzchain as hc
+    >>> run_as_netcdf(hc.simulate(hc.Chain.uniform(3), times=10))[:3]
+    b'CDF'
+    """
+    # SciPy writes netCDF 3, which every netCDF reader reads, without another library.
+    return bytes(run.to_xarray().to_netcdf(engine="scipy"))
 
 
 def save_state(state: State, path: str | os.PathLike[str]) -> None:
@@ -182,6 +204,7 @@ def save_state(state: State, path: str | os.PathLike[str]) -> None:
     Examples
     --------
     >>> import hertzchain as hc, tempfile
+    >>> from pathlib import Path
     >>> chain = hc.Chain.uniform(5)
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     save_state(hc.simulate(chain, until=2.0).state, Path(folder) / "run.npz")
@@ -190,8 +213,10 @@ def save_state(state: State, path: str | os.PathLike[str]) -> None:
     instance("state", state, State, "run.state is one")
     target = file_path("state file", path)
     content = io.BytesIO()
-    about = {"version": np.array(__version__), "chain": np.array(fingerprint(state.chain))}
-    np.savez(content, **about, **state.arrays)  # type: ignore[arg-type]
+    about = {"version": __version__, "chain": fingerprint(state.chain)}
+    about["digest"] = _state_digest(about, state.arrays)
+    texts = {name: np.array(text) for name, text in about.items()}
+    np.savez(content, **texts, **state.arrays)  # type: ignore[arg-type]
     write_bytes(target, content.getvalue())
 
 
@@ -212,8 +237,8 @@ def load_state(path: str | os.PathLike[str], chain: Chain) -> State:
     Raises
     ------
     InputError
-        If the file is missing or no such file, or comes from another chain or another
-        version of hertzchain.
+        If the file is missing, is no such file or not as it was written, or comes from another
+        chain or another version of hertzchain.
 
     Examples
     --------
@@ -224,55 +249,42 @@ def load_state(path: str | os.PathLike[str], chain: Chain) -> State:
     name = os.fspath(path)
     try:
         with np.load(path) as file:
-            arrays = {key: file[key] for key in file.files}
-        version, of_chain = str(arrays.pop("version")), str(arrays.pop("chain"))
-    except (OSError, ValueError, KeyError, zipfile.BadZipFile) as error:
-        reason = getattr(error, "strerror", None) or "it is no file of save_state"
+            arrays = {key: np.asarray(file[key], order="C") for key in file.files}
+        about = {key: str(arrays.pop(key)) for key in ("version", "chain", "digest")}
+    # NumPy and zipfile raise many things for a file that is not as it was written.
+    except Exception as error:  # noqa: BLE001
+        reason = getattr(error, "strerror", None) or "it is no file of save_state, or damaged"
         raise InputError(f"cannot read state {name!r}: {reason}") from None
-    if version != __version__:
+    if about["version"] != __version__:
         raise InputError(
-            f"state {name!r} was written by hertzchain {version}, and this is {__version__}: "
-            "start the run anew, or go on with that version"
+            f"state {name!r} was written by hertzchain {about['version']}, and this is "
+            f"{__version__}: start the run again, or continue with that version"
         )
-    if of_chain != fingerprint(chain):
+    if about["chain"] != fingerprint(chain):
         raise InputError(
             f"state {name!r} is one of another chain than {chain.description}: give the chain "
             "that it is from"
         )
-    return State(chain, arrays)
-
-
-def write_bytes(target: Path, content: bytes) -> None:
-    """Write a file whole or not at all.
-
-    Parameters
-    ----------
-    target : pathlib.Path
-        File to write.
-    content : bytes
-        What it shall hold.
-
-    Raises
-    ------
-    InputError
-        If the file cannot be written.
-
-    Examples
-    --------
-    >>> import tempfile
-    >>> with tempfile.TemporaryDirectory() as folder:
-    ...     write_bytes(Path(folder) / "a.txt", b"done")
-    """
-    beside = target.with_name(f".{target.name}.{os.getpid()}.partial")
-    try:
-        beside.write_bytes(content)
-        beside.replace(target)
-    except OSError as error:
-        with contextlib.suppress(OSError):
-            beside.unlink(missing_ok=True)
+    if about.pop("digest") != _state_digest(about, arrays):
         raise InputError(
-            f"cannot write {os.fspath(target)!r} ({error.strerror}); choose another place"
-        ) from None
+            f"state {name!r} is not as it was written: restore it from a copy, or start the run "
+            "again"
+        )
+    state = State(chain, arrays)
+    try:
+        check_state(state)
+    except InputError as error:
+        raise InputError(f"state {name!r} cannot be used: {error}") from None
+    return state
+
+
+def _state_digest(about: Mapping[str, str], arrays: Mapping[str, Array]) -> str:
+    found = hashlib.sha256(f"{about['version']} {about['chain']}".encode())
+    for name in sorted(arrays):
+        values = arrays[name]
+        found.update(f"\0{name} {values.dtype.str} {values.shape}\0".encode())
+        found.update(np.ascontiguousarray(values).tobytes())
+    return found.hexdigest()
 
 
 def _run_as_csv(run: Run) -> str:

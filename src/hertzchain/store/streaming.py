@@ -3,18 +3,20 @@
 Each file holds some saved times and is written whole or not at all; after each, the state of
 the run is stored, from which the next call goes on, to the last bit.  So the memory that a
 run needs does not grow with its length, and what is on disk can be read at any time, by any
-reader of netCDF, whatever becomes of the run.
+reader of netCDF, whatever becomes of the run.  A manifest lists the files with their digests
+(`hertzchain.store.manifest`), so that one that is missing or altered is noticed.
 """
 
 from __future__ import annotations
 
+import io
 import math
 import os
+import re
 import sys
 import time
 import warnings
-from collections.abc import Iterator
-from contextlib import contextmanager
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
@@ -22,18 +24,35 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 from numpy.typing import ArrayLike
 
-from hertzchain.arguments import callback, file_path
+from hertzchain.arguments import callback, file_path, truth
 from hertzchain.chain.chain import Chain
 from hertzchain.chain.coverage import check_chain
 from hertzchain.chain.hertz_range import warn_outside_hertz
 from hertzchain.checks import real_numbers
 from hertzchain.contacts import Array
-from hertzchain.errors import InputError, ModelRangeWarning, StoreError, real_number, shown
-from hertzchain.simulation.run import beginning_of
+from hertzchain.errors import (
+    DamageWarning,
+    InputError,
+    ModelRangeWarning,
+    StoreError,
+    real_number,
+    shown,
+)
+from hertzchain.simulation.run import Run, beginning_of
 from hertzchain.simulation.simulate import DEFAULT_RTOL, Progress, checked_rtol, simulate
-from hertzchain.simulation.state import State
+from hertzchain.simulation.state import State, fingerprint
+from hertzchain.store.damage import DamagedFileError
 from hertzchain.store.lock import lock
-from hertzchain.store.results import load_state, save_run, save_state
+from hertzchain.store.manifest import (
+    MANIFEST_FILE,
+    RESTORE,
+    SKIP,
+    Manifest,
+    Part,
+    load_manifest,
+)
+from hertzchain.store.results import load_state, run_as_netcdf, save_state
+from hertzchain.store.writing import cannot_write, write_bytes
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -44,7 +63,8 @@ FILE_SIZE: Final = 2**24
 FIRST_TIMES: Final = 100
 SECONDS_PER_FILE: Final = 10.0
 STATE_FILE: Final = "state.npz"
-FIRST_PART: Final = "part-000001.nc"
+# What a killed run leaves half written.
+TEMPORARY: Final = re.compile(r"\.(part-\d{6}\.nc|state\.npz|manifest\.json)\.\d+\.partial")
 
 
 @dataclass(frozen=True)
@@ -73,15 +93,25 @@ class StoredRun:
     @property
     def files(self) -> list[Path]:
         """The files, in order of time."""
-        return sorted(self.folder.glob("part-*.nc"))
+        return [self.folder / part.file for part in load_manifest(self.folder).present(self.folder)]
 
-    def parts(self) -> Iterator[xr.Dataset]:
+    def parts(self, *, skip_damaged: bool = False) -> Iterator[xr.Dataset]:
         """One dataset after another, in order of time.
+
+        Parameters
+        ----------
+        skip_damaged : bool
+            Whether to leave out damaged files, with a `DamageWarning`.
 
         Yields
         ------
         xarray.Dataset
             As `Run.to_xarray` gives it.
+
+        Raises
+        ------
+        InputError
+            If there is no run, or a file is missing, altered or not of this run.
 
         Examples
         --------
@@ -91,18 +121,19 @@ class StoredRun:
         ...     [part.sizes["time"] for part in stored.parts()]
         [2]
         """
-        for file in self.files:
-            with _opened(file) as part:
-                whole = part.load()
-            yield whole
+        yield from self._read(-math.inf, math.inf, truth("skip_damaged", skip_damaged))
 
-    def load(self, start: float = -np.inf, stop: float = np.inf) -> xr.Dataset:
+    def load(
+        self, start: float = -np.inf, stop: float = np.inf, *, skip_damaged: bool = False
+    ) -> xr.Dataset:
         """The saved times from ``start`` to ``stop`` in one dataset.
 
         Parameters
         ----------
         start, stop : float
             First and last time, both included [scaled, or s].
+        skip_damaged : bool
+            Whether to leave out damaged files, with a `DamageWarning`.
 
         Returns
         -------
@@ -111,7 +142,7 @@ class StoredRun:
         Raises
         ------
         InputError
-            If nothing was saved in that time, or a file is damaged.
+            If nothing was saved in that time, or a file is missing, altered or not of this run.
 
         Examples
         --------
@@ -126,17 +157,36 @@ class StoredRun:
         for name, given in (("start", start), ("stop", stop)):
             if math.isnan(real_number(name, given)):
                 raise InputError(f"{name} must be a time, got nan")
-        chosen = []
-        for file in self.files:
-            with _opened(file) as part:
-                within = part.sel(time=slice(start, stop))
-                if within.sizes["time"]:
-                    chosen.append(within.load())
+        within = (
+            part.sel(time=slice(start, stop))
+            for part in self._read(start, stop, truth("skip_damaged", skip_damaged))
+        )
+        # A copy, so that no whole part is kept for a few of its times.
+        chosen = [part.copy(deep=True) for part in within if part.sizes["time"]]
         if not chosen:
             raise InputError(
                 f"{os.fspath(self.folder)!r} holds no times from {start:g} to {stop:g}"
             )
         return xr.concat(chosen, "time", data_vars="minimal", combine_attrs="override")
+
+    def _read(self, start: float, stop: float, skip_damaged: bool) -> Iterator[xr.Dataset]:
+        """Parts with times from ``start`` to ``stop``, after all files were seen to be there."""
+
+        def damaged(error: DamagedFileError) -> None:
+            if not skip_damaged:
+                raise error
+            warnings.warn(f"{os.fspath(error.file)} {error.how}: it is left out", DamageWarning,
+                          stacklevel=5)  # fmt: skip
+
+        parts = _listed(self.folder, damaged)
+        for part in parts:
+            if part.last >= start and part.first <= stop:
+                try:
+                    content = part.content(self.folder)
+                except DamagedFileError as error:
+                    damaged(error)
+                    continue
+                yield _dataset(self.folder / part.file, content)
 
 
 def stream(
@@ -173,9 +223,9 @@ def stream(
     ------
     InputError
         If times are not increasing, the folder holds another run, one with another tolerance
-        or anything else, is in use by another process, or damaged.
+        or anything else, is in use by another process, damaged, or cannot be written.
     hertzchain.StoreError
-        If a file cannot be written; what was written before stays readable.
+        If the disk is full; what was written before stays readable.
     SimulationError
         If the run fails.
 
@@ -198,15 +248,15 @@ def stream(
         )
     _make_folder(stored.folder)
     with lock(stored.folder / ".lock", stored.folder):
-        _go_on(chain, stored, wanted, rtol, progress)
+        _resume(chain, stored, wanted, rtol, progress)
     return stored
 
 
-def _go_on(
+def _resume(
     chain: Chain, stored: StoredRun, wanted: Array, rtol: float, progress: Progress | None
 ) -> None:
     """Write what is missing, a file at a time."""
-    state, done = _where_it_stopped(chain, stored, wanted, rtol)
+    manifest, state, done = _where_it_stopped(chain, stored, wanted, rtol)
     most = max(1, FILE_SIZE // (8 * (3 * chain.beads + 1)))
     count = min(FIRST_TIMES, most)
     overlaps = np.zeros(chain.beads + 1)
@@ -223,17 +273,29 @@ def _go_on(
                 count *= 2
                 continue
         try:
-            save_run(run, stored.folder / f"part-{len(stored.files) + 1:06d}.nc")
-            save_state(run.state, stored.folder / STATE_FILE)
-        except InputError as error:
+            manifest = _write_part(stored.folder, manifest, run)
+        except (InputError, StoreError) as error:
             kept = f"times up to {wanted[done - 1]:g} are stored" if done else "nothing is stored"
-            raise StoreError(f"{error}; {kept}, and a further call goes on from there") from None
+            raise type(error)(f"{error}; {kept}, and a further call continues from there") from None
         state, done = run.state, done + len(run.times)
         if progress is not None:
             progress(done, len(wanted))
         if time.monotonic() - started < SECONDS_PER_FILE:
             count = max(count, min(2 * count, most))
     warn_outside_hertz(chain, overlaps)
+
+
+def _write_part(folder: Path, manifest: Manifest, run: Run) -> Manifest:
+    """Write a part and the state after it; returns the manifest that lists the part."""
+    content = run_as_netcdf(run)
+    announcing = manifest.announcing(Part.of(len(manifest.parts) + 1, content, run.times))
+    announcing.save(folder)
+    assert announcing.announced is not None
+    write_bytes(folder / announcing.announced.file, content)
+    save_state(run.state, folder / STATE_FILE)
+    written = announcing.written()
+    written.save(folder)
+    return written
 
 
 def _make_folder(folder: Path) -> None:
@@ -247,62 +309,96 @@ def _make_folder(folder: Path) -> None:
             f"{name!r} is a file, and a run needs a folder: choose another name"
         ) from None
     except OSError as error:
+        raise cannot_write(folder, error) from None
+    if found and MANIFEST_FILE not in found:
         raise InputError(
-            f"cannot make folder {name!r} ({error.strerror}); choose another place"
-        ) from None
-    # The first part may have come without its state; then it is written anew.
-    if STATE_FILE in found and FIRST_PART in found:
-        return
-    for other in (other for other in found if other != FIRST_PART):
-        raise InputError(
-            f"{name!r} holds {other!r} and no run of stream: choose a new or an empty folder"
+            f"{name!r} holds {found[0]!r} and no run of stream: choose a new or an empty folder"
         )
 
 
 def _where_it_stopped(
     chain: Chain, stored: StoredRun, wanted: Array, rtol: float
-) -> tuple[State | None, int]:
-    """State to go on from and how many times are stored; of a file without its state, none."""
-    if not (stored.folder / STATE_FILE).exists():
-        for file in stored.files:
-            file.unlink()
-        return None, 0
-    state = load_state(stored.folder / STATE_FILE, chain)
-    with _opened(stored.files[0]) as part:
-        began = float(part.attrs["rtol"])
-    if began != rtol:
+) -> tuple[Manifest, State | None, int]:
+    """What the folder holds, the state to continue from and how many times are stored."""
+    folder, name = stored.folder, os.fspath(stored.folder)
+    _remove_temporary(folder)
+    if not (folder / MANIFEST_FILE).exists():
+        return Manifest(fingerprint(chain), rtol), None, 0
+    manifest = load_manifest(folder)
+    if manifest.chain != fingerprint(chain):
         raise InputError(
-            f"{os.fspath(stored.folder)!r} holds a run with rtol = {began:g}, and now rtol is "
-            f"{rtol:g}: go on with {began:g}, or choose another folder"
+            f"{name!r} holds a run of another chain than {chain.description}: choose another folder"
         )
-    saved = np.concatenate([_times(file) for file in stored.files])
-    # A file is written before its state: the last one may be ahead of it.
+    if manifest.rtol != rtol:
+        raise InputError(
+            f"{name!r} holds a run with rtol = {manifest.rtol:g}, and now rtol is {rtol:g}: "
+            f"continue with {manifest.rtol:g}, or choose another folder"
+        )
+    saved = np.concatenate([np.array(part.time) for part in stored.parts()] or [np.empty(0)])
     if len(saved) > len(wanted) or not np.array_equal(saved, wanted[: len(saved)]):
-        raise InputError(
-            f"{os.fspath(stored.folder)!r} holds a run with other times: choose another folder"
-        )
-    while stored.files and state.time < (first := _times(stored.files[-1])[0]):
-        saved = saved[saved < first]
-        stored.files[-1].unlink()
-    return state, len(saved)
+        raise InputError(f"{name!r} holds a run with other times: choose another folder")
+    if len(manifest.present(folder)) > len(manifest.parts):
+        manifest = manifest.written()
+    state = _state_after(folder, manifest, chain)
+    # A part is written before its state: the last one may be ahead of it.
+    while manifest.parts and (state is None or state.time < manifest.parts[-1].first):
+        manifest = manifest.without_last()
+        manifest.save(folder)
+        assert manifest.announced is not None
+        (folder / manifest.announced.file).unlink()
+    done = sum(part.times for part in manifest.parts)
+    if state is not None and done < len(wanted) and state.time >= wanted[done]:
+        how = f"is from t = {state.time:g}, after the end of the last part"
+        raise DamagedFileError(folder / STATE_FILE, how, folder, RESTORE)
+    return manifest, state, done
 
 
-def _times(file: Path) -> Array:
-    with _opened(file) as part:
-        return np.array(part.time)
+def _state_after(folder: Path, manifest: Manifest, chain: Chain) -> State | None:
+    """The stored state; none before the first was stored."""
+    file = folder / STATE_FILE
+    if file.exists():
+        return load_state(file, chain)
+    if len(manifest.parts) > 1:
+        raise DamagedFileError(file, "is missing", folder, RESTORE)
+    return None
 
 
-@contextmanager
-def _opened(file: Path) -> Iterator[xr.Dataset]:
-    """A file, of which only what is looked at is read."""
+def _remove_temporary(folder: Path) -> None:
+    """Remove what a killed run left half written."""
+    try:
+        for file in folder.iterdir():
+            if TEMPORARY.fullmatch(file.name):
+                file.unlink(missing_ok=True)
+    except OSError as error:
+        raise cannot_write(folder, error) from None
+
+
+def _listed(folder: Path, damaged: Callable[[DamagedFileError], None]) -> tuple[Part, ...]:
+    """The parts of a folder; reports files that are missing or not listed."""
+    # The folder first: a part is listed before it is written.
+    found = sorted(file.name for file in folder.glob("part-*.nc"))
+    manifest = load_manifest(folder)
+    announced = () if manifest.announced is None else (manifest.announced,)
+    known = {part.file for part in (*manifest.parts, *announced)}
+    for name in found:
+        if name not in known:
+            advice = f"move it away: {MANIFEST_FILE} does not list it"
+            damaged(DamagedFileError(folder / name, "is not of this run", folder, advice))
+    parts = manifest.present(folder)
+    lost = [part for part in parts if not (folder / part.file).exists()]
+    for part in lost:
+        damaged(DamagedFileError(folder / part.file, "is missing", folder, SKIP))
+    return tuple(part for part in parts if part not in lost)
+
+
+def _dataset(file: Path, content: bytes) -> xr.Dataset:
+    """The content of a part, in memory."""
     import xarray as xr
 
     try:
-        with xr.open_dataset(file, engine="scipy") as part:
-            yield part
-    # SciPy raises what it likes of a file that is not as it was written.
+        with xr.open_dataset(io.BytesIO(content), engine="scipy") as part:
+            return part.load()
+    # SciPy raises what it likes of a file that is not netCDF.
     except (OSError, ValueError, TypeError, LookupError) as error:
         reason = str(error).partition("\n")[0]
-        raise InputError(
-            f"{os.fspath(file)!r} is damaged ({reason}): move its folder away and stream again"
-        ) from None
+        raise DamagedFileError(file, f"is not netCDF ({reason})", file.parent, RESTORE) from None

@@ -1,77 +1,50 @@
 """The store of a sweep: a zarr folder with an array for each quantity, a chunk for each batch.
 
 Any program that reads zarr reads it, while the sweep still runs.  A batch is written whole:
-its data first, then its chunk of ``status``, which says that it is done.  Nothing in the store
-depends on when or by whom it was computed, so that a sweep that was interrupted and taken up
-again leaves the same bytes as one that was not.
+its data first, then its chunk of ``status``, then the digests of both, by which it counts as done
+(`hertzchain.store.batch_files`).  Digests of all other files are attributes of the group.
+Nothing in the store depends on when or by whom it was computed, so that a sweep that was
+interrupted and resumed leaves the same bytes as one that was not.
 """
 
 from __future__ import annotations
 
 import contextlib
-import errno
+import hashlib
 import itertools
 import os
-import shutil
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+import warnings
+from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from hertzchain.errors import InputError, StoreError
+from hertzchain.errors import DamageWarning, InputError, StoreError
+from hertzchain.store.batch_files import DIGEST, TEMPORARY, BatchFiles
+from hertzchain.store.damage import DamagedFileError
 from hertzchain.store.lock import lock
+from hertzchain.store.sweep_layout import (
+    FILES,
+    RESTORE,
+    SEAL,
+    STATUS,
+    Variable,
+    check_layout,
+    create_store,
+    grid_of,
+)
+from hertzchain.store.writing import cannot_write, replace_file, temporary_name
 
 if TYPE_CHECKING:
     import xarray as xr
 
-SCHEMA: Final = "hertzchain sweep 1"
-MARKER: Final = "schema"
-STATUS: Final = "status"
-# Errors of a disk that is full.
-FULL: Final = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
+Progress = Callable[[int, int], None]
+
 # Of `status`: what it says, by its value.
 MEANINGS: Final = ("missing", "done", "failed")
 MISSING, DONE, FAILED = range(len(MEANINGS))
-
-
-@dataclass(frozen=True, eq=False)
-class Variable:
-    """One array of a store.
-
-    Attributes
-    ----------
-    dimensions : tuple of str
-        Names of its dimensions.
-    shape, chunk : tuple of int
-        Of all of it, and of one batch.
-    dtype : str
-        ``"f8"``, ``"i8"``, ``"i1"`` or ``"str"``.
-    attributes : mapping
-        Units, long name.
-    values : ndarray, optional
-        All values of a coordinate.
-
-    Examples
-    --------
-    >>> Variable(("rate",), (3,), (3,), "f8", {"units": "1"}).dimensions
-    ('rate',)
-    """
-
-    dimensions: tuple[str, ...]
-    shape: tuple[int, ...]
-    chunk: tuple[int, ...]
-    dtype: str
-    attributes: Mapping[str, Any]
-    values: NDArray[Any] | None = None
-
-    @property
-    def size(self) -> int:
-        """Bytes of all of it, text left out."""
-        width = {"f8": 8, "i8": 8, "i1": 1}.get(self.dtype, 0)
-        return width * int(np.prod(self.shape, dtype=float))
 
 
 class SweepStore:
@@ -81,6 +54,9 @@ class SweepStore:
     ----------
     folder : path-like
         Where it is.
+    skip_damaged : bool
+        Whether batches with damaged files count as missing, which gives a `DamageWarning`.
+        Otherwise reading them is an error.
 
     Raises
     ------
@@ -88,7 +64,7 @@ class SweepStore:
         If there is none, or what is there is no sweep, or damaged.
     """
 
-    def __init__(self, folder: str | os.PathLike[str]) -> None:
+    def __init__(self, folder: str | os.PathLike[str], *, skip_damaged: bool = False) -> None:
         import zarr
 
         self.folder = Path(folder)
@@ -97,25 +73,60 @@ class SweepStore:
         if not os.path.isdir(folder):  # noqa: PTH112  (a name that is too long is no error)
             raise InputError(f"there is no sweep store {name!r}: it would be a folder")
         try:
-            group: Any = zarr.open_group(self.folder, mode="r+", zarr_format=3)
+            group: Any = zarr.open_group(self.folder, mode="r", zarr_format=3)
             self.attributes: dict[str, Any] = dict(group.attrs)
-            if self.attributes.get(MARKER) != SCHEMA:
-                raise InputError(f"{name!r} is no store of a sweep: it is left as it is")
-            # A chunk that is there proves that its batch is done; of reasons there are few.
-            self.arrays: dict[str, Any] = {
-                key: group[key].with_config({"write_empty_chunks": key != "reason"})
-                for key in self.attributes["arrays"]
-            }
+            check_layout(self.folder, self.attributes)
+            self.files = self._batch_files(group)
+            self.arrays: dict[str, Any] = self._checked_arrays()
             self.status = self.arrays[STATUS]
-            self._check_coordinates()
         except InputError:
             raise
         # Whatever zarr stumbles over in a file that is not as it was written.
         except Exception as error:  # noqa: BLE001
             reason = f"there is no {error}" if isinstance(error, KeyError) else error
-            raise InputError(
-                f"the sweep store {name!r} is damaged ({reason}): move it away and sweep again"
-            ) from None
+            raise InputError(f"{name!r} is damaged ({reason}): {RESTORE}") from None
+        if skip_damaged:
+            self._skip_damaged()
+
+    def _batch_files(self, group: Any) -> BatchFiles:
+        names: list[str] = self.attributes["arrays"]
+        by_batch = [name for name in names if group[name].attrs.get("by_batch")]
+        arrays = {name: group[name] for name in by_batch if name != STATUS}
+        arrays[STATUS] = status = group[STATUS]
+        sweep = hashlib.sha256(f"{self._version}\0{self.specification}".encode()).hexdigest()
+        return BatchFiles(self.folder, sweep, arrays, group[DIGEST],
+                          grid_of(status.shape, status.chunks))  # fmt: skip
+
+    def _checked_arrays(self) -> dict[str, Any]:
+        """Arrays whose chunks are compared with their digests when they are read."""
+        import zarr
+
+        group: Any = zarr.open_group(self._checked_store(), mode="r+", zarr_format=3)
+        # Every batch has a chunk of each array, except of `reason`: of reasons there are few.
+        return {
+            key: group[key].with_config({"write_empty_chunks": key != "reason"})
+            for key in self.attributes["arrays"]
+        }
+
+    def _checked_store(self) -> Any:
+        from zarr.storage import LocalStore
+
+        from hertzchain.store.checked_store import CheckedStore
+
+        return CheckedStore(LocalStore(self.folder), self.files)
+
+    def _skip_damaged(self) -> None:
+        faults = self._faults(contents=True)
+        self.files.skipped.update(faults)
+        if faults:
+            first = next(iter(faults.values()))
+            batches = "1 batch is" if len(faults) == 1 else f"{len(faults)} batches are"
+            warnings.warn(
+                f"{os.fspath(self.folder)!r} is damaged: {batches} left out as missing, the first "
+                f"since {os.fspath(first.file)} {first.how}",
+                DamageWarning,
+                stacklevel=4,
+            )
 
     @classmethod
     def create(
@@ -155,30 +166,8 @@ class SweepStore:
         ...     store.missing().tolist()
         [0, 1]
         """
-        import zarr
-
-        target = Path(folder)
-        beside = target.with_name(f".{target.name}.new")
-        try:
-            target.parent.mkdir(parents=True, exist_ok=True)
-            shutil.rmtree(beside, ignore_errors=True)
-            group = zarr.create_group(
-                beside,
-                attributes={MARKER: SCHEMA, "arrays": list(variables), **attributes},
-            )
-            for name, variable in variables.items():
-                _create_array(group, name, variable)
-            beside.replace(target)
-        except OSError as error:
-            with contextlib.suppress(OSError):
-                shutil.rmtree(beside, ignore_errors=True)
-            if error.errno in FULL:
-                raise StoreError(f"cannot make the store {target}: {error.strerror}") from None
-            raise InputError(
-                f"cannot make the store {os.fspath(folder)!r} ({error.strerror}); choose another "
-                "place"
-            ) from None
-        return cls(target)
+        create_store(folder, variables, attributes)
+        return cls(folder)
 
     @property
     def specification(self) -> str:
@@ -186,10 +175,13 @@ class SweepStore:
         return str(self.attributes.get("specification", "{}"))
 
     @property
+    def _version(self) -> str:
+        return str(self.attributes.get("hertzchain_version", "of unknown version"))
+
+    @property
     def grid(self) -> tuple[int, ...]:
         """Number of batches along each dimension."""
-        shape, chunk = self.status.shape, self.status.chunks
-        return tuple(-(-n // c) for n, c in zip(shape, chunk, strict=True))[:-1] or (1,)
+        return self.files.grid
 
     def missing(self) -> NDArray[np.int64]:
         """Numbers of the batches that are not done.
@@ -201,7 +193,7 @@ class SweepStore:
         Raises
         ------
         InputError
-            If data of a batch that is done are not there.
+            If files of a batch that is done are missing.
 
         Examples
         --------
@@ -213,25 +205,24 @@ class SweepStore:
         ...     store.missing()
         array([], dtype=int64)
         """
-        missing = []
-        for batch in range(int(np.prod(self.grid))):
-            if not self._chunk(STATUS, batch).is_file():
-                missing.append(batch)
-                continue
-            for name in (*self._data, STATUS):
-                file = self._chunk(name, batch)
-                if not file.is_file() or file.stat().st_size == 0:
-                    how = "empty" if file.is_file() else "missing"
-                    raise self._damaged(file, how, batch)
-        return np.array(missing, np.int64)
+        self.check(contents=False)
+        batches = range(self.files.number)
+        return np.array([batch for batch in batches if not self.files.done(batch)], np.int64)
 
-    def check(self) -> None:
-        """Read all that is there, to find what is not as it was written.
+    def check(self, *, contents: bool = True, progress: Progress | None = None) -> None:
+        """Compare the files of all batches with their digests.
+
+        Parameters
+        ----------
+        contents : bool
+            Whether to read the files; otherwise only see that they are there.
+        progress : callable, optional
+            Called as ``progress(batches_checked, batches)``.
 
         Raises
         ------
         InputError
-            For the first chunk that cannot be read.
+            If a file is missing, damaged or from another place; it names the first.
 
         Examples
         --------
@@ -241,60 +232,23 @@ class SweepStore:
         ...     _ = hc.sweep(spec, Path(folder) / "sweep")
         ...     SweepStore(Path(folder) / "sweep").check()
         """
-        missing = {*self.missing().tolist()}
-        for batch in range(int(np.prod(self.grid))):
-            for name in self._by_batch:
-                file = self._chunk(name, batch)
-                # Of reasons, only those of batches that have some are there.
-                if batch in missing or not file.exists():
-                    continue
-                corner = file.relative_to(self.folder / name / "c").parts
-                try:
-                    self.arrays[name].blocks[tuple(map(int, corner))]
-                # Codecs raise what they like.
-                except Exception:  # noqa: BLE001
-                    raise self._damaged(file, "not as it was written", batch) from None
+        faults = self._faults(contents=contents, progress=progress)
+        if faults:
+            raise next(iter(faults.values())).among(len(faults))
 
-    def _damaged(self, file: Path, how: str, batch: int) -> InputError:
-        return InputError(
-            f"the sweep store {os.fspath(self.folder)!r} is damaged: {file} is {how}; delete "
-            f"{self._chunk(STATUS, batch)} to compute that batch anew"
-        )
-
-    @contextlib.contextmanager
-    def read(self) -> Iterator[None]:
-        """For the time of a ``with`` block, say which file is damaged if reading fails.
-
-        Raises
-        ------
-        InputError
-            If a chunk is not as it was written.
-
-        Examples
-        --------
-        >>> import hertzchain as hc, tempfile
-        >>> spec = {"chain": {"taper": "uniform"}, "axes": {"beads": [20, 40]}}
-        >>> with tempfile.TemporaryDirectory() as folder:
-        ...     _ = hc.sweep(spec, Path(folder) / "sweep")
-        ...     store = SweepStore(Path(folder) / "sweep")
-        ...     with store.read():
-        ...         int(store.open().status.sum())
-        2
-        """
-        try:
-            yield
-        except InputError:
-            raise
-        except Exception:
-            self.check()
-            raise
-
-    def _check_coordinates(self) -> None:
-        """Values of axes that are not there would be read as zeros."""
-        for name in self._coordinates:
-            if not (self.folder / name / "c" / "0").is_file():
-                raise KeyError(f"{name}/c/0")
-            np.asarray(self.arrays[name][...])
+    def _faults(
+        self, *, contents: bool, progress: Progress | None = None
+    ) -> dict[int, DamagedFileError]:
+        """What is wrong with each damaged batch that is not skipped."""
+        found = {}
+        for batch in range(self.files.number):
+            if batch not in self.files.skipped:
+                fault = self.files.fault(batch, contents=contents)
+                if fault is not None:
+                    found[batch] = fault
+            if progress is not None:
+                progress(batch + 1, self.files.number)
+        return found
 
     def write(self, batch: int, region: tuple[slice, ...], columns: Mapping[str, Any]) -> None:
         """Write a batch: data, then that it is done.
@@ -326,28 +280,26 @@ class SweepStore:
         if not (self.folder / STATUS / "zarr.json").is_file():
             raise StoreError(f"the store {os.fspath(self.folder)!r} was moved or removed meanwhile")
         try:
+            self.files.forget(batch)
             for name in sorted(columns, key=lambda name: name == STATUS):
                 if name == STATUS:
-                    self._settle(batch)
+                    # Other programs take what has a status as done.
+                    self.files.settle(batch)
                 array = self.arrays[name]
                 shape = tuple(part.stop - part.start for part in region)
                 values = np.asarray(columns[name]).reshape(shape + array.shape[len(region) :])
                 array[(*region, ...)] = values
+            self.files.commit(batch)
         except OSError as error:
-            raise StoreError(
-                f"cannot write to {os.fspath(self.folder)!r}: {error.strerror or error}"
-            ) from None
-
-    def _settle(self, batch: int) -> None:
-        """Have the disk hold the data of a batch, lest a power cut leave a status without them."""
-        for name in self._by_batch[:-1]:
-            file = self._chunk(name, batch)
-            if file.exists():
-                with file.open("r+b") as data:
-                    os.fsync(data.fileno())
+            raise cannot_write(self.folder, error) from None
 
     def clean(self) -> None:
         """Remove what a killed process left half written.
+
+        Raises
+        ------
+        InputError
+            If a file looks like that, and is not of this store.
 
         Examples
         --------
@@ -356,16 +308,24 @@ class SweepStore:
         >>> with tempfile.TemporaryDirectory() as folder:
         ...     _ = hc.sweep(spec, Path(folder) / "sweep")
         ...     store = SweepStore(Path(folder) / "sweep")
-        ...     (store.folder / "velocity" / "half.partial").touch()
+        ...     (store.folder / "velocity/c/0/0" / f"0.{32 * 'a'}.partial").touch()
         ...     store.clean()
         ...     sum(1 for _ in store.folder.rglob("*.partial"))
         0
         """
+        found = sorted(self.folder.rglob("*.partial"))
+        for file in found:
+            key = TEMPORARY.sub(r"\1", file.relative_to(self.folder).as_posix())
+            if self.files.place(key) is None:
+                raise InputError(
+                    f"{os.fspath(file)!r} looks like a temporary file, but hertzchain did not "
+                    "write it: move it out of the store"
+                )
         try:
-            for file in self.folder.rglob("*.partial"):
+            for file in found:
                 file.unlink(missing_ok=True)
         except OSError as error:
-            raise StoreError(f"cannot write to {os.fspath(self.folder)!r}: {error}") from None
+            raise cannot_write(self.folder, error) from None
 
     def copy_batch(self, other: SweepStore, batch: int) -> None:
         """Take a batch that another store of the same sweep has done.
@@ -396,24 +356,28 @@ class SweepStore:
         array([], dtype=int64)
         """
         try:
-            for name in self._by_batch:
-                if name == STATUS:
-                    self._settle(batch)
-                source, target = other._chunk(name, batch), self._chunk(name, batch)
-                if source.is_file():
+            self.files.forget(batch)
+            for name in self.files.arrays:
+                content = other.files.content(name, batch)
+                if content is not None:
+                    target = self.files.file(name, batch)
                     target.parent.mkdir(parents=True, exist_ok=True)
-                    partial = target.with_name(f"{target.name}.partial")
-                    shutil.copyfile(source, partial)
-                    partial.replace(target)
+                    replace_file(temporary_name(target), target, content)
+            self.files.commit(batch)
         except OSError as error:
-            raise StoreError(f"cannot copy into {os.fspath(self.folder)!r}: {error}") from None
+            raise cannot_write(self.folder, error) from None
 
     def open(self) -> xr.Dataset:
-        """All of it as a dataset, read when looked at.
+        """All of it as a dataset, whose values are read, and checked, when they are used.
 
         Returns
         -------
         xarray.Dataset
+
+        Raises
+        ------
+        InputError
+            If files are missing; later, if values are read from a damaged file.
 
         Examples
         --------
@@ -427,8 +391,13 @@ class SweepStore:
         """
         import xarray as xr
 
-        found = xr.open_zarr(self.folder, chunks=None, consolidated=False, mask_and_scale=False)
-        found = plain_text(found.set_coords(self._coordinates))
+        self.check(contents=False)
+        found = xr.open_zarr(
+            self._checked_store(), chunks=None, consolidated=False, mask_and_scale=False
+        )
+        coordinates = [name for name in self.arrays if name not in self.files.arrays]
+        found = plain_text(found.set_coords(coordinates))
+        found.attrs = {key: text for key, text in found.attrs.items() if key not in (FILES, SEAL)}
         # In the order in which they were made, not in that of the folder.
         return found[[name for name in self.arrays if name in found.data_vars]]
 
@@ -450,11 +419,10 @@ class SweepStore:
         {'missing': 0, 'done': 2, 'failed': 0}
         """
         counts = dict.fromkeys(MEANINGS, 0)
-        with self.read():
-            for part in self._rows_of(STATUS):
-                worst = np.where((part == MISSING).any(axis=-1), MISSING, part.max(axis=-1))
-                for value, meaning in enumerate(MEANINGS):
-                    counts[meaning] += int((worst == value).sum())
+        for part in self._rows_of(STATUS):
+            worst = np.where((part == MISSING).any(axis=-1), MISSING, part.max(axis=-1))
+            for value, meaning in enumerate(MEANINGS):
+                counts[meaning] += int((worst == value).sum())
         return counts
 
     def outside_range(self) -> int:
@@ -477,8 +445,7 @@ class SweepStore:
         """
         if "outside_range" not in self.arrays:
             return 0
-        with self.read():
-            return sum(int(part.any(axis=-1).sum()) for part in self._rows_of("outside_range"))
+        return sum(int(part.any(axis=-1).sum()) for part in self._rows_of("outside_range"))
 
     def failures(self, most: int) -> list[tuple[dict[str, Any], str]]:
         """Where points failed, and why.
@@ -506,8 +473,7 @@ class SweepStore:
         >>> reason[:66]
         'a forward-linear taper with S = 0.05 runs out of radius at bead 21'
         """
-        with self.read():
-            return list(itertools.islice(self._failures(), most))
+        return list(itertools.islice(self._failures(), most))
 
     def _failures(self) -> Iterator[tuple[dict[str, Any], str]]:
         dataset, rows = self.open(), self.status.chunks[0]
@@ -523,31 +489,6 @@ class SweepStore:
         array, rows = self.arrays[name], self.status.chunks[0]
         for start in range(0, array.shape[0], rows):
             yield np.asarray(array[start : start + rows])
-
-    @property
-    def _coordinates(self) -> list[str]:
-        """Names of the arrays that are whole from the start."""
-        return [
-            name for name, array in self.arrays.items()
-            if not array.metadata.attributes.get("by_batch")
-        ]  # fmt: skip
-
-    @property
-    def _by_batch(self) -> list[str]:
-        """Names of the other arrays, the status last."""
-        others = (STATUS, *self._coordinates)
-        return [*(name for name in self.arrays if name not in others), STATUS]
-
-    @property
-    def _data(self) -> list[str]:
-        """Names of the arrays of which every batch writes a chunk, but for the status."""
-        return [name for name in self._by_batch if name not in ("reason", STATUS)]
-
-    def _chunk(self, name: str, batch: int) -> Path:
-        """File of a batch; each holds whole beads and methods."""
-        corner = [str(int(i)) for i in np.unravel_index(batch, self.grid)]
-        more = ["0"] * (self.arrays[name].ndim - len(corner))
-        return self.folder.joinpath(name, "c", *corner, *more)
 
 
 def plain_text(dataset: xr.Dataset) -> xr.Dataset:
@@ -615,24 +556,3 @@ def _refuse_others(folder: str | os.PathLike[str]) -> None:
             f"{os.fspath(folder)!r} is no store of a sweep: it is left as it is; choose another "
             "name"
         )
-
-
-def _create_array(group: Any, name: str, variable: Variable) -> None:
-    from zarr.codecs import ZstdCodec
-
-    by_batch = variable.values is None
-    fill: Any = {"f8": np.nan, "str": ""}.get(variable.dtype, 0)
-    array = group.create_array(
-        name,
-        shape=variable.shape,
-        chunks=tuple(max(1, n) for n in variable.chunk),
-        dtype=str if variable.dtype == "str" else variable.dtype,
-        fill_value=fill,
-        # A flipped bit is an error, not a number.
-        compressors=ZstdCodec(checksum=True),
-        config={"write_empty_chunks": True},
-        dimension_names=variable.dimensions,
-        attributes={**variable.attributes, **({"by_batch": 1} if by_batch else {})},
-    )
-    if variable.values is not None:
-        array[...] = variable.values

@@ -12,7 +12,8 @@ import numpy as np
 
 from hertzchain import __version__
 from hertzchain.pulse.quantities import PER_CONTACT, QUANTITIES, SI_UNITS, Quantity
-from hertzchain.store.sweep_store import MEANINGS, STATUS, Variable
+from hertzchain.store.sweep_layout import STATUS, Variable
+from hertzchain.store.sweep_store import MEANINGS
 from hertzchain.sweeps.axes import Axis
 from hertzchain.sweeps.plan import Plan
 from hertzchain.sweeps.specification import WALL_QUANTITIES

@@ -26,7 +26,7 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from hertzchain import __version__
-from hertzchain.arguments import callback, file_path, instance, listed
+from hertzchain.arguments import callback, file_path, instance, listed, truth
 from hertzchain.checks import whole_number, worker_count
 from hertzchain.errors import InputError, StoreError, shown
 from hertzchain.store.sweep_store import SweepStore, locked, plain_text
@@ -87,6 +87,7 @@ def sweep(
     executor: Executor | None = None,
     workers: int | None = None,
     shard: tuple[int, int] | None = None,
+    skip_damaged: bool = False,
     progress: Progress | None = None,
 ) -> xr.Dataset:
     """Compute the pulses of many chains, one for each point of a grid of parameters.
@@ -105,6 +106,9 @@ def sweep(
     shard : tuple of int, optional
         ``(i, n)``: compute the i-th of n parts alone, i = 1..n, into a store of its own;
         `merge_sweeps` joins them.
+    skip_damaged : bool
+        Compute batches of the store again if one of their files is damaged; by default a damaged
+        file is an error.
     progress : callable, optional
         Called as ``progress(points_done, points)`` a few times a second.
 
@@ -121,7 +125,7 @@ def sweep(
         For anything in the specification that cannot be used, or a store that is not of this
         sweep, is in use, damaged or too large for the disk.
     hertzchain.StoreError
-        If results cannot be written; what is in the store stays good.
+        If the disk is full or a worker has ended; what is in the store stays good.
 
     Examples
     --------
@@ -135,6 +139,7 @@ def sweep(
     array([ 3.13,  9.27, 26.05])
     """
     callback("progress", progress)
+    skip_damaged = truth("skip_damaged", skip_damaged)
     if executor is not None:
         instance("executor", executor, Executor, "concurrent.futures has some")
     part = None
@@ -153,7 +158,7 @@ def sweep(
         if store is None:
             return _in_memory(plan, pool, progress)
         stack.enter_context(locked(store))
-        target = _opened(plan, store)
+        target = _opened(plan, store, skip_damaged)
         missing = _of_shard([int(batch) for batch in target.missing()], part)
         tell = _counted(plan, missing, progress, whole=part is None)
         for result in _results(plan, missing, pool, tell):
@@ -204,7 +209,10 @@ def estimate(specification: Any, *, workers: int | None = None) -> Estimate:
 
 
 def merge_sweeps(
-    stores: Sequence[str | os.PathLike[str]], into: str | os.PathLike[str]
+    stores: Sequence[str | os.PathLike[str]],
+    into: str | os.PathLike[str],
+    *,
+    skip_damaged: bool = False,
 ) -> tuple[xr.Dataset, int]:
     """Join the stores of the shards of one sweep.
 
@@ -214,6 +222,9 @@ def merge_sweeps(
         Stores of one specification.
     into : path-like
         Store for all of it: none yet, or of the same sweep.
+    skip_damaged : bool
+        Whether to leave out batches with damaged files, with a `DamageWarning`; by default a
+        damaged file is an error.
 
     Returns
     -------
@@ -244,14 +255,16 @@ def merge_sweeps(
     file_path("store to merge into", into)
     if not paths:
         raise InputError("there are no stores to merge: name those of the shards")
-    parts = [SweepStore(path) for path in paths]
+    skip_damaged = truth("skip_damaged", skip_damaged)
+    parts = [SweepStore(path, skip_damaged=skip_damaged) for path in paths]
     text = parts[0].specification
     for part in parts:
         _check_same(part, text, f"the store {os.fspath(part.folder)!r}")
+        part.check()
     plan = Plan(specification_from_json(text))
     _check_room(plan, into)
     with locked(into):
-        target = _opened(plan, into)
+        target = _opened(plan, into, skip_damaged)
         for part in parts:
             done = set(range(plan.batches)) - {int(batch) for batch in part.missing()}
             for batch in sorted(done & {int(batch) for batch in target.missing()}):
@@ -259,23 +272,27 @@ def merge_sweeps(
         return target.open(), target.counts()["missing"]
 
 
-def open_sweep(store: str | os.PathLike[str]) -> xr.Dataset:
+def open_sweep(store: str | os.PathLike[str], *, skip_damaged: bool = False) -> xr.Dataset:
     """What the store of a sweep holds, also while the sweep runs.
 
     Parameters
     ----------
     store : path-like
         The store.
+    skip_damaged : bool
+        Whether batches with damaged files count as missing, with a `DamageWarning`; all files
+        are then read once.  By default a damaged file is an error.
 
     Returns
     -------
     xarray.Dataset
-        As of `sweep`; read when looked at.
+        As of `sweep`; values are read, and compared with their digests, when they are used.
 
     Raises
     ------
     InputError
-        If there is none, or what is there is no sweep, or damaged.
+        If there is none, what is there is no sweep, or a file is missing.  Later, if a file from
+        which values are read is damaged, or is that of another batch.
 
     Examples
     --------
@@ -286,14 +303,16 @@ def open_sweep(store: str | os.PathLike[str]) -> xr.Dataset:
     ...     hc.open_sweep(Path(folder) / "sweep").sizes["bead"]
     40
     """
-    return SweepStore(file_path("store", store)).open()
+    skip_damaged = truth("skip_damaged", skip_damaged)
+    return SweepStore(file_path("store", store), skip_damaged=skip_damaged).open()
 
 
-def _opened(plan: Plan, folder: str | os.PathLike[str]) -> SweepStore:
+def _opened(plan: Plan, folder: str | os.PathLike[str], skip_damaged: bool) -> SweepStore:
     """The store of this sweep: the one that is there, or a new one."""
     if Path(folder).exists():
-        store = SweepStore(folder)
+        store = SweepStore(folder, skip_damaged=skip_damaged)
         _check_same(store, plan.specification.as_json(), f"the store {os.fspath(folder)!r}")
+        store.check()
         store.clean()
         return store
     return SweepStore.create(folder, variables_of(plan), attributes_of(plan))

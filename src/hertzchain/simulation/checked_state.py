@@ -1,0 +1,83 @@
+"""Check a state before the compiled loop, which trusts every index in it."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from hertzchain.contacts import Array
+from hertzchain.errors import InputError
+from hertzchain.simulation.equations import drive_pieces, start_of
+from hertzchain.simulation.state import State, new_state
+
+# A time may be rounded when a state is converted to other units.
+ROUNDING = 1e-12
+
+
+def check_state(state: State) -> None:
+    """Compare the arrays of a state with those of a new state of its chain.
+
+    Parameters
+    ----------
+    state : State
+        Any state, such as one from a file.
+
+    Raises
+    ------
+    InputError
+        If names, shapes or types differ, or a value is not finite or out of its range.
+
+    Examples
+    --------
+    >>> import hertzchain as hc
+    >>> check_state(hc.simulate(hc.Chain.uniform(5), until=1.0).state)
+    """
+    start = start_of(state.chain)
+    beads = state.chain.beads
+    expected = new_state(state.chain, start[:beads], start[beads:]).arrays
+    found = state.arrays
+    if found.keys() != expected.keys():
+        names = ", ".join(sorted(found.keys() ^ expected.keys()))
+        raise InputError(f"its arrays are not those of a state: {names}")
+    for name, fresh in expected.items():
+        _check_layout(name, found[name], fresh)
+        # A value that does not exist yet may be stored as NaN.
+        if fresh.dtype.kind == "f" and not (np.isfinite(found[name]) | ~np.isfinite(fresh)).all():
+            raise InputError(f"its array {name!r} has values that are not finite")
+    _check_numbers(state)
+
+
+def _check_layout(name: str, found: object, fresh: Array) -> None:
+    layout = (getattr(found, "dtype", None), getattr(found, "shape", None))
+    if not isinstance(found, np.ndarray) or layout != (fresh.dtype, fresh.shape):
+        raise InputError(
+            f"its array {name!r} has type and shape {layout[0]}, {layout[1]} instead of "
+            f"{fresh.dtype}, {fresh.shape}"
+        )
+
+
+def _check_numbers(state: State) -> None:
+    """Refuse numbers that are used as an index, and times that contradict each other."""
+    from hertzchain.kernels import forces, records
+
+    counts, clock, beads = state.arrays["counts"], state.arrays["clock"], state.chain.beads
+    pieces, _ = drive_pieces(state.chain.drive)
+    most = np.full(len(counts), np.iinfo(np.int64).max // 2)
+    least = np.zeros(len(counts), np.int64)
+    most[[records.PEAKS, records.CROSSINGS]] = beads - 1
+    least[records.LAST_CROSSING], most[records.LAST_CROSSING] = -1, beads - 2
+    most[records.SEGMENT] = len(pieces) - 1
+    for place in np.flatnonzero((counts < least) | (counts > most)):
+        raise InputError(
+            f"entry {place + 1} of its array 'counts' is {counts[place]}, and must be from "
+            f"{least[place]} to {most[place]}"
+        )
+    modes = (forces.RELEASED, forces.LOADED, forces.STUCK)
+    if not np.isin(state.arrays["mode"], modes).all():
+        raise InputError("its array 'mode' has values that are no mode of a contact")
+    time, step = clock[records.TIME], clock[records.STEP]
+    if time < 0.0 or step <= 0.0:
+        raise InputError(f"its time {time:g} or its step {step:g} is negative, or the step is 0")
+    segment = int(counts[records.SEGMENT])
+    begin, end = np.append(pieces, np.inf)[segment : segment + 2]
+    if not begin * (1.0 - ROUNDING) <= time <= end * (1.0 + ROUNDING):
+        raise InputError(f"its time {time:g} is not in piece {segment + 1} of the drive")

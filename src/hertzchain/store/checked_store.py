@@ -1,0 +1,36 @@
+"""A zarr store that compares each chunk of a sweep with its digest when it is read."""
+
+from __future__ import annotations
+
+import asyncio
+from typing import TYPE_CHECKING
+
+from zarr.storage import LocalStore, WrapperStore
+
+from hertzchain.store.batch_files import DIGEST, BatchFiles
+
+if TYPE_CHECKING:
+    from zarr.abc.store import ByteRequest
+    from zarr.core.buffer import Buffer, BufferPrototype
+
+
+class CheckedStore(WrapperStore[LocalStore]):
+    """A folder whose files of batches are checked, and left out while a batch is not done."""
+
+    def __init__(self, store: LocalStore, files: BatchFiles) -> None:
+        super().__init__(store)
+        self.files = files
+
+    def _with_store(self, store: LocalStore) -> CheckedStore:
+        return type(self)(store, self.files)
+
+    async def get(
+        self, key: str, prototype: BufferPrototype, byte_range: ByteRequest | None = None
+    ) -> Buffer | None:
+        """Read a file, and raise `InputError` if it is not as it was written."""
+        place = self.files.place(key)
+        if place is None or place[0] == DIGEST:
+            return await super().get(key, prototype, byte_range)
+        # A chunk is read whole: a part of it could not be checked.
+        content = await asyncio.to_thread(self.files.content, *place)
+        return None if content is None else prototype.buffer.from_bytes(content)

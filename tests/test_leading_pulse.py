@@ -104,11 +104,13 @@ def test_what_is_handed_over_is_the_impulse_of_the_force(changes):
     run = hc.simulate(chain, until=25.0, times=20001)
     leading = run.leading_pulse()
     excess = run.forces - equilibrium(chain).forces
+    # A force that jumps does so somewhere between two saved times, 0.00125 apart.
+    error = 2e-4 if isinstance(chain.loss, hc.UnloadingRatio) else 1e-5
     for k in range(1, 12):
         # What contact k has handed over, less what the beads ahead gave to the wall.
         given = cumulative_trapezoid(excess[:, k] - excess[:, 12], run.times, initial=0.0)
         impulse = np.interp(leading.crest[k - 1], run.times, given)
-        assert leading.handed_over[k - 1] == pytest.approx(impulse, abs=1e-5)
+        assert leading.handed_over[k - 1] == pytest.approx(impulse, abs=error)
 
 
 def lossy(law):

@@ -176,7 +176,7 @@ def record_jumps(time, y, stages, scale, first, peaks):
     for k in range(min(first, 1), beads):
         i = beads + k
         jumped = stages[STEP_STAGES, i] > 0.0 and stages[0, i] <= 0.0
-        if jumped and peaks[PEAK_TIME, k] == 0.0 and y[i] > REACHED * scale[k]:
+        if jumped and peaks[PEAK_VELOCITY, k] == 0.0 and y[i] > REACHED * scale[k]:
             peaks[PEAK_TIME, k] = time
             peaks[PEAK_VELOCITY, k] = y[i]
             if first + k > 0:
@@ -249,7 +249,7 @@ def expect_first_peak(y, y_new, stages, scale, peaks):
     """Whether bead 1, which was not struck, may be fastest within the step."""
     beads = len(scale)
     forward = max(y[beads], y_new[beads]) > REACHED * scale[0]
-    return forward and peaks[PEAK_TIME, 0] == 0.0 and may_peak(0, beads, stages)
+    return forward and peaks[PEAK_VELOCITY, 0] == 0.0 and may_peak(0, beads, stages)
 
 
 @compiled

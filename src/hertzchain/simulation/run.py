@@ -252,10 +252,12 @@ class Run:
 
     @property
     def _reached(self) -> bool:
-        """Whether any contact between two beads has been compressed beyond its rest."""
+        """Whether any contact between two beads has been seen compressed beyond its rest."""
+        gaps = equilibrium(self.chain).gaps[1:-1]
         moved = self.state.arrays["y"][: self.chain.beads]
-        compressed = moved[:-1] - moved[1:] > np.maximum(equilibrium(self.chain).gaps[1:-1], 0.0)
-        return bool(np.any(self._crossings[0] > 0.0) or np.any(compressed))
+        compressed = moved[:-1] - moved[1:] > np.maximum(gaps, 0.0)
+        seen = self.largest_overlaps[1:-1] > np.maximum(-gaps, 0.0) * (1.0 + 1e-9)
+        return bool(np.any(seen | compressed))
 
     def pulse(self) -> Pulse:
         """The leading pulse: first velocity maxima, arrivals and largest overlaps.

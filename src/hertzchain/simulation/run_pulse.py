@@ -41,7 +41,7 @@ def pulse_of(chain: Chain, peaks: Array, crossings: Array) -> Pulse:
     """
     from hertzchain.kernels import records
 
-    peaked = peaks[records.PEAK_TIME] != 0.0
+    peaked = peaks[records.PEAK_VELOCITY] != 0.0
     passed = crossings[records.CROSSING_TIME] > 0.0
     residence = residence_of(chain, crossings)
     return Pulse(

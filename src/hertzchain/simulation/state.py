@@ -248,7 +248,7 @@ def new_state(chain: Chain, positions: Array, velocities: Array) -> State:
     arrays["crossings"][records.HANDED_OVER] = -np.cumsum(momenta[:0:-1])[::-1]
     # Strikers are the pulse from the start on; the maximum of a driven bead 1 is found.
     struck = max(chain.strikers, int(velocities[0] > 0.0))
-    arrays["peaks"][0, :struck] = records.FROM_THE_START
+    arrays["peaks"][0, 1:struck] = records.FROM_THE_START
     arrays["peaks"][1, :struck] = velocities[:struck]
     first_step = 1e-4 * float(transit_times(chain)[0])
     full_chain.start(

@@ -14,7 +14,7 @@ from hertzchain.paper.formulas import draw_formula_errors
 from hertzchain.paper.reproduction import integrate_chains
 from hertzchain.plotting.pulses import plot_pulses
 from hertzchain.plotting.scoreboard import plot_scoreboard
-from hertzchain.plotting.style import COLOURS, house_style
+from hertzchain.plotting.style import COLOURS, house_style, mark_horizon
 from hertzchain.plotting.sweeps import plot_sweep
 from hertzchain.scoreboard.judge import scoreboard
 from hertzchain.theory.universal import bca_growth
@@ -67,6 +67,49 @@ def budget() -> Figure:
         )  # fmt: skip
         left.get_legend().remove()
         right.legend(shown.values(), shown.keys(), loc="center left", bbox_to_anchor=(1.0, 0.5))
+    return canvas
+
+
+def waves() -> Figure:
+    """A train of waves on a wall: forces as a map, and the tracks of the waves found in them."""
+    masses = np.append(4.0, np.ones(49))
+    chain = hc.Chain.uniform(50).replace(masses=masses, right_wall=hc.Wall.rigid())
+    run = hc.simulate(chain, until=100.0, times=1600)
+    with house_style():
+        canvas, (left, right) = plt.subplots(1, 2, figsize=(11.0, 3.8), sharey=True)
+        run.plot("force", ax=left)
+        run.waves().plot(ax=right)
+        right.set_xlim(left.get_xlim())
+        for axes in (left, right):
+            axes.set_title("")
+    return canvas
+
+
+def horizon() -> Figure:
+    """A pulse between two walls: estimated and true error, and a velocity by two tolerances."""
+    wall = hc.Wall(stiffness=np.sqrt(2.0))
+    chain = hc.Chain.uniform(100).replace(left_wall=wall, right_wall=wall)
+    times = np.linspace(0.0, 700.0, 2801)
+    run, tight = (hc.simulate(chain, times=times, rtol=rtol) for rtol in (1e-13, 1e-14))
+    found = run.horizon()
+    true = np.abs(run.velocities - tight.velocities).max(axis=1) / np.abs(run.velocities).max()
+    with house_style():
+        canvas, (left, right) = plt.subplots(1, 2, figsize=(11.0, 3.8))
+        left.semilogy(times[1:], found.error[1:], color=COLOURS[1], label="estimated error")
+        left.semilogy(times[1:], true[1:], color=COLOURS[0], linewidth=0.8,
+                      label="difference from rtol = 1e-14")  # fmt: skip
+        left.axhline(found.within, color="0.5", linewidth=0.8)
+        right.plot(times, run.velocity(50), color=COLOURS[1], label="bead 50, rtol = 1e-13")
+        right.plot(times, tight.velocity(50), "--", color=COLOURS[2], label="bead 50, rtol = 1e-14")
+        right.set_xlim(250.0, 700.0)
+        for axes in (left, right):
+            mark_horizon(axes, found)
+            axes.set_xlabel("time $t$")
+        left.legend(loc="lower right")
+        right.legend(loc="lower right")
+        left.set_ylabel("error / largest velocity")
+        right.set_ylabel("velocity $v_{50}$")
+        right.set_ylim(-1.3, 1.0)
     return canvas
 
 
@@ -183,6 +226,8 @@ FIGURES: dict[str, Callable[[], Figure]] = {
     "force-trace": force_trace,
     "budget": budget,
     "first-pulse": first_pulse,
+    "waves": waves,
+    "horizon": horizon,
     "moments": moments,
     "figure12": figure12,
     "formula-errors": formula_errors,

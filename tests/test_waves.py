@@ -215,6 +215,13 @@ def test_net_flux_is_the_change_of_energy_beyond_each_contact(seed):
     assert flux.left.max() > 0.01
 
 
+def test_a_rigid_wall_sends_all_the_energy_back_through_each_contact():
+    chain = hc.Chain.uniform(40).replace(right_wall=IMAGE_WALL)
+    flux = hc.simulate(chain, until=140.0, times=1500).energy_flux()
+    np.testing.assert_allclose(flux.right[15:36], hc.solitary_wave().energy(0.681631549), rtol=1e-5)
+    np.testing.assert_allclose(flux.left[15:36], flux.right[15:36], rtol=1e-4)
+
+
 def test_in_strong_disorder_the_flux_is_recommended():
     chain = hc.Chain.from_radii(np.random.default_rng(1).uniform(0.5, 1.5, 60))
     waves = hc.simulate(chain, until=150.0, times=4000).waves()

@@ -27,6 +27,7 @@ def stream_into(
     folder: Path, chain: Chain, *, until: float | None, times: int, rtol: float, as_json: bool
 ) -> None:
     """Run a chain into a folder, or go on with the run in it, and say what is there."""
+    from hertzchain.simulation.run import LONG_RUN, transits_between_walls
     from hertzchain.store import results
     from hertzchain.store.streaming import stream
 
@@ -46,6 +47,11 @@ def stream_into(
     unit = " s" if chain.units == "SI" else ""
     noun = "file" if files == 1 else "files"
     click.echo(f"{chain.description}\n{times} times up to t = {end:g}{unit} in {files} {noun}")
+    if transits_between_walls(chain, end) > LONG_RUN:
+        click.echo(
+            "a long run between walls: --horizon, without --stream, tells how far it can be "
+            "predicted"
+        )
 
 
 def _moments(until: float | None, times: int) -> Array:

@@ -116,6 +116,7 @@ def _to_and_fro(curves: ContactCurves) -> tuple[float, float]:
     times, power = curves.times, curves.power
     turns = np.flatnonzero(power[:-1] * power[1:] < 0.0)
     turning = sign_change(curves.power_curve, times[turns], times[turns + 1])
-    edges = np.concatenate((times[:1], turning, times[-1:]))
+    # An open contact between two waves has no power at all, and so no change of sign.
+    edges = np.sort(np.concatenate((times[[0, -1]], turning, times[power == 0.0])))
     pieces = np.diff(curves.power_curve.antiderivative()(edges))
     return float(pieces[pieces > 0.0].sum()), float(-pieces[pieces < 0.0].sum())

@@ -653,8 +653,8 @@ class Run:
         >>> import hertzchain as hc
         >>> chain = hc.Chain.uniform(30).replace(right_wall=hc.Wall.rigid())
         >>> flux = hc.simulate(chain, until=60.0, times=600).energy_flux()
-        >>> flux.right[19].round(3), flux.left[19].round(3)
-        (np.float64(0.497), np.float64(0.497))
+        >>> f"{flux.right[19]:.3f} to the right, {flux.left[19]:.3f} to the left"
+        '0.497 to the right, 0.497 to the left'
         """
         from hertzchain.simulation.energy_flux import energy_flux_of
 
@@ -839,9 +839,7 @@ class Run:
         """
         if self.known_horizon is not None:
             return self.known_horizon.message
-        chain = self.chain
-        trapped = chain.loss is None and any(chain.wall_stiffness)
-        transits = self.end_time / float(transit_times(chain).sum()) if trapped else 0.0
+        transits = transits_between_walls(self.chain, self.end_time)
         if transits <= LONG_RUN:
             return ""
         return f"{transits:.0f} transits long: run.horizon() tells how far it can be predicted"
@@ -950,6 +948,33 @@ class Run:
     def __repr__(self) -> str:
         said = self.message, self.prediction
         return f"Run({self.chain.description}: {'; '.join(filter(None, said))})"
+
+
+def transits_between_walls(chain: Chain, time: float) -> float:
+    """How often a pulse crosses a chain that traps it, without losses and with a wall.
+
+    Parameters
+    ----------
+    chain : Chain
+        The chain.
+    time : float
+        Length of the run [scaled, or s].
+
+    Returns
+    -------
+    float
+        0 for other chains.  Beyond `LONG_RUN` a run may have become unpredictable.
+
+    Examples
+    --------
+    >>> import hertzchain as hc
+    >>> chain = hc.Chain.uniform(20)
+    >>> walled = chain.replace(right_wall=hc.Wall())
+    >>> transits_between_walls(chain, 100.0), round(transits_between_walls(walled, 100.0))
+    (0.0, 4)
+    """
+    trapped = chain.loss is None and any(chain.wall_stiffness)
+    return time / float(transit_times(chain).sum()) if trapped else 0.0
 
 
 def beginning_of(run: Run, count: int) -> Run:

@@ -19,6 +19,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any, Final
 
@@ -234,16 +235,26 @@ class ContactCurves:
     """Force beyond the static one and power of one contact, as functions of time."""
 
     def __init__(self, run: Run, contact: int) -> None:
-        from scipy.interpolate import make_interp_spline
-
         self.times = run.times
         self.force = run.forces[:, contact] - static_forces_of(run)[contact]
         self.power = np.zeros(len(run.times))
         if 0 < contact < run.chain.beads:
             between = run.velocities[:, contact - 1] + run.velocities[:, contact]
             self.power = 0.5 * self.force * between
-        self.force_curve: Any = make_interp_spline(self.times, self.force, k=SPLINE_ORDER)
-        self.power_curve: Any = make_interp_spline(self.times, self.power, k=SPLINE_ORDER)
+
+    @cached_property
+    def force_curve(self) -> Any:
+        """Spline of the force."""
+        from scipy.interpolate import make_interp_spline
+
+        return make_interp_spline(self.times, self.force, k=SPLINE_ORDER)
+
+    @cached_property
+    def power_curve(self) -> Any:
+        """Spline of the power."""
+        from scipy.interpolate import make_interp_spline
+
+        return make_interp_spline(self.times, self.power, k=SPLINE_ORDER)
 
 
 def events_at(run: Run, contact: int, floor: float) -> list[WaveEvent]:
@@ -376,15 +387,20 @@ def _directions(curves: ContactCurves, works: Array, begin: Array, end: Array) -
 def _widths(curves: ContactCurves, crests: Array, halves: Array) -> Array:
     """Full widths at half maximum; NaN where the force does not fall to half on both sides."""
     times, force = curves.times, curves.force
-    widths = np.full(len(crests), np.nan)
-    valley = [0, *crests, len(force) - 1]
+    bounds = [0, *crests, len(force) - 1]
+    inside = np.full((2, len(crests)), -1)
     for i, (crest, half) in enumerate(zip(crests, halves, strict=True)):
-        rising = np.flatnonzero(force[valley[i] : crest] < half) + valley[i]
-        falling = np.flatnonzero(force[crest : valley[i + 2] + 1] < half) + crest
-        if not (len(rising) and len(falling)):
-            continue
-        low = np.array([times[rising[-1]], times[falling[0] - 1]])
-        high = np.array([times[rising[-1] + 1], times[falling[0]]])
-        passed = sign_change(lambda t, half=half: curves.force_curve(t) - half, low, high)
-        widths[i] = passed[1] - passed[0]
+        rising = np.flatnonzero(force[bounds[i] : crest] < half)
+        falling = np.flatnonzero(force[crest : bounds[i + 2] + 1] < half)
+        if len(rising) and len(falling):
+            inside[:, i] = bounds[i] + rising[-1], crest + falling[0] - 1
+    known = inside[0] >= 0
+    places, levels = inside[:, known].ravel(), np.tile(halves[known], 2)
+
+    def above_half(time: Array) -> Array:
+        return np.asarray(curves.force_curve(time) - levels)
+
+    left, right = sign_change(above_half, times[places], times[places + 1]).reshape(2, -1)
+    widths = np.full(len(crests), np.nan)
+    widths[known] = right - left
     return widths

@@ -5,7 +5,7 @@ from html.parser import HTMLParser
 import pytest
 
 import hertzchain as hc
-from hertzchain.paper.report import write_report
+from hertzchain.paper.report import reserved, write_report
 from hertzchain.paper.reproduction import reproduce
 
 
@@ -18,7 +18,7 @@ def folder(tmp_path_factory):
 
 def test_files(folder):
     assert {path.name for path in folder.iterdir()} == {
-        "report.html", "verdict.json", "summary.md", "figures",
+        ".lock", "report.html", "verdict.json", "summary.md", "figures",
     }  # fmt: skip
     assert {path.name for path in (folder / "figures").iterdir()} == {
         f"{name}.{ending}" for name in ("figure6", "figure11") for ending in ("svg", "png", "csv")
@@ -113,14 +113,37 @@ def test_a_failure_leaves_the_earlier_report(tmp_path, monkeypatch):
         write_report(result, tmp_path)
     assert (tmp_path / "report.html").read_bytes() == before
     assert {path.name for path in tmp_path.iterdir()} == {
-        "report.html", "verdict.json", "summary.md", "figures",
+        ".lock", "report.html", "verdict.json", "summary.md", "figures",
     }  # fmt: skip
 
 
 def test_an_unwritable_folder_is_named(tmp_path):
     (tmp_path / "file").write_text("not a folder")
-    with pytest.raises(hc.InputError, match="cannot write into .*file"):
+    with pytest.raises(hc.InputError, match="cannot write .*file"):
         write_report(reproduce(["table3"]), tmp_path / "file")
+
+
+def test_two_reports_into_one_folder_are_kept_apart(tmp_path):
+    with (
+        reserved(tmp_path),
+        pytest.raises(hc.InputError, match="another process writes into"),
+    ):
+        write_report(reproduce(["table3"]), tmp_path)
+    assert [path.name for path in tmp_path.iterdir()] == [".lock"]
+
+
+def test_what_killed_reports_left_is_removed_and_nothing_else(tmp_path):
+    left, mine = tmp_path / ".writing-ab_c3xyz", tmp_path / ".writing-about"
+    also_mine = tmp_path / ".writing-abcdefgh"
+    for folder in (left, mine, also_mine):
+        (folder / "figures").mkdir(parents=True)
+        (folder / "figures" / "figure6.svg").touch()
+    (left / "report.html").touch()
+    (also_mine / "figures" / "thesis.svg").touch()
+    with reserved(tmp_path):
+        pass
+    assert {path.name for path in tmp_path.iterdir()} == {".lock", mine.name, also_mine.name}
+    assert (also_mine / "figures" / "thesis.svg").exists()
 
 
 def test_what_others_keep_in_the_folder_stays(tmp_path):

@@ -293,7 +293,7 @@ def test_a_store_has_one_lock_by_whatever_name(specification, tmp_path):
 @pytest.mark.parametrize("store", ["/", ".", "/proc/sweep", "x" * 300, "x" * 300 + "/a", "a\0b"])
 def test_places_where_no_store_can_be(specification, store):
     with pytest.raises(
-        hc.InputError, match=r"is left as it is|cannot lock|must be a path|/proc has 0 GB"
+        hc.InputError, match=r"is left as it is|cannot write|must be a path|/proc has 0 GB"
     ) as error:
         hc.sweep(specification, store)
     assert "another process" not in str(error.value)

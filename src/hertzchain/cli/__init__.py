@@ -1,8 +1,7 @@
 """The command line: parse, call one library function, show.
 
-Results go to stdout, messages and progress to stderr.  Exit codes: 0 done,
-1 failed, 2 bad usage or input or a run that cannot finish, 3 finished but outside
-tolerance, 130 interrupted.
+Results go to stdout, messages and progress to stderr.  Exit codes: 0 done, 1 failed,
+2 bad usage or input, 3 finished but outside tolerance, 130 interrupted.
 """
 
 from __future__ import annotations
@@ -40,6 +39,9 @@ def main() -> None:
     """Run the command line and leave with its exit code."""
     from hertzchain.errors import InputError, SimulationError, StoreError
 
+    if sys.stdout is None:
+        click.echo("Error: cannot write the results: standard output is closed", err=True)
+        sys.exit(FAILED)
     try:
         with warnings.catch_warnings():
             warnings.showwarning = _show_warning
@@ -51,10 +53,10 @@ def main() -> None:
     except (click.Abort, KeyboardInterrupt):
         click.echo("interrupted", err=True)
         code = INTERRUPTED
-    except (InputError, SimulationError) as error:
+    except InputError as error:
         click.echo(f"Error: {error}", err=True)
         code = BAD_INPUT
-    except StoreError as error:
+    except (SimulationError, StoreError) as error:
         click.echo(f"Error: {error}", err=True)
         code = FAILED
     except OSError as error:

@@ -57,6 +57,7 @@ def reproduce(
       hertzchain reproduce
       hertzchain reproduce --only table1,figure5 --out check
     """
+    from hertzchain.calibration import BEADS, beads_in_window
     from hertzchain.paper import report, reproduction
 
     windows = {
@@ -64,11 +65,13 @@ def reproduce(
         "linear": window_from("--window-linear", window_linear),
     }
     parts = reproduction.checked_parts(names_from(only))
-    report.check_writable(out)
-    with progress_of("chains integrated") as progress:
-        result = reproduction.reproduce(parts, windows=windows, progress=progress)  # type: ignore[arg-type]
-    with progress_of("figures drawn") as progress:
-        page = report.write_report(result, out, progress=progress)
+    for window in windows.values():
+        beads_in_window(window, BEADS)
+    with report.reserved(out):
+        with progress_of("chains integrated") as progress:
+            result = reproduction.reproduce(parts, windows=windows, progress=progress)  # type: ignore[arg-type]
+        with progress_of("figures drawn") as progress:
+            page = report.write_reserved(result, out, progress=progress)
     if as_json:
         show_json(report.verdict(result))
     else:

@@ -11,14 +11,16 @@
 from __future__ import annotations
 
 import base64
+import contextlib
 import functools
 import importlib.metadata
 import json
 import os
 import platform
 import re
+import shutil
 import tempfile
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any, Final
 
@@ -37,10 +39,15 @@ from hertzchain.plotting.scoreboard import plot_scoreboard
 from hertzchain.plotting.style import figure_bytes
 from hertzchain.scoreboard.cases import GROUPS
 from hertzchain.scoreboard.scoreboard import JUDGED, Scoreboard, percentage
+from hertzchain.store.lock import lock
+from hertzchain.store.writing import cannot_write
 from hertzchain.verification.verify import as_dict
 
 SCHEMA_VERSION: Final = 1
 PAGES: Final = ("report.html", "verdict.json", "summary.md")
+WRITING: Final = ".writing-"
+# As `tempfile` names them.
+LEFT_BEHIND: Final = re.compile(rf"{re.escape(WRITING)}[a-z0-9_]{{8}}")
 OUR_FIGURE: Final = re.compile(r"(figure\d+|errata|scoreboard)\.(svg|png|csv)")
 
 
@@ -52,7 +59,7 @@ def write_report(
 ) -> Path:
     """Write everything about a reproduction into a folder.
 
-    All of it is made beside the folder first and then moved in, so that an earlier
+    All of it is made in a temporary folder first and then moved, so that an earlier
     report stays whole if this one fails.
 
     Parameters
@@ -72,7 +79,9 @@ def write_report(
     Raises
     ------
     InputError
-        If the folder cannot be written.
+        If the folder cannot be written, or another process writes into it.
+    StoreError
+        If the disk is full.
 
     Examples
     --------
@@ -82,18 +91,84 @@ def write_report(
     ...     write_report(reproduce(["table3"]), Path(folder)).name
     'report.html'
     """
+    with reserved(out):
+        return write_reserved(reproduction, out, progress=progress)
+
+
+@contextlib.contextmanager
+def reserved(out: Path) -> Iterator[None]:
+    """Keep other processes out of a folder, and remove what killed ones left there.
+
+    Parameters
+    ----------
+    out : pathlib.Path
+        The folder; made if missing.
+
+    Raises
+    ------
+    InputError
+        If it cannot be written, or another process writes into it.
+
+    Examples
+    --------
+    >>> with tempfile.TemporaryDirectory() as folder, reserved(Path(folder)):
+    ...     pass
+    """
     check_writable(out)
+    with lock(out / ".lock", out):
+        for left in out.glob(f"{WRITING}*"):
+            if _is_ours(left):
+                shutil.rmtree(left, ignore_errors=True)
+        yield
+
+
+def _is_ours(folder: Path) -> bool:
+    """Whether a folder is one that a killed process was writing a report into."""
+    if folder.is_symlink() or not LEFT_BEHIND.fullmatch(folder.name):
+        return False
+    files = [path for path in folder.rglob("*") if not path.is_dir()]
+    pages = [folder / name for name in PAGES]
+    figures = folder / "figures"
+    return all(
+        file in pages or (file.parent == figures and OUR_FIGURE.fullmatch(file.name))
+        for file in files
+    )
+
+
+def write_reserved(
+    reproduction: Reproduction,
+    out: Path,
+    *,
+    progress: Callable[[int, int], None] | None = None,
+) -> Path:
+    """Write a report into a folder that is `reserved`.
+
+    Parameters
+    ----------
+    reproduction : Reproduction
+        What to report.
+    out : pathlib.Path
+        Folder to write into.
+    progress : callable, optional
+        Called as ``progress(figures_drawn, figures)``.
+
+    Returns
+    -------
+    pathlib.Path
+        The HTML report.
+
+    Examples
+    --------
+    See `write_report`.
+    """
     try:
-        with tempfile.TemporaryDirectory(dir=out, prefix=".writing-") as folder:
+        with tempfile.TemporaryDirectory(dir=out, prefix=WRITING) as folder:
             fresh = Path(folder)
             images = _write_figures(reproduction, fresh / "figures", progress)
             _write_pages(reproduction, fresh, images)
             _replace(fresh, out)
     except OSError as error:
-        raise InputError(
-            f"cannot write the report into {os.fspath(out)!r} ({error.strerror}); "
-            "choose another folder with --out"
-        ) from None
+        raise cannot_write(out, error, "choose another folder with --out") from None
     return out / "report.html"
 
 
@@ -148,10 +223,7 @@ def check_writable(out: Path) -> None:
         with tempfile.TemporaryFile(dir=out):
             pass
     except OSError as error:
-        raise InputError(
-            f"cannot write into {os.fspath(out)!r} ({error.strerror}); choose another folder "
-            "with --out"
-        ) from None
+        raise cannot_write(out, error, "choose another folder with --out") from None
 
 
 def verdict(reproduction: Reproduction) -> dict[str, Any]:

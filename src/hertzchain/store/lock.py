@@ -8,6 +8,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from hertzchain.errors import InputError
+from hertzchain.store.writing import cannot_write
 
 
 @contextlib.contextmanager
@@ -27,6 +28,8 @@ def lock(file: Path, place: str | os.PathLike[str]) -> Iterator[None]:
     ------
     InputError
         If another process has it, or the file cannot be made.
+    StoreError
+        If the disk is full.
 
     Examples
     --------
@@ -48,9 +51,7 @@ def lock(file: Path, place: str | os.PathLike[str]) -> Iterator[None]:
             "place"
         ) from None
     except OSError as error:
-        raise InputError(
-            f"cannot lock {os.fspath(place)!r} ({error.strerror}); choose another place"
-        ) from None
+        raise cannot_write(place, error) from None
     try:
         yield
     finally:

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Final
 
 from hertzchain.arguments import file_path, instance
 from hertzchain.errors import InputError
+from hertzchain.store.writing import cannot_write
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -33,7 +34,10 @@ def export_sweep(dataset: xr.Dataset, path: str | os.PathLike[str]) -> None:
     Raises
     ------
     InputError
-        For another ending, a package that is not installed, or a file that cannot be written.
+        For another ending, a package that is not installed, a file that cannot be written, or a
+        store with damaged files.
+    StoreError
+        If the disk is full.
 
     Examples
     --------
@@ -58,9 +62,7 @@ def export_sweep(dataset: xr.Dataset, path: str | os.PathLike[str]) -> None:
             f"{target.suffix} files need the package {error.name}: pip install 'hertzchain[export]'"
         ) from None
     except OSError as error:
-        raise InputError(
-            f"cannot write {os.fspath(path)!r} ({error.strerror}); choose another place"
-        ) from None
+        raise cannot_write(path, error) from None
     finally:
         with contextlib.suppress(OSError):
             beside.unlink(missing_ok=True)

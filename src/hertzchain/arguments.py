@@ -194,6 +194,27 @@ def file_path(what: str, value: object) -> Path:
     return Path(value)
 
 
+def shown_path(path: str | os.PathLike[str]) -> str:
+    """A path at the beginning of an error: as it is, if it can be printed on one line.
+
+    Parameters
+    ----------
+    path : path-like
+        The path.
+
+    Returns
+    -------
+    str
+
+    Examples
+    --------
+    >>> print(shown_path("chain.toml"), shown_path("two lines\\n.toml"))
+    chain.toml 'two lines\\n.toml'
+    """
+    name = os.fspath(path)
+    return name if name.isprintable() else repr(name)
+
+
 def _names_a_file(text: str) -> bool:
     try:
         return bool(text) and b"\0" not in os.fsencode(text)

@@ -148,7 +148,7 @@ class Scales:
             # The contact behind it, as if its beads were of one material.
             ratio = hertz_stiffness(1.0, chain.radii[min(unit + 1, chain.beads - 1)] / radius)
             stiffness = float(chain.stiffness[min(unit, chain.beads - 2)] / ratio)
-        length = (mass * speed**2 / stiffness) ** (1.0 / (chain.exponent + 1.0))
+        length = (mass * (speed * speed) / stiffness) ** (1.0 / (chain.exponent + 1.0))
         return cls(radius, mass, speed, length, chain.exponent)
 
     @property

@@ -23,6 +23,7 @@ from hertzchain.chain.losses import (
     WaltonBraun,
 )
 from hertzchain.contacts import Array, reduced_mass
+from hertzchain.errors import InputError
 
 if TYPE_CHECKING:
     from hertzchain.kernels.forces import Bench, Law, Plain
@@ -59,7 +60,12 @@ def equation_of(chain: Chain) -> Plain | Bench:
         drive = PUSH if chain.drive.of == "force" else MOVING_WALL
     starts, pieces = drive_pieces(chain.drive)
     stiffness = np.concatenate(([left], chain.stiffness, [right]))
-    law, damping = _law(chain, stiffness)
+    with np.errstate(over="ignore"):
+        law, damping = _law(chain, stiffness)
+    if not np.isfinite(damping).all():
+        raise InputError(
+            f"the damping by {chain.loss} is too large to be represented: look at its units"
+        )
     return Bench(
         inverse_mass=1.0 / chain.masses,
         stiffness=stiffness,

@@ -8,7 +8,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from hertzchain.arguments import file_path
+from hertzchain.arguments import file_path, shown_path
 from hertzchain.chain.chain import Chain
 from hertzchain.chain.drives import Table
 from hertzchain.chain.materials import Material, material
@@ -66,7 +66,7 @@ def load_beads(path: str | os.PathLike[str], own: Mapping[str, Material] | None 
     try:
         return _chain_of(read_csv(file, BEAD_COLUMNS), own or {})
     except InputError as error:
-        raise InputError(f"{os.fspath(path)}: {error}") from None
+        raise InputError(f"{shown_path(path)}: {error}") from None
 
 
 def _chain_of(table: CsvTable, own: Mapping[str, Material]) -> Chain:
@@ -141,4 +141,4 @@ def load_drive(path: str | os.PathLike[str]) -> Table:
             of[0],  # type: ignore[arg-type]
         )
     except InputError as error:
-        raise InputError(f"{os.fspath(path)}: {error}") from None
+        raise InputError(f"{shown_path(path)}: {error}") from None

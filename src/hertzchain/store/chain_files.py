@@ -34,7 +34,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from hertzchain.arguments import file_path
+from hertzchain.arguments import file_path, shown_path
 from hertzchain.chain.chain import Chain
 from hertzchain.chain.coverage import check_chain
 from hertzchain.chain.drives import Drive, SineBurst, Step, Table
@@ -112,7 +112,7 @@ def load_chain(path: str | os.PathLike[str]) -> Chain:
     try:
         return chain_from(document, file.parent)
     except InputError as error:
-        raise InputError(f"{os.fspath(path)}: {error}") from None
+        raise InputError(f"{shown_path(path)}: {error}") from None
 
 
 def chain_from(document: Mapping[str, Any], folder: Path = Path()) -> Chain:
@@ -171,10 +171,12 @@ def chain_as_toml(chain: Chain) -> str:
     right_wall = {rigid = true, gap = 0.0}
     """
     check_chain("chain_as_toml", chain)
-    names = _names_of_materials(chain)
+    # Those of a scaled chain, which decide nothing, would make it one in SI units.
+    kinds = chain.materials or () if chain.units == "SI" else ()
+    names = _names_of_materials(chain, kinds)
     entries = _beads_entries(chain)
-    if chain.materials is not None:
-        entries["materials"] = [names[each] for each in chain.materials]
+    if kinds:
+        entries["materials"] = [names[each] for each in kinds]
     for name in ("left_wall", "right_wall"):
         wall = getattr(chain, name)
         if wall is not None:
@@ -209,10 +211,10 @@ def _beads_entries(chain: Chain) -> dict[str, Any]:
     return entries | {name: getattr(chain, name).tolist() for name in ARRAYS if name in chain.given}
 
 
-def _names_of_materials(chain: Chain) -> dict[Material, str]:
+def _names_of_materials(chain: Chain, kinds: Sequence[Material]) -> dict[Material, str]:
     """A name for each material of beads and walls; no two have the same."""
     walls = (chain.left_wall, chain.right_wall)
-    used = [*(chain.materials or ()), *(wall.material for wall in walls if wall is not None)]
+    used = [*kinds, *(wall.material for wall in walls if wall is not None)]
     names: dict[Material, str] = {}
     taken: set[str] = set()
     for each in used:
@@ -223,7 +225,7 @@ def _names_of_materials(chain: Chain) -> dict[Material, str]:
             name, number = f"{each.name} ({number})", number + 1
         names[each] = name
         taken.add(name)
-    if chain.materials is not None and RIGID in chain.materials:
+    if RIGID in kinds:
         names[RIGID] = RIGID.name
     return names
 

@@ -406,9 +406,9 @@ def _check_tables(entry: Any, section: Section, complete: bool) -> Iterator[str]
                 yield str(unknown_name(what, chosen, section.variants))
                 continue
             keys = section.variants[chosen]
-        values = {name: value for name, value in table.items() if name != section.variant_key}
-        known = [key.name for key in keys]
+        values, known = dict(table), [key.name for key in keys]
         if section.variant_key:
+            del values[section.variant_key]
             known.insert(0, section.variant_key)
         yield from _check_keys(values, place, keys, known, complete=complete)
 

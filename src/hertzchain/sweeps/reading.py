@@ -32,7 +32,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, Final
 
-from hertzchain.arguments import file_path
+from hertzchain.arguments import file_path, shown_path
 from hertzchain.chain.chain import Chain
 from hertzchain.checks import whole_number
 from hertzchain.errors import InputError, shown, unknown_name
@@ -83,7 +83,7 @@ def read_specification(given: Any) -> Specification:
     if not isinstance(given, str | os.PathLike):
         raise InputError(f"a sweep takes a TOML file or a mapping, got {shown(given)}")
     document = read_toml("specification", given, "give the path of a TOML file")
-    return _Reader(document, Path(given).parent, f"{os.fspath(given)}: ").specification()
+    return _Reader(document, Path(given).parent, f"{shown_path(given)}: ").specification()
 
 
 def specification_from_json(text: str) -> Specification:

@@ -151,7 +151,7 @@ class EffectiveChain(Frozen):
         v = np.broadcast_to(v, self.masses.shape)
         s, p = 1.0 / (self.exponent + 1.0), self.exponent
         mass = 0.5 * (self.masses[:-1] + self.masses[1:])
-        mean = np.sqrt(v[:-1] * v[1:])
+        mean = np.sqrt(v[:-1]) * np.sqrt(v[1:])
         constant = solitary_wave(p).speed_constant
         return np.asarray((mass / self.stiffness) ** s * mean ** (-(p - 1.0) * s) / constant)
 

@@ -189,4 +189,8 @@ class WaveProfile(Frozen):
         if order % 2:
             return 0.0
         wave_numbers = np.pi / self.half_length * np.arange(len(self._coefficients))
-        return math.fsum((-1) ** (order // 2) * self._coefficients * wave_numbers**order)
+        with np.errstate(over="ignore"):
+            terms = (-1) ** (order // 2) * self._coefficients * wave_numbers**order
+        if not np.isfinite(terms).all():
+            raise InputError(f"derivative {order} at the crest cannot be represented: lower order")
+        return math.fsum(terms)

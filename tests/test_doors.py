@@ -148,6 +148,7 @@ def doors(folder):
             peak_overlap=None,
             residence=None,
             velocity_error=None,
+            restitution=1.0,
         ),
         "Pulse.column": tried(pulse.column, quantity="velocity"),
         "Pulse.unit": tried(pulse.unit, quantity="velocity"),

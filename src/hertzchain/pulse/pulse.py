@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike
 from hertzchain.arguments import one_of, text
 from hertzchain.chain.chain import Chain
 from hertzchain.chain.coverage import check_chain
-from hertzchain.checks import real_numbers
+from hertzchain.checks import number, real_numbers
 from hertzchain.contacts import Array
 from hertzchain.errors import InputError
 from hertzchain.pulse.comparison import Comparison
@@ -58,6 +58,9 @@ class Pulse:
         negative.
     velocity_error : ndarray, shape (N,), or None
         Estimated relative error of each velocity, by a method that estimates one; 0 for bead 1.
+    restitution : float
+        Coefficient of restitution of a theory that lets one pair of beads collide at a time; 1
+        for every other method.
 
     Examples
     --------
@@ -75,10 +78,12 @@ class Pulse:
     peak_overlap: Array | None = None
     residence: Array | None = None
     velocity_error: Array | None = None
+    restitution: float = 1.0
 
     def __post_init__(self) -> None:
         check_chain("Pulse", self.chain)
         text("method of a pulse", self.method)
+        number("restitution of a pulse", self.restitution, above=0.0, most=1.0)
         if self.velocity is None:
             raise InputError("a pulse has at least the velocity of each bead, got None")
         beads = self.chain.beads
@@ -251,6 +256,12 @@ class Pulse:
         ------
         InputError
             If the two chains differ.
+
+        Warns
+        -----
+        ModelRangeWarning
+            If one is by a theory with a coefficient of restitution, and the other of a chain
+            with a law of loss: the theory loses too much.
 
         Examples
         --------

@@ -150,6 +150,7 @@ def doors(folder):
             residence=None,
             velocity_error=None,
             notes={},
+            restitution=1.0,
         ),
         "Pulse.column": tried(pulse.column, quantity="velocity"),
         "Pulse.unit": tried(pulse.unit, quantity="velocity"),

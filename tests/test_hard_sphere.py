@@ -105,3 +105,31 @@ def test_bca_with_loss_slows_the_pulse():
 def test_bad_input_is_refused(call, said):
     with pytest.raises(hc.InputError, match=said):
         call()
+
+
+@pytest.mark.parametrize("theory", [hc.bca, hc.hard_sphere])
+@pytest.mark.parametrize(
+    "law", [hc.Restitution(0.9), hc.UnloadingRatio(0.19), hc.WaltonBraun(0.81)], ids=str
+)
+def test_comparison_with_a_lossy_run_warns_that_the_decay_is_too_fast(theory, law):
+    chain = hc.Chain.uniform(30)
+    run = hc.simulate(chain.replace(loss=law), times=0).pulse()
+    lossy = theory(chain, restitution=0.9)
+    with pytest.warns(hc.ModelRangeWarning, match=r"e = 0.9 takes the loss .* 1.2 to 3.4 times"):
+        compared = lossy.compare(run)
+    with pytest.warns(hc.ModelRangeWarning, match="1.2 to 3.4 times"):
+        run.compare(lossy)
+    # What it warns of: decay per bead from bead 10 to 25.
+    excess = np.log(lossy.velocity[9] / lossy.velocity[24])
+    excess /= np.log(run.velocity[9] / run.velocity[24])
+    assert 1.2 < excess < 3.4
+    assert compared.errors("velocity")[24] < compared.errors("velocity")[9]
+
+
+def test_comparison_without_loss_does_not_warn():
+    chain = hc.Chain.uniform(12)
+    lossy = hc.bca(chain, restitution=0.9)
+    lossy.compare(hc.propagate(chain))
+    run = hc.simulate(chain.replace(loss=hc.Restitution(0.9)), times=0).pulse()
+    hc.bca(chain).compare(run)
+    assert (lossy.restitution, hc.bca(chain).restitution, run.restitution) == (0.9, 1.0, 1.0)

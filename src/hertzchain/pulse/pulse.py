@@ -18,7 +18,7 @@ from numpy.typing import ArrayLike
 from hertzchain.arguments import one_of, text
 from hertzchain.chain.chain import Chain
 from hertzchain.chain.coverage import check_chain
-from hertzchain.checks import real_numbers
+from hertzchain.checks import number, real_numbers
 from hertzchain.contacts import Array
 from hertzchain.errors import InputError
 from hertzchain.frozen import Frozen
@@ -64,6 +64,9 @@ class Pulse(Frozen):
     notes : dict of str
         By the name of a quantity, where it is NaN and why, or where it means something else
         than usual.  A column without a note has no NaN.
+    restitution : float
+        Coefficient of restitution of a theory that lets one pair of beads collide at a time; 1
+        for every other method.
 
     Examples
     --------
@@ -82,11 +85,13 @@ class Pulse(Frozen):
     residence: Array | None = None
     velocity_error: Array | None = None
     notes: Mapping[str, str] = field(default_factory=dict)
+    restitution: float = 1.0
 
     def __post_init__(self) -> None:
         check_chain("Pulse", self.chain)
         text("method of a pulse", self.method)
         object.__setattr__(self, "notes", checked_notes(self.notes))
+        number("restitution of a pulse", self.restitution, above=0.0, most=1.0)
         if self.velocity is None:
             raise InputError("a pulse has at least the velocity of each bead, got None")
         beads = self.chain.beads
@@ -259,6 +264,12 @@ class Pulse(Frozen):
         ------
         InputError
             If the two chains differ.
+
+        Warns
+        -----
+        ModelRangeWarning
+            If one is by a theory with a coefficient of restitution, and the other of a chain
+            with a law of loss: the theory loses too much.
 
         Examples
         --------

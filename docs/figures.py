@@ -61,10 +61,11 @@ def budget() -> Figure:
         found.plot("energy", ax=left)
         found.plot("momentum", ax=right)
         # One legend for both: contacts and walls have energy, a wall by its side has momentum.
-        shown = {}
-        for axes in (left, right):
-            for handle, label in zip(*axes.get_legend_handles_labels(), strict=True):
-                shown[label] = handle
+        shown = {
+            label: handle
+            for axes in (left, right)
+            for handle, label in zip(*axes.get_legend_handles_labels(), strict=True)
+        }
         shown["given in total"] = shown.pop("given in total")
         left.get_legend().remove()
         right.legend(shown.values(), shown.keys(), loc="center left", bbox_to_anchor=(1.0, 0.5))

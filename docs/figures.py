@@ -60,11 +60,13 @@ def budget() -> Figure:
         canvas, (left, right) = plt.subplots(1, 2, figsize=(11.0, 3.8))
         found.plot("energy", ax=left)
         found.plot("momentum", ax=right)
-        # One legend for both: momentum has no part in contacts, nor energy in a wall by its side.
-        shown = dict(
-            item for axes in (left, right)
-            for item in zip(*reversed(axes.get_legend_handles_labels()), strict=True)
-        )  # fmt: skip
+        # One legend for both: contacts and walls have energy, a wall by its side has momentum.
+        shown = {
+            label: handle
+            for axes in (left, right)
+            for handle, label in zip(*axes.get_legend_handles_labels(), strict=True)
+        }
+        shown["given in total"] = shown.pop("given in total")
         left.get_legend().remove()
         right.legend(shown.values(), shown.keys(), loc="center left", bbox_to_anchor=(1.0, 0.5))
     return canvas

@@ -17,6 +17,7 @@ from .chain.materials import Material as Material
 from .chain.materials import material as material
 from .chain.scales import Scales as Scales
 from .chain.walls import Wall as Wall
+from .errors import IncompleteWarning as IncompleteWarning
 from .errors import InputError as InputError
 from .errors import InputWarning as InputWarning
 from .errors import ModelRangeWarning as ModelRangeWarning
@@ -31,6 +32,7 @@ from .pulse.pulse import Pulse as Pulse
 from .pulse.pulse_table import PulseTable as PulseTable
 from .simulation.budget import Budget as Budget
 from .simulation.run import Run as Run
+from .simulation.sensor_force import SensorForce as SensorForce
 from .simulation.simulate import simulate as simulate
 from .simulation.state import State as State
 from .simulation.wall_force import WallForce as WallForce

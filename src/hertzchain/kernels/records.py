@@ -16,8 +16,8 @@ COUNTS_SIZE = 9
 PEAK_TIME, PEAK_VELOCITY = 0, 1
 CROSSING_TIME, OVERLAP, RESIDENCE = 0, 1, 2
 WALL_PEAK_TIME, WALL_PEAK, FIRST_IMPULSE, FIRST_END, TOUCHES, TOUCHING, WALL_ROWS = range(7)
-# Rows of `completion`, which is written between calls of the compiled loop: from when on and with
-# which transit time a wall is watched, since when its peak is complete, and what it had got by then.
+# Rows of `completion`, written between calls of the compiled loop: start of the watch on a wall and
+# transit time; time from which its peak is complete, its impulse and touches until then.
 WATCH_START, TRANSIT, SINCE, SINCE_IMPULSE, SINCE_TOUCHES, COMPLETION_ROWS = range(6)
 # Peak time of a striker, which has its velocity from the start on.
 FROM_THE_START = -1.0

@@ -19,7 +19,7 @@ def strongly_random(beads, seed=7):
     return hc.Chain.from_radii(np.random.default_rng(seed).uniform(0.3, 3.0, beads))
 
 
-def follow(chains, behind=100, tolerance=1e-9, grading=1.1):
+def follow(chains, behind=100, tolerance=1e-9, grading=1.1, work=10**9):
     """Columns of all chains in one row, and what became of each."""
     batch = Batch.of(chains)
     columns = np.zeros((wide_front.COLUMNS, len(batch.radii)))
@@ -27,7 +27,8 @@ def follow(chains, behind=100, tolerance=1e-9, grading=1.1):
     wide_front.follow(
         (behind, tolerance, grading),
         (batch.given(), batch.first, batch.beads, batch.exponents),
-        columns, status, np.zeros(2, np.int64), wide_front.new_scratch(),
+        columns, status, np.full(len(chains), work), np.zeros(2, np.int64),
+        wide_front.new_scratch(),
     )  # fmt: skip
     return columns, status
 
@@ -99,13 +100,17 @@ def test_motion_that_vanishes_is_noticed():
     assert follow([chain])[1][0] == wide_front.BROKEN
 
 
+def test_work_of_a_chain_is_limited():
+    assert follow([hc.Chain.uniform(50)], work=50)[1][0] == wide_front.STALLED
+
+
 def test_stop_signal_ends_the_kernel():
     batch, signal = Batch.of([strongly_random(30)] * 3), np.array([1, 0])
     columns = np.zeros((wide_front.COLUMNS, 90))
     status = np.full(3, wide_front.RUNNING)
     wide_front.follow(
         (48, 1e-8, 1.3), (batch.given(), batch.first, batch.beads, batch.exponents),
-        columns, status, signal, wide_front.new_scratch(),
+        columns, status, np.full(3, 10**9), signal, wide_front.new_scratch(),
     )  # fmt: skip
     assert list(status) == [wide_front.STOPPED, wide_front.RUNNING, wide_front.RUNNING]
     assert signal[PASSED] == 0

@@ -18,6 +18,7 @@ from .chain.materials import material as material
 from .chain.scales import Scales as Scales
 from .chain.walls import Wall as Wall
 from .errors import DamageWarning as DamageWarning
+from .errors import IncompleteWarning as IncompleteWarning
 from .errors import InputError as InputError
 from .errors import InputWarning as InputWarning
 from .errors import ModelRangeWarning as ModelRangeWarning
@@ -37,6 +38,7 @@ from .simulation.horizon import Horizon as Horizon
 from .simulation.leading_pulse import LeadingPulse as LeadingPulse
 from .simulation.reflection import Reflection as Reflection
 from .simulation.run import Run as Run
+from .simulation.sensor_force import SensorForce as SensorForce
 from .simulation.simulate import simulate as simulate
 from .simulation.state import State as State
 from .simulation.velocity_peaks import VelocityPeaks as VelocityPeaks

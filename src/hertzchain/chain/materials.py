@@ -22,6 +22,9 @@ from hertzchain.checks import number, real_numbers
 from hertzchain.contacts import Array
 from hertzchain.errors import InputError, unknown_name
 
+# Densities that a bead can have [kg/m^3]: an aerogel has 1, osmium 22,600.
+MIN_DENSITY, MAX_DENSITY = 1e-3, 1e6
+
 
 @dataclass(frozen=True)
 class Material:
@@ -32,7 +35,7 @@ class Material:
     name : str
         Name, as it is printed: text on one line, without control characters.
     density : float
-        Density > 0 [kg/m^3].
+        Density, 0.001 to 1e6 [kg/m^3].
     young : float
         Young's modulus E > 0 [Pa]; infinite for `RIGID`.
     poisson : float
@@ -72,7 +75,8 @@ class Material:
             value = number(f"{field} of {self.name!r}", getattr(self, field), **bounds)
             object.__setattr__(self, field, value)
 
-        check("density", unit="kg/m**3", above=0.0, hint="in kg/m^3, steel has 7800")
+        check("density", unit="kg/m**3", least=MIN_DENSITY, most=MAX_DENSITY,
+              hint="in kg/m^3, steel has 7800")  # fmt: skip
         if not (isinstance(self.young, float) and self.young == math.inf):
             check("young", unit="Pa", above=0.0, hint="in Pa, steel has 200e9")
         check("poisson", unit="", above=-1.0, below=0.5, hint="metals have 0.3, rubber 0.499")

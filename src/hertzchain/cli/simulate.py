@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+import warnings
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -16,6 +18,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
     from hertzchain.simulation.run import Run
+    from hertzchain.simulation.sensor_force import SensorForce
     from hertzchain.simulation.wall_force import WallForce
     from hertzchain.simulation.waves import Waves
 
@@ -25,8 +28,9 @@ if TYPE_CHECKING:
 @click.option(
     "--until",
     metavar="TIME",
-    help="Time to stop at, such as 2e-3 or, in SI units, 2ms.  "
-    "[default: when the pulse has left or is in the wall]",
+    help="Time to stop at, such as 2e-3 or, in SI units, 2ms.  [default: when the largest force on "
+    "the right wall is complete, at most 10 transits of the pulse; without a right wall, when the "
+    "pulse has left]",
 )
 @click.option("--times", type=int, default=400, show_default=True, help="Times to save.")
 @click.option("--rtol", type=float, default=1e-13, show_default=True, help="Tolerance of a step.")
@@ -51,7 +55,8 @@ if TYPE_CHECKING:
     type=int,
     multiple=True,
     metavar="BEAD",
-    help="Print the peak force in a sensor in this bead, and when; repeat it for more.",
+    help="Print the first maximum and the largest value so far of the force in a sensor in this "
+    "bead; repeat it for more.",
 )
 @click.option(
     "--stream",
@@ -75,8 +80,9 @@ def simulate(
 ) -> None:  # fmt: skip
     """Integrate the whole chain and keep its trajectories.
 
-    What walls felt is printed, and what sensors in beads showed (the mean of the forces on both
-    halves of the bead).
+    The forces on walls are printed, and those in sensors in beads (the mean of the forces on both
+    halves of the bead).  Their first maximum belongs to the first pulse; a later wave may be
+    larger.
 
     With --stream they are on disk alone, in netCDF files: memory does not grow with the run,
     and one that was interrupted goes on when the command is repeated.
@@ -130,19 +136,22 @@ def simulate(
     found = run.waves() if waves else None
     if out is not None:
         save_run(run, out)
+    walls = _walls(run)
     if plot is not None:
-        save_axes(_drawn(run, sensors), plot)
-    _show_run(run, sensors, found, as_json)
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", hertzchain.IncompleteWarning)  # has been shown
+            save_axes(_drawn(run, sensors, walls), plot)
+    _show_run(run, walls, [run.sensor_force(bead) for bead in sensors], found, as_json)
     if budget:
         click.echo(run.budget())
 
 
-def _drawn(run: Run, sensors: tuple[int, ...]) -> Axes:
+def _drawn(run: Run, sensors: tuple[int, ...], walls: list[WallForce]) -> Axes:
     """Forces in time of sensors and walls, or the map of all velocities."""
     if not sensors:
         return run.plot()
     ends = {"left": 0, "right": run.chain.beads + 1}
-    return run.plot_forces([*sensors, *(ends[wall.side] for wall in _walls(run))])
+    return run.plot_forces([*sensors, *(ends[wall.side] for wall in walls)])
 
 
 def _walls(run: Run) -> list[WallForce]:
@@ -151,7 +160,9 @@ def _walls(run: Run) -> list[WallForce]:
     return [run.wall_force(side) for side in SIDES if f"{side} wall" in run.chain.features]
 
 
-def _show_run(run: Run, sensors: tuple[int, ...], waves: Waves | None, as_json: bool) -> None:
+def _show_run(
+    run: Run, walls: list[WallForce], sensors: list[SensorForce], waves: Waves | None, as_json: bool
+) -> None:
     from hertzchain.cli.wave_tables import horizon_as_dict, wave_table, waves_as_list
     from hertzchain.store import results
 
@@ -165,12 +176,9 @@ def _show_run(run: Run, sensors: tuple[int, ...], waves: Waves | None, as_json: 
         "momentum_drift": run.momentum_drift,
         "saved_times": len(run.times),
     }
-    names = ("side", "peak", "peak_time", "first_impulse", "first_end", "impulse")
-    walls = [{name: getattr(wall, name) for name in names} for wall in _walls(run)]
-    shown = [_peak(run, bead) for bead in sensors]
     if as_json:
         document = {"schema_version": results.SCHEMA_VERSION} | summary
-        document |= {"walls": walls, "sensors": shown}
+        document |= {"walls": [*map(_numbers, walls)], "sensors": [*map(_numbers, sensors)]}
         if run.known_horizon is not None:
             document["horizon"] = horizon_as_dict(run.known_horizon)
         if waves is not None:
@@ -182,13 +190,10 @@ def _show_run(run: Run, sensors: tuple[int, ...], waves: Waves | None, as_json: 
     click.echo(f"energy drift {run.energy_drift:.1e}, momentum drift {run.momentum_drift:.1e}")
     click.echo(f"{len(run.times)} times saved, {run.evaluations} evaluations of the force")
     newton, second, impulse = (" N", " s", " N s") if run.chain.units == "SI" else ("", "", "")
-    for wall in _walls(run):
-        click.echo(_wall_line(wall, run.end_time, newton, second, impulse))
-    for sensor in shown:
-        click.echo(
-            f"sensor in bead {sensor['bead']}: peak {sensor['peak']:.6g}{newton} at t = "
-            f"{sensor['peak_time']:.6g}{second}"
-        )
+    for wall in walls:
+        click.echo(_wall_line(wall, newton, second, impulse))
+    for sensor in sensors:
+        click.echo(_sensor_line(sensor, newton, second))
     if run.known_horizon is not None:
         click.echo(f"horizon: {run.known_horizon.message}")
     elif run.prediction:
@@ -197,26 +202,44 @@ def _show_run(run: Run, sensors: tuple[int, ...], waves: Waves | None, as_json: 
         show_table(wave_table(waves))
 
 
-def _wall_line(wall: WallForce, end: float, newton: str, second: str, impulse: str) -> str:
-    """What a wall felt; a force that still rises has no peak to tell."""
-    if wall.peak == 0.0:
+def _is_nan(value: object) -> bool:
+    return isinstance(value, float) and math.isnan(value)
+
+
+def _numbers(force: WallForce | SensorForce) -> dict[str, object]:
+    """All of it but the trace; null for a number that does not exist."""
+    found = {name: value for name, value in vars(force).items() if name not in ("times", "force")}
+    return {name: None if _is_nan(value) else value for name, value in found.items()}
+
+
+def _wall_line(wall: WallForce, newton: str, second: str, impulse: str) -> str:
+    """The force on a wall; an incomplete one has no peak."""
+    if wall.largest_so_far == 0.0:
         return f"{wall.side} wall: not reached"
-    if wall.peak_time >= (1.0 - 1e-9) * end:
+    largest = f"{wall.largest_so_far:.6g}{newton} at t = {wall.largest_so_far_time:.6g}{second}"
+    if not wall.complete:
         return (
-            f"{wall.side} wall: {wall.peak:.6g}{newton} at the end, t = {end:.6g}{second}, and "
-            f"rising: a later --until shows the peak; impulse so far {wall.impulse:.6g}{impulse}"
+            f"{wall.side} wall: peak not complete, largest so far {largest}, up to "
+            f"{wall.bound:.6g}{newton} may follow; impulse so far {wall.impulse:.6g}{impulse}"
         )
-    first = "the first contact is not over"
-    if wall.first_impulse is not None:
-        first = f"impulse of the first contact {wall.first_impulse:.6g}{impulse}"
+    first = ""
+    if wall.first_contact_impulse is not None:
+        first = f", of the first contact {wall.first_contact_impulse:.6g}{impulse}"
+    touches = "1 contact" if wall.touches == 1 else f"{wall.touches} contacts"
     return (
-        f"{wall.side} wall: peak {wall.peak:.6g}{newton} at t = {wall.peak_time:.6g}{second}; "
-        f"{first}, impulse in all {wall.impulse:.6g}{impulse}"
+        f"{wall.side} wall: peak {largest}; impulse of the impact {wall.impulse_of_impact:.6g}"
+        f"{impulse} ({touches}){first}, in total {wall.impulse:.6g}{impulse}"
     )
 
 
-def _peak(run: Run, bead: int) -> dict[str, float]:
-    """Largest force that a sensor showed at the saved times, and when."""
-    force = run.sensor(bead)
-    at = int(force.argmax())
-    return {"bead": bead, "peak": float(force[at]), "peak_time": float(run.times[at])}
+def _sensor_line(sensor: SensorForce, newton: str, second: str) -> str:
+    first = "no maximum yet"
+    if not math.isnan(sensor.first_maximum):
+        first = (
+            f"first maximum {sensor.first_maximum:.6g}{newton} at t = "
+            f"{sensor.first_maximum_time:.6g}{second}"
+        )
+    return (
+        f"sensor in bead {sensor.bead}: {first}; largest so far {sensor.largest_so_far:.6g}"
+        f"{newton} at t = {sensor.largest_so_far_time:.6g}{second}"
+    )

@@ -240,12 +240,13 @@ def _show_outcome(opened: SweepStore, part: tuple[int, int] | None, as_json: boo
     from hertzchain.store.results import SCHEMA_VERSION
 
     store = opened.folder
-    counts, outside = opened.counts(), opened.outside_range()
+    counts = opened.counts()
+    outside, incomplete = opened.flagged("outside_range"), opened.flagged("incomplete")
     failures = opened.failures(5) if counts["failed"] else []
     if as_json:
         show_json({
             "schema_version": SCHEMA_VERSION, "store": str(store), **counts,
-            "outside_range": outside,
+            "outside_range": outside, "incomplete": incomplete,
             "failures": [{"point": place, "reason": reason} for place, reason in failures],
         })  # fmt: skip
     else:
@@ -260,8 +261,11 @@ def _show_outcome(opened: SweepStore, part: tuple[int, int] | None, as_json: boo
         if outside:
             click.echo(f"  at {outside} points a method is outside its range: variable "
                        "`outside_range`")  # fmt: skip
-    incomplete = counts["missing"] and part is None
-    return FAILED if counts["failed"] or incomplete else DONE
+        if incomplete:
+            click.echo(f"  at {incomplete} points the largest force on the wall is not complete: "
+                       "variable `incomplete`")  # fmt: skip
+    unfinished = counts["missing"] and part is None
+    return FAILED if counts["failed"] or unfinished else DONE
 
 
 def _duration(seconds: float) -> str:

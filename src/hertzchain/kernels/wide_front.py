@@ -493,7 +493,7 @@ def advance(scratch, window, exponent, given, passed):
 
 
 @compiled
-def follow(window, given, passed, status, signal, scratch):
+def follow(window, given, passed, status, work, signal, scratch):
     """Follow the pulse along many chains, one after the other.
 
     Parameters
@@ -507,6 +507,8 @@ def follow(window, given, passed, status, signal, scratch):
     passed : (COLUMNS, M) zeros, to become what `hertzchain.kernels.front.follow` gives, except
         the residences of contacts that do not follow the one before: those stay 0
     status : (C,) what became of each chain
+    work : (C,) what is left to each chain of the slots stepped, counted down; without any the
+        chain is given up
     signal : (2,) set entry STOP to end early; entry PASSED counts beads
     scratch : what `new_scratch` gives
     """
@@ -526,7 +528,8 @@ def follow(window, given, passed, status, signal, scratch):
             code = advance(scratch, window, exponents[index], chains, passed)
             signal[PASSED] += place[WAITING] - waiting
             trials -= 1
-            if trials == 0 and code == RUNNING:
+            work[index] -= place[SIZE]
+            if (trials == 0 or work[index] <= 0) and code == RUNNING:
                 code = STALLED
         status[index] = code
 

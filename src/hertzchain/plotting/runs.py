@@ -22,6 +22,10 @@ from hertzchain.plotting.style import (
     titled,
 )
 from hertzchain.simulation.run import Run
+from hertzchain.simulation.wall_force import Side
+
+# What the legend adds to a wall whose force may still exceed what is drawn.
+CUT_OFF = " (peak not complete)"
 
 
 def plot_run(
@@ -87,7 +91,9 @@ def plot_run(
 
 
 def plot_forces(run: Run, beads: Sequence[int], *, ax: Axes | None = None) -> Axes:
-    """Draw what sensors in some beads, and on the walls, show in time.
+    """Draw the force in sensors in some beads, and on the walls, over time.
+
+    The curve of a wall whose peak is not complete ends in an open circle, and the legend says so.
 
     Parameters
     ----------
@@ -120,18 +126,22 @@ def plot_forces(run: Run, beads: Sequence[int], *, ax: Axes | None = None) -> Ax
     if not numbers:
         raise InputError("name the beads whose forces to draw, such as [3, 6]")
     factor, label = time_axis(run.chain)
-    walls = {0: "left", run.chain.beads + 1: "right"}
+    walls: dict[int, Side] = {0: "left", run.chain.beads + 1: "right"}
     with house_style():
         axes = axes_in(ax)
         for i, k in enumerate(numbers):
-            wall = walls.get(k)
-            force = run.wall_force(wall).force if wall else run.sensor(k)  # type: ignore[arg-type]
+            wall = run.wall_force(walls[k]) if k in walls else None
+            cut_off = wall is not None and not wall.complete
             axes.plot(
                 factor * run.times,
-                force,
+                run.sensor(k) if wall is None else wall.force,
                 color=COLOURS[i % len(COLOURS)],
                 linestyle=("-", "--", "-.", ":")[i // len(COLOURS) % 4],
-                label=f"{wall} wall" if wall else f"bead {k}",
+                marker="o" if cut_off else None,
+                markevery=[-1],
+                markerfacecolor="none",
+                clip_on=not cut_off,
+                label=f"bead {k}" if wall is None else f"{wall.side} wall{CUT_OFF * cut_off}",
             )
         axes.set_xlabel(label)
         axes.set_ylabel("force [N]" if run.chain.units == "SI" else "force $F$")

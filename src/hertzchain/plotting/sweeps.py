@@ -21,6 +21,9 @@ from hertzchain.store.sweep_files import check_sweep
 if TYPE_CHECKING:
     import xarray as xr
 
+# Variables that flag points.
+FLAGS = ("outside_range", "incomplete")
+
 
 def plot_sweep(
     dataset: xr.Dataset,
@@ -91,6 +94,8 @@ def plot_sweep(
             _told(value, str(name)) for name, value in drawn.coords.items()
             if value.ndim == 0 and name not in only
         ]  # fmt: skip
+        unknown = int(dataset["incomplete"].any("by").sum()) if "incomplete" in dataset else 0
+        told += [f"{unknown} points not complete"] * bool(unknown)
         titled(axes, "; ".join(part for part in told if part))
     return axes
 
@@ -98,9 +103,9 @@ def plot_sweep(
 def _selected(dataset: xr.Dataset, quantity: str | None, at: Mapping[str, Any]) -> xr.DataArray:
     names = [
         str(name) for name in dataset.data_vars
-        if name not in ("status", "reason", "outside_range", "beads")
+        if name not in ("status", "reason", *FLAGS, "beads")
     ]  # fmt: skip
-    known = [*names, *(name for name in ("outside_range", "beads") if name in dataset.data_vars)]
+    known = [*names, *(name for name in (*FLAGS, "beads") if name in dataset.data_vars)]
     chosen = names[0] if quantity is None else one_of("quantity of this sweep", quantity, known)
     values = dataset[chosen]
     long_names = {values[name].attrs.get("long_name"): str(name) for name in values.dims}

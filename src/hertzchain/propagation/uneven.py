@@ -34,6 +34,9 @@ from hertzchain.propagation.batch import (
 LARGEST_RTOL: Final = 1e-5
 # Largest difference, in parts of rtol, of two results that agree.
 AGREEMENT: Final = 3.0
+# Work of all ways of one chain, in slots of the window stepped: some five seconds, or what ten
+# regular passages of a long chain take.
+WORK, WORK_PER_BEAD = 150_000_000, 50_000
 # Where the kernel gives a chain up, all of it is integrated, at two tolerances, if it is short.
 WHOLE, WHOLE_RTOLS = 2_000, (1e-12, 1e-13)
 # Work of one such integration, in bead-steps: some five seconds. Pulses that get through took up
@@ -164,16 +167,19 @@ def _widen(
 
     before, differences = columns, np.full(len(todo), np.inf)
     scratch = kernel.new_scratch()
+    work = np.maximum(WORK, WORK_PER_BEAD * batch.beads)
     for way in ways:
         if not len(todo) or signal[STOP]:
             break
         found, status = np.zeros_like(columns), np.zeros(len(todo), np.int64)
         signal[PASSED] = 0
+        left = work[todo]
         kernel.follow(
             way.window(rtol),
             (batch.given(), batch.first[todo], batch.beads[todo], batch.exponents[todo]),
-            found, status, signal, scratch,
+            found, status, left, signal, scratch,
         )  # fmt: skip
+        work[todo] = left
         _complete(found, batch)
         comparable = (status == kernel.FOLLOWED) & (way is not ways[0])
         compared = difference(found[:RESIDENCE], before[:RESIDENCE], batch.first)[todo]
@@ -248,11 +254,11 @@ def _simulated(chain: Chain, tolerance: float, signal: Indices) -> Array:
     run = simulate(chain, times=0, rtol=tolerance, max_steps=steps, progress=watch, check=False)
     if run.status == "step limit":
         raise SimulationError(
-            f"the pulse had passed {run.beads_passed} of {chain.beads} beads after {steps} steps: "
-            "light beads rattle between heavy ones; use fewer or less uneven beads, or hertzchain."
-            f"simulate(chain, times=0, max_steps={100 * steps}).pulse()"
+            f"the pulse had passed {run.beads_passed} of {chain.beads} beads after {steps} steps, "
+            "the work allowed for one chain: light beads bounce between heavy ones; use fewer "
+            "beads or radii that differ less, or hertzchain.simulate, which takes longer"
         )
-    if not run.success:
+    if not run.success or run.beads_passed < chain.beads:
         raise SimulationError(run.message)
     pulse = run.pulse()
     found = pulse.columns()

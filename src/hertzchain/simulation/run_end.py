@@ -63,7 +63,7 @@ class RunEnd:
             return int(np.iinfo(np.int64).max)
         return STEPS_PER_LOOK - int(self.counts[records.STEPS]) % STEPS_PER_LOOK
 
-    def after(self, code: int, kernel: Any, forces: Array | None) -> Status | None:
+    def after(self, code: int, kernel: Any, forces: Array) -> Status | None:
         """What has ended the run, if anything has, when a call of the loop returned a code."""
         endings: dict[int, Status] = {
             kernel.PULSE_LEFT: "pulse left",
@@ -86,7 +86,7 @@ class RunEnd:
             self.watch.start_at(self.watch.time)
         return None
 
-    def _after_check(self, watch: WallWatch, forces: Array | None) -> Status | None:
+    def _after_check(self, watch: WallWatch, forces: Array) -> Status | None:
         """Start to watch where a drive has ended, or see whether the wall's peak is complete."""
         if not watch.started:
             if self.chain.drive is not None and self.chain.drive.end <= self.until:
@@ -95,17 +95,22 @@ class RunEnd:
         if watch.closed or watch.due > self.until:
             return None
         watch.check(forces)
+        if self.default and watch.closed:
+            return "nothing more happens"
         if self.default and watch.complete(RIGHT):
             return "wall force complete"
         return "transit limit" if self.default and watch.expired else None
 
-    def assess(self, forces: Array | None) -> tuple[Array, Array]:
+    def assess(self, forces: Array) -> tuple[Array, Array]:
         """Momentum, energy and bound of the motion towards each wall, and whether it is complete.
 
         Returns arrays of shape (3, 2) and (2,), left wall first; NaN and false without a wall.
         """
         approaches, complete = np.full((3, 2), np.nan), np.zeros(2, bool)
-        for target in self.watch.targets if self.watch is not None else ():
+        if self.watch is None:
+            return approaches, complete
+        self.watch.close_if_apart()
+        for target in self.watch.targets:
             found, side = self.watch.approach(target, forces), target.side
             approaches[:, side] = found.momentum, found.energy, found.bound
             complete[side] = self.watch.complete(side) and self.watch.bounded(side, found)

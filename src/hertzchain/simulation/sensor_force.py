@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
-from typing import Final
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -35,8 +34,8 @@ class SensorForce:
     """
 
     bead: int
-    times: Array
-    force: Array
+    times: Array = field(repr=False)
+    force: Array = field(repr=False)
     first_maximum: float
     first_maximum_time: float
     largest_so_far: float
@@ -73,6 +72,4 @@ def sensor_force_of(bead: int, times: Array, force: Array, at_rest: float) -> Se
         i = int(np.argmax(excess[: int(np.argmax(fallen))]))
         first, first_time = float(force[i]), float(times[i])
     j = int(np.argmax(force))
-    return SensorForce(
-        bead, times, force, first, first_time, float(force[j]), float(times[j])
-    )
+    return SensorForce(bead, times, force, first, first_time, float(force[j]), float(times[j]))

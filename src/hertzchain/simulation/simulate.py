@@ -68,9 +68,11 @@ def simulate(
     chain : Chain
         The chain.
     until : float, optional
-        Time to stop at [scaled, or s].  By default the last of the given ``times`` or, if
-        they are a number, when the pulse has left: when every bead has passed its
-        first velocity maximum.
+        Time to stop at [scaled, or s].  By default the last of the given ``times``.  If they are
+        a number, a chain with a right wall runs until the largest force on the wall is complete
+        (see `hertzchain.simulation.wall_bound`), which takes 1.5 to 10 transits of the pulse, and
+        at most ten; any other runs until the pulse has left: until every bead has passed its
+        first velocity maximum.  A drive without an end needs it.
     times : int or array_like
         Times at which to save the state: increasing numbers >= 0, or
         a number of evenly spaced ones (exactly so many if ``until`` is given, else
@@ -94,8 +96,8 @@ def simulate(
     Raises
     ------
     InputError
-        For an option out of its range, a state of another chain, or trajectories that do
-        not fit in memory.
+        For an option out of its range, a state of another chain, a chain that needs ``until``,
+        or trajectories that do not fit in memory.
     SimulationError
         If the run fails and ``check`` is true.
 
@@ -243,9 +245,9 @@ class _Integration:
         return code
 
     @property
-    def forces(self) -> Array | None:
-        """Forces in the contacts, counted with the walls; none of a plain chain."""
-        return None if self.contacts is None else self.contacts.last_force
+    def forces(self) -> Array:
+        """Forces in the contacts, counted with the walls; nothing of a plain chain."""
+        return np.empty(0) if self.contacts is None else np.asarray(self.contacts.last_force)
 
     @property
     def underflows(self) -> bool:
@@ -295,9 +297,7 @@ def _integrate(
     return _run(going, before_end or going.state.copy(), status, end.assess(going.forces))
 
 
-def _run(
-    going: _Integration, state: State, status: Status, walls: tuple[Array, Array]
-) -> Run:
+def _run(going: _Integration, state: State, status: Status, walls: tuple[Array, Array]) -> Run:
     from hertzchain.kernels import forces, records
 
     clock, counts = going.clock, going.counts
@@ -349,13 +349,29 @@ def _check_clock(chain: Chain) -> None:
 
 
 def _check_end(chain: Chain, until: float | None, times: int | ArrayLike, begin: float) -> None:
-    """Refuse an end that has passed, or none where no pulse will leave."""
+    """Refuse an end that has passed, or none where nothing ends the run."""
     if until is not None and until <= begin:
         raise InputError(f"the run starts at time {begin:g} and cannot stop at until = {until:g}")
-    struck = chain.velocities[0] > 0.0 and chain.drive is None
-    if until is None and isinstance(times, int | np.integer) and not struck:
+    if until is not None or not isinstance(times, int | np.integer):
+        return
+    if chain.drive is None and not chain.velocities[0] > 0.0:
         raise InputError(
             "bead 1 of this chain is not struck, so that no pulse ends the run: give until"
+        )
+    if chain.drive is not None and chain.right_wall is None:
+        raise InputError(
+            "this chain is driven and its right end is free, so that nothing ends the run: give "
+            "until, or a right_wall"
+        )
+    if chain.drive is not None and not np.isfinite(chain.drive.end):
+        raise InputError(
+            "the drive of this chain does not end, and so neither does the run: give until"
+        )
+    pushes = equilibrium(chain).body_forces
+    if chain.right_wall is None and pushes.sum() > 1e-9 * np.abs(pushes).sum():
+        raise InputError(
+            "gravity accelerates this chain towards its right end, which is free, so that the "
+            "last bead never passes a maximum of velocity: give until, or a right_wall"
         )
 
 

@@ -57,6 +57,7 @@ class Target:
         self.chain, self.side, self.p = chain, side, chain.exponent
         self.towards = 1.0 if side == RIGHT else -1.0
         law, stiffness = equation.law, self._seen(equation.stiffness)
+        self.contacts = equation.stiffness > 0.0
         self.masses, self.exists = self._seen(chain.masses), stiffness > 0.0
         self.stiffness, self.damping = float(stiffness[-1]), float(self._seen(equation.damping)[-1])
         self.powers = (float(law.overlap_power), float(law.speed_power))

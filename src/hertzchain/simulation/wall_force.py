@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Final, Literal
 
 from hertzchain.contacts import Array
@@ -52,8 +52,8 @@ class WallForce:
     """
 
     side: Side
-    times: Array
-    force: Array
+    times: Array = field(repr=False)
+    force: Array = field(repr=False)
     peak: float
     peak_time: float
     complete: bool
@@ -148,10 +148,7 @@ def incomplete_peak(wall: WallForce, end: float, units: tuple[str, str]) -> str:
             f"the peak of the force on the {wall.side} wall is not complete: the largest until "
             f"t = {end:.6g}{second} is {wall.largest_so_far:.6g}{newton}"
         )
-    advice = "simulate for longer (until)"
-    if wall.side == "right":
-        advice += ", or without until up to ten transits of the pulse"
-    return (
-        f"{found}, and the motion towards the wall could still make up to "
-        f"{wall.bound:.6g}{newton}; {advice}"
-    )
+    more = f"the motion towards the wall could still make up to {wall.bound:.6g}{newton}"
+    if wall.bound <= wall.largest_so_far:
+        more = "the motion away from the wall may still be reversed"
+    return f"{found}, and {more}; simulate for longer"

@@ -15,6 +15,8 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Final
 
+import numpy as np
+
 from hertzchain.chain.chain import Chain
 from hertzchain.chain.equilibrium import equilibrium
 from hertzchain.contacts import Array
@@ -48,6 +50,7 @@ class WallWatch:
 
     @property
     def time(self) -> float:
+        """Time of the run."""
         return float(self.clock[records.TIME])
 
     @property
@@ -57,6 +60,7 @@ class WallWatch:
 
     @property
     def transit(self) -> float:
+        """Time that the pulse takes to pass the chain."""
         return float(self.completion[records.TRANSIT, 0])
 
     @property
@@ -121,6 +125,9 @@ class WallWatch:
     def check(self, forces: Array) -> None:
         """Compare the bound of each wall with its peak so far."""
         self._due = self._next(self._due)
+        self.close_if_apart()
+        if self.closed:
+            return
         for target in self.targets:
             side, peak = target.side, float(self.walls[records.WALL_PEAK, target.side])
             if peak == 0.0 or not self.bounded(side, self.approach(target, forces)):
@@ -144,6 +151,18 @@ class WallWatch:
             impulse = self.arrays["y"][2 * self.chain.beads + LEFT_IMPULSE + side]
             touches = self.walls[records.TOUCHES, side]
             self.completion[records.SINCE :, side] = self.time, impulse, touches
+
+    def close_if_apart(self) -> None:
+        """Close if no contact is closed or approaching and nothing pushes the beads."""
+        pushed = self.chain.drive is not None or bool(equilibrium(self.chain).body_forces.any())
+        if self.closed or pushed:
+            return
+        beads = self.chain.beads
+        velocities = self.arrays["y"][beads : 2 * beads]
+        padded = np.concatenate(([0.0], velocities, [0.0]))
+        meeting = (self._overlaps() > 0.0) | (padded[:-1] > padded[1:])
+        if not meeting[self.targets[0].contacts].any():
+            self.close()
 
     def close(self) -> None:
         """Record that nothing more can happen, so that every peak is complete."""

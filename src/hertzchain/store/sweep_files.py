@@ -180,6 +180,8 @@ def _by_bead(dataset: xr.Dataset) -> xr.Dataset:
 def _in_reading_order(dataset: xr.Dataset, dimensions: list[str], names: list[str]) -> list[str]:
     """Columns: where, what was computed, how it went."""
     parameters = [name for name in names if dataset[name].dims == ("point",)]
-    outcome = [name for name in ("outside_range", "reason", "status") if name in names]
+    outcome = [
+        name for name in ("outside_range", "incomplete", "reason", "status") if name in names
+    ]
     first = list(dict.fromkeys([*dimensions[:1], *parameters, *dimensions]))
     return [*first, *(name for name in names if name not in (*first, *outcome)), *outcome]

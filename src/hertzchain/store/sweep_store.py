@@ -425,8 +425,13 @@ class SweepStore:
                 counts[meaning] += int((worst == value).sum())
         return counts
 
-    def outside_range(self) -> int:
-        """How many points have a method that says it is outside its range.
+    def flagged(self, name: str) -> int:
+        """How many points are flagged: by some method, as outside its range or as incomplete.
+
+        Parameters
+        ----------
+        name : str
+            ``"outside_range"`` or ``"incomplete"``.
 
         Returns
         -------
@@ -440,12 +445,12 @@ class SweepStore:
         >>> spec = {"chain": {"taper": "forward-exponential"}, "axes": axes, "sweep": methods}
         >>> with tempfile.TemporaryDirectory() as folder:
         ...     _ = hc.sweep(spec, Path(folder) / "sweep")
-        ...     SweepStore(Path(folder) / "sweep").outside_range()
+        ...     SweepStore(Path(folder) / "sweep").flagged("outside_range")
         1
         """
-        if "outside_range" not in self.arrays:
+        if name not in self.arrays:
             return 0
-        return sum(int(part.any(axis=-1).sum()) for part in self._rows_of("outside_range"))
+        return sum(int(part.any(axis=-1).sum()) for part in self._rows_of(name))
 
     def failures(self, most: int) -> list[tuple[dict[str, Any], str]]:
         """Where points failed, and why.

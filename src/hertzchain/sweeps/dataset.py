@@ -71,6 +71,9 @@ def _by_batch(plan: Plan) -> dict[str, Variable]:
     if plan.judged:
         said = {"long_name": "1 where the method says it is outside its range"}
         found["outside_range"] = _by_method(plan, "i1", said)
+    if plan.walled:
+        said = {"long_name": "1 where the largest force on the wall is not complete"}
+        found["incomplete"] = _by_method(plan, "i1", said)
     why = {"long_name": "why the method failed, or values are missing; empty if neither"}
     found["reason"] = _by_method(plan, "str", why)
     if plan.ragged:
@@ -149,6 +152,8 @@ def columns_of(plan: Plan, result: Result) -> Mapping[str, Any]:
         columns["reason"] = np.array(result.reason, dtype=np.dtypes.StringDType())
     if plan.judged:
         columns["outside_range"] = result.outside_range
+    if plan.walled:
+        columns["incomplete"] = result.incomplete
     if plan.ragged:
         columns["beads"] = result.beads
     return columns

@@ -20,7 +20,7 @@ from hertzchain.store.chain_files import METHODS, chain_from
 from hertzchain.sweeps.axes import Axis
 from hertzchain.sweeps.methods import INTEGRATIONS
 from hertzchain.sweeps.reading import specification_from_json
-from hertzchain.sweeps.specification import TAKEN, Specification
+from hertzchain.sweeps.specification import TAKEN, WALL_QUANTITIES, Specification
 
 Index = tuple[int, ...]
 
@@ -211,6 +211,11 @@ class Plan:
         """Whether a method may say that it is outside its range."""
         scaled = self.units == "scaled"
         return not (scaled and set(self.specification.methods) <= {*INTEGRATIONS})
+
+    @property
+    def walled(self) -> bool:
+        """Whether something of a wall is kept, which may be incomplete."""
+        return any(name in WALL_QUANTITIES for name in self.specification.keep)
 
     @cached_property
     def _changing(self) -> list[int]:

@@ -14,13 +14,19 @@ from hertzchain.sweeps.axes import Axis
 WALL_QUANTITIES: Final[Mapping[str, tuple[str, str, str]]] = {
     "wall_peak_force": ("peak", "largest force on the right wall", "N"),
     "wall_peak_time": ("peak_time", "time of the largest force on the right wall", "s"),
-    "wall_first_impulse": (
-        "first_impulse", "impulse of the first contact with the right wall", "N s",
+    "wall_largest_so_far": (
+        "largest_so_far", "largest force on the right wall in the run, complete or not", "N",
+    ),
+    "wall_impulse_of_impact": (
+        "impulse_of_impact", "impulse of the right wall until its largest force is complete", "N s",
+    ),
+    "wall_first_contact_impulse": (
+        "first_contact_impulse", "impulse of the first contact with the right wall", "N s",
     ),
     "wall_impulse": ("impulse", "impulse of the right wall in the whole run", "N s"),
 }  # fmt: skip
 # Names that axes cannot have, since the dataset needs them.
-TAKEN: Final = ("by", "bead", "contact", "point", "status", "reason", "outside_range")
+TAKEN: Final = ("by", "bead", "contact", "point", "status", "reason", "outside_range", "incomplete")
 
 
 @dataclass(frozen=True, eq=False)

@@ -11,7 +11,7 @@ import numpy as np
 from hertzchain import __version__
 from hertzchain.chain.chain import Chain
 from hertzchain.contacts import HERTZ_EXPONENT, Array
-from hertzchain.errors import InputError, ModelRangeWarning, SimulationError
+from hertzchain.errors import IncompleteWarning, InputError, ModelRangeWarning, SimulationError
 from hertzchain.propagation.propagate import propagate_many
 from hertzchain.pulse.notes import notes_in_words
 from hertzchain.pulse.pulse import Pulse
@@ -49,6 +49,8 @@ class Result:
         Why a method failed at a point, or values are missing; empty if neither.
     outside_range : ndarray of int, shape (points, methods)
         1 where a method itself said that it is outside its range.
+    incomplete : ndarray of int, shape (points, methods)
+        1 where the largest force on the wall is not complete.
     beads : ndarray of int, shape (points,)
         Number of beads; 0 if there is no such chain.
     """
@@ -59,6 +61,7 @@ class Result:
     status: np.ndarray[Any, np.dtype[np.int8]]
     reason: list[list[str]]
     outside_range: np.ndarray[Any, np.dtype[np.int8]]
+    incomplete: np.ndarray[Any, np.dtype[np.int8]]
     beads: np.ndarray[Any, np.dtype[np.int64]]
 
 
@@ -111,7 +114,7 @@ class _Batch:
         self.chains: dict[int, Chain] = {}
         shape = (len(self.indices), len(spec.methods))
         self.status = np.full(shape, DONE, np.int8)
-        self.outside_range = np.zeros(shape, np.int8)
+        self.outside_range, self.incomplete = np.zeros((2, *shape), np.int8)
         self.reason = [[""] * shape[1] for _ in self.indices]
         self.beads = np.zeros(shape[0], np.int64)
         self.varied_options = any(axis.path[0] == "method" for axis in spec.axes)
@@ -177,9 +180,10 @@ class _Batch:
             self.beads[row] = chain.beads
             with recorded() as warned:
                 self._keep(row, place, method, chain)
-            self.outside_range[row, place] = any(
-                issubclass(category, ModelRangeWarning) for category in warned
-            )
+            for flag, category in (
+                (self.outside_range, ModelRangeWarning), (self.incomplete, IncompleteWarning),
+            ):  # fmt: skip
+                flag[row, place] = any(issubclass(each, category) for each in warned)
         except (InputError, SimulationError) as error:
             self._fail(row, place, error)
 
@@ -237,8 +241,9 @@ class _Batch:
             whole = self.whole[name] if name in self.whole else self.relative[name]
             columns[name] = self._at(whole, name.removeprefix("relative_error_of_"))
         return Result(
-            batch, __version__, columns, self.status, self.reason, self.outside_range, self.beads
-        )
+            batch, __version__, columns, self.status, self.reason, self.outside_range,
+            self.incomplete, self.beads,
+        )  # fmt: skip
 
     def _at(self, whole: Array, quantity: str) -> Array:
         """Values of the beads that are kept; of a contact, those of the bead before it."""

@@ -185,7 +185,9 @@ def _ends() -> Iterator[Case]:
     }
     for name, values in table.items():
         what = "uniform" if name == "mono" else name
-        for quantity, text in zip(("peak", "first_impulse", "impulse"), values, strict=True):
+        for quantity, text in zip(
+            ("peak", "first_contact_impulse", "impulse"), values, strict=True
+        ):
             digit = 10.0 ** -len(text.partition(".")[2])
             yield Case(
                 "walls", f"{quantity.replace('_', ' ')} on the wall, {what}, 20 beads",

@@ -172,11 +172,11 @@ def chain_as_toml(chain: Chain) -> str:
     """
     check_chain("chain_as_toml", chain)
     # Those of a scaled chain, which decide nothing, would make it one in SI units.
-    kinds = chain.materials or () if chain.units == "SI" else ()
-    names = _names_of_materials(chain, kinds)
+    materials = chain.materials or () if chain.units == "SI" else ()
+    names = _names_of_materials(chain, materials)
     entries = _beads_entries(chain)
-    if kinds:
-        entries["materials"] = [names[each] for each in kinds]
+    if materials:
+        entries["materials"] = [names[each] for each in materials]
     for name in ("left_wall", "right_wall"):
         wall = getattr(chain, name)
         if wall is not None:

@@ -25,7 +25,7 @@ from hertzchain.errors import shown, unknown_name
 from hertzchain.units import UNITS, quantity
 
 Kind = Literal["number", "integer", "boolean", "choice", "text", "material", "file"]
-Per = Literal["", "bead", "contact", "row"]
+Per = Literal["", "bead", "contact", "row", "item"]
 
 
 @dataclass(frozen=True)
@@ -56,7 +56,7 @@ class Key:
     above, least, most, below : float
         Bounds of a number.
     per : str
-        ``"bead"``, ``"contact"`` or ``"row"`` if it is a list, with a value for each.
+        ``"bead"``, ``"contact"``, ``"row"`` or ``"item"`` if it is a list, with a value for each.
     one_for_all : bool
         Whether one value may be given in place of a list.
 
@@ -312,33 +312,49 @@ def chain_schema() -> dict[str, Any]:
     >>> wall["keys"][3]["unit"], wall["keys"][3]["least"]
     ('m', 0.0)
     """
-
-    def plain(key: Key) -> dict[str, Any]:
-        entry = {"unit": key.si_unit, **dataclasses.asdict(key)}
-        entry["choices"] = list(key.choices)
-        return {
-            name: value
-            for name, value in entry.items()
-            if not (isinstance(value, float) and math.isinf(value))
-        }
-
-    sections = {
-        section.name: {
-            "description": section.description,
-            "repeated": section.repeated,
-            "keys": [plain(key) for key in section.keys],
-            "variant_key": section.variant_key,
-            "variants": {
-                name: [plain(key) for key in keys] for name, keys in section.variants.items()
-            },
-        }
-        for section in SECTIONS.values()
-    }
     forms = {form: list(keys) for form, keys in FORMS.items()}
     return {
-        "sections": sections,
+        "sections": {name: section_as_dict(section) for name, section in SECTIONS.items()},
         "forms": forms,
         "units": {name: list(units) for name, units in UNITS.items()},
+    }
+
+
+def section_as_dict(section: Section) -> dict[str, Any]:
+    """A section in plain types.
+
+    Parameters
+    ----------
+    section : Section
+        The section.
+
+    Returns
+    -------
+    dict
+
+    Examples
+    --------
+    >>> section_as_dict(SECTIONS["chain.with_scatter"])["repeated"]
+    True
+    """
+    return {
+        "description": section.description,
+        "repeated": section.repeated,
+        "keys": [_key_as_dict(key) for key in section.keys],
+        "variant_key": section.variant_key,
+        "variants": {
+            name: [_key_as_dict(key) for key in keys] for name, keys in section.variants.items()
+        },
+    }
+
+
+def _key_as_dict(key: Key) -> dict[str, Any]:
+    entry = {"unit": key.si_unit, **dataclasses.asdict(key), "choices": list(key.choices)}
+    # JSON has no infinite numbers: a bound that is none is left out.
+    return {
+        name: value
+        for name, value in entry.items()
+        if not (isinstance(value, float) and math.isinf(value))
     }
 
 

@@ -19,7 +19,7 @@ from hertzchain.theory.catalogue import THEORIES
 Progress = Callable[[int, int], None]
 
 INTEGRATIONS: Final = ("propagate", "simulate")
-METHODS: Final = (*INTEGRATIONS, *THEORIES)
+METHODS: Final[tuple[str, ...]] = (*INTEGRATIONS, *THEORIES)
 # What an integration may be told.
 OPTIONS: Final[Mapping[str, tuple[str, ...]]] = {
     "propagate": ("rtol",),

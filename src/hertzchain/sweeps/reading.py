@@ -36,19 +36,17 @@ from hertzchain.arguments import file_path, shown_path
 from hertzchain.chain.chain import Chain
 from hertzchain.checks import whole_number
 from hertzchain.errors import InputError, shown, unknown_name
-from hertzchain.pulse.quantities import QUANTITIES
 from hertzchain.store.chain_files import chain_as_toml, chain_from
 from hertzchain.store.chain_schema import KEYS, check_document, without_units
 from hertzchain.store.csv_tables import csv_rows
 from hertzchain.store.toml_files import read_toml
 from hertzchain.sweeps.axes import Axis, flattened
-from hertzchain.sweeps.methods import METHODS, OPTIONS, check_option
+from hertzchain.sweeps.methods import OPTIONS as OPTIONS_OF
+from hertzchain.sweeps.methods import check_option
 from hertzchain.sweeps.plain import plain_json
 from hertzchain.sweeps.specification import WALL_QUANTITIES, Specification
+from hertzchain.sweeps.specification_schema import OPTIONS, SETTINGS, TABLES
 
-TABLES: Final = ("title", "chain", "materials", "axes", "points", "sweep", "method")
-SETTINGS: Final = ("combine", "methods", "keep", "at", "errors", "reference", "batch")
-COMBINATIONS: Final = ("product", "zip")
 # Errors that are told at once.
 TOLD: Final = 20
 
@@ -124,10 +122,9 @@ class _Reader:
                 self._add("sweep", unknown_name("key", key, SETTINGS))
         chain, materials = self._chain()
         axes, combine = self._axes(settings)
-        methods = self._names(settings, "methods", METHODS, ("propagate",))
-        kept = (*QUANTITIES, *WALL_QUANTITIES)
-        keep = self._names(settings, "keep", kept, ("velocity",))
-        errors = self._names(settings, "errors", tuple(QUANTITIES), ())
+        methods = self._names(settings, "methods")
+        keep = self._names(settings, "keep")
+        errors = self._names(settings, "errors")
         reference = settings.get("reference", methods[0] if methods else "")
         if reference not in methods:
             self._add("sweep.reference", unknown_name("reference", reference, methods))
@@ -141,8 +138,12 @@ class _Reader:
         title = self._try("title", plain_json, title)
         batch = settings.get("batch")
         if batch is not None:
-            batch = self._try("sweep.batch", whole_number, "batch", batch, least=1, most=10**6)
-        at, options = self._at(settings.get("at", "every")), self._options(axes, methods)
+            least, most = (
+                int(bound) for bound in (SETTINGS["batch"].least, SETTINGS["batch"].most)
+            )
+            batch = self._try("sweep.batch", whole_number, "batch", batch, least=least, most=most)
+        at = self._at(settings.get("at", SETTINGS["at"].default))
+        options = self._options(axes, methods)
         raise_all(self.problems, self.heading)
         return Specification(
             title, chain, materials, axes, combine, methods, keep, at, errors, reference, batch,
@@ -175,9 +176,10 @@ class _Reader:
         return document.get("chain", {}), document.get("materials", {})
 
     def _axes(self, settings: Mapping[str, Any]) -> tuple[tuple[Axis, ...], str]:
-        combine = settings.get("combine", "product")
-        if combine not in COMBINATIONS:
-            self._add("sweep.combine", unknown_name("combination", combine, COMBINATIONS))
+        combine = settings.get("combine", SETTINGS["combine"].default)
+        if combine not in SETTINGS["combine"].choices:
+            known = SETTINGS["combine"].choices
+            self._add("sweep.combine", unknown_name("combination", combine, known))
         points = self.document.get("points")
         entries: dict[tuple[str, ...], Any] = {}
         if points is not None:
@@ -205,12 +207,11 @@ class _Reader:
 
     def _axis(self, place: str, path: tuple[str, ...], entry: Any) -> Axis | None:
         where = f"{place}.{'.'.join(path)}"
-        options = tuple(dict.fromkeys(name for names in OPTIONS.values() for name in names))
         if path[0] == "method" and len(path) == 2:
-            if path[1] not in options:
-                self._add(where, unknown_name("option", path[1], options))
+            if path[1] not in OPTIONS:
+                self._add(where, unknown_name("option", path[1], OPTIONS))
         elif path[0] not in KEYS:
-            known = (*KEYS, *(f"method.{name}" for name in options))
+            known = (*KEYS, *(f"method.{name}" for name in OPTIONS))
             self._add(where, unknown_name("parameter", ".".join(path), known))
             return None
         return self._try(where, Axis, path, entry)
@@ -238,9 +239,9 @@ class _Reader:
                 columns[path].append(value)
         return columns
 
-    def _names(
-        self, settings: Mapping[str, Any], key: str, known: Sequence[str], default: tuple[str, ...]
-    ) -> tuple[str, ...]:
+    def _names(self, settings: Mapping[str, Any], key: str) -> tuple[str, ...]:
+        usual, known = SETTINGS[key].default, SETTINGS[key].choices
+        default = () if usual is None else (str(usual),)
         given = settings.get(key, default)
         listed = [given] if isinstance(given, str) else given
         if not isinstance(listed, list | tuple) or (default and not listed):
@@ -256,7 +257,7 @@ class _Reader:
         return names or default
 
     def _at(self, given: Any) -> str | tuple[int, ...]:
-        if given in ("every", "last"):
+        if given in SETTINGS["at"].choices:
             return str(given)
         if not isinstance(given, list | tuple) or not given:
             self._add("sweep.at", f"must be 'every', 'last' or a list of beads, got {shown(given)}")
@@ -270,13 +271,12 @@ class _Reader:
     def _options(self, axes: Sequence[Axis], methods: Sequence[str]) -> Mapping[str, Any]:
         given = self._table("method")
         used = {axis.path[1] for axis in axes if axis.path[0] == "method"} | given.keys()
-        known = tuple(dict.fromkeys(name for names in OPTIONS.values() for name in names))
-        heard = {name for method in methods for name in OPTIONS.get(method, ())}
+        heard = {name for method in methods for name in OPTIONS_OF.get(method, ())}
         for name in sorted(used):
-            if name not in known:
-                self._add(f"method.{name}", unknown_name("option", name, known))
+            if name not in OPTIONS:
+                self._add(f"method.{name}", unknown_name("option", name, OPTIONS))
             elif name not in heard:
-                fit = [method for method, names in OPTIONS.items() if name in names]
+                fit = [method for method, names in OPTIONS_OF.items() if name in names]
                 self._add(f"method.{name}", f"no method takes it: add {' or '.join(fit)}")
         for name, value in given.items():
             self._try(f"method.{name}", check_option, name, value, methods)

@@ -316,7 +316,11 @@ class Contacts:
         forces = static_forces(chain, masses)
         self.free = k == 0.0
         # What holds the chain behind strikers is a force on its first bead, not their contact.
-        held = (forces > 0.0) & ~self.free & (np.arange(len(k)) >= chain.strikers + bool(chain.strikers))
+        held = (
+            (forces > 0.0)
+            & ~self.free
+            & (np.arange(len(k)) >= chain.strikers + bool(chain.strikers))
+        )
         overlaps = np.where(held, (forces / np.where(self.free, 1.0, k)) ** (1.0 / p), 0.0)
         walls = [getattr(wall, "gap", 0.0) for wall in (chain.left_wall, chain.right_wall)]
         gaps = np.concatenate((walls[:1], chain.gaps, walls[1:]))
@@ -421,7 +425,10 @@ class Contacts:
         root = np.linalg.cholesky(self.responses(which))
         found = lsq_linear(root.T, np.linalg.solve(root, b), (least, most), method="bvls").x
         others[which] = found
-        speeding, share = self.closing_accelerations(t, others)[which], (found - least) / (most - least)
+        speeding, share = (
+            self.closing_accelerations(t, others)[which],
+            (found - least) / (most - least),
+        )
         then = np.full(len(which), STUCK)
         then[(share > 0.999) & (speeding > AT_REST)] = LOADING
         then[(share < 0.001) & (speeding < -AT_REST)] = UNLOADING
@@ -432,7 +439,6 @@ class Contacts:
         elif then[turn] == self.mode[c]:
             then[turn] = STUCK
         self.mode[which] = then
-
 
     def hold(self, t, y):
         """Take from stuck contacts the relative speed, of a rounding error's size, that is left."""
@@ -512,6 +518,7 @@ def _first_violation(contacts, dense, begin, end):
         t = begin + theta * (end - begin) if theta < 1.0 else end
         margins = contacts.margins(t, dense(t))
         for c in np.flatnonzero(margins < -NOISE):
+
             def margin(s, c=c):
                 return contacts.margins(s, dense(s))[c]
 

@@ -205,9 +205,9 @@ def test_walls_feel_what_the_chain_loses():
     sampled = np.trapezoid(wall.force, wall.times)
     assert sampled == pytest.approx(wall.impulse, rel=1e-6)
     assert 0.0 <= wall.peak - wall.force.max() < 1e-4
-    assert wall.first_impulse < wall.impulse
+    assert wall.first_contact_impulse < wall.impulse
     early = hc.simulate(chain, until=20.0).wall_force()
-    assert early.first_impulse is None
+    assert early.first_contact_impulse is None
 
 
 def test_sensors_see_the_forces_around_them():
@@ -529,9 +529,9 @@ def test_the_first_contact_with_a_wall_ends_with_its_force(law):
     begin = int(np.argmax(pushed))
     end = begin + int(np.argmin(pushed[begin:]))
     # The clock may show it a step late, of what is then a free flight.
-    assert run.times[end - 1] <= felt.first_end < run.times[end] + 0.1
+    assert run.times[end - 1] <= felt.first_contact_end < run.times[end] + 0.1
     sampled = np.trapezoid(felt.force[:end], run.times[:end])
-    assert felt.first_impulse == pytest.approx(sampled, rel=3e-3)
+    assert felt.first_contact_impulse == pytest.approx(sampled, rel=3e-3)
 
 
 @pytest.mark.parametrize("law", [None, hc.Dashpot(0.1), hc.Viscoelastic(0.1)], ids=repr)

@@ -4,9 +4,11 @@ import sys
 from pathlib import Path
 
 import pytest
+from click.testing import CliRunner
 
 import hertzchain as hc
-from hertzchain.verification.cases import Case, cases
+from hertzchain.verification.case import ORIGINS, Case
+from hertzchain.verification.cases import cases
 from hertzchain.verification.verify import Verdict, verify
 
 
@@ -27,8 +29,41 @@ def test_an_unknown_group_is_refused():
 
 
 def test_command_line():
+    agreeing = sum(case.group == "restitution" for case in cases())
     command = [Path(sys.executable).parent / "hertzchain", "verify", "--only", "restitution"]
     shown = subprocess.run(command, capture_output=True, text=True, check=True).stdout
-    assert "12 of 12 cases agree" in shown
+    assert f"{agreeing} of {agreeing} cases agree" in shown
+    # Numbers of sources stand in the table, the sources below it.
+    assert "[2]" in shown.partition("computed")[0]
+    assert "Tsuji et al., Powder Technol. 71, 239 (1992) (derived)" in shown
     document = subprocess.run([*command, "--json"], capture_output=True, text=True, check=True)
-    assert json.loads(document.stdout)["agreeing"] == 12
+    assert json.loads(document.stdout)["agreeing"] == agreeing
+
+
+def test_every_case_has_its_place_and_origin():
+    every = cases()
+    assert len({(case.group, case.name) for case in every}) == len(every) > 120
+    for case in every:
+        assert case.origin in ORIGINS
+        assert case.source
+        # An exact number of waves; anything else has a last digit.
+        assert case.tolerance > 0.0 or case.name.startswith("waves made by")
+
+
+def test_the_table_is_at_most_100_columns_wide(monkeypatch):
+    import hertzchain.cli.verify as command
+
+    monkeypatch.setattr("hertzchain.verify", lambda *_, **__: [
+        Verdict(case, case.expected + (case.group == "walls")) for case in cases()
+    ])  # fmt: skip
+    shown = CliRunner().invoke(command.verify, ["--only", "walls"])
+    lines = [line.rstrip() for line in shown.stdout.splitlines()]
+    assert max(map(len, lines)) <= 100
+    assert shown.exit_code == 3
+    assert "those marked ! are outside" in lines[0]
+    assert sum(line.startswith(" !") for line in lines) == 3
+
+
+def test_what_a_truncated_series_is_allowed_is_its_next_term():
+    (wide,) = (c for c in cases() if c.name == "may pull, B = 0.05, to second order")
+    assert abs(Verdict(wide, wide.compute()).difference) > 0.9 * wide.tolerance

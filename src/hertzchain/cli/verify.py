@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 import click
 
@@ -22,9 +22,11 @@ if TYPE_CHECKING:
 )
 @click.option("--json", "as_json", is_flag=True, help="Print everything as JSON.")
 def verify(only: str | None, as_json: bool) -> None:
-    """Compute quantities with exact or published values and hold them against these.
+    """Compute quantities with exact or published values and compare them.
 
-    Leaves with exit code 3 if any is outside its tolerance.
+    Sources are listed below the table, with how each value was obtained: derived again,
+    computed by other code, or recalled from a paper whose text was not at hand.  Exits with
+    code 3 if any is outside its tolerance.
 
     \b
     Examples:
@@ -45,23 +47,37 @@ def verify(only: str | None, as_json: bool) -> None:
 
 
 def _show_verdicts(verdicts: list[Verdict]) -> None:
+    """Print the table, and below it the sources by their numbers."""
     from rich import box
+    from rich.markup import escape
     from rich.table import Table
+
+    from hertzchain.verification.case import ORIGINS
 
     agreeing = sum(verdict.agrees for verdict in verdicts)
     title = f"{agreeing} of {len(verdicts)} cases agree"
-    table = Table(title=title, box=box.SIMPLE_HEAD, title_justify="left")
-    for name, side in (("quantity", "left"), ("expected", "right"), ("ours", "right"),
-                       ("difference", "right"), ("allowed", "right"), ("", "left"),
-                       ("source", "left")):  # fmt: skip
-        table.add_column(name, justify=side, no_wrap=True)  # type: ignore[arg-type]
-    for i, verdict in enumerate(verdicts):
+    if agreeing < len(verdicts):
+        title += "; those marked ! are outside what is allowed"
+    table = Table(title=title, box=box.SIMPLE_HEAD, title_justify="left", padding=0)
+    for name in ("quantity", "expected", "ours", "difference", "allowed", "source"):
+        side: Literal["left", "right"] = "left" if name == "quantity" else "right"
+        table.add_column(name, justify=side, no_wrap=True)
+    sources: dict[tuple[str, str], int] = {}
+    group = ""
+    for verdict in verdicts:
         case = verdict.case
-        if i == 0 or case.group != verdicts[i - 1].case.group:
-            table.add_row(f"[bold]{case.group}[/bold]")
+        if case.group != group:
+            group = case.group
+            table.add_row(f"[bold]{group}[/bold]")
+        number = sources.setdefault((case.source, case.origin), len(sources) + 1)
         table.add_row(
-            f"  {case.name}", f"{case.expected:.10g}", f"{verdict.ours:.10g}",
-            f"{verdict.difference:+.1e}", f"{case.tolerance:.0e}",
-            "" if verdict.agrees else "OUTSIDE", case.source,
+            f"{' ' if verdict.agrees else '!'} {escape(case.name)}",
+            f"{case.expected:.8g}", f"{verdict.ours:.8g}",
+            f"{verdict.difference:+.1e}", f"{case.tolerance:.0e}", f"[{number}]",
         )  # fmt: skip
     show_table(table)
+    for (source, origin), number in sources.items():
+        click.echo(f"{f'[{number}]':>5} {source} ({origin})")
+    click.echo()
+    for origin in dict.fromkeys(verdict.case.origin for verdict in verdicts):
+        click.echo(f"{origin}: {ORIGINS[origin]}")

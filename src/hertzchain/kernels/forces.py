@@ -134,7 +134,7 @@ def plain_derivative(y, inverse_mass, stiffness, exponent, out):
 
 @compiled
 def sine_beyond_line(x):
-    """sin x - x, to all digits where x is small."""
+    """Sin x - x, to all digits where x is small."""
     if abs(x) > 1.0:
         return np.sin(x) - x
     square, total = x * x, 0.0

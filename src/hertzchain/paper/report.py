@@ -41,6 +41,7 @@ from hertzchain.scoreboard.cases import GROUPS
 from hertzchain.scoreboard.scoreboard import JUDGED, Scoreboard, percentage
 from hertzchain.store.lock import lock
 from hertzchain.store.writing import cannot_write
+from hertzchain.verification.case import ORIGINS
 from hertzchain.verification.verify import as_dict
 
 SCHEMA_VERSION: Final = 1
@@ -384,6 +385,7 @@ def _render(template: str, reproduction: Reproduction, **more: Any) -> str:
         rate_symbol=rate_symbol,
         rows=_rows,
         scores=_scores(reproduction.scoreboard) if reproduction.scoreboard else None,
+        origins=ORIGINS,
         default_windows=dict(reproduction.windows) == WINDOWS,
         **more,
     )  # fmt: skip

@@ -181,10 +181,13 @@ def chain_as_toml(chain: Chain) -> str:
         wall = getattr(chain, name)
         if wall is not None:
             entries[name] = _wall_entry(wall, names)
-    for name, kinds, key in (("loss", LAWS, "law"), ("drive", DRIVES, "kind")):
+    parts: tuple[tuple[str, Mapping[str, type], str], ...] = (
+        ("loss", LAWS, "law"), ("drive", DRIVES, "kind"),
+    )  # fmt: skip
+    for name, classes, key in parts:
         part = getattr(chain, name)
         if part is not None:
-            kind = next(label for label, cls in kinds.items() if type(part) is cls)
+            kind = next(label for label, cls in classes.items() if type(part) is cls)
             entries[name] = {key: kind} | _fields(part)
     lines = ["[chain]", *(f"{name} = {toml_text(value)}" for name, value in entries.items())]
     for each, name in names.items():

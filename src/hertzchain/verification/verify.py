@@ -1,9 +1,9 @@
 """The field's own tests: quantities with exact or published values, computed anew.
 
 `verify` runs them all.  Each `Case` says what is expected, how far from it a result may
-be, and where the number is from.  Numbers "of two integrations" were found by SciPy's
-DOP853 at rtol 1e-13 and, for the travelling wave, by the fixed point of its integral
-equation (J. M. English, R. L. Pego, Proc. Amer. Math. Soc. 133, 1763, 2005,
+be, where the number is from and how it was obtained.  Numbers "of two integrations" were
+found by SciPy's DOP853 at rtol 1e-13 and, for the travelling wave, by the fixed point of its
+integral equation (J. M. English, R. L. Pego, Proc. Amer. Math. Soc. 133, 1763, 2005,
 doi:10.1090/S0002-9939-05-07851-2); neither shares anything with `hertzchain.simulate`.
 """
 
@@ -16,7 +16,8 @@ from hertzchain import __version__
 from hertzchain.arguments import callback, listed, one_of
 from hertzchain.errors import InputError
 from hertzchain.simulation.simulate import Progress
-from hertzchain.verification.cases import Case, cases, shared_runs
+from hertzchain.verification.case import ORIGINS, Case, forget_shared
+from hertzchain.verification.cases import cases
 
 
 @dataclass(frozen=True)
@@ -92,7 +93,7 @@ def verify(
         verdicts.append(Verdict(case, float(case.compute())))
         if progress is not None:
             progress(done, len(chosen))
-    shared_runs.cache_clear()
+    forget_shared()
     return verdicts
 
 
@@ -111,12 +112,13 @@ def as_dict(verdicts: Sequence[Verdict]) -> dict[str, object]:
     Examples
     --------
     >>> as_dict(verify(["restitution"]))["agreeing"]
-    12
+    17
     """
     return {
         "schema_version": 1,
         "hertzchain_version": __version__,
         "agreeing": sum(verdict.agrees for verdict in verdicts),
+        "origins": ORIGINS,
         "cases": [
             {
                 "group": verdict.case.group,
@@ -126,6 +128,7 @@ def as_dict(verdicts: Sequence[Verdict]) -> dict[str, object]:
                 "tolerance": verdict.case.tolerance,
                 "agrees": verdict.agrees,
                 "source": verdict.case.source,
+                "origin": verdict.case.origin,
             }
             for verdict in verdicts
         ],

@@ -16,6 +16,9 @@ from scipy_chain import Units
 import hertzchain as hc
 
 LAWS = ("Restitution", "Viscoelastic", "UnloadingRatio", "VelocityPower", "Dashpot", "WaltonBraun")
+FEATURES = {
+    "SI", "gaps", "walls", "gravity", "precompression", "strikers", "drive", "loss",
+}  # fmt: skip
 # Time that a run takes, in units of a collision of the first beads.
 DURATION = 20.0
 
@@ -26,6 +29,7 @@ class Case(NamedTuple):
     seed: int
     chain: hc.Chain
     units: Units
+    options: dict
 
     @property
     def until(self):
@@ -33,19 +37,24 @@ class Case(NamedTuple):
 
     def __repr__(self):
         chain = self.chain
+        options = "".join(f", {name}={value}" for name, value in self.options.items())
         parts = (chain.loss, chain.drive, chain.left_wall, chain.right_wall)
-        return f"random_case({self.seed}): {chain}, " + ", ".join(map(repr, parts))
+        return f"random_case({self.seed}{options}): {chain}, " + ", ".join(map(repr, parts))
 
 
-def random_case(seed, *, without=(), laws=LAWS, most_beads=8):
-    """A random chain; ``without`` names what it must not have.
+def random_case(seed, **options):
+    """A random chain of up to nine beads.
 
-    Any of ``"SI"``, ``"loss"``, ``"drive"``, ``"walls"``, ``"strikers"``, ``"gaps"``,
-    ``"precompression"``, ``"gravity"``.
+    Options are ``only`` and ``without``, what it must and must not have, any of ``FEATURES``; and
+    ``laws``, those to choose from.
     """
+    return _random_case(seed, options, **options)
+
+
+def _random_case(seed, options, only=(), without=(), laws=LAWS):
     rng = np.random.default_rng(seed)
-    draw = _Draw(rng, without)
-    chain, units = _beads(draw, int(rng.integers(2, most_beads + 1)))
+    draw = _Draw(rng, only, without)
+    chain, units = _beads(draw, int(rng.integers(2, 9)))
     changes = _start(draw, chain, units) | _ends(draw, chain, units)
     if draw.has("gravity", 0.4):
         changes["gravity"] = draw.near(0.08) * draw.sign() * units.length / units.time**2
@@ -58,18 +67,20 @@ def random_case(seed, *, without=(), laws=LAWS, most_beads=8):
     law = random_law(rng, units, laws)
     if draw.has("loss", 0.8):
         chain = chain.replace(loss=law)
-    return Case(seed, chain, units)
+    return Case(seed, chain, units, options)
 
 
 class _Draw:
     """Random choices of what a chain has."""
 
-    def __init__(self, rng, without):
-        self.rng, self.without = rng, frozenset(without)
+    def __init__(self, rng, only, without):
+        assert {*only, *without} <= FEATURES
+        self.rng, self.only, self.without = rng, only, without
 
     def has(self, feature, chance):
         # Drawn in any case: what one chain lacks must not change the rest of it.
-        return bool(self.rng.random() < chance) and feature not in self.without
+        drawn = bool(self.rng.random() < chance)
+        return (drawn or feature in self.only) and feature not in self.without
 
     def near(self, value, factor=3.0):
         return value * factor ** self.rng.uniform(-1.0, 1.0)
@@ -181,7 +192,7 @@ def random_law(rng, units, laws=LAWS):
         return hc.WaltonBraun(float(rng.uniform(0.2, 0.99)))
     if name == "Dashpot":
         return hc.Dashpot(strength * units.force / units.velocity, pulls)
-    alpha = float(rng.choice([1.0, 1.25, 1.5, 1.81, 2.0, 3.0]))
+    alpha = float(rng.choice([0.75, 0.9, 1.0, 1.25, 1.5, 1.81, 2.0, 3.0]))
     return hc.VelocityPower(strength * units.force / units.velocity**alpha, alpha, pulls)
 
 
@@ -200,3 +211,31 @@ def random_drive(rng, units, *, walled):
     cycles = float(rng.choice([0.5, 1.0, 2.0, 3.5]))
     window = str(rng.choice(["hann", "none"]))
     return hc.SineBurst(size, rng.uniform(0.08, 0.5) / units.time, cycles, of, window)
+
+
+class Tally:
+    """How a check fared on many chains."""
+
+    def __init__(self, name):
+        self.name, self.tried, self.worst, self.failures = name, 0, 0.0, []
+
+    def try_all(self, seeds, deviation, most, **options):
+        """Call ``deviation(case)`` on each random chain; fails with all seeds above ``most``."""
+        for seed in seeds:
+            case = random_case(seed, **options)
+            self.tried += 1
+            try:
+                found = float(deviation(case))
+            except (AssertionError, RuntimeError) as error:
+                self.failures.append(f"{case!r}: {type(error).__name__}: {error}")
+                continue
+            self.worst = max(self.worst, found)
+            if not found <= most:
+                self.failures.append(f"{case!r}: deviates by {found:.3g}, more than {most:g}")
+        assert not self.failures, f"{self}:\n" + "\n".join(self.failures)
+
+    def __str__(self):
+        return (
+            f"{self.name}: {self.tried} chains tried, {len(self.failures)} failed, "
+            f"largest deviation {self.worst:.1e}"
+        )

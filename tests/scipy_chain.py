@@ -319,7 +319,11 @@ class Contacts:
         forces = static_forces(chain, masses)
         self.free = k == 0.0
         # What holds the chain behind strikers is a force on its first bead, not their contact.
-        held = (forces > 0.0) & ~self.free & (np.arange(len(k)) >= chain.strikers + bool(chain.strikers))
+        held = (
+            (forces > 0.0)
+            & ~self.free
+            & (np.arange(len(k)) >= chain.strikers + bool(chain.strikers))
+        )
         overlaps = np.where(held, (forces / np.where(self.free, 1.0, k)) ** (1.0 / p), 0.0)
         walls = [getattr(wall, "gap", 0.0) for wall in (chain.left_wall, chain.right_wall)]
         gaps = np.concatenate((walls[:1], chain.gaps, walls[1:]))
@@ -521,6 +525,7 @@ def _first_violation(contacts, dense, begin, end):
         t = begin + theta * (end - begin) if theta < 1.0 else end
         margins = contacts.margins(t, dense(t))
         for c in np.flatnonzero(margins < -NOISE):
+
             def margin(s, c=c):
                 return contacts.margins(s, dense(s))[c] + NOISE
 

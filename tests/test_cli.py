@@ -427,7 +427,10 @@ def test_simulate_prints_what_walls_and_sensors_felt(run, tmp_path):
     felt = hertzchain.simulate(hertzchain.load_chain(file), until=2e-4, times=101)
     wall, force = felt.wall_force(), felt.sensor(3)
     assert f"right wall: peak {wall.peak:.6g} N at t = {wall.peak_time:.6g} s; impulse of" in out
-    assert f"first contact {wall.first_contact_impulse:.6g} N s, impulse in all {wall.impulse:.6g} N" in out
+    assert (
+        f"first contact {wall.first_contact_impulse:.6g} N s, impulse in all {wall.impulse:.6g} N"
+        in out
+    )
     at = felt.times[force.argmax()]
     assert f"sensor in bead 3: peak {force.max():.6g} N at t = {at:.6g} s" in out
     drawn = picture.read_text()

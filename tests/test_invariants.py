@@ -35,7 +35,9 @@ def times_of(case):
 
 
 def run_of(case, chain=None, **options):
-    return hc.simulate(case.chain if chain is None else chain, **{"times": times_of(case)} | options)
+    return hc.simulate(
+        case.chain if chain is None else chain, **{"times": times_of(case)} | options
+    )
 
 
 def difference(velocities, others, units):
@@ -133,7 +135,9 @@ def rescaled(chain, mass, length, time):
 
 def _multiplied(part, factors):
     names = {item.name for item in dataclasses.fields(part)} & set(factors)
-    return dataclasses.replace(part, **{name: getattr(part, name) * factors[name] for name in names})
+    return dataclasses.replace(
+        part, **{name: getattr(part, name) * factors[name] for name in names}
+    )
 
 
 def test_units_of_mass_length_and_time_are_free(try_chains):

@@ -35,6 +35,7 @@ def doors(folder):
     balls = Chain.from_materials(5e-3, "brass", beads=9, velocity=0.01)
     small = chain.decorated(0.2)
     run, pulse = hc.simulate(walled, until=10.0, times=50), hc.bca(chain)
+    longer = hc.simulate(walled, until=20.0, times=200)
     budget, compared, wave = run.budget(), pulse.compare(pulse), hc.solitary_wave()
     table = hc.propagate_many([[1.0, 1.0, 1.0]])
     held = chain.replace(precompression=1.0, held_by="force")
@@ -170,7 +171,7 @@ def doors(folder):
             run.leading_pulse().weights, times=run.times, velocities=run.velocities
         ),
         "Run.waves": tried(run.waves, threshold=0.1, min_contacts=3),
-        "Run.reflection": tried(run.reflection, before=3, after=9, since=0.0, until=None),
+        "Run.reflection": tried(longer.reflection, before=4, after=9, since=0.0, until=None),
         "Run.horizon": tried(run.horizon, within=0.01, progress=None),
         "Run.velocity_peaks": tried(run.velocity_peaks, bead=3),
         "Waves.passing": tried(run.waves().passing, contact=3),

@@ -134,6 +134,23 @@ def test_interfaces_conserve_energy_and_agree_with_the_velocities(ratio, forward
     assert found.reflected_force == pytest.approx(backward**1.2, rel=5e-3)
 
 
+def test_a_count_that_is_not_of_one_wave_warns():
+    run = hc.simulate(interface(2.0), until=140.0, times=2000)
+    with pytest.warns(hc.InputWarning, match=r"100% of the incident energy is still between"):
+        early = run.reflection(50, 75, until=68.0)
+    assert (early.reflected, early.transmitted) == ((), ())
+    with pytest.raises(hc.SimulationError, match="incident wave passes contact 50 until"):
+        run.reflection(50, 75, until=early.incident.time + 0.1)
+    # Two equal pulses between walls: each is there when the other enters.
+    velocities = np.zeros(60)
+    velocities[[0, -1]] = 1.0, -1.0
+    pair = hc.Chain.uniform(60).replace(velocities=velocities)
+    run = hc.simulate(pair, until=65.0, times=900)
+    with pytest.warns(hc.InputWarning, match="other waves take part"):
+        found = run.reflection(20, 50)
+    assert found.disturbed == (found.until < 65.0)
+
+
 @pytest.mark.parametrize("mass", [0.2, 0.5, 2.0, 5.0])
 def test_mass_defects_scatter_both_ways(mass):
     masses = np.ones(120)
@@ -177,9 +194,18 @@ def test_mirrored_chains_have_mirrored_waves():
     np.testing.assert_allclose(rows(ours, 1), rows(theirs, -1), rtol=1e-6)
     flux, back = run.energy_flux(), image.energy_flux()
     np.testing.assert_allclose(flux.right, back.left[::-1], rtol=1e-6, atol=1e-9)
-    there = run.reflection(20, 40, until=60.0)
-    again = image.reflection(20, 0, until=60.0)
-    assert there.reflected_energy == pytest.approx(again.reflected_energy, rel=1e-6)
+
+
+def test_a_wave_to_the_left_is_reflected_like_its_mirror_image():
+    chain = interface(2.0)
+    mirrored = hc.Chain.from_radii(np.ones(120)).replace(
+        masses=chain.masses[::-1], stiffness=chain.stiffness[::-1],
+        velocities=-chain.velocities[::-1],
+    )  # fmt: skip
+    there = hc.simulate(chain, until=140.0, times=2000).reflection(50, 75)
+    again = hc.simulate(mirrored, until=140.0, times=2000).reflection(70, 45)
+    for name in ("reflected_energy", "transmitted_energy", "reflected_momentum", "kept_energy"):
+        assert getattr(there, name) == pytest.approx(getattr(again, name), abs=1e-6)
 
 
 def test_waves_of_balls_are_those_of_their_scaled_chain():

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
@@ -9,7 +10,7 @@ import numpy as np
 
 from hertzchain.chain.chain import Chain
 from hertzchain.checks import number, whole_number
-from hertzchain.errors import InputError, SimulationError
+from hertzchain.errors import InputError, InputWarning, SimulationError
 from hertzchain.simulation.wave_events import (
     ContactCurves,
     WaveEvent,
@@ -27,6 +28,8 @@ THRESHOLD: Final = 0.01
 # Waves of less than this part of the incident energy need not be resolved, nor do they end the
 # count when they enter from outside.
 WEAK: Final = 0.01
+# Part of the incident energy that may be missing from the balance, or still between the contacts.
+MISSING: Final = 0.05
 
 
 @dataclass(frozen=True, eq=False)
@@ -115,6 +118,15 @@ class Reflection:
         """Largest force of the transmitted waves, in parts of the incident wave's."""
         return max((e.amplitude for e in self.transmitted), default=0.0) / self.incident.amplitude
 
+    @property
+    def unexplained_energy(self) -> float:
+        """What 1 - R - T - ``kept_energy`` leaves.
+
+        It is far from 0 where other waves were between the contacts, or passed one of them
+        together with a counted wave; then the coefficients are not those of one wave.
+        """
+        return 1.0 - self.reflected_energy - self.transmitted_energy - self.kept_energy
+
     def __repr__(self) -> str:
         ended = "another wave entered" if self.disturbed else "nothing else entered"
         return (
@@ -178,6 +190,13 @@ def reflection_of(
     entering = [e for e in near if e.direction == sign] + [e for e in far if e.direction == -sign]
     entry = min((e.begin for e in entering if e.energy > WEAK * incident.energy), default=np.inf)
     last = min(stop, entry, float(run.times[-1]))
+    if last <= incident.end:
+        reason = f"; another wave enters at t = {entry:g}" if entry <= last else ""
+        raise SimulationError(
+            f"no coefficients: the incident wave passes contact {first} until t = "
+            f"{incident.end:g}{reason}; choose other contacts, since or until, or use "
+            "run.energy_flux()"
+        )
     reflected = tuple(e for e in near if e.direction == -sign and e.time <= last)
     transmitted = tuple(e for e in far if e.direction == sign and e.time <= last)
     for event, name in [
@@ -190,11 +209,32 @@ def reflection_of(
     inflow = _net_flow(run, first, incident.begin, last) - _net_flow(
         run, second, incident.begin, last
     )
-    return Reflection(
+    found = Reflection(
         chain=run.chain, before=first, after=second, incident=incident, reflected=reflected,
         transmitted=transmitted, until=last, disturbed=entry < min(stop, float(run.times[-1])),
         kept_energy=sign * inflow / incident.energy,
     )  # fmt: skip
+    _warn_of_balance(found)
+    return found
+
+
+def _warn_of_balance(found: Reflection) -> None:
+    """Warn where the coefficients are not, or not yet, those of one wave."""
+    if abs(found.unexplained_energy) > MISSING:
+        reason = (
+            f"other waves take part: {found.unexplained_energy:.0%} of the incident energy is "
+            "missing from the balance, and the coefficients are not those of one wave; choose "
+            "other contacts, since or until"
+        )
+    elif found.kept_energy > MISSING and found.chain.loss is None:
+        advice = "choose another since or until" if found.disturbed else "simulate for longer"
+        reason = (
+            f"{found.kept_energy:.0%} of the incident energy is still between the contacts at t = "
+            f"{found.until:g}; {advice}"
+        )
+    else:
+        return
+    warnings.warn(reason, InputWarning, stacklevel=4)
 
 
 def _net_flow(run: Run, contact: int, begin: float, end: float) -> float:

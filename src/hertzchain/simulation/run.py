@@ -617,7 +617,15 @@ class Run:
             If there are no such contacts, or fewer than 8 times were saved during the passage
             of one of the waves.
         SimulationError
-            If no wave towards ``after`` passes the contact ``before``.
+            If no wave towards ``after`` passes the contact ``before``, or another wave enters
+            before it has passed.
+
+        Warns
+        -----
+        InputWarning
+            If other waves take part, or the wave has not come out yet: when more than 5% of the
+            incident energy is missing from the balance or, without losses, still between the
+            contacts.
 
         Examples
         --------

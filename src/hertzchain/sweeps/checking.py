@@ -9,7 +9,7 @@ from hertzchain.chain.chain import Chain
 from hertzchain.errors import InputError, SimulationError
 from hertzchain.pulse.quantities import QUANTITIES
 from hertzchain.sweeps.methods import INTEGRATIONS, pulse_by
-from hertzchain.sweeps.plan import Index, Plan, spread
+from hertzchain.sweeps.plan import Plan, spread
 from hertzchain.sweeps.reading import raise_all
 from hertzchain.sweeps.specification import WALL_QUANTITIES
 from hertzchain.sweeps.warned import recorded
@@ -60,14 +60,15 @@ def _bad_requests(plan: Plan) -> list[str]:
 def _bad_values(plan: Plan) -> list[str]:
     """Values of an axis with which no chain can be made, whatever the others are."""
     if plan.zipped:
-        reasons = [_reason(plan, index) for index in plan.tried()]
+        reasons = [plan.trial(index).reason for index in plan.tried()]
         return [f"axes: {reasons[0]}"] if all(reasons) else []
     ends = (0,) * len(plan.shape), tuple(n - 1 for n in plan.shape)
     problems = []
     for place, axis in enumerate(plan.specification.axes):
         bad = {}
         for i in spread(len(axis)):
-            reasons = [_reason(plan, (*end[:place], i, *end[place + 1 :])) for end in ends]
+            places = ((*end[:place], i, *end[place + 1 :]) for end in ends)
+            reasons = [plan.trial(index).reason for index in places]
             if all(reasons):
                 bad[i] = reasons[0]
         if len(bad) == len(spread(len(axis))) > 1:
@@ -83,19 +84,10 @@ def _bad_units(plan: Plan) -> list[str]:
     if with_unit and plan.units == "scaled":
         said = "has a unit, but the chains are in scaled variables: give plain numbers"
         return [f"axes.{name}: {said}" for name in with_unit]
-    for index in plan.tried():
-        if not _reason(plan, index) and plan.chain(index).units != plan.units:
+    for found in map(plan.trial, plan.tried()):
+        if not found.reason and found.units != plan.units:
             return ["axes: some chains are in SI units, others scaled: sweep them apart"]
     return []
-
-
-def _reason(plan: Plan, index: Index) -> str:
-    """Why there is no such chain; empty if there is."""
-    try:
-        plan.chain(index)
-    except InputError as error:
-        return str(error)
-    return ""
 
 
 def _refusal(plan: Plan, method: str) -> str:
@@ -116,7 +108,9 @@ def _refusal(plan: Plan, method: str) -> str:
 def _chains(plan: Plan) -> list[Chain]:
     """The first and the last chain that there is, of those that are tried."""
     tried = [*plan.tried()]
-    ends = (next((i for i in way if not _reason(plan, i)), None) for way in (tried, tried[::-1]))
+    ends = (
+        next((i for i in way if not plan.trial(i).reason), None) for way in (tried, tried[::-1])
+    )
     return [plan.chain(index) for index in dict.fromkeys(ends) if index is not None]
 
 
@@ -146,7 +140,4 @@ def _columns(plan: Plan, method: str) -> Iterable[str]:
 
 
 def _has_wall(plan: Plan) -> bool:
-    return any(
-        not _reason(plan, index) and plan.chain(index).right_wall is not None
-        for index in plan.tried()
-    )
+    return any(plan.trial(index).walled for index in plan.tried())

@@ -27,12 +27,34 @@ Index = tuple[int, ...]
 # Points of a batch: at most so many (of whole trajectories, which take longer, fewer), and so
 # few that there are batches for all workers.
 MOST, MOST_TRAJECTORIES, LEAST, BATCHES = 2048, 32, 8, 32
-# Bytes of one quantity in a batch.
+# Bytes of one quantity in a batch, and of all that is in memory while it is computed.
 MOST_BYTES: Final = 16 * 2**20
+MOST_HELD: Final = 2**27
+# Numbers per bead in memory while a batch is computed, next to what is kept (measured).
+HELD_PER_BEAD: Final = 20
 # Values of one axis that are tried before anything is computed.
 TRIED: Final = 200
 # Keys of [chain] of a plain scaled taper, whose radii are quickly had.
 TAPER_KEYS: Final = frozenset({"taper", "rate", "beads"})
+
+
+@dataclass(frozen=True)
+class Trial:
+    """What became of making the chain of a point.
+
+    Attributes
+    ----------
+    reason : str
+        Why there is no such chain; empty if there is.
+    units : str
+        Units of the chain.
+    walled : bool
+        Whether it has a right wall.
+    """
+
+    reason: str = ""
+    units: str = "scaled"
+    walled: bool = False
 
 
 @dataclass(frozen=True, eq=False)
@@ -156,6 +178,38 @@ class Plan:
         document = self.document(index)
         return chain_from({"chain": document["chain"], "materials": document["materials"]})
 
+    def trial(self, index: Index) -> Trial:
+        """Make the chain of a point, once.
+
+        Parameters
+        ----------
+        index : tuple of int
+            Its place along each dimension, from 0.
+
+        Returns
+        -------
+        Trial
+
+        Examples
+        --------
+        >>> from hertzchain.sweeps.reading import read_specification
+        >>> axes = {"rate": [0.02, 4.0]}
+        >>> chain = {"taper": "forward-linear", "beads": 9}
+        >>> Plan(read_specification({"chain": chain, "axes": axes})).trial((1,)).reason[:40]
+        'a forward-linear taper with S = 4 runs o'
+        """
+        if index not in self._trials:
+            try:
+                chain = self.chain(index)
+                self._trials[index] = Trial("", chain.units, chain.right_wall is not None)
+            except InputError as error:
+                self._trials[index] = Trial(str(error))
+        return self._trials[index]
+
+    @cached_property
+    def _trials(self) -> dict[Index, Trial]:
+        return {}
+
     def radii(self, index: Index) -> Array | None:
         """Radii of a point that is a plain taper; `None` of any other.
 
@@ -226,10 +280,21 @@ class Plan:
     @cached_property
     def longest(self) -> int:
         """Number of beads of the longest chain."""
+        if self._lengths is not None:
+            return max(self._lengths)
         if self.zipped:
             return max(map(self._beads, np.ndindex(self.shape)), default=0)
         ranges = [range(n) if i in self._changing else (0,) for i, n in enumerate(self.shape)]
         return max(map(self._beads, itertools.product(*ranges)), default=0)
+
+    @cached_property
+    def _lengths(self) -> list[int] | None:
+        """All lengths, if an axis gives them and nothing else changes them."""
+        axes = {axis.path: axis for axis in self.specification.axes}
+        keys = {path[0] for path in axes} | self.specification.chain.keys()
+        values = axes[("beads",)].values if ("beads",) in axes else []
+        whole = bool(values) and all(isinstance(value, int) for value in values)
+        return values if whole and keys.isdisjoint(METHODS) else None
 
     def _changes_length(self, place: int, axis: Axis) -> bool:
         first = (0,) * len(self.shape)
@@ -254,6 +319,7 @@ class Plan:
         most = MOST_TRAJECTORIES if "simulate" in spec.methods else MOST
         kept = self.longest if spec.at == "every" else 1
         most = min(most, max(1, MOST_BYTES // (8 * max(1, kept) * len(spec.methods))))
+        most = min(most, max(1, MOST_HELD // max(1, self._held_per_point)))
         left = spec.batch or min(most, max(LEAST, math.ceil(self.points / BATCHES)))
         block = [1] * len(self.shape)
         for place in range(len(self.shape) - 1, -1, -1):
@@ -263,6 +329,18 @@ class Plan:
             if block[place] < size or left < 2:
                 break
         return tuple(block)
+
+    @property
+    def _held_per_point(self) -> int:
+        """Bytes in memory for each point of a batch while it is computed."""
+        spec = self.specification
+        quantities = len(dict.fromkeys((*spec.keep, *spec.errors))) + len(spec.errors)
+        return 8 * self.longest * (len(spec.methods) * quantities + HELD_PER_BEAD)
+
+    @property
+    def bytes_held(self) -> int:
+        """Bytes in memory while a batch is computed, about."""
+        return math.prod(self.block) * self._held_per_point
 
     @cached_property
     def grid(self) -> Index:
@@ -325,12 +403,8 @@ class Plan:
     @cached_property
     def units(self) -> str:
         """Units of the chains: ``"scaled"`` or ``"SI"``."""
-        for index in self.tried():
-            try:
-                return self.chain(index).units
-            except InputError:
-                continue
-        return "scaled"
+        found = (self.trial(index) for index in self.tried())
+        return next((each.units for each in found if not each.reason), "scaled")
 
     def tried(self) -> Iterator[Index]:
         """A few of the points, the first and the last among them.

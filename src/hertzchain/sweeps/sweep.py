@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 import os
 import shutil
@@ -19,7 +18,7 @@ from concurrent.futures import (
     wait,
 )
 from contextlib import ExitStack
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
@@ -40,8 +39,8 @@ from hertzchain.sweeps.executors import (
 )
 from hertzchain.sweeps.plan import Plan
 from hertzchain.sweeps.reading import read_specification, specification_from_json
-from hertzchain.sweeps.specification import Specification, differences
-from hertzchain.sweeps.work import Result, run_batch
+from hertzchain.sweeps.specification import differences
+from hertzchain.sweeps.work import Result, run_batch, run_planned
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -150,6 +149,7 @@ def sweep(
         raise InputError("a shard needs a store, which merge_sweeps joins with the others")
     plan = Plan(read_specification(specification))
     _check_room(plan, store)
+    _check_memory(plan, executor, workers)
     check_plan(plan, _heading(specification))
     with ExitStack() as stack:
         pool = executor
@@ -195,11 +195,10 @@ def estimate(specification: Any, *, workers: int | None = None) -> Estimate:
     plan = Plan(spec)
     check_plan(plan, _heading(specification))
     size = bytes_of(plan)
-    # One point alone compiles, a second one is timed; a whole batch if that is soon done.
-    alone = Plan(read_specification(_with_batch(spec, 1)))
-    middle = alone.batches // 2
-    run_batch(alone.specification.as_json(), middle)
-    each = _timed(alone, middle)
+    # The first point alone compiles, another is timed; a whole batch if that is soon done.
+    alone = Plan(replace(spec, batch=1))
+    _timed(alone, 0)
+    each = _timed(alone, alone.batches // 2)
     batch = plan.batches // 2
     size_of_batch = sum(1 for _ in plan.indices(batch))
     if each * size_of_batch < SAMPLE_SECONDS:
@@ -340,6 +339,20 @@ def _check_room(plan: Plan, folder: str | os.PathLike[str] | None) -> None:
         )
 
 
+def _check_memory(plan: Plan, executor: Executor | None, workers: int | None) -> None:
+    """Refuse batches that do not fit into memory, those of all threads together."""
+    import psutil
+
+    count = worker_count("workers", workers) if executor is None else 1
+    size, free = count * plan.bytes_held, psutil.virtual_memory().available
+    if size > FREE * free:
+        raise InputError(
+            f"{count} batches of {math.prod(plan.block)} points of {plan.longest} beads need about "
+            f"{size / 1e9:.3g} GB of memory at a time, and {free / 1e9:.3g} GB are free: use a "
+            "smaller batch, fewer workers or shorter chains"
+        )
+
+
 def _check_same(store: SweepStore, text: str, what: str) -> None:
     found = differences(store.specification, text)
     if found:
@@ -394,17 +407,21 @@ def _results(
     plan: Plan, batches: list[int], pool: Executor, tell: Callable[[int | None], None]
 ) -> Iterator[Result]:
     """Results as they are finished; a few batches for each worker are under way."""
-    text, waiting = plan.specification.as_json(), iter(batches)
-    stop = threading.Event()
-    # Threads can be told to stop; what runs elsewhere ends with its batch.
-    more = (stop.is_set,) if isinstance(pool, ThreadPoolExecutor) else ()
+    waiting, stop = iter(batches), threading.Event()
+    submit: Callable[[int], Future[Result]]
+    if isinstance(pool, ThreadPoolExecutor):
+        submit = lambda batch: _submitted(pool, run_planned, plan, batch, stop.is_set)  # noqa: E731
+    else:
+        # What runs elsewhere ends with its batch.
+        text = plan.specification.as_json()
+        submit = lambda batch: _submitted(pool, run_batch, text, batch)  # noqa: E731
     running: set[Future[Result]] = set()
     left, ahead = len(batches), AHEAD * _workers_of(pool)
     try:
         tell(None)
         while left:
             for batch in waiting:
-                running.add(_submitted(pool, text, batch, *more))
+                running.add(submit(batch))
                 if len(running) >= ahead:
                     break
             finished, running = _wait(running, pool)
@@ -430,9 +447,9 @@ def _results(
             future.cancel()
 
 
-def _submitted(pool: Executor, *arguments: Any) -> Future[Result]:
+def _submitted(pool: Executor, function: Callable[..., Result], *arguments: Any) -> Future[Result]:
     try:
-        return pool.submit(run_batch, *arguments)
+        return pool.submit(function, *arguments)
     except BrokenExecutor:
         raise
     except RuntimeError as error:
@@ -487,15 +504,9 @@ def _in_memory(plan: Plan, pool: Executor, progress: Progress | None) -> xr.Data
     return plain_text(xr.Dataset(kept, coords=coordinates, attrs=attributes_of(plan)))
 
 
-def _with_batch(spec: Specification, points: int) -> dict[str, Any]:
-    document: dict[str, Any] = json.loads(spec.as_json())
-    document["sweep"]["batch"] = points
-    return document
-
-
 def _timed(plan: Plan, batch: int) -> float:
     begun = time.perf_counter()
-    run_batch(plan.specification.as_json(), batch)
+    run_planned(plan, batch, lambda: False)
     return time.perf_counter() - begun
 
 

@@ -94,7 +94,35 @@ def run_batch(text: str, batch: int, stop: Stop | None = None) -> Result:
     >>> run_batch(text, 0).columns["velocity"].shape
     (2, 1, 40)
     """
-    work = _Batch(plan_of(text), batch, stop or (lambda: False))
+    return run_planned(plan_of(text), batch, stop or (lambda: False))
+
+
+def run_planned(plan: Plan, batch: int, stop: Stop) -> Result:
+    """Compute one batch of a plan, which threads of one process share.
+
+    Parameters
+    ----------
+    plan : Plan
+        What is swept.
+    batch : int
+        Number of the batch, from 0.
+    stop : callable
+        Whether to stop; called many times a second.
+
+    Returns
+    -------
+    Result
+
+    Raises
+    ------
+    Stopped
+        If it was told to.
+
+    Examples
+    --------
+    See `run_batch`.
+    """
+    work = _Batch(plan, batch, stop)
     for place, method in enumerate(work.plan.specification.methods):
         if method == "propagate" and not work.varied_options:
             work.follow_together(place)
@@ -134,6 +162,7 @@ class _Batch:
         subjects: list[Chain | Array] = []
         rows = []
         for row in range(len(self.indices)):
+            self._watch()
             try:
                 subject = self._subject(row)
             except InputError as error:

@@ -262,7 +262,7 @@ BAD = [
     ({"axes": {"rate": {"linspace": [0, 1, 10**12]}}}, "from 1 to 10000000, got 1000000000000"),
     ({"axes": {"rate": {"linspace": [-1e308, 1e308, 3]}}}, "linspace's first must be at least"),
     ({"axes": {"velocity": {"list": ["a"], "unit": "m/s"}}}, "value 1 must be a number, got 'a'"),
-    ({"axes": {"velocity": {"list": [1], "unit": ["m/s"]}}}, "has the unit \\['m/s'\\], which must be text"),
+    ({"axes": {"velocity": {"list": [1], "unit": ["m/s"]}}}, "has the unit \\['m/s'\\], .*text"),
     ({"axes": {"rate": [1j]}}, "axes.rate: value 1 is 1j, which cannot stand in a specification"),
     ({"axes": {"rate": [None]}}, "value 1 is None, which cannot stand in"),
     ({"axes": {"with_scatter.seed": [10**30]}}, "value 1 is too large: .* 63 bits"),

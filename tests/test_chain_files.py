@@ -278,3 +278,136 @@ def test_numbers_in_tables_are_finite(tmp_path, table, said):
     file.write_text(table)
     with pytest.raises(hc.InputError, match=said):
         hc.load_chain(file)
+
+
+DEEP = "[" * 3000 + "]" * 3000
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("file = 5", "file of .chain. must be a path, got 5"),
+        ("file = {a = 1}", "file of .chain. must be a path"),
+        ('file = ""', "file of .chain. must be a path, got ''"),
+        (U + "drive = {kind = 'table', file = 5}", "file of .chain.drive. must be a path, got 5"),
+        (U + "drive = {kind = 'table'}", "has no times; a table has times and values or a file"),
+        (SI + "radius = 2026-01-01", "radius of .chain. must be a number"),
+        (SI.replace("5e-3", "{a = 1}"), r"radii of .chain. must be a list, or a table such as"),
+        (SI.replace("5e-3", "'5 kg'"), "radius must have a unit such as m, cm, mm.* got 'kg'"),
+        (SI.replace("5e-3", "'5 furlong'"), "unknown unit of radius 'furlong': choose from m, cm"),
+        (SI.replace("5e-3", "true"), "radii of .chain. must be a number, .* got True"),
+        (U + "radius = true", "radius of .chain. must be a number, .* got True"),
+        ('cell = [5e-3]\ncells = "2"\nmaterials = "brass"', "cells .* whole number, got '2'"),
+        ('cell = [5e-3]\ncells = 2.5\nmaterials = "brass"', "cells .* whole number, got 2.5"),
+        ('cell = [5e-3]\ncells = -2\nmaterials = "brass"', "cells must be .* at least 1, got -2"),
+        ('cell = [5e-3]\ncells = 9000000000000\nmaterials = "brass"', "do not fit in memory"),
+        ("cell = [[1], [1, 2]]\ncells = 2", "cell of .chain. must be a list of numbers, got"),
+        ("radii = [[1, 2], [3, 4]]", "radii of .chain. must be a list of numbers, got"),
+        (U + "with_defects = [{bead = [1], radius = 0.5}]", "bead .* whole number, got .1."),
+        (U + "with_defects = 3", r"\[chain.with_defects\] must be a table, got 3"),
+        (U + "with_scatter = {seed = 1, rng = 2, relative = 0.1}", "unknown key .* 'rng'"),
+        (U + 'right_wall = {rigid = "false"}', "rigid .* must be true or false, got 'false'"),
+        (U + "right_wall = true", r"must be a table, such as \{rigid = true\}.*got True"),
+        (U + "loss = 0.95", r'such as \{law = "restitution", coefficient = 0.95\}, got 0.95'),
+        (U + 'units = "banana"', "unknown units of .chain. 'banana': choose from scaled, SI"),
+        (U + "units = 3", "unknown units of .chain. 3: choose from scaled, SI"),
+        (U + 'units = ["SI"]', "unknown units of .chain. .'SI'.: choose from scaled, SI"),
+        (U + 'units = "SI "', "unknown units of .chain. 'SI ': .*did you mean 'SI'"),
+        (SI + 'units = "scaled"', "has units = 'scaled' and also materials"),
+        (SI.replace("brass", "steel"), "did you mean 'steel-52100' or 'steel-304' or 'steel-316'"),
+        (SI + '[materials.x]\nname = "y"\ndensity = 1.0\nyoung = 1.0\npoisson = 0.3', "'name'"),
+        (SI + "[materials]\nx = 3", r"\[materials.x\] must be a table, got 3"),
+        (U + "exponent = '2 m'", "exponent of .chain. must be a number, got '2 m'"),
+        (U + "gaps = ['1 um', 0]", "gap has a unit .'1 um'., but the chain is in scaled"),
+        (U + "right_wall = {gap = '1 um'}", "right_wall has a unit in its gap, but .* scaled"),
+        (U + 'gaps = {list = [1, "2"], unit = "mm"}', "list of plain numbers beside its unit"),
+        (U + "gaps = {list = [1, 2], unit = 3}", "unit of gaps of .chain. must be text, got 3"),
+        (U + "rate = " + DEEP, "is nested too deeply"),
+        (U + "rate = " + "9" * 5001, "a whole number of thousands of digits"),
+    ],
+)  # fmt: skip
+def test_values_of_the_wrong_type_are_refused(tmp_path, text, said):
+    with pytest.raises(InputError, match=said) as caught:
+        hc.load_chain(written(tmp_path, f"[chain]\n{text}\n"))
+    assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        (
+            'taper = "forward-linear"\nrate = 0.1\nbeads = 4\nradius = "5 mm"\nmaterials = "brass"',
+            Chain.from_materials(
+                5e-3 * Chain.tapered("forward-linear", 0.1, beads=4).radii, "brass"
+            ),
+        ),
+        (
+            'radii = {list = [5, 4.5], unit = "mm"}\nmaterials = "brass"\nvelocity = "1 m/s"',
+            Chain.from_materials([5e-3, 4.5e-3], "brass", velocity=1.0),
+        ),
+        (
+            'cell = ["5 mm", 4e-3]\ncells = 2\nmaterials = "brass"\nprecompression = "1 kN"\n'
+            'left_wall = {}\nright_wall = {}',
+            Chain.periodic([5e-3, 4e-3], cells=2, materials="brass", precompression=1000.0,
+                           left_wall=Wall(), right_wall=Wall()),
+        ),
+        (
+            'units = "SI"\ncell = [5e-3, 4e-3]\ncells = 2\nmasses = ["1 g", "2 g", 3e-3, 4e-3]\n'
+            'stiffness = "7 N/um^1.5"\ngaps = {list = [1, 0, 2.5], unit = "um"}',
+            Chain([5e-3, 4e-3] * 2, units="SI", masses=[1e-3, 2e-3, 3e-3, 4e-3], stiffness=7e9,
+                  gaps=[1e-6, 0, 2.5e-6]),
+        ),
+        (
+            SI + 'with_defects = {bead = 2, radius = "4 mm"}\n'
+            'struck_by = {mass = "2 g", gap = "1 um"}\nloss = {law = "dashpot", gamma = "6 kg/s"}\n'
+            'drive = {kind = "table", times = {list = [0, 1], unit = "ms"}, values = ["0 N", 3]}',
+            Chain.from_materials(5e-3, "brass", beads=3).with_defects({2: 4e-3})
+            .struck_by(mass=2e-3, gap=1e-6)
+            .replace(loss=hc.Dashpot(6.0), drive=hc.Table([0, 1e-3], [0, 3])),
+        ),
+    ],
+)  # fmt: skip
+def test_units_in_chain_files(tmp_path, text, expected):
+    loaded = hc.load_chain(written(tmp_path, f"[chain]\n{text}\n"))
+    assert_same(loaded, expected)
+    again = written(tmp_path, hc.chain_as_toml(loaded), "again.toml")
+    assert_same(hc.load_chain(again), expected)
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("radius [mm];material\n5,0;brass\n4,5;brass\n", "separated by semicolons: .* commas"),
+        ("radius [mm]\tmaterial\n5\tbrass\n", "separated by tabs: .* commas"),
+        ("radius (mm),material\n5,brass\n", r"write its unit as radius \[mm\]"),
+        ("radius/mm,material\n5,brass\n", r"write its unit as radius \[mm\]"),
+        ("Radius_mm,material\n5,brass\n", r"write its unit as radius \[mm\]"),
+        ('radius [mm],material\n"5,5",brass\n4,brass\n', "decimals have a point: 5.5"),
+        ("radius [kg],material\n5,brass\n", "column 'radius' must have a unit such as m, cm"),
+        ("radius [mm],stiffness [N/m^2]\n5,1\n5,\n", "'stiffness' must have a unit such as"),
+    ],
+)  # fmt: skip
+def test_tables_from_elsewhere_get_advice(tmp_path, text, said):
+    with pytest.raises(InputError, match=said):
+        hc.load_chain(written(tmp_path, text, "beads.csv"))
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        ({"right_wall": True}, r"must be a Wall or None, got True; Wall\(\) is of the bead's own"),
+        ({"left_wall": "brass"}, r"got 'brass'; .*Wall.of\('brass'\)"),
+        ({"loss": 0.95}, r"got 0.95; Restitution\(0.95\) has the coefficient"),
+        ({"drive": 100.0}, r"got 100.0; Step\(100.0\) is a force"),
+    ],
+)
+def test_parts_in_python_get_advice(change, said):
+    with pytest.raises(InputError, match=said):
+        Chain.uniform(3).replace(**change)
+
+
+def test_text_in_a_table_is_exactly_what_it_says(tmp_path):
+    chain = hc.load_chain(
+        written(tmp_path, "radius [mm],material\n9.3,brass\n4.1,brass\n", "b.csv")
+    )
+    assert chain.radii.tolist() == [9.3e-3, 4.1e-3]

@@ -496,3 +496,57 @@ def test_command_line_tells_how_far_a_run_can_be_predicted(run, tmp_path):
     code, _, err = run("simulate", "--beads", 9, "--times", 0, "--horizon")
     assert code == 2
     assert "--horizon need saved times" in err
+
+
+STEEL_TOML = '[chain]\nradii = "5 mm"\nbeads = 4\nmaterials = "brass"\nvelocity = "2 cm/s"\n'
+
+
+def command(folder, *arguments, **variables):
+    """Standard output and error of a command in a process of its own."""
+    return subprocess.run(
+        [sys.executable, "-m", "hertzchain", *arguments],
+        cwd=folder, env=os.environ | variables, capture_output=True, text=True, check=False,
+    )  # fmt: skip
+
+
+def test_no_environment_brings_a_traceback(tmp_path):
+    (tmp_path / "chain.toml").write_text(STEEL_TOML)
+    (tmp_path / "matplotlibrc").write_text("text.usetex: True\n")
+    plots = "--plot", "pulse.png"
+    for variables in ({"MPLBACKEND": "bogus"}, {"PATH": ""}):
+        done = command(tmp_path, "pulse", "--beads", "5", *plots, **variables)
+        assert (done.returncode, done.stderr) == (0, "")
+        (tmp_path / "pulse.png").unlink()
+    done = command(tmp_path, "simulate", "chain.toml", NUMBA_NUM_THREADS="0")
+    assert done.returncode == 2
+    assert done.stderr.startswith("Error: the environment variable NUMBA_NUM_THREADS is '0'")
+    assert len(done.stderr.splitlines()) == 1
+
+
+@pytest.mark.parametrize(
+    "more", ["", '[chain.right_wall]\n[chain.loss]\nlaw = "walton-braun"\nratio = 0.9\n']
+)
+def test_commands_work_without_compiling(tmp_path, more):
+    (tmp_path / "chain.toml").write_text(STEEL_TOML + more)
+    runs = [
+        command(tmp_path, "simulate", "chain.toml", "--until", "20us", "--json", **variables)
+        for variables in ({"NUMBA_DISABLE_JIT": "1"}, {"NUMBA_DISABLE_JIT": "0"})
+    ]
+    assert [done.returncode for done in runs] == [0, 0]
+    plain, compiled = (json.loads(done.stdout) for done in runs)
+    assert plain["end_time"] == compiled["end_time"] == 20e-6
+    assert plain["steps"] == pytest.approx(compiled["steps"], abs=3)
+
+
+def test_times_with_a_unit(run, tmp_path):
+    chain = tmp_path / "chain.toml"
+    chain.write_text(STEEL_TOML)
+    code, out, _ = run("simulate", chain, "--until", "0.02ms", "--json")
+    assert code == 0
+    assert json.loads(out)["end_time"] == 2e-5
+    code, _, err = run("simulate", "--beads", 5, "--until", "2ms")
+    assert code == 2
+    assert "--until has a unit ('2ms'), but the chain is in scaled variables" in err
+    assert run("simulate", "--beads", 5, "--until", "soon")[2] == (
+        "Error: --until must be a number, got 'soon'\n"
+    )

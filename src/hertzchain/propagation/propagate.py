@@ -294,7 +294,8 @@ class _Ensemble:
 
 
 def _is_row(item: object) -> TypeGuard[NDArray[np.float64]]:
-    return isinstance(item, np.ndarray) and item.ndim == 1 and item.dtype.kind in "iuf"
+    # No subclass, which may carry a mask or a unit.
+    return type(item) is np.ndarray and item.ndim == 1 and item.dtype.kind in "iuf"
 
 
 def _padded(rows: Sequence[NDArray[np.float64]]) -> tuple[Array, NDArray[np.int64]]:

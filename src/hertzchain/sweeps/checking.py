@@ -6,6 +6,7 @@ from collections.abc import Iterable
 from contextlib import suppress
 
 from hertzchain.chain.chain import Chain
+from hertzchain.checks import has_unit
 from hertzchain.errors import InputError, SimulationError
 from hertzchain.pulse.quantities import QUANTITIES
 from hertzchain.sweeps.methods import INTEGRATIONS, pulse_by
@@ -80,10 +81,12 @@ def _bad_values(plan: Plan) -> list[str]:
 
 def _bad_units(plan: Plan) -> list[str]:
     """A quantity has one unit in a dataset, and none in scaled chains."""
-    with_unit = [axis.long_name for axis in plan.specification.axes if axis.has_units]
+    spec = plan.specification
+    with_unit = [f"axes.{axis.long_name}" for axis in spec.axes if axis.has_units]
+    with_unit += [f"method.{name}" for name, value in spec.options.items() if has_unit(value)]
     if with_unit and plan.units == "scaled":
         said = "has a unit, but the chains are in scaled variables: give plain numbers"
-        return [f"axes.{name}: {said}" for name in with_unit]
+        return [f"{name}: {said}" for name in with_unit]
     for found in map(plan.trial, plan.tried()):
         if not found.reason and found.units != plan.units:
             return ["axes: some chains are in SI units, others scaled: sweep them apart"]

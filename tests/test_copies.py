@@ -1,0 +1,198 @@
+"""Copies, pickles, pages and files of everything public: equal, read-only, and escaped."""
+
+import copy
+import math
+import pickle
+import tomllib
+
+import numpy as np
+import pytest
+
+import hertzchain as hc
+from hertzchain.simulation.state import fingerprint
+from hertzchain.store import chain_files
+
+WAYS = {
+    "copy": copy.copy,
+    "deepcopy": copy.deepcopy,
+    "pickle": lambda item: pickle.loads(pickle.dumps(item)),
+}
+
+
+@pytest.fixture(scope="module")
+def everything(tmp_path_factory):
+    """An object of each public type."""
+    folder = tmp_path_factory.mktemp("copies")
+    balls = hc.Chain.from_materials(5e-3, "brass", beads=6, velocity=0.01)
+    chain = hc.Chain.uniform(6).replace(right_wall=hc.Wall())
+    run = hc.simulate(chain, until=12.0, times=20)
+    pulse = hc.bca(hc.Chain.uniform(6))
+    found = [
+        chain, balls, hc.Chain.tapered("forward-linear", 0.05, beads=5), run, run.state,
+        run.budget(), run.wall_force("right"), run.waves(3), pulse, pulse.compare(pulse),
+        hc.propagate_many([[1.0, 1.0], [1.0, -1.0]]), hc.solitary_wave(),
+        hc.solitary_wave().velocity, hc.effective_chain(hc.Chain.uniform(5).decorated(0.2)),
+        hc.equilibrium(chain), hc.hertz_range(balls), hc.Scales.of(balls), hc.material("brass"),
+        hc.Wall(gap="1 um"), hc.Restitution(0.9), hc.Viscoelastic("1 us"), hc.UnloadingRatio(0.1),
+        hc.VelocityPower(0.1, 1.5), hc.Dashpot(0.1), hc.WaltonBraun(0.9), hc.Step(1.0),
+        hc.SineBurst(1.0, 2.0), hc.Table([0.0, 1.0], [0.0, 1.0]),
+        hc.stream(chain, folder / "run", times=[1.0, 2.0]), hc.InputError("a"),
+        hc.SimulationError("b"), hc.StoreError("c"), hc.ModelRangeWarning("d"),
+        hc.InputWarning("e"),
+    ]  # fmt: skip
+    return {type(item).__name__ + str(place): item for place, item in enumerate(found)}
+
+
+def test_no_public_type_is_left_out(everything):
+    types = {getattr(hc, name) for name in hc.__all__ if isinstance(getattr(hc, name), type)}
+    assert types <= {type(item) for item in everything.values()}
+
+
+def arrays(item, depth=0):
+    """Arrays in the attributes of an object, by path."""
+    for name, value in getattr(item, "__dict__", {}).items():
+        if isinstance(value, np.ndarray):
+            yield name, value
+        elif depth < 2:
+            yield from ((f"{name}.{path}", each) for path, each in arrays(value, depth + 1))
+
+
+@pytest.mark.parametrize("way", WAYS)
+def test_copies_are_equal_and_read_only(everything, way):
+    for name, item in everything.items():
+        again = WAYS[way](item)
+        assert type(again) is type(item)
+        assert repr(again) == repr(item), name
+        one, other = dict(arrays(item)), dict(arrays(again))
+        assert one.keys() == other.keys()
+        for path, values in one.items():
+            np.testing.assert_array_equal(values, other[path])
+            assert values.flags.writeable == other[path].flags.writeable, (name, path)
+
+
+@pytest.mark.parametrize("way", WAYS)
+def test_a_copied_chain_cannot_be_changed(way):
+    chain = hc.Chain.from_materials(5e-3, "brass", beads=3, drive=hc.Table([0, 1], [0, 1]))
+    again = WAYS[way](chain)
+    assert fingerprint(again) == fingerprint(chain)
+    for values in (again.radii, again.masses, again.velocities, again.drive.values):
+        with pytest.raises(ValueError, match="read-only"):
+            values[0] = 9.0
+
+
+@pytest.mark.parametrize("way", WAYS)
+def test_copies_remember_their_units(way):
+    for name, part in (("right_wall", hc.Wall(gap="1 um")), ("drive", hc.Step("5 N"))):
+        with pytest.raises(hc.InputError, match="scaled variables"):
+            hc.Chain.uniform(3).replace(**{name: WAYS[way](part)})
+
+
+def test_a_copied_table_still_says_why_chains_failed():
+    table = copy.deepcopy(hc.propagate_many([[1.0, 1.0], [1.0, -1.0]]))
+    assert "radius of bead 2" in table.reasons[1]
+    with pytest.raises(TypeError):
+        table.reasons[1] = "nothing"
+
+
+NAMES = [
+    "<img src=x onerror=alert(1)>", "a & b", '"quoted"', r"$\frac$", "cost $5", "stål 🔩",
+    "a.b [c]", r"back\slash", "x" * 300, "#", " ", "'''",
+]  # fmt: skip
+
+
+def named(name):
+    steel = hc.Material(name, density=7800.0, young=2e11, poisson=0.3, source=f"{name}\n\x7f")
+    return hc.Chain.from_materials(5e-3, steel, beads=3, right_wall=hc.Wall.of(steel))
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_names_of_any_kind_can_be_shown_and_written(name, tmp_path):
+    chain = named(name)
+    path = tmp_path / "chain.toml"
+    path.write_text(hc.chain_as_toml(chain), "utf-8")
+    again = hc.load_chain(path)
+    assert again.materials == chain.materials
+    assert fingerprint(again) == fingerprint(chain)
+    assert "<img" not in hc.Pulse(chain, name, velocity=np.ones(3))._repr_html_()
+
+
+@pytest.mark.parametrize("name", [r"$\frac$", "$5 or $6"])
+def test_no_name_is_taken_for_mathematics(name):
+    chain = named(name)
+    run = hc.simulate(chain, until=1e-5, times=9)
+    pulse = hc.Pulse(chain, name, velocity=np.ones(3))
+    for axes in (pulse.plot(), run.plot(), hc.plot_chain(chain), run.budget().plot()):
+        axes.figure.canvas.draw()
+        assert axes.get_title().replace(r"\$", "$").replace("\n", " ").count(name) == 1
+
+
+def test_a_page_escapes_the_method():
+    pulse = hc.Pulse(hc.Chain.uniform(3), "<script>alert(1)</script>", velocity=np.ones(3))
+    assert "<script" not in pulse._repr_html_()
+    assert "&lt;script&gt;" in pulse._repr_html_()
+
+
+@pytest.mark.parametrize("name", ["a\nb", "a\x7f", "\ud800", "tab\t", "\0", "\x9b"])
+def test_names_that_no_file_can_carry_are_refused(name):
+    with pytest.raises(hc.InputError, match=r"character \d of .* is U\+") as caught:
+        named(name)
+    str(caught.value).encode()
+    with pytest.raises(hc.InputError, match="source of a material"):
+        hc.Material("a", 1.0, 1.0, 0.3, source="\ud800")
+
+
+STEEL = hc.Material("steel", 7800.0, 200e9, 0.3)
+SOFT = hc.Material("steel", 7800.0, 50e9, 0.3)
+THIRD = hc.Material("steel (2)", 7800.0, 100e9, 0.3)
+
+
+@pytest.mark.parametrize(
+    "chain",
+    [
+        hc.Chain.from_materials(5e-3, STEEL, beads=4, right_wall=hc.Wall.of(SOFT)),
+        hc.Chain.from_materials([5e-3] * 4, [STEEL, SOFT, THIRD, STEEL]),
+        hc.Chain.from_materials([5e-3] * 3, [THIRD, STEEL, SOFT], right_wall=hc.Wall.of(STEEL)),
+    ],
+)
+def test_materials_of_one_name_stay_two(chain):
+    again = chain_files.chain_from(tomllib.loads(hc.chain_as_toml(chain)))
+    assert fingerprint(again) == fingerprint(chain)
+    young = [each.young for each in chain.materials]
+    assert [each.young for each in again.materials] == young
+    assert len({each.name for each in again.materials}) == len(set(young))
+
+
+def test_a_sweep_of_materials_of_one_name_is_that_of_the_chain():
+    """Beads of 200 GPa against a plate of 50 GPa, both called steel."""
+    chain = hc.Chain.from_materials(5e-3, STEEL, beads=4, velocity=1.0)
+    hard, soft = (chain.replace(right_wall=hc.Wall.of(each)) for each in (STEEL, SOFT))
+    peaks = [hc.simulate(each, until=2e-4).wall_force("right").peak for each in (hard, soft)]
+    assert not math.isclose(*peaks, rel_tol=0.1)
+    found = hc.sweep({
+        "chain": soft, "axes": {"gravity": [0.0]}, "method": {"until": 2e-4},
+        "sweep": {"methods": ["simulate"], "keep": ["wall_peak_force"]},
+    })  # fmt: skip
+    assert found.wall_peak_force.item() == peaks[1]
+
+
+def test_a_scaled_chain_of_known_materials_stays_scaled():
+    balls = hc.Chain.from_materials(5e-3, "brass", beads=4, velocity=0.5)
+    scaled = hc.Scales.of(balls, velocity=1.0).to_scaled(balls)
+    again = chain_files.chain_from(tomllib.loads(hc.chain_as_toml(scaled)))
+    assert again.units == "scaled"
+    assert fingerprint(again) == fingerprint(scaled)
+
+
+def test_given_contacts_of_a_chain_of_materials_are_written():
+    chain = hc.Chain.from_materials(
+        5e-3, "brass", beads=3, exponent=2.0, stiffness=1e12, velocity=0.1
+    )
+    again = chain_files.chain_from(tomllib.loads(hc.chain_as_toml(chain)))
+    assert fingerprint(again) == fingerprint(chain)
+
+
+def test_a_chain_that_cannot_be_written_is_refused(monkeypatch):
+    chain = hc.Chain.uniform(3).replace(gaps=[0.1, 0.2])
+    monkeypatch.setattr(chain_files, "ARRAYS", ("masses",))
+    with pytest.raises(hc.InputError, match="cannot be written .* moves in another way"):
+        hc.chain_as_toml(chain)

@@ -1,0 +1,106 @@
+"""Text with units, compared with pint and with the decimal numbers that it means."""
+
+import itertools
+import random
+
+import pint
+import pytest
+
+import hertzchain as hc
+from hertzchain.checks import number
+from hertzchain.units import SYMBOLS, UNITS, converted, quantity
+
+PINT = pint.UnitRegistry()
+
+
+def test_every_symbol_is_what_pint_says():
+    for symbol, (factor, powers) in SYMBOLS.items():
+        theirs = PINT.Quantity(1.0, symbol).to_base_units()
+        expected = PINT.Quantity(float(factor)) * PINT.m ** powers[0] * PINT.kg ** powers[1]
+        expected = expected * PINT.s ** powers[2]
+        assert theirs.to(expected.units).magnitude == pytest.approx(expected.magnitude, rel=1e-15)
+
+
+def test_products_of_units_are_what_pint_says():
+    rng = random.Random(1)
+    for _ in range(300):
+        chosen = rng.choices(list(SYMBOLS), k=rng.randint(1, 4))
+        powers = [rng.choice([1, 2, 3, 1.5, -1, -2, 0.5]) for _ in chosen]
+        signs = [rng.choice("*/") for _ in chosen]
+        text = chosen[0] + f"^{powers[0]}"
+        theirs = f"{chosen[0]}**{powers[0]}"
+        for symbol, power, sign in zip(chosen[1:], powers[1:], signs[1:], strict=True):
+            text += f"{sign}{symbol}^{power}"
+            theirs += f"{sign}{symbol}**({power})"
+        base = PINT.Quantity(2.5, theirs).to_base_units()
+        si = "*".join(
+            f"{unit}**{base.dimensionality.get(name, 0.0):.6f}"
+            for unit, name in (("m", "[length]"), ("kg", "[mass]"), ("s", "[time]"))
+        )
+        assert converted("x", "2.5", text, si) == pytest.approx(base.magnitude, rel=1e-12), text
+
+
+def test_units_that_are_offered_exist_and_are_of_one_dimension():
+    for dimension, units in UNITS.items():
+        for unit in units:
+            assert converted(dimension, 1, unit, units[0]) > 0.0
+        for other, names in UNITS.items():
+            if other != dimension:
+                with pytest.raises(hc.InputError, match="must have a unit such as"):
+                    converted(dimension, 1, names[0], units[0])
+
+
+def test_text_is_the_decimal_number_that_it_says():
+    rng = random.Random(2)
+    for _ in range(2000):
+        digits = f"{rng.uniform(0.1, 1000):.{rng.randint(1, 14)}f}"
+        assert number("radius", f"{digits} mm", unit="m") == float(f"{digits}e-3")
+        assert number("gap", f"{digits}um", unit="m") == float(f"{digits}e-6")
+
+
+@pytest.mark.parametrize(
+    ("text", "value"),
+    [
+        ("5 mm", 5e-3), ("5mm", 5e-3), (" 5\u00b5m", 5e-6), ("5 \u03bcm", 5e-6), ("+1e3 nm", 1e-6),
+        (".5 in", 0.0127), ("2 km", 2000.0), ("-3.cm", -0.03),
+    ],
+)  # fmt: skip
+def test_ways_to_write_a_length(text, value):
+    assert number("length", text, unit="m") == value
+
+
+def test_ways_to_write_powers_and_products():
+    for text in ("9.81 m/s^2", "9.81 m/s**2", "9.81 m/s²", "9.81 m s^-2", "9.81m/s/s"):
+        assert number("gravity", text, unit="m/s**2") == 9.81
+    assert number("density", "7.8 g/cm³", unit="kg/m**3") == 7800.0
+    assert number("stiffness", "7 N/um^1.5", unit="N/m**1.5") == 7e9
+    assert number("frequency", "2 1/ms", unit="Hz") == 2000.0
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("5", "must be a number, got '5'"),
+        ("mm", "must be a number, got 'mm'"),
+        ("5 furlong", "unknown unit of gap 'furlong': choose from m, cm, mm"),
+        ("5 kg", "gap must have a unit such as m, cm, mm.* got 'kg'"),
+        ("5 mm/", "unknown unit"),
+        ("5 mm^", "unknown unit"),
+        ("5 m^1000", "unknown unit"),
+        ("5 %", "unknown unit of gap '%'"),
+        ("nan mm", "must be a number"),
+        ("1e999 mm", "must be at least 0 and finite, got inf"),
+        ("-1 mm", "must be at least 0, got -0.001"),
+    ],
+)
+def test_what_is_no_length_is_refused(text, said):
+    with pytest.raises(hc.InputError, match=said):
+        number("gap", text, unit="m", least=0.0)
+
+
+def test_extreme_numbers_do_not_stop_a_conversion():
+    for text, unit in itertools.product(("1e-290", "1e300", "0", "9" * 60), ("mm", "km")):
+        assert converted("x", text, unit, "m") == pytest.approx(
+            float(text) * float(SYMBOLS[unit][0]), rel=1e-15
+        )
+    assert quantity("1" * 200 + " mm") is None

@@ -209,6 +209,6 @@ def _(law: WaltonBraun, contacts: _AtRest) -> Array:
             f"contacts under {law} close along one curve and open along a steeper one, so that no "
             "motion is small enough to be linear; contacts that were pressed together before "
             f"move along the steeper one: use loss=None and stiffness / {law.ratio:g}**"
-            f"{contacts.exponent:g}"
+            f"{contacts.exponent:g}, of walls too"
         )
     return contacts.same(0.0)

@@ -7,18 +7,19 @@ force on each wall: between two steps, on the method's interpolant
 
 from __future__ import annotations
 
-from hertzchain.kernels.dense import find_coefficients, slope, state_within, value
-from hertzchain.kernels.dop853 import STAGES, STEP_STAGES
+from hertzchain.kernels.dense import slope, state_within, value
+from hertzchain.kernels.dop853 import STEP_STAGES
 from hertzchain.kernels.forces import (
     LEDGER,
     LEFT_IMPULSE,
+    LOADED,
     RIGHT_IMPULSE,
     copy,
-    derivative,
     force,
     overlap_and_closing,
     wall_motion,
 )
+from hertzchain.kernels.implicit import FINEST, approaches_until, force_within
 from hertzchain.kernels.leading_pulse import note_leading_pulse, rise_of
 from hertzchain.kernels.options import compiled
 from hertzchain.kernels.records import (
@@ -40,15 +41,24 @@ from hertzchain.kernels.records import (
     WALL_PEAK,
     WALL_PEAK_TIME,
 )
-from hertzchain.kernels.step import complete_stages
+from hertzchain.kernels.stepping import forces_within, interpolate, is_implicit
 from hertzchain.kernels.window import put_back
 
 # A bead slower than this, in parts of the speeds around it, is not reached yet: rounding
 # ahead of the pulse could look like a maximum.
 REACHED = 1e-11
+# Nor is one that is slower than this many tolerances in an implicit step: where all contacts are
+# stiff all beads move at once, and what is below the tolerance may have any sign.
+TOLERANCES = 1e3
 BISECTIONS = 48
 # Parts of a step that are searched for the first event: a light bead may turn twice in one.
 PARTS = 8
+
+
+@compiled
+def least_speed(rtol, setup, contacts):
+    """Part of the speeds around it that a bead must have to count as reached."""
+    return max(REACHED, TOLERANCES * max(rtol, FINEST)) if is_implicit(setup, contacts) else REACHED
 
 
 @compiled
@@ -84,18 +94,29 @@ def peak_within(k, h, y, dense, setup, contacts):
 
 
 @compiled
-def crossing_within(c, beads, y, dense):
+def closes_at(c, beads, theta, y, dense, setup, contacts):
+    """Whether beads c and c + 1 (0-based) close in on each other at the fraction theta.
+
+    The speed at which a contact creeps may be less than the rounding of the beads' velocities.
+    """
+    if contacts is not None:
+        if setup.law.implicit and contacts.mode[c + 1] == LOADED:
+            overlap = value(c, theta, y, dense) - value(c + 1, theta, y, dense) - setup.gap[c + 1]
+            spring = force(overlap, setup.stiffness[c + 1], setup.law.exponent)
+            return force_within(c + 1, theta, contacts) > spring
+    return value(beads + c, theta, y, dense) > value(beads + c + 1, theta, y, dense)
+
+
+@compiled
+def crossing_within(c, beads, y, dense, setup, contacts):
     """Where in the step beads c and c + 1 (0-based) first have equal velocities; 2 if nowhere."""
-    left = beads + c
     low = 0.0
     for part in range(1, PARTS + 1):
         high = part / PARTS
-        ahead = value(left + 1, high, y, dense)
-        if value(left, high, y, dense) <= ahead:
+        if not closes_at(c, beads, high, y, dense, setup, contacts):
             for _ in range(BISECTIONS):
                 middle = 0.5 * (low + high)
-                ahead = value(left + 1, middle, y, dense)
-                closing = value(left, middle, y, dense) > ahead
+                closing = closes_at(c, beads, middle, y, dense, setup, contacts)
                 low, high = (middle, high) if closing else (low, middle)
             return high
         low = high
@@ -103,10 +124,13 @@ def crossing_within(c, beads, y, dense):
 
 
 @compiled
-def may_peak(k, beads, stages):
-    """Whether some stage of the step finds bead k, pushed at its start, no longer pushed."""
+def may_peak(k, beads, stages, implicit):
+    """Whether some stage of the step finds bead k, pushed at its start, no longer pushed.
+
+    A bead in an implicit step that has had no peak yet was pushed until then.
+    """
     i = beads + k
-    if stages[0, i] <= 0.0:
+    if stages[0, i] <= 0.0 and not implicit:
         return False
     for j in range(1, STEP_STAGES + 1):
         if stages[j, i] <= 0.0:
@@ -115,8 +139,11 @@ def may_peak(k, beads, stages):
 
 
 @compiled
-def may_cross(c, stages):
+def may_cross(c, stages, setup, contacts):
     """Whether some stage finds beads c and c + 1, closing at its start, at equal speed."""
+    if contacts is not None:
+        if setup.law.implicit and contacts.mode[c + 1] == LOADED:
+            return not approaches_until(c + 1, contacts, setup)
     if stages[0, c] <= stages[0, c + 1]:
         return False
     for j in range(1, STEP_STAGES + 1):
@@ -169,14 +196,14 @@ def record_peaks(h, time, y, y_new, stages, dense, setup, contacts, first, expec
 
 
 @compiled
-def record_jumps(time, y, stages, scale, first, peaks):
+def record_jumps(time, y, stages, scale, reached, first, peaks):
     """First maxima of velocity where an acceleration jumped down, between two steps."""
     beads = len(scale)
     found = 0
     for k in range(min(first, 1), beads):
         i = beads + k
         jumped = stages[STEP_STAGES, i] > 0.0 and stages[0, i] <= 0.0
-        if jumped and peaks[PEAK_VELOCITY, k] == 0.0 and y[i] > REACHED * scale[k]:
+        if jumped and peaks[PEAK_VELOCITY, k] == 0.0 and y[i] > reached * scale[k]:
             peaks[PEAK_TIME, k] = time
             peaks[PEAK_VELOCITY, k] = y[i]
             if first + k > 0:
@@ -213,7 +240,7 @@ def record_crossings(
     for c in range(beads - 1):
         if not expected[c]:
             continue
-        theta = crossing_within(c, beads, y, dense)
+        theta = crossing_within(c, beads, y, dense, setup, contacts)
         if theta > 1.0:
             continue
         behind = value(c, theta, y, dense)
@@ -227,15 +254,16 @@ def record_crossings(
 
 @compiled
 def record_stops(
-    clock, counts, y, stages, dense, scale, setup, contacts, first, chain, inverse_mass, crossings
-):
+    clock, counts, y, stages, dense, scale, reached, setup, contacts, first, chain, inverse_mass,
+    crossings,
+):  # fmt: skip
     """The same between two steps, where beads that closed in on each other got stuck."""
     beads = len(scale)
     for c in range(beads - 1):
         closed_in = stages[STEP_STAGES, c] > stages[STEP_STAGES, c + 1]
         stopped = closed_in and stages[0, c] <= stages[0, c + 1]
-        reached = abs(y[beads + c + 1]) > REACHED * scale[c + 1]
-        if stopped and reached and crossings[CROSSING_TIME, first + c] == 0.0:
+        moves = abs(y[beads + c + 1]) > reached * scale[c + 1]
+        if stopped and moves and crossings[CROSSING_TIME, first + c] == 0.0:
             overlap = y[c] - y[c + 1] - setup.gap[c + 1]
             note_crossing(first + c, 0.0, overlap, clock, counts, crossings)
             rise = rise_of(overlap, c, setup, contacts)
@@ -245,27 +273,33 @@ def record_stops(
 
 
 @compiled
-def expect_first_peak(y, y_new, stages, scale, peaks):
+def expect_first_peak(y, y_new, stages, scale, reached, implicit, peaks):
     """Whether bead 1, which was not struck, may be fastest within the step."""
     beads = len(scale)
-    forward = max(y[beads], y_new[beads]) > REACHED * scale[0]
-    return forward and peaks[PEAK_VELOCITY, 0] == 0.0 and may_peak(0, beads, stages)
+    forward = max(y[beads], y_new[beads]) > reached * scale[0]
+    return forward and peaks[PEAK_VELOCITY, 0] == 0.0 and may_peak(0, beads, stages, implicit)
 
 
 @compiled
-def expect_events(y, y_new, stages, scale, setup, contacts, first, peaks, crossings, expected):
+def expect_events(
+    y, y_new, stages, scale, reached, setup, contacts, first, peaks, crossings, expected
+):
     """Mark the beads and contacts whose first peak or crossing may lie within the step."""
-    beads = len(scale)
-    anything = expected[0, 0] = first == 0 and expect_first_peak(y, y_new, stages, scale, peaks)
+    beads, implicit = len(scale), is_implicit(setup, contacts)
+    anything = expected[0, 0] = first == 0 and expect_first_peak(
+        y, y_new, stages, scale, reached, implicit, peaks
+    )
     for k in range(1, beads):
         # Within the step a bead may turn round.
         before, after = y[beads + k], y_new[beads + k]
-        forward = max(before, after) > REACHED * scale[k]
-        peak = forward and peaks[PEAK_TIME, k] == 0.0 and may_peak(k, beads, stages)
+        forward = max(before, after) > reached * scale[k]
+        peak = forward and peaks[PEAK_TIME, k] == 0.0 and may_peak(k, beads, stages, implicit)
         waiting = crossings[CROSSING_TIME, first + k - 1] == 0.0
-        reached = max(abs(before), abs(after)) > REACHED * scale[k]
-        crossing = reached and waiting and may_cross(k - 1, stages)
-        crossing = crossing and touch(k - 1, y, y_new, setup, contacts)
+        moves = max(abs(before), abs(after)) > reached * scale[k]
+        crossing = moves and waiting and may_cross(k - 1, stages, setup, contacts)
+        crossing = crossing and (
+            touch(k - 1, y, y_new, setup, contacts) or (implicit and peaks[PEAK_TIME, k] > 0.0)
+        )
         expected[0, k] = peak
         expected[1, k - 1] = crossing
         anything = anything or peak or crossing
@@ -351,7 +385,7 @@ def save_frames(time, time_new, h, y, dense, first, chain, setup, contacts, segm
             frames[frame, k] += theta * h * chain[all_beads + k]
         put_back(trial, all_beads, first, first + beads, frames[frame])
         if contacts is not None:
-            derivative(time + theta * h, trial, setup, contacts, segment, scratch)
+            forces_within(theta, time, h, trial, setup, contacts, segment, scratch)
             frame_forces[frame] = 0.0
             copy(contacts.force, frame_forces[frame, first : first + beads + 1])
         frame += 1
@@ -361,20 +395,20 @@ def save_frames(time, time_new, h, y, dense, first, chain, setup, contacts, segm
 @compiled
 def record_step(
     time, time_new, h, y, y_new, dense_is_found, first, chain, inverse_mass, clock, counts, setup,
-    contacts, segment, stages, dense, scale, expected, frame_times, frames, frame_forces, peaks,
-    crossings, walls, trial, scratch,
+    contacts, segment, stages, dense, scale, reached, expected, frame_times, frames, frame_forces,
+    peaks, crossings, walls, trial, scratch,
 ):  # fmt: skip
     """All that a completed step has to show; its interpolant is made if that is anything."""
     frame = counts[FRAMES]
     save = frame < len(frame_times) and frame_times[frame] <= time_new
     event = expect_events(
-        y, y_new, stages, scale, setup, contacts, first, peaks, crossings, expected
+        y, y_new, stages, scale, reached, setup, contacts, first, peaks, crossings, expected
     )
     walled = contacts is not None and wall_pushed(stages)
     if (save or event or walled) and not dense_is_found:
-        complete_stages(time, y, h, setup, contacts, segment, stages, trial)
-        find_coefficients(h, y, y_new, stages, dense)
-        counts[EVALUATIONS] += STAGES - STEP_STAGES - 1
+        counts[EVALUATIONS] += interpolate(
+            time, y, h, y_new, setup, contacts, segment, stages, dense, trial
+        )
     if event:
         counts[PEAKS] += record_peaks(
             h, time, y, y_new, stages, dense, setup, contacts, first, expected[0], peaks

@@ -69,6 +69,10 @@ class Law(NamedTuple):
     # The part of the energy given back: 1 - w of UNLOADING, e^2 of PLASTIC.
     kept: float
     attractive: bool
+    # Whether explicit steps would have to be too short (`hertzchain.kernels.implicit`).
+    implicit: bool
+    # Speed in which errors are at least measured: that of a chain at rest is none.
+    slowest: float
 
 
 class Bench(NamedTuple):
@@ -99,6 +103,7 @@ class Contacts(NamedTuple):
     last_force: Any  # (N + 1,): at the last step's end
     scratch: Any  # (3, N + 1)
     powers: Any  # (4, N + 1): scratch of powers
+    implicit: Any  # scratch of implicit steps; nothing where steps are explicit
 
 
 @compiled

@@ -17,13 +17,18 @@ import numpy as np
 from hertzchain.kernels.balance import in_motion, note_drift
 from hertzchain.kernels.dense import COEFFICIENTS
 from hertzchain.kernels.dop853 import STAGES, STEP_STAGES
-from hertzchain.kernels.events import record_jumps, record_step, record_stops, record_wall_ends
+from hertzchain.kernels.events import (
+    least_speed,
+    record_jumps,
+    record_step,
+    record_stops,
+    record_wall_ends,
+)
 from hertzchain.kernels.forces import (
     NOTHING,
     PUSH,
     UNLOADING,
     copy,
-    derivative,
     has_modes,
     overlap_and_closing,
     wall_motion,
@@ -43,12 +48,7 @@ from hertzchain.kernels.records import (
     SWITCHES,
     TIME,
 )
-from hertzchain.kernels.step import (
-    bench_scale,
-    error_norm,
-    try_step,
-    velocity_scale,
-)
+from hertzchain.kernels.stepping import begin, change_of_step, is_implicit, take_step
 from hertzchain.kernels.switching import (
     STILL,
     first_modes,
@@ -123,26 +123,6 @@ def start(y, clock, counts, setup, contacts, first_step):
 
 
 @compiled
-def begin(time, y, setup, contacts, segment, stages):
-    """The derivative that the next step begins with."""
-    derivative(time, y, setup, contacts, segment, stages[0])
-    if contacts is not None:
-        copy(contacts.force, contacts.last_force)
-
-
-@compiled
-def estimated_error(time, h, y, y_new, setup, contacts, segment, rtol, stages, work, scale):
-    """The error of a step in tolerances, and the scales it is measured against."""
-    speeds = work[3, len(scale) : 2 * len(scale)]
-    if contacts is None:
-        velocity_scale(y, speeds, scale)
-    else:
-        wall_speed = wall_motion(time + h, setup, segment)[1]
-        bench_scale(h, y, y_new, wall_speed, setup, contacts, rtol, speeds, scale)
-    return error_norm(h, stages, scale, rtol, work[4:])
-
-
-@compiled
 def advance_window(
     y, chain, inverse_mass, low, flying, trim, budget, clock, counts, setup, contacts, until,
     stop_when_left, rtol, pause, frame_times, growing, frames, frame_forces, peaks, crossings,
@@ -158,7 +138,8 @@ def advance_window(
     beads = len(setup.inverse_mass)
     all_beads = (len(chain) - (len(y) - 2 * beads)) // 2
     trial, y_new, scratch, scale = work[0], work[1], work[2], work[3, :beads]
-    begin(clock[TIME], y, setup, contacts, counts[SEGMENT], stages)
+    implicit, reached = is_implicit(setup, contacts), least_speed(rtol, setup, contacts)
+    begin(clock[TIME], y, clock[STEP], setup, contacts, counts[SEGMENT], rtol, stages, work, scale)
     for tried in range(1, budget + 1):
         time, h = clock[TIME], clock[STEP]
         segment = counts[SEGMENT]
@@ -178,12 +159,11 @@ def advance_window(
             return PULSE_LOST, tried
         if growing and time + h >= frame_times[-1]:
             return FRAMES_FULL, tried
-        try_step(time, y, h, setup, contacts, segment, stages, trial, y_new)
-        counts[EVALUATIONS] += STEP_STAGES
-        error = estimated_error(
-            time, h, y, y_new, setup, contacts, segment, rtol, stages, work, scale
+        error, evaluations = take_step(
+            time, y, h, setup, contacts, segment, rtol, stages, trial, y_new, work, scale
         )
-        change = 10.0 if error == 0.0 else min(10.0, max(0.2, 0.9 * error**-0.125))
+        counts[EVALUATIONS] += evaluations
+        change = change_of_step(error, implicit)
         if not error <= 1.0:
             clock[STEP] = h * (change if error > 1.0 else 0.2)
             if not clock[STEP] > SMALLEST_STEP:
@@ -212,12 +192,14 @@ def advance_window(
             if switching >= 0 and theta < 1.0:
                 h *= theta
                 cut = last_step = dense_is_found = False
-                try_step(time, y, h, setup, contacts, segment, stages, trial, y_new)
-                counts[EVALUATIONS] += STEP_STAGES
+                _, evaluations = take_step(
+                    time, y, h, setup, contacts, segment, rtol, stages, trial, y_new, work, scale
+                )
+                counts[EVALUATIONS] += evaluations
         time_new = stop if cut else time + h
         record_step(
             time, time_new, h, y, y_new, dense_is_found, low, chain, inverse_mass, clock, counts,
-            setup, contacts, segment, stages, dense, scale, expected, frame_times, frames,
+            setup, contacts, segment, stages, dense, scale, reached, expected, frame_times, frames,
             frame_forces, peaks, crossings, walls, trial, scratch,
         )  # fmt: skip
 
@@ -241,11 +223,12 @@ def advance_window(
         if cut and stop == piece_end:
             counts[SEGMENT] += 1
         if switching >= 0 or cut:
-            begin(time_new, y, setup, contacts, counts[SEGMENT], stages)
-            counts[PEAKS] += record_jumps(time_new, y, stages, scale, low, peaks)
+            begin(time_new, y, clock[STEP], setup, contacts, counts[SEGMENT], rtol, stages, work,
+                  scale)  # fmt: skip
+            counts[PEAKS] += record_jumps(time_new, y, stages, scale, reached, low, peaks)
             if contacts is not None:
-                record_stops(clock, counts, y, stages, dense, scale, setup, contacts, low, chain,
-                             inverse_mass, crossings)  # fmt: skip
+                record_stops(clock, counts, y, stages, dense, scale, reached, setup, contacts, low,
+                             chain, inverse_mass, crossings)  # fmt: skip
         if contacts is not None:
             record_wall_ends(time_new, y, stages[0], setup, counts[SEGMENT], crossings, walls)
             count_touches(beads, stages[0], walls)

@@ -132,7 +132,7 @@ def bench_scale(h, y, y_new, wall_speed, setup, contacts, rtol, speeds, scale):
     rounded = ROUNDING * h / rtol
     for k in range(beads):
         rounding = (abs(pushing[k]) + abs(pushing[k + 1])) * inverse_mass[k] * rounded
-        scale[k] = max(SLOW * fastest, rounding)
+        scale[k] = max(SLOW * fastest, rounding, setup.law.slowest)
     for k in range(min(NEIGHBOURS, beads)):
         scale[k] = max(scale[k], abs(wall_speed))
     fastest_nearby(speeds, scale)

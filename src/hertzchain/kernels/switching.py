@@ -7,7 +7,7 @@ whether one may have closed and opened again within a step, unseen.
 
 from __future__ import annotations
 
-from hertzchain.kernels.dense import find_coefficients, state_within, value
+from hertzchain.kernels.dense import state_within, value
 from hertzchain.kernels.dop853 import STEP_STAGES
 from hertzchain.kernels.events import BISECTIONS, PARTS
 from hertzchain.kernels.forces import (
@@ -28,8 +28,9 @@ from hertzchain.kernels.forces import (
     signed_power,
     wall_motion,
 )
+from hertzchain.kernels.implicit import force_within
 from hertzchain.kernels.options import compiled
-from hertzchain.kernels.step import complete_stages
+from hertzchain.kernels.stepping import interpolate
 
 # What counts as no relative motion, in parts of the fastest motion so far: a contact at rest
 # must not change its mode for rounding.
@@ -39,6 +40,8 @@ STILL = 1e-14
 EVEN = 1e-13
 # An overlap of this part of a wall's way may go unseen: a wall may rest where a bead touches it.
 UNSEEN = 1e-10
+# Part of the beads' positions that rounding makes an overlap of.
+ROUNDED = 1e-15
 
 
 @compiled
@@ -61,6 +64,37 @@ def must_switch(overlap, closing, stiffness, damping, mode, largest, held, law, 
         return closing > still
     loading = force(overlap, stiffness, law.exponent)
     return held > (1.0 + EVEN) * loading or held < (1.0 - EVEN) * law.kept * loading
+
+
+@compiled
+def implicit_must_switch(c, y, overlap, closing, pushing, setup, mode):
+    """The same where steps are implicit: a contact that creeps knows the sign of its force."""
+    law, stiffness, beads = setup.law, setup.stiffness[c], len(setup.inverse_mass)
+    rounded = abs(setup.gap[c])
+    rounded += abs(y[c - 1]) if c > 0 else 0.0
+    rounded += abs(y[c]) if c < beads else 0.0
+    rounded *= ROUNDED
+    loading = force(overlap, stiffness, law.exponent)
+    if mode == LOADED:
+        if pushing < 0.0 and overlap < 0.5 * rounded:
+            return True
+        return not law.attractive and pushing < -EVEN * loading
+    if overlap <= rounded:
+        return False
+    weight = setup.damping[c] * damping_weight(overlap, law)
+    return law.attractive or loading + weight * signed_power(closing, law.speed_power) >= 0.0
+
+
+@compiled
+def leaves_mode(c, theta, y, wall, setup, contacts, still):
+    """Whether contact c has to leave its mode at the fraction theta of a step, where y is given."""
+    beads = len(setup.inverse_mass)
+    overlap, closing = overlap_and_closing(c, y, beads, setup.gap[c], wall)
+    if setup.law.implicit:
+        pushing = force_within(c, theta, contacts)
+        return implicit_must_switch(c, y, overlap, closing, pushing, setup, contacts.mode[c])
+    return must_switch(overlap, closing, setup.stiffness[c], setup.damping[c], contacts.mode[c],
+                       contacts.largest[c], contacts.force[c], setup.law, still)  # fmt: skip
 
 
 @compiled
@@ -143,15 +177,14 @@ def may_switch(c, y, y_new, stages, setup, contacts, walls, still):
     """
     law, mode, gap = setup.law, contacts.mode[c], setup.gap[c]
     beads = len(setup.inverse_mass)
-    overlap, closing = overlap_and_closing(c, y_new, beads, gap, walls[1])
     remembers = law.kind == UNLOADING or law.kind == PLASTIC
-    if remembers and overlap <= 0.0 and mode != STUCK:
+    if remembers and mode != STUCK:
         # Open at both ends: there is no force whose mode could matter.
+        overlap, _ = overlap_and_closing(c, y_new, beads, gap, walls[1])
         before, _ = overlap_and_closing(c, y, beads, gap, walls[0])
-        if before <= 0.0:
+        if overlap <= 0.0 and before <= 0.0:
             return False
-    if must_switch(overlap, closing, setup.stiffness[c], setup.damping[c], mode,
-                   contacts.largest[c], contacts.force[c], law, still):  # fmt: skip
+    if leaves_mode(c, 1.0, y_new, walls[1], setup, contacts, still):
         return True
     if remembers and mode == LOADED:
         return turned(c, beads, walls[1][1], 1.0, stages, still)
@@ -163,9 +196,7 @@ def may_switch(c, y, y_new, stages, setup, contacts, walls, still):
 @compiled
 def switch_within(c, time, y, h, dense, setup, contacts, segment, still, trial, scratch):
     """Where in the step contact c first must leave its mode; 2 if nowhere."""
-    beads, law, gap = len(setup.inverse_mass), setup.law, setup.gap[c]
-    stiffness, damping = setup.stiffness[c], setup.damping[c]
-    mode, largest, force_of = contacts.mode[c], contacts.largest[c], contacts.force
+    beads, mode = len(setup.inverse_mass), contacts.mode[c]
     # A stuck contact's force depends on all beads, that of another one on its own two.
     first, last = max(c - 1, 0), min(c + 1, beads)
     low, high, found = 0.0, 0.0, False
@@ -183,10 +214,7 @@ def switch_within(c, time, y, h, dense, setup, contacts, segment, still, trial, 
             trial[k] = value(k, theta, y, dense)
             trial[beads + k] = value(beads + k, theta, y, dense)
         wall = wall_motion(time + theta * h, setup, segment)
-        overlap, closing = overlap_and_closing(c, trial, beads, gap, wall)
-        if must_switch(
-            overlap, closing, stiffness, damping, mode, largest, force_of[c], law, still
-        ):
+        if leaves_mode(c, theta, trial, wall, setup, contacts, still):
             high, found = theta, True
         else:
             low = theta
@@ -208,8 +236,7 @@ def first_switch(time, y, h, y_new, stages, dense, setup, contacts, segment, sti
         if not may_switch(c, y, y_new, stages, setup, contacts, walls, still):
             continue
         if not dense_is_found:
-            complete_stages(time, y, h, setup, contacts, segment, stages, trial)
-            find_coefficients(h, y, y_new, stages, dense)
+            interpolate(time, y, h, y_new, setup, contacts, segment, stages, dense, trial)
             dense_is_found = True
         theta = switch_within(c, time, y, h, dense, setup, contacts, segment, still, trial, scratch)
         if setup.law.kind == UNLOADING:
@@ -279,18 +306,16 @@ def forget_unloading(y, wall, setup, contacts):
 @compiled
 def switch(first, time, y, setup, contacts, segment, still, scratch):
     """Give contact ``first`` its next mode, and all others that must change at this moment."""
-    stiffness, gap, damping, law = setup.stiffness, setup.gap, setup.damping, setup.law
-    mode, largest, held = contacts.mode, contacts.largest, contacts.force
+    stiffness, gap, law = setup.stiffness, setup.gap, setup.law
+    mode, largest = contacts.mode, contacts.largest
     beads = len(setup.inverse_mass)
     wall = wall_motion(time, setup, segment)
     for c in range(beads + 1):
         if stiffness[c] == 0.0:
             continue
-        overlap, closing = overlap_and_closing(c, y, beads, gap[c], wall)
-        if c != first and not must_switch(
-            overlap, closing, stiffness[c], damping[c], mode[c], largest[c], held[c], law, still
-        ):
+        if c != first and not leaves_mode(c, 1.0, y, wall, setup, contacts, still):
             continue
+        overlap, _ = overlap_and_closing(c, y, beads, gap[c], wall)
         if law.kind == PLASTIC and mode[c] == LOADED:
             largest[c] = max(largest[c], overlap)
         before = potential(overlap, stiffness[c], mode[c], largest[c], law)

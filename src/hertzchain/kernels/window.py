@@ -153,7 +153,7 @@ def contacts_within(contacts, low, high):
     return Contacts(
         contacts.mode[low : high + 1], contacts.largest[low : high + 1],
         contacts.force[low : high + 1], contacts.last_force[low : high + 1], contacts.scratch,
-        contacts.powers,
+        contacts.powers, contacts.implicit,
     )  # fmt: skip
 
 

@@ -22,7 +22,7 @@ from hertzchain.chain.losses import (
     Viscoelastic,
     WaltonBraun,
 )
-from hertzchain.contacts import Array, reduced_mass
+from hertzchain.contacts import Array, collision_overlap, compression_time, reduced_mass
 from hertzchain.errors import InputError
 
 if TYPE_CHECKING:
@@ -30,6 +30,12 @@ if TYPE_CHECKING:
 
 # What the loop for plain chains knows: anything else goes through the general one.
 PLAIN_FEATURES: Final = frozenset({"SI units", "masses", "stiffness", "strikers", "velocities"})
+
+# Steps are implicit where damping would bring contacts to rest more often than this within the
+# time of a pulse: explicit steps become so short that they take longer.
+STIFF: Final = 300.0
+# Speeds below this part of the fastest do not matter while a chain at rest is set in motion.
+SLOWEST: Final = 1e-6
 
 
 def equation_of(chain: Chain) -> Plain | Bench:
@@ -136,10 +142,8 @@ def _law(chain: Chain, stiffness: Array) -> tuple[Law, Array]:
     elif isinstance(law, WaltonBraun):
         kind, kept = PLASTIC, law.ratio
     elif isinstance(law, Restitution):
-        # A wall is as heavy as can be: the reduced mass is the bead's.
-        inner = reduced_mass(chain.masses[:-1], chain.masses[1:])
-        reduced = np.concatenate((chain.masses[:1], inner, chain.masses[-1:]))
-        damping, overlap_power = law.damping(p) * np.sqrt(reduced * stiffness), 0.5 * (p - 1.0)
+        damping = law.damping(p) * np.sqrt(_reduced_masses(chain) * stiffness)
+        overlap_power = 0.5 * (p - 1.0)
     elif isinstance(law, Viscoelastic):
         damping, overlap_power = p * law.time * stiffness, p - 1.0
     elif isinstance(law, VelocityPower):
@@ -148,7 +152,96 @@ def _law(chain: Chain, stiffness: Array) -> tuple[Law, Array]:
         damping = damping + law.gamma
     damping = np.where(stiffness > 0.0, damping, 0.0)
     attractive = bool(getattr(law, "attractive", True))
-    return Law(kind, p, overlap_power, speed_power, kept, attractive), damping
+    implicit = kind == DAMPED and (
+        speed_power < 1.0
+        or _relaxation(chain, stiffness, damping, overlap_power, speed_power) > STIFF
+    )
+    slowest = SLOWEST * _speed_of(chain) if implicit else 0.0
+    return Law(kind, p, overlap_power, speed_power, kept, attractive, implicit, slowest), damping
+
+
+def _reduced_masses(chain: Chain) -> Array:
+    """Those of all contacts: a wall is as heavy as can be, so that its is the bead's."""
+    inner = reduced_mass(chain.masses[:-1], chain.masses[1:])
+    return np.concatenate((chain.masses[:1], inner, chain.masses[-1:]))
+
+
+def _speed_of(chain: Chain) -> float:
+    """The fastest motion of a chain, roughly, by its start and its drive."""
+    fastest = float(np.abs(chain.velocities).max())
+    if chain.drive is None:
+        return fastest
+    starts, pieces = drive_pieces(chain.drive)
+    lengths = np.append(np.diff(starts), 0.0)
+    cubics = np.abs(pieces[:, :4]) * lengths[:, np.newaxis] ** np.arange(4)
+    size = float((cubics.sum(axis=1) + np.abs(pieces[:, 4::2]).sum(axis=1)).max())
+    time = float(transit_times(chain).min())
+    if chain.drive.of == "displacement":
+        return max(fastest, size / time)
+    # A force gives a free bead an impulse, and one in a chain an overlap.
+    mass, overlap = chain.masses[0], (size / chain.stiffness[0]) ** (1.0 / chain.exponent)
+    return max(fastest, min(size * time / mass, math.sqrt(size * overlap / mass)))
+
+
+def _relaxation(
+    chain: Chain, stiffness: Array, damping: Array, overlap_power: float, speed_power: float
+) -> float:
+    """How often, at most, damping would bring a contact to rest within the time of a pulse."""
+    there = stiffness > 0.0
+    if chain.drive is None and not chain.velocities.any():
+        return 0.0
+    speed = _speed_of(chain)
+    mass, k, p = _reduced_masses(chain)[there], stiffness[there], chain.exponent
+    static = (equilibrium(chain).forces[there] / k) ** (1.0 / p)
+    overlap = np.maximum(collision_overlap(mass, k, speed, p), static)
+    steepness = speed_power * damping[there] * overlap**overlap_power * speed ** (speed_power - 1.0)
+    return float(np.max(steepness * compression_time(mass, k, speed, p) / mass))
+
+
+def transit_times(chain: Chain, energy: float | None = None) -> Array:
+    """Time that a pulse takes for each contact, roughly.
+
+    The least of what a pulse takes that keeps its energy, as it nearly does in a slow taper
+    (with v ~ m^(-1/2), each contact is passed in the compression time of its two beads),
+    of what sound takes in a compressed contact, and of the pieces of the drive.  Used for
+    the first step and the spacing of saved times, where a guess is enough.
+
+    Parameters
+    ----------
+    chain : Chain
+        Any chain.
+    energy : float, optional
+        Energy of the pulse, of which a drive is no longer a part; by default that of the bead
+        that is fastest at time 0.
+
+    Returns
+    -------
+    ndarray, shape (N - 1,)
+
+    Examples
+    --------
+    >>> transit_times(Chain.uniform(2)).round(5)
+    array([1.21942])
+    """
+    masses, p = chain.masses, chain.exponent
+    reduced = reduced_mass(masses[:-1], masses[1:])
+    times = np.full(chain.beads - 1, np.inf)
+    fastest = int(np.argmax(np.abs(chain.velocities)))
+    speed = abs(chain.velocities[fastest]) * np.sqrt(masses[fastest] / masses[:-1])
+    if energy is not None:
+        speed = np.sqrt(2.0 * energy / masses[:-1])
+    if speed.any():
+        times = compression_time(reduced, chain.stiffness, speed, p)
+    force = equilibrium(chain).forces[1:-1]
+    held = force > 0.0
+    slope = p * chain.stiffness[held] ** (1.0 / p) * force[held] ** (1.0 - 1.0 / p)
+    times[held] = np.minimum(times[held], np.sqrt(reduced[held] / slope))
+    if chain.drive is not None and energy is None:
+        kinks = np.unique(np.append(0.0, chain.drive.kinks))
+        lengths = np.diff(kinks[np.isfinite(kinks) & (kinks >= 0.0)])
+        times = np.minimum(times, np.min(lengths, initial=np.inf))
+    # Nothing sets a time: beads at rest, in free fall or pushed by a constant force.
+    return np.where(np.isfinite(times), times, 1.0)
 
 
 def drive_pieces(drive: Drive | None) -> tuple[Array, Array]:

@@ -21,10 +21,10 @@ from hertzchain.checks import number, real_numbers, whole_number
 from hertzchain.contacts import Array
 from hertzchain.errors import InputError, SimulationError, shown
 from hertzchain.simulation.checked_state import check_state
-from hertzchain.simulation.equations import equation_of
+from hertzchain.simulation.equations import equation_of, transit_times
 from hertzchain.simulation.run import Run
 from hertzchain.simulation.run_end import RunEnd, Status
-from hertzchain.simulation.state import State, contacts_of, first_state, same_motion, transit_times
+from hertzchain.simulation.state import State, contacts_of, first_state, same_motion
 
 Progress = Callable[[int, int], None]
 
@@ -222,7 +222,7 @@ class _Integration:
         self.counts[records.FRAMES] = 0
         self.equation = equation_of(chain)
         self.plain = len(arrays["y"]) == 2 * chain.beads
-        self.contacts = None if self.plain else contacts_of(arrays)
+        self.contacts = None if self.plain else contacts_of(arrays, self.equation.law.implicit)
         frames.allocate(len(arrays["y"]), 0 if self.plain else chain.beads + 1)
         self.frames, self.rtol = frames, rtol
         length = len(arrays["y"])

@@ -11,9 +11,9 @@ import numpy as np
 
 from hertzchain.chain.chain import Chain
 from hertzchain.chain.equilibrium import equilibrium
-from hertzchain.contacts import Array, compression_time, reduced_mass
+from hertzchain.contacts import Array
 from hertzchain.errors import InputError
-from hertzchain.simulation.equations import equation_of, start_of
+from hertzchain.simulation.equations import equation_of, start_of, transit_times
 
 if TYPE_CHECKING:
     from hertzchain.chain.scales import Scales
@@ -253,7 +253,7 @@ def new_state(chain: Chain, positions: Array, velocities: Array) -> State:
     first_step = 1e-4 * float(transit_times(chain)[0])
     full_chain.start(
         arrays["y"], arrays["clock"], arrays["counts"], equation,
-        None if plain else contacts_of(arrays), first_step,
+        None if plain else contacts_of(arrays, equation.law.implicit), first_step,
     )  # fmt: skip
     # Without bead 1's.
     arrays["counts"][records.PEAKS] = max(struck, 1) - 1
@@ -281,13 +281,15 @@ def first_state(chain: Chain) -> State:
     return new_state(chain, start[: chain.beads], start[chain.beads :])
 
 
-def contacts_of(arrays: dict[str, Array]) -> Contacts:
+def contacts_of(arrays: dict[str, Array], implicit: bool = False) -> Contacts:
     """The kernel's view of what contacts remember.
 
     Parameters
     ----------
     arrays : dict of ndarray
         The arrays of a `State`.
+    implicit : bool
+        Whether its law takes implicit steps, which need scratch.
 
     Returns
     -------
@@ -299,11 +301,13 @@ def contacts_of(arrays: dict[str, Array]) -> Contacts:
     (3,)
     """
     from hertzchain.kernels.forces import Contacts
+    from hertzchain.kernels.implicit import new_implicit
 
     number = len(arrays["mode"])
     force, last_force = np.zeros((2, number))
     scratch, powers = np.zeros((3, number)), np.zeros((4, number))
-    return Contacts(arrays["mode"], arrays["largest"], force, last_force, scratch, powers)
+    within = new_implicit(number if implicit else 0)
+    return Contacts(arrays["mode"], arrays["largest"], force, last_force, scratch, powers, within)
 
 
 def same_motion(chain: Chain, other: Chain) -> bool:
@@ -347,49 +351,3 @@ def fingerprint(chain: Chain) -> str:
     for part in equation_of(chain):
         digest.update(np.asarray(part).tobytes())
     return digest.hexdigest()
-
-
-def transit_times(chain: Chain, energy: float | None = None) -> Array:
-    """Time that a pulse takes for each contact, roughly.
-
-    The least of what a pulse takes that keeps its energy, as it nearly does in a slow taper
-    (with v ~ m^(-1/2), each contact is passed in the compression time of its two beads),
-    of what sound takes in a compressed contact, and of the pieces of the drive.  Used for
-    the first step and the spacing of saved times, where a guess is enough.
-
-    Parameters
-    ----------
-    chain : Chain
-        Any chain.
-    energy : float, optional
-        Energy of the pulse, of which a drive is no longer a part; by default that of the bead
-        that is fastest at time 0.
-
-    Returns
-    -------
-    ndarray, shape (N - 1,)
-
-    Examples
-    --------
-    >>> transit_times(Chain.uniform(2)).round(5)
-    array([1.21942])
-    """
-    masses, p = chain.masses, chain.exponent
-    reduced = reduced_mass(masses[:-1], masses[1:])
-    times = np.full(chain.beads - 1, np.inf)
-    fastest = int(np.argmax(np.abs(chain.velocities)))
-    speed = abs(chain.velocities[fastest]) * np.sqrt(masses[fastest] / masses[:-1])
-    if energy is not None:
-        speed = np.sqrt(2.0 * energy / masses[:-1])
-    if speed.any():
-        times = compression_time(reduced, chain.stiffness, speed, p)
-    force = equilibrium(chain).forces[1:-1]
-    held = force > 0.0
-    slope = p * chain.stiffness[held] ** (1.0 / p) * force[held] ** (1.0 - 1.0 / p)
-    times[held] = np.minimum(times[held], np.sqrt(reduced[held] / slope))
-    if chain.drive is not None and energy is None:
-        kinks = np.unique(np.append(0.0, chain.drive.kinks))
-        lengths = np.diff(kinks[np.isfinite(kinks) & (kinks >= 0.0)])
-        times = np.minimum(times, np.min(lengths, initial=np.inf))
-    # Nothing sets a time: beads at rest, in free fall or pushed by a constant force.
-    return np.where(np.isfinite(times), times, 1.0)

@@ -22,7 +22,7 @@ from hertzchain.chain.equilibrium import equilibrium
 from hertzchain.contacts import Array
 from hertzchain.kernels import records
 from hertzchain.simulation.budget import overlaps_of
-from hertzchain.simulation.state import transit_times
+from hertzchain.simulation.equations import transit_times
 from hertzchain.simulation.wall_bound import RIGHT, Approach, Target
 
 if TYPE_CHECKING:

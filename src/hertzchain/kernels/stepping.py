@@ -1,0 +1,100 @@
+"""A step of either kind, explicit or implicit, its error, and what lies between its ends."""
+
+from __future__ import annotations
+
+from hertzchain.kernels.dense import find_coefficients
+from hertzchain.kernels.dop853 import STEP_STAGES
+from hertzchain.kernels.forces import copy, derivative, wall_motion
+from hertzchain.kernels.implicit import (
+    force_within,
+    implicit_coefficients,
+    implicit_error,
+    settle,
+    try_implicit_step,
+)
+from hertzchain.kernels.options import compiled
+from hertzchain.kernels.radau import IMPLICIT_STAGES
+from hertzchain.kernels.step import (
+    bench_scale,
+    complete_stages,
+    error_norm,
+    try_step,
+    velocity_scale,
+)
+
+# How a step's length follows from its error: the power, and bounds of the change.
+EXPLICIT_ORDER, IMPLICIT_ORDER = -0.125, -1.0 / 6.0
+SAFETY, SHRINKAGE, GROWTH = 0.9, 0.2, 10.0
+
+
+@compiled
+def is_implicit(setup, contacts):
+    """Whether the steps of this chain are implicit."""
+    if contacts is not None:
+        return setup.law.implicit
+    return False
+
+
+@compiled
+def begin(time, y, h, setup, contacts, segment, rtol, stages, work, scale):
+    """The derivative that the next step begins with."""
+    if contacts is not None:
+        if setup.law.implicit:
+            speeds = work[3, len(scale) : 2 * len(scale)]
+            settle(time, y, h, setup, contacts, segment, rtol, stages, work[0], speeds, scale)
+            return
+    derivative(time, y, setup, contacts, segment, stages[0])
+    if contacts is not None:
+        copy(contacts.force, contacts.last_force)
+
+
+@compiled
+def take_step(time, y, h, setup, contacts, segment, rtol, stages, trial, y_new, work, scale):
+    """One step; its error in tolerances (not a number if there is none), and evaluations."""
+    speeds = work[3, len(scale) : 2 * len(scale)]
+    if contacts is None:
+        try_step(time, y, h, setup, contacts, segment, stages, trial, y_new)
+        velocity_scale(y, speeds, scale)
+        return error_norm(h, stages, scale, rtol, work[4:]), STEP_STAGES
+    wall_speed = wall_motion(time + h, setup, segment)[1]
+    if not setup.law.implicit:
+        try_step(time, y, h, setup, contacts, segment, stages, trial, y_new)
+        bench_scale(h, y, y_new, wall_speed, setup, contacts, rtol, speeds, scale)
+        return error_norm(h, stages, scale, rtol, work[4:]), STEP_STAGES
+    if not try_implicit_step(
+        time, y, h, setup, contacts, segment, rtol, stages, y_new, speeds, scale
+    ):
+        return float("nan"), IMPLICIT_STAGES
+    bench_scale(h, y, y_new, wall_speed, setup, contacts, rtol, speeds, scale)
+    return implicit_error(h, stages, scale, rtol), IMPLICIT_STAGES
+
+
+@compiled
+def change_of_step(error, implicit):
+    """What the length of the next step is to be multiplied by."""
+    if error == 0.0:
+        return GROWTH
+    order = IMPLICIT_ORDER if implicit else EXPLICIT_ORDER
+    return min(GROWTH, max(SHRINKAGE, SAFETY * error**order))
+
+
+@compiled
+def interpolate(time, y, h, y_new, setup, contacts, segment, stages, dense, trial):
+    """Coefficients of the interpolant of a step; returns evaluations."""
+    if contacts is not None:
+        if setup.law.implicit:
+            implicit_coefficients(h, stages, dense)
+            return 0
+    complete_stages(time, y, h, setup, contacts, segment, stages, trial)
+    find_coefficients(h, y, y_new, stages, dense)
+    return 3
+
+
+@compiled
+def forces_within(theta, time, h, state, setup, contacts, segment, scratch):
+    """Write the contact forces at the fraction theta of a step, where the state is as given."""
+    if setup.law.implicit:
+        for c in range(len(contacts.force)):
+            contacts.force[c] = force_within(c, theta, contacts)
+    else:
+        derivative(time + theta * h, state, setup, contacts, segment, scratch)

@@ -104,14 +104,9 @@ def simulate(
         )
     if stream is not None:
         refuse_with_stream(
-            out=out,
-            plot=plot,
-            sensor=sensors,
-            budget=budget,
-            waves=waves,
-            horizon=horizon,
+            out=out, plot=plot, sensor=sensors, budget=budget, waves=waves, horizon=horizon,
             max_steps=max_steps,
-        )
+        )  # fmt: skip
     chain = chain_from(file, chain_file, taper, rate, beads)
     for bead in sensors:
         whole_number("--sensor", bead, least=1, most=chain.beads)
@@ -125,12 +120,11 @@ def simulate(
     if horizon:
         with progress_of("beads passed, second integration") as progress:
             run.horizon(progress=progress)
-    found = run.waves() if waves else None
     if out is not None:
         save_run(run, out)
     if plot is not None:
         save_axes(_drawn(run, sensors), plot)
-    _show_run(run, sensors, found, as_json)
+    _show_run(run, sensors, run.waves() if waves else None, as_json)
     if budget:
         click.echo(run.budget())
 

@@ -35,7 +35,7 @@ def doors(folder):
     balls = Chain.from_materials(5e-3, "brass", beads=9, velocity=0.01)
     small = chain.decorated(0.2)
     run, pulse = hc.simulate(walled, until=10.0, times=50), hc.bca(chain)
-    longer = hc.simulate(walled, until=20.0, times=200)
+    longer = hc.simulate(walled, until=40.0, times=400)
     budget, compared, wave = run.budget(), pulse.compare(pulse), hc.solitary_wave()
     table = hc.propagate_many([[1.0, 1.0, 1.0]])
     held = chain.replace(precompression=1.0, held_by="force")

@@ -111,14 +111,9 @@ def simulate(
         )
     if stream is not None:
         refuse_with_stream(
-            out=out,
-            plot=plot,
-            sensor=sensors,
-            budget=budget,
-            waves=waves,
-            horizon=horizon,
+            out=out, plot=plot, sensor=sensors, budget=budget, waves=waves, horizon=horizon,
             max_steps=max_steps,
-        )
+        )  # fmt: skip
     chain = chain_from(file, chain_file, taper, rate, beads)
     end = time_from("--until", until, chain)
     for bead in sensors:
@@ -133,7 +128,6 @@ def simulate(
     if horizon:
         with progress_of("beads passed, second integration") as progress:
             run.horizon(progress=progress)
-    found = run.waves() if waves else None
     if out is not None:
         save_run(run, out)
     walls = _walls(run)
@@ -141,7 +135,8 @@ def simulate(
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", hertzchain.IncompleteWarning)  # has been shown
             save_axes(_drawn(run, sensors, walls), plot)
-    _show_run(run, walls, [run.sensor_force(bead) for bead in sensors], found, as_json)
+    felt = [run.sensor_force(bead) for bead in sensors]
+    _show_run(run, walls, felt, run.waves() if waves else None, as_json)
     if budget:
         click.echo(run.budget())
 

@@ -176,7 +176,6 @@ def reflection_of(
     check_saved_times(run)
     floor = THRESHOLD * largest_force_of(run)
     sign = 1 if second > first else -1
-
     near = [event for event in events_at(run, first, floor) if event.time >= begin]
     incident = next((event for event in near if event.direction == sign), None)
     if incident is None or incident.time > stop:
@@ -187,35 +186,49 @@ def reflection_of(
     near = [event for event in near if event.time > incident.time]
     far = [event for event in events_at(run, second, floor) if event.time > incident.time]
 
+    stop = min(stop, float(run.times[-1]))
     entering = [e for e in near if e.direction == sign] + [e for e in far if e.direction == -sign]
-    entry = min((e.begin for e in entering if e.energy > WEAK * incident.energy), default=np.inf)
-    last = min(stop, entry, float(run.times[-1]))
-    if last <= incident.end:
-        reason = f"; another wave enters at t = {entry:g}" if entry <= last else ""
+    last = min(stop, _first_entry(entering, incident))
+    reflected = tuple(e for e in near if e.direction == -sign and e.time <= last)
+    transmitted = tuple(e for e in far if e.direction == sign and e.time <= last)
+    found = Reflection(
+        chain=run.chain, before=first, after=second, incident=incident, reflected=reflected,
+        transmitted=transmitted, until=last, disturbed=last < stop,
+        kept_energy=sign * _inflow(run, first, second, incident.begin, last) / incident.energy,
+    )  # fmt: skip
+    _check_count(run, found)
+    _warn_of_balance(found)
+    return found
+
+
+def _first_entry(entering: list[WaveEvent], incident: WaveEvent) -> float:
+    """When the first other wave of some strength enters from outside; infinite if none does."""
+    strong = (event.begin for event in entering if event.energy > WEAK * incident.energy)
+    return min(strong, default=np.inf)
+
+
+def _inflow(run: Run, first: int, second: int, begin: float, end: float) -> float:
+    """Energy that flowed to the right at one contact and not at the other, between two times."""
+    flows = (ContactCurves(run, k).power_curve.antiderivative() for k in (first, second))
+    here, there = (float(whole(end) - whole(begin)) for whole in flows)
+    return here - there
+
+
+def _check_count(run: Run, found: Reflection) -> None:
+    """Refuse a count that ends before the incident wave has passed, and waves not resolved."""
+    incident = found.incident
+    if found.until <= incident.end:
+        reason = f"; another wave enters at t = {found.until:g}" if found.disturbed else ""
         raise SimulationError(
-            f"no coefficients: the incident wave passes contact {first} until t = "
+            f"no coefficients: the incident wave passes contact {found.before} until t = "
             f"{incident.end:g}{reason}; choose other contacts, since or until, or use "
             "run.energy_flux()"
         )
-    reflected = tuple(e for e in near if e.direction == -sign and e.time <= last)
-    transmitted = tuple(e for e in far if e.direction == sign and e.time <= last)
-    for event, name in [
-        (incident, "the incident wave"),
-        *((event, "a reflected wave") for event in reflected),
-        *((event, "a transmitted wave") for event in transmitted),
-    ]:
+    require_resolved(run, incident, "the incident wave")
+    for event in (*found.reflected, *found.transmitted):
         if event.energy >= WEAK * incident.energy:
-            require_resolved(run, event, name)
-    inflow = _net_flow(run, first, incident.begin, last) - _net_flow(
-        run, second, incident.begin, last
-    )
-    found = Reflection(
-        chain=run.chain, before=first, after=second, incident=incident, reflected=reflected,
-        transmitted=transmitted, until=last, disturbed=entry < min(stop, float(run.times[-1])),
-        kept_energy=sign * inflow / incident.energy,
-    )  # fmt: skip
-    _warn_of_balance(found)
-    return found
+            name = "a reflected" if event in found.reflected else "a transmitted"
+            require_resolved(run, event, f"{name} wave")
 
 
 def _warn_of_balance(found: Reflection) -> None:
@@ -235,9 +248,3 @@ def _warn_of_balance(found: Reflection) -> None:
     else:
         return
     warnings.warn(reason, InputWarning, stacklevel=4)
-
-
-def _net_flow(run: Run, contact: int, begin: float, end: float) -> float:
-    """Energy that passed a contact towards bead N between two times."""
-    whole = ContactCurves(run, contact).power_curve.antiderivative()
-    return float(whole(end) - whole(begin))

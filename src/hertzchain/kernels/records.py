@@ -16,8 +16,9 @@ COUNTS_SIZE = 9
 PEAK_TIME, PEAK_VELOCITY = 0, 1
 CROSSING_TIME, OVERLAP, RESIDENCE = 0, 1, 2
 WALL_PEAK_TIME, WALL_PEAK, FIRST_IMPULSE, FIRST_END, TOUCHES, TOUCHING, WALL_ROWS = range(7)
-# Rows of `completion`, written between calls of the compiled loop: start of the watch on a wall and
-# transit time; time from which its peak is complete, its impulse and touches until then.
-WATCH_START, TRANSIT, SINCE, SINCE_IMPULSE, SINCE_TOUCHES, COMPLETION_ROWS = range(6)
+# Rows of `completion`, written between calls of the compiled loop: start of the watch on a wall,
+# transit time, time of the next check; time from which the peak is complete, and impulse and number
+# of touches until then.
+WATCH_START, TRANSIT, DUE, SINCE, IMPACT_IMPULSE, IMPACT_TOUCHES, COMPLETION_ROWS = range(7)
 # Peak time of a striker, which has its velocity from the start on.
 FROM_THE_START = -1.0

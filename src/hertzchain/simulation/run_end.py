@@ -95,11 +95,13 @@ class RunEnd:
         if watch.closed or watch.due > self.until:
             return None
         watch.check(forces)
-        if self.default and watch.closed:
+        if not self.default:
+            return None
+        if watch.closed:
             return "nothing more happens"
-        if self.default and watch.complete(RIGHT):
+        if watch.complete(RIGHT):
             return "wall force complete"
-        return "transit limit" if self.default and watch.expired else None
+        return "transit limit" if watch.expired else None
 
     def assess(self, forces: Array) -> tuple[Array, Array]:
         """Momentum, energy and bound of the motion towards each wall, and whether it is complete.

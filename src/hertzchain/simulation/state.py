@@ -205,7 +205,7 @@ def records_units(scales: Scales) -> dict[str, Array]:
         "peaks": np.array([[time], [velocity]]),
         "crossings": np.array([[time], [length], [time]]),
         "walls": np.array([[time], [scales.force], [scales.momentum], [time], [1.0], [1.0]]),
-        "completion": np.array([[time], [time], [time], [scales.momentum], [1.0]]),
+        "completion": np.array([[time], [time], [time], [time], [scales.momentum], [1.0]]),
     }
 
 

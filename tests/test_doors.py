@@ -11,8 +11,8 @@ from hertzchain import Chain
 
 # What simulations and theories make, and nobody else: no doors, but for their methods.
 RESULTS = (
-    "Budget", "HertzRange", "PulseTable", "Run", "SolitaryWave", "State", "StaticState",
-    "WallForce",
+    "Budget", "HertzRange", "PulseTable", "Run", "SensorForce", "SolitaryWave", "State",
+    "StaticState", "WallForce",
 )  # fmt: skip
 # Called with what other doors have checked.
 OUR_OWN = ("factors",)
@@ -33,7 +33,7 @@ def doors(folder):
     walled = chain.replace(right_wall=hc.Wall())
     balls = Chain.from_materials(5e-3, "brass", beads=9, velocity=0.01)
     small = chain.decorated(0.2)
-    run, pulse = hc.simulate(walled, until=10.0, times=50), hc.bca(chain)
+    run, pulse = hc.simulate(walled, until=25.0, times=50), hc.bca(chain)
     budget, compared, wave = run.budget(), pulse.compare(pulse), hc.solitary_wave()
     table = hc.propagate_many([[1.0, 1.0, 1.0]])
     scales, state = hc.Scales.of(balls), folder / "state.npz"
@@ -159,6 +159,7 @@ def doors(folder):
         "Budget.plot": tried(budget.plot, of="energy", ax=None),
         "Run.force": tried(run.force, contact=1),
         "Run.sensor": tried(run.sensor, bead=1),
+        "Run.sensor_force": tried(run.sensor_force, bead=1),
         "Run.velocity": tried(run.velocity, bead=1),
         "Run.wall_force": tried(run.wall_force, side="right"),
         "Run.waves": tried(run.waves, bead=3),

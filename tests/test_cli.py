@@ -103,7 +103,7 @@ def test_simulate(run, tmp_path):
         "--plot", tmp_path / "run.svg",
     )  # fmt: skip
     assert (code, err) == (0, "")
-    assert "stopped as asked at t = 5" in out
+    assert "stopped as requested at t = 5" in out
     assert (tmp_path / "run.csv").exists()
     assert (tmp_path / "run.svg").exists()
     document = json.loads(run("simulate", "--beads", 10, "--json")[1])
@@ -373,7 +373,8 @@ def test_a_real_chain_at_a_wall_is_told_with_units(run, tmp_path):
     )
     code, out, _ = run("simulate", file, "--budget")
     assert code == 0
-    assert "the pulse is in the wall at t = " in out
+    assert "the force on the right wall is complete at t = " in out
+    assert "right wall: peak " in out
     assert "energy [J]" in out
     assert "momentum [kg m/s]" in out
 
@@ -421,37 +422,43 @@ velocity = 0.2
 def test_simulate_prints_what_walls_and_sensors_felt(run, tmp_path):
     file, picture = tmp_path / "experiment.toml", tmp_path / "forces.svg"
     file.write_text(EXPERIMENT)
-    command = ("simulate", file, "--until", "2e-4", "--times", "101", "--sensor", "2")
+    command = ("simulate", file, "--until", "3e-4", "--times", "101", "--sensor", "2")
     code, out, err = run(*command, "--sensor", "3", "--plot", picture)
     assert (code, err) == (0, "")
-    felt = hertzchain.simulate(hertzchain.load_chain(file), until=2e-4, times=101)
-    wall, force = felt.wall_force(), felt.sensor(3)
+    felt = hertzchain.simulate(hertzchain.load_chain(file), until=3e-4, times=101)
+    wall, sensor = felt.wall_force(), felt.sensor_force(3)
     assert f"right wall: peak {wall.peak:.6g} N at t = {wall.peak_time:.6g} s; impulse of" in out
-    assert (
-        f"first contact {wall.first_contact_impulse:.6g} N s, impulse in all {wall.impulse:.6g} N"
-        in out
-    )
-    at = felt.times[force.argmax()]
-    assert f"sensor in bead 3: peak {force.max():.6g} N at t = {at:.6g} s" in out
+    assert f"impact {wall.impulse_of_impact:.6g} N s (1 contact), of the first contact " in out
+    assert f"{wall.first_contact_impulse:.6g} N s, in total {wall.impulse:.6g} N s" in out
+    first, time = sensor.first_maximum, sensor.first_maximum_time
+    assert f"sensor in bead 3: first maximum {first:.6g} N at t = {time:.6g} s" in out
+    largest, time = sensor.largest_so_far, sensor.largest_so_far_time
+    assert f"; largest so far {largest:.6g} N at t = {time:.6g} s" in out
     drawn = picture.read_text()
     assert all(f"<!-- {name} -->" in drawn for name in ("bead 2", "bead 3", "right wall"))
     document = json.loads(run(*command, "--json")[1])
-    assert document["walls"][0]["impulse"] == wall.impulse
-    assert document["sensors"] == [
-        {"bead": 2, "peak": felt.sensor(2).max(),
-         "peak_time": felt.times[felt.sensor(2).argmax()]}
-    ]  # fmt: skip
+    for name, value in document["walls"][0].items():
+        assert value == getattr(wall, name)
+    assert {"peak", "complete", "largest_so_far", "bound"} < document["walls"][0].keys()
+    assert document["sensors"][0]["largest_so_far"] == felt.sensor(2).max()
+    assert document["sensors"][0]["bead"] == 2
 
 
 def test_simulate_says_what_a_wall_has_not_felt(run, tmp_path):
     file = tmp_path / "experiment.toml"
     file.write_text(EXPERIMENT)
-    assert "the first contact is not over, impulse" in run("simulate", file, "--until", "9e-5")[1]
-    early = run("simulate", file, "--until", "6e-5")[1]
-    assert "N at the end, t = 6e-05 s, and rising: a later --until" in early
-    assert "right wall: peak" not in early
+    for until in ("9e-5", "6e-5"):
+        with pytest.warns(hertzchain.IncompleteWarning, match="right wall is not complete") as told:
+            code, early, _ = run("simulate", file, "--until", until, "--plot", tmp_path / "map.svg")
+        assert (code, len(told)) == (0, 1)
+        assert "right wall: peak not complete, largest so far " in early
+    with pytest.warns(hertzchain.IncompleteWarning):
+        document = json.loads(run("simulate", file, "--until", "6e-5", "--json")[1])
+    assert document["walls"][0]["peak"] is None
+    assert document["walls"][0]["complete"] is False
     file.write_text(EXPERIMENT + "gap = 0.1\n")
-    assert "right wall: not reached" in run("simulate", file, "--until", "1e-5")[1]
+    with pytest.warns(hertzchain.IncompleteWarning, match="not reached"):
+        assert "right wall: not reached" in run("simulate", file, "--until", "1e-5")[1]
     assert json.loads(run("simulate", "--beads", 3, "--json")[1])["walls"] == []
 
 

@@ -12,8 +12,8 @@ from hertzchain import Chain
 # What simulations and theories make, and nobody else: no doors, but for their methods.
 RESULTS = (
     "Budget", "EnergyFlux", "Fronts", "HertzRange", "Horizon", "LeadingPulse", "PulseTable",
-    "Reflection", "Run", "SolitaryWave", "Spectrum", "State", "StaticState", "VelocityPeaks",
-    "WallForce", "Wave", "WaveEvent", "Waves",
+    "Reflection", "Run", "SensorForce", "SolitaryWave", "Spectrum", "State", "StaticState",
+    "VelocityPeaks", "WallForce", "Wave", "WaveEvent", "Waves",
 )  # fmt: skip
 # Called with what other doors have checked.
 OUR_OWN = ("factors",)
@@ -34,7 +34,7 @@ def doors(folder):
     walled = chain.replace(right_wall=hc.Wall())
     balls = Chain.from_materials(5e-3, "brass", beads=9, velocity=0.01)
     small = chain.decorated(0.2)
-    run, pulse = hc.simulate(walled, until=10.0, times=50), hc.bca(chain)
+    run, pulse = hc.simulate(walled, until=25.0, times=50), hc.bca(chain)
     longer = hc.simulate(walled, until=40.0, times=400)
     budget, compared, wave = run.budget(), pulse.compare(pulse), hc.solitary_wave()
     table = hc.propagate_many([[1.0, 1.0, 1.0]])
@@ -165,6 +165,7 @@ def doors(folder):
         "Budget.plot": tried(budget.plot, of="energy", horizon=None, ax=None),
         "Run.force": tried(run.force, contact=1),
         "Run.sensor": tried(run.sensor, bead=1),
+        "Run.sensor_force": tried(run.sensor_force, bead=1),
         "Run.velocity": tried(run.velocity, bead=1),
         "Run.wall_force": tried(run.wall_force, side="right"),
         "LeadingPulse.weights": tried(

@@ -1,5 +1,3 @@
-import dataclasses
-
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -206,9 +204,15 @@ def test_one_collision_with_a_very_heavy_bead():
     assert pulse.velocity[1] == pytest.approx(2 / (1 + 127**3), rel=1e-10)
 
 
-def test_a_pulse_that_gets_nowhere_is_lost_and_not_left():
-    with pytest.raises(hc.SimulationError, match=r"pulse was lost .* 1 of 3 beads"):
-        hc.simulate(hc.Chain.from_radii([1, 1e10, 1]))
+def test_a_run_ends_when_nothing_more_happens():
+    run = hc.simulate(hc.Chain.from_radii([1, 1e10, 1]))
+    assert run.status == "nothing more happens"
+    assert run.end_time < 10.0
+    assert "the pulse had passed 1 of 3 beads" in run.message
+    # The striker bounces off a bead that is as good as a wall.
+    assert run.velocities[-1, 0] == pytest.approx(-1.0, abs=1e-12)
+    with pytest.raises(hc.SimulationError, match="1 of 3 beads"):
+        hc.propagate(run.chain)
 
 
 def test_saved_times_are_right_where_the_grid_has_grown():
@@ -314,7 +318,7 @@ def test_run_as_dataset(uniform_run):
 
 
 def test_motion_too_fast_for_any_clock_is_refused():
-    stiff = hc.Material("stiff", density=1e-300, young=1e300, poisson=0.3)
+    stiff = hc.Material("stiff", density=1e-3, young=1e300, poisson=0.3)
     for chain in (
         hc.Chain.from_materials(5e-3, stiff, beads=5),
         hc.Chain.uniform(3).replace(velocities=[1e-300, 0.0, 0.0]),
@@ -344,6 +348,3 @@ def test_beads_that_do_not_part_again():
     chain = hc.Chain.uniform(3).replace(loss=hc.Viscoelastic(1e300))
     run = hc.simulate(chain)
     assert run.pulse().velocity[-1] == pytest.approx(1.0 / 3.0, rel=1e-12)
-    lost = dataclasses.replace(run, status="pulse lost")
-    assert "the pulse was lost" in lost.message
-    assert "use a weaker loss" in lost.message

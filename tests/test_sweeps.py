@@ -110,7 +110,7 @@ def test_real_chains_walls_and_losses():
         "loss": {"coefficient": [0.8, 1.0]},
         "velocity": {"linspace": [1, 5, 3], "unit": "cm/s"},
     }
-    keep = ["velocity", "wall_peak_force", "wall_impulse", "wall_first_impulse"]
+    keep = ["velocity", "wall_peak_force", "wall_impulse", "wall_first_contact_impulse"]
     found = swept(chain, axes, methods=["simulate"], keep=keep, method={"until": 5e-3})
     np.testing.assert_allclose(found.chain_velocity, [0.01, 0.03, 0.05])
     assert found.chain_velocity.units == "m/s"
@@ -122,7 +122,8 @@ def test_real_chains_walls_and_losses():
     point = found.isel(coefficient=0, chain_velocity=1, by=0)
     assert point.wall_peak_force.item() == wall.peak
     assert point.wall_impulse.item() == wall.impulse
-    assert point.wall_first_impulse.item() == wall.first_impulse
+    assert point.wall_first_contact_impulse.item() == wall.first_contact_impulse
+    assert not found.incomplete.any()
 
 
 def test_si_chains_by_scaled_methods_are_in_si():

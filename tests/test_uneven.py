@@ -225,11 +225,11 @@ def test_a_hopeless_chain_ends_soon_with_advice_that_can_be_followed(monkeypatch
     """Light beads that rattle: a million steps of the whole chain were not enough."""
     monkeypatch.setattr(uneven, "WHOLE_BEAD_STEPS", 200_000)
     chain = hc.Chain.from_radii(10.0 ** np.random.default_rng(5).uniform(-2.0, 0.5, 40))
-    with pytest.raises(hc.SimulationError, match="light beads rattle") as raised:
+    with pytest.raises(hc.SimulationError, match="light beads bounce") as raised:
         hc.propagate(chain)
     said = str(raised.value)
     assert "after 5000 steps" in said
-    assert "simulate(chain, times=0, max_steps=500000).pulse()" in said
+    assert "max_steps" not in said
     table = hc.propagate_many([chain, hc.Chain.uniform(5)])
     assert table.reasons == {0: said}
 

@@ -77,6 +77,8 @@ SMALLEST_STEP = 1e-280
 ENDLESS = 1e300
 # Largest relative difference of two accelerations that are the same but for rounding.
 SAME_FALL = 1e-12
+# Part of the time so far that no step takes unless all beads fly freely.
+LONG_STEP = 0.1
 # Steps too short for the clock to notice, in a row, after which the run is given up.
 MOST_FROZEN = 100_000
 # Longest step in parts of a force's rise by a cubic: its work on a free bead is of degree 8 in
@@ -176,8 +178,8 @@ def advance_window(
             continue
         if outrun(y, y_new, low, low + beads, all_beads):
             return OUTRUN, tried - 1
-        # Only what flies freely takes steps as long as all the time before.
-        lone = error == 0.0 or h > time
+        # Only beads in free flight take steps that are so long.
+        lone = error == 0.0 or h > LONG_STEP * time
         if stop_when_left and lone and nothing_can_happen(y, setup, contacts):
             return PULSE_LOST, tried
 

@@ -19,8 +19,9 @@ CROSSING_TIME, OVERLAP, RESIDENCE, HANDED_OVER, RISE_TIME = range(5)
 LEADING_MOMENTUM, LEADING_ENERGY, CROSSING_ROWS = range(5, 8)
 WALL_PEAK_TIME, WALL_PEAK, FIRST_IMPULSE, FIRST_END, TURNED_BACK = range(5)
 TOUCHES, TOUCHING, WALL_ROWS = range(5, 8)
-# Rows of `completion`, written between calls of the compiled loop: start of the watch on a wall and
-# transit time; time from which its peak is complete, its impulse and touches until then.
-WATCH_START, TRANSIT, SINCE, SINCE_IMPULSE, SINCE_TOUCHES, COMPLETION_ROWS = range(6)
+# Rows of `completion`, written between calls of the compiled loop: start of the watch on a wall,
+# transit time, time of the next check; time from which the peak is complete, and impulse and number
+# of touches until then.
+WATCH_START, TRANSIT, DUE, SINCE, IMPACT_IMPULSE, IMPACT_TOUCHES, COMPLETION_ROWS = range(7)
 # Peak time of a striker, which has its velocity from the start on.
 FROM_THE_START = -1.0

@@ -19,11 +19,12 @@ from hertzchain.checks import whole_number
 from hertzchain.contacts import Array
 from hertzchain.errors import IncompleteWarning, InputError, SimulationError
 from hertzchain.pulse.pulse import Pulse
+from hertzchain.simulation._run_end import Status
+from hertzchain.simulation._wall_watch import MAX_TRANSITS
 from hertzchain.simulation.budget import Budget, budget_of, overlaps_of
 from hertzchain.simulation.equations import transit_times
 from hertzchain.simulation.fronts import Fronts, fronts_of
 from hertzchain.simulation.leading_pulse import LeadingPulse, leading_pulse_of
-from hertzchain.simulation.run_end import Status
 from hertzchain.simulation.run_pulse import pulse_of, residence_of
 from hertzchain.simulation.sensor_force import SensorForce, sensor_force_of
 from hertzchain.simulation.state import State, ledger_units, records_units
@@ -35,7 +36,6 @@ from hertzchain.simulation.wall_force import (
     incomplete_peak,
     wall_force_of,
 )
-from hertzchain.simulation.wall_watch import MAX_TRANSITS
 
 if TYPE_CHECKING:
     import xarray as xr

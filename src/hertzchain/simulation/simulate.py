@@ -20,10 +20,10 @@ from hertzchain.chain.hertz_range import warn_outside_hertz
 from hertzchain.checks import number, real_numbers, whole_number
 from hertzchain.contacts import Array
 from hertzchain.errors import InputError, SimulationError, shown
+from hertzchain.simulation._run_end import RunEnd, Status
 from hertzchain.simulation.checked_state import check_state
 from hertzchain.simulation.equations import equation_of, transit_times
 from hertzchain.simulation.run import Run
-from hertzchain.simulation.run_end import RunEnd, Status
 from hertzchain.simulation.state import State, contacts_of, first_state, same_motion
 
 Progress = Callable[[int, int], None]

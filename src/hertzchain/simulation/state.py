@@ -206,7 +206,7 @@ def records_units(scales: Scales) -> dict[str, Array]:
         "peaks": np.array([[time], [velocity]]),
         "crossings": np.array([[time], [length], [time], [momentum], [time], [momentum], [energy]]),
         "walls": np.array([[time], [scales.force], [momentum], [time], [time], [1.0], [1.0]]),
-        "completion": np.array([[time], [time], [time], [momentum], [1.0]]),
+        "completion": np.array([[time], [time], [time], [time], [momentum], [1.0]]),
     }
 
 

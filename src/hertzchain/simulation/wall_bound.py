@@ -82,7 +82,32 @@ class Target:
         return np.where(self.exists & (forces > rounding), forces, 0.0)
 
     def approach(self, time: float, positions: Array, velocities: Array, forces: Array) -> Approach:
-        """The motion towards the wall; forces counted with the walls, shape (N + 1,)."""
+        """The motion towards the wall.
+
+        Parameters
+        ----------
+        time : float
+            Time [scaled, or s].
+        positions, velocities : ndarray, shape (N,)
+            Of the beads [scaled, or m and m/s].
+        forces : ndarray, shape (N + 1,)
+            In the contacts, counted with the walls [scaled, or N].
+
+        Returns
+        -------
+        Approach
+
+        Examples
+        --------
+        A bead of energy 1/2 in front of a wall of stiffness 1:
+
+        >>> from hertzchain.chain.walls import Wall
+        >>> from hertzchain.simulation.equations import equation_of
+        >>> chain = Chain.uniform(2).replace(right_wall=Wall(stiffness=1.0))
+        >>> wall, none = Target(chain, RIGHT, equation_of(chain)), np.zeros(2)
+        >>> wall.approach(0.0, none, np.array([0.0, 1.0]), np.zeros(3)).bound == 1.25**0.6
+        True
+        """
         at = np.array([time]), positions[np.newaxis]
         overlaps = self._seen(overlaps_of(self.chain, *at)[0])
         stored = self._seen(stored_energy(self.chain, *at, forces[np.newaxis])[0])
@@ -94,9 +119,9 @@ class Target:
         forward = np.maximum(velocity, 0.0)
         energy = 0.5 * float(self.masses @ forward**2)
         energy += float(np.maximum(available[moving], 0.0).sum())
-        return Approach(float(self.masses @ forward), energy, self.bound(energy))
+        return Approach(float(self.masses @ forward), energy, self._bound(energy))
 
-    def bound(self, energy: float) -> float:
+    def _bound(self, energy: float) -> float:
         """Largest force on the wall that an energy can make."""
         p = self.p
         depth = ((p + 1.0) * energy / (self.softening * self.stiffness)) ** (1.0 / (p + 1.0))

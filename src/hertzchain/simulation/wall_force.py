@@ -97,6 +97,16 @@ def wall_force_of(
     Returns
     -------
     WallForce
+
+    Examples
+    --------
+    >>> import hertzchain as hc
+    >>> run = hc.simulate(hc.Chain.uniform(9).replace(right_wall=hc.Wall()))
+    >>> wall_force_of(
+    ...     "right", (run.times, run.force(9)), run._walls, run._completion, run._approaches,
+    ...     run._complete, run._impulses,
+    ... ).complete
+    True
     """
     from hertzchain.kernels import records
 
@@ -117,8 +127,8 @@ def wall_force_of(
         bound=bound,
         momentum_on_its_way=momentum,
         energy_on_its_way=energy,
-        touches=int(completion[records.SINCE_TOUCHES, i] if done else walls[records.TOUCHES, i]),
-        impulse_of_impact=float(completion[records.SINCE_IMPULSE, i]) if done else math.nan,
+        touches=int((completion[records.IMPACT_TOUCHES] if done else walls[records.TOUCHES])[i]),
+        impulse_of_impact=float(completion[records.IMPACT_IMPULSE, i]) if done else math.nan,
         first_contact_end=float(walls[records.FIRST_END, i]) if ended else None,
         first_contact_impulse=float(walls[records.FIRST_IMPULSE, i]) if ended else None,
         impulse=float(impulses[i]),
@@ -140,6 +150,13 @@ def incomplete_peak(wall: WallForce, end: float, units: tuple[str, str]) -> str:
     Returns
     -------
     str
+
+    Examples
+    --------
+    >>> import hertzchain as hc
+    >>> wall = hc.simulate(hc.Chain.uniform(9).replace(right_wall=hc.Wall())).wall_force()
+    >>> incomplete_peak(wall, 9.0, ("", ""))[:60]
+    'the peak of the force on the right wall is not complete: the'
     """
     second, newton = units
     found = f"the {wall.side} wall was not reached before t = {end:.6g}{second}"

@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 HELD: Final = 0.5
 MAX_TRANSITS: Final = 10
 CHECKS: Final = 16
-# Relative rounding of the bound; part of the peak to which a wall's force falls in between.
+# Relative rounding of the bound; part of the peak to which the force on a released wall has fallen.
 ROUNDING, RELEASED = 1e-9, 1e-3
 
 
@@ -46,7 +46,6 @@ class WallWatch:
         self.chain, self.arrays, self.rest = chain, arrays, equilibrium(chain).positions
         self.clock, self.walls = arrays["clock"], arrays["walls"]
         self.completion = arrays["completion"]
-        self._due = 0.0
 
     @property
     def time(self) -> float:
@@ -92,6 +91,7 @@ class WallWatch:
     def _start(self, time: float, transit: float) -> None:
         self.completion[records.WATCH_START] = time + self._flight()
         self.completion[records.TRANSIT] = transit
+        self._set_due()
 
     def _flight(self) -> float:
         """Time in which the last bead gets to a right wall at a distance."""
@@ -107,24 +107,25 @@ class WallWatch:
     @property
     def due(self) -> float:
         """Time of the next check."""
-        if self._due <= self.time:
-            self._due = self._next(self.time)
-        return self._due
+        return float(self.completion[records.DUE, 0])
 
-    def _next(self, time: float) -> float:
-        spacing = self.transit / CHECKS
-        number = max(1, math.floor((time - self.start) / spacing) + 1)
-        later = self.start + number * spacing
-        return later if later > time else self.start + (number + 1) * spacing
+    def _set_due(self) -> None:
+        """The next check is the first that is later than the next step."""
+        time, spacing = self.time + float(self.clock[records.STEP]), self.transit / CHECKS
+        number = max(0, math.floor((time - self.start) / spacing)) + 1
+        self.completion[records.DUE] = max(
+            self.start + number * spacing, math.nextafter(time, math.inf)
+        )
 
     @property
     def expired(self) -> bool:
-        """Whether the run has been given all its transits."""
-        return self._due > self.start + (MAX_TRANSITS - 1) * self.transit
+        """Whether ten transits have passed, and the peak on the right wall is not just held."""
+        late = self.time >= self.start + (MAX_TRANSITS - 1) * self.transit
+        return late and self.completion[records.SINCE, RIGHT] == 0.0
 
     def check(self, forces: Array) -> None:
         """Compare the bound of each wall with its peak so far."""
-        self._due = self._next(self._due)
+        self._set_due()
         self.close_if_apart()
         if self.closed:
             return
@@ -133,8 +134,7 @@ class WallWatch:
             if peak == 0.0 or not self.bounded(side, self.approach(target, forces)):
                 self.completion[records.SINCE :, side] = 0.0
                 continue
-            static = float(target.forces[-1])
-            force = float(forces[-1 if side == RIGHT else 0])
+            static, force = float(target.forces[-1]), float(forces[-1 if side == RIGHT else 0])
             if force - static <= RELEASED * (peak - static):
                 self._note(side)
 
@@ -154,8 +154,8 @@ class WallWatch:
 
     def close_if_apart(self) -> None:
         """Close if no contact is closed or approaching and nothing pushes the beads."""
-        pushed = self.chain.drive is not None or bool(equilibrium(self.chain).body_forces.any())
-        if self.closed or pushed:
+        driven = self.chain.drive is not None and self.time < self.chain.drive.end
+        if self.closed or driven or equilibrium(self.chain).body_forces.any():
             return
         beads = self.chain.beads
         velocities = self.arrays["y"][beads : 2 * beads]
@@ -167,7 +167,7 @@ class WallWatch:
     def close(self) -> None:
         """Record that nothing more can happen, so that every peak is complete."""
         self.completion[records.WATCH_START] = self.time
-        self.completion[records.TRANSIT] = 0.0
+        self.completion[[records.TRANSIT, records.DUE]] = 0.0
         for target in self.targets:
             self._note(target.side)
 

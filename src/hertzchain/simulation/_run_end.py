@@ -1,7 +1,7 @@
 """Up to which time the compiled loop is called next, and when the run is over.
 
 Without ``until`` a chain with a right wall runs until the largest force on the wall is complete
-(`hertzchain.simulation.wall_watch`), at most ten transits; any other until the pulse has left.
+(`hertzchain.simulation._wall_watch`), at most ten transits; any other until the pulse has left.
 With ``until`` the run stops at that time, and walls are watched in the same way.
 """
 
@@ -15,8 +15,8 @@ import numpy as np
 from hertzchain.chain.chain import Chain
 from hertzchain.contacts import Array
 from hertzchain.kernels import records
+from hertzchain.simulation._wall_watch import WallWatch
 from hertzchain.simulation.wall_bound import RIGHT
-from hertzchain.simulation.wall_watch import WallWatch
 
 if TYPE_CHECKING:
     from hertzchain.kernels.forces import Bench, Plain
@@ -27,7 +27,7 @@ Status = Literal[
 ]  # fmt: skip
 
 # Where neither impact nor drive sets the time: steps after which to see whether a wall was hit.
-STEPS_PER_LOOK = 256
+STEPS_PER_LOOK = 64
 
 
 class RunEnd:
@@ -95,11 +95,13 @@ class RunEnd:
         if watch.closed or watch.due > self.until:
             return None
         watch.check(forces)
-        if self.default and watch.closed:
+        if not self.default:
+            return None
+        if watch.closed:
             return "nothing more happens"
-        if self.default and watch.complete(RIGHT):
+        if watch.complete(RIGHT):
             return "wall force complete"
-        return "transit limit" if self.default and watch.expired else None
+        return "transit limit" if watch.expired else None
 
     def assess(self, forces: Array) -> tuple[Array, Array]:
         """Momentum, energy and bound of the motion towards each wall, and whether it is complete.

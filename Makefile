@@ -15,7 +15,7 @@ test: .venv/installed-test
 	$(BIN)/python -m sphinx -W --keep-going -q -b html docs docs/_build/html
 	$(BIN)/pytest -q -n 2 --dist loadfile
 
-# What takes minutes: sweeps killed thirty times.
+# What takes minutes: sweeps killed thirty times, thousands of damaged files.
 test-long: .venv/installed-test
 	$(BIN)/pytest -q -n 2 -m long tests
 

@@ -198,7 +198,8 @@ def doors(folder):
         "load_state": tried(hc.load_state, path=state, chain=walled),
         "save_state": tried(hc.save_state, state=run.state, path=folder / "again.npz"),
         "StoredRun": tried(hc.StoredRun, folder=folder / "run"),
-        "StoredRun.load": tried(stored.load, start=0.0, stop=5.0),
+        "StoredRun.load": tried(stored.load, start=0.0, stop=5.0, skip_damaged=False),
+        "StoredRun.parts": tried(lambda **given: [*stored.parts(**given)], skip_damaged=False),
         "stream": tried(
             hc.stream,
             chain=chain,
@@ -238,10 +239,13 @@ def doors(folder):
             executor=None,
             workers=1,
             shard=(1, 1),
+            skip_damaged=False,
             progress=None,
         ),
-        "merge_sweeps": tried(hc.merge_sweeps, stores=[folder / "sweep"], into=folder / "all"),
-        "open_sweep": tried(hc.open_sweep, store=folder / "sweep"),
+        "merge_sweeps": tried(
+            hc.merge_sweeps, stores=[folder / "sweep"], into=folder / "all", skip_damaged=False
+        ),
+        "open_sweep": tried(hc.open_sweep, store=folder / "sweep", skip_damaged=False),
         "verify": tried(hc.verify, groups=["restitution"], progress=None),
     }
 

@@ -1,4 +1,8 @@
 import json
+import math
+import subprocess
+import sys
+import time
 import tracemalloc
 import warnings
 from concurrent.futures import ThreadPoolExecutor
@@ -12,12 +16,13 @@ from hertzchain.plotting.sweeps import plot_sweep
 from hertzchain.store import sweep_files
 from hertzchain.store.sweep_files import export_sweep, tables_of
 from hertzchain.sweeps.axes import Axis
+from hertzchain.sweeps.checking import check_plan
 from hertzchain.sweeps.plan import Plan
 from hertzchain.sweeps.reading import read_specification, specification_from_json
 from hertzchain.sweeps.specification import differences
 from hertzchain.sweeps.sweep import estimate
 from hertzchain.sweeps.warned import recorded
-from hertzchain.sweeps.work import _Batch
+from hertzchain.sweeps.work import Stopped, _Batch, run_batch
 
 FORWARD = {"taper": "forward-exponential", "beads": 40}
 RATES = [0.02, 0.05, 0.08]
@@ -355,6 +360,84 @@ def test_specifications_survive_json_and_tell_their_differences():
     other = read_specification(given | {"sweep": {"at": "last"}})
     assert differences(spec.as_json(), other.as_json()) == ["sweep.at: 'every', now 'last'"]
     assert json.loads(spec.as_json())["axes"]["rate"] == {"linspace": [0.01, 0.1, 4]}
+
+
+@pytest.mark.parametrize(("beads", "most"), [(20, 2048), (20_000, 48), (2_000_000, 1)])
+@pytest.mark.parametrize("kept", ["last", "every"])
+def test_a_batch_holds_little_in_memory(beads, most, kept):
+    axes = {"rate": {"linspace": [1e-7, 2e-7, 100_000]}}
+    plan = Plan(read_specification({
+        "chain": {"taper": "backward-exponential", "beads": beads}, "axes": axes,
+        "sweep": {"at": kept},
+    }))  # fmt: skip
+    assert math.prod(plan.block) <= most
+    assert plan.bytes_held <= 2**27 or most == 1
+
+
+def test_batches_too_large_for_memory_are_refused():
+    given = {"chain": {"taper": "backward-exponential", "beads": 10_000_000},
+             "axes": {"rate": {"linspace": [1e-9, 2e-9, 1000]}},
+             "sweep": {"at": "last", "batch": 1000}}  # fmt: skip
+    with pytest.raises(hc.InputError, match=r"1000 points of 10000000 beads need about .* GB of"):
+        hc.sweep(given, workers=1)
+
+
+MEMORY = """
+from pathlib import Path
+import hertzchain as hc
+
+class Enough(Exception):
+    pass
+
+def stop(done, _):
+    if done > 100:
+        raise Enough
+
+given = {"chain": {"taper": "backward-exponential", "beads": 20_000},
+         "axes": {"rate": {"linspace": [1e-7, 2e-7, 64_000]}}, "sweep": {"at": "last"}}
+try:
+    hc.sweep(given, workers=2, progress=stop)
+except Enough:
+    pass
+peak = next(line for line in Path("/proc/self/status").open() if line.startswith("VmHWM"))
+print(int(peak.split()[1]) / 1024)
+"""
+
+
+def test_memory_does_not_grow_with_what_is_not_kept():
+    done = subprocess.run(
+        [sys.executable, "-c", MEMORY], capture_output=True, text=True, check=True
+    )
+    assert float(done.stdout) < 1000
+
+
+def test_chains_in_the_making_can_be_stopped():
+    """Chains of a batch take seconds to make, and nothing else looks at the clock."""
+    axes = {"decorated.between": {"linspace": [900, 930, 31]}, "decorated.radius": [0.2, 0.3]}
+    given = {"chain": {"taper": "uniform", "beads": 40}, "axes": axes,
+             "sweep": {"at": "last", "batch": 62}}  # fmt: skip
+    begun = []
+
+    def stop():
+        begun.append(time.monotonic())
+        return len(begun) > 5
+
+    with pytest.raises(Stopped):
+        run_batch(read_specification(given).as_json(), 0, stop)
+    assert max(np.diff(begun)) < 2.0
+
+
+@pytest.mark.parametrize("count", [1, 1000])
+def test_a_trial_makes_each_chain_once(monkeypatch, count):
+    made = []
+    chain = Plan.chain
+    monkeypatch.setattr(Plan, "chain", lambda plan, index: made.append(index) or chain(plan, index))
+    axes = {"beads": {"linspace": [3, count + 2, count]}, "exponent": [1.5, 1.6]}
+    plan = Plan(read_specification({"chain": {"taper": "uniform"}, "axes": axes}))
+    check_plan(plan)
+    assert plan.longest == count + 2
+    # Some are made again to be propagated.
+    assert len(made) <= len(set(made)) + 4
 
 
 @pytest.mark.parametrize("shape", [(1,), (7,), (1000,), (3, 5), (40, 300), (2, 1, 9), (70, 80, 3)])

@@ -11,7 +11,7 @@ from __future__ import annotations
 import hashlib
 import os
 import re
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Final
@@ -199,26 +199,28 @@ class BatchFiles:
             return error
         return None
 
-    def settle(self, batch: int) -> None:
-        """Wait until the disk has all files of a batch.
+    def settle(self, batch: int, names: Iterable[str]) -> None:
+        """Wait until the disk has files of a batch.
 
         Parameters
         ----------
         batch : int
             Number of the batch.
+        names : iterable of str
+            Names of their arrays.
 
         Examples
         --------
         See `hertzchain.store.sweep_store.SweepStore`.
         """
-        for name in self.arrays:
+        for name in names:
             file = self.file(name, batch)
             if file.exists():
                 with file.open("r+b") as data:
                     os.fsync(data.fileno())
 
     def commit(self, batch: int) -> None:
-        """Make a batch count as done, after its files have reached the disk.
+        """Make a batch, whose files have reached the disk, count as done.
 
         Parameters
         ----------
@@ -229,8 +231,6 @@ class BatchFiles:
         --------
         See `hertzchain.store.sweep_store.SweepStore`.
         """
-        # A power cut must not leave digests without the files.
-        self.settle(batch)
         row = np.zeros(len(self.arrays), ROW)
         for column, name in enumerate(self.arrays):
             file = self.file(name, batch)

@@ -245,10 +245,9 @@ def load_state(path: str | os.PathLike[str], chain: Chain) -> State:
     See `save_state`.
     """
     check_chain("load_state", chain)
-    file_path("state file", path)
-    name = os.fspath(path)
+    source, name = file_path("state file", path), os.fspath(path)
     try:
-        with np.load(path) as file:
+        with np.load(io.BytesIO(source.read_bytes())) as file:
             arrays = {key: np.asarray(file[key], order="C") for key in file.files}
         about = {key: str(arrays.pop(key)) for key in ("version", "chain", "digest")}
     # NumPy and zipfile raise many things for a file that is not as it was written.

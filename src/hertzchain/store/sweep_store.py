@@ -281,17 +281,20 @@ class SweepStore:
             raise StoreError(f"the store {os.fspath(self.folder)!r} was moved or removed meanwhile")
         try:
             self.files.forget(batch)
-            for name in sorted(columns, key=lambda name: name == STATUS):
-                if name == STATUS:
-                    # Other programs take what has a status as done.
-                    self.files.settle(batch)
-                array = self.arrays[name]
-                shape = tuple(part.stop - part.start for part in region)
-                values = np.asarray(columns[name]).reshape(shape + array.shape[len(region) :])
-                array[(*region, ...)] = values
+            # Other programs take a batch that has a status as done, we one that has digests:
+            # whatever a power cut leaves, what they vouch for is there.
+            for names in (columns.keys() - {STATUS}, (STATUS,)):
+                for name in names:
+                    self._write_array(name, region, columns[name])
+                self.files.settle(batch, names)
             self.files.commit(batch)
         except OSError as error:
             raise cannot_write(self.folder, error) from None
+
+    def _write_array(self, name: str, region: tuple[slice, ...], column: Any) -> None:
+        array = self.arrays[name]
+        shape = tuple(part.stop - part.start for part in region)
+        array[(*region, ...)] = np.asarray(column).reshape(shape + array.shape[len(region) :])
 
     def clean(self) -> None:
         """Remove what a killed process left half written.

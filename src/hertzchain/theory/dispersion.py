@@ -55,7 +55,8 @@ def linear_stiffness(stiffness: ArrayLike, force: float, exponent: float = HERTZ
     1.5
     """
     k = _checked_positive("stiffness", stiffness)
-    f, exponent = number("force", force, above=0.0), number("exponent", exponent)
+    f = float(_checked_positive("force", number("force", force)))
+    exponent = number("exponent", exponent)
     return exponent * k ** (1.0 / exponent) * f ** (1.0 - 1.0 / exponent)
 
 
@@ -90,9 +91,8 @@ def dispersion_uniform(wave_number: ArrayLike, *, mass: float = 1.0, spring: flo
     2.0
     """
     scale = _checked_positive("spring", spring) / _checked_positive("mass", mass)
-    return np.asarray(
-        2.0 * np.sqrt(scale) * np.abs(np.sin(0.5 * real_numbers("wave number", wave_number)))
-    )
+    half = 0.5 * real_numbers("wave number", wave_number)
+    return np.asarray(2.0 * np.sqrt(scale) * np.abs(np.sin(half)))
 
 
 def dispersion_diatomic(

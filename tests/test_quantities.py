@@ -7,6 +7,8 @@ import pytest
 import hertzchain as hc
 from hertzchain.contacts import collision_overlap, hertz_stiffness
 from hertzchain.simulation.state import fingerprint
+from hertzchain.theory import dispersion, long_wave
+from hertzchain.theory.modified_bca import printed_velocity
 
 UNIT = pint.UnitRegistry()
 
@@ -174,6 +176,12 @@ def test_a_scaled_chain_refuses_units_everywhere(call, value):
         lambda x: hc.hertz_range(BALLS, [x] * 3),
         lambda x: hertz_stiffness(x, 1.0),
         lambda x: collision_overlap(1.0, 1.0, x),
+        lambda x: dispersion.dispersion_uniform(x),
+        lambda x: dispersion.linear_stiffness(x, 1.0),
+        lambda x: dispersion.linear_stiffness(1.0, x),
+        lambda x: long_wave.sen_manciu_velocity(x),
+        lambda x: long_wave.precompressed_speed(x),
+        lambda x: printed_velocity("backward-linear", 0.1, x),
     ],
 )
 def test_what_has_no_dimension_refuses_units(call):

@@ -19,7 +19,7 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from hertzchain.errors import InputError, shown
+from hertzchain.errors import InputError, real_number, shown
 
 # Of float64, unless a docstring says otherwise.
 Array: TypeAlias = NDArray[Any]
@@ -88,7 +88,7 @@ def velocity_transfer(mass: ArrayLike, next_mass: ArrayLike, restitution: float 
     >>> float(velocity_transfer(1.0, 1.0))
     1.0
     """
-    return (1.0 + restitution) / (1.0 + _floats(next_mass) / _floats(mass))
+    return (1.0 + _floats(restitution)) / (1.0 + _floats(next_mass) / _floats(mass))
 
 
 def collision_cascade(masses: ArrayLike, restitution: float = 1.0) -> Array:
@@ -172,6 +172,7 @@ def collision_overlap(
     >>> round(float(collision_overlap(0.5, 1.0, 1.0)), 6)
     0.828614
     """
+    exponent = real_number("exponent", exponent)
     energy = _floats(reduced) * np.square(_floats(speed)) / 2.0
     return np.asarray(((exponent + 1.0) * energy / _floats(stiffness)) ** (1.0 / (exponent + 1.0)))
 
@@ -210,6 +211,6 @@ def compression_time(
     >>> round(float(2 * compression_time(0.5, 1.0, 1.0) / overlap), 6)
     2.943275
     """
-    s = 1.0 / (exponent + 1.0)
+    s = 1.0 / (real_number("exponent", exponent) + 1.0)
     integral = math.sqrt(math.pi) * math.gamma(1.0 + s) / math.gamma(0.5 + s)
     return integral * collision_overlap(reduced, stiffness, speed, exponent) / _floats(speed)

@@ -64,7 +64,13 @@ def equation_of(chain: Chain) -> Plain | Bench:
     drive = NOTHING
     if chain.drive is not None:
         drive = PUSH if chain.drive.of == "force" else MOVING_WALL
-    starts, pieces = drive_pieces(chain.drive)
+    try:
+        with np.errstate(over="ignore", divide="ignore", invalid="ignore"):
+            starts, pieces = drive_pieces(chain.drive)
+    except ArithmeticError:
+        starts, pieces = np.zeros(1), np.full((1, 1), np.inf)
+    if not np.isfinite(pieces).all():
+        raise InputError(f"{chain.drive} cannot be represented: look at the units of its times")
     stiffness = np.concatenate(([left], chain.stiffness, [right]))
     with np.errstate(over="ignore"):
         law, damping = _law(chain, stiffness)

@@ -16,6 +16,7 @@ from numpy.typing import ArrayLike
 
 from hertzchain.chain.chain import Chain
 from hertzchain.chain.coverage import require
+from hertzchain.checks import number, real_numbers
 from hertzchain.contacts import HERTZ_EXPONENT, Array, hertz_stiffness
 from hertzchain.errors import InputError, unknown_name
 
@@ -54,7 +55,8 @@ def linear_stiffness(stiffness: ArrayLike, force: float, exponent: float = HERTZ
     1.5
     """
     k = _checked_positive("stiffness", stiffness)
-    f = float(_checked_positive("force", force))
+    f = float(_checked_positive("force", number("force", force)))
+    exponent = number("exponent", exponent)
     return exponent * k ** (1.0 / exponent) * f ** (1.0 - 1.0 / exponent)
 
 
@@ -89,7 +91,8 @@ def dispersion_uniform(wave_number: ArrayLike, *, mass: float = 1.0, spring: flo
     2.0
     """
     scale = _checked_positive("spring", spring) / _checked_positive("mass", mass)
-    return np.asarray(2.0 * np.sqrt(scale) * np.abs(np.sin(0.5 * np.asarray(wave_number, float))))
+    half = 0.5 * real_numbers("wave number", wave_number)
+    return np.asarray(2.0 * np.sqrt(scale) * np.abs(np.sin(half)))
 
 
 def dispersion_diatomic(
@@ -126,7 +129,7 @@ def dispersion_diatomic(
     (2.0, 8.0)
     """
     a, b = _checked_positive("mass", mass), _checked_positive("other_mass", other_mass)
-    k, half = _checked_positive("spring", spring), 0.5 * np.asarray(wave_number, float)
+    k, half = _checked_positive("spring", spring), 0.5 * real_numbers("wave number", wave_number)
     # s^2 - 4 sin^2/(m1 m2), written so that nothing cancels for equal masses.
     root = np.sqrt((1.0 / a - 1.0 / b) ** 2 + 4.0 * np.cos(half) ** 2 / (a * b))
     upper = 1.0 / a + 1.0 / b + root
@@ -281,7 +284,7 @@ def spring_modes(
 
 
 def _checked_positive(name: str, values: ArrayLike) -> Array:
-    array = np.asarray(values, float)
+    array = real_numbers(name, values)
     good = (array > 0.0) & np.isfinite(array)
     if not good.all():
         raise InputError(

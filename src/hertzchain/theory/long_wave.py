@@ -12,6 +12,8 @@ import math
 import numpy as np
 from numpy.typing import ArrayLike
 
+from hertzchain.arguments import instance
+from hertzchain.checks import number, real_numbers
 from hertzchain.contacts import HERTZ_EXPONENT, Array
 from hertzchain.errors import InputError
 from hertzchain.theory.solitary_wave import SolitaryWave
@@ -88,7 +90,7 @@ def long_wave_velocity(distance: ArrayLike, exponent: float = HERTZ_EXPONENT) ->
     """
     p = _checked_exponent(exponent)
     kappa = (p - 1.0) / (p + 1.0) * math.sqrt(6.0 * (p + 1.0) / p)
-    angle = np.minimum(kappa * np.abs(np.asarray(distance, float)), 0.5 * np.pi)
+    angle = np.minimum(kappa * np.abs(real_numbers("distance", distance)), 0.5 * np.pi)
     # cos(pi/2) is 6e-17 in floating point; the compacton ends at 0.
     return np.where(angle < 0.5 * np.pi, np.cos(angle), 0.0) ** (2.0 / (p - 1.0))
 
@@ -125,6 +127,7 @@ def sen_manciu_coefficients(wave: SolitaryWave) -> tuple[float, float, float]:
     >>> [round(c, 4) for c in sen_manciu_coefficients(solitary_wave())]
     [2.3953, 0.2684, 0.0062]
     """
+    instance("wave", wave, SolitaryWave, "hc.solitary_wave() is one")
     # 1 - 2u/A = a1 xi + a3 xi^3 + a5 xi^5 + ...: integral of the velocity profile.
     w0, w2, w4 = (wave.velocity.crest_derivative(order) for order in (0, 2, 4))
     scale = 2.0 / wave.momentum_constant
@@ -159,7 +162,7 @@ def sen_manciu_velocity(
     0.32687
     """
     c1, c3, c5 = coefficients
-    xi = np.asarray(distance, float)
+    xi = real_numbers("distance", distance)
     f = c1 * xi + c3 * xi**3 + c5 * xi**5
     slope = 1.0 + (3.0 * c3 * xi**2 + 5.0 * c5 * xi**4) / c1
     # 4 e^-f / (1 + e^-f)^2 is sech^2(f/2) and cannot overflow.
@@ -209,7 +212,7 @@ def precompressed_speed(force_ratio: ArrayLike, exponent: float = HERTZ_EXPONENT
     >>> precompressed_speed([1.0, 2.0]).round(4)
     array([1.    , 1.0449])
     """
-    p, f = _checked_exponent(exponent), np.asarray(force_ratio, float)
+    p, f = _checked_exponent(exponent), real_numbers("force ratio", force_ratio)
     if not np.all((f >= 1.0) & (f < math.inf)):
         bad = float(f.flat[np.argmin((f >= 1.0) & (f < math.inf))])
         raise InputError(
@@ -228,8 +231,4 @@ def precompressed_speed(force_ratio: ArrayLike, exponent: float = HERTZ_EXPONENT
 
 
 def _checked_exponent(exponent: float) -> float:
-    if not 1.0 < exponent < math.inf:
-        raise InputError(
-            f"exponent of the contact force must be above 1 and finite, got {exponent:g}"
-        )
-    return float(exponent)
+    return number("exponent of the contact force", exponent, above=1.0)

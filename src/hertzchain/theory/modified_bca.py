@@ -27,6 +27,7 @@ import numpy as np
 from hertzchain.arguments import one_of
 from hertzchain.chain.chain import TAPERS, Chain, Taper, rate_symbol
 from hertzchain.chain.coverage import check_chain, require
+from hertzchain.checks import number, real_numbers
 from hertzchain.contacts import Array
 from hertzchain.errors import InputError, ModelRangeWarning
 from hertzchain.pulse.pulse import Pulse
@@ -252,7 +253,8 @@ def printed_velocity(taper: Taper, rate: float, k: Array) -> Array:
     >>> printed_velocity("backward-linear", 0.5, np.array([4.0])).round(6)
     array([0.083333])
     """
-    k = np.asarray(k, float)
+    one_of("taper", taper, TAPERS)
+    rate, k = number("rate", rate), real_numbers("bead", k)
     if taper == "backward-linear":
         return PRINTED_RATIO[taper] * k**-1.5
     if taper == "forward-linear":

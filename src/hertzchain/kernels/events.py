@@ -19,7 +19,13 @@ from hertzchain.kernels.forces import (
     overlap_and_closing,
     wall_motion,
 )
-from hertzchain.kernels.implicit import FINEST, approaches_until, force_within
+from hertzchain.kernels.implicit import (
+    FINEST,
+    closes_in,
+    closes_throughout,
+    first_rest,
+    force_within,
+)
 from hertzchain.kernels.leading_pulse import note_leading_pulse, rise_of
 from hertzchain.kernels.options import compiled
 from hertzchain.kernels.records import (
@@ -102,8 +108,12 @@ def closes_at(c, beads, theta, y, dense, setup, contacts):
     if contacts is not None:
         if setup.law.implicit and contacts.mode[c + 1] == LOADED:
             overlap = value(c, theta, y, dense) - value(c + 1, theta, y, dense) - setup.gap[c + 1]
-            spring = force(overlap, setup.stiffness[c + 1], setup.law.exponent)
-            return force_within(c + 1, theta, contacts) > spring
+            ahead = value(beads + c + 1, theta, y, dense)
+            return closes_in(
+                value(beads + c, theta, y, dense) - ahead, abs(ahead),
+                force_within(c + 1, theta, contacts), overlap, setup.stiffness[c + 1],
+                setup.law.exponent,
+            )  # fmt: skip
     return value(beads + c, theta, y, dense) > value(beads + c + 1, theta, y, dense)
 
 
@@ -139,11 +149,20 @@ def may_peak(k, beads, stages, implicit):
 
 
 @compiled
+def rests(c, stages, setup, contacts):
+    """Whether beads c and c + 1 come to stick together within an implicit step."""
+    if contacts is not None:
+        if setup.law.implicit and contacts.mode[c + 1] == LOADED:
+            return not closes_throughout(c + 1, setup, contacts, stages)
+    return False
+
+
+@compiled
 def may_cross(c, stages, setup, contacts):
     """Whether some stage finds beads c and c + 1, closing at its start, at equal speed."""
     if contacts is not None:
         if setup.law.implicit and contacts.mode[c + 1] == LOADED:
-            return not approaches_until(c + 1, contacts, setup)
+            return not closes_throughout(c + 1, setup, contacts, stages)
     if stages[0, c] <= stages[0, c + 1]:
         return False
     for j in range(1, STEP_STAGES + 1):
@@ -181,6 +200,8 @@ def record_peaks(h, time, y, y_new, stages, dense, setup, contacts, first, expec
         if not expected[k]:
             continue
         theta = peak_within(k, h, y, dense, setup, contacts)
+        if theta > 1.0 and is_implicit(setup, contacts):
+            theta = first_rest(k, beads, stages)
         if theta > 1.0:
             continue
         peaks[PEAK_TIME, k] = time + theta * h
@@ -229,8 +250,9 @@ def note_crossing(at, after, overlap, clock, counts, crossings):
 
 @compiled
 def record_crossings(
-    h, clock, counts, y, dense, setup, contacts, first, chain, inverse_mass, expected, crossings
-):
+    h, clock, counts, y, stages, dense, setup, contacts, first, chain, inverse_mass, expected,
+    crossings,
+):  # fmt: skip
     """First moments of equal neighbour velocities within the step: largest overlaps.
 
     The window begins with bead ``first``; ``chain``, ``inverse_mass`` and the records are those
@@ -241,12 +263,14 @@ def record_crossings(
         if not expected[c]:
             continue
         theta = crossing_within(c, beads, y, dense, setup, contacts)
+        if theta > 1.0 and rests(c, stages, setup, contacts):
+            theta = 1.0
         if theta > 1.0:
             continue
         behind = value(c, theta, y, dense)
         overlap = behind - value(c + 1, theta, y, dense)
         if contacts is not None:
-            overlap -= setup.gap[c + 1]
+            overlap = max(0.0, overlap - setup.gap[c + 1])
         note_crossing(first + c, theta * h, overlap, clock, counts, crossings)
         rise = rise_of(overlap, c, setup, contacts)
         note_leading_pulse(first + c, rise, theta, first, y, dense, chain, inverse_mass, crossings)
@@ -414,8 +438,8 @@ def record_step(
             h, time, y, y_new, stages, dense, setup, contacts, first, expected[0], peaks
         )
         record_crossings(
-            h, clock, counts, y, dense, setup, contacts, first, chain, inverse_mass, expected[1],
-            crossings,
+            h, clock, counts, y, stages, dense, setup, contacts, first, chain, inverse_mass,
+            expected[1], crossings,
         )  # fmt: skip
     if walled:
         record_walls(time, h, y, y_new, stages, dense, walls)

@@ -98,7 +98,8 @@ class Contacts(NamedTuple):
     """
 
     mode: Any  # (N + 1,)
-    largest: Any  # (N + 1,): largest overlap, where the law depends on it
+    largest: Any  # (N + 1,): largest overlap, where the law depends on it; the overlap, where
+    # steps are implicit and positions do not tell
     force: Any  # (N + 1,)
     last_force: Any  # (N + 1,): at the last step's end
     scratch: Any  # (3, N + 1)

@@ -33,6 +33,7 @@ from hertzchain.kernels.forces import (
     overlap_and_closing,
     wall_motion,
 )
+from hertzchain.kernels.implicit import remember_overlaps
 from hertzchain.kernels.options import compiled
 from hertzchain.kernels.records import (
     CROSSINGS,
@@ -205,6 +206,8 @@ def advance_window(
             frame_forces, peaks, crossings, walls, trial, scratch,
         )  # fmt: skip
 
+        if contacts is not None and implicit:
+            remember_overlaps(contacts)
         copy(y_new, y)
         copy(stages[STEP_STAGES], stages[0])
         for k in range(low):

@@ -27,6 +27,7 @@ from hertzchain.kernels.forces import (
     LEFT_IMPULSE,
     LOADED,
     LOST,
+    MOVING_WALL,
     PUSH,
     PUSHED,
     RIGHT_IMPULSE,
@@ -57,15 +58,21 @@ TIMES = np.array(NODES)
 END = np.ones(1)
 # A step's tolerance is at least this: rounding of the velocities is amplified by what is stiff.
 FINEST = 1e-11
+# Energies are known this many times less precisely than speeds.
+ENERGY = 100.0
 # Newton's method ends when a step changes velocities by less than this part of the tolerance.
-SOLVED, MOST_ITERATIONS = 0.02, 15
+SOLVED, MOST_ITERATIONS = 0.2, 15
 # A contact at rest yields by this part of its compliance, at least: between two walls where all
 # contacts are at rest, nothing else tells the force that all of them have in common.
 LEAST_YIELDING = 1e-10
+# Overlaps below this part of the positions are no difference of these.
+RESOLVED = 1e-12
 # Part of a step after which the forces that a state has are those that hold its contacts.
 SETTLING = 1e-3
 # A push this small, in parts of the momentum over the time since the start, is none.
 EVEN = 1e-13
+# Weights of the accelerations at the nodes that give the one at the start.
+AT_START = SETTLING ** np.arange(IMPLICIT_STAGES) @ BETWEEN
 # Iterations for one contact, of which a few are needed.
 MOST_PROJECTIONS = 40
 
@@ -119,9 +126,36 @@ def graph_point(total, compliance, strength, exponent):
 
 
 @compiled
+def size_of(c, y, setup):
+    """What the overlap of contact c is a difference of."""
+    size = abs(setup.gap[c])
+    size += abs(y[c - 1]) if c > 0 else 0.0
+    return size + abs(y[c]) if c < len(setup.inverse_mass) else size
+
+
+@compiled
+def is_resolved(c, y, overlap, setup):
+    """Whether an overlap is more than rounding may make of the places of its beads."""
+    return abs(overlap) > RESOLVED * size_of(c, y, setup)
+
+
+@compiled
+def overlap_of(c, y, wall, setup, contacts):
+    """Overlap of contact c where y is given.
+
+    Beads that stick together at their first touch may have an overlap of 1e-40: what it was
+    at the end of the step before is remembered.
+    """
+    overlap, _ = overlap_and_closing(c, y, len(setup.inverse_mass), setup.gap[c], wall)
+    if contacts.mode[c] != LOADED or is_resolved(c, y, overlap, setup):
+        return overlap
+    return contacts.largest[c]
+
+
+@compiled
 def stage_motion(time, h, y, weights, times, setup, contacts, segment, rates):
     """Velocities and accelerations at the stages, overlaps and closing speeds, by the forces."""
-    inverse_mass, gap = setup.inverse_mass, setup.gap
+    inverse_mass = setup.inverse_mass
     pushing, overlap = contacts.implicit.forces, contacts.implicit.overlaps
     closing = contacts.implicit.closings
     beads, stages = len(inverse_mass), len(weights)
@@ -146,19 +180,27 @@ def stage_motion(time, h, y, weights, times, setup, contacts, segment, rates):
             closing[c, i] = left - right
     at_start = wall_motion(time, setup, segment)
     for c in range(beads + 1):
-        first, _ = overlap_and_closing(c, y, beads, gap[c], at_start)
+        first = overlap_of(c, y, at_start, setup, contacts)
         for i in range(stages):
             gained = 0.0
             for j in range(stages):
                 gained += weights[i, j] * closing[c, j]
             overlap[c, i] = first + h * gained
-    if setup.stiffness[0] > 0.0:
+    if setup.drive == MOVING_WALL:
         for i in range(stages):
             wall = wall_motion(time + times[i] * h, setup, segment)
             way = 0.0
             for j in range(stages):
                 way += weights[i, j] * rates[j, 0]
-            overlap[0, i] = wall[0] - (y[0] + h * way) - gap[0]
+            overlap[0, i] = wall[0] - (y[0] + h * way) - setup.gap[0]
+
+
+@compiled
+def cut_off(total, spring, weight, law):
+    """Whether a force that may not pull is none, where d' + c F is given."""
+    if law.attractive or weight == 0.0:
+        return False
+    return total < -((spring / weight) ** (1.0 / law.speed_power))
 
 
 @compiled
@@ -169,21 +211,24 @@ def linearise(c, i, compliance, setup, contacts):
     overlap, closing = contacts.implicit.overlaps[c, i], contacts.implicit.closings[c, i]
     spring = force(overlap, stiffness, law.exponent)
     slope = law.exponent * spring / overlap if overlap > 0.0 else 0.0
-    own, rest = 1.0, 0.0
-    if law.speed_power < 1.0:
+    weight = damping * damping_weight(max(overlap, 0.0), law)
+    own, rest, steepness = 1.0, 0.0, 0.0
+    if cut_off(closing + compliance * pushing, spring, weight, law):
+        slope, rest = 0.0, -pushing
+    elif law.speed_power < 1.0:
         damped = pushing - spring
         speed, at = graph_point(closing + compliance * damped, compliance, damping, law.speed_power)
         # How much the speed grows with the force, and how much it would by the compliance.
         yielding = speed / (law.speed_power * at) if at != 0.0 else 0.0
         if damping == 0.0 or yielding > compliance:
-            steepness = 1.0 / yielding if damping > 0.0 else 0.0
+            if damping > 0.0:
+                steepness = 1.0 / yielding
             rest = at + steepness * (closing - speed) - damped
         else:
             own, steepness = max(yielding / compliance, LEAST_YIELDING), 1.0 / compliance
             slope *= own
             rest = (closing - speed) * steepness - own * (damped - at)
     else:
-        weight = damping * damping_weight(max(overlap, 0.0), law)
         damped = weight * signed_power(closing, law.speed_power)
         steepness = weight * law.speed_power * abs(closing) ** (law.speed_power - 1.0)
         if overlap > 0.0:
@@ -341,6 +386,41 @@ def ledger_rates(i, time, setup, contacts, segment, rates):
 
 
 @compiled
+def resolve_overlaps(time, h, y, setup, contacts, segment):
+    """Overlaps that are lost in the rounding of positions, by the speeds that go with the forces."""
+    law, beads = setup.law, len(setup.inverse_mass)
+    pushing, overlap = contacts.implicit.forces, contacts.implicit.overlaps
+    wall = wall_motion(time, setup, segment)
+    for c in range(beads + 1):
+        if contacts.mode[c] != LOADED or setup.damping[c] == 0.0 or law.overlap_power > 0.0:
+            continue
+        if is_resolved(c, y, overlap[c, IMPLICIT_STAGES - 1], setup):
+            continue
+        first = overlap_of(c, y, wall, setup, contacts)
+        for i in range(IMPLICIT_STAGES):
+            gained = 0.0
+            for j in range(IMPLICIT_STAGES):
+                damped = pushing[c, j] - force(overlap[c, j], setup.stiffness[c], law.exponent)
+                gained += WEIGHTS[i, j] * signed_power(damped / setup.damping[c], 1.0 / law.speed_power)
+            contacts.implicit.rest[c, i] = first + h * gained
+        for i in range(IMPLICIT_STAGES):
+            overlap[c, i] = contacts.implicit.rest[c, i]
+
+
+@compiled
+def remember_overlaps(contacts):
+    """Keep the overlaps at the end of the step, from which the next one begins.
+
+    Beads that push each other touch: what is negative then is below the tolerance of the step.
+    """
+    for c in range(len(contacts.mode)):
+        if contacts.mode[c] == LOADED:
+            overlap = contacts.implicit.overlaps[c, IMPLICIT_STAGES - 1]
+            pushed = contacts.implicit.forces[c, IMPLICIT_STAGES - 1] > 0.0
+            contacts.largest[c] = max(overlap, 0.0) if pushed else overlap
+
+
+@compiled
 def forget_rounding(time, setup, contacts, rates):
     """Pushes that would not change a velocity in all the time that has passed are none.
 
@@ -349,16 +429,17 @@ def forget_rounding(time, setup, contacts, rates):
     """
     inverse_mass, law, beads = setup.inverse_mass, setup.law, len(setup.inverse_mass)
     pushing, overlap = contacts.implicit.forces, contacts.implicit.overlaps
+    closing = contacts.implicit.closings
     for i in range(IMPLICIT_STAGES):
         for k in range(beads):
             least = EVEN * abs(rates[i, k])
             if rates[i, beads + k] * time < least:
                 rates[i, beads + k] = min(0.0, rates[i, beads + k])
-            c = k
-            if setup.stiffness[c] > 0.0 and contacts.mode[c] == LOADED:
-                spring = force(overlap[c, i], setup.stiffness[c], law.exponent)
-                if abs(pushing[c, i] - spring) * inverse_mass[k] * time < least:
-                    pushing[c, i] = spring
+            still = contacts.mode[k] == LOADED and abs(closing[k, i]) < least
+            if setup.stiffness[k] > 0.0 and still:
+                spring = force(overlap[k, i], setup.stiffness[k], law.exponent)
+                if abs(pushing[k, i] - spring) * inverse_mass[k] * time < least:
+                    pushing[k, i] = spring
 
 
 @compiled
@@ -370,10 +451,9 @@ def settle(time, y, h, setup, contacts, segment, rtol, stages, ahead, speeds, sc
     resumed from it takes the same steps.
     """
     beads, law, rtol = len(setup.inverse_mass), setup.law, max(rtol, FINEST)
-    pushing, gap = contacts.implicit.forces, setup.gap
-    wall = wall_motion(time, setup, segment)
+    pushing, wall = contacts.implicit.forces, wall_motion(time, setup, segment)
     for c in range(beads + 1):
-        overlap, _ = overlap_and_closing(c, y, beads, gap[c], wall)
+        overlap = overlap_of(c, y, wall, setup, contacts)
         acts = contacts.mode[c] == LOADED and setup.stiffness[c] > 0.0
         spring = force(overlap, setup.stiffness[c], law.exponent)
         pushing[c, 0] = spring if acts else 0.0
@@ -414,6 +494,7 @@ def try_implicit_step(time, y, h, setup, contacts, segment, rtol, stages, y_new,
         y_new[i] = y[i] + h * gained
     for c in range(beads + 1):
         contacts.force[c] = pushing[c, IMPLICIT_STAGES - 1]
+    resolve_overlaps(time, h, y, setup, contacts, segment)
     forget_rounding(time + h, setup, contacts, rates)
     # Whoever looks through the stages of an explicit step finds the end in those that are left.
     for row in range(IMPLICIT_STAGES + 1, STEP_STAGES + 1):
@@ -422,35 +503,70 @@ def try_implicit_step(time, y, h, setup, contacts, segment, rtol, stages, y_new,
 
 
 @compiled
-def implicit_error(h, stages, scale, rtol):
-    """Estimated error of an implicit step, in tolerances.
+def error_of_ledger(h, stages, inverse_mass, rtol):
+    """How well the energy lost is known, in tolerances of energy.
 
-    The next Legendre coefficient of the accelerations, from the last two: as small beside the
-    last as this is beside the one before.
+    Where a force is cut off beads may fly freely, and only what is lost needs shorter steps.
     """
-    beads, rtol = len(scale), max(rtol, FINEST)
-    worst, worst_before = 0.0, 0.0
+    beads, last, kinetic = len(inverse_mass), 0.0, 0.0
     for k in range(beads):
-        if scale[k] == 0.0:
-            continue
-        last, before = 0.0, 0.0
-        for i in range(IMPLICIT_STAGES):
-            last += LAST[i] * stages[i + 1, beads + k]
-            before += BEFORE_LAST[i] * stages[i + 1, beads + k]
-        unit = h / (rtol * scale[k])
-        worst, worst_before = max(worst, abs(last) * unit), max(worst_before, abs(before) * unit)
-    if worst_before > worst:
-        worst *= worst / worst_before
-    return worst
+        kinetic += 0.5 * stages[IMPLICIT_STAGES, k] ** 2 / inverse_mass[k]
+    for i in range(IMPLICIT_STAGES):
+        last += LAST[i] * stages[i + 1, 2 * beads + LOST]
+    return h * abs(last) / (ENERGY * rtol * kinetic) if kinetic > 0.0 else 0.0
 
 
 @compiled
-def approaches_until(c, contacts, setup):
-    """Whether contact c closes in at all stages: what damps it pushes."""
+def implicit_error(h, stages, inverse_mass, scale, rtol):
+    """Estimated error of an implicit step, in tolerances.
+
+    The next Legendre coefficient of the accelerations, from the last two: as small beside the
+    last as this is beside the one before.  Between the start and the first node a force may have
+    bent unseen: there, the interpolant must lead back to the acceleration at the start.
+    """
+    beads, rtol = len(scale), max(rtol, FINEST)
+    worst, worst_before, bent = error_of_ledger(h, stages, inverse_mass, rtol), 0.0, 0.0
+    for k in range(beads):
+        if scale[k] == 0.0:
+            continue
+        last, before, first = 0.0, 0.0, -stages[0, beads + k]
+        for i in range(IMPLICIT_STAGES):
+            last += LAST[i] * stages[i + 1, beads + k]
+            before += BEFORE_LAST[i] * stages[i + 1, beads + k]
+            first += AT_START[i] * stages[i + 1, beads + k]
+        unit = h / (rtol * scale[k])
+        worst, worst_before = max(worst, abs(last) * unit), max(worst_before, abs(before) * unit)
+        bent = max(bent, 0.5 * NODES[0] * abs(first) * unit)
+    if worst_before > worst:
+        worst *= worst / worst_before
+    return max(worst, bent)
+
+
+@compiled
+def first_rest(k, beads, stages):
+    """When in the step bead k is first no longer pushed; 2 if at no stage."""
     for i in range(IMPLICIT_STAGES):
-        overlap = contacts.implicit.overlaps[c, i]
-        spring = force(overlap, setup.stiffness[c], setup.law.exponent)
-        if contacts.implicit.forces[c, i] <= spring:
+        if stages[i + 1, beads + k] <= 0.0:
+            return NODES[i]
+    return 2.0
+
+
+@compiled
+def closes_in(closing, speed, pushing, overlap, stiffness, exponent):
+    """Whether a contact closes in, by the sign of its damping if not by that of its speed."""
+    if abs(closing) > EVEN * speed:
+        return closing > 0.0
+    return pushing > force(overlap, stiffness, exponent)
+
+
+@compiled
+def closes_throughout(c, setup, contacts, stages):
+    """Whether contact c closes in at all stages."""
+    beads, scratch = len(setup.inverse_mass), contacts.implicit
+    for i in range(IMPLICIT_STAGES):
+        speed = abs(stages[i + 1, c]) if c < beads else 0.0
+        if not closes_in(scratch.closings[c, i], speed, scratch.forces[c, i],
+                         scratch.overlaps[c, i], setup.stiffness[c], setup.law.exponent):  # fmt: skip
             return False
     return True
 
@@ -467,12 +583,26 @@ def implicit_coefficients(h, stages, dense):
 
 
 @compiled
-def force_within(c, theta, contacts):
-    """Force of contact c at the fraction theta of an implicit step."""
-    pushing, total = contacts.implicit.forces, 0.0
+def between(c, theta, values):
+    """A row of scratch of contact c at the fraction theta of an implicit step."""
+    total = 0.0
     for i in range(IMPLICIT_STAGES):
         weight = 0.0
         for power in range(IMPLICIT_STAGES - 1, -1, -1):
             weight = weight * theta + BETWEEN[power, i]
-        total += weight * pushing[c, i]
+        total += weight * values[c, i]
     return total
+
+
+@compiled
+def force_within(c, theta, contacts):
+    """Force of contact c at the fraction theta of an implicit step."""
+    return between(c, theta, contacts.implicit.forces)
+
+
+@compiled
+def overlap_within(c, theta, y, overlap, setup, contacts):
+    """Overlap of contact c there, where y and the overlap by it are given."""
+    if is_resolved(c, y, overlap, setup):
+        return overlap
+    return between(c, theta, contacts.implicit.overlaps)

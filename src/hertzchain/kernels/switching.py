@@ -22,13 +22,14 @@ from hertzchain.kernels.forces import (
     damping_weight,
     derivative,
     force,
+    has_modes,
     overlap_and_closing,
     potential,
     reach_of_wall,
     signed_power,
     wall_motion,
 )
-from hertzchain.kernels.implicit import force_within
+from hertzchain.kernels.implicit import force_within, overlap_within, size_of
 from hertzchain.kernels.options import compiled
 from hertzchain.kernels.stepping import interpolate
 
@@ -67,22 +68,11 @@ def must_switch(overlap, closing, stiffness, damping, mode, largest, held, law, 
 
 
 @compiled
-def implicit_must_switch(c, y, overlap, closing, pushing, setup, mode):
-    """The same where steps are implicit: a contact that creeps knows the sign of its force."""
-    law, stiffness, beads = setup.law, setup.stiffness[c], len(setup.inverse_mass)
-    rounded = abs(setup.gap[c])
-    rounded += abs(y[c - 1]) if c > 0 else 0.0
-    rounded += abs(y[c]) if c < beads else 0.0
-    rounded *= ROUNDED
-    loading = force(overlap, stiffness, law.exponent)
+def implicit_must_switch(c, y, overlap, pushing, setup, mode):
+    """The same where steps are implicit: a force that may not pull is cut off within the mode."""
     if mode == LOADED:
-        if pushing < 0.0 and overlap < 0.5 * rounded:
-            return True
-        return not law.attractive and pushing < -EVEN * loading
-    if overlap <= rounded:
-        return False
-    weight = setup.damping[c] * damping_weight(overlap, law)
-    return law.attractive or loading + weight * signed_power(closing, law.speed_power) >= 0.0
+        return pushing <= 0.0 and overlap < 0.0
+    return overlap > ROUNDED * size_of(c, y, setup)
 
 
 @compiled
@@ -92,7 +82,9 @@ def leaves_mode(c, theta, y, wall, setup, contacts, still):
     overlap, closing = overlap_and_closing(c, y, beads, setup.gap[c], wall)
     if setup.law.implicit:
         pushing = force_within(c, theta, contacts)
-        return implicit_must_switch(c, y, overlap, closing, pushing, setup, contacts.mode[c])
+        if contacts.mode[c] == LOADED:
+            overlap = overlap_within(c, theta, y, overlap, setup, contacts)
+        return implicit_must_switch(c, y, overlap, pushing, setup, contacts.mode[c])
     return must_switch(overlap, closing, setup.stiffness[c], setup.damping[c], contacts.mode[c],
                        contacts.largest[c], contacts.force[c], setup.law, still)  # fmt: skip
 
@@ -108,12 +100,13 @@ def first_modes(y, setup, contacts):
     for c in range(beads + 1):
         stiffness, damping = setup.stiffness[c], setup.damping[c]
         overlap, closing = overlap_and_closing(c, y, beads, setup.gap[c], wall)
-        largest[c] = max(overlap, 0.0)
+        largest[c] = overlap if law.implicit else max(overlap, 0.0)
         parts = closing < 0.0
         if law.kind == DAMPED:
             parts = (overlap == 0.0 and parts) or must_switch(
                 overlap, closing, stiffness, damping, LOADED, largest[c], 0.0, law, 0.0
             )
+            parts = parts and has_modes(law)
         mode[c] = RELEASED if parts else LOADED
         if law.kind == DAMPED and parts:
             y[2 * beads + LOST] += potential(overlap, stiffness, LOADED, largest[c], law)
@@ -319,6 +312,8 @@ def switch(first, time, y, setup, contacts, segment, still, scratch):
         if law.kind == PLASTIC and mode[c] == LOADED:
             largest[c] = max(largest[c], overlap)
         before = potential(overlap, stiffness[c], mode[c], largest[c], law)
+        if law.implicit:
+            largest[c] = overlap
         mode[c] = next_mode(c, overlap, time, y, setup, contacts, segment, scratch)
         after = potential(overlap, stiffness[c], mode[c], largest[c], law)
         # What a contact still stores when its force is cut off comes to nothing.

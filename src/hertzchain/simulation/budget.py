@@ -32,6 +32,7 @@ from hertzchain.chain.equilibrium import equilibrium
 from hertzchain.chain.losses import UnloadingRatio, WaltonBraun
 from hertzchain.contacts import Array
 from hertzchain.pulse.quantities import SI_UNITS
+from hertzchain.simulation.equations import steps_are_implicit
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -311,7 +312,7 @@ def stored_energy(chain: Chain, times: Array, positions: Array, forces: Array) -
         return np.asarray(law.ratio * forces * overlap / (p + 1.0))
     overlap = overlaps_of(chain, times, positions)
     kept = 1.0 - law.ratio if isinstance(law, UnloadingRatio) else 1.0
-    if not getattr(law, "attractive", True):
+    if not getattr(law, "attractive", True) and not steps_are_implicit(chain):
         # Where the force is cut off, nothing comes back.
         overlap = np.where(forces > 0.0, overlap, 0.0)
     return np.asarray(kept * stiffness * np.maximum(overlap, 0.0) ** (p + 1.0) / (p + 1.0))

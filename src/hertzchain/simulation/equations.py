@@ -35,7 +35,7 @@ PLAIN_FEATURES: Final = frozenset({"SI units", "masses", "stiffness", "strikers"
 # time of a pulse: explicit steps become so short that they take longer.
 STIFF: Final = 300.0
 # Speeds below this part of the fastest do not matter while a chain at rest is set in motion.
-SLOWEST: Final = 1e-6
+SLOWEST: Final = 1e-3
 
 
 def equation_of(chain: Chain) -> Plain | Bench:
@@ -92,6 +92,27 @@ def equation_of(chain: Chain) -> Plain | Bench:
         piece_starts=starts,
         pieces=pieces,
     )
+
+
+def steps_are_implicit(chain: Chain) -> bool:
+    """Whether the damping of a chain is too stiff for explicit steps.
+
+    Parameters
+    ----------
+    chain : Chain
+        Any chain.
+
+    Returns
+    -------
+    bool
+
+    Examples
+    --------
+    >>> from hertzchain.chain.losses import VelocityPower
+    >>> steps_are_implicit(Chain.uniform(2).replace(loss=VelocityPower(0.1, 0.5)))
+    True
+    """
+    return chain.loss is not None and equation_of(chain).law.implicit
 
 
 def static_closing(chain: Chain) -> Array:
@@ -178,13 +199,14 @@ def _speed_of(chain: Chain) -> float:
     if chain.drive is None:
         return fastest
     starts, pieces = drive_pieces(chain.drive)
-    lengths = np.append(np.diff(starts), 0.0)
-    cubics = np.abs(pieces[:, :4]) * lengths[:, np.newaxis] ** np.arange(4)
-    size = float((cubics.sum(axis=1) + np.abs(pieces[:, 4::2]).sum(axis=1)).max())
-    time = float(transit_times(chain).min())
+    lengths, powers = np.append(np.diff(starts), 0.0)[:, np.newaxis], np.arange(4)
+    cubics, sines, rates = np.abs(pieces[:, :4]), np.abs(pieces[:, 4::2]), np.abs(pieces[:, 5::2])
     if chain.drive.of == "displacement":
-        return max(fastest, size / time)
+        slopes = (powers[1:] * cubics[:, 1:] * lengths ** powers[:3]).sum(axis=1)
+        return max(fastest, float((slopes + (sines * rates).sum(axis=1)).max()))
     # A force gives a free bead an impulse, and one in a chain an overlap.
+    size = float(((cubics * lengths**powers).sum(axis=1) + sines.sum(axis=1)).max())
+    time = float(transit_times(chain).min())
     mass, overlap = chain.masses[0], (size / chain.stiffness[0]) ** (1.0 / chain.exponent)
     return max(fastest, min(size * time / mass, math.sqrt(size * overlap / mass)))
 

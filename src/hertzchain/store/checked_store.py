@@ -14,20 +14,39 @@ if TYPE_CHECKING:
     from zarr.core.buffer import Buffer, BufferPrototype
 
 
-class CheckedStore(WrapperStore[LocalStore]):
-    """A folder whose files of batches are checked, and left out while a batch is not done."""
+def checked_store(files: BatchFiles) -> WrapperStore[LocalStore]:
+    """A zarr store for the folder of a sweep.
 
+    Reading a chunk raises `InputError` if its file is not as it was written; chunks of batches
+    that are not done are empty.
+
+    Parameters
+    ----------
+    files : BatchFiles
+        Files of the batches.
+
+    Returns
+    -------
+    zarr.storage.WrapperStore
+
+    Examples
+    --------
+    See `hertzchain.store.sweep_store.SweepStore.open`.
+    """
+    return _CheckedStore(LocalStore(files.folder), files)
+
+
+class _CheckedStore(WrapperStore[LocalStore]):
     def __init__(self, store: LocalStore, files: BatchFiles) -> None:
         super().__init__(store)
         self.files = files
 
-    def _with_store(self, store: LocalStore) -> CheckedStore:
+    def _with_store(self, store: LocalStore) -> _CheckedStore:
         return type(self)(store, self.files)
 
     async def get(
         self, key: str, prototype: BufferPrototype, byte_range: ByteRequest | None = None
     ) -> Buffer | None:
-        """Read a file, and raise `InputError` if it is not as it was written."""
         place = self.files.place(key)
         if place is None or place[0] == DIGEST:
             return await super().get(key, prototype, byte_range)

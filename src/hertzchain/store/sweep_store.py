@@ -109,11 +109,10 @@ class SweepStore:
         }
 
     def _checked_store(self) -> Any:
-        from zarr.storage import LocalStore
+        # zarr is loaded when a store is opened.
+        from hertzchain.store.checked_store import checked_store
 
-        from hertzchain.store.checked_store import CheckedStore
-
-        return CheckedStore(LocalStore(self.folder), self.files)
+        return checked_store(self.files)
 
     def _skip_damaged(self) -> None:
         faults = self._faults(contents=True)

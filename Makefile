@@ -15,7 +15,8 @@ test: .venv/installed-test
 	$(BIN)/python -m sphinx -W --keep-going -q -b html docs docs/_build/html
 	$(BIN)/pytest -q -n 2 --dist loadfile
 
-# What takes minutes: sweeps killed thirty times, thousands of damaged files.
+# What takes minutes: hundreds of random chains against SciPy and against each other, thousands of
+# damaged files, sweeps killed thirty times.
 test-long: .venv/installed-test
 	$(BIN)/pytest -q -n 2 -m long tests
 

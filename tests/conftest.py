@@ -31,7 +31,7 @@ def uniform_run():
 
 
 # Random chains of a check in `make test`, and in `make test-long`.
-SHORT, LONG = 8, 300
+SHORT, LONG = 16, 300
 
 
 @pytest.fixture(params=["short", pytest.param("long", marks=pytest.mark.long)])

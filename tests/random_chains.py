@@ -213,6 +213,21 @@ def random_drive(rng, units, *, walled):
     return hc.SineBurst(size, rng.uniform(0.08, 0.5) / units.time, cycles, of, window)
 
 
+def may_wedge(chain):
+    """Whether contacts between two walls may all be stuck: they then bear any force in common."""
+    walls = (chain.left_wall, chain.right_wall)
+    return isinstance(chain.loss, hc.UnloadingRatio) and None not in walls
+
+
+def force_difference(run, forces, units):
+    """Largest difference of a run's contact forces from others, where they are determined."""
+    apart = run.forces - forces
+    if may_wedge(run.chain):
+        # Only its changes along the chain.
+        apart = np.diff(apart, axis=1)
+    return np.abs(apart).max() / units.force
+
+
 class Tally:
     """How a check fared on many chains."""
 

@@ -79,7 +79,7 @@ def shared_runs(name: str, *options: float) -> Run:
         return simulate(Chain.uniform(200, exponent=options[0]), times=0)
     if name == "walls":
         wall = Wall(stiffness=options[0])
-        return simulate(Chain.uniform(60).replace(right_wall=wall), until=100.0, times=0)
+        return simulate(Chain.uniform(60).replace(right_wall=wall), times=0)
     chain = {
         "mono": lambda: Chain.uniform(20),
         "forward-exponential": lambda: Chain.tapered("forward-exponential", 0.05, beads=20),

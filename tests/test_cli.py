@@ -462,3 +462,16 @@ def test_simulate_says_what_a_wall_has_not_felt(run, tmp_path):
         file.write_text(EXPERIMENT + "gap = 0.1\n")
         assert "right wall: not reached" in run("simulate", file, "--until", "1e-5")[1]
     assert json.loads(run("simulate", "--beads", 3, "--json")[1])["walls"] == []
+
+
+def test_sweeps_count_incomplete_peaks(run, tmp_path):
+    specification, store = tmp_path / "walls.toml", tmp_path / "walls.zarr"
+    specification.write_text(
+        '[chain]\ntaper = "uniform"\n[chain.right_wall]\n[axes]\nbeads = [5, 20]\n'
+        '[sweep]\nmethods = ["simulate"]\nkeep = ["wall_peak_force"]\n[method]\nuntil = 20.0\n'
+    )
+    told = "at 1 points the largest force on the wall is not complete: variable `incomplete`"
+    code, out, _ = run("sweep", specification, "--store", store)
+    assert (code, told in out) == (0, True)
+    assert told in run("sweep", "status", store)[1]
+    assert json.loads(run("sweep", "status", store, "--json")[1])["incomplete"] == 1

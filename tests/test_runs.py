@@ -166,7 +166,7 @@ def test_walls_feel_what_the_chain_loses():
     assert sampled == pytest.approx(wall.impulse, rel=1e-6)
     assert 0.0 <= wall.peak - wall.force.max() < 1e-4
     assert wall.first_contact_impulse == wall.impulse_of_impact < wall.impulse
-    with pytest.warns(hc.IncompleteWarning, match="not reached before t = 20"):
+    with pytest.warns(hc.IncompleteWarning, match="not complete: .* t = 20 "):
         early = hc.simulate(chain, until=20.0).wall_force()
     assert early.first_contact_impulse is None
 
@@ -238,7 +238,8 @@ def test_units_of_time_play_no_part(law, speed):
     fast = slow.replace(velocities=velocities)
     one, other = (hc.simulate(chain, times=0).wall_force() for chain in (slow, fast))
     assert other.peak / speed**1.2 == pytest.approx(one.peak, rel=1e-9)
-    assert other.complete_since == pytest.approx(one.complete_since * speed**-0.2, rel=1e-9)
+    # Checks come 16 times in a transit of about 13.
+    assert other.complete_since * speed**0.2 == pytest.approx(one.complete_since, abs=1.7)
 
 
 def test_strikers_of_any_number():

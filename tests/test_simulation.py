@@ -207,7 +207,8 @@ def test_one_collision_with_a_very_heavy_bead():
 def test_a_run_ends_when_nothing_more_happens():
     run = hc.simulate(hc.Chain.from_radii([1, 1e10, 1]))
     assert run.status == "nothing more happens"
-    assert run.end_time < 10.0
+    # Bead 3 is pushed with 2e-30.
+    assert run.end_time < 1e8
     assert "the pulse had passed 1 of 3 beads" in run.message
     # The striker bounces off a bead that is as good as a wall.
     assert run.velocities[-1, 0] == pytest.approx(-1.0, abs=1e-12)
@@ -318,9 +319,8 @@ def test_run_as_dataset(uniform_run):
 
 
 def test_motion_too_fast_for_any_clock_is_refused():
-    stiff = hc.Material("stiff", density=1e-3, young=1e300, poisson=0.3)
     for chain in (
-        hc.Chain.from_materials(5e-3, stiff, beads=5),
+        hc.Chain.uniform(5).replace(masses=np.full(5, 1e-300), stiffness=np.full(4, 1e300)),
         hc.Chain.uniform(3).replace(velocities=[1e-300, 0.0, 0.0]),
     ):
         with pytest.raises(hc.InputError, match="pass contact 1 in 0( s)?, too short a time"):

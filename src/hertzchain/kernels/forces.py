@@ -57,6 +57,11 @@ class Plain(NamedTuple):
     stiffness: Any  # (N - 1,)
     exponent: float
 
+    @property
+    def implicit(self) -> bool:
+        """Whether steps are implicit."""
+        return False
+
 
 class Law(NamedTuple):
     """What all contacts of a chain have in common."""
@@ -88,6 +93,11 @@ class Bench(NamedTuple):
     drive: int
     piece_starts: Any  # (pieces,)
     pieces: Any  # (pieces, CUBIC + 2 SINES)
+
+    @property
+    def implicit(self) -> bool:
+        """Whether steps are implicit."""
+        return self.law.implicit
 
 
 class Contacts(NamedTuple):

@@ -94,9 +94,12 @@ class Implicit(NamedTuple):
 
 def new_implicit(contacts: int) -> Implicit:
     """Scratch for so many contacts."""
-    rows = np.zeros((7, contacts, IMPLICIT_STAGES))
+    forces, overlaps, closings, own, by_overlap, by_closing, rest = np.zeros(
+        (7, contacts, IMPLICIT_STAGES)
+    )
     blocks = np.zeros((contacts, IMPLICIT_STAGES, IMPLICIT_STAGES))
-    return Implicit(*rows, blocks, np.zeros((IMPLICIT_STAGES, 2 * IMPLICIT_STAGES + 1)))
+    block = np.zeros((IMPLICIT_STAGES, 2 * IMPLICIT_STAGES + 1))
+    return Implicit(forces, overlaps, closings, own, by_overlap, by_closing, rest, blocks, block)
 
 
 @compiled
@@ -387,7 +390,7 @@ def ledger_rates(i, time, setup, contacts, segment, rates):
 
 @compiled
 def resolve_overlaps(time, h, y, setup, contacts, segment):
-    """Overlaps that are lost in the rounding of positions, by the speeds that go with the forces."""
+    """Overlaps lost in the rounding of positions, from the speeds that go with the forces."""
     law, beads = setup.law, len(setup.inverse_mass)
     pushing, overlap = contacts.implicit.forces, contacts.implicit.overlaps
     wall = wall_motion(time, setup, segment)
@@ -401,7 +404,8 @@ def resolve_overlaps(time, h, y, setup, contacts, segment):
             gained = 0.0
             for j in range(IMPLICIT_STAGES):
                 damped = pushing[c, j] - force(overlap[c, j], setup.stiffness[c], law.exponent)
-                gained += WEIGHTS[i, j] * signed_power(damped / setup.damping[c], 1.0 / law.speed_power)
+                speed = signed_power(damped / setup.damping[c], 1.0 / law.speed_power)
+                gained += WEIGHTS[i, j] * speed
             contacts.implicit.rest[c, i] = first + h * gained
         for i in range(IMPLICIT_STAGES):
             overlap[c, i] = contacts.implicit.rest[c, i]
@@ -565,8 +569,10 @@ def closes_throughout(c, setup, contacts, stages):
     beads, scratch = len(setup.inverse_mass), contacts.implicit
     for i in range(IMPLICIT_STAGES):
         speed = abs(stages[i + 1, c]) if c < beads else 0.0
-        if not closes_in(scratch.closings[c, i], speed, scratch.forces[c, i],
-                         scratch.overlaps[c, i], setup.stiffness[c], setup.law.exponent):  # fmt: skip
+        if not closes_in(
+            scratch.closings[c, i], speed, scratch.forces[c, i], scratch.overlaps[c, i],
+            setup.stiffness[c], setup.law.exponent,
+        ):  # fmt: skip
             return False
     return True
 

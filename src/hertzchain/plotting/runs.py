@@ -117,7 +117,7 @@ def plot_forces(run: Run, beads: Sequence[int], *, ax: Axes | None = None) -> Ax
     --------
     >>> import hertzchain as hc
     >>> chain = hc.Chain.uniform(20).replace(right_wall=hc.Wall())
-    >>> axes = plot_forces(hc.simulate(chain, until=30.0), [5, 10, 21])
+    >>> axes = plot_forces(hc.simulate(chain), [5, 10, 21])
     >>> [text.get_text() for text in axes.get_legend().get_texts()]
     ['bead 5', 'bead 10', 'right wall']
     """

@@ -112,7 +112,7 @@ def steps_are_implicit(chain: Chain) -> bool:
     >>> steps_are_implicit(Chain.uniform(2).replace(loss=VelocityPower(0.1, 0.5)))
     True
     """
-    return chain.loss is not None and equation_of(chain).law.implicit
+    return equation_of(chain).implicit
 
 
 def static_closing(chain: Chain) -> Array:

@@ -253,7 +253,7 @@ def new_state(chain: Chain, positions: Array, velocities: Array) -> State:
     first_step = 1e-4 * float(transit_times(chain)[0])
     full_chain.start(
         arrays["y"], arrays["clock"], arrays["counts"], equation,
-        None if plain else contacts_of(arrays, equation.law.implicit), first_step,
+        None if plain else contacts_of(arrays, equation.implicit), first_step,
     )  # fmt: skip
     # Without bead 1's.
     arrays["counts"][records.PEAKS] = max(struck, 1) - 1

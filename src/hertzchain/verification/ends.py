@@ -96,7 +96,7 @@ def _single_beads() -> Iterator[Case]:
 @shared
 def _on(stiffness: float) -> Run:
     chain = Chain.uniform(60).replace(right_wall=Wall(stiffness=stiffness))
-    return simulate(chain, until=100.0, times=0)
+    return simulate(chain, times=0)
 
 
 def _wall_ratio(stiffness: float) -> float:

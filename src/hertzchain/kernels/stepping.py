@@ -66,7 +66,7 @@ def take_step(time, y, h, setup, contacts, segment, rtol, stages, trial, y_new, 
     ):
         return float("nan"), IMPLICIT_STAGES
     bench_scale(h, y, y_new, wall_speed, setup, contacts, rtol, speeds, scale)
-    return implicit_error(h, stages, setup.inverse_mass, scale, rtol), IMPLICIT_STAGES
+    return implicit_error(h, stages, setup, scale, rtol), IMPLICIT_STAGES
 
 
 @compiled

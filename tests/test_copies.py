@@ -25,11 +25,13 @@ def everything(tmp_path_factory):
     folder = tmp_path_factory.mktemp("copies")
     balls = hc.Chain.from_materials(5e-3, "brass", beads=6, velocity=0.01)
     chain = hc.Chain.uniform(6).replace(right_wall=hc.Wall())
-    run = hc.simulate(chain, until=12.0, times=20)
+    run = hc.simulate(chain, until=40.0, times=400)
     pulse = hc.bca(hc.Chain.uniform(6))
     found = [
         chain, balls, hc.Chain.tapered("forward-linear", 0.05, beads=5), run, run.state,
-        run.budget(), run.wall_force("right"), run.waves(3), pulse, pulse.compare(pulse),
+        run.budget(), run.wall_force("right"), run.sensor_force(3), run.waves(), run.waves()[0],
+        run.waves()[0].events[0], run.velocity_peaks(3), run.fronts(), run.leading_pulse(),
+        run.energy_flux(), run.horizon(), run.reflection(1, 5), pulse, pulse.compare(pulse),
         hc.propagate_many([[1.0, 1.0], [1.0, -1.0]]), hc.solitary_wave(),
         hc.solitary_wave().velocity, hc.effective_chain(hc.Chain.uniform(5).decorated(0.2)),
         hc.equilibrium(chain), hc.hertz_range(balls), hc.Scales.of(balls), hc.material("brass"),

@@ -171,13 +171,13 @@ def doors(folder):
         "LeadingPulse.weights": tried(
             run.leading_pulse().weights, times=run.times, velocities=run.velocities
         ),
-        "Run.waves": tried(run.waves, threshold=0.1, min_contacts=3),
+        "Run.waves": tried(longer.waves, threshold=0.1, min_contacts=3),
         "Run.reflection": tried(longer.reflection, before=4, after=9, since=0.0, until=None),
         "Run.horizon": tried(run.horizon, within=0.01, progress=None),
         "Run.velocity_peaks": tried(run.velocity_peaks, bead=3),
-        "Waves.passing": tried(run.waves().passing, contact=3),
-        "Waves.at": tried(run.waves().at, contact=3),
-        "Waves.plot": tried(run.waves().plot, ax=None),
+        "Waves.passing": tried(longer.waves().passing, contact=3),
+        "Waves.at": tried(longer.waves().at, contact=3),
+        "Waves.plot": tried(longer.waves().plot, ax=None),
         "Run.pulse_width": tried(run.pulse_width, bead=3),
         "Run.plot": tried(run.plot, quantity="velocity", ax=None),
         "Run.plot_forces": tried(run.plot_forces, beads=[3], ax=None),

@@ -7,7 +7,11 @@ from scipy_chain import trajectory
 
 import hertzchain as hc
 
-pytestmark = pytest.mark.filterwarnings("ignore::hertzchain.ModelRangeWarning")
+pytestmark = [
+    pytest.mark.filterwarnings("ignore::hertzchain.ModelRangeWarning"),
+    # Impulses are compared at any time.
+    pytest.mark.filterwarnings("ignore::hertzchain.IncompleteWarning"),
+]
 
 
 def deviation(case):

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import hertzchain as hc
+from hertzchain.kernels import records
 
 WALL = hc.Wall()
 # Forces on walls are compared with those of this many transits of the pulse, which see more.
@@ -227,7 +228,7 @@ def test_touches_are_counted():
     )
     run = hc.simulate(chain, until=40.0, times=20_000)
     pressed = run.forces[:, -1] > 0.0
-    assert run._walls[4, 1] == np.count_nonzero(np.diff(pressed.astype(int)) == 1) > 3
+    assert run._walls[records.TOUCHES, 1] == np.count_nonzero(np.diff(pressed.astype(int)) == 1) > 3
 
 
 def test_a_left_wall_is_assessed_alike():

@@ -39,6 +39,8 @@ STILL = 1e-14
 # A force within this part of a bound is on it: a contact at rest must not change its mode
 # for rounding.
 EVEN = 1e-13
+# Changes of mode in which contacts at rest must have settled.
+PIVOTS = 1000
 # An overlap of this part of a wall's way may go unseen: a wall may rest where a bead touches it.
 UNSEEN = 1e-10
 # Part of the beads' positions that rounding makes an overlap of.
@@ -183,7 +185,30 @@ def may_switch(c, y, y_new, stages, setup, contacts, walls, still):
         return turned(c, beads, walls[1][1], 1.0, stages, still)
     if law.kind == UNLOADING and mode == RELEASED:
         return turned(c, beads, walls[1][1], -1.0, stages, still)
+    if law.kind == PLASTIC and mode == RELEASED:
+        # It may go beyond its largest overlap and come back.
+        _, closing = overlap_and_closing(c, y, beads, gap, walls[0])
+        return closing > still and turned(c, beads, walls[1][1], 1.0, stages, still)
     return False
+
+
+@compiled
+def closing_until(c, time, y, h, dense, setup, segment, still):
+    """Fraction of the step until which contact c, closing at its start, closes."""
+    beads, low, high = len(setup.inverse_mass), 0.0, 2.0
+    for part in range(1, PARTS + BISECTIONS + 1):
+        if high > 1.0 and part > PARTS:
+            return 1.0
+        theta = part / PARTS if high > 1.0 else 0.5 * (low + high)
+        left = wall_motion(time + theta * h, setup, segment)[1]
+        if c > 0:
+            left = value(beads + c - 1, theta, y, dense)
+        right = value(beads + c, theta, y, dense) if c < beads else 0.0
+        if left - right > still:
+            low = theta
+        else:
+            high = theta
+    return low
 
 
 @compiled
@@ -192,14 +217,16 @@ def switch_within(c, time, y, h, dense, setup, contacts, segment, still, trial, 
     beads, mode = len(setup.inverse_mass), contacts.mode[c]
     # A stuck contact's force depends on all beads, that of another one on its own two.
     first, last = max(c - 1, 0), min(c + 1, beads)
-    low, high, found = 0.0, 0.0, False
+    low, high, found, end = 0.0, 0.0, False, 1.0
+    if setup.law.kind == PLASTIC and mode == RELEASED:
+        end = closing_until(c, time, y, h, dense, setup, segment, still)
     for part in range(1, PARTS + BISECTIONS + 1):
         if found:
             theta = 0.5 * (low + high)
         elif part > PARTS:
             return 2.0
         else:
-            theta = part / PARTS
+            theta = end * part / PARTS
         if mode == STUCK:
             state_within(theta, y, dense, trial)
             derivative(time + theta * h, trial, setup, contacts, segment, scratch)
@@ -241,23 +268,62 @@ def first_switch(time, y, h, y_new, stages, dense, setup, contacts, segment, sti
 
 
 @compiled
-def next_mode(c, overlap, time, y, setup, contacts, segment, scratch):
-    """The mode that follows.  A contact whose two forces both drive it back is stuck."""
+def next_mode(c, overlap, setup, contacts):
+    """The mode that follows; for a contact that comes to rest or ends it, the first guess."""
     law, mode = setup.law, contacts.mode[c]
     if law.kind != UNLOADING:
         return RELEASED if mode == LOADED else LOADED
+    if mode != STUCK:
+        return STUCK
+    # It is at one of the bounds: rounding may have put it on either side of that.
+    middle = 0.5 * (1.0 + law.kept) * force(overlap, setup.stiffness[c], law.exponent)
+    return LOADED if contacts.force[c] > middle else RELEASED
+
+
+@compiled
+def fits(c, y, wall, setup, contacts, rates):
+    """Whether the mode of a contact at rest goes with its force, or with where it accelerates."""
+    inverse_mass, pushing, law = setup.inverse_mass, contacts.force, setup.law
+    beads, mode = len(inverse_mass), contacts.mode[c]
+    overlap, _ = overlap_and_closing(c, y, beads, setup.gap[c], wall)
     loading = force(overlap, setup.stiffness[c], law.exponent)
     if mode == STUCK:
-        # It is at one of the bounds: rounding may have put it on either side of that.
-        middle = 0.5 * (1.0 + law.kept) * loading
-        return LOADED if contacts.force[c] > middle else RELEASED
-    contacts.mode[c] = STUCK
-    derivative(time, y, setup, contacts, segment, scratch)
-    contacts.mode[c] = mode
-    held = contacts.force[c]
-    if overlap > 0.0 and law.kept * loading < held < loading:
-        return STUCK
-    return RELEASED if mode == LOADED else LOADED
+        least, most = (1.0 - EVEN) * law.kept * loading, (1.0 + EVEN) * loading
+        return overlap > 0.0 and least <= pushing[c] <= most
+    left, right, size = wall[2], 0.0, 0.0
+    if c > 0:
+        left = rates[beads + c - 1]
+        size += (pushing[c - 1] + pushing[c]) * inverse_mass[c - 1]
+    if c < beads:
+        right = rates[beads + c]
+        size += (pushing[c] + pushing[c + 1]) * inverse_mass[c]
+    speeding = left - right if mode == LOADED else right - left
+    return overlap <= 0.0 or speeding >= -EVEN * size
+
+
+@compiled
+def settle(first, time, y, setup, contacts, segment, still, scratch):
+    """Find the modes of all contacts at rest that go with each other.
+
+    A contact at rest bears a force between its two bounds, or closes under the upper or opens
+    under the lower one: a linear complementarity problem, solved by Murty's least-index method.
+    """
+    beads, mode = len(setup.inverse_mass), contacts.mode
+    wall = wall_motion(time, setup, segment)
+    for _ in range(PIVOTS):
+        derivative(time, y, setup, contacts, segment, scratch)
+        wrong = -1
+        for c in range(beads + 1):
+            overlap, closing = overlap_and_closing(c, y, beads, setup.gap[c], wall)
+            rests = setup.stiffness[c] > 0.0 and overlap > 0.0
+            rests = rests and (mode[c] == STUCK or c == first or abs(closing) <= still)
+            if rests and not fits(c, y, wall, setup, contacts, scratch):
+                wrong = c
+                break
+        if wrong < 0:
+            return
+        overlap, _ = overlap_and_closing(wrong, y, beads, setup.gap[wrong], wall)
+        mode[wrong] = next_mode(wrong, overlap, setup, contacts)
 
 
 @compiled
@@ -298,7 +364,10 @@ def forget_unloading(y, wall, setup, contacts):
 
 @compiled
 def switch(first, time, y, setup, contacts, segment, still, scratch):
-    """Give contact ``first`` its next mode, and all others that must change at this moment."""
+    """Give contact ``first`` its next mode, and all others that must change at this moment.
+
+    Where contacts rest, those that do are settled together.
+    """
     stiffness, gap, law = setup.stiffness, setup.gap, setup.law
     mode, largest = contacts.mode, contacts.largest
     beads = len(setup.inverse_mass)
@@ -314,10 +383,24 @@ def switch(first, time, y, setup, contacts, segment, still, scratch):
         before = potential(overlap, stiffness[c], mode[c], largest[c], law)
         if law.implicit:
             largest[c] = overlap
-        mode[c] = next_mode(c, overlap, time, y, setup, contacts, segment, scratch)
+        mode[c] = next_mode(c, overlap, setup, contacts)
         after = potential(overlap, stiffness[c], mode[c], largest[c], law)
         # What a contact still stores when its force is cut off comes to nothing.
         y[2 * beads + LOST] += before - after
-        if mode[c] == STUCK:
-            stop_moving(c, wall[1], y, setup.inverse_mass, mode)
         derivative(time, y, setup, contacts, segment, scratch)
+    if law.kind == UNLOADING:
+        settle(first, time, y, setup, contacts, segment, still, scratch)
+        for c in range(beads + 1):
+            if mode[c] == STUCK:
+                stop_moving(c, wall[1], y, setup.inverse_mass, mode)
+
+
+@compiled
+def release_from_wall(time, y, setup, contacts, segment, still, scratch):
+    """End the rest of a contact with the left wall whose speed has jumped, between two steps."""
+    wall = wall_motion(time, setup, segment)
+    _, closing = overlap_and_closing(0, y, len(setup.inverse_mass), setup.gap[0], wall)
+    if contacts.mode[0] == STUCK and abs(closing) > still:
+        contacts.mode[0] = LOADED if closing > 0.0 else RELEASED
+        derivative(time, y, setup, contacts, segment, scratch)
+        switch(-1, time, y, setup, contacts, segment, still, scratch)

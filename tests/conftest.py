@@ -15,6 +15,12 @@ if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
 # Kernels compile at the first example; machines are shared.
 settings.register_profile("hertzchain", deadline=None)
 settings.load_profile("hertzchain")
+# Files that take longest come first, so that no worker is left alone with one of them at the end.
+LONGEST = ("test_sweep_processes.py", "console.py", "test_random_chains.py", "test_propagation.py")
+
+
+def pytest_collection_modifyitems(items):
+    items.sort(key=lambda item: item.path.name not in LONGEST)
 
 
 @pytest.fixture(autouse=True)
@@ -46,15 +52,20 @@ def try_chains(request, record_property):
         try:
             tally.try_all(range(first, first + count), deviation, most, **options)
         finally:
-            record_property("tally", str(tally))
+            counts = {"tried": tally.tried, "failed": len(tally.failures), "text": str(tally)}
+            record_property("tally", counts)
 
     return run
 
 
 def pytest_terminal_summary(terminalreporter):
-    """What was tried on random chains, and how much of it failed."""
-    reports = (each for kind in ("passed", "failed") for each in terminalreporter.getreports(kind))
-    tallies = [text for each in reports for name, text in each.user_properties if name == "tally"]
-    if tallies:
-        terminalreporter.section("random chains")
-        terminalreporter.write_line("\n".join(sorted(tallies)))
+    """How many random chains were tried, and how many failed; each check by itself with ``-v``."""
+    kinds = ("passed", "failed", "xfailed")
+    reports = (each for kind in kinds for each in terminalreporter.getreports(kind))
+    tallies = [tally for each in reports for name, tally in each.user_properties if name == "tally"]
+    if not tallies:
+        return
+    tried, failed = (sum(tally[name] for tally in tallies) for name in ("tried", "failed"))
+    terminalreporter.section(f"random chains: {tried} tried, {failed} failed")
+    if failed or terminalreporter.verbosity > 0:
+        terminalreporter.write_line("\n".join(sorted(tally["text"] for tally in tallies)))

@@ -137,7 +137,7 @@ def _ends(draw, chain, units):
         if chain.exponent == 1.5 and "stiffness" not in chain.given:
             kinds += [hc.Wall(gap=gap), hc.Wall.rigid(gap=gap)]
             if chain.materials is not None:
-                kinds.append(hc.Wall.of(_material(rng, "wall"), gap=gap))
+                kinds.append(hc.Wall.of(_material(rng, f"of the {side}"), gap=gap))
         wall = kinds[int(rng.integers(len(kinds)))]
         if draw.has("walls", chance):
             changes[side] = wall
@@ -241,7 +241,7 @@ class Tally:
             self.tried += 1
             try:
                 found = float(deviation(case))
-            except (AssertionError, RuntimeError) as error:
+            except (AssertionError, RuntimeError, ValueError, Warning) as error:
                 self.failures.append(f"{case!r}: {type(error).__name__}: {error}")
                 continue
             self.worst = max(self.worst, found)

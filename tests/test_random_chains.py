@@ -48,7 +48,6 @@ def test_chains_without_losses(try_chains):
     try_chains(deviation, 1e-7, fewer=4, without=("loss",))
 
 
-@pytest.mark.xfail(strict=True, reason="modes of contacts are checked only at the ends of steps")
 @pytest.mark.parametrize(
     ("beads", "changes"),
     [

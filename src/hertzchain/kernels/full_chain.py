@@ -55,9 +55,9 @@ from hertzchain.kernels.switching import (
     STILL,
     first_modes,
     first_switch,
+    follow_wall,
     forget_unloading,
     may_close_unseen,
-    release_from_wall,
     switch,
 )
 from hertzchain.kernels.wall_touches import count_touches
@@ -229,8 +229,8 @@ def advance_window(
             forget_unloading(y, wall_motion(time_new, setup, segment), setup, contacts)
         if cut and stop == piece_end:
             counts[SEGMENT] += 1
-            if contacts is not None and setup.drive == MOVING_WALL and has_modes(setup.law):
-                release_from_wall(time_new, y, setup, contacts, counts[SEGMENT], still, scratch)
+            if contacts is not None and setup.drive == MOVING_WALL and setup.law.kind == UNLOADING:
+                follow_wall(time_new, y, setup, contacts, counts[SEGMENT], still, scratch)
         if switching >= 0 or cut:
             begin(time_new, y, clock[STEP], setup, contacts, counts[SEGMENT], rtol, stages, work,
                   scale)  # fmt: skip

@@ -396,11 +396,10 @@ def switch(first, time, y, setup, contacts, segment, still, scratch):
 
 
 @compiled
-def release_from_wall(time, y, setup, contacts, segment, still, scratch):
-    """End the rest of a contact with the left wall whose speed has jumped, between two steps."""
+def follow_wall(time, y, setup, contacts, segment, still, scratch):
+    """Give the contact with the left wall its mode where the wall's speed has jumped."""
     wall = wall_motion(time, setup, segment)
     _, closing = overlap_and_closing(0, y, len(setup.inverse_mass), setup.gap[0], wall)
-    if contacts.mode[0] == STUCK and abs(closing) > still:
+    if abs(closing) > still:
         contacts.mode[0] = LOADED if closing > 0.0 else RELEASED
-        derivative(time, y, setup, contacts, segment, scratch)
-        switch(-1, time, y, setup, contacts, segment, still, scratch)
+        settle(-1, time, y, setup, contacts, segment, still, scratch)

@@ -17,6 +17,7 @@ import numpy as np
 from hertzchain.kernels.balance import in_motion, note_drift
 from hertzchain.kernels.dense import COEFFICIENTS
 from hertzchain.kernels.dop853 import STAGES, STEP_STAGES
+from hertzchain.kernels.driving import NOTHING, PUSH, wall_motion
 from hertzchain.kernels.events import (
     least_speed,
     record_jumps,
@@ -24,15 +25,7 @@ from hertzchain.kernels.events import (
     record_stops,
     record_wall_ends,
 )
-from hertzchain.kernels.forces import (
-    NOTHING,
-    PUSH,
-    UNLOADING,
-    copy,
-    has_modes,
-    overlap_and_closing,
-    wall_motion,
-)
+from hertzchain.kernels.forces import UNLOADING, copy, has_modes, overlap_and_closing
 from hertzchain.kernels.implicit import remember_overlaps
 from hertzchain.kernels.options import compiled
 from hertzchain.kernels.records import (
@@ -192,8 +185,8 @@ def advance_window(
         time_new = stop if cut else time + h
         record_step(
             time, time_new, h, y, y_new, dense_is_found, low, chain, clock, counts, setup, contacts,
-            segment, stages, dense, scale, reached, expected, frame_times, frames, frame_forces, peaks,
-            crossings, walls, trial, scratch,
+            segment, stages, dense, scale, reached, expected, frame_times, frames, frame_forces,
+            peaks, crossings, walls, trial, scratch,
         )  # fmt: skip
 
         if contacts is not None and implicit:
@@ -222,9 +215,7 @@ def advance_window(
                   scale)  # fmt: skip
             counts[PEAKS] += record_jumps(time_new, y, stages, scale, reached, peaks)
             if contacts is not None:
-                record_stops(
-                    clock, counts, y, stages, scale, reached, setup.gap, low, crossings
-                )
+                record_stops(clock, counts, y, stages, scale, reached, setup.gap, low, crossings)
         if contacts is not None:
             record_wall_ends(time_new, y, stages[0], setup, counts[SEGMENT], walls)
         note_drift(y, clock, setup, contacts, counts[SEGMENT], flying, False)

@@ -73,9 +73,8 @@ def steps_alone(
     equation, beads = equation_of(chain), end - first
     plain = len(arrays["y"]) == 2 * chain.beads
     joints = slice(first, end + 1)
-    contacts = None if plain else contacts_of(
-        {"mode": arrays["mode"][joints].copy(), "largest": arrays["largest"][joints].copy()}
-    )  # fmt: skip
+    remembered = {name: arrays[name][joints].copy() for name in ("mode", "largest")}
+    contacts = contacts_of(remembered, equation)
     ends = np.empty((2, chain.beads + 1))
     if plain:
         part = window.plain_part.py_func(equation, first, end)
@@ -144,8 +143,7 @@ def beads_in_window(state: State) -> tuple[int, int]:
     """First bead of the window and the one after its last."""
     chain, arrays = state.chain, state.arrays
     equation = equation_of(chain)
-    plain = len(arrays["y"]) == 2 * chain.beads
-    contacts = None if plain else contacts_of(arrays)
+    contacts = contacts_of(arrays, equation)
     trim = window.trimmed(equation, contacts)
     return window.bounds(arrays["y"], equation, contacts, 0, chain.beads, trim)
 

@@ -23,6 +23,9 @@ LAWS = [
     hc.Dashpot(0.05),
     hc.Dashpot(0.2, attractive=False),
     hc.VelocityPower(0.05, 1.81),
+    hc.VelocityPower(0.05, 0.5),
+    hc.VelocityPower(0.2, 0.2, attractive=False),
+    hc.Dashpot(1e4),
 ]
 # Where the pulse is at t = 12, so that everything has happened by 30.
 SHORT = hc.Chain.tapered("forward-linear", 0.05, beads=12)
@@ -193,7 +196,7 @@ def test_sensors_see_the_forces_around_them():
     ids=repr,
 )
 def test_pieces_of_drives_are_the_drives(drive):
-    from hertzchain.kernels.forces import PUSH, drive_at
+    from hertzchain.kernels.driving import PUSH, drive_at
 
     starts, pieces = drive_pieces(drive)
     chain = hc.Chain.uniform(2).replace(drive=hc.Step(1.0))
@@ -459,7 +462,10 @@ def test_a_width_that_is_not_seen_is_an_error():
         hc.simulate(chain, times=times).pulse_width(10)
 
 
-@pytest.mark.parametrize("law", [None, hc.UnloadingRatio(0.3), hc.VelocityPower(0.05, 1.81)])
+@pytest.mark.parametrize(
+    "law",
+    [None, hc.UnloadingRatio(0.3), hc.VelocityPower(0.05, 1.81), hc.VelocityPower(0.05, 0.6)],
+)
 def test_a_run_in_pieces_is_the_run_at_once_also_where_beads_rest_and_fly(law):
     # The beads that are stepped follow from the state: few of them, ever others, back from a wall.
     chain = hc.Chain.tapered("backward-exponential", 0.1, beads=40).replace(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from hertzchain.kernels.driving import wall_motion
 from hertzchain.kernels.forces import (
     DRIVEN,
     LEFT_IMPULSE,
@@ -11,7 +12,6 @@ from hertzchain.kernels.forces import (
     force,
     overlap_and_closing,
     potential,
-    wall_motion,
 )
 from hertzchain.kernels.options import compiled
 from hertzchain.kernels.records import (

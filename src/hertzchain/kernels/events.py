@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from hertzchain.kernels.dense import slope, state_within, value
 from hertzchain.kernels.dop853 import STEP_STAGES
+from hertzchain.kernels.driving import wall_motion
 from hertzchain.kernels.forces import (
     LEDGER,
     LEFT_IMPULSE,
@@ -17,15 +18,8 @@ from hertzchain.kernels.forces import (
     copy,
     force,
     overlap_and_closing,
-    wall_motion,
 )
-from hertzchain.kernels.implicit import (
-    FINEST,
-    closes_in,
-    closes_throughout,
-    first_rest,
-    force_within,
-)
+from hertzchain.kernels.implicit import FINEST, closes_throughout, first_rest
 from hertzchain.kernels.leading_pulse import note_leading_pulse, rise_of
 from hertzchain.kernels.options import compiled
 from hertzchain.kernels.records import (
@@ -48,6 +42,7 @@ from hertzchain.kernels.records import (
     WALL_PEAK_TIME,
 )
 from hertzchain.kernels.stepping import forces_within, interpolate, is_implicit
+from hertzchain.kernels.stiff_law import closes_in, force_within
 from hertzchain.kernels.window import put_back
 
 # A bead slower than this, in parts of the speeds around it, is not reached yet: rounding
@@ -105,15 +100,14 @@ def closes_at(c, beads, theta, y, dense, setup, contacts):
 
     The speed at which a contact creeps may be less than the rounding of the beads' velocities.
     """
-    if contacts is not None:
-        if setup.law.implicit and contacts.mode[c + 1] == LOADED:
-            overlap = value(c, theta, y, dense) - value(c + 1, theta, y, dense) - setup.gap[c + 1]
-            ahead = value(beads + c + 1, theta, y, dense)
-            return closes_in(
-                value(beads + c, theta, y, dense) - ahead, abs(ahead),
-                force_within(c + 1, theta, contacts), overlap, setup.stiffness[c + 1],
-                setup.law.exponent,
-            )  # fmt: skip
+    if contacts is not None and setup.law.implicit and contacts.mode[c + 1] == LOADED:
+        overlap = value(c, theta, y, dense) - value(c + 1, theta, y, dense) - setup.gap[c + 1]
+        ahead = value(beads + c + 1, theta, y, dense)
+        return closes_in(
+            value(beads + c, theta, y, dense) - ahead, abs(ahead),
+            force_within(c + 1, theta, contacts), overlap, setup.stiffness[c + 1],
+            setup.law.exponent,
+        )  # fmt: skip
     return value(beads + c, theta, y, dense) > value(beads + c + 1, theta, y, dense)
 
 
@@ -151,18 +145,16 @@ def may_peak(k, beads, stages, implicit):
 @compiled
 def rests(c, stages, setup, contacts):
     """Whether beads c and c + 1 come to stick together within an implicit step."""
-    if contacts is not None:
-        if setup.law.implicit and contacts.mode[c + 1] == LOADED:
-            return not closes_throughout(c + 1, setup, contacts, stages)
+    if contacts is not None and setup.law.implicit and contacts.mode[c + 1] == LOADED:
+        return not closes_throughout(c + 1, setup, contacts, stages)
     return False
 
 
 @compiled
 def may_cross(c, stages, setup, contacts):
     """Whether some stage finds beads c and c + 1, closing at its start, at equal speed."""
-    if contacts is not None:
-        if setup.law.implicit and contacts.mode[c + 1] == LOADED:
-            return not closes_throughout(c + 1, setup, contacts, stages)
+    if contacts is not None and setup.law.implicit and contacts.mode[c + 1] == LOADED:
+        return not closes_throughout(c + 1, setup, contacts, stages)
     if stages[0, c] <= stages[0, c + 1]:
         return False
     for j in range(1, STEP_STAGES + 1):

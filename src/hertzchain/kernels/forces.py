@@ -30,6 +30,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from hertzchain.kernels.driving import MOVING_WALL, NOTHING, PUSH, drive_at
 from hertzchain.kernels.options import compiled
 from hertzchain.kernels.powers import powers
 
@@ -40,14 +41,6 @@ LOST, DRIVEN, PUSHED, LEFT_IMPULSE, RIGHT_IMPULSE, LEDGER = range(6)
 # Loss laws, and the modes of a contact under them.
 ELASTIC, DAMPED, UNLOADING, PLASTIC = range(4)
 RELEASED, LOADED, STUCK = range(3)
-# What drives the chain: nothing, a force on bead 1, the place of the left wall.
-NOTHING, PUSH, MOVING_WALL = range(3)
-# A piece of the drive: a cubic in time, then amplitude and angular frequency of three sines.
-CUBIC, SINES = 4, 3
-# The series of sin x - x for |x| < 1, from its last term: 1/(n (n + 1)) is a term over the one
-# before.  A sum of slopes that is this small beside them is rounding.
-SINE_TERMS = tuple(range(18, 0, -2))
-ROUNDED_SLOPE = 1e-14
 
 
 class Plain(NamedTuple):
@@ -56,11 +49,6 @@ class Plain(NamedTuple):
     inverse_mass: Any  # (N,)
     stiffness: Any  # (N - 1,)
     exponent: float
-
-    @property
-    def implicit(self) -> bool:
-        """Whether steps are implicit."""
-        return False
 
 
 class Law(NamedTuple):
@@ -93,11 +81,6 @@ class Bench(NamedTuple):
     drive: int
     piece_starts: Any  # (pieces,)
     pieces: Any  # (pieces, CUBIC + 2 SINES)
-
-    @property
-    def implicit(self) -> bool:
-        """Whether steps are implicit."""
-        return self.law.implicit
 
 
 class Contacts(NamedTuple):
@@ -146,64 +129,6 @@ def plain_derivative(y, inverse_mass, stiffness, exponent, out):
         pushed = pushing
     out[beads - 1] = y[2 * beads - 1]
     out[2 * beads - 1] = pushed * inverse_mass[beads - 1]
-
-
-@compiled
-def sine_beyond_line(x):
-    """Sin x - x, to all digits where x is small."""
-    if abs(x) > 1.0:
-        return np.sin(x) - x
-    square, total = x * x, 0.0
-    for n in SINE_TERMS:
-        total = (1.0 + total) * -square / (n * (n + 1.0))
-    return x * total
-
-
-@compiled
-def drive_at(time, setup, segment):
-    """Value, rate and acceleration of the drive at a time within a piece of it.
-
-    Sines under a window begin as a power of time: what is linear in time cancels, and would
-    leave nothing but rounding of the sum.
-    """
-    t = time - setup.piece_starts[segment]
-    c = setup.pieces[segment]
-    value = c[0] + t * (c[1] + t * (c[2] + t * c[3]))
-    rate = c[1] + t * (2.0 * c[2] + t * 3.0 * c[3])
-    second = 2.0 * c[2] + 6.0 * c[3] * t
-    slope, largest, fastest = 0.0, 0.0, 0.0
-    for i in range(SINES):
-        amplitude, w = c[CUBIC + 2 * i], c[CUBIC + 2 * i + 1]
-        slope += amplitude * w
-        largest = max(largest, abs(amplitude * w))
-        fastest = max(fastest, abs(w))
-    if abs(slope) < ROUNDED_SLOPE * largest:
-        slope = 0.0
-    early = fastest * t < 1.0
-    rate += slope
-    if early:
-        value += slope * t
-    for i in range(SINES):
-        amplitude, w = c[CUBIC + 2 * i], c[CUBIC + 2 * i + 1]
-        value += amplitude * (sine_beyond_line(w * t) if early else np.sin(w * t))
-        half = np.sin(0.5 * w * t)
-        rate -= 2.0 * amplitude * w * half * half
-        second -= amplitude * w * w * np.sin(w * t)
-    return value, rate, second
-
-
-@compiled
-def reach_of_wall(time, setup, segment):
-    """Bounds of the drive's size and acceleration from the start of a piece of it on."""
-    t = time - setup.piece_starts[segment]
-    c = setup.pieces[segment]
-    size = abs(c[0]) + t * (abs(c[1]) + t * (abs(c[2]) + t * abs(c[3])))
-    second = 2.0 * abs(c[2]) + 6.0 * abs(c[3]) * t
-    for i in range(SINES):
-        amplitude, w = abs(c[CUBIC + 2 * i]), c[CUBIC + 2 * i + 1]
-        size += amplitude
-        second += amplitude * w * w
-    return size, second
 
 
 @compiled
@@ -314,14 +239,6 @@ def hold_stuck(drive, wall_acceleration, setup, contacts):
             pushing[c] = value[c]
             if c < beads and mode[c + 1] == STUCK:
                 pushing[c] += factor[c] * pushing[c + 1]
-
-
-@compiled
-def wall_motion(time, setup, segment):
-    """Place, speed and acceleration of the left wall."""
-    if setup.drive == MOVING_WALL:
-        return drive_at(time, setup, segment)
-    return 0.0, 0.0, 0.0
 
 
 @compiled

@@ -17,6 +17,7 @@ import numpy as np
 from hertzchain.kernels.balance import in_motion, note_drift
 from hertzchain.kernels.dense import COEFFICIENTS
 from hertzchain.kernels.dop853 import STAGES, STEP_STAGES
+from hertzchain.kernels.driving import MOVING_WALL, NOTHING, PUSH, wall_motion
 from hertzchain.kernels.events import (
     least_speed,
     record_jumps,
@@ -24,16 +25,7 @@ from hertzchain.kernels.events import (
     record_stops,
     record_wall_ends,
 )
-from hertzchain.kernels.forces import (
-    MOVING_WALL,
-    NOTHING,
-    PUSH,
-    UNLOADING,
-    copy,
-    has_modes,
-    overlap_and_closing,
-    wall_motion,
-)
+from hertzchain.kernels.forces import UNLOADING, copy, has_modes, overlap_and_closing
 from hertzchain.kernels.implicit import remember_overlaps
 from hertzchain.kernels.options import compiled
 from hertzchain.kernels.records import (

@@ -3,42 +3,26 @@ r"""One implicit step, for contacts whose damping is too stiff for explicit ones
 Under :math:`\gamma |d'|^\alpha` with :math:`\alpha < 1` two beads that hardly move against each
 other are held together by a force that is no smooth function of their speed, and under a
 strong dashpot they creep; explicit steps would have to follow the relaxation of both.  Here
-the unknowns are the contact forces at the stages, F: velocities and positions at the stages
-are linear in them (`hertzchain.kernels.radau`), and each has to satisfy the law
-
-.. math:: F = k d_+^p + f, \qquad f = \gamma\, d_+^q\, |d'|^\alpha\, \mathrm{sgn}\, d' .
-
-Newton's method solves for all contacts at once, a system of blocks (stage, stage) on three
-diagonals.  For :math:`\alpha < 1` the law has a vertical tangent at d' = 0.  There it is
-taken as d' as a function of f, about the point of its graph at which :math:`d' + c f` is
-that of the iterate, c the compliance of the contact: a contact at rest, one that creeps and one
-that slides converge alike, and nothing is regularised.
+the forces at the stages are solved for (`hertzchain.kernels.stage_equations`), and the steps are as
+long as the motion allows.
 """
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
-
 import numpy as np
 
 from hertzchain.kernels.dop853 import STEP_STAGES
+from hertzchain.kernels.driving import PUSH, drive_at, wall_motion
 from hertzchain.kernels.forces import (
     DRIVEN,
     LEFT_IMPULSE,
     LOADED,
     LOST,
-    MOVING_WALL,
-    PUSH,
     PUSHED,
     RIGHT_IMPULSE,
     copy,
-    damping_weight,
-    drive_at,
     force,
-    force_on,
-    overlap_and_closing,
     signed_power,
-    wall_motion,
 )
 from hertzchain.kernels.options import compiled
 from hertzchain.kernels.radau import (
@@ -52,7 +36,8 @@ from hertzchain.kernels.radau import (
     TO_DENSE,
     WEIGHTS,
 )
-from hertzchain.kernels.step import bench_scale
+from hertzchain.kernels.stage_equations import SOLVED, solve_stages
+from hertzchain.kernels.stiff_law import EVEN, closes_in, is_resolved, overlap_of
 
 TIMES = np.array(NODES)
 END = np.ones(1)
@@ -60,312 +45,10 @@ END = np.ones(1)
 FINEST = 1e-11
 # Energies are known this many times less precisely than speeds.
 ENERGY = 100.0
-# Newton's method ends when a step changes velocities by less than this part of the tolerance.
-SOLVED, MOST_ITERATIONS = 0.2, 15
-# A contact at rest yields by this part of its compliance, at least: between two walls where all
-# contacts are at rest, nothing else tells the force that all of them have in common.
-LEAST_YIELDING = 1e-10
-# Overlaps below this part of the positions are no difference of these.
-RESOLVED = 1e-12
 # Part of a step after which the forces that a state has are those that hold its contacts.
 SETTLING = 1e-3
-# A push this small, in parts of the momentum over the time since the start, is none.
-EVEN = 1e-13
 # Weights of the accelerations at the nodes that give the one at the start.
 AT_START = SETTLING ** np.arange(IMPLICIT_STAGES) @ BETWEEN
-# Iterations for one contact, of which a few are needed.
-MOST_PROJECTIONS = 40
-
-
-class Implicit(NamedTuple):
-    """Scratch of implicit steps, of every contact and stage."""
-
-    forces: Any  # (N + 1, IMPLICIT_STAGES)
-    overlaps: Any  # as all up to ``rest``: what follows from the forces
-    closings: Any
-    # What multiplies the changes of force, overlap and closing speed in the law, and its remainder.
-    own: Any
-    by_overlap: Any
-    by_closing: Any
-    rest: Any
-    blocks: Any  # (N + 1, IMPLICIT_STAGES, IMPLICIT_STAGES): what elimination leaves of them
-    block: Any  # (IMPLICIT_STAGES, 2 IMPLICIT_STAGES + 1): that of one contact
-
-
-def new_implicit(contacts: int) -> Implicit:
-    """Scratch for so many contacts."""
-    forces, overlaps, closings, own, by_overlap, by_closing, rest = np.zeros(
-        (7, contacts, IMPLICIT_STAGES)
-    )
-    blocks = np.zeros((contacts, IMPLICIT_STAGES, IMPLICIT_STAGES))
-    block = np.zeros((IMPLICIT_STAGES, 2 * IMPLICIT_STAGES + 1))
-    return Implicit(forces, overlaps, closings, own, by_overlap, by_closing, rest, blocks, block)
-
-
-@compiled
-def graph_point(total, compliance, strength, exponent):
-    """The closing speed s and force f = strength |s|^exponent for which s + compliance f is given.
-
-    With s = |total| u^(1/exponent) the equation u^(1/exponent) + ratio u = 1 is convex: from
-    above, Newton's method approaches the solution without overshooting.
-    """
-    size = abs(total)
-    if size == 0.0:
-        return 0.0, 0.0
-    if strength == 0.0:
-        return total, 0.0
-    largest = strength * size**exponent
-    ratio, inverse = compliance * largest / size, 1.0 / exponent
-    u = 1.0 if ratio < 1.0 else 1.0 / ratio
-    power = u**inverse
-    for _ in range(MOST_PROJECTIONS):
-        change = (power + ratio * u - 1.0) / (inverse * power / u + ratio)
-        u -= change
-        power = u**inverse
-        if not change > 1e-15 * u:
-            break
-    sign = 1.0 if total > 0.0 else -1.0
-    return sign * size * power, sign * largest * u
-
-
-@compiled
-def size_of(c, y, setup):
-    """What the overlap of contact c is a difference of."""
-    size = abs(setup.gap[c])
-    size += abs(y[c - 1]) if c > 0 else 0.0
-    return size + abs(y[c]) if c < len(setup.inverse_mass) else size
-
-
-@compiled
-def is_resolved(c, y, overlap, setup):
-    """Whether an overlap is more than rounding may make of the places of its beads."""
-    return abs(overlap) > RESOLVED * size_of(c, y, setup)
-
-
-@compiled
-def overlap_of(c, y, wall, setup, contacts):
-    """Overlap of contact c where y is given.
-
-    Beads that stick together at their first touch may have an overlap of 1e-40: what it was
-    at the end of the step before is remembered.
-    """
-    overlap, _ = overlap_and_closing(c, y, len(setup.inverse_mass), setup.gap[c], wall)
-    if contacts.mode[c] != LOADED or is_resolved(c, y, overlap, setup):
-        return overlap
-    return contacts.largest[c]
-
-
-@compiled
-def stage_motion(time, h, y, weights, times, setup, contacts, segment, rates):
-    """Velocities and accelerations at the stages, overlaps and closing speeds, by the forces."""
-    inverse_mass = setup.inverse_mass
-    pushing, overlap = contacts.implicit.forces, contacts.implicit.overlaps
-    closing = contacts.implicit.closings
-    beads, stages = len(inverse_mass), len(weights)
-    for i in range(stages):
-        push = 0.0
-        if setup.drive == PUSH:
-            push = drive_at(time + times[i] * h, setup, segment)[0]
-        for k in range(beads):
-            net = pushing[k, i] - pushing[k + 1, i] + force_on(k, push, setup)
-            rates[i, beads + k] = net * inverse_mass[k]
-    for i in range(stages):
-        for k in range(beads):
-            gained = 0.0
-            for j in range(stages):
-                gained += weights[i, j] * rates[j, beads + k]
-            rates[i, k] = y[beads + k] + h * gained
-    for i in range(stages):
-        wall = wall_motion(time + times[i] * h, setup, segment)
-        for c in range(beads + 1):
-            left = rates[i, c - 1] if c > 0 else wall[1]
-            right = rates[i, c] if c < beads else 0.0
-            closing[c, i] = left - right
-    at_start = wall_motion(time, setup, segment)
-    for c in range(beads + 1):
-        first = overlap_of(c, y, at_start, setup, contacts)
-        for i in range(stages):
-            gained = 0.0
-            for j in range(stages):
-                gained += weights[i, j] * closing[c, j]
-            overlap[c, i] = first + h * gained
-    if setup.drive == MOVING_WALL:
-        for i in range(stages):
-            wall = wall_motion(time + times[i] * h, setup, segment)
-            way = 0.0
-            for j in range(stages):
-                way += weights[i, j] * rates[j, 0]
-            overlap[0, i] = wall[0] - (y[0] + h * way) - setup.gap[0]
-
-
-@compiled
-def cut_off(total, spring, weight, law):
-    """Whether a force that may not pull is none, where d' + c F is given."""
-    if law.attractive or weight == 0.0:
-        return False
-    return total < -((spring / weight) ** (1.0 / law.speed_power))
-
-
-@compiled
-def linearise(c, i, compliance, setup, contacts):
-    """The law of contact c at stage i as own dF - by_overlap dd - by_closing dd' = rest."""
-    law, damping, stiffness = setup.law, setup.damping[c], setup.stiffness[c]
-    pushing = contacts.implicit.forces[c, i]
-    overlap, closing = contacts.implicit.overlaps[c, i], contacts.implicit.closings[c, i]
-    spring = force(overlap, stiffness, law.exponent)
-    slope = law.exponent * spring / overlap if overlap > 0.0 else 0.0
-    weight = damping * damping_weight(max(overlap, 0.0), law)
-    own, rest, steepness = 1.0, 0.0, 0.0
-    if cut_off(closing + compliance * pushing, spring, weight, law):
-        slope, rest = 0.0, -pushing
-    elif law.speed_power < 1.0:
-        damped = pushing - spring
-        speed, at = graph_point(closing + compliance * damped, compliance, damping, law.speed_power)
-        # How much the speed grows with the force, and how much it would by the compliance.
-        yielding = speed / (law.speed_power * at) if at != 0.0 else 0.0
-        if damping == 0.0 or yielding > compliance:
-            if damping > 0.0:
-                steepness = 1.0 / yielding
-            rest = at + steepness * (closing - speed) - damped
-        else:
-            own, steepness = max(yielding / compliance, LEAST_YIELDING), 1.0 / compliance
-            slope *= own
-            rest = (closing - speed) * steepness - own * (damped - at)
-    else:
-        damped = weight * signed_power(closing, law.speed_power)
-        steepness = weight * law.speed_power * abs(closing) ** (law.speed_power - 1.0)
-        if overlap > 0.0:
-            slope += law.overlap_power * damped / overlap
-        # Stiff or not, all rows are of one size.
-        own = 1.0 / (1.0 + compliance * steepness)
-        rest = own * (spring + damped - pushing)
-        slope, steepness = own * slope, own * steepness
-    contacts.implicit.own[c, i], contacts.implicit.rest[c, i] = own, rest
-    contacts.implicit.by_overlap[c, i] = slope
-    contacts.implicit.by_closing[c, i] = steepness
-
-
-@compiled
-def eliminate(block, stages):
-    """Solve a block for the columns to its right, in place, with pivots from its columns."""
-    columns = 2 * stages + 1
-    for column in range(stages):
-        pivot = column
-        for row in range(column + 1, stages):
-            if abs(block[row, column]) > abs(block[pivot, column]):
-                pivot = row
-        if pivot != column:
-            for j in range(column, columns):
-                block[column, j], block[pivot, j] = block[pivot, j], block[column, j]
-        inverse = 1.0 / block[column, column]
-        for j in range(column + 1, columns):
-            block[column, j] *= inverse
-        for row in range(stages):
-            factor = block[row, column]
-            if row != column and factor != 0.0:
-                for j in range(column + 1, columns):
-                    block[row, j] -= factor * block[column, j]
-
-
-@compiled
-def fill_block(c, h, weights, squared, before, inverse_mass, contacts, block):
-    """The equations of contact c, those of the one before it eliminated.
-
-    ``before`` is that contact's block, by which its change of force follows from this one's.
-    """
-    own, rest = contacts.implicit.own, contacts.implicit.rest
-    by_overlap, by_closing = contacts.implicit.by_overlap, contacts.implicit.by_closing
-    beads, stages = len(inverse_mass), len(weights)
-    left = inverse_mass[c - 1] if c > 0 else 0.0
-    right = inverse_mass[c] if c < beads else 0.0
-    for i in range(stages):
-        block[i, 2 * stages] = rest[c, i]
-        for j in range(stages):
-            b = h * (by_closing[c, i] * weights[i, j] + h * by_overlap[c, i] * squared[i, j])
-            block[i, stages + j] = -right * b
-            block[i, j] = (left + right) * b
-        block[i, i] += own[c, i]
-    if c == 0:
-        return
-    for i in range(stages):
-        for k in range(stages):
-            b = h * (by_closing[c, i] * weights[i, k] + h * by_overlap[c, i] * squared[i, k])
-            block[i, 2 * stages] += left * b * rest[c - 1, k]
-            for j in range(stages):
-                block[i, j] += left * b * before[k, j]
-
-
-@compiled
-def solve_for_change(h, weights, squared, setup, contacts):
-    """Changes of all forces that satisfy the linear equations, written over what was left."""
-    rest = contacts.implicit.rest
-    blocks, block = contacts.implicit.blocks, contacts.implicit.block
-    beads, stages = len(setup.inverse_mass), len(weights)
-    for c in range(beads + 1):
-        if setup.stiffness[c] == 0.0 or contacts.mode[c] != LOADED:
-            rest[c], blocks[c] = 0.0, 0.0
-            continue
-        before = blocks[c - 1 if c > 0 else 0]
-        fill_block(c, h, weights, squared, before, setup.inverse_mass, contacts, block)
-        eliminate(block, stages)
-        for i in range(stages):
-            rest[c, i] = block[i, 2 * stages]
-            for j in range(stages):
-                blocks[c, i, j] = block[i, stages + j]
-    for c in range(beads - 1, -1, -1):
-        for i in range(stages):
-            for j in range(stages):
-                rest[c, i] -= blocks[c, i, j] * rest[c + 1, j]
-
-
-@compiled
-def change_forces(step, stages, tolerance, inverse_mass, contacts, scale):
-    """Add the changes to the forces; the largest change of a velocity in a step, in tolerances."""
-    pushing, change = contacts.implicit.forces, contacts.implicit.rest
-    beads, worst, total = len(inverse_mass), 0.0, 0.0
-    for c in range(beads + 1):
-        for i in range(stages):
-            pushing[c, i] += change[c, i]
-    for k in range(beads):
-        for i in range(stages):
-            kick = step * abs(change[k, i] - change[k + 1, i]) * inverse_mass[k]
-            # Keeps what is not a number.
-            total += kick
-            if kick > worst * tolerance * scale[k]:
-                worst = kick / (tolerance * scale[k])
-    return worst + (total - total)
-
-
-@compiled
-def solve_stages(time, h, step, y, weights, squared, times, setup, contacts, segment, rtol, rates,
-                 ahead, speeds, scale):  # fmt: skip
-    """Newton's method from the forces that are there; returns whether it has converged.
-
-    Changes are measured by the velocities that they make within a whole ``step``.
-    """
-    inverse_mass, beads, stages = setup.inverse_mass, len(setup.inverse_mass), len(weights)
-    last = stages - 1
-    for _ in range(MOST_ITERATIONS):
-        stage_motion(time, h, y, weights, times, setup, contacts, segment, rates)
-        for c in range(beads + 1):
-            if setup.stiffness[c] == 0.0 or contacts.mode[c] != LOADED:
-                continue
-            mobility = inverse_mass[c - 1] if c > 0 else 0.0
-            mobility += inverse_mass[c] if c < beads else 0.0
-            for i in range(stages):
-                linearise(c, i, h * weights[i, i] * mobility, setup, contacts)
-        solve_for_change(h, weights, squared, setup, contacts)
-        for k in range(beads):
-            ahead[beads + k] = y[beads + k] + step * rates[last, beads + k]
-        wall_speed = wall_motion(time + h, setup, segment)[1]
-        bench_scale(step, y, ahead, wall_speed, setup, contacts, rtol, speeds, scale)
-        worst = change_forces(step, stages, SOLVED * rtol, inverse_mass, contacts, scale)
-        if worst <= 1.0:
-            stage_motion(time, h, y, weights, times, setup, contacts, segment, rates)
-            return True
-        if np.isnan(worst):
-            return False
-    return False
 
 
 @compiled
@@ -390,9 +73,10 @@ def ledger_rates(i, time, setup, contacts, segment, rates):
 
 @compiled
 def resolve_overlaps(time, h, y, setup, contacts, segment):
-    """Overlaps lost in the rounding of positions, from the speeds that go with the forces."""
+    """Overlaps that are lost in the rounding of positions, by the speeds of the forces."""
     law, beads = setup.law, len(setup.inverse_mass)
     pushing, overlap = contacts.implicit.forces, contacts.implicit.overlaps
+    speed, inverse = contacts.implicit.rest, 1.0 / law.speed_power
     wall = wall_motion(time, setup, segment)
     for c in range(beads + 1):
         if contacts.mode[c] != LOADED or setup.damping[c] == 0.0 or law.overlap_power > 0.0:
@@ -401,14 +85,13 @@ def resolve_overlaps(time, h, y, setup, contacts, segment):
             continue
         first = overlap_of(c, y, wall, setup, contacts)
         for i in range(IMPLICIT_STAGES):
+            damped = pushing[c, i] - force(overlap[c, i], setup.stiffness[c], law.exponent)
+            speed[c, i] = signed_power(damped / setup.damping[c], inverse)
+        for i in range(IMPLICIT_STAGES):
             gained = 0.0
             for j in range(IMPLICIT_STAGES):
-                damped = pushing[c, j] - force(overlap[c, j], setup.stiffness[c], law.exponent)
-                speed = signed_power(damped / setup.damping[c], 1.0 / law.speed_power)
-                gained += WEIGHTS[i, j] * speed
-            contacts.implicit.rest[c, i] = first + h * gained
-        for i in range(IMPLICIT_STAGES):
-            overlap[c, i] = contacts.implicit.rest[c, i]
+                gained += WEIGHTS[i, j] * speed[c, j]
+            overlap[c, i] = first + h * gained
 
 
 @compiled
@@ -559,23 +242,14 @@ def first_rest(k, beads, stages):
 
 
 @compiled
-def closes_in(closing, speed, pushing, overlap, stiffness, exponent):
-    """Whether a contact closes in, by the sign of its damping if not by that of its speed."""
-    if abs(closing) > EVEN * speed:
-        return closing > 0.0
-    return pushing > force(overlap, stiffness, exponent)
-
-
-@compiled
 def closes_throughout(c, setup, contacts, stages):
     """Whether contact c closes in at all stages."""
-    beads, scratch = len(setup.inverse_mass), contacts.implicit
+    pushing, overlap = contacts.implicit.forces, contacts.implicit.overlaps
+    closing, beads = contacts.implicit.closings, len(setup.inverse_mass)
     for i in range(IMPLICIT_STAGES):
         speed = abs(stages[i + 1, c]) if c < beads else 0.0
-        if not closes_in(
-            scratch.closings[c, i], speed, scratch.forces[c, i], scratch.overlaps[c, i],
-            setup.stiffness[c], setup.law.exponent,
-        ):  # fmt: skip
+        if not closes_in(closing[c, i], speed, pushing[c, i], overlap[c, i], setup.stiffness[c],
+                         setup.law.exponent):  # fmt: skip
             return False
     return True
 
@@ -589,29 +263,3 @@ def implicit_coefficients(h, stages, dense):
             for j in range(IMPLICIT_STAGES):
                 total += TO_DENSE[row, j] * stages[j + 1, i]
             dense[row, i] = h * total
-
-
-@compiled
-def between(c, theta, values):
-    """A row of scratch of contact c at the fraction theta of an implicit step."""
-    total = 0.0
-    for i in range(IMPLICIT_STAGES):
-        weight = 0.0
-        for power in range(IMPLICIT_STAGES - 1, -1, -1):
-            weight = weight * theta + BETWEEN[power, i]
-        total += weight * values[c, i]
-    return total
-
-
-@compiled
-def force_within(c, theta, contacts):
-    """Force of contact c at the fraction theta of an implicit step."""
-    return between(c, theta, contacts.implicit.forces)
-
-
-@compiled
-def overlap_within(c, theta, y, overlap, setup, contacts):
-    """Overlap of contact c there, where y and the overlap by it are given."""
-    if is_resolved(c, y, overlap, setup):
-        return overlap
-    return between(c, theta, contacts.implicit.overlaps)

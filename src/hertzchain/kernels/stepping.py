@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from hertzchain.kernels.dense import find_coefficients
 from hertzchain.kernels.dop853 import STEP_STAGES
-from hertzchain.kernels.forces import copy, derivative, wall_motion
+from hertzchain.kernels.driving import wall_motion
+from hertzchain.kernels.forces import copy, derivative
 from hertzchain.kernels.implicit import (
-    force_within,
     implicit_coefficients,
     implicit_error,
     settle,
@@ -21,6 +21,7 @@ from hertzchain.kernels.step import (
     try_step,
     velocity_scale,
 )
+from hertzchain.kernels.stiff_law import force_within
 
 # How a step's length follows from its error: the power, and bounds of the change.
 EXPLICIT_ORDER, IMPLICIT_ORDER = -0.125, -1.0 / 6.0
@@ -38,11 +39,10 @@ def is_implicit(setup, contacts):
 @compiled
 def begin(time, y, h, setup, contacts, segment, rtol, stages, work, scale):
     """The derivative that the next step begins with."""
-    if contacts is not None:
-        if setup.law.implicit:
-            speeds = work[3, len(scale) : 2 * len(scale)]
-            settle(time, y, h, setup, contacts, segment, rtol, stages, work[0], speeds, scale)
-            return
+    if contacts is not None and setup.law.implicit:
+        speeds = work[3, len(scale) : 2 * len(scale)]
+        settle(time, y, h, setup, contacts, segment, rtol, stages, work[0], speeds, scale)
+        return
     derivative(time, y, setup, contacts, segment, stages[0])
     if contacts is not None:
         copy(contacts.force, contacts.last_force)
@@ -81,10 +81,9 @@ def change_of_step(error, implicit):
 @compiled
 def interpolate(time, y, h, y_new, setup, contacts, segment, stages, dense, trial):
     """Coefficients of the interpolant of a step; returns evaluations."""
-    if contacts is not None:
-        if setup.law.implicit:
-            implicit_coefficients(h, stages, dense)
-            return 0
+    if contacts is not None and setup.law.implicit:
+        implicit_coefficients(h, stages, dense)
+        return 0
     complete_stages(time, y, h, setup, contacts, segment, stages, trial)
     find_coefficients(h, y, y_new, stages, dense)
     return 3

@@ -9,12 +9,12 @@ from __future__ import annotations
 
 from hertzchain.kernels.dense import state_within, value
 from hertzchain.kernels.dop853 import STEP_STAGES
+from hertzchain.kernels.driving import MOVING_WALL, reach_of_wall, wall_motion
 from hertzchain.kernels.events import BISECTIONS, PARTS
 from hertzchain.kernels.forces import (
     DAMPED,
     LOADED,
     LOST,
-    MOVING_WALL,
     PLASTIC,
     RELEASED,
     STUCK,
@@ -25,13 +25,11 @@ from hertzchain.kernels.forces import (
     has_modes,
     overlap_and_closing,
     potential,
-    reach_of_wall,
     signed_power,
-    wall_motion,
 )
-from hertzchain.kernels.implicit import force_within, overlap_within, size_of
 from hertzchain.kernels.options import compiled
 from hertzchain.kernels.stepping import interpolate
+from hertzchain.kernels.stiff_law import force_within, overlap_within, size_of
 
 # What counts as no relative motion, in parts of the fastest motion so far: a contact at rest
 # must not change its mode for rounding.

@@ -19,7 +19,8 @@ from typing import Any
 from numba import types
 from numba.extending import overload
 
-from hertzchain.kernels.forces import NOTHING, Bench, Contacts, Plain, copy, overlap_and_closing
+from hertzchain.kernels.driving import NOTHING
+from hertzchain.kernels.forces import Bench, Contacts, Plain, copy, overlap_and_closing
 from hertzchain.kernels.options import OPTIONS, compiled
 
 # A bead rests that has moved less, and is slower, than this part of those a few beads behind;

@@ -55,7 +55,8 @@ def equation_of(chain: Chain) -> Plain | Bench:
     >>> type(equation_of(Chain.uniform(3).replace(gravity=0.1))).__name__
     'Bench'
     """
-    from hertzchain.kernels.forces import MOVING_WALL, NOTHING, PUSH, Bench, Plain
+    from hertzchain.kernels.driving import MOVING_WALL, NOTHING, PUSH
+    from hertzchain.kernels.forces import Bench, Plain
 
     if PLAIN_FEATURES.issuperset(chain.features):
         return Plain(1.0 / chain.masses, np.array(chain.stiffness), chain.exponent)
@@ -112,7 +113,10 @@ def steps_are_implicit(chain: Chain) -> bool:
     >>> steps_are_implicit(Chain.uniform(2).replace(loss=VelocityPower(0.1, 0.5)))
     True
     """
-    return equation_of(chain).implicit
+    from hertzchain.kernels.forces import Plain
+
+    equation = equation_of(chain)
+    return not isinstance(equation, Plain) and equation.law.implicit
 
 
 def static_closing(chain: Chain) -> Array:
@@ -194,10 +198,13 @@ def _reduced_masses(chain: Chain) -> Array:
 
 
 def _speed_of(chain: Chain) -> float:
-    """The fastest motion of a chain, roughly, by its start and its drive."""
+    """The fastest motion of a chain, roughly, by its start, its drive or else its static forces."""
     fastest = float(np.abs(chain.velocities).max())
-    if chain.drive is None:
+    if chain.drive is None and fastest > 0.0:
         return fastest
+    if chain.drive is None:
+        static = equilibrium(chain)
+        return _pushed(chain, float(max(static.forces.max(), np.abs(static.body_forces).sum())))
     starts, pieces = drive_pieces(chain.drive)
     lengths, powers = np.append(np.diff(starts), 0.0)[:, np.newaxis], np.arange(4)
     cubics, sines, rates = np.abs(pieces[:, :4]), np.abs(pieces[:, 4::2]), np.abs(pieces[:, 5::2])
@@ -207,8 +214,13 @@ def _speed_of(chain: Chain) -> float:
     # A force gives a free bead an impulse, and one in a chain an overlap.
     size = float(((cubics * lengths**powers).sum(axis=1) + sines.sum(axis=1)).max())
     time = float(transit_times(chain).min())
-    mass, overlap = chain.masses[0], (size / chain.stiffness[0]) ** (1.0 / chain.exponent)
-    return max(fastest, min(size * time / mass, math.sqrt(size * overlap / mass)))
+    return max(fastest, min(size * time / chain.masses[0], _pushed(chain, size)))
+
+
+def _pushed(chain: Chain, force: float) -> float:
+    """Speed of bead 1 with the energy that a force has over the overlap that bears it."""
+    overlap = (force / chain.stiffness[0]) ** (1.0 / chain.exponent)
+    return math.sqrt(force * overlap / chain.masses[0])
 
 
 def _relaxation(
@@ -216,9 +228,9 @@ def _relaxation(
 ) -> float:
     """How often, at most, damping would bring a contact to rest within the time of a pulse."""
     there = stiffness > 0.0
-    if chain.drive is None and not chain.velocities.any():
-        return 0.0
     speed = _speed_of(chain)
+    if speed == 0.0:
+        return 0.0
     mass, k, p = _reduced_masses(chain)[there], stiffness[there], chain.exponent
     static = (equilibrium(chain).forces[there] / k) ** (1.0 / p)
     overlap = np.maximum(collision_overlap(mass, k, speed, p), static)

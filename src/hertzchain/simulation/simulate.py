@@ -222,7 +222,7 @@ class _Integration:
         self.counts[records.FRAMES] = 0
         self.equation = equation_of(chain)
         self.plain = len(arrays["y"]) == 2 * chain.beads
-        self.contacts = None if self.plain else contacts_of(arrays, self.equation.implicit)
+        self.contacts = contacts_of(arrays, self.equation)
         frames.allocate(len(arrays["y"]), 0 if self.plain else chain.beads + 1)
         self.frames, self.rtol = frames, rtol
         length = len(arrays["y"])

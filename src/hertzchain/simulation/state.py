@@ -17,7 +17,7 @@ from hertzchain.simulation.equations import equation_of, start_of, transit_times
 
 if TYPE_CHECKING:
     from hertzchain.chain.scales import Scales
-    from hertzchain.kernels.forces import Contacts
+    from hertzchain.kernels.forces import Bench, Contacts, Plain
 
 
 @dataclass(frozen=True, eq=False)
@@ -253,7 +253,7 @@ def new_state(chain: Chain, positions: Array, velocities: Array) -> State:
     first_step = 1e-4 * float(transit_times(chain)[0])
     full_chain.start(
         arrays["y"], arrays["clock"], arrays["counts"], equation,
-        None if plain else contacts_of(arrays, equation.implicit), first_step,
+        contacts_of(arrays, equation), first_step,
     )  # fmt: skip
     # Without bead 1's.
     arrays["counts"][records.PEAKS] = max(struck, 1) - 1
@@ -281,32 +281,36 @@ def first_state(chain: Chain) -> State:
     return new_state(chain, start[: chain.beads], start[chain.beads :])
 
 
-def contacts_of(arrays: dict[str, Array], implicit: bool = False) -> Contacts:
+def contacts_of(arrays: dict[str, Array], equation: Plain | Bench) -> Contacts | None:
     """The kernel's view of what contacts remember.
 
     Parameters
     ----------
     arrays : dict of ndarray
         The arrays of a `State`.
-    implicit : bool
-        Whether its law takes implicit steps, which need scratch.
+    equation : Plain or Bench
+        What acts on the beads; implicit steps need more scratch.
 
     Returns
     -------
-    Contacts
+    Contacts or None
+        None where there is nothing to remember.
 
     Examples
     --------
-    >>> contacts_of(first_state(Chain.uniform(2)).arrays).force.shape
+    >>> chain = Chain.uniform(2).replace(gravity=0.1)
+    >>> contacts_of(first_state(chain).arrays, equation_of(chain)).force.shape
     (3,)
     """
-    from hertzchain.kernels.forces import Contacts
-    from hertzchain.kernels.implicit import new_implicit
+    from hertzchain.kernels.forces import Contacts, Plain
+    from hertzchain.kernels.stiff_law import new_implicit
 
+    if isinstance(equation, Plain):
+        return None
     number = len(arrays["mode"])
     force, last_force = np.zeros((2, number))
     scratch, powers = np.zeros((3, number)), np.zeros((4, number))
-    within = new_implicit(number if implicit else 0)
+    within = new_implicit(number if equation.law.implicit else 0)
     return Contacts(arrays["mode"], arrays["largest"], force, last_force, scratch, powers, within)
 
 

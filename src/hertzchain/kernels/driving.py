@@ -1,0 +1,82 @@
+"""What drives a chain, compiled: a force on bead 1, or the place of the left wall, by pieces."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from hertzchain.kernels.options import compiled
+
+# What drives the chain: nothing, a force on bead 1, the place of the left wall.
+NOTHING, PUSH, MOVING_WALL = range(3)
+# A piece of the drive: a cubic in time, then amplitude and angular frequency of three sines.
+CUBIC, SINES = 4, 3
+# The series of sin x - x for |x| < 1, from its last term: 1/(n (n + 1)) is a term over the one
+# before.  A sum of slopes that is this small beside them is rounding.
+SINE_TERMS = tuple(range(18, 0, -2))
+ROUNDED_SLOPE = 1e-14
+
+
+@compiled
+def sine_beyond_line(x):
+    """Sin x - x, to all digits where x is small."""
+    if abs(x) > 1.0:
+        return np.sin(x) - x
+    square, total = x * x, 0.0
+    for n in SINE_TERMS:
+        total = (1.0 + total) * -square / (n * (n + 1.0))
+    return x * total
+
+
+@compiled
+def drive_at(time, setup, segment):
+    """Value, rate and acceleration of the drive at a time within a piece of it.
+
+    Sines under a window begin as a power of time: what is linear in time cancels, and would
+    leave nothing but rounding of the sum.
+    """
+    t = time - setup.piece_starts[segment]
+    c = setup.pieces[segment]
+    value = c[0] + t * (c[1] + t * (c[2] + t * c[3]))
+    rate = c[1] + t * (2.0 * c[2] + t * 3.0 * c[3])
+    second = 2.0 * c[2] + 6.0 * c[3] * t
+    slope, largest, fastest = 0.0, 0.0, 0.0
+    for i in range(SINES):
+        amplitude, w = c[CUBIC + 2 * i], c[CUBIC + 2 * i + 1]
+        slope += amplitude * w
+        largest = max(largest, abs(amplitude * w))
+        fastest = max(fastest, abs(w))
+    if abs(slope) < ROUNDED_SLOPE * largest:
+        slope = 0.0
+    early = fastest * t < 1.0
+    rate += slope
+    if early:
+        value += slope * t
+    for i in range(SINES):
+        amplitude, w = c[CUBIC + 2 * i], c[CUBIC + 2 * i + 1]
+        value += amplitude * (sine_beyond_line(w * t) if early else np.sin(w * t))
+        half = np.sin(0.5 * w * t)
+        rate -= 2.0 * amplitude * w * half * half
+        second -= amplitude * w * w * np.sin(w * t)
+    return value, rate, second
+
+
+@compiled
+def reach_of_wall(time, setup, segment):
+    """Bounds of the drive's size and acceleration from the start of a piece of it on."""
+    t = time - setup.piece_starts[segment]
+    c = setup.pieces[segment]
+    size = abs(c[0]) + t * (abs(c[1]) + t * (abs(c[2]) + t * abs(c[3])))
+    second = 2.0 * abs(c[2]) + 6.0 * abs(c[3]) * t
+    for i in range(SINES):
+        amplitude, w = abs(c[CUBIC + 2 * i]), c[CUBIC + 2 * i + 1]
+        size += amplitude
+        second += amplitude * w * w
+    return size, second
+
+
+@compiled
+def wall_motion(time, setup, segment):
+    """Place, speed and acceleration of the left wall."""
+    if setup.drive == MOVING_WALL:
+        return drive_at(time, setup, segment)
+    return 0.0, 0.0, 0.0

@@ -105,7 +105,7 @@ def closes_at(c, beads, theta, y, dense, setup, contacts):
         ahead = value(beads + c + 1, theta, y, dense)
         return closes_in(
             value(beads + c, theta, y, dense) - ahead, abs(ahead),
-            force_within(c + 1, theta, contacts), overlap, setup.stiffness[c + 1],
+            force_within(c + 1, theta, contacts.implicit), overlap, setup.stiffness[c + 1],
             setup.law.exponent,
         )  # fmt: skip
     return value(beads + c, theta, y, dense) > value(beads + c + 1, theta, y, dense)
@@ -146,7 +146,7 @@ def may_peak(k, beads, stages, implicit):
 def rests(c, stages, setup, contacts):
     """Whether beads c and c + 1 come to stick together within an implicit step."""
     if contacts is not None and setup.law.implicit and contacts.mode[c + 1] == LOADED:
-        return not closes_throughout(c + 1, setup, contacts, stages)
+        return not closes_throughout(c + 1, setup, contacts.implicit, stages)
     return False
 
 
@@ -154,7 +154,7 @@ def rests(c, stages, setup, contacts):
 def may_cross(c, stages, setup, contacts):
     """Whether some stage finds beads c and c + 1, closing at its start, at equal speed."""
     if contacts is not None and setup.law.implicit and contacts.mode[c + 1] == LOADED:
-        return not closes_throughout(c + 1, setup, contacts, stages)
+        return not closes_throughout(c + 1, setup, contacts.implicit, stages)
     if stages[0, c] <= stages[0, c + 1]:
         return False
     for j in range(1, STEP_STAGES + 1):

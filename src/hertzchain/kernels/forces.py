@@ -97,7 +97,8 @@ class Contacts(NamedTuple):
     last_force: Any  # (N + 1,): at the last step's end
     scratch: Any  # (3, N + 1)
     powers: Any  # (4, N + 1): scratch of powers
-    implicit: Any  # scratch of implicit steps; nothing where steps are explicit
+    # Scratch of implicit steps; None where steps are explicit, for which numba compiles no others.
+    implicit: Any
 
 
 @compiled

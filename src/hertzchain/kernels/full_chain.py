@@ -201,7 +201,7 @@ def advance_window(
         )  # fmt: skip
 
         if contacts is not None and implicit:
-            remember_overlaps(contacts)
+            remember_overlaps(contacts, contacts.implicit)
         copy(y_new, y)
         copy(stages[STEP_STAGES], stages[0])
         for k in range(low):

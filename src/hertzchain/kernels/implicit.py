@@ -95,15 +95,17 @@ def resolve_overlaps(time, h, y, setup, contacts, segment):
 
 
 @compiled
-def remember_overlaps(contacts):
+def remember_overlaps(contacts, implicit):
     """Keep the overlaps at the end of the step, from which the next one begins.
 
     Beads that push each other touch: what is negative then is below the tolerance of the step.
     """
+    if implicit is None:
+        return
     for c in range(len(contacts.mode)):
         if contacts.mode[c] == LOADED:
-            overlap = contacts.implicit.overlaps[c, IMPLICIT_STAGES - 1]
-            pushed = contacts.implicit.forces[c, IMPLICIT_STAGES - 1] > 0.0
+            overlap = implicit.overlaps[c, IMPLICIT_STAGES - 1]
+            pushed = implicit.forces[c, IMPLICIT_STAGES - 1] > 0.0
             contacts.largest[c] = max(overlap, 0.0) if pushed else overlap
 
 
@@ -130,15 +132,17 @@ def forget_rounding(time, setup, contacts, rates):
 
 
 @compiled
-def settle(time, y, h, setup, contacts, segment, rtol, stages, ahead, speeds, scale):
+def settle(time, y, h, setup, contacts, implicit, segment, rtol, stages, ahead, speeds, scale):
     """The forces and the derivative that a state has, by a very short implicit step.
 
     The speed at which a contact creeps may be less than the rounding of the beads' velocities, so
     that the law does not tell its force.  Depends on the state alone, so that a run that is
     resumed from it takes the same steps.
     """
+    if implicit is None:
+        return False
     beads, law, rtol = len(setup.inverse_mass), setup.law, max(rtol, FINEST)
-    pushing, wall = contacts.implicit.forces, wall_motion(time, setup, segment)
+    pushing, wall = implicit.forces, wall_motion(time, setup, segment)
     for c in range(beads + 1):
         overlap = overlap_of(c, y, wall, setup, contacts)
         acts = contacts.mode[c] == LOADED and setup.stiffness[c] > 0.0
@@ -159,13 +163,19 @@ def settle(time, y, h, setup, contacts, segment, rtol, stages, ahead, speeds, sc
 
 
 @compiled
-def try_implicit_step(time, y, h, setup, contacts, segment, rtol, stages, y_new, speeds, scale):
+def try_implicit_step(
+    time, y, h, setup, contacts, implicit, segment, rtol, stages, y_new, speeds, scale
+):
     """One implicit step; returns whether its equations could be solved."""
+    if implicit is None:
+        return False
     rtol = max(rtol, FINEST)
     beads, rates = len(setup.inverse_mass), stages[1 : IMPLICIT_STAGES + 1]
-    if not settle(time, y, h, setup, contacts, segment, rtol, stages, y_new, speeds, scale):
+    if not settle(
+        time, y, h, setup, contacts, implicit, segment, rtol, stages, y_new, speeds, scale
+    ):
         return False
-    pushing = contacts.implicit.forces
+    pushing = implicit.forces
     for c in range(beads + 1):
         for i in range(IMPLICIT_STAGES):
             pushing[c, i] = contacts.force[c]
@@ -242,10 +252,12 @@ def first_rest(k, beads, stages):
 
 
 @compiled
-def closes_throughout(c, setup, contacts, stages):
+def closes_throughout(c, setup, implicit, stages):
     """Whether contact c closes in at all stages."""
-    pushing, overlap = contacts.implicit.forces, contacts.implicit.overlaps
-    closing, beads = contacts.implicit.closings, len(setup.inverse_mass)
+    if implicit is None:
+        return True
+    pushing, overlap = implicit.forces, implicit.overlaps
+    closing, beads = implicit.closings, len(setup.inverse_mass)
     for i in range(IMPLICIT_STAGES):
         speed = abs(stages[i + 1, c]) if c < beads else 0.0
         if not closes_in(closing[c, i], speed, pushing[c, i], overlap[c, i], setup.stiffness[c],

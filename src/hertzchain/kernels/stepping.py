@@ -41,7 +41,10 @@ def begin(time, y, h, setup, contacts, segment, rtol, stages, work, scale):
     """The derivative that the next step begins with."""
     if contacts is not None and setup.law.implicit:
         speeds = work[3, len(scale) : 2 * len(scale)]
-        settle(time, y, h, setup, contacts, segment, rtol, stages, work[0], speeds, scale)
+        settle(
+            time, y, h, setup, contacts, contacts.implicit, segment, rtol, stages, work[0], speeds,
+            scale,
+        )  # fmt: skip
         return
     derivative(time, y, setup, contacts, segment, stages[0])
     if contacts is not None:
@@ -62,7 +65,7 @@ def take_step(time, y, h, setup, contacts, segment, rtol, stages, trial, y_new, 
         bench_scale(h, y, y_new, wall_speed, setup, contacts, rtol, speeds, scale)
         return error_norm(h, stages, scale, rtol, work[4:]), STEP_STAGES
     if not try_implicit_step(
-        time, y, h, setup, contacts, segment, rtol, stages, y_new, speeds, scale
+        time, y, h, setup, contacts, contacts.implicit, segment, rtol, stages, y_new, speeds, scale
     ):
         return float("nan"), IMPLICIT_STAGES
     bench_scale(h, y, y_new, wall_speed, setup, contacts, rtol, speeds, scale)
@@ -94,6 +97,6 @@ def forces_within(theta, time, h, state, setup, contacts, segment, scratch):
     """Write the contact forces at the fraction theta of a step, where the state is as given."""
     if setup.law.implicit:
         for c in range(len(contacts.force)):
-            contacts.force[c] = force_within(c, theta, contacts)
+            contacts.force[c] = force_within(c, theta, contacts.implicit)
     else:
         derivative(time + theta * h, state, setup, contacts, segment, scratch)

@@ -187,14 +187,18 @@ def between(c, theta, values):
 
 
 @compiled
-def force_within(c, theta, contacts):
-    """Force of contact c at the fraction theta of an implicit step."""
-    return between(c, theta, contacts.implicit.forces)
+def force_within(c, theta, implicit):
+    """Force of contact c at the fraction theta of an implicit step; nothing of an explicit one."""
+    if implicit is None:
+        return 0.0
+    return between(c, theta, implicit.forces)
 
 
 @compiled
-def overlap_within(c, theta, y, overlap, setup, contacts):
+def overlap_within(c, theta, y, overlap, setup, implicit):
     """Overlap of contact c there, where y and the overlap by it are given."""
+    if implicit is None:
+        return overlap
     if is_resolved(c, y, overlap, setup):
         return overlap
-    return between(c, theta, contacts.implicit.overlaps)
+    return between(c, theta, implicit.overlaps)

@@ -81,9 +81,9 @@ def leaves_mode(c, theta, y, wall, setup, contacts, still):
     beads = len(setup.inverse_mass)
     overlap, closing = overlap_and_closing(c, y, beads, setup.gap[c], wall)
     if setup.law.implicit:
-        pushing = force_within(c, theta, contacts)
+        pushing = force_within(c, theta, contacts.implicit)
         if contacts.mode[c] == LOADED:
-            overlap = overlap_within(c, theta, y, overlap, setup, contacts)
+            overlap = overlap_within(c, theta, y, overlap, setup, contacts.implicit)
         return implicit_must_switch(c, y, overlap, pushing, setup, contacts.mode[c])
     return must_switch(overlap, closing, setup.stiffness[c], setup.damping[c], contacts.mode[c],
                        contacts.largest[c], contacts.force[c], setup.law, still)  # fmt: skip

@@ -310,7 +310,7 @@ def contacts_of(arrays: dict[str, Array], equation: Plain | Bench) -> Contacts |
     number = len(arrays["mode"])
     force, last_force = np.zeros((2, number))
     scratch, powers = np.zeros((3, number)), np.zeros((4, number))
-    within = new_implicit(number if equation.law.implicit else 0)
+    within = new_implicit(number) if equation.law.implicit else None
     return Contacts(arrays["mode"], arrays["largest"], force, last_force, scratch, powers, within)
 
 

@@ -346,10 +346,6 @@ def test_a_wall_is_a_bead_too_heavy_to_move(try_chains):
     try_chains(deviation, SAME, without=("precompression", "gravity"))
 
 
-@pytest.mark.xfail(
-    strict=True,
-    reason="touching beads with losses, driven some time after the start: steps become too short",
-)
 def test_a_drive_that_comes_later_does_the_same_later(try_chains):
     """On a chain at rest, with no weight that it would fall by."""
 

@@ -176,7 +176,7 @@ def solve_stages(time, h, step, y, weights, squared, times, setup, contacts, seg
         for k in range(beads):
             ahead[beads + k] = y[beads + k] + step * rates[last, beads + k]
         wall_speed = wall_motion(time + h, setup, segment)[1]
-        bench_scale(step, y, ahead, wall_speed, setup, contacts, rtol, speeds, scale)
+        bench_scale(time, step, y, ahead, wall_speed, setup, contacts, segment, rtol, speeds, scale)
         worst = change_forces(step, stages, SOLVED * rtol, inverse_mass, contacts, scale)
         if worst <= 1.0:
             stage_motion(time, h, y, weights, times, setup, contacts, segment, rates)

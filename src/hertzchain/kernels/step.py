@@ -10,6 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from hertzchain.kernels.dop853 import E3, E5, STAGES, STEP_STAGES, A
+from hertzchain.kernels.driving import PUSH, drive_at
 from hertzchain.kernels.forces import derivative
 from hertzchain.kernels.options import compiled
 
@@ -114,11 +115,12 @@ def velocity_scale(y, speeds, scale):
 
 
 @compiled
-def bench_scale(h, y, y_new, wall_speed, setup, contacts, rtol, speeds, scale):
+def bench_scale(time, h, y, y_new, wall_speed, setup, contacts, segment, rtol, speeds, scale):
     """The same at both ends of a step, as on a bench much begins at rest, or is brought to it.
 
     There are gaps, the left wall may move and set beads in motion, and where contacts bear
-    static forces no velocity is known better than these are rounded.
+    static forces no velocity is known better than these are rounded.  A force that begins at a
+    late time is not known better than the time is.
     """
     beads = len(scale)
     for k in range(beads):
@@ -133,8 +135,11 @@ def bench_scale(h, y, y_new, wall_speed, setup, contacts, rtol, speeds, scale):
     for k in range(beads):
         rounding = (abs(pushing[k]) + abs(pushing[k + 1])) * inverse_mass[k] * rounded
         scale[k] = max(SLOW * fastest, rounding, setup.law.slowest)
+    if setup.drive == PUSH:
+        rate = drive_at(time + h, setup, segment)[1]
+        scale[0] = max(scale[0], abs(rate) * (time + h) * inverse_mass[0] * rounded)
     for k in range(min(NEIGHBOURS, beads)):
-        scale[k] = max(scale[k], abs(wall_speed))
+        scale[k] = max(scale[k], abs(wall_speed), scale[0] if setup.drive == PUSH else 0.0)
     fastest_nearby(speeds, scale)
 
 

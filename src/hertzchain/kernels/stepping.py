@@ -62,13 +62,13 @@ def take_step(time, y, h, setup, contacts, segment, rtol, stages, trial, y_new, 
     wall_speed = wall_motion(time + h, setup, segment)[1]
     if not setup.law.implicit:
         try_step(time, y, h, setup, contacts, segment, stages, trial, y_new)
-        bench_scale(h, y, y_new, wall_speed, setup, contacts, rtol, speeds, scale)
+        bench_scale(time, h, y, y_new, wall_speed, setup, contacts, segment, rtol, speeds, scale)
         return error_norm(h, stages, scale, rtol, work[4:]), STEP_STAGES
     if not try_implicit_step(
         time, y, h, setup, contacts, contacts.implicit, segment, rtol, stages, y_new, speeds, scale
     ):
         return float("nan"), IMPLICIT_STAGES
-    bench_scale(h, y, y_new, wall_speed, setup, contacts, rtol, speeds, scale)
+    bench_scale(time, h, y, y_new, wall_speed, setup, contacts, segment, rtol, speeds, scale)
     return implicit_error(h, stages, setup, scale, rtol), IMPLICIT_STAGES
 
 

@@ -34,6 +34,8 @@ PLAIN_FEATURES: Final = frozenset({"SI units", "masses", "stiffness", "strikers"
 # Steps are implicit where damping would bring contacts to rest more often than this within the
 # time of a pulse: explicit steps become so short that they take longer.
 STIFF: Final = 300.0
+# Beyond, contacts are rigid for any step, and the equations of an implicit one overflow.
+RIGID: Final = 1e250
 # Speeds below this part of the fastest do not matter while a chain at rest is set in motion.
 SLOWEST: Final = 1e-3
 
@@ -185,7 +187,7 @@ def _law(chain: Chain, stiffness: Array) -> tuple[Law, Array]:
     attractive = bool(getattr(law, "attractive", True))
     implicit = kind == DAMPED and (
         speed_power < 1.0
-        or _relaxation(chain, stiffness, damping, overlap_power, speed_power) > STIFF
+        or STIFF < _relaxation(chain, stiffness, damping, overlap_power, speed_power) < RIGID
     )
     slowest = SLOWEST * _speed_of(chain) if implicit else 0.0
     return Law(kind, p, overlap_power, speed_power, kept, attractive, implicit, slowest), damping

@@ -40,6 +40,8 @@ def everything(tmp_path_factory):
         hc.SineBurst(1.0, 2.0), hc.Table([0.0, 1.0], [0.0, 1.0]),
         hc.stream(chain, folder / "run", times=[1.0, 2.0]), hc.InputError("a"),
         hc.SimulationError("b"), hc.StoreError("c"), hc.ModelRangeWarning("d"),
+        hc.DamageWarning("e"), hc.IncompleteWarning("f"),
+        hc.spectrum(chain.replace(precompression=1.0, held_by="force")),
         hc.InputWarning("e"),
     ]  # fmt: skip
     return {type(item).__name__ + str(place): item for place, item in enumerate(found)}

@@ -37,8 +37,6 @@ STILL = 1e-14
 # A force within this part of a bound is on it: a contact at rest must not change its mode
 # for rounding.
 EVEN = 1e-13
-# Changes of mode in which contacts at rest must have settled.
-PIVOTS = 1000
 # An overlap of this part of a wall's way may go unseen: a wall may rest where a bead touches it.
 UNSEEN = 1e-10
 # Part of the beads' positions that rounding makes an overlap of.
@@ -266,62 +264,23 @@ def first_switch(time, y, h, y_new, stages, dense, setup, contacts, segment, sti
 
 
 @compiled
-def next_mode(c, overlap, setup, contacts):
-    """The mode that follows; for a contact that comes to rest or ends it, the first guess."""
+def next_mode(c, overlap, time, y, setup, contacts, segment, scratch):
+    """The mode that follows.  A contact whose two forces both drive it back is stuck."""
     law, mode = setup.law, contacts.mode[c]
     if law.kind != UNLOADING:
         return RELEASED if mode == LOADED else LOADED
-    if mode != STUCK:
-        return STUCK
-    # It is at one of the bounds: rounding may have put it on either side of that.
-    middle = 0.5 * (1.0 + law.kept) * force(overlap, setup.stiffness[c], law.exponent)
-    return LOADED if contacts.force[c] > middle else RELEASED
-
-
-@compiled
-def fits(c, y, wall, setup, contacts, rates):
-    """Whether the mode of a contact at rest goes with its force, or with where it accelerates."""
-    inverse_mass, pushing, law = setup.inverse_mass, contacts.force, setup.law
-    beads, mode = len(inverse_mass), contacts.mode[c]
-    overlap, _ = overlap_and_closing(c, y, beads, setup.gap[c], wall)
     loading = force(overlap, setup.stiffness[c], law.exponent)
     if mode == STUCK:
-        least, most = (1.0 - EVEN) * law.kept * loading, (1.0 + EVEN) * loading
-        return overlap > 0.0 and least <= pushing[c] <= most
-    left, right, size = wall[2], 0.0, 0.0
-    if c > 0:
-        left = rates[beads + c - 1]
-        size += (pushing[c - 1] + pushing[c]) * inverse_mass[c - 1]
-    if c < beads:
-        right = rates[beads + c]
-        size += (pushing[c] + pushing[c + 1]) * inverse_mass[c]
-    speeding = left - right if mode == LOADED else right - left
-    return overlap <= 0.0 or speeding >= -EVEN * size
-
-
-@compiled
-def settle(first, time, y, setup, contacts, segment, still, scratch):
-    """Find the modes of all contacts at rest that go with each other.
-
-    A contact at rest bears a force between its two bounds, or closes under the upper or opens
-    under the lower one: a linear complementarity problem, solved by Murty's least-index method.
-    """
-    beads, mode = len(setup.inverse_mass), contacts.mode
-    wall = wall_motion(time, setup, segment)
-    for _ in range(PIVOTS):
-        derivative(time, y, setup, contacts, segment, scratch)
-        wrong = -1
-        for c in range(beads + 1):
-            overlap, closing = overlap_and_closing(c, y, beads, setup.gap[c], wall)
-            rests = setup.stiffness[c] > 0.0 and overlap > 0.0
-            rests = rests and (mode[c] == STUCK or c == first or abs(closing) <= still)
-            if rests and not fits(c, y, wall, setup, contacts, scratch):
-                wrong = c
-                break
-        if wrong < 0:
-            return
-        overlap, _ = overlap_and_closing(wrong, y, beads, setup.gap[wrong], wall)
-        mode[wrong] = next_mode(wrong, overlap, setup, contacts)
+        # It is at one of the bounds: rounding may have put it on either side of that.
+        middle = 0.5 * (1.0 + law.kept) * loading
+        return LOADED if contacts.force[c] > middle else RELEASED
+    contacts.mode[c] = STUCK
+    derivative(time, y, setup, contacts, segment, scratch)
+    contacts.mode[c] = mode
+    held = contacts.force[c]
+    if overlap > 0.0 and law.kept * loading < held < loading:
+        return STUCK
+    return RELEASED if mode == LOADED else LOADED
 
 
 @compiled
@@ -364,33 +323,42 @@ def forget_unloading(y, wall, setup, contacts):
 def switch(first, time, y, setup, contacts, segment, still, scratch):
     """Give contact ``first`` its next mode, and all others that must change at this moment.
 
-    Where contacts rest, those that do are settled together.
+    A contact that changes alters the forces that stuck contacts on both sides of it have to bear.
     """
+    changed = switch_once(first, time, y, setup, contacts, segment, still, scratch)
+    for _ in range(len(setup.inverse_mass) + 1):
+        if not changed or setup.law.kind != UNLOADING:
+            return
+        changed = switch_once(-1, time, y, setup, contacts, segment, still, scratch)
+
+
+@compiled
+def switch_once(first, time, y, setup, contacts, segment, still, scratch):
+    """Look at each contact once, from the left on; returns whether any changed its mode."""
     stiffness, gap, law = setup.stiffness, setup.gap, setup.law
     mode, largest = contacts.mode, contacts.largest
-    beads = len(setup.inverse_mass)
+    beads, changed = len(setup.inverse_mass), False
     wall = wall_motion(time, setup, segment)
     for c in range(beads + 1):
         if stiffness[c] == 0.0:
             continue
         if c != first and not leaves_mode(c, 1.0, y, wall, setup, contacts, still):
             continue
+        changed = True
         overlap, _ = overlap_and_closing(c, y, beads, gap[c], wall)
         if law.kind == PLASTIC and mode[c] == LOADED:
             largest[c] = max(largest[c], overlap)
         before = potential(overlap, stiffness[c], mode[c], largest[c], law)
         if law.implicit:
             largest[c] = overlap
-        mode[c] = next_mode(c, overlap, setup, contacts)
+        mode[c] = next_mode(c, overlap, time, y, setup, contacts, segment, scratch)
         after = potential(overlap, stiffness[c], mode[c], largest[c], law)
         # What a contact still stores when its force is cut off comes to nothing.
         y[2 * beads + LOST] += before - after
+        if mode[c] == STUCK:
+            stop_moving(c, wall[1], y, setup.inverse_mass, mode)
         derivative(time, y, setup, contacts, segment, scratch)
-    if law.kind == UNLOADING:
-        settle(first, time, y, setup, contacts, segment, still, scratch)
-        for c in range(beads + 1):
-            if mode[c] == STUCK:
-                stop_moving(c, wall[1], y, setup.inverse_mass, mode)
+    return changed
 
 
 @compiled
@@ -400,4 +368,5 @@ def follow_wall(time, y, setup, contacts, segment, still, scratch):
     _, closing = overlap_and_closing(0, y, len(setup.inverse_mass), setup.gap[0], wall)
     if abs(closing) > still:
         contacts.mode[0] = LOADED if closing > 0.0 else RELEASED
-        settle(-1, time, y, setup, contacts, segment, still, scratch)
+        derivative(time, y, setup, contacts, segment, scratch)
+        switch(-1, time, y, setup, contacts, segment, still, scratch)

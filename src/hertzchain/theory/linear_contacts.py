@@ -44,10 +44,11 @@ from hertzchain.chain.losses import (
 )
 from hertzchain.contacts import Array, reduced_mass
 from hertzchain.errors import InputError, ModelRangeWarning
+from hertzchain.frozen import Frozen
 
 
 @dataclass(frozen=True, eq=False)
-class LinearContacts:
+class LinearContacts(Frozen):
     """Masses, and what joins them: contact c lies between beads c and c + 1.
 
     Contacts are counted with the walls, 0 to N.

@@ -10,12 +10,13 @@ from numpy.typing import NDArray
 
 from hertzchain.chain.drives import Driven
 from hertzchain.contacts import Array
+from hertzchain.frozen import Frozen
 from hertzchain.theory.linear_contacts import LinearContacts
 
 Complex = NDArray[np.complexfloating[Any, Any]]
 
 
-class Response:
+class Response(Frozen):
     r"""Steady motion of a chain at some frequencies.
 
     ``ahead[c]`` is the force by which contact c and all ahead of it resist a unit displacement

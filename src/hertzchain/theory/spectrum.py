@@ -25,6 +25,7 @@ from hertzchain.chain.drives import DRIVEN, Driven
 from hertzchain.checks import real_numbers, whole_number
 from hertzchain.contacts import Array
 from hertzchain.errors import InputError
+from hertzchain.frozen import Frozen
 from hertzchain.theory.dispersion import spring_modes
 from hertzchain.theory.linear_contacts import LinearContacts, linear_contacts
 from hertzchain.theory.response import Complex, Response
@@ -36,7 +37,7 @@ SAME: Final = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
-class Spectrum:
+class Spectrum(Frozen):
     r"""Small oscillations of a chain, made by `spectrum`.
 
     Frequencies are in cycles per unit of time, as those of drives: Hz for a chain in SI units.

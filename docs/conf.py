@@ -1,4 +1,4 @@
-"""Configuration of the documentation. Build it with ``make docs``; it needs no network."""
+"""Configuration of the documentation, which ``make docs`` builds without network access."""
 
 import os
 import sys
@@ -23,13 +23,13 @@ extensions = [
 exclude_patterns = ["_build", "_generated"]
 templates_path = ["_templates"]
 default_role = "py:obj"
-# Quotes only: two hyphens are an option, not a dash.
+# Replace only quotes; two hyphens begin an option and must not become a dash.
 smartquotes_action = "q"
 
 myst_enable_extensions = ["amsmath", "colon_fence", "deflist", "dollarmath"]
 myst_heading_anchors = 3
 
-# Types stand in the docstrings; signatures are easier to read without them.
+# The docstrings state the types; signatures are easier to read without them.
 autodoc_typehints = "none"
 autodoc_member_order = "bysource"
 numpydoc_show_class_members = False
@@ -37,7 +37,7 @@ numpydoc_show_class_members = False
 html_theme = "pydata_sphinx_theme"
 html_title = f"hertzchain {version}"
 html_static_path = ["_static"]
-html_css_files = ["house.css"]
+html_css_files = ["custom.css"]
 html_copy_source = False
 html_show_sourcelink = False
 html_sidebars = {"**": ["nav.html"]}
@@ -51,20 +51,20 @@ html_theme_options = {
     "footer_end": ["sphinx-version"],
     "pygments_light_style": "friendly",
 }
-# Without its menu MathJax has no reason to load anything beyond its one file.
+# Without its menu, MathJax loads no further files.
 mathjax3_config = {"options": {"enableMenu": False}, "svg": {"scale": 0.92}}
 mathjax_path = "tex-svg.js"
 
 
 def use_local_mathjax(_: Any, config: Any) -> None:
-    """Take MathJax 3 from an installed package, and of that package one file only."""
+    """Use one file of MathJax 3 from an installed package."""
     mathjax = metadata.distribution("sphinx-mathjax-offline")
     script = mathjax.locate_file("sphinx-mathjax-offline/static/mathjax/tex-svg.js")
     config.html_static_path.append(os.fspath(script))
 
 
 def draw_figures(_: Any) -> None:
-    """Have the package produce the figures of the pages."""
+    """Draw the figures of the pages."""
     import matplotlib as mpl
 
     mpl.use("agg")
@@ -75,14 +75,14 @@ def draw_figures(_: Any) -> None:
 
 
 def copy_changelog(_: Any) -> None:
-    """Make the changelog a page; a checkout without one says so."""
+    """Copy the changelog, if there is one, so that it becomes a page."""
     source = HERE.parent / "CHANGELOG.md"
     text = source.read_text("utf-8") if source.exists() else "# Changelog\n\nNone yet.\n"
     (HERE / "_generated" / "changelog.md").write_text(text, "utf-8")
 
 
 def strip_blocks(_: Any, doctree: Any) -> None:
-    """Drop the empty last line of code blocks, which doctests need and readers do not."""
+    """Remove the empty last line of code blocks, which only doctests need."""
     from docutils import nodes
 
     for block in doctree.findall(nodes.literal_block):
@@ -92,7 +92,7 @@ def strip_blocks(_: Any, doctree: Any) -> None:
 
 
 def setup(app: Any) -> None:
-    """Connect what the build prepares for itself."""
+    """Register the functions above."""
     app.connect("config-inited", use_local_mathjax)
     app.connect("builder-inited", draw_figures)
     app.connect("builder-inited", copy_changelog)

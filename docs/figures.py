@@ -1,4 +1,4 @@
-"""Draw the figures of the documentation; the build runs this, so none of them is kept."""
+"""Draw the figures of the documentation during its build, so that they are always current."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -8,33 +8,33 @@ import numpy as np
 from matplotlib.figure import Figure
 
 import hertzchain as hc
+from hertzchain.evaluation.evaluate import scoreboard
 from hertzchain.paper.errata import errata_chains
 from hertzchain.paper.figures import draw_figure, figure_chains, reproduce_figure
-from hertzchain.paper.formulas import draw_formula_errors
 from hertzchain.paper.reproduction import integrate_chains
+from hertzchain.paper.velocity_formulas import draw_formula_errors
 from hertzchain.plotting.pulses import plot_pulses
 from hertzchain.plotting.scoreboard import plot_scoreboard
-from hertzchain.plotting.style import COLOURS, house_style, mark_horizon
+from hertzchain.plotting.style import COLOURS, figure_style, mark_horizon
 from hertzchain.plotting.sweeps import plot_sweep
-from hertzchain.scoreboard.judge import scoreboard
-from hertzchain.theory.universal import bca_growth
+from hertzchain.theory.universal_functions import bca_growth
 
 
 def first_page() -> Figure:
-    """A trajectory, and what two theories make of its leading pulse."""
+    """A trajectory, and its leading pulse compared with two theories."""
     chain = hc.Chain.tapered("forward-linear", 0.006, beads=60)
     run = hc.simulate(chain, times=600)
-    with house_style():
+    with figure_style():
         canvas, (left, right) = plt.subplots(1, 2, figsize=(10.0, 3.8))
         run.plot(ax=left)
         plot_pulses([run.pulse(), hc.bca(chain), hc.modified_bca(chain)], "momentum", ax=right)
         right.set_ylim(0.0, 1.05)
-        right.set_title("the leading pulse")
+        right.set_title("leading pulse")
     return canvas
 
 
 def first_pulse() -> Figure:
-    """The plot of the tutorial."""
+    """Plot of the tutorial."""
     chain = hc.Chain.tapered("backward-exponential", 0.05, beads=60)
     canvas = plot_pulses([hc.propagate(chain), hc.bca(chain)]).figure
     assert isinstance(canvas, Figure)
@@ -42,25 +42,25 @@ def first_pulse() -> Figure:
 
 
 def force_trace() -> Figure:
-    """Sensors in a row of steel balls that hits a wall."""
+    """Forces at sensors in a chain of steel balls in front of a wall."""
     chain = hc.Chain.from_materials(5e-3, "steel-52100", beads=20)
     struck = chain.struck_by(velocity=0.3).replace(right_wall=hc.Wall(), loss=hc.Restitution(0.97))
     run = hc.simulate(struck, until=700e-6, times=1401)
-    with house_style():
+    with figure_style():
         canvas, axes = plt.subplots(figsize=(7.0, 3.6))
         run.plot_forces([6, 11, 16, 22], ax=axes)
     return canvas
 
 
 def budget() -> Figure:
-    """Energy and momentum of a forward taper that hits a wall."""
+    """Energy and momentum of a forward taper in front of a wall."""
     chain = hc.Chain.tapered("forward-exponential", 0.05, beads=20).replace(right_wall=hc.Wall())
     found = hc.simulate(chain, until=60.0, times=600).budget()
-    with house_style():
+    with figure_style():
         canvas, (left, right) = plt.subplots(1, 2, figsize=(11.0, 3.8))
         found.plot("energy", ax=left)
         found.plot("momentum", ax=right)
-        # One legend for both: contacts and walls have energy, a wall by its side has momentum.
+        # Both panels share one legend, although not all parts occur in both.
         shown = {
             label: handle
             for axes in (left, right)
@@ -73,11 +73,11 @@ def budget() -> Figure:
 
 
 def waves() -> Figure:
-    """A train of waves on a wall: forces as a map, and the tracks of the waves found in them."""
+    """A wave train and its reflection from a wall: forces as a map, and tracks of the waves."""
     masses = np.append(4.0, np.ones(49))
     chain = hc.Chain.uniform(50).replace(masses=masses, right_wall=hc.Wall.rigid())
     run = hc.simulate(chain, until=100.0, times=1600)
-    with house_style():
+    with figure_style():
         canvas, (left, right) = plt.subplots(1, 2, figsize=(11.0, 3.8), sharey=True)
         run.plot("force", ax=left)
         run.waves().plot(ax=right)
@@ -88,14 +88,14 @@ def waves() -> Figure:
 
 
 def horizon() -> Figure:
-    """A pulse between two walls: estimated and true error, and a velocity by two tolerances."""
+    """A pulse between two walls: estimated and true error, and a velocity for two tolerances."""
     wall = hc.Wall(stiffness=np.sqrt(2.0))
     chain = hc.Chain.uniform(100).replace(left_wall=wall, right_wall=wall)
     times = np.linspace(0.0, 700.0, 2801)
     run, tight = (hc.simulate(chain, times=times, rtol=rtol) for rtol in (1e-13, 1e-14))
     found = run.horizon()
     true = np.abs(run.velocities - tight.velocities).max(axis=1) / np.abs(run.velocities).max()
-    with house_style():
+    with figure_style():
         canvas, (left, right) = plt.subplots(1, 2, figsize=(11.0, 3.8))
         left.semilogy(times[1:], found.error[1:], color=COLOURS[1], label="estimated error")
         left.semilogy(times[1:], true[1:], color=COLOURS[0], linewidth=0.8,
@@ -116,13 +116,13 @@ def horizon() -> Figure:
 
 
 def moments() -> Figure:
-    """Peak and arrival on the velocities of a few beads."""
+    """Peaks and arrivals on the velocities of a few beads."""
     chain = hc.Chain.tapered("backward-exponential", 0.3, beads=8)
     run = hc.simulate(chain, until=9.0, times=2000)
     pulse = hc.propagate(chain)
     assert pulse.peak_time is not None
     assert pulse.arrival is not None
-    with house_style():
+    with figure_style():
         canvas, axes = plt.subplots(figsize=(6.4, 3.6))
         for i in range(4):
             colour = COLOURS[i]
@@ -148,25 +148,25 @@ def moments() -> Figure:
 
 
 def figure12() -> Figure:
-    """The paper's figure 12, as reproduced."""
+    """Figure 12 of the paper, recomputed."""
     return draw_figure(reproduce_figure("figure12", integrate_chains(figure_chains("figure12"))))
 
 
 def formula_errors() -> Figure:
-    """The paper's velocity formulas, as printed and as mended."""
+    """Errors of the paper's velocity formulas, as printed and as corrected."""
     return draw_formula_errors(integrate_chains(errata_chains()))
 
 
 def scores() -> Figure:
-    """Every theory on every family of chains."""
+    """Scoreboard of all theories on all families of chains."""
     canvas = plot_scoreboard(scoreboard()).figure
     assert isinstance(canvas, Figure)
     return canvas
 
 
 def growth_and_memory() -> Figure:
-    """The local-rate law: the growth on exponential chains, and how long a change is remembered."""
-    with house_style():
+    """Growth on exponential chains in the local-rate law, and memory of a change of the rate."""
+    with figure_style():
         canvas, (left, right) = plt.subplots(1, 2, figsize=(10.0, 3.8))
         rates = np.linspace(-0.14, 0.3, 89)
         growth = [_growth(rate) for rate in rates]
@@ -192,12 +192,12 @@ def growth_and_memory() -> Figure:
 
 
 def sweep() -> Figure:
-    """Momentum over taper and length for the paper's families, and where the law holds."""
+    """Momentum as a function of taper and length, and range of validity of the local-rate law."""
     families = {
         "backward-linear": (0.05, 1.5), "backward-exponential": (0.01, 0.4),
         "forward-linear": (0.0005, 0.0099), "forward-exponential": (0.005, 0.2),
     }  # fmt: skip
-    with house_style():
+    with figure_style():
         canvas, grid = plt.subplots(2, 2, figsize=(10.0, 7.2), layout="constrained")
         for axes, (taper, (low, high)) in zip(grid.flat, families.items(), strict=True):
             found = hc.sweep({
@@ -206,8 +206,8 @@ def sweep() -> Figure:
                 "sweep": {"methods": ["propagate", "local-rate"], "keep": ["momentum"],
                           "at": "last", "errors": ["velocity"]},
             })  # fmt: skip
-            plot_sweep(found, "momentum", by="propagate", log=True, ax=axes)
-            error = found.worst_error_of_velocity.sel(by="local-rate").T
+            plot_sweep(found, "momentum", approach="propagate", log=True, ax=axes)
+            error = found.worst_error_of_velocity.sel(approach="local-rate").T
             if (error > 0.01).any():
                 place = found.rate, found.beads, error
                 axes.contour(*place, levels=[0.01], colors="white", linewidths=1.5)
@@ -244,7 +244,7 @@ def draw_all(folder: Path) -> None:
     folder.mkdir(exist_ok=True)
     for name, draw in FIGURES.items():
         canvas = draw()
-        # Without a date two builds give the same bytes.
+        # Without a date, two builds give identical files.
         canvas.savefig(folder / f"{name}.svg", metadata={"Date": None})
         plt.close(canvas)
 

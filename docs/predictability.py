@@ -1,20 +1,20 @@
-"""How far runs can be predicted: the table of `explanation/predictability.md`.
+"""Compute the table of `explanation/predictability.md`.
 
-Every chain is integrated with tolerances of 1e-13 and 1e-14 and by its shadow; the error is
-the largest difference of two velocities, in parts of the largest velocity.
+Each chain is integrated with tolerances of 1e-13 and 1e-14, and by its shadow run.  The error is
+the largest difference between two velocities, relative to the largest velocity.
 """
 
 import numpy as np
 
 import hertzchain as hc
 
-# The stiffness of a plane of the material of a bead of radius 1.
+# Stiffness of the contact of a bead of radius 1 with a flat wall of the same material.
 WALL = hc.Wall(stiffness=np.sqrt(2.0))
 BOX = {"left_wall": WALL, "right_wall": WALL}
 
 
 def chains() -> list[tuple[str, hc.Chain, float]]:
-    """Name, chain and length of the run."""
+    """Names, chains and end times of the runs."""
     scattered = np.random.default_rng(1).uniform(0.9, 1.1, 100)
     column = hc.Chain.uniform(30).replace(gravity=0.01, right_wall=WALL)
     taper = hc.Chain.tapered("forward-exponential", 0.03, beads=60)
@@ -34,14 +34,14 @@ def chains() -> list[tuple[str, hc.Chain, float]]:
 
 
 def first_time(run: hc.Run, other: hc.Run, within: float = 0.01) -> tuple[float, float]:
-    """When two runs differ by more than a part of the largest velocity, and their difference."""
+    """Time at which two runs differ by a fraction of the largest velocity, and largest error."""
     error = np.abs(run.velocities - other.velocities).max(axis=1) / np.abs(run.velocities).max()
     beyond = np.flatnonzero(error > within)
     return (run.times[beyond[0]] if len(beyond) else np.inf), float(error.max())
 
 
-def shown(time: float, error: float) -> str:
-    """A time, or the largest error where there is none."""
+def format_time(time: float, error: float) -> str:
+    """Format a time, or the largest error if there is no such time."""
     return f"{time:.0f}" if np.isfinite(time) else f"never ({error:.1g})"
 
 
@@ -54,10 +54,10 @@ def main() -> None:
         run, tight, loose = (
             hc.simulate(chain, times=times, rtol=rtol) for rtol in (1e-13, 1e-14, 1e-12)
         )
-        cells = [shown(*first_time(run, tight))]
+        cells = [format_time(*first_time(run, tight))]
         for other in (run, loose):
             horizon = other.horizon()
-            cells.append(shown(horizon.time, horizon.error[-1]))
+            cells.append(format_time(horizon.time, horizon.error[-1]))
         print(f"| {name}, {until:g} | {run.energy_drift:.0e} | {' | '.join(cells)} |")
 
 

@@ -19,6 +19,8 @@ LAWS = ("Restitution", "Viscoelastic", "UnloadingRatio", "VelocityPower", "Dashp
 FEATURES = {
     "SI", "gaps", "walls", "gravity", "precompression", "strikers", "drive", "loss",
 }  # fmt: skip
+DAMPING = ("Restitution", "Viscoelastic", "Dashpot", "Elastic")
+MIXED = (*LAWS, "ElasticPlastic", "Elastic")
 # Time that a run takes, in units of a collision of the first beads.
 DURATION = 20.0
 
@@ -178,6 +180,33 @@ def _struck(draw, chain, units):
     return chain.struck_by(**given)
 
 
+def mixed_case(seed, **options):
+    """A random chain whose contacts and walls all have laws and exponents of their own."""
+    case = random_case(seed, without=("loss", "strikers"), **options)
+    chain, units, rng = case.chain, case.units, np.random.default_rng([seed, 1])
+    scaled = chain.units == "scaled"
+    # Laws of |d'|^alpha with alpha < 1 take implicit steps, beside damping only.
+    names = MIXED if rng.random() < 0.8 else (*DAMPING, "VelocityPower")
+
+    def draw():
+        p = float(rng.choice([1.5, 1.5, 1.2, 1.75, 2.0, 3.0])) if scaled else 1.5
+        law = random_law(rng, units, names)
+        if isinstance(law, hc.ElasticPlastic):
+            p = 1.5
+        if names is MIXED and getattr(law, "alpha", 1.0) < 1.0:
+            law = hc.Elastic()
+        return law, p
+
+    drawn = [draw() for _ in range(chain.beads - 1)]
+    changes = {"loss": [law for law, _ in drawn], "exponent": [p for _, p in drawn]}
+    for side, end in (("left_wall", 0), ("right_wall", -1)):
+        wall = getattr(chain, side)
+        if wall is not None:
+            law, p = draw()
+            changes[side] = hc.Wall(chain.wall_stiffness[end], gap=wall.gap, exponent=p, loss=law)
+    return case._replace(chain=chain.replace(**changes))
+
+
 def random_law(rng, units, laws=LAWS):
     """One of the laws of loss."""
     name, pulls = str(rng.choice(laws)), bool(rng.random() < 0.5)
@@ -190,6 +219,10 @@ def random_law(rng, units, laws=LAWS):
         return hc.UnloadingRatio(float(rng.uniform(0.02, 0.9)))
     if name == "WaltonBraun":
         return hc.WaltonBraun(float(rng.uniform(0.2, 0.99)))
+    if name == "Elastic":
+        return hc.Elastic()
+    if name == "ElasticPlastic":
+        return hc.ElasticPlastic(yield_overlap=float(rng.uniform(0.02, 0.8)) * units.length)
     if name == "Dashpot":
         return hc.Dashpot(strength * units.force / units.velocity, pulls)
     alpha = float(rng.choice([0.75, 0.9, 1.0, 1.25, 1.5, 1.81, 2.0, 3.0]))
@@ -202,12 +235,12 @@ def random_drive(rng, units, *, walled):
     size = rng.uniform(-1.0, 1.0) * (units.length if of == "displacement" else 0.6 * units.force)
     kind = rng.integers(4)
     if kind == 0:
-        return hc.Step(size, rng.uniform(0.3, 4.0) * units.time, of)
+        return hc.StepDrive(size, rng.uniform(0.3, 4.0) * units.time, of)
     if kind == 1 and of == "force":
-        return hc.Step(0.5 * size)
+        return hc.StepDrive(0.5 * size)
     if kind == 2:
         times = np.cumsum(rng.uniform(0.3, 3.0, 5)) - rng.uniform(0.0, 1.0)
-        return hc.Table(times * units.time, size * rng.uniform(-1.0, 1.0, 5), of)
+        return hc.TableDrive(times * units.time, size * rng.uniform(-1.0, 1.0, 5), of)
     cycles = float(rng.choice([0.5, 1.0, 2.0, 3.5]))
     window = str(rng.choice(["hann", "none"]))
     return hc.SineBurst(size, rng.uniform(0.08, 0.5) / units.time, cycles, of, window)
@@ -216,7 +249,8 @@ def random_drive(rng, units, *, walled):
 def may_wedge(chain):
     """Whether contacts between two walls may all be stuck: they then bear any force in common."""
     walls = (chain.left_wall, chain.right_wall)
-    return isinstance(chain.loss, hc.UnloadingRatio) and None not in walls
+    laws = {type(law) for law in chain.contact_losses}
+    return laws == {hc.UnloadingRatio} and None not in walls
 
 
 def force_difference(run, forces, units):

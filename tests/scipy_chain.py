@@ -18,7 +18,19 @@ from typing import NamedTuple
 import numpy as np
 from scipy.integrate import DOP853, Radau
 from scipy.optimize import brentq
-from scipy_laws import LOADING, NOISE, OPEN, STUCK, UNLOADING, Plastic, law_of
+from scipy_laws import (
+    LOADING,
+    NOISE,
+    OPEN,
+    STUCK,
+    UNLOADING,
+    Mixed,
+    Plastic,
+    described_exponents,
+    described_laws,
+    law_of,
+    laws_of,
+)
 
 MOST_SWITCHES = 20_000
 
@@ -98,6 +110,29 @@ def stiffness_of(chain):
     return k
 
 
+def yield_overlap(chain, c, law):
+    """Overlap at which the largest pressure of contact c is the yield pressure."""
+    if law.yield_overlap is not None:
+        return law.yield_overlap
+    beads = len(chain.radii)
+    walls = [wall and wall.material for wall in (chain.left_wall, chain.right_wall)]
+    kinds = [walls[0] or chain.materials[0], *chain.materials, walls[1] or chain.materials[-1]]
+    radii = [math.inf, *chain.radii, math.inf]
+    softness = sum((1.0 - m.poisson**2) / m.young for m in kinds[c : c + 2])
+    radius = 1.0 / (1.0 / radii[c] + 1.0 / radii[c + 1])
+    known = [m.yield_strength for m in kinds[c : c + 2] if m.yield_strength]
+    pressure = law.yield_pressure or 1.6 * min(known)
+    # A free end has no contact.
+    present = 0 < c < beads or (chain.left_wall, chain.right_wall)[c > 0] is not None
+    return radius * (0.5 * math.pi * pressure * softness) ** 2 if present else 1.0
+
+
+def plastic_overlap(force, k, first):
+    """Overlap of an elastic-plastic contact: the force rises linearly, as steeply as at yield."""
+    excess = force - k * first**1.5
+    return first + excess / (1.5 * k * math.sqrt(first)) if excess > 0.0 else (force / k) ** (2 / 3)
+
+
 def static_forces(chain, masses):
     """Forces of contacts 0..N at rest; zero where nothing holds or carries the beads."""
     beads, strikers = len(masses), chain.strikers
@@ -126,7 +161,7 @@ def drive_between(chain, start, end):
     if drive is None:
         return lambda _t: (0.0, 0.0, 0.0)
     kind, a = type(drive).__name__, getattr(drive, "amplitude", 0.0)
-    if kind == "Step":
+    if kind == "StepDrive":
         if middle >= drive.rise:
             return lambda _t: (a, 0.0, 0.0)
         rise = drive.rise
@@ -136,7 +171,7 @@ def drive_between(chain, start, end):
             return (a * u * u * (3 - 2 * u), 6 * a * u * (1 - u) / rise, a * (6 - 12 * u) / rise**2)
 
         return smooth_step
-    if kind == "Table":
+    if kind == "TableDrive":
         values = np.interp([start, end], drive.times, drive.values)
         slope = (values[1] - values[0]) / (end - start)
         return lambda t: (values[0] + slope * (t - start), slope, 0.0)
@@ -160,16 +195,16 @@ def kinks_of(drive):
     if drive is None:
         return []
     kind = type(drive).__name__
-    if kind == "Table":
+    if kind == "TableDrive":
         return list(drive.times)
-    return [drive.rise if kind == "Step" else drive.cycles / drive.frequency]
+    return [drive.rise if kind == "StepDrive" else drive.cycles / drive.frequency]
 
 
 class Contacts:
     """A chain as dimensionless numbers, what its contacts remember, and how they change."""
 
     def __init__(self, chain, units):
-        p = float(chain.exponent)
+        p = described_exponents(chain)
         masses, k = masses_of(chain), stiffness_of(chain)
         forces = static_forces(chain, masses)
         self.free = k == 0.0
@@ -180,6 +215,9 @@ class Contacts:
             & (np.arange(len(k)) >= chain.strikers + bool(chain.strikers))
         )
         overlaps = np.where(held, (forces / np.where(self.free, 1.0, k)) ** (1.0 / p), 0.0)
+        for c, law in enumerate(described_laws(chain)):
+            if held[c] and type(law).__name__ == "ElasticPlastic":
+                overlaps[c] = plastic_overlap(forces[c], k[c], yield_overlap(chain, c, law))
         walls = [getattr(wall, "gap", 0.0) for wall in (chain.left_wall, chain.right_wall)]
         gaps = np.concatenate((walls[:1], chain.gaps, walls[1:]))
         self.at_rest = (overlaps - gaps) / units.length
@@ -189,12 +227,25 @@ class Contacts:
             outside[-1] -= forces[-1] if self.free[-1] else 0.0
         self.outside = outside / units.force
         self.m, self.k = masses / units.mass, k / units.stiffness(p)
-        self.law = law_of(chain, self.k, self.m, p, units)
+        self.law = self._laws(chain, p, units)
         self.moves_wall = chain.drive is not None and chain.drive.of == "displacement"
         self.drive, self.drive_unit = None, (units.length if self.moves_wall else units.force)
         self.time_unit = units.time
         self.mode = np.full(len(k), OPEN)
         self.largest = np.zeros(len(k))
+
+    def _laws(self, chain, p, units):
+        """One law for all contacts at once, which is faster, unless they differ."""
+        laws = described_laws(chain)
+        uniform = all(law == laws[0] for law in laws) and np.all(p == p[0])
+        if uniform and type(laws[0]).__name__ != "ElasticPlastic":
+            inverse = 1.0 / np.concatenate(([math.inf], self.m, [math.inf]))
+            return law_of(laws[0], self.k, 1.0 / (inverse[:-1] + inverse[1:]), p[0], units)
+
+        def first_yield(c, law):
+            return yield_overlap(chain, c, law) / units.length
+
+        return laws_of(chain, self.k, self.m, p, units, first_yield)
 
     def driven(self, t):
         value, rate, second = self.drive(t * self.time_unit)
@@ -259,12 +310,13 @@ class Contacts:
     def switch(self, c, t, y):
         d, closing = self.kinematics(t, y)
         forces = self.forces(t, d, closing)
-        mode = self.law.following(self.mode[c], self.largest[c], d[c], closing[c], forces[c])
+        law, i = self.law.at(c) if isinstance(self.law, Mixed) else (self.law, c)
+        mode = law.following(self.mode[c], self.largest[c], d[c], closing[c], forces[c], i)
         if mode is None:
             self.decide(c, t, d, forces)
             self.hold(t, y)
             return
-        if isinstance(self.law, Plastic) and self.mode[c] == LOADING:
+        if isinstance(law, Plastic) and self.mode[c] == LOADING:
             self.largest[c] = max(self.largest[c], d[c])
         self.mode[c] = mode
 

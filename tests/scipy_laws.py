@@ -37,7 +37,7 @@ class Damped:
         acts = d if self.attractive else np.minimum(d, self.formula(d, closing))
         return np.where(mode == OPEN, -acts, acts)
 
-    def following(self, mode, _largest, _d, _closing, _force):
+    def following(self, mode, _largest, _d, _closing, _force, _c=0):
         return LOADING if mode == OPEN else OPEN
 
 
@@ -61,7 +61,7 @@ class Weaker:
         stuck = np.minimum(np.minimum(most - forces, forces - least), AT_REST - np.abs(closing))
         return np.choose(mode, [-d, np.minimum(d, closing), np.minimum(d, -closing), stuck])
 
-    def following(self, mode, _largest, d, closing, _force):
+    def following(self, mode, _largest, d, closing, _force, _c=0):
         if mode == OPEN:
             return LOADING
         if d <= NOISE:
@@ -77,24 +77,97 @@ class Plastic:
     def __init__(self, k, p, ratio):
         self.k, self.p, self.ratio = k, p, ratio
 
-    def forces(self, mode, largest, d, _closing):
-        first = self.k * np.maximum(d, 0.0) ** self.p
-        dent = (1.0 - self.ratio) * largest
+    def dent(self, largest):
+        return (1.0 - self.ratio) * largest
+
+    def first(self, d):
+        return self.k * np.maximum(d, 0.0) ** self.p
+
+    def again(self, d, largest):
+        dent = self.dent(largest)
         width = np.where(largest > 0.0, largest - dent, 1.0)
-        again = self.k * largest**self.p * (np.maximum(d - dent, 0.0) / width) ** self.p
-        return np.choose(mode, [0.0 * first, first, again, first])
+        return self.k * largest**self.p * (np.maximum(d - dent, 0.0) / width) ** self.p
+
+    def forces(self, mode, largest, d, _closing):
+        first = self.first(d)
+        return np.choose(mode, [0.0 * first, first, self.again(d, largest), first])
 
     def margins(self, mode, largest, d, closing, _forces):
-        dent = (1.0 - self.ratio) * largest
+        dent = self.dent(largest)
         of = [dent - d, np.minimum(d, closing), np.minimum(largest - d, d - dent), d]
         return np.choose(mode, of)
 
-    def following(self, mode, largest, d, _closing, _force):
+    def following(self, mode, largest, d, _closing, _force, c=0):
         if mode == LOADING:
             return UNLOADING if d > NOISE else OPEN
         if mode == OPEN:
             return UNLOADING if largest > NOISE else LOADING
-        return LOADING if d > (1.0 - 0.5 * self.ratio) * largest else OPEN
+        dent = np.broadcast_to(self.dent(largest), np.shape(self.k))[c]
+        return LOADING if d > 0.5 * (dent + largest) else OPEN
+
+
+class Yielding(Plastic):
+    """Thornton's elastic-plastic spheres, by the formulas of his paper for spheres of radius 1."""
+
+    def __init__(self, k, first_yield):
+        self.k, self.p, self.modulus = k, 1.5, 0.75 * k
+        with np.errstate(divide="ignore", invalid="ignore"):
+            self.pressure = 2.0 * self.modulus * np.sqrt(first_yield) / math.pi
+        self.at = first_yield
+        self.force = 4.0 / 3.0 * self.modulus * first_yield**1.5
+
+    def first(self, d):
+        elastic = 4.0 / 3.0 * self.modulus * np.maximum(d, 0.0) ** 1.5
+        return np.where(d > self.at, self.force + math.pi * self.pressure * (d - self.at), elastic)
+
+    def radius(self, largest):
+        """Of the flattened contact; 1 before it yields."""
+        peak = self.first(largest)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            area = (2.0 * peak + self.force) / (2.0 * math.pi * self.pressure)
+            flattened = 4.0 * self.modulus / (3.0 * peak) * area**1.5
+        return np.where(largest > self.at, flattened, 1.0)
+
+    def dent(self, largest):
+        steeper = 4.0 / 3.0 * self.modulus * np.sqrt(self.radius(largest))
+        with np.errstate(divide="ignore", invalid="ignore"):
+            width = (self.first(largest) / steeper) ** (2.0 / 3.0)
+        return np.where(largest > self.at, largest - width, 0.0)
+
+    def again(self, d, largest):
+        steeper = 4.0 / 3.0 * self.modulus * np.sqrt(self.radius(largest))
+        return steeper * np.maximum(d - self.dent(largest), 0.0) ** 1.5
+
+
+class Mixed:
+    """Contacts of different laws; each of ``parts`` has the indices of its contacts."""
+
+    def __init__(self, parts):
+        self.parts = parts
+        self.stiff = any(getattr(law, "stiff", False) for _, law in parts)
+
+    def at(self, c):
+        """The law of contact c, and which of its contacts this is."""
+        return next((law, int(np.argmax(i == c))) for i, law in self.parts if c in i)
+
+    def forces(self, mode, largest, d, closing):
+        found = np.zeros(len(d))
+        for i, law in self.parts:
+            found[i] = law.forces(mode[i], largest[i], d[i], closing[i])
+        return found
+
+    def margins(self, mode, largest, d, closing, forces):
+        found = np.zeros(len(d))
+        for i, law in self.parts:
+            found[i] = law.margins(mode[i], largest[i], d[i], closing[i], forces[i])
+        return found
+
+    def bounds(self, d):
+        least, most = np.zeros((2, len(d)))
+        for i, law in self.parts:
+            if isinstance(law, Weaker):
+                least[i], most[i] = law.bounds(d[i])
+        return least, most
 
 
 def damping_ratio(e, attractive):
@@ -118,9 +191,65 @@ def damping_ratio(e, attractive):
     return brentq(excess, 0.0, 30.0, xtol=1e-15)
 
 
-def law_of(chain, k, masses, p, units):
-    """The chain's law with dimensionless constants."""
-    law, kind = chain.loss, type(chain.loss).__name__
+def laws_of(chain, k, masses, p, units, first_yield):
+    """The laws of contacts 0..N with dimensionless constants.
+
+    ``first_yield`` gives the overlap at which contact c yields under a law.
+    """
+    inverse = 1.0 / np.concatenate(([math.inf], masses, [math.inf]))
+    reduced = 1.0 / (inverse[:-1] + inverse[1:])
+    named = described_laws(chain)
+    parts = []
+    for c, law in enumerate(named):
+        i = np.array([c])
+        if type(law).__name__ == "ElasticPlastic":
+            own = Yielding(k[i], np.array([first_yield(c, law)]))
+        else:
+            own = law_of(law, k[i], reduced[i], p[c], units)
+        parts.append((i, own))
+    return Mixed(parts)
+
+
+def described_laws(chain):
+    """The law of each contact 0..N, as the chain and its walls describe it."""
+    inner = _each(chain, chain.loss)
+    laws = [inner[0], *inner, inner[-1]]
+    for end, wall, bead in ((0, chain.left_wall, 0), (-1, chain.right_wall, -1)):
+        if wall is not None and wall.loss is not None:
+            laws[end] = wall.loss
+        elif wall is not None and hasattr(chain.loss, "values"):
+            laws[end] = _of_pair(chain.loss, chain.materials[bead], wall.material)
+    return laws
+
+
+def described_exponents(chain):
+    """The exponent of each contact 0..N."""
+    inner = _each(chain, chain.exponent)
+    powers = [inner[0], *inner, inner[-1]]
+    for end, wall, bead in ((0, chain.left_wall, 0), (-1, chain.right_wall, -1)):
+        if wall is not None and wall.exponent is not None:
+            powers[end] = wall.exponent
+        elif wall is not None and hasattr(chain.exponent, "values"):
+            powers[end] = _of_pair(chain.exponent, chain.materials[bead], wall.material)
+    return np.array(powers)
+
+
+def _each(chain, given):
+    """A value for each contact of two beads."""
+    beads = len(chain.radii)
+    if hasattr(given, "values"):
+        return [_of_pair(given, *chain.materials[k : k + 2]) for k in range(beads - 1)]
+    return list(given) if isinstance(given, tuple | np.ndarray) else [given] * (beads - 1)
+
+
+def _of_pair(pairs, one, other):
+    other = one if other is None else other
+    return next(v for pair, v in pairs.values.items() if pair == {one, other})
+
+
+def law_of(law, k, reduced, p, units):
+    """A law with dimensionless constants, for contacts of one exponent."""
+    kind = type(law).__name__
     if kind == "UnloadingRatio" and law.ratio > 0.0:
         return Weaker(k, p, 1.0 - law.ratio)
     if kind == "WaltonBraun":
@@ -135,23 +264,21 @@ def law_of(chain, k, masses, p, units):
         return Damped(k, p, lambda _d, closing: 0.0 * closing, True)
     # With |d'|^alpha, alpha < 1, beads in contact hardly move against each other at last.
     stiff = getattr(law, "alpha", 1.0) < 1.0
-    return Damped(k, p, viscous(law, k, masses, p, units), law.attractive, stiff)
+    return Damped(k, p, viscous(law, k, reduced, p, units), law.attractive, stiff)
 
 
-def _hertz_damping(law, k, masses, p, _units):
-    inverse = 1.0 / np.concatenate(([math.inf], masses, [math.inf]))
-    reduced = 1.0 / (inverse[:-1] + inverse[1:])
+def _hertz_damping(law, k, reduced, p, _units):
     zeta = damping_ratio(law.coefficient, law.attractive)
     factor = math.sqrt(2.0 * (p + 1.0)) * zeta * np.sqrt(reduced * k)
     return lambda d, closing: factor * d ** (0.5 * (p - 1.0)) * closing
 
 
-def _kuwabara_kono(law, k, _masses, p, units):
+def _kuwabara_kono(law, k, _reduced, p, units):
     factor = p * (law.time / units.time) * k
     return lambda d, closing: factor * d ** (p - 1.0) * closing
 
 
-def _velocity_power(law, k, _masses, _p, units):
+def _velocity_power(law, k, _reduced, _p, units):
     alpha = getattr(law, "alpha", 1.0)
     factor = np.where(k > 0.0, law.gamma / (units.force / units.velocity**alpha), 0.0)
     if alpha == 1.0:

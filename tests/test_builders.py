@@ -8,7 +8,7 @@ import pytest
 import hertzchain as hc
 from hertzchain import Chain, InputError
 from hertzchain.chain.materials import contact_modulus, sphere_stiffness
-from hertzchain.chain.patterns import BALL_GRADES
+from hertzchain.chain.modifications import BALL_GRADES
 
 
 def test_a_dimer_has_one_parameter():
@@ -135,21 +135,30 @@ BALLS = Chain.from_materials(5e-3, "brass", beads=3)
         (lambda: Chain.periodic([1.0, 0.5], cells=0), "cells must be .* at least 1, got 0"),
         (lambda: Chain.periodic([1.0, -0.5], cells=2), "bead 2 is -0.5"),
         (lambda: Chain.periodic([1.0, 0.5], cells=2, materials=["brass"]), "4 materials"),
-        (lambda: Chain.uniform(3).decorated(), "give one"),
-        (lambda: Chain.uniform(3).decorated(0.3, radius=0.3), "give one"),
-        (lambda: Chain.uniform(3).decorated(1.0), "beads 1 and 2 would have a radius of 1,"),
-        (lambda: Chain.from_radii([1, 0.1, 1]).decorated(0.5), "radius of 0.158114, .* has 0.1:"),
+        (lambda: Chain.uniform(3).decorated(), "ratio of the small beads .* or a radius"),
+        (
+            lambda: Chain.uniform(3).decorated(0.3, radius=0.3),
+            "ratio of the small beads .* or a radius",
+        ),
+        (lambda: Chain.uniform(3).decorated(1.0), "beads 1 and 2 have a radius of 1,"),
+        (lambda: Chain.from_radii([1, 0.1, 1]).decorated(0.5), "radius of 0.158114, .* bead, 0.1;"),
         (lambda: Chain.uniform(3).decorated(0.3, between=0), "between must be .* got 0"),
-        (lambda: Chain.uniform(3).decorated(0.3, material="brass"), "chain of materials only"),
-        (lambda: DIMER.decorated(0.3), "has masses and stiffness given bead by bead"),
-        (lambda: Chain.uniform(3).struck_by(mass=2.0).decorated(0.3), "strikers given bead by"),
+        (
+            lambda: Chain.uniform(3).decorated(0.3, material="brass"),
+            "requires a chain with materials",
+        ),
+        (lambda: DIMER.decorated(0.3), "its masses and stiffness belong to the present"),
+        (
+            lambda: Chain.uniform(3).struck_by(mass=2.0).decorated(0.3),
+            "its strikers belong to the present",
+        ),
         (lambda: Chain.uniform(3).with_defects({4: 1.0}), "from 1 to 3, got 4"),
         (lambda: Chain.uniform(3).with_defects({2: 0.0}), "radius of bead 2 must be above 0"),
-        (lambda: Chain.uniform(3).with_scatter(1), "give one of the two"),
+        (lambda: Chain.uniform(3).with_scatter(1), "a relative scatter or a ball grade"),
         (lambda: Chain.uniform(3).with_scatter(1, grade=100), "micrometres"),
-        (lambda: BALLS.with_scatter(1, grade=11), "no ball grade 11 .* 3, 5, 10"),
+        (lambda: BALLS.with_scatter(1, grade=11), "no ball grade 11; choose from 3, 5, 10"),
         (lambda: BALLS.with_scatter(1, relative=-0.1), "relative scatter must be at least 0"),
-        (lambda: Chain.uniform(3).struck_by(radius=math.inf), "flat striker needs a mass"),
+        (lambda: Chain.uniform(3).struck_by(radius=math.inf), "has no default mass; give mass"),
         (lambda: Chain.uniform(3).struck_by(count=0), "count of strikers .* got 0"),
         (lambda: Chain.uniform(3).struck_by(mass=-1.0), "mass of a striker must be above 0"),
         (lambda: Chain.uniform(3).struck_by(gap=-1.0), "gap must be at least 0, got -1"),

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 import hertzchain as hc
-from hertzchain.calibration import calibrate, calibrated_toml, line
-from hertzchain.chain.chain import TAPERS
+from hertzchain.calibration import calibrate, calibrated_toml, fit_line
+from hertzchain.chain.tapers import TAPERS
 from hertzchain.theory.modified_bca import calibrated_corrections
 
 
@@ -59,7 +59,7 @@ def test_progress_counts_chains():
 
 def test_line_against_known_errors():
     x = np.array([0.0, 1.0, 2.0, 3.0])
-    coefficients, errors = line(x, np.array([1.0, 3.0, 2.0, 4.0]))
+    coefficients, errors = fit_line(x, np.array([1.0, 3.0, 2.0, 4.0]))
     # By hand: slope 0.8, intercept 1.3, residual variance 0.9.
     np.testing.assert_allclose(coefficients, [1.3, 0.8], rtol=1e-12)
     np.testing.assert_allclose(errors, np.sqrt([0.9 * (1 / 4 + 2.25 / 5), 0.9 / 5]), rtol=1e-12)
@@ -69,11 +69,11 @@ def test_line_against_known_errors():
     ("options", "said"),
     [
         ({"taper": "linear"}, "unknown taper 'linear'"),
-        ({"taper": "forward-linear", "window": (5, 100)}, "before the free end"),
+        ({"taper": "forward-linear", "window": (5, 100)}, "must contain at least three"),
         ({"taper": "forward-linear", "window": (9, 10)}, "at least three beads"),
         ({"taper": "forward-exponential", "rates": [0.01, 0.02]}, "at least 3 different rates"),
         ({"taper": "forward-exponential", "rates": [0.05] * 3}, "different rates"),
-        ({"taper": "forward-linear", "beads": 200}, "runs out of radius"),
+        ({"taper": "forward-linear", "beads": 200}, "reach zero at bead"),
         ({"taper": "forward-linear", "rates": ["a"]}, "must be a number"),
         ({"taper": "forward-linear", "window": (5.5, 20)}, "first and a last bead"),
         ({"taper": "forward-linear", "window": (2, 4, 5)}, "first and a last bead"),

@@ -4,7 +4,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from hertzchain import Chain, InputError
-from hertzchain.chain.chain import TAPERS
+from hertzchain.chain.tapers import TAPERS
 
 
 def test_tapers_follow_their_equations():
@@ -59,14 +59,14 @@ def test_the_named_longest_forward_linear_chain_exists(rate):
         (lambda: Chain.tapered("backward-linear", -0.1, beads=5), "positive and finite, got -0.1"),
         (lambda: Chain.tapered("backward-linear", float("inf"), beads=5), "finite, got inf"),
         (lambda: Chain.tapered("backward-linear", "x", beads=5), "must be a number, got 'x'"),
-        (lambda: Chain.tapered("forward-linear", 1.5, beads=5), "below 1 for even two beads"),
+        (lambda: Chain.tapered("forward-linear", 1.5, beads=5), "below 1 even for two beads"),
         (lambda: Chain.tapered("bakward-linear", 0.1, beads=5), "did you mean 'backward-linear'"),
         (lambda: Chain.tapered("backward-exponential", 0.5, beads=2000), "bead 343 .*represented"),
         (lambda: Chain.tapered("forward-exponential", 0.5, beads=2000), "bead 584 .*represented"),
         (lambda: Chain.uniform(1), "at least 2, got 1"),
         (lambda: Chain.uniform(2.5), "whole number of at least 2, got 2.5"),
         (lambda: Chain.uniform(True), "whole number of at least 2, got True"),
-        (lambda: Chain.uniform(10**15), "do not fit in memory: .* hold [0-9]+ beads"),
+        (lambda: Chain.uniform(10**15), "do not fit in memory: .* enough for [0-9]+ beads"),
         (lambda: Chain.uniform(5, exponent=1.0), "above 1 and at most 50, got 1"),
         (lambda: Chain.uniform(5, exponent="hard"), "must be a number, got 'hard'"),
         (lambda: Chain.from_radii([1.0]), "at least two numbers"),
@@ -76,7 +76,7 @@ def test_the_named_longest_forward_linear_chain_exists(rate):
         (lambda: Chain.from_radii([1.0, float("nan")]), "bead 2 is nan"),
         (lambda: Chain.from_radii([1.0, "big"]), "bead 2 is 'big'"),
         (lambda: Chain.from_radii("radii"), "list of numbers, got 'radii'"),
-        (lambda: Chain.from_radii([1.0, 1e-200]), "bead 2 has 1e-200 times .*mass cannot"),
+        (lambda: Chain.from_radii([1.0, 1e-200]), "bead 2 has 1e-200 times .*1e-102 to 1e102"),
         (lambda: Chain.from_radii([1.0, float("inf")]), "bead 2 is inf: radii must be positive"),
         (lambda: Chain.from_radii([True, True]), "bead 1 is True"),
         (lambda: Chain.from_radii([1.0, True]), "radius of bead 2 is True: it must be a number"),
@@ -92,8 +92,11 @@ def test_the_named_longest_forward_linear_chain_exists(rate):
         (lambda: Chain.tapered("backward-linear", 10**400, beads=5), "too large"),
         (lambda: Chain.tapered("uniform", 0.1, beads=5), "Chain.uniform"),
         (lambda: Chain(np.array([2.0, 1.0])), "first of a scaled chain's radii must be 1, got 2"),
-        (lambda: Chain(np.ones(3), taper="backward-linear"), "a taper and a rate or neither"),
-        (lambda: Chain(np.ones(3), taper="backward-linear", rate=0.1), "are not those of a"),
+        (lambda: Chain(np.ones(3), taper="backward-linear"), "requires rate; give rate"),
+        (
+            lambda: Chain(np.ones(3), taper="backward-linear", taper_parameters=[("rate", 0.1)]),
+            "are not those of a",
+        ),
     ],
 )
 def test_bad_chains_are_refused_in_one_sentence(build, said):

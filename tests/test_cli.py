@@ -15,7 +15,7 @@ import pytest
 
 import hertzchain
 from hertzchain import cli
-from hertzchain.chain.chain import TAPERS
+from hertzchain.chain.tapers import TAPERS
 from hertzchain.cli import progress
 from hertzchain.store import streaming
 
@@ -77,7 +77,7 @@ def test_a_theory_out_of_its_range_warns_in_one_line(run, tmp_path):
     file.write_text("[chain]\nradii = [1.0, 0.3, 1.0, 0.3, 1.0]\n")
     code, _, err = run("pulse", file, "--method", "bca")
     assert code == 0
-    assert err.startswith("Warning: the BCA has one collision at a time, but bead 2")
+    assert err.startswith("Warning: the BCA assumes one collision at a time, but bead 2")
     assert err.count("\n") == 1
 
 
@@ -128,7 +128,7 @@ def test_an_interrupted_stream_goes_on_when_repeated(run, tmp_path, monkeypatch)
     command = ["simulate", "--beads", 12, "--until", 40, "--times", 81, "--stream"]
     code, out, err = run(*command, tmp_path / "long")
     assert (code, out) == (130, "")
-    assert "the same command goes on" in err
+    assert "run the same command again to resume" in err
     first = streaming.StoredRun(tmp_path / "long").load()
     assert 0 < first.sizes["time"] <= 20
 
@@ -148,7 +148,7 @@ def test_an_interrupted_stream_goes_on_when_repeated(run, tmp_path, monkeypatch)
 def test_reproduce_a_part(run, tmp_path):
     code, out, err = run("reproduce", "--only", "table3,figure6", "--out", tmp_path)
     assert (code, err) == (0, "")
-    assert "20 of 20 numbers" in out
+    assert "20 of 20 table entries" in out
     assert (tmp_path / "report.html").exists()
     code, out, _ = run("reproduce", "--only", "table3", "--out", tmp_path, "--json")
     assert json.loads(out)["within_tolerance"] is True
@@ -175,53 +175,53 @@ def test_cite(run):
         (["pulse", "--taper", "backward-exponential", "--rate", "1.5"], "between 0 and 1, got 1.5"),
         (["pulse", "--taper", "forward-linear", "--rate", "0.01", "--beads", "101"],
          "at most 100 beads"),
-        (["pulse", "--taper", "backward-linear"], "needs --rate"),
-        (["pulse", "--taper", "uniform", "--rate", "1"], "no --rate"),
-        (["pulse", "--rate", "1"], "--rate needs --taper"),
+        (["pulse", "--taper", "backward-linear"], "requires --rate"),
+        (["pulse", "--taper", "uniform", "--rate", "1"], "--rate cannot be used"),
+        (["pulse", "--rate", "1"], "--rate requires --taper"),
         (["pulse", "--taper", "sideways", "--rate", "1"], "unknown taper 'sideways'"),
         (["pulse", "--beads", "1"], "at least 2"),
         (["pulse", "--beads", "2.5"], "not a valid integer"),
         (["pulse", "--beads", "1000000000000000"], "do not fit in memory"),
         (["pulse", "--method", "bcaa"], "did you mean 'bca'"),
         (["pulse", "--quantity", "speed"], "unknown quantity 'speed'"),
-        (["pulse", "--json", "--csv"], "exclude each other"),
+        (["pulse", "--json", "--csv"], "cannot be combined"),
         (["pulse", "--plot", "pulse.doc"], "must end in .png"),
         (["pulse", "missing.toml"], "cannot read chain file 'missing.toml'"),
         (["pulse", "missing.toml", "--beads", "3"], "not both"),
-        (["pulse", "--method", "modified-bca"], "needs a tapered chain"),
+        (["pulse", "--method", "modified-bca"], "requires a tapered chain"),
         (["simulate", "--until", "-1"], "until must be above 0"),
         (["simulate", "--rtol", "1"], "rtol must be at least 1e-14 and at most 1e-06"),
         (["simulate", "--out", "run.xls"], "must end in .nc or .csv"),
         (["reproduce", "--only", "tabel1"], "did you mean 'table1'"),
         (["reproduce", "--window-linear", "5-60"], "must look like 5:60"),
-        (["reproduce", "--only", ","], "at least one part"),
+        (["reproduce", "--only", ","], "parts must be a list of at least one"),
         (["simulate", "--times", "0", "--out", "run.csv"], "--times 0 is too few"),
-        (["pulse", "--plot", "nowhere/pulse.png"], "there is no folder nowhere"),
+        (["pulse", "--plot", "nowhere/pulse.png"], "the folder nowhere does not exist"),
         (["pulse", "--method", "bca", "--method", "propagate", "--quantity", "peak_time"],
          "BCA does not predict peak_time"),
         (["reproduce", "--window-linear", "60:5", "--only", "table3"], "window 60..5"),
         (["reproduce", "--out", "/proc/nowhere"], "cannot write '/proc/nowhere'"),
         (["calibrate", "--taper", "forward-linaer"], "did you mean 'forward-linear'"),
-        (["calibrate", "--rates", "0.1"], "give one --taper"),
+        (["calibrate", "--rates", "0.1"], "requires exactly one --taper"),
         (["calibrate", "--taper", "forward-linear", "--rates", "a"], "must look like 0.01,0.02"),
-        (["calibrate", "--taper", "forward-linear", "--rates", "0.5"], "runs out of radius"),
+        (["calibrate", "--taper", "forward-linear", "--rates", "0.5"], "reach zero at bead"),
         (["calibrate", "--taper", "forward-exponential", "--rates", "0.1"], "at least 3 different"),
         (["calibrate", "--window", "5-80"], "must look like 5:60"),
-        (["calibrate", "--window", "5:100"], "before the free end"),
+        (["calibrate", "--window", "5:100"], "the last one is a free end"),
         (["calibrate", "--output", "constants.json"], "must end in .toml"),
-        (["calibrate", "--output", "nowhere/constants.toml"], "there is no folder nowhere"),
+        (["calibrate", "--output", "nowhere/constants.toml"], "the folder nowhere does not exist"),
         (["scoreboard", "--quantity", "speed"], "unknown quantity 'speed'"),
-        (["scoreboard", "--first-bead", "98", "--figure", "s.png"], "first_bead must be 2 to 97"),
+        (["scoreboard", "--first-bead", "98", "--figure", "s.png"], "a whole number from 2 to 97"),
         (["scoreboard", "--figure", "s.gif"], "must end in .png"),
-        (["simulate", "--stream", "long"], "--stream needs --until"),
+        (["simulate", "--stream", "long"], "--stream requires --until"),
         (["simulate", "--stream", "long", "--until", "-1"], "until must be above 0, got -1"),
         (["simulate", "--stream", "long", "--until", "9", "--times", "1"], "--times 1 is too few"),
         (["simulate", "--stream", "long", "--until", "9", "--out", "a.nc"],
-         "--stream and --out exclude each other"),
+         "--stream and --out cannot be combined"),
         (["simulate", "--stream", "long", "--until", "9", "--max-steps", "9"],
-         "--stream and --max-steps exclude each other"),
+         "--stream and --max-steps cannot be combined"),
         (["simulate", "--stream", "long", "--until", "9", "--sensor", "3"],
-         "--stream and --sensor exclude each other"),
+         "--stream and --sensor cannot be combined"),
         (["simulate", "--sensor", "101"], "--sensor must be a whole number from 1 to 100, got 101"),
         (["simulate", "--sensor", "3", "--times", "0"], "--times 0 is too few"),
         (["simulate", "--stream", "/dev/null", "--until", "9"], "'/dev/null' is a file"),
@@ -284,7 +284,7 @@ def test_scoreboard(run, tmp_path):
     code, out, err = run("scoreboard", "--figure", tmp_path / "board.svg")
     assert (code, err) == (0, "")
     (row,) = (line.split() for line in out.splitlines() if "waist" in line)
-    # The modified BCA does not cover it, the law does.
+    # The modified BCA does not support it, the law does.
     assert row[-2] == "–"
     assert float(row[-1]) < 0.1
     (row,) = (line for line in out.splitlines() if "q = 0.12..0.3" in line)
@@ -348,7 +348,7 @@ def test_a_chain_in_si_units_is_shown_in_si_units(run, tmp_path):
     assert document["pulses"][0]["peak_force"][50] == pytest.approx(209.121, rel=1e-5)
     _, out, err = run("pulse", tmp_path / "balls.csv")
     # Balls of hardened steel yield at 0.4 m/s.
-    assert err.startswith("Warning: the pressure in contact 1 reaches 1.4 times")
+    assert err.startswith("Warning: the pressure at contact 1 is 1.4 times")
     assert "[m/s]" in out
     assert "[N]" in out
 
@@ -357,7 +357,7 @@ def test_what_a_method_does_not_cover_is_bad_input(run, tmp_path):
     (tmp_path / "c.toml").write_text('[chain]\ntaper = "uniform"\nbeads = 5\ngravity = 1.0\n')
     code, out, err = run("pulse", "--chain", tmp_path / "c.toml")
     assert (code, out) == (2, "")
-    assert "propagate does not cover gravity" in err
+    assert "propagate does not support gravity" in err
 
 
 def test_a_chain_is_given_once(run):
@@ -388,7 +388,7 @@ def test_simulate_prints_the_budget(run):
     assert "energy  " in out
     code, _, err = run("simulate", "--beads", "10", "--times", "1", "--budget")
     assert code == 2
-    assert "need saved times" in err
+    assert "require saved times" in err
 
 
 @pytest.mark.parametrize("only", ["", ",", "table9"])
@@ -402,14 +402,14 @@ def test_a_part_that_is_not_there_leaves_no_folder(run, tmp_path, only):
 def test_verify_nothing(run):
     code, _, err = run("verify", "--only", ",")
     assert code == 2
-    assert "name groups of cases" in err
+    assert "groups must contain" in err
 
 
 def test_a_stray_quotation_mark_is_no_number(run, tmp_path):
     (tmp_path / "beads.csv").write_text('radius\n1\n"1\n1\n')
     code, _, err = run("pulse", tmp_path / "beads.csv", "--method", "bca")
     assert code == 2
-    assert "stray quotation mark" in err
+    assert "check its quotation marks" in err
 
 
 EXPERIMENT = """[chain]
@@ -479,7 +479,7 @@ def test_command_line_lists_waves(run):
     assert "save at least times=" in err
     code, _, err = run("simulate", "--beads", 40, "--stream", "x", "--until", 9, "--waves")
     assert code == 2
-    assert "--stream and --waves exclude each other" in err
+    assert "--stream and --waves cannot be combined" in err
 
 
 def test_command_line_tells_how_far_a_run_can_be_predicted(run, tmp_path):
@@ -489,11 +489,11 @@ def test_command_line_tells_how_far_a_run_can_be_predicted(run, tmp_path):
     )
     code, out, _ = run("simulate", "--chain", chain, "--until", 300)
     assert code == 0
-    assert "a long run between walls: --horizon tells" in out
+    assert "a long run between walls: --horizon shows" in out
     code, out, _ = run("simulate", "--chain", chain, "--until", 300, "--horizon")
     assert code == 0
     assert "horizon: velocities predictable within 1% until t = " in out
-    assert "--horizon tells" not in out
+    assert "--horizon shows" not in out
     horizon = json.loads(
         run("simulate", "--chain", chain, "--until", 300, "--horizon", "--json")[1]
     )["horizon"]
@@ -504,7 +504,7 @@ def test_command_line_tells_how_far_a_run_can_be_predicted(run, tmp_path):
     assert short["error"] < 1e-6
     code, _, err = run("simulate", "--beads", 9, "--times", 0, "--horizon")
     assert code == 2
-    assert "--horizon need saved times" in err
+    assert "--horizon require saved times" in err
 
 
 STEEL_TOML = '[chain]\nradii = "5 mm"\nbeads = 4\nmaterials = "brass"\nvelocity = "2 cm/s"\n'
@@ -524,7 +524,9 @@ def test_no_environment_brings_a_traceback(tmp_path):
     plots = "--plot", "pulse.png"
     for variables in ({"MPLBACKEND": "bogus"}, {"PATH": ""}):
         done = command(tmp_path, "pulse", "--beads", "5", *plots, **variables)
-        assert (done.returncode, done.stderr) == (0, "")
+        # On a slow machine the progress is shown.
+        said = [line for line in done.stderr.splitlines() if "beads passed" not in line]
+        assert (done.returncode, said) == (0, [])
         (tmp_path / "pulse.png").unlink()
     done = command(tmp_path, "simulate", "chain.toml", NUMBA_NUM_THREADS="0")
     assert done.returncode == 2
@@ -567,7 +569,7 @@ def test_sweeps_count_incomplete_peaks(run, tmp_path):
         '[chain]\ntaper = "uniform"\n[chain.right_wall]\n[axes]\nbeads = [5, 20]\n'
         '[sweep]\nmethods = ["simulate"]\nkeep = ["wall_peak_force"]\n[method]\nuntil = 20.0\n'
     )
-    told = "at 1 points the largest force on the wall is not complete: variable `incomplete`"
+    told = "points with an incomplete largest force on the wall: 1 (see variable `incomplete`)"
     code, out, _ = run("sweep", specification, "--store", store)
     assert (code, told in out) == (0, True)
     assert told in run("sweep", "status", store)[1]

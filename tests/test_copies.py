@@ -12,7 +12,7 @@ import hertzchain as hc
 from hertzchain.simulation.state import fingerprint
 from hertzchain.store import chain_files
 
-WAYS = {
+WINDOW_SETTINGS = {
     "copy": copy.copy,
     "deepcopy": copy.deepcopy,
     "pickle": lambda item: pickle.loads(pickle.dumps(item)),
@@ -36,13 +36,16 @@ def everything(tmp_path_factory):
         hc.solitary_wave().velocity, hc.effective_chain(hc.Chain.uniform(5).decorated(0.2)),
         hc.equilibrium(chain), hc.hertz_range(balls), hc.Scales.of(balls), hc.material("brass"),
         hc.Wall(gap="1 um"), hc.Restitution(0.9), hc.Viscoelastic("1 us"), hc.UnloadingRatio(0.1),
-        hc.VelocityPower(0.1, 1.5), hc.Dashpot(0.1), hc.WaltonBraun(0.9), hc.Step(1.0),
-        hc.SineBurst(1.0, 2.0), hc.Table([0.0, 1.0], [0.0, 1.0]),
+        hc.VelocityPower(0.1, 1.5), hc.Dashpot(0.1), hc.WaltonBraun(0.9), hc.StepDrive(1.0),
+        hc.Elastic(), hc.ElasticPlastic(yield_overlap=0.1), hc.Cone(60.0), hc.CrossedCylinders(),
+        hc.SineBurst(1.0, 2.0), hc.TableDrive([0.0, 1.0], [0.0, 1.0]),
         hc.stream(chain, folder / "run", times=[1.0, 2.0]), hc.InputError("a"),
         hc.SimulationError("b"), hc.StoreError("c"), hc.ModelRangeWarning("d"),
         hc.DamageWarning("e"), hc.IncompleteWarning("f"),
         hc.spectrum(chain.replace(precompression=1.0, held_by="force")),
-        hc.InputWarning("e"),
+        hc.InputWarning("e"), hc.effective_chain(hc.Chain.uniform(5).decorated(0.2)).bca(),
+        hc.scoreboard(theories=["hard-sphere"]), hc.verify(groups=["restitution"])[0],
+        hc.calibrate("backward-linear", rates=(0.5,), beads=30, window=(5, 25)),
     ]  # fmt: skip
     return {type(item).__name__ + str(place): item for place, item in enumerate(found)}
 
@@ -61,10 +64,10 @@ def arrays(item, depth=0):
             yield from ((f"{name}.{path}", each) for path, each in arrays(value, depth + 1))
 
 
-@pytest.mark.parametrize("way", WAYS)
+@pytest.mark.parametrize("way", WINDOW_SETTINGS)
 def test_copies_are_equal_and_read_only(everything, way):
     for name, item in everything.items():
-        again = WAYS[way](item)
+        again = WINDOW_SETTINGS[way](item)
         assert type(again) is type(item)
         assert repr(again) == repr(item), name
         one, other = dict(arrays(item)), dict(arrays(again))
@@ -74,21 +77,21 @@ def test_copies_are_equal_and_read_only(everything, way):
             assert values.flags.writeable == other[path].flags.writeable, (name, path)
 
 
-@pytest.mark.parametrize("way", WAYS)
+@pytest.mark.parametrize("way", WINDOW_SETTINGS)
 def test_a_copied_chain_cannot_be_changed(way):
-    chain = hc.Chain.from_materials(5e-3, "brass", beads=3, drive=hc.Table([0, 1], [0, 1]))
-    again = WAYS[way](chain)
+    chain = hc.Chain.from_materials(5e-3, "brass", beads=3, drive=hc.TableDrive([0, 1], [0, 1]))
+    again = WINDOW_SETTINGS[way](chain)
     assert fingerprint(again) == fingerprint(chain)
     for values in (again.radii, again.masses, again.velocities, again.drive.values):
         with pytest.raises(ValueError, match="read-only"):
             values[0] = 9.0
 
 
-@pytest.mark.parametrize("way", WAYS)
+@pytest.mark.parametrize("way", WINDOW_SETTINGS)
 def test_copies_remember_their_units(way):
-    for name, part in (("right_wall", hc.Wall(gap="1 um")), ("drive", hc.Step("5 N"))):
+    for name, part in (("right_wall", hc.Wall(gap="1 um")), ("drive", hc.StepDrive("5 N"))):
         with pytest.raises(hc.InputError, match="scaled variables"):
-            hc.Chain.uniform(3).replace(**{name: WAYS[way](part)})
+            hc.Chain.uniform(3).replace(**{name: WINDOW_SETTINGS[way](part)})
 
 
 def test_a_copied_table_still_says_why_chains_failed():

@@ -16,7 +16,7 @@ from hertzchain.store import streaming
 from hertzchain.store.sweep_store import SweepStore
 
 CHAIN = hc.Chain.uniform(6).replace(
-    right_wall=hc.Wall(), loss=hc.WaltonBraun(0.7), drive=hc.Step(0.01, rise=2.0)
+    right_wall=hc.Wall(), loss=hc.WaltonBraun(0.7), drive=hc.StepDrive(0.01, rise=2.0)
 )
 TIMES = np.linspace(0.0, 30.0, 61)
 SWEEP = {
@@ -151,7 +151,7 @@ def opened(folder, **options):
 
 def assert_rest_is_right(found, whole):
     """What is not missing is as it was, what is missing has no numbers."""
-    there = (found.status != 0).all("by")
+    there = (found.status != 0).all("approach")
     for name in found.data_vars:
         if found[name].dtype.kind == "f":
             xr.testing.assert_equal(found[name].where(there), whole[name].where(there))
@@ -180,7 +180,7 @@ def test_a_damaged_store_is_refused_or_its_rest_is_right(damaged_store, seeds):
             rest = opened(folder.folder, skip_damaged=True)
         if rest is not None:
             assert_rest_is_right(rest, whole)
-            assert int((rest.status == 0).all("by").sum()) <= 4, how
+            assert int((rest.status == 0).all("approach").sum()) <= 4, how
         folder.restore()
 
 
@@ -301,11 +301,11 @@ def test_a_state_with_impossible_values_never_reaches_compiled_code(state_file, 
 @pytest.mark.parametrize(
     ("name", "place", "value", "said"),
     [
-        ("counts", 7, -(10**7), r"entry 8 of its array 'counts' is -10000000, and must be from 0"),
-        ("counts", 3, 6, r"entry 4 of its array 'counts' is 6, and must be from 0 to 5"),
-        ("counts", 5, 5, r"entry 6 of its array 'counts' is 5, and must be from -1 to 4"),
+        ("counts", 7, -(10**7), r"entry 8 of its array 'counts' is -10000000, but must be from 0"),
+        ("counts", 3, 6, r"entry 4 of its array 'counts' is 6, but must be from 0 to 5"),
+        ("counts", 5, 5, r"entry 6 of its array 'counts' is 5, but must be from -1 to 4"),
         ("counts", 7, 0, r"its time \d.* is not in piece 1 of the drive"),
-        ("mode", 2, 9, r"'mode' has values that are no mode of a contact"),
+        ("mode", 2, 9, r"'mode' has invalid values"),
         ("y", 0, np.nan, r"'y' has values that are not finite"),
         ("clock", 1, 0.0, r"its step 0 is negative, or the step is 0"),
         ("clock", 0, -1.0, r"its time -1 "),

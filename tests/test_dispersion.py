@@ -119,7 +119,7 @@ def test_given_stiffness_counts_at_fixed_ends():
     [
         (
             lambda: modes(hc.Chain.uniform(3).replace(precompression=1.0, held_by="force"), 1.0),
-            "does not cover precompression.*use hertzchain.spectrum",
+            "does not support precompression.*use hertzchain.spectrum",
         ),
         (lambda: modes(hc.Chain.uniform(3), 0.0), "force must be positive .* got 0"),
         (lambda: modes(hc.Chain.uniform(3), 1.0, ends=("free", "wall")), "unknown end 'wall'"),

@@ -12,7 +12,8 @@ from hertzchain.store.results import pulses_as_csv, pulses_as_json
 STILL = hc.Chain.uniform(40)
 HAMMER = STILL.replace(drive=hc.SineBurst(0.5, 0.125, cycles=0.5, window="none"))
 PISTON = STILL.replace(
-    drive=hc.Table([0.0, 200.0], [0.0, 200.0], of="displacement"), left_wall=hc.Wall(stiffness=1.0)
+    drive=hc.TableDrive([0.0, 200.0], [0.0, 200.0], of="displacement"),
+    left_wall=hc.Wall(stiffness=1.0),
 )
 
 
@@ -42,7 +43,7 @@ def test_a_hammer_sends_a_pulse():
     [
         # Means over beads 10-20 and 20-30, by a program of its own.
         (HAMMER, 60.0, (0.84543, 0.84547)),
-        (STILL.replace(drive=hc.Step(0.3)), 60.0, (0.83179, 0.84157)),
+        (STILL.replace(drive=hc.StepDrive(0.3)), 60.0, (0.83179, 0.84157)),
         (STILL.replace(drive=hc.SineBurst(0.3, 1 / 40, cycles=0.5, window="none"),
                        precompression=0.3, held_by="force"), 60.0, (1.03722, 1.05684)),
     ],
@@ -97,7 +98,7 @@ def test_fronts_that_the_saved_times_do_not_show(options, said):
 
 
 def test_fronts_need_saved_times():
-    with pytest.raises(hc.InputError, match="fronts need at least 2 saved times, the run has 0"):
+    with pytest.raises(hc.InputError, match="fronts require at least 2 saved times, the run has 0"):
         hc.simulate(HAMMER, until=10.0, times=0).fronts()
 
 
@@ -188,7 +189,7 @@ def test_sweeps_over_driven_chains_say_what_is_missing():
         "axes": {"method.until": [8.0, 60.0]},
         "sweep": {"methods": ["simulate"], "keep": ["peak_force", "residence"]},
     }  # fmt: skip
-    found = hc.sweep(document).squeeze("by")
+    found = hc.sweep(document).squeeze("approach")
     assert found.status.values.tolist() == [2, 1]
     assert "peak_force: contacts" in str(found.reason.values[0])
     assert np.isfinite(found.peak_force.values[0, :3]).all()

@@ -95,20 +95,18 @@ def test_strikers_just_meet_the_compressed_chain():
 
 def test_beads_are_not_pressed_through_each_other():
     balls = Chain.from_materials(5e-3, "brass", beads=5)
-    with pytest.raises(
-        hc.InputError, match=r"contact 1 .* 0\.005 m: it bears at most 1\.35e\+06 N"
-    ):
+    with pytest.raises(hc.InputError, match=r"contact 1, .* 0\.005 m; .* at most 1\.35e\+06 N"):
         balls.replace(precompression=1e30, held_by="force")
     held = balls.replace(precompression=1.35e6, held_by="force")
     # Just below a radius, by Hertz' law: F = k d^(3/2).
     assert 0.99 < (1.35e6 / held.stiffness[0]) ** (2.0 / 3.0) / 5e-3 < 1.0
-    with pytest.raises(hc.InputError, match=r"^gravity presses contact 4 .* use less gravity"):
+    with pytest.raises(hc.InputError, match=r"^gravity exerts .* on contact 4, .* reduce gravity"):
         balls.replace(gravity=1e9, right_wall=Wall())
 
 
 def test_the_motion_beside_a_scaled_precompression_is_seen():
     with pytest.raises(
-        hc.InputError, match=r"1e\+06 times those of a strike: .* at most 9.95e\+08"
+        hc.InputError, match=r"1e\+06 times that of an impact; .* at most 9.95e\+08"
     ):
         Chain.uniform(5).replace(precompression=1e30, held_by="force")
     force = 9.95e8

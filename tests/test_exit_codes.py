@@ -12,7 +12,7 @@ import pytest
 import hertzchain as hc
 from hertzchain import cli
 from hertzchain.paper import report
-from hertzchain.store.lock import lock
+from hertzchain.store.file_lock import lock
 from hertzchain.store.sweep_store import locked
 
 SWEEP = {
@@ -97,7 +97,7 @@ def test_a_place_in_use_is_bad_input(run):
         with held:
             code, out, err = run(*command)
         assert (code, out) == (2, ""), (command, err)
-        assert "another process writes into" in err, command
+        assert "another process is writing to" in err, command
 
 
 @contextlib.contextmanager

@@ -15,7 +15,7 @@ import warnings
 import numpy as np
 import pint
 import pytest
-from test_doors import doors
+from test_input_validation import doors
 
 import hertzchain as hc
 from hertzchain.simulation.state import fingerprint
@@ -24,7 +24,7 @@ from hertzchain.store.chain_files import chain_from
 from hertzchain.store.chain_schema import KEYS, SECTIONS
 from hertzchain.store.toml_files import toml_text
 from hertzchain.sweeps.plan import Plan
-from hertzchain.sweeps.reading import read_specification
+from hertzchain.sweeps.specification import read_specification
 
 UNIT = pint.UnitRegistry()
 STEEL = {"density": 7800.0, "young": 2e11, "poisson": 0.3}
@@ -252,7 +252,7 @@ ARGUMENTS = [
     np.datetime64("2026-01-01"), UNIT.Quantity(5, "mm"), UNIT.Quantity(2.0, "kg"),
     UNIT.Quantity(0.5), UNIT.Quantity(3, "m/s"), UNIT.Quantity([1.0, 2.0], "ms"),
     UNIT.Quantity(math.nan, "s"), [UNIT.Quantity(1, "s"), 2.0], ["1 s", "2 s"], hc.Wall(),
-    hc.Wall(gap="1 um"), hc.Dashpot("3 kg/s"), hc.Step("5 N"), hc.material("brass"),
+    hc.Wall(gap="1 um"), hc.Dashpot("3 kg/s"), hc.StepDrive("5 N"), hc.material("brass"),
     hc.Chain.uniform(3), hc.Chain.from_materials(5e-3, "brass", beads=3),
 ]  # fmt: skip
 # These compute for long with arguments that are good, or take any object as it is.

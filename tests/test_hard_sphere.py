@@ -5,7 +5,7 @@ from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
 import hertzchain as hc
-from hertzchain.contacts import collision_overlap, compression_time
+from hertzchain.collision import collision_overlap, compression_time
 from hertzchain.theory.hard_sphere import (
     exponential_energy_ratio,
     hard_sphere_energy_ratio,
@@ -115,7 +115,7 @@ def test_comparison_with_a_lossy_run_warns_that_the_decay_is_too_fast(theory, la
     chain = hc.Chain.uniform(30)
     run = hc.simulate(chain.replace(loss=law), times=0).pulse()
     lossy = theory(chain, restitution=0.9)
-    with pytest.warns(hc.ModelRangeWarning, match=r"e = 0.9 takes the loss .* 1.2 to 3.4 times"):
+    with pytest.warns(hc.ModelRangeWarning, match=r"e = 0.9 assumes .* 1.2 to 3.4 times"):
         compared = lossy.compare(run)
     with pytest.warns(hc.ModelRangeWarning, match="1.2 to 3.4 times"):
         run.compare(lossy)

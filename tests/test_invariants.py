@@ -360,8 +360,8 @@ def test_a_drive_that_comes_later_does_the_same_later(try_chains):
         # Forces may jump where the drive begins.
         saved = times_of(case)[1:]
         chain = chain.replace(velocities=np.zeros(chain.beads))
-        now = chain.replace(drive=hc.Table(times, values, of))
-        then = chain.replace(drive=hc.Table(times + delay, values, of))
+        now = chain.replace(drive=hc.TableDrive(times, values, of))
+        then = chain.replace(drive=hc.TableDrive(times + delay, values, of))
         later = hc.simulate(then, times=saved + delay)
         return largest_difference(hc.simulate(now, times=saved), later, units)
 

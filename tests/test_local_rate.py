@@ -10,11 +10,11 @@ from hypothesis import strategies as st
 
 import hertzchain as hc
 from hertzchain.errors import InputError, ModelRangeWarning
-from hertzchain.scoreboard.judge import scoreboard
+from hertzchain.evaluation.evaluate import scoreboard
 from hertzchain.theory.local_rate import DIFFERENTIABLE, solve
-from hertzchain.theory.universal import (
-    FEWEST_BEADS,
+from hertzchain.theory.universal_functions import (
     INPUTS,
+    MIN_BEADS,
     STAGES,
     universal_functions,
 )
@@ -183,7 +183,7 @@ def test_every_stage_has_an_anchor_and_only_what_can_occur_a_response():
 @pytest.mark.parametrize(
     ("call", "part"),
     [
-        (lambda: hc.local_rate(hc.Chain.uniform(FEWEST_BEADS - 1)), "at least 9 beads, got 8"),
+        (lambda: hc.local_rate(hc.Chain.uniform(MIN_BEADS - 1)), "at least 9 beads, got 8"),
         (lambda: hc.local_rate(hc.Chain.uniform(20, exponent=1.7)), "exponent 1.7, only for 1.5"),
         (
             lambda: hc.local_rate_gradient(hc.Chain.uniform(20), "peak_time", bead=3),
@@ -230,23 +230,23 @@ def test_a_step_of_the_radii_is_announced():
 
 def test_the_gradient_warns_as_the_law_does():
     chain = hc.Chain.periodic([1.0, 0.5], cells=10)
-    with pytest.warns(ModelRangeWarning, match="outside the range"):
+    with pytest.warns(ModelRangeWarning, match="is outside -0.165"):
         hc.local_rate_gradient(chain, bead=20)
 
 
 def test_the_gradient_warns_only_of_the_chain_up_to_the_bead():
     chain = hc.Chain.from_radii(np.where(np.arange(60) < 30, 1.0, 1.3))
     _, gradient = hc.local_rate_gradient(chain, bead=20)
-    # A velocity is felt by no bead further ahead than two.
+    # A velocity does not depend on radii more than two beads ahead.
     assert gradient[21] != 0.0
     assert not gradient[22:].any()
-    with pytest.warns(ModelRangeWarning, match=r"from bead \d+ on .*, at bead 40 by"):
+    with pytest.warns(ModelRangeWarning, match=r"from bead \d+ on .* at bead 40;"):
         hc.local_rate_gradient(chain, bead=40)
-    with pytest.warns(ModelRangeWarning, match=r"from bead \d+ on .*, at the end by"):
+    with pytest.warns(ModelRangeWarning, match=r"from bead \d+ on .* at the end;"):
         hc.local_rate_gradient(chain, bead=60)
 
 
 @pytest.mark.parametrize("evaluated", [hc.local_rate, partial(hc.local_rate_gradient, bead=2)])
 def test_what_is_no_chain_is_named(evaluated):
-    with pytest.raises(InputError, match=r"takes a Chain, got \[1.0, 1.0\]"):
+    with pytest.raises(InputError, match=r"requires a Chain, got \[1.0, 1.0\]"):
         evaluated([1.0, 1.0])

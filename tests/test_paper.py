@@ -8,10 +8,10 @@ import pytest
 import hertzchain as hc
 from hertzchain.paper.errata import errata, errata_chains
 from hertzchain.paper.figures import LAYOUTS, draw_figure, figure_csv, reproduce_figure
-from hertzchain.paper.formulas import velocity_formulas, worst_errors
 from hertzchain.paper.published import Printed, published_figures
 from hertzchain.paper.reproduction import integrate_chains, items, reproduce
 from hertzchain.paper.tables import Entry, reproduce_table, table_chains
+from hertzchain.paper.velocity_formulas import velocity_formulas, worst_errors
 
 
 @pytest.fixture(scope="module")
@@ -147,7 +147,7 @@ def test_parts_can_be_asked_for():
         with pytest.raises(hc.InputError, match=said):
             reproduce(["figure6"], windows=windows)
     for nothing in ([], "table3"):
-        with pytest.raises(hc.InputError, match="at least one part in a list"):
+        with pytest.raises(hc.InputError, match="parts must be a list"):
             reproduce(nothing)
 
 

@@ -1,16 +1,14 @@
-"""What holds for the project as a whole: lightness, docstrings, no traces of a machine."""
+"""Import times, public docstrings, tracked files and versions of the project."""
 
 import inspect
 import os
-import pkgutil
 import re
 import subprocess
 import sys
-import time
-from importlib import import_module
 from pathlib import Path
 
 import pytest
+from documented import directives, public_functions
 from numpydoc.docscrape import FunctionDoc
 
 import hertzchain as hc
@@ -19,7 +17,7 @@ ROOT = Path(__file__).parent.parent
 HEAVY = ("numba", "matplotlib", "xarray", "zarr", "dask", "pandas", "scipy", "jinja2", "rich")
 
 
-def test_light_floors_load_nothing_heavy():
+def test_import_loads_no_heavy_packages():
     code = (
         "import sys, hertzchain as hc; hc.Chain, hc.Pulse, hc.simulate, hc.bca, hc.modified_bca;"
         "hc.hard_sphere, hc.solitary_wave, hc.effective_chain;"
@@ -38,51 +36,72 @@ def test_help_loads_little():
     assert done.stdout.strip() == "[]"
 
 
-def test_importing_takes_no_time():
-    started = time.perf_counter()
-    subprocess.run([sys.executable, "-c", "import hertzchain"], check=True)
-    assert time.perf_counter() - started < 3.0
+def test_importing_is_quick():
+    # CPU time of the import itself; it takes 0.01 s, and 0.1 s is promised.
+    code = (
+        "import time; began = time.process_time(); import hertzchain;"
+        "print(time.process_time() - began)"
+    )
+    command = [sys.executable, "-c", code]
+    times = [float(subprocess.run(command, capture_output=True, check=True).stdout)
+             for _ in range(3)]  # fmt: skip
+    assert min(times) < 0.1
 
 
 def test_all_public_names_are_there():
     for name in hc.__all__:
         assert getattr(hc, name) is not None
+    assert set(hc.__all__) <= set(dir(hc))
 
 
-def public_functions():
-    for info in pkgutil.walk_packages(hc.__path__, "hertzchain."):
-        if ".kernels" in info.name or ".cli" in info.name or "._" in info.name:
-            continue
-        module = import_module(info.name)
-        for name, item in vars(module).items():
-            if name.startswith("_") or getattr(item, "__module__", "") != info.name:
-                continue
-            if inspect.isfunction(item):
-                yield f"{info.name}.{name}", item
-            elif inspect.isclass(item):
-                for method, function in inspect.getmembers(item, inspect.isfunction):
-                    if not method.startswith("_"):
-                        yield f"{info.name}.{name}.{method}", function
+def test_every_public_name_is_in_the_api_reference():
+    text = (ROOT / "docs/reference/api.md").read_text("utf-8")
+    table = set(re.findall(r"\{obj\}`~hertzchain\.(\w+)`", text))
+    packages = set(re.findall(r"`hertzchain\.(\w+)` \(\[", text))
+    assert table | packages == set(hc.__all__)
+    documented = {item.__name__ for item in directives() if hasattr(item, "__name__")}
+    for name in table - {"TAPERS"}:
+        assert name in documented, f"{name} has no entry below the table"
 
 
-FUNCTIONS = dict(public_functions())
+def pages():
+    return [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
+
+
+@pytest.mark.parametrize("path", pages(), ids=lambda path: path.name)
+def test_every_name_in_the_documentation_exists(path):
+    text = path.read_text("utf-8")
+    for chain in sorted(set(re.findall(r"\bhc((?:\.[A-Za-z_]\w*)+)", text))):
+        item = hc
+        for name in chain[1:].split("."):
+            if not hasattr(item, "__name__"):
+                break  # An object, of which the pages are run as doctests.
+            assert hasattr(item, name), f"{path.name}: hc{chain}"
+            item = getattr(item, name)
+
+
+def test_pages_import_documented_packages_only():
+    # A how-to page needs `hc.`, or a subpackage whose names are in its `__all__`.
+    for path in [*(ROOT / "docs/how-to").glob("*.md"), *(ROOT / "docs/tutorial").glob("*.md")]:
+        for module in re.findall(r">>> from (hertzchain[\w.]*) import", path.read_text("utf-8")):
+            assert module.count(".") < 2, f"{path.name}: {module}"
+
+
+FUNCTIONS = public_functions()
 
 
 @pytest.mark.parametrize("name", FUNCTIONS)
-def test_every_public_argument_is_described(name):
-    function = FUNCTIONS[name]
-    documentation = FunctionDoc(function)
+def test_public_functions_are_documented(name):
+    documentation = FunctionDoc(FUNCTIONS[name])
     assert documentation["Summary"], f"{name} has no summary"
-    if name.endswith("Correction.velocity") or (".paper.figures." in name and "." in name[30:]):
-        return
     described = {
-        part.strip().lstrip("*") for parameter in documentation["Parameters"]
+        part.strip().lstrip("*")
+        for parameter in documentation["Parameters"]
         for part in parameter.name.split(",")
-    }  # fmt: skip
-    arguments = set(inspect.signature(function).parameters) - {"self", "cls"}
+    }
+    arguments = set(inspect.signature(FUNCTIONS[name]).parameters) - {"self", "cls"}
     assert arguments == described
-    if ".paper." not in name:
-        assert documentation["Examples"], f"{name} has no example"
+    assert documentation["Examples"], f"{name} has no example"
 
 
 def tracked_files():

@@ -9,7 +9,7 @@ import time
 
 import numpy as np
 import pytest
-import reference
+import scipy_reference
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -70,7 +70,7 @@ def test_against_scipy():
     """An independent path: SciPy's DOP853 and a root finder."""
     chain = hc.Chain.tapered("forward-exponential", 0.05, beads=40)
     pulse = hc.propagate(chain)
-    velocities, times = reference.peaks(chain.radii, 1.02 * pulse.peak_time[-1])
+    velocities, times = scipy_reference.peaks(chain.radii, 1.02 * pulse.peak_time[-1])
     assert np.max(np.abs(pulse.velocity[1:-1] / velocities - 1.0)) < 3e-9
     assert np.max(np.abs(pulse.peak_time[1:-1] / times - 1.0)) < 3e-9
 
@@ -285,11 +285,11 @@ def test_bad_threads(threads):
 @pytest.mark.parametrize(
     ("chains", "said"),
     [
-        (hc.Chain.uniform(3), "takes a list of chains, got one: use propagate"),
+        (hc.Chain.uniform(3), "requires a list of chains, got one chain; use propagate"),
         ("forward", "a list of chains or rows of radii, got 'forward'"),
         (7, "a list of chains or rows of radii, got 7"),
-        ([1, 2, 3], r"got \[1, 2, 3\]: of one row of radii make a list, \[\[...\]\]"),
-        (np.ones(3), "of one row of radii make a list"),
+        ([1, 2, 3], r"got \[1, 2, 3\]; put a single row of radii in a list"),
+        (np.ones(3), "put a single row of radii in a list"),
     ],
 )
 def test_what_is_no_ensemble(chains, said):

@@ -63,7 +63,7 @@ def test_chains_without_losses(try_chains):
         ),
         pytest.param(
             2, {"loss": hc.UnloadingRatio(0.8), "gravity": -0.1, "left_wall": hc.Wall(),
-             "velocities": 0.0, "drive": hc.Table([0, 1, 30, 31], [0, 0.2, 0.2, -0.2],
+             "velocities": 0.0, "drive": hc.TableDrive([0, 1, 30, 31], [0, 0.2, 0.2, -0.2],
                                                   of="displacement")},
             id="a wall whose speed jumps",
         ),

@@ -50,7 +50,7 @@ def test_the_page_asks_for_nothing(folder):
 def test_the_page_opens_with_the_verdict(folder):
     page = (folder / "report.html").read_text("utf-8")
     opening = page[: page.index("<h2")]
-    assert "28 of 28 numbers of the tables agree" in opening
+    assert "28 of 28 table entries agree" in opening
     assert "as printed" in opening
 
 
@@ -126,7 +126,7 @@ def test_an_unwritable_folder_is_named(tmp_path):
 def test_two_reports_into_one_folder_are_kept_apart(tmp_path):
     with (
         reserved(tmp_path),
-        pytest.raises(hc.InputError, match="another process writes into"),
+        pytest.raises(hc.InputError, match="another process is writing to"),
     ):
         write_report(reproduce(["table3"]), tmp_path)
     assert [path.name for path in tmp_path.iterdir()] == [".lock"]
@@ -156,7 +156,7 @@ def test_what_others_keep_in_the_folder_stays(tmp_path):
 
 def test_what_is_in_the_way_is_named_before_anything_is_written(tmp_path):
     (tmp_path / "figures").write_text("a file")
-    with pytest.raises(hc.InputError, match="figures' is in the way"):
+    with pytest.raises(hc.InputError, match="figures. exists and cannot be replaced"):
         write_report(reproduce(["table3"]), tmp_path)
     assert [path.name for path in tmp_path.iterdir()] == ["figures"]
 
@@ -164,5 +164,5 @@ def test_what_is_in_the_way_is_named_before_anything_is_written(tmp_path):
 def test_windows_that_were_asked_for_are_said_to_be(tmp_path):
     write_report(reproduce(["table3"], windows={"linear": (5, 99)}), tmp_path)
     page = (tmp_path / "report.html").read_text("utf-8")
-    assert "were asked for" in page
+    assert "were requested" in page
     assert "verdict bad" in page

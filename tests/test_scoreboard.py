@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 
 import hertzchain as hc
-from hertzchain.cli.pulse import METHODS
+from hertzchain.evaluation.cases import FREE_END, Case, paper_cases, unseen_cases
+from hertzchain.evaluation.evaluate import evaluate, scoreboard
+from hertzchain.evaluation.scoreboard import QUANTITIES, percentage
+from hertzchain.evaluation.unseen_tapers import is_smooth, unseen_radii
 from hertzchain.plotting.scoreboard import plot_scoreboard
-from hertzchain.scoreboard.cases import FREE_END, Case, paper_cases, unseen_cases
-from hertzchain.scoreboard.judge import judge, scoreboard
-from hertzchain.scoreboard.scoreboard import JUDGED, percentage
-from hertzchain.scoreboard.unseen_tapers import is_smooth, unseen_radii
+from hertzchain.sweeps.methods import METHODS
 from hertzchain.theory.catalogue import THEORIES
 from hertzchain.theory.modified_bca import two_thirds_bca
 
@@ -41,7 +41,7 @@ def test_errors_of_a_theory_that_is_wrong_by_known_amounts():
     factors[[1, 11]] = 1.3, 1.1
     # Past the last bead that counts.
     factors[-FREE_END:] = 5.0
-    board = judge([case], [hc.bca(case.chain)], {"wrong": off_by(factors)})
+    board = evaluate([case], [hc.bca(case.chain)], {"wrong": off_by(factors)})
     assert board.worst("velocity", first_bead=2) == pytest.approx(0.3, rel=1e-12)
     assert board.worst("velocity", first_bead=10) == pytest.approx(0.1, rel=1e-12)
     assert board.worst("energy", first_bead=10) == pytest.approx(0.21, rel=1e-12)
@@ -57,7 +57,7 @@ def test_a_family_gathers_its_chains():
     def theory(chain):
         return off_by(np.full(chain.beads, 1.1 if chain.beads == 20 else 1.3))(chain)
 
-    board = judge(cases, exact, {"wrong": theory})
+    board = evaluate(cases, exact, {"wrong": theory})
     assert board.table("velocity").loc["family", "wrong"] == pytest.approx(0.3)
     rms = board.table("velocity", statistic="rms").loc["family", "wrong"]
     assert rms == pytest.approx(((0.1**2 + 0.3**2) / 2) ** 0.5)
@@ -72,7 +72,7 @@ def test_one_chain_that_is_refused_makes_its_family_a_dash():
             raise hc.InputError("24 beads are too many")
         return hc.bca(chain)
 
-    board = judge(cases, [hc.bca(case.chain) for case in cases], {"picky": theory})
+    board = evaluate(cases, [hc.bca(case.chain) for case in cases], {"picky": theory})
     assert np.isnan(board.table("velocity").loc["family", "picky"])
     assert board.table("velocity", by="case").loc["a", "picky"] == 0.0
     assert board.refusals == {("picky", "b"): "24 beads are too many"}
@@ -90,7 +90,7 @@ def test_what_a_theory_warns_of_is_noted_and_other_warnings_go_on():
         return hc.bca(chain)
 
     with pytest.warns(DeprecationWarning, match="old") as caught:
-        board = judge([case], [hc.bca(case.chain)], {"shy": theory})
+        board = evaluate([case], [hc.bca(case.chain)], {"shy": theory})
     assert [item.category for item in caught] == [DeprecationWarning]
     assert board.warned.all()
     assert board.outside().loc["family", "shy"]
@@ -98,11 +98,11 @@ def test_what_a_theory_warns_of_is_noted_and_other_warnings_go_on():
 
 def test_only_what_a_theory_predicts_has_a_number(board):
     covered = {
-        name: {q for q in JUDGED if not board.table(q)[name].iloc[0:1].isna().any()}
+        name: {q for q in QUANTITIES if not board.table(q)[name].iloc[0:1].isna().any()}
         for name in board.theories
     }
     velocity_alone = {"velocity", "momentum", "energy"}
-    assert covered["bca"] == set(JUDGED)
+    assert covered["bca"] == set(QUANTITIES)
     assert covered["hard-sphere"] == velocity_alone
     assert covered["modified-bca"] == velocity_alone
     unseen = board.table("velocity", by="group").loc[["smooth", "rough"]]
@@ -141,7 +141,7 @@ def test_the_free_end_is_not_felt_where_errors_count():
     as_judged = hc.propagate_many([case.chain for case in cases])
     without_end = hc.propagate_many([longer(case) for case in cases])
     for case, ours, theirs in zip(cases, as_judged, without_end, strict=True):
-        for quantity in JUDGED:
+        for quantity in QUANTITIES:
             counted = ours.column(quantity)[: case.last_bead]
             # Measured: 6e-10, of the force in the strongest forward taper.
             np.testing.assert_allclose(
@@ -213,7 +213,7 @@ def test_dataframe_holds_the_same(board):
     rows = board.to_dataframe().set_index(["theory", "case", "quantity", "first_bead"])
     table = board.table("energy", first_bead=2, statistic="rms", by="case")
     assert rows.loc[("bca", "waist", "energy", 2), "rms"] == table.loc["waist", "bca"]
-    assert len(rows) == len(board.theories) * len(board.cases) * len(JUDGED) * 2
+    assert len(rows) == len(board.theories) * len(board.cases) * len(QUANTITIES) * 2
 
 
 def test_percentages_have_two_digits():
@@ -231,7 +231,7 @@ def test_the_figure_has_a_symbol_for_every_number(board):
     assert "k = 2" in axes.get_xlabel()
     # Theories without any number are not named.
     named = [text.get_text() for text in axes.get_legend().get_texts()]
-    assert named == ["bca", "local-rate", "pale: outside its range, it warns"]
+    assert named == ["bca", "local-rate", "pale: outside the range of the theory"]
     velocity = plot_scoreboard(board)
     pale = [len(line.get_xdata()) for line in velocity.lines if line.get_alpha() == 0.35]
     table = board.table("velocity")
@@ -245,17 +245,17 @@ def test_the_figure_has_a_symbol_for_every_number(board):
     ("call", "said"),
     [
         (lambda _: scoreboard(theories=["bac"]), "did you mean 'bca'"),
-        (lambda _: scoreboard(theories=[]), "name theories in a list"),
-        (lambda _: scoreboard(theories="bca"), "name theories in a list"),
+        (lambda _: scoreboard(theories=[]), "theories must be a list"),
+        (lambda _: scoreboard(theories="bca"), "theories must be a list of names"),
         (lambda board: board.worst("speed"), "unknown quantity of the scoreboard"),
-        (lambda board: board.worst("velocity", first_bead=1), "first_bead must be 2 to 97"),
-        (lambda board: board.table("velocity", first_bead=98), "first_bead must be 2 to 97"),
+        (lambda board: board.worst("velocity", first_bead=1), "a whole number from 2 to 97"),
+        (lambda board: board.table("velocity", first_bead=98), "a whole number from 2 to 97"),
         (lambda board: board.table("velocity", statistic="mean"), "unknown statistic"),
         (lambda board: board.table("velocity", by="taper"), "unknown row"),
-        (lambda _: judge([], []), "at least one chain"),
+        (lambda _: evaluate([], []), "at least one chain"),
         (lambda _: case_of(np.ones(12)), "at least 13"),
         (lambda _: case_of(np.ones(20), group="seen"), "unknown group"),
-        (lambda _: judge([case_of(np.ones(20))], [hc.bca(hc.Chain.uniform(21))]), "different"),
+        (lambda _: evaluate([case_of(np.ones(20))], [hc.bca(hc.Chain.uniform(21))]), "different"),
     ],
 )  # fmt: skip
 def test_bad_input_is_refused(board, call, said):

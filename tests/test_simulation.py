@@ -2,10 +2,10 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from reference import peaks, trajectory
+from scipy_reference import peaks, trajectory
 
 import hertzchain as hc
-from hertzchain import contacts
+from hertzchain import collision
 
 # Constants of the uniform chain (scaled, p = 3/2), from an integration at rtol 1e-13 and,
 # for amplitude and speed, from the fixed point of the travelling wave: two methods that
@@ -101,10 +101,10 @@ def test_two_beads_collide_as_two_bodies():
     chain = hc.Chain.from_radii([1.0, 0.6])
     pulse = hc.simulate(chain, times=0).pulse()
     assert pulse.velocity[1] == pytest.approx(2 / (1 + 0.6**3), rel=1e-11)
-    reduced = contacts.reduced_mass(1.0, 0.6**3)
-    duration = contacts.compression_time(reduced, chain.stiffness[0], 1.0)
+    reduced = collision.reduced_mass(1.0, 0.6**3)
+    duration = collision.compression_time(reduced, chain.stiffness[0], 1.0)
     assert pulse.arrival[1] == pytest.approx(duration, rel=1e-9)
-    overlap = contacts.collision_overlap(reduced, chain.stiffness[0], 1.0)
+    overlap = collision.collision_overlap(reduced, chain.stiffness[0], 1.0)
     assert pulse.peak_overlap[0] == pytest.approx(overlap, rel=1e-11)
 
 
@@ -225,7 +225,7 @@ def test_saved_times_are_right_where_the_grid_has_grown():
 
 def test_what_is_not_a_number_is_not_accepted_as_a_step():
     from hertzchain.kernels.dop853 import STAGES
-    from hertzchain.kernels.step import error_norm
+    from hertzchain.kernels.dop853_step import error_norm
 
     stages = np.full((STAGES, 6), np.nan)
     assert np.isnan(error_norm(0.1, stages, np.ones(3), 1e-9, np.empty((2, 6))))
@@ -301,7 +301,7 @@ def test_progress_is_told_and_an_interrupt_is_heard():
         ({"times": ["now"]}, "time of entry 1 is 'now'"),
         ({"times": []}, "list of increasing numbers"),
         ({"times": [1.0, 9.0], "until": 5.0}, "stops at until = 5"),
-        ({"times": 10**12}, "GiB are free: save fewer times"),
+        ({"times": 10**12}, "GiB are free; save fewer times"),
         ({"max_steps": 0}, "at least 1, got 0"),
         ({"max_steps": 2.5}, "whole number"),
     ],
@@ -315,7 +315,8 @@ def test_run_as_dataset(uniform_run):
     dataset = uniform_run.to_xarray()
     assert dataset.velocity.dims == ("time", "bead")
     assert dataset.bead.values[0] == 1
-    assert dataset.velocity.attrs == {"units": "1", "long_name": "velocity of the bead"}
+    label = {"units": "1", "long_name": "velocity of the bead", "symbol": "v"}
+    assert dataset.velocity.attrs == label
 
 
 def test_motion_too_fast_for_any_clock_is_refused():

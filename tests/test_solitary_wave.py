@@ -250,7 +250,7 @@ def test_precompressed_speed_is_smooth_where_its_two_forms_meet():
         (lambda: solitary_wave().force([0.0, np.inf]), "must be finite, got inf"),
         (
             lambda: WaveProfile.from_samples(np.ones(8), 6.0)([0.0, 7.0]),
-            "lie within 6 beads, got 7",
+            "be at most 6 beads, got 7",
         ),
         (lambda: precompressed_speed([2.0, 0.5]), "at least 1, got 0.5"),
         (lambda: long_wave_speed_constant(1.0), "above 1"),

@@ -104,7 +104,7 @@ def test_files_are_written_whole_or_not_at_all(tmp_path):
 
 
 def test_a_run_without_saved_times_is_not_written(tmp_path):
-    with pytest.raises(hc.InputError, match="saved no times"):
+    with pytest.raises(hc.InputError, match="has no saved times"):
         results.save_run(hc.simulate(hc.Chain.uniform(3), times=0), tmp_path / "run.csv")
 
 

@@ -71,7 +71,7 @@ def test_a_file_ahead_of_its_state_is_written_anew(tmp_path, monkeypatch):
 def test_a_folder_holds_one_tolerance(tmp_path):
     hc.stream(CHAIN, tmp_path, times=[1.0, 2.0], rtol=1e-10)
     with pytest.raises(
-        hc.InputError, match="rtol = 1e-10, and now rtol is 1e-12: continue with 1e-10, or choose"
+        hc.InputError, match="rtol = 1e-10, but now rtol is 1e-12; resume it with 1e-10, or choose"
     ):
         hc.stream(CHAIN, tmp_path, times=[1.0, 2.0, 3.0], rtol=1e-12)
     assert hc.stream(CHAIN, tmp_path, times=[1.0, 2.0, 3.0], rtol=1e-10).load().sizes["time"] == 3
@@ -89,19 +89,19 @@ def test_a_folder_holds_one_run(tmp_path):
 
 def test_a_folder_of_something_else_is_left_alone(tmp_path):
     (tmp_path / "part-000001.nc").write_bytes(b"mine")
-    with pytest.raises(hc.InputError, match=r"holds 'part-000001.nc' and no run"):
+    with pytest.raises(hc.InputError, match=r"contains 'part-000001.nc' but no run"):
         hc.stream(CHAIN, tmp_path, times=TIMES)
     assert (tmp_path / "part-000001.nc").read_bytes() == b"mine"
     (tmp_path / "part-000001.nc").unlink()
     (tmp_path / "notes.txt").write_text("mine")
-    with pytest.raises(hc.InputError, match=r"holds 'notes.txt' and no run"):
+    with pytest.raises(hc.InputError, match=r"contains 'notes.txt' but no run"):
         hc.stream(CHAIN, tmp_path, times=TIMES)
     assert [file.name for file in tmp_path.iterdir()] == ["notes.txt"]
     with pytest.raises(hc.InputError, match=r"notes.txt' is a file"):
         hc.stream(CHAIN, tmp_path / "notes.txt", times=TIMES)
     (tmp_path / "other").mkdir()
     hc.save_state(hc.simulate(CHAIN, until=1.0).state, tmp_path / "other" / "state.npz")
-    with pytest.raises(hc.InputError, match=r"holds 'state.npz' and no run"):
+    with pytest.raises(hc.InputError, match=r"contains 'state.npz' but no run"):
         hc.stream(CHAIN, tmp_path / "other", times=TIMES)
 
 
@@ -153,7 +153,7 @@ def test_a_part_that_is_lost_repeated_or_altered_is_refused(stored, damage):
                 lambda: hc.stream(CHAIN, stored.folder, times=TIMES)):  # fmt: skip
         with pytest.raises(hc.InputError, match=said):
             use()
-    with pytest.warns(hc.DamageWarning, match=r"part-00000\d.nc is .* it is left out"):
+    with pytest.warns(hc.DamageWarning, match=r"part-00000\d.nc is .* it is omitted"):
         rest = stored.load(skip_damaged=True)
     assert 0.6 < rest.sizes["time"] / whole.sizes["time"] < 1.0
     xr.testing.assert_equal(rest, whole.sel(time=rest.time))
@@ -165,7 +165,7 @@ def test_parts_of_another_run_are_refused_and_left_alone(stored, tmp_path):
     shutil.copy(other.files[0], extra)
     mine = extra.read_bytes()
     for use in (stored.load, lambda: hc.stream(CHAIN, stored.folder, times=TIMES)):
-        with pytest.raises(hc.InputError, match=f"{extra.name} is not of this run; move it away"):
+        with pytest.raises(hc.InputError, match=f"{extra.name} is not part of this run; move"):
             use()
     assert extra.read_bytes() == mine
     extra.unlink()
@@ -179,11 +179,11 @@ def test_parts_of_another_run_are_refused_and_left_alone(stored, tmp_path):
 def test_a_run_is_not_resumed_without_its_manifest_and_state(stored, name):
     (stored.folder / name).unlink()
     before = {file.name: file.read_bytes() for file in stored.folder.glob("[!.]*")}
-    with pytest.raises(hc.InputError, match=r"and no run of stream|state.npz is missing"):
+    with pytest.raises(hc.InputError, match=r"but no run of stream|state.npz is missing"):
         hc.stream(CHAIN, stored.folder, times=TIMES)
     assert {file.name: file.read_bytes() for file in stored.folder.glob("[!.]*")} == before
     if name == "manifest.json":
-        with pytest.raises(hc.InputError, match="holds no manifest.json"):
+        with pytest.raises(hc.InputError, match="has no manifest.json"):
             stored.load()
 
 
@@ -203,7 +203,7 @@ def test_a_state_of_a_later_time_is_refused(stored):
     (stored.folder / "manifest.json").write_bytes(older)
     for file in sorted(stored.folder.glob("part-*.nc"))[len(stored.files) :]:
         file.unlink()
-    with pytest.raises(hc.InputError, match=r"state.npz is from t = \d+.*after"):
+    with pytest.raises(hc.InputError, match=r"state.npz has the time t = \d+.*after"):
         hc.stream(CHAIN, stored.folder, times=times)
 
 
@@ -249,7 +249,7 @@ def test_two_runs_into_one_folder_are_kept_apart(tmp_path):
     refused = []
 
     def again(done, _):
-        with pytest.raises(hc.InputError, match="another process writes into .*run': wait for it"):
+        with pytest.raises(hc.InputError, match="another process is writing to .*run'; wait"):
             hc.stream(CHAIN, tmp_path / "run", times=TIMES)
         refused.append(done)
 
@@ -280,7 +280,7 @@ def test_files_grow_until_one_takes_long(tmp_path, monkeypatch, seconds, fewest,
 
 
 def test_a_long_run_has_no_step_limit(tmp_path, monkeypatch):
-    monkeypatch.setattr(simulate, "LEAST_STEP_LIMIT", 10)
+    monkeypatch.setattr(simulate, "MIN_STEP_LIMIT", 10)
     monkeypatch.setattr(simulate, "STEPS_PER_BEAD", 1)
     with pytest.raises(hc.SimulationError, match="step limit"):
         hc.simulate(CHAIN, times=TIMES)
@@ -303,13 +303,13 @@ def test_states_that_do_not_fit_are_refused(tmp_path, monkeypatch):
     monkeypatch.setattr(results, "__version__", "0.0.1")
     hc.save_state(state, file)
     monkeypatch.undo()
-    with pytest.raises(hc.InputError, match=r"written by hertzchain 0\.0\.1, and this is"):
+    with pytest.raises(hc.InputError, match=r"written by hertzchain 0\.0\.1 and cannot be read"):
         hc.load_state(file, CHAIN)
     hc.save_state(state, file)
-    with pytest.raises(hc.InputError, match="one of another chain"):
+    with pytest.raises(hc.InputError, match="belongs to another chain"):
         hc.load_state(file, hc.Chain.uniform(12))
     file.write_bytes(b"nothing")
-    with pytest.raises(hc.InputError, match="no file of save_state"):
+    with pytest.raises(hc.InputError, match="not a file of save_state"):
         hc.load_state(file, CHAIN)
     with pytest.raises(hc.InputError, match="No such file"):
         hc.load_state(tmp_path / "none.npz", CHAIN)
@@ -346,4 +346,4 @@ def test_a_long_run_out_of_the_range_of_hertz_warns_once(tmp_path, monkeypatch):
         stored = hc.stream(chain, tmp_path, times=np.linspace(0.0, 200e-6, 60))
     assert len(stored.files) > 3
     assert len(caught) == 1
-    assert str(caught[0].message).startswith("the pressure in contact 1 reaches 1.4 times")
+    assert str(caught[0].message).startswith("the pressure at contact 1 is 1.4 times")

@@ -13,16 +13,14 @@ import xarray as xr
 
 import hertzchain as hc
 from hertzchain.plotting.sweeps import plot_sweep
-from hertzchain.store import sweep_files
-from hertzchain.store.sweep_files import export_sweep, tables_of
+from hertzchain.store import sweep_export
+from hertzchain.store.sweep_export import export_sweep, tables_of
 from hertzchain.sweeps.axes import Axis
-from hertzchain.sweeps.checking import check_plan
-from hertzchain.sweeps.plan import Plan
-from hertzchain.sweeps.reading import read_specification, specification_from_json
-from hertzchain.sweeps.specification import differences
-from hertzchain.sweeps.sweep import estimate
-from hertzchain.sweeps.warned import recorded
-from hertzchain.sweeps.work import Stopped, _Batch, run_batch
+from hertzchain.sweeps.batches import Stopped, _Batch, run_batch
+from hertzchain.sweeps.methods import record_warnings
+from hertzchain.sweeps.plan import Plan, check_plan
+from hertzchain.sweeps.specification import read_specification, specification_from_json
+from hertzchain.sweeps.sweep import differences, estimate
 
 FORWARD = {"taper": "forward-exponential", "beads": 40}
 RATES = [0.02, 0.05, 0.08]
@@ -37,7 +35,7 @@ def test_every_point_is_what_the_methods_give_alone():
     methods = ["propagate", "simulate", "bca", "local-rate"]
     found = swept(FORWARD, {"rate": RATES, "beads": [20, 30]}, methods=methods,
                   keep=["velocity", "energy", "peak_force", "arrival"])  # fmt: skip
-    assert found.velocity.dims == ("rate", "beads", "by", "bead")
+    assert found.velocity.dims == ("rate", "beads", "approach", "bead")
     for rate in RATES:
         for beads in (20, 30):
             chain = hc.Chain.tapered("forward-exponential", rate, beads=beads)
@@ -47,7 +45,7 @@ def test_every_point_is_what_the_methods_give_alone():
                 "simulate": hc.simulate(chain, times=0).pulse(), "local-rate": hc.local_rate(chain),
             }  # fmt: skip
             for by, pulse in pulses.items():
-                one = point.sel(by=by)
+                one = point.sel(approach=by)
                 np.testing.assert_allclose(one.velocity[:beads], pulse.velocity, rtol=1e-15)
                 np.testing.assert_allclose(one.energy[:beads], pulse.energy, rtol=4e-15)
                 np.testing.assert_allclose(one.arrival[:beads], pulse.arrival, rtol=1e-15)
@@ -64,7 +62,7 @@ def test_beads_are_chosen_by_number_or_the_last():
     last = swept(FORWARD | {"rate": 0.05}, axes, keep=["velocity", "residence"], at="last")
     np.testing.assert_array_equal(some.bead, [2, 15])
     np.testing.assert_array_equal(some.velocity, every.velocity.sel(bead=[2, 15]))
-    assert last.velocity.dims == ("beads", "by")
+    assert last.velocity.dims == ("beads", "approach")
     for beads in (10, 20):
         one, whole = last.sel(beads=beads), every.sel(beads=beads)
         assert one.velocity.item() == whole.velocity.sel(bead=beads).item()
@@ -74,20 +72,20 @@ def test_beads_are_chosen_by_number_or_the_last():
 def test_errors_are_measured_from_the_reference():
     found = swept(FORWARD, {"rate": RATES}, methods=["bca", "propagate"], errors=["velocity"],
                   reference="propagate")  # fmt: skip
-    bca, exact = found.velocity.sel(by="bca"), found.velocity.sel(by="propagate")
+    bca, exact = found.velocity.sel(approach="bca"), found.velocity.sel(approach="propagate")
     expected = (bca - exact) / exact
     np.testing.assert_allclose(
-        found.relative_error_of_velocity.sel(by="bca"), expected, rtol=1e-12, atol=1e-15
+        found.relative_error_of_velocity.sel(approach="bca"), expected, rtol=1e-12, atol=1e-15
     )
     worst = np.abs(expected.values[:, 1:]).max(axis=1)
-    np.testing.assert_allclose(found.worst_error_of_velocity.sel(by="bca"), worst, rtol=1e-12)
-    assert (found.worst_error_of_velocity.sel(by="propagate") == 0.0).all()
+    np.testing.assert_allclose(found.worst_error_of_velocity.sel(approach="bca"), worst, rtol=1e-12)
+    assert (found.worst_error_of_velocity.sel(approach="propagate") == 0.0).all()
 
 
 def test_zip_and_points_run_together():
     axes = {"taper": ["forward-linear", "backward-linear"], "rate": [0.01, 0.3]}
     zipped = swept({"beads": 20}, axes, combine="zip")
-    assert zipped.velocity.dims == ("point", "by", "bead")
+    assert zipped.velocity.dims == ("point", "approach", "bead")
     for i, (taper, rate) in enumerate(zip(*axes.values(), strict=True)):
         pulse = hc.propagate(hc.Chain.tapered(taper, rate, beads=20))
         np.testing.assert_array_equal(zipped.velocity[i, 0], pulse.velocity)
@@ -124,7 +122,7 @@ def test_real_chains_walls_and_losses():
         loss=hc.Restitution(0.8), right_wall=hc.Wall.rigid()
     )
     wall = hc.simulate(one, times=0, until=5e-3).wall_force()
-    point = found.isel(coefficient=0, chain_velocity=1, by=0)
+    point = found.isel(coefficient=0, chain_velocity=1, approach=0)
     assert point.wall_peak_force.item() == wall.peak
     assert point.wall_impulse.item() == wall.impulse
     assert point.wall_first_contact_impulse.item() == wall.first_contact_impulse
@@ -137,7 +135,9 @@ def test_si_chains_by_scaled_methods_are_in_si():
     one = hc.Chain.from_materials(5e-3, "glass", beads=12, velocity=0.01)
     force = hc.simulate(one, times=0).pulse().peak_force
     assert found.peak_force.units == "N"
-    np.testing.assert_allclose(found.peak_force.sel(beads=12, by="propagate"), force, rtol=1e-7)
+    np.testing.assert_allclose(
+        found.peak_force.sel(beads=12, approach="propagate"), force, rtol=1e-7
+    )
 
 
 def test_any_bead_and_any_part_can_vary():
@@ -162,7 +162,7 @@ def test_a_point_that_fails_has_its_reason_and_the_others_go_on():
     chain, axes = {"taper": "forward-linear"}, {"rate": [0.01, 0.05], "beads": [15, 40]}
     found = swept(chain, axes, methods=["propagate", "bca"])
     assert found.status.sel(rate=0.05, beads=40).values.tolist() == [2, 2]
-    assert "runs out of radius" in str(found.reason.sel(rate=0.05, beads=40).values[0])
+    assert "reach zero at bead" in str(found.reason.sel(rate=0.05, beads=40).values[0])
     assert (found.status == 2).sum() == 2
     assert np.isnan(found.velocity.sel(rate=0.05, beads=40)).all()
     assert np.isfinite(found.velocity.sel(rate=0.01, beads=40)).all()
@@ -175,10 +175,10 @@ def test_a_first_point_that_fails_hides_nothing_of_the_others(methods):
     chain = {"cell": [1.0, 0.9], "with_defects": {"bead": 3, "radius": 0.95}}
     axes = {"with_defects.bead": [41, 3], "cells": [10, 15, 25]}
     found = swept(chain, axes, methods=methods)
-    assert found.status.sel(by="bca").values.tolist() == [[2, 2, 1], [1, 1, 1]]
+    assert found.status.sel(approach="bca").values.tolist() == [[2, 2, 1], [1, 1, 1]]
     assert found.beads.values.tolist() == [[0, 0, 50], [20, 30, 50]]
     pulse = hc.bca(hc.Chain.periodic([1.0, 0.9], cells=25).with_defects({41: 0.95}))
-    np.testing.assert_array_equal(found.velocity[0, 2].sel(by="bca"), pulse.velocity)
+    np.testing.assert_array_equal(found.velocity[0, 2].sel(approach="bca"), pulse.velocity)
 
 
 def test_a_point_in_other_units_fails():
@@ -186,7 +186,7 @@ def test_a_point_in_other_units_fails():
     plan.__dict__["units"] = "SI"
     batch = _Batch(plan, 0, lambda: False)
     batch.one_by_one(0, "bca")
-    assert batch.reason[0] == ["the chain is scaled, and others are SI"]
+    assert batch.reason[0] == ["the chain is in scaled units, and others in SI units"]
     assert (batch.status == 2).all()
 
 
@@ -201,8 +201,8 @@ def test_warnings_are_kept_from_the_threads_that_compute_alone():
     shown = []
     with warnings.catch_warnings(), ThreadPoolExecutor(1) as pool:
         warnings.showwarning = lambda message, *_, **__: shown.append(str(message))
-        with recorded() as outer:
-            with recorded() as inner:
+        with record_warnings() as outer:
+            with record_warnings() as inner:
                 warnings.warn("inside", hc.ModelRangeWarning, stacklevel=1)
             warnings.warn("around", UserWarning, stacklevel=1)
             pool.submit(warnings.warn, "elsewhere", UserWarning).result()
@@ -228,7 +228,7 @@ BAD = [
     ({"axes": {"rate": [0.1, 0.1]}}, "axes.rate: has the value 0.1 twice"),
     ({"axes": {"rate": [float("nan")]}}, "axes.rate: value 1 is nan: it must be finite"),
     ({"axes": {"rate": {"linspace": [1, 2]}}}, "linspace must be \\[first, last, number"),
-    ({"axes": {"rate": {"geomspace": [-1, 2, 3]}}}, "ends of one sign"),
+    ({"axes": {"rate": {"geomspace": [-1, 2, 3]}}}, "first and last of the same sign"),
     ({"axes": {"rate": {"linspace": [0, 1, 2], "step": 1}}}, "unknown key of an axis 'step'"),
     ({"axes": {"rate": {"list": [1], "unit": "mm"}}}, "has the unit 'mm', but rate takes none"),
     ({"axes": {"radius": {"list": [1], "unit": "furlong"}}}, "unknown unit of length 'furlong'"),
@@ -236,24 +236,24 @@ BAD = [
     ({"axes": {"rate": ["a", "b"]}}, "axes.rate: with every value, "),
     ({"axes": {"method": {"rtl": [1]}}}, "unknown option 'rtl'.*did you mean 'rtol'"),
     ({"axes": {"rate": [0.1, 0.2], "beads": [9]}, "sweep": {"combine": "zip"}},
-     "axes: zip needs axes of one length, but rate has 2, beads has 1 values"),
+     "axes: zip needs axes of the same length, but rate has 2, beads has 1 values"),
     ({"sweep": {"methods": ["propgate"]}}, "sweep.methods\\[1\\]: .*did you mean 'propagate'"),
     ({"sweep": {"methods": []}}, "sweep.methods: must be a list of names"),
     ({"sweep": {"keep": ["speed"]}}, "sweep.keep\\[1\\]: unknown quantity 'speed'"),
-    ({"sweep": {"keep": ["wall_impulse"]}}, "needs the method 'simulate'"),
+    ({"sweep": {"keep": ["wall_impulse"]}}, "need the method 'simulate'"),
     ({"sweep": {"methods": ["simulate"], "keep": ["wall_impulse"]}}, "have no right wall"),
     ({"sweep": {"methods": ["modified-bca"], "keep": ["arrival"]}}, "no method gives arrival"),
     ({"sweep": {"at": "first"}}, "sweep.at: must be 'every', 'last' or a list"),
-    ({"sweep": {"at": [3, 2]}}, "sweep.at: beads must increase"),
+    ({"sweep": {"at": [3, 2]}}, "sweep.at: numbers of beads must increase"),
     ({"sweep": {"at": [50]}}, "sweep.at: there is no bead 50 in 40 beads"),
     ({"sweep": {"errors": ["velocity"]}}, "there is only one method"),
     ({"sweep": {"reference": "bca"}}, "sweep.reference: unknown reference 'bca'"),
     ({"sweep": {"batch": 0}}, "sweep.batch: .*from 1 to 1000000, got 0"),
     ({"sweep": {"kep": []}}, "sweep: unknown key 'kep'.*did you mean 'keep'"),
-    ({"method": {"until": 3}}, "method.until: no method takes it: add simulate"),
+    ({"method": {"until": 3}}, "method.until: no method accepts it: add simulate"),
     ({"method": {"rtol": "small"}}, "method.rtol: rtol must be a number"),
     ({"chain": {"taper": "forward-exponential", "beads": 40, "gravity": 0.1}},
-     "sweep.methods\\[1\\]: propagate does not cover gravity"),
+     "sweep.methods\\[1\\]: propagate does not support gravity"),
     ({"chain": {"file": "beads.csv"}}, "chain: .*beads.csv"),
     ({"points": [{"rate": 1}]}, "points: there are also axes"),
     ({"chain": {"radii": [1.0, 1.0], "masses": [1.0, 1.0], "stiffness": 1.0},
@@ -269,21 +269,21 @@ BAD = [
     ({"axes": {"rate": {"linspace": [-1e308, 1e308, 3]}}}, "linspace's first must be at least"),
     ({"axes": {"velocity": {"list": ["a"], "unit": "m/s"}}}, "value 1 must be a number, got 'a'"),
     ({"axes": {"velocity": {"list": [1], "unit": ["m/s"]}}}, "has the unit \\['m/s'\\], .*text"),
-    ({"axes": {"rate": [1j]}}, "axes.rate: value 1 is 1j, which cannot stand in a specification"),
-    ({"axes": {"rate": [None]}}, "value 1 is None, which cannot stand in"),
+    ({"axes": {"rate": [1j]}}, "axes.rate: value 1 is 1j, which a specification cannot hold"),
+    ({"axes": {"rate": [None]}}, "value 1 is None, which a specification cannot hold"),
     ({"axes": {"with_scatter.seed": [10**30]}}, "value 1 is too large: .* 63 bits"),
     ({"axes": {"rate": [0.05], 3.5: [1]}}, "axes.3.5: unknown parameter '3.5'"),
-    ({"axes": {"radii.3": [0.5], "radii": [[1, 1]]}}, "axes.radii: would undo axes.radii.3: leave"),
+    ({"axes": {"radii.3": [0.5], "radii": [[1, 1]]}}, "axes.radii: would undo axes.radii.3"),
     ({"axes": {"loss": {"gamma": [1]}, "loss.gamma": [2]}}, "loss.gamma: would undo axes.loss.gam"),
     ({"sweep": {"methods": [["bca"]]}}, "sweep.methods\\[1\\]: unknown method \\['bca'\\]"),
     ({"sweep": {"combine": np.arange(3)}}, "sweep.combine: unknown combination \\[0, 1, 2\\]"),
     ({"sweep": {"reference": np.arange(3)}}, "sweep.reference: unknown reference"),
     ({"sweep": {"at": [[1]]}}, "sweep.at: bead must be a whole number"),
-    ({"sweep": {"batch": object()}}, "sweep: batch is <object .* cannot stand in a specification"),
+    ({"sweep": {"batch": object()}}, "sweep: batch is <object .* a specification cannot hold"),
     ({"title": "\ud800"}, "title: .* is not valid text"),
     ({"chain": FORWARD | {"rate": float("nan")}}, "chain: rate is nan: it must be finite"),
-    ({"chain": FORWARD | {"loss": {"gamma": {1, 2}}}}, "chain: loss.gamma is {1, 2}, which cannot"),
-    ({"materials": {"m": {"young": None}}}, "materials: m.young is None, which cannot"),
+    ({"chain": FORWARD | {"loss": {"gamma": {1, 2}}}}, "chain: loss.gamma is {1, 2}, which"),
+    ({"materials": {"m": {"young": None}}}, "materials: m.young is None, which"),
 ]  # fmt: skip
 
 
@@ -297,12 +297,13 @@ def test_what_cannot_be_used_is_refused(change, said):
 
 
 @pytest.mark.parametrize(("points", "said"), [
-    (3, r"must be tables \[\[points\]\], or the name of a CSV file, got 3"),
+    (3, r"must be tables \[\[points\]\] or the name of a CSV file, got 3"),
     ([3], r"points\[1\]: must be a table of parameters, got 3"),
     ([{}], r"points\[1\]: must be a table of parameters, got {}"),
-    ([{"rate": 0.1}, {"rtae": 0.1}], r"points\[2\]: must give rate, as the first does"),
+    ([{"rate": 0.1}, {"rtae": 0.1}],
+     r"points\[2\]: must have the same parameters as points\[1\]: rate"),
     ([{"rate": 0.1}, {"rate": "a"}], "points.rate: has values of different types: float, str"),
-    ("missing.csv", "missing.csv': cannot read it"),
+    ("missing.csv", "missing.csv': cannot be read"),
     ("\0.csv", "points must be a path"),
 ])  # fmt: skip
 def test_points_that_cannot_be_used_are_refused(points, said):
@@ -311,9 +312,9 @@ def test_points_that_cannot_be_used_are_refused(points, said):
 
 
 @pytest.mark.parametrize(("text", "said"), [
-    ("", "needs a header of parameters, and a row for each point"),
-    ("rate,beads\n", "needs a header of parameters, and a row for each point"),
-    ("rate,rate\n1,2\n", "column 'rate' is there twice"),
+    ("", "must have a header with parameters and one row per point"),
+    ("rate,beads\n", "must have a header with parameters and one row per point"),
+    ("rate,rate\n1,2\n", "has two columns 'rate'"),
     ("rate,beads\n0.1\n", "row 1 has 1 cells, the header has 2"),
     ("rate,beads\n0.1,10,5\n", "row 1 has 3 cells, the header has 2"),
     ("rate,beads\n0.1,10\n,10\n", "row 2 has no rate"),
@@ -371,7 +372,7 @@ def test_a_batch_holds_little_in_memory(beads, most, kept):
         "sweep": {"at": kept},
     }))  # fmt: skip
     assert math.prod(plan.block) <= most
-    assert plan.bytes_held <= 2**27 or most == 1
+    assert plan.bytes_in_memory <= 2**27 or most == 1
 
 
 def test_batches_too_large_for_memory_are_refused():
@@ -471,13 +472,13 @@ def test_exports_hold_the_numbers(tmp_path, ending):
         return
     table = pd.read_csv(file) if ending == ".csv" else pd.read_parquet(file)
     assert len(table) == 2 * 2 * (15 + 40)
-    row = table.query("rate == 0.01 and beads == 40 and by == 'bca' and bead == 7").iloc[0]
-    point = found.sel(rate=0.01, beads=40, by="bca")
+    row = table.query("rate == 0.01 and beads == 40 and approach == 'bca' and bead == 7").iloc[0]
+    point = found.sel(rate=0.01, beads=40, approach="bca")
     assert row.velocity == point.velocity.sel(bead=7).item()
     assert row.residence == point.residence.sel(contact=7).item()
     failed = table.query("rate == 0.05 and beads == 40")
     assert (failed.status == 2).all()
-    assert failed.reason.str.contains("runs out").all()
+    assert failed.reason.str.contains("reach zero").all()
 
 
 def test_exports_need_memory_for_a_part_alone(tmp_path, monkeypatch):
@@ -486,7 +487,7 @@ def test_exports_need_memory_for_a_part_alone(tmp_path, monkeypatch):
               "sweep": {"methods": ["bca"], "keep": ["velocity", "peak_force"]}},
              tmp_path / "sweep")  # fmt: skip
     found = hc.open_sweep(tmp_path / "sweep")
-    monkeypatch.setattr(sweep_files, "ROWS", 5000)
+    monkeypatch.setattr(sweep_export, "ROWS", 5000)
     tracemalloc.start()
     rows = [len(table) for table in tables_of(found)]
     _, peak = tracemalloc.get_traced_memory()
@@ -510,17 +511,17 @@ def test_curves_and_maps():
     curves = plot_sweep(found, "momentum", beads=20)
     assert [line.get_label() for line in curves.lines] == ["propagate", "bca"]
     np.testing.assert_array_equal(
-        curves.lines[1].get_ydata(), found.momentum.sel(beads=20, by="bca")
+        curves.lines[1].get_ydata(), found.momentum.sel(beads=20, approach="bca")
     )
-    drawn = plot_sweep(found, "worst_error_of_velocity", by="bca", log=True, levels=[0.4])
+    drawn = plot_sweep(found, "worst_error_of_velocity", approach="bca", log=True, levels=[0.4])
     assert (drawn.get_xlabel(), drawn.get_ylabel()) == ("rate", "beads")
     np.testing.assert_array_equal(
         drawn.collections[0].get_array().reshape(2, 3),
-        found.worst_error_of_velocity.sel(by="bca").T,
+        found.worst_error_of_velocity.sel(approach="bca").T,
     )
-    with pytest.raises(hc.InputError, match="3 dimensions left.* such as rate=0.02$"):
+    with pytest.raises(hc.InputError, match="3 remaining dimensions.* such as rate=0.02$"):
         plot_sweep(found, "momentum")
-    with pytest.raises(hc.InputError, match="no axis left to be drawn along: leave rate or beads"):
+    with pytest.raises(hc.InputError, match="no remaining axis to plot along; omit rate or beads"):
         plot_sweep(found, "momentum", rate=0.02, beads=20)
     with pytest.raises(hc.InputError, match="beads is 21, .* the nearest is 20"):
         plot_sweep(found, "momentum", beads=21)
@@ -528,8 +529,8 @@ def test_curves_and_maps():
         plot_sweep(found, "momentum", rate=2)
     with pytest.raises(hc.InputError, match="unknown dimension of momentum 'baeds'"):
         plot_sweep(found, "momentum", baeds=3)
-    with pytest.raises(hc.InputError, match="unknown by 'bac'"):
-        plot_sweep(found, "momentum", by="bac")
+    with pytest.raises(hc.InputError, match="unknown approach 'bac'"):
+        plot_sweep(found, "momentum", approach="bac")
     with pytest.raises(hc.InputError, match="unknown quantity of this sweep 'speed'"):
         plot_sweep(found, "speed")
 
@@ -546,7 +547,7 @@ def test_cells_of_a_map_meet_halfway_on_its_scales_whatever_the_order_of_values(
         [10**-4.5, 10**-3.5, 10**-2.5, 10**-1.5], rel=1e-12
     )
     assert corners[:, 0, 1].tolist() == pytest.approx([15.0, 25.0, 35.0, 45.0])
-    longest = found.momentum.sel(by="propagate", beads=40).values
+    longest = found.momentum.sel(approach="propagate", beads=40).values
     assert drawn.collections[0].get_array()[-1].tolist() == pytest.approx(longest.tolist())
 
 
@@ -582,7 +583,7 @@ def test_tables_begin_with_where_and_end_with_how_it_went():
     found = swept({"taper": "forward-exponential"}, axes, combine="zip", methods=["bca"],
                   keep=["velocity", "peak_force"])  # fmt: skip
     (table,) = tables_of(found)
-    assert list(table) == ["point", "rate", "beads", "by", "bead", "velocity", "peak_force",
+    assert list(table) == ["point", "rate", "beads", "approach", "bead", "velocity", "peak_force",
                            "outside_range", "reason", "status"]  # fmt: skip
 
 
@@ -597,13 +598,13 @@ def test_points_are_ticked_by_whole_numbers():
     ({"quantity": "reason"}, "unknown quantity of this sweep 'reason'"),
     ({"quantity": ["velocity"]}, r"unknown quantity of this sweep \['velocity'\]"),
     ({"bead": 41}, "bead must be at least 1 and at most 40, got 41"),
-    ({"bead": 2.5}, "bead is 2.5, which is not among the values of this sweep"),
+    ({"bead": 2.5}, "bead is 2.5, which is not a value of this sweep"),
     ({"bead": "x"}, "bead must be a number, got 'x'"),
     ({"bead": [1, 2]}, r"bead must be a number, got \[1, 2\]"),
     ({"rate": 7.0}, "rate must be at least 0.02 and at most 0.08, got 7"),
     ({"rate": float("nan")}, "rate must be .*, got nan"),
-    ({"by": 3}, "unknown by 3: choose from propagate, bca"),
-    ({"bead": 3, "rate": 0.02, "by": "bca"}, "velocity has no axis left to be drawn along"),
+    ({"approach": 3}, "unknown approach 3: choose from propagate, bca"),
+    ({"bead": 3, "rate": 0.02, "approach": "bca"}, "velocity has no remaining axis to plot along"),
     ({"levels": 3}, "levels must be a list of numbers, got 3"),
     ({"levels": ["a"]}, "level must be a number, got 'a'"),
     ({"ax": 3}, "ax must be an Axes, got 3"),
@@ -617,7 +618,9 @@ def test_what_cannot_be_drawn_is_refused(chosen, said):
 @pytest.mark.parametrize("given", [3, None, {}, xr.Dataset({"a": ("x", [1.0])})])
 def test_what_is_no_sweep_is_neither_drawn_nor_exported(tmp_path, given):
     for use in (plot_sweep, lambda dataset: export_sweep(dataset, tmp_path / "a.csv")):
-        with pytest.raises(hc.InputError, match=r"dataset must be a Dataset|is not of a sweep"):
+        with pytest.raises(
+            hc.InputError, match=r"dataset must be a Dataset|is not the result of a sweep"
+        ):
             use(given)
     assert list(tmp_path.iterdir()) == []
 

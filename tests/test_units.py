@@ -7,8 +7,8 @@ import pint
 import pytest
 
 import hertzchain as hc
-from hertzchain.checks import number
 from hertzchain.units import SYMBOLS, UNITS, converted, quantity
+from hertzchain.validation.numbers import number
 
 PINT = pint.UnitRegistry()
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import hertzchain as hc
-from hertzchain.kernels import records
+from hertzchain.kernels import state_layout
 
 WALL = hc.Wall()
 # Forces on walls are compared with those of this many transits of the pulse, which see more.
@@ -170,7 +170,7 @@ def test_a_run_goes_on_to_the_same_complete_peak(seed):
     [
         hc.SineBurst(0.5, 0.125, cycles=0.5, window="none"),
         hc.SineBurst(0.3, 0.1, cycles=5.0),
-        hc.Table([0.0, 1.0, 2.0, 3.0], [0.0, 1.0, 0.3, 0.0]),
+        hc.TableDrive([0.0, 1.0, 2.0, 3.0], [0.0, 1.0, 0.3, 0.0]),
     ],
     ids=repr,
 )
@@ -184,7 +184,7 @@ def test_driven_chains_end_after_their_drive(drive):
 
 
 def test_a_drive_that_pulls_the_bead_away_ends_the_run():
-    drive = hc.Table([0.0, 1.0, 2.0], [0.0, -1.0, 0.0])
+    drive = hc.TableDrive([0.0, 1.0, 2.0], [0.0, -1.0, 0.0])
     run = hc.simulate(uniform(drive=drive, velocities=AT_REST), times=0)
     assert run.status == "nothing more happens"
     assert run.wall_force().complete
@@ -194,11 +194,11 @@ def test_a_drive_that_pulls_the_bead_away_ends_the_run():
 def test_ends_of_drives():
     assert hc.SineBurst(1.0, 0.5, cycles=3.0).end == 6.0
     assert hc.SineBurst(1.0, 0.5, cycles=np.inf, window="none").end == np.inf
-    assert hc.Step(1.0, rise=2.0).end == np.inf
-    assert hc.Step(1.0, rise=2.0, of="displacement").end == 2.0
-    assert hc.Table([0.0, 4.0], [1.0, 0.0]).end == 4.0
-    assert hc.Table([0.0, 4.0], [1.0, 0.5]).end == np.inf
-    assert hc.Table([0.0, 4.0], [1.0, 0.5], of="displacement").end == 4.0
+    assert hc.StepDrive(1.0, rise=2.0).end == np.inf
+    assert hc.StepDrive(1.0, rise=2.0, of="displacement").end == 2.0
+    assert hc.TableDrive([0.0, 4.0], [1.0, 0.0]).end == 4.0
+    assert hc.TableDrive([0.0, 4.0], [1.0, 0.5]).end == np.inf
+    assert hc.TableDrive([0.0, 4.0], [1.0, 0.5], of="displacement").end == 4.0
 
 
 def test_a_wall_at_a_distance_is_waited_for():
@@ -228,7 +228,11 @@ def test_touches_are_counted():
     )
     run = hc.simulate(chain, until=40.0, times=20_000)
     pressed = run.forces[:, -1] > 0.0
-    assert run._walls[records.TOUCHES, 1] == np.count_nonzero(np.diff(pressed.astype(int)) == 1) > 3
+    assert (
+        run._walls[state_layout.TOUCHES, 1]
+        == np.count_nonzero(np.diff(pressed.astype(int)) == 1)
+        > 3
+    )
 
 
 def test_a_left_wall_is_assessed_alike():
@@ -253,7 +257,7 @@ def test_a_left_wall_is_assessed_alike():
 def test_a_tilted_groove_with_a_free_end_needs_until():
     for changes in ({}, {"left_wall": WALL}):
         chain = hc.Chain.uniform(10).replace(gravity=0.01, **changes)
-        with pytest.raises(hc.InputError, match="give until, or a right_wall"):
+        with pytest.raises(hc.InputError, match="give until or a right_wall"):
             hc.simulate(chain)
     # Upwards the pulse passes, or never makes up for the fall.
     assert hc.simulate(hc.Chain.uniform(10).replace(gravity=-0.01)).status == "pulse left"
@@ -280,7 +284,7 @@ def test_a_strongly_lossy_random_chain_ends_with_a_run_that_can_be_read():
 
 def test_sensors_tell_the_first_maximum_from_the_largest():
     """A weak blow, then a strong one."""
-    drive = hc.Table([0.0, 2.0, 4.0, 20.0, 22.0, 24.0], [0.0, 0.2, 0.0, 0.0, 1.0, 0.0])
+    drive = hc.TableDrive([0.0, 2.0, 4.0, 20.0, 22.0, 24.0], [0.0, 0.2, 0.0, 0.0, 1.0, 0.0])
     run = hc.simulate(uniform(drive=drive, velocities=AT_REST), until=60.0, times=3001)
     sensor = run.sensor_force(10)
     force = run.sensor(10)
@@ -298,7 +302,7 @@ def test_a_sensor_that_the_pulse_has_not_passed_has_no_maximum():
         sensor = run.sensor_force(10)
     assert np.isnan(sensor.first_maximum)
     assert sensor.largest_so_far == run.sensor(10).max()
-    with pytest.raises(hc.InputError, match="saved no times"):
+    with pytest.raises(hc.InputError, match="has no saved times"):
         hc.simulate(uniform(), times=0).sensor_force(3)
 
 

@@ -47,7 +47,7 @@ def test_a_wave_is_the_solitary_wave(solitary):
 def test_half_the_saved_times_are_not_enough_and_cost_digits_of_the_force_alone(solitary):
     run, exact, _ = solitary
     sparse = hc.simulate(run.chain, until=100.0, times=235)
-    with pytest.raises(hc.InputError, match="strongest has 4.1. while .* times=500"):
+    with pytest.raises(hc.InputError, match="strongest wave has 4.1. while .* times=500"):
         sparse.waves()
     events = [events_at(sparse, k, 0.1)[0] for k in range(41, 75)]
     assert not any(event.resolved for event in events)
@@ -146,7 +146,7 @@ def test_a_count_that_is_not_of_one_wave_warns():
     velocities[[0, -1]] = 1.0, -1.0
     pair = hc.Chain.uniform(60).replace(velocities=velocities)
     run = hc.simulate(pair, until=65.0, times=900)
-    with pytest.warns(hc.InputWarning, match="other waves take part"):
+    with pytest.warns(hc.InputWarning, match="other waves contribute"):
         found = run.reflection(20, 50)
     assert found.disturbed == (found.until < 65.0)
 
@@ -252,7 +252,7 @@ def test_in_strong_disorder_the_flux_is_recommended():
     chain = hc.Chain.from_radii(np.random.default_rng(1).uniform(0.5, 1.5, 60))
     waves = hc.simulate(chain, until=150.0, times=4000).waves()
     assert np.median([len(wave.contacts) for wave in waves]) < 15
-    assert ("energy_flux" in repr(waves)) == (len(waves) > 60)
+    assert ("energy_flux" in str(waves)) == (len(waves) > 60)
 
 
 def test_excess_over_a_static_force_is_what_counts():
@@ -278,7 +278,7 @@ def test_tables_and_pictures():
     track = waves[0].to_dataframe()
     np.testing.assert_array_equal(track.time, waves[0].times)
     assert len(waves.plot().lines) >= len(waves)
-    assert repr(waves).splitlines()[1].startswith("  Wave(right, contacts 1 to 29")
+    assert str(waves).splitlines()[1].startswith("  Wave(right, contacts 1 to 29")
     at = waves.at(30)
     assert at
     assert all(event.direction == 0 and np.isnan(event.momentum) for event in at)

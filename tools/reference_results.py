@@ -1,11 +1,12 @@
-"""Compute results of every method on a set of chains, and compare two versions bit for bit.
+"""Compute results of all methods on a set of chains, and compare two versions bit for bit.
 
-Before a change that must not alter any result, and after it:
+Save the results before a change that must not alter any of them, and compare afterwards:
 
     python tools/reference_results.py save before.npz
     python tools/reference_results.py compare before.npz
 
-``compare`` exits with 3 if a result differs, and prints the largest relative difference of each.
+``compare`` prints the largest relative difference of each result that differs, and exits with code
+3 if there is one.
 The numbers depend on the processor and on the versions of NumPy and numba, so files are compared
 on one machine and never committed.
 """
@@ -56,7 +57,7 @@ def scaled_chains() -> Iterator[tuple[str, hc.Chain]]:
 
 
 def general_chains() -> Iterator[tuple[str, hc.Chain, float]]:
-    """Chains for the full integration, and the time at which to stop."""
+    """Chains for `simulate`, and the time at which the run ends."""
     walled = hc.Chain.uniform(20).replace(right_wall=hc.Wall())
     yield "wall", walled, 60.0
     yield (
@@ -81,7 +82,7 @@ def general_chains() -> Iterator[tuple[str, hc.Chain, float]]:
 
 
 def pulses() -> Iterator[tuple[str, hc.Pulse]]:
-    """The leading pulse by every method."""
+    """Leading pulses by all methods."""
     for name, chain in scaled_chains():
         yield f"propagate: {name}", hc.propagate(chain)
         yield f"bca: {name}", hc.bca(chain)
@@ -101,7 +102,7 @@ def pulses() -> Iterator[tuple[str, hc.Pulse]]:
 
 
 def results() -> Results:
-    """Every result by its name."""
+    """All results by name."""
     found: Results = {}
     for name, pulse in pulses():
         for quantity, values in pulse.columns().items():
@@ -131,7 +132,7 @@ def results() -> Results:
 
 
 def compare(before: Results, now: Results, show: Callable[[str], None] = print) -> int:
-    """Print what differs; returns how many results do."""
+    """Print all differences and return their number."""
     different = 0
     for name in sorted(before.keys() | now.keys()):
         if name not in before or name not in now:

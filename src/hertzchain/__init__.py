@@ -1,4 +1,4 @@
-"""Impacts on granular chains: describe a chain once, simulate or predict, compare.
+"""Simulation and theory of impacts on granular chains.
 
 >>> import hertzchain as hc
 >>> chain = hc.Chain.tapered("backward-exponential", 0.05, beads=100)
@@ -12,5 +12,5 @@ import lazy_loader
 
 __version__ = "0.1.0"
 
-# The names are listed once, in __init__.pyi; each is loaded when first used.
+# Names are listed in __init__.pyi and loaded on first use.
 __getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

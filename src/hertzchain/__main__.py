@@ -1,6 +1,6 @@
-"""``python -m hertzchain`` is the command `hertzchain`."""
+"""Run the command `hertzchain` with ``python -m hertzchain``."""
 
-from hertzchain.cli import main
+from .cli import main
 
 if __name__ == "__main__":
     main()

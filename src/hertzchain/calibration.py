@@ -1,7 +1,7 @@
-r"""Find the constants of the modified BCA from the integration, Sec. 5 of the paper.
+r"""Fit the constants of the modified BCA to the simulation, Sec. 5 of the paper.
 
-The paper fits its corrections "once and for all" and prints the result; here the
-fit is a function, with its windows as arguments, so that anyone can repeat it.
+The paper prints only the fitted constants.  `calibrate` repeats the fit for any tapering
+parameters and any range of beads.
 """
 
 from __future__ import annotations
@@ -13,52 +13,56 @@ from typing import Any, Final
 
 import numpy as np
 
-from hertzchain.chain.chain import TAPERS, Chain, Taper, check_taper, rate_symbol
-from hertzchain.contacts import Array
-from hertzchain.errors import InputError, unknown_name
-from hertzchain.propagation.propagate import propagate_many
-from hertzchain.theory.bca import bca
-from hertzchain.theory.modified_bca import (
+from .chain.chain import Chain
+from .chain.tapers import PAPER_TAPERS, check_taper, rate_symbol
+from .collision import Array
+from .errors import InputError, short_repr
+from .propagation.propagate import propagate_many
+from .representation import counted, short
+from .theory.bca import bca
+from .theory.modified_bca import (
     Correction,
     PowerLawCorrection,
     RatioCorrection,
     printed_correction,
 )
+from .validation.numbers import whole_number
+from .validation.objects import callback, check_choice, check_list
 
 Window = tuple[int, int]
 
-# The tapering parameters of the paper's figures 9 to 14.
-RATES: Final[dict[Taper, tuple[float, ...]]] = {
+# Tapering parameters of the paper's figures 9 to 14.
+RATES: Final[dict[str, tuple[float, ...]]] = {
     "backward-linear": (0.1, 0.3, 0.5, 0.7, 0.9),
     "backward-exponential": (0.01, 0.02, 0.03, 0.04, 0.05, 0.06, 0.07, 0.08),
     "forward-linear": (0.001, 0.003, 0.005, 0.007, 0.009),
     "forward-exponential": (0.01, 0.02, 0.03, 0.04, 0.05, 0.06),
 }
-# Beads 5..80, the window that brings back the paper's tables 1 and 2.
+# Beads 5 to 80: the window that reproduces the paper's tables 1 and 2.
 WINDOW: Final[Window] = (5, 80)
 BEADS: Final = 100
 
 
 @dataclass(frozen=True, eq=False)
 class Calibration:
-    """Constants of one taper's correction and how well they fit.
+    """Fitted constants of one taper's correction, with their errors.
 
     Attributes
     ----------
     taper : str
-        The taper calibrated.
+        Name of the taper.
     rates : tuple of float
-        Tapering parameters used.
+        Tapering parameters of the simulated chains.
     window : tuple of int
-        First and last bead used.
+        First and last bead of the fit.
     beads : int
-        Beads of each chain.
+        Number of beads of each chain.
     correction : RatioCorrection or PowerLawCorrection
-        The constants, to be passed to `modified_bca`.
+        The fitted correction, as accepted by `modified_bca`.
     standard_errors : dict of str to float
         Standard error of each constant, by name.
     residuals : ndarray, shape (rates, beads in the window)
-        Relative errors of the corrected velocity against the integration.
+        Relative errors of the corrected velocity, compared with the simulation.
 
     Examples
     --------
@@ -67,7 +71,7 @@ class Calibration:
     True
     """
 
-    taper: Taper
+    taper: str
     rates: tuple[float, ...]
     window: Window
     beads: int
@@ -77,37 +81,48 @@ class Calibration:
 
     @property
     def constants(self) -> dict[str, float]:
-        """The constants found, by name."""
+        """Fitted constants, by name."""
         return {name: getattr(self.correction, name) for name in self.standard_errors}
+
+    def __repr__(self) -> str:
+        first, last = self.window
+        return short(
+            "Calibration",
+            f"{self.taper}, {counted(len(self.rates), 'rate')}, {self.beads} beads, fitted to "
+            f"beads {first} to {last}",
+            f"{self.correction}",
+            f"largest error {self.worst_error:.2%}, rms {self.rms_error:.2%}",
+        )
 
     @property
     def printed(self) -> dict[str, float]:
-        """What the paper prints for the same constants, misprints included."""
+        """Values of the same constants as printed in the paper, including misprints."""
         correction = printed_correction(self.taper)
         return {name: getattr(correction, name) for name in self.standard_errors}
 
     @property
     def worst_error(self) -> float:
-        """Largest absolute relative error of velocity within the window."""
+        """Largest absolute relative error of the velocity within the window."""
         return float(np.abs(self.residuals).max())
 
     @property
     def rms_error(self) -> float:
-        """Root mean square of the relative errors of velocity within the window."""
+        """Root mean square of the relative velocity errors within the window."""
         return float(np.sqrt(np.mean(self.residuals**2)))
 
     @property
     def worst_by_rate(self) -> tuple[float, ...]:
-        """Largest absolute relative error of velocity of each rate."""
+        """Largest absolute relative velocity error for each rate."""
         return tuple(float(worst) for worst in np.abs(self.residuals).max(axis=1))
 
     def as_dict(self) -> dict[str, Any]:
-        """The calibration as plain data, for JSON.
+        """Convert to a dictionary of JSON types.
 
         Returns
         -------
         dict
-            ``constants`` have a ``value``, a ``standard_error`` and what is ``printed``.
+            Each entry of ``constants`` has a ``value``, a ``standard_error`` and the value
+            ``printed`` in the paper.
 
         Examples
         --------
@@ -135,30 +150,32 @@ class Calibration:
 
 
 def calibrate(
-    taper: Taper,
+    taper: str,
     *,
     rates: Sequence[float] | None = None,
     window: Window = WINDOW,
     beads: int = BEADS,
     progress: Callable[[int, int], None] | None = None,
 ) -> Calibration:
-    r"""Fit the correction of one taper to the integration.
+    r"""Fit the correction of one taper to the simulation.
 
-    Linear tapers: :math:`\rho`, the mean over rates and beads of the ratio
-    :math:`v_k/v_k^u`.  Exponential tapers: for each q a least-squares line
-    :math:`v_k^u/v_k = c + d k`, then lines :math:`\ln c = \ln c_0 + x \ln q` and
-    :math:`\ln d = \ln d_0 + y \ln q`, Eqs. (36) and (37).
+    For a linear taper the constant is :math:`\rho`, the mean of the ratio
+    :math:`v_k/v_k^u` over rates and beads.  For an exponential taper, a straight line
+    :math:`v_k^u/v_k = c + d k` is fitted by least squares for each q; then the lines
+    :math:`\ln c = \ln c_0 + x \ln q` and :math:`\ln d = \ln d_0 + y \ln q` are fitted,
+    Eqs. (36) and (37).
 
     Parameters
     ----------
     taper : str
-        One of the four tapers.
+        One of the four tapers of the paper.
     rates : sequence of float, optional
-        Tapering parameters to integrate; by default those of the paper's figures.
+        Tapering parameters to simulate.  The default is those of the paper's figures.
     window : tuple of int
-        First and last bead k of the fit in k.
+        First and last bead k of the fit.
     beads : int
-        Beads of each chain, more than ``window[1]`` so that its end is not felt.
+        Number of beads of each chain.  It must exceed ``window[1]``, so that the free end
+        does not influence the fit.
     progress : callable, optional
         Called as ``progress(chains_done, chains)``.
 
@@ -169,10 +186,10 @@ def calibrate(
     Raises
     ------
     InputError
-        For an unknown taper, a rate that has no chain of so many beads, a window outside
-        the chain, or too few rates.
+        If the taper is unknown, a rate is impossible for this number of beads, the window
+        is not within the chain, or there are too few rates.
     SimulationError
-        If the pulse of one of the chains cannot be followed.
+        If the simulation of one of the chains fails.
 
     Examples
     --------
@@ -180,9 +197,10 @@ def calibrate(
     >>> round(result.correction.ratio, 1)
     0.7
     """
-    if taper not in TAPERS:
-        raise unknown_name("taper", taper, TAPERS)
-    used = RATES[taper] if rates is None else tuple(check_taper(taper, rate) for rate in rates)
+    check_choice("taper", taper, PAPER_TAPERS)
+    callback("progress", progress)
+    given = RATES[taper] if rates is None else check_list("rates", rates, "numbers")
+    used = tuple(check_taper(taper, rate) for rate in given)
     needed = 1 if rate_symbol(taper) == "S" else 3
     if len(set(used)) < needed:
         raise InputError(
@@ -204,62 +222,24 @@ def calibrate(
 
 
 def beads_in_window(window: Window, beads: int) -> np.ndarray[tuple[int], np.dtype[np.int64]]:
-    """Bead numbers first..last of a window, checked against the chain.
-
-    Parameters
-    ----------
-    window : tuple of int
-        First and last bead.
-    beads : int
-        Beads of the chain.
-
-    Returns
-    -------
-    ndarray
-
-    Raises
-    ------
-    InputError
-        If the window leaves the chain or holds fewer than three beads.
-
-    Examples
-    --------
-    >>> beads_in_window((5, 8), 100)
-    array([5, 6, 7, 8])
-    """
+    """Numbers of the beads in a window, which must be within the chain."""
+    beads = whole_number("beads", beads, least=2)
     try:
         first, last = (operator.index(bead) for bead in window)
     except (TypeError, ValueError):
         raise InputError(
-            f"a window is a first and a last bead, such as (5, 80), got {window!r}"
+            f"a window must be a first and a last bead, such as (5, 80), got {short_repr(window)}"
         ) from None
     if not (first >= 2 and first + 2 <= last < beads):
         raise InputError(
-            f"window {first}..{last} must hold at least three beads between 2 and "
-            f"{beads - 1}, the last bead before the free end of {beads} beads"
+            f"window {first}..{last} must contain at least three beads from 2 to {beads - 1} "
+            f"(the chain has {beads} beads, and the last one is a free end)"
         )
     return np.arange(first, last + 1)
 
 
-def line(x: Array, y: Array) -> tuple[Array, Array]:
-    """Least-squares line: (intercept, slope) and their standard errors.
-
-    Parameters
-    ----------
-    x, y : ndarray
-        At least three points.
-
-    Returns
-    -------
-    tuple of ndarray
-        Both of shape (2,).
-
-    Examples
-    --------
-    >>> coefficients, errors = line(np.arange(4.0), 1.0 + 2.0 * np.arange(4.0))
-    >>> coefficients.round(12)
-    array([1., 2.])
-    """
+def fit_line(x: Array, y: Array) -> tuple[Array, Array]:
+    """Fit a line by least squares; return (intercept, slope) and their standard errors."""
     fit = np.polynomial.Polynomial.fit(x, y, 1).convert().coef
     spread = np.sum((x - x.mean()) ** 2)
     variance = np.sum((y - fit[0] - fit[1] * x) ** 2) / (len(x) - 2)
@@ -268,7 +248,7 @@ def line(x: Array, y: Array) -> tuple[Array, Array]:
 
 
 def _fit_ratio(ratios: Array) -> tuple[RatioCorrection, dict[str, float]]:
-    # The spread between beads is systematic, so what counts is the number of chains.
+    # Differences between beads are systematic; only chains are independent samples.
     error = float(np.std(ratios) / np.sqrt(len(ratios)))
     return RatioCorrection(float(np.mean(ratios))), {"ratio": error}
 
@@ -276,14 +256,14 @@ def _fit_ratio(ratios: Array) -> tuple[RatioCorrection, dict[str, float]]:
 def _fit_power_laws(
     rates: Array, k: Array, inverse_ratios: Array
 ) -> tuple[PowerLawCorrection, dict[str, float]]:
-    c, d = np.array([line(k.astype(float), row)[0] for row in inverse_ratios]).T
+    c, d = np.array([fit_line(k.astype(float), row)[0] for row in inverse_ratios]).T
     if np.any(c <= 0.0) or np.any(d <= 0.0):
         raise InputError(
-            "c + d k has a term that is not positive for some rate, so it follows no power "
-            "law; use larger rates or another window"
+            "c or d of the line c + d k is not positive for some rate, so that it cannot follow a "
+            "power law; use larger rates or another window"
         )
-    (ln_c0, x), (ln_c0_error, x_error) = line(np.log(rates), np.log(c))
-    (ln_d0, y), (ln_d0_error, y_error) = line(np.log(rates), np.log(d))
+    (ln_c0, x), (ln_c0_error, x_error) = fit_line(np.log(rates), np.log(c))
+    (ln_d0, y), (ln_d0_error, y_error) = fit_line(np.log(rates), np.log(d))
     c0, d0 = float(np.exp(ln_c0)), float(np.exp(ln_d0))
     errors = {"c0": c0 * ln_c0_error, "x": x_error, "d0": d0 * ln_d0_error, "y": y_error}
     return (
@@ -293,17 +273,18 @@ def _fit_power_laws(
 
 
 def calibrated_toml(calibrations: Sequence[Calibration]) -> str:
-    """Calibrations as the TOML text that `calibrated_corrections` reads.
+    """Write calibrations as TOML text that `calibrated_corrections` can read.
 
     Parameters
     ----------
     calibrations : sequence of Calibration
-        Any tapers; the package's own ``theory/calibrated.toml`` has all four.
+        Calibrations of any tapers; ``theory/calibrated.toml`` has all four.
 
     Returns
     -------
     str
-        A table ``[corrections.TAPER]`` each; how it was found stands in comments.
+        One table ``[corrections.TAPER]`` per calibration, with its settings and errors in
+        comments.
 
     Examples
     --------
@@ -312,8 +293,8 @@ def calibrated_toml(calibrations: Sequence[Calibration]) -> str:
     [corrections.backward-linear]
     """
     lines = [
-        "# Constants of the modified BCA, found from the integration by: hertzchain calibrate",
-        "# After each constant follows its standard error.",
+        "# Constants of the modified BCA, fitted to the simulation by: hertzchain calibrate",
+        "# Each constant is followed by its standard error.",
     ]
     for result in calibrations:
         first, last = result.window
@@ -326,7 +307,7 @@ def calibrated_toml(calibrations: Sequence[Calibration]) -> str:
         for name, error in result.standard_errors.items():
             lines.append(f"{name} = {result.constants[name]:.6g}  # +- {error:.2g}")
         lines.append(
-            f"# error of velocity: worst {result.worst_error:.1%}, rms {result.rms_error:.1%}"
+            f"# velocity error: largest {result.worst_error:.1%}, rms {result.rms_error:.1%}"
         )
     return "\n".join(lines) + "\n"
 

@@ -1,10 +1,10 @@
-"""What to cite."""
+"""References to cite."""
 
 from __future__ import annotations
 
 from typing import Final
 
-from hertzchain import __version__
+from . import __version__
 
 CITATIONS: Final = (
     "The paper:\n"

@@ -1,4 +1,4 @@
-"""Objects whose arrays cannot be written to, and neither can those of their copies."""
+"""Objects with read-only arrays, also in copies."""
 
 from __future__ import annotations
 
@@ -10,8 +10,8 @@ import numpy as np
 class Frozen:
     """Keeps the arrays of a frozen dataclass read-only in copies and after unpickling.
 
-    NumPy forgets that an array was read-only when it is copied or pickled, so that the radii of a
-    copied chain could be changed while its masses stayed.
+    Copies and unpickled arrays of NumPy are writable, even if the original is read-only.  The
+    radii of a copied chain could then be changed without changing its masses.
     """
 
     def __setstate__(self, state: dict[str, Any]) -> None:

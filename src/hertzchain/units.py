@@ -1,8 +1,8 @@
-"""Units as people write them, such as ``mm``, ``m/s`` or ``N/m^1.5``, converted to SI.
+"""Parse units such as ``mm``, ``m/s`` or ``N/m^1.5`` and convert numbers to SI.
 
-Text with a unit (``"5 mm"``), headers of CSV files (``radius [mm]``) and lists with a unit
-(``{list = [4, 5], unit = "mm"}``) are all converted here.  The product is rounded once, from the
-decimal digits that were written: ``"9.3 mm"`` is exactly the number 9.3e-3.
+This module converts text with a unit (``"5 mm"``), headers of CSV files (``radius [mm]``) and
+lists with a unit (``{list = [4, 5], unit = "mm"}``).  The decimal digits are multiplied by the
+factor before the result is rounded once: ``"9.3 mm"`` is exactly the number 9.3e-3.
 """
 
 from __future__ import annotations
@@ -16,9 +16,9 @@ from functools import lru_cache
 from types import MappingProxyType
 from typing import Final, NamedTuple
 
-from hertzchain.errors import InputError, shown, unknown_name
+from .errors import InputError, short_repr, unknown_name_error
 
-# Symbol: its value in SI, and its powers of metre, kilogram and second.
+# Value in SI and powers of metre, kilogram and second, by symbol.
 SYMBOLS: Final[Mapping[str, tuple[str, tuple[int, int, int]]]] = MappingProxyType(
     {
         "m": ("1", (1, 0, 0)), "km": ("1e3", (1, 0, 0)), "cm": ("1e-2", (1, 0, 0)),
@@ -33,8 +33,8 @@ SYMBOLS: Final[Mapping[str, tuple[str, tuple[int, int, int]]]] = MappingProxyTyp
         "Hz": ("1", (0, 0, -1)), "kHz": ("1e3", (0, 0, -1)), "MHz": ("1e6", (0, 0, -1)),
     }
 )  # fmt: skip
-# Units to choose from, by dimension; the first is that of SI.  Products of `SYMBOLS` are
-# understood, too.
+# Units listed in messages, by dimension; the first is the SI unit.  Any product of powers of
+# `SYMBOLS` is accepted.
 UNITS: Final[Mapping[str, tuple[str, ...]]] = MappingProxyType(
     {
         "length": ("m", "cm", "mm", "um", "µm", "nm", "in"),
@@ -57,15 +57,15 @@ _QUANTITY: Final = re.compile(
 
 
 class Unit(NamedTuple):
-    """Value in SI, and powers of metre, kilogram and second."""
+    """Value in SI and powers of metre, kilogram and second."""
 
     factor: Decimal
     powers: tuple[float, float, float]
 
 
 @lru_cache(maxsize=256)
-def _parsed(text: str) -> Unit | None:
-    """A product of powers of `SYMBOLS`; `None` for anything else."""
+def _parse(text: str) -> Unit | None:
+    """Parse a product of powers of `SYMBOLS`; return `None` for any other text."""
     rest = text.strip().replace("μ", "µ").replace("µ", "u").replace("²", "^2").replace("³", "^3")
     rest = rest.removeprefix("1") if rest.startswith("1/") else rest
     factor, powers = Decimal(1), [0.0, 0.0, 0.0]
@@ -85,41 +85,15 @@ def _parsed(text: str) -> Unit | None:
 
 
 def converted(what: str, number: str | float, unit: str, si: str) -> float:
-    """A number with a unit, in the unit of SI.
-
-    Parameters
-    ----------
-    what : str
-        What it is, for the error.
-    number : str or float
-        The number, best as it was written.
-    unit : str
-        Its unit.
-    si : str
-        Unit of SI to convert to.
-
-    Returns
-    -------
-    float
-
-    Raises
-    ------
-    InputError
-        If there is no such unit, or it is one of another dimension.
-
-    Examples
-    --------
-    >>> converted("radius", "9.3", "mm", "m"), converted("density", 7.8, "g/cm^3", "kg/m^3")
-    (0.0093, 7800.0)
-    """
-    given, target = _parsed(unit), _parsed(si)
+    """Convert a number to the SI unit ``si``."""
+    given, target = _parse(unit), _parse(si)
     assert target is not None, si
     choices = _choices(target) or (si.replace("**", "^"),)
     if given is None:
-        raise unknown_name(f"unit of {what}", unit, choices)
+        raise unknown_name_error(f"unit of {what}", unit, choices)
     if given.powers != target.powers:
         needed = f"a unit such as {', '.join(choices)}" if si else "no unit"
-        raise InputError(f"{what} must have {needed}, got {shown(unit)}")
+        raise InputError(f"{what} must have {needed}, got {short_repr(unit)}")
     value = float(number)
     if not math.isfinite(value) or value == 0.0:
         return value
@@ -130,30 +104,15 @@ def converted(what: str, number: str | float, unit: str, si: str) -> float:
 
 
 def quantity(text: str) -> tuple[str, str] | None:
-    """Number and unit of text such as ``"5 mm"``; `None` if it is not a number with a unit.
-
-    Parameters
-    ----------
-    text : str
-        Any text.
-
-    Returns
-    -------
-    tuple of str, or None
-
-    Examples
-    --------
-    >>> quantity("5 mm"), quantity("1e-3m/s"), quantity("5"), quantity("brass")
-    (('5', 'mm'), ('1e-3', 'm/s'), None, None)
-    """
+    """Split text such as ``"5 mm"`` into number and unit; return `None` for any other text."""
     found = _QUANTITY.fullmatch(text) if len(text) < 100 else None
     return None if found is None else (found[1], found[2])
 
 
 def _choices(unit: Unit) -> tuple[str, ...]:
-    """Units of the same dimension that can be offered."""
+    """Units of the same dimension that are listed in messages."""
     for names in UNITS.values():
-        first = _parsed(names[0])
+        first = _parse(names[0])
         if first is not None and first.powers == unit.powers:
             return names
     return ()

@@ -1,1 +1,1 @@
-"""What is hit: the beads, how they touch, what holds them and what strikes them."""
+"""Description of a chain: beads, materials, losses, walls, drives, strikers; builders, checks."""

@@ -1,66 +1,42 @@
-"""The chain of beads that is struck: its description and its checks.
+"""The chain of beads: its builders, and the methods that make another chain of it.
 
-A plain chain is the paper's: in scaled variables (Sec. 2; radii in units of the first
-bead's, masses of the first bead's mass, velocities of the strike's), touching, at rest,
-struck at bead 1, with free ends and no losses.  Whatever else a bench has is a field
-with a plain default.  Bead ``k = 1..N`` counts from the struck end; contact ``k`` joins
-beads ``k`` and ``k + 1``.  Arrays start at 0: ``chain.radii[0]`` is bead 1.
+The default chain is the paper's: in scaled variables (Sec. 2; radii in units of the first
+bead's, masses of the first bead's mass, velocities of the impact's), with touching beads at rest,
+struck at bead 1, free ends and no losses.  Every other feature (walls, gaps, losses, drives, ...)
+is a field that is off by default.  Bead ``k = 1..N`` counts from the struck end; contact ``k``
+joins beads ``k`` and ``k + 1``.  Arrays start at 0: ``chain.radii[0]`` is bead 1.
 """
 
 from __future__ import annotations
 
-import dataclasses
-import warnings
 from collections.abc import Sequence
-from dataclasses import KW_ONLY, dataclass, field
-from typing import Any, Final, Literal, get_args
+from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from hertzchain.arguments import listed, one_of
-from hertzchain.chain import patterns
-from hertzchain.chain import strikers as striking
-from hertzchain.chain.bodies import masses_of, stiffness_of, wall_stiffness_of
-from hertzchain.chain.drives import Drive
-from hertzchain.chain.features import description_of, features_of
-from hertzchain.chain.holding import HeldBy, check_holding
-from hertzchain.chain.losses import Loss
-from hertzchain.chain.materials import (
-    Material,
-    MaterialLike,
-    material,
-)
-from hertzchain.chain.sizes import checked_beads, checked_exponent, positive_radii, scaled_radii
-from hertzchain.chain.tapers import TAPERS as TAPERS
-from hertzchain.chain.tapers import Taper as Taper
-from hertzchain.chain.tapers import check_taper as check_taper
-from hertzchain.chain.tapers import rate_symbol as rate_symbol
-from hertzchain.chain.tapers import tapered_radii
-from hertzchain.chain.walls import Wall
-from hertzchain.checks import SCALED, column, magnitude, number, real_numbers, whole_number
-from hertzchain.contacts import HERTZ_EXPONENT, Array
-from hertzchain.errors import InputError, InputWarning, unknown_name
-from hertzchain.frozen import Frozen
-
-Units = Literal["scaled", "SI"]
-UNITS: Final[tuple[Units, ...]] = get_args(Units)
-
-# Radii above it [m] are taken for millimetres, with a warning.
-LARGE_RADIUS: Final = 1.0
-
-# Default of a field that follows from the others unless given.
-FROM_OTHERS: Final[Any] = None
-DERIVED: Final = ("masses", "stiffness", "velocities", "gaps")
+from ..collision import HERTZ_EXPONENT
+from ..errors import InputError
+from ..validation.numbers import number, plain_magnitude, real_numbers, whole_number
+from ..validation.objects import check_list
+from . import contact_shapes, modifications
+from . import strikers as striking
+from .fields import ChainFields
+from .input_checks import checked_beads, checked_radii
+from .materials import Material, MaterialLike, material
+from .tapers import taper_named
 
 
-@dataclass(frozen=True, eq=False)
-class Chain(Frozen):
-    r"""A row of beads, and what is done to it; plainly, the first is struck with velocity one.
+@dataclass(frozen=True, eq=False, repr=False)
+class Chain(ChainFields):
+    r"""Beads, contacts, ends and initial velocities of a chain.
 
-    Make one with a builder: `Chain.tapered`, `Chain.uniform` or `Chain.from_radii` for
+    By default bead 1 has velocity 1 and all others are at rest.
+
+    Use a builder: `Chain.tapered`, `Chain.uniform` or `Chain.from_radii` for
     the scaled variables of the paper, `Chain.from_materials` in SI units; `Chain.replace`
-    changes fields.  The equation of motion of a plain chain, Eq. (4) of the paper, is
+    changes fields.  The equation of motion of the default chain, Eq. (4) of the paper, is
 
     .. math::
 
@@ -71,15 +47,17 @@ class Chain(Frozen):
     ----------
     radii : ndarray, shape (N,)
         Radii :math:`R_k` [scaled, or m]; scaled, the first after the strikers is 1.
-    exponent : float
-        Exponent p of the contact force, > 1; 3/2 for spheres (Hertz).
+    exponent : float, array_like of shape (N - 1,), or mapping
+        Exponent p of the contact force, > 1; 3/2 for spheres (Hertz).  One for all contacts and
+        walls, one for each contact of two beads, or one for each pair of materials, such as
+        ``{("steel-316", "ptfe"): 1.5, ...}``.
     taper : str or None
         Name of the taper, if the chain was built from one.
-    rate : float or None
-        Tapering parameter, S of a linear or q of an exponential taper.
+    taper_parameters : tuple of pairs
+        Name and value of each parameter of the taper, such as ``(("rate", 0.05),)``.
     masses : ndarray, shape (N,)
         Masses :math:`m_k` > 0 [scaled, or kg]; if not given, :math:`R_k^3` (Eq. (3) of
-        the paper), or what the materials weigh.
+        the paper), or computed from the densities.
     stiffness : ndarray, shape (N - 1,)
         Stiffness :math:`r_k` > 0 of each contact [scaled, or N/m^p]; if not given,
         Hertz': below Eq. (4) of the paper, or from the materials.
@@ -93,24 +71,25 @@ class Chain(Frozen):
     gaps : ndarray, shape (N - 1,)
         Distance >= 0 of neighbouring beads at time 0 [scaled, or m]; 0 if not given.
     strikers : int
-        How many beads at the front are strikers: they fly in and belong to no static
-        equilibrium.  See `Chain.struck_by`.
+        Number of beads at the front that are strikers: they arrive in free flight and take
+        no part in the static equilibrium.  See `Chain.struck_by`.
     precompression : float
         Static force >= 0 on every contact behind the strikers [scaled, or N]; with gravity,
-        on the contact that bears least.
+        on the contact that carries least.
     held_by : str
         What holds the precompressed chain: ``"walls"`` at both ends, which stay where they
         are, or ``"force"``: a constant force at each end that has no wall.
     gravity : float
         Component of the acceleration of gravity along the chain, positive towards bead N
-        [scaled, or m/s^2].  A chain that stands on a wall without gaps is in equilibrium at
-        time 0; else it falls.
+        [scaled, or m/s^2].  A chain that rests on a wall without gaps is in equilibrium at
+        time 0; otherwise it falls.
     left_wall, right_wall : Wall or None
-        Wall behind bead 1, and in front of bead N; `None` is a free end.
-    drive : SineBurst, Step, Table or None
-        Force on bead 1, or displacement of the left wall, in the course of time.
-    loss : Restitution, Viscoelastic, ... or None
-        One of the laws of `hertzchain.chain.losses`, for all contacts and walls.
+        Wall behind bead 1, and ahead of bead N; `None` is a free end.
+    drive : SineBurst, StepDrive, TableDrive or None
+        Force on bead 1, or displacement of the left wall, as a function of time.
+    loss : Restitution, Viscoelastic, ..., list of length N - 1, mapping or None
+        A law of `hertzchain.chain.laws`: one for all contacts and walls, one for each contact of
+        two beads, or one for each pair of materials.
 
     Raises
     ------
@@ -129,120 +108,20 @@ class Chain(Frozen):
     Chain(backward-exponential, q = 0.05, 100 beads)
     >>> chain.radii[:3].round(4)
     array([1.    , 1.0526, 1.108 ])
-    >>> chain.replace(right_wall=Wall(), gravity=0.01)
+    >>> import hertzchain as hc
+    >>> chain.replace(right_wall=hc.Wall(), gravity=0.01)
     Chain(backward-exponential, q = 0.05, 100 beads, gravity, right wall)
     """
 
-    radii: Array
-    exponent: float = HERTZ_EXPONENT
-    taper: Taper | None = None
-    rate: float | None = None
-    _: KW_ONLY
-    masses: Array = FROM_OTHERS
-    stiffness: Array = FROM_OTHERS
-    units: Units = "scaled"
-    materials: tuple[Material, ...] | None = None
-    velocities: Array = FROM_OTHERS
-    gaps: Array = FROM_OTHERS
-    strikers: int = 0
-    precompression: float = 0.0
-    held_by: HeldBy = "walls"
-    gravity: float = 0.0
-    left_wall: Wall | None = None
-    right_wall: Wall | None = None
-    drive: Drive | None = None
-    loss: Loss | None = None
-    # Names of the derived fields that were given.
-    given: frozenset[str] = field(init=False, repr=False)
-
-    def __post_init__(self) -> None:
-        given = frozenset(name for name in DERIVED if getattr(self, name) is not None)
-        self._set("given", given)
-        self._set("exponent", checked_exponent(self.exponent))
-        one_of("units", self.units, UNITS)
-        self._check_radii()
-        self._check_taper()
-        self._check_bodies()
-        self._check_start()
-        check_holding(self)
-
-    def _set(self, name: str, value: object) -> None:
-        object.__setattr__(self, name, value)
-
-    def _check_radii(self) -> None:
-        radii = magnitude("radius", self.radii, self._unit("m"))
-        checked = scaled_radii if self.units == "scaled" else positive_radii
-        self._set("radii", _read_only(checked(radii)))
-        strikers = whole_number("strikers", self.strikers, least=0, most=self.beads - 1)
-        self._set("strikers", strikers)
-        if self.units == "scaled" and self.radii[strikers] != 1.0:
-            which = "after the strikers " if strikers else ""
-            raise InputError(
-                f"the first {which}of a scaled chain's radii must be 1, got "
-                f"{self.radii[strikers]:g}; Chain.from_radii takes radii in any unit"
-            )
-        if self.units == "SI" and self.radii.max() > LARGE_RADIUS:
-            k = int(np.argmax(self.radii))
-            warnings.warn(
-                f"bead {k + 1} has a radius of {self.radii[k]:g} m: radii are in metres; divide "
-                "by 1000 if these are millimetres",
-                InputWarning,
-                stacklevel=4,
-            )
-
-    def _check_taper(self) -> None:
-        if (self.taper is None) != (self.rate is None):
-            raise InputError("a chain has a taper and a rate or neither; use Chain.tapered")
-        if self.taper is None or self.rate is None:
-            return
-        check_taper(self.taper, self.rate, self.beads)
-        if not np.array_equal(self.radii, tapered_radii(self.taper, self.rate, self.beads)):
-            raise InputError(
-                f"these radii are not those of a {self.taper} taper; use Chain.tapered"
-            )
-
-    def _check_bodies(self) -> None:
-        """Masses and contact stiffness, given or from radii and materials."""
-        count, unit = self.beads, f"N/m**{self.exponent}"
-        if self.materials is not None:
-            self._set("materials", _checked_materials(self.materials, count))
-        for name, what, length, place, si, derived in (
-            ("masses", "mass", count, "bead", "kg", masses_of),
-            ("stiffness", "stiffness", count - 1, "contact", unit, stiffness_of),
-        ):
-            if name not in self.given:
-                self._set(name, _derived(what, place, derived(self)))
-            elif (values := getattr(self, name)) is not None:
-                checked = column(what, values, length, place, unit=self._unit(si), above=0.0)
-                self._set(name, checked)
-
-    def _check_start(self) -> None:
-        """Velocities, gaps and static forces at time 0."""
-        if "velocities" in self.given:
-            values = column("velocity", self.velocities, self.beads, "bead", unit=self._unit("m/s"))
-        else:
-            values = np.zeros(self.beads)
-            if self.drive is None:
-                values[: max(1, self.strikers)] = 1.0
-        self._set("velocities", _read_only(values))
-        gaps = np.zeros(self.beads - 1)
-        if "gaps" in self.given:
-            unit = self._unit("m")
-            gaps = column("gap", self.gaps, self.beads - 1, "contact", unit=unit, least=0.0)
-        self._set("gaps", _read_only(gaps))
-        gravity = number("gravity", self.gravity, unit=self._unit("m/s**2"))
-        self._set("gravity", gravity)
-        force = number("precompression", self.precompression, unit=self._unit("N"), least=0.0,
-                       hint="beads do not pull")  # fmt: skip
-        self._set("precompression", force)
-
-    def _unit(self, unit: str) -> str:
-        """The unit in which numbers of this chain are kept, for `hertzchain.checks`."""
-        return unit if self.units == "SI" else SCALED
-
     @classmethod
     def tapered(
-        cls, taper: str, rate: float, *, beads: int, exponent: float = HERTZ_EXPONENT
+        cls,
+        taper: str,
+        rate: float | None = None,
+        *,
+        beads: int,
+        exponent: float = HERTZ_EXPONENT,
+        **parameters: float,
     ) -> Chain:
         r"""A chain whose radii grow (backward) or shrink (forward) along it.
 
@@ -258,13 +137,15 @@ class Chain(Frozen):
         Parameters
         ----------
         taper : str
-            One of the four names above.
+            A name in `TAPERS`.
         rate : float
             Tapering parameter: S > 0 of a linear, 0 < q < 1 of an exponential taper.
         beads : int
             Number of beads N, at least 2.
         exponent : float
             Exponent p of the contact force, > 1.
+        **parameters : float
+            Parameters of a taper that has others than a rate.
 
         Returns
         -------
@@ -273,7 +154,7 @@ class Chain(Frozen):
         Raises
         ------
         InputError
-            For an unknown taper, a rate or number of beads out of range, or radii
+            For an unknown taper or parameter, a rate or number of beads out of range, or radii
             that overflow.
 
         Examples
@@ -282,12 +163,19 @@ class Chain(Frozen):
         array([1.  , 0.75, 0.5 , 0.25])
         """
         count = checked_beads(beads)
-        checked = check_taper(taper, rate, count)
-        return cls(tapered_radii(taper, checked, count), exponent, taper, checked)  # type: ignore[arg-type]
+        kind = taper_named(taper)
+        given = parameters if rate is None else {"rate": rate, **parameters}
+        values = kind.parameters(given, count)
+        return cls(
+            kind.radii_of(count, values),
+            exponent,
+            taper=kind.name,
+            taper_parameters=tuple(values.items()),
+        )
 
     @classmethod
     def uniform(cls, beads: int, *, exponent: float = HERTZ_EXPONENT) -> Chain:
-        """A chain of equal beads, on which a strike becomes a solitary wave.
+        """A chain of equal beads, in which an impact becomes a solitary wave.
 
         Parameters
         ----------
@@ -338,7 +226,7 @@ class Chain(Frozen):
         >>> Chain.from_radii([5.0, 2.5, 5.0]).masses
         array([1.   , 0.125, 1.   ])
         """
-        given = positive_radii(magnitude("radius", radii, "m"))
+        given = checked_radii(plain_magnitude("radius", radii, "m"))
         with np.errstate(over="ignore", under="ignore"):
             return cls(given / given[0], exponent)
 
@@ -393,10 +281,10 @@ class Chain(Frozen):
                 raise InputError("one radius for all beads needs their number: give beads")
             given = np.full(checked_beads(beads), given)
         elif beads is not None and checked_beads(beads) != len(given):
-            raise InputError(f"beads = {beads}, but there are {len(given)} radii: leave beads out")
+            raise InputError(f"beads = {beads}, but there are {len(given)} radii: omit beads")
         count = len(given)
         one = isinstance(materials, str | Material)
-        named = [materials] * count if one else listed("materials", materials, "names")
+        named = [materials] * count if one else check_list("materials", materials, "names")
         kinds = tuple(map(material, named))
         if velocity is not None:
             fields["velocities"] = np.zeros(count)
@@ -448,7 +336,7 @@ class Chain(Frozen):
         if materials is None:
             return cls.from_radii(radii, **fields)
         if not isinstance(materials, str | Material):
-            materials = listed("materials of the cell", materials, "names") * cells
+            materials = check_list("materials of the cell", materials, "names") * cells
         return cls.from_materials(radii, materials, **fields)
 
     @classmethod
@@ -489,105 +377,14 @@ class Chain(Frozen):
         masses = np.where(np.arange(count) % 2, ratio, 1.0)
         return cls(np.cbrt(masses), exponent, masses=masses, stiffness=np.ones(count - 1))
 
-    def replace(self, **changes: Any) -> Chain:
-        """The same chain with some fields changed; what follows from them follows anew.
-
-        Parameters
-        ----------
-        **changes
-            Fields of `Chain` and their new values.
-
-        Returns
-        -------
-        Chain
-
-        Raises
-        ------
-        InputError
-            For a field that does not exist, is out of its range or contradicts another.
-
-        Examples
-        --------
-        >>> Chain.uniform(20).replace(right_wall=Wall.rigid())
-        Chain(uniform, 20 beads, right wall)
-        """
-        fields = [item.name for item in dataclasses.fields(self) if item.init]
-        for name in changes:
-            if name not in fields:
-                raise unknown_name("field of a chain", name, fields)
-        kept = {
-            name: getattr(self, name)
-            for name in fields
-            if name not in DERIVED or name in self.given
-        }
-        if "radii" in changes:
-            kept |= {"taper": None, "rate": None}
-        return Chain(**(kept | changes))
-
-    # Verbs that make another chain of this one, an idea a file.
-    decorated = patterns.decorated
-    with_defects = patterns.with_defects
-    with_scatter = patterns.with_scatter
+    # Methods that make another chain of this one, one idea per file.
+    decorated = modifications.decorated
+    with_defects = modifications.with_defects
+    with_scatter = modifications.with_scatter
     struck_by = striking.struck_by
+    with_contacts = contact_shapes.with_contacts
 
-    @property
-    def beads(self) -> int:
-        """Number of beads N."""
-        return len(self.radii)
+    def _repr_html_(self) -> str:
+        from ..notebook.chains import chain_html
 
-    @property
-    def wall_stiffness(self) -> tuple[float, float]:
-        r"""Stiffness of the contacts with left and right wall [scaled, or N/m^p]; 0 if free.
-
-        Scaled, a flat wall of the bead's own material has :math:`\sqrt{2R}`, a rigid one
-        twice as much.
-        """
-        left = wall_stiffness_of(self, self.left_wall, 0)
-        return left, wall_stiffness_of(self, self.right_wall, self.beads - 1)
-
-    @property
-    def centre_distances(self) -> Array:
-        """Distances between the centres of neighbours at first, shape (N - 1,) [R_1, or m].
-
-        With the gaps in SI units; in scaled ones these are in units of the overlaps, and
-        beside a radius nothing.
-        """
-        touching = self.radii[:-1] + self.radii[1:]
-        return touching + self.gaps if self.units == "SI" else touching
-
-    @property
-    def features(self) -> tuple[str, ...]:
-        """What the chain has beyond the paper's: names such as ``"gaps"``, ``"right wall"``."""
-        return features_of(self)
-
-    @property
-    def description(self) -> str:
-        """The chain in a few words, as it heads tables and figures."""
-        return description_of(self)
-
-    def __repr__(self) -> str:
-        return f"Chain({self.description})"
-
-
-def _checked_materials(given: Sequence[MaterialLike], beads: int) -> tuple[Material, ...]:
-    kinds = tuple(map(material, listed("materials", given, "names")))
-    if len(kinds) != beads:
-        raise InputError(f"there must be {beads} materials, one for each bead, got {len(kinds)}")
-    return kinds
-
-
-def _derived(what: str, place: str, values: Array) -> Array:
-    """What follows from radii and materials, unless it is no number any more."""
-    good = (values > 0.0) & np.isfinite(values)
-    if not good.all():
-        k = int(np.argmin(good))
-        raise InputError(
-            f"{what} of {place} {k + 1} would be {values[k]:g} from its radius and material: look "
-            "at their units, and take a wall, not a bead, for what does not give"
-        )
-    return _read_only(values)
-
-
-def _read_only(values: Array) -> Array:
-    values.setflags(write=False)
-    return values
+        return chain_html(self)

@@ -7,26 +7,26 @@ not smooth, which an integration must not step over.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Final, Literal, TypeAlias, get_args
+from dataclasses import dataclass, field
+from typing import Final, Literal, TypeAlias, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from hertzchain.arguments import one_of
-from hertzchain.chain.parts import Part
-from hertzchain.checks import column, number, real_numbers
-from hertzchain.contacts import Array
-from hertzchain.errors import InputError
-
-if TYPE_CHECKING:
-    from hertzchain.chain.scales import Scales
+from ..collision import Array
+from ..errors import InputError
+from ..validation.numbers import number, per_bead_array, real_numbers
+from ..validation.objects import check_choice
+from .parts import Part
+from .scales import scale
 
 Driven = Literal["force", "displacement"]
 Window = Literal["hann", "none"]
 DRIVEN: Final[tuple[Driven, ...]] = get_args(Driven)
 WINDOWS: Final[tuple[Window, ...]] = get_args(Window)
+# Unit of a value by what is driven, in SI and in the words of `Scales.unit`.
+_UNIT: Final[dict[str, str]] = {"force": "N", "displacement": "m"}
+_DRIVEN_SCALE: Final = scale(lambda drive: {"force": "force", "displacement": "length"}[drive.of])
 
 
 @dataclass(frozen=True)
@@ -60,8 +60,8 @@ class SineBurst(Part):
     array([  0., 100.,   0.])
     """
 
-    amplitude: float
-    frequency: float
+    amplitude: float = field(metadata=_DRIVEN_SCALE)
+    frequency: float = field(metadata=scale("1/time"))
     cycles: float = 5.0
     of: Driven = "force"
     window: Window = "hann"
@@ -69,7 +69,7 @@ class SineBurst(Part):
     def __post_init__(self) -> None:
         super().__post_init__()
         _check_driven(self.of)
-        one_of("window", self.window, WINDOWS)
+        check_choice("window", self.window, WINDOWS)
         _set(self, "amplitude", number("amplitude", self.amplitude, unit=_UNIT[self.of]))
         _set(self, "frequency", number("frequency", self.frequency, unit="Hz", above=0.0))
         endless = isinstance(self.cycles, float) and self.cycles == math.inf
@@ -109,35 +109,15 @@ class SineBurst(Part):
         >>> round(float(SineBurst(1.0, 1.0, cycles=1.0).value(0.25)), 6)
         0.5
         """
-        periods = self.frequency * _moments(times)
+        periods = self.frequency * _saved_times(times)
         carrier = self.amplitude * np.sin(2.0 * math.pi * periods)
         if self.window == "hann":
             carrier = carrier * np.sin(math.pi * periods / self.cycles) ** 2
         return np.asarray(np.where((periods > 0.0) & (periods < self.cycles), carrier, 0.0))
 
-    def factors(self, scales: Scales) -> Mapping[str, float]:
-        """Units of the fields that have one.
-
-        Parameters
-        ----------
-        scales : Scales
-            The units.
-
-        Returns
-        -------
-        dict
-
-        Examples
-        --------
-        >>> import hertzchain as hc
-        >>> SineBurst(1.0, 1.0).factors(hc.Scales(1.0, 1.0, velocity=1.0, length=2.0))
-        {'amplitude': 0.5, 'frequency': 0.5}
-        """
-        return {"amplitude": _scale(self.of, scales), "frequency": 1.0 / scales.time}
-
 
 @dataclass(frozen=True)
-class Step(Part):
+class StepDrive(Part):
     r"""A value that is reached and kept.
 
     .. math:: a(t) = A\,(3u^2 - 2u^3), \qquad u = \min(t/t_r, 1)
@@ -153,12 +133,12 @@ class Step(Part):
 
     Examples
     --------
-    >>> Step(2.0, rise=1.0).value([-1.0, 0.5, 9.0])
+    >>> StepDrive(2.0, rise=1.0).value([-1.0, 0.5, 9.0])
     array([0., 1., 2.])
     """
 
-    amplitude: float
-    rise: float = 0.0
+    amplitude: float = field(metadata=_DRIVEN_SCALE)
+    rise: float = field(default=0.0, metadata=scale("time"))
     of: Driven = "force"
 
     def __post_init__(self) -> None:
@@ -197,38 +177,18 @@ class Step(Part):
 
         Examples
         --------
-        >>> float(Step(3.0).value(1.0))
+        >>> float(StepDrive(3.0).value(1.0))
         3.0
         """
-        t = _moments(times)
+        t = _saved_times(times)
         if self.rise == 0.0:
             return np.asarray(np.where(t >= 0.0, self.amplitude, 0.0))
         u = np.clip(t / self.rise, 0.0, 1.0)
         return np.asarray(self.amplitude * u**2 * (3.0 - 2.0 * u))
 
-    def factors(self, scales: Scales) -> Mapping[str, float]:
-        """Units of the fields that have one.
-
-        Parameters
-        ----------
-        scales : Scales
-            The units.
-
-        Returns
-        -------
-        dict
-
-        Examples
-        --------
-        >>> import hertzchain as hc
-        >>> Step(1.0).factors(hc.Scales(1.0, 1.0, velocity=1.0, length=2.0))
-        {'amplitude': 0.5, 'rise': 2.0}
-        """
-        return {"amplitude": _scale(self.of, scales), "rise": scales.time}
-
 
 @dataclass(frozen=True, eq=False)
-class Table(Part):
+class TableDrive(Part):
     """Values measured at given times, joined by straight lines; kept before and after.
 
     Attributes
@@ -242,20 +202,22 @@ class Table(Part):
 
     Examples
     --------
-    >>> Table([0.0, 1.0, 2.0], [0.0, 5.0, 0.0]).value([0.5, 3.0])
+    >>> TableDrive([0.0, 1.0, 2.0], [0.0, 5.0, 0.0]).value([0.5, 3.0])
     array([2.5, 0. ])
     """
 
-    times: Array
-    values: Array
+    times: Array = field(metadata=scale("time"))
+    values: Array = field(metadata=_DRIVEN_SCALE)
     of: Driven = "force"
 
     def __post_init__(self) -> None:
         super().__post_init__()
         _check_driven(self.of)
         given = real_numbers("time of the drive", self.times, "row", unit="s")
-        times = column("time of the drive", given, given.size, "row")
-        values = column("value of the drive", self.values, len(times), "row", unit=_UNIT[self.of])
+        times = per_bead_array("time of the drive", given, given.size, "row")
+        values = per_bead_array(
+            "value of the drive", self.values, len(times), "row", unit=_UNIT[self.of]
+        )
         if len(times) < 2:
             raise InputError(f"the table of a drive needs at least two times, got {len(times)}")
         falls = np.flatnonzero(np.diff(times) <= 0.0)
@@ -293,44 +255,22 @@ class Table(Part):
 
         Examples
         --------
-        >>> float(Table([0.0, 1.0], [0.0, 1.0]).value(0.25))
+        >>> float(TableDrive([0.0, 1.0], [0.0, 1.0]).value(0.25))
         0.25
         """
-        return np.asarray(np.interp(_moments(times), self.times, self.values))
-
-    def factors(self, scales: Scales) -> Mapping[str, float]:
-        """Units of the fields that have one.
-
-        Parameters
-        ----------
-        scales : Scales
-            The units.
-
-        Returns
-        -------
-        dict
-
-        Examples
-        --------
-        >>> import hertzchain as hc
-        >>> Table([0, 1], [0, 1]).factors(hc.Scales(1.0, 1.0, velocity=1.0, length=2.0))
-        {'times': 2.0, 'values': 0.5}
-        """
-        return {"times": scales.time, "values": _scale(self.of, scales)}
+        return np.asarray(np.interp(_saved_times(times), self.times, self.values))
 
     def __repr__(self) -> str:
         return (
-            f"Table({len(self.times)} times, {self.times[0]:g} to {self.times[-1]:g}, "
+            f"TableDrive({len(self.times)} times, {self.times[0]:g} to {self.times[-1]:g}, "
             f"of={self.of!r})"
         )
 
 
-Drive: TypeAlias = SineBurst | Step | Table
-
-_UNIT: Final[dict[str, str]] = {"force": "N", "displacement": "m"}
+Drive: TypeAlias = SineBurst | StepDrive | TableDrive
 
 
-def _moments(times: ArrayLike) -> Array:
+def _saved_times(times: ArrayLike) -> Array:
     moments = real_numbers("time", times)
     if not np.isfinite(moments).all():
         raise InputError("times of a drive must be finite")
@@ -338,11 +278,7 @@ def _moments(times: ArrayLike) -> Array:
 
 
 def _check_driven(of: str) -> None:
-    one_of("driven quantity", of, DRIVEN)
-
-
-def _scale(of: Driven, scales: Scales) -> float:
-    return scales.force if of == "force" else scales.length
+    check_choice("driven quantity", of, DRIVEN)
 
 
 def _set(item: object, name: str, value: object) -> None:

@@ -1,7 +1,7 @@
-"""A chain at rest: what its contacts bear before anything moves.
+"""Static equilibrium of a chain before the impact.
 
-In a row each force follows from the one before it, so nothing needs to be solved for but
-the overlaps.
+In a line of beads, each contact force follows from the previous one, so that no system of equations
+has to be solved.
 """
 
 from __future__ import annotations
@@ -10,35 +10,38 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from hertzchain.chain.chain import Chain
-from hertzchain.chain.coverage import check_chain
-from hertzchain.chain.holding import static_forces, static_overlaps
-from hertzchain.contacts import Array
+from ..collision import Array
+from ..representation import short
+from .chain import Chain
+from .contact_groups import loading_overlaps
+from .feature_support import require_chain
+from .static_forces import static_forces
 
 
 @dataclass(frozen=True, eq=False)
 class StaticState:
-    r"""Where the beads are at time 0, and which forces act on them all the time.
+    r"""Positions, gaps and constant forces of a chain at time 0.
 
-    Contacts are counted with the walls: contact 0 is that of the left wall and bead 1,
-    contact N that of bead N and the right wall.  The overlap of contact c is
+    Contact numbers include the walls: contact 0 joins the left wall and bead 1, contact N
+    joins bead N and the right wall.  The overlap of contact c is
 
     .. math:: d_c = x_c - x_{c+1} - g_c , \qquad x_0 = x_{N+1} = 0 .
 
     Attributes
     ----------
     positions : ndarray, shape (N,)
-        Displacements :math:`x_k` from where the unloaded beads touch [scaled, or m]; of
-        the two ends, the right one stays in place if it has a wall or neither has.
+        Displacements :math:`x_k` from the positions at which the unloaded beads touch
+        [scaled, or m].  The right end stays in place if it has a wall, or if neither end
+        has one; otherwise the left end does.
     gaps : ndarray, shape (N + 1,)
-        Distances :math:`g_c` in the formula; negative for a wall that was moved in to hold
-        the chain [scaled, or m].
+        Distances :math:`g_c` in the formula [scaled, or m].  The gap is negative for a wall
+        that was moved inwards to hold the chain.
     forces : ndarray, shape (N + 1,)
-        Static force of each contact [scaled, or N]; that of a free end is the constant
-        force on it.
+        Static force of each contact [scaled, or N]; at a free end, the constant force on
+        it.
     body_forces : ndarray, shape (N,)
-        Constant force on each bead: its weight along the chain and what holds a free end
-        [scaled, or N].
+        Constant force on each bead [scaled, or N]: the component of its weight along the
+        chain, and the force that holds a free end.
 
     Examples
     --------
@@ -53,20 +56,25 @@ class StaticState:
     forces: Array
     body_forces: Array
 
+    def __repr__(self) -> str:
+        forces = f"static forces {self.forces.min():.4g} .. {self.forces.max():.4g}"
+        moved = f"largest displacement {np.abs(self.positions).max():.4g}"
+        return short("StaticState", f"{len(self.positions)} beads", forces, moved)
+
 
 def equilibrium(chain: Chain) -> StaticState:
-    r"""The static state from which a chain starts.
+    r"""Compute the static state from which a chain starts.
 
-    From the contact that bears least, with the chain's precompression :math:`F_0`, forces
-    grow by the weight of each bead, and
+    The contact with the smallest force carries the precompression :math:`F_0`.  From there
+    the force grows by the weight of each bead, and the overlaps are
 
     .. math:: d_c = (F_c/k_c)^{1/p} .
 
     Parameters
     ----------
     chain : Chain
-        Any chain.  If nothing holds it, as without precompression and wall to stand on,
-        or if there are gaps, beads are where they are put and forces are 0.
+        Any chain.  Without precompression, and without a wall on which the chain rests
+        under gravity, or if there are gaps, all forces are 0.
 
     Returns
     -------
@@ -74,18 +82,20 @@ def equilibrium(chain: Chain) -> StaticState:
 
     Examples
     --------
-    A force of 8 on contacts of stiffness 1: overlaps are :math:`8^{2/3} = 4`.
+    A force of 8 on contacts of stiffness 1 gives overlaps of :math:`8^{2/3} = 4`:
 
     >>> import hertzchain as hc
     >>> chain = hc.Chain.uniform(4).replace(precompression=8.0, held_by="force")
     >>> equilibrium(chain).positions.round(9)
     array([12.,  8.,  4.,  0.])
     """
-    check_chain("equilibrium", chain)
-    forces = static_forces(chain)
-    overlaps = static_overlaps(chain, forces)
+    require_chain("equilibrium", chain)
+    forces = static_forces(chain.loads)
+    overlaps = np.zeros(len(forces))
+    if forces.any():
+        overlaps = loading_overlaps(chain.contact_groups, forces)
 
-    # Each bead from the one after it; strikers just meet the chain, but for their gaps.
+    # Each position follows from the next bead's; strikers touch the chain without overlap.
     behind = overlaps[1:-1].copy()
     behind[: chain.strikers] = 0.0
     positions = np.append(np.cumsum(behind[::-1])[::-1], 0.0)

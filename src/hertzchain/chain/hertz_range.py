@@ -1,15 +1,15 @@
-r"""Whether a chain in SI units stays where Hertz' law holds.
+r"""Compare a chain in SI units with the limits of Hertz's law.
 
-Hertz' contacts are small beside the beads, elastic, and slow beside sound.  Each of the
-three is a ratio that must be small, with a limit below which nobody need worry:
+Hertz's law assumes that contacts are small compared with the beads, elastic, and slow
+compared with sound.  Each assumption corresponds to a ratio with an upper limit:
 
 =====================  ==============================================  ========
-ratio                  of                                              limit
+ratio                  definition                                      limit
 =====================  ==============================================  ========
-overlap over radius    :math:`d/R = (a/R)^2`, a the contact's radius   0.01
-pressure over yield    :math:`p_0/(1.60\,Y)`, first yield below the    1
+overlap / radius       :math:`d/R = (a/R)^2`, a the contact radius     0.01
+pressure / yield       :math:`p_0/(1.60\,Y)`, first yield below the    1
                        surface (von Mises, nu = 0.3)
-speed over sound       closing speed over :math:`\sqrt{E/\rho}`        0.01
+speed / sound          closing speed over :math:`\sqrt{E/\rho}`        0.01
 =====================  ==============================================  ========
 
 K. L. Johnson, *Contact Mechanics*, Cambridge 1985, Secs. 4.2, 6.1 and 11.4,
@@ -27,34 +27,35 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike
 
-from hertzchain.chain.chain import Chain
-from hertzchain.chain.coverage import check_chain
-from hertzchain.chain.materials import Material
-from hertzchain.chain.walls import Wall
-from hertzchain.checks import column, real_numbers
-from hertzchain.contacts import Array, collision_overlap, reduced_mass
-from hertzchain.errors import InputError, ModelRangeWarning
+from ..collision import Array, collision_overlap, reduced_mass
+from ..errors import InputError, ModelRangeWarning
+from ..representation import short
+from ..validation.numbers import per_bead_array, real_numbers
+from .chain import Chain
+from .feature_support import require_chain
+from .materials import FIRST_YIELD, Material
+from .walls import Wall
 
-LARGEST_OVERLAP_RATIO: Final = 0.01
-LARGEST_SPEED_RATIO: Final = 0.01
-# Largest pressure of a contact over the yield strength when its softer body first yields.
-FIRST_YIELD: Final = 1.60
+MAX_OVERLAP_RATIO: Final = 0.01
+MAX_SPEED_RATIO: Final = 0.01
 
 
 @dataclass(frozen=True, eq=False)
 class HertzRange:
-    """How far a chain's contacts are from the limits of Hertz' law.
+    """Ratios that show how far contacts are from the limits of Hertz's law.
 
-    Contacts are counted with the walls, from 0 (left wall) to N (right wall).
+    Contact numbers include the walls, from 0 (left wall) to N (right wall).
 
     Attributes
     ----------
     overlap_ratio : ndarray, shape (N + 1,)
-        Overlap over the effective radius of each contact.
+        Overlap over effective radius of each contact.
     yield_ratio : ndarray, shape (N + 1,)
-        Largest pressure over that of first yield; 0 where no yield strength is known.
+        Largest pressure over the pressure at first yield; 0 if no yield strength is known, or if
+        the law of the contact describes what happens beyond it.
     speed_ratio : float
-        Fastest closing speed of neighbours at time 0 over the slower of their sound speeds.
+        Largest ratio of the closing speed of two neighbours at time 0 to the slower of their
+        sound speeds.
 
     Examples
     --------
@@ -70,55 +71,67 @@ class HertzRange:
     speed_ratio: float
 
     @property
-    def complaints(self) -> tuple[str, ...]:
-        """A sentence for each limit that is exceeded."""
+    def violations(self) -> tuple[str, ...]:
+        """One sentence for each limit that is exceeded."""
         found = []
         at = int(np.argmax(self.overlap_ratio))
-        if self.overlap_ratio[at] > LARGEST_OVERLAP_RATIO:
+        if self.overlap_ratio[at] > MAX_OVERLAP_RATIO:
             found.append(
-                f"{_place(at, self)} is pressed in by {self.overlap_ratio[at]:.2g} of its radius, "
-                f"more than the {LARGEST_OVERLAP_RATIO:g} up to which Hertz' law is safe"
+                f"the overlap at {_place(at, self)} is {self.overlap_ratio[at]:.2g} of the "
+                f"effective radius; Hertz's law is reliable up to {MAX_OVERLAP_RATIO:g}"
             )
         at = int(np.argmax(self.yield_ratio))
         if self.yield_ratio[at] > 1.0:
             others = np.count_nonzero(self.yield_ratio > 1.0) - 1
-            besides = f" ({others} more exceed it)" if others else ""
+            besides = f" (exceeded at {others} more contacts)" if others else ""
             found.append(
-                f"the pressure in {_place(at, self)} reaches {self.yield_ratio[at]:.3g} times that "
-                f"of first yield{besides}: expect dents, and less force than Hertz' law gives; no "
-                "law of loss here has a yield point: reduce the velocity, or use Restitution with "
-                "a coefficient measured at this speed"
+                f"the pressure at {_place(at, self)} is {self.yield_ratio[at]:.3g} times the "
+                f"pressure at first yield{besides}; expect plastic dents and smaller forces than "
+                "those of Hertz's law: reduce the velocity, or use loss=ElasticPlastic(), which "
+                "yields, or Restitution with a coefficient measured at this speed"
             )
-        if self.speed_ratio > LARGEST_SPEED_RATIO:
+        if self.speed_ratio > MAX_SPEED_RATIO:
             found.append(
-                f"beads meet with {self.speed_ratio:.2g} of the speed of sound in them, more than "
-                f"the {LARGEST_SPEED_RATIO:g} up to which contacts are static"
+                f"the closing speed is {self.speed_ratio:.2g} of the sound speed in the beads; the "
+                f"quasi-static contact law is reliable up to {MAX_SPEED_RATIO:g}"
             )
         return tuple(found)
+
+    def __repr__(self) -> str:
+        overlap, pressure = int(np.argmax(self.overlap_ratio)), int(np.argmax(self.yield_ratio))
+        exceeded = f"; {len(self.violations)} limits exceeded" if self.violations else ""
+        return short(
+            "HertzRange",
+            f"{len(self.overlap_ratio)} contacts",
+            f"overlap / radius {self.overlap_ratio[overlap]:.2g} at contact {overlap}, pressure / "
+            f"yield {self.yield_ratio[pressure]:.3g} at contact {pressure}, speed / sound "
+            f"{self.speed_ratio:.2g}{exceeded}",
+        )
 
     def __str__(self) -> str:
         overlap, pressure = int(np.argmax(self.overlap_ratio)), int(np.argmax(self.yield_ratio))
         return "\n".join(
             (
                 f"overlap / radius  {self.overlap_ratio[overlap]:.2g} at contact {overlap} "
-                f"(limit {LARGEST_OVERLAP_RATIO:g})",
+                f"(limit {MAX_OVERLAP_RATIO:g})",
                 f"pressure / yield  {self.yield_ratio[pressure]:.3g} at contact {pressure} "
                 "(limit 1)",
-                f"speed / sound  {self.speed_ratio:.2g} (limit {LARGEST_SPEED_RATIO:g})",
+                f"speed / sound  {self.speed_ratio:.2g} (limit {MAX_SPEED_RATIO:g})",
             )
         )
 
 
 def hertz_range(chain: Chain, overlaps: ArrayLike | None = None) -> HertzRange:
-    """Hold a chain against the limits of Hertz' law.
+    """Compare a chain with the limits of Hertz's law.
 
     Parameters
     ----------
     chain : Chain
-        A chain in SI units, of materials.
+        A chain in SI units with materials.
     overlaps : array_like, optional
-        Largest overlap of each contact [m], of length N - 1, or N + 1 with the walls.  If not
-        given: as if each pair of beads that approach each other at time 0 collided alone.
+        Largest overlap of each contact [m], of length N - 1, or N + 1 with the walls.  By
+        default, each pair of beads that approach each other at time 0 is treated as an
+        isolated collision.
 
     Returns
     -------
@@ -127,12 +140,12 @@ def hertz_range(chain: Chain, overlaps: ArrayLike | None = None) -> HertzRange:
     Raises
     ------
     InputError
-        If the chain is not of materials, or there are too few or many overlaps.
+        If the chain has no materials, or the number of overlaps is wrong.
 
     Examples
     --------
-    Balls of hardened steel first yield when they meet with some 0.4 m/s, of annealed
-    stainless steel with a few mm/s; the pressure goes as the speed to the power 2/5:
+    Balls of hardened steel first yield at a closing speed of about 0.4 m/s, balls of annealed
+    stainless steel at 1.5 mm/s; the pressure is proportional to the speed to the power 2/5:
 
     >>> import hertzchain as hc
     >>> for name, speed in (("steel-52100", 0.43), ("steel-304", 0.0015)):
@@ -141,11 +154,11 @@ def hertz_range(chain: Chain, overlaps: ArrayLike | None = None) -> HertzRange:
     steel-52100 1.0
     steel-304 1.0
     """
-    check_chain("hertz_range", chain)
+    require_chain("hertz_range", chain)
     if chain.units != "SI" or chain.materials is None:
         raise InputError(
-            "the limits of Hertz' law need materials: make the chain by Chain.from_materials, "
-            f"got {chain.description}"
+            "the limits of Hertz's law require materials; build the chain with "
+            f"Chain.from_materials (chain: {chain.description})"
         )
     d = _collisions(chain) if overlaps is None else _with_walls(chain, overlaps)
     bodies = [_wall_material(chain, chain.left_wall, 0), *chain.materials]
@@ -162,22 +175,23 @@ def hertz_range(chain: Chain, overlaps: ArrayLike | None = None) -> HertzRange:
     pressure = 2.0 / math.pi * modulus * np.sqrt(d / radius)
     sound = np.array([each.sound_speed for each in chain.materials])
     closing = np.maximum(-np.diff(chain.velocities), 0.0)
+    elastic = np.array([not law.yields for law in chain.contact_losses])
     return HertzRange(
         overlap_ratio=d / radius,
-        yield_ratio=pressure / (FIRST_YIELD * strength),
+        yield_ratio=elastic * pressure / (FIRST_YIELD * strength),
         speed_ratio=float(np.max(closing / np.minimum(sound[:-1], sound[1:]))),
     )
 
 
 def warn_outside_hertz(chain: Chain, overlaps: ArrayLike) -> None:
-    """Warn of each limit of Hertz' law that a chain in SI units has exceeded.
+    """Issue a warning for each limit of Hertz's law that a chain in SI units exceeds.
 
     Parameters
     ----------
     chain : Chain
-        Any chain; one without materials has no limits to exceed.
+        Any chain; there is no warning if it has no materials.
     overlaps : array_like
-        Largest overlap of each contact, as of `hertz_range`.
+        Largest overlap of each contact, as for `hertz_range`.
 
     Examples
     --------
@@ -185,14 +199,14 @@ def warn_outside_hertz(chain: Chain, overlaps: ArrayLike) -> None:
     >>> warn_outside_hertz(hc.Chain.uniform(3), [0.1, 0.1])
     """
     if chain.units == "SI" and chain.materials is not None:
-        for complaint in hertz_range(chain, overlaps).complaints:
-            warnings.warn(complaint, ModelRangeWarning, stacklevel=3)
+        for violation in hertz_range(chain, overlaps).violations:
+            warnings.warn(violation, ModelRangeWarning, stacklevel=3)
 
 
 def _collisions(chain: Chain) -> Array:
     reduced = reduced_mass(chain.masses[:-1], chain.masses[1:])
     closing = np.maximum(-np.diff(chain.velocities), 0.0)
-    alone = collision_overlap(reduced, chain.stiffness, closing, chain.exponent)
+    alone = collision_overlap(reduced, chain.stiffness, closing, chain.exponents)
     return _with_walls(chain, alone)
 
 
@@ -200,11 +214,11 @@ def _with_walls(chain: Chain, overlaps: ArrayLike) -> Array:
     values = real_numbers("overlap", overlaps, "contact")
     if values.size == chain.beads - 1:
         values = np.pad(values.reshape(-1), 1)
-    return column("overlap", values, chain.beads + 1, "contact", least=0.0)
+    return per_bead_array("overlap", values, chain.beads + 1, "contact", least=0.0)
 
 
 def _wall_material(chain: Chain, wall: Wall | None, bead: int) -> Material:
-    """Of the wall, or the bead's own if none is named."""
+    """Material of a wall; by default that of the bead next to it."""
     assert chain.materials is not None
     named = None if wall is None else wall.material
     return chain.materials[bead] if named is None else named
@@ -212,6 +226,5 @@ def _wall_material(chain: Chain, wall: Wall | None, bead: int) -> Material:
 
 def _place(contact: int, found: HertzRange) -> str:
     last = len(found.overlap_ratio) - 1
-    return {0: "the left wall's contact", last: "the right wall's contact"}.get(
-        contact, f"contact {contact}"
-    )
+    walls = {0: "the left wall", last: "the right wall"}
+    return walls.get(contact, f"contact {contact}")

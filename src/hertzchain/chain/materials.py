@@ -1,7 +1,7 @@
 r"""Materials of beads and walls: density, elastic constants, yield strength.
 
-`Material` is one line for a material of your own; `material` finds one of the catalogue
-in ``materials.toml``, where the source of each number stands beside it.
+`Material` defines a custom material; `material` finds one in the catalogue, the file
+``materials.toml``, which also states the source of each number.
 """
 
 from __future__ import annotations
@@ -17,23 +17,26 @@ from typing import Any, Final, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike
 
-from hertzchain.arguments import instance, text
-from hertzchain.checks import number, real_numbers
-from hertzchain.contacts import Array
-from hertzchain.errors import InputError, unknown_name
+from ..collision import Array
+from ..errors import InputError, unknown_name_error
+from ..representation import short
+from ..validation.numbers import number, real_numbers
+from ..validation.objects import check_type, text
 
 # Densities that a bead can have [kg/m^3]: an aerogel has 1, osmium 22,600.
 MIN_DENSITY, MAX_DENSITY = 1e-3, 1e6
+# Largest pressure of a contact over the yield strength when its softer body first yields.
+FIRST_YIELD: Final = 1.60
 
 
 @dataclass(frozen=True)
 class Material:
-    """What a bead or a wall is made of, in SI units.
+    """Material of a bead or a wall, in SI units.
 
     Attributes
     ----------
     name : str
-        Name, as it is printed: text on one line, without control characters.
+        Name, one line of text without control characters.
     density : float
         Density, 0.001 to 1e6 [kg/m^3].
     young : float
@@ -41,18 +44,18 @@ class Material:
     poisson : float
         Poisson's ratio, -1 < nu < 0.5.
     yield_strength : float or None
-        Stress in tension at which it yields [Pa], where that has a meaning.
+        Yield strength in tension [Pa], if the material has one.
     source : str
-        Where the numbers are from.
+        Source of the numbers.
 
     Raises
     ------
     InputError
-        If a number is impossible.
+        If a number is out of range.
 
     Examples
     --------
-    A material of your own:
+    A custom material:
 
     >>> Material("my steel", density=7850.0, young=210e9, poisson=0.29)
     Material(my steel: 7850 kg/m^3, E = 210 GPa, nu = 0.29)
@@ -67,7 +70,7 @@ class Material:
 
     def __post_init__(self) -> None:
         text("name of a material", self.name)
-        instance("source of a material", self.source, str)
+        check_type("source of a material", self.source, str)
         _check_text("name", self.name, ("Cc", "Cs"))
         _check_text("source", self.source, ("Cs",))
 
@@ -76,64 +79,54 @@ class Material:
             object.__setattr__(self, field, value)
 
         check("density", unit="kg/m**3", least=MIN_DENSITY, most=MAX_DENSITY,
-              hint="in kg/m^3, steel has 7800")  # fmt: skip
+              hint="steel has 7800 kg/m^3")  # fmt: skip
         if not (isinstance(self.young, float) and self.young == math.inf):
-            check("young", unit="Pa", above=0.0, hint="in Pa, steel has 200e9")
+            check("young", unit="Pa", above=0.0, hint="steel has 200e9 Pa")
         check("poisson", unit="", above=-1.0, below=0.5, hint="metals have 0.3, rubber 0.499")
         if self.yield_strength is not None:
             check("yield_strength", unit="Pa", above=0.0)
 
     @property
     def compliance(self) -> float:
-        r"""The plane-strain compliance :math:`(1-\nu^2)/E` [1/Pa]."""
+        r"""Plane-strain compliance :math:`(1-\nu^2)/E` [1/Pa]."""
         return (1.0 - self.poisson**2) / self.young
 
     @property
     def sound_speed(self) -> float:
-        r"""Speed of a thin bar's longitudinal waves, :math:`\sqrt{E/\rho}` [m/s]."""
+        r"""Speed of longitudinal waves in a thin bar, :math:`\sqrt{E/\rho}` [m/s]."""
         return math.sqrt(self.young / self.density)
 
     def __repr__(self) -> str:
         strength = self.yield_strength
         yields = "" if strength is None else f", yields at {strength / 1e6:g} MPa"
         modulus = f"E = {self.young / 1e9:g} GPa, nu = {self.poisson:g}"
-        return f"Material({self.name}: {self.density:g} kg/m^3, {modulus}{yields})"
+        return short("Material", self.name, f"{self.density:g} kg/m^3, {modulus}{yields}")
 
 
 def _check_text(what: str, given: str, categories: tuple[str, ...]) -> None:
-    """Refuse characters that a file could not carry: half a character, or control characters."""
+    """Reject characters that cannot be written to a file: surrogates or control characters."""
     for place, character in enumerate(given, start=1):
         if unicodedata.category(character) in categories:
             raise InputError(
-                f"{what} of a material must be text that can be written, but character {place} of "
-                f"{given!a} is U+{ord(character):04X}: leave it out"
+                f"{what} of a material must be text that can be written to a file, but character "
+                f"{place} of {given!a} is U+{ord(character):04X}; remove it"
             )
 
 
-# A wall that does not give: only the bead is flattened.
+# Material of a rigid wall: only the bead deforms.
 RIGID: Final = Material("rigid", density=1.0, young=math.inf, poisson=0.0)
 MaterialLike: TypeAlias = Material | str
 
 
 @cache
 def catalogue() -> dict[str, Material]:
-    """All materials of the catalogue by name.
-
-    Returns
-    -------
-    dict
-
-    Examples
-    --------
-    >>> catalogue()["steel-52100"].young
-    203000000000.0
-    """
+    """All materials of the catalogue by name."""
     document = tomllib.loads((files("hertzchain.chain") / "materials.toml").read_text("utf-8"))
     return {name: Material(name, **entry) for name, entry in document.items()}
 
 
 def material(name: MaterialLike) -> Material:
-    """A material by its name in the catalogue; one of your own is handed back.
+    """Find a material by its name in the catalogue; a `Material` is returned unchanged.
 
     Parameters
     ----------
@@ -159,7 +152,7 @@ def material(name: MaterialLike) -> Material:
     known = catalogue()
     if not isinstance(name, str) or name not in known:
         raise InputError(
-            f"{unknown_name('material', name, known)}; one of your own is "
+            f"{unknown_name_error('material', name, known)}; define a custom material with "
             "Material(name, density=, young=, poisson=), or [materials.NAME] in a chain file"
         )
     return known[name]
@@ -192,14 +185,14 @@ def contact_modulus(one: Material, other: Material) -> float:
 
 
 def sphere_stiffness(radius: ArrayLike, next_radius: ArrayLike, modulus: ArrayLike) -> Array:
-    r"""Hertz stiffness of two spheres in SI, k of :math:`F = k\,d^{3/2}`.
+    r"""Hertz stiffness k of two spheres in SI units, with :math:`F = k\,d^{3/2}`.
 
     .. math::
 
         k = \tfrac43 E^* \sqrt{R_{\mathrm{eff}}}, \qquad
         \frac1{R_{\mathrm{eff}}} = \frac1{R_1} + \frac1{R_2}
 
-    Johnson 1985, Eq. (4.23).  An infinite radius is a flat wall.
+    Johnson 1985, Eq. (4.23).  An infinite radius represents a flat wall.
 
     Parameters
     ----------

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, fields
 
-from hertzchain.checks import has_unit
-from hertzchain.frozen import Frozen
+from ..frozen import Frozen
+from ..validation.numbers import has_unit
 
 
 @dataclass(frozen=True)

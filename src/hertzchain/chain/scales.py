@@ -1,4 +1,4 @@
-r"""Between the paper's scaled variables and SI units.
+r"""The units of the paper's scaled variables, in SI.
 
 Eqs. (2) and (3) of the paper: with the mass :math:`M_1`, radius :math:`R_1'` and speed
 :math:`V_1` of the striker and the stiffness :math:`k_1` of a contact of two beads like it,
@@ -7,45 +7,50 @@ lengths of motion are in units of
 .. math:: L = \left(\frac{M_1 V_1^2}{k_1}\right)^{1/(p+1)} ,
 
 times of :math:`L/V_1`, forces of :math:`M_1 V_1^2/L = k_1 L^p`; radii are in units of
-:math:`R_1'`, velocities of :math:`V_1`, masses of :math:`M_1`.  Nothing is converted
-unless asked for here.
+:math:`R_1'`, velocities of :math:`V_1`, masses of :math:`M_1`.
+
+`Scales` depends on no chain.  `hertzchain.chain.conversion` converts chains and results; it reads
+the unit of each number from the metadata of its field, which `scale` makes.
 """
 
 from __future__ import annotations
 
-import dataclasses
 import math
-from collections.abc import Mapping
+import re
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any, Protocol, TypeVar, runtime_checkable
+from typing import TYPE_CHECKING, Any, Final, TypeAlias, TypeVar
 
-import numpy as np
+from ..collision import HERTZ_EXPONENT
+from ..errors import InputError
+from ..representation import wrapped
+from ..validation.numbers import number
+from ..validation.objects import text
+from .input_checks import checked_exponent
 
-from hertzchain.chain.chain import Chain
-from hertzchain.chain.coverage import check_chain
-from hertzchain.chain.materials import contact_modulus, sphere_stiffness
-from hertzchain.chain.sizes import checked_exponent
-from hertzchain.chain.walls import Wall
-from hertzchain.checks import number
-from hertzchain.contacts import HERTZ_EXPONENT, hertz_stiffness
-from hertzchain.errors import InputError, shown
-
-# Two numbers that only rounding has made different.
-ROUNDING = 1e-12
-
-
-@runtime_checkable
-class _Convertible(Protocol):
-    """A frozen dataclass that says in what units its fields are.
-
-    The factor of an array may be an array, that of a dictionary is one with the same keys;
-    what has no factor has no unit.
-    """
-
-    def factors(self, scales: Scales) -> Mapping[str, Any]: ...
-
+if TYPE_CHECKING:
+    from .conversion import Chain
 
 T = TypeVar("T")
+
+# Unit of a field: a product of powers of the units of `Scales`, such as "force/velocity"; one for
+# each row of an array; for each key of a dictionary; or a function of the object that gives either.
+Scale: TypeAlias = "str | tuple[str, ...] | Mapping[str, Scale] | Callable[[Any], Scale]"
+
+# Names of the units of `Scales`.
+_UNITS: Final = (
+    "1", "radius", "mass", "velocity", "length", "time", "momentum", "energy", "force", "stiffness",
+    "acceleration",
+)  # fmt: skip
+_FACTOR: Final = re.compile(r"([*/]?)([a-z1]+)(?:\^([+-]?\d+(?:\.\d+)?(?:e[+-]?\d+)?))?")
+
+
+def scale(unit: Scale, *, axis: int = 0) -> dict[str, Any]:
+    """Metadata of a field of a dataclass: its unit in scaled variables.
+
+    ``axis`` is the axis of an array along which a tuple of units runs.
+    """
+    return {"scale": unit, "axis": axis}
 
 
 @dataclass(frozen=True)
@@ -91,28 +96,29 @@ class Scales:
             self._check_derived(name)
 
     def _check_derived(self, name: str) -> None:
-        """Refuse units that cannot be represented."""
+        """Raise an error if a unit is too large or too small for a float."""
         try:
             value = float(getattr(self, name))
         except (OverflowError, ZeroDivisionError):
             value = math.inf
         if not 0.0 < value < math.inf:
             raise InputError(
-                f"the unit of {name} that follows from {self} is {value:g}: look at their units"
+                f"the unit of {name} that follows from {self} is {value:g}: check the units "
+                "of the scales"
             )
 
     @classmethod
     def of(cls, chain: Chain, *, velocity: float | None = None) -> Scales:
         """The scales in which a chain in SI units becomes the paper's.
 
-        The first bead that is no striker has radius and mass 1.
+        In these scales the first bead behind the strikers has radius and mass 1.
 
         Parameters
         ----------
         chain : Chain
             A chain in SI units.
         velocity : float, optional
-            Unit of velocity [m/s]; the fastest bead's at time 0 if not given.
+            Unit of velocity [m/s]; by default the velocity of the fastest bead at time 0.
 
         Returns
         -------
@@ -125,31 +131,18 @@ class Scales:
 
         Examples
         --------
-        >>> chain = Chain.from_materials(5e-3, "steel-52100", beads=20, velocity=2.0)
+        >>> import hertzchain as hc
+        >>> chain = hc.Chain.from_materials(5e-3, "steel-52100", beads=20, velocity=2.0)
         >>> Scales.of(chain).velocity
         2.0
         """
-        check_chain("Scales.of", chain)
-        if chain.units != "SI":
-            raise InputError(
-                "scales belong to a chain in SI units; for a scaled one give radius, mass, "
-                "velocity and length, or Scales.of_material"
-            )
-        fastest = float(np.abs(chain.velocities).max())
-        if velocity is None and fastest == 0.0:
-            raise InputError("nothing moves at time 0: give the velocity to scale with")
-        speed = number("velocity", fastest if velocity is None else velocity, unit="m/s", above=0.0)
-        unit = chain.strikers
-        radius, mass = float(chain.radii[unit]), float(chain.masses[unit])
-        if chain.materials is not None and "stiffness" not in chain.given:
-            own = chain.materials[unit]
-            stiffness = float(sphere_stiffness(radius, radius, contact_modulus(own, own)))
-        else:
-            # The contact behind it, as if its beads were of one material.
-            ratio = hertz_stiffness(1.0, chain.radii[min(unit + 1, chain.beads - 1)] / radius)
-            stiffness = float(chain.stiffness[min(unit, chain.beads - 2)] / ratio)
-        length = (mass * (speed * speed) / stiffness) ** (1.0 / (chain.exponent + 1.0))
-        return cls(radius, mass, speed, length, chain.exponent)
+        from .conversion import scales_of
+
+        return scales_of(chain, velocity)
+
+    def __repr__(self) -> str:
+        fields = ("radius", "mass", "velocity", "length", "exponent")
+        return wrapped(f"Scales({', '.join(f'{name}={getattr(self, name)!r}' for name in fields)})")
 
     @property
     def time(self) -> float:
@@ -181,12 +174,49 @@ class Scales:
         """Unit of acceleration V_1^2/L [m/s^2]."""
         return self.velocity**2 / self.length
 
-    def to_si(self, item: T) -> T:
-        """A chain, run, pulse, drive, ... in scaled variables, in SI units.
+    def unit(self, scale: str) -> float:
+        """Unit in SI of a product of powers of the units above.
 
         Parameters
         ----------
-        item : Chain, Run, State, Pulse, or part of a chain
+        scale : str
+            Such as ``"momentum"``, ``"force/velocity"``, ``"1/time"`` or ``"force/velocity^1.8"``:
+            names of the attributes of `Scales`, evaluated from left to right.
+
+        Returns
+        -------
+        float
+
+        Raises
+        ------
+        InputError
+            If it is not such a product.
+
+        Examples
+        --------
+        >>> Scales(radius=1.0, mass=1.0, velocity=2.0, length=6.0).unit("1/time")
+        0.3333333333333333
+        """
+        product = f"*{text('scale', scale)}"
+        factors = _FACTOR.findall(product)
+        known = all(sign and name in _UNITS for sign, name, _ in factors)
+        if not known or _FACTOR.sub("", product):
+            raise InputError(
+                f"a scale is a product of powers of {', '.join(_UNITS)}, such as "
+                f"'force/velocity', got {scale!r}"
+            )
+        value = 1.0
+        for sign, name, power in factors:
+            base = 1.0 if name == "1" else float(getattr(self, name)) ** float(power or 1.0)
+            value = value / base if sign == "/" else value * base
+        return value
+
+    def to_si(self, item: T) -> T:
+        """Convert a chain, run, pulse, drive, ... from scaled variables to SI units.
+
+        Parameters
+        ----------
+        item : Chain, Run, State, Pulse, LeadingPulse, Fronts, or part of a chain
             What to convert.
 
         Returns
@@ -196,7 +226,7 @@ class Scales:
         Raises
         ------
         InputError
-            If it is in SI units already, or cannot be converted.
+            If it is already in SI units, or cannot be converted.
 
         Examples
         --------
@@ -206,17 +236,19 @@ class Scales:
         >>> float(pulse.peak_time is None), round(float(pulse.arrival[1] * 1e6), 3)
         (1.0, 14.633)
         """
-        return _converted(item, self, to_si=True)
+        from .conversion import converted
+
+        return converted(item, self, to_si=True)
 
     def to_scaled(self, item: T) -> T:
-        """A chain, run, pulse, drive, ... in SI units, in the paper's scaled variables.
+        """Convert a chain, run, pulse, drive, ... from SI units to the paper's scaled variables.
 
-        A chain that is the paper's but for its units becomes a plain one, which the
-        theories take.
+        Masses and stiffness that follow from the radii are not given in the scaled chain, so that
+        the theories accept it.
 
         Parameters
         ----------
-        item : Chain, Run, State, Pulse, or part of a chain
+        item : Chain, Run, State, Pulse, LeadingPulse, Fronts, or part of a chain
             What to convert.
 
         Returns
@@ -226,84 +258,15 @@ class Scales:
         Raises
         ------
         InputError
-            If it is scaled already, or cannot be converted.
+            If it is already scaled, or cannot be converted.
 
         Examples
         --------
-        >>> chain = Chain.from_materials([5e-3, 2.5e-3, 5e-3], "steel-52100")
+        >>> import hertzchain as hc
+        >>> chain = hc.Chain.from_materials([5e-3, 2.5e-3, 5e-3], "steel-52100")
         >>> Scales.of(chain).to_scaled(chain).masses
         array([1.   , 0.125, 1.   ])
         """
-        return _converted(item, self, to_si=False)
+        from .conversion import converted
 
-
-def _converted(item: T, scales: Scales, *, to_si: bool) -> T:
-    if isinstance(item, Chain):
-        return _converted_chain(item, scales, to_si=to_si)  # type: ignore[return-value]
-    changes: dict[str, Any] = {}
-    if not dataclasses.is_dataclass(item) or isinstance(item, type):
-        raise InputError(
-            f"cannot convert {shown(item)}: it is no chain, run, pulse or part of a chain"
-        )
-    for field in dataclasses.fields(item):
-        value = getattr(item, field.name)
-        if isinstance(value, Chain | _Convertible):
-            changes[field.name] = _converted(value, scales, to_si=to_si)
-    if isinstance(item, _Convertible):
-        for name, factor in item.factors(scales).items():
-            value = getattr(item, name)
-            if value is not None:
-                changes[name] = _times(value, factor, to_si=to_si)
-    return dataclasses.replace(item, **changes)
-
-
-def _times(value: Any, factor: Any, *, to_si: bool) -> Any:
-    if isinstance(value, dict):
-        return value | {
-            name: _times(value[name], part, to_si=to_si) for name, part in factor.items()
-        }
-    return value * factor if to_si else value / factor
-
-
-def _converted_chain(chain: Chain, scales: Scales, *, to_si: bool) -> Chain:
-    wanted, units = ("SI", "scaled") if to_si else ("scaled", "SI")
-    if chain.units != units:
-        raise InputError(f"the chain is in {chain.units} units already: {chain.description}")
-    if chain.exponent != scales.exponent:
-        raise InputError(
-            f"these scales are for p = {scales.exponent:g}, but the chain has p = "
-            f"{chain.exponent:g}"
-        )
-    factors = {
-        "radii": scales.radius, "masses": scales.mass, "stiffness": scales.stiffness,
-        "velocities": scales.velocity, "gaps": scales.length,
-        "precompression": scales.force, "gravity": scales.acceleration,
-    }  # fmt: skip
-    power = 1.0 if to_si else -1.0
-    changes: dict[str, Any] = {
-        name: getattr(chain, name) * factor**power for name, factor in factors.items()
-    }
-    if not to_si:
-        # Division, not a product with the inverse: a radius over itself is 1.
-        changes |= {name: getattr(chain, name) / factor for name, factor in factors.items()}
-    for name in ("drive", "loss"):
-        part = getattr(chain, name)
-        changes[name] = _converted(part, scales, to_si=to_si) if part is not None else None
-    for name, stiffness in zip(("left_wall", "right_wall"), chain.wall_stiffness, strict=True):
-        wall = getattr(chain, name)
-        if wall is not None:
-            resolved = Wall(stiffness=stiffness, gap=wall.gap)
-            changes[name] = _converted(resolved, scales, to_si=to_si)
-    return _derived_where_possible(chain.replace(units=wanted, **changes))
-
-
-def _derived_where_possible(chain: Chain) -> Chain:
-    """Leave out masses and contacts that follow from the rest, so that a plain chain is one."""
-    for name in ("masses", "stiffness"):
-        try:
-            derived = chain.replace(**{name: None})
-        except InputError:
-            continue  # nothing that they would follow from
-        if np.allclose(getattr(derived, name), getattr(chain, name), rtol=ROUNDING, atol=0.0):
-            chain = derived
-    return chain
+        return converted(item, self, to_si=False)

@@ -1,4 +1,4 @@
-"""Strikers: beads, pistons or several of either that fly in from the left.
+"""Strikers: beads or pistons that hit the chain from the left.
 
 `struck_by` is a method of `hertzchain.Chain`.
 """
@@ -6,23 +6,23 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
+from typing import Any, TypeVar
 
 import numpy as np
 
-from hertzchain.chain.materials import Material, MaterialLike, contact_modulus, sphere_stiffness
-from hertzchain.chain.materials import material as material_named
-from hertzchain.chain.sizes import checked_beads
-from hertzchain.checks import number, whole_number
-from hertzchain.contacts import HERTZ_EXPONENT, hertz_stiffness
-from hertzchain.errors import InputError
+from ..collision import HERTZ_EXPONENT, hertz_stiffness
+from ..errors import InputError
+from ..validation.numbers import number, whole_number
+from .fields import ChainFields
+from .input_checks import checked_beads
+from .materials import Material, MaterialLike, contact_modulus, sphere_stiffness
+from .materials import material as material_named
 
-if TYPE_CHECKING:
-    from hertzchain.chain.chain import Chain
+C = TypeVar("C", bound=ChainFields)
 
 
 def struck_by(
-    self: Chain,
+    self: C,
     *,
     velocity: float = 1.0,
     radius: float | None = None,
@@ -31,50 +31,52 @@ def struck_by(
     stiffness: float | None = None,
     count: int = 1,
     gap: float = 0.0,
-) -> Chain:
-    """The same chain, at rest, with strikers in front that fly in.
+) -> C:
+    """Return the chain at rest, to be hit by strikers from the left.
 
-    Can be repeated: later strikers stand in front of earlier ones.  What is not given is
-    as of the chain's first bead.
+    The method can be called repeatedly; later strikers are placed to the left of earlier
+    ones.  Properties that are not given are those of the chain's first bead.
 
     Parameters
     ----------
     velocity : float
         Velocity of the strikers [scaled, or m/s].
     radius : float, optional
-        Radius of a striker [scaled, or m]; if a mass is given, that of a sphere of this
-        mass.  Infinite for a flat face, such as a piston's, which needs a mass.
+        Radius of a striker [scaled, or m].  If only a mass is given, the default is the
+        radius of a sphere of this mass.  An infinite radius is a flat face, such as that
+        of a piston; it requires a mass.
     mass : float, optional
-        Mass of a striker [scaled, or kg]; that of a sphere if not given.
+        Mass of a striker [scaled, or kg].  The default is that of a sphere.
     material : str or Material, optional
-        Material of the strikers, in a chain of materials.
+        Material of the strikers, in a chain with materials.
     stiffness : float, optional
-        Stiffness of all new contacts [scaled, or N/m^p]; Hertz' if not given.
+        Stiffness of all new contacts [scaled, or N/m^p].  The default is that of Hertz's law.
     count : int
         Number of equal strikers, which touch each other.
     gap : float
-        Distance between the last of them and the chain [scaled, or m].
+        Distance between the last striker and the chain [scaled, or m].
 
     Returns
     -------
     Chain
-        Its first beads are the strikers; ``chain.strikers`` says how many.
+        Its first beads are the strikers; ``chain.strikers`` is their number.
 
     Raises
     ------
     InputError
-        For a value out of its range, or a stiffness that does not follow from the rest.
+        If a value is out of range, or the stiffness cannot be computed from the other
+        arguments.
 
     Examples
     --------
-    A striker of four times the mass:
+    A striker with four times the mass of a bead:
 
     >>> import hertzchain as hc
     >>> chain = hc.Chain.uniform(20).struck_by(mass=4.0, radius=1.0)
     >>> chain.masses[:3], chain.velocities[:3]
     (array([4., 1., 1.]), array([1., 0., 0.]))
 
-    A piston of 50 g with a flat steel face on a chain of brass balls:
+    A 50 g piston with a flat steel face hits a chain of brass balls:
 
     >>> balls = hc.Chain.from_materials(5e-3, "brass", beads=20)
     >>> import math
@@ -105,17 +107,22 @@ def struck_by(
         last = _striker_contact(self, stiffness, radius, own, 0)
         contacts = [*[between] * (count - 1), last]
         new["stiffness"] = np.concatenate((contacts, self.stiffness))
+    # Contacts that are listed begin with those of the strikers, which are like the first.
+    if isinstance(self.exponent, np.ndarray):
+        new["exponent"] = np.concatenate(([self.exponent[0]] * count, self.exponent))
+    if isinstance(self.loss, tuple):
+        new["loss"] = (self.loss[0],) * count + self.loss
     return self.replace(**new)
 
 
 def _striker(
-    chain: Chain, radius: float | None, mass: float | None, material: MaterialLike | None
+    chain: ChainFields, radius: float | None, mass: float | None, material: MaterialLike | None
 ) -> tuple[Material | None, float, float | None, float]:
-    """Material, radius of the face, mass unless a sphere's, and radius to draw."""
+    """Material, radius of the face, mass unless that of a sphere, and radius for figures."""
     own = None if chain.materials is None else chain.materials[chain.strikers]
     if material is not None:
         if own is None:
-            raise InputError("material has a meaning in a chain of materials only")
+            raise InputError("material requires a chain with materials; use Chain.from_materials")
         own = material_named(material)
     if mass is not None:
         mass = number("mass of a striker", mass, unit=chain._unit("kg"), above=0.0)
@@ -126,14 +133,14 @@ def _striker(
         return own, sphere, None, sphere
     if isinstance(radius, float) and radius == math.inf:
         if mass is None:
-            raise InputError("a flat striker needs a mass: no sphere says what it weighs")
+            raise InputError("a flat striker (radius = inf) has no default mass; give mass")
         return own, math.inf, mass, sphere
     radius = number("radius of a striker", radius, unit=chain._unit("m"), above=0.0)
     return own, radius, mass, radius
 
 
-def _sphere_mass(chain: Chain, radius: float, own: Material | None) -> float:
-    """Mass of a sphere of a material, or of the density of the first bead."""
+def _sphere_mass(chain: ChainFields, radius: float, own: Material | None) -> float:
+    """Mass of a sphere of a material, by default with the density of the first bead."""
     if own is not None:
         return 4.0 / 3.0 * math.pi * own.density * radius**3
     first = chain.strikers
@@ -141,22 +148,23 @@ def _sphere_mass(chain: Chain, radius: float, own: Material | None) -> float:
 
 
 def _striker_contact(
-    chain: Chain, given: float | None, radius: float, own: Material | None, bead: int | None
+    chain: ChainFields, given: float | None, radius: float, own: Material | None, bead: int | None
 ) -> float:
-    """Stiffness of a striker's contact with a bead, or with another such striker."""
+    """Stiffness of a striker's contact with a bead, or with another striker if bead is None."""
     if given is not None:
-        unit = chain._unit(f"N/m**{chain.exponent}")
+        unit = chain._unit(chain._stiffness_unit)
         return number("stiffness of the new contacts", given, unit=unit, above=0.0)
     other_radius = radius if bead is None else float(chain.radii[bead])
-    hertz = chain.exponent == HERTZ_EXPONENT and "stiffness" not in chain.given
+    spheres = float(np.atleast_1d(chain.exponents)[0]) == HERTZ_EXPONENT
+    hertz = spheres and "stiffness" not in chain.given
     if (
         math.isinf(other_radius)
         or (chain.units == "SI" and own is None)
-        or not (hertz or (own is not None and chain.exponent == HERTZ_EXPONENT))
+        or not (hertz or (own is not None and spheres))
     ):
         raise InputError(
-            "the stiffness of the strikers' contacts does not follow from sizes and "
-            "materials here: give stiffness"
+            "the stiffness of the strikers' contacts cannot be computed from radii and "
+            "materials for this chain; give stiffness"
         )
     if own is not None and chain.materials is not None:
         other = own if bead is None else chain.materials[bead]

@@ -1,139 +1,181 @@
-"""The four tapers of the paper: names, radii and the rates they may have."""
+"""Tapers: radii of a chain as a function of the bead number and a few parameters.
+
+Each of the paper's four tapers has one parameter, the rate.  To add a taper, add a `Taper` to
+`TAPERS`; chain files, sweeps and the command line then accept it.
+"""
 
 from __future__ import annotations
 
 import math
-from typing import Final, Literal, get_args
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from types import MappingProxyType
+from typing import Any, Final, Literal
 
 import numpy as np
 
-from hertzchain.contacts import Array
-from hertzchain.errors import InputError, real_number, unknown_name
+from ..collision import Array
+from ..errors import InputError, real_number, unknown_name_error
 
-Taper = Literal["backward-linear", "backward-exponential", "forward-linear", "forward-exponential"]
-TAPERS: Final[tuple[Taper, ...]] = get_args(Taper)
-
-# A radius below this is what rounding leaves of zero.
+# Radii below this value are zero except for rounding errors.
 ROUNDING: Final = 1e-12
 
 
-def rate_symbol(taper: str) -> Literal["S", "q"]:
-    """The paper's letter for the tapering parameter: S if linear, q if exponential.
+@dataclass(frozen=True)
+class Taper:
+    r"""A family of tapers.
 
-    Parameters
+    Attributes
     ----------
-    taper : str
-        Name of a taper.
-
-    Returns
-    -------
-    str
-
-    Raises
-    ------
-    InputError
-        If there is no such taper.
-
-    Examples
-    --------
-    >>> rate_symbol("backward-linear")
-    'S'
+    name : str
+        Name, as in ``Chain.tapered(name, ...)``.
+    radii : callable
+        Function of the array of :math:`k - 1` and of the parameters (by name) that returns the
+        radii of beads k = 1, 2, ...; the first must be 1.
+    check : callable
+        Function of the number of beads and of the parameters (by name) that raises
+        `InputError` if a parameter is out of range.
+    symbols : mapping of str to str
+        Symbol of each parameter by its name.
     """
-    if not isinstance(taper, str) or taper not in TAPERS:
-        uniform = isinstance(taper, str) and taper == "uniform"
-        hint = "; equal beads are Chain.uniform" if uniform else ""
-        raise InputError(str(unknown_name("taper", taper, TAPERS)) + hint)
-    return "S" if taper.endswith("linear") else "q"
+
+    name: str
+    radii: Callable[..., Array] = field(repr=False)
+    check: Callable[..., None] = field(repr=False)
+    symbols: Mapping[str, str]
+
+    def parameters(self, given: Mapping[str, Any], beads: int = 2) -> dict[str, float]:
+        """Check the parameters for a number of beads."""
+        names = " and ".join(self.symbols)
+        for name in given:
+            if name not in self.symbols:
+                raise InputError(f"a {self.name} taper has no parameter {name!r}, only {names}")
+        for name in self.symbols:
+            if given.get(name) is None:
+                raise InputError(f"a {self.name} taper requires {names}; give {name}")
+        values = {
+            name: real_number(f"{symbol} of a {self.name} taper", given[name])
+            for name, symbol in self.symbols.items()
+        }
+        self.check(beads, **values)
+        return values
+
+    def radii_of(self, beads: int, values: Mapping[str, float]) -> Array:
+        """Radii of beads 1 to N; the parameters are not checked."""
+        with np.errstate(over="ignore", under="ignore"):
+            return np.asarray(self.radii(np.arange(beads, dtype=float), **values))
+
+
+def taper_named(name: str) -> Taper:
+    """Find a taper by its name."""
+    if not isinstance(name, str) or name not in TAPERS:
+        uniform = isinstance(name, str) and name == "uniform"
+        hint = "; for equal beads use Chain.uniform" if uniform else ""
+        raise InputError(str(unknown_name_error("taper", name, TAPERS)) + hint)
+    return TAPERS[name]
+
+
+def rate_symbol(taper: str) -> str:
+    """Symbol of the rate of a taper: S if it is linear, q if it is exponential."""
+    return taper_named(taper).symbols["rate"]
 
 
 def check_taper(taper: str, rate: float, beads: int = 2) -> float:
-    """The rate of a taper, if the taper exists and a chain of so many beads has that rate.
+    """Check the rate of a taper without other parameters for a number of beads."""
+    return taper_named(taper).parameters({"rate": rate}, beads)["rate"]
 
-    Parameters
-    ----------
-    taper : str
-        Name of the taper.
-    rate : float
-        Tapering parameter S or q.
-    beads : int
-        Number of beads.
 
-    Returns
-    -------
-    float
-        The rate.
+def tapered_radii(taper: str, rate: float, beads: int) -> Array:
+    """Radii of a taper whose only parameter is its rate, which is not checked."""
+    return TAPERS[taper].radii_of(beads, {"rate": rate})
 
-    Raises
-    ------
-    InputError
-        For an unknown taper, or a rate outside its range.
 
-    Examples
-    --------
-    >>> check_taper("forward-linear", 0.01, 100)
-    0.01
-    """
-    symbol = rate_symbol(taper)
-    value = real_number(f"{symbol} of a {taper} taper", rate)
-    if symbol == "q":
-        if not 0.0 < value < 1.0:
-            raise InputError(
-                f"q of a {taper} taper must lie between 0 and 1, got {value:g}; "
-                "try 0.05, or a uniform chain for equal beads"
-            )
-        return value
-    if not 0.0 < value < math.inf:
+def _check_exponential(direction: Literal["backward", "forward"], rate: float) -> None:
+    if not 0.0 < rate < 1.0:
         raise InputError(
-            f"S of a {taper} taper must be positive and finite, got {value:g}; "
+            f"q of a {direction}-exponential taper must lie between 0 and 1, got {rate:g}; "
+            "try 0.05, or a uniform chain for equal beads"
+        )
+
+
+def _check_linear(direction: Literal["backward", "forward"], rate: float) -> None:
+    if not 0.0 < rate < math.inf:
+        raise InputError(
+            f"S of a {direction}-linear taper must be positive and finite, got {rate:g}; "
             "try 0.005, or a uniform chain for equal beads"
         )
-    if taper == "forward-linear" and not _last_radius(value, beads) > ROUNDING:
-        # 1/S is rounded: step down from it to the first chain that has a radius left.
-        longest = math.ceil(1.0 + 1.0 / value)
-        while longest >= 2 and not _last_radius(value, longest) > ROUNDING:
-            longest -= 1
-        advice = (
-            f"use at most {longest} beads or a smaller S"
-            if longest >= 2
-            else "S must be below 1 for even two beads"
-        )
-        raise InputError(
-            f"a forward-linear taper with S = {value:g} runs out of radius at bead "
-            f"{longest + 1}, but {beads} beads were asked for: {advice}"
-        )
-    return value
+
+
+def _check_forward_linear(beads: int, rate: float) -> None:
+    _check_linear("forward", rate)
+    if _last_radius(rate, beads) > ROUNDING:
+        return
+    # Because 1/S is rounded, search down from it for the longest chain with positive radii.
+    longest = math.ceil(1.0 + 1.0 / rate)
+    while longest >= 2 and not _last_radius(rate, longest) > ROUNDING:
+        longest -= 1
+    advice = (
+        f"use at most {longest} beads or a smaller S"
+        if longest >= 2
+        else "S must be below 1 even for two beads"
+    )
+    raise InputError(
+        f"the radii of a forward-linear taper with S = {rate:g} reach zero at bead "
+        f"{longest + 1}, but {beads} beads were requested; {advice}"
+    )
 
 
 def _last_radius(rate: float, beads: int) -> float:
     return 1.0 - rate * (beads - 1)
 
 
-def tapered_radii(taper: str, rate: float, beads: int) -> Array:
-    """Radii of a taper, the first of which is 1; rate and number of beads are not checked.
+_BACKWARD_LINEAR: Final = Taper(
+    "backward-linear",
+    radii=lambda step, rate: 1.0 + rate * step,  # Eq. (6)
+    check=lambda beads, rate: _check_linear("backward", rate),  # noqa: ARG005
+    symbols={"rate": "S"},
+)
+_BACKWARD_EXPONENTIAL: Final = Taper(
+    "backward-exponential",
+    radii=lambda step, rate: (1.0 - rate) ** -step,  # Eq. (7)
+    check=lambda beads, rate: _check_exponential("backward", rate),  # noqa: ARG005
+    symbols={"rate": "q"},
+)
+_FORWARD_LINEAR: Final = Taper(
+    "forward-linear",
+    radii=lambda step, rate: 1.0 - rate * step,  # Eq. (19)
+    check=_check_forward_linear,
+    symbols={"rate": "S"},
+)
+_FORWARD_EXPONENTIAL: Final = Taper(
+    "forward-exponential",
+    radii=lambda step, rate: (1.0 + rate) ** -step,  # Eq. (21)
+    check=lambda beads, rate: _check_exponential("forward", rate),  # noqa: ARG005
+    symbols={"rate": "q"},
+)
+PAPER_TAPERS: Final = (
+    _BACKWARD_LINEAR.name, _BACKWARD_EXPONENTIAL.name,
+    _FORWARD_LINEAR.name, _FORWARD_EXPONENTIAL.name,
+)  # fmt: skip
+TAPERS: Final[Mapping[str, Taper]] = MappingProxyType(
+    {
+        taper.name: taper
+        for taper in (
+            _BACKWARD_LINEAR,
+            _BACKWARD_EXPONENTIAL,
+            _FORWARD_LINEAR,
+            _FORWARD_EXPONENTIAL,
+        )
+    }
+)
+# Names of the parameters of all tapers.
+PARAMETERS: Final = tuple(dict.fromkeys(name for each in TAPERS.values() for name in each.symbols))
 
-    Parameters
-    ----------
-    taper : str
-        Name of the taper.
-    rate : float
-        Tapering parameter S or q.
-    beads : int
-        Number of beads.
 
-    Returns
-    -------
-    ndarray, shape (beads,)
-
-    Examples
-    --------
-    >>> tapered_radii("backward-linear", 0.5, 3)
-    array([1. , 1.5, 2. ])
-    """
-    step = np.arange(beads, dtype=float)
-    with np.errstate(over="ignore", under="ignore"):
-        if taper == "backward-linear":
-            return 1.0 + rate * step
-        if taper == "forward-linear":
-            return 1.0 - rate * step
-        ratio = 1.0 - rate if taper == "backward-exponential" else 1.0 + rate
-        return np.asarray(ratio**-step)
+def parameter_description(name: str) -> str:
+    """Symbols of a parameter, each with the tapers that use it."""
+    symbols: dict[str, list[str]] = {}
+    for taper in TAPERS.values():
+        if name in taper.symbols:
+            symbols.setdefault(taper.symbols[name], []).append(taper.name)
+    return "; ".join(f"{symbol} of {' and '.join(names)}" for symbol, names in symbols.items())

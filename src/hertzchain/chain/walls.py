@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from dataclasses import dataclass, field
 
-from hertzchain.chain.materials import RIGID, Material, MaterialLike, material
-from hertzchain.chain.parts import Part
-from hertzchain.checks import number
-from hertzchain.errors import InputError
+from ..errors import InputError, short_repr
+from ..validation.numbers import number
+from .input_checks import checked_exponent
+from .laws import Loss
+from .materials import RIGID, Material, MaterialLike, material
+from .parts import Part
+from .scales import scale
 
-if TYPE_CHECKING:
-    from hertzchain.chain.scales import Scales
+
+def _stiffness_unit(wall: Wall) -> str:
+    return "stiffness" if wall.exponent is None else f"force/length^{wall.exponent}"
 
 
 @dataclass(frozen=True)
@@ -34,6 +36,13 @@ class Wall(Part):
         Material of the wall; the bead's own if `None`.
     gap : float
         Distance between wall and bead at the beginning, >= 0 [scaled, or m].
+    exponent : float or None
+        Exponent p of the contact of wall and bead; the chain's if `None`.
+    loss : Restitution, Viscoelastic, ... or None
+        Law of loss of this contact; the chain's if `None`, none at all with ``Elastic()``.
+
+    Where exponents or losses of a chain differ, the chain's are those of the contact next to the
+    wall or, if given by pairs of materials, those of the wall's material on the bead's.
 
     Examples
     --------
@@ -43,9 +52,11 @@ class Wall(Part):
     Wall(steel-52100)
     """
 
-    stiffness: float | None = None
+    stiffness: float | None = field(default=None, metadata=scale(_stiffness_unit))
     material: Material | None = None
-    gap: float = 0.0
+    gap: float = field(default=0.0, metadata=scale("length"))
+    exponent: float | None = None
+    loss: Loss | None = None
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -62,6 +73,13 @@ class Wall(Part):
             object.__setattr__(self, "material", material(self.material))
         gap = number("gap to a wall", self.gap, unit="m", least=0.0)
         object.__setattr__(self, "gap", gap)
+        if self.exponent is not None:
+            object.__setattr__(self, "exponent", checked_exponent(self.exponent))
+        if self.loss is not None and not isinstance(self.loss, Loss):
+            raise InputError(
+                f"loss of a wall must be a law of hertzchain.chain.laws or None, got "
+                f"{short_repr(self.loss)}; Elastic() has no loss"
+            )
 
     @classmethod
     def of(cls, name: MaterialLike, *, gap: float = 0.0) -> Wall:
@@ -115,30 +133,13 @@ class Wall(Part):
         """
         return cls(material=RIGID, gap=gap)
 
-    def factors(self, scales: Scales) -> Mapping[str, float]:
-        """Units of the fields that have one.
-
-        Parameters
-        ----------
-        scales : Scales
-            The units.
-
-        Returns
-        -------
-        dict
-
-        Examples
-        --------
-        >>> import hertzchain as hc
-        >>> Wall(stiffness=1.0).factors(hc.Scales(1.0, 1.0, velocity=1.0, length=4.0))
-        {'stiffness': 0.03125, 'gap': 4.0}
-        """
-        return {"stiffness": scales.stiffness, "gap": scales.length}
-
     def __repr__(self) -> str:
         what = "own material"
         if self.stiffness is not None:
             what = f"stiffness = {self.stiffness:g}"
         elif self.material is not None:
             what = self.material.name
-        return f"Wall({what}{f', gap = {self.gap:g}' if self.gap else ''})"
+        parts = [what, f"gap = {self.gap:g}" if self.gap else ""]
+        parts += [f"p = {self.exponent:g}" if self.exponent is not None else ""]
+        parts += [f"loss = {self.loss}" if self.loss is not None else ""]
+        return f"Wall({', '.join(filter(None, parts))})"

@@ -1,6 +1,6 @@
-"""The command line: parse, call one library function, show.
+"""The command line: each command parses its options, calls the library and prints the result.
 
-Results go to stdout, messages and progress to stderr.  Exit codes: 0 done, 1 failed,
+Results go to stdout, messages and progress to stderr.  Exit codes: 0 success, 1 failure,
 2 bad usage or input, 3 finished but outside tolerance, 130 interrupted.
 """
 
@@ -11,10 +11,11 @@ import warnings
 
 import click
 
-# Nothing heavier in any file here: `--help` must answer at once, so commands import what they need.
-from hertzchain.cli import calibrate, cite, pulse, reproduce, scoreboard, simulate, sweep, verify
-from hertzchain.cli.environment import prepare_environment
-from hertzchain.cli.exit_codes import BAD_INPUT, DONE, FAILED, INTERRUPTED
+# Modules of this package import only click at the top, so that `--help` is fast; commands import
+# the rest of the library when they run.
+from . import calibrate, cite, pulse, reproduce, scoreboard, simulate, sweep, verify
+from .environment import prepare_environment
+from .exit_codes import BAD_INPUT, DONE, FAILED, INTERRUPTED
 
 
 @click.group(context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100})
@@ -36,8 +37,8 @@ for _command in (
 
 
 def main() -> None:
-    """Run the command line and leave with its exit code."""
-    from hertzchain.errors import InputError, SimulationError, StoreError
+    """Run the command line and exit with its code."""
+    from ..errors import InputError, SimulationError, StoreError
 
     if sys.stdout is None:
         click.echo("Error: cannot write the results: standard output is closed", err=True)
@@ -60,7 +61,7 @@ def main() -> None:
         click.echo(f"Error: {error}", err=True)
         code = FAILED
     except OSError as error:
-        # Such as a pipe that was closed or a disk that is full.
+        # For example, a closed pipe or a full disk.
         if not isinstance(error, BrokenPipeError):
             click.echo(f"Error: cannot write the results: {error.strerror}", err=True)
         sys.stdout = None

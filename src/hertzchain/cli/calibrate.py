@@ -1,4 +1,4 @@
-"""The command `calibrate`: the constants of the modified BCA."""
+"""The command `calibrate`: fit the constants of the modified BCA."""
 
 from __future__ import annotations
 
@@ -7,12 +7,12 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from hertzchain.cli.options import check_writable, numbers_from, window_from
-from hertzchain.cli.progress import progress_of
-from hertzchain.cli.show import show_json, show_table
+from .options import check_writable, numbers_from, window_from
+from .output import show_json, show_table
+from .progress import progress_bar
 
 if TYPE_CHECKING:
-    from hertzchain.calibration import Calibration
+    from ..calibration import Calibration
 
 
 @click.command()
@@ -26,51 +26,52 @@ if TYPE_CHECKING:
 @click.option(
     "--rates",
     metavar="NUMBERS",
-    help="Its S or q, separated by commas; with one --taper.  [default: those of the paper]",
+    help="Values of S or q, separated by commas; requires one --taper.  "
+    "[default: those of the paper]",
 )
 @click.option(
-    "--window", metavar="FIRST:LAST", default="5:80", show_default=True, help="Beads of the fit."
+    "--window", metavar="FIRST:LAST", default="5:80", show_default=True, help="Beads to fit."
 )
-@click.option("--beads", type=int, default=100, show_default=True, help="Beads of each chain.")
+@click.option("--beads", type=int, default=100, show_default=True, help="Beads in each chain.")
 @click.option(
     "--output",
     type=click.Path(path_type=Path),
     metavar="FILE",
-    help="Also write the constants into FILE (.toml).",
+    help="Also write the constants to FILE (.toml).",
 )
 @click.option("--json", "as_json", is_flag=True, help="Print everything as JSON.")
 def calibrate(
     tapers: tuple[str, ...], rates: str | None, window: str, beads: int, output: Path | None,
     as_json: bool,
 ) -> None:  # fmt: skip
-    """Fit the constants of the modified BCA to the integration, as the paper did.
+    """Fit the constants of the modified BCA to the simulation, as in the paper.
 
-    Shows each constant with its standard error and what the paper prints for it, and how
-    far the fitted velocity is off.
+    Prints each constant with its standard error and the value in the paper, and the error of
+    the fitted velocity.
 
     \b
     Examples:
       hertzchain calibrate
       hertzchain calibrate --taper forward-linear --rates 0.01,0.015 --beads 60 --window 5:50
     """
-    from hertzchain import calibration
-    from hertzchain.arguments import one_of
-    from hertzchain.chain.chain import TAPERS
-    from hertzchain.store import results
-    from hertzchain.store.writing import write_bytes
+    from .. import calibration
+    from ..chain.tapers import PAPER_TAPERS
+    from ..store import results
+    from ..store.writing import write_bytes
+    from ..validation.objects import check_choice
 
     for taper in tapers:
-        one_of("taper", taper, TAPERS)
+        check_choice("taper", taper, PAPER_TAPERS)
     check_writable(output, "--output", (".toml",))
-    chosen = tuple(dict.fromkeys(tapers)) or TAPERS
+    chosen = tuple(dict.fromkeys(tapers)) or PAPER_TAPERS
     if rates is not None and len(chosen) != 1:
-        raise click.UsageError("--rates are those of one taper: give one --taper")
+        raise click.UsageError("--rates requires exactly one --taper")
     numbers = None if rates is None else numbers_from("--rates", rates)
     beads_of_fit = window_from("--window", window)
-    with progress_of("chains integrated") as progress:
+    with progress_bar("chains integrated") as progress:
         found = [
             calibration.calibrate(
-                taper,  # type: ignore[arg-type]
+                taper,
                 rates=numbers,
                 window=beads_of_fit,
                 beads=beads,
@@ -93,7 +94,7 @@ def _show_calibration(result: Calibration) -> None:
     from rich import box
     from rich.table import Table
 
-    from hertzchain.chain.chain import rate_symbol
+    from ..chain.tapers import rate_symbol
 
     first, last = result.window
     click.echo(f"{result.taper}, beads {first}..{last} of {result.beads}")

@@ -1,4 +1,4 @@
-"""The command `cite`: what to cite."""
+"""The command `cite`: print references."""
 
 from __future__ import annotations
 
@@ -7,12 +7,12 @@ import click
 
 @click.command()
 def cite() -> None:
-    """Print what to cite: the paper, the methods, this software.
+    """Print the references to cite: the paper, the methods and this software.
 
     \b
     Example:
       hertzchain cite
     """
-    from hertzchain.citations import CITATIONS
+    from ..citations import CITATIONS
 
     click.echo("\n\n".join(CITATIONS))

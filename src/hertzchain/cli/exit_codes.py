@@ -1,13 +1,13 @@
 """Exit codes of the command line.
 
 ====================  ======================================================================
-`DONE`                everything that was requested is done
-`FAILED`              the request was sound, but a run cannot finish, points of a sweep failed
-                      or are missing, a worker ended, the disk is full, stdout is closed
-`BAD_INPUT`           bad usage, or input that cannot be used: chains, options, and paths that
-                      are missing, damaged, in use, not writable or somebody else's
-`OUTSIDE_TOLERANCE`   finished, but a number is outside its tolerance
-`INTERRUPTED`         Ctrl-C
+`DONE`                the command succeeded
+`FAILED`              the input was valid, but a run cannot finish, points of a sweep failed
+                      or are missing, a worker ended, the disk is full, or stdout is closed
+`BAD_INPUT`           bad usage or invalid input: chains, options, and paths that are missing,
+                      corrupted, in use, not writable or not written by hertzchain
+`OUTSIDE_TOLERANCE`   the command finished, but a number is outside its tolerance
+`INTERRUPTED`         the command was interrupted (Ctrl-C)
 ====================  ======================================================================
 """
 

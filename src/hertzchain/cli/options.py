@@ -1,4 +1,4 @@
-"""Options that commands share, and checks of what was given."""
+"""Options shared by several commands, and checks of their values."""
 
 from __future__ import annotations
 
@@ -9,14 +9,14 @@ from typing import TYPE_CHECKING, Any, Final
 import click
 
 if TYPE_CHECKING:
-    from hertzchain.chain.chain import Chain
+    from ..chain.chain import Chain
 
-# Endings of pictures.
+# File name extensions of figures.
 PICTURES: Final = (".png", ".svg", ".pdf")
 
 
 def chain_options(command: Callable[..., Any]) -> Callable[..., Any]:
-    """The options that describe a chain, shared by the commands that need one."""
+    """Add the options that describe a chain."""
     for option in (
         click.argument("file", required=False, type=click.Path(path_type=Path)),
         click.option(
@@ -24,7 +24,7 @@ def chain_options(command: Callable[..., Any]) -> Callable[..., Any]:
             "chain_file",
             type=click.Path(path_type=Path),
             metavar="FILE",
-            help="The same as FILE: TOML, or CSV with a row a bead.",
+            help="The same as FILE: TOML, or CSV with one row per bead.",
         ),
         click.option(
             "--taper",
@@ -37,6 +37,19 @@ def chain_options(command: Callable[..., Any]) -> Callable[..., Any]:
     return command
 
 
+class LateHelp(click.Option):
+    """An option whose help is computed when it is shown, because it imports the library."""
+
+    def __init__(self, *names: Any, late_help: Callable[[], str], **settings: Any) -> None:
+        super().__init__(*names, **settings)
+        self.late_help = late_help
+
+    def get_help_record(self, ctx: click.Context) -> tuple[str, str] | None:
+        """Names and help of the option."""
+        self.help = self.late_help()
+        return super().get_help_record(ctx)
+
+
 def chain_from(
     file: Path | None,
     chain_file: Path | None,
@@ -45,9 +58,10 @@ def chain_from(
     beads: int | None,
 ) -> Chain:
     """The chain that the `chain_options` describe."""
-    from hertzchain.arguments import one_of
-    from hertzchain.chain.chain import TAPERS, Chain
-    from hertzchain.store.chain_files import load_chain
+    from ..chain.chain import Chain
+    from ..chain.tapers import TAPERS
+    from ..store.chain_files import load_chain
+    from ..validation.objects import check_choice
 
     if file is not None and chain_file is not None:
         raise click.UsageError("give the chain as FILE or as --chain FILE, not both")
@@ -58,21 +72,21 @@ def chain_from(
         return load_chain(file)
     count = 100 if beads is None else beads
     if taper is None and rate is not None:
-        raise click.UsageError(f"--rate needs --taper: {', '.join(TAPERS)}")
+        raise click.UsageError(f"--rate requires --taper: {', '.join(TAPERS)}")
     if taper is None or taper == "uniform":
         if rate is not None:
-            raise click.UsageError("a uniform chain has no --rate")
+            raise click.UsageError("--rate cannot be used with a uniform chain")
         return Chain.uniform(count)
-    one_of("taper", taper, (*TAPERS, "uniform"))
+    check_choice("taper", taper, (*TAPERS, "uniform"))
     if rate is None:
         usual = "its S, such as 0.005" if taper.endswith("linear") else "its q, such as 0.05"
-        raise click.UsageError(f"--taper {taper} needs --rate, {usual}")
+        raise click.UsageError(f"--taper {taper} requires --rate, {usual}")
     return Chain.tapered(taper, rate, beads=count)
 
 
 def time_from(option: str, text: str | None, chain: Chain) -> float | None:
-    """A time of an option: a number or, for a chain in SI units, one with a unit, such as 2ms."""
-    from hertzchain.checks import SCALED, number
+    """Parse a time: a number or, for a chain in SI units, a number with a unit, such as 2ms."""
+    from ..validation.numbers import SCALED, number
 
     if text is None:
         return None
@@ -84,7 +98,7 @@ def time_from(option: str, text: str | None, chain: Chain) -> float | None:
 
 
 def window_from(option: str, text: str) -> tuple[int, int]:
-    """First and last bead of ``FIRST:LAST``."""
+    """Parse ``FIRST:LAST``, the first and last bead of a window."""
     try:
         first, last = (int(part) for part in text.split(":"))
     except ValueError:
@@ -93,7 +107,7 @@ def window_from(option: str, text: str) -> tuple[int, int]:
 
 
 def numbers_from(option: str, text: str) -> tuple[float, ...]:
-    """Numbers separated by commas."""
+    """Parse numbers separated by commas."""
     try:
         return tuple(float(part) for part in text.split(","))
     except ValueError:
@@ -101,15 +115,15 @@ def numbers_from(option: str, text: str) -> tuple[float, ...]:
 
 
 def names_from(text: str | None) -> list[str] | None:
-    """Names separated by commas, of an option that may be left out."""
+    """Parse names separated by commas; None if the option is not given."""
     return None if text is None else [part.strip() for part in text.split(",") if part.strip()]
 
 
 def check_writable(path: Path | None, option: str, endings: tuple[str, ...]) -> None:
-    """Refuse a file that could not be written, before any work is done for it."""
+    """Check the extension and folder of an output file before anything is computed."""
     if path is None:
         return
     if path.suffix not in endings:
         raise click.UsageError(f"{option} {path} must end in {' or '.join(endings)}")
     if not path.parent.is_dir():
-        raise click.UsageError(f"{option} {path}: there is no folder {path.parent}")
+        raise click.UsageError(f"{option} {path}: the folder {path.parent} does not exist")

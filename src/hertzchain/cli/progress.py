@@ -1,4 +1,4 @@
-"""Progress of long work, on stderr."""
+"""Progress bars of long computations, on stderr."""
 
 from __future__ import annotations
 
@@ -10,15 +10,15 @@ from typing import Final
 
 import click
 
-# Where no bar can be drawn, a line of progress appears so often.
+# Interval between lines of progress if stderr is not a terminal.
 SECONDS_PER_LINE: Final = 5.0
 
 
 @contextmanager
-def progress_of(what: str, *, rate: bool = False) -> Iterator[Callable[[int, int], None]]:
-    """A bar on stderr that vanishes when done; in a pipe or file, a line now and then.
+def progress_bar(what: str, *, rate: bool = False) -> Iterator[Callable[[int, int], None]]:
+    """Show a bar on stderr that disappears at the end; in a pipe or file, print lines.
 
-    With ``rate`` it also tells how many a second, and the time that remains.
+    With ``rate``, the number per second and the remaining time are shown as well.
     """
     from rich.console import Console
     from rich.progress import (
@@ -37,22 +37,23 @@ def progress_of(what: str, *, rate: bool = False) -> Iterator[Callable[[int, int
     columns = [TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn()]
     last = TextColumn("{task.fields[pace]}") if rate else TimeElapsedColumn()
     with Progress(*columns, last, console=console, transient=True) as bar:
-        task = bar.add_task("starting; the first use on a machine compiles", total=None, pace="")
+        first = "compiling (first use on this machine, may take half a minute)"
+        task = bar.add_task(first, total=None, pace="")
 
         def update(done: int, total: int) -> None:
-            told = pace.told(done, total) if pace else ""
+            told = pace.text(done, total) if pace else ""
             bar.update(task, description=what, completed=done, total=total, pace=told)
 
         yield update
 
 
 class _Pace:
-    """How many a second since the beginning, and the time that remains."""
+    """Number per second since the beginning, and remaining time."""
 
     def __init__(self) -> None:
         self.begun: tuple[float, int] | None = None
 
-    def told(self, done: int, total: int) -> str:
+    def text(self, done: int, total: int) -> str:
         now = time.monotonic()
         if self.begun is None:
             self.begun = now, done
@@ -62,7 +63,7 @@ class _Pace:
         left = timedelta(seconds=round((total - done) * elapsed / more))
         pace = more / elapsed
         shown = f"{pace:.0f}" if pace >= 10 else f"{pace:.2g}"
-        return f"{shown} a second, {left} to go"
+        return f"{shown} per second, {left} left"
 
 
 def _lines_of_progress(what: str, pace: _Pace | None) -> Callable[[int, int], None]:
@@ -70,7 +71,7 @@ def _lines_of_progress(what: str, pace: _Pace | None) -> Callable[[int, int], No
 
     def update(done: int, total: int) -> None:
         now = time.monotonic()
-        told = pace.told(done, total) if pace else ""
+        told = pace.text(done, total) if pace else ""
         if shown and now - shown[-1] < SECONDS_PER_LINE:
             return
         if shown:

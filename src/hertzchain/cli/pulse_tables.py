@@ -1,4 +1,4 @@
-"""Pulses as tables, a row per bead."""
+"""Pulses as tables, one row per bead."""
 
 from __future__ import annotations
 
@@ -8,25 +8,24 @@ from typing import TYPE_CHECKING, Final
 if TYPE_CHECKING:
     from rich.table import Table
 
-    from hertzchain.contacts import Array
-    from hertzchain.pulse.pulse import Pulse
-    from hertzchain.pulse.quantities import Quantity
+    from ..collision import Array
+    from ..pulse.pulse import Pulse
 
 TABLE_ROWS: Final = 26
 
 
-def table_of(pulse: Pulse, every_bead: bool) -> Table:
-    """A pulse with a column for each quantity."""
+def pulse_table(pulse: Pulse, every_bead: bool) -> Table:
+    """Table of a pulse with one column per quantity."""
     from rich.markup import escape
 
-    from hertzchain.pulse.quantities import QUANTITIES
+    from ..pulse.quantities import QUANTITIES
 
     beads = pulse.chain.beads
     rows = _rows(beads, every_bead)
     table = _bead_table(f"{pulse.method}: {pulse.chain.description}", len(rows), beads)
     columns = pulse.columns()
     for name in columns:
-        symbol = QUANTITIES[name][0]
+        symbol = QUANTITIES[name].symbol
         unit = "" if pulse.chain.units == "scaled" else f" [{pulse.unit(name)}]"
         table.add_column(f"{name}\n{symbol}{escape(unit)}", justify="right", no_wrap=True)
     for i in rows:
@@ -35,8 +34,8 @@ def table_of(pulse: Pulse, every_bead: bool) -> Table:
     return table
 
 
-def side_by_side(pulses: list[Pulse], quantity: Quantity, every_bead: bool) -> Table:
-    """One quantity of several pulses, a column for each."""
+def side_by_side(pulses: list[Pulse], quantity: str, every_bead: bool) -> Table:
+    """Table of one quantity with one column per pulse."""
     chain = pulses[0].chain
     rows = _rows(chain.beads, every_bead)
     unit = "" if chain.units == "scaled" else f" in {pulses[0].unit(quantity)}"
@@ -51,15 +50,15 @@ def side_by_side(pulses: list[Pulse], quantity: Quantity, every_bead: bool) -> T
 
 
 def _cell(values: Array | None, i: int, digits: int) -> str:
-    """A number in its cell; empty where there is none, a dash where it is missing."""
+    """Format a number; empty without values, a dash for NaN."""
     if values is None or i >= len(values):
         return ""
     return "-" if math.isnan(values[i]) else f"{values[i]:.{digits}g}"
 
 
 def _add_notes(table: Table, pulses: list[Pulse]) -> None:
-    """Below the table, why values are missing."""
-    from hertzchain.pulse.notes import notes_in_words
+    """Add the reasons for missing values below the table."""
+    from ..pulse.notes import notes_in_words
 
     notes = [note for pulse in pulses for note in notes_in_words(pulse.notes)]
     lines = [str(table.caption)] if table.caption else []

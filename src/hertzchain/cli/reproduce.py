@@ -1,4 +1,4 @@
-"""The command `reproduce`: the paper, and where we agree with it."""
+"""The command `reproduce`: recompute the paper and compare."""
 
 from __future__ import annotations
 
@@ -8,18 +8,18 @@ from typing import TYPE_CHECKING
 
 import click
 
-from hertzchain.cli.exit_codes import OUTSIDE_TOLERANCE
-from hertzchain.cli.options import names_from, window_from
-from hertzchain.cli.progress import progress_of
-from hertzchain.cli.show import show_json
+from .exit_codes import OUTSIDE_TOLERANCE
+from .options import names_from, window_from
+from .output import show_json
+from .progress import progress_bar
 
 if TYPE_CHECKING:
-    from hertzchain.paper.reproduction import Reproduction
+    from ..paper.reproduction import Reproduction
 
 
 @click.command()
 @click.option(
-    "--only", metavar="NAMES", help="Parts to do, separated by commas: table1, figure5, errata, ..."
+    "--only", metavar="NAMES", help="Parts, separated by commas: table1, figure5, errata, ..."
 )
 @click.option(
     "--out",
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     default=Path("reproduction"),
     show_default=True,
     metavar="DIR",
-    help="Folder for report, figures and data.",
+    help="Folder for the report, figures and data.",
 )
 @click.option(
     "--window-exponential",
@@ -47,18 +47,18 @@ if TYPE_CHECKING:
 def reproduce(
     only: str | None, out: Path, window_exponential: str, window_linear: str, as_json: bool
 ) -> None:
-    """Regenerate every table and figure of the paper and say where they agree.
+    """Recompute every table and figure of the paper and compare them with the printed values.
 
-    Writes report.html, verdict.json, summary.md and figures/ into the folder.
-    Leaves with exit code 3 if anything is outside its tolerance.
+    Writes report.html, verdict.json, summary.md and figures/ to the folder.
+    Exits with code 3 if anything is outside its tolerance.
 
     \b
     Examples:
       hertzchain reproduce
       hertzchain reproduce --only table1,figure5 --out check
     """
-    from hertzchain.calibration import BEADS, beads_in_window
-    from hertzchain.paper import report, reproduction
+    from ..calibration import BEADS, beads_in_window
+    from ..paper import report, reproduction
 
     windows = {
         "exponential": window_from("--window-exponential", window_exponential),
@@ -68,9 +68,9 @@ def reproduce(
     for window in windows.values():
         beads_in_window(window, BEADS)
     with report.reserved(out):
-        with progress_of("chains integrated") as progress:
+        with progress_bar("chains integrated") as progress:
             result = reproduction.reproduce(parts, windows=windows, progress=progress)  # type: ignore[arg-type]
-        with progress_of("figures drawn") as progress:
+        with progress_bar("figures drawn") as progress:
             page = report.write_reserved(result, out, progress=progress)
     if as_json:
         show_json(report.verdict(result))
@@ -88,8 +88,8 @@ def _show_reproduction(result: Reproduction) -> None:
             if not entry.agrees:
                 click.echo(
                     f"  outside tolerance: {entry.table}, {entry.taper}, {entry.column}, rate "
-                    f"{entry.rate:g}: printed {entry.printed.text}, ours {entry.ours:.7f}"
+                    f"{entry.rate:g}: printed {entry.printed.text}, computed {entry.ours:.7f}"
                 )
     for figure in result.figures:
         if not figure.statement.holds:
-            click.echo(f"  does not hold: {figure.published.name}: {figure.statement.claim}")
+            click.echo(f"  not confirmed: {figure.published.name}: {figure.statement.claim}")

@@ -1,4 +1,4 @@
-"""The command `scoreboard`: every theory against the integration."""
+"""The command `scoreboard`: compare every theory with the simulation."""
 
 from __future__ import annotations
 
@@ -7,14 +7,15 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from hertzchain.cli.options import PICTURES, check_writable
-from hertzchain.cli.progress import progress_of
-from hertzchain.cli.show import save_axes, show_json, show_table
+from ..pulse.quantities import QUANTITIES
+from .options import PICTURES, check_writable
+from .output import save_figure, show_json, show_table
+from .progress import progress_bar
 
 if TYPE_CHECKING:
     from rich.table import Table
 
-    from hertzchain.scoreboard.scoreboard import Scoreboard
+    from ..evaluation.scoreboard import Scoreboard
 
 
 @click.command()
@@ -23,18 +24,19 @@ if TYPE_CHECKING:
     default="velocity",
     show_default=True,
     metavar="NAME",
-    help="What to judge: velocity, momentum, energy, arrival, peak_force.",
+    help="Quantity by which theories are evaluated: "
+    f"{', '.join(name for name, quantity in QUANTITIES.items() if quantity.scored)}.",
 )
 @click.option(
-    "--first-bead", type=int, default=10, show_default=True, help="First bead that counts."
+    "--first-bead", type=int, default=10, show_default=True, help="First bead to evaluate."
 )
 @click.option("--rms", is_flag=True, help="Show the root mean square instead of the worst error.")
-@click.option("--all", "every_chain", is_flag=True, help="A row for each chain, not each family.")
+@click.option("--all", "every_chain", is_flag=True, help="Show one row per chain, not per family.")
 @click.option(
     "--figure",
     type=click.Path(path_type=Path),
     metavar="FILE",
-    help="Also draw the table into FILE (.png, .svg or .pdf).",
+    help="Also plot the table to FILE (.png, .svg or .pdf).",
 )
 @click.option(
     "--json", "as_json", is_flag=True, help="Print all quantities, from beads 2 and 10 on, as JSON."
@@ -43,32 +45,32 @@ def scoreboard(
     quantity: str, first_bead: int, rms: bool, every_chain: bool, figure: Path | None,
     as_json: bool,
 ) -> None:  # fmt: skip
-    """Hold every theory against the integration: which one to trust where.
+    """Compare every theory with the simulation on many tapers.
 
-    The paper's four tapers at its rates and beyond, and tapers that no theory was fitted
-    to; 100 beads each. Errors count up to bead 97, short of the free end.
+    The chains have 100 beads each: the paper's four tapers at its rates and beyond, and tapers
+    to which no theory was fitted. Errors are evaluated up to bead 97, before the free end.
 
     \b
     Examples:
       hertzchain scoreboard
       hertzchain scoreboard --quantity arrival --first-bead 2 --figure arrival.png
     """
-    from hertzchain.arguments import one_of
-    from hertzchain.scoreboard import judge
-    from hertzchain.scoreboard.scoreboard import JUDGED
-    from hertzchain.store import results
+    from ..evaluation import evaluate
+    from ..evaluation.scoreboard import QUANTITIES as SCORED
+    from ..store import results
+    from ..validation.objects import check_choice
 
-    one_of("quantity", quantity, JUDGED)
+    check_choice("quantity", quantity, SCORED)
     check_writable(figure, "--figure", PICTURES)
-    with progress_of("chains integrated") as progress:
-        board = judge.scoreboard(progress=progress)
+    with progress_bar("chains integrated") as progress:
+        board = evaluate.scoreboard(progress=progress)
     what: dict[str, Any] = {"quantity": quantity, "first_bead": first_bead}
     what["statistic"] = "rms" if rms else "worst"
-    board.table(**what)  # refuses a bead that is not there, before anything is written
+    board.table(**what)  # checks the first bead before anything is written
     if figure is not None:
-        from hertzchain.plotting.scoreboard import plot_scoreboard
+        from ..plotting.scoreboard import plot_scoreboard
 
-        save_axes(plot_scoreboard(board, **what), figure)
+        save_figure(plot_scoreboard(board, **what), figure)
     if as_json:
         document = {"schema_version": results.SCHEMA_VERSION} | board.as_dict()
         show_json(document)
@@ -82,15 +84,15 @@ def _scoreboard_table(
     from rich import box
     from rich.table import Table
 
-    from hertzchain.scoreboard.cases import GROUPS
-    from hertzchain.scoreboard.scoreboard import percentage
+    from ..evaluation.cases import GROUPS
+    from ..evaluation.scoreboard import percentage
 
     errors = board.table(quantity, first_bead=first_bead, statistic=statistic, by=by)  # type: ignore[arg-type]
     outside = board.outside(by)  # type: ignore[arg-type]
     table = Table(
         title=f"{quantity}: {statistic} relative error in %, k = {first_bead}..{board.last_bead} "
         f"of {len(board.cases)} chains",
-        caption="– not covered   * outside its range, as the theory itself warns",
+        caption="– not supported   * outside the range of the theory, which issues a warning",
         box=box.SIMPLE_HEAD, title_justify="left", caption_justify="left", pad_edge=False,
         collapse_padding=True,
     )  # fmt: skip

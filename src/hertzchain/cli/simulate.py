@@ -1,4 +1,4 @@
-"""The command `simulate`: the whole chain and its trajectories."""
+"""The command `simulate`: integrate the whole chain."""
 
 from __future__ import annotations
 
@@ -9,18 +9,18 @@ from typing import TYPE_CHECKING
 
 import click
 
-from hertzchain.cli.long_run import refuse_with_stream, stream_into
-from hertzchain.cli.options import PICTURES, chain_from, chain_options, check_writable, time_from
-from hertzchain.cli.progress import progress_of
-from hertzchain.cli.show import save_axes, show_json, show_table
+from .options import PICTURES, chain_from, chain_options, check_writable, time_from
+from .output import save_figure, show_json, show_table
+from .progress import progress_bar
+from .stream import check_stream_options, stream_into
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-    from hertzchain.simulation.run import Run
-    from hertzchain.simulation.sensor_force import SensorForce
-    from hertzchain.simulation.wall_force import WallForce
-    from hertzchain.simulation.waves import Waves
+    from ..simulation.run import Run
+    from ..simulation.sensor_force import SensorForce
+    from ..simulation.wall_force import WallForce
+    from ..simulation.waves import Waves
 
 
 @click.command()
@@ -28,12 +28,14 @@ if TYPE_CHECKING:
 @click.option(
     "--until",
     metavar="TIME",
-    help="Time to stop at, such as 2e-3 or, in SI units, 2ms.  [default: when the largest force on "
-    "the right wall is complete, at most 10 transits of the pulse; without a right wall, when the "
-    "pulse has left]",
+    help="Stop time, such as 2e-3 or, in SI units, 2ms.  [default: when the largest force on the "
+    "right wall is complete, at most 10 transits of the pulse; without a right wall, when the "
+    "pulse has left the chain]",
 )
-@click.option("--times", type=int, default=400, show_default=True, help="Times to save.")
-@click.option("--rtol", type=float, default=1e-13, show_default=True, help="Tolerance of a step.")
+@click.option("--times", type=int, default=400, show_default=True, help="Number of saved times.")
+@click.option(
+    "--rtol", type=float, default=1e-13, show_default=True, help="Relative tolerance per step."
+)
 @click.option(
     "--max-steps", type=int, help="Step limit.  [default: 2000 per bead, at least a million]"
 )
@@ -41,13 +43,13 @@ if TYPE_CHECKING:
     "--out",
     type=click.Path(path_type=Path),
     metavar="FILE",
-    help="Save the trajectories into FILE (.nc or .csv).",
+    help="Save the trajectories to FILE (.nc or .csv).",
 )
 @click.option(
     "--plot",
     type=click.Path(path_type=Path),
     metavar="FILE",
-    help="Draw velocities, or with --sensor forces, into FILE (.png, .svg or .pdf).",
+    help="Plot velocities or, with --sensor, forces to FILE (.png, .svg or .pdf).",
 )
 @click.option(
     "--sensor",
@@ -56,20 +58,20 @@ if TYPE_CHECKING:
     multiple=True,
     metavar="BEAD",
     help="Print the first maximum and the largest value so far of the force in a sensor in this "
-    "bead; repeat it for more.",
+    "bead; repeatable.",
 )
 @click.option(
     "--stream",
     type=click.Path(path_type=Path),
     metavar="FOLDER",
-    help="Save a long run into FOLDER as it goes on; repeated, go on where it stopped.",
+    help="Write a long run to FOLDER as it proceeds; run the command again to resume.",
 )
-@click.option("--budget", is_flag=True, help="Print where energy and momentum are at the end.")
+@click.option("--budget", is_flag=True, help="Print the final energy and momentum by location.")
 @click.option(
-    "--waves", is_flag=True, help="Print the travelling waves: pulses, trains, reflections."
+    "--waves", is_flag=True, help="Print the travelling waves: pulses, trains and reflections."
 )
 @click.option(
-    "--horizon", is_flag=True, help="Print how far the run can be predicted (integrates it twice)."
+    "--horizon", is_flag=True, help="Print how long the run is predictable (integrates it twice)."
 )
 @click.option("--json", "as_json", is_flag=True, help="Print the summary as JSON.")
 def simulate(
@@ -80,12 +82,12 @@ def simulate(
 ) -> None:  # fmt: skip
     """Integrate the whole chain and keep its trajectories.
 
-    The forces on walls are printed, and those in sensors in beads (the mean of the forces on both
-    halves of the bead).  Their first maximum belongs to the first pulse; a later wave may be
-    larger.
+    The forces on walls and in sensors are printed.  The force in a sensor in a bead is the mean
+    of the forces on both halves of the bead.  Its first maximum belongs to the first pulse; a
+    later wave may be larger.
 
-    With --stream they are on disk alone, in netCDF files: memory does not grow with the run,
-    and one that was interrupted goes on when the command is repeated.
+    With --stream, trajectories are kept only on disk, in netCDF files, so that memory does not
+    grow with the run.  If a run is interrupted, run the same command again and it resumes.
 
     \b
     Examples:
@@ -97,20 +99,21 @@ def simulate(
       hertzchain simulate --beads 50 --until 60 --times 600 --waves --horizon
     """
     import hertzchain
-    from hertzchain.checks import whole_number
-    from hertzchain.store.results import save_run
+
+    from ..store.results import save_run
+    from ..validation.numbers import whole_number
 
     check_writable(plot, "--plot", PICTURES)
     check_writable(out, "--out", (".nc", ".csv"))
     if budget and as_json:
-        raise click.UsageError("--budget and --json exclude each other")
+        raise click.UsageError("--budget and --json cannot be combined")
     if times < 2 and (out or plot or sensors or stream or budget or waves or horizon):
         raise click.UsageError(
-            "--out, --plot, --sensor, --stream, --budget, --waves and --horizon need saved times: "
-            f"--times {times} is too few"
+            "--out, --plot, --sensor, --stream, --budget, --waves and --horizon require saved "
+            f"times: --times {times} is too few"
         )
     if stream is not None:
-        refuse_with_stream(
+        check_stream_options(
             out=out, plot=plot, sensor=sensors, budget=budget, waves=waves, horizon=horizon,
             max_steps=max_steps,
         )  # fmt: skip
@@ -121,20 +124,20 @@ def simulate(
     if stream is not None:
         stream_into(stream, chain, until=end, times=times, rtol=rtol, as_json=as_json)
         return
-    with progress_of("beads passed") as progress:
+    with progress_bar("beads passed") as progress:
         run = hertzchain.simulate(
             chain, until=end, times=times, rtol=rtol, max_steps=max_steps, progress=progress
         )
     if horizon:
-        with progress_of("beads passed, second integration") as progress:
+        with progress_bar("beads passed, second integration") as progress:
             run.horizon(progress=progress)
     if out is not None:
         save_run(run, out)
     walls = _walls(run)
     if plot is not None:
         with warnings.catch_warnings():
-            warnings.simplefilter("ignore", hertzchain.IncompleteWarning)  # has been shown
-            save_axes(_drawn(run, sensors, walls), plot)
+            warnings.simplefilter("ignore", hertzchain.IncompleteWarning)  # already shown
+            save_figure(_drawn(run, sensors, walls), plot)
     felt = [run.sensor_force(bead) for bead in sensors]
     _show_run(run, walls, felt, run.waves() if waves else None, as_json)
     if budget:
@@ -142,7 +145,7 @@ def simulate(
 
 
 def _drawn(run: Run, sensors: tuple[int, ...], walls: list[WallForce]) -> Axes:
-    """Forces in time of sensors and walls, or the map of all velocities."""
+    """Plot forces in sensors and on walls, or else the map of all velocities."""
     if not sensors:
         return run.plot()
     ends = {"left": 0, "right": run.chain.beads + 1}
@@ -150,7 +153,7 @@ def _drawn(run: Run, sensors: tuple[int, ...], walls: list[WallForce]) -> Axes:
 
 
 def _walls(run: Run) -> list[WallForce]:
-    from hertzchain.simulation.wall_force import SIDES
+    from ..simulation.wall_force import SIDES
 
     return [run.wall_force(side) for side in SIDES if f"{side} wall" in run.chain.features]
 
@@ -158,8 +161,8 @@ def _walls(run: Run) -> list[WallForce]:
 def _show_run(
     run: Run, walls: list[WallForce], sensors: list[SensorForce], waves: Waves | None, as_json: bool
 ) -> None:
-    from hertzchain.cli.wave_tables import horizon_as_dict, wave_table, waves_as_list
-    from hertzchain.store import results
+    from ..store import results
+    from .wave_tables import horizon_as_dict, wave_table, waves_as_list
 
     summary: dict[str, object] = {
         "status": run.status,
@@ -192,7 +195,7 @@ def _show_run(
     if run.known_horizon is not None:
         click.echo(f"horizon: {run.known_horizon.message}")
     elif run.prediction:
-        click.echo("a long run between walls: --horizon tells how far it can be predicted")
+        click.echo("a long run between walls: --horizon shows how long it is predictable")
     if waves is not None:
         show_table(wave_table(waves))
 
@@ -202,13 +205,13 @@ def _is_nan(value: object) -> bool:
 
 
 def _numbers(force: WallForce | SensorForce) -> dict[str, object]:
-    """All of it but the trace; null for a number that does not exist."""
+    """All fields except the trace; null for a number that does not exist."""
     found = {name: value for name, value in vars(force).items() if name not in ("times", "force")}
     return {name: None if _is_nan(value) else value for name, value in found.items()}
 
 
 def _wall_line(wall: WallForce, newton: str, second: str, impulse: str) -> str:
-    """The force on a wall; an incomplete one has no peak."""
+    """Describe the force on a wall; an incomplete one has no peak."""
     if wall.largest_so_far == 0.0:
         return f"{wall.side} wall: not reached"
     largest = f"{wall.largest_so_far:.6g}{newton} at t = {wall.largest_so_far_time:.6g}{second}"

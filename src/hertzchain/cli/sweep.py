@@ -1,4 +1,4 @@
-"""The command `sweep`: parameters that vary, into a store that any interruption leaves good."""
+"""The command `sweep`: compute a grid of parameters into a store that survives interruptions."""
 
 from __future__ import annotations
 
@@ -8,13 +8,13 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from hertzchain.cli.exit_codes import DONE, FAILED
-from hertzchain.cli.options import PICTURES, check_writable
-from hertzchain.cli.progress import progress_of
-from hertzchain.cli.show import save_axes, show_json
+from .exit_codes import DONE, FAILED
+from .options import PICTURES, check_writable
+from .output import save_figure, show_json
+from .progress import progress_bar
 
 if TYPE_CHECKING:
-    from hertzchain.store.sweep_store import SweepStore
+    from ..store.sweep_store import SweepStore
 
 
 _skip_damaged = click.option(
@@ -23,7 +23,7 @@ _skip_damaged = click.option(
 
 
 class _Sweep(click.Group):
-    """A group whose first argument, if it is no command, is the specification to run."""
+    """A group whose first argument is a command or the specification to run."""
 
     def resolve_command(self, ctx: click.Context, args: list[str]) -> Any:
         if args and args[0] not in self.commands:
@@ -41,8 +41,9 @@ class _Sweep(click.Group):
 def sweep() -> None:
     """Compute a grid of parameters: `hertzchain sweep SPEC.toml`.
 
-    The specification says what varies, by which methods, and what is kept.  Results go into a
-    zarr folder; the same command after an interruption does only what is missing.
+    The specification defines the axes, the methods and the quantities to keep.  Results are
+    written to a zarr folder.  If a sweep is interrupted, run the same command again and it
+    resumes.
 
     \b
     Examples:
@@ -62,30 +63,34 @@ def sweep() -> None:
     "--store",
     type=click.Path(path_type=Path),
     metavar="FOLDER",
-    help="Where results go.  [default: the name of SPEC with .zarr, in the working folder]",
+    help="Folder for results.  [default: the name of SPEC with .zarr, in the working folder]",
 )
-@click.option("--workers", type=int, help="Threads or processes.  [default: one a processor]")
-@click.option("--processes", is_flag=True, help="A pool of processes in place of threads.")
-@click.option("--scheduler", metavar="ADDRESS", help="A running dask scheduler: tcp://host:8786.")
-@click.option("--shard", metavar="i/n", help="Only the i-th of n parts, into a store of its own.")
+@click.option("--workers", type=int, help="Threads or processes.  [default: one per processor]")
+@click.option("--processes", is_flag=True, help="Use processes instead of threads.")
+@click.option(
+    "--scheduler", metavar="ADDRESS", help="Use a running dask scheduler: tcp://host:8786."
+)
+@click.option("--shard", metavar="i/n", help="Compute only part i of n, into a separate store.")
 @_skip_damaged
-@click.option("--dry-run", is_flag=True, help="Say what it would take, and compute nothing.")
+@click.option(
+    "--dry-run", is_flag=True, help="Estimate points, disk space and time; compute nothing."
+)
 @click.option("--json", "as_json", is_flag=True, help="Print the outcome as JSON.")
 def run(
     specification: Path, store: Path | None, workers: int | None, processes: bool,
     scheduler: str | None, shard: str | None, skip_damaged: bool, dry_run: bool, as_json: bool,
 ) -> int:  # fmt: skip
-    """Compute what SPEC.toml says, or what is missing of it (`run` may be left out).
+    """Compute the points of SPEC.toml that are missing from the store (`run` may be omitted).
 
     Exit codes: 0 all points are done, 1 some failed or the disk is full, 2 the specification or
-    store cannot be used, 130 interrupted.
+    store is invalid, 130 interrupted.
     """
     import hertzchain
-    from hertzchain.store.sweep_store import SweepStore
+
+    from ..store.sweep_store import SweepStore
 
     if scheduler is not None and (processes or workers is not None):
-        raise click.UsageError("--scheduler has workers of its own: leave --processes and "
-                               "--workers out")  # fmt: skip
+        raise click.UsageError("--scheduler has its own workers; omit --processes and --workers")
     part = _shard(shard)
     if dry_run:
         _show_estimate(specification, workers, as_json)
@@ -93,17 +98,18 @@ def run(
     target = _store_of(specification, part) if store is None else store
     with ExitStack() as stack:
         pool = stack.enter_context(_pool(scheduler, processes, workers))
-        progress = stack.enter_context(progress_of("points done", rate=True))
+        progress = stack.enter_context(progress_bar("points done", rate=True))
         try:
             hertzchain.sweep(
                 specification, target, executor=pool, shard=part, skip_damaged=skip_damaged,
                 progress=progress,
             )  # fmt: skip
         except KeyboardInterrupt:
-            click.echo(f"what is done is in {target}; the same command goes on", err=True)
+            click.echo(f"finished points are in {target}; run the same command again to resume",
+                       err=True)  # fmt: skip
             raise
         except hertzchain.StoreError as error:
-            click.echo(f"Error: {error}; the same command goes on from what is done", err=True)
+            click.echo(f"Error: {error}; run the same command again to resume", err=True)
             return FAILED
     return _show_outcome(SweepStore(target, skip_damaged=skip_damaged), part, as_json)
 
@@ -111,13 +117,13 @@ def run(
 @sweep.command()
 @click.argument("store", type=click.Path(path_type=Path))
 @_skip_damaged
-@click.option("--json", "as_json", is_flag=True, help="Print it as JSON.")
+@click.option("--json", "as_json", is_flag=True, help="Print the status as JSON.")
 def status(store: Path, skip_damaged: bool, as_json: bool) -> int:
-    """Check all files, and show how far a sweep is, also while it runs, and why points failed."""
-    from hertzchain.store.sweep_store import SweepStore
+    """Check all files; show the progress of a sweep, running or not, and why points failed."""
+    from ..store.sweep_store import SweepStore
 
     opened = SweepStore(store, skip_damaged=skip_damaged)
-    with progress_of("batches checked") as progress:
+    with progress_bar("batches checked") as progress:
         opened.check(progress=progress)
     return _show_outcome(opened, None, as_json)
 
@@ -129,7 +135,8 @@ def status(store: Path, skip_damaged: bool, as_json: bool) -> int:
 def export(store: Path, file: Path, skip_damaged: bool) -> None:
     """Write a store as one FILE: .csv, .parquet or .nc (netCDF-4)."""
     import hertzchain
-    from hertzchain.store.sweep_files import ENDINGS, export_sweep
+
+    from ..store.sweep_export import ENDINGS, export_sweep
 
     check_writable(file, "FILE", ENDINGS)
     export_sweep(hertzchain.open_sweep(store, skip_damaged=skip_damaged), file)
@@ -143,13 +150,14 @@ def export(store: Path, file: Path, skip_damaged: bool) -> None:
 def merge(into: Path, stores: tuple[Path, ...], skip_damaged: bool) -> int:
     """Join the STORES of all shards into the store INTO."""
     import hertzchain
-    from hertzchain.store.sweep_store import SweepStore
+
+    from ..store.sweep_store import SweepStore
 
     _, missing = hertzchain.merge_sweeps(list(stores), into, skip_damaged=skip_damaged)
     if missing:
         click.echo(
-            f"{into} lacks {missing} points: run the shards that are missing, or the "
-            "specification itself into it",
+            f"{into} lacks {missing} points; run the missing shards, or the specification with "
+            "this store",
             err=True,
         )
     return _show_outcome(SweepStore(into), None, as_json=False)
@@ -158,34 +166,37 @@ def merge(into: Path, stores: tuple[Path, ...], skip_damaged: bool) -> int:
 @sweep.command()
 @click.argument("store", type=click.Path(path_type=Path))
 @click.argument("file", type=click.Path(path_type=Path))
-@click.option("--quantity", metavar="NAME", help="What to draw.  [default: the first kept]")
+@click.option("--quantity", metavar="NAME", help="Quantity to plot.  [default: the first kept]")
 @click.option(
     "--at",
     multiple=True,
     metavar="NAME=VALUE",
-    help="Where along other dimensions; between the values of an axis the nearest.",
+    help="Value along another dimension; the nearest value of an axis is used.",
 )
-@click.option("--level", type=float, multiple=True, help="Draw a line at this value into a map.")
-@click.option("--log", is_flag=True, help="Logarithmic scale of the quantity.")
+@click.option(
+    "--level", type=float, multiple=True, help="Draw a contour line at this value in a map."
+)
+@click.option("--log", is_flag=True, help="Use a logarithmic scale for the quantity.")
 @_skip_damaged
 def plot(
     store: Path, file: Path, quantity: str | None, at: tuple[str, ...], level: tuple[float, ...],
     log: bool, skip_damaged: bool,
 ) -> None:  # fmt: skip
-    """Draw a store into FILE (.png, .svg or .pdf): curves over one axis, a map over two."""
+    """Plot a store to FILE (.png, .svg or .pdf): curves over one axis, a map over two."""
     import hertzchain
-    from hertzchain.plotting.sweeps import plot_sweep
+
+    from ..plotting.sweeps import plot_sweep
 
     check_writable(file, "FILE", PICTURES)
     chosen = dict(map(_place, at))
     found = hertzchain.open_sweep(store, skip_damaged=skip_damaged)
     axes = plot_sweep(found, quantity, log=log, levels=list(level) or None, **chosen)
-    save_axes(axes, file)
+    save_figure(axes, file)
     click.echo(file)
 
 
 def _pool(scheduler: str | None, processes: bool, workers: int | None) -> Any:
-    from hertzchain.sweeps.executors import dask_pool, local_pool
+    from ..sweeps.executors import dask_pool, local_pool
 
     if scheduler is not None:
         return dask_pool(scheduler)
@@ -203,7 +214,7 @@ def _shard(text: str | None) -> tuple[int, int] | None:
 
 
 def _store_of(specification: Path, part: tuple[int, int] | None) -> Path:
-    """Beside what is run, in the working folder; a shard's has its number."""
+    """Default store in the working folder; the store of a shard has its number."""
     name = specification.stem if part is None else f"{specification.stem}.{part[0]}-of-{part[1]}"
     return Path(f"{name}.zarr")
 
@@ -219,8 +230,8 @@ def _place(text: str) -> tuple[str, Any]:
 
 
 def _show_estimate(specification: Path, workers: int | None, as_json: bool) -> None:
-    from hertzchain.store.results import SCHEMA_VERSION
-    from hertzchain.sweeps.sweep import estimate
+    from ..store.results import SCHEMA_VERSION
+    from ..sweeps.sweep import estimate
 
     found = estimate(specification, workers=workers)
     if as_json:
@@ -237,7 +248,7 @@ def _show_estimate(specification: Path, workers: int | None, as_json: bool) -> N
 
 
 def _show_outcome(opened: SweepStore, part: tuple[int, int] | None, as_json: bool) -> int:
-    from hertzchain.store.results import SCHEMA_VERSION
+    from ..store.results import SCHEMA_VERSION
 
     store = opened.folder
     counts = opened.counts()
@@ -257,13 +268,13 @@ def _show_outcome(opened: SweepStore, part: tuple[int, int] | None, as_json: boo
             click.echo(f"  {', '.join(f'{name} = {value}' for name, value in place.items())}: "
                        f"{reason}")  # fmt: skip
         if counts["failed"] > len(failures):
-            click.echo(f"  and {counts['failed'] - len(failures)} more: variable `reason`")
+            click.echo(f"  and {counts['failed'] - len(failures)} more (see variable `reason`)")
         if outside:
-            click.echo(f"  at {outside} points a method is outside its range: variable "
-                       "`outside_range`")  # fmt: skip
+            click.echo(f"  points outside the validity range of a method: {outside} (see "
+                       "variable `outside_range`)")  # fmt: skip
         if incomplete:
-            click.echo(f"  at {incomplete} points the largest force on the wall is not complete: "
-                       "variable `incomplete`")  # fmt: skip
+            click.echo(f"  points with an incomplete largest force on the wall: {incomplete} (see "
+                       "variable `incomplete`)")  # fmt: skip
     unfinished = counts["missing"] and part is None
     return FAILED if counts["failed"] or unfinished else DONE
 

@@ -1,4 +1,4 @@
-"""The command `verify`: exact and published values."""
+"""The command `verify`: compare with exact and published values."""
 
 from __future__ import annotations
 
@@ -7,13 +7,13 @@ from typing import TYPE_CHECKING, Literal
 
 import click
 
-from hertzchain.cli.exit_codes import OUTSIDE_TOLERANCE
-from hertzchain.cli.options import names_from
-from hertzchain.cli.progress import progress_of
-from hertzchain.cli.show import show_json, show_table
+from .exit_codes import OUTSIDE_TOLERANCE
+from .options import names_from
+from .output import show_json, show_table
+from .progress import progress_bar
 
 if TYPE_CHECKING:
-    from hertzchain.verification.verify import Verdict
+    from ..verification.verify import Verdict
 
 
 @click.command()
@@ -22,11 +22,11 @@ if TYPE_CHECKING:
 )
 @click.option("--json", "as_json", is_flag=True, help="Print everything as JSON.")
 def verify(only: str | None, as_json: bool) -> None:
-    """Compute quantities with exact or published values and compare them.
+    """Compute quantities whose exact or published values are known, and compare them.
 
-    Sources are listed below the table, with how each value was obtained: derived again,
-    computed by other code, or recalled from a paper whose text was not at hand.  Exits with
-    code 3 if any is outside its tolerance.
+    The sources are listed below the table, with the origin of each value: derived again,
+    computed by other code, or recalled from a paper whose text was not available.  Exits with
+    code 3 if any value is outside its tolerance.
 
     \b
     Examples:
@@ -34,9 +34,10 @@ def verify(only: str | None, as_json: bool) -> None:
       hertzchain verify --only restitution,walls
     """
     import hertzchain
-    from hertzchain.verification.verify import as_dict
 
-    with progress_of("cases computed") as progress:
+    from ..verification.verify import as_dict
+
+    with progress_bar("cases computed") as progress:
         verdicts = hertzchain.verify(names_from(only), progress=progress)
     if as_json:
         show_json(as_dict(verdicts))
@@ -47,19 +48,19 @@ def verify(only: str | None, as_json: bool) -> None:
 
 
 def _show_verdicts(verdicts: list[Verdict]) -> None:
-    """Print the table, and below it the sources by their numbers."""
+    """Print the table and the numbered list of sources."""
     from rich import box
     from rich.markup import escape
     from rich.table import Table
 
-    from hertzchain.verification.case import ORIGINS
+    from ..verification.case import ORIGINS
 
     agreeing = sum(verdict.agrees for verdict in verdicts)
     title = f"{agreeing} of {len(verdicts)} cases agree"
     if agreeing < len(verdicts):
-        title += "; those marked ! are outside what is allowed"
+        title += "; cases marked ! are outside their tolerance"
     table = Table(title=title, box=box.SIMPLE_HEAD, title_justify="left", padding=0)
-    for name in ("quantity", "expected", "ours", "difference", "allowed", "source"):
+    for name in ("quantity", "expected", "computed", "difference", "allowed", "source"):
         side: Literal["left", "right"] = "left" if name == "quantity" else "right"
         table.add_column(name, justify=side, no_wrap=True)
     sources: dict[tuple[str, str], int] = {}

@@ -3,26 +3,22 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from rich.table import Table
 
-    from hertzchain.simulation.horizon import Horizon
-    from hertzchain.simulation.waves import Waves
-
-# Units of the columns of a table of waves in SI units.
-UNITS: Final = {
-    "first_time": "s", "last_time": "s", "amplitude": "N", "momentum": "kg m/s", "energy": "J",
-    "width": "s", "speed": "m/s",
-}  # fmt: skip
+    from ..simulation.horizon import Horizon
+    from ..simulation.waves import Waves
 
 
 def wave_table(waves: Waves) -> Table:
-    """A row for each wave, in order of time."""
+    """Table of the waves, one row per wave, in order of time."""
     from rich import box
     from rich.markup import escape
     from rich.table import Table
+
+    from ..pulse.quantities import WAVE_QUANTITIES
 
     rows = waves_as_list(waves)
     counts = f"{len(waves.right)} to the right, {len(waves.left)} to the left"
@@ -32,8 +28,9 @@ def wave_table(waves: Waves) -> Table:
         title=f"waves: {counts}", caption=caption, box=box.SIMPLE_HEAD, title_justify="left"
     )
     for name in ("", "contacts", "times", "amplitude", "momentum", "energy", "width", "speed"):
-        unit = UNITS.get("first_time" if name == "times" else name)
-        shown = f"{name} [{unit}]" if unit and waves.chain.units == "SI" else name
+        quantity = WAVE_QUANTITIES.get("first_time" if name == "times" else name)
+        real = quantity is not None and waves.chain.units == "SI"
+        shown = f"{name} [{quantity.unit}]" if quantity is not None and real else name
         table.add_column(escape(shown), justify="right", no_wrap=True)
     for row in rows:
         numbers = (row[name] for name in ("amplitude", "momentum", "energy", "width", "speed"))
@@ -47,19 +44,19 @@ def wave_table(waves: Waves) -> Table:
 
 
 def waves_as_list(waves: Waves) -> list[dict[str, Any]]:
-    """Waves as plain data; what is unknown is None."""
-    from hertzchain.simulation.waves import NAMES
+    """Waves as plain data; unknown values are None."""
+    from ..simulation.waves import DIRECTIONS
 
     rows = waves.to_dataframe().to_dict("records")
     for row, wave in zip(rows, waves, strict=True):
-        row["direction"] = NAMES[wave.direction]
+        row["direction"] = DIRECTIONS[wave.direction]
         row["width"] = row["width"] if math.isfinite(row["width"]) else None
         row["resolved"] = wave.resolved
     return rows
 
 
 def horizon_as_dict(horizon: Horizon) -> dict[str, Any]:
-    """A horizon as plain data; a time that is not reached is None."""
+    """A horizon as plain data; the time is None if it was not reached."""
     return {
         "within": horizon.within,
         "time": horizon.time if math.isfinite(horizon.time) else None,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from hertzchain.kernels.options import compiled
+from .compilation import compiled
 
 # What drives the chain: nothing, a force on bead 1, the place of the left wall.
 NOTHING, PUSH, MOVING_WALL = range(3)

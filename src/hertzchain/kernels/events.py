@@ -2,27 +2,21 @@ r"""What the eye would pick from the curves, found within the steps.
 
 The first maximum of each bead's velocity, the largest overlap of each contact, the largest
 force on each wall: between two steps, on the method's interpolant
-(`hertzchain.kernels.dense`), by bisection.
+(`hertzchain.kernels.dop853_interpolant`), by bisection.
 """
 
 from __future__ import annotations
 
-from hertzchain.kernels.dense import slope, state_within, value
-from hertzchain.kernels.dop853 import STEP_STAGES
-from hertzchain.kernels.driving import wall_motion
-from hertzchain.kernels.forces import (
-    LEDGER,
-    LEFT_IMPULSE,
-    LOADED,
-    RIGHT_IMPULSE,
-    copy,
-    force,
-    overlap_and_closing,
-)
-from hertzchain.kernels.implicit import FINEST, closes_throughout, first_rest
-from hertzchain.kernels.leading_pulse import note_leading_pulse, rise_of
-from hertzchain.kernels.options import compiled
-from hertzchain.kernels.records import (
+from .active_beads import put_back
+from .compilation import compiled
+from .contact_law import LOADED, force, law_of
+from .dop853 import STEP_STAGES
+from .dop853_interpolant import slope, state_within, value
+from .driving import wall_motion
+from .forces import ACCUMULATORS, LEFT_IMPULSE, RIGHT_IMPULSE, copy, overlap_and_closing
+from .implicit import FINEST, closes_throughout, first_rest
+from .leading_pulse import note_leading_pulse, rise_of
+from .state_layout import (
     CROSSING_TIME,
     CROSSINGS,
     EVALUATIONS,
@@ -41,9 +35,8 @@ from hertzchain.kernels.records import (
     WALL_PEAK,
     WALL_PEAK_TIME,
 )
-from hertzchain.kernels.stepping import forces_within, interpolate, is_implicit
-from hertzchain.kernels.stiff_law import closes_in, force_within
-from hertzchain.kernels.window import put_back
+from .stepping import forces_within, interpolate, is_implicit
+from .stiff_law import closes_in, force_within
 
 # A bead slower than this, in parts of the speeds around it, is not reached yet: rounding
 # ahead of the pulse could look like a maximum.
@@ -106,7 +99,7 @@ def closes_at(c, beads, theta, y, dense, setup, contacts):
         return closes_in(
             value(beads + c, theta, y, dense) - ahead, abs(ahead),
             force_within(c + 1, theta, contacts.implicit), overlap, setup.stiffness[c + 1],
-            setup.law.exponent,
+            law_of(c + 1, setup).exponent,
         )  # fmt: skip
     return value(beads + c, theta, y, dense) > value(beads + c + 1, theta, y, dense)
 
@@ -225,7 +218,7 @@ def record_jumps(time, y, stages, scale, reached, first, peaks):
 
 
 @compiled
-def note_crossing(at, after, overlap, clock, counts, crossings):
+def store_crossing(at, after, overlap, clock, counts, crossings):
     """Write down a largest overlap of contact ``at``, ``after`` the time of the clock.
 
     The residence is counted from the crossing before, since the difference of two times
@@ -263,7 +256,7 @@ def record_crossings(
         overlap = behind - value(c + 1, theta, y, dense)
         if contacts is not None:
             overlap = max(0.0, overlap - setup.gap[c + 1])
-        note_crossing(first + c, theta * h, overlap, clock, counts, crossings)
+        store_crossing(first + c, theta * h, overlap, clock, counts, crossings)
         rise = rise_of(overlap, c, setup, contacts)
         note_leading_pulse(first + c, rise, theta, first, y, dense, chain, inverse_mass, crossings)
 
@@ -281,7 +274,7 @@ def record_stops(
         moves = abs(y[beads + c + 1]) > reached * scale[c + 1]
         if stopped and moves and crossings[CROSSING_TIME, first + c] == 0.0:
             overlap = y[c] - y[c + 1] - setup.gap[c + 1]
-            note_crossing(first + c, 0.0, overlap, clock, counts, crossings)
+            store_crossing(first + c, 0.0, overlap, clock, counts, crossings)
             rise = rise_of(overlap, c, setup, contacts)
             note_leading_pulse(
                 first + c, rise, 0.0, first, y, dense, chain, inverse_mass, crossings
@@ -325,7 +318,7 @@ def expect_events(
 @compiled
 def record_walls(time, h, y, y_new, stages, dense, walls):
     """Largest force on each wall."""
-    ledger = len(y) - LEDGER
+    ledger = len(y) - ACCUMULATORS
     for side in range(2):
         i = ledger + LEFT_IMPULSE + side
         largest = 0.0
@@ -376,7 +369,7 @@ def record_wall_ends(time, y, rates, setup, segment, crossings, walls):
 @compiled
 def wall_pushed(stages):
     """Whether some stage of the step finds a wall pushed."""
-    ledger = stages.shape[1] - LEDGER
+    ledger = stages.shape[1] - ACCUMULATORS
     for j in range(STEP_STAGES + 1):
         if stages[j, ledger + LEFT_IMPULSE] != 0.0 or stages[j, ledger + RIGHT_IMPULSE] != 0.0:
             return True
@@ -409,7 +402,7 @@ def save_frames(time, time_new, h, y, dense, first, chain, setup, contacts, segm
 
 
 @compiled
-def record_step(
+def record_events(
     time, time_new, h, y, y_new, dense_is_found, first, chain, inverse_mass, clock, counts, setup,
     contacts, segment, stages, dense, scale, reached, expected, frame_times, frames, frame_forces,
     peaks, crossings, walls, trial, scratch,

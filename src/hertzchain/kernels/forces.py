@@ -1,27 +1,16 @@
 r"""The forces on the beads of a chain, compiled: contacts, walls, drives, weight.
 
 The state ``y`` holds positions :math:`x_k`, velocities :math:`v_k` and, unless the chain
-is plain, a ledger of what enters and leaves.  Its derivative is :math:`(v_k, a_k)` with
+is a default one, accumulators of what enters and leaves.  Its derivative is :math:`(v_k, a_k)` with
 
 .. math:: m_k a_k = F_{k-1} - F_k + X_k ,
 
 :math:`F_c` the force in contact c and :math:`X_k` that from outside.  Contacts
 :math:`c = 1 \dots N - 1` join beads c and c + 1; contacts 0 and N are those with the
-walls.  A `Plain` chain, Eq. (4) of the paper, has :math:`F_c = r_c (x_c - x_{c+1})_+^p`
-and nothing else, and a loop of its own; a `Bench` has everything else.
-
-Where a law's force jumps, has a memory or is cut off, each contact is in a *mode*, which
-`hertzchain.kernels.switching` keeps within a step:
-
-=============  ========================  =================  =======================
-law            `LOADED`                  `RELEASED`         `STUCK`
-=============  ========================  =================  =======================
-`DAMPED`       the law acts              no force
-`UNLOADING`    approaching               parting            neither: d' = 0, held by
-                                                            a force between the two
-`PLASTIC`      loading further than      below the largest
-               ever                      overlap so far
-=============  ========================  =================  =======================
+walls.  A `DefaultChain`, Eq. (4) of the paper, has :math:`F_c = r_c (x_c - x_{c+1})_+^p`
+and nothing else, and a separate loop; a `GeneralChain` has everything else.  The force of one
+contact is in `hertzchain.kernels.contact_law`; where all contacts have one law, loops over all of
+them at once are faster.
 """
 
 from __future__ import annotations
@@ -30,20 +19,26 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from hertzchain.kernels.driving import MOVING_WALL, NOTHING, PUSH, drive_at
-from hertzchain.kernels.options import compiled
-from hertzchain.kernels.powers import powers
+from .compilation import compiled
+from .contact_law import (
+    LOADED,
+    STUCK,
+    Law,
+    contact_force,
+    force,
+    has_modes,
+    law_of,
+)
+from .driving import MOVING_WALL, NOTHING, PUSH, drive_at
+from .law_kinds import DAMPED, PLASTIC, UNLOADING
+from .powers import powers
 
 # The ledger behind positions and velocities: energy lost in contacts, work and impulse of the
 # drive, impulse given to the chain by the left wall and by the chain to the right one.
-LOST, DRIVEN, PUSHED, LEFT_IMPULSE, RIGHT_IMPULSE, LEDGER = range(6)
-
-# Loss laws, and the modes of a contact under them.
-ELASTIC, DAMPED, UNLOADING, PLASTIC = range(4)
-RELEASED, LOADED, STUCK = range(3)
+LOST, DRIVEN, PUSHED, LEFT_IMPULSE, RIGHT_IMPULSE, ACCUMULATORS = range(6)
 
 
-class Plain(NamedTuple):
+class DefaultChain(NamedTuple):
     """A chain of Eq. (4) of the paper: beads, the contacts between them, nothing else."""
 
     inverse_mass: Any  # (N,)
@@ -51,32 +46,16 @@ class Plain(NamedTuple):
     exponent: float
 
 
-class Law(NamedTuple):
-    """What all contacts of a chain have in common."""
-
-    kind: int
-    exponent: float
-    # DAMPED: k d^p + damping d^overlap_power |d'|^speed_power sgn d'.
-    overlap_power: float
-    speed_power: float
-    # The part of the energy given back: 1 - w of UNLOADING, e^2 of PLASTIC.
-    kept: float
-    attractive: bool
-    # Whether explicit steps would have to be too short (`hertzchain.kernels.implicit`).
-    implicit: bool
-    # Speed in which errors are at least measured: that of a chain at rest is none.
-    slowest: float
-
-
-class Bench(NamedTuple):
+class GeneralChain(NamedTuple):
     """Any other chain: beads, contacts 0..N (walls at both ends), and what acts on them."""
 
     inverse_mass: Any  # (N,)
     stiffness: Any  # (N + 1,); 0 where there is no wall
     exponent: float
     gap: Any  # (N + 1,)
-    damping: Any  # (N + 1,)
-    law: Law
+    damping: Any  # (N + 1,): or what else the law asks for
+    law: Law  # of all contacts; where they differ, what all of them are checked for
+    laws: Any  # a LawTable; None where all contacts have one law
     body_force: Any  # (N,): weight along the chain, and what holds a free end
     drive: int
     piece_starts: Any  # (pieces,)
@@ -84,7 +63,7 @@ class Bench(NamedTuple):
 
 
 class Contacts(NamedTuple):
-    """What the contacts of a `Bench` remember, and where their forces are written.
+    """What the contacts of a `GeneralChain` remember, and where their forces are written.
 
     With a `Plain` chain there are none: `None`, for which numba compiles code without them.
     Tuples of arrays are dear to pass: loops over contacts take the arrays out first.
@@ -106,16 +85,6 @@ def copy(source, target):
     """As ``target[:] = source``, which would look first whether the two overlap."""
     for i in range(len(target)):
         target[i] = source[i]
-
-
-@compiled
-def force(overlap, stiffness, exponent):
-    """Contact force k d^p of a positive overlap; d^1.5 by a square root is 40 times faster."""
-    if overlap <= 0.0:
-        return 0.0
-    if exponent == 1.5:
-        return stiffness * overlap * np.sqrt(overlap)
-    return stiffness * overlap**exponent
 
 
 @compiled
@@ -145,57 +114,6 @@ def overlap_and_closing(c, y, beads, gap, wall):
 
 
 @compiled
-def has_modes(law):
-    """Whether the force depends on more than overlap and closing speed, or jumps with them."""
-    if law.kind == DAMPED:
-        return law.overlap_power == 0.0 or not law.attractive
-    return law.kind != ELASTIC
-
-
-@compiled
-def damping_weight(overlap, law):
-    """d^overlap_power of an overlap that is not negative."""
-    if law.overlap_power == 0.0:
-        return 1.0
-    if law.overlap_power == 0.25:
-        return np.sqrt(np.sqrt(overlap))
-    if law.overlap_power == 0.5:
-        return np.sqrt(overlap)
-    return overlap**law.overlap_power
-
-
-@compiled
-def signed_power(closing, exponent):
-    """|d'|^exponent with the sign of d'."""
-    if exponent == 1.0:
-        return closing
-    return np.sign(closing) * abs(closing) ** exponent
-
-
-@compiled
-def elastic_overlap(overlap, mode, largest, law):
-    """Overlap that the loading curve would need for the force of a plastic contact."""
-    if mode == LOADED:
-        return overlap
-    return (overlap - (1.0 - law.kept) * largest) / law.kept
-
-
-@compiled
-def potential(overlap, stiffness, mode, largest, law):
-    """Energy that a contact can give back."""
-    kept = 1.0
-    if law.kind == DAMPED and has_modes(law) and mode == RELEASED:
-        return 0.0
-    if law.kind == PLASTIC:
-        overlap = elastic_overlap(overlap, mode, largest, law)
-        kept = law.kept
-    if law.kind == UNLOADING:
-        kept = law.kept
-    curve = force(overlap, stiffness, law.exponent)
-    return kept * curve * max(overlap, 0.0) / (law.exponent + 1.0)
-
-
-@compiled
 def force_on(k, drive, setup):
     """Force from outside on bead k (0-based)."""
     if k == 0 and setup.drive == PUSH:
@@ -204,7 +122,7 @@ def force_on(k, drive, setup):
 
 
 @compiled
-def hold_stuck(drive, wall_acceleration, setup, contacts):
+def solve_stuck_forces(drive, wall_acceleration, setup, contacts):
     """Forces that keep the closing speed of stuck contacts at zero: a tridiagonal system.
 
     For contact c between accelerations a_left = (F_{c-1} - F_c + X_left)/m_left and
@@ -243,7 +161,7 @@ def hold_stuck(drive, wall_acceleration, setup, contacts):
 
 
 @compiled
-def measure(y, gap, wall, overlap, closing):
+def overlaps_and_rates(y, gap, wall, overlap, closing):
     """Overlaps of all contacts, and the speeds at which they grow."""
     beads = len(gap) - 1
     position, velocity = y[:beads], y[beads : 2 * beads]
@@ -283,7 +201,7 @@ def power_of_closed(overlap, exponent, out, scratch):
 
 
 @compiled
-def weigh(overlap, damping, law, weight, scratch):
+def damping_coefficients(overlap, damping, law, weight, scratch):
     """What multiplies the power of the closing speed: damping * d_+^overlap_power."""
     if law.overlap_power == 0.0:
         copy(damping, weight)
@@ -302,9 +220,9 @@ def weigh(overlap, damping, law, weight, scratch):
 
 
 @compiled
-def damp(pushing, overlap, closing, damping, mode, law, more, scratch):
+def add_damping(pushing, overlap, closing, damping, mode, law, more, scratch):
     """Add to elastic forces what depends on the closing speed; returns the power lost."""
-    weigh(overlap, damping, law, more, scratch)
+    damping_coefficients(overlap, damping, law, more, scratch)
     if has_modes(law):
         for c in range(len(more)):
             acts = 1.0 if mode[c] == LOADED else 0.0
@@ -341,7 +259,7 @@ def sum_of_products(a, b):
 
 
 @compiled
-def weaken(pushing, mode, law):
+def reduce_unloading_forces(pushing, mode, law):
     """Lower the forces of contacts that part; returns if any is stuck."""
     stuck = 0
     for c in range(len(pushing)):
@@ -364,7 +282,7 @@ def power_lost(pushing, closing, mode, law):
 
 
 @compiled
-def dent(overlap, mode, largest, kept):
+def elastic_overlaps(overlap, mode, largest, kept):
     """Replace overlaps of plastic contacts by those that the loading curve would need."""
     for c in range(len(overlap)):
         unloading = (overlap[c] - (1.0 - kept) * largest[c]) / kept
@@ -372,28 +290,55 @@ def dent(overlap, mode, largest, kept):
 
 
 @compiled
+def contact_forces(overlap, closing, drive, wall, setup, laws, contacts):
+    """Write the forces of all contacts; returns the power that they lose."""
+    if laws is not None:
+        return differing_forces(overlap, closing, drive, wall, setup, contacts)
+    law, mode, pushing = setup.law, contacts.mode, contacts.force
+    if law.kind == PLASTIC:
+        elastic_overlaps(overlap, mode, contacts.largest, law.kept)
+    loading_curve(overlap, setup.stiffness, law.exponent, pushing, contacts.powers)
+    lost = 0.0
+    if law.kind == DAMPED:
+        more = contacts.scratch[2, : len(mode)]
+        lost = add_damping(
+            pushing, overlap, closing, setup.damping, mode, law, more, contacts.powers
+        )
+    elif law.kind == UNLOADING:
+        lost = power_lost(pushing, closing, mode, law)
+        if reduce_unloading_forces(pushing, mode, law):
+            solve_stuck_forces(drive[0], wall[2], setup, contacts)
+    elif law.kind == PLASTIC:
+        lost = power_lost(pushing, closing, mode, law)
+    return lost
+
+
+@compiled
+def differing_forces(overlap, closing, drive, wall, setup, contacts):
+    """`contact_forces` where contacts have different laws, one contact after the other."""
+    lost, stuck = 0.0, False
+    for c in range(len(overlap)):
+        contacts.force[c], power = contact_force(
+            overlap[c], closing[c], contacts.mode[c], contacts.largest[c], setup.stiffness[c],
+            setup.damping[c], law_of(c, setup),
+        )  # fmt: skip
+        lost += power
+        stuck = stuck or contacts.mode[c] == STUCK
+    if stuck:
+        solve_stuck_forces(drive[0], wall[2], setup, contacts)
+    return lost
+
+
+@compiled
 def full_derivative(time, y, setup, contacts, segment, out):
     """Velocities, accelerations and rates of the ledger."""
-    inverse_mass, law = setup.inverse_mass, setup.law
-    mode, pushing, outside = contacts.mode, contacts.force, setup.body_force
+    inverse_mass, pushing, outside = setup.inverse_mass, contacts.force, setup.body_force
     beads = len(inverse_mass)
     overlap, closing = contacts.scratch[0, : beads + 1], contacts.scratch[1, : beads + 1]
     drive = drive_at(time, setup, segment) if setup.drive != NOTHING else (0.0, 0.0, 0.0)
     wall = drive if setup.drive == MOVING_WALL else (0.0, 0.0, 0.0)
-    measure(y, setup.gap, wall, overlap, closing)
-    if law.kind == PLASTIC:
-        dent(overlap, mode, contacts.largest, law.kept)
-    loading_curve(overlap, setup.stiffness, law.exponent, pushing, contacts.powers)
-    lost = 0.0
-    if law.kind == DAMPED:
-        more = contacts.scratch[2, : beads + 1]
-        lost = damp(pushing, overlap, closing, setup.damping, mode, law, more, contacts.powers)
-    elif law.kind == UNLOADING:
-        lost = power_lost(pushing, closing, mode, law)
-        if weaken(pushing, mode, law):
-            hold_stuck(drive[0], wall[2], setup, contacts)
-    elif law.kind == PLASTIC:
-        lost = power_lost(pushing, closing, mode, law)
+    overlaps_and_rates(y, setup.gap, wall, overlap, closing)
+    lost = contact_forces(overlap, closing, drive, wall, setup, setup.laws, contacts)
     copy(y[beads : 2 * beads], out[:beads])
     acceleration = out[beads : 2 * beads]
     for k in range(beads):

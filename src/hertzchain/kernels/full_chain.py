@@ -1,34 +1,54 @@
 r"""The whole chain, every bead that moves, by an adaptive Runge-Kutta method of order 8.
 
-`advance` takes steps of DOP853 (`hertzchain.kernels.step`) for the beads that need them
-(`hertzchain.kernels.window`), and looks between the steps for what the eye would pick from the
-curves (`hertzchain.kernels.events`).
+`advance` takes steps of DOP853 (`hertzchain.kernels.dop853_step`) for the beads that need them
+(`hertzchain.kernels.active_beads`), and locates events within each step
+(`hertzchain.kernels.events`).
 
 Contacts open and close with a force that is not smooth (a power 3/2 of time), and
 so does the strike begin; there the error estimate shortens the steps by itself.
 Where a law's force jumps, has a memory or is cut off, a step ends at the first moment at which
-a contact must change its mode (`hertzchain.kernels.switching`).
+a contact must change its mode (`hertzchain.kernels.contact_modes`).
 """
 
 from __future__ import annotations
 
 import numpy as np
 
-from hertzchain.kernels.balance import in_motion, note_drift
-from hertzchain.kernels.dense import COEFFICIENTS
-from hertzchain.kernels.dop853 import STAGES, STEP_STAGES
-from hertzchain.kernels.driving import MOVING_WALL, NOTHING, PUSH, wall_motion
-from hertzchain.kernels.events import (
+from .active_beads import (
+    bounds,
+    contacts_within,
+    part_of,
+    put_back,
+    take_out,
+    trimmed,
+    window_too_small,
+)
+from .compilation import compiled
+from .conservation import kinetic, update_drift
+from .contact_law import has_modes
+from .contact_modes import (
+    MIN_RELATIVE_SPEED,
+    first_modes,
+    first_switch,
+    follow_wall,
+    forget_unloading,
+    may_close_unseen,
+    switch,
+)
+from .dop853 import STAGES, STEP_STAGES
+from .dop853_interpolant import COEFFICIENTS
+from .driving import MOVING_WALL, NOTHING, PUSH, wall_motion
+from .events import (
     least_speed,
+    record_events,
     record_jumps,
-    record_step,
     record_stops,
     record_wall_ends,
 )
-from hertzchain.kernels.forces import UNLOADING, copy, has_modes, overlap_and_closing
-from hertzchain.kernels.implicit import remember_overlaps
-from hertzchain.kernels.options import compiled
-from hertzchain.kernels.records import (
+from .forces import copy, overlap_and_closing
+from .implicit import remember_overlaps
+from .law_kinds import UNLOADING
+from .state_layout import (
     CROSSINGS,
     EVALUATIONS,
     FASTEST,
@@ -42,32 +62,14 @@ from hertzchain.kernels.records import (
     SWITCHES,
     TIME,
 )
-from hertzchain.kernels.stepping import begin, change_of_step, is_implicit, take_step
-from hertzchain.kernels.switching import (
-    STILL,
-    first_modes,
-    first_switch,
-    follow_wall,
-    forget_unloading,
-    may_close_unseen,
-    switch,
-)
-from hertzchain.kernels.wall_touches import count_touches
-from hertzchain.kernels.window import (
-    bounds,
-    contacts_within,
-    outrun,
-    part_of,
-    put_back,
-    take_out,
-    trimmed,
-)
+from .stepping import begin, change_of_step, is_implicit, take_step
+from .wall_touches import count_touches
 
 # What `advance` returns, and what only `advance_window` does.
 RUNNING, PULSE_LEFT, TIME_REACHED, FRAMES_FULL, STEP_TOO_SMALL, PULSE_LOST, LAST_STEP = range(7)
 MOVED, OUTRUN = 7, 8
 
-SMALLEST_STEP = 1e-280
+MIN_STEP = 1e-280
 # A run that waits this long for the pulse to leave waits for ever.
 ENDLESS = 1e300
 # Largest relative difference of two accelerations that are the same but for rounding.
@@ -75,7 +77,7 @@ SAME_FALL = 1e-12
 # Part of the time so far that no step takes unless all beads fly freely.
 LONG_STEP = 0.1
 # Steps too short for the clock to notice, in a row, after which the run is given up.
-MOST_FROZEN = 100_000
+MAX_FROZEN = 100_000
 # Longest step in parts of a force's rise by a cubic: its work on a free bead is of degree 8 in
 # time, which the steps follow but not the interpolant between them.
 RISE_PART = 0.125
@@ -116,7 +118,7 @@ def start(y, clock, counts, setup, contacts, first_step):
     clock[STEP] = first_step
     if contacts is not None:
         first_modes(y, setup, contacts)
-    note_drift(y, clock, setup, contacts, 0, (0.0, 0.0, 0.0), True)
+    update_drift(y, clock, setup, contacts, 0, (0.0, 0.0, 0.0), True)
 
 
 @compiled
@@ -163,7 +165,7 @@ def advance_window(
         change = change_of_step(error, implicit)
         if not error <= 1.0:
             clock[STEP] = h * (change if error > 1.0 else 0.2)
-            if not clock[STEP] > SMALLEST_STEP:
+            if not clock[STEP] > MIN_STEP:
                 return STEP_TOO_SMALL, tried
             continue
         if contacts is not None and may_close_unseen(
@@ -171,7 +173,7 @@ def advance_window(
         ):
             clock[STEP] = 0.5 * h
             continue
-        if outrun(y, y_new, low, low + beads, all_beads):
+        if window_too_small(y, y_new, low, low + beads, all_beads):
             return OUTRUN, tried - 1
         # Only beads in free flight take steps that are so long.
         lone = error == 0.0 or h > LONG_STEP * time
@@ -181,7 +183,7 @@ def advance_window(
         switching, dense_is_found = -1, False
         if contacts is not None:
             copy(contacts.force, contacts.last_force)
-        still = STILL * clock[FASTEST]
+        still = MIN_RELATIVE_SPEED * clock[FASTEST]
         if contacts is not None and has_modes(setup.law):
             switching, theta, dense_is_found = first_switch(
                 time, y, h, y_new, stages, dense, setup, contacts, segment, still, trial, scratch
@@ -194,7 +196,7 @@ def advance_window(
                 )
                 counts[EVALUATIONS] += evaluations
         time_new = stop if cut else time + h
-        record_step(
+        record_events(
             time, time_new, h, y, y_new, dense_is_found, low, chain, inverse_mass, clock, counts,
             setup, contacts, segment, stages, dense, scale, reached, expected, frame_times, frames,
             frame_forces, peaks, crossings, walls, trial, scratch,
@@ -209,7 +211,7 @@ def advance_window(
         clock[TIME] = time_new
         clock[SINCE_CROSSING] += h
         counts[FROZEN] = counts[FROZEN] + 1 if time_new == time else 0
-        if counts[FROZEN] > MOST_FROZEN:
+        if counts[FROZEN] > MAX_FROZEN:
             return STEP_TOO_SMALL, tried
         if not cut and switching < 0:
             clock[STEP] = h * change
@@ -233,7 +235,7 @@ def advance_window(
         if contacts is not None:
             record_wall_ends(time_new, y, stages[0], setup, counts[SEGMENT], crossings, walls)
             count_touches(beads, stages[0], walls)
-        note_drift(y, clock, setup, contacts, counts[SEGMENT], flying, False)
+        update_drift(y, clock, setup, contacts, counts[SEGMENT], flying, False)
         left = counts[PEAKS] == all_beads - 1 and counts[CROSSINGS] == all_beads - 1
         if stop_when_left and left:
             return PULSE_LEFT, tried
@@ -266,7 +268,7 @@ def advance(
     frame_times, frames : (F,) times to save at, and the (F, len(y)) states saved; with
         ``growing`` the caller is asked for later times before a step would pass the last
     frame_forces : (F, N + 1) contact forces saved; nothing with a plain chain
-    peaks, crossings : (2, N), (CROSSING_ROWS, N - 1) as in `hertzchain.kernels.records`;
+    peaks, crossings : (2, N), (CROSSING_ROWS, N - 1) as in `hertzchain.kernels.state_layout`;
         time 0 = not yet
     walls : (WALL_ROWS, 2) of the left and the right wall; 0 = not yet
     accelerations : (N,) those with which the next step would begin
@@ -281,7 +283,7 @@ def advance(
             low, high = bounds(y, setup, contacts, 0, beads, trim)
         part = part_of(setup, contacts, low, high, ends)
         touching = contacts_within(contacts, low, high)
-        flying = in_motion(y[beads : beads + low], setup.inverse_mass[:low], (0.0, 0.0, 0.0))
+        flying = kinetic(y[beads : beads + low], setup.inverse_mass[:low], (0.0, 0.0, 0.0))
         length = len(y) - 2 * (beads - (high - low))
         rows = scratch[: ROWS * length].reshape((ROWS, length))
         stages, dense = rows[:STAGES], rows[STAGES : STAGES + COEFFICIENTS]

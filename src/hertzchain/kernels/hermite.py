@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from numba import njit
 
-from hertzchain.kernels.options import CONTRACTED
+from .compilation import CONTRACTED
 
 compiled = njit(**CONTRACTED)
 

@@ -11,21 +11,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from hertzchain.kernels.dop853 import STEP_STAGES
-from hertzchain.kernels.driving import PUSH, drive_at, wall_motion
-from hertzchain.kernels.forces import (
-    DRIVEN,
-    LEFT_IMPULSE,
-    LOADED,
-    LOST,
-    PUSHED,
-    RIGHT_IMPULSE,
-    copy,
-    force,
-    signed_power,
-)
-from hertzchain.kernels.options import compiled
-from hertzchain.kernels.radau import (
+from .compilation import compiled
+from .contact_law import LOADED, force, law_of, signed_power
+from .dop853 import STEP_STAGES
+from .driving import PUSH, drive_at, wall_motion
+from .forces import DRIVEN, LEFT_IMPULSE, LOST, PUSHED, RIGHT_IMPULSE, copy
+from .radau import (
     BEFORE_LAST,
     BETWEEN,
     IMPLICIT_STAGES,
@@ -36,8 +27,8 @@ from hertzchain.kernels.radau import (
     TO_DENSE,
     WEIGHTS,
 )
-from hertzchain.kernels.stage_equations import SOLVED, solve_stages
-from hertzchain.kernels.stiff_law import EVEN, closes_in, is_resolved, overlap_of
+from .stage_equations import SOLVED, solve_stages
+from .stiff_law import EVEN, closes_in, is_resolved, overlap_of
 
 TIMES = np.array(NODES)
 END = np.ones(1)
@@ -54,13 +45,13 @@ AT_START = SETTLING ** np.arange(IMPLICIT_STAGES) @ BETWEEN
 @compiled
 def ledger_rates(i, time, setup, contacts, segment, rates):
     """Rates of the ledger at stage i."""
-    beads, law = len(setup.inverse_mass), setup.law
+    beads = len(setup.inverse_mass)
     pushing, overlap = contacts.implicit.forces, contacts.implicit.overlaps
     closing, ledger = contacts.implicit.closings, rates[2 * beads :]
     lost = 0.0
     for c in range(beads + 1):
         if setup.stiffness[c] > 0.0 and contacts.mode[c] == LOADED:
-            spring = force(overlap[c, i], setup.stiffness[c], law.exponent)
+            spring = force(overlap[c, i], setup.stiffness[c], law_of(c, setup).exponent)
             lost += (pushing[c, i] - spring) * closing[c, i]
     ledger[LOST] = lost
     ledger[DRIVEN] = pushing[0, i] * wall_motion(time, setup, segment)[1]
@@ -74,11 +65,11 @@ def ledger_rates(i, time, setup, contacts, segment, rates):
 @compiled
 def resolve_overlaps(time, h, y, setup, contacts, segment):
     """Overlaps that are lost in the rounding of positions, by the speeds of the forces."""
-    law, beads = setup.law, len(setup.inverse_mass)
+    beads, speed = len(setup.inverse_mass), contacts.implicit.rest
     pushing, overlap = contacts.implicit.forces, contacts.implicit.overlaps
-    speed, inverse = contacts.implicit.rest, 1.0 / law.speed_power
     wall = wall_motion(time, setup, segment)
     for c in range(beads + 1):
+        law = law_of(c, setup)
         if contacts.mode[c] != LOADED or setup.damping[c] == 0.0 or law.overlap_power > 0.0:
             continue
         if is_resolved(c, y, overlap[c, IMPLICIT_STAGES - 1], setup):
@@ -86,7 +77,7 @@ def resolve_overlaps(time, h, y, setup, contacts, segment):
         first = overlap_of(c, y, wall, setup, contacts)
         for i in range(IMPLICIT_STAGES):
             damped = pushing[c, i] - force(overlap[c, i], setup.stiffness[c], law.exponent)
-            speed[c, i] = signed_power(damped / setup.damping[c], inverse)
+            speed[c, i] = signed_power(damped / setup.damping[c], 1.0 / law.speed_power)
         for i in range(IMPLICIT_STAGES):
             gained = 0.0
             for j in range(IMPLICIT_STAGES):
@@ -116,7 +107,7 @@ def forget_rounding(time, setup, contacts, rates):
     Where contacts stick, beads come to move alike, and the signs of what is left are those of
     rounding.
     """
-    inverse_mass, law, beads = setup.inverse_mass, setup.law, len(setup.inverse_mass)
+    inverse_mass, beads = setup.inverse_mass, len(setup.inverse_mass)
     pushing, overlap = contacts.implicit.forces, contacts.implicit.overlaps
     closing = contacts.implicit.closings
     for i in range(IMPLICIT_STAGES):
@@ -126,7 +117,8 @@ def forget_rounding(time, setup, contacts, rates):
                 rates[i, beads + k] = min(0.0, rates[i, beads + k])
             still = contacts.mode[k] == LOADED and abs(closing[k, i]) < least
             if setup.stiffness[k] > 0.0 and still:
-                spring = force(overlap[k, i], setup.stiffness[k], law.exponent)
+                exponent = law_of(k, setup).exponent
+                spring = force(overlap[k, i], setup.stiffness[k], exponent)
                 if abs(pushing[k, i] - spring) * inverse_mass[k] * time < least:
                     pushing[k, i] = spring
 
@@ -141,12 +133,12 @@ def settle(time, y, h, setup, contacts, implicit, segment, rtol, stages, ahead, 
     """
     if implicit is None:
         return False
-    beads, law, rtol = len(setup.inverse_mass), setup.law, max(rtol, FINEST)
+    beads, rtol = len(setup.inverse_mass), max(rtol, FINEST)
     pushing, wall = implicit.forces, wall_motion(time, setup, segment)
     for c in range(beads + 1):
         overlap = overlap_of(c, y, wall, setup, contacts)
         acts = contacts.mode[c] == LOADED and setup.stiffness[c] > 0.0
-        spring = force(overlap, setup.stiffness[c], law.exponent)
+        spring = force(overlap, setup.stiffness[c], law_of(c, setup).exponent)
         pushing[c, 0] = spring if acts else 0.0
         contacts.last_force[c] = pushing[c, 0]
     solved = solve_stages(time, SETTLING * h, h, y, ONE_STAGE, ONE_STAGE, END, setup, contacts,
@@ -261,7 +253,7 @@ def closes_throughout(c, setup, implicit, stages):
     for i in range(IMPLICIT_STAGES):
         speed = abs(stages[i + 1, c]) if c < beads else 0.0
         if not closes_in(closing[c, i], speed, pushing[c, i], overlap[c, i], setup.stiffness[c],
-                         setup.law.exponent):  # fmt: skip
+                         law_of(c, setup).exponent):  # fmt: skip
             return False
     return True
 

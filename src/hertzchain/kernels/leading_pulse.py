@@ -11,10 +11,10 @@ then the contact has handed over the momentum
 
 from __future__ import annotations
 
-from hertzchain.kernels.dense import value
-from hertzchain.kernels.forces import force
-from hertzchain.kernels.options import compiled
-from hertzchain.kernels.records import (
+from .compilation import compiled
+from .contact_law import force, law_of, loading_force
+from .dop853_interpolant import value
+from .state_layout import (
     CROSSING_TIME,
     HANDED_OVER,
     LEADING_ENERGY,
@@ -42,9 +42,9 @@ def rise_of(overlap, c, setup, contacts):
     """Force of a largest overlap of contact c of the window, less the static force."""
     if contacts is None:
         return force(overlap, setup.stiffness[c], setup.exponent)
-    stiffness = setup.stiffness[c + 1]
-    static = force(-setup.gap[c + 1], stiffness, setup.exponent)
-    return force(overlap, stiffness, setup.exponent) - static
+    stiffness, damping, law = setup.stiffness[c + 1], setup.damping[c + 1], law_of(c + 1, setup)
+    static = loading_force(-setup.gap[c + 1], stiffness, damping, law)
+    return loading_force(overlap, stiffness, damping, law) - static
 
 
 @compiled

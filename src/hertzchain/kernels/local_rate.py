@@ -1,6 +1,7 @@
 r"""The local-rate law, forward along a chain and its derivatives backward.
 
-The state of contact k (`hertzchain.theory.universal`) follows from that of the contact before:
+The state of contact k follows from that of the contact before
+(`hertzchain.theory.universal_functions`):
 
 .. math::
 
@@ -285,7 +286,7 @@ def any_outside(rates, ends):
 
 @compiled
 def log_stiffness(radii, contact):
-    """Logarithm of a contact's stiffness, see `hertzchain.contacts.hertz_stiffness`."""
+    """Logarithm of a contact's stiffness, see `hertzchain.collision.hertz_stiffness`."""
     left, right = radii[contact], radii[contact + 1]
     return 0.5 * np.log(2.0 * left * (right / (left + right)))
 

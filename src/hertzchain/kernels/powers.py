@@ -16,7 +16,7 @@ import math
 
 import numpy as np
 
-from hertzchain.kernels.options import compiled
+from .compilation import compiled
 
 # A float64 is 2^(exponent - BIAS) (1 + mantissa), its exponent from bit SHIFT on.
 SHIFT, BIAS = 52, 1023

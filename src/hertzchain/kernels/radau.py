@@ -17,7 +17,7 @@ from typing import Any
 
 import numpy as np
 
-from hertzchain.kernels.dense import COEFFICIENTS
+from .dop853_interpolant import COEFFICIENTS
 
 NODES = (0.05710419611451768, 0.2768430136381238, 0.5835904323689168, 0.8602401356562195, 1.0)
 IMPLICIT_STAGES = len(NODES)
@@ -57,7 +57,7 @@ def _lagrange() -> list[Polynomial]:
 
 
 def _dense(polynomial: Polynomial) -> Polynomial:
-    """The same, 0 at 0, in the basis of `hertzchain.kernels.dense`: t, t(1-t), t^2(1-t), ..."""
+    """The same, 0 at 0, in the basis t, t(1-t), t^2(1-t), ... of `dop853_interpolant`."""
     rest, coefficients = list(polynomial), [Fraction(0)] * COEFFICIENTS
     basis = [[Fraction(0), Fraction(1)]]
     for row in range(1, COEFFICIENTS):
@@ -92,7 +92,7 @@ _INTEGRALS = [_integral(e) for e in _lagrange()]
 WEIGHTS = _floats([[_at(e, Fraction(c)) for e in _INTEGRALS] for c in NODES])
 SQUARED = WEIGHTS @ WEIGHTS
 ONE_STAGE = np.ones((1, 1))
-# Coefficients (COEFFICIENTS, stage) of `hertzchain.kernels.dense`, from the rates at the nodes.
+# Coefficients (COEFFICIENTS, stage) of `dop853_interpolant`, from the rates at the nodes.
 TO_DENSE = np.ascontiguousarray(_floats([_dense(e) for e in _INTEGRALS]).T)
 # Powers of the part of the step (power, stage) that interpolate between the nodes.
 BETWEEN = np.ascontiguousarray(_floats(_lagrange()).T)

@@ -10,14 +10,15 @@ from __future__ import annotations
 
 import numpy as np
 
-from hertzchain.kernels.driving import MOVING_WALL, PUSH, drive_at, wall_motion
-from hertzchain.kernels.forces import LOADED, force_on
-from hertzchain.kernels.options import compiled
-from hertzchain.kernels.step import bench_scale
-from hertzchain.kernels.stiff_law import linearise, overlap_of
+from .compilation import compiled
+from .contact_law import LOADED
+from .dop853_step import general_scale
+from .driving import MOVING_WALL, PUSH, drive_at, wall_motion
+from .forces import force_on
+from .stiff_law import linearise, overlap_of
 
 # Newton's method ends when a step changes velocities by less than this part of the tolerance.
-SOLVED, MOST_ITERATIONS = 0.2, 15
+SOLVED, MAX_ITERATIONS = 0.2, 15
 
 
 @compiled
@@ -163,7 +164,7 @@ def solve_stages(time, h, step, y, weights, squared, times, setup, contacts, seg
     """
     inverse_mass, beads, stages = setup.inverse_mass, len(setup.inverse_mass), len(weights)
     last = stages - 1
-    for _ in range(MOST_ITERATIONS):
+    for _ in range(MAX_ITERATIONS):
         stage_motion(time, h, y, weights, times, setup, contacts, segment, rates)
         for c in range(beads + 1):
             if setup.stiffness[c] == 0.0 or contacts.mode[c] != LOADED:
@@ -176,7 +177,9 @@ def solve_stages(time, h, step, y, weights, squared, times, setup, contacts, seg
         for k in range(beads):
             ahead[beads + k] = y[beads + k] + step * rates[last, beads + k]
         wall_speed = wall_motion(time + h, setup, segment)[1]
-        bench_scale(time, step, y, ahead, wall_speed, setup, contacts, segment, rtol, speeds, scale)
+        general_scale(
+            time, step, y, ahead, wall_speed, setup, contacts, segment, rtol, speeds, scale
+        )
         worst = change_forces(step, stages, SOLVED * rtol, inverse_mass, contacts, scale)
         if worst <= 1.0:
             stage_motion(time, h, y, weights, times, setup, contacts, segment, rates)

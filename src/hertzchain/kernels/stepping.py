@@ -2,26 +2,26 @@
 
 from __future__ import annotations
 
-from hertzchain.kernels.dense import find_coefficients
-from hertzchain.kernels.dop853 import STEP_STAGES
-from hertzchain.kernels.driving import wall_motion
-from hertzchain.kernels.forces import copy, derivative
-from hertzchain.kernels.implicit import (
+from .compilation import compiled
+from .dop853 import STEP_STAGES
+from .dop853_interpolant import find_coefficients
+from .dop853_step import (
+    complete_stages,
+    error_norm,
+    general_scale,
+    try_step,
+    velocity_scale,
+)
+from .driving import wall_motion
+from .forces import copy, derivative
+from .implicit import (
     implicit_coefficients,
     implicit_error,
     settle,
     try_implicit_step,
 )
-from hertzchain.kernels.options import compiled
-from hertzchain.kernels.radau import IMPLICIT_STAGES
-from hertzchain.kernels.step import (
-    bench_scale,
-    complete_stages,
-    error_norm,
-    try_step,
-    velocity_scale,
-)
-from hertzchain.kernels.stiff_law import force_within
+from .radau import IMPLICIT_STAGES
+from .stiff_law import force_within
 
 # How a step's length follows from its error: the power, and bounds of the change.
 EXPLICIT_ORDER, IMPLICIT_ORDER = -0.125, -1.0 / 6.0
@@ -62,13 +62,13 @@ def take_step(time, y, h, setup, contacts, segment, rtol, stages, trial, y_new, 
     wall_speed = wall_motion(time + h, setup, segment)[1]
     if not setup.law.implicit:
         try_step(time, y, h, setup, contacts, segment, stages, trial, y_new)
-        bench_scale(time, h, y, y_new, wall_speed, setup, contacts, segment, rtol, speeds, scale)
+        general_scale(time, h, y, y_new, wall_speed, setup, contacts, segment, rtol, speeds, scale)
         return error_norm(h, stages, scale, rtol, work[4:]), STEP_STAGES
     if not try_implicit_step(
         time, y, h, setup, contacts, contacts.implicit, segment, rtol, stages, y_new, speeds, scale
     ):
         return float("nan"), IMPLICIT_STAGES
-    bench_scale(time, h, y, y_new, wall_speed, setup, contacts, segment, rtol, speeds, scale)
+    general_scale(time, h, y, y_new, wall_speed, setup, contacts, segment, rtol, speeds, scale)
     return implicit_error(h, stages, setup, scale, rtol), IMPLICIT_STAGES
 
 

@@ -17,26 +17,21 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from hertzchain.kernels.forces import (
-    LOADED,
-    damping_weight,
-    force,
-    overlap_and_closing,
-    signed_power,
-)
-from hertzchain.kernels.options import compiled
-from hertzchain.kernels.radau import BETWEEN, IMPLICIT_STAGES
+from .compilation import compiled
+from .contact_law import LOADED, damping_weight, force, law_of, signed_power
+from .forces import overlap_and_closing
+from .radau import BETWEEN, IMPLICIT_STAGES
 
 # A contact at rest yields by this part of its compliance, at least: between two walls where all
 # contacts are at rest, nothing else tells the force that all of them have in common.
-LEAST_YIELDING = 1e-10
+MIN_YIELDING = 1e-10
 # Overlaps below this part of the positions are no difference of these.
 RESOLVED = 1e-12
 # A relative speed, or a push in parts of the momentum over the time since the start, that is as
 # small as this is rounding.
 EVEN = 1e-13
 # Iterations for one contact, of which a few are needed.
-MOST_PROJECTIONS = 40
+MAX_PROJECTIONS = 40
 
 
 class Implicit(NamedTuple):
@@ -82,7 +77,7 @@ def graph_point(total, compliance, strength, exponent):
     ratio, inverse = compliance * largest / size, 1.0 / exponent
     u = 1.0 if ratio < 1.0 else 1.0 / ratio
     power = u**inverse
-    for _ in range(MOST_PROJECTIONS):
+    for _ in range(MAX_PROJECTIONS):
         change = (power + ratio * u - 1.0) / (inverse * power / u + ratio)
         u -= change
         power = u**inverse
@@ -103,7 +98,7 @@ def cut_off(total, spring, weight, law):
 @compiled
 def linearise(c, i, compliance, setup, contacts):
     """The law of contact c at stage i as own dF - by_overlap dd - by_closing dd' = rest."""
-    law, damping, stiffness = setup.law, setup.damping[c], setup.stiffness[c]
+    law, damping, stiffness = law_of(c, setup), setup.damping[c], setup.stiffness[c]
     pushing = contacts.implicit.forces[c, i]
     overlap, closing = contacts.implicit.overlaps[c, i], contacts.implicit.closings[c, i]
     spring = force(overlap, stiffness, law.exponent)
@@ -122,7 +117,7 @@ def linearise(c, i, compliance, setup, contacts):
                 steepness = 1.0 / yielding
             rest = at + steepness * (closing - speed) - damped
         else:
-            own, steepness = max(yielding / compliance, LEAST_YIELDING), 1.0 / compliance
+            own, steepness = max(yielding / compliance, MIN_YIELDING), 1.0 / compliance
             slope *= own
             rest = (closing - speed) * steepness - own * (damped - at)
     else:

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from hertzchain.kernels.forces import LEFT_IMPULSE
-from hertzchain.kernels.options import compiled
-from hertzchain.kernels.records import TOUCHES, TOUCHING
+from .compilation import compiled
+from .forces import LEFT_IMPULSE
+from .state_layout import TOUCHES, TOUCHING
 
 
 @compiled

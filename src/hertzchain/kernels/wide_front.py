@@ -32,10 +32,10 @@ from typing import Any
 import numpy as np
 from numba import njit
 
-from hertzchain.kernels.forces import force
-from hertzchain.kernels.hermite import hermite, slope, value
-from hertzchain.kernels.options import OPTIONS, compiled
-from hertzchain.kernels.rkn8 import (
+from .compilation import OPTIONS, compiled
+from .contact_law import force
+from .hermite import hermite, slope, value
+from .rkn8 import (
     A1,
     A2,
     A3,
@@ -67,7 +67,7 @@ ROW = SLOTS + 2 * MARGIN
 
 # What is known besides the window: times of the chain, since the last crossing and of the next
 # step; velocity of a bead and force of a contact at the last crossing.
-TIME, SINCE_CROSSING, STEP, CREST, LARGEST_FORCE, CLOCK_SIZE = range(6)
+TIME, SINCE_CROSSING, STEP, CREST, MAX_FORCE, CLOCK_SIZE = range(6)
 # The chain's first entry in `given` and its beads; bead in slot 0, slots in use, first bead that
 # still waits for an event, contact that crossed last.
 FIRST, BEADS, LOW, SIZE, WAITING, LAST_CROSSING, PLACE_SIZE = range(7)
@@ -88,7 +88,7 @@ GROWTH, SHRINKAGE, SAFETY = 4.0, 0.1, 0.9
 UNGRADED = 4
 # Contacts behind `waiting` at whose openings and closings a step ends, if that is no less than
 # this part of it.
-LANDING, LEAST_PART = 12, 0.02
+LANDING, MIN_PART = 12, 0.02
 # Beads are taken in while the force on the last ones is more than this part of the largest.
 REACHED_FORCE = 1e-15
 # A bead slower than this part of those around it has not been reached: rounding ahead of the
@@ -103,7 +103,7 @@ STRIDE = 4
 PARTS, BISECTIONS = 8, 36
 # Steps per bead after which a chain is given up: ten times what random radii need.
 MAX_STEPS = 1000
-SMALLEST_STEP, SMALLEST_CREST, ENDLESS = 1e-280, 1e-280, 1e300
+MIN_STEP, MIN_CREST, ENDLESS = 1e-280, 1e-280, 1e300
 
 inlined = njit(forceinline=True, **OPTIONS)
 
@@ -350,7 +350,7 @@ def record_crossing(w, i, h, exponent, clock, place, at, passed):
     place[LAST_CROSSING] = contact
     clock[SINCE_CROSSING] = -part * h
     clock[CREST] = w[NEW_VELOCITY + i + 1]
-    clock[LARGEST_FORCE] = force(overlap, w[STIFFNESS + i], exponent)
+    clock[MAX_FORCE] = force(overlap, w[STIFFNESS + i], exponent)
 
 
 @compiled
@@ -402,14 +402,14 @@ def start(w, clock, place, exponent, given):
     overlap = (0.5 * (exponent + 1.0) * reduced / w[STIFFNESS]) ** (1.0 / (exponent + 1.0))
     clock[STEP] = FIRST_STEP * overlap
     clock[CREST] = 1.0
-    clock[LARGEST_FORCE] = force(overlap, w[STIFFNESS], exponent)
+    clock[MAX_FORCE] = force(overlap, w[STIFFNESS], exponent)
 
 
 @compiled
 def take_in(w, clock, place, given):
     """Widen the window if the pulse has reached its last beads; False if there is no room."""
     size = place[SIZE]
-    reached = w[FORCE + 1 + size - STRIDE] > REACHED_FORCE * clock[LARGEST_FORCE]
+    reached = w[FORCE + 1 + size - STRIDE] > REACHED_FORCE * clock[MAX_FORCE]
     if not reached or place[LOW] + size >= place[BEADS]:
         return True
     if size + STRIDE > SLOTS:
@@ -447,7 +447,7 @@ def step_to_contact(w, size, waiting, h):
         square = closing * closing - 2.0 * overlap * (w[STAGE_0 + i] - w[STAGE_0 + i + 1])
         if square > 0.0:
             time = 2.0 * abs(overlap) / (math.sqrt(square) + abs(closing))
-            if LEAST_PART * longest < time < h:
+            if MIN_PART * longest < time < h:
                 h = time
     return h
 
@@ -473,14 +473,14 @@ def advance(scratch, window, exponent, given, passed):
     change = SAFETY * error ** (-1.0 / 7.0) if error > 0.0 else GROWTH
     if not error <= 1.0:
         clock[STEP] = h * (max(SHRINKAGE, change) if error > 1.0 else SHRINKAGE)
-        return RUNNING if clock[STEP] > SMALLEST_STEP else BROKEN
+        return RUNNING if clock[STEP] > MIN_STEP else BROKEN
     record_events(w, clock, place, h, exponent, passed)
     accept(w, size)
     clock[TIME] += h
     clock[SINCE_CROSSING] += h
     if place[WAITING] == place[BEADS]:
         return FOLLOWED
-    if not clock[CREST] > SMALLEST_CREST or not clock[TIME] < ENDLESS:
+    if not clock[CREST] > MIN_CREST or not clock[TIME] < ENDLESS:
         return BROKEN
     if not take_in(w, clock, place, given):
         return WINDOW_FULL
@@ -504,8 +504,8 @@ def follow(window, given, passed, status, work, signal, scratch):
     given : (chains, first, beads, exponents): (2, M) inverse masses and stiffness of all beads of
         all chains, where the contact after the last bead of a chain has stiffness 0; where each
         of the C chains begins among the M beads; how many it has; its force law
-    passed : (COLUMNS, M) zeros, to become what `hertzchain.kernels.front.follow` gives, except
-        the residences of contacts that do not follow the one before: those stay 0
+    passed : (COLUMNS, M) zeros, to become what `hertzchain.kernels.narrow_front.follow` gives,
+        except the residences of contacts that do not follow the one before: those stay 0
     status : (C,) what became of each chain
     work : (C,) what is left to each chain of the slots stepped, counted down; without any the
         chain is given up

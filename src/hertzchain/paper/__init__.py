@@ -1,1 +1,5 @@
-"""The paper itself: what it prints, what we get, and where the two differ."""
+"""The paper itself: published numbers, tables, figures, errata and the report."""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -1,8 +1,7 @@
-"""Where the paper contradicts its own equations, tables or captions, shown by numbers.
+"""Errata: contradictions within the paper, each with numerical evidence.
 
-The errors of velocity formulas are the largest relative ones over beads 5..80 of
-chains of 100, against the integration; a range is over the rates of the paper's
-figures.
+Errors of velocity formulas are the largest relative errors over beads 5..80 of chains of
+100 beads, compared with the simulation; ranges are over the rates of the paper's figures.
 """
 
 from __future__ import annotations
@@ -12,26 +11,27 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from hertzchain.calibration import RATES
-from hertzchain.chain.chain import Chain, Taper, rate_symbol
-from hertzchain.paper.formulas import (
-    EXACT_PRODUCT,
-    WITH_PREFACTOR,
-    velocity_formulas,
-    worst_errors,
-)
-from hertzchain.paper.published import (
-    published_correction,
-    published_figures,
-    published_tables,
-)
-from hertzchain.paper.tables import Pulses
-from hertzchain.propagation.propagate import propagate
-from hertzchain.theory.bca import (
+from ..calibration import RATES
+from ..chain.chain import Chain
+from ..chain.tapers import rate_symbol
+from ..propagation.propagate import propagate
+from ..theory.bca import (
     backward_linear_prefactor,
     bca,
     exponential_rates,
     forward_linear_momentum_slope,
+)
+from .published import (
+    published_correction,
+    published_figures,
+    published_tables,
+)
+from .tables import Pulses
+from .velocity_formulas import (
+    EXACT_PRODUCT,
+    WITH_PREFACTOR,
+    velocity_formulas,
+    worst_errors,
 )
 
 Evidence = tuple[tuple[str, str], ...]
@@ -39,18 +39,20 @@ Evidence = tuple[tuple[str, str], ...]
 
 @dataclass(frozen=True)
 class Erratum:
-    """A place where the paper's print and its own equations part.
+    """A printed statement that contradicts the paper's own equations or the simulation.
 
     Attributes
     ----------
     place : str
-        Where in the paper.
+        Place in the paper.
     printed, follows : str
-        What is printed, and what follows from the paper's equations or our integration.
+        Printed statement, and the statement that follows from the paper's equations or from
+        the simulation.
     evidence : tuple of (str, str)
-        What was computed, and what came out.
+        Names and values of the computed quantities.
     inference : bool
-        Whether our reading is an inference, not a consequence of the paper's equations.
+        Whether the correction is inferred from the numbers instead of following from the
+        paper's equations.
     """
 
     place: str
@@ -60,41 +62,13 @@ class Erratum:
     inference: bool = False
 
 
-def errata_chains() -> set[tuple[Taper, float]]:
-    """The chains whose integration `errata` needs.
-
-    Returns
-    -------
-    set of (taper, rate)
-
-    Examples
-    --------
-    >>> len(errata_chains())
-    24
-    """
+def errata_chains() -> set[tuple[str, float]]:
+    """Chains whose simulation `errata` requires."""
     return {(taper, rate) for taper, rates in RATES.items() for rate in rates}
 
 
 def errata(pulses: Pulses) -> list[Erratum]:
-    """What is to be corrected in the paper, with evidence.
-
-    Parameters
-    ----------
-    pulses : mapping of (taper, rate) to Pulse
-        Integrated chains of 100 beads at the rates of `hertzchain.calibration.RATES`.
-
-    Returns
-    -------
-    list of Erratum
-        The four velocity formulas first.
-
-    Examples
-    --------
-    >>> from hertzchain.paper.reproduction import integrate_chains
-    >>> found = errata(integrate_chains(errata_chains()))
-    >>> found[0].place
-    'Eqs. (38), (39), (42): backward exponential velocity'
-    """
+    """All errata of the paper, with evidence."""
     return [
         *_velocity_formulas_misprinted(pulses),
         _ratio_upside_down(pulses),
@@ -114,7 +88,7 @@ def _range(values: Sequence[float]) -> str:
     return f"{min(values):.1%} to {max(values):.1%}"
 
 
-def _formula_evidence(taper: Taper, pulses: Pulses) -> Evidence:
+def _formula_evidence(taper: str, pulses: Pulses) -> Evidence:
     return tuple(
         (f"largest error of v, k = 5..80, {name}", _range(worst_errors(formula, taper, pulses)))
         for name, formula in velocity_formulas(taper).items()
@@ -137,8 +111,8 @@ def _velocity_formulas_misprinted(pulses: Pulses) -> list[Erratum]:
             place="Eqs. (38), (39), (42): backward exponential velocity",
             printed=f"c_be = {backward.c0:g} q^{backward.x:g}",
             follows=(
-                f"c_be = {forward.c0:g} q^(-{forward.x:g}): the pair (c0, x) seems to have been "
-                "exchanged with that of the forward taper, and x to have lost its sign."
+                f"c_be = {forward.c0:g} q^(-{forward.x:g}): the pair (c0, x) was apparently "
+                "exchanged with that of the forward taper, and x lost its sign."
             ),
             evidence=_formula_evidence("backward-exponential", pulses),
             inference=True,
@@ -146,7 +120,7 @@ def _velocity_formulas_misprinted(pulses: Pulses) -> list[Erratum]:
         Erratum(
             place="Eqs. (40), (44): forward exponential velocity",
             printed=f"c_fe = {forward.c0:g} q^{forward.x:g}",
-            follows=f"c_fe = {backward.c0:g} q^{backward.x:g}: the other half of that exchange.",
+            follows=f"c_fe = {backward.c0:g} q^{backward.x:g}: the other half of this exchange.",
             evidence=_formula_evidence("forward-exponential", pulses),
             inference=True,
         ),
@@ -154,18 +128,18 @@ def _velocity_formulas_misprinted(pulses: Pulses) -> list[Erratum]:
             place="Eqs. (31), (41): backward linear velocity",
             printed="v_bl = (2/3) k^(-3/2), for every S",
             follows=(
-                "v_bl = (2/3) a^u k^(-3/2): Eqs. (28) to (30) carry a prefactor a^u that depends "
+                "v_bl = (2/3) a^u k^(-3/2): Eqs. (28) to (30) contain a prefactor a^u that depends "
                 f"on S, {backward_linear_prefactor(0.1):.4g} at S = 0.1 and "
-                f"{backward_linear_prefactor(0.9):.3g} at S = 0.9. A power law holds for k ≫ 1/S "
-                "only, far from k = 5 at S = 0.1; the exact product of the BCA, which the paper "
-                "says it draws, serves for every k."
+                f"{backward_linear_prefactor(0.9):.3g} at S = 0.9. The power law holds only for "
+                "k ≫ 1/S, far from k = 5 at S = 0.1; the exact product of the BCA, which "
+                "according to the paper is plotted, is valid for every k."
             ),
             evidence=_formula_evidence("backward-linear", pulses) + far,
         ),
         Erratum(
             place="Eq. (43): forward linear velocity",
             printed="v_fl = 0.680 [1 - k/(1+1/S)]^(+3/2)",
-            follows="the exponent -3/2 of Eq. (22) and Sec. 5.3.1: the velocity grows.",
+            follows="the exponent is -3/2, as in Eq. (22) and Sec. 5.3.1: the velocity grows.",
             evidence=_formula_evidence("forward-linear", pulses),
         ),
     ]
@@ -176,10 +150,10 @@ def _ratio_upside_down(pulses: Pulses) -> Erratum:
     ratio = pulse.velocity / bca(pulse.chain).velocity
     slopes = np.polyfit(pulse.bead[4:80], np.array([ratio, 1.0 / ratio]).T[4:80], 1)[0]
     return Erratum(
-        place="Eq. (34) against Eqs. (39), (42), (44)",
+        place="Eq. (34) compared with Eqs. (39), (42), (44)",
         printed="v / v^u = c + d k, with d > 0 and |α - α^u| in the exponent before it",
-        follows="v^u / v = c + d k: the final formulas divide, α - α^u is negative, and only so is "
-        "d positive.",
+        follows="v^u / v = c + d k: the final formulas divide, α - α^u is negative, and d is "
+        "positive only in this form.",
         evidence=(
             ("slope of v/v^u, forward q = 0.06, k = 5..80", f"{slopes[0]:+.4f}"),
             ("slope of v^u/v, forward q = 0.06, k = 5..80", f"{slopes[1]:+.4f}"),
@@ -190,15 +164,15 @@ def _ratio_upside_down(pulses: Pulses) -> Erratum:
 def _expansion_not_small(pulses: Pulses) -> Erratum:
     evidence = []
     for taper, rate in (("backward-exponential", 0.08), ("forward-exponential", 0.06)):
-        v = pulses[taper, rate].velocity  # type: ignore[index]
+        v = pulses[taper, rate].velocity
         exact = float(np.log(v[79] / v[59]) / 20.0)
-        theory = exponential_rates(taper, rate)["velocity"]  # type: ignore[arg-type]
+        theory = exponential_rates(taper, rate)["velocity"]
         what = f"|α - α^u| k at k = 80, {taper}, q = {rate:g}"
         evidence.append((what, f"{80.0 * abs(exact - theory):.2f}"))
     return Erratum(
         place="Above Eq. (34): the condition |α - α^u| k ≪ 1",
         printed="“we assume |α - α^u| k ≪ 1”, for the straight line c + d k",
-        follows="it is not met at the end of the forward chains drawn.",
+        follows="the condition is not satisfied at the end of the forward chains shown.",
         evidence=tuple(evidence),
     )
 
@@ -210,8 +184,8 @@ def _wrong_limit() -> Erratum:
         place="Eq. (35): c(q) = c0 q^x",
         printed="a power law with x ≠ 0",
         follows=(
-            "cannot hold for q → 0, where it goes to 0 or infinity: c must tend to the value of "
-            "equal beads. The law serves in the fitted range of q only."
+            "the power law cannot hold for q → 0, where it tends to 0 or infinity: c must tend to "
+            "the value of equal beads. The law is valid only in the fitted range of q."
         ),
         evidence=(
             ("v^u / v of equal beads", f"{limit:.6f}"),
@@ -233,13 +207,13 @@ def _prefactor_of_forward_linear() -> Erratum:
         printed="v^u = [1 - k/(1+1/S)]^(-3/2), which is (1+S)^(3/2) at k = 1; “all the BCA data "
         "… was obtained using the full analytic predictions” (Sec. 3.1)",
         follows=(
-            "v_1 = 1 asks for a factor (1+S)^(-3/2). Without it the slope of Eq. (24), which is "
-            "what Table 3 prints, exceeds that of the exact product by (1+S)^(3/2)."
+            "v_1 = 1 requires a factor (1+S)^(-3/2). Without it the slope of Eq. (24), which is "
+            "printed in Table 3, exceeds that of the exact product by a factor (1+S)^(3/2)."
         ),
         evidence=(
             ("slope at S = 0.01, Eq. (24)", f"{forward_linear_momentum_slope(0.01):.5f}"),
             ("P_2 - P_1 at S = 0.01, exact product", f"{exact[-1]:.5f}"),
-            ("entries that the exact product brings back", f"{same} of {len(exact)}"),
+            ("entries reproduced by the exact product", f"{same} of {len(exact)}"),
         ),
     )
 
@@ -271,14 +245,14 @@ def _table_of_another_taper() -> Erratum:
 def _velocity_decreases(pulses: Pulses) -> Erratum:
     evidence = []
     for taper, rate in (("backward-linear", 0.5), ("backward-exponential", 0.05)):
-        v = pulses[taper, rate].velocity  # type: ignore[index]
+        v = pulses[taper, rate].velocity
         what = f"v_90 / v_10, {taper}, {rate_symbol(taper)} = {rate:g}"
         evidence.append((what, f"{v[89] / v[9]:.3g}"))
     return Erratum(
         place="Secs. 5.1.1 and 5.2: backward tapers",
         printed="“the velocity of the granules increases as”, and k^(-3/2) in Eq. (28); “the "
         "velocity increases exponentially”",
-        follows="it decreases, as Sec. 3 says.",
+        follows="the velocity decreases, as stated in Sec. 3.",
         evidence=tuple(evidence),
     )
 
@@ -290,14 +264,14 @@ def _captions_reversed(pulses: Pulses) -> Erratum:
         symbol = rate_symbol(figure.taper)
         values = []
         for rate in (figure.rates[0], figure.rates[-1]):
-            column = pulses[figure.taper, rate].columns()[figure.quantity]  # type: ignore[index]
+            column = pulses[figure.taper, rate].columns()[figure.quantity]
             values.append(f"{column[89]:.3g} at {symbol} = {rate:g}")
         evidence.append((f"Fig. {figure.number}, {figure.quantity} of bead 90", ", ".join(values)))
     return Erratum(
         place="Captions of Figs. 4 and 5",
         printed="growing rates “from bottom to top”",
-        follows="from top to bottom: Sec. 3 says that energy falls with q, Table 3 that momentum "
-        "falls faster with S.",
+        follows="from top to bottom: according to Sec. 3 the energy decreases with q, and "
+        "according to Table 3 the momentum decreases faster for larger S.",
         evidence=tuple(evidence),
     )
 
@@ -314,16 +288,16 @@ def _captions_of_ratios(pulses: Pulses) -> Erratum:
 
     return Erratum(
         place="Captions of Figs. 9 and 11",
-        printed="ratio of the modified BCA's velocity to the integration's, rates growing “from "
-        "bottom to top”; the text of Sec. 5.1.1 gives Fig. 9 the value 2/3",
+        printed="ratio of the modified BCA's velocity to that of the simulation, rates growing "
+        "“from bottom to top”; the text of Sec. 5.1.1 gives the value 2/3 for Fig. 9",
         follows=(
-            "the order of the curves is that of the unmodified BCA over the integration (or that "
-            "times 2/3), and 2/3 is its inverse. In Fig. 11 the curves of the three smallest q "
-            "end too close to each other to keep the caption's order."
+            "the order of the curves is that of the unmodified BCA divided by the simulation (or "
+            "2/3 of this ratio), and 2/3 is the inverse ratio. In Fig. 11 the curves of the three "
+            "smallest q end too close to each other to be in the caption's order."
         ),
         evidence=(
-            ("Fig. 9, BCA / integration at bead 90", ends("figure9", 2)),
-            ("Fig. 11, BCA / integration at bead 90", ends("figure11", 3)),
+            ("Fig. 9, BCA / simulation at bead 90", ends("figure9", 2)),
+            ("Fig. 11, BCA / simulation at bead 90", ends("figure11", 3)),
         ),
         inference=True,
     )
@@ -336,15 +310,15 @@ def _symbols_of_theory(pulses: Pulses) -> Erratum:
         if rate in RATES[taper]
     ]
     return Erratum(
-        place="Captions of Figs. 1 to 8 against Secs. 5.1 to 5.3",
-        printed="“the + symbols represent the BCA”; Sec. 5 sees “excellent agreement” of the "
+        place="Captions of Figs. 1 to 8 compared with Secs. 5.1 to 5.3",
+        printed="“the + symbols represent the BCA”; Sec. 5 finds “excellent agreement” of the "
         "rescaled theory in the same figures (for Figs. 5 and 6, “the agreement … improves "
         "greatly”)",
-        follows="both cannot be drawn with the same symbol: the BCA lies well above the "
-        "integration. We draw the BCA, as the captions say.",
+        follows="the symbols cannot represent both theories: the BCA is well above the "
+        "simulation. The BCA is plotted here, as stated in the captions.",
         evidence=(
             (
-                "E of the BCA / E of the integration at bead 50",
+                "E of the BCA / E of the simulation at bead 50",
                 f"{min(excess):.2f} to {max(excess):.2f}",
             ),
         ),
@@ -357,26 +331,27 @@ def _slips() -> list[Erratum]:
         Erratum(
             place="Caption of Fig. 14",
             printed="“the modified BCA, Eq. (39)”",
-            follows="Eq. (44): Eq. (39) has the constants of the backward taper.",
+            follows="Eq. (44), because Eq. (39) has the constants of the backward taper.",
             evidence=(),
         ),
         Erratum(
             place="Sec. 5.3.1",
             printed="“the simulation data can be described by v^u_fl”",
-            follows="v_fl: the superscript u is that of the BCA.",
+            follows="v_fl, because the superscript u denotes the BCA.",
             evidence=(),
         ),
         Erratum(
             place="Eq. (3)",
             printed="R_k = R′_k / R_1",
-            follows="R_k = R′_k / R′_1: the unscaled first radius, else the equation is circular.",
+            follows="R_k = R′_k / R′_1, with the unscaled first radius; otherwise the equation is "
+            "circular.",
             evidence=(),
         ),
         Erratum(
             place="Below Eq. (3): the constant α",
-            printed="α = M_1 V_1² / [a R′_1^(n+1/2)], with n never defined",
-            follows="n = 5/2, the exponent of the Hertz potential: only then is R′_1 α^(2/5) a "
-            "length for which Eq. (4) has no constant left.",
+            printed="α = M_1 V_1² / [a R′_1^(n+1/2)], where n is not defined",
+            follows="n = 5/2, the exponent of the Hertz potential: only then does the unit of "
+            "length R′_1 α^(2/5) remove all constants from Eq. (4).",
             evidence=(),
         ),
     ]

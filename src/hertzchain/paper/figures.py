@@ -1,4 +1,4 @@
-"""The paper's fourteen figures from our integration and theory, each with a checked statement."""
+"""The paper's fourteen figures, recomputed, each with a statement that is checked."""
 
 from __future__ import annotations
 
@@ -13,30 +13,30 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure as MatplotlibFigure
 from matplotlib.lines import Line2D
 
-from hertzchain.calibration import line
-from hertzchain.chain.chain import Taper, rate_symbol
-from hertzchain.contacts import Array
-from hertzchain.paper.published import FigureQuantity, PublishedFigure, published_figures
-from hertzchain.paper.tables import Pulses
-from hertzchain.plotting.style import house_style, label_right_ends
-from hertzchain.pulse.pulse import Pulse
-from hertzchain.theory.bca import bca, forward_linear_momentum_slope
-from hertzchain.theory.modified_bca import modified_bca
+from ..calibration import fit_line
+from ..chain.tapers import rate_symbol
+from ..collision import Array
+from ..plotting.style import figure_style, label_right_ends
+from ..pulse.pulse import Pulse
+from ..theory.bca import bca, forward_linear_momentum_slope
+from ..theory.modified_bca import modified_bca
+from .published import FigureQuantity, PublishedFigure, published_figures
+from .tables import Pulses
 
-# Beads drawn, of chains of 100: the last ten feel the free end.
+# Last bead in the figures; chains have 100 beads, and the last ten are affected by the free end.
 LAST_BEAD: Final = 90
 
 LABELS: Final[dict[FigureQuantity, str]] = {
     "velocity": "velocity $v_k$",
     "momentum": "momentum $P_k$",
     "energy": "kinetic energy $E_k$",
-    "ratio": "$v_k$ of the BCA / $v_k$ of the integration",
+    "ratio": "$v_k$ of the BCA / $v_k$ of the simulation",
 }
 
 
 @dataclass(frozen=True, eq=False)
 class Curve:
-    """One chain of a figure: its integration and the theory beside it, beads 1..90."""
+    """Simulation and theory of one chain of a figure, beads 1..90."""
 
     rate: float
     integration: Pulse
@@ -45,11 +45,11 @@ class Curve:
 
     @property
     def k(self) -> Array:
-        """Bead numbers drawn."""
+        """Bead numbers in the figure."""
         return self.integration.bead[:LAST_BEAD]
 
     def values(self, pulse: Pulse, quantity: FigureQuantity) -> Array:
-        """The figure's quantity of one of the curve's pulses."""
+        """Values of the figure's quantity for one of the pulses."""
         if quantity == "ratio":
             return (self.unmodified.velocity / pulse.velocity)[:LAST_BEAD]
         column = pulse.column(quantity)
@@ -57,13 +57,13 @@ class Curve:
         return column[:LAST_BEAD]
 
     def over(self, first: int, last: int, values: Array) -> tuple[Array, Array]:
-        """Bead numbers first..last and the values there."""
+        """Bead numbers first..last and the values at these beads."""
         return self.k[first - 1 : last].astype(float), values[first - 1 : last]
 
 
 @dataclass(frozen=True)
 class Statement:
-    """What a figure shows, as numbers that must lie between bounds."""
+    """A claim about a figure, with numbers that must be between bounds."""
 
     claim: str
     measured: dict[str, float]
@@ -72,13 +72,13 @@ class Statement:
 
     @property
     def holds(self) -> bool:
-        """Whether every number lies between the bounds."""
+        """Whether all numbers are between the bounds."""
         return all(self.low <= value <= self.high for value in self.measured.values())
 
 
 @dataclass(frozen=True, eq=False)
 class Figure:
-    """A figure of the paper with our data."""
+    """A figure of the paper with recomputed data."""
 
     published: PublishedFigure
     curves: tuple[Curve, ...]
@@ -86,7 +86,7 @@ class Figure:
 
     @property
     def order_as_captioned(self) -> bool:
-        """Whether the curves' right ends lie in the order that the caption gives."""
+        """Whether the right ends of the curves are in the order stated in the caption."""
         quantity = self.published.quantity
         ends = [curve.values(curve.integration, quantity)[-1] for curve in self.curves]
         if self.published.order == "falling":
@@ -96,10 +96,10 @@ class Figure:
 
 @dataclass(frozen=True)
 class Layout:
-    """How a figure is drawn.
+    """Scales, theory and lines of a figure.
 
-    The captions fix symbols and lines; scales follow the text and the labels of the
-    figures in the paper's source, and where these say nothing what shows the data best.
+    Symbols and lines are those of the captions.  Scales follow the paper's text and the labels
+    in its source; if these do not determine a scale, it is chosen to show the data clearly.
     """
 
     theory: Literal["BCA", "modified BCA", "none"]
@@ -119,7 +119,7 @@ def _horizontal_line(axes: Axes) -> None:
 
 
 def _line_at_three_halves(axes: Axes) -> None:
-    label = "3/2, inverse of the working ratio"
+    label = "3/2, inverse of the paper's ratio"
     axes.axhline(1.5, color="black", linewidth=0.9, linestyle="--", label=label)
 
 
@@ -141,48 +141,14 @@ LAYOUTS: Final[dict[int, Layout]] = {
 }
 
 
-def figure_chains(name: str) -> set[tuple[Taper, float]]:
-    """The chains whose integration a figure needs.
-
-    Parameters
-    ----------
-    name : str
-        ``"figure1"`` to ``"figure14"``.
-
-    Returns
-    -------
-    set of (taper, rate)
-
-    Examples
-    --------
-    >>> sorted(figure_chains("figure1"))
-    [('backward-linear', 0.1), ('backward-linear', 0.5), ('backward-linear', 0.9)]
-    """
+def figure_chains(name: str) -> set[tuple[str, float]]:
+    """Chains whose simulation a figure requires."""
     published = published_figures()[name]
     return {(published.taper, rate) for rate in published.rates}
 
 
 def reproduce_figure(name: str, pulses: Pulses) -> Figure:
-    """Collect the data of one figure and check its statement.
-
-    Parameters
-    ----------
-    name : str
-        ``"figure1"`` to ``"figure14"``.
-    pulses : mapping of (taper, rate) to Pulse
-        Integrated chains of 100 beads; at least those of `figure_chains`.
-
-    Returns
-    -------
-    Figure
-
-    Examples
-    --------
-    >>> from hertzchain.paper.reproduction import integrate_chains
-    >>> figure = reproduce_figure("figure5", integrate_chains(figure_chains("figure5")))
-    >>> figure.statement.holds, figure.order_as_captioned
-    (True, False)
-    """
+    """Collect the data of one figure and check its statement."""
     published = published_figures()[name]
     modified = LAYOUTS[published.number].theory == "modified BCA"
     curves = []
@@ -195,31 +161,15 @@ def reproduce_figure(name: str, pulses: Pulses) -> Figure:
 
 
 def draw_figure(figure: Figure) -> MatplotlibFigure:
-    """Draw one figure as its caption describes it.
+    """Draw one figure as described in its caption.
 
-    Circles are the integration, + symbols the theory; every curve is drawn at about
-    thirty of its beads so that the symbols stay apart.
-
-    Parameters
-    ----------
-    figure : Figure
-        Data from `reproduce_figure`.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-
-    Examples
-    --------
-    >>> from hertzchain.paper.reproduction import integrate_chains
-    >>> figure = reproduce_figure("figure6", integrate_chains(figure_chains("figure6")))
-    >>> draw_figure(figure).axes[0].get_ylabel()
-    'kinetic energy $E_k$'
+    Circles represent the simulation, + symbols the theory.  Each curve shows about thirty
+    beads, so that the symbols do not overlap.
     """
     published, layout = figure.published, LAYOUTS[figure.published.number]
     symbol = rate_symbol(published.taper)
     colours = [matplotlib.colormaps["viridis"](x) for x in np.linspace(0, 0.72, len(figure.curves))]
-    with house_style():
+    with figure_style():
         canvas, axes = plt.subplots()
         axes.set_xscale(layout.xscale)
         axes.set_yscale(layout.yscale)
@@ -252,24 +202,7 @@ def draw_figure(figure: Figure) -> MatplotlibFigure:
 
 
 def figure_csv(figure: Figure) -> str:
-    """The data of a figure as CSV: one row a bead and chain.
-
-    Parameters
-    ----------
-    figure : Figure
-        Data from `reproduce_figure`.
-
-    Returns
-    -------
-    str
-
-    Examples
-    --------
-    >>> from hertzchain.paper.reproduction import integrate_chains
-    >>> figure = reproduce_figure("figure6", integrate_chains(figure_chains("figure6")))
-    >>> figure_csv(figure).splitlines()[0]
-    'S,k,integration,BCA'
-    """
+    """Data of a figure as CSV, with one row per chain and bead."""
     published, theory = figure.published, LAYOUTS[figure.published.number].theory
     columns = [rate_symbol(published.taper), "k"]
     columns += ["BCA/integration"] if theory == "none" else ["integration", theory]
@@ -284,7 +217,7 @@ def figure_csv(figure: Figure) -> str:
 
 
 def _shown_beads(layout: Layout) -> Array:
-    """Indices of the beads drawn, evenly spaced on the axis."""
+    """Indices of the beads in a figure, evenly spaced on the axis."""
     if layout.xscale == "log":
         k = np.geomspace(layout.first_bead, LAST_BEAD, 30)
         return np.unique(k.round().astype(int)) - 1
@@ -297,11 +230,11 @@ def _legend(axes: Axes, layout: Layout) -> None:
 
     handles, labels = axes.get_legend_handles_labels()
     if layout.theory == "none":
-        handles, labels = [symbol("o", 4), *handles], ["BCA / integration", *labels]
+        handles, labels = [symbol("o", 4), *handles], ["BCA / simulation", *labels]
     else:
         handles = [symbol("o", 4), symbol("+", 5), *handles]
-        labels = ["integration", layout.theory, *labels]
-    # Above the axes, where no curve can be.
+        labels = ["simulation", layout.theory, *labels]
+    # The legend is above the axes, so that it covers no curve.
     axes.legend(handles, labels, ncols=len(handles), loc="lower left", bbox_to_anchor=(0.0, 1.0))
 
 
@@ -321,12 +254,12 @@ def _power_law_growth(curves: Sequence[Curve]) -> Statement:
         slopes = []
         for pulse in (curve.integration, curve.unmodified):
             k, values = curve.over(40, 90, pulse.momentum)
-            slopes.append(line(np.log(k), np.log(values))[0][1])
+            slopes.append(fit_line(np.log(k), np.log(values))[0][1])
         measured[f"{curve.rate:g}"] = float(slopes[0] / slopes[1])
     claim = (
-        "The slope of ln P against ln k, k = 40..90, is that of the BCA within 2 %, shown as the "
-        f"ratio of the two; neither has reached 3/2 there: at S = {curves[-1].rate:g} the BCA has "
-        f"{slopes[1]:.3f} and the integration {slopes[0]:.3f}"
+        "The slope of ln P as a function of ln k, k = 40..90, agrees with that of the BCA to 2% "
+        f"(ratio of the two). Neither has reached 3/2: at S = {curves[-1].rate:g} the slope is "
+        f"{slopes[1]:.3f} for the BCA and {slopes[0]:.3f} for the simulation"
     )
     return Statement(claim, measured, 0.98, 1.02)
 
@@ -334,16 +267,16 @@ def _power_law_growth(curves: Sequence[Curve]) -> Statement:
 def _saturation(curves: Sequence[Curve]) -> Statement:
     energies = {f"{curve.rate:g}": curve.integration.energy for curve in curves}
     measured = {rate: float(energy[89] / energy[59]) for rate, energy in energies.items()}
-    return Statement("The energy saturates: E_90/E_60 is 1 within 3 %", measured, 0.97, 1.0)
+    return Statement("The energy saturates: E_90/E_60 is 1 to within 3%", measured, 0.97, 1.0)
 
 
 def _straight_lines(curves: Sequence[Curve]) -> Statement:
     measured = {}
     for curve in curves:
         k, ratio = curve.over(5, 80, curve.values(curve.integration, "ratio"))
-        (intercept, slope), _ = line(k, ratio)
+        (intercept, slope), _ = fit_line(k, ratio)
         measured[f"{curve.rate:g}"] = float(np.abs(ratio / (intercept + slope * k) - 1.0).max())
-    claim = "The ratio grows linearly with k: it leaves a straight line by at most 1 %, k = 5..80"
+    claim = "The ratio grows linearly with k: it differs from a line by at most 1%, k = 5..80"
     return Statement(claim, measured, 0.0, 0.01)
 
 
@@ -353,25 +286,25 @@ def _nearly_constant_ratio(curves: Sequence[Curve]) -> Statement:
         ratio = curve.values(curve.integration, "ratio")[9:]
         measured[f"{curve.rate:g}, least"] = float(1.0 / ratio.max())
         measured[f"{curve.rate:g}, largest"] = float(1.0 / ratio.min())
-    claim = "The inverse of the ratio stays within 8 % of the working value 2/3 for k = 10..90"
+    claim = "The inverse of the ratio is within 8% of the paper's value 2/3 for k = 10..90"
     return Statement(claim, measured, 2.0 / 3.0 * 0.92, 2.0 / 3.0 * 1.08)
 
 
 def _energy_kept(curves: Sequence[Curve]) -> Statement:
     energy = curves[0].integration.energy
     measured = {f"{curves[0].rate:g}": float(energy[89] / energy[9])}
-    claim = "For the smallest S the energy is constant: E_90/E_10 is 1 within 1 %"
+    claim = "For the smallest S the energy is constant: E_90/E_10 is 1 to within 1%"
     return Statement(claim, measured, 0.99, 1.01)
 
 
 def _linear_decay(curves: Sequence[Curve]) -> Statement:
     measured = {}
     for curve in curves:
-        slope = line(*curve.over(5, 60, curve.integration.momentum))[0][1]
+        slope = fit_line(*curve.over(5, 60, curve.integration.momentum))[0][1]
         measured[f"{curve.rate:g}"] = float(slope / forward_linear_momentum_slope(curve.rate))
     claim = (
-        "Momentum falls linearly, k = 5..60, with 0.55 to 0.70 of the slope of Eq. (24), the "
-        "column “Binary” of table 3"
+        "Momentum decreases linearly, k = 5..60, with 0.55 to 0.70 times the slope of Eq. (24), "
+        "the column “Binary” of table 3"
     )
     return Statement(claim, measured, 0.55, 0.70)
 
@@ -379,7 +312,7 @@ def _linear_decay(curves: Sequence[Curve]) -> Statement:
 def _rate_statement(
     quantity: FigureQuantity, low: float, high: float, claim: str
 ) -> Callable[[Sequence[Curve]], Statement]:
-    """Ratio of the exponential rates of integration and BCA, beads 5..80."""
+    """Statement about the ratio of the exponential rates of simulation and BCA, beads 5..80."""
 
     def statement(curves: Sequence[Curve]) -> Statement:
         measured = {}
@@ -387,7 +320,7 @@ def _rate_statement(
             rates = []
             for pulse in (curve.integration, curve.unmodified):
                 k, values = curve.over(5, 80, curve.values(pulse, quantity))
-                rates.append(line(k, np.log(values))[0][1])
+                rates.append(fit_line(k, np.log(values))[0][1])
             measured[f"{curve.rate:g}"] = float(rates[0] / rates[1])
         return Statement(claim, measured, low, high)
 
@@ -396,7 +329,7 @@ def _rate_statement(
 
 def _error_statement(high: float) -> Callable[[Sequence[Curve]], Statement]:
     def statement(curves: Sequence[Curve]) -> Statement:
-        claim = f"The modified BCA's velocity is right within {high:.0%}, k = 5..80"
+        claim = f"The velocity of the modified BCA is accurate to {high:.0%}, k = 5..80"
         return Statement(claim, _worst_errors(curves), 0.0, high)
 
     return statement
@@ -407,21 +340,21 @@ STATEMENTS: Final[dict[int, Callable[[Sequence[Curve]], Statement]]] = {
     2: _saturation,
     3: _rate_statement(
         "momentum", 0.985, 1.0,
-        "Momentum grows exponentially, 0.985 to 1 times as fast as the BCA says, k = 5..80",
+        "Momentum grows exponentially, 0.985 to 1 times as fast as in the BCA, k = 5..80",
     ),
     4: _rate_statement(
         "energy", 1.1, 1.5,
-        "Energy decays exponentially, 1.1 to 1.5 times as fast as the BCA says, k = 5..80",
+        "Energy decays exponentially, 1.1 to 1.5 times as fast as in the BCA, k = 5..80",
     ),
     5: _linear_decay,
     6: _energy_kept,
     7: _rate_statement(
         "momentum", 1.0, 1.06,
-        "Momentum decays exponentially, 1 to 1.06 times as fast as the BCA says, k = 5..80",
+        "Momentum decays exponentially, 1 to 1.06 times as fast as in the BCA, k = 5..80",
     ),
     8: _rate_statement(
         "energy", 1.8, 2.4,
-        "Energy decays exponentially, 1.8 to 2.4 times as fast as the BCA says, k = 5..80",
+        "Energy decays exponentially, 1.8 to 2.4 times as fast as in the BCA, k = 5..80",
     ),
     9: _nearly_constant_ratio,
     10: _error_statement(0.14),

@@ -1,4 +1,4 @@
-"""What the paper prints, as data: `published.toml`, read into typed records."""
+"""Published numbers, tables and captions of the paper, read from `published.toml`."""
 
 from __future__ import annotations
 
@@ -8,8 +8,7 @@ from dataclasses import dataclass
 from importlib import resources
 from typing import Any, Literal
 
-from hertzchain.chain.chain import Taper
-from hertzchain.theory.modified_bca import PowerLawCorrection
+from ..theory.modified_bca import PowerLawCorrection
 
 Fit = Literal["exponential", "linear"]
 Order = Literal["rising", "falling"]
@@ -18,7 +17,7 @@ FigureQuantity = Literal["velocity", "momentum", "energy", "ratio"]
 
 @dataclass(frozen=True)
 class Printed:
-    """A number as printed: its value and how many decimals it shows.
+    """A number as printed: its value and its number of decimals.
 
     Examples
     --------
@@ -30,13 +29,13 @@ class Printed:
 
     @property
     def value(self) -> float:
-        """The number; a fraction such as 2/3 is worked out."""
+        """Value of the number, which may be a fraction such as 2/3."""
         numerator, _, denominator = self.text.partition("/")
         return float(numerator) / float(denominator or 1)
 
     @property
     def decimals(self) -> int:
-        """Digits behind the point."""
+        """Number of digits after the decimal point."""
         return len(self.text.partition(".")[2])
 
     @property
@@ -47,9 +46,9 @@ class Printed:
 
 @dataclass(frozen=True)
 class PublishedColumn:
-    """One taper's rows of a table: rates, the theory's numbers, the integration's."""
+    """Rates, theoretical values and numerical values of one taper in a table."""
 
-    taper: Taper
+    taper: str
     rates: tuple[Printed, ...]
     bca: tuple[Printed, ...]
     numerical: tuple[Printed, ...]
@@ -70,11 +69,11 @@ class PublishedTable:
 
 @dataclass(frozen=True)
 class PublishedFigure:
-    """What a figure's caption fixes: chains, quantity and the order of its curves."""
+    """Chains, quantity and order of the curves as stated in a figure's caption."""
 
     number: int
     label: str
-    taper: Taper
+    taper: str
     rates: tuple[float, ...]
     quantity: FigureQuantity
     order: Order
@@ -82,7 +81,7 @@ class PublishedFigure:
 
     @property
     def name(self) -> str:
-        """Name on the command line and of the files."""
+        """Name used on the command line and for files."""
         return f"figure{self.number}"
 
 
@@ -93,21 +92,11 @@ def _document() -> dict[str, Any]:
 
 
 def published_tables() -> dict[str, PublishedTable]:
-    """The three tables of the paper, by name.
-
-    Returns
-    -------
-    dict of str to PublishedTable
-
-    Examples
-    --------
-    >>> published_tables()["table1"].columns[0].numerical[0].text
-    '0.01491'
-    """
+    """The three tables of the paper, by name."""
 
     def column(taper: str, raw: dict[str, list[str]]) -> PublishedColumn:
         lists = {key: tuple(map(Printed, values)) for key, values in raw.items()}
-        return PublishedColumn(taper=taper, **lists)  # type: ignore[arg-type]
+        return PublishedColumn(taper=taper, **lists)
 
     return {
         name: PublishedTable(
@@ -120,17 +109,7 @@ def published_tables() -> dict[str, PublishedTable]:
 
 
 def published_figures() -> dict[str, PublishedFigure]:
-    """The fourteen figures of the paper, by name.
-
-    Returns
-    -------
-    dict of str to PublishedFigure
-
-    Examples
-    --------
-    >>> published_figures()["figure1"].rates
-    (0.1, 0.5, 0.9)
-    """
+    """The fourteen figures of the paper, by name."""
     return {
         name: PublishedFigure(
             number=int(name.removeprefix("figure")), **(raw | {"rates": tuple(raw["rates"])})
@@ -139,42 +118,12 @@ def published_figures() -> dict[str, PublishedFigure]:
     }
 
 
-def published_ratio(taper: Taper) -> Printed:
-    """The working ratio of a linear taper's velocity to the BCA's.
-
-    Parameters
-    ----------
-    taper : str
-        A linear taper.
-
-    Returns
-    -------
-    Printed
-
-    Examples
-    --------
-    >>> published_ratio("forward-linear").text
-    '0.680'
-    """
+def published_ratio(taper: str) -> Printed:
+    """Printed ratio of a linear taper's velocity to that of the BCA."""
     return Printed(_document()["ratios"][taper]["value"])
 
 
-def published_correction(taper: Taper) -> PowerLawCorrection:
-    """The four constants of an exponential taper's correction.
-
-    Parameters
-    ----------
-    taper : str
-        An exponential taper.
-
-    Returns
-    -------
-    PowerLawCorrection
-
-    Examples
-    --------
-    >>> published_correction("forward-exponential").d0
-    11.1
-    """
+def published_correction(taper: str) -> PowerLawCorrection:
+    """Printed constants of an exponential taper's correction."""
     raw = _document()["corrections"][taper]
     return PowerLawCorrection(**{name: float(raw[name]) for name in ("c0", "x", "d0", "y")})

@@ -1,10 +1,10 @@
 """Write a reproduction to disk: report, verdict, summary, figures and their data.
 
 ====================  =========================================================
-`report.html`         one self-contained page, tables, figures, errata, method
-`verdict.json`        the outcome for machines; ``schema_version`` counts changes
-`summary.md`          the outcome in a screenful
-`figures/`            each figure as SVG and PNG, its data as CSV
+`report.html`         a self-contained page with tables, figures, errata and method
+`verdict.json`        all results as JSON; ``schema_version`` is increased by changes
+`summary.md`          a short summary
+`figures/`            each figure as SVG and PNG, and its data as CSV
 ====================  =========================================================
 """
 
@@ -29,25 +29,25 @@ from jinja2 import Environment, PackageLoader, select_autoescape
 from markupsafe import Markup, escape
 from matplotlib.figure import Figure as MatplotlibFigure
 
-from hertzchain.chain.chain import rate_symbol
-from hertzchain.errors import InputError
-from hertzchain.paper.figures import Figure, draw_figure, figure_csv
-from hertzchain.paper.formulas import draw_formula_errors
-from hertzchain.paper.reproduction import Reproduction
-from hertzchain.paper.tables import WINDOWS, Table
-from hertzchain.plotting.scoreboard import plot_scoreboard
-from hertzchain.plotting.style import figure_bytes
-from hertzchain.scoreboard.cases import GROUPS
-from hertzchain.scoreboard.scoreboard import JUDGED, Scoreboard, percentage
-from hertzchain.store.lock import lock
-from hertzchain.store.writing import cannot_write
-from hertzchain.verification.case import ORIGINS
-from hertzchain.verification.verify import as_dict
+from ..chain.tapers import rate_symbol
+from ..errors import InputError
+from ..evaluation.cases import GROUPS
+from ..evaluation.scoreboard import QUANTITIES, Scoreboard, percentage
+from ..plotting.scoreboard import plot_scoreboard
+from ..plotting.style import figure_bytes
+from ..store.file_lock import lock
+from ..store.writing import cannot_write
+from ..verification.case import ORIGINS
+from ..verification.verify import as_dict
+from .figures import Figure, draw_figure, figure_csv
+from .reproduction import Reproduction
+from .tables import WINDOWS, Table
+from .velocity_formulas import draw_formula_errors
 
 SCHEMA_VERSION: Final = 1
 PAGES: Final = ("report.html", "verdict.json", "summary.md")
 WRITING: Final = ".writing-"
-# As `tempfile` names them.
+# Names given by `tempfile`.
 LEFT_BEHIND: Final = re.compile(rf"{re.escape(WRITING)}[a-z0-9_]{{8}}")
 OUR_FIGURE: Final = re.compile(r"(figure\d+|errata|scoreboard)\.(svg|png|csv)")
 
@@ -58,39 +58,10 @@ def write_report(
     *,
     progress: Callable[[int, int], None] | None = None,
 ) -> Path:
-    """Write everything about a reproduction into a folder.
+    """Write the report of a reproduction to a folder.
 
-    All of it is made in a temporary folder first and then moved, so that an earlier
-    report stays whole if this one fails.
-
-    Parameters
-    ----------
-    reproduction : Reproduction
-        What to report.
-    out : pathlib.Path
-        Folder to write into; made if missing.
-    progress : callable, optional
-        Called as ``progress(figures_drawn, figures)``.
-
-    Returns
-    -------
-    pathlib.Path
-        The HTML report.
-
-    Raises
-    ------
-    InputError
-        If the folder cannot be written, or another process writes into it.
-    StoreError
-        If the disk is full.
-
-    Examples
-    --------
-    >>> import tempfile
-    >>> from hertzchain.paper.reproduction import reproduce
-    >>> with tempfile.TemporaryDirectory() as folder:
-    ...     write_report(reproduce(["table3"]), Path(folder)).name
-    'report.html'
+    All files are first written to a temporary folder and then moved, so that an earlier
+    report stays complete if writing fails.
     """
     with reserved(out):
         return write_reserved(reproduction, out, progress=progress)
@@ -98,23 +69,7 @@ def write_report(
 
 @contextlib.contextmanager
 def reserved(out: Path) -> Iterator[None]:
-    """Keep other processes out of a folder, and remove what killed ones left there.
-
-    Parameters
-    ----------
-    out : pathlib.Path
-        The folder; made if missing.
-
-    Raises
-    ------
-    InputError
-        If it cannot be written, or another process writes into it.
-
-    Examples
-    --------
-    >>> with tempfile.TemporaryDirectory() as folder, reserved(Path(folder)):
-    ...     pass
-    """
+    """Lock a folder, and remove temporary folders of processes that were killed."""
     check_writable(out)
     with lock(out / ".lock", out):
         for left in out.glob(f"{WRITING}*"):
@@ -124,7 +79,7 @@ def reserved(out: Path) -> Iterator[None]:
 
 
 def _is_ours(folder: Path) -> bool:
-    """Whether a folder is one that a killed process was writing a report into."""
+    """Whether a folder is the temporary folder of a process that was killed."""
     if folder.is_symlink() or not LEFT_BEHIND.fullmatch(folder.name):
         return False
     files = [path for path in folder.rglob("*") if not path.is_dir()]
@@ -142,26 +97,7 @@ def write_reserved(
     *,
     progress: Callable[[int, int], None] | None = None,
 ) -> Path:
-    """Write a report into a folder that is `reserved`.
-
-    Parameters
-    ----------
-    reproduction : Reproduction
-        What to report.
-    out : pathlib.Path
-        Folder to write into.
-    progress : callable, optional
-        Called as ``progress(figures_drawn, figures)``.
-
-    Returns
-    -------
-    pathlib.Path
-        The HTML report.
-
-    Examples
-    --------
-    See `write_report`.
-    """
+    """Write a report to a folder that is `reserved`."""
     try:
         with tempfile.TemporaryDirectory(dir=out, prefix=WRITING) as folder:
             fresh = Path(folder)
@@ -182,7 +118,7 @@ def _write_pages(reproduction: Reproduction, folder: Path, images: dict[str, str
 
 
 def _replace(fresh: Path, out: Path) -> None:
-    """Move a new report over an old one; other files in the folder stay as they are."""
+    """Replace an old report by a new one; other files in the folder are not changed."""
     figures = out / "figures"
     figures.mkdir(exist_ok=True)
     for path in figures.iterdir():
@@ -195,29 +131,14 @@ def _replace(fresh: Path, out: Path) -> None:
 
 
 def check_writable(out: Path) -> None:
-    """Make a folder and see that files can be written in it.
-
-    Parameters
-    ----------
-    out : pathlib.Path
-        The folder.
-
-    Raises
-    ------
-    InputError
-        If it cannot.
-
-    Examples
-    --------
-    >>> check_writable(Path(tempfile.gettempdir()))
-    """
+    """Create a folder and check that files can be written to it."""
     blocked = [name for name in PAGES if (out / name).is_dir()]
     if (out / "figures").exists() and not (out / "figures").is_dir():
         blocked.append("figures")
     if blocked:
         raise InputError(
-            f"{os.fspath(out / blocked[0])!r} is in the way of the report; choose another folder "
-            "with --out"
+            f"{os.fspath(out / blocked[0])!r} exists and cannot be replaced by the report; choose "
+            "another folder with --out"
         )
     try:
         out.mkdir(parents=True, exist_ok=True)
@@ -228,24 +149,7 @@ def check_writable(out: Path) -> None:
 
 
 def verdict(reproduction: Reproduction) -> dict[str, Any]:
-    """The outcome as plain data; the content of ``verdict.json``.
-
-    Parameters
-    ----------
-    reproduction : Reproduction
-        What to report.
-
-    Returns
-    -------
-    dict
-        Keys are stable within one ``schema_version``.
-
-    Examples
-    --------
-    >>> from hertzchain.paper.reproduction import reproduce
-    >>> verdict(reproduce(["table3"]))["within_tolerance"]
-    True
-    """
+    """Content of ``verdict.json``."""
     return {
         "schema_version": SCHEMA_VERSION,
         "within_tolerance": reproduction.within_tolerance,
@@ -296,26 +200,10 @@ def verdict(reproduction: Reproduction) -> dict[str, Any]:
 
 
 def method(reproduction: Reproduction) -> dict[str, Any]:
-    """How the numbers were made: integrator, tolerance, windows, versions, time.
-
-    Parameters
-    ----------
-    reproduction : Reproduction
-        What to report.
-
-    Returns
-    -------
-    dict
-
-    Examples
-    --------
-    >>> from hertzchain.paper.reproduction import reproduce
-    >>> method(reproduce(["table3"]))["chains"]
-    10
-    """
+    """Integrator, tolerance, windows, versions and time of a reproduction."""
     packages = ("hertzchain", "numpy", "scipy", "numba", "matplotlib")
     return {
-        "integrator": "DOP853, every bead, error of a step measured against nearby speeds",
+        "integrator": "DOP853, all beads, step errors relative to the speeds of nearby beads",
         "rtol": reproduction.rtol,
         "beads": reproduction.beads,
         "chains": len(reproduction.pulses),
@@ -331,7 +219,7 @@ def method(reproduction: Reproduction) -> dict[str, Any]:
 def _write_figures(
     reproduction: Reproduction, folder: Path, progress: Callable[[int, int], None] | None
 ) -> dict[str, str]:
-    """Save every figure; returns them as data addresses for the page."""
+    """Save all figures; return them as data URLs for the page."""
     folder.mkdir()
     drawings: list[tuple[str, Callable[[], MatplotlibFigure]]] = []
     for figure in reproduction.figures:
@@ -392,7 +280,7 @@ def _render(template: str, reproduction: Reproduction, **more: Any) -> str:
 
 
 def _scores(board: Scoreboard) -> dict[str, list[tuple[str, list[tuple[str, list[str]]]]]]:
-    """Cells of the two tables of the scoreboard, as groups of labelled rows."""
+    """Cells of the scoreboard's two tables, in groups of labelled rows."""
     errors, outside = board.table("velocity"), board.outside()
     families: dict[str, list[tuple[str, list[str]]]] = {}
     for label, members in board.rows("family").items():
@@ -403,7 +291,7 @@ def _scores(board: Scoreboard) -> dict[str, list[tuple[str, list[tuple[str, list
         heading = GROUPS[board.cases[members[0]].group]
         families.setdefault(heading, []).append((label, cells))
     groups: dict[str, list[tuple[str, list[str]]]] = {GROUPS[group]: [] for group in GROUPS}
-    for quantity in JUDGED:
+    for quantity in QUANTITIES:
         for group, row in board.table(quantity, by="group").iterrows():
             cells = [percentage(error) for error in row]
             groups[GROUPS[group]].append((quantity.replace("_", " "), cells))
@@ -411,7 +299,7 @@ def _scores(board: Scoreboard) -> dict[str, list[tuple[str, list[tuple[str, list
 
 
 def _rows(table: Table) -> list[list[Any]]:
-    """Entries of a table side by side: one row a rate, all columns of both tapers."""
+    """Rows of a table: one row per rate, with the columns of both tapers."""
     by_rate: dict[float, list[Any]] = {}
     for entry in table.entries:
         by_rate.setdefault(entry.rate, []).append(entry)
@@ -419,7 +307,7 @@ def _rows(table: Table) -> list[list[Any]]:
 
 
 def _typeset(formula: str) -> Markup:
-    """Turn a_b and a^b, or a^(b), of a line of text into subscripts and superscripts."""
+    """Convert a_b, a^b and a^(b) in a line of text to subscripts and superscripts."""
     text = str(escape(formula))
     text = re.sub(r"(?<=[\w′])_(\w+)", r"<sub>\1</sub>", text)
     text = re.sub(r"\^\(([^()]+)\)|\^(-?[\w.]+\w)", r"<sup>\1\2</sup>", text)
@@ -427,7 +315,7 @@ def _typeset(formula: str) -> Markup:
 
 
 def _measured(figure: Figure) -> str:
-    """The numbers behind a statement, as a range where there are many."""
+    """Measured value of a statement, or the range of several values."""
     values = figure.statement.measured.values()
     low, high = min(values), max(values)
     return f"{low:.4g}" if low == high else f"{low:.4g} to {high:.4g}"

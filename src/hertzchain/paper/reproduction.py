@@ -1,4 +1,4 @@
-"""Regenerate everything the paper prints and hold it against the print."""
+"""Recompute the paper's tables, figures and formulas and compare them with the printed ones."""
 
 from __future__ import annotations
 
@@ -7,26 +7,26 @@ import time
 from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import dataclass, field
 
-from hertzchain.calibration import BEADS, Window, beads_in_window
-from hertzchain.chain.chain import Chain, Taper
-from hertzchain.errors import InputError, unknown_name
-from hertzchain.paper.errata import Erratum, errata, errata_chains
-from hertzchain.paper.figures import Figure, figure_chains, reproduce_figure
-from hertzchain.paper.formulas import printed_and_mended_errors
-from hertzchain.paper.published import Fit, published_figures, published_tables
-from hertzchain.paper.tables import WINDOWS, Pulses, Table, reproduce_table, table_chains
-from hertzchain.pulse.pulse import Pulse
-from hertzchain.scoreboard.judge import scoreboard
-from hertzchain.scoreboard.scoreboard import Scoreboard, percentage
-from hertzchain.simulation.simulate import DEFAULT_RTOL, simulate
-from hertzchain.verification.verify import Verdict, verify
+from ..calibration import BEADS, Window, beads_in_window
+from ..chain.chain import Chain
+from ..errors import InputError, unknown_name_error
+from ..evaluation.evaluate import scoreboard
+from ..evaluation.scoreboard import Scoreboard, percentage
+from ..pulse.pulse import Pulse
+from ..simulation.simulate import DEFAULT_RTOL, simulate
+from ..verification.verify import Verdict, verify
+from .errata import Erratum, errata, errata_chains
+from .figures import Figure, figure_chains, reproduce_figure
+from .published import Fit, published_figures, published_tables
+from .tables import WINDOWS, Pulses, Table, reproduce_table, table_chains
+from .velocity_formulas import printed_and_corrected_errors
 
 Progress = Callable[[int, int], None]
 
 
 @dataclass(frozen=True, eq=False)
 class Reproduction:
-    """What came of regenerating the paper, or the parts that were asked for."""
+    """Result of recomputing the paper, or the requested parts."""
 
     tables: tuple[Table, ...]
     figures: tuple[Figure, ...]
@@ -43,92 +43,74 @@ class Reproduction:
 
     @property
     def entries(self) -> int:
-        """Numbers in the reproduced tables."""
+        """Number of entries in the reproduced tables."""
         return sum(len(table.entries) for table in self.tables)
 
     @property
     def agreeing_entries(self) -> int:
-        """Of these, how many agree with the print."""
+        """Number of entries that agree with the printed values."""
         return sum(table.agreeing for table in self.tables)
 
     @property
     def holding_statements(self) -> int:
-        """Figures whose statement holds."""
+        """Number of figures whose statement holds."""
         return sum(figure.statement.holds for figure in self.figures)
 
     @property
     def within_tolerance(self) -> bool:
-        """Whether every entry agrees, every statement holds and every known value is met."""
+        """Whether all entries agree, all statements hold and all known values are reproduced."""
         all_entries = self.agreeing_entries == self.entries
         all_known = all(verdict.agrees for verdict in self.verification)
         return all_entries and all_known and self.holding_statements == len(self.figures)
 
     @functools.cached_property
     def verdict(self) -> str:
-        """The outcome in one or two sentences."""
+        """Summary of the outcome in a few sentences."""
         parts = []
         if self.tables:
             exact = sum(entry.units == 0 for table in self.tables for entry in table.entries)
             seven_decimals = (
-                " (the forward momentum rates, printed to seven decimals, within 1.0e-6)"
+                " (the forward momentum rates, printed to seven decimals, to within 1.0e-6)"
                 if any(table.published.name == "table1" for table in self.tables)
                 else ""
             )
             parts.append(
-                f"{self.agreeing_entries} of {self.entries} numbers of the tables agree with the "
-                f"print within one unit of the last digit{seven_decimals}; {exact} have the very "
-                "digits."
+                f"{self.agreeing_entries} of {self.entries} table entries agree with the paper to "
+                f"within one unit of the last printed digit{seven_decimals}; {exact} match every "
+                "digit."
             )
         if self.figures:
             parts.append(
-                f"{self.holding_statements} of {len(self.figures)} figures pass their check."
+                f"{self.holding_statements} of {len(self.figures)} figures pass their checks."
             )
         if self.errata:
-            printed, mended = printed_and_mended_errors(self.pulses)
+            printed, corrected = printed_and_corrected_errors(self.pulses)
             parts.append(
-                f"{len(self.errata)} places to correct are shown: the paper's four velocity "
-                f"formulas miss the integration by up to {printed:.0%} as printed, and by up to "
-                f"{mended:.0%} once mended (linear tapers by the exact product of the BCA)."
+                f"{len(self.errata)} errata are listed: the paper's four velocity formulas differ "
+                f"from the simulation by up to {printed:.0%} as printed and by up to "
+                f"{corrected:.0%} as corrected (for linear tapers, using the exact BCA product)."
             )
         if self.scoreboard is not None:
             parts.append(_best_theory(self.scoreboard))
         if self.verification:
             agreeing = sum(verdict.agrees for verdict in self.verification)
             parts.append(
-                f"Beyond the paper, {agreeing} of {len(self.verification)} quantities with exact "
-                "or published values are met."
+                f"Beyond the paper, {agreeing} of {len(self.verification)} exact or published "
+                "values are reproduced."
             )
         return " ".join(parts)
 
 
 def checked_parts(only: Collection[str] | None) -> set[str]:
-    """The parts of a reproduction, if all of them exist.
-
-    Parameters
-    ----------
-    only : collection of str, optional
-        Names of parts; all by default.
-
-    Returns
-    -------
-    set of str
-
-    Raises
-    ------
-    InputError
-        For an unknown part, or none.
-
-    Examples
-    --------
-    >>> checked_parts(["table1"])
-    {'table1'}
-    """
+    """Check that all requested parts of a reproduction exist."""
     parts = set(items() if only is None else only)
     if isinstance(only, str) or not parts:
-        raise InputError(f"name at least one part in a list, of {', '.join(items())}; got {only!r}")
+        raise InputError(
+            f"parts must be a list of at least one of {', '.join(items())}; got {only!r}"
+        )
     for part in parts:
         if part not in items():
-            raise unknown_name("table or figure", part, items())
+            raise unknown_name_error("table or figure", part, items())
     return parts
 
 
@@ -138,44 +120,18 @@ def reproduce(
     windows: Mapping[Fit, Window] | None = None,
     progress: Progress | None = None,
 ) -> Reproduction:
-    """Integrate the paper's chains and hold its tables, figures and formulas against them.
-
-    Parameters
-    ----------
-    only : collection of str, optional
-        Parts to do: ``"table1"`` to ``"table3"``, ``"figure1"`` to ``"figure14"``,
-        ``"errata"``, ``"scoreboard"``, ``"verification"``.  All by default.
-    windows : mapping, optional
-        First and last bead of the fits of ``"exponential"`` tables (1 and 2) and the
-        ``"linear"`` one (3).
-    progress : callable, optional
-        Called as ``progress(chains_done, chains)``.
-
-    Returns
-    -------
-    Reproduction
-
-    Raises
-    ------
-    InputError
-        For an unknown part or a window outside the chains.
-
-    Examples
-    --------
-    >>> reproduce(["table3"]).within_tolerance
-    True
-    """
+    """Simulate the paper's chains and compare its tables, figures and formulas with them."""
     started = time.perf_counter()
     parts = checked_parts(only)
     used: dict[Fit, Window] = {**WINDOWS}
     for fit, window in (windows or {}).items():
         if fit not in WINDOWS:
-            raise unknown_name("fit", fit, WINDOWS)
+            raise unknown_name_error("fit", fit, WINDOWS)
         beads_in_window(window, BEADS)
         used[fit] = window
     tables = [name for name in published_tables() if name in parts]
     figures = [name for name in published_figures() if name in parts]
-    wanted: set[tuple[Taper, float]] = set()
+    wanted: set[tuple[str, float]] = set()
     wanted.update(*map(table_chains, tables), *map(figure_chains, figures))
     if "errata" in parts:
         wanted |= errata_chains()
@@ -198,35 +154,13 @@ def reproduce(
 
 
 def integrate_chains(
-    chains: Iterable[tuple[Taper, float]],
+    chains: Iterable[tuple[str, float]],
     *,
     beads: int = BEADS,
     progress: Progress | None = None,
     drifts: list[tuple[float, float]] | None = None,
-) -> dict[tuple[Taper, float], Pulse]:
-    """Integrate tapered chains with the full-chain engine.
-
-    Parameters
-    ----------
-    chains : iterable of (taper, rate)
-        Chains to integrate.
-    beads : int
-        Beads of each.
-    progress : callable, optional
-        Called as ``progress(chains_done, chains)``.
-    drifts : list, optional
-        Receives each run's drift of energy and momentum.
-
-    Returns
-    -------
-    dict of (taper, rate) to Pulse
-
-    Examples
-    --------
-    >>> pulses = integrate_chains([("forward-linear", 0.01)], beads=20)
-    >>> pulses["forward-linear", 0.01].chain
-    Chain(forward-linear, S = 0.01, 20 beads)
-    """
+) -> dict[tuple[str, float], Pulse]:
+    """Simulate tapered chains with `simulate`, which integrates all beads."""
     ordered = sorted(chains)
     pulses = {}
     for done, (taper, rate) in enumerate(ordered, start=1):
@@ -240,26 +174,16 @@ def integrate_chains(
 
 
 def _best_theory(board: Scoreboard) -> str:
-    """The BCA and the best theory on smooth unseen tapers, in one sentence."""
+    """One sentence about the BCA and the best theory on smooth unseen tapers."""
     worst = board.table("velocity", by="group").loc["smooth"].dropna()
     best, tapers = worst.idxmin(), len(board.rows("group")["smooth"])
     return (
-        f"On {tapers} smooth tapers that no theory was fitted to, the BCA's velocity is wrong by "
-        f"up to {percentage(worst['bca'])}% (k = 10..{board.last_bead}), that of the best theory, "
-        f"{best}, by up to {percentage(worst[best])}%."
+        f"On {tapers} smooth tapers that no theory was fitted to, the largest velocity error "
+        f"(beads 10 to {board.last_bead}) is {percentage(worst['bca'])}% for the BCA and "
+        f"{percentage(worst[best])}% for the best theory, {best}."
     )
 
 
 def items() -> tuple[str, ...]:
-    """Names of all that can be reproduced, in the order of the paper.
-
-    Returns
-    -------
-    tuple of str
-
-    Examples
-    --------
-    >>> items()[0], items()[-1], len(items())
-    ('table1', 'verification', 20)
-    """
+    """Names of all parts that can be reproduced, in the order of the paper."""
     return (*published_tables(), *published_figures(), "errata", "scoreboard", "verification")

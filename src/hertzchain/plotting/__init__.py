@@ -1,1 +1,5 @@
-"""Results as pictures: data to axes, no computing."""
+"""Figures of results that are already computed."""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

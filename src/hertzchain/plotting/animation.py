@@ -1,4 +1,4 @@
-"""The beads in motion, as a GIF."""
+"""Animation of the beads as a GIF."""
 
 from __future__ import annotations
 
@@ -10,15 +10,15 @@ import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.collections import EllipseCollection
 
-from hertzchain.arguments import file_path, instance
-from hertzchain.checks import number, whole_number
-from hertzchain.contacts import Array
-from hertzchain.errors import InputError
-from hertzchain.plotting.chains import bead_centres, draw_walls
-from hertzchain.plotting.runs import check_times
-from hertzchain.plotting.style import house_style, literal, time_axis
-from hertzchain.simulation.run import Run
-from hertzchain.store.writing import write_bytes
+from ..collision import Array
+from ..errors import InputError
+from ..simulation.run import Run
+from ..store.writing import write_bytes
+from ..validation.numbers import number, whole_number
+from ..validation.objects import check_type, file_path
+from .chains import bead_centres, draw_walls
+from .runs import check_times
+from .style import figure_style, literal, time_axis
 
 
 def animate(
@@ -29,20 +29,20 @@ def animate(
     seconds: float = 6.0,
     magnify: float | None = None,
 ) -> Path:
-    """Write an animation of the beads as a GIF: their motion magnified, their speed as colour.
+    """Write an animation of the beads as a GIF, with magnified motion and speed as colour.
 
     Parameters
     ----------
     run : Run
-        A run with saved times; the more, the smoother.
+        A run with saved times; more times give a smoother animation.
     path : path-like
         File to write, ``.gif``.
     frames : int
-        Number of pictures, at least 2; at most the saved times are shown.
+        Number of frames, at least 2; at most one per saved time is shown.
     seconds : float
-        How long it plays.
+        Duration of the animation.
     magnify : float, optional
-        Factor on the displacements; by default the largest becomes two radii.
+        Factor on the displacements.  By default the largest displacement becomes two radii.
 
     Returns
     -------
@@ -52,7 +52,7 @@ def animate(
     Raises
     ------
     InputError
-        For another ending, fewer than two saved times, or a file that cannot be written.
+        For another file extension, fewer than two saved times, or a file that cannot be written.
 
     Examples
     --------
@@ -65,7 +65,7 @@ def animate(
     """
     from PIL import Image
 
-    instance("run", run, Run, "simulate makes one")
+    check_type("run", run, Run, "simulate makes one")
     check_times(run)
     target = file_path("animation", path)
     frames = whole_number("frames", frames, least=2)
@@ -73,7 +73,7 @@ def animate(
     if magnify is not None:
         magnify = number("magnify", magnify, above=0.0)
     if target.suffix != ".gif":
-        raise InputError(f"an animation is a .gif file, got {target.name!r}")
+        raise InputError(f"the name of an animation must end in .gif, got {target.name!r}")
     chosen = np.unique(np.linspace(0, len(run.times) - 1, frames).round().astype(int))
     moved = run.positions - run.positions[0]
     largest = float(np.abs(moved).max())
@@ -96,7 +96,7 @@ def _pictures(run: Run, chosen: Array, moved: Array) -> list[bytes]:
     unit = time_axis(chain)[0]
     suffix = " µs" if chain.units == "SI" else ""
     pictures = []
-    with house_style():
+    with figure_style():
         figure, axes = plt.subplots(figsize=(8.0, 1.5), dpi=110)
         beads = EllipseCollection(
             2 * radii, 2 * radii, np.zeros(chain.beads), units="xy", cmap="RdBu_r",

@@ -1,4 +1,4 @@
-"""Draw where energy and momentum are, stacked over time."""
+"""Plot the energy or momentum of a run by location, stacked over time."""
 
 from __future__ import annotations
 
@@ -9,20 +9,20 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.ticker import FuncFormatter
 
-from hertzchain.arguments import instance, one_of
-from hertzchain.errors import InputError
-from hertzchain.plotting.style import (
-    axes_in,
-    house_style,
+from ..errors import InputError
+from ..simulation.budget import BALANCED, Balanced, Budget
+from ..simulation.horizon import Horizon
+from ..validation.objects import check_choice, check_type
+from .style import (
+    figure_style,
+    get_axes,
     literal,
     mark_horizon,
+    set_title,
     time_axis,
-    titled,
 )
-from hertzchain.simulation.budget import BALANCED, Balanced, Budget
-from hertzchain.simulation.horizon import Horizon
 
-# Where energy and momentum are, from light to dark as they are lost to the pulse.
+# Locations, with colour and hatching.
 PARTS: Final[dict[str, tuple[str, str]]] = {
     "leading pulse": ("#0072B2", ""),
     "lagging": ("#56B4E9", ""),
@@ -45,7 +45,7 @@ def plot_budget(
     horizon: Horizon | None = None,
     ax: Axes | None = None,
 ) -> Axes:
-    """Draw where energy or momentum is over time, stacked; momentum backwards below zero.
+    """Plot energy or momentum by location, stacked over time; backward momentum is negative.
 
     Parameters
     ----------
@@ -54,9 +54,9 @@ def plot_budget(
     of : str
         ``"energy"`` or ``"momentum"``.
     horizon : Horizon, optional
-        What `Run.horizon` found; times beyond it are shaded.
+        Result of `Run.horizon`; times beyond it are shaded.
     ax : matplotlib.axes.Axes, optional
-        Axes to draw into; a new figure's if not given.
+        Axes to draw into.  By default, a new figure is created.
 
     Returns
     -------
@@ -65,7 +65,7 @@ def plot_budget(
     Raises
     ------
     InputError
-        For another word, or a single time.
+        For another value of `of`, or a single saved time.
 
     Examples
     --------
@@ -74,9 +74,9 @@ def plot_budget(
     >>> axes.get_ylabel()
     'momentum'
     """
-    one_of("balance", of, BALANCED)
+    check_choice("balance", of, BALANCED)
     if horizon is not None:
-        instance("horizon", horizon, Horizon, "run.horizon() is one")
+        check_type("horizon", horizon, Horizon, "run.horizon() is one")
     if len(budget.times) < 2:
         raise InputError("a stacked plot needs at least 2 saved times, the run has 1")
     there = budget.energy if of == "energy" else budget.momentum
@@ -84,8 +84,8 @@ def plot_budget(
     shown = {name: values for name, values in there.items() if np.abs(values).max() > 0.0}
     factor, label = time_axis(budget.chain)
     times, total = factor * budget.times, np.sum([*given.values()], axis=0)
-    with house_style():
-        axes = axes_in(ax)
+    with figure_style():
+        axes = get_axes(ax)
         above, below = np.zeros(len(times)), np.zeros(len(times))
         for name, values in shown.items():
             colour, hatch = PARTS[name]
@@ -102,12 +102,12 @@ def plot_budget(
         quantity, unit = TICK[of]
         axes.set_ylabel(quantity)
         if budget.chain.units == "SI":
-            # An impact of balls has some microjoules: a prefix instead of many zeros.
+            # The energy of an impact may be a few microjoules; a prefix avoids many zeros.
             scale, prefix = _prefix(float(np.abs([above, below]).max()))
             axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value / scale:g}"))
             axes.set_ylabel(f"{quantity} [{prefix}{unit}]")
         axes.set_xlabel(label)
-        titled(axes, literal(budget.chain.description))
+        set_title(axes, literal(budget.chain.description))
         axes.margins(x=0.0)
         mark_horizon(axes, horizon)
         axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
@@ -115,7 +115,7 @@ def plot_budget(
 
 
 def _prefix(largest: float) -> tuple[float, str]:
-    """Unit prefix with which a number is between 1 and 1000, if there is one."""
+    """Unit prefix that brings a number between 1 and 1000, if there is one."""
     prefixes = {0: "", -3: "m", -6: "µ", -9: "n"}
     power = 3 * math.floor(math.log10(largest) / 3) if largest > 0.0 else 0
     power = min(0, max(-9, power))

@@ -7,10 +7,10 @@ from matplotlib.axes import Axes
 from matplotlib.collections import PatchCollection
 from matplotlib.patches import Circle
 
-from hertzchain.chain.chain import Chain
-from hertzchain.chain.coverage import check_chain
-from hertzchain.contacts import Array
-from hertzchain.plotting.style import axes_in, house_style, literal, titled
+from ..chain.chain import Chain
+from ..chain.feature_support import require_chain
+from ..collision import Array
+from .style import figure_style, get_axes, literal, set_title
 
 
 def plot_chain(chain: Chain, *, ax: Axes | None = None) -> Axes:
@@ -21,7 +21,7 @@ def plot_chain(chain: Chain, *, ax: Axes | None = None) -> Axes:
     chain : Chain
         Any chain.
     ax : matplotlib.axes.Axes, optional
-        Axes to draw into; a new figure's if not given.
+        Axes to draw into.  By default, a new figure is created.
 
     Returns
     -------
@@ -34,12 +34,12 @@ def plot_chain(chain: Chain, *, ax: Axes | None = None) -> Axes:
     >>> len(axes.collections)
     1
     """
-    check_chain("plot_chain", chain)
+    require_chain("plot_chain", chain)
     factor, unit = (1e3, "mm") if chain.units == "SI" else (1.0, "$R_1$")
     radii = factor * chain.radii
     centres = bead_centres(chain) * factor
-    with house_style():
-        axes = axes_in(ax, figsize=(7.0, 1.6))
+    with figure_style():
+        axes = get_axes(ax, figsize=(7.0, 1.6))
         circles = [Circle((x, 0.0), r) for x, r in zip(centres, radii, strict=True)]
         face = _face_colours(chain)
         axes.add_collection(
@@ -54,60 +54,24 @@ def plot_chain(chain: Chain, *, ax: Axes | None = None) -> Axes:
         axes.set_xlabel(f"place [{unit}]")
         axes.set_yticks([])
         axes.spines["left"].set_visible(False)  # it would look like a wall
-        titled(axes, literal(chain.description))
+        set_title(axes, literal(chain.description))
     return axes
 
 
 def draw_walls(chain: Chain, factor: float, tall: float, axes: Axes) -> None:
-    """Draw the walls of a chain, half of the largest bead's radius thick.
-
-    Parameters
-    ----------
-    chain : Chain
-        Any chain.
-    factor : float
-        What lengths are multiplied by.
-    tall : float
-        How far the walls reach up and down, as drawn.
-    axes : matplotlib.axes.Axes
-        Axes to draw into.
-
-    Examples
-    --------
-    >>> import hertzchain as hc
-    >>> axes = axes_in(None)
-    >>> draw_walls(hc.Chain.uniform(3).replace(right_wall=hc.Wall()), 1.0, 2.0, axes)
-    >>> len(axes.collections)
-    1
-    """
+    """Draw the walls of a chain; their thickness is half the radius of the largest bead."""
     low, high = factor * np.array([0.0, bead_centres(chain)[-1] + chain.radii[-1]])
     thick = 0.5 * factor * chain.radii.max()
     for wall, at, side in ((chain.left_wall, low, -1.0), (chain.right_wall, high, 1.0)):
         if wall is not None:
-            # Gaps are in units of motion, as they are: far smaller than beads if scaled.
+            # Gaps have units of displacement: in scaled variables they are much smaller than beads.
             edge = at + side * (factor * wall.gap if chain.units == "SI" else 0.0)
             axes.fill_betweenx([-tall, tall], edge, edge + side * thick, facecolor="#BBBBBB",
                                hatch="///", edgecolor="black", linewidth=0.0, zorder=0)  # fmt: skip
 
 
 def bead_centres(chain: Chain) -> Array:
-    """Where the centres of the beads are, bead 1 at its radius.
-
-    Parameters
-    ----------
-    chain : Chain
-        Any chain.  Gaps of a scaled chain, in units of motion, are not drawn.
-
-    Returns
-    -------
-    ndarray, shape (N,)
-        In the unit of the radii.
-
-    Examples
-    --------
-    >>> bead_centres(Chain.from_radii([1.0, 0.5]))
-    array([1. , 2.5])
-    """
+    """Positions of the centres of the beads; bead 1 is at its radius."""
     apart = np.cumsum(chain.centre_distances)
     return np.asarray(chain.radii[0] + np.concatenate(([0.0], apart)))
 

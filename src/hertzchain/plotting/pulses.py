@@ -1,37 +1,26 @@
-"""Draw quantities of pulses against the bead."""
+"""Plot quantities of pulses against the bead number."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Final
 
 from matplotlib.axes import Axes
 
-from hertzchain.errors import InputError
-from hertzchain.plotting.style import COLOURS, MARKERS, axes_in, house_style, literal, titled
-from hertzchain.pulse.pulse import Pulse
-from hertzchain.pulse.quantities import PER_CONTACT, Quantity
-
-LABELS: Final[dict[Quantity, str]] = {
-    "velocity": "velocity $v_k$",
-    "momentum": "momentum $P_k$",
-    "energy": "kinetic energy $E_k$",
-    "peak_time": "time of the velocity maximum",
-    "arrival": "arrival time $t_k$",
-    "residence": "residence time $T_k$",
-    "peak_overlap": "largest overlap",
-    "peak_force": "largest force $F_k$",
-}
+from ..errors import InputError
+from ..pulse.pulse import Pulse
+from ..pulse.quantities import QUANTITIES
+from ..validation.objects import check_bool, check_choice, check_list, check_type
+from .style import COLOURS, MARKERS, figure_style, get_axes, literal, set_title
 
 
 def plot_pulses(
     pulses: Sequence[Pulse],
-    quantity: Quantity = "velocity",
+    quantity: str = "velocity",
     *,
     log: bool = False,
     ax: Axes | None = None,
 ) -> Axes:
-    """Draw one quantity of several pulses against the bead number.
+    """Plot one quantity of several pulses against the bead number.
 
     Parameters
     ----------
@@ -40,9 +29,9 @@ def plot_pulses(
     quantity : str
         Name of the quantity.
     log : bool
-        Logarithmic ordinate.
+        Whether the y axis is logarithmic.
     ax : matplotlib.axes.Axes, optional
-        Axes to draw into; a new figure's if not given.
+        Axes to draw into.  By default, a new figure is created.
 
     Returns
     -------
@@ -61,11 +50,18 @@ def plot_pulses(
     >>> len(axes.lines)
     2
     """
+    pulses = check_list("pulses", pulses, "pulses")
+    if not pulses:
+        raise InputError("plot_pulses requires at least one pulse")
+    for pulse in pulses:
+        check_type("pulse", pulse, Pulse, "propagate and the theories return one")
+    check_choice("quantity", quantity, QUANTITIES)
+    log = check_bool("log", log)
     missing = [pulse.method for pulse in pulses if pulse.column(quantity) is None]
     if missing:
         raise InputError(f"{missing[0]} does not predict {quantity}")
-    with house_style():
-        axes = axes_in(ax)
+    with figure_style():
+        axes = get_axes(ax)
         for i, pulse in enumerate(pulses):
             values = pulse.columns()[quantity]
             axes.plot(
@@ -78,11 +74,10 @@ def plot_pulses(
                 linewidth=0.6,
                 label=literal(pulse.method),
             )
-        axes.set_xlabel("contact $k$" if quantity in PER_CONTACT else "bead $k$")
-        unit = "" if pulses[0].chain.units == "scaled" else f" [{pulses[0].unit(quantity)}]"
-        axes.set_ylabel(LABELS[quantity] + unit)
+        axes.set_xlabel(f"{QUANTITIES[quantity].per} $k$")
+        axes.set_ylabel(QUANTITIES[quantity].label_in(pulses[0].chain.units))
         axes.set_yscale("log" if log else "linear")
         chains = dict.fromkeys(pulse.chain.description for pulse in pulses)
-        titled(axes, literal("; ".join(chains)))
+        set_title(axes, literal("; ".join(chains)))
         axes.legend()
     return axes

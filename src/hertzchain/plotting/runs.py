@@ -1,4 +1,4 @@
-"""Draw runs: maps over time and bead, forces as sensors see them."""
+"""Plot runs: maps over time and bead, forces in sensors and on walls."""
 
 from __future__ import annotations
 
@@ -9,29 +9,30 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.ticker import MaxNLocator
 
-from hertzchain.arguments import listed, one_of
-from hertzchain.checks import whole_number
-from hertzchain.errors import InputError
-from hertzchain.plotting.style import (
+from ..errors import InputError
+from ..pulse.quantities import RUN_QUANTITIES
+from ..simulation.run import Run
+from ..simulation.wall_force import Side
+from ..validation.numbers import whole_number
+from ..validation.objects import check_choice, check_list
+from .style import (
     COLOURS,
-    axes_in,
-    house_style,
+    figure_style,
+    get_axes,
     literal,
     mark_horizon,
+    set_title,
     time_axis,
-    titled,
 )
-from hertzchain.simulation.run import Run
-from hertzchain.simulation.wall_force import Side
 
-# What the legend adds to a wall whose force may still exceed what is drawn.
+# Added to the legend of a wall whose force may still exceed the plotted values.
 CUT_OFF = " (peak not complete)"
 
 
 def plot_run(
     run: Run, quantity: Literal["velocity", "force"] = "velocity", *, ax: Axes | None = None
 ) -> Axes:
-    """Draw velocities or contact forces over time as a map, bead 1 at the bottom.
+    """Plot velocities or contact forces over time as a map, bead 1 at the bottom.
 
     Parameters
     ----------
@@ -40,7 +41,7 @@ def plot_run(
     quantity : str
         ``"velocity"`` of every bead or ``"force"`` in every contact.
     ax : matplotlib.axes.Axes, optional
-        Axes to draw into; a new figure's if not given.
+        Axes to draw into.  By default, a new figure is created.
 
     Returns
     -------
@@ -59,17 +60,18 @@ def plot_run(
     """
     if len(run.times) < 2:
         raise InputError(f"a map needs at least 2 saved times, the run has {len(run.times)}")
-    one_of("quantity of a map", quantity, ("velocity", "force"))
+    check_choice("quantity of a map", quantity, ("velocity", "force"))
     real = run.chain.units == "SI"
-    # One colour for at rest: white, red forwards, blue backwards.
-    values, label, low, colours = run.velocities, "velocity $v_k(t)$", -1.0, "RdBu_r"
+    # White is at rest, red forwards, blue backwards.
+    values, low, colours = run.velocities, -1.0, "RdBu_r"
     numbers = np.arange(1, run.chain.beads + 1)
     if quantity == "force":
-        values, label, low, colours = run.forces, "force $F_k(t)$", 0.0, "afmhot_r"
+        values, low, colours = run.forces, 0.0, "afmhot_r"
         numbers = np.arange(run.chain.beads + 1)
-    unit = {"velocity": "m/s", "force": "N"}[quantity]
-    with house_style():
-        axes = axes_in(ax)
+    drawn = RUN_QUANTITIES[quantity]
+    label = f"{quantity} [{drawn.unit}]" if real else drawn.label
+    with figure_style():
+        axes = get_axes(ax)
         largest = float(np.abs(values).max())
         mesh = axes.pcolormesh(
             run.times * (1e6 if real else 1.0),
@@ -81,19 +83,20 @@ def plot_run(
             shading="nearest",
             rasterized=True,
         )
-        axes.figure.colorbar(mesh, ax=axes, label=f"{quantity} [{unit}]" if real else label)
+        axes.figure.colorbar(mesh, ax=axes, label=label)
         axes.set_xlabel("time [µs]" if real else "time $t$")
-        axes.set_ylabel("bead $k$" if quantity == "velocity" else "contact $k$")
+        axes.set_ylabel(f"{drawn.per} $k$")
         axes.yaxis.set_major_locator(MaxNLocator(integer=True))
         mark_horizon(axes, run.known_horizon)
-        titled(axes, literal(run.chain.description))
+        set_title(axes, literal(run.chain.description))
     return axes
 
 
 def plot_forces(run: Run, beads: Sequence[int], *, ax: Axes | None = None) -> Axes:
-    """Draw the force in sensors in some beads, and on the walls, over time.
+    """Plot the force in sensors in beads, and on walls, over time.
 
-    The curve of a wall whose peak is not complete ends in an open circle, and the legend says so.
+    If the peak force on a wall is not complete, its curve ends in an open circle, and the legend
+    says so.
 
     Parameters
     ----------
@@ -102,7 +105,7 @@ def plot_forces(run: Run, beads: Sequence[int], *, ax: Axes | None = None) -> Ax
     beads : sequence of int
         Numbers of the beads with a sensor; N + 1 is the right wall, 0 the left one.
     ax : matplotlib.axes.Axes, optional
-        Axes to draw into; a new figure's if not given.
+        Axes to draw into.  By default, a new figure is created.
 
     Returns
     -------
@@ -122,13 +125,13 @@ def plot_forces(run: Run, beads: Sequence[int], *, ax: Axes | None = None) -> Ax
     ['bead 5', 'bead 10', 'right wall']
     """
     check_times(run)
-    numbers = [whole_number("bead", k, least=0) for k in listed("beads", beads, "bead numbers")]
+    numbers = [whole_number("bead", k, least=0) for k in check_list("beads", beads, "bead numbers")]
     if not numbers:
-        raise InputError("name the beads whose forces to draw, such as [3, 6]")
+        raise InputError("beads must contain at least one bead number, such as [3, 6]")
     factor, label = time_axis(run.chain)
     walls: dict[int, Side] = {0: "left", run.chain.beads + 1: "right"}
-    with house_style():
-        axes = axes_in(ax)
+    with figure_style():
+        axes = get_axes(ax)
         for i, k in enumerate(numbers):
             wall = run.wall_force(walls[k]) if k in walls else None
             cut_off = wall is not None and not wall.complete
@@ -145,7 +148,7 @@ def plot_forces(run: Run, beads: Sequence[int], *, ax: Axes | None = None) -> Ax
             )
         axes.set_xlabel(label)
         axes.set_ylabel("force [N]" if run.chain.units == "SI" else "force $F$")
-        titled(axes, literal(run.chain.description))
+        set_title(axes, literal(run.chain.description))
         axes.margins(x=0.0)
         mark_horizon(axes, run.known_horizon)
         axes.legend()
@@ -153,22 +156,6 @@ def plot_forces(run: Run, beads: Sequence[int], *, ax: Axes | None = None) -> Ax
 
 
 def check_times(run: Run) -> None:
-    """Refuse a run without saved times to draw.
-
-    Parameters
-    ----------
-    run : Run
-        Any run.
-
-    Raises
-    ------
-    InputError
-        If fewer than two times were saved.
-
-    Examples
-    --------
-    >>> import hertzchain as hc
-    >>> check_times(hc.simulate(hc.Chain.uniform(9), until=1.0))
-    """
+    """Require at least two saved times."""
     if len(run.times) < 2:
-        raise InputError(f"a picture needs at least 2 saved times, the run has {len(run.times)}")
+        raise InputError(f"a plot needs at least 2 saved times, the run has {len(run.times)}")

@@ -1,4 +1,4 @@
-"""Draw the scoreboard: a row for each family of chains, a symbol for each theory."""
+"""Plot a scoreboard: one row per family of chains, one symbol per theory."""
 
 from __future__ import annotations
 
@@ -6,47 +6,46 @@ import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.axes import Axes
 
-from hertzchain.plotting.style import COLOURS, MARKERS, house_style
-from hertzchain.pulse.quantities import Quantity
-from hertzchain.scoreboard.cases import GROUPS
-from hertzchain.scoreboard.scoreboard import Scoreboard, Statistic
+from ..evaluation.cases import GROUPS
+from ..evaluation.scoreboard import Scoreboard, Statistic
+from .style import COLOURS, MARKERS, figure_style
 
 
 def plot_scoreboard(
     board: Scoreboard,
-    quantity: Quantity = "velocity",
+    quantity: str = "velocity",
     *,
     first_bead: int = 10,
     statistic: Statistic = "worst",
     ax: Axes | None = None,
 ) -> Axes:
-    """Draw a scoreboard: a row for each family of chains, a symbol for each theory.
+    """Plot a scoreboard: one row per family of chains, one symbol per theory.
 
     Parameters
     ----------
     board : Scoreboard
-        What to draw.
+        Result of `hertzchain.scoreboard`.
     quantity, first_bead, statistic
-        As of `Scoreboard.table`.
+        See `Scoreboard.table`.
     ax : matplotlib.axes.Axes, optional
-        Axes to draw into; a new figure's if not given.
+        Axes to draw into.  By default, a new figure is created.
 
     Returns
     -------
     matplotlib.axes.Axes
-        Abscissa: error, logarithmic.  A pale symbol: the theory itself warns that it is
-        outside its range.  No symbol: not covered.
+        The x axis shows the error on a logarithmic scale.  A pale symbol marks a theory outside
+        its range, for which it issues a warning.  Unsupported chains have no symbol.
 
     Examples
     --------
-    >>> from hertzchain.scoreboard.judge import scoreboard
+    >>> from hertzchain.evaluation.evaluate import scoreboard
     >>> plot_scoreboard(scoreboard(theories=["bca"])).get_xscale()
     'log'
     """
     errors = board.table(quantity, first_bead=first_bead, statistic=statistic)
     outside = board.outside()
     heights, headings = _scoreboard_rows(board)
-    with house_style():
+    with figure_style():
         axes = ax if ax is not None else plt.subplots(figsize=(8.0, 0.23 * max(heights) + 1.1))[1]
         for t, theory in enumerate(board.theories):
             if errors[theory].isna().all():
@@ -66,7 +65,7 @@ def plot_scoreboard(
                 )
         if (outside & errors.notna()).to_numpy().any():
             axes.plot([], [], "o", color="0.7", markerfacecolor="none", markersize=6.5,
-                      label="pale: outside its range, it warns")  # fmt: skip
+                      label="pale: outside the range of the theory")  # fmt: skip
         axes.set_xscale("log")
         axes.xaxis.set_major_formatter(lambda percent, _: f"{percent:g} %")
         axes.set_yticks(heights, list(errors.index))
@@ -86,7 +85,7 @@ def plot_scoreboard(
 
 
 def _scoreboard_rows(board: Scoreboard) -> tuple[list[float], list[tuple[float, str]]]:
-    """Height of each family and of each group's heading, from above."""
+    """Heights of the families and of the group headings, from above."""
     heights: list[float] = []
     headings: list[tuple[float, str]] = []
     at, group = 0.0, None

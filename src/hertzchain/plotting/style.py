@@ -1,4 +1,4 @@
-"""The package's style of figures: colours, markers, files that are the same every time."""
+"""Figure style: colours, markers, and reproducible files."""
 
 from __future__ import annotations
 
@@ -15,13 +15,14 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from hertzchain.arguments import instance
-from hertzchain.chain.chain import Chain
+from ..chain.chain import Chain
+from ..validation.objects import check_type
 
 if TYPE_CHECKING:
-    from hertzchain.simulation.horizon import Horizon
+    from ..simulation.horizon import Horizon
 
-# Colours of Okabe and Ito, told apart by colour-blind readers; markers say it again in grey.
+# Colours of Okabe and Ito, which colour-blind readers can distinguish; markers repeat the
+# distinction for prints in grey.
 COLOURS: Final = ("#000000", "#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00")
 MARKERS: Final = ("o", "+", "x", "s", "^", "v", "D")
 
@@ -30,12 +31,12 @@ INCHES_PER_LETTER: Final = 0.07
 
 
 @contextmanager
-def house_style() -> Iterator[None]:
-    """The package's matplotlib style, for the figures made inside a ``with`` block.
+def figure_style() -> Iterator[None]:
+    """Apply hertzchain's Matplotlib style to the figures created inside a ``with`` block.
 
     Examples
     --------
-    >>> with house_style():
+    >>> with figure_style():
     ...     figure, axes = plt.subplots()
     """
     style = resources.files("hertzchain.plotting").joinpath("hertzchain.mplstyle")
@@ -44,101 +45,29 @@ def house_style() -> Iterator[None]:
 
 
 def figure_bytes(figure: Figure, kind: str) -> bytes:
-    """A figure as the content of a file; two runs give the same bytes.
-
-    Parameters
-    ----------
-    figure : matplotlib.figure.Figure
-        The figure to save.
-    kind : str
-        ``"png"``, ``"svg"`` or ``"pdf"``.
-
-    Returns
-    -------
-    bytes
-
-    Examples
-    --------
-    >>> figure, axes = plt.subplots()
-    >>> figure_bytes(figure, "png")[1:4]
-    b'PNG'
-    """
+    """A figure as the content of a file; two runs return the same bytes."""
     undated = {"svg": {"Date": None}, "pdf": {"CreationDate": None}}.get(kind)
     content = io.BytesIO()
-    with house_style():
+    with figure_style():
         figure.savefig(content, format=kind, metadata=undated)
     return content.getvalue()
 
 
-def axes_in(ax: Axes | None, figsize: tuple[float, float] | None = None) -> Axes:
-    """The axes to draw into: those given, or a new figure's.
-
-    Parameters
-    ----------
-    ax : matplotlib.axes.Axes or None
-        Axes, if any are given.
-    figsize : tuple of float, optional
-        Size of a new figure [inches].
-
-    Returns
-    -------
-    matplotlib.axes.Axes
-
-    Raises
-    ------
-    InputError
-        If something else was given.
-
-    Examples
-    --------
-    >>> axes = axes_in(None)
-    >>> axes_in(axes) is axes
-    True
-    """
+def get_axes(ax: Axes | None, figsize: tuple[float, float] | None = None) -> Axes:
+    """Return the given axes, or those of a new figure."""
     if ax is None:
         return plt.subplots(figsize=figsize)[1]
-    instance("ax", ax, Axes, "plt.subplots()[1] is one")
+    check_type("ax", ax, Axes, "plt.subplots()[1] is one")
     return ax
 
 
 def literal(text: str) -> str:
-    """Text as it is, such as a name, in which matplotlib must find no mathematics.
-
-    Parameters
-    ----------
-    text : str
-        Any text.
-
-    Returns
-    -------
-    str
-
-    Examples
-    --------
-    >>> print(literal("glass, $3 each"))
-    glass, \\$3 each
-    """
+    """Escape a text, such as a name, so that Matplotlib does not read it as mathematics."""
     return text.replace("$", r"\$")
 
 
-def titled(axes: Axes, text: str) -> None:
-    """Give axes a title, on as many lines as keep it inside the figure.
-
-    Parameters
-    ----------
-    axes : matplotlib.axes.Axes
-        Axes to name.
-    text : str
-        The title; broken after commas and semicolons.
-
-    Examples
-    --------
-    >>> axes = axes_in(None)
-    >>> titled(axes, "steel-52100, R = 1.8625 .. 4.7625 mm, 31 beads, strikers, right wall, loss")
-    >>> print(axes.get_title())
-    steel-52100, R = 1.8625 .. 4.7625 mm, 31 beads, strikers,
-    right wall, loss
-    """
+def set_title(axes: Axes, text: str) -> None:
+    """Set a title, broken into lines that fit inside the figure."""
     inches = axes.get_window_extent().width / axes.figure.dpi
     whole = re.sub("(?<![,;]) ", "\u00a0", text)
     lines = textwrap.wrap(whole, max(20, int(inches / INCHES_PER_LETTER)), break_long_words=False)
@@ -146,40 +75,12 @@ def titled(axes: Axes, text: str) -> None:
 
 
 def time_axis(chain: Chain) -> tuple[float, str]:
-    """Factor and label of times: microseconds for a chain in SI units.
-
-    Parameters
-    ----------
-    chain : Chain
-        Any chain.
-
-    Returns
-    -------
-    tuple of float and str
-
-    Examples
-    --------
-    >>> time_axis(Chain.uniform(2))
-    (1.0, 'time $t$')
-    """
+    """Factor and label of a time axis: microseconds for a chain in SI units."""
     return (1e6, "time [µs]") if chain.units == "SI" else (1.0, "time $t$")
 
 
 def mark_horizon(axes: Axes, horizon: Horizon | None) -> None:
-    """Shade the times beyond which a run cannot be predicted, and mark where they begin.
-
-    Parameters
-    ----------
-    axes : matplotlib.axes.Axes
-        Axes with times along x.
-    horizon : Horizon or None
-        The horizon of the run, if it is known.
-
-    Examples
-    --------
-    >>> axes = axes_in(None)
-    >>> mark_horizon(axes, None)
-    """
+    """Mark the horizon of a run, and shade the times beyond it."""
     if horizon is None or not np.isfinite(horizon.time):
         return
     factor = time_axis(horizon.chain)[0]
@@ -190,28 +91,13 @@ def mark_horizon(axes: Axes, horizon: Horizon | None) -> None:
 
 
 def label_right_ends(axes: Axes, labels: Sequence[tuple[float, float, str, str]]) -> None:
-    """Name curves at their right ends, moved apart where they would overlap.
-
-    Parameters
-    ----------
-    axes : matplotlib.axes.Axes
-        Axes whose limits and scales are final.
-    labels : sequence of (x, y, text, colour)
-        Right ends of the curves.
-
-    Examples
-    --------
-    >>> figure, axes = plt.subplots()
-    >>> label_right_ends(axes, [(1.0, 0.5, "a", "black"), (1.0, 0.5, "b", "black")])
-    >>> [text.get_text() for text in axes.texts]
-    ['a', 'b']
-    """
+    """Label curves at their right ends, moved apart where labels would overlap."""
     to_axes = axes.transData + axes.transAxes.inverted()
     ends = sorted((*to_axes.transform((x, y)), text, colour) for x, y, text, colour in labels)
     ends.sort(key=lambda end: end[1])
     spacing = 0.052
     heights = np.array([end[1] for end in ends])
-    # Push apart from below, then give half of the total shift back: stays near the curves.
+    # Push labels upwards, then lower all by the mean shift, so that they stay near the curves.
     spread = heights.copy()
     for i in range(1, len(spread)):
         spread[i] = max(spread[i], spread[i - 1] + spacing)

@@ -1,4 +1,4 @@
-"""Draw sweeps: curves over one axis, a map over two."""
+"""Plot sweeps: curves over one axis, a map over two."""
 
 from __future__ import annotations
 
@@ -11,12 +11,12 @@ from matplotlib.axes import Axes
 from matplotlib.colors import LogNorm
 from matplotlib.ticker import MaxNLocator
 
-from hertzchain.arguments import instance, listed, one_of
-from hertzchain.checks import number
-from hertzchain.errors import InputError, unknown_name
-from hertzchain.plotting.style import COLOURS, MARKERS, house_style, literal, titled
-from hertzchain.pulse.quantities import PER_CONTACT
-from hertzchain.store.sweep_files import check_sweep
+from ..errors import InputError, unknown_name_error
+from ..pulse.quantities import QUANTITIES, WALL_QUANTITIES
+from ..store.sweep_export import check_sweep
+from ..validation.numbers import number
+from ..validation.objects import check_bool, check_choice, check_list, check_type
+from .style import COLOURS, MARKERS, figure_style, literal, set_title
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -34,24 +34,25 @@ def plot_sweep(
     ax: Axes | None = None,
     **at: Any,
 ) -> Axes:
-    """Draw one quantity of a sweep: curves over one axis, or a map over two.
+    """Plot one quantity of a sweep: curves over one axis, or a map over two.
 
     Parameters
     ----------
     dataset : xarray.Dataset
-        Of `hertzchain.sweep` or `hertzchain.open_sweep`.
+        Result of `hertzchain.sweep` or `hertzchain.open_sweep`.
     quantity : str, optional
-        What to draw; the first that was kept if not given.
+        Quantity to plot; by default, the first that was kept.
     log : bool
-        Logarithmic scale of the quantity.
+        Whether the scale of the quantity is logarithmic.
     levels : list of float, optional
-        Values at which a line is drawn into a map, such as 0.01 for an error of one per cent.
+        Values of contour lines in a map, such as 0.01 for an error of 1%.
     ax : matplotlib.axes.Axes, optional
-        Axes to draw into; a new figure's if not given.
+        Axes to draw into.  By default, a new figure is created.
     **at
-        Where along the other dimensions: ``bead=20``, ``by="bca"``, or a value of an axis, by its
-        dimension or, in a mapping, by its name in the specification (``"loss.coefficient"``).
-        Between the values of an axis the nearest is taken; the title says which.
+        Values along the other dimensions: ``bead=20``, ``approach="bca"``, or a value of an axis,
+        by its dimension or, in a mapping, by its name in the specification
+        (``"loss.coefficient"``).
+        The nearest value of the axis is used and shown in the title.
 
     Returns
     -------
@@ -60,8 +61,8 @@ def plot_sweep(
     Raises
     ------
     InputError
-        If the quantity, a dimension or a value does not exist, or not one or two dimensions,
-        beside the methods, are left.
+        If the quantity, a dimension or a value does not exist, or if the number of remaining
+        dimensions, apart from the methods, is not 1 or 2.
 
     Examples
     --------
@@ -74,29 +75,31 @@ def plot_sweep(
     >>> plot_sweep(found).get_ylabel()
     'beads'
     """
-    levels = [number("level", level) for level in listed("levels", levels or [], "numbers")]
+    log = check_bool("log", log)
+    given = [] if levels is None else check_list("levels", levels, "numbers")
+    levels = [number("level", level) for level in given]
     if ax is not None:
-        instance("ax", ax, Axes)
+        check_type("ax", ax, Axes)
     check_sweep(dataset)
     drawn = _selected(dataset, quantity, at)
-    along = [name for name in drawn.dims if name != "by"]
+    along = [name for name in drawn.dims if name != "approach"]
     if not along or drawn.ndim > 2:
         raise InputError(_undrawable(drawn, at))
-    with house_style():
+    with figure_style():
         axes = ax if ax is not None else plt.subplots()[1]
         if len(along) == 1:
             _curves(drawn, axes, log=log)
         else:
             _map(drawn, axes, log=log, levels=levels)
-        told = [literal(str(dataset.attrs.get("title", "")))]
-        only = {"by"} if dataset.sizes.get("by") == 1 else set()
-        told += [
-            _told(value, str(name)) for name, value in drawn.coords.items()
+        caption = [literal(str(dataset.attrs.get("title", "")))]
+        only = {"approach"} if dataset.sizes.get("approach") == 1 else set()
+        caption += [
+            _coordinate_text(value, str(name)) for name, value in drawn.coords.items()
             if value.ndim == 0 and name not in only
         ]  # fmt: skip
-        unknown = int(dataset["incomplete"].any("by").sum()) if "incomplete" in dataset else 0
-        told += [f"{unknown} points not complete"] * bool(unknown)
-        titled(axes, "; ".join(part for part in told if part))
+        unknown = int(dataset["incomplete"].any("approach").sum()) if "incomplete" in dataset else 0
+        caption += [f"{unknown} points not complete"] * bool(unknown)
+        set_title(axes, "; ".join(part for part in caption if part))
     return axes
 
 
@@ -106,24 +109,26 @@ def _selected(dataset: xr.Dataset, quantity: str | None, at: Mapping[str, Any]) 
         if name not in ("status", "reason", *FLAGS, "beads")
     ]  # fmt: skip
     known = [*names, *(name for name in (*FLAGS, "beads") if name in dataset.data_vars)]
-    chosen = names[0] if quantity is None else one_of("quantity of this sweep", quantity, known)
+    chosen = (
+        names[0] if quantity is None else check_choice("quantity of this sweep", quantity, known)
+    )
     values = dataset[chosen]
     long_names = {values[name].attrs.get("long_name"): str(name) for name in values.dims}
     for given, value in at.items():
         name = long_names.get(given, given)
         if name not in values.dims:
-            raise unknown_name(f"dimension of {values.name}", given, map(str, values.dims))
+            raise unknown_name_error(f"dimension of {values.name}", given, map(str, values.dims))
         values = values.isel({name: _index(values[name], given, value)})
-    # Whatever the order of a specification, an axis increases.
+    # An axis increases, regardless of the order in the specification.
     numbers = [name for name in values.dims if values[name].dtype.kind in "if"]
     return values.squeeze(drop=False).sortby([name for name in numbers if values.sizes[name] > 1])
 
 
 def _index(coordinate: xr.DataArray, name: str, value: Any) -> int:
-    """Where a value is: an exact text or whole number, the nearest of other numbers."""
+    """Index of a value: exact for text and whole numbers, the nearest for other numbers."""
     there = coordinate.to_numpy()
     if there.dtype.kind not in "if":
-        return int(np.flatnonzero(there == one_of(name, value, map(str, there)))[0])
+        return int(np.flatnonzero(there == check_choice(name, value, map(str, there)))[0])
     unit = coordinate.attrs.get("units", "1")
     what = name if unit == "1" else f"{name} [{unit}]"
     low, high = float(there.min()), float(there.max())
@@ -132,8 +137,8 @@ def _index(coordinate: xr.DataArray, name: str, value: Any) -> int:
     nearest = int(np.abs(there - place).argmin())
     if there.dtype.kind == "i" and there[nearest] != place:
         raise InputError(
-            f"{what} is {place:g}, which is not among the values of this sweep: the nearest "
-            f"is {there[nearest]}"
+            f"{what} is {place:g}, which is not a value of this sweep; the nearest is "
+            f"{there[nearest]}"
         )
     return nearest
 
@@ -143,18 +148,22 @@ def _undrawable(drawn: xr.DataArray, at: Mapping[str, Any]) -> str:
         left = ", ".join(f"{name} ({size})" for name, size in drawn.sizes.items())
         first = drawn[drawn.dims[0]].values[0]
         return (
-            f"{drawn.name} has {drawn.ndim} dimensions left, {left}, and 1 or 2 can be drawn: "
-            f"choose a value of the others, such as {drawn.dims[0]}={_short(first)}"
+            f"{drawn.name} has {drawn.ndim} remaining dimensions, {left}, but only 1 or 2 can be "
+            f"plotted; choose a value of the others, such as {drawn.dims[0]}={_short(first)}"
         )
-    hint = f": leave {' or '.join(map(str, at))} out" if at else ""
-    return f"{drawn.name} has no axis left to be drawn along{hint}"
+    hint = f"; omit {' or '.join(map(str, at))}" if at else ""
+    return f"{drawn.name} has no remaining axis to plot along{hint}"
 
 
 def _curves(drawn: xr.DataArray, axes: Axes, *, log: bool) -> None:
-    along = next(name for name in drawn.dims if name != "by")
-    curves = [drawn.sel(by=name) for name in drawn.by.values] if "by" in drawn.dims else [drawn]
+    along = next(name for name in drawn.dims if name != "approach")
+    curves = (
+        [drawn.sel(approach=name) for name in drawn.approach.values]
+        if "approach" in drawn.dims
+        else [drawn]
+    )
     if log:
-        # The reference has no error, and no place on a logarithmic scale.
+        # The error of the reference is 0, which a logarithmic scale cannot show.
         curves = [curve for curve in curves if (curve > 0.0).any()]
     for i, curve in enumerate(curves):
         axes.plot(
@@ -164,12 +173,12 @@ def _curves(drawn: xr.DataArray, axes: Axes, *, log: bool) -> None:
             marker=MARKERS[i % len(MARKERS)],
             markerfacecolor="none",
             markevery=max(1, curve.size // 40),
-            label=str(curve.by.item()) if "by" in curve.coords else None,
+            label=str(curve.approach.item()) if "approach" in curve.coords else None,
         )
     axes.set_ylabel(_quantity_label(drawn))
     axes.set_yscale("log" if log else "linear")
     _set_axis(axes, "x", drawn[along])
-    if "by" in drawn.dims:
+    if "approach" in drawn.dims:
         axes.legend()
 
 
@@ -181,7 +190,7 @@ def _map(drawn: xr.DataArray, axes: Axes, *, log: bool, levels: list[float] | No
     if log:
         shown = values[values > 0.0]
         if not shown.size:
-            raise InputError(f"{drawn.name} has no values above 0: leave log out")
+            raise InputError(f"{drawn.name} has no values above 0; omit log")
         norm = LogNorm(shown.min(), shown.max())
     mesh = axes.pcolormesh(_edges(x), _edges(y), values, cmap="viridis", norm=norm, rasterized=True)
     axes.figure.colorbar(mesh, ax=axes, label=_quantity_label(drawn))
@@ -195,11 +204,11 @@ def _map(drawn: xr.DataArray, axes: Axes, *, log: bool, levels: list[float] | No
 
 
 def _set_axis(axes: Axes, which: Literal["x", "y"], coordinate: xr.DataArray) -> None:
-    """Scale, ticks and label of the abscissa or ordinate."""
+    """Set the scale, ticks and label of the x or y axis."""
     values = coordinate.to_numpy()
     axes.set(**{f"{which}scale": _scale(values), f"{which}label": _axis_label(coordinate)})
     axis = axes.xaxis if which == "x" else axes.yaxis
-    # Scales bring ticks of their own: ours go after them.
+    # Setting a scale resets the ticks, so ticks are set afterwards.
     if values.dtype.kind not in "if":
         axis.set_ticks(range(values.size), labels=[literal(str(value)) for value in values])
     elif values.dtype.kind == "i" and axis.get_scale() == "linear":
@@ -207,7 +216,7 @@ def _set_axis(axes: Axes, which: Literal["x", "y"], coordinate: xr.DataArray) ->
 
 
 def _scale(values: np.ndarray[Any, Any]) -> str:
-    """Logarithmic for a decade or more in geometric progression."""
+    """Name of the scale: logarithmic for a geometric progression over at least a decade."""
     if values.dtype.kind not in "if" or values.size < 3 or values.min() <= 0.0:
         return "linear"
     steps = np.diff(np.log(values))
@@ -216,7 +225,7 @@ def _scale(values: np.ndarray[Any, Any]) -> str:
 
 
 def _edges(places: np.ndarray[Any, Any]) -> np.ndarray[Any, Any]:
-    """Where cells around places meet: halfway, on the scale of the axis."""
+    """Edges of map cells: halfway between neighbouring values, on the scale of the axis."""
     if _scale(places) == "log":
         return np.asarray(np.exp(_edges(np.log(places))))
     halves = np.diff(places) / 2.0
@@ -230,23 +239,22 @@ def _places(coordinate: xr.DataArray) -> Any:
 
 
 def _axis_label(coordinate: xr.DataArray) -> str:
-    """``struck_by.mass`` of a specification is the striker's mass."""
+    """Label of an axis: ``struck_by.mass`` of a specification is the mass of the striker."""
     name = str(coordinate.name)
     if name in ("bead", "contact"):
         return f"{name} $k$"
-    words = coordinate.attrs.get("long_name", name) if name not in ("by", "point") else name
+    words = coordinate.attrs.get("long_name", name) if name not in ("approach", "point") else name
     plain = words.removeprefix("method.").removeprefix("with_").replace("struck_by", "striker")
     return _with_unit(plain.replace(".", " ").replace("_", " "), coordinate)
 
 
 def _quantity_label(drawn: xr.DataArray) -> str:
-    """Name, the paper's symbol and the unit; the last bead of a chain is N."""
-    name, symbol = str(drawn.name), drawn.attrs.get("symbol", "")
-    text = name.replace("_", " ")
-    if len(symbol) == 1:
-        last = "N-1" if name in PER_CONTACT else "N"
-        place = "k" if {"bead", "contact"} & set(drawn.coords) else last
-        text += f" ${symbol}_{{{place}}}$"
+    """Label of the quantity with its unit; the index of the last bead is N, not k."""
+    name = str(drawn.name)
+    quantity = QUANTITIES.get(name) or WALL_QUANTITIES.get(name)
+    text = name.replace("_", " ") if quantity is None else quantity.label
+    if quantity is not None and not {"bead", "contact"} & set(drawn.coords):
+        text = text.replace("_k$", "_{N-1}$" if quantity.per == "contact" else "_{N}$")
     return _with_unit(text, drawn)
 
 
@@ -255,8 +263,8 @@ def _with_unit(text: str, values: xr.DataArray) -> str:
     return text if unit == "1" else f"{text} [{unit}]"
 
 
-def _told(value: xr.DataArray, name: str) -> str:
-    if name == "by":
+def _coordinate_text(value: xr.DataArray, name: str) -> str:
+    if name == "approach":
         return f"by {value.item()}"
     unit = value.attrs.get("units", "1")
     label = _axis_label(value).removesuffix(f" [{unit}]")

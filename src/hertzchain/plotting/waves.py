@@ -1,27 +1,27 @@
-"""Draw the tracks of waves."""
+"""Plot the tracks of waves."""
 
 from __future__ import annotations
 
 from matplotlib.axes import Axes
 from matplotlib.ticker import MaxNLocator
 
-from hertzchain.plotting.style import COLOURS, axes_in, house_style, time_axis, titled
-from hertzchain.simulation.waves import NAMES, Waves
+from ..simulation.waves import DIRECTIONS, Waves
+from .style import COLOURS, figure_style, get_axes, set_title, time_axis
 
 LINES = {1: (COLOURS[1], "-"), -1: (COLOURS[2], "--")}
 
 
 def plot_waves(waves: Waves, *, ax: Axes | None = None) -> Axes:
-    """Draw the track of every wave, contact against time, right and left told apart.
+    """Plot the track of every wave: contact against time, coloured by direction.
 
-    The width of a line grows with the energy of its wave.
+    The width of a line increases with the energy of its wave.
 
     Parameters
     ----------
     waves : Waves
         The waves of a run.
     ax : matplotlib.axes.Axes, optional
-        Axes to draw into; a new figure's if not given.
+        Axes to draw into.  By default, a new figure is created.
 
     Returns
     -------
@@ -36,8 +36,8 @@ def plot_waves(waves: Waves, *, ax: Axes | None = None) -> Axes:
     """
     factor, label = time_axis(waves.chain)
     strongest = max((wave.energy for wave in waves), default=1.0)
-    with house_style():
-        axes = axes_in(ax)
+    with figure_style():
+        axes = get_axes(ax)
         for wave in waves:
             colour, style = LINES[wave.direction]
             thick = 0.8 + 2.2 * (wave.energy / strongest) ** 0.5
@@ -46,11 +46,11 @@ def plot_waves(waves: Waves, *, ax: Axes | None = None) -> Axes:
             )
         for sign in dict.fromkeys(sorted((wave.direction for wave in waves), reverse=True)):
             axes.plot([], [], color=LINES[sign][0], linestyle=LINES[sign][1],
-                      label=f"to the {NAMES[sign]}")  # fmt: skip
+                      label=f"to the {DIRECTIONS[sign]}")  # fmt: skip
         axes.set_xlabel(label)
         axes.set_ylabel("contact $k$")
         axes.yaxis.set_major_locator(MaxNLocator(integer=True))
-        titled(axes, waves.chain.description)
+        set_title(axes, waves.chain.description)
         if len(waves):
             axes.legend()
     return axes

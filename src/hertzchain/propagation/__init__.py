@@ -1,1 +1,1 @@
-"""The leading pulse alone, followed along the chain by windows of a few beads."""
+"""Simulate the leading pulse only, in a window of beads that moves along the chain."""

@@ -1,8 +1,8 @@
-"""Follow the leading pulse alone: a fraction of a millisecond for a chain of a hundred beads.
+"""Simulate the leading pulse: half a millisecond for a tapered chain of a hundred beads.
 
-`propagate` takes one chain, `propagate_many` an ensemble.  Both integrate the same
-equation of motion as `hertzchain.simulate`, on the beads around the pulse only
-(`hertzchain.propagation.windows`).
+`propagate` simulates one chain, `propagate_many` an ensemble.  Both integrate the same
+equation of motion as `hertzchain.simulate`, but only for the beads around the pulse
+(`hertzchain.propagation.window_choice`).
 """
 
 from __future__ import annotations
@@ -16,75 +16,77 @@ from typing import Final, TypeGuard
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from hertzchain.arguments import callback, listed
-from hertzchain.chain.chain import Chain
-from hertzchain.chain.coverage import require
-from hertzchain.checks import number, real_numbers, worker_count
-from hertzchain.contacts import HERTZ_EXPONENT, Array
-from hertzchain.errors import InputError, SimulationError, shown
-from hertzchain.propagation.batch import COLUMNS, PASSED, STOP, Batch, Passage
-from hertzchain.propagation.uneven import LARGEST_RTOL
-from hertzchain.propagation.windows import follow
-from hertzchain.pulse.pulse import Pulse
-from hertzchain.pulse.pulse_table import PulseTable
+from ..chain.chain import Chain
+from ..collision import HERTZ_EXPONENT, Array
+from ..errors import InputError, SimulationError, short_repr
+from ..pulse.chain_units import for_any_units, scaled_chain, table_in_si
+from ..pulse.pulse import Pulse
+from ..pulse.pulse_table import PulseTable
+from ..validation.numbers import number, real_numbers, worker_count
+from ..validation.objects import callback, check_list
+from .batch import COLUMNS, PASSED, STOP, Batch, PulseData
+from .heterogeneous import MAX_RTOL
+from .window_choice import follow
 
 Progress = Callable[[int, int], None]
 
 DEFAULT_RTOL: Final = 1e-8
-# Below, rounding and the treatment of contacts count.
-SMALLEST_RTOL: Final = 1e-10
-# Beads of one piece of work: at most a quarter of a second of tapers; at least what keeps the
-# lanes of the kernel busy, so that a small ensemble of uneven chains has work for all threads.
-BLOCK_BEADS, LEAST_BLOCK = 100_000, 5_000
-# A chain up to this length is followed before anybody could interrupt it.
+# Below this tolerance, rounding and the treatment of opening contacts would dominate the error.
+MIN_RTOL: Final = 1e-10
+# Number of beads per task: at most a quarter of a second for tapers, and enough to use all lanes
+# of the kernel, while a small ensemble of heterogeneous chains still has tasks for all threads.
+BLOCK_BEADS, MIN_BLOCK = 100_000, 5_000
+# Chains up to this length take so little time that they need not be interruptible.
 SHORT: Final = 20_000
 POLL: Final = 0.1
 
 
+@for_any_units("propagate", alternative="use simulate")
 def propagate(
     chain: Chain, *, rtol: float = DEFAULT_RTOL, progress: Progress | None = None
 ) -> Pulse:
-    """Follow the leading pulse along a chain, integrating the beads around it.
+    """Simulate the leading pulse of a chain by integrating the beads around it.
 
     Parameters
     ----------
     chain : Chain
-        The chain to strike.
+        Chain to simulate.
     rtol : float
-        Tolerance, 1e-10 .. 1e-5: velocities and times are within ten times it for
-        chains of a hundred beads. For less, see `hertzchain.simulate`.
+        Relative tolerance, from 1e-10 to 1e-5.  For chains of a hundred beads, errors of
+        velocities and times are at most ten times as large.  For smaller errors, see
+        `hertzchain.simulate`.
     progress : callable, optional
-        Called as ``progress(beads_passed, beads)`` a few times a second.
+        Called as ``progress(beads_passed, beads)`` a few times per second.
 
     Returns
     -------
     Pulse
+        Leading pulse.
 
     Raises
     ------
     InputError
-        For a tolerance out of range.
+        If the chain has a feature that is not supported, or the tolerance is out of range.
     SimulationError
-        If the pulse could not be followed to the end, or if its motion magnifies errors so much
-        that the tolerance cannot be met.
+        If the pulse does not reach the end of the chain, or if its motion amplifies errors so
+        much that the tolerance cannot be reached.
 
     Examples
     --------
-    The leading pulse of equal beads runs into a solitary wave of amplitude
+    In a chain of equal beads, the leading pulse approaches a solitary wave of amplitude
     0.681631549:
 
     >>> import hertzchain as hc
     >>> round(float(hc.propagate(hc.Chain.uniform(60)).velocity[50]), 8)
     0.68163155
     """
-    require(chain, "propagate", instead="use simulate")
     callback("progress", progress)
     rtol = checked_rtol(rtol)
     batch, signal = Batch.of([chain]), np.zeros(2, np.int64)
     if chain.beads <= SHORT and progress is None:
         passage = follow(batch, rtol, signal)
     else:
-        passage = _followed_while_watching(batch, rtol, signal, progress)
+        passage = _follow_with_progress(batch, rtol, signal, progress)
     if passage.reasons:
         raise SimulationError(passage.reasons[0])
     velocity, peak_time, arrival, overlap, residence = passage.columns
@@ -98,29 +100,30 @@ def propagate_many(
     threads: int | None = None,
     progress: Progress | None = None,
 ) -> PulseTable:
-    """Follow the leading pulse along each of many chains, several at a time.
+    """Simulate the leading pulses of many chains in parallel.
 
     Parameters
     ----------
     chains : iterable of Chain or array_like, or array_like of shape (C, N)
-        Chains, or rows of radii in any one unit, struck bead first; rows may differ
-        in length.
+        Chains, or rows of radii in any unit, each starting with the struck bead.  Rows may
+        differ in length.
     rtol : float
-        Tolerance, as of `propagate`.
+        Relative tolerance, as for `propagate`.
     threads : int, optional
-        Number of threads; by default, one for each processor.
+        Number of threads.  The default is one per processor.
     progress : callable, optional
-        Called as ``progress(chains_done, chains)`` a few times a second.
+        Called as ``progress(chains_done, chains)`` a few times per second.
 
     Returns
     -------
     PulseTable
-        A chain that cannot be followed has its reason there; the others go on.
+        Leading pulses of all chains.  If a chain fails, its row is NaN and the table states
+        the reason.
 
     Raises
     ------
     InputError
-        For an option out of its range.
+        If an option is out of range.
 
     Examples
     --------
@@ -138,7 +141,7 @@ def propagate_many(
     done, signals = bad, [np.zeros(2, np.int64) for _ in blocks]
     executor = ThreadPoolExecutor(max_workers=threads)
     try:
-        running: dict[Future[Passage], NDArray[np.int64]] = {
+        running: dict[Future[PulseData], NDArray[np.int64]] = {
             executor.submit(_follow_block, ensemble, rows, rtol, signal): rows
             for rows, signal in zip(blocks, signals, strict=True)
         }
@@ -161,46 +164,30 @@ def propagate_many(
 
 
 def rows_of(chains: Iterable[Chain | ArrayLike] | ArrayLike) -> list[Chain | ArrayLike]:
-    """Chains or rows of radii, as a list; not one chain alone.
-
-    Parameters
-    ----------
-    chains : iterable of Chain or array_like
-        What was given.
-
-    Returns
-    -------
-    list
-
-    Raises
-    ------
-    InputError
-        If it is no list, or its items are numbers, as in one row of radii.
-
-    Examples
-    --------
-    >>> rows_of([[1.0, 2.0]])
-    [[1.0, 2.0]]
-    """
+    """Check a list of chains or rows of radii; a single chain is rejected."""
     if isinstance(chains, Chain):
-        raise InputError("propagate_many takes a list of chains, got one: use propagate(chain)")
-    given = listed("chains", chains, "chains or rows of radii")
+        raise InputError(
+            "propagate_many requires a list of chains, got one chain; use propagate(chain)"
+        )
+    given = check_list("chains", chains, "chains or rows of radii")
     if given and all(isinstance(item, numbers.Real) for item in given):
         raise InputError(
-            f"chains must be a list of chains or rows of radii, got {shown(given)}: of one row of "
-            "radii make a list, [[...]]"
+            f"chains must be a list of chains or rows of radii, got {short_repr(given)}; "
+            "put a single row of radii in a list, [[...]]"
         )
     return given
 
 
 @dataclass(eq=False)
 class _Ensemble:
-    """Radii of all chains in padded rows, and the results as they come in."""
+    """Radii of all chains in padded rows, and the results so far."""
 
     radii: Array
     beads: NDArray[np.int64]
     exponents: Array
     reasons: dict[int, str]
+    # Chains in SI units; none if they are scaled.
+    si_chains: list[Chain] = field(default_factory=list)
     columns: Array = field(init=False)
 
     def __post_init__(self) -> None:
@@ -213,13 +200,13 @@ class _Ensemble:
         given = rows_of(chains)
         rows = [item for item in given if _is_row(item)]
         if len(rows) == len(given) > 0:
-            return cls._of_rows(*_padded(rows))
+            return cls._of_rows(*_pad(rows))
         found: list[Chain | str] = []
         lengths = []
         for item in given:
             try:
                 chain = item if isinstance(item, Chain) else Chain.from_radii(item)
-                require(chain, "propagate_many", instead="use simulate")
+                chain = scaled_chain(chain, "propagate_many", alternative="use simulate")
                 lengths.append(chain.beads)
                 found.append(chain)
             except InputError as error:
@@ -234,8 +221,8 @@ class _Ensemble:
                 reasons[row] = each
             else:
                 radii[row, : each.beads] = each.radii
-                exponents[row] = each.exponent
-        return cls(radii, beads, exponents, reasons)
+                exponents[row] = each.exponents
+        return cls(radii, beads, exponents, reasons, _in_si(given))
 
     @classmethod
     def _of_rows(cls, rows: NDArray[np.float64], beads: NDArray[np.int64]) -> _Ensemble:
@@ -254,11 +241,11 @@ class _Ensemble:
         return cls(radii, beads, np.full(len(given), HERTZ_EXPONENT), reasons)
 
     def blocks(self, threads: int) -> Iterator[NDArray[np.int64]]:
-        """Rows of one piece of work after the other, without the impossible chains."""
+        """Rows of each task, without chains that cannot be simulated."""
         sound = np.setdiff1d(np.arange(len(self.beads)), list(self.reasons))
         beads = np.cumsum(self.beads[sound])
         share = int(beads[-1]) // (4 * threads) if len(beads) else 0
-        ends = beads // min(BLOCK_BEADS, max(LEAST_BLOCK, share))
+        ends = beads // min(BLOCK_BEADS, max(MIN_BLOCK, share))
         for rows in np.split(sound, np.flatnonzero(np.diff(ends)) + 1):
             if len(rows):
                 yield rows
@@ -272,7 +259,7 @@ class _Ensemble:
             exponents=self.exponents[rows],
         )
 
-    def store(self, rows: NDArray[np.int64], passage: Passage) -> None:
+    def store(self, rows: NDArray[np.int64], passage: PulseData) -> None:
         inside = self._inside(rows)
         for column, values in zip(self.columns, passage.columns, strict=True):
             padded = np.full(inside.shape, np.nan)
@@ -287,19 +274,31 @@ class _Ensemble:
 
     def table(self) -> PulseTable:
         velocity, peak_time, arrival, overlap, residence = self.columns
-        return PulseTable(
+        table = PulseTable(
             self.radii, self.beads, self.exponents,
             velocity, peak_time, arrival, overlap[:, :-1], residence[:, :-1], self.reasons,
         )  # fmt: skip
+        return table_in_si(self.si_chains, table) if self.si_chains else table
+
+
+def _in_si(given: Sequence[Chain | ArrayLike]) -> list[Chain]:
+    """The given chains if they are in SI units, none if they are scaled."""
+    found = [item for item in given if isinstance(item, Chain) and item.units == "SI"]
+    if found and len(found) < len(given):
+        raise InputError(
+            f"{len(found)} of {len(given)} chains are in SI units and the others are scaled: call "
+            "propagate_many separately for each kind, so that a table has one set of units"
+        )
+    return found
 
 
 def _is_row(item: object) -> TypeGuard[NDArray[np.float64]]:
-    # No subclass, which may carry a mask or a unit.
+    # Subclasses are excluded because they may have a mask or a unit.
     return type(item) is np.ndarray and item.ndim == 1 and item.dtype.kind in "iuf"
 
 
-def _padded(rows: Sequence[NDArray[np.float64]]) -> tuple[Array, NDArray[np.int64]]:
-    """Rows of unlike lengths as one array, and their lengths."""
+def _pad(rows: Sequence[NDArray[np.float64]]) -> tuple[Array, NDArray[np.int64]]:
+    """Store rows of different lengths in one array; return it with the lengths."""
     lengths = np.array([len(row) for row in rows], np.int64)
     padded = np.full((len(rows), int(lengths.max())), np.nan)
     padded[np.arange(padded.shape[1]) < lengths[:, np.newaxis]] = np.concatenate(rows)
@@ -308,14 +307,14 @@ def _padded(rows: Sequence[NDArray[np.float64]]) -> tuple[Array, NDArray[np.int6
 
 def _follow_block(
     ensemble: _Ensemble, rows: NDArray[np.int64], rtol: float, signal: NDArray[np.int64]
-) -> Passage:
+) -> PulseData:
     return follow(ensemble.batch(rows), rtol, signal)
 
 
-def _followed_while_watching(
+def _follow_with_progress(
     batch: Batch, rtol: float, signal: NDArray[np.int64], progress: Progress | None
-) -> Passage:
-    """Follow in another thread, so that an interrupt is heard and progress told."""
+) -> PulseData:
+    """Integrate in another thread, so that interrupts are handled and progress is reported."""
     beads = len(batch.radii)
     with ThreadPoolExecutor(max_workers=1) as executor:
         future = executor.submit(follow, batch, rtol, signal)
@@ -333,28 +332,8 @@ def _followed_while_watching(
 
 
 def checked_rtol(rtol: float) -> float:
-    """A tolerance of the pulse, 1e-10 .. 1e-5.
-
-    Parameters
-    ----------
-    rtol : float
-        What was given.
-
-    Returns
-    -------
-    float
-
-    Raises
-    ------
-    InputError
-        If it is out of this range.
-
-    Examples
-    --------
-    >>> checked_rtol(1e-8)
-    1e-08
-    """
+    """Check a relative tolerance of the pulse, from 1e-10 to 1e-5."""
     return number(
-        "rtol", rtol, least=SMALLEST_RTOL, most=LARGEST_RTOL,
-        hint="hertzchain.simulate(chain, times=0, rtol=1e-13).pulse() goes below",
+        "rtol", rtol, least=MIN_RTOL, most=MAX_RTOL,
+        hint="for smaller errors use hertzchain.simulate(chain, times=0, rtol=1e-13).pulse()",
     )  # fmt: skip

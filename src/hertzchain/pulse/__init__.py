@@ -1,1 +1,1 @@
-"""What comes out of every simulation and every theory, and how two of them compare."""
+"""Pulses, the results of simulations and theories, and their comparison."""

@@ -1,33 +1,34 @@
-"""Two pulses of one chain held against each other, bead by bead."""
+"""Comparison of two pulses of the same chain, bead by bead."""
 
 from __future__ import annotations
 
 import warnings
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
-from hertzchain.checks import whole_number
-from hertzchain.contacts import Array
-from hertzchain.errors import InputError, ModelRangeWarning, shown
-from hertzchain.pulse.quantities import Quantity
-
-if TYPE_CHECKING:
-    from hertzchain.pulse.pulse import Pulse
+from ..collision import Array
+from ..errors import InputError, ModelRangeWarning, short_repr
+from ..representation import short
+from ..validation.numbers import whole_number
+from .chain_units import in_same_units, same_beads
+from .pulse import Pulse
+from .quantities import QUANTITIES
 
 
 @dataclass(frozen=True, eq=False)
 class Comparison:
-    """Relative errors of one pulse, measured from another of the same chain.
+    """Relative errors of one pulse with respect to another of the same chain.
+
+    If one pulse is in SI units and the other is scaled, the scaled one is converted.
 
     Attributes
     ----------
     pulse : Pulse
-        The pulse judged.
+        The pulse that is evaluated.
     reference : Pulse
-        What it is measured from.
+        The pulse with which it is compared.
 
     Raises
     ------
@@ -54,16 +55,16 @@ class Comparison:
     def __post_init__(self) -> None:
         for name in ("pulse", "reference"):
             given = getattr(self, name)
-            if not hasattr(given, "velocity_error"):
+            if not (hasattr(given, "notes") and hasattr(given, "compare")):
                 raise InputError(
-                    f"{name} must be a Pulse, got {shown(given)}; theories and propagate make one"
+                    f"{name} must be a Pulse, got {short_repr(given)}; "
+                    "propagate and the theories return one"
                 )
-        ours, theirs = self.pulse.chain, self.reference.chain
-        same_law = (ours.exponent, ours.units) == (theirs.exponent, theirs.units)
-        if not same_law or not all(
-            np.array_equal(getattr(ours, name), getattr(theirs, name))
-            for name in ("radii", "masses", "stiffness")
-        ):
+        pulse, reference = in_same_units(self.pulse, self.reference)
+        object.__setattr__(self, "pulse", pulse)
+        object.__setattr__(self, "reference", reference)
+        ours, theirs = pulse.chain, reference.chain
+        if not same_beads(ours, theirs):
             raise InputError(
                 "pulses of different chains cannot be compared: "
                 f"{ours.description} and {theirs.description}"
@@ -71,11 +72,11 @@ class Comparison:
         _warn_of_restitution(self.pulse, self.reference)
         _warn_of_restitution(self.reference, self.pulse)
 
-    def errors(self, quantity: Quantity) -> Array:
-        """Relative errors, (ours - reference) / reference, bead by bead.
+    def errors(self, quantity: str) -> Array:
+        """Relative errors, (pulse - reference) / reference, bead by bead.
 
-        The start of the clock is no prediction: arrival and peak times of bead 1
-        are compared as differences (both are 0).
+        Where the reference is 0, as the arrival and peak time of bead 1, the error is the
+        difference.
 
         Parameters
         ----------
@@ -85,7 +86,7 @@ class Comparison:
         Returns
         -------
         ndarray
-            Shape (N,), or (N - 1,) for quantities of a contact.
+            Shape (N,), or (N - 1,) for quantities per contact.
 
         Raises
         ------
@@ -106,21 +107,21 @@ class Comparison:
         return (ours - theirs) / np.where(theirs == 0.0, 1.0, theirs)
 
     @property
-    def quantities(self) -> list[Quantity]:
+    def quantities(self) -> list[str]:
         """Names of the quantities that both methods predict."""
         theirs = self.reference.columns()
-        estimate = "velocity_error"
-        return [name for name in self.pulse.columns() if name in theirs and name != estimate]
+        ours = (name for name in self.pulse.columns() if not QUANTITIES[name].estimate)
+        return [name for name in ours if name in theirs]
 
-    def worst(self, quantity: Quantity, *, first_bead: int = 2) -> float:
-        """Largest absolute relative error from ``first_bead`` on, of the beads that both have.
+    def worst(self, quantity: str, *, first_bead: int = 2) -> float:
+        """Largest absolute relative error from ``first_bead`` on, where both pulses have a value.
 
         Parameters
         ----------
         quantity : str
             Name of the quantity.
         first_bead : int
-            First bead (or contact) that counts.
+            First bead (or contact) that is considered.
 
         Returns
         -------
@@ -135,8 +136,8 @@ class Comparison:
         """
         return self._reduce(quantity, first_bead, lambda e: float(np.nanmax(e)))
 
-    def rms(self, quantity: Quantity, *, first_bead: int = 2) -> float:
-        """Root mean square of the relative errors from ``first_bead`` on, as of `worst`.
+    def rms(self, quantity: str, *, first_bead: int = 2) -> float:
+        """Root mean square of the relative errors from ``first_bead`` on, like `worst`.
 
         Parameters
         ----------
@@ -156,7 +157,7 @@ class Comparison:
         """
         return self._reduce(quantity, first_bead, lambda e: float(np.sqrt(np.nanmean(e**2))))
 
-    def worst_bead(self, quantity: Quantity, *, first_bead: int = 2) -> int:
+    def worst_bead(self, quantity: str, *, first_bead: int = 2) -> int:
         """Bead (or contact) number of the largest error.
 
         Parameters
@@ -179,9 +180,7 @@ class Comparison:
             self._reduce(quantity, first_bead, lambda e: float(np.nanargmax(e)))
         )
 
-    def _reduce(
-        self, quantity: Quantity, first_bead: int, summary: Callable[[Array], float]
-    ) -> float:
+    def _reduce(self, quantity: str, first_bead: int, summary: Callable[[Array], float]) -> float:
         errors = np.abs(self.errors(quantity))
         first_bead = whole_number(
             f"first_bead of {quantity}", first_bead, least=1, most=len(errors)
@@ -189,32 +188,49 @@ class Comparison:
         counted = errors[first_bead - 1 :]
         if np.isnan(counted).all():
             raise InputError(
-                f"no bead from {first_bead} on has {quantity} in both pulses: see their notes"
+                f"no bead from {first_bead} on has {quantity} in both pulses; see their notes"
             )
         return summary(counted)
 
+    def __repr__(self) -> str:
+        worst = [
+            f"{name} {self.worst(name):.2%} (k = {self.worst_bead(name)})"
+            for name in self.quantities
+            if not np.isnan(self.errors(name)[1:]).all()
+        ]
+        about = f"{self.pulse.method} against {self.reference.method}"
+        return short(
+            "Comparison", about, self.pulse.chain.description, f"largest errors {', '.join(worst)}"
+        )
+
     def __str__(self) -> str:
+        width = max(13, *map(len, self.quantities))
         lines = [
             f"{self.pulse.method} against {self.reference.method}, "
             f"{self.pulse.chain.description}; relative errors, k >= 2",
-            f"  {'quantity':<13}{'worst':>10}{'at k':>6}{'rms':>10}",
+            f"  {'quantity':<{width}}{'worst':>10}{'at k':>6}{'rms':>10}",
         ]
         for name in self.quantities:
             if np.isnan(self.errors(name)[1:]).all():
-                continue  # two beads have one contact, and a run may not have seen any other
+                continue  # Two beads have one contact; a run may not have determined other values.
             worst, at, rms = self.worst(name), self.worst_bead(name), self.rms(name)
-            lines.append(f"  {name:<13}{worst:>10.2%}{at:>6}{rms:>10.2%}")
+            lines.append(f"  {name:<{width}}{worst:>10.2%}{at:>6}{rms:>10.2%}")
         return "\n".join(lines)
+
+    def _repr_html_(self) -> str:
+        from ..notebook.pulses import comparison_html
+
+        return comparison_html(self)
 
 
 def _warn_of_restitution(theory: Pulse, other: Pulse) -> None:
-    """Single collisions lose more than the contacts of a chain do."""
-    if theory.restitution < 1.0 and other.chain.loss is not None:
+    """Warn that a theory of single collisions overestimates the loss in a chain."""
+    if theory.restitution < 1.0 and not other.chain.lossless:
         warnings.warn(
-            f"{theory.method} takes the loss of a collision of two beads at every bead, but in a "
-            f"chain each contact is relieved in part only: under {other.chain.loss} the pulse "
-            "decays less, at the same coefficient of restitution 1.2 to 3.4 times less in the "
-            "exponent",
+            f"{theory.method} assumes at every bead the loss of a collision of two beads, but in a "
+            f"chain each contact is unloaded only in part. With {other.chain.loss}, the pulse "
+            "decays less: at the same coefficient of restitution, the decay exponent is 1.2 to 3.4 "
+            "times smaller",
             ModelRangeWarning,
             stacklevel=5,
         )

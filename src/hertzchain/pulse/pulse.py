@@ -1,72 +1,75 @@
-"""The leading pulse, a row per bead: the one result of every simulation and every theory.
+"""The leading pulse, one row per bead: the result of every simulation and every theory.
 
-A `Pulse` says what passed each bead; `compare` holds two of them against each
-other.  What a method does not predict is `None`, and what a run has not seen is NaN with
-a reason in ``notes``, never a number that looks like a prediction.
+`Pulse.compare` compares two of them.  A quantity that a method does not predict is `None`.  A value
+that a run has not determined is NaN, with the reason in ``notes``.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from html import escape
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from hertzchain.arguments import one_of, text
-from hertzchain.chain.chain import Chain
-from hertzchain.chain.coverage import check_chain
-from hertzchain.checks import number, real_numbers
-from hertzchain.contacts import Array
-from hertzchain.errors import InputError
-from hertzchain.frozen import Frozen
-from hertzchain.pulse.comparison import Comparison
-from hertzchain.pulse.notes import checked_notes, notes_in_words
-from hertzchain.pulse.quantities import PER_CONTACT, QUANTITIES, SI_UNITS, Quantity
+from ..chain.chain import Chain
+from ..chain.feature_support import require_chain
+from ..collision import Array
+from ..errors import InputError
+from ..frozen import Frozen
+from ..representation import measure, short
+from ..validation.numbers import number, real_numbers
+from ..validation.objects import check_choice, text
+from .columns import derive, with_columns
+from .notes import checked_notes, notes_in_words
+from .quantities import BEAD_QUANTITIES, QUANTITIES, Quantity
 
 if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
     from matplotlib.axes import Axes
 
-    from hertzchain.chain.scales import Scales
+    from .comparison import Comparison
 
 
 @dataclass(frozen=True, eq=False)
+@with_columns
 class Pulse(Frozen):
-    r"""What the leading pulse does to each bead of a chain.
+    r"""The effect of the leading pulse on each bead of a chain.
+
+    Its columns are the quantities of `hertzchain.pulse.quantities.QUANTITIES`, in scaled variables
+    or, for a chain in SI units, in SI units.
 
     Attributes
     ----------
     chain : Chain
-        The chain it ran along.
+        The chain along which it travelled.
     method : str
-        What computed it, such as ``"simulation"`` or ``"BCA"``.
+        The method that computed it, such as ``"simulation"`` or ``"BCA"``.
     velocity : ndarray, shape (N,)
-        First local maximum :math:`v_k` of each bead's velocity [scaled]; bead 1
-        is the striker and has its strike velocity, the last bead the velocity
-        with which it leaves the chain.
+        First local maximum :math:`v_k` of each bead's velocity [scaled, or m/s].  For bead 1, the
+        striker, it is the impact velocity; for the last bead, the velocity with which it leaves
+        the chain.
     peak_time : ndarray, shape (N,), or None
-        Time of that maximum [scaled].
+        Time of that maximum [scaled, or s].
     arrival : ndarray, shape (N,), or None
-        Time :math:`t_k` at which bead k overtakes bead k - 1, the moment of
-        largest overlap of contact k - 1 [scaled]; 0 for bead 1.
+        Time :math:`t_k` at which bead k overtakes bead k - 1, and at which the overlap of contact
+        k - 1 is largest [scaled, or s]; 0 for bead 1.
     peak_overlap : ndarray, shape (N - 1,), or None
-        First maximum of the overlap of each contact [scaled].
+        First maximum of the overlap of each contact [scaled, or m].
     residence : ndarray, shape (N - 1,), or None
-        Residence time :math:`T_k = t_{k+1} - t_k` on bead k [scaled]; from the arrivals if
-        not given.  In strongly uneven chains arrivals need not be in order, and it may be
-        negative; among several strikers it is not defined.
+        Residence time :math:`T_k = t_{k+1} - t_k` on bead k [scaled, or s]; from the arrivals if
+        not given.  In strongly heterogeneous chains the pulse may arrive at beads out of order, and
+        the residence time may be negative; among several strikers it is not defined.
     velocity_error : ndarray, shape (N,), or None
-        Estimated relative error of each velocity, by a method that estimates one; 0 for bead 1.
+        Estimated relative error of each velocity, if the method estimates it; 0 for bead 1.
     notes : dict of str
-        By the name of a quantity, where it is NaN and why, or where it means something else
-        than usual.  A column without a note has no NaN.
+        For each quantity with missing values, where it is NaN and why; also where a quantity has
+        another meaning than usual.  A column without a note has no NaN.
     restitution : float
-        Coefficient of restitution of a theory that lets one pair of beads collide at a time; 1
-        for every other method.
+        Coefficient of restitution of a theory that considers collisions of two beads one after the
+        other; 1 for every other method.
 
     Examples
     --------
@@ -88,44 +91,23 @@ class Pulse(Frozen):
     restitution: float = 1.0
 
     def __post_init__(self) -> None:
-        check_chain("Pulse", self.chain)
+        require_chain("Pulse", self.chain)
         text("method of a pulse", self.method)
         object.__setattr__(self, "notes", checked_notes(self.notes))
         number("restitution of a pulse", self.restitution, above=0.0, most=1.0)
         if self.velocity is None:
-            raise InputError("a pulse has at least the velocity of each bead, got None")
-        beads = self.chain.beads
-        for name in (
-            "velocity", "peak_time", "arrival", "peak_overlap", "residence", "velocity_error",
-        ):  # fmt: skip
-            values = getattr(self, name)
-            if name == "residence" and values is None and self.arrival is not None:
-                values = np.diff(self.arrival)
-            if values is not None:
-                length = beads - 1 if name in PER_CONTACT else beads
-                object.__setattr__(self, name, _checked_column(self, name, values, length))
+            raise InputError("a pulse requires the velocity of each bead, got None")
+        for quantity in QUANTITIES.values():
+            if quantity.stored:
+                values = getattr(self, quantity.name)
+                values = derive(self, quantity) if values is None else values
+                if values is not None:
+                    checked = _checked_column(self, quantity, values)
+                    object.__setattr__(self, quantity.name, checked)
 
-    def factors(self, scales: Scales) -> Mapping[str, float]:
-        """Units of the columns, for `hertzchain.Scales`.
-
-        Parameters
-        ----------
-        scales : Scales
-            The units.
-
-        Returns
-        -------
-        dict
-
-        Examples
-        --------
-        >>> import hertzchain as hc
-        >>> scales = hc.Scales(radius=1.0, mass=1.0, velocity=2.0, length=1.0)
-        >>> hc.bca(hc.Chain.uniform(3)).factors(scales)["velocity"]
-        2.0
-        """
-        times = dict.fromkeys(("peak_time", "arrival", "residence"), scales.time)
-        return {"velocity": scales.velocity, "peak_overlap": scales.length} | times
+    def _input(self, name: str) -> Any:
+        """An input of the formula of a quantity: another quantity, or an array of the chain."""
+        return getattr(self if name in QUANTITIES else self.chain, name)
 
     @property
     def bead(self) -> np.ndarray[Any, np.dtype[np.int64]]:
@@ -134,33 +116,34 @@ class Pulse(Frozen):
 
     @property
     def momentum(self) -> Array:
-        """Momentum P_k = m_k v_k [scaled], shape (N,)."""
-        return self.chain.masses * self.velocity
+        """Momentum P_k = m_k v_k [scaled, or kg m/s], shape (N,)."""
+        found: Array = derive(self, QUANTITIES["momentum"])
+        return found
 
     @property
     def energy(self) -> Array:
-        """Kinetic energy E_k = m_k v_k^2 / 2 [scaled], shape (N,)."""
-        return 0.5 * self.momentum * self.velocity
+        """Kinetic energy E_k = m_k v_k^2 / 2 [scaled, or J], shape (N,)."""
+        found: Array = derive(self, QUANTITIES["energy"])
+        return found
 
     @property
     def peak_force(self) -> Array | None:
-        """Largest force F = r_k d^p of contact k [scaled], shape (N - 1,)."""
-        if self.peak_overlap is None:
-            return None
-        return self.chain.stiffness * self.peak_overlap**self.chain.exponent
+        """Largest force F = r_k d^p of contact k [scaled, or N], shape (N - 1,)."""
+        found: Array | None = derive(self, QUANTITIES["peak_force"])
+        return found
 
     @property
     def speed(self) -> Array | None:
-        r"""Speed with which the pulse runs from contact to contact, shape (N - 1,).
+        r"""Speed of the pulse from contact to contact, shape (N - 1,).
 
         .. math:: V_k = \frac{D_k}{T_k}
 
-        with the distance :math:`D_k` of the centres of beads k and k + 1, which touch at
-        first, and the residence time :math:`T_k`; :math:`1/T_k` is the speed in beads per
-        time.  In m/s for a chain in SI units, otherwise in radii :math:`R_1'` per unit of
-        time.  `None` if the method does not predict residence times.
+        with the initial distance :math:`D_k` of the centres of beads k and k + 1 and the residence
+        time :math:`T_k`; :math:`1/T_k` is the speed in beads per time.  In m/s for a chain in SI
+        units, otherwise in radii :math:`R_1'` per unit of time.  `None` if the method does not
+        predict residence times.
 
-        In equal beads of mass m with contacts of stiffness k, and p = 3/2, it becomes
+        In equal beads of mass m with contacts of stiffness k, and p = 3/2, it tends to
         :math:`V = 0.9074700784\,(k/m)^{2/5} v^{1/5}` beads per time, with the velocity v of
         a bead at its maximum (`hertzchain.solitary_wave`).
 
@@ -176,13 +159,13 @@ class Pulse(Frozen):
         """
         return None if self.residence is None else self.chain.centre_distances / self.residence
 
-    def column(self, quantity: Quantity) -> Array | None:
+    def column(self, quantity: str) -> Array | None:
         """One quantity by its name, as the attribute of that name.
 
         Parameters
         ----------
         quantity : str
-            A key of `hertzchain.pulse.pulse.QUANTITIES`.
+            A name in `hertzchain.pulse.quantities.QUANTITIES`.
 
         Returns
         -------
@@ -200,17 +183,17 @@ class Pulse(Frozen):
         >>> float(hc.bca(hc.Chain.uniform(3)).column("velocity")[2])
         1.0
         """
-        one_of("quantity", quantity, QUANTITIES)
+        check_choice("quantity", quantity, QUANTITIES)
         values: Array | None = getattr(self, quantity)
         return values
 
-    def unit(self, quantity: Quantity) -> str:
+    def unit(self, quantity: str) -> str:
         """Unit of a quantity, ``"1"`` if it is scaled.
 
         Parameters
         ----------
         quantity : str
-            A key of `hertzchain.pulse.pulse.QUANTITIES`.
+            A name in `hertzchain.pulse.quantities.QUANTITIES`.
 
         Returns
         -------
@@ -227,16 +210,16 @@ class Pulse(Frozen):
         >>> hc.bca(hc.Chain.uniform(3)).unit("peak_force")
         '1'
         """
-        one_of("quantity", quantity, QUANTITIES)
-        return SI_UNITS[quantity] if self.chain.units == "SI" else "1"
+        check_choice("quantity", quantity, QUANTITIES)
+        return QUANTITIES[quantity].unit_in(self.chain.units)
 
-    def columns(self) -> dict[Quantity, Array]:
+    def columns(self) -> dict[str, Array]:
         """Every quantity that the method predicts, by name.
 
         Returns
         -------
         dict
-            Arrays of length N, or N - 1 for quantities of a contact.
+            Arrays of length N, or N - 1 for quantities per contact.
 
         Examples
         --------
@@ -248,17 +231,17 @@ class Pulse(Frozen):
         return {name: values for name, values in found.items() if values is not None}
 
     def compare(self, reference: Pulse) -> Comparison:
-        """Hold this pulse against another one of a chain with the same radii.
+        """Compare this pulse with another one of the same chain.
 
         Parameters
         ----------
         reference : Pulse
-            The pulse to measure errors from.
+            The pulse with which it is compared.
 
         Returns
         -------
         Comparison
-            Relative errors per bead; ``print`` shows the worst and typical ones.
+            Relative errors per bead; ``print`` shows the largest and the root mean square.
 
         Raises
         ------
@@ -268,8 +251,8 @@ class Pulse(Frozen):
         Warns
         -----
         ModelRangeWarning
-            If one is by a theory with a coefficient of restitution, and the other of a chain
-            with a law of loss: the theory loses too much.
+            If one pulse is of a theory with a coefficient of restitution and the chain of the
+            other has a loss law: the theory overestimates the loss.
 
         Examples
         --------
@@ -279,6 +262,8 @@ class Pulse(Frozen):
         >>> round(comparison.worst("velocity"), 2)
         0.47
         """
+        from .comparison import Comparison
+
         return Comparison(self, reference)
 
     def to_xarray(self) -> xr.Dataset:
@@ -287,7 +272,7 @@ class Pulse(Frozen):
         Returns
         -------
         xarray.Dataset
-            One variable a quantity, with units ("1" if scaled) and long names.
+            One variable per quantity, with its unit ("1" if scaled), description and symbol.
 
         Examples
         --------
@@ -298,18 +283,15 @@ class Pulse(Frozen):
         """
         import xarray as xr
 
-        variables: dict[str, object] = {
-            str(name): (
-                "contact" if name in PER_CONTACT else "bead",
-                values,
-                {"units": self.unit(name), "long_name": QUANTITIES[name][1]}
-                | ({"comment": self.notes[name]} if name in self.notes else {}),
-            )
-            for name, values in self.columns().items()
-        }
-        length, mass = ("m", "kg") if self.chain.units == "SI" else ("1", "1")
-        variables["radius"] = ("bead", self.chain.radii, {"units": length, "long_name": "radius"})
-        variables["mass"] = ("bead", self.chain.masses, {"units": mass, "long_name": "mass"})
+        units = self.chain.units
+        variables: dict[str, tuple[object, ...]] = {}
+        for name, values in self.columns().items():
+            attributes = QUANTITIES[name].attributes(units)
+            if name in self.notes:
+                attributes["comment"] = self.notes[name]
+            variables[name] = (QUANTITIES[name].per, values, attributes)
+        for name, values in (("radius", self.chain.radii), ("mass", self.chain.masses)):
+            variables[name] = ("bead", values, BEAD_QUANTITIES[name].attributes(units))
         return xr.Dataset(
             variables,
             coords={"bead": self.bead, "contact": self.bead[:-1]},
@@ -317,12 +299,12 @@ class Pulse(Frozen):
         )
 
     def to_dataframe(self) -> pd.DataFrame:
-        """Table with a row per bead; a quantity of contact k stands in row k.
+        """Table with one row per bead; a quantity of contact k is in row k.
 
         Returns
         -------
         pandas.DataFrame
-            Indexed by ``bead``; the last row has no contact and is NaN there.
+            Indexed by ``bead``; the last row is NaN in columns of contacts.
 
         Examples
         --------
@@ -333,20 +315,20 @@ class Pulse(Frozen):
         import pandas as pd
 
         columns = {
-            str(name): pd.Series(values, index=self.bead[: len(values)])
+            name: pd.Series(values, index=self.bead[: len(values)])
             for name, values in self.columns().items()
         }
         return pd.DataFrame(columns, index=pd.Index(self.bead, name="bead"))
 
-    def plot(self, quantity: Quantity = "velocity", *, ax: Axes | None = None) -> Axes:
-        """Draw one quantity against the bead number.
+    def plot(self, quantity: str = "velocity", *, ax: Axes | None = None) -> Axes:
+        """Plot one quantity against the bead number.
 
         Parameters
         ----------
         quantity : str
             Name of the quantity.
         ax : matplotlib.axes.Axes, optional
-            Axes to draw into; a new figure's if not given.
+            Axes to draw into.  By default, a new figure is created.
 
         Returns
         -------
@@ -359,12 +341,13 @@ class Pulse(Frozen):
         >>> axes.get_xlabel()
         'bead $k$'
         """
-        from hertzchain.plotting.pulses import plot_pulses
+        from ..plotting.pulses import plot_pulses
 
         return plot_pulses([self], quantity, ax=ax)
 
     def __repr__(self) -> str:
-        return f"Pulse({self.method}: {self.chain.description})"
+        last = measure(self.velocity[-1], "m/s", self.chain.units)
+        return short("Pulse", self.method, self.chain.description, f"v_{self.chain.beads} = {last}")
 
     def __str__(self) -> str:
         names = ", ".join(self.columns())
@@ -373,31 +356,32 @@ class Pulse(Frozen):
         return "\n".join(lines + [f"  {note}" for note in notes_in_words(self.notes)])
 
     def _repr_html_(self) -> str:
-        title = f"<p><b>{escape(self.method)}</b>, {escape(self.chain.description)}</p>"
-        return title + str(self.to_dataframe().to_html(max_rows=12, na_rep="", float_format="%.6g"))
+        from ..notebook.pulses import pulse_html
+
+        return pulse_html(self)
 
 
-def _checked_column(pulse: Pulse, name: str, given: ArrayLike, length: int) -> Array:
-    """Read-only copy of a column, unless it could only mislead."""
-    place = "contact" if name in PER_CONTACT else "bead"
-    values = real_numbers(name, given, place).copy()
+def _checked_column(pulse: Pulse, quantity: Quantity, given: ArrayLike) -> Array:
+    """Read-only copy of a column, whose values are allowed or explained by a note."""
+    name, place = quantity.name, quantity.per
+    values, length = real_numbers(name, given, place).copy(), quantity.count(pulse.chain.beads)
     if values.shape != (length,):
         raise InputError(f"{name} of a pulse must have shape ({length},), got {values.shape}")
     good = np.isfinite(values)
-    explained = np.isnan(values) & (name in pulse.notes)
-    if name == "residence":
-        good &= values != 0.0  # out of order is possible, no time at all is a lost digit
-    else:
+    if quantity.values == "nonzero":
+        good &= values != 0.0
+    elif quantity.values != "finite":
         # Strikers have their velocity from the start.
-        known = max(1, pulse.chain.strikers)
-        first = known if name in ("arrival", "peak_time", "velocity_error") else 0
+        first = max(1, pulse.chain.strikers) if quantity.values != "positive" else 0
         good[first:] &= values[first:] > 0.0
-    good |= explained
+    good |= np.isnan(values) & (name in pulse.notes)
     if not good.all():
         k = int(np.argmin(good))
+        allowed = {"nonzero": "finite and not 0", "finite": "finite"}
         raise InputError(
             f"{name} of {place} {k + 1} is {values[k]:g} by {pulse.method} for the chain "
-            f"{pulse.chain.description}: it must be positive and finite; if it underflows or "
+            f"{pulse.chain.description}: it must be "
+            f"{allowed.get(quantity.values, 'positive and finite')}; if it underflows or "
             "overflows, use fewer beads or a weaker taper"
         )
     values.setflags(write=False)

@@ -11,39 +11,47 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from hertzchain.arguments import one_of
-from hertzchain.chain.chain import Chain
-from hertzchain.contacts import Array, hertz_stiffness
-from hertzchain.errors import InputError, SimulationError, shown
-from hertzchain.frozen import Frozen
-from hertzchain.pulse.pulse import Pulse
-from hertzchain.pulse.quantities import QUANTITIES, Quantity
+from ..chain.chain import Chain
+from ..collision import Array, hertz_stiffness
+from ..errors import InputError, SimulationError, short_repr
+from ..frozen import Frozen
+from ..validation.objects import check_choice
+from .columns import with_columns
+from .pulse import Pulse
+from .quantities import BEAD_QUANTITIES, QUANTITIES
 
 if TYPE_CHECKING:
     import xarray as xr
 
 
 @dataclass(frozen=True, eq=False)
+@with_columns
 class PulseTable(Frozen):
-    """What the leading pulse does to each bead of each of C chains.
+    """The effect of the leading pulse on each bead of C chains.
 
-    Chains may differ in length: N is that of the longest, and rows of shorter ones are
-    filled with NaN.  So are the rows of chains that could not be followed, all of them.
+    Chains may differ in length: N is the length of the longest, and rows of shorter chains are
+    filled with NaN.  Rows of chains whose pulse could not be followed are NaN throughout.
+
+    Its columns are the quantities of `hertzchain.pulse.quantities.QUANTITIES` [scaled], with shape
+    (C, N), or (C, N - 1) for quantities per contact.
 
     Attributes
     ----------
     radii : ndarray, shape (C, N)
-        Radii, in units of each chain's first [scaled].
+        Radii, in units of each chain's first [scaled, or m].
     beads : ndarray of int, shape (C,)
         Number of beads of each chain.
     exponents : ndarray, shape (C,)
         Exponent of the contact force of each chain.
     velocity, peak_time, arrival : ndarray, shape (C, N)
-        As in `Pulse` [scaled].
+        As in `Pulse` [scaled, or SI].
     peak_overlap, residence : ndarray, shape (C, N - 1)
-        As in `Pulse` [scaled].
+        As in `Pulse` [scaled, or SI].
     reasons : mapping
         Why a chain failed, by its index; empty if none did.
+    chains : tuple of Chain
+        The chains, if they are in SI units, as are radii and columns then.  Empty for scaled
+        chains.
 
     Examples
     --------
@@ -66,17 +74,50 @@ class PulseTable(Frozen):
     peak_overlap: Array
     residence: Array
     reasons: Mapping[int, str]
+    chains: tuple[Chain, ...] = ()
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "reasons", MappingProxyType(dict(self.reasons)))
-        for name in ("radii", "velocity", "peak_time", "arrival", "peak_overlap", "residence"):
-            getattr(self, name).setflags(write=False)
+        for values in vars(self).values():
+            if isinstance(values, np.ndarray):
+                values.setflags(write=False)
 
     def __getstate__(self) -> dict[str, Any]:
         return self.__dict__ | {"reasons": dict(self.reasons)}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         super().__setstate__(state | {"reasons": MappingProxyType(state["reasons"])})
+
+    @property
+    def masses(self) -> Array:
+        """Masses of the beads [scaled, or kg], shape (C, N); NaN for chains that failed."""
+        if self.chains:
+            return self._padded("masses", 0)
+        return np.asarray(self._followed_radii**3)
+
+    @property
+    def stiffness(self) -> Array:
+        """Stiffness of the contacts [scaled, or N/m^p], shape (C, N - 1); NaN for failed chains."""
+        if self.chains:
+            return self._padded("stiffness", 1)
+        radii = self._followed_radii
+        return hertz_stiffness(radii[:, :-1], radii[:, 1:])
+
+    @property
+    def _followed_radii(self) -> Array:
+        """Radii without those of chains that failed, which may be invalid."""
+        radii = self.radii.copy()
+        radii[list(self.reasons)] = np.nan
+        return radii
+
+    def _input(self, name: str) -> Any:
+        """An input of the formula of a quantity, with a leading chain axis."""
+        if name == "loading_force":
+            stiffness, p = self.stiffness, self.exponents[:, np.newaxis]
+            return lambda overlaps: stiffness * overlaps**p
+        if name == "exponents":
+            return self.exponents[:, np.newaxis]
+        return getattr(self, name)
 
     @property
     def status(self) -> NDArray[np.str_]:
@@ -100,7 +141,7 @@ class PulseTable(Frozen):
         Raises
         ------
         InputError
-            If its radii cannot be those of a chain.
+            If its radii are invalid.
 
         Examples
         --------
@@ -109,6 +150,8 @@ class PulseTable(Frozen):
         array([1., 2.])
         """
         row = self._row(index)
+        if self.chains:
+            return self.chains[row]
         return Chain(self.radii[row, : self.beads[row]], float(self.exponents[row]))
 
     def __getitem__(self, index: int) -> Pulse:
@@ -116,15 +159,11 @@ class PulseTable(Frozen):
         if row in self.reasons:
             raise SimulationError(f"chain {row} has no pulse: {self.reasons[row]}")
         beads = int(self.beads[row])
-        return Pulse(
-            chain=self.chain(row),
-            method="propagation",
-            velocity=self.velocity[row, :beads],
-            peak_time=self.peak_time[row, :beads],
-            arrival=self.arrival[row, :beads],
-            peak_overlap=self.peak_overlap[row, : beads - 1],
-            residence=self.residence[row, : beads - 1],
-        )
+        columns: dict[str, Any] = {
+            name: values[row, : QUANTITIES[name].count(beads)]
+            for name, values in self.columns().items() if QUANTITIES[name].stored
+        }  # fmt: skip
+        return Pulse(chain=self.chain(row), method="propagation", **columns)
 
     def __iter__(self) -> Iterator[Pulse]:
         return (self[index] for index in range(len(self)))
@@ -136,23 +175,36 @@ class PulseTable(Frozen):
         try:
             row = operator.index(index)
         except TypeError:
-            raise InputError(f"a row is a whole number, got {shown(index)}") from None
+            raise InputError(f"a row is a whole number, got {short_repr(index)}") from None
         if not -len(self) <= row < len(self):
             raise IndexError(f"there is no chain {row} among {len(self)}, counted from 0")
         return row % len(self)
 
-    def column(self, quantity: Quantity) -> Array | None:
-        """One quantity of all chains by its name, as `Pulse.column`.
+    @property
+    def units(self) -> str:
+        """``"SI"`` or ``"scaled"``."""
+        return "SI" if self.chains else "scaled"
+
+    def _padded(self, name: str, fewer: int) -> Array:
+        """An array of each chain that was followed, as rows filled with NaN."""
+        rows = np.full((len(self), self.radii.shape[1] - fewer), np.nan)
+        for row, chain in enumerate(self.chains):
+            if row not in self.reasons:
+                rows[row, : chain.beads - fewer] = getattr(chain, name)
+        return rows
+
+    def column(self, quantity: str) -> Array | None:
+        """One quantity of all chains by its name, as the attribute of that name.
 
         Parameters
         ----------
         quantity : str
-            Name of the quantity.
+            A name in `hertzchain.pulse.quantities.QUANTITIES`.
 
         Returns
         -------
         ndarray, shape (C, N) or (C, N - 1), or None
-            `None` where an integration has nothing to tell, as of ``velocity_error``.
+            `None` if a simulation does not predict it, such as ``velocity_error``.
 
         Raises
         ------
@@ -166,16 +218,26 @@ class PulseTable(Frozen):
         array([[1.    , 1.    ],
                [1.    , 1.7778]])
         """
-        one_of("quantity", quantity, QUANTITIES)
-        if quantity == "momentum":
-            return self.radii**3 * self.velocity
-        if quantity == "energy":
-            return 0.5 * self.radii**3 * self.velocity**2
-        if quantity == "peak_force":
-            stiffness = hertz_stiffness(self.radii[:, :-1], self.radii[:, 1:])
-            return stiffness * self.peak_overlap ** self.exponents[:, np.newaxis]
-        found: Array | None = getattr(self, quantity, None)
+        check_choice("quantity", quantity, QUANTITIES)
+        found: Array | None = getattr(self, quantity)
         return found
+
+    def columns(self) -> dict[str, Array]:
+        """Every quantity that is known, by name.
+
+        Returns
+        -------
+        dict
+            Arrays of shape (C, N), or (C, N - 1) for quantities per contact.
+
+        Examples
+        --------
+        >>> import hertzchain as hc
+        >>> "energy" in hc.propagate_many([[1.0, 1.0]]).columns()
+        True
+        """
+        found = {name: self.column(name) for name in QUANTITIES}
+        return {name: values for name, values in found.items() if values is not None}
 
     def to_xarray(self) -> xr.Dataset:
         """Labelled dataset with dimensions ``chain``, ``bead`` = 1..N and ``contact``.
@@ -183,8 +245,8 @@ class PulseTable(Frozen):
         Returns
         -------
         xarray.Dataset
-            One variable a quantity, with units ("1": scaled) and long names; ``beads``
-            and ``status`` by chain.
+            One variable per quantity, with unit ("1": scaled), description and symbol;
+            ``beads`` and ``status`` by chain.
 
         Examples
         --------
@@ -195,19 +257,16 @@ class PulseTable(Frozen):
         import xarray as xr
 
         longest = self.velocity.shape[1]
-        columns: dict[str, tuple[object, ...]] = {
-            name: (("chain", "bead"), getattr(self, name), _labels(QUANTITIES[name][1]))
-            for name in ("velocity", "peak_time", "arrival")
+        variables: dict[str, tuple[object, ...]] = {
+            name: (("chain", QUANTITIES[name].per), values, QUANTITIES[name].attributes(self.units))
+            for name, values in self.columns().items()
         }
-        columns |= {
-            name: (("chain", "contact"), getattr(self, name), _labels(QUANTITIES[name][1]))
-            for name in ("peak_overlap", "residence")
-        }
-        columns["radius"] = (("chain", "bead"), self.radii, _labels("radius"))
-        columns["beads"] = ("chain", self.beads, {"long_name": "number of beads"})
-        columns["status"] = ("chain", self.status, {"long_name": "what became of the chain"})
+        radius = BEAD_QUANTITIES["radius"].attributes(self.units)
+        variables["radius"] = (("chain", "bead"), self.radii, radius)
+        variables["beads"] = ("chain", self.beads, {"long_name": "number of beads"})
+        variables["status"] = ("chain", self.status, {"long_name": "followed or failed"})
         return xr.Dataset(
-            columns,
+            variables,
             coords={
                 "chain": np.arange(len(self)),
                 "bead": np.arange(1, longest + 1),
@@ -218,8 +277,6 @@ class PulseTable(Frozen):
 
     def __repr__(self) -> str:
         failed = f", {len(self.reasons)} failed" if self.reasons else ""
-        return f"PulseTable({len(self)} chains of up to {self.velocity.shape[1]} beads{failed})"
-
-
-def _labels(long_name: str) -> dict[str, str]:
-    return {"units": "1", "long_name": long_name}
+        units = ", SI" if self.chains else ""
+        beads = self.velocity.shape[1]
+        return f"PulseTable({len(self)} chains of up to {beads} beads{units}{failed})"

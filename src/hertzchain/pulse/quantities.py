@@ -1,45 +1,293 @@
-"""What a pulse tells of each bead or contact: names, symbols, units."""
+"""The table of quantities: the name, symbol, unit and meaning of each, in one row.
+
+`Pulse`, `PulseTable`, comparisons, plots, datasets, files, the command line and sweeps read this
+table.  A new quantity is a row here and the code that computes it (how-to guide "Extending").
+"""
 
 from __future__ import annotations
 
-from typing import Final, Literal
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import KW_ONLY, dataclass
+from types import MappingProxyType
+from typing import Any, Final, Literal
 
-Quantity = Literal[
-    "velocity",
-    "momentum",
-    "energy",
-    "peak_time",
-    "arrival",
-    "residence",
-    "peak_overlap",
-    "peak_force",
-    "velocity_error",
-]
+Place = Literal["bead", "contact", "wall", "wave"]
+Values = Literal["positive", "positive after the strikers", "nonzero", "finite"]
 
-# Name, the paper's symbol, description. Order: as in tables.
-QUANTITIES: Final[dict[Quantity, tuple[str, str]]] = {
-    "velocity": ("v", "first maximum of the bead's velocity"),
-    "momentum": ("P", "momentum m v of the bead at that maximum"),
-    "energy": ("E", "kinetic energy m v^2 / 2 of the bead at that maximum"),
-    "peak_time": ("t_v", "time of that maximum"),
-    "arrival": ("t", "time at which the bead becomes faster than the one behind it"),
-    "residence": ("T", "time from the arrival at this bead to that at the next bead"),
-    "peak_overlap": ("d", "largest overlap with the next bead"),
-    "peak_force": ("F", "largest force on the next bead"),
-    "velocity_error": ("e_v", "estimated relative error of the velocity"),
-}
 
-# Units of a chain in SI units; "1" stands for scaled numbers.
-SI_UNITS: Final[dict[Quantity, str]] = {
-    "velocity": "m/s",
-    "momentum": "kg m/s",
-    "energy": "J",
-    "peak_time": "s",
-    "arrival": "s",
-    "residence": "s",
-    "peak_overlap": "m",
-    "peak_force": "N",
-    "velocity_error": "1",
-}
+@dataclass(frozen=True)
+class Quantity:
+    """One row of the table of quantities.
 
-PER_CONTACT: Final = frozenset({"residence", "peak_overlap", "peak_force"})
+    Attributes
+    ----------
+    name : str
+        Its name everywhere: attribute of `Pulse`, variable of datasets, column of files, option of
+        commands.
+    symbol : str
+        The paper's symbol, in plain text.
+    description : str
+        Meaning of the quantity, as a noun phrase.
+    unit : str
+        Unit of a chain in SI units; ``"1"`` if it has none.
+    scale : str
+        Unit of a scaled chain, in the words of `hertzchain.Scales.unit`.
+    label : str
+        Label of an axis, with TeX mathematics.
+    per : str
+        ``"bead"``, ``"contact"``, ``"wall"`` or ``"wave"``: the object to which a value belongs.
+    inputs : tuple of str
+        Quantities, and arrays of the chain, from which ``formula`` computes it.
+    formula : callable or None
+        Function of the inputs; it also takes arrays with a leading chain axis.  `None` if
+        simulations and theories give the quantity themselves.
+    stored : bool
+        Whether simulations and theories may give it: True for each quantity without a formula.
+        With one, the formula is used where it is not given.
+    values : str
+        Allowed values, where they are given: ``"positive"``, ``"positive after the strikers"``,
+        ``"nonzero"`` or ``"finite"``.
+    estimate : bool
+        Whether it is an error estimate of a theory, which is not compared.
+    scored : bool
+        Whether the scoreboard evaluates theories by it.
+    attribute : str
+        Of a quantity of a wall, the attribute of `WallForce` that holds it.
+
+    Examples
+    --------
+    >>> QUANTITIES["peak_force"].description
+    'largest force on the next bead'
+    """
+
+    name: str
+    symbol: str
+    description: str
+    _: KW_ONLY
+    unit: str
+    scale: str
+    label: str = ""
+    per: Place = "bead"
+    inputs: tuple[str, ...] = ()
+    formula: Callable[..., Any] | None = None
+    stored: bool = False
+    values: Values = "positive"
+    estimate: bool = False
+    scored: bool = False
+    attribute: str = ""
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "stored", self.stored or self.formula is None)
+
+    def count(self, beads: int) -> int:
+        """Number of values of a chain: one fewer than beads for quantities per contact.
+
+        Parameters
+        ----------
+        beads : int
+            Number of beads.
+
+        Returns
+        -------
+        int
+
+        Examples
+        --------
+        >>> QUANTITIES["peak_force"].count(10)
+        9
+        """
+        return beads - (self.per == "contact")
+
+    def unit_in(self, units: str) -> str:
+        """Unit of the quantity for a chain in SI units, ``"1"`` for a scaled chain.
+
+        Parameters
+        ----------
+        units : str
+            ``"SI"`` or ``"scaled"``, the units of the chain.
+
+        Returns
+        -------
+        str
+
+        Examples
+        --------
+        >>> QUANTITIES["energy"].unit_in("SI"), QUANTITIES["energy"].unit_in("scaled")
+        ('J', '1')
+        """
+        return self.unit if units == "SI" else "1"
+
+    def label_in(self, units: str) -> str:
+        """Label of an axis, with the unit if the chain is in SI units.
+
+        Parameters
+        ----------
+        units : str
+            ``"SI"`` or ``"scaled"``, the units of the chain.
+
+        Returns
+        -------
+        str
+
+        Examples
+        --------
+        >>> QUANTITIES["peak_force"].label_in("SI")
+        'largest force $F_k$ [N]'
+        """
+        unit = self.unit_in(units)
+        return self.label if unit == "1" else f"{self.label} [{unit}]"
+
+    def attributes(self, units: str) -> dict[str, str]:
+        """Attributes of a variable of a dataset.
+
+        Parameters
+        ----------
+        units : str
+            ``"SI"`` or ``"scaled"``, the units of the chain.
+
+        Returns
+        -------
+        dict of str
+            ``units``, ``long_name`` and, if there is one, ``symbol``.
+
+        Examples
+        --------
+        >>> QUANTITIES["arrival"].attributes("SI")["units"]
+        's'
+        """
+        found = {"units": self.unit_in(units), "long_name": self.description}
+        return found | ({"symbol": self.symbol} if self.symbol else {})
+
+
+def _by_name(rows: Iterable[Quantity]) -> Mapping[str, Quantity]:
+    return MappingProxyType({row.name: row for row in rows})
+
+
+# Quantities of the leading pulse, in the order of tables.
+QUANTITIES: Final = _by_name(
+    (
+        Quantity(
+            "velocity", "v", "first maximum of the bead's velocity",
+            unit="m/s", scale="velocity", label="velocity $v_k$", scored=True,
+        ),
+        Quantity(
+            "momentum", "P", "momentum m v of the bead at that maximum",
+            unit="kg m/s", scale="momentum", label="momentum $P_k$", scored=True,
+            inputs=("masses", "velocity"), formula=lambda m, v: m * v,
+        ),
+        Quantity(
+            "energy", "E", "kinetic energy m v^2 / 2 of the bead at that maximum",
+            unit="J", scale="energy", label="kinetic energy $E_k$", scored=True,
+            inputs=("momentum", "velocity"), formula=lambda p, v: 0.5 * p * v,
+        ),
+        Quantity(
+            "peak_time", "t_v", "time of that maximum",
+            unit="s", scale="time", label="time of the velocity maximum",
+            values="positive after the strikers",
+        ),
+        Quantity(
+            "arrival", "t", "time at which the bead becomes faster than the one behind it",
+            unit="s", scale="time", label="arrival time $t_k$", scored=True,
+            values="positive after the strikers",
+        ),
+        Quantity(
+            "residence", "T", "time from the arrival at this bead to that at the next bead",
+            unit="s", scale="time", label="residence time $T_k$", per="contact",
+            # Beads may be reached out of order, but not two of them at the same time.
+            values="nonzero", stored=True,
+            inputs=("arrival",), formula=lambda t: t[..., 1:] - t[..., :-1],
+        ),
+        Quantity(
+            "peak_overlap", "d", "largest overlap with the next bead",
+            unit="m", scale="length", label="largest overlap $d_k$", per="contact",
+        ),
+        Quantity(
+            "peak_force", "F", "largest force on the next bead",
+            unit="N", scale="force", label="largest force $F_k$", per="contact", scored=True,
+            inputs=("loading_force", "peak_overlap"), formula=lambda force, d: force(d),
+        ),
+        Quantity(
+            "velocity_error", "e_v", "estimated relative error of the velocity",
+            unit="1", scale="1", label="estimated relative error of $v_k$",
+            values="positive after the strikers", estimate=True,
+        ),
+    )
+)  # fmt: skip
+
+# Quantities of the right wall, which only `simulate` gives.
+WALL_QUANTITIES: Final = _by_name(
+    (
+        Quantity(
+            "wall_peak_force", "", "largest force on the right wall",
+            unit="N", scale="force", label="largest force on the wall", per="wall",
+            attribute="peak",
+        ),
+        Quantity(
+            "wall_peak_time", "", "time of the largest force on the right wall",
+            unit="s", scale="time", label="time of the largest force on the wall", per="wall",
+            attribute="peak_time",
+        ),
+        Quantity(
+            "wall_largest_so_far", "",
+            "largest force on the right wall in the run, complete or not",
+            unit="N", scale="force", label="largest force on the wall so far", per="wall",
+            attribute="largest_so_far",
+        ),
+        Quantity(
+            "wall_impulse_of_impact", "",
+            "impulse of the right wall until its largest force is complete",
+            unit="N s", scale="momentum", label="impulse of the impact on the wall", per="wall",
+            attribute="impulse_of_impact",
+        ),
+        Quantity(
+            "wall_first_contact_impulse", "", "impulse of the first contact with the right wall",
+            unit="N s", scale="momentum", label="impulse of the first contact with the wall",
+            per="wall", attribute="first_contact_impulse",
+        ),
+        Quantity(
+            "wall_impulse", "", "impulse of the right wall in the whole run",
+            unit="N s", scale="momentum", label="impulse of the wall", per="wall",
+            attribute="impulse",
+        ),
+    )
+)  # fmt: skip
+
+# Quantities that a run saves at each time.
+RUN_QUANTITIES: Final = _by_name(
+    (
+        Quantity(
+            "position", "x", "displacement of the bead",
+            unit="m", scale="length", label="displacement $x_k(t)$", values="finite",
+        ),
+        Quantity(
+            "velocity", "v", "velocity of the bead",
+            unit="m/s", scale="velocity", label="velocity $v_k(t)$", values="finite",
+        ),
+        Quantity(
+            "force", "F", "force in the contact",
+            unit="N", scale="force", label="force $F_k(t)$", per="contact", values="finite",
+        ),
+    )
+)  # fmt: skip
+
+# Columns of a table of waves that have a unit.
+WAVE_QUANTITIES: Final = _by_name(
+    (
+        Quantity("first_time", "", "time at its first contact", unit="s", scale="time", per="wave"),
+        Quantity("last_time", "", "time at its last contact", unit="s", scale="time", per="wave"),
+        Quantity("amplitude", "F", "largest force", unit="N", scale="force", per="wave"),
+        Quantity("momentum", "P", "momentum", unit="kg m/s", scale="momentum", per="wave"),
+        Quantity("energy", "E", "energy", unit="J", scale="energy", per="wave"),
+        Quantity("width", "", "duration of half the force", unit="s", scale="time", per="wave"),
+        Quantity("speed", "V", "speed", unit="m/s", scale="radius/time", per="wave"),
+    )
+)  # fmt: skip
+
+# Properties of the beads, and times, in datasets of pulses and runs.
+BEAD_QUANTITIES: Final = _by_name(
+    (
+        Quantity("radius", "R", "radius", unit="m", scale="radius", label="radius $R_k$"),
+        Quantity("mass", "m", "mass", unit="kg", scale="mass", label="mass $m_k$"),
+    )
+)
+TIME: Final = Quantity("time", "t", "time", unit="s", scale="time", label="time $t$")

@@ -1,1 +1,1 @@
-"""Every bead at every time: the equations of motion, and what a run of them tells."""
+"""Integration of the equations of motion of all beads, and evaluation of runs."""

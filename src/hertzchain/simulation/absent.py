@@ -1,35 +1,16 @@
-"""Reasons for values that do not exist, with the beads or contacts that they are missing at."""
+"""Reasons for missing values, with the numbers of the beads or contacts."""
 
 from __future__ import annotations
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-# More runs of consecutive numbers than this are counted instead of listed.
+# More runs of consecutive numbers than this are not listed; the numbers are counted instead.
 LISTED = 3
 
 
 def reason(place: str, absent: ArrayLike, why: str) -> str:
-    """Where something is absent and why, or nothing if it is absent nowhere.
-
-    Parameters
-    ----------
-    place : str
-        ``"bead"`` or ``"contact"``.
-    absent : array_like of bool
-        Where, counted from 1.
-    why : str
-        Why.
-
-    Returns
-    -------
-    str
-
-    Examples
-    --------
-    >>> reason("bead", [False, True, False, True, True, True], "not reached")
-    'beads 2, 4 to 6: not reached'
-    """
+    """Describe where values are missing and why; empty if none is missing."""
     numbers = np.flatnonzero(absent) + 1
     if not len(numbers):
         return ""
@@ -41,20 +22,5 @@ def reason(place: str, absent: ArrayLike, why: str) -> str:
 
 
 def together(*reasons: str) -> str:
-    """Several reasons as one, without the empty ones.
-
-    Parameters
-    ----------
-    *reasons : str
-        What `reason` gave.
-
-    Returns
-    -------
-    str
-
-    Examples
-    --------
-    >>> together("bead 1: not struck", "", "bead 9: not reached")
-    'bead 1: not struck; bead 9: not reached'
-    """
+    """Join reasons, without empty ones."""
     return "; ".join(text for text in reasons if text)

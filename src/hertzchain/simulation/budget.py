@@ -26,19 +26,19 @@ from typing import TYPE_CHECKING, Any, Final, Literal
 
 import numpy as np
 
-from hertzchain.arguments import one_of
-from hertzchain.chain.chain import Chain
-from hertzchain.chain.equilibrium import equilibrium
-from hertzchain.chain.losses import UnloadingRatio, WaltonBraun
-from hertzchain.contacts import Array
-from hertzchain.pulse.quantities import SI_UNITS
-from hertzchain.simulation.equations import steps_are_implicit
+from ..chain.chain import Chain
+from ..chain.equilibrium import equilibrium
+from ..collision import Array
+from ..pulse.quantities import QUANTITIES
+from ..representation import measure, short
+from ..validation.objects import check_choice
+from .kernel_input import steps_are_implicit
 
 if TYPE_CHECKING:
     import pandas as pd
     from matplotlib.axes import Axes
 
-    from hertzchain.simulation.horizon import Horizon
+    from .horizon import Horizon
 
 Balanced = Literal["energy", "momentum"]
 BALANCED: Final[tuple[Balanced, ...]] = ("energy", "momentum")
@@ -111,7 +111,7 @@ class Budget:
         return difference / max(float(moving.max()), np.finfo(float).tiny)
 
     def _sides(self, of: str) -> tuple[dict[str, Array], dict[str, Array]]:
-        one_of("balance", of, BALANCED)
+        check_choice("balance", of, BALANCED)
         if of == "energy":
             return self.energy, self.energy_given
         return self.momentum, self.momentum_given
@@ -182,9 +182,26 @@ class Budget:
         >>> axes.get_xlabel()
         'time $t$'
         """
-        from hertzchain.plotting.budget import plot_budget
+        from ..plotting.budget import plot_budget
 
         return plot_budget(self, of, horizon=horizon, ax=ax)
+
+    def __repr__(self) -> str:
+        units, facts = self.chain.units, []
+        for of in BALANCED:
+            there, given = self._sides(of)
+            total = float(np.sum([values[-1] for values in given.values()]))
+            amounts = {name: values[-1] for name, values in there.items() if values[-1] != 0.0}
+            parts = [
+                f"{name} {amount / total:.1%}" if total else f"{name} {amount:.4g}"
+                for name, amount in amounts.items()
+            ]
+            facts.append(
+                f"{of} {measure(total, QUANTITIES[of].unit, units)}, of which {', '.join(parts)}"
+            )
+        worst = max(float(np.abs(self.residual(of)).max()) for of in BALANCED)
+        at = f"{self.chain.description}, at t = {measure(self.times[-1], 's', units)}"
+        return short("Budget", at, *facts, f"adds up within {worst:.0e}")
 
     def __str__(self) -> str:
         real = self.chain.units == "SI"
@@ -193,7 +210,7 @@ class Budget:
         for of in BALANCED:
             there, given = self._sides(of)
             total = float(np.sum([values[-1] for values in given.values()]))
-            heading = f"{of} [{SI_UNITS[of]}]" if real else of
+            heading = f"{of} [{QUANTITIES[of].unit}]" if real else of
             lines.append(f"  {heading:<30}{'part':>9}")
             for name, values in {**there, **{f"from {k}": v for k, v in given.items()}}.items():
                 if np.any(values != 0.0):
@@ -202,6 +219,11 @@ class Budget:
             worst = float(np.abs(self.residual(of)).max())
             lines.append(f"    adds up within {worst:.1e}")
         return "\n".join(lines)
+
+    def _repr_html_(self) -> str:
+        from ..notebook.runs import budget_html
+
+        return budget_html(self)
 
 
 def budget_of(
@@ -214,31 +236,7 @@ def budget_of(
     weights: Array,
     start: tuple[float, float],
 ) -> Budget:
-    """The budget of saved states.
-
-    Parameters
-    ----------
-    chain : Chain
-        The chain.
-    times, positions, velocities, forces : ndarray
-        As in a `hertzchain.Run`.
-    ledger : ndarray, shape (T, 5)
-        Energy lost, work and impulse of the drive, impulses of left and right wall.
-    weights : ndarray, shape (T, N)
-        Part of each bead that belongs to the leading pulse.
-    start : tuple of float
-        Energy and momentum at time 0.
-
-    Returns
-    -------
-    Budget
-
-    Examples
-    --------
-    >>> import hertzchain as hc
-    >>> sorted(hc.simulate(hc.Chain.uniform(3)).budget().momentum_given)
-    ['drive', 'gravity', 'held ends', 'start']
-    """
+    """The budget of saved states."""
     lost, worked, pushed, from_left, to_right = ledger.T
     momenta = chain.masses * velocities
     kinetic = 0.5 * momenta * velocities
@@ -280,64 +278,23 @@ def budget_of(
 
 
 def stored_energy(chain: Chain, times: Array, positions: Array, forces: Array) -> Array:
-    r"""Energy that each contact can give back.
-
-    .. math:: U = \frac{k\,d^{\,p+1}}{p+1},
-       \qquad (1 - w)\,U \ \text{(unloading ratio)},
-       \qquad \frac{K_1}{K_2}\,\frac{F (F/k)^{1/p}}{p+1} \ \text{(Walton-Braun)}
-
-    Parameters
-    ----------
-    chain : Chain
-        The chain.
-    times, positions, forces : ndarray
-        As in a `hertzchain.Run`.
-
-    Returns
-    -------
-    ndarray, shape (T, N + 1)
-
-    Examples
-    --------
-    >>> chain, forces = Chain.uniform(2), np.array([[0.0, 1.0, 0.0]])
-    >>> stored_energy(chain, np.zeros(1), np.array([[1.0, 0.0]]), forces)
-    array([[0. , 0.4, 0. ]])
-    """
-    left, right = chain.wall_stiffness
-    stiffness = np.concatenate(([left], chain.stiffness, [right]))
-    p, law = chain.exponent, chain.loss
-    if isinstance(law, WaltonBraun):
+    """Energy that each contact can give back, by its law."""
+    overlaps = overlaps_of(chain, times, positions)
+    stored = np.zeros_like(overlaps)
+    for group in chain.contact_groups:
+        overlap, force, contacts = overlaps[:, group.index], forces[:, group.index], group.contacts
+        cut_off = not group.law.row(contacts.exponent).attractive
+        if cut_off and not steps_are_implicit(chain):
+            # Where the force is cut off, nothing comes back.
+            overlap = np.where(force > 0.0, overlap, 0.0)
         with np.errstate(divide="ignore", invalid="ignore"):
-            overlap = np.where(stiffness > 0.0, (forces / stiffness) ** (1.0 / p), 0.0)
-        return np.asarray(law.ratio * forces * overlap / (p + 1.0))
-    overlap = overlaps_of(chain, times, positions)
-    kept = 1.0 - law.ratio if isinstance(law, UnloadingRatio) else 1.0
-    if not getattr(law, "attractive", True) and not steps_are_implicit(chain):
-        # Where the force is cut off, nothing comes back.
-        overlap = np.where(forces > 0.0, overlap, 0.0)
-    return np.asarray(kept * stiffness * np.maximum(overlap, 0.0) ** (p + 1.0) / (p + 1.0))
+            energy = group.law.stored_energy(overlap, force, contacts)
+        stored[:, group.index] = np.where(contacts.stiffness > 0.0, energy, 0.0)
+    return stored
 
 
 def overlaps_of(chain: Chain, times: Array, positions: Array) -> Array:
-    """How deep the bodies at each contact are in one another; negative where they are apart.
-
-    Parameters
-    ----------
-    chain : Chain
-        The chain.
-    times, positions : ndarray
-        As in a `hertzchain.Run`.
-
-    Returns
-    -------
-    ndarray, shape (T, N + 1)
-        Counted with the walls, from 0 (left wall) to N (right wall) [scaled, or m].
-
-    Examples
-    --------
-    >>> overlaps_of(Chain.uniform(2), np.zeros(1), np.array([[1.0, 0.75]]))
-    array([[-1.  ,  0.25,  0.75]])
-    """
+    """How deep the bodies at each contact are in one another; negative where they are apart."""
     wall = np.zeros(len(times))
     if chain.drive is not None and chain.drive.of == "displacement":
         wall = chain.drive.value(times)

@@ -1,43 +1,28 @@
-"""Check a state before the compiled loop, which trusts every index in it."""
+"""Check a state before the compiled loop uses its entries as indices."""
 
 from __future__ import annotations
 
 import numpy as np
 
-from hertzchain.contacts import Array
-from hertzchain.errors import InputError
-from hertzchain.simulation.equations import drive_pieces, start_of
-from hertzchain.simulation.state import State, new_state
+from ..collision import Array
+from ..errors import InputError
+from .drive_pieces import drive_pieces
+from .kernel_input import initial_state
+from .state import State, new_state
 
 # A time may be rounded when a state is converted to other units.
 ROUNDING = 1e-12
 
 
 def check_state(state: State) -> None:
-    """Compare the arrays of a state with those of a new state of its chain.
-
-    Parameters
-    ----------
-    state : State
-        Any state, such as one from a file.
-
-    Raises
-    ------
-    InputError
-        If names, shapes or types differ, or a value is not finite or out of its range.
-
-    Examples
-    --------
-    >>> import hertzchain as hc
-    >>> check_state(hc.simulate(hc.Chain.uniform(5), until=1.0).state)
-    """
-    start = start_of(state.chain)
+    """Compare the arrays of a state with those of a new state of its chain."""
+    start = initial_state(state.chain)
     beads = state.chain.beads
     expected = new_state(state.chain, start[:beads], start[beads:]).arrays
     found = state.arrays
     if found.keys() != expected.keys():
         names = ", ".join(sorted(found.keys() ^ expected.keys()))
-        raise InputError(f"its arrays are not those of a state: {names}")
+        raise InputError(f"its arrays are not the arrays of a state: {names}")
     for name, fresh in expected.items():
         _check_layout(name, found[name], fresh)
         # A value that does not exist yet may be stored as NaN.
@@ -56,28 +41,28 @@ def _check_layout(name: str, found: object, fresh: Array) -> None:
 
 
 def _check_numbers(state: State) -> None:
-    """Refuse numbers that are used as an index, and times that contradict each other."""
-    from hertzchain.kernels import forces, records
+    """Check numbers that are used as indices, and the consistency of times."""
+    from ..kernels import contact_law, state_layout
 
     counts, clock, beads = state.arrays["counts"], state.arrays["clock"], state.chain.beads
     pieces, _ = drive_pieces(state.chain.drive)
     most = np.full(len(counts), np.iinfo(np.int64).max // 2)
     least = np.zeros(len(counts), np.int64)
-    most[[records.PEAKS, records.CROSSINGS]] = beads - 1
-    least[records.LAST_CROSSING], most[records.LAST_CROSSING] = -1, beads - 2
-    most[records.SEGMENT] = len(pieces) - 1
+    most[[state_layout.PEAKS, state_layout.CROSSINGS]] = beads - 1
+    least[state_layout.LAST_CROSSING], most[state_layout.LAST_CROSSING] = -1, beads - 2
+    most[state_layout.SEGMENT] = len(pieces) - 1
     for place in np.flatnonzero((counts < least) | (counts > most)):
         raise InputError(
-            f"entry {place + 1} of its array 'counts' is {counts[place]}, and must be from "
+            f"entry {place + 1} of its array 'counts' is {counts[place]}, but must be from "
             f"{least[place]} to {most[place]}"
         )
-    modes = (forces.RELEASED, forces.LOADED, forces.STUCK)
+    modes = (contact_law.RELEASED, contact_law.LOADED, contact_law.STUCK)
     if not np.isin(state.arrays["mode"], modes).all():
-        raise InputError("its array 'mode' has values that are no mode of a contact")
-    time, step = clock[records.TIME], clock[records.STEP]
+        raise InputError("its array 'mode' has invalid values")
+    time, step = clock[state_layout.TIME], clock[state_layout.STEP]
     if time < 0.0 or step <= 0.0:
         raise InputError(f"its time {time:g} or its step {step:g} is negative, or the step is 0")
-    segment = int(counts[records.SEGMENT])
+    segment = int(counts[state_layout.SEGMENT])
     begin, end = np.append(pieces, np.inf)[segment : segment + 2]
     if not begin * (1.0 - ROUNDING) <= time <= end * (1.0 + ROUNDING):
         raise InputError(f"its time {time:g} is not in piece {segment + 1} of the drive")

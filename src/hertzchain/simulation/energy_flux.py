@@ -1,7 +1,7 @@
 r"""Energy that passed each contact, to the right and to the left.
 
-Where disorder breaks waves up after a few contacts, a list of waves says little; the energy that
-flowed through each contact in either direction still does:
+In disordered chains, waves break up after a few contacts, and a list of waves is of little use.
+The energy that flowed through each contact in either direction is still meaningful:
 
 .. math:: E_k^\pm = \int \max(\pm f_k v_k, 0)\,dt
 
@@ -15,9 +15,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from hertzchain.chain.chain import Chain
-from hertzchain.contacts import Array
-from hertzchain.simulation.wave_events import (
+from ..chain.chain import Chain
+from ..collision import Array
+from ..representation import measure, short
+from .trajectory import Trajectory
+from .wave_events import (
     ContactCurves,
     check_saved_times,
     events_at,
@@ -28,8 +30,6 @@ from hertzchain.simulation.wave_events import (
 
 if TYPE_CHECKING:
     import pandas as pd
-
-    from hertzchain.simulation.run import Run
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,7 +42,7 @@ class EnergyFlux:
         The chain.
     right, left : ndarray, shape (N - 1,)
         Energy that flowed towards bead N, and towards bead 1, through contact k between beads k
-        and k + 1 [scaled, or J].  Energy that comes back and leaves again counts each time.
+        and k + 1 [scaled, or J].  Energy that returns and passes again is counted each time.
     """
 
     chain: Chain
@@ -51,7 +51,7 @@ class EnergyFlux:
 
     @property
     def net(self) -> Array:
-        """Energy to the right less energy to the left, shape (N - 1,) [scaled, or J]."""
+        """Energy to the right minus energy to the left, shape (N - 1,) [scaled, or J]."""
         return self.right - self.left
 
     def to_dataframe(self) -> pd.DataFrame:
@@ -76,39 +76,45 @@ class EnergyFlux:
         return pd.DataFrame(columns, index=contacts)
 
     def __repr__(self) -> str:
-        k = int(np.argmax(self.right)) + 1
-        return (
-            f"EnergyFlux({self.chain.description}: most to the right {self.right[k - 1]:.4g} at "
-            f"contact {k}, to the left {self.left.max():.4g} at contact {self.left.argmax() + 1})"
+        right, left = int(np.argmax(self.right)), int(np.argmax(self.left))
+        units = self.chain.units
+        return short(
+            "EnergyFlux",
+            self.chain.description,
+            f"most to the right {measure(self.right[right], 'J', units)} at contact {right + 1}, "
+            f"to the left {measure(self.left[left], 'J', units)} at contact {left + 1}",
         )
 
 
-def energy_flux_of(run: Run) -> EnergyFlux:
-    """Energy that passed each contact; see `hertzchain.Run.energy_flux`.
+def energy_flux_of(self: Trajectory) -> EnergyFlux:
+    """Energy that passed each contact, to the right and to the left.
 
-    Parameters
-    ----------
-    run : Run
-        A run with saved times.
+    Use it for strongly disordered chains, in which waves last for a few contacts only.
 
     Returns
     -------
     EnergyFlux
 
+    Raises
+    ------
+    InputError
+        If fewer than 8 times were saved during the passage of the strongest wave.
+
     Examples
     --------
     >>> import hertzchain as hc
-    >>> flux = energy_flux_of(hc.simulate(hc.Chain.uniform(30), until=30.0))
-    >>> bool(flux.left.max() < 0.02 * flux.right.max())
-    True
+    >>> chain = hc.Chain.uniform(30).replace(right_wall=hc.Wall.rigid())
+    >>> flux = hc.simulate(chain, until=60.0, times=600).energy_flux()
+    >>> f"{flux.right[19]:.3f} to the right, {flux.left[19]:.3f} to the left"
+    '0.497 to the right, 0.497 to the left'
     """
-    check_saved_times(run)
-    strongest = int(np.argmax(np.max(run.forces[:, 1:-1], axis=0))) + 1
-    for event in events_at(run, strongest, 0.99 * largest_force_of(run)):
-        require_resolved(run, event, "the strongest wave")
-    flows = [_to_and_fro(ContactCurves(run, k)) for k in range(1, run.chain.beads)]
+    check_saved_times(self)
+    strongest = int(np.argmax(np.max(self.forces[:, 1:-1], axis=0))) + 1
+    for event in events_at(self, strongest, 0.99 * largest_force_of(self)):
+        require_resolved(self, event, "the strongest wave")
+    flows = [_to_and_fro(ContactCurves(self, k)) for k in range(1, self.chain.beads)]
     right, left = np.array(flows).T
-    return EnergyFlux(run.chain, right, left)
+    return EnergyFlux(self.chain, right, left)
 
 
 def _to_and_fro(curves: ContactCurves) -> tuple[float, float]:
@@ -116,7 +122,7 @@ def _to_and_fro(curves: ContactCurves) -> tuple[float, float]:
     times, power = curves.times, curves.power
     turns = np.flatnonzero(power[:-1] * power[1:] < 0.0)
     turning = sign_change(curves.power_curve, times[turns], times[turns + 1])
-    # An open contact between two waves has no power at all, and so no change of sign.
+    # The power of an open contact between two waves is zero, which is not a change of sign.
     edges = np.sort(np.concatenate((times[[0, -1]], turning, times[power == 0.0])))
     pieces = np.diff(curves.power_curve.antiderivative()(edges))
     return float(pieces[pieces > 0.0].sum()), float(-pieces[pieces < 0.0].sum())

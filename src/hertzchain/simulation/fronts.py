@@ -1,37 +1,38 @@
-r"""When the front of what runs along a chain reaches each contact.
+r"""Times at which the front of a pulse or shock reaches each contact.
 
-The front of contact k is at the first time at which :math:`F_k - F_k(0)` is half of its first
-maximum, or of its last value if the force has come to rest without one, as in a shock behind a
-piston.  Unlike crests, fronts exist in shocks, and a drive that is slower than the chain does
-not shift them: where a half-sine of 20 time units drives a chain under precompression 0.3, the
-speed from crest to crest is 1.3 to 1.5 beads per time unit, that of the fronts 1.03 to 1.06,
-the speed of sound.
+The front reaches contact k at the first time at which :math:`F_k - F_k(0)` is half of its first
+maximum, or half of its last value if the force has become constant without a maximum, as in a
+shock behind a piston.  Unlike crests, fronts exist in shocks, and a drive that is slower than the
+chain does not shift them.  For example, if a half-sine of 20 time units drives a chain under
+precompression 0.3, the speed from crest to crest is 1.3 to 1.5 beads per time unit, whereas the
+speed of the fronts is 1.03 to 1.06, the speed of sound.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Final
+from dataclasses import dataclass, field
+from typing import Final
 
 import numpy as np
 
-from hertzchain.chain.chain import Chain
-from hertzchain.chain.equilibrium import equilibrium
-from hertzchain.contacts import Array
-from hertzchain.errors import InputError
-from hertzchain.simulation.absent import reason, together
-from hertzchain.simulation.run_pulse import moving_first
+from ..chain.chain import Chain
+from ..chain.contact_groups import loading_forces
+from ..chain.equilibrium import equilibrium
+from ..chain.scales import scale
+from ..collision import Array
+from ..errors import InputError
+from ..representation import measure, short
+from .absent import reason, together
+from .run_pulse import moving_first
+from .trajectory import Trajectory
 
-if TYPE_CHECKING:
-    from hertzchain.chain.scales import Scales
-
-# Part of the maximum at which a front is, and between which parts it rises.
+# Part of the maximum that defines a front, and the parts between which the force rises.
 HEIGHT: Final = 0.5
 LOW, HIGH = 0.1, 0.9
 # Saved times from below the rise to above it, at least.
-FEWEST_TIMES: Final = 4
-# A force has come to rest if it had this part of its last value half of the time ago.
+MIN_TIMES: Final = 4
+# A force is constant if it had at least this part of its last value half of the time ago.
 SETTLED: Final = 0.9
 
 
@@ -44,7 +45,7 @@ class Fronts:
     chain : Chain
         The chain.
     times : ndarray, shape (N - 1,)
-        When the front reached each contact [scaled, or s]; NaN where it is not known.
+        Time at which the front reached each contact [scaled, or s]; NaN where it is not known.
     heights : ndarray, shape (N - 1,)
         First maximum of :math:`F_k - F_k(0)`, or its last value [scaled, or N].
     notes : dict of str
@@ -52,7 +53,7 @@ class Fronts:
 
     Examples
     --------
-    A hammer's blow, a half-sine of force; in units of beads per time:
+    A hammer blow, modelled as a half-sine of force; the speed is in beads per time:
 
     >>> import hertzchain as hc
     >>> blow = hc.SineBurst(0.5, 0.125, cycles=0.5, window="none")
@@ -63,8 +64,8 @@ class Fronts:
     """
 
     chain: Chain
-    times: Array
-    heights: Array
+    times: Array = field(metadata=scale("time"))
+    heights: Array = field(metadata=scale("force"))
     notes: Mapping[str, str]
 
     @property
@@ -81,7 +82,7 @@ class Fronts:
         --------
         >>> import hertzchain as hc
         >>> chain = hc.Chain.from_materials(5e-3, "steel-52100", beads=30)
-        >>> driven = chain.replace(drive=hc.Step(20.0, rise=50e-6))
+        >>> driven = chain.replace(drive=hc.StepDrive(20.0, rise=50e-6))
         >>> fronts = hc.simulate(driven, until=700e-6, times=2000).fronts()
         >>> f"{fronts.speed[15]:.0f} m/s"
         '512 m/s'
@@ -89,43 +90,27 @@ class Fronts:
         taken = np.diff(self.times, prepend=np.nan)
         return np.asarray(self.chain.centre_distances / taken)
 
-    def factors(self, scales: Scales) -> Mapping[str, float]:
-        """Units of the attributes, for `hertzchain.Scales`.
-
-        Parameters
-        ----------
-        scales : Scales
-            The units.
-
-        Returns
-        -------
-        dict
-
-        Examples
-        --------
-        >>> import hertzchain as hc
-        >>> scales = hc.Scales(radius=1.0, mass=1.0, velocity=2.0, length=6.0)
-        >>> hc.simulate(hc.Chain.uniform(9)).fronts().factors(scales)["times"]
-        3.0
-        """
-        return {"times": scales.time, "heights": scales.force}
+    def __repr__(self) -> str:
+        known, units = np.flatnonzero(np.isfinite(self.times)), self.chain.units
+        summary = f"known at {len(known)} of {len(self.times)} contacts"
+        if len(known):
+            first, last = known[[0, -1]]
+            begin, end = self.times[[first, last]]
+            summary += f", from t = {measure(begin, 's', units)} at contact {first + 1} to t = "
+            summary += f"{measure(end, 's', units)} at contact {last + 1}"
+        return short("Fronts", self.chain.description, summary)
 
 
-def fronts_of(chain: Chain, times: Array, forces: Array, crossings: Array) -> Fronts:
-    """Fronts in the forces of a run.
+def fronts_of(self: Trajectory) -> Fronts:
+    """Times at which the front of the motion reached each contact, and its speed.
 
-    Parameters
-    ----------
-    chain : Chain
-        The chain.
-    times, forces : ndarray, shapes (T,) and (T, N + 1)
-        Saved times and the forces in the contacts.
-    crossings : ndarray
-        As `hertzchain.kernels.records` lays them out.
+    Use fronts for driven chains: they exist in shocks, where the force has no maximum, and
+    unlike crests they are not shifted by a slow drive.
 
     Returns
     -------
     Fronts
+        From the saved times.
 
     Raises
     ------
@@ -134,18 +119,30 @@ def fronts_of(chain: Chain, times: Array, forces: Array, crossings: Array) -> Fr
 
     Examples
     --------
-    >>> import hertzchain as hc
-    >>> hc.simulate(hc.Chain.uniform(9), times=900).fronts().times[4:7].round(3)
-    array([5.296, 6.483, 7.671])
-    """
-    from hertzchain.kernels import records
+    A piston that moves at constant speed in a chain with losses causes a shock without a crest.
+    By the balance of mass and momentum, the speed of the shock is 1 bead per time:
 
+    >>> import hertzchain as hc
+    >>> piston = hc.TableDrive([0.0, 200.0], [0.0, 200.0], of="displacement")
+    >>> chain = hc.Chain.uniform(40).replace(
+    ...     drive=piston, left_wall=hc.Wall(stiffness=1.0), loss=hc.Viscoelastic(0.5)
+    ... )
+    >>> fronts = hc.simulate(chain, until=28.0, times=1000).fronts()
+    >>> f"{5 / (fronts.times[14] - fronts.times[9]):.2f}"
+    '1.01'
+    >>> fronts.notes["times"]
+    'contacts 24 to 39: not reached, or still being loaded, at the end of the run'
+    """
+    from ..kernels import state_layout
+
+    chain, times, crossings = self.chain, self.times, self._crossings
     if len(times) < 2:
-        raise InputError(f"fronts need at least 2 saved times, the run has {len(times)}")
+        raise InputError(f"fronts require at least 2 saved times, the run has {len(times)}")
     static = equilibrium(chain).forces[1:-1]
-    excess = forces[:, 1:-1] - static
-    overlap = np.maximum(crossings[records.OVERLAP], 0.0)
-    crest = crossings[records.CROSSING_TIME]
+    excess = self.forces[:, 1:-1] - static
+    overlap = np.maximum(crossings[state_layout.OVERLAP], 0.0)
+    crest = crossings[state_layout.CROSSING_TIME]
+    crests = loading_forces(chain.contact_groups, np.pad(overlap, 1))[1:-1]
     found, heights = np.full((2, chain.beads - 1), np.nan)
     among, risen, late, coarse = np.zeros((4, chain.beads - 1), bool)
     among[: max(0, moving_first(chain) - 1)] = True
@@ -153,7 +150,7 @@ def fronts_of(chain: Chain, times: Array, forces: Array, crossings: Array) -> Fr
         force = excess[:, k]
         top = float(force[times <= crest[k]].max(initial=0.0)) if crest[k] > 0.0 else force.max()
         if crest[k] > 0.0:
-            top = max(top, chain.stiffness[k] * overlap[k] ** chain.exponent - static[k])
+            top = max(top, float(crests[k]) - static[k])
         above = np.flatnonzero(force >= HEIGHT * top)
         if top <= 0.0 or not len(above) or not (crest[k] > 0.0 or _settled(times, force, above[0])):
             risen[k] = True
@@ -167,13 +164,13 @@ def fronts_of(chain: Chain, times: Array, forces: Array, crossings: Array) -> Fr
         reason("contact", among, "between beads that move from the start"),
         reason("contact", risen, "not reached, or still being loaded, at the end of the run"),
         reason("contact", late, "reached before the first saved time"),
-        reason("contact", coarse, f"fewer than {FEWEST_TIMES} saved times in the rise: save more"),
+        reason("contact", coarse, f"fewer than {MIN_TIMES} saved times in the rise: save more"),
     )
     return Fronts(chain, found, heights, {"times": note, "heights": note} if note else {})
 
 
 def _settled(times: Array, force: Array, first: int) -> bool:
-    """Whether a force without a maximum has come to rest, having passed half at time ``first``."""
+    """Whether a force without a maximum has become constant; it passed half at index ``first``."""
     middle = np.interp(0.5 * (times[first] + times[-1]), times, force)
     return bool(first < len(times) - 1 and middle >= SETTLED * force[-1])
 
@@ -182,13 +179,13 @@ def _resolved(force: Array, first: int, top: float) -> bool:
     """Whether enough saved times show the rise of a force."""
     below = np.flatnonzero(force[:first] <= LOW * top)
     above = np.flatnonzero(force[first:] >= HIGH * top)
-    begin = int(below[-1]) if len(below) else -FEWEST_TIMES
+    begin = int(below[-1]) if len(below) else -MIN_TIMES
     end = first + (int(above[0]) if len(above) else 0)
-    return end - begin >= FEWEST_TIMES
+    return end - begin >= MIN_TIMES
 
 
 def _crossing(times: Array, force: Array, first: int, level: float) -> float:
-    """When a force reaches a level just before a saved time, by a monotonic cubic."""
+    """Time at which a force reaches a level before a saved time, by a monotonic cubic."""
     from scipy.interpolate import PchipInterpolator
 
     near = slice(max(first - 3, 0), first + 3)

@@ -4,14 +4,16 @@ from __future__ import annotations
 
 import warnings
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 import numpy as np
 
-from hertzchain.chain.chain import Chain
-from hertzchain.checks import number, whole_number
-from hertzchain.errors import InputError, InputWarning, SimulationError
-from hertzchain.simulation.wave_events import (
+from ..chain.chain import Chain
+from ..errors import InputError, InputWarning, SimulationError
+from ..representation import counted, measure
+from ..validation.numbers import number, whole_number
+from .trajectory import Trajectory
+from .wave_events import (
     ContactCurves,
     WaveEvent,
     check_saved_times,
@@ -20,13 +22,10 @@ from hertzchain.simulation.wave_events import (
     require_resolved,
 )
 
-if TYPE_CHECKING:
-    from hertzchain.simulation.run import Run
-
-# Events from this part of the largest force on are counted.
+# Events above this part of the largest force are counted.
 THRESHOLD: Final = 0.01
-# Waves of less than this part of the incident energy need not be resolved, nor do they end the
-# count when they enter from outside.
+# Waves below this part of the incident energy need not be resolved, and do not end the count
+# when they enter from outside.
 WEAK: Final = 0.01
 # Part of the incident energy that may be missing from the balance, or still between the contacts.
 MISSING: Final = 0.05
@@ -34,7 +33,7 @@ MISSING: Final = 0.05
 
 @dataclass(frozen=True, eq=False)
 class Reflection:
-    r"""What became of a wave between two contacts.
+    r"""Reflected and transmitted waves, and coefficients, of an object between two contacts.
 
     With impulses J and works W of the wave events at the contacts ``before`` and ``after``,
 
@@ -48,26 +47,26 @@ class Reflection:
     chain : Chain
         The chain.
     before, after : int
-        The contacts between which the object is.
+        The contacts on both sides of the object.
     incident : WaveEvent
         The first wave at ``before`` that runs towards ``after``.
     reflected : tuple of WaveEvent
-        What passed ``before`` in the other direction later, until ``until``.
+        Waves that passed ``before`` later in the opposite direction, until ``until``.
     transmitted : tuple of WaveEvent
-        What passed ``after`` in the direction of the incident wave, until ``until``.
+        Waves that passed ``after`` in the direction of the incident wave, until ``until``.
     until : float
-        Time up to which events count [scaled, or s]: the time asked for, the end of the run, or
-        the time at which another wave entered from outside.
+        Time up to which events are counted [scaled, or s]: the requested time, the end of the
+        run, or the time at which another wave entered from outside.
     disturbed : bool
-        Whether another wave entered from outside, and ended the count, before the time asked for
+        Whether another wave entered from outside, and ended the count, before the requested time
         or the end of the run.
     kept_energy : float
         Net energy that flowed in between the two contacts from the beginning of the incident
-        wave until ``until``, in parts of the incident energy: it is still there, or lost there.
+        wave until ``until``, relative to the incident energy: it is still there, or was lost.
 
     Examples
     --------
-    A wave that comes to beads of twice the radius:
+    A wave that reaches beads of twice the radius:
 
     >>> import hertzchain as hc
     >>> import numpy as np
@@ -100,122 +99,144 @@ class Reflection:
 
     @property
     def reflected_momentum(self) -> float:
-        """Momentum carried back, in parts of the incident momentum, positive."""
+        """Reflected momentum relative to the incident momentum, positive."""
         return sum(event.impulse for event in self.reflected) / self.incident.impulse
 
     @property
     def transmitted_momentum(self) -> float:
-        """Momentum carried on, in parts of the incident momentum."""
+        """Transmitted momentum relative to the incident momentum."""
         return sum(event.impulse for event in self.transmitted) / self.incident.impulse
 
     @property
     def reflected_force(self) -> float:
-        """Largest force of the reflected waves, in parts of the incident wave's."""
+        """Largest force of the reflected waves, relative to the incident wave."""
         return max((e.amplitude for e in self.reflected), default=0.0) / self.incident.amplitude
 
     @property
     def transmitted_force(self) -> float:
-        """Largest force of the transmitted waves, in parts of the incident wave's."""
+        """Largest force of the transmitted waves, relative to the incident wave."""
         return max((e.amplitude for e in self.transmitted), default=0.0) / self.incident.amplitude
 
     @property
     def unexplained_energy(self) -> float:
-        """What 1 - R - T - ``kept_energy`` leaves.
+        """Error of the balance, 1 - R - T - ``kept_energy``.
 
-        It is far from 0 where other waves were between the contacts, or passed one of them
-        together with a counted wave; then the coefficients are not those of one wave.
+        It differs from 0 if other waves were between the contacts, or passed one of them together
+        with a counted wave; the coefficients are then not those of one wave.
         """
         return 1.0 - self.reflected_energy - self.transmitted_energy - self.kept_energy
 
     def __repr__(self) -> str:
         ended = "another wave entered" if self.disturbed else "nothing else entered"
+        end = measure(self.until, "s", self.chain.units)
         return (
-            f"Reflection(between contacts {self.before} and {self.after}, until t = "
-            f"{self.until:.4g}, {ended}:\n"
-            f"  reflected    energy {self.reflected_energy:.4f}, momentum "
-            f"{self.reflected_momentum:.4f}, waves {len(self.reflected)}\n"
-            f"  transmitted  energy {self.transmitted_energy:.4f}, momentum "
-            f"{self.transmitted_momentum:.4f}, waves {len(self.transmitted)}\n"
-            f"  energy still between them or lost there {self.kept_energy:.4f})"
+            f"Reflection(contacts {self.before} to {self.after}, until t = {end}, {ended}, "
+            f"energy kept {self.kept_energy:.4f}:\n"
+            f"    reflected energy {self.reflected_energy:.4f}, momentum "
+            f"{self.reflected_momentum:.4f}, {counted(len(self.reflected), 'wave')};\n"
+            f"    transmitted energy {self.transmitted_energy:.4f}, momentum "
+            f"{self.transmitted_momentum:.4f}, {counted(len(self.transmitted), 'wave')})"
         )
 
 
 def reflection_of(
-    run: Run, before: int, after: int, since: float = 0.0, until: float | None = None
+    self: Trajectory, before: int, after: int, *, since: float = 0.0, until: float | None = None
 ) -> Reflection:
-    """What became of a wave between two contacts; see `hertzchain.Run.reflection`.
+    """Evaluate reflection and transmission of a wave between two contacts.
 
     Parameters
     ----------
-    run : Run
-        A run with saved times.
     before, after : int
-        Contacts before and after the object, in the direction of the wave.
-    since, until : float
-        Times between which to look.
+        Contacts on both sides of an interface or defect, in the direction of the wave, each at
+        least the width of a pulse (5 contacts) from it.  For a wall or free end, ``after`` is N
+        or 0.
+    since : float
+        Time from which to search for the incident wave [scaled, or s].
+    until : float, optional
+        Time up to which events are counted [scaled, or s].  Counting ends earlier if another
+        wave enters from outside.
 
     Returns
     -------
     Reflection
+        Coefficients of energy, momentum and force, and the waves themselves.
+
+    Raises
+    ------
+    InputError
+        If there are no such contacts, or fewer than 8 times were saved during the passage
+        of one of the waves.
+    SimulationError
+        If no wave towards ``after`` passes the contact ``before``, or another wave enters
+        before it has passed.
+
+    Warns
+    -----
+    InputWarning
+        If more than 5% of the incident energy is missing from the balance, because of other
+        waves, or, without losses, is still between the contacts.
 
     Examples
     --------
+    The last 60 beads have twice the radius of the first:
+
     >>> import hertzchain as hc
-    >>> chain = hc.Chain.uniform(40).replace(right_wall=hc.Wall.rigid())
-    >>> found = reflection_of(hc.simulate(chain, until=80.0, times=1000), 30, 40)
-    >>> round(found.reflected_energy, 3)
-    1.0
+    >>> import numpy as np
+    >>> chain = hc.Chain.from_radii(np.where(np.arange(120) < 60, 1.0, 2.0))
+    >>> found = hc.simulate(chain, until=140.0, times=1500).reflection(50, 75)
+    >>> f"R = {found.reflected_energy:.3f}, T = {found.transmitted_energy:.3f}"
+    'R = 0.523, T = 0.476'
     """
-    beads = run.chain.beads
+    beads = self.chain.beads
     first = whole_number("before", before, least=1, most=beads - 1)
     second = whole_number("after", after, least=0, most=beads)
     if first == second:
         raise InputError(f"before and after must be two contacts, got {first} twice")
     begin = number("since", since)
     stop = np.inf if until is None else number("until", until, above=begin)
-    check_saved_times(run)
-    floor = THRESHOLD * largest_force_of(run)
+    check_saved_times(self)
+    floor = THRESHOLD * largest_force_of(self)
     sign = 1 if second > first else -1
-    near = [event for event in events_at(run, first, floor) if event.time >= begin]
+    near = [event for event in events_at(self, first, floor) if event.time >= begin]
     incident = next((event for event in near if event.direction == sign), None)
     if incident is None or incident.time > stop:
         raise SimulationError(
-            f"no wave towards contact {second} passes contact {first} in the time looked at; "
-            f"{run.message}"
+            f"no wave towards contact {second} passes contact {first} in the given time "
+            f"interval; {self.message}"
         )
     near = [event for event in near if event.time > incident.time]
-    far = [event for event in events_at(run, second, floor) if event.time > incident.time]
+    far = [event for event in events_at(self, second, floor) if event.time > incident.time]
 
-    stop = min(stop, float(run.times[-1]))
+    stop = min(stop, float(self.times[-1]))
     entering = [e for e in near if e.direction == sign] + [e for e in far if e.direction == -sign]
     last = min(stop, _first_entry(entering, incident))
     reflected = tuple(e for e in near if e.direction == -sign and e.time <= last)
     transmitted = tuple(e for e in far if e.direction == sign and e.time <= last)
     found = Reflection(
-        chain=run.chain, before=first, after=second, incident=incident, reflected=reflected,
+        chain=self.chain, before=first, after=second, incident=incident, reflected=reflected,
         transmitted=transmitted, until=last, disturbed=last < stop,
-        kept_energy=sign * _inflow(run, first, second, incident.begin, last) / incident.energy,
+        kept_energy=sign * _inflow(self, first, second, incident.begin, last) / incident.energy,
     )  # fmt: skip
-    _check_count(run, found)
+    _check_count(self, found)
     _warn_of_balance(found)
     return found
 
 
 def _first_entry(entering: list[WaveEvent], incident: WaveEvent) -> float:
-    """When the first other wave of some strength enters from outside; infinite if none does."""
+    """Time at which the first other wave enters from outside; infinite if there is none."""
     strong = (event.begin for event in entering if event.energy > WEAK * incident.energy)
     return min(strong, default=np.inf)
 
 
-def _inflow(run: Run, first: int, second: int, begin: float, end: float) -> float:
-    """Energy that flowed to the right at one contact and not at the other, between two times."""
+def _inflow(run: Trajectory, first: int, second: int, begin: float, end: float) -> float:
+    """Net energy that flowed in between two contacts, between two times."""
     flows = (ContactCurves(run, k).power_curve.antiderivative() for k in (first, second))
     here, there = (float(whole(end) - whole(begin)) for whole in flows)
     return here - there
 
 
-def _check_count(run: Run, found: Reflection) -> None:
-    """Refuse a count that ends before the incident wave has passed, and waves not resolved."""
+def _check_count(run: Trajectory, found: Reflection) -> None:
+    """Raise an error if the incident wave has not passed, or waves are not resolved."""
     incident = found.incident
     if found.until <= incident.end:
         reason = f"; another wave enters at t = {found.until:g}" if found.disturbed else ""
@@ -232,14 +253,14 @@ def _check_count(run: Run, found: Reflection) -> None:
 
 
 def _warn_of_balance(found: Reflection) -> None:
-    """Warn where the coefficients are not, or not yet, those of one wave."""
+    """Warn if the coefficients are not, or not yet, those of one wave."""
     if abs(found.unexplained_energy) > MISSING:
         reason = (
-            f"other waves take part: {found.unexplained_energy:.0%} of the incident energy is "
-            "missing from the balance, and the coefficients are not those of one wave; choose "
+            f"other waves contribute: {found.unexplained_energy:.0%} of the incident energy is "
+            "missing from the balance, so the coefficients are not those of one wave; choose "
             "other contacts, since or until"
         )
-    elif found.kept_energy > MISSING and found.chain.loss is None:
+    elif found.kept_energy > MISSING and found.chain.lossless:
         advice = "choose another since or until" if found.disturbed else "simulate for longer"
         reason = (
             f"{found.kept_energy:.0%} of the incident energy is still between the contacts at t = "
@@ -247,4 +268,4 @@ def _warn_of_balance(found: Reflection) -> None:
         )
     else:
         return
-    warnings.warn(reason, InputWarning, stacklevel=4)
+    warnings.warn(reason, InputWarning, stacklevel=3)

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from hertzchain.chain.chain import Chain
-from hertzchain.contacts import Array
-from hertzchain.pulse.pulse import Pulse
-from hertzchain.simulation.absent import reason, together
+from ..chain.chain import Chain
+from ..collision import Array
+from ..pulse.pulse import Pulse
+from .absent import reason, together
 
 # A pulse with more of its momentum behind the crest than this is the front of a tail; a
 # solitary wave has one half.
@@ -16,71 +16,31 @@ LATE = "before the end of the run"
 
 
 def pulse_of(chain: Chain, peaks: Array, crossings: Array) -> Pulse:
-    """The leading pulse, as far as a run has seen it.
+    """The leading pulse, as far as a run has seen it."""
+    from ..kernels import state_layout
 
-    Parameters
-    ----------
-    chain : Chain
-        The chain.
-    peaks, crossings : ndarray
-        As `hertzchain.kernels.records` lays them out.
-
-    Returns
-    -------
-    Pulse
-        What the run has not seen is NaN, with the reason in its notes.
-
-    Examples
-    --------
-    >>> import hertzchain as hc
-    >>> pulse = hc.simulate(hc.Chain.uniform(20), until=8.0).pulse()
-    >>> pulse.velocity[5:8].round(4)
-    array([0.6866, 0.6844,    nan])
-    >>> pulse.notes["velocity"]
-    'beads 8 to 20: no first maximum of the velocity before the end of the run'
-    """
-    from hertzchain.kernels import records
-
-    peaked = peaks[records.PEAK_VELOCITY] != 0.0
-    passed = crossings[records.CROSSING_TIME] > 0.0
+    peaked = peaks[state_layout.PEAK_VELOCITY] != 0.0
+    passed = crossings[state_layout.CROSSING_TIME] > 0.0
     residence = residence_of(chain, crossings)
     return Pulse(
         chain=chain,
         method="simulation",
-        velocity=np.where(peaked, peaks[records.PEAK_VELOCITY], np.nan),
-        peak_time=np.where(peaked, np.maximum(peaks[records.PEAK_TIME], 0.0), np.nan),
-        arrival=np.concatenate(([0.0], np.where(passed, crossings[records.CROSSING_TIME], np.nan))),
-        peak_overlap=np.where(passed, crossings[records.OVERLAP], np.nan),
+        velocity=np.where(peaked, peaks[state_layout.PEAK_VELOCITY], np.nan),
+        peak_time=np.where(peaked, np.maximum(peaks[state_layout.PEAK_TIME], 0.0), np.nan),
+        arrival=np.concatenate(
+            ([0.0], np.where(passed, crossings[state_layout.CROSSING_TIME], np.nan))
+        ),
+        peak_overlap=np.where(passed, crossings[state_layout.OVERLAP], np.nan),
         residence=residence,
         notes=_notes(chain, peaked, passed, residence, _tailed(chain, crossings)),
     )
 
 
 def residence_of(chain: Chain, crossings: Array) -> Array:
-    """Times between the crossings of successive contacts; NaN where they have no meaning.
+    """Times between the crossings of successive contacts; NaN where they have no meaning."""
+    from ..kernels import state_layout
 
-    Parameters
-    ----------
-    chain : Chain
-        The chain.
-    crossings : ndarray
-        As `hertzchain.kernels.records` lays them out.
-
-    Returns
-    -------
-    ndarray, shape (N - 1,)
-        By difference where the crossings came out of order.
-
-    Examples
-    --------
-    >>> import hertzchain as hc
-    >>> run = hc.simulate(hc.Chain.uniform(30).struck_by(count=2), times=0)
-    >>> residence_of(run.chain, run._crossings)[:4].round(3)
-    array([  nan,   nan, 1.323, 1.227])
-    """
-    from hertzchain.kernels import records
-
-    times, since_last = crossings[records.CROSSING_TIME], crossings[records.RESIDENCE]
+    times, since_last = crossings[state_layout.CROSSING_TIME], crossings[state_layout.RESIDENCE]
     residence = np.where(since_last > 0.0, since_last, np.diff(times, prepend=0.0))
     passed = times > 0.0
     residence[~passed | ~np.append(True, passed[:-1])] = np.nan
@@ -92,22 +52,7 @@ def residence_of(chain: Chain, crossings: Array) -> Array:
 
 
 def moving_first(chain: Chain) -> int:
-    """How many beads at the front of a chain move forward from the start.
-
-    Parameters
-    ----------
-    chain : Chain
-        Any chain.
-
-    Returns
-    -------
-    int
-
-    Examples
-    --------
-    >>> moving_first(Chain.uniform(9)), moving_first(Chain.uniform(9).struck_by(count=3))
-    (1, 3)
-    """
+    """How many beads at the front of a chain move forward from the start."""
     return int(np.argmin(np.append(chain.velocities > 0.0, False)))
 
 
@@ -119,11 +64,11 @@ def _without_residence(chain: Chain) -> slice:
 
 def _tailed(chain: Chain, crossings: Array) -> Array:
     """Contacts at which strong loss has made a shock-like tail of the pulse."""
-    from hertzchain.kernels import records
+    from ..kernels import state_layout
 
-    ahead = crossings[records.HANDED_OVER]
-    behind = crossings[records.LEADING_MOMENTUM] - ahead
-    lossy = chain.loss is not None
+    ahead = crossings[state_layout.HANDED_OVER]
+    behind = crossings[state_layout.LEADING_MOMENTUM] - ahead
+    lossy = not chain.lossless
     tailed = np.asarray(lossy & (ahead > 0.0) & (behind > TAIL / (1.0 - TAIL) * ahead))
     # Before the end of the chain, beads that would carry a part of the pulse are missing.
     tailed[-2:] = tailed[-3:-2].any()

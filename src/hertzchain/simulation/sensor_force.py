@@ -1,13 +1,18 @@
-"""The force in a sensor: the first maximum, which belongs to the pulse, and the largest so far."""
+"""The force in a sensor, its first maximum and its largest value so far."""
 
 from __future__ import annotations
 
 import math
+import warnings
 from dataclasses import dataclass, field
 
 import numpy as np
 
-from hertzchain.contacts import Array
+from ..chain.equilibrium import equilibrium
+from ..collision import Array
+from ..errors import IncompleteWarning, InputError
+from ..representation import measure, short
+from .trajectory import Trajectory
 
 # The first maximum is above this part of the largest force, and the force falls by that part of
 # the maximum before it rises again; both are counted from the force at rest.
@@ -31,6 +36,8 @@ class SensorForce:
     largest_so_far, largest_so_far_time : float
         Largest force at the saved times and its time.  Waves that follow the first one, or return
         from a wall, may exceed it later.
+    units : str
+        ``"scaled"`` or ``"SI"``.
     """
 
     bead: int
@@ -40,30 +47,72 @@ class SensorForce:
     first_maximum_time: float
     largest_so_far: float
     largest_so_far_time: float
+    units: str = "scaled"
+
+    def __repr__(self) -> str:
+        first, largest = (
+            f"{measure(force, 'N', self.units)} at t = {measure(time, 's', self.units)}"
+            for force, time in (
+                (self.first_maximum, self.first_maximum_time),
+                (self.largest_so_far, self.largest_so_far_time),
+            )
+        )
+        if math.isnan(self.first_maximum):
+            first = "none yet"
+        facts = f"first maximum {first}", f"largest so far {largest}"
+        return short("SensorForce", f"bead {self.bead}", *facts)
 
 
-def sensor_force_of(bead: int, times: Array, force: Array, at_rest: float) -> SensorForce:
-    """The maxima of a sensor's trace.
+def sensor_force_of(self: Trajectory, bead: int) -> SensorForce:
+    """Force in a sensor in a bead, with its first maximum and its largest value so far.
 
     Parameters
     ----------
     bead : int
-        Number of the bead.
-    times, force : ndarray, shape (T,)
-        At least one saved time.
-    at_rest : float
-        Force at rest.
+        Number k of the bead, from 1.
 
     Returns
     -------
     SensorForce
 
+    Raises
+    ------
+    InputError
+        If there is no such bead, or no times were saved.
+
+    Warns
+    -----
+    IncompleteWarning
+        If the force has had no maximum yet; ``first_maximum`` is then NaN.
+
     Examples
     --------
-    >>> found = sensor_force_of(3, np.arange(5.0), np.array([0.0, 2.0, 1.0, 3.0, 3.5]), 0.0)
-    >>> found.first_maximum, found.largest_so_far
-    (2.0, 3.5)
+    The pulse passes bead 10 and returns from the wall:
+
+    >>> import hertzchain as hc
+    >>> chain = hc.Chain.uniform(20).replace(right_wall=hc.Wall())
+    >>> sensor = hc.simulate(chain, until=60.0, times=2000).sensor_force(10)
+    >>> sensor.first_maximum_time < 15.0 and sensor.largest_so_far >= sensor.first_maximum
+    True
     """
+    force = self.sensor(bead)
+    if not len(self.times):
+        raise InputError("the run has no saved times; give simulate times of at least 2")
+    at_rest = 0.5 * float(equilibrium(self.chain).forces[bead - 1 : bead + 1].sum())
+    found = find_maxima(bead, self.times, force, at_rest, self.chain.units)
+    if math.isnan(found.first_maximum):
+        warnings.warn(
+            f"the force in bead {bead} had no maximum before t = {self.times[-1]:g}; simulate "
+            "for longer, or save more times",
+            IncompleteWarning, stacklevel=2,
+        )  # fmt: skip
+    return found
+
+
+def find_maxima(
+    bead: int, times: Array, force: Array, at_rest: float, units: str = "scaled"
+) -> SensorForce:
+    """Find the maxima of the force in a sensor."""
     excess = force - at_rest
     top = np.maximum.accumulate(excess)
     fallen = (top > MIN_HEIGHT * top[-1]) & (excess < (1.0 - FALL) * top)
@@ -72,4 +121,5 @@ def sensor_force_of(bead: int, times: Array, force: Array, at_rest: float) -> Se
         i = int(np.argmax(excess[: int(np.argmax(fallen))]))
         first, first_time = float(force[i]), float(times[i])
     j = int(np.argmax(force))
-    return SensorForce(bead, times, force, first, first_time, float(force[j]), float(times[j]))
+    largest = float(force[j]), float(times[j])
+    return SensorForce(bead, times, force, first, first_time, *largest, units)

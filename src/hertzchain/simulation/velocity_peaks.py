@@ -7,13 +7,17 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from hertzchain.contacts import Array
-from hertzchain.errors import InputError
+from ..chain.equilibrium import equilibrium
+from ..collision import Array
+from ..errors import InputError
+from ..representation import counted, measure, short
+from ..validation.numbers import whole_number
+from .trajectory import Trajectory
 
 if TYPE_CHECKING:
     import pandas as pd
 
-# Peaks lower than this part of the highest are ripples.
+# Peaks lower than this part of the highest one are ignored.
 RIPPLE: Final = 0.01
 
 
@@ -35,16 +39,30 @@ class VelocityPeaks:
     widths : ndarray, shape (W,)
         Full widths at half height in time [scaled, or s]; NaN where the velocity does not fall
         to half of the peak on both sides.
+    units : str
+        ``"scaled"`` or ``"SI"``.
     """
 
     bead: int
     times: Array
     velocities: Array
     widths: Array
+    units: str = "scaled"
+
+    def __repr__(self) -> str:
+        def peak(i: int) -> str:
+            time = measure(self.times[i], "s", self.units)
+            return f"{measure(self.velocities[i], 'm/s', self.units)} at t = {time}"
+
+        facts = [counted(len(self), "peak")]
+        if len(self):
+            largest = int(np.argmax(self.amplitudes))
+            facts += [f"the first {peak(0)}", f"the largest {peak(largest)}"][: 1 + (largest > 0)]
+        return short("VelocityPeaks", f"bead {self.bead}", ", ".join(facts))
 
     @property
     def amplitudes(self) -> Array:
-        """Heights of the peaks, shape (W,), whatever their direction [scaled, or m/s]."""
+        """Absolute heights of the peaks, shape (W,) [scaled, or m/s]."""
         return np.abs(self.velocities)
 
     @property
@@ -75,46 +93,59 @@ class VelocityPeaks:
         return len(self.times)
 
 
-def velocity_peaks(bead: int, times: Array, velocity: Array, acceleration: Array) -> VelocityPeaks:
-    """Find the peaks of a bead's velocity.
-
-    Between saved times the velocity is the cubic with the given velocities and accelerations
-    at both; the error of a peak falls as the fourth power of the spacing.
+def velocity_peaks_of(self: Trajectory, bead: int) -> VelocityPeaks:
+    """Find the peaks of the velocity of one bead, forwards and backwards.
 
     Parameters
     ----------
     bead : int
-        Number of the bead.
-    times, velocity, acceleration : ndarray, shape (T,)
-        At the saved times.
+        Number k of the bead, 2 or more.
 
     Returns
     -------
     VelocityPeaks
+        Their times, velocities and widths, from the saved times.
 
     Raises
     ------
     InputError
-        If fewer than two times were saved.
+        If there is no such bead, or fewer than two times were saved.
 
     Examples
     --------
-    >>> t = np.linspace(0.0, 6.0, 200)
-    >>> peaks = velocity_peaks(1, t, np.sin(t), np.cos(t))
-    >>> peaks.times.round(4), peaks.velocities.round(4)
-    (array([1.5708, 4.7124]), array([ 1., -1.]))
+    A wave and its reflection from a rigid wall:
+
+    >>> import hertzchain as hc
+    >>> chain = hc.Chain.uniform(40).replace(right_wall=hc.Wall.rigid())
+    >>> run = hc.simulate(chain, until=80.0, times=1600)
+    >>> run.velocity_peaks(25).velocities[:2].round(3)
+    array([ 0.682, -0.681])
+    """
+    k = whole_number("bead", bead, least=2, most=self.chain.beads)
+    net = self.forces[:, k - 1] - self.forces[:, k] + equilibrium(self.chain).body_forces[k - 1]
+    acceleration = net / self.chain.masses[k - 1]
+    return find_peaks(k, self.times, self.velocity(k), acceleration, self.chain.units)
+
+
+def find_peaks(
+    bead: int, times: Array, velocity: Array, acceleration: Array, units: str = "scaled"
+) -> VelocityPeaks:
+    """Find the peaks of a bead's velocity.
+
+    Between saved times the velocity is the cubic with the given velocities and accelerations
+    at both; the error of a peak falls as the fourth power of the spacing.
     """
     from scipy.interpolate import CubicHermiteSpline
 
     if len(times) < 2:
         raise InputError(
-            f"velocity peaks need at least 2 saved times, the run has {len(times)}; give simulate "
-            "more times"
+            f"velocity peaks require at least 2 saved times, the run has {len(times)}; give "
+            "simulate more times"
         )
     curve = CubicHermiteSpline(times, velocity, acceleration)
     turning = curve.derivative().roots(extrapolate=False)
     turning = turning[np.isfinite(turning)]
-    # A forward maximum bends down where it is positive, a backward minimum the other way.
+    # A forward maximum is positive and concave, a backward minimum negative and convex.
     turning = turning[curve(turning, 2) * curve(turning) < 0.0]
     heights = np.abs(curve(turning))
     crests = turning[heights > RIPPLE * np.max(heights, initial=0.0)]
@@ -125,4 +156,4 @@ def velocity_peaks(bead: int, times: Array, velocity: Array, acceleration: Array
         before, after = halves[halves < crest], halves[halves > crest]
         if len(before) and len(after):
             widths[i] = after[0] - before[-1]
-    return VelocityPeaks(bead, crests, peaks, widths)
+    return VelocityPeaks(bead, crests, peaks, widths, units)

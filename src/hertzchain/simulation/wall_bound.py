@@ -1,4 +1,4 @@
-r"""The largest force that the motion towards a wall can still make there.
+r"""Upper bound of the force that the motion towards a wall can still cause.
 
 The energy that moves towards the right wall, counted from the state of rest, is
 
@@ -7,16 +7,16 @@ The energy that moves towards the right wall, counted from the state of rest, is
     E^+ = \sum_{v_k > 0} \tfrac12 m_k v_k^2
         + \sum_{v_k + v_{k+1} > 0} \left[ U(d) - U(d_0) - F_0\,(d - d_0) \right] .
 
-The second sum is over the contacts that move forward (the wall's own among them while it is
-pressed in) and, under gravity, over every open contact: it holds the energy of the beads that
-will fall.  :math:`d_0` and :math:`F_0` are overlap and force at rest.  Since :math:`U` is convex,
-the force on the wall cannot exceed
+The second sum is over the contacts that move forward (including the contact with the wall while it
+is compressed) and, under gravity, over every open contact, because it includes the energy of the
+beads that will fall.  :math:`d_0` and :math:`F_0` are overlap and force at rest.  Since :math:`U`
+is convex, the force on the wall cannot exceed
 
 .. math:: B = k_w \left[ d_0 + \left( \frac{(p+1)\,E^+}{k_w} \right)^{1/(p+1)} \right]^p
 
-until some of the motion backwards is reversed.  Laws with damping add the damping force of the
-deepest and fastest impact; with `WaltonBraun`, :math:`E^+` is divided by the ratio of its
-stiffnesses, since a dent takes less energy to be loaded again.  For the left wall everything is
+until some of the backward motion is reversed.  Laws with damping add the damping force of the
+deepest and fastest impact; plastic laws use the overlap at which the contact would return
+:math:`E^+`, since reloading a dent requires less energy.  For the left wall, the chain is
 mirrored.
 """
 
@@ -28,20 +28,22 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from hertzchain.chain.chain import Chain
-from hertzchain.chain.equilibrium import equilibrium
-from hertzchain.contacts import Array
-from hertzchain.simulation.budget import overlaps_of, stored_energy
+from ..chain.chain import Chain
+from ..chain.contact_groups import loading_overlaps
+from ..chain.equilibrium import equilibrium
+from ..collision import Array
+from ..kernels.law_kinds import DAMPED
+from .budget import overlaps_of, stored_energy
 
 if TYPE_CHECKING:
-    from hertzchain.kernels.forces import Bench
+    from ..kernels.forces import GeneralChain
 
 LEFT, RIGHT = 0, 1
 
 
 @dataclass(frozen=True)
 class Approach:
-    """Motion towards a wall: its momentum and energy, and the bound of the force."""
+    """Motion towards a wall: its momentum, its energy, and the bound of the force."""
 
     momentum: float
     energy: float
@@ -49,31 +51,35 @@ class Approach:
 
 
 class Target:
-    """A wall of a chain, and the chain as seen from it: mirrored for the left wall."""
+    """A wall of a chain, with the chain mirrored for the left wall."""
 
-    def __init__(self, chain: Chain, side: int, equation: Bench) -> None:
-        from hertzchain.kernels.forces import ELASTIC, PLASTIC
-
-        self.chain, self.side, self.p = chain, side, chain.exponent
+    def __init__(self, chain: Chain, side: int, equation: GeneralChain) -> None:
+        self.chain, self.side = chain, side
         self.towards = 1.0 if side == RIGHT else -1.0
-        law, stiffness = equation.law, self._seen(equation.stiffness)
         self.contacts = equation.stiffness > 0.0
-        self.masses, self.exists = self._seen(chain.masses), stiffness > 0.0
-        self.stiffness, self.damping = float(stiffness[-1]), float(self._seen(equation.damping)[-1])
-        self.powers = (float(law.overlap_power), float(law.speed_power))
-        self.softening = law.kept if law.kind == PLASTIC else 1.0
+        self.masses, self.exists = self._seen(chain.masses), self._seen(self.contacts)
+        contact = chain.beads if side == RIGHT else 0
+        groups = chain.contact_groups
+        group = next(each for each in groups if contact in each.index)
+        self.law, self.wall = group.law, group.contacts.only(group.index == contact)
+        row = self.law.row(self.wall.exponent)
+        self.damping = float(equation.damping[contact]) if row.kind == DAMPED else 0.0
+        self.powers = (row.overlap_power, row.speed_power)
 
         self.forces = self._forces_at_rest()
-        bearing = np.where(self.exists, stiffness, 1.0)
-        self.overlaps = np.asarray((self.forces / bearing) ** (1.0 / self.p))
-        kept = 1.0 if law.kind == ELASTIC else law.kept
-        self.stored = kept * self.forces * self.overlaps / (self.p + 1.0)
+        forces = self._seen(self.forces)
+        overlaps, stored = loading_overlaps(groups, forces), np.zeros(chain.beads + 1)
+        for each in groups:
+            at = each.index
+            stored[at] = each.law.stored_energy(overlaps[at], forces[at], each.contacts)
+        self.overlaps = self._seen(overlaps)
+        self.stored = self._seen(np.where(self.contacts, stored, 0.0))
 
     def _seen(self, values: Array) -> Array:
         return values if self.side == RIGHT else values[::-1]
 
     def _forces_at_rest(self) -> Array:
-        """Forces if all contacts were closed: each bears the one before and the bead between."""
+        """Forces at rest if all contacts are closed: each carries the beads behind it."""
         static = equilibrium(self.chain)
         pushes = self.towards * self._seen(static.body_forces)
         first = float(self._seen(static.forces)[0]) if self.exists[0] else 0.0
@@ -82,32 +88,7 @@ class Target:
         return np.where(self.exists & (forces > rounding), forces, 0.0)
 
     def approach(self, time: float, positions: Array, velocities: Array, forces: Array) -> Approach:
-        """The motion towards the wall.
-
-        Parameters
-        ----------
-        time : float
-            Time [scaled, or s].
-        positions, velocities : ndarray, shape (N,)
-            Of the beads [scaled, or m and m/s].
-        forces : ndarray, shape (N + 1,)
-            In the contacts, counted with the walls [scaled, or N].
-
-        Returns
-        -------
-        Approach
-
-        Examples
-        --------
-        A bead of energy 1/2 in front of a wall of stiffness 1:
-
-        >>> from hertzchain.chain.walls import Wall
-        >>> from hertzchain.simulation.equations import equation_of
-        >>> chain = Chain.uniform(2).replace(right_wall=Wall(stiffness=1.0))
-        >>> wall, none = Target(chain, RIGHT, equation_of(chain)), np.zeros(2)
-        >>> wall.approach(0.0, none, np.array([0.0, 1.0]), np.zeros(3)).bound == 1.25**0.6
-        True
-        """
+        """The motion towards the wall."""
         at = np.array([time]), positions[np.newaxis]
         overlaps = self._seen(overlaps_of(self.chain, *at)[0])
         stored = self._seen(stored_energy(self.chain, *at, forces[np.newaxis])[0])
@@ -122,10 +103,8 @@ class Target:
         return Approach(float(self.masses @ forward), energy, self._bound(energy))
 
     def _bound(self, energy: float) -> float:
-        """Largest force on the wall that an energy can make."""
-        p = self.p
-        depth = ((p + 1.0) * energy / (self.softening * self.stiffness)) ** (1.0 / (p + 1.0))
-        depth += float(self.overlaps[-1])
+        """Largest force on the wall that this energy can cause."""
+        depth = self.law.largest_overlap(np.array([energy]), self.wall) + self.overlaps[-1]
         speed = math.sqrt(2.0 * energy / float(self.masses[-1]))
         damping = self.damping * depth ** self.powers[0] * speed ** self.powers[1]
-        return float(self.stiffness * depth**p + damping)
+        return float((self.law.loading_force(depth, self.wall) + damping)[0])

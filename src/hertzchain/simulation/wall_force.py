@@ -6,7 +6,8 @@ import math
 from dataclasses import dataclass, field
 from typing import Final, Literal
 
-from hertzchain.contacts import Array
+from ..collision import Array
+from ..representation import counted, measure, short
 
 Side = Literal["left", "right"]
 SIDES: Final[tuple[Side, ...]] = ("left", "right")
@@ -49,6 +50,8 @@ class WallForce:
     impulse : float
         Impulse of the whole run.  It exceeds that of the impact where more beads arrive later,
         as in forward tapers.
+    units : str
+        ``"scaled"`` or ``"SI"``.
     """
 
     side: Side
@@ -68,6 +71,28 @@ class WallForce:
     first_contact_end: float | None
     first_contact_impulse: float | None
     impulse: float
+    units: str = "scaled"
+
+    def __repr__(self) -> str:
+        def at(force: float, time: float) -> str:
+            return f"{measure(force, 'N', self.units)} at t = {measure(time, 's', self.units)}"
+
+        impulse = f"impulse {measure(self.impulse, 'N s', self.units)} of the whole run"
+        touches = counted(self.touches, "contact") + " with the wall"
+        if self.complete:
+            peak = f"peak {at(self.peak, self.peak_time)}, complete"
+            impact = f"{measure(self.impulse_of_impact, 'N s', self.units)} of the impact"
+            return short("WallForce", f"{self.side} wall", peak, f"{impulse}, {impact}", touches)
+        largest = f"largest so far {at(self.largest_so_far, self.largest_so_far_time)}"
+        bound = f"up to {measure(self.bound, 'N', self.units)} may follow"
+        return short(
+            "WallForce", f"{self.side} wall", "peak not complete", largest, bound, impulse, touches
+        )
+
+    def _repr_html_(self) -> str:
+        from ..notebook.runs import wall_force_html
+
+        return wall_force_html(self)
 
 
 def wall_force_of(
@@ -78,41 +103,17 @@ def wall_force_of(
     approaches: Array,
     complete: Array,
     impulses: Array,
+    units: str,
 ) -> WallForce:
-    """The force on one wall from the records of a run.
-
-    Parameters
-    ----------
-    side : str
-        ``"left"`` or ``"right"``.
-    trace : tuple of ndarray
-        Saved times and the force at them.
-    walls, completion : ndarray, shape (rows, 2)
-        Records of a `hertzchain.simulation.state.State`.
-    approaches : ndarray, shape (3, 2)
-        Momentum, energy and bound of the motion towards each wall.
-    complete, impulses : ndarray, shape (2,)
-        Of each wall: whether its peak is complete, and its impulse.
-
-    Returns
-    -------
-    WallForce
-
-    Examples
-    --------
-    >>> import hertzchain as hc
-    >>> run = hc.simulate(hc.Chain.uniform(9).replace(right_wall=hc.Wall()))
-    >>> wall_force_of(
-    ...     "right", (run.times, run.force(9)), run._walls, run._completion, run._approaches,
-    ...     run._complete, run._impulses,
-    ... ).complete
-    True
-    """
-    from hertzchain.kernels import records
+    """The force on one wall from the records of a run."""
+    from ..kernels import state_layout
 
     i = SIDES.index(side)
-    done, ended = bool(complete[i]), walls[records.FIRST_END, i] > 0.0
-    peak, time = float(walls[records.WALL_PEAK, i]), float(walls[records.WALL_PEAK_TIME, i])
+    done, ended = bool(complete[i]), walls[state_layout.FIRST_END, i] > 0.0
+    peak, time = (
+        float(walls[state_layout.WALL_PEAK, i]),
+        float(walls[state_layout.WALL_PEAK_TIME, i]),
+    )
     momentum, energy, bound = map(float, approaches[:, i])
     return WallForce(
         side=side,
@@ -121,43 +122,25 @@ def wall_force_of(
         peak=peak if done else math.nan,
         peak_time=time if done else math.nan,
         complete=done,
-        complete_since=float(completion[records.SINCE, i]) if done else None,
+        complete_since=float(completion[state_layout.SINCE, i]) if done else None,
         largest_so_far=peak,
         largest_so_far_time=time,
         bound=bound,
         momentum_on_its_way=momentum,
         energy_on_its_way=energy,
-        touches=int((completion[records.IMPACT_TOUCHES] if done else walls[records.TOUCHES])[i]),
-        impulse_of_impact=float(completion[records.IMPACT_IMPULSE, i]) if done else math.nan,
-        first_contact_end=float(walls[records.FIRST_END, i]) if ended else None,
-        first_contact_impulse=float(walls[records.FIRST_IMPULSE, i]) if ended else None,
+        touches=int(
+            (completion[state_layout.IMPACT_TOUCHES] if done else walls[state_layout.TOUCHES])[i]
+        ),
+        impulse_of_impact=float(completion[state_layout.IMPACT_IMPULSE, i]) if done else math.nan,
+        first_contact_end=float(walls[state_layout.FIRST_END, i]) if ended else None,
+        first_contact_impulse=float(walls[state_layout.FIRST_IMPULSE, i]) if ended else None,
         impulse=float(impulses[i]),
+        units=units,
     )
 
 
 def incomplete_peak(wall: WallForce, end: float, units: tuple[str, str]) -> str:
-    """Why a wall has no peak yet, in a sentence.
-
-    Parameters
-    ----------
-    wall : WallForce
-        An incomplete one.
-    end : float
-        End of the run.
-    units : tuple of str
-        Of time and force, with a space before; empty if scaled.
-
-    Returns
-    -------
-    str
-
-    Examples
-    --------
-    >>> import hertzchain as hc
-    >>> wall = hc.simulate(hc.Chain.uniform(9).replace(right_wall=hc.Wall())).wall_force()
-    >>> incomplete_peak(wall, 9.0, ("", ""))[:60]
-    'the peak of the force on the right wall is not complete: the'
-    """
+    """Why a wall has no peak yet, in a sentence."""
     second, newton = units
     found = f"the {wall.side} wall was not reached before t = {end:.6g}{second}"
     if wall.largest_so_far > 0.0:

@@ -1,13 +1,13 @@
 r"""The passage of a wave through one contact: a maximum of its force, with impulse and work.
 
 With the force :math:`f = F - F_0` beyond the static one and the mean velocity
-:math:`v = (v_k + v_{k+1})/2` of the two beads, what a wave carries through contact k between
-the force minima (or contact openings) before and after its crest is
+:math:`v = (v_k + v_{k+1})/2` of the two beads, the impulse and work that a wave transfers through
+contact k between the force minima (or contact openings) before and after its crest are
 
 .. math:: J = \int f\,dt, \qquad W = \int f\,v\,dt .
 
 Without losses :math:`f\,v` is exactly the flux of energy through the contact, with the energy
-of the contact itself shared equally between both sides.  So a wave that is alone has momentum
+of the contact shared equally between both sides.  An isolated wave therefore has momentum
 :math:`J` and energy :math:`|W|`, and the sign of :math:`W` is its direction.
 
 Between saved times :math:`f` and :math:`f v` are quintic splines.  With eight saved times per
@@ -21,25 +21,24 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
-from typing import TYPE_CHECKING, Any, Final
+from typing import Any, Final
 
 import numpy as np
 
-from hertzchain.chain.equilibrium import equilibrium
-from hertzchain.contacts import Array
-from hertzchain.errors import InputError
-
-if TYPE_CHECKING:
-    from hertzchain.simulation.run import Run
+from ..chain.equilibrium import equilibrium
+from ..collision import Array
+from ..errors import InputError
+from ..representation import measure, short
+from .trajectory import Trajectory
 
 # Saved times within impulse/amplitude, the duration of a wave.
-LEAST_SAMPLES: Final = 8.0
+MIN_SAMPLES: Final = 8.0
 # Part of its height by which a maximum must stand out.
 PROMINENCE: Final = 0.1
-# Waves meet, or a wall turns one round, where |W| is less than this part of the integral of |f v|.
+# Waves meet, or a wall reflects one, where |W| is less than this part of the integral of |f v|.
 STANDING: Final = 0.2
 SPLINE_ORDER: Final = 5
-# Of the time between two saved times, to the digits of a double.
+# Bisections of the time between two saved times that give double precision.
 BISECTIONS: Final = 45
 
 
@@ -69,6 +68,8 @@ class WaveEvent:
         after the maximum [scaled, or s].
     samples : float
         Saved times per `duration`; the numbers above are reliable from 8 on.
+    units : str
+        ``"scaled"`` or ``"SI"``.
     """
 
     contact: int
@@ -81,152 +82,80 @@ class WaveEvent:
     begin: float
     end: float
     samples: float
+    units: str = "scaled"
 
     @property
     def momentum(self) -> float:
-        """Momentum with the sign of the direction; NaN where there is none."""
+        """Momentum with the sign of the direction; NaN without a direction."""
         return self.direction * self.impulse if self.direction else math.nan
 
     @property
     def energy(self) -> float:
-        """Energy of the wave, without sign; NaN where there is no direction."""
+        """Absolute energy of the wave; NaN without a direction."""
         return abs(self.work) if self.direction else math.nan
 
     @property
     def duration(self) -> float:
-        """Impulse over amplitude; 1.06 times the width of a solitary wave of p = 3/2."""
+        """Impulse divided by amplitude; 1.06 times the width of a solitary wave (p = 3/2)."""
         return self.impulse / self.amplitude
 
     @property
     def resolved(self) -> bool:
         """Whether enough times were saved while the wave passed."""
-        return self.samples >= LEAST_SAMPLES
+        return self.samples >= MIN_SAMPLES
+
+    def __repr__(self) -> str:
+        force, impulse, time = (
+            measure(value, unit, self.units)
+            for value, unit in ((self.amplitude, "N"), (self.impulse, "N s"), (self.time, "s"))
+        )
+        direction = {1: "to the right", -1: "to the left"}.get(self.direction, "no direction")
+        doubt = "" if self.resolved else ", unresolved"
+        return short(
+            "WaveEvent",
+            f"contact {self.contact}, {direction}, t = {time}",
+            f"force {force}, impulse {impulse}, energy "
+            f"{measure(abs(self.work), 'J', self.units)}{doubt}",
+        )
 
 
-def static_forces_of(run: Run) -> Array:
-    """Static force of each contact, 0 at ends without a wall.
-
-    Parameters
-    ----------
-    run : Run
-        A run with saved times.
-
-    Returns
-    -------
-    ndarray, shape (N + 1,)
-
-    Examples
-    --------
-    >>> import hertzchain as hc
-    >>> chain = hc.Chain.uniform(3).replace(precompression=2.0, held_by="force")
-    >>> static_forces_of(hc.simulate(chain, until=1.0))
-    array([0., 2., 2., 0.])
-    """
+def static_forces_of(run: Trajectory) -> Array:
+    """Static force of each contact, 0 at ends without a wall."""
     static = equilibrium(run.chain).forces.copy()
     static[[0, -1]] *= np.array(run.chain.wall_stiffness) > 0.0
     return static
 
 
-def largest_force_of(run: Run) -> float:
-    """Largest force beyond the static one in any contact of a run, 0 if there is none.
-
-    Parameters
-    ----------
-    run : Run
-        A run with saved times.
-
-    Returns
-    -------
-    float
-
-    Examples
-    --------
-    >>> import hertzchain as hc
-    >>> largest_force_of(hc.simulate(hc.Chain.uniform(9), until=20.0)) > 0.6
-    True
-    """
+def largest_force_of(run: Trajectory) -> float:
+    """Largest force beyond the static one in any contact of a run, 0 if there is none."""
     most = np.max(run.forces, axis=0, initial=0.0) - static_forces_of(run)
     return max(0.0, float(most.max()))
 
 
-def check_saved_times(run: Run) -> None:
-    """Refuse a run with too few saved times for a spline.
-
-    Parameters
-    ----------
-    run : Run
-        A run with saved times.
-
-    Raises
-    ------
-    InputError
-        If there are 5 or fewer.
-
-    Examples
-    --------
-    >>> import hertzchain as hc
-    >>> check_saved_times(hc.simulate(hc.Chain.uniform(9), until=20.0))
-    """
+def check_saved_times(run: Trajectory) -> None:
+    """Raise `InputError` if there are too few saved times for a spline."""
     if len(run.times) <= SPLINE_ORDER:
         raise InputError(
-            f"waves need many saved times, the run has {len(run.times)}; give simulate more times"
+            f"waves require many saved times, the run has {len(run.times)}; give simulate more "
+            "times"
         )
 
 
-def times_to_save(run: Run, samples: float) -> int:
-    """About how many times to save so that a wave of so many samples gets enough.
-
-    Parameters
-    ----------
-    run : Run
-        A run with saved times.
-    samples : float
-        Saved times per duration that the wave has now.
-
-    Returns
-    -------
-    int
-
-    Examples
-    --------
-    >>> import hertzchain as hc
-    >>> times_to_save(hc.simulate(hc.Chain.uniform(9), until=20.0, times=100), 4.0)
-    230
-    """
-    # Without a given end a run keeps between half of the times asked for and all of them.
+def times_to_save(run: Trajectory, samples: float) -> int:
+    """Approximate number of times to save so that a wave with these samples is resolved."""
+    # Without a given end, a run keeps between half and all of the requested times.
     spare = 1.1 if run.status == "time reached" else 2.2
-    needed = spare * len(run.times) * LEAST_SAMPLES / samples
+    needed = spare * len(run.times) * MIN_SAMPLES / samples
     step = 10.0 ** (math.floor(math.log10(needed)) - 1)
     return int(math.ceil(needed / step) * step)
 
 
-def require_resolved(run: Run, event: WaveEvent, name: str) -> None:
-    """Refuse to evaluate a wave during whose passage too few times were saved.
-
-    Parameters
-    ----------
-    run : Run
-        A run with saved times.
-    event : WaveEvent
-        Its passage of a contact.
-    name : str
-        What to call it in the error.
-
-    Raises
-    ------
-    InputError
-        If it has fewer than 8 saved times.
-
-    Examples
-    --------
-    >>> import hertzchain as hc
-    >>> run = hc.simulate(hc.Chain.uniform(30), until=30.0)
-    >>> require_resolved(run, events_at(run, 15, 0.01)[0], "the wave")
-    """
+def require_resolved(run: Trajectory, event: WaveEvent, name: str) -> None:
+    """Raise `InputError` if too few times were saved during the passage of a wave."""
     if not event.resolved:
         raise InputError(
             f"{name} has {event.samples:.3g} saved times while it passes contact {event.contact}, "
-            f"at least {LEAST_SAMPLES:g} are needed; save at least "
+            f"but at least {MIN_SAMPLES:g} are required; save at least "
             f"times={times_to_save(run, event.samples)}"
         )
 
@@ -234,7 +163,7 @@ def require_resolved(run: Run, event: WaveEvent, name: str) -> None:
 class ContactCurves:
     """Force beyond the static one and power of one contact, as functions of time."""
 
-    def __init__(self, run: Run, contact: int) -> None:
+    def __init__(self, run: Trajectory, contact: int) -> None:
         self.times = run.times
         self.force = run.forces[:, contact] - static_forces_of(run)[contact]
         self.power = np.zeros(len(run.times))
@@ -257,30 +186,8 @@ class ContactCurves:
         return make_interp_spline(self.times, self.power, k=SPLINE_ORDER)
 
 
-def events_at(run: Run, contact: int, floor: float) -> list[WaveEvent]:
-    """The waves that pass one contact, in order of time.
-
-    Parameters
-    ----------
-    run : Run
-        A run with at least 6 saved times.
-    contact : int
-        Number of the contact, 0 and N for walls.
-    floor : float
-        Least force of a maximum [scaled, or N].
-
-    Returns
-    -------
-    list of WaveEvent
-
-    Examples
-    --------
-    >>> import hertzchain as hc
-    >>> run = hc.simulate(hc.Chain.uniform(30), until=30.0)
-    >>> event, = events_at(run, 15, 0.01)
-    >>> event.direction, round(event.impulse, 4), round(event.energy, 4)
-    (1, 1.1383, 0.4968)
-    """
+def events_at(run: Trajectory, contact: int, floor: float) -> list[WaveEvent]:
+    """The waves that pass one contact, in order of time."""
     curves = ContactCurves(run, contact)
     times, force = curves.times, curves.force
     crests = _crests(force, floor)
@@ -288,7 +195,7 @@ def events_at(run: Run, contact: int, floor: float) -> list[WaveEvent]:
         return []
     peak_times = sign_change(curves.force_curve.derivative(), times[crests - 1], times[crests + 1])
     heights = curves.force_curve(peak_times)
-    # A kink of the force beside the crest may mislead the spline; the sample does not.
+    # A kink of the force near the crest may distort the spline, but not the sample.
     lower = heights < force[crests]
     peak_times, heights = (
         np.where(lower, times[crests], peak_times), np.where(lower, force[crests], heights)
@@ -297,15 +204,21 @@ def events_at(run: Run, contact: int, floor: float) -> list[WaveEvent]:
     impulses = _integrals(curves.force_curve, begin, end)
     works = _integrals(curves.power_curve, begin, end)
     spacing = 0.5 * (times[crests + 1] - times[crests - 1])
-    columns = (
-        peak_times, heights, impulses, works, _directions(curves, works, begin, end),
-        _widths(curves, crests, 0.5 * heights), begin, end, impulses / heights / spacing,
-    )  # fmt: skip
-    return [WaveEvent(contact, *row) for row in zip(*(c.tolist() for c in columns), strict=True)]
+    columns = {
+        "time": peak_times, "amplitude": heights, "impulse": impulses, "work": works,
+        "direction": _directions(curves, works, begin, end),
+        "width": _widths(curves, crests, 0.5 * heights), "begin": begin, "end": end,
+        "samples": impulses / heights / spacing,
+    }  # fmt: skip
+    rows = zip(*(column.tolist() for column in columns.values()), strict=True)
+    return [
+        WaveEvent(contact, units=run.chain.units, **dict(zip(columns, row, strict=True)))
+        for row in rows
+    ]
 
 
 def _crests(force: Array, floor: float) -> Array:
-    """Indices of the maxima that stand out."""
+    """Indices of the maxima that are high enough above the minima next to them."""
     from scipy.signal import find_peaks, peak_prominences
 
     if not floor > 0.0:
@@ -315,24 +228,7 @@ def _crests(force: Array, floor: float) -> Array:
 
 
 def sign_change(curve: Callable[[Array], Array], low: Array, high: Array) -> Array:
-    """Where a function changes its sign between two times, by bisection.
-
-    Parameters
-    ----------
-    curve : callable
-        The function.
-    low, high : ndarray, shape (n,)
-        Times between which to look.
-
-    Returns
-    -------
-    ndarray, shape (n,)
-
-    Examples
-    --------
-    >>> sign_change(np.cos, np.array([0.0]), np.array([3.0])).round(6)
-    array([1.570796])
-    """
+    """Find a change of sign of a function between two times by bisection."""
     negative = curve(low) < 0.0
     for _ in range(BISECTIONS):
         middle = 0.5 * (low + high)
@@ -368,14 +264,14 @@ def _limits(curves: ContactCurves, crests: Array) -> tuple[Array, Array]:
 
 
 def _zeros(curves: ContactCurves, outside: Array, inside: Array) -> Array:
-    """Where the force passes zero between two saved times; the outer one if it is 0 there."""
+    """Zeros of the force between two saved times; the outer time if the force is 0 there."""
     times, force = curves.times, curves.force
     passed = sign_change(curves.force_curve, times[outside], times[inside])
     return np.where(force[outside] == 0.0, times[outside], passed)
 
 
 def _directions(curves: ContactCurves, works: Array, begin: Array, end: Array) -> Array:
-    """Sign of the work, 0 where it is little beside what flows to and fro."""
+    """Sign of the work; 0 where it is small compared with the energy that flows to and fro."""
     from scipy.integrate import cumulative_trapezoid
 
     flow = cumulative_trapezoid(np.abs(curves.power), curves.times, initial=0.0)

@@ -1,17 +1,7 @@
-r"""The waves of a run: what passes neighbouring contacts one after another.
-
-Events of neighbouring contacts and of one direction are assigned to each other so that the sum of
-
-.. math:: \left(\frac{\Delta t}{h} - 1\right)^2 + \ln^2\frac{J_{k\pm1}}{J_k}
-
-is least, where :math:`h = 0.66\,J/F` is the time that a solitary wave of this duration takes
-from contact to contact; pairs of 4 or more are not linked.  A wave ends where it meets another
-or a wall, and a new one begins behind.
-"""
+"""Travelling waves: a single wave, and all waves of a run."""
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -19,31 +9,17 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from hertzchain.chain.chain import Chain
-from hertzchain.checks import number, whole_number
-from hertzchain.contacts import Array
-from hertzchain.errors import InputError, InputWarning
-from hertzchain.simulation.wave_events import (
-    LEAST_SAMPLES,
-    WaveEvent,
-    check_saved_times,
-    events_at,
-    largest_force_of,
-    times_to_save,
-)
+from ..chain.chain import Chain
+from ..collision import Array
+from ..representation import measure, short, wrapped
+from ..validation.numbers import whole_number
+from .wave_events import MIN_SAMPLES, WaveEvent
 
 if TYPE_CHECKING:
     import pandas as pd
     from matplotlib.axes import Axes
 
-    from hertzchain.simulation.run import Run
-
-# Time from contact to contact in durations, in the solitary wave of p = 3/2.
-HOP: Final = 0.66
-# Bounds of that time for events that may be one wave, in parts of it, and of the cost.
-EARLIEST, LATEST = -0.36, 2.86
-MOST_COST: Final = 4.0
-NAMES: Final = {1: "right", -1: "left"}
+DIRECTIONS: Final = {1: "right", -1: "left"}
 
 
 @dataclass(frozen=True)
@@ -74,7 +50,7 @@ class Wave:
 
     @cached_property
     def contacts(self) -> Array:
-        """Contacts it passes, shape (M,)."""
+        """Contacts that the wave passes, shape (M,)."""
         return np.array([event.contact for event in self.events])
 
     @cached_property
@@ -122,7 +98,7 @@ class Wave:
 
     @property
     def width(self) -> float:
-        """Median of the `widths` that are known, NaN if none is [scaled, or s]."""
+        """Median of the known `widths`; NaN if none is known [scaled, or s]."""
         known = self.widths[np.isfinite(self.widths)]
         return float(np.median(known)) if len(known) else np.nan
 
@@ -141,15 +117,15 @@ class Wave:
     def samples(self) -> float:
         """Median number of saved times during the passage of a contact.
 
-        Where a wave becomes shorter along its track, as in forward tapers, the column
-        ``samples`` of `to_dataframe` says up to where it is resolved.
+        If a wave becomes shorter along its track, as in forward tapers, the column ``samples`` of
+        `to_dataframe` shows up to which contact it is resolved.
         """
         return float(np.median([event.samples for event in self.events]))
 
     @property
     def resolved(self) -> bool:
         """Whether `samples` is at least 8, so that the medians above are reliable."""
-        return self.samples >= LEAST_SAMPLES
+        return self.samples >= MIN_SAMPLES
 
     def to_dataframe(self) -> pd.DataFrame:
         """Table with one row per contact.
@@ -177,18 +153,20 @@ class Wave:
         return pd.DataFrame(columns, index=pd.Index(self.contacts, name="contact"))
 
     def __repr__(self) -> str:
-        first, last = self.events[0], self.events[-1]
+        first, last, units = self.events[0], self.events[-1], self.chain.units
+        facts = {"force": (self.amplitude, "N"), "momentum": (self.momentum, "kg m/s"),
+                 "energy": (self.energy, "J")}  # fmt: skip
+        values = ", ".join(f"{name} {measure(*value, units)}" for name, value in facts.items())
         doubt = "" if self.resolved else ", unresolved"
-        return (
-            f"Wave({NAMES[self.direction]}, contacts {first.contact} to {last.contact}, t = "
-            f"{first.time:.4g} to {last.time:.4g}, force {self.amplitude:.4g}, momentum "
-            f"{self.momentum:.4g}, energy {self.energy:.4g}{doubt})"
+        return wrapped(
+            f"Wave({DIRECTIONS[self.direction]}, contacts {first.contact} to {last.contact}, t = "
+            f"{first.time:.4g} to {measure(last.time, 's', units)}, {values}{doubt})"
         )
 
 
 @dataclass(frozen=True, eq=False)
 class Waves:
-    """The waves of a run, by the time of their first contact.
+    """The waves of a run, ordered by the time at their first contact.
 
     ``len``, ``waves[0]`` and loops work as with a list of `Wave`.
 
@@ -199,8 +177,8 @@ class Waves:
     waves : tuple of Wave
         The waves.
     events : tuple of WaveEvent
-        Every force maximum of every contact, by contact and time: those of the waves, those
-        where waves meet or are turned round (direction 0), and those that no wave contains.
+        Every force maximum of every contact, ordered by contact and time: maxima of the waves,
+        maxima where waves meet or are reflected (direction 0), and maxima that belong to no wave.
 
     Examples
     --------
@@ -236,7 +214,7 @@ class Waves:
         return self._only([wave for wave in self.waves if wave.direction < 0])
 
     def passing(self, contact: int) -> Waves:
-        """The waves that pass a contact, in the order in which they pass it.
+        """The waves that pass a contact, in order of time.
 
         Parameters
         ----------
@@ -273,7 +251,7 @@ class Waves:
         Parameters
         ----------
         contact : int
-            Number k of the contact; 0 is the left wall's and N the right one's.
+            Number k of the contact; 0 is the contact with the left wall, N with the right wall.
 
         Returns
         -------
@@ -316,12 +294,12 @@ class Waves:
         return pd.DataFrame([_row(wave) for wave in self.waves], columns=[*COLUMNS])
 
     def plot(self, *, ax: Axes | None = None) -> Axes:
-        """Draw the track of every wave, contact against time.
+        """Plot the track of every wave: contact against time.
 
         Parameters
         ----------
         ax : matplotlib.axes.Axes, optional
-            Axes to draw into; a new figure's if not given.
+            Axes to draw into.  By default, a new figure is created.
 
         Returns
         -------
@@ -333,24 +311,40 @@ class Waves:
         >>> hc.simulate(hc.Chain.uniform(40), until=45.0).waves().plot().get_ylabel()
         'contact $k$'
         """
-        from hertzchain.plotting.waves import plot_waves
+        from ..plotting.waves import plot_waves
 
         return plot_waves(self, ax=ax)
 
     def _only(self, chosen: list[Wave]) -> Waves:
         return replace(self, waves=tuple(chosen))
 
-    def __repr__(self) -> str:
+    def _heading(self) -> str:
         counts = [
-            f"{sum(w.direction == sign for w in self)} {name}" for sign, name in NAMES.items()
+            f"{sum(w.direction == sign for w in self)} {name}" for sign, name in DIRECTIONS.items()
         ]
-        lines = [f"Waves({self.chain.description}: {', '.join(counts)})"]
+        return f"{self.chain.description}: {', '.join(counts)}"
+
+    def __repr__(self) -> str:
+        if not len(self):
+            return short("Waves", self._heading())
+        strongest = max(self, key=lambda wave: wave.energy)
+        units = self.chain.units
+        return short(
+            "Waves",
+            self._heading(),
+            f"the strongest {DIRECTIONS[strongest.direction]}, force "
+            f"{measure(strongest.amplitude, 'N', units)}, momentum "
+            f"{measure(strongest.momentum, 'kg m/s', units)}",
+            "print() lists them",
+        )
+
+    def __str__(self) -> str:
         shown = self.waves if len(self) <= 12 else self.waves[:10]
-        lines += [f"  {wave}" for wave in shown]
+        lines = [f"Waves({self._heading()})", *(f"  {' '.join(repr(w).split())}" for w in shown)]
         if len(shown) < len(self):
             lines.append(f"  and {len(self) - len(shown)} more")
         if len(self) > self.chain.beads:
-            lines.append("  more waves than contacts: run.energy_flux() may say more")
+            lines.append("  more waves than contacts: run.energy_flux() may show more")
         return "\n".join(lines)
 
 
@@ -366,96 +360,3 @@ def _row(wave: Wave) -> tuple[float, ...]:
         wave.direction, first.contact, last.contact, first.time, last.time, wave.amplitude,
         wave.momentum, wave.energy, wave.width, wave.speed, wave.samples,
     )  # fmt: skip
-
-
-def find_waves(run: Run, threshold: float = 0.01, min_contacts: int = 3) -> Waves:
-    """Find the waves of a run; see `hertzchain.Run.waves`.
-
-    Parameters
-    ----------
-    run : Run
-        A run with saved times.
-    threshold : float
-        Least force of a maximum, in parts of the largest force of the run.
-    min_contacts : int
-        Number of contacts that a wave must pass.
-
-    Returns
-    -------
-    Waves
-
-    Examples
-    --------
-    >>> import hertzchain as hc
-    >>> len(find_waves(hc.simulate(hc.Chain.uniform(30), until=30.0)))
-    1
-    """
-    threshold = number("threshold", threshold, above=0.0, below=1.0)
-    least = whole_number("min_contacts", min_contacts, least=2)
-    check_saved_times(run)
-    floor = threshold * largest_force_of(run)
-    events = [events_at(run, k, floor) for k in range(run.chain.beads + 1)]
-    every = [event for here in events for event in here]
-    tracks = [track for sign in NAMES for track in _tracks(events, sign) if len(track) >= least]
-    waves = [Wave(run.chain, track[0].direction, tuple(track)) for track in tracks]
-    waves.sort(key=lambda wave: wave.events[0].time)
-    _check_resolved(run, waves)
-    return Waves(run.chain, tuple(waves), tuple(every))
-
-
-def _tracks(events: list[list[WaveEvent]], sign: int) -> Iterator[list[WaveEvent]]:
-    """Events of one direction, linked from contact to contact."""
-    moving = [[event for event in here if event.direction == sign] for here in events][::sign]
-    open_tracks: dict[int, list[WaveEvent]] = {}
-    for here, there in zip(moving, [*moving[1:], []], strict=True):
-        for i, event in enumerate(here):
-            open_tracks.setdefault(i, [event])
-        following = {}
-        for i, j in _links(here, there):
-            track = open_tracks.pop(i)
-            track.append(there[j])
-            following[j] = track
-        yield from open_tracks.values()
-        open_tracks = following
-
-
-def _links(here: list[WaveEvent], there: list[WaveEvent]) -> Iterator[tuple[int, int]]:
-    """Which events of the next contact continue which of this one."""
-    from scipy.optimize import linear_sum_assignment
-
-    if not (here and there):
-        return
-    time, duration, impulse = (np.array(c)[:, np.newaxis] for c in _columns(here))
-    next_time, next_duration, next_impulse = (np.array(c) for c in _columns(there))
-    wait = (next_time - time) / (0.5 * HOP * (duration + next_duration))
-    cost = (wait - 1.0) ** 2 + np.log(next_impulse / impulse) ** 2
-    cost[(wait <= EARLIEST) | (wait >= LATEST) | ~(cost < MOST_COST)] = 1e9
-    for i, j in zip(*linear_sum_assignment(cost), strict=True):
-        if cost[i, j] < MOST_COST:
-            yield int(i), int(j)
-
-
-def _columns(events: list[WaveEvent]) -> Iterator[tuple[float, ...]]:
-    return zip(*((e.time, e.duration, e.impulse) for e in events), strict=True)
-
-
-def _check_resolved(run: Run, waves: list[Wave]) -> None:
-    """Refuse a run in which the strongest wave is not resolved, warn where a weaker one is not."""
-    missed = [wave for wave in waves if not wave.resolved]
-    if not missed:
-        return
-    worst = min(wave.samples for wave in missed)
-    advice = f"save at least times={times_to_save(run, worst)}"
-    strongest = max(waves, key=lambda wave: wave.energy)
-    if not strongest.resolved:
-        raise InputError(
-            "too few saved times to find waves: the strongest has "
-            f"{strongest.samples:.3g} while it passes a contact, at least {LEAST_SAMPLES:g} are "
-            f"needed; {advice}"
-        )
-    warnings.warn(
-        f"{len(missed)} of {len(waves)} waves have fewer than {LEAST_SAMPLES:g} saved times while "
-        f"they pass a contact (least: {worst:.3g}) and are marked as unresolved; {advice}",
-        InputWarning,
-        stacklevel=4,
-    )

@@ -1,1 +1,1 @@
-"""Files: the only package that knows formats."""
+"""Reading and writing of files; all file formats are defined in this package."""

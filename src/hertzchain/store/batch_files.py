@@ -2,8 +2,8 @@
 
 The digests of a batch are one chunk of the array ``digest``, which is written after all other
 files of the batch: a batch without digests is not done, and is read as if it were empty.
-A digest depends on the sweep and on the name of the file, too, so that a file copied from another
-batch or another store is found.
+A digest also depends on the sweep and on the name of the file, so that files copied from another
+batch or another store are detected.
 """
 
 from __future__ import annotations
@@ -19,8 +19,8 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from hertzchain.store.damage import DamagedFileError
-from hertzchain.store.writing import replace_file, temporary_name
+from .damage import DamagedFileError
+from .writing import replace_file, temporary_name
 
 DIGEST: Final = "digest"
 # Type of a digest.
@@ -30,16 +30,16 @@ TEMPORARY: Final = re.compile(r"(.+)\.[0-9a-f]{32}\.partial")
 
 @dataclass(frozen=True, eq=False)
 class BatchFiles:
-    """Where the files of each batch are, and whether they are as they were written.
+    """Paths of the files of each batch, and checks of their contents.
 
     Attributes
     ----------
     folder : pathlib.Path
         The store.
     sweep : str
-        What is swept: a part of every digest.
+        Digest of the specification, which is a part of every digest.
     arrays : mapping of str to zarr.Array
-        Arrays of which each batch is one chunk, in the order of the digests; status is the last.
+        Arrays of which each batch is one chunk, in the order of the digests; status is last.
     digests : zarr.Array
         One row of digests per batch, 0 where there is no file.
     grid : tuple of int
@@ -58,48 +58,19 @@ class BatchFiles:
 
     @property
     def number(self) -> int:
-        """Number of batches, done or not."""
+        """Number of batches, whether done or not."""
         return int(np.prod(self.grid))
 
     def file(self, name: str, batch: int) -> Path:
-        """The file of a batch; each chunk holds whole beads and methods.
-
-        Parameters
-        ----------
-        name : str
-            Name of the array, or ``"digest"``.
-        batch : int
-            Number of the batch.
-
-        Returns
-        -------
-        pathlib.Path
-
-        Examples
-        --------
-        See `hertzchain.store.sweep_store.SweepStore`.
-        """
+        """Path of the file of a batch; each chunk has all beads and methods of its points."""
         return self.folder / self._key(name, batch)
 
     def place(self, key: str) -> tuple[str, int] | None:
-        """Array and batch of a file; `None` for files of no batch.
-
-        Parameters
-        ----------
-        key : str
-            Path of the file in the store, with ``/`` between its parts.
-
-        Returns
-        -------
-        tuple of str and int, or None
-
-        Examples
-        --------
-        See `hertzchain.store.sweep_store.SweepStore`.
-        """
+        """Array and batch of a file; `None` for files of no batch."""
         name, _, rest = key.partition("/")
         if name not in self.arrays and name != DIGEST:
             return None
+        # zarr only encodes keys: the numbers in the key are a guess, which is checked below.
         numbers = [int(each) for each in re.findall(r"\d{1,9}", rest)]
         corner = numbers[:1] if name == DIGEST else numbers[: len(self.grid)]
         grid = (self.number,) if name == DIGEST else self.grid
@@ -110,46 +81,11 @@ class BatchFiles:
         return (name, batch) if self._key(name, batch) == key else None
 
     def done(self, batch: int) -> bool:
-        """Whether a batch was written to its end, and is not skipped.
-
-        Parameters
-        ----------
-        batch : int
-            Number of the batch.
-
-        Returns
-        -------
-        bool
-
-        Examples
-        --------
-        See `hertzchain.store.sweep_store.SweepStore`.
-        """
+        """Whether a batch was written completely and is not skipped."""
         return batch not in self.skipped and self._row(batch) is not None
 
     def content(self, name: str, batch: int) -> bytes | None:
-        """What a file holds; `None` if the batch is not done or has no such file.
-
-        Parameters
-        ----------
-        name : str
-            Name of the array.
-        batch : int
-            Number of the batch.
-
-        Returns
-        -------
-        bytes or None
-
-        Raises
-        ------
-        InputError
-            If the file is not as it was written.
-
-        Examples
-        --------
-        See `hertzchain.store.sweep_store.SweepStore`.
-        """
+        """Read and check a file; `None` if the batch is not done or has no such file."""
         row = None if batch in self.skipped else self._row(batch)
         if row is None:
             return None
@@ -170,23 +106,7 @@ class BatchFiles:
         return content
 
     def fault(self, batch: int, *, contents: bool) -> DamagedFileError | None:
-        """What is wrong with a batch, if it is done.
-
-        Parameters
-        ----------
-        batch : int
-            Number of the batch.
-        contents : bool
-            Whether to read its files; otherwise only see that they are there.
-
-        Returns
-        -------
-        InputError or None
-
-        Examples
-        --------
-        See `hertzchain.store.sweep_store.SweepStore`.
-        """
+        """The error for a batch that is done but damaged."""
         try:
             row = self._row(batch)
             if row is None:
@@ -200,19 +120,7 @@ class BatchFiles:
         return None
 
     def settle(self, batch: int, names: Iterable[str]) -> None:
-        """Wait until the disk has files of a batch.
-
-        Parameters
-        ----------
-        batch : int
-            Number of the batch.
-        names : iterable of str
-            Names of their arrays.
-
-        Examples
-        --------
-        See `hertzchain.store.sweep_store.SweepStore`.
-        """
+        """Wait until files of a batch have reached the disk."""
         for name in names:
             file = self.file(name, batch)
             if file.exists():
@@ -220,17 +128,7 @@ class BatchFiles:
                     os.fsync(data.fileno())
 
     def commit(self, batch: int) -> None:
-        """Make a batch, whose files have reached the disk, count as done.
-
-        Parameters
-        ----------
-        batch : int
-            Number of the batch.
-
-        Examples
-        --------
-        See `hertzchain.store.sweep_store.SweepStore`.
-        """
+        """Mark a batch as done, after its files have reached the disk."""
         row = np.zeros(len(self.arrays), ROW)
         for column, name in enumerate(self.arrays):
             file = self.file(name, batch)
@@ -243,17 +141,7 @@ class BatchFiles:
         self.skipped.discard(batch)
 
     def forget(self, batch: int) -> None:
-        """Remove what is there of a batch, its digests first.
-
-        Parameters
-        ----------
-        batch : int
-            Number of the batch.
-
-        Examples
-        --------
-        See `hertzchain.store.sweep_store.SweepStore`.
-        """
+        """Remove all files of a batch, its digests first."""
         self._rows.pop(batch, None)
         for name in (DIGEST, *list(self.arrays)[::-1]):
             self.file(name, batch).unlink(missing_ok=True)
@@ -270,7 +158,7 @@ class BatchFiles:
                 raise self._damaged(file, f"cannot be read ({error.strerror})") from None
             whole = len(content) == ROW.itemsize * len(self.arrays)
             row = np.frombuffer(content, ROW) if whole else np.zeros(1, ROW)
-            # A batch that is done has a status.
+            # The last digest is that of the status, which every finished batch has.
             if not row[-1]:
                 raise self._damaged(file, "is not as it was written")
             self._rows[batch] = row
@@ -281,7 +169,7 @@ class BatchFiles:
         grid = (self.number,) if name == DIGEST else self.grid
         corner = [int(i) for i in np.unravel_index(batch, grid)]
         more = [0] * (array.ndim - len(corner))
-        return f"{name}/{array.metadata.encode_chunk_key((*corner, *more))}"
+        return f"{array.path}/{array.metadata.encode_chunk_key((*corner, *more))}"
 
     def _digest(self, name: str, batch: int, content: bytes | None) -> int:
         if content is None:
@@ -293,7 +181,7 @@ class BatchFiles:
 
     def _damaged(self, file: Path, how: str) -> DamagedFileError:
         advice = (
-            "skip_damaged=True (--skip-damaged) reads the rest, and lets the same sweep compute "
-            "that batch again"
+            "skip_damaged=True (--skip-damaged) reads the rest; with it, a repeated sweep computes "
+            "this batch again"
         )
         return DamagedFileError(file, how, self.folder, advice)

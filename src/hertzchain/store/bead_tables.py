@@ -1,4 +1,4 @@
-"""Beads and drives from CSV: a row a bead, or a row a moment."""
+"""Read beads (one row per bead) and drives (one row per time) from CSV files."""
 
 from __future__ import annotations
 
@@ -8,12 +8,12 @@ from typing import Any, Final
 
 import numpy as np
 
-from hertzchain.arguments import file_path, shown_path
-from hertzchain.chain.chain import Chain
-from hertzchain.chain.drives import Table
-from hertzchain.chain.materials import Material, material
-from hertzchain.errors import InputError
-from hertzchain.store.csv_tables import Column, CsvTable, read_csv
+from ..chain.chain import Chain
+from ..chain.drives import TableDrive
+from ..chain.materials import Material, material
+from ..errors import InputError
+from ..validation.objects import file_path, shown_path
+from .csv_tables import Column, CsvTable, read_csv
 
 BEAD_COLUMNS: Final = {
     "bead": Column("number"),
@@ -33,14 +33,14 @@ DRIVE_COLUMNS: Final = {
 
 
 def load_beads(path: str | os.PathLike[str], own: Mapping[str, Material] | None = None) -> Chain:
-    r"""Read a chain from a CSV file with a row a bead.
+    r"""Read a chain from a CSV file with one row per bead.
 
     Parameters
     ----------
     path : path-like
         The file, with the columns of `BEAD_COLUMNS`.
     own : mapping of str to Material, optional
-        Materials of your own, by name.
+        Custom materials, by name.
 
     Returns
     -------
@@ -49,8 +49,8 @@ def load_beads(path: str | os.PathLike[str], own: Mapping[str, Material] | None 
     Raises
     ------
     InputError
-        If the file is missing or unreadable, a column is unknown, missing or there twice, or a
-        value is out of range; the file, row and column are named.
+        If the file is missing or unreadable, a column is unknown, missing or duplicated, or a
+        value is out of range.  The message names the file, row and column.
 
     Examples
     --------
@@ -74,7 +74,7 @@ def _chain_of(table: CsvTable, own: Mapping[str, Material]) -> Chain:
     sizes = [name for name in ("radius", "diameter") if name in columns]
     if len(sizes) != 1:
         raise InputError(
-            f"a table of beads needs a column radius or diameter, and not both, got "
+            f"a table of beads requires either a column radius or a column diameter, got "
             f"{', '.join(columns)}"
         )
     expected = list(map(float, range(1, table.rows + 1)))
@@ -89,7 +89,7 @@ def _chain_of(table: CsvTable, own: Mapping[str, Material]) -> Chain:
     }  # fmt: skip
     if "material" in columns:
         if not table.has_units:
-            raise InputError(f"materials need sizes with a unit: write {sizes[0]} [mm]")
+            raise InputError(f"materials require sizes with a unit; write {sizes[0]} [mm]")
         kinds = [own.get(str(name)) or material(str(name)) for name in columns["material"]]
         return Chain.from_materials(radii, kinds, **fields)
     if table.has_units:
@@ -98,8 +98,8 @@ def _chain_of(table: CsvTable, own: Mapping[str, Material]) -> Chain:
     return chain.replace(**fields) if fields else chain
 
 
-def load_drive(path: str | os.PathLike[str]) -> Table:
-    r"""Read a drive from a CSV file with columns ``time [us]`` and ``force [N]``, or such.
+def load_drive(path: str | os.PathLike[str]) -> TableDrive:
+    r"""Read a drive from a CSV file with columns such as ``time [us]`` and ``force [N]``.
 
     Parameters
     ----------
@@ -108,13 +108,13 @@ def load_drive(path: str | os.PathLike[str]) -> Table:
 
     Returns
     -------
-    Table
+    TableDrive
 
     Raises
     ------
     InputError
-        If the file is missing or unreadable, a column is unknown, missing or there twice, or
-        times do not increase; the file is named.
+        If the file is missing or unreadable, a column is unknown, missing or duplicated, or
+        times do not increase.  The message names the file.
 
     Examples
     --------
@@ -124,7 +124,7 @@ def load_drive(path: str | os.PathLike[str]) -> Table:
     ...     file = Path(folder) / "hammer.csv"
     ...     _ = file.write_text("time [us],force [N]\n0,0\n10,80\n30,0\n")
     ...     load_drive(file)
-    Table(3 times, 0 to 3e-05, of='force')
+    TableDrive(3 times, 0 to 3e-05, of='force')
     """
     file = file_path("table of a drive", path)
     try:
@@ -132,10 +132,10 @@ def load_drive(path: str | os.PathLike[str]) -> Table:
         of = [name for name in ("force", "displacement") if name in table.columns]
         if "time" not in table.columns or len(of) != 1:
             raise InputError(
-                "a drive needs columns time and either force or displacement, got "
+                "a drive requires a column time and either force or displacement, got "
                 f"{', '.join(table.columns)}"
             )
-        return Table(
+        return TableDrive(
             np.array(table.columns["time"], float),
             np.array(table.columns[of[0]], float),
             of[0],  # type: ignore[arg-type]

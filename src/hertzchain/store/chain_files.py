@@ -34,28 +34,23 @@ from typing import Any, Final
 
 import numpy as np
 
-from hertzchain.arguments import file_path, shown_path
-from hertzchain.chain.chain import Chain
-from hertzchain.chain.coverage import check_chain
-from hertzchain.chain.drives import Drive, SineBurst, Step, Table
-from hertzchain.chain.losses import (
-    Dashpot,
-    Loss,
-    Restitution,
-    UnloadingRatio,
-    VelocityPower,
-    Viscoelastic,
-    WaltonBraun,
-)
-from hertzchain.chain.materials import RIGID, Material, material
-from hertzchain.chain.sizes import checked_beads
-from hertzchain.chain.walls import Wall
-from hertzchain.checks import number, real_numbers, whole_number
-from hertzchain.errors import InputError
-from hertzchain.simulation.state import fingerprint
-from hertzchain.store.bead_tables import load_beads, load_drive
-from hertzchain.store.chain_schema import FORMS, check_document, without_units
-from hertzchain.store.toml_files import read_toml, toml_key, toml_text
+from ..chain.chain import Chain
+from ..chain.drives import Drive, SineBurst, StepDrive, TableDrive
+from ..chain.feature_support import require_chain
+from ..chain.input_checks import checked_beads
+from ..chain.laws import LAWS, Loss
+from ..chain.laws.elastic import Elastic
+from ..chain.materials import RIGID, Material, material
+from ..chain.per_contact import MaterialPairs
+from ..chain.tapers import PARAMETERS, taper_named
+from ..chain.walls import Wall
+from ..errors import InputError
+from ..simulation.state import fingerprint
+from ..validation.numbers import number, real_numbers, whole_number
+from ..validation.objects import file_path, shown_path
+from .bead_tables import load_beads, load_drive
+from .chain_schema import FORMS, check_document, without_units
+from .toml_files import read_toml, toml_key, toml_text
 
 ARRAYS: Final = ("masses", "stiffness", "velocities", "gaps")
 LATER: Final = ("precompression", "held_by", "gravity")
@@ -63,15 +58,11 @@ LATER: Final = ("precompression", "held_by", "gravity")
 MORE_BEADS: Final = ("decorated", "with_defects", "with_scatter")
 METHODS: Final = (*MORE_BEADS, "struck_by")
 PARTS: Final = ("left_wall", "right_wall", "loss", "drive")
-LAWS: Final[Mapping[str, type[Loss]]] = {
-    "restitution": Restitution,
-    "viscoelastic": Viscoelastic,
-    "unloading-ratio": UnloadingRatio,
-    "velocity-power": VelocityPower,
-    "dashpot": Dashpot,
-    "walton-braun": WaltonBraun,
+DRIVES: Final[Mapping[str, type[Drive]]] = {
+    "sine-burst": SineBurst,
+    "step": StepDrive,
+    "table": TableDrive,
 }
-DRIVES: Final[Mapping[str, type[Drive]]] = {"sine-burst": SineBurst, "step": Step, "table": Table}
 
 
 def load_chain(path: str | os.PathLike[str]) -> Chain:
@@ -116,29 +107,7 @@ def load_chain(path: str | os.PathLike[str]) -> Chain:
 
 
 def chain_from(document: Mapping[str, Any], folder: Path = Path()) -> Chain:
-    """The chain that a parsed chain file describes.
-
-    Parameters
-    ----------
-    document : mapping
-        Tables ``chain`` and, if there are any, ``materials``.
-    folder : pathlib.Path
-        Where the files are that it names.
-
-    Returns
-    -------
-    Chain
-
-    Raises
-    ------
-    InputError
-        As `load_chain`.
-
-    Examples
-    --------
-    >>> chain_from({"chain": {"taper": "uniform", "beads": 20}})
-    Chain(uniform, 20 beads)
-    """
+    """The chain that a parsed chain file describes."""
     for problem in check_document(document):
         raise InputError(problem)
     return _ChainFile(document, folder).chain()
@@ -170,25 +139,24 @@ def chain_as_toml(chain: Chain) -> str:
     radii = [1.0, 1.0]
     right_wall = {rigid = true, gap = 0.0}
     """
-    check_chain("chain_as_toml", chain)
+    require_chain("chain_as_toml", chain)
     # Those of a scaled chain, which decide nothing, would make it one in SI units.
     materials = chain.materials or () if chain.units == "SI" else ()
     names = _names_of_materials(chain, materials)
     entries = _beads_entries(chain)
     if materials:
         entries["materials"] = [names[each] for each in materials]
-    for name in ("left_wall", "right_wall"):
+    for name, end in (("left_wall", 0), ("right_wall", -1)):
         wall = getattr(chain, name)
         if wall is not None:
-            entries[name] = _wall_entry(wall, names)
-    parts: tuple[tuple[str, Mapping[str, type], str], ...] = (
-        ("loss", LAWS, "law"), ("drive", DRIVES, "kind"),
-    )  # fmt: skip
-    for name, classes, key in parts:
-        part = getattr(chain, name)
-        if part is not None:
-            kind = next(label for label, cls in classes.items() if type(part) is cls)
-            entries[name] = {key: kind} | _fields(part)
+            by_pairs = isinstance(chain.exponent, MaterialPairs)
+            p = float(chain.contact_exponents[end]) if by_pairs else wall.exponent
+            entries[name] = _wall_entry(wall, names, p)
+    if chain.loss is not None:
+        entries["loss"] = _loss_entries(chain.loss, names)
+    if chain.drive is not None:
+        kind = next(label for label, cls in DRIVES.items() if type(chain.drive) is cls)
+        entries["drive"] = {"kind": kind} | _fields(chain.drive)
     lines = ["[chain]", *(f"{name} = {toml_text(value)}" for name, value in entries.items())]
     for each, name in names.items():
         lines += ["", f"[materials.{toml_key(name)}]"]
@@ -204,11 +172,13 @@ def _beads_entries(chain: Chain) -> dict[str, Any]:
     """Keys of [chain] that are no tables."""
     entries: dict[str, Any] = {}
     if chain.taper is not None and chain.units == "scaled":
-        entries |= {"taper": chain.taper, "rate": chain.rate, "beads": chain.beads}
+        entries |= {"taper": chain.taper, **dict(chain.taper_parameters), "beads": chain.beads}
     else:
         entries["radii"] = chain.radii.tolist()
     usual = {item.name: item.default for item in dataclasses.fields(chain)}
-    for name in ("exponent", "units", "strikers", *LATER):
+    if np.any(chain.exponents != usual["exponent"]):
+        entries["exponent"] = np.asarray(chain.exponents).tolist()
+    for name in ("units", "strikers", *LATER):
         if (value := getattr(chain, name)) != usual[name]:
             entries[name] = value
     return entries | {name: getattr(chain, name).tolist() for name in ARRAYS if name in chain.given}
@@ -218,6 +188,8 @@ def _names_of_materials(chain: Chain, kinds: Sequence[Material]) -> dict[Materia
     """A name for each material of beads and walls; no two have the same."""
     walls = (chain.left_wall, chain.right_wall)
     used = [*kinds, *(wall.material for wall in walls if wall is not None)]
+    if isinstance(chain.loss, MaterialPairs):
+        used += sorted({each for pair in chain.loss.values for each in pair}, key=str)
     names: dict[Material, str] = {}
     taken: set[str] = set()
     for each in used:
@@ -257,7 +229,8 @@ class _ChainFile:
 
     def chain(self) -> Chain:
         # Given bead by bead: with the beads, unless these change first.
-        own: dict[str, Any] = {name: self.table[name] for name in ARRAYS if name in self.table}
+        listed = (*ARRAYS, "exponent") if self._listed("exponent") else ARRAYS
+        own: dict[str, Any] = {name: self.table[name] for name in listed if name in self.table}
         changed = any(name in self.table for name in MORE_BEADS)
         chain = self._beads({} if changed else own)
         for name in MORE_BEADS:
@@ -273,6 +246,10 @@ class _ChainFile:
         rest |= {name: self._part(name) for name in PARTS if name in self.table}
         return chain.replace(**rest) if rest else chain
 
+    def _listed(self, name: str) -> bool:
+        """Whether a key has a value for each contact."""
+        return isinstance(self.table.get(name), list | tuple | np.ndarray)
+
     def _beads(self, own: dict[str, Any]) -> Chain:
         table = self.table
         present = [form for form in FORMS if form in table]
@@ -285,7 +262,8 @@ class _ChainFile:
         form = self._form = present[0]
         keys = {key for more in FORMS.values() for key in more} | set(FORMS)
         self._refuse_beside(form, sorted(keys - {form, *FORMS[form]}))
-        law = {"exponent": table["exponent"]} if "exponent" in table else {}
+        one = "exponent" in table and not self._listed("exponent")
+        law = {"exponent": table["exponent"]} if one else {}
         if table.get("units") == "scaled" and "materials" in table:
             raise InputError(
                 "[chain] has units = 'scaled' and also materials, which make a chain in SI units: "
@@ -334,11 +312,18 @@ class _ChainFile:
         table = self.table
         beads = self._needed("beads")
         if table["taper"] == "uniform":
-            self._refuse_beside('taper = "uniform"', ["rate"])
+            self._refuse_beside('taper = "uniform"', list(PARAMETERS))
             return Chain.uniform(beads, **law)
-        if "rate" not in table:
-            raise InputError(f"[chain] has taper = {table['taper']!r} but no rate, its S or q")
-        return Chain.tapered(table["taper"], table["rate"], beads=beads, **law)
+        symbols = taper_named(table["taper"]).symbols
+        for name, symbol in symbols.items():
+            if name not in table:
+                raise InputError(
+                    f"[chain] has taper = {table['taper']!r} but no {name}, its parameter {symbol}"
+                )
+        others = [name for name in PARAMETERS if name not in symbols]
+        self._refuse_beside(f"taper = {table['taper']!r}", others)
+        parameters = {name: table[name] for name in symbols}
+        return Chain.tapered(table["taper"], beads=beads, **parameters, **law)
 
     def _si_beads(self, form: str, law: dict[str, Any], own: dict[str, Any]) -> Chain:
         table = self.table
@@ -383,8 +368,12 @@ class _ChainFile:
             yield arguments
 
     def _part(self, name: str) -> Any:
+        if name == "loss":
+            return self._losses(self.table[name])
         entry = dict(self.table[name])
         if name.endswith("wall"):
+            if "loss" in entry:
+                entry["loss"] = _law(entry["loss"])
             if entry.pop("rigid", False):
                 if "material" in entry:
                     raise InputError(f"[chain.{name}] is rigid and of a material: leave one out")
@@ -392,9 +381,25 @@ class _ChainFile:
             elif "material" in entry:
                 entry["material"] = self._material(entry["material"])
             return Wall(**entry)
-        if name == "loss":
-            return LAWS[entry.pop("law")](**entry)
         return self._drive(entry)
+
+    def _losses(self, given: Any) -> Any:
+        """A law, a list with one for each contact, or a mapping from pairs of materials."""
+        if isinstance(given, Mapping) and "between" not in given:
+            return _law(given)
+        listed = [given] if isinstance(given, Mapping) else given
+        if not any("between" in each for each in listed):
+            return [_law(each) for each in listed]
+        pairs = {}
+        for entry in map(dict, listed):
+            names = entry.pop("between", [])
+            if len(names) != 2:
+                raise InputError(
+                    "between of [chain.loss] must have two materials, in all of its tables or in "
+                    f"none, got {names!r}"
+                )
+            pairs[tuple(self._material(names))] = _law(entry)
+        return pairs
 
     def _drive(self, entry: dict[str, Any]) -> Drive:
         kind = entry.pop("kind")
@@ -427,13 +432,41 @@ class _ChainFile:
             raise InputError(f"[chain] has {what} and also {', '.join(present)}: {advice}")
 
 
-def _wall_entry(wall: Wall, names: Mapping[Material, str]) -> dict[str, Any]:
+def _law(entry: Mapping[str, Any]) -> Loss:
+    return LAWS[entry["law"]](**{key: value for key, value in entry.items() if key != "law"})
+
+
+def _law_entry(law: Loss | None) -> dict[str, Any]:
+    law = Elastic() if law is None else law
+    return {"law": law.name} | _fields(law)
+
+
+def _loss_entries(given: Any, names: Mapping[Material, str]) -> Any:
+    """One table or, if contacts differ, a list of them."""
+    if isinstance(given, MaterialPairs):
+        return [
+            {"between": ([names[each] for each in sorted(pair, key=names.__getitem__)] * 2)[:2]}
+            | _law_entry(law)
+            for pair, law in given.values.items()
+        ]
+    if isinstance(given, tuple):
+        return [_law_entry(law) for law in given]
+    return _law_entry(given)
+
+
+def _wall_entry(wall: Wall, names: Mapping[Material, str], p: float | None) -> dict[str, Any]:
+    """Keys of a wall; its exponent unless it follows from those of the chain."""
+    entry: dict[str, Any] = {}
     if wall.stiffness is not None:
-        return {"stiffness": wall.stiffness, "gap": wall.gap}
-    if wall.material is None:
-        return {"gap": wall.gap}
-    kind = {"rigid": True} if wall.material == RIGID else {"material": names[wall.material]}
-    return kind | {"gap": wall.gap}
+        entry["stiffness"] = wall.stiffness
+    elif wall.material == RIGID:
+        entry["rigid"] = True
+    elif wall.material is not None:
+        entry["material"] = names[wall.material]
+    entry["gap"] = wall.gap
+    if p is not None:
+        entry["exponent"] = p
+    return entry if wall.loss is None else entry | {"loss": _law_entry(wall.loss)}
 
 
 def _fields(item: Any) -> dict[str, Any]:

@@ -18,13 +18,15 @@ from typing import Any, Final, Literal
 
 import numpy as np
 
-from hertzchain.chain.drives import DRIVEN, WINDOWS
-from hertzchain.chain.holding import HELD_BY
-from hertzchain.chain.tapers import TAPERS
-from hertzchain.errors import shown, unknown_name
-from hertzchain.units import UNITS, quantity
+from ..chain.boundary_checks import HELD_BY
+from ..chain.drives import DRIVEN, WINDOWS
+from ..chain.laws import LAWS
+from ..chain.laws.base import Parameter
+from ..chain.tapers import PARAMETERS, TAPERS, parameter_description
+from ..errors import short_repr, unknown_name_error
+from ..units import UNITS, quantity
 
-Kind = Literal["number", "integer", "boolean", "choice", "text", "material", "file"]
+Kind = Literal["number", "integer", "boolean", "choice", "text", "material", "file", "law"]
 Per = Literal["", "bead", "contact", "row", "item"]
 
 
@@ -38,7 +40,8 @@ class Key:
         Name of the key.
     kind : str
         ``"number"``, ``"integer"``, ``"boolean"``, ``"choice"``, ``"text"``, ``"material"``
-        (a name) or ``"file"`` (a path relative to the chain file).
+        (a name), ``"file"`` (a path relative to the chain file) or ``"law"`` (a table such as
+        ``[chain.loss]``).
     description : str
         What it is.
     default : object
@@ -125,9 +128,6 @@ def _number(name: str, description: str, dimension: str = "", **more: Any) -> Ke
 
 
 _MATERIAL: Final = Key("material", "material", "material, in a chain of materials")
-_ATTRACTIVE: Final = Key(
-    "attractive", "boolean", "whether the force may pull before the overlap ends", default=True
-)
 _OF: Final = Key(
     "of", "choice", "force on bead 1, or displacement of the left wall", default="force",
     choices=DRIVEN,
@@ -141,12 +141,14 @@ _WALL: Final = (
     Key("rigid", "boolean", "whether the wall is rigid", default=False),
     _number("stiffness", "stiffness of its contact", "stiffness", above=0.0),
     _number("gap", "distance to the bead at time 0", "length", default=0.0, least=0.0),
+    _number("exponent", "exponent of its contact; the chain's if omitted", above=1.0, most=50.0),
+    Key("loss", "law", "law of loss of its contact; the chain's if omitted"),
 )
 
 # Forms in which the beads are given: the key that tells the form, and keys that go with it.
 FORMS: Final[Mapping[str, tuple[str, ...]]] = MappingProxyType(
     {
-        "taper": ("rate", "beads", "radius"),
+        "taper": (*PARAMETERS, "beads", "radius"),
         "radii": ("beads",),
         "cell": ("cells",),
         "mass_ratio": ("beads",),
@@ -156,7 +158,7 @@ FORMS: Final[Mapping[str, tuple[str, ...]]] = MappingProxyType(
 
 _CHAIN: Final = (
     Key("taper", "choice", "name of a taper, or uniform", choices=(*TAPERS, "uniform")),
-    _number("rate", "S of a linear, q of an exponential taper", above=0.0),
+    *(_number(name, parameter_description(name)) for name in PARAMETERS),
     Key("beads", "integer", "number of beads", least=2),
     _number("radius", "radius of the first bead of a taper", "length", above=0.0),
     _number("radii", "radius of each bead; scaled, in any one unit", "length", above=0.0,
@@ -167,7 +169,8 @@ _CHAIN: Final = (
     _number("mass_ratio", "mass of the light beads over that of the heavy ones of a dimer",
             above=0.0),
     Key("file", "file", "CSV file with one row per bead"),
-    _number("exponent", "exponent of the contact force", default=1.5, above=1.0, most=50.0),
+    _number("exponent", "exponent of the contact force", default=1.5, above=1.0, most=50.0,
+            per="contact", one_for_all=True),
     Key("units", "choice", "units of the chain; SI follows from materials",
         choices=("scaled", "SI")),
     Key("materials", "material", "material of all beads, or of each bead (of the cell)",
@@ -213,38 +216,32 @@ _STRUCK_BY: Final = (
     Key("count", "integer", "number of strikers", default=1, least=1),
     _number("gap", "distance to the chain", "length", default=0.0, least=0.0),
 )
+_BETWEEN: Final = Key(
+    "between", "material", "the two materials whose contacts have this law", per="item"
+)
+
+
+def _law_key(name: str, about: Parameter, default: Any) -> Key:
+    """A key for a parameter of a law."""
+    kind: Kind = "boolean" if about.boolean else "number"
+    required = default is dataclasses.MISSING
+    bounds: dict[str, Any] = dict(about.bounds)
+    return Key(
+        name, kind, about.description, required=required, default=None if required else default,
+        dimension=about.dimension, **bounds,
+    )  # fmt: skip
+
+
 _LAWS: Final[Mapping[str, tuple[Key, ...]]] = MappingProxyType(
     {
-        "restitution": (
-            _number("coefficient", "coefficient of restitution", required=True, above=0.0,
-                    most=1.0),
-            _ATTRACTIVE,
-        ),
-        "viscoelastic": (
-            _number("time", "relaxation time of the material", "time", required=True, least=0.0),
-            dataclasses.replace(_ATTRACTIVE, default=False),
-        ),
-        "unloading-ratio": (
-            _number("ratio", "part of the force that is missing in unloading", required=True,
-                    least=0.0, below=1.0),
-        ),
-        "velocity-power": (
-            # Its unit, N (s/m)^alpha, depends on alpha: a plain number.
-            _number("gamma", "strength [scaled, or N (s/m)^alpha]", required=True, least=0.0),
-            _number("alpha", "exponent of the relative velocity", required=True, above=0.0,
-                    most=10.0),
-            _ATTRACTIVE,
-        ),
-        "dashpot": (
-            _number("gamma", "damping constant", "damping", required=True, least=0.0),
-            _ATTRACTIVE,
-        ),
-        "walton-braun": (
-            _number("ratio", "stiffness of loading over that of unloading", required=True,
-                    above=0.0, most=1.0),
-        ),
+        name: tuple(
+            _law_key(item.name, law.parameters()[item.name], item.default)
+            for item in dataclasses.fields(law)
+            if item.name in law.parameters()
+        )
+        for name, law in LAWS.items()
     }
-)  # fmt: skip
+)
 _DRIVES: Final[Mapping[str, tuple[Key, ...]]] = MappingProxyType(
     {
         "sine-burst": (
@@ -284,7 +281,8 @@ _LISTED: Final = (
     Section("chain.struck_by", "strikers in front of the chain", _STRUCK_BY, repeated=True),
     Section("chain.left_wall", "the wall behind bead 1", _WALL),
     Section("chain.right_wall", "the wall in front of the last bead", _WALL),
-    Section("chain.loss", "the law of loss", (), variant_key="law", variants=_LAWS),
+    Section("chain.loss", "the law of loss; or one for each contact or pair of materials",
+            (_BETWEEN,), repeated=True, variant_key="law", variants=_LAWS),
     Section("chain.drive", "force on bead 1 or motion of the left wall", (), variant_key="kind",
             variants=_DRIVES),
     Section("materials.NAME", "a material of your own", _MATERIALS),
@@ -308,7 +306,7 @@ def chain_schema() -> dict[str, Any]:
     --------
     >>> wall = chain_schema()["sections"]["chain.right_wall"]
     >>> [key["name"] for key in wall["keys"]]
-    ['material', 'rigid', 'stiffness', 'gap']
+    ['material', 'rigid', 'stiffness', 'gap', 'exponent', 'loss']
     >>> wall["keys"][3]["unit"], wall["keys"][3]["least"]
     ('m', 0.0)
     """
@@ -321,22 +319,7 @@ def chain_schema() -> dict[str, Any]:
 
 
 def section_as_dict(section: Section) -> dict[str, Any]:
-    """A section in plain types.
-
-    Parameters
-    ----------
-    section : Section
-        The section.
-
-    Returns
-    -------
-    dict
-
-    Examples
-    --------
-    >>> section_as_dict(SECTIONS["chain.with_scatter"])["repeated"]
-    True
-    """
+    """A section in plain types."""
     return {
         "description": section.description,
         "repeated": section.repeated,
@@ -380,7 +363,7 @@ def check_document(document: Mapping[str, Any], *, complete: bool = True) -> Ite
     """
     for name in document:
         if name not in ("chain", "materials"):
-            yield str(unknown_name("table or key", name, ("chain", "materials")))
+            yield str(unknown_name_error("table or key", name, ("chain", "materials")))
     table = document.get("chain")
     if not isinstance(table, Mapping):
         yield "a chain file needs a table [chain]"
@@ -392,23 +375,23 @@ def check_document(document: Mapping[str, Any], *, complete: bool = True) -> Ite
             yield from _check_tables(table[name], SECTIONS[f"chain.{name}"], complete)
     materials = document.get("materials", {})
     if not isinstance(materials, Mapping):
-        yield f"[materials] must be a table of tables, got {shown(materials)}"
+        yield f"[materials] must be a table of tables, got {short_repr(materials)}"
         return
     for name, entry in materials.items():
         if isinstance(entry, Mapping):
             keys = SECTIONS["materials.NAME"].keys
             yield from _check_keys(entry, f"[materials.{name}]", keys, complete=complete)
         else:
-            yield f"[materials.{name}] must be a table, got {shown(entry)}"
+            yield f"[materials.{name}] must be a table, got {short_repr(entry)}"
 
 
-def _check_tables(entry: Any, section: Section, complete: bool) -> Iterator[str]:
+def _check_tables(entry: Any, section: Section, complete: bool, place: str = "") -> Iterator[str]:
     """A table or, of what may be repeated, a list of tables."""
-    listed = entry if section.repeated and isinstance(entry, list | tuple) else [entry]
-    for table in listed:
-        place = f"[{section.name}]"
+    several = section.repeated and not place and isinstance(entry, list | tuple)
+    place = place or f"[{section.name}]"
+    for table in entry if several else [entry]:
         if not isinstance(table, Mapping):
-            yield f"{place} must be a table{_example(section)}, got {shown(entry)}"
+            yield f"{place} must be a table{_example(section)}, got {short_repr(entry)}"
             return
         keys, chosen = section.keys, table.get(section.variant_key)
         if section.variant_key:
@@ -419,9 +402,9 @@ def _check_tables(entry: Any, section: Section, complete: bool) -> Iterator[str]
                 continue
             if not isinstance(chosen, str) or chosen not in section.variants:
                 what = f"{section.variant_key} of {place}"
-                yield str(unknown_name(what, chosen, section.variants))
+                yield str(unknown_name_error(what, chosen, section.variants))
                 continue
-            keys = section.variants[chosen]
+            keys = (*section.keys, *section.variants[chosen])
         values, known = dict(table), [key.name for key in keys]
         if section.variant_key:
             del values[section.variant_key]
@@ -457,7 +440,7 @@ def _check_keys(
         if name in own:
             yield from problems_of(own[name], value, f"{name} of {place}")
         else:
-            yield str(unknown_name(f"key of {place}", name, known or tuple(own)))
+            yield str(unknown_name_error(f"key of {place}", name, known or tuple(own)))
     if complete:
         for key in keys:
             if key.required and key.name not in table:
@@ -465,26 +448,7 @@ def _check_keys(
 
 
 def problems_of(key: Key, value: Any, what: str) -> Iterator[str]:
-    """Why a value is not of the type of a key: a sentence, or nothing if it is.
-
-    Parameters
-    ----------
-    key : Key
-        The key.
-    value : object
-        The value.
-    what : str
-        What it is, for the sentence.
-
-    Yields
-    ------
-    str
-
-    Examples
-    --------
-    >>> [*problems_of(Key("rigid", "boolean", "whether it is rigid"), "false", "rigid")]
-    ["rigid must be true or false, got 'false'"]
-    """
+    """Why a value is not of the type of a key: a sentence, or nothing if it is."""
     if not key.per:
         yield from _problem_of_one(key, value, what)
     elif isinstance(value, Mapping):
@@ -493,13 +457,13 @@ def problems_of(key: Key, value: Any, what: str) -> Iterator[str]:
         noun = "names" if key.kind == "material" else "numbers"
         for place, item in enumerate(value, start=1):
             if isinstance(item, list | tuple | Mapping | np.ndarray):
-                yield f"{what} must be a list of {noun}, got {shown(value)}"
+                yield f"{what} must be a list of {noun}, got {short_repr(value)}"
                 return
             yield from _problem_of_one(key, item, f"value {place} of {what}")
     elif key.one_for_all:
         yield from _problem_of_one(key, value, what)
     else:
-        yield f"{what} must be a list, got {shown(value)}"
+        yield f"{what} must be a list, got {short_repr(value)}"
 
 
 # Other kinds than numbers and choices: Python's type, and what to say.
@@ -514,64 +478,56 @@ _TYPES: Final[Mapping[str, tuple[tuple[type, ...], str]]] = MappingProxyType(
 
 
 def _problem_of_one(key: Key, value: Any, what: str) -> Iterator[str]:
-    if key.kind in _TYPES:
+    if key.kind == "law":
+        yield from _check_tables(value, SECTIONS["chain.loss"], complete=True, place=what)
+    elif key.kind in _TYPES:
         types, allowed = _TYPES[key.kind]
         if not isinstance(value, types) or (value == "" and key.kind != "text"):
-            yield f"{what} must be {allowed}, got {shown(value)}"
+            yield f"{what} must be {allowed}, got {short_repr(value)}"
     elif key.kind == "choice":
         if not isinstance(value, str) or value not in key.choices:
-            yield str(unknown_name(what, value, key.choices))
+            yield str(unknown_name_error(what, value, key.choices))
     elif key.kind == "integer":
         if isinstance(value, bool) or not isinstance(value, numbers.Integral):
-            yield f"{what} must be a whole number, got {shown(value)}"
+            yield f"{what} must be a whole number, got {short_repr(value)}"
     elif isinstance(value, str) and key.dimension and quantity(value) is not None:
         return
     elif isinstance(value, bool) or not isinstance(value, numbers.Real):
         units = UNITS[key.dimension] if key.dimension else ()
         with_unit = f", or text with a unit such as '5 {units[:3][-1]}'" if units else ""
-        yield f"{what} must be a number{with_unit}, got {shown(value)}"
+        yield f"{what} must be a number{with_unit}, got {short_repr(value)}"
 
 
 def _problem_of_list_with_unit(key: Key, value: Mapping[str, Any], what: str) -> Iterator[str]:
     """``{list = [4, 5], unit = "mm"}``, as axes of sweeps have it."""
     if not key.dimension:
         noun = "names" if key.kind == "material" else "numbers"
-        yield f"{what} must be a list of {noun}, got {shown(value)}"
+        yield f"{what} must be a list of {noun}, got {short_repr(value)}"
     elif set(value) != {"list", "unit"} or not isinstance(value["list"], list | tuple):
         yield (
             f'{what} must be a list, or a table such as {{list = [4, 5], unit = "mm"}}, got '
-            f"{shown(value)}"
+            f"{short_repr(value)}"
         )
     elif not isinstance(value["unit"], str):
-        yield f"unit of {what} must be text, got {shown(value['unit'])}"
+        yield f"unit of {what} must be text, got {short_repr(value['unit'])}"
     else:
         for item in value["list"]:
             if isinstance(item, bool) or not isinstance(item, numbers.Real):
-                yield f"{what} must be a list of plain numbers beside its unit, got {shown(item)}"
+                yield (
+                    f"{what} must be a list of plain numbers next to its unit, "
+                    f"got {short_repr(item)}"
+                )
                 return
 
 
 def dimensions_of(path: Sequence[str]) -> set[str]:
-    """Dimensions that the value at a place of [chain] can have; ``""`` if it may have none.
-
-    Parameters
-    ----------
-    path : sequence of str
-        Names of tables and keys, and places in lists.
-
-    Returns
-    -------
-    set of str
-
-    Examples
-    --------
-    >>> dimensions_of(["radii", "5"]), dimensions_of(["loss", "time"]), dimensions_of(["rate"])
-    ({'length'}, {'time'}, {''})
-    """
+    """Dimensions that the value at a place of [chain] can have; ``""`` if it may have none."""
     words = [word for word in path if not word.isdigit()]
     section = SECTIONS["chain"]
     if words and words[0] in TABLES:
         section, words = SECTIONS[f"chain.{words[0]}"], words[1:]
+    if len(words) > 1 and any(key.name == words[0] and key.kind == "law" for key in section.keys):
+        section, words = SECTIONS["chain.loss"], words[1:]
     keys = itertools.chain(section.keys, *section.variants.values())
     found = [key for key in keys if [key.name] == words]
     dimensions = {key.dimension for key in found}
@@ -580,22 +536,7 @@ def dimensions_of(path: Sequence[str]) -> set[str]:
 
 
 def without_units(value: Any) -> Any:
-    """Lists with a unit, also within tables, as lists of text; anything else as it is.
-
-    Parameters
-    ----------
-    value : object
-        A value of a chain file.
-
-    Returns
-    -------
-    object
-
-    Examples
-    --------
-    >>> without_units({"list": [4, 5.5], "unit": "mm"})
-    ['4 mm', '5.5 mm']
-    """
+    """Lists with a unit, also within tables, as lists of text; anything else as it is."""
     if isinstance(value, Mapping) and set(value) == {"list", "unit"}:
         return [f"{item!r} {value['unit']}" for item in value["list"]]
     if isinstance(value, Mapping):

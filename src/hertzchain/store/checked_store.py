@@ -7,31 +7,18 @@ from typing import TYPE_CHECKING
 
 from zarr.storage import LocalStore, WrapperStore
 
-from hertzchain.store.batch_files import DIGEST, BatchFiles
+from .batch_files import DIGEST, BatchFiles
 
 if TYPE_CHECKING:
+    from zarr.abc.buffer import Buffer, BufferPrototype
     from zarr.abc.store import ByteRequest
-    from zarr.core.buffer import Buffer, BufferPrototype
 
 
 def checked_store(files: BatchFiles) -> WrapperStore[LocalStore]:
-    """A zarr store for the folder of a sweep.
+    """Open the folder of a sweep as a zarr store.
 
-    Reading a chunk raises `InputError` if its file is not as it was written; chunks of batches
-    that are not done are empty.
-
-    Parameters
-    ----------
-    files : BatchFiles
-        Files of the batches.
-
-    Returns
-    -------
-    zarr.storage.WrapperStore
-
-    Examples
-    --------
-    See `hertzchain.store.sweep_store.SweepStore.open`.
+    Reading a chunk raises `InputError` if its file was changed after it was written.  Chunks of
+    batches that are not done are empty.
     """
     return _CheckedStore(LocalStore(files.folder), files)
 
@@ -50,6 +37,6 @@ class _CheckedStore(WrapperStore[LocalStore]):
         place = self.files.place(key)
         if place is None or place[0] == DIGEST:
             return await super().get(key, prototype, byte_range)
-        # A chunk is read whole: a part of it could not be checked.
+        # Chunks are read as a whole, since their digests cover the whole file.
         content = await asyncio.to_thread(self.files.content, *place)
         return None if content is None else prototype.buffer.from_bytes(content)

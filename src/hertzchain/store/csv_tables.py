@@ -1,4 +1,4 @@
-"""CSV files of measured columns: headers carry the units, rows and columns are named in errors."""
+"""Read CSV files whose headers contain units; error messages name the row and column."""
 
 from __future__ import annotations
 
@@ -11,13 +11,13 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
-from hertzchain.errors import InputError, unknown_name
-from hertzchain.units import UNITS, converted
+from ..errors import InputError, unknown_name_error
+from ..units import UNITS, converted
 
 HEADER: Final = re.compile(r"\s*(?P<name>[^\[\]]*?)\s*(?:\[(?P<unit>[^\[\]]*)\]\s*)?")
-# Units as they are found elsewhere: radius (mm), radius / mm, radius_mm.
+# Other common notations of units: radius (mm), radius / mm, radius_mm.
 _OTHERWISE: Final = re.compile(r"\s*(?P<name>[A-Za-z]+)\s*[(/_]\s*(?P<unit>[^()]+?)\s*\)?\s*")
-# What separates columns elsewhere.
+# Separators other than the comma.
 _SEPARATORS: Final = {";": "semicolons", "\t": "tabs"}
 
 
@@ -28,9 +28,9 @@ class Column:
     Attributes
     ----------
     dimension : str
-        A key of `UNITS`; ``"text"`` or ``"number"`` for what has no unit.
+        A key of `UNITS`; ``"text"`` or ``"number"`` for columns without a unit.
     between_rows : bool
-        Whether the value is of a row and the next, so that the last row has none.
+        Whether values belong to a row and the next one, so that the last row has none.
 
     Examples
     --------
@@ -44,14 +44,14 @@ class Column:
 
 @dataclass(frozen=True, eq=False)
 class CsvTable:
-    """The columns found in a file, in SI units, or without any.
+    """The columns of a file, in SI units or without units.
 
     Attributes
     ----------
     columns : dict
         Lists of numbers or text, by name.
     has_units : bool
-        Whether headers give units; then all do that can.
+        Whether headers have units; then all columns with a dimension have one.
     rows : int
         Number of rows below the header.
     """
@@ -62,34 +62,7 @@ class CsvTable:
 
 
 def read_csv(path: str | os.PathLike[str], known: Mapping[str, Column]) -> CsvTable:
-    r"""Read a table whose header says what the columns are, such as ``radius [mm]``.
-
-    Parameters
-    ----------
-    path : path-like
-        The file; lines that begin with ``#`` are left out.
-    known : mapping of str to Column
-        The columns it may have.
-
-    Returns
-    -------
-    CsvTable
-
-    Raises
-    ------
-    InputError
-        If the file cannot be read, a column is unknown or there twice, units are unknown or
-        given for some columns only, or a cell is empty or no number: row and column are named.
-
-    Examples
-    --------
-    >>> import tempfile
-    >>> with tempfile.TemporaryDirectory() as folder:
-    ...     file = Path(folder) / "beads.csv"
-    ...     _ = file.write_text("radius [mm],material\n5,brass\n4,glass\n")
-    ...     read_csv(file, {"radius": Column("length"), "material": Column("text")}).columns
-    {'radius': [0.005, 0.004], 'material': ['brass', 'glass']}
-    """
+    r"""Read a table whose header has names and units, such as ``radius [mm]``."""
     rows = csv_rows(path)
     if not rows:
         raise InputError("the file has no header; give names and units such as radius [mm]")
@@ -97,14 +70,14 @@ def read_csv(path: str | os.PathLike[str], known: Mapping[str, Column]) -> CsvTa
     names = [name for name, _ in headers]
     for name in names:
         if names.count(name) > 1:
-            raise InputError(f"column {name!r} is there {names.count(name)} times: leave one")
+            raise InputError(f"column {name!r} occurs {names.count(name)} times; keep one")
     measured = [(name, unit) for name, unit in headers if known[name].dimension in UNITS]
     with_unit = [name for name, unit in measured if unit is not None]
     without = [name for name, unit in measured if unit is None]
     if with_unit and without:
         example = next(iter(UNITS[known[without[0]].dimension]))
         raise InputError(
-            f"column {without[0]!r} has no unit, but {with_unit[0]!r} has one: write "
+            f"column {without[0]!r} has no unit, but {with_unit[0]!r} has one; write "
             f"{without[0]} [{example}]"
         )
     for number, row in enumerate(rows[1:], start=1):
@@ -119,36 +92,12 @@ def read_csv(path: str | os.PathLike[str], known: Mapping[str, Column]) -> CsvTa
 
 
 def csv_rows(path: str | os.PathLike[str]) -> list[list[str]]:
-    r"""Rows of a CSV file as text; empty lines and those that begin with ``#`` are left out.
-
-    Parameters
-    ----------
-    path : path-like
-        The file.
-
-    Returns
-    -------
-    list of list of str
-
-    Raises
-    ------
-    InputError
-        If it cannot be read, or is not CSV.
-
-    Examples
-    --------
-    >>> import tempfile
-    >>> with tempfile.TemporaryDirectory() as folder:
-    ...     file = Path(folder) / "points.csv"
-    ...     _ = file.write_text("# measured\nrate, beads\n0.02, 10\n")
-    ...     csv_rows(file)
-    [['rate', 'beads'], ['0.02', '10']]
-    """
+    r"""Rows of a CSV file as text, without empty lines and lines that begin with ``#``."""
     try:
         text = Path(path).read_text("utf-8-sig")
     except OSError as error:
         raise InputError(
-            f"cannot read it ({error.strerror}); give the path of a CSV file"
+            f"cannot be read ({error.strerror}); give the path of a CSV file"
         ) from None
     except UnicodeDecodeError:
         raise InputError("is not UTF-8 text; save the table as CSV in UTF-8") from None
@@ -156,7 +105,7 @@ def csv_rows(path: str | os.PathLike[str]) -> list[list[str]]:
     try:
         rows = [[cell.strip() for cell in row] for row in csv.reader(lines, strict=True)]
     except csv.Error as error:
-        raise InputError(f"is not a CSV table ({error}): look for a stray quotation mark") from None
+        raise InputError(f"is not a CSV table ({error}); check its quotation marks") from None
     if rows:
         _check_separator(lines[0])
     return rows
@@ -166,8 +115,8 @@ def _check_separator(header: str) -> None:
     for separator, name in _SEPARATORS.items():
         if separator in header and "," not in header:
             raise InputError(
-                f"its columns are separated by {name}: save the table with commas between columns, "
-                "and with points in numbers"
+                f"its columns are separated by {name}; save the table with commas between columns "
+                "and decimal points in numbers"
             )
 
 
@@ -178,11 +127,11 @@ def _header(text: str, known: Mapping[str, Column]) -> tuple[str, str | None]:
     if found is None or name not in known:
         other = _OTHERWISE.fullmatch(text)
         if other is not None and (name := other["name"].lower()) in known:
-            raise InputError(f"column {text!r}: write its unit as {name} [{other['unit']}]")
-        raise unknown_name("column", text, known)
+            raise InputError(f"column {text!r} must be written as {name} [{other['unit']}]")
+        raise unknown_name_error("column", text, known)
     dimension = known[name].dimension
     if unit is not None and dimension not in UNITS:
-        raise InputError(f"column {name!r} has no unit, got [{unit}]")
+        raise InputError(f"column {name!r} must have no unit, got [{unit}]")
     if unit is not None:
         converted(f"column {name!r}", 1.0, unit, UNITS[dimension][0])
     return name, None if unit is None else unit.strip()
@@ -194,8 +143,8 @@ def _values(
     if column.between_rows:
         if cells and cells[-1]:
             raise InputError(
-                f"column {name!r} is of a bead and the next one, so its last row must be empty, "
-                f"got {cells[-1]!r} in row {len(cells)}"
+                f"column {name!r} refers to a bead and the next one, so its last row must be "
+                f"empty, got {cells[-1]!r} in row {len(cells)}"
             )
         cells = cells[:-1]
     for row, cell in enumerate(cells, start=1):
@@ -214,7 +163,7 @@ def _number(cell: str, row: int, name: str) -> float:
         value = float(cell)
     except ValueError:
         decimal = re.fullmatch(r"[+-]?\d+,\d+", cell)
-        advice = f"; decimals have a point: {cell.replace(',', '.')}" if decimal else ""
+        advice = f"; use a decimal point: {cell.replace(',', '.')}" if decimal else ""
         raise InputError(
             f"row {row} of column {name!r} is {cell!r}: it must be a number{advice}"
         ) from None

@@ -1,26 +1,26 @@
-"""The error for a file that is not as it was written."""
+"""The error for a damaged file."""
 
 from __future__ import annotations
 
 import os
 from pathlib import Path
 
-from hertzchain.errors import InputError
+from ..errors import InputError
 
 
 class DamagedFileError(InputError):
-    """A file of a store or of a streamed run that is not as it was written.
+    """A file of a store or of a streamed run is missing or was changed after it was written.
 
     Attributes
     ----------
     file : pathlib.Path
         The file.
     how : str
-        What is wrong with it.
+        Description of the damage.
     place : pathlib.Path
         The store or folder to which it belongs.
     advice : str
-        What to do about it.
+        Advice to the user.
     """
 
     def __init__(self, file: Path, how: str, place: Path, advice: str) -> None:
@@ -29,23 +29,7 @@ class DamagedFileError(InputError):
         self.file, self.how, self.place, self.advice = file, how, place, advice
 
     def among(self, batches: int) -> DamagedFileError:
-        """The same error, saying in how many batches files are damaged.
-
-        Parameters
-        ----------
-        batches : int
-            How many there are.
-
-        Returns
-        -------
-        DamagedFileError
-
-        Examples
-        --------
-        >>> error = DamagedFileError(Path("s/a"), "is missing", Path("s"), "sweep again")
-        >>> print(error.among(3))
-        's' is damaged: a is missing, and files of 2 more batches are damaged; sweep again
-        """
+        """The same error, with the number of damaged batches."""
         if batches < 2:
             return self
         more = "1 more batch" if batches == 2 else f"{batches - 1} more batches"

@@ -1,8 +1,8 @@
-"""The manifest of a streamed run: which parts its folder must hold, each with a digest.
+"""The manifest of a streamed run: a list of the parts in its folder, each with a digest.
 
-It is replaced as a whole before a part is written, which it then announces, and again when the
-state that follows the part is stored: so each part that is there is listed, whenever the writer
-was killed, and a part that is not listed is somebody else's file.
+The manifest is replaced as a whole before a part is written, to announce it, and again when the
+state after the part is stored.  Each existing part is therefore listed, even if the process was
+killed, and an unlisted part is a foreign file.
 """
 
 from __future__ import annotations
@@ -15,16 +15,16 @@ from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any, Final
 
-from hertzchain import __version__
-from hertzchain.contacts import Array
-from hertzchain.errors import InputError
-from hertzchain.store.damage import DamagedFileError
-from hertzchain.store.writing import write_bytes
+from .. import __version__
+from ..collision import Array
+from ..errors import InputError
+from .damage import DamagedFileError
+from .writing import write_bytes
 
 SCHEMA: Final = "hertzchain stream 1"
 MANIFEST_FILE: Final = "manifest.json"
 RESTORE: Final = "restore it from a copy, or stream again into another folder"
-SKIP: Final = f"skip_damaged=True reads the other parts; to have all of them, {RESTORE}"
+SKIP: Final = f"skip_damaged=True reads the other parts; to read all parts, {RESTORE}"
 
 
 @dataclass(frozen=True)
@@ -34,7 +34,7 @@ class Part:
     Attributes
     ----------
     file : str
-        Its name.
+        Name of the file.
     sha256 : str
         Digest of its content.
     times : int
@@ -51,56 +51,12 @@ class Part:
 
     @classmethod
     def of(cls, number: int, content: bytes, times: Array) -> Part:
-        """The part with this number and content.
-
-        Parameters
-        ----------
-        number : int
-            Its number, from 1.
-        content : bytes
-            Content of the file.
-        times : ndarray
-            Saved times in it.
-
-        Returns
-        -------
-        Part
-
-        Examples
-        --------
-        >>> import numpy as np
-        >>> Part.of(1, b"", np.array([0.0, 2.0])).file
-        'part-000001.nc'
-        """
+        """The part with this number and content."""
         digest = hashlib.sha256(content).hexdigest()
         return cls(part_name(number), digest, len(times), float(times[0]), float(times[-1]))
 
     def content(self, folder: Path) -> bytes:
-        """Content of the file, if it is as it was written.
-
-        Parameters
-        ----------
-        folder : pathlib.Path
-            Where it is.
-
-        Returns
-        -------
-        bytes
-
-        Raises
-        ------
-        InputError
-            If the file is missing or altered.
-
-        Examples
-        --------
-        >>> import tempfile
-        >>> import numpy as np
-        >>> with tempfile.TemporaryDirectory() as folder:
-        ...     _ = (Path(folder) / "part-000001.nc").write_bytes(b"abc")
-        ...     Part.of(1, b"abc", np.array([0.0])).content(Path(folder))
-        b'abc'
-        """
+        """Read the file and compare it with its digest."""
         file = folder / self.file
         try:
             content = file.read_bytes()
@@ -116,7 +72,7 @@ class Part:
 
 @dataclass(frozen=True)
 class Manifest:
-    """What the folder of a streamed run must hold.
+    """List of the files in the folder of a streamed run.
 
     Attributes
     ----------
@@ -125,9 +81,9 @@ class Manifest:
     rtol : float
         Tolerated error of a step.
     parts : tuple of Part
-        Files that are there, in order of time.
+        Existing files, in order of time.
     announced : Part, optional
-        The next file: it may be there or not.
+        The next file, which may or may not exist.
     """
 
     chain: str
@@ -136,100 +92,26 @@ class Manifest:
     announced: Part | None = None
 
     def present(self, folder: Path) -> tuple[Part, ...]:
-        """The parts, with the announced one if its file is there.
-
-        Parameters
-        ----------
-        folder : pathlib.Path
-            Where they are.
-
-        Returns
-        -------
-        tuple of Part
-
-        Examples
-        --------
-        >>> Manifest("", 1e-13).present(Path("run"))
-        ()
-        """
+        """The parts, including the announced one if its file exists."""
         if self.announced is not None and (folder / self.announced.file).exists():
             return (*self.parts, self.announced)
         return self.parts
 
     def announcing(self, part: Part) -> Manifest:
-        """With a part that is about to be written.
-
-        Parameters
-        ----------
-        part : Part
-            The part.
-
-        Returns
-        -------
-        Manifest
-
-        Examples
-        --------
-        >>> import numpy as np
-        >>> Manifest("", 1e-13).announcing(Part.of(1, b"", np.array([0.0]))).parts
-        ()
-        """
+        """The manifest that announces a part that is about to be written."""
         return replace(self, announced=part)
 
     def written(self) -> Manifest:
-        """With the announced part among those that are there.
-
-        Returns
-        -------
-        Manifest
-
-        Examples
-        --------
-        >>> import numpy as np
-        >>> manifest = Manifest("", 1e-13).announcing(Part.of(1, b"", np.array([0.0])))
-        >>> len(manifest.written().parts)
-        1
-        """
+        """The manifest after the announced part was written."""
         more = () if self.announced is None else (self.announced,)
         return replace(self, parts=(*self.parts, *more), announced=None)
 
     def without_last(self) -> Manifest:
-        """With the last part announced again, so that its file may be removed.
-
-        Returns
-        -------
-        Manifest
-
-        Examples
-        --------
-        >>> import numpy as np
-        >>> manifest = Manifest("", 1e-13).announcing(Part.of(1, b"", np.array([0.0]))).written()
-        >>> manifest.without_last().parts
-        ()
-        """
+        """The manifest with the last part announced again, so that its file may be removed."""
         return replace(self, parts=self.parts[:-1], announced=self.parts[-1])
 
     def save(self, folder: Path) -> None:
-        """Replace the manifest of a folder.
-
-        Parameters
-        ----------
-        folder : pathlib.Path
-            Where it is.
-
-        Raises
-        ------
-        InputError, StoreError
-            If it cannot be written.
-
-        Examples
-        --------
-        >>> import tempfile
-        >>> with tempfile.TemporaryDirectory() as folder:
-        ...     Manifest("", 1e-13).save(Path(folder))
-        ...     load_manifest(Path(folder)).parts
-        ()
-        """
+        """Replace the manifest of a folder."""
         document: dict[str, Any] = {"schema": SCHEMA, "hertzchain_version": __version__}
         document |= asdict(self)
         document["sha256"] = _digest(document)
@@ -237,46 +119,12 @@ class Manifest:
 
 
 def part_name(number: int) -> str:
-    """Name of a file.
-
-    Parameters
-    ----------
-    number : int
-        Its number, from 1.
-
-    Returns
-    -------
-    str
-
-    Examples
-    --------
-    >>> part_name(12)
-    'part-000012.nc'
-    """
+    """Name of the file of a part."""
     return f"part-{number:06d}.nc"
 
 
 def load_manifest(folder: Path) -> Manifest:
-    """Read the manifest of a folder, and check that its parts follow each other.
-
-    Parameters
-    ----------
-    folder : pathlib.Path
-        Folder of a streamed run.
-
-    Returns
-    -------
-    Manifest
-
-    Raises
-    ------
-    InputError
-        If there is none, or it is not as it was written.
-
-    Examples
-    --------
-    See `Manifest.save`.
-    """
+    """Read the manifest of a folder, and check that its parts are consecutive."""
     file = folder / MANIFEST_FILE
     try:
         document = json.loads(file.read_bytes())
@@ -284,7 +132,8 @@ def load_manifest(folder: Path) -> Manifest:
         whole = digest == _digest(document)
     except FileNotFoundError:
         raise InputError(
-            f"{os.fspath(folder)!r} holds no {MANIFEST_FILE}: it is no run of stream, or {RESTORE}"
+            f"{os.fspath(folder)!r} has no {MANIFEST_FILE}: it is not a run of stream, or the "
+            f"file was lost; in that case, {RESTORE}"
         ) from None
     except OSError as error:
         how = f"cannot be read ({error.strerror})"
@@ -296,7 +145,7 @@ def load_manifest(folder: Path) -> Manifest:
     if document["schema"] != SCHEMA:
         raise InputError(
             f"{os.fspath(folder)!r} has the layout {document['schema']!r} of another version of "
-            f"hertzchain, and this version reads {SCHEMA!r}: use the other version"
+            f"hertzchain, but this version reads {SCHEMA!r}; use the other version"
         )
     return _manifest_from(file, document)
 

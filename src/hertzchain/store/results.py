@@ -1,4 +1,4 @@
-"""Files of results: pulses and runs as JSON, CSV and netCDF."""
+"""Write pulses and runs as JSON, CSV and netCDF; save and load states."""
 
 from __future__ import annotations
 
@@ -13,23 +13,23 @@ from typing import Any, Final
 
 import numpy as np
 
-from hertzchain import __version__
-from hertzchain.arguments import file_path, instance
-from hertzchain.chain.chain import Chain
-from hertzchain.chain.coverage import check_chain
-from hertzchain.contacts import Array
-from hertzchain.errors import InputError
-from hertzchain.pulse.pulse import Pulse
-from hertzchain.simulation.checked_state import check_state
-from hertzchain.simulation.run import Run
-from hertzchain.simulation.state import State, fingerprint
-from hertzchain.store.writing import write_bytes
+from .. import __version__
+from ..chain.chain import Chain
+from ..chain.feature_support import require_chain
+from ..collision import Array
+from ..errors import InputError
+from ..pulse.pulse import Pulse
+from ..simulation.checked_state import check_state
+from ..simulation.run import Run
+from ..simulation.state import State, fingerprint
+from ..validation.objects import check_type, file_path
+from .writing import write_bytes
 
 SCHEMA_VERSION: Final = 1
 
 
 def pulses_as_json(pulses: Sequence[Pulse]) -> str:
-    """One versioned JSON object with several pulses of one chain.
+    """Convert several pulses of one chain to one versioned JSON object.
 
     Parameters
     ----------
@@ -62,12 +62,12 @@ def pulses_as_json(pulses: Sequence[Pulse]) -> str:
 
 
 def _as_list(values: Array) -> list[float | None]:
-    """Numbers for JSON, which has no NaN."""
+    """Convert numbers for JSON, which has no NaN."""
     return [None if math.isnan(value) else value for value in values.tolist()]
 
 
 def chain_as_dict(chain: Chain) -> dict[str, Any]:
-    """A chain as plain data, for JSON.
+    """Convert a chain to plain data for JSON.
 
     Parameters
     ----------
@@ -88,9 +88,9 @@ def chain_as_dict(chain: Chain) -> dict[str, Any]:
         "features": list(chain.features),
         "units": chain.units,
         "taper": chain.taper,
-        "rate": chain.rate,
+        **({"rate": None} | dict(chain.taper_parameters)),
         "beads": chain.beads,
-        "exponent": chain.exponent,
+        "exponent": np.asarray(chain.exponents).tolist(),
         "radii": chain.radii.tolist(),
         "masses": chain.masses.tolist(),
         "stiffness": chain.stiffness.tolist(),
@@ -98,7 +98,9 @@ def chain_as_dict(chain: Chain) -> dict[str, Any]:
 
 
 def pulses_as_csv(pulses: Sequence[Pulse]) -> str:
-    """A row per method and bead; a quantity of contact k stands in row k.
+    """Convert pulses to CSV text with one row per method and bead.
+
+    Quantities of contact k are in row k.
 
     Parameters
     ----------
@@ -108,7 +110,7 @@ def pulses_as_csv(pulses: Sequence[Pulse]) -> str:
     Returns
     -------
     str
-        What a method does not predict, or a run has not seen, is left empty.
+        Values that a method does not predict, or a run has not determined, are empty.
 
     Examples
     --------
@@ -131,19 +133,19 @@ def pulses_as_csv(pulses: Sequence[Pulse]) -> str:
 
 
 def save_run(run: Run, path: str | os.PathLike[str]) -> None:
-    """Save a run's trajectories: ``.nc`` (netCDF) or ``.csv``, by the file's ending.
+    """Save the trajectories of a run as ``.nc`` (netCDF) or ``.csv``, by the file's extension.
 
     Parameters
     ----------
     run : Run
         A run with saved times.
     path : path-like
-        File to write; an existing one is replaced once the new one is whole.
+        File to write; an existing file is replaced when the new one is complete.
 
     Raises
     ------
     InputError
-        For another ending, or if the file cannot be written.
+        For another extension, or if no times were saved or the file cannot be written.
 
     Examples
     --------
@@ -152,49 +154,34 @@ def save_run(run: Run, path: str | os.PathLike[str]) -> None:
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     save_run(hc.simulate(hc.Chain.uniform(3), times=10), Path(folder) / "run.csv")
     """
+    check_type("run", run, Run, "simulate makes one")
     if not len(run.times):
-        raise InputError("the run has saved no times to write; give times of at least 2")
+        raise InputError("the run has no saved times to write; give simulate times of at least 2")
     target = file_path("file of a run", path)
     if target.suffix == ".nc":
         content = run_as_netcdf(run)
     elif target.suffix == ".csv":
         content = _run_as_csv(run).encode()
     else:
-        raise InputError(f"cannot save a run as {target.name!r}: its ending must be .nc or .csv")
+        raise InputError(f"the name of a run file must end in .nc or .csv, got {target.name!r}")
     write_bytes(target, content)
 
 
 def run_as_netcdf(run: Run) -> bytes:
-    """Content of a netCDF file with a run's trajectories.
-
-    Parameters
-    ----------
-    run : Run
-        A run with saved times.
-
-    Returns
-    -------
-    bytes
-
-    Examples
-    --------
-    >>> import hertzchain as hc
-    >>> run_as_netcdf(hc.simulate(hc.Chain.uniform(3), times=10))[:3]
-    b'CDF'
-    """
-    # SciPy writes netCDF 3, which every netCDF reader reads, without another library.
+    """Content of a netCDF file with the trajectories of a run."""
+    # SciPy writes netCDF 3, which every netCDF reader supports, without another library.
     return bytes(run.to_xarray().to_netcdf(engine="scipy"))
 
 
 def save_state(state: State, path: str | os.PathLike[str]) -> None:
-    """Save the state of a run, to go on from it later: ``.npz``.
+    """Save the state of a run to a ``.npz`` file, from which the run can be resumed.
 
     Parameters
     ----------
     state : State
-        Such as ``run.state``.
+        For example ``run.state``.
     path : path-like
-        File to write; an existing one is replaced once the new one is whole.
+        File to write; an existing file is replaced when the new one is complete.
 
     Raises
     ------
@@ -210,7 +197,7 @@ def save_state(state: State, path: str | os.PathLike[str]) -> None:
     ...     save_state(hc.simulate(chain, until=2.0).state, Path(folder) / "run.npz")
     ...     later = hc.simulate(chain, start=load_state(Path(folder) / "run.npz", chain), until=4.0)
     """
-    instance("state", state, State, "run.state is one")
+    check_type("state", state, State, "run.state is one")
     target = file_path("state file", path)
     content = io.BytesIO()
     about = {"version": __version__, "chain": fingerprint(state.chain)}
@@ -221,14 +208,14 @@ def save_state(state: State, path: str | os.PathLike[str]) -> None:
 
 
 def load_state(path: str | os.PathLike[str], chain: Chain) -> State:
-    """Read a state that `save_state` wrote.
+    """Load a state from a file of `save_state`.
 
     Parameters
     ----------
     path : path-like
         The file.
     chain : Chain
-        The chain that it is a state of.
+        The chain of the saved run.
 
     Returns
     -------
@@ -237,37 +224,37 @@ def load_state(path: str | os.PathLike[str], chain: Chain) -> State:
     Raises
     ------
     InputError
-        If the file is missing, is no such file or not as it was written, or comes from another
-        chain or another version of hertzchain.
+        If the file is missing, damaged, not a file of `save_state`, or from another chain or
+        another version of hertzchain.
 
     Examples
     --------
     See `save_state`.
     """
-    check_chain("load_state", chain)
+    require_chain("load_state", chain)
     source, name = file_path("state file", path), os.fspath(path)
     try:
         with np.load(io.BytesIO(source.read_bytes())) as file:
             arrays = {key: np.asarray(file[key], order="C") for key in file.files}
         about = {key: str(arrays.pop(key)) for key in ("version", "chain", "digest")}
-    # NumPy and zipfile raise many things for a file that is not as it was written.
+    # NumPy and zipfile raise errors of many types for a damaged file.
     except Exception as error:  # noqa: BLE001
-        reason = getattr(error, "strerror", None) or "it is no file of save_state, or damaged"
+        reason = getattr(error, "strerror", None) or "it is damaged or not a file of save_state"
         raise InputError(f"cannot read state {name!r}: {reason}") from None
     if about["version"] != __version__:
         raise InputError(
-            f"state {name!r} was written by hertzchain {about['version']}, and this is "
-            f"{__version__}: start the run again, or continue with that version"
+            f"state {name!r} was written by hertzchain {about['version']} and cannot be read by "
+            f"{__version__}; restart the run, or resume it with {about['version']}"
         )
     if about["chain"] != fingerprint(chain):
         raise InputError(
-            f"state {name!r} is one of another chain than {chain.description}: give the chain "
-            "that it is from"
+            f"state {name!r} belongs to another chain than {chain.description}; give the chain "
+            "of the saved run"
         )
     if about.pop("digest") != _state_digest(about, arrays):
         raise InputError(
-            f"state {name!r} is not as it was written: restore it from a copy, or start the run "
-            "again"
+            f"state {name!r} was changed after it was written; restore it from a copy, or restart "
+            "the run"
         )
     state = State(chain, arrays)
     try:

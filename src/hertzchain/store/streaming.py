@@ -1,10 +1,10 @@
-"""Long runs on disk: a folder of netCDF files, written as the run goes on.
+"""Long runs on disk: a folder of netCDF files that are written during the run.
 
-Each file holds some saved times and is written whole or not at all; after each, the state of
-the run is stored, from which the next call goes on, to the last bit.  So the memory that a
-run needs does not grow with its length, and what is on disk can be read at any time, by any
-reader of netCDF, whatever becomes of the run.  A manifest lists the files with their digests
-(`hertzchain.store.manifest`), so that one that is missing or altered is noticed.
+Each file has some saved times and is written completely or not at all.  After each file, the state
+of the run is stored, from which the next call resumes bit for bit.  The memory of a run therefore
+does not grow with its length, and its files can be read at any time by any netCDF reader.  A
+manifest lists the files with their digests (`hertzchain.store.manifest`), so that missing or
+altered files are detected.
 """
 
 from __future__ import annotations
@@ -24,26 +24,27 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 from numpy.typing import ArrayLike
 
-from hertzchain.arguments import callback, file_path, truth
-from hertzchain.chain.chain import Chain
-from hertzchain.chain.coverage import check_chain
-from hertzchain.chain.hertz_range import warn_outside_hertz
-from hertzchain.checks import real_numbers
-from hertzchain.contacts import Array
-from hertzchain.errors import (
+from ..chain.chain import Chain
+from ..chain.feature_support import require_chain
+from ..chain.hertz_range import warn_outside_hertz
+from ..collision import Array
+from ..errors import (
     DamageWarning,
     InputError,
     ModelRangeWarning,
     StoreError,
     real_number,
-    shown,
+    short_repr,
 )
-from hertzchain.simulation.run import Run, beginning_of
-from hertzchain.simulation.simulate import DEFAULT_RTOL, Progress, checked_rtol, simulate
-from hertzchain.simulation.state import State, fingerprint
-from hertzchain.store.damage import DamagedFileError
-from hertzchain.store.lock import lock
-from hertzchain.store.manifest import (
+from ..representation import short
+from ..simulation.run import Run, beginning_of
+from ..simulation.simulate import DEFAULT_RTOL, Progress, checked_rtol, simulate
+from ..simulation.state import State, fingerprint
+from ..validation.numbers import real_numbers
+from ..validation.objects import callback, check_bool, file_path
+from .damage import DamagedFileError
+from .file_lock import lock
+from .manifest import (
     MANIFEST_FILE,
     RESTORE,
     SKIP,
@@ -51,25 +52,26 @@ from hertzchain.store.manifest import (
     Part,
     load_manifest,
 )
-from hertzchain.store.results import load_state, run_as_netcdf, save_state
-from hertzchain.store.writing import cannot_write, write_bytes
+from .results import load_state, run_as_netcdf, save_state
+from .writing import cannot_write, write_bytes
 
 if TYPE_CHECKING:
     import xarray as xr
 
-# Size of a file [bytes], roughly, at most.
+# Approximate maximum size of a file [bytes].
 FILE_SIZE: Final = 2**24
-# Files grow from so many times on, until one takes so long [s]: no more is lost when interrupted.
+# Number of times in the first file, and time that a file should take [s]; files grow until then,
+# and an interruption loses at most one file.
 FIRST_TIMES: Final = 100
 SECONDS_PER_FILE: Final = 10.0
 STATE_FILE: Final = "state.npz"
-# What a killed run leaves half written.
+# Names of unfinished files of a killed run.
 TEMPORARY: Final = re.compile(r"\.(part-\d{6}\.nc|state\.npz|manifest\.json)\.\d+\.partial")
 
 
 @dataclass(frozen=True)
 class StoredRun:
-    """A run in a folder.
+    """A streamed run in a folder.
 
     Attributes
     ----------
@@ -90,28 +92,31 @@ class StoredRun:
     def __post_init__(self) -> None:
         object.__setattr__(self, "folder", file_path("folder", self.folder))
 
+    def __repr__(self) -> str:
+        return short("StoredRun", repr(os.fspath(self.folder)))
+
     @property
     def files(self) -> list[Path]:
         """The files, in order of time."""
         return [self.folder / part.file for part in load_manifest(self.folder).present(self.folder)]
 
     def parts(self, *, skip_damaged: bool = False) -> Iterator[xr.Dataset]:
-        """One dataset after another, in order of time.
+        """Yield one dataset per file, in order of time.
 
         Parameters
         ----------
         skip_damaged : bool
-            Whether to leave out damaged files, with a `DamageWarning`.
+            Whether to omit damaged files, with a `DamageWarning`.
 
         Yields
         ------
         xarray.Dataset
-            As `Run.to_xarray` gives it.
+            As returned by `Run.to_xarray`.
 
         Raises
         ------
         InputError
-            If there is no run, or a file is missing, altered or not of this run.
+            If there is no run, or a file is missing, altered or not part of this run.
 
         Examples
         --------
@@ -121,19 +126,19 @@ class StoredRun:
         ...     [part.sizes["time"] for part in stored.parts()]
         [2]
         """
-        yield from self._read(-math.inf, math.inf, truth("skip_damaged", skip_damaged))
+        yield from self._read(-math.inf, math.inf, check_bool("skip_damaged", skip_damaged))
 
     def load(
         self, start: float = -np.inf, stop: float = np.inf, *, skip_damaged: bool = False
     ) -> xr.Dataset:
-        """The saved times from ``start`` to ``stop`` in one dataset.
+        """Load the saved times from ``start`` to ``stop`` into one dataset.
 
         Parameters
         ----------
         start, stop : float
             First and last time, both included [scaled, or s].
         skip_damaged : bool
-            Whether to leave out damaged files, with a `DamageWarning`.
+            Whether to omit damaged files, with a `DamageWarning`.
 
         Returns
         -------
@@ -142,7 +147,8 @@ class StoredRun:
         Raises
         ------
         InputError
-            If nothing was saved in that time, or a file is missing, altered or not of this run.
+            If no time in this interval was saved, or a file is missing, altered or not part of
+            this run.
 
         Examples
         --------
@@ -159,23 +165,23 @@ class StoredRun:
                 raise InputError(f"{name} must be a time, got nan")
         within = (
             part.sel(time=slice(start, stop))
-            for part in self._read(start, stop, truth("skip_damaged", skip_damaged))
+            for part in self._read(start, stop, check_bool("skip_damaged", skip_damaged))
         )
-        # A copy, so that no whole part is kept for a few of its times.
+        # A copy, so that the other times of a part are not kept in memory.
         chosen = [part.copy(deep=True) for part in within if part.sizes["time"]]
         if not chosen:
             raise InputError(
-                f"{os.fspath(self.folder)!r} holds no times from {start:g} to {stop:g}"
+                f"{os.fspath(self.folder)!r} has no saved times from {start:g} to {stop:g}"
             )
         return xr.concat(chosen, "time", data_vars="minimal", combine_attrs="override")
 
     def _read(self, start: float, stop: float, skip_damaged: bool) -> Iterator[xr.Dataset]:
-        """Parts with times from ``start`` to ``stop``, after all files were seen to be there."""
+        """Parts with times from ``start`` to ``stop``, after a check that all files exist."""
 
         def damaged(error: DamagedFileError) -> None:
             if not skip_damaged:
                 raise error
-            warnings.warn(f"{os.fspath(error.file)} {error.how}: it is left out", DamageWarning,
+            warnings.warn(f"{os.fspath(error.file)} {error.how}; it is omitted", DamageWarning,
                           stacklevel=5)  # fmt: skip
 
         parts = _listed(self.folder, damaged)
@@ -197,17 +203,17 @@ def stream(
     rtol: float = DEFAULT_RTOL,
     progress: Progress | None = None,
 ) -> StoredRun:
-    """Simulate a chain, writing saved times into a folder as they come.
+    """Simulate a chain and write saved times to a folder during the run.
 
-    Called again with the same chain, times and folder, it goes on where it stopped.  There
-    is no step limit.
+    If a run was interrupted, call `stream` again with the same chain, times and folder to resume
+    it.  There is no step limit.
 
     Parameters
     ----------
     chain : Chain
         The chain.
     folder : path-like
-        Folder for the files, new, empty or with this run in it; made if it does not exist.
+        Folder for the files: new, empty, or with this run.  It is created if necessary.
     times : array_like
         Increasing times >= 0 at which to save [scaled, or s].
     rtol : float
@@ -222,10 +228,10 @@ def stream(
     Raises
     ------
     InputError
-        If times are not increasing, the folder holds another run, one with another tolerance
-        or anything else, is in use by another process, damaged, or cannot be written.
+        If times are not increasing, or the folder contains another run, a run with another
+        tolerance or other files, is in use by another process, is damaged or cannot be written.
     hertzchain.StoreError
-        If the disk is full; what was written before stays readable.
+        If the disk is full; files written before remain readable.
     SimulationError
         If the run fails.
 
@@ -236,7 +242,7 @@ def stream(
     ...     len(hc.stream(hc.Chain.uniform(5), folder, times=[1.0, 2.0]).files)
     1
     """
-    check_chain("stream", chain)
+    require_chain("stream", chain)
     callback("progress", progress)
     rtol = checked_rtol(rtol)
     stored = StoredRun(file_path("folder", folder))
@@ -244,7 +250,7 @@ def stream(
     row = wanted.ndim == 1 and wanted.size > 0
     if not (row and np.isfinite(wanted).all() and wanted[0] >= 0.0 and np.all(np.diff(wanted) > 0)):
         raise InputError(
-            f"times to save at must be a list of increasing numbers >= 0, got {shown(times)}"
+            f"times to save at must be a list of increasing numbers >= 0, got {short_repr(times)}"
         )
     _make_folder(stored.folder)
     with lock(stored.folder / ".lock", stored.folder):
@@ -255,7 +261,7 @@ def stream(
 def _resume(
     chain: Chain, stored: StoredRun, wanted: Array, rtol: float, progress: Progress | None
 ) -> None:
-    """Write what is missing, a file at a time."""
+    """Compute the missing times and write them, one file at a time."""
     manifest, state, done = _where_it_stopped(chain, stored, wanted, rtol)
     most = max(1, FILE_SIZE // (8 * (3 * chain.beads + 1)))
     count = min(FIRST_TIMES, most)
@@ -267,7 +273,7 @@ def _resume(
             run = simulate(chain, start=state, times=chunk, rtol=rtol, max_steps=sys.maxsize)
         overlaps = np.maximum(overlaps, run.largest_overlaps)
         if done + count < len(wanted):
-            # The end cut the last step short: what is saved within it comes again, uncut.
+            # The last step was shortened, so times saved within it are computed again.
             run = beginning_of(run, int(np.searchsorted(chunk, run.state.time, "right")))
             if not len(run.times):
                 count *= 2
@@ -276,7 +282,7 @@ def _resume(
             manifest = _write_part(stored.folder, manifest, run)
         except (InputError, StoreError) as error:
             kept = f"times up to {wanted[done - 1]:g} are stored" if done else "nothing is stored"
-            raise type(error)(f"{error}; {kept}, and a further call continues from there") from None
+            raise type(error)(f"{error}; {kept}, from which another call resumes") from None
         state, done = run.state, done + len(run.times)
         if progress is not None:
             progress(done, len(wanted))
@@ -286,7 +292,7 @@ def _resume(
 
 
 def _write_part(folder: Path, manifest: Manifest, run: Run) -> Manifest:
-    """Write a part and the state after it; returns the manifest that lists the part."""
+    """Write a part and the state after it; return the manifest that lists the part."""
     content = run_as_netcdf(run)
     announcing = manifest.announcing(Part.of(len(manifest.parts) + 1, content, run.times))
     announcing.save(folder)
@@ -299,27 +305,27 @@ def _write_part(folder: Path, manifest: Manifest, run: Run) -> Manifest:
 
 
 def _make_folder(folder: Path) -> None:
-    """Make the folder; refuse one in use for something else, whose files are not ours."""
+    """Create the folder; raise `InputError` if it contains other files."""
     name = os.fspath(folder)
     try:
         folder.mkdir(parents=True, exist_ok=True)
         found = sorted(file.name for file in folder.iterdir() if not file.name.startswith("."))
     except FileExistsError:
         raise InputError(
-            f"{name!r} is a file, and a run needs a folder: choose another name"
+            f"{name!r} is a file, but a run requires a folder; choose another name"
         ) from None
     except OSError as error:
         raise cannot_write(folder, error) from None
     if found and MANIFEST_FILE not in found:
         raise InputError(
-            f"{name!r} holds {found[0]!r} and no run of stream: choose a new or an empty folder"
+            f"{name!r} contains {found[0]!r} but no run of stream; choose a new or empty folder"
         )
 
 
 def _where_it_stopped(
     chain: Chain, stored: StoredRun, wanted: Array, rtol: float
 ) -> tuple[Manifest, State | None, int]:
-    """What the folder holds, the state to continue from and how many times are stored."""
+    """Manifest of the folder, state to resume from, and number of stored times."""
     folder, name = stored.folder, os.fspath(stored.folder)
     _remove_temporary(folder)
     if not (folder / MANIFEST_FILE).exists():
@@ -327,20 +333,21 @@ def _where_it_stopped(
     manifest = load_manifest(folder)
     if manifest.chain != fingerprint(chain):
         raise InputError(
-            f"{name!r} holds a run of another chain than {chain.description}: choose another folder"
+            f"{name!r} contains a run of another chain than {chain.description}; choose another "
+            "folder"
         )
     if manifest.rtol != rtol:
         raise InputError(
-            f"{name!r} holds a run with rtol = {manifest.rtol:g}, and now rtol is {rtol:g}: "
-            f"continue with {manifest.rtol:g}, or choose another folder"
+            f"{name!r} contains a run with rtol = {manifest.rtol:g}, but now rtol is {rtol:g}; "
+            f"resume it with {manifest.rtol:g}, or choose another folder"
         )
     saved = np.concatenate([np.array(part.time) for part in stored.parts()] or [np.empty(0)])
     if len(saved) > len(wanted) or not np.array_equal(saved, wanted[: len(saved)]):
-        raise InputError(f"{name!r} holds a run with other times: choose another folder")
+        raise InputError(f"{name!r} contains a run with other times; choose another folder")
     if len(manifest.present(folder)) > len(manifest.parts):
         manifest = manifest.written()
     state = _state_after(folder, manifest, chain)
-    # A part is written before its state: the last one may be ahead of it.
+    # A part is written before its state, so the last part may be later than the stored state.
     while manifest.parts and (state is None or state.time < manifest.parts[-1].first):
         manifest = manifest.without_last()
         manifest.save(folder)
@@ -348,13 +355,13 @@ def _where_it_stopped(
         (folder / manifest.announced.file).unlink()
     done = sum(part.times for part in manifest.parts)
     if state is not None and done < len(wanted) and state.time >= wanted[done]:
-        how = f"is from t = {state.time:g}, after the end of the last part"
+        how = f"has the time t = {state.time:g}, which is after the end of the last part"
         raise DamagedFileError(folder / STATE_FILE, how, folder, RESTORE)
     return manifest, state, done
 
 
 def _state_after(folder: Path, manifest: Manifest, chain: Chain) -> State | None:
-    """The stored state; none before the first was stored."""
+    """The stored state; `None` if there is none yet."""
     file = folder / STATE_FILE
     if file.exists():
         return load_state(file, chain)
@@ -364,7 +371,7 @@ def _state_after(folder: Path, manifest: Manifest, chain: Chain) -> State | None
 
 
 def _remove_temporary(folder: Path) -> None:
-    """Remove what a killed run left half written."""
+    """Remove unfinished files of a killed run."""
     try:
         for file in folder.iterdir():
             if TEMPORARY.fullmatch(file.name):
@@ -375,7 +382,7 @@ def _remove_temporary(folder: Path) -> None:
 
 def _listed(folder: Path, damaged: Callable[[DamagedFileError], None]) -> tuple[Part, ...]:
     """The parts of a folder; reports files that are missing or not listed."""
-    # The folder first: a part is listed before it is written.
+    # The folder is read before the manifest, because a part is listed before it is written.
     found = sorted(file.name for file in folder.glob("part-*.nc"))
     manifest = load_manifest(folder)
     announced = () if manifest.announced is None else (manifest.announced,)
@@ -383,7 +390,7 @@ def _listed(folder: Path, damaged: Callable[[DamagedFileError], None]) -> tuple[
     for name in found:
         if name not in known:
             advice = f"move it away: {MANIFEST_FILE} does not list it"
-            damaged(DamagedFileError(folder / name, "is not of this run", folder, advice))
+            damaged(DamagedFileError(folder / name, "is not part of this run", folder, advice))
     parts = manifest.present(folder)
     lost = [part for part in parts if not (folder / part.file).exists()]
     for part in lost:
@@ -398,7 +405,7 @@ def _dataset(file: Path, content: bytes) -> xr.Dataset:
     try:
         with xr.open_dataset(io.BytesIO(content), engine="scipy") as part:
             return part.load()
-    # SciPy raises what it likes of a file that is not netCDF.
+    # SciPy raises errors of any type for a file that is not netCDF.
     except (OSError, ValueError, TypeError, LookupError) as error:
         reason = str(error).partition("\n")[0]
         raise DamagedFileError(file, f"is not netCDF ({reason})", file.parent, RESTORE) from None

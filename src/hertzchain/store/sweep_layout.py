@@ -1,7 +1,7 @@
-"""What a sweep store consists of before the first batch, and digests of that part.
+"""Layout of a new sweep store, and digests of the files that it has before the first batch.
 
-Digests of the files are an attribute of the zarr group, and a digest of all other attributes is
-another.
+The digests of these files are one attribute of the zarr group; the digest of all other attributes
+is another.
 """
 
 from __future__ import annotations
@@ -20,24 +20,23 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from hertzchain.errors import InputError
-from hertzchain.store.batch_files import DIGEST, ROW
-from hertzchain.store.damage import DamagedFileError
-from hertzchain.store.writing import cannot_write
+from ..errors import InputError
+from .batch_files import DIGEST, ROW
+from .damage import DamagedFileError
+from .writing import cannot_write
 
-# The layout, by the attribute `MARKER` of the group.
+# Version of the layout, stored in the attribute `MARKER` of the group.
 SCHEMA: Final = "hertzchain sweep 2"
 FAMILY: Final = "hertzchain sweep "
 MARKER: Final = "schema"
 STATUS: Final = "status"
-# Attributes of the group: digests of the files of no batch, and of the other attributes.
+# Attributes of the group: digests of the files that belong to no batch; digest of the attributes.
 FILES, SEAL = "files", "seal"
 GROUP_FILE: Final = "zarr.json"
-# What to do about a damaged file that belongs to no batch.
+# Advice for a damaged file that belongs to no batch.
 RESTORE: Final = "restore it from a copy, or move the store away and sweep again"
-_HEX: Final = r"\.[0-9a-f]{32}\.partial"
-# Files of a store that was not made to its end.
-UNFINISHED: Final = re.compile(rf"([^/]+/)?zarr(\.json|{_HEX})|[^/]+/c/(\d+/)*\d+({_HEX})?")
+# Names that zarr gives to files: descriptions, chunks, and temporary files of both.
+ZARR_FILE: Final = re.compile(r"zarr\.json|\d+|(zarr|\d+)\.[0-9a-f]{32}\.partial")
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,13 +48,13 @@ class Variable:
     dimensions : tuple of str
         Names of its dimensions.
     shape, chunk : tuple of int
-        Of all of it, and of one batch.
+        Shape of the array and of one batch.
     dtype : str
         ``"f8"``, ``"i8"``, ``"i1"`` or ``"str"``.
     attributes : mapping
-        Units, long name.
+        Attributes such as units and long name.
     values : ndarray, optional
-        All values of a coordinate.
+        Values of a coordinate.
 
     Examples
     --------
@@ -72,7 +71,7 @@ class Variable:
 
     @property
     def size(self) -> int:
-        """Bytes of all of it, text left out."""
+        """Number of bytes of the array; 0 for text."""
         width = {"f8": 8, "i8": 8, "i1": 1}.get(self.dtype, 0)
         return width * int(np.prod(self.shape, dtype=float))
 
@@ -80,33 +79,7 @@ class Variable:
 def create_store(
     folder: str | os.PathLike[str], variables: Mapping[str, Variable], attributes: Mapping[str, Any]
 ) -> None:
-    """Make an empty store, whole or not at all.
-
-    Parameters
-    ----------
-    folder : path-like
-        Where it shall be; nothing may be there.
-    variables : mapping of str to Variable
-        Arrays by name, among them ``status``.
-    attributes : mapping
-        Of the dataset.
-
-    Raises
-    ------
-    InputError
-        If it cannot be made there.
-    StoreError
-        If the disk is full.
-
-    Examples
-    --------
-    >>> import tempfile
-    >>> status = Variable(("rate", "by"), (4, 1), (2, 1), "i1", {})
-    >>> with tempfile.TemporaryDirectory() as parent:
-    ...     create_store(Path(parent) / "sweep", {"status": status}, {})
-    ...     sorted(file.name for file in (Path(parent) / "sweep").iterdir())
-    ['digest', 'status', 'zarr.json']
-    """
+    """Create a store without batches, completely or not at all."""
     import zarr
 
     target = Path(folder)
@@ -129,50 +102,15 @@ def create_store(
 
 
 def grid_of(shape: tuple[int, ...], chunk: tuple[int, ...]) -> tuple[int, ...]:
-    """Number of batches along each dimension, from the shapes of the status and of its chunks.
-
-    Parameters
-    ----------
-    shape, chunk : tuple of int
-        Of the status; the last dimension is that of methods.
-
-    Returns
-    -------
-    tuple of int
-
-    Examples
-    --------
-    >>> grid_of((5, 3, 1), (2, 3, 1))
-    (3, 1)
-    """
+    """Number of batches along each dimension, from the shapes of the status and of its chunks."""
     return tuple(-(-n // c) for n, c in zip(shape, chunk, strict=True))[:-1] or (1,)
 
 
 def check_layout(folder: Path, attributes: Mapping[str, Any]) -> None:
-    """Compare attributes, descriptions of arrays and values of axes with their digests.
-
-    Parameters
-    ----------
-    folder : pathlib.Path
-        The store.
-    attributes : mapping
-        Of its group.
-
-    Raises
-    ------
-    InputError
-        If the folder is no store of a sweep, or a file is missing or not as it was written.
-
-    Examples
-    --------
-    >>> check_layout(Path("other"), {})
-    Traceback (most recent call last):
-    ...
-    hertzchain.errors.InputError: 'other' is no store of a sweep: it is left as it is
-    """
+    """Compare attributes, descriptions of arrays and values of axes with their digests."""
     schema, name = attributes.get(MARKER), os.fspath(folder)
     if not str(schema).startswith(FAMILY):
-        raise InputError(f"{name!r} is no store of a sweep: it is left as it is")
+        raise InputError(f"{name!r} is not the store of a sweep and was not changed")
     if schema != SCHEMA:
         raise InputError(
             f"{name!r} has the layout {schema!r} of another version of hertzchain, and this "
@@ -190,27 +128,28 @@ def check_layout(folder: Path, attributes: Mapping[str, Any]) -> None:
 
 
 def _remove_unfinished(folder: Path) -> None:
-    """Remove a store that a killed process has not made to its end; nothing else."""
+    """Remove a store that a killed process has not completed; raise an error for anything else."""
     if not os.path.lexists(folder):
         return
-    found = [file.relative_to(folder).as_posix() for file in folder.rglob("*") if file.is_file()]
-    ours = folder.is_dir() and not folder.is_symlink() and all(map(UNFINISHED.fullmatch, found))
-    if ours and GROUP_FILE in found:
+    files = [file for file in folder.rglob("*") if file.is_file()]
+    ours = folder.is_dir() and not folder.is_symlink()
+    ours = ours and all(ZARR_FILE.fullmatch(file.name) for file in files)
+    if ours and folder / GROUP_FILE in files:
         with contextlib.suppress(ValueError):
             attributes = json.loads((folder / GROUP_FILE).read_bytes()).get("attributes", {})
             ours = str(attributes.get(MARKER)).startswith(FAMILY)
     elif ours:
-        ours = all(name.endswith(".partial") for name in found)
+        ours = all(file.suffix == ".partial" for file in files)
     if not ours:
         raise InputError(
-            f"{os.fspath(folder)!r} is where the new store is made, but hertzchain did not write "
-            "it: move it away, or choose another name for the store"
+            f"{os.fspath(folder)!r} is needed to create the new store, but hertzchain did not "
+            "write it: move it away, or choose another name for the store"
         )
     shutil.rmtree(folder)
 
 
 def _create_digests(group: Any, variables: Mapping[str, Variable]) -> None:
-    """An array with a row of digests per batch, one per array."""
+    """Create an array with one row of digests per batch, one digest per array."""
     status = variables[STATUS]
     number = int(np.prod(grid_of(status.shape, status.chunk)))
     arrays = [name for name, variable in variables.items() if variable.values is None]
@@ -227,7 +166,7 @@ def _create_digests(group: Any, variables: Mapping[str, Variable]) -> None:
 
 
 def _seal_group(group: Any, folder: Path) -> None:
-    """Store digests of all files that are there before the first batch."""
+    """Store digests of all files that exist before the first batch."""
     files = sorted(file for file in folder.rglob("*") if file.is_file())
     digests = {
         file.relative_to(folder).as_posix(): _digest(file)
@@ -258,7 +197,7 @@ def _create_array(group: Any, name: str, variable: Variable) -> None:
         chunks=tuple(max(1, n) for n in variable.chunk),
         dtype=str if variable.dtype == "str" else variable.dtype,
         fill_value=fill,
-        # A flipped bit is an error, not a number.
+        # With a checksum, reading a chunk with a flipped bit is an error.
         compressors=ZstdCodec(checksum=True),
         config={"write_empty_chunks": True},
         dimension_names=variable.dimensions,

@@ -1,4 +1,4 @@
-"""TOML: files read with errors of one sentence, and values written."""
+"""Read TOML files, with errors of one sentence, and write values as TOML."""
 
 from __future__ import annotations
 
@@ -7,45 +7,16 @@ import tomllib
 from collections.abc import Mapping
 from typing import Any, Final
 
-from hertzchain.arguments import file_path
-from hertzchain.errors import InputError
+from ..errors import InputError
+from ..validation.objects import file_path
 
-# What a basic string escapes by a letter.
+# Characters that a basic string escapes by a letter.
 _LETTERS: Final = {'"': '\\"', "\\": "\\\\", "\b": "\\b", "\t": "\\t", "\n": "\\n", "\f": "\\f",
                    "\r": "\\r"}  # fmt: skip
 
 
 def read_toml(what: str, path: str | os.PathLike[str], hint: str) -> dict[str, Any]:
-    r"""Read a TOML file.
-
-    Parameters
-    ----------
-    what : str
-        What it is, such as ``"chain file"``.
-    path : path-like
-        The file.
-    hint : str
-        What to give if it cannot be read.
-
-    Returns
-    -------
-    dict
-
-    Raises
-    ------
-    InputError
-        If it is missing, unreadable or not TOML; the file is named.
-
-    Examples
-    --------
-    >>> import tempfile
-    >>> from pathlib import Path
-    >>> with tempfile.TemporaryDirectory() as folder:
-    ...     file = Path(folder) / "chain.toml"
-    ...     _ = file.write_text("[chain]\nbeads = 20\n")
-    ...     read_toml("chain file", file, "give the path of a TOML file")
-    {'chain': {'beads': 20}}
-    """
+    r"""Read a TOML file."""
     file, name = file_path(what, path), os.fspath(path)
     try:
         return tomllib.loads(file.read_text("utf-8-sig"))
@@ -58,27 +29,12 @@ def read_toml(what: str, path: str | os.PathLike[str], hint: str) -> dict[str, A
     except RecursionError:
         raise InputError(f"{what} {name!r} is nested too deeply") from None
     except ValueError:
-        # The only one left: Python reads no whole number of more than 4300 digits.
+        # The only remaining reason: Python does not read whole numbers of more than 4300 digits.
         raise InputError(f"{what} {name!r} has a whole number of thousands of digits") from None
 
 
 def toml_text(value: Any) -> str:
-    """A value as TOML writes it.
-
-    Parameters
-    ----------
-    value : object
-        Text, number, truth value, list or table of them.
-
-    Returns
-    -------
-    str
-
-    Examples
-    --------
-    >>> toml_text({"rigid": True, "gaps": [0.0, 1e-6], "a b": 'steel "hard"'})
-    '{rigid = true, gaps = [0.0, 1e-06], "a b" = "steel \\\\"hard\\\\""}'
-    """
+    """Convert a value to TOML text."""
     if isinstance(value, Mapping):
         items = (f"{toml_key(key)} = {toml_text(item)}" for key, item in value.items())
         return "{" + ", ".join(items) + "}"
@@ -90,22 +46,7 @@ def toml_text(value: Any) -> str:
 
 
 def toml_key(name: str) -> str:
-    """The name of a key or table, in quotation marks if it needs them.
-
-    Parameters
-    ----------
-    name : str
-        The name.
-
-    Returns
-    -------
-    str
-
-    Examples
-    --------
-    >>> toml_key("gap"), toml_key("my steel")
-    ('gap', '"my steel"')
-    """
+    """Name of a key or table, in quotation marks if necessary."""
     bare = name.isascii() and name.replace("-", "").replace("_", "").isalnum()
     return name if bare else _quoted(name)
 

@@ -1,1 +1,1 @@
-"""Many chains: parameters that vary, methods side by side, results in one labelled dataset."""
+"""Sweeps of parameters, by one or several methods, into one labelled dataset."""

@@ -1,26 +1,31 @@
-"""Parameters that vary: where in the description of a chain they are, and their values."""
+"""Axes of a sweep: the parameters that vary and their values."""
 
 from __future__ import annotations
 
 import json
+import os
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
 
-from hertzchain.checks import number, whole_number
-from hertzchain.errors import InputError, shown, unknown_name
-from hertzchain.store.chain_schema import dimensions_of
-from hertzchain.sweeps.plain import plain_json
-from hertzchain.units import UNITS, converted, quantity
+from ..errors import InputError, short_repr, unknown_name_error
+from ..representation import counted, short
+from ..store.chain_schema import dimensions_of
+from ..store.csv_tables import csv_rows
+from ..units import UNITS, converted, quantity
+from ..validation.json_types import to_json_types
+from ..validation.numbers import number, whole_number
+from ..validation.objects import file_path
 
 SPACINGS: Final = ("list", "linspace", "geomspace")
-# Ends of a linspace, at most: their difference must be a number, too.
-LARGEST: Final = 1e300
-# Values of one axis, at most.
-MOST_VALUES: Final = 10_000_000
+# Largest first or last value of a linspace: their difference must be finite, too.
+MAX_END: Final = 1e300
+# Largest number of values of one axis.
+MAX_VALUES: Final = 10_000_000
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,17 +35,17 @@ class Axis:
     Attributes
     ----------
     path : tuple of str
-        Where it is: ``("rate",)`` is a key of ``[chain]``, ``("loss", "restitution")`` one of
-        ``[chain.loss]``, ``("radii", "5")`` the radius of bead 5, ``("method", "rtol")`` an
-        option of the integration.
+        Its place in the specification: ``("rate",)`` is a key of ``[chain]``,
+        ``("loss", "restitution")`` a key of ``[chain.loss]``, ``("radii", "5")`` the radius of
+        bead 5, ``("method", "rtol")`` an option of the simulation.
     entry : mapping or sequence
-        Values as specified: a list, or ``{"linspace": [first, last, number]}``, or geomspace;
-        with ``"unit"`` if they are not in SI or scaled.
+        Values as specified: a list, or ``{"linspace": [first, last, number]}``, or the same with
+        ``"geomspace"``; with ``"unit"`` if they are neither scaled nor in SI units.
 
     Raises
     ------
     InputError
-        If the entry is neither, or has no values, or one twice.
+        If the entry is neither a list nor such a table, or has no values.
 
     Examples
     --------
@@ -54,8 +59,14 @@ class Axis:
     path: tuple[str, ...]
     entry: Mapping[str, Any] | Sequence[Any]
 
+    def __repr__(self) -> str:
+        ends = repr(self.values[0])
+        if len(self) > 1:
+            ends += f" .. {self.values[-1]!r}"
+        return short("Axis", self.long_name, counted(len(self), "value"), ends)
+
     def __post_init__(self) -> None:
-        object.__setattr__(self, "entry", plain_json(self.entry))
+        object.__setattr__(self, "entry", to_json_types(self.entry))
         if not self.values:
             raise InputError("has no values")
 
@@ -64,7 +75,7 @@ class Axis:
 
     @property
     def name(self) -> str:
-        """The last name of the path, with the number of a bead after it."""
+        """The last name of the path, followed by the number of a bead if there is one."""
         words = [*self.path]
         numbers: list[str] = []
         while len(words) > 1 and words[-1].isdigit():
@@ -78,21 +89,21 @@ class Axis:
 
     @property
     def dimension(self) -> str | None:
-        """Dimension of the values, a key of `hertzchain.units.UNITS`, if it is known."""
+        """Dimension of the values, a key of `hertzchain.units.UNITS`; `None` if not unique."""
         possible = self._dimensions
         # The unit of a stiffness depends on the exponent of the chain.
         return possible[0] if len(possible) == 1 and possible[0] not in ("", "stiffness") else None
 
     @property
     def _dimensions(self) -> list[str]:
-        """What the values can be: an amplitude is a force or a length."""
+        """Possible dimensions of the values: an amplitude is a force or a length."""
         if self.path == ("method", "until"):
             return ["time"]
         return sorted(dimensions_of(self.path))
 
     @property
     def unit(self) -> str | None:
-        """The unit that the specification gives, if it does."""
+        """The unit in the specification; `None` if there is none."""
         return self.entry.get("unit") if isinstance(self.entry, Mapping) else None
 
     @cached_property
@@ -103,10 +114,10 @@ class Axis:
         known = (*SPACINGS, "unit")
         for key in self.entry:
             if key not in known:
-                raise unknown_name("key of an axis", key, known)
+                raise unknown_name_error("key of an axis", key, known)
         given = [key for key in SPACINGS if key in self.entry]
         if len(given) != 1:
-            raise InputError(f"needs one of {', '.join(SPACINGS)}, has {len(given)} of them")
+            raise InputError(f"must have one of {', '.join(SPACINGS)}, has {len(given)} of them")
         found = self.entry[given[0]]
         values = _listed(found) if given[0] == "list" else _spaced(given[0], found)
         if "unit" not in self.entry:
@@ -116,24 +127,24 @@ class Axis:
 
     @property
     def has_units(self) -> bool:
-        """Whether the values were given with units: such chains cannot be scaled."""
+        """Whether the values have units; the chains are then in SI units."""
         if isinstance(self.entry, Mapping):
             return "unit" in self.entry or _all_quantities(self.entry.get("list", []))
         return _all_quantities(self.entry)
 
     def _plain(self, values: list[Any]) -> list[Any]:
-        """Text with units, such as "5 mm", as numbers; other values as they are."""
+        """Convert text with units, such as "5 mm", to numbers; keep other values."""
         if not _all_quantities(values) or self._dimensions == [""]:
             return values
         return [self._in_si(*found) for each in values if (found := quantity(each))]
 
     def _in_si(self, number: str, unit: Any) -> float:
-        """A number with a unit, in SI."""
+        """Convert a number with a unit to SI units."""
         possible = [each for each in self._dimensions if each]
         if not possible:
-            raise InputError(f"has the unit {shown(unit)}, but {self.long_name} takes none")
+            raise InputError(f"has the unit {short_repr(unit)}, but {self.long_name} takes none")
         if not isinstance(unit, str):
-            raise InputError(f"has the unit {shown(unit)}, which must be text")
+            raise InputError(f"has the unit {short_repr(unit)}, which must be text")
         for place, dimension in enumerate(possible, start=1):
             try:
                 return converted(possible[0], number, unit, UNITS[dimension][0])
@@ -143,7 +154,7 @@ class Axis:
         raise AssertionError
 
     def coordinate(self) -> np.ndarray[Any, np.dtype[Any]]:
-        """The values as an array for a dataset; what is no number or text is text as JSON.
+        """Values as an array for a dataset; lists and tables become JSON text.
 
         Examples
         --------
@@ -156,12 +167,17 @@ class Axis:
         texts = [value if isinstance(value, str) else json.dumps(value) for value in self.values]
         return np.array(texts, dtype=np.dtypes.StringDType())
 
-    def twice(self) -> Any | None:
-        """A value that is there twice, if one is.
+    def duplicate(self) -> Any | None:
+        """Find a value that occurs twice.
+
+        Returns
+        -------
+        value or None
+            The first value that equals an earlier one.
 
         Examples
         --------
-        >>> Axis(("rate",), [0.1, 0.2, 0.1]).twice()
+        >>> Axis(("rate",), [0.1, 0.2, 0.1]).duplicate()
         0.1
         """
         seen: set[Any] = set()
@@ -174,27 +190,7 @@ class Axis:
 
 
 def flattened(table: Mapping[str, Any], path: tuple[str, ...] = ()) -> Iterator[tuple[Any, ...]]:
-    """Paths and entries of nested tables of axes.
-
-    Parameters
-    ----------
-    table : mapping
-        Tables within tables; dotted keys are paths too.
-    path : tuple of str
-        Where the table is.
-
-    Yields
-    ------
-    path : tuple of str
-        Path of the parameter.
-    entry : object
-        Its values as specified.
-
-    Examples
-    --------
-    >>> [*flattened({"loss": {"restitution": [0.8, 0.9]}, "radii.2": [1.0]})]
-    [(('loss', 'restitution'), [0.8, 0.9]), (('radii', '2'), [1.0])]
-    """
+    """Yield the path and the entry of each axis in nested tables."""
     for key, entry in table.items():
         place = (*path, *str(key).split("."))
         if isinstance(entry, Mapping) and not set(entry) & {*SPACINGS, "unit"}:
@@ -203,17 +199,99 @@ def flattened(table: Mapping[str, Any], path: tuple[str, ...] = ()) -> Iterator[
             yield place, entry
 
 
+def conflicts(paths: Sequence[tuple[str, ...]]) -> list[str]:
+    """Find axes that would replace a table in which an earlier axis has set a value."""
+    return [
+        f"axes.{'.'.join(path)}: would undo axes.{'.'.join(earlier)}: remove one of them, or put "
+        "this one first"
+        for place, path in enumerate(paths)
+        for earlier in paths[:place]
+        if earlier[: len(path)] == path
+    ]
+
+
+def unequal_lengths(axes: Sequence[Axis]) -> list[str]:
+    """Find out whether axes that vary together have different numbers of values."""
+    if len({len(axis) for axis in axes}) < 2:
+        return []
+    lengths = ", ".join(f"{axis.long_name} has {len(axis)}" for axis in axes)
+    return [f"axes: zip needs axes of the same length, but {lengths} values"]
+
+
+def duplicates(axes: Sequence[Axis]) -> list[str]:
+    """Find axes on which a value occurs twice."""
+    found = ((axis.long_name, axis.duplicate()) for axis in axes)
+    return [f"axes.{name}: has the value {value!r} twice" for name, value in found
+            if value is not None]  # fmt: skip
+
+
+def columns_of_points(points: Any, folder: Path) -> dict[tuple[str, ...], list[Any]]:
+    """Values of each parameter from explicit points: a list of tables or the name of a CSV file."""
+    if isinstance(points, str):
+        return _columns_of_csv(file_path("points", folder / points))
+    if not isinstance(points, list | tuple) or not points:
+        raise InputError(
+            f"points: must be tables [[points]] or the name of a CSV file, got {short_repr(points)}"
+        )
+    for place, row in enumerate(points, start=1):
+        if not isinstance(row, Mapping) or not row:
+            raise InputError(
+                f"points[{place}]: must be a table of parameters, got {short_repr(row)}"
+            )
+    rows = [dict(flattened(row)) for row in points]
+    for place, row in enumerate(rows, start=1):
+        if row.keys() != rows[0].keys():
+            names = ", ".join(".".join(path) for path in rows[0])
+            raise InputError(
+                f"points[{place}]: must have the same parameters as points[1]: {names}"
+            )
+    return {path: [row[path] for row in rows] for path in rows[0]}
+
+
+def _columns_of_csv(file: Path) -> dict[tuple[str, ...], list[Any]]:
+    """Columns of a CSV file: numbers if all cells of a column are numbers, otherwise text."""
+    try:
+        rows = csv_rows(file)
+        if len(rows) < 2:
+            raise InputError("must have a header with parameters and one row per point")
+        header, *body = rows
+        for column in header:
+            if header.count(column) > 1:
+                raise InputError(f"has two columns {column!r}: remove one")
+        for place, row in enumerate(body, start=1):
+            if len(row) != len(header):
+                raise InputError(f"row {place} has {len(row)} cells, the header has {len(header)}")
+            if "" in row:
+                raise InputError(f"row {place} has no {header[row.index('')]}")
+    except InputError as error:
+        raise InputError(f"points: {os.fspath(file)!r}: {error}") from None
+    columns = zip(*body, strict=True)
+    return {tuple(key.split(".")): _cells(cells)
+            for key, cells in zip(header, columns, strict=True)}  # fmt: skip
+
+
+def _cells(cells: Sequence[str]) -> list[Any]:
+    for kind in (int, float):
+        try:
+            return [kind(cell) for cell in cells]
+        except ValueError:
+            continue
+    return list(cells)
+
+
 def _all_quantities(values: Any) -> bool:
     texts = isinstance(values, list) and all(isinstance(each, str) for each in values)
     return texts and bool(values) and all(quantity(each) for each in values)
 
 
 def _listed(values: Any) -> list[Any]:
-    """The values of a list, all of one type."""
+    """Check that the values are a list of one type."""
     if not isinstance(values, list):
-        raise InputError(f"must be a list of values or a table with linspace, got {shown(values)}")
-    if len(values) > MOST_VALUES:
-        raise InputError(f"has {len(values)} values, and at most {MOST_VALUES} can be")
+        raise InputError(
+            f"must be a list of values or a table with linspace, got {short_repr(values)}"
+        )
+    if len(values) > MAX_VALUES:
+        raise InputError(f"has {len(values)} values; at most {MAX_VALUES} are allowed")
     kinds = {float if type(each) is int else type(each) for each in values}
     if len(kinds) > 1:
         names = sorted(kind.__name__ for kind in kinds)
@@ -223,24 +301,26 @@ def _listed(values: Any) -> list[Any]:
 
 def _spaced(kind: str, given: Any) -> list[float]:
     if not isinstance(given, list) or len(given) != 3:
-        raise InputError(f"{kind} must be [first, last, number of values], got {shown(given)}")
+        raise InputError(f"{kind} must be [first, last, number of values], got {short_repr(given)}")
     first, last = (
-        number(f"{kind}'s {what}", value, least=-LARGEST, most=LARGEST)
+        number(f"{kind}'s {what}", value, least=-MAX_END, most=MAX_END)
         for what, value in zip(("first", "last"), given[:2], strict=True)
     )
-    count = whole_number(f"{kind}'s number of values", given[2], least=1, most=MOST_VALUES)
+    count = whole_number(f"{kind}'s number of values", given[2], least=1, most=MAX_VALUES)
     if kind == "geomspace":
         if not first * last > 0.0:
-            raise InputError(f"geomspace needs ends of one sign, got {first:g} and {last:g}")
+            raise InputError(
+                f"geomspace needs first and last of the same sign, got {first:g} and {last:g}"
+            )
         values = np.geomspace(first, last, count)
     else:
         values = np.linspace(first, last, count)
-    # Whole numbers stay whole: beads, seeds.
+    # Numbers of beads and seeds must stay whole numbers.
     if np.all(values == np.round(values)) and np.abs(values).max() < 2**53:
         return [int(value) for value in values]
     return [first, *(_decimal(value) for value in values[1:-1]), last][:count]
 
 
 def _decimal(value: float) -> float:
-    """Without the last digit's rounding: 0.85, not 0.8500000000000001; so it can be looked up."""
+    """Round to 15 digits, so that users can select 0.85 and not only 0.8500000000000001."""
     return float(f"{value:.15g}")

@@ -1,4 +1,4 @@
-"""What the store of a sweep holds: its variables, coordinates and attributes."""
+"""The dataset of a sweep: its variables, coordinates and attributes, and a store in memory."""
 
 from __future__ import annotations
 
@@ -6,114 +6,103 @@ import platform
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from importlib.metadata import version
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from hertzchain import __version__
-from hertzchain.pulse.quantities import PER_CONTACT, QUANTITIES, SI_UNITS, Quantity
-from hertzchain.store.sweep_layout import STATUS, Variable
-from hertzchain.store.sweep_store import MEANINGS
-from hertzchain.sweeps.axes import Axis
-from hertzchain.sweeps.plan import Plan
-from hertzchain.sweeps.specification import WALL_QUANTITIES
-from hertzchain.sweeps.work import Result
-from hertzchain.units import UNITS
+from .. import __version__
+from ..pulse.quantities import QUANTITIES, WALL_QUANTITIES
+from ..store.sweep_layout import STATUS, Variable
+from ..store.sweep_store import MEANINGS, plain_text
+from ..units import UNITS
+from .axes import Axis
+from .batches import Result
+from .plan import Plan
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+
+class MemoryStore:
+    """Results in memory, for sweeps without a store on disk."""
+
+    def __init__(self, variables: Mapping[str, Variable], attributes: Mapping[str, Any]) -> None:
+        self.variables, self.attributes = variables, attributes
+        self.arrays = {name: _empty_array(variable) for name, variable in variables.items()}
+
+    def write(self, batch: int, region: tuple[slice, ...], columns: Mapping[str, Any]) -> None:
+        """Write a batch."""
+        del batch
+        sizes = tuple(part.stop - part.start for part in region)
+        for name, values in columns.items():
+            target = self.arrays[name]
+            target[region] = np.asarray(values).reshape(sizes + target.shape[len(region) :])
+
+    def open(self) -> xr.Dataset:
+        """All results as a dataset."""
+        import xarray as xr
+
+        kept: dict[str, Any] = {}
+        coordinates: dict[str, Any] = {}
+        for name, variable in self.variables.items():
+            group = kept if variable.values is None else coordinates
+            group[name] = variable.dimensions, self.arrays[name], dict(variable.attributes)
+        return plain_text(xr.Dataset(kept, coords=coordinates, attrs=self.attributes))
+
+
+def _empty_array(variable: Variable) -> Any:
+    if variable.values is not None:
+        return variable.values
+    if variable.dtype == "str":
+        return np.full(variable.shape, "", np.dtypes.StringDType())
+    return np.full(variable.shape, np.nan if variable.dtype == "f8" else 0, variable.dtype)
 
 
 def variables_of(plan: Plan) -> dict[str, Variable]:
-    """Arrays of the store of a sweep, by name.
-
-    Parameters
-    ----------
-    plan : Plan
-        What is swept.
-
-    Returns
-    -------
-    dict of str to Variable
-
-    Examples
-    --------
-    >>> from hertzchain.sweeps.reading import read_specification
-    >>> chain, axes = {"taper": "uniform"}, {"beads": [20, 40]}
-    >>> found = variables_of(Plan(read_specification({"chain": chain, "axes": axes})))
-    >>> found["velocity"].dimensions, found["velocity"].shape
-    (('beads', 'by', 'bead'), (2, 1, 40))
-    """
+    """Arrays of the dataset of a sweep, by name."""
     return _by_batch(plan) | _coordinates(plan)
 
 
 def bytes_of(plan: Plan) -> int:
-    """Bytes of all results of a sweep, text and coordinates left out.
-
-    Parameters
-    ----------
-    plan : Plan
-        What is swept.
-
-    Returns
-    -------
-    int
-
-    Examples
-    --------
-    >>> from hertzchain.sweeps.reading import read_specification
-    >>> chain, axes = {"taper": "uniform"}, {"beads": [20, 40]}
-    >>> bytes_of(Plan(read_specification({"chain": chain, "axes": axes})))
-    642
-    """
+    """Number of bytes of all results of a sweep, without text and coordinates."""
     return sum(variable.size for variable in _by_batch(plan).values())
 
 
 def _by_batch(plan: Plan) -> dict[str, Variable]:
     found = {name: _kept(plan, name) for name in plan.variables}
-    if plan.judged:
-        said = {"long_name": "1 where the method says it is outside its range"}
-        found["outside_range"] = _by_method(plan, "i1", said)
-    if plan.walled:
-        said = {"long_name": "1 where the largest force on the wall is not complete"}
-        found["incomplete"] = _by_method(plan, "i1", said)
-    why = {"long_name": "why the method failed, or values are missing; empty if neither"}
-    found["reason"] = _by_method(plan, "str", why)
+    if plan.may_be_outside_range:
+        label = {"long_name": "1 where the method is used outside its range"}
+        found["outside_range"] = _by_method(plan, "i1", label)
+    if plan.keeps_wall:
+        label = {"long_name": "1 where the largest force on the wall is incomplete"}
+        found["incomplete"] = _by_method(plan, "i1", label)
+    label = {"long_name": "why the method failed, or why values are missing; otherwise empty"}
+    found["reason"] = _by_method(plan, "str", label)
     if plan.ragged:
         count = {"long_name": "number of beads", "units": "1"}
         found["beads"] = Variable(plan.dimensions, plan.shape, plan.block, "i8", count)
-    # The status goes last wherever they are written in order.
+    # The status is written last wherever variables are written in order.
     found[STATUS] = _by_method(plan, "i1", {
-        "long_name": "what became of the point",
+        "long_name": "status of the point",
         "flag_values": list(range(len(MEANINGS))), "flag_meanings": " ".join(MEANINGS),
     })  # fmt: skip
     return found
 
 
 def _by_method(plan: Plan, dtype: str, attributes: dict[str, Any]) -> Variable:
-    """One value for each point and method."""
+    """A variable with one value for each point and method."""
     methods = len(plan.specification.methods)
     return Variable(
-        (*plan.dimensions, "by"), (*plan.shape, methods), (*plan.block, methods), dtype, attributes
+        (*plan.dimensions, "approach"),
+        (*plan.shape, methods),
+        (*plan.block, methods),
+        dtype,
+        attributes,
     )
 
 
 def attributes_of(plan: Plan) -> dict[str, str]:
-    """Attributes of the dataset: the whole specification and the versions.
-
-    Parameters
-    ----------
-    plan : Plan
-        What is swept.
-
-    Returns
-    -------
-    dict of str to str
-
-    Examples
-    --------
-    >>> from hertzchain.sweeps.reading import read_specification
-    >>> chain, axes = {"taper": "uniform"}, {"beads": [20, 40]}
-    >>> attributes_of(Plan(read_specification({"chain": chain, "axes": axes})))["units"]
-    'scaled'
-    """
+    """Attributes of the dataset: the specification and the versions of packages."""
     return {
         "title": plan.specification.title,
         "units": plan.units,
@@ -125,34 +114,13 @@ def attributes_of(plan: Plan) -> dict[str, str]:
 
 
 def columns_of(plan: Plan, result: Result) -> Mapping[str, Any]:
-    """The arrays of one batch, as the store takes them.
-
-    Parameters
-    ----------
-    plan : Plan
-        What is swept.
-    result : Result
-        What the batch gave.
-
-    Returns
-    -------
-    mapping of str to array_like
-
-    Examples
-    --------
-    >>> from hertzchain.sweeps.reading import read_specification
-    >>> from hertzchain.sweeps.work import run_batch
-    >>> chain, axes = {"taper": "uniform"}, {"beads": [20, 40]}
-    >>> plan = Plan(read_specification({"chain": chain, "axes": axes}))
-    >>> sorted(columns_of(plan, run_batch(plan.specification.as_json(), 0)))
-    ['status', 'velocity']
-    """
+    """Arrays of one batch, by the name of their variable."""
     columns = {**result.columns, STATUS: result.status}
     if any(any(reasons) for reasons in result.reason):
         columns["reason"] = np.array(result.reason, dtype=np.dtypes.StringDType())
-    if plan.judged:
+    if plan.may_be_outside_range:
         columns["outside_range"] = result.outside_range
-    if plan.walled:
+    if plan.keeps_wall:
         columns["incomplete"] = result.incomplete
     if plan.ragged:
         columns["beads"] = result.beads
@@ -160,30 +128,24 @@ def columns_of(plan: Plan, result: Result) -> Mapping[str, Any]:
 
 
 def _kept(plan: Plan, name: str) -> Variable:
-    spec, si = plan.specification, plan.units == "SI"
+    spec = plan.specification
     if name in WALL_QUANTITIES:
-        _, what, unit = WALL_QUANTITIES[name]
-        attributes = {"long_name": what, "units": unit if si else "1"}
-        return _by_method(plan, "f8", attributes)
+        return _by_method(plan, "f8", WALL_QUANTITIES[name].attributes(plan.units))
     if name.startswith("worst_error_of_"):
         what = name.removeprefix("worst_error_of_")
-        told = f"largest relative error of {what}, k >= 2, against {spec.reference}"
-        return _by_method(plan, "f8", {"long_name": told, "units": "1"})
-    quantity: Quantity = name.removeprefix("relative_error_of_")  # type: ignore[assignment]
-    if name in QUANTITIES:
-        symbol, description = QUANTITIES[quantity]
-        attributes = {"long_name": description, "symbol": symbol}
-        attributes["units"] = SI_UNITS[quantity] if si else "1"
-    else:
-        told = f"relative error of {quantity} against {spec.reference}"
-        attributes = {"long_name": told, "units": "1"}
+        label = f"largest error of {what} relative to {spec.reference}, k >= 2"
+        return _by_method(plan, "f8", {"long_name": label, "units": "1"})
+    quantity = QUANTITIES[name.removeprefix("relative_error_of_")]
+    attributes = quantity.attributes(plan.units)
+    if name not in QUANTITIES:
+        label = f"error of {quantity.name} relative to {spec.reference}"
+        attributes = {"long_name": label, "units": "1"}
     one = _by_method(plan, "f8", attributes)
     if spec.at == "last":
         return one
-    beads = len(_beads_kept(plan, contact=quantity in PER_CONTACT))
-    along = "contact" if quantity in PER_CONTACT else "bead"
+    beads = len(_beads_kept(plan, contact=quantity.per == "contact"))
     return replace(
-        one, dimensions=(*one.dimensions, along), shape=(*one.shape, beads),
+        one, dimensions=(*one.dimensions, quantity.per), shape=(*one.shape, beads),
         chunk=(*one.chunk, beads),
     )  # fmt: skip
 
@@ -196,7 +158,7 @@ def _beads_kept(plan: Plan, *, contact: bool) -> Sequence[int]:
 def _coordinates(plan: Plan) -> dict[str, Variable]:
     spec = plan.specification
     methods = np.array(spec.methods, dtype=np.dtypes.StringDType())
-    found = {"by": _coordinate("by", methods, {"long_name": "method"})}
+    found = {"approach": _coordinate("approach", methods, {"long_name": "method"})}
     for name, axis in zip(plan.names, spec.axes, strict=True):
         along = "point" if plan.zipped else name
         found[name] = _coordinate(along, axis.coordinate(), _axis_labels(axis, plan))

@@ -1,10 +1,9 @@
-"""Where batches are computed: threads here, processes here, a dask scheduler anywhere."""
+"""Executors for the batches of a sweep: threads, processes, and the workers of a dask scheduler."""
 
 from __future__ import annotations
 
 import logging
 import multiprocessing
-import multiprocessing.process
 import os
 import re
 import signal
@@ -12,32 +11,43 @@ import threading
 from collections.abc import Iterator
 from concurrent.futures import Executor, ProcessPoolExecutor, ThreadPoolExecutor
 from contextlib import contextmanager
+from multiprocessing.connection import Connection
 from typing import Any, Final
+from weakref import WeakKeyDictionary
 
-from hertzchain import __version__
-from hertzchain.checks import worker_count
-from hertzchain.errors import InputError, shown, unknown_name
+from .. import __version__
+from ..errors import InputError, short_repr, unknown_name_error
+from ..validation.numbers import worker_count
 
 POOLS: Final = ("threads", "processes")
-# Of a scheduler: scheme, host and port.
+# Address of a scheduler: scheme, host and port.
 ADDRESS: Final = re.compile(r"(tcp|tls|ws|wss|ucx)://(\[[^]/]+\]|[^:/\[\]]+):\d{1,5}/?")
-# Seconds until a scheduler counts as unreachable.
+# Seconds after which a scheduler counts as unreachable.
 PATIENCE: Final = 5.0
+# Workers per processor of this machine, assumed for executors that were not made here.
+USUAL_WORKERS: Final = 2
+
+_numbers_of_workers: WeakKeyDictionary[Executor, int] = WeakKeyDictionary()
+
+
+def workers_of(pool: Executor) -> int:
+    """Number of workers of an executor; a guess for executors that were not made here."""
+    return _numbers_of_workers.get(pool) or USUAL_WORKERS * worker_count("workers", None)
 
 
 @contextmanager
 def local_pool(kind: str = "threads", workers: int | None = None) -> Iterator[Executor]:
-    """A pool of this machine for the time of a ``with`` block.
+    """Provide a pool of threads or processes on this machine for a ``with`` block.
 
-    Threads are the default: the compiled kernels let go of the interpreter, and threads start at
-    once.  Processes pay where most of the time is Python's own, as in sweeps of theories alone.
+    Threads are the default: the compiled kernels run in parallel, and threads start immediately.
+    Processes are faster if most of the time is spent in Python, as in sweeps of theories only.
 
     Parameters
     ----------
     kind : str
         ``"threads"`` or ``"processes"``.
     workers : int, optional
-        How many; by default, one for each processor.
+        Number of threads or processes; by default, one per processor.
 
     Yields
     ------
@@ -46,7 +56,7 @@ def local_pool(kind: str = "threads", workers: int | None = None) -> Iterator[Ex
     Raises
     ------
     InputError
-        For an unknown kind, or fewer than one worker.
+        If the kind is unknown, or the number of workers is below one.
 
     Examples
     --------
@@ -55,101 +65,66 @@ def local_pool(kind: str = "threads", workers: int | None = None) -> Iterator[Ex
     1
     """
     if kind not in POOLS:
-        raise unknown_name("pool", kind, POOLS)
+        raise unknown_name_error("pool", kind, POOLS)
     count = worker_count("workers", workers)
-    pool: Executor
-    if kind == "threads":
-        pool = ThreadPoolExecutor(count)
-    else:
-        # A fork would copy the threads' locks in whatever state they are.
-        context = multiprocessing.get_context("spawn")
-        pool = ProcessPoolExecutor(count, mp_context=context, initializer=_serve)
+    with _threads(count) if kind == "threads" else _processes(count) as pool:
+        _numbers_of_workers[pool] = count
+        yield pool
+
+
+@contextmanager
+def _threads(count: int) -> Iterator[Executor]:
+    pool = ThreadPoolExecutor(count)
     try:
         yield pool
-    except BaseException:
-        # Nobody waits for what they compute.
-        end_processes(pool)
-        raise
     finally:
         pool.shutdown(wait=True, cancel_futures=True)
 
 
-def _serve() -> None:
-    """A worker process leaves interrupts to its parent, and ends with it, however that ends."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-    parent = multiprocessing.parent_process()
+@contextmanager
+def _processes(count: int) -> Iterator[Executor]:
+    # A fork would copy locks of threads in any state.
+    context = multiprocessing.get_context("spawn")
+    # Workers end when the other end of this pipe is closed: here, or with this process.
+    # `multiprocessing.Event.set` would wait for ever for a waiting process that was killed.
+    reader, writer = context.Pipe(duplex=False)
+    pool = ProcessPoolExecutor(
+        count, mp_context=context, initializer=_end_with, initargs=(reader,)
+    )  # fmt: skip
+    try:
+        yield pool
+    except BaseException:
+        # No one needs the results of the batches that are being computed.
+        writer.close()
+        raise
+    finally:
+        pool.shutdown(wait=True, cancel_futures=True)
+        writer.close()
+        reader.close()
 
-    def follow() -> None:
-        if parent is not None:
-            parent.join()
+
+def _end_with(pipe: Connection) -> None:
+    """Make a worker process ignore interrupts and end when the pipe is closed."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+
+    def wait() -> None:
+        pipe.poll(None)
         os._exit(1)
 
-    threading.Thread(target=follow, daemon=True).start()
-
-
-def lost_a_process(pool: Executor) -> bool:
-    """Whether a pool of processes has lost one of them.
-
-    Parameters
-    ----------
-    pool : concurrent.futures.Executor
-        Any executor.
-
-    Returns
-    -------
-    bool
-
-    Examples
-    --------
-    >>> with local_pool() as pool:
-    ...     lost_a_process(pool)
-    False
-    """
-    return any(process.exitcode for process in _processes(pool))
-
-
-def end_processes(pool: Executor) -> None:
-    """Kill the workers of a pool of processes, whose futures then break; nothing in any other.
-
-    A worker that is killed while it sends a result leaves half of it, for the rest of which the
-    pool would wait forever: it holds a writing end of its own pipe.
-
-    Parameters
-    ----------
-    pool : concurrent.futures.Executor
-        Any executor.
-
-    Examples
-    --------
-    >>> with local_pool() as pool:
-    ...     end_processes(pool)
-    ...     pool.submit(abs, -1).result()
-    1
-    """
-    for process in _processes(pool):
-        process.kill()
-    if isinstance(pool, ProcessPoolExecutor):
-        # There is no public way to its pipe.
-        writer = getattr(getattr(pool, "_result_queue", None), "_writer", None)
-        if writer is not None:
-            writer.close()
-
-
-def _processes(pool: Executor) -> list[multiprocessing.process.BaseProcess]:
-    known = getattr(pool, "_processes", None) if isinstance(pool, ProcessPoolExecutor) else None
-    return list((known or {}).values())
+    threading.Thread(target=wait, daemon=True).start()
 
 
 @contextmanager
 def dask_pool(address: str, *, workers: int = 1) -> Iterator[Executor]:
-    """The workers of a running dask scheduler for the time of a ``with`` block.
+    """Provide the workers of a running dask scheduler for a ``with`` block.
 
     Parameters
     ----------
     address : str
         Such as ``tcp://127.0.0.1:8786``.
     workers : int
-        So many must be there, or come within seconds, before anything is computed.
+        Number of workers that must have connected to the scheduler, at most a few seconds after
+        the call.
 
     Yields
     ------
@@ -158,8 +133,8 @@ def dask_pool(address: str, *, workers: int = 1) -> Iterator[Executor]:
     Raises
     ------
     InputError
-        If distributed is not installed, the scheduler does not answer within seconds, has too
-        few workers, or one with another version of the package.
+        If distributed is not installed, the scheduler does not answer within seconds, it has too
+        few workers, or a worker has another version of hertzchain.
 
     Examples
     --------
@@ -176,27 +151,27 @@ def dask_pool(address: str, *, workers: int = 1) -> Iterator[Executor]:
         raise InputError(
             "a dask scheduler needs the package distributed: pip install 'hertzchain[cluster]'"
         ) from None
-    # Of what cannot be an address, dask would complain at the end once more, for long.
+    # For an invalid address, dask would show a second, long error at exit.
     if not isinstance(address, str) or not ADDRESS.fullmatch(address):
         raise InputError(
-            f"a scheduler's address looks like tcp://127.0.0.1:8786, got {shown(address)}"
+            f"a scheduler's address looks like tcp://127.0.0.1:8786, got {short_repr(address)}"
         )
     secured = Security().get_connection_args("client").get("ssl_context")  # type: ignore[no-untyped-call]
     if address.startswith("tls:") and not secured:
         raise InputError(
             f"{address} needs certificates: name them in dask's configuration, distributed.comm.tls"
         )
-    with _quiet("distributed.client"), _client(address) as client:
+    with _silenced("distributed.client"), _client(address) as client:
         threads = _wait_for(client, workers, address)
         _check_versions(client.run(_version_here))
         with client.get_executor(pure=False) as pool:
-            pool.workers = threads
+            _numbers_of_workers[pool] = threads
             yield pool
 
 
 @contextmanager
-def _quiet(name: str) -> Iterator[None]:
-    """What becomes of a scheduler is told by the sweep, not by a log."""
+def _silenced(name: str) -> Iterator[None]:
+    """Silence a log: the sweep itself raises an error if the scheduler ends."""
     log = logging.getLogger(name)
     level = log.level
     log.setLevel(logging.CRITICAL + 1)
@@ -225,21 +200,21 @@ def _client(address: str) -> Iterator[Any]:
 
 
 def _wait_for(client: Any, workers: int, address: str) -> int:
-    """Threads of all workers, once there are enough of these."""
+    """Wait until there are enough workers, and return the number of threads of all of them."""
     try:
         client.wait_for_workers(workers, timeout=PATIENCE)
     except TimeoutError:
         raise InputError(
-            f"the dask scheduler at {address!r} has {len(client.nthreads())} workers, and needs "
-            f"{workers}: start them (dask worker {address} --nthreads 1)"
+            f"the dask scheduler at {address!r} has {len(client.nthreads())} workers, but "
+            f"{workers} are needed: start more (dask worker {address} --nthreads 1)"
         ) from None
     return int(sum(client.nthreads().values()))
 
 
 def _version_here() -> str:
-    """Version of the package where this runs; the words of the error if there is none."""
+    """Version of hertzchain on this machine; the text of the error if it cannot be imported."""
     try:
-        from hertzchain import __version__ as version
+        from .. import __version__ as version
     except ImportError as error:
         return str(error)
     return version
@@ -251,25 +226,9 @@ def _check_versions(by_worker: dict[str, str]) -> None:
 
 
 def check_version(version: str, who: str) -> None:
-    """Refuse what another version of the package computes.
-
-    Parameters
-    ----------
-    version : str
-        The version found.
-    who : str
-        Where.
-
-    Raises
-    ------
-    InputError
-        If it is not this one.
-
-    Examples
-    --------
-    >>> check_version(__version__, "this process")
-    """
+    """Raise `InputError` for a worker with another version of hertzchain."""
     if version != __version__:
         raise InputError(
-            f"{who} has hertzchain {version}, this is {__version__}: install the same everywhere"
+            f"{who} has hertzchain {version}, this is {__version__}: install the same version "
+            "everywhere"
         )

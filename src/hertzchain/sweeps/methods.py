@@ -1,26 +1,27 @@
-"""Every method that gives a pulse, by its name: the integrations and the theories."""
+"""Simulations and theories by name, and a recorder for their warnings."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+import threading
+import warnings
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import contextmanager
 from typing import Any, Final
 
-from hertzchain.chain.chain import Chain
-from hertzchain.chain.hertz_range import warn_outside_hertz
-from hertzchain.chain.scales import Scales
-from hertzchain.checks import number, whole_number
-from hertzchain.propagation.propagate import checked_rtol as checked_rtol_of_propagate
-from hertzchain.propagation.propagate import propagate
-from hertzchain.pulse.pulse import Pulse
-from hertzchain.simulation.simulate import checked_rtol as checked_rtol_of_simulate
-from hertzchain.simulation.simulate import simulate
-from hertzchain.theory.catalogue import THEORIES
+from ..chain.chain import Chain
+from ..propagation.propagate import checked_rtol as checked_rtol_of_propagate
+from ..propagation.propagate import propagate
+from ..pulse.pulse import Pulse
+from ..simulation.simulate import checked_rtol as checked_rtol_of_simulate
+from ..simulation.simulate import simulate
+from ..theory.catalogue import THEORIES
+from ..validation.numbers import number, whole_number
 
 Progress = Callable[[int, int], None]
 
-INTEGRATIONS: Final = ("propagate", "simulate")
-METHODS: Final[tuple[str, ...]] = (*INTEGRATIONS, *THEORIES)
-# What an integration may be told.
+SIMULATIONS: Final = ("propagate", "simulate")
+METHODS: Final[tuple[str, ...]] = (*SIMULATIONS, *THEORIES)
+# Options that each simulation accepts.
 OPTIONS: Final[Mapping[str, tuple[str, ...]]] = {
     "propagate": ("rtol",),
     "simulate": ("rtol", "until", "max_steps"),
@@ -28,30 +29,11 @@ OPTIONS: Final[Mapping[str, tuple[str, ...]]] = {
 
 
 def check_option(name: str, value: Any, methods: Iterable[str]) -> None:
-    """Refuse a value that an option of the integrations cannot have.
-
-    Parameters
-    ----------
-    name : str
-        Name of the option.
-    value : object
-        What was given.
-    methods : iterable of str
-        The methods that are told.
-
-    Raises
-    ------
-    InputError
-        If one of them takes the option, but not this value.
-
-    Examples
-    --------
-    >>> check_option("rtol", 1e-8, ["propagate", "simulate", "bca"])
-    """
+    """Check the value of an option of the simulations."""
     if name == "max_steps":
         whole_number(name, value, least=1)
     elif name == "until":
-        # Whether the chains are in SI units, in which it may have one, is checked by the run.
+        # `simulate` checks whether the chain is in SI units, for which the value may have a unit.
         number(name, value, unit="s", above=0.0)
     else:
         ranges = {"propagate": checked_rtol_of_propagate, "simulate": checked_rtol_of_simulate}
@@ -60,7 +42,7 @@ def check_option(name: str, value: Any, methods: Iterable[str]) -> None:
 
 
 def pulse_by(method: str, chain: Chain, progress: Progress | None = None, **options: Any) -> Pulse:
-    """The leading pulse of a chain, scaled or in SI units, by a method of any kind.
+    """Compute the leading pulse of a chain, scaled or in SI units, by any method.
 
     Parameters
     ----------
@@ -69,9 +51,9 @@ def pulse_by(method: str, chain: Chain, progress: Progress | None = None, **opti
     chain : Chain
         The chain.
     progress : callable, optional
-        Called as ``progress(beads_passed, beads)`` by an integration.
+        Called as ``progress(beads_passed, beads)`` by a simulation.
     **options
-        Of the integration, as in `OPTIONS`.
+        Options of the simulation, as in `OPTIONS`.
 
     Returns
     -------
@@ -81,9 +63,9 @@ def pulse_by(method: str, chain: Chain, progress: Progress | None = None, **opti
     Raises
     ------
     InputError
-        If the method does not cover the chain.
+        If the method does not support the chain.
     SimulationError
-        If an integration could not be finished.
+        If a simulation could not be finished.
 
     Examples
     --------
@@ -94,12 +76,48 @@ def pulse_by(method: str, chain: Chain, progress: Progress | None = None, **opti
     """
     if method == "simulate":
         return simulate(chain, times=0, progress=progress, **options).pulse()
-    if chain.units == "SI":
-        scales = Scales.of(chain)
-        pulse = scales.to_si(pulse_by(method, scales.to_scaled(chain), progress, **options))
-        if pulse.peak_overlap is not None:
-            warn_outside_hertz(chain, pulse.peak_overlap)
-        return pulse
     if method == "propagate":
         return propagate(chain, progress=progress, **options)
     return THEORIES[method](chain)
+
+
+# Python's warning filters belong to the whole process, so batches in threads share one recorder.
+_lock = threading.Lock()
+_users = 0
+_filters = warnings.catch_warnings()
+_show = warnings.showwarning
+_recorded = threading.local()
+
+
+@contextmanager
+def record_warnings() -> Iterator[list[type[Warning]]]:
+    """Record the categories of warnings in a ``with`` block of this thread, showing none."""
+    global _filters, _show, _users
+    mine: list[type[Warning]] = []
+    with _lock:
+        if not _users:
+            _filters = warnings.catch_warnings()
+            _filters.__enter__()
+            _show = warnings.showwarning
+            warnings.simplefilter("always")
+            warnings.showwarning = _record
+        _users += 1
+    outer = getattr(_recorded, "categories", None)
+    _recorded.categories = mine
+    try:
+        yield mine
+    finally:
+        _recorded.categories = outer
+        with _lock:
+            _users -= 1
+            if not _users:
+                _filters.__exit__(None, None, None)
+
+
+def _record(message: Any, category: type[Warning], *where: Any, **more: Any) -> None:
+    categories = getattr(_recorded, "categories", None)
+    if categories is None:
+        # The warning is from a thread that computes no batch, such as one that shows progress.
+        _show(message, category, *where, **more)
+    else:
+        categories.append(category)

@@ -1,74 +1,75 @@
-"""The points of a sweep: their order, their chains, and the batches they are computed in."""
+"""The points of a sweep, their chains and batches, and checks before anything is computed."""
 
 from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from typing import Any, Final
 
 import numpy as np
 
-from hertzchain.chain.chain import Chain
-from hertzchain.chain.sizes import checked_beads
-from hertzchain.chain.tapers import check_taper, tapered_radii
-from hertzchain.contacts import Array
-from hertzchain.errors import InputError
-from hertzchain.store.chain_files import METHODS, chain_from
-from hertzchain.sweeps.axes import Axis
-from hertzchain.sweeps.methods import INTEGRATIONS
-from hertzchain.sweeps.reading import specification_from_json
-from hertzchain.sweeps.specification import TAKEN, WALL_QUANTITIES, Specification
+from ..chain.chain import Chain
+from ..chain.input_checks import checked_beads
+from ..chain.tapers import check_taper, tapered_radii
+from ..collision import Array
+from ..errors import InputError, SimulationError
+from ..pulse.quantities import QUANTITIES, WALL_QUANTITIES
+from ..store.chain_files import METHODS, chain_from
+from ..validation.numbers import has_unit
+from .axes import Axis
+from .methods import SIMULATIONS, pulse_by, record_warnings
+from .specification import (
+    TAKEN,
+    Specification,
+    raise_all,
+    specification_from_json,
+)
 
 Index = tuple[int, ...]
 
-# Points of a batch: at most so many (of whole trajectories, which take longer, fewer), and so
-# few that there are batches for all workers.
-MOST, MOST_TRAJECTORIES, LEAST, BATCHES = 2048, 32, 8, 32
-# Bytes of one quantity in a batch, and of all that is in memory while it is computed.
-MOST_BYTES: Final = 16 * 2**20
-MOST_HELD: Final = 2**27
-# Numbers per bead in memory while a batch is computed, next to what is kept (measured).
-HELD_PER_BEAD: Final = 20
-# Values of one axis that are tried before anything is computed.
-TRIED: Final = 200
-# Keys of [chain] of a plain scaled taper, whose radii are quickly had.
+# Largest number of points per batch; fewer if whole trajectories are computed, which takes longer.
+MAX_POINTS: Final = 2048
+MAX_TRAJECTORIES: Final = 32
+# Number of batches below which batches are made smaller, so that all workers are busy, down to
+# this number of points.
+MIN_BATCHES: Final = 32
+MIN_POINTS: Final = 8
+# Largest number of bytes of one quantity in a batch, and of all arrays while it is computed.
+MAX_BYTES: Final = 16 * 2**20
+MAX_BYTES_IN_MEMORY: Final = 2**27
+# Numbers per bead in memory while a batch is computed, in addition to the kept ones (measured).
+NUMBERS_PER_BEAD: Final = 20
+# Number of values of one axis that are tried before anything is computed.
+MAX_TRIALS: Final = 200
+# Keys of [chain] of a scaled taper without further features: its radii need no `Chain`.
 TAPER_KEYS: Final = frozenset({"taper", "rate", "beads"})
 
 
 @dataclass(frozen=True)
 class Trial:
-    """What became of making the chain of a point.
-
-    Attributes
-    ----------
-    reason : str
-        Why there is no such chain; empty if there is.
-    units : str
-        Units of the chain.
-    walled : bool
-        Whether it has a right wall.
-    """
+    """Outcome of making the chain of a point: its properties, or why it cannot be made."""
 
     reason: str = ""
     units: str = "scaled"
-    walled: bool = False
+    has_wall: bool = False
 
 
 @dataclass(frozen=True, eq=False)
 class Plan:
-    """Points, in the order of a dataset with a dimension for each axis, and their batches.
+    """Points of a sweep, in the order of a dataset with one dimension per axis, in batches.
 
     Attributes
     ----------
     specification : Specification
-        What is swept.
+        The specification of the sweep.
 
     Examples
     --------
-    >>> from hertzchain.sweeps.reading import read_specification
+    >>> from hertzchain.sweeps.specification import read_specification
     >>> axes = {"rate": [0.02, 0.04], "beads": [10, 20, 30]}
     >>> chain = {"taper": "forward-exponential"}
     >>> plan = Plan(read_specification({"chain": chain, "axes": axes}))
@@ -82,7 +83,7 @@ class Plan:
 
     @property
     def zipped(self) -> bool:
-        """Whether all axes run together along one dimension."""
+        """Whether all axes vary together along one dimension."""
         return self.specification.combine == "zip"
 
     @cached_property
@@ -97,7 +98,7 @@ class Plan:
 
     @property
     def variables(self) -> tuple[str, ...]:
-        """Names of what is kept."""
+        """Names of the quantities and errors that are kept."""
         spec = self.specification
         errors = [
             f"{kind}_error_of_{name}" for name in spec.errors for kind in ("relative", "worst")
@@ -111,7 +112,7 @@ class Plan:
 
     @cached_property
     def shape(self) -> Index:
-        """Number of values along each of them."""
+        """Number of values along each dimension."""
         lengths = tuple(len(axis) for axis in self.specification.axes)
         return lengths[:1] if self.zipped else lengths
 
@@ -121,25 +122,7 @@ class Plan:
         return math.prod(self.shape)
 
     def document(self, index: Index) -> dict[str, Any]:
-        """Tables ``chain``, ``materials`` and ``method`` of a point.
-
-        Parameters
-        ----------
-        index : tuple of int
-            Its place along each dimension, from 0.
-
-        Returns
-        -------
-        dict
-
-        Examples
-        --------
-        >>> from hertzchain.sweeps.reading import read_specification
-        >>> axes = {"rate": [0.02, 0.04], "beads": [10, 20, 30]}
-        >>> plan = Plan(read_specification({"chain": {"taper": "forward-linear"}, "axes": axes}))
-        >>> plan.document((0, 1))["chain"]
-        {'taper': 'forward-linear', 'rate': 0.02, 'beads': 20}
-        """
+        """Tables ``chain``, ``materials`` and ``method`` of a point."""
         spec = self.specification
         found: dict[str, Any] = {
             "chain": spec.chain, "materials": spec.materials, "method": spec.options
@@ -151,53 +134,12 @@ class Plan:
         return found
 
     def chain(self, index: Index) -> Chain:
-        """The chain of a point.
-
-        Parameters
-        ----------
-        index : tuple of int
-            Its place along each dimension, from 0.
-
-        Returns
-        -------
-        Chain
-
-        Raises
-        ------
-        InputError
-            If there is no such chain.
-
-        Examples
-        --------
-        >>> from hertzchain.sweeps.reading import read_specification
-        >>> axes = {"rate": [0.02, 0.04], "beads": [10, 20, 30]}
-        >>> plan = Plan(read_specification({"chain": {"taper": "forward-linear"}, "axes": axes}))
-        >>> plan.chain((0, 1))
-        Chain(forward-linear, S = 0.02, 20 beads)
-        """
+        """Make the chain of a point."""
         document = self.document(index)
         return chain_from({"chain": document["chain"], "materials": document["materials"]})
 
     def trial(self, index: Index) -> Trial:
-        """Make the chain of a point, once.
-
-        Parameters
-        ----------
-        index : tuple of int
-            Its place along each dimension, from 0.
-
-        Returns
-        -------
-        Trial
-
-        Examples
-        --------
-        >>> from hertzchain.sweeps.reading import read_specification
-        >>> axes = {"rate": [0.02, 4.0]}
-        >>> chain = {"taper": "forward-linear", "beads": 9}
-        >>> Plan(read_specification({"chain": chain, "axes": axes})).trial((1,)).reason[:40]
-        'a forward-linear taper with S = 4 runs o'
-        """
+        """Try to make the chain of a point; the outcome is kept."""
         if index not in self._trials:
             try:
                 chain = self.chain(index)
@@ -211,30 +153,7 @@ class Plan:
         return {}
 
     def radii(self, index: Index) -> Array | None:
-        """Radii of a point that is a plain taper; `None` of any other.
-
-        Parameters
-        ----------
-        index : tuple of int
-            Its place along each dimension, from 0.
-
-        Returns
-        -------
-        ndarray or None
-
-        Raises
-        ------
-        InputError
-            If there is no such taper.
-
-        Examples
-        --------
-        >>> from hertzchain.sweeps.reading import read_specification
-        >>> axes = {"rate": [0.02, 0.04], "beads": [10, 20, 30]}
-        >>> plan = Plan(read_specification({"chain": {"taper": "forward-linear"}, "axes": axes}))
-        >>> plan.radii((1, 0))[:3]
-        array([1.  , 0.96, 0.92])
-        """
+        """Radii of a point without features other than its taper; `None` of any other point."""
         if self._taper is None:
             return None
         places = index * len(self.specification.axes) if self.zipped else index
@@ -246,29 +165,29 @@ class Plan:
 
     @cached_property
     def _taper(self) -> list[tuple[int, list[Any]]] | None:
-        """Axis and values of taper, rate and beads, if nothing else is said of the chains."""
+        """Axis and values of taper, rate and beads, if the chains have no other keys."""
         spec = self.specification
         axes = {axis.path[0]: (place, axis.values) for place, axis in enumerate(spec.axes)}
         if spec.chain.keys() | axes.keys() != TAPER_KEYS:
             return None
-        # What does not vary has its one value at the place of any axis.
+        # A key that does not vary has the same value for all indices of the first axis.
         fixed = {key: (0, [value] * len(spec.axes[0])) for key, value in spec.chain.items()}
         return [(fixed | axes)[key] for key in ("taper", "rate", "beads")]
 
     @property
     def ragged(self) -> bool:
-        """Whether chains may differ in length, otherwise than by an axis that says so."""
+        """Whether chains may differ in length although there is no axis for it."""
         return "beads" not in self.names and (self.zipped or bool(self._changing))
 
     @property
-    def judged(self) -> bool:
-        """Whether a method may say that it is outside its range."""
+    def may_be_outside_range(self) -> bool:
+        """Whether a method may warn that it is used outside its range."""
         scaled = self.units == "scaled"
-        return not (scaled and set(self.specification.methods) <= {*INTEGRATIONS})
+        return not (scaled and set(self.specification.methods) <= {*SIMULATIONS})
 
     @property
-    def walled(self) -> bool:
-        """Whether something of a wall is kept, which may be incomplete."""
+    def keeps_wall(self) -> bool:
+        """Whether quantities of the wall are kept, which may be incomplete."""
         return any(name in WALL_QUANTITIES for name in self.specification.keep)
 
     @cached_property
@@ -289,7 +208,7 @@ class Plan:
 
     @cached_property
     def _lengths(self) -> list[int] | None:
-        """All lengths, if an axis gives them and nothing else changes them."""
+        """Lengths of all chains, if they are the values of an axis."""
         axes = {axis.path: axis for axis in self.specification.axes}
         keys = {path[0] for path in axes} | self.specification.chain.keys()
         values = axes[("beads",)].values if ("beads",) in axes else []
@@ -299,11 +218,11 @@ class Plan:
     def _changes_length(self, place: int, axis: Axis) -> bool:
         first = (0,) * len(self.shape)
         tried = {self._beads((*first[:place], i, *first[place + 1 :])) for i in spread(len(axis))}
-        # Where there is no chain, another value of another axis may make one of any length.
+        # Where no chain can be made, a value of another axis may give a chain of any length.
         return len(tried) > 1 or 0 in tried
 
     def _beads(self, index: Index) -> int:
-        """Number of beads of a point, 0 if there is no such chain."""
+        """Number of beads of a point; 0 if its chain cannot be made."""
         try:
             table = self.document(index)["chain"]
             if isinstance(table.get("beads"), int) and not table.keys() & METHODS:
@@ -314,13 +233,13 @@ class Plan:
 
     @cached_property
     def block(self) -> Index:
-        """Points of a batch along each dimension: a chunk of the arrays in the store."""
+        """Number of points of a batch along each dimension: a chunk of the stored arrays."""
         spec = self.specification
-        most = MOST_TRAJECTORIES if "simulate" in spec.methods else MOST
+        most = MAX_TRAJECTORIES if "simulate" in spec.methods else MAX_POINTS
         kept = self.longest if spec.at == "every" else 1
-        most = min(most, max(1, MOST_BYTES // (8 * max(1, kept) * len(spec.methods))))
-        most = min(most, max(1, MOST_HELD // max(1, self._held_per_point)))
-        left = spec.batch or min(most, max(LEAST, math.ceil(self.points / BATCHES)))
+        most = min(most, max(1, MAX_BYTES // (8 * max(1, kept) * len(spec.methods))))
+        most = min(most, max(1, MAX_BYTES_IN_MEMORY // max(1, self._bytes_per_point)))
+        left = spec.batch or min(most, max(MIN_POINTS, math.ceil(self.points / MIN_BATCHES)))
         block = [1] * len(self.shape)
         for place in range(len(self.shape) - 1, -1, -1):
             size = self.shape[place]
@@ -331,16 +250,16 @@ class Plan:
         return tuple(block)
 
     @property
-    def _held_per_point(self) -> int:
+    def _bytes_per_point(self) -> int:
         """Bytes in memory for each point of a batch while it is computed."""
         spec = self.specification
         quantities = len(dict.fromkeys((*spec.keep, *spec.errors))) + len(spec.errors)
-        return 8 * self.longest * (len(spec.methods) * quantities + HELD_PER_BEAD)
+        return 8 * self.longest * (len(spec.methods) * quantities + NUMBERS_PER_BEAD)
 
     @property
-    def bytes_held(self) -> int:
-        """Bytes in memory while a batch is computed, about."""
-        return math.prod(self.block) * self._held_per_point
+    def bytes_in_memory(self) -> int:
+        """Approximate number of bytes in memory while a batch is computed."""
+        return math.prod(self.block) * self._bytes_per_point
 
     @cached_property
     def grid(self) -> Index:
@@ -353,25 +272,7 @@ class Plan:
         return math.prod(self.grid)
 
     def region(self, batch: int) -> tuple[slice, ...]:
-        """Where the points of a batch are.
-
-        Parameters
-        ----------
-        batch : int
-            Number of the batch, from 0.
-
-        Returns
-        -------
-        tuple of slice
-
-        Examples
-        --------
-        >>> from hertzchain.sweeps.reading import read_specification
-        >>> axes = {"rate": [0.02, 0.04], "beads": [10, 20, 30]}
-        >>> plan = Plan(read_specification({"chain": {"taper": "forward-linear"}, "axes": axes}))
-        >>> plan.region(0)
-        (slice(0, 2, None), slice(0, 3, None))
-        """
+        """Slices of the points of a batch along each dimension."""
         corner = np.unravel_index(batch, self.grid)
         return tuple(
             slice(int(c) * b, min((int(c) + 1) * b, n))
@@ -379,25 +280,7 @@ class Plan:
         )
 
     def indices(self, batch: int) -> Iterator[Index]:
-        """The points of a batch, in order.
-
-        Parameters
-        ----------
-        batch : int
-            Number of the batch, from 0.
-
-        Yields
-        ------
-        tuple of int
-
-        Examples
-        --------
-        >>> from hertzchain.sweeps.reading import read_specification
-        >>> axes = {"rate": [0.02, 0.04], "beads": [10, 20, 30]}
-        >>> plan = Plan(read_specification({"chain": {"taper": "forward-linear"}, "axes": axes}))
-        >>> [*plan.indices(0)][:4]
-        [(0, 0), (0, 1), (0, 2), (1, 0)]
-        """
+        """Indices of the points of a batch, in order."""
         return itertools.product(*(range(part.start, part.stop) for part in self.region(batch)))
 
     @cached_property
@@ -407,20 +290,7 @@ class Plan:
         return next((each.units for each in found if not each.reason), "scaled")
 
     def tried(self) -> Iterator[Index]:
-        """A few of the points, the first and the last among them.
-
-        Yields
-        ------
-        tuple of int
-
-        Examples
-        --------
-        >>> from hertzchain.sweeps.reading import read_specification
-        >>> axes = {"rate": [0.02, 0.04], "beads": [10, 20, 30]}
-        >>> plan = Plan(read_specification({"chain": {"taper": "forward-linear"}, "axes": axes}))
-        >>> len([*plan.tried()])
-        6
-        """
+        """Yield up to 200 points for trials, including the first and the last."""
         for flat in spread(self.points):
             yield tuple(int(i) for i in np.unravel_index(flat, self.shape))
 
@@ -431,57 +301,16 @@ def _full_name(axis: Axis) -> str:
 
 @lru_cache(maxsize=4)
 def plan_of(text: str) -> Plan:
-    """The plan of a specification, kept for the next batch.
-
-    Parameters
-    ----------
-    text : str
-        JSON of a specification.
-
-    Returns
-    -------
-    Plan
-
-    Examples
-    --------
-    >>> from hertzchain.sweeps.reading import read_specification
-    >>> axes = {"beads": [20, 40]}
-    >>> plan_of(read_specification({"chain": {"taper": "uniform"}, "axes": axes}).as_json()).points
-    2
-    """
+    """Plan of a specification given as JSON text, cached for the next batch."""
     return Plan(specification_from_json(text))
 
 
 def with_value(document: Any, path: tuple[str, ...], value: Any) -> Any:
-    """A document with one value changed; the rest is shared.
-
-    Parameters
-    ----------
-    document : mapping, list or None
-        Nested tables and lists.
-    path : tuple of str
-        Keys, and places in lists from 1.
-    value : object
-        The new value.
-
-    Returns
-    -------
-    dict or list
-
-    Raises
-    ------
-    InputError
-        If the path leads into what is neither table nor list, or past the end of a list.
-
-    Examples
-    --------
-    >>> with_value({"radii": [1.0, 1.0], "loss": {"law": "dashpot"}}, ("radii", "2"), 0.5)
-    {'radii': [1.0, 0.5], 'loss': {'law': 'dashpot'}}
-    """
+    """Copy a document with one value changed; the other values are shared."""
     key, rest = path[0], path[1:]
     if isinstance(document, list):
         if not (key.isdigit() and 1 <= int(key) <= len(document)):
-            raise InputError(f"there is no place {key} among {len(document)} values")
+            raise InputError(f"there is no value {key} in a list of {len(document)} values")
         changed = list(document)
         old = changed[int(key) - 1]
         changed[int(key) - 1] = with_value(old, rest, value) if rest else value
@@ -494,22 +323,117 @@ def with_value(document: Any, path: tuple[str, ...], value: Any) -> Any:
 
 
 def spread(count: int) -> list[int]:
-    """At most `TRIED` of so many places, with the first and the last.
-
-    Parameters
-    ----------
-    count : int
-        Number of places.
-
-    Returns
-    -------
-    list of int
-
-    Examples
-    --------
-    >>> spread(3), len(spread(10**6))
-    ([0, 1, 2], 200)
-    """
-    if count <= TRIED:
+    """At most `MAX_TRIALS` of the numbers below count, including the first and the last."""
+    if count <= MAX_TRIALS:
         return list(range(count))
-    return [int(i) for i in np.linspace(0, count - 1, TRIED).round()]
+    return [int(i) for i in np.linspace(0, count - 1, MAX_TRIALS).round()]
+
+
+def check_plan(plan: Plan, heading: str = "") -> None:
+    """Raise `InputError` if a method or a value of an axis cannot give any result."""
+    with record_warnings():
+        problems = (
+            _bad_values(plan) or _bad_units(plan) or _bad_requests(plan) or _never_predicted(plan)
+        )
+    raise_all(problems, heading)
+
+
+def _bad_requests(plan: Plan) -> list[str]:
+    """Find methods and quantities that the chains do not support."""
+    spec, problems = plan.specification, []
+    if isinstance(spec.at, tuple) and spec.at[-1] > plan.longest:
+        problems.append(f"sweep.at: there is no bead {spec.at[-1]} in {plan.longest} beads")
+    if any(name in WALL_QUANTITIES for name in spec.keep) and not _has_wall(plan):
+        problems.append("sweep.keep: the chains have no right wall: add right_wall to [chain]")
+    for place, method in enumerate(spec.methods, start=1):
+        if method != "simulate" and (reason := _method_error(plan, method)):
+            problems.append(f"sweep.methods[{place}]: {reason}")
+    return problems
+
+
+def _bad_values(plan: Plan) -> list[str]:
+    """Find values of an axis with which no chain can be made at either end of the others."""
+    if plan.zipped:
+        reasons = [plan.trial(index).reason for index in plan.tried()]
+        return [f"axes: {reasons[0]}"] if all(reasons) else []
+    ends = (0,) * len(plan.shape), tuple(n - 1 for n in plan.shape)
+    problems = []
+    for place, axis in enumerate(plan.specification.axes):
+        bad = {}
+        for i in spread(len(axis)):
+            places = ((*end[:place], i, *end[place + 1 :]) for end in ends)
+            reasons = [plan.trial(index).reason for index in places]
+            if all(reasons):
+                bad[i] = reasons[0]
+        if len(bad) == len(spread(len(axis))) > 1:
+            problems.append(f"axes.{axis.long_name}: with every value, {next(iter(bad.values()))}")
+        else:
+            problems += [f"axes.{axis.long_name}[{i + 1}]: {why}" for i, why in bad.items()]
+    return list(dict.fromkeys(problems))
+
+
+def _bad_units(plan: Plan) -> list[str]:
+    """Find values with units in scaled sweeps, and chains in different units."""
+    spec = plan.specification
+    with_unit = [f"axes.{axis.long_name}" for axis in spec.axes if axis.has_units]
+    with_unit += [f"method.{name}" for name, value in spec.options.items() if has_unit(value)]
+    if with_unit and plan.units == "scaled":
+        problem = "has a unit, but the chains are in scaled variables: give plain numbers"
+        return [f"{name}: {problem}" for name in with_unit]
+    for found in map(plan.trial, plan.tried()):
+        if not found.reason and found.units != plan.units:
+            return ["axes: some chains are in SI units, others scaled: use two sweeps"]
+    return []
+
+
+def _method_error(plan: Plan, method: str) -> str:
+    """Why a method supports neither the first nor the last chain; empty if it does."""
+    reason = ""
+    for chain in _chains(plan):
+        try:
+            pulse_by(method, chain)
+        except InputError as error:
+            reason = reason or str(error)
+        except SimulationError:
+            return ""
+        else:
+            return ""
+    return reason
+
+
+def _chains(plan: Plan) -> list[Chain]:
+    """The first and the last chain that can be made, of those that are tried."""
+    tried = [*plan.tried()]
+    ends = (
+        next((i for i in order if not plan.trial(i).reason), None) for order in (tried, tried[::-1])
+    )
+    return [plan.chain(index) for index in dict.fromkeys(ends) if index is not None]
+
+
+def _never_predicted(plan: Plan) -> list[str]:
+    """Find kept quantities that none of the methods gives."""
+    spec = plan.specification
+    wanted = {name for name in (*spec.keep, *spec.errors) if name in QUANTITIES}
+    if set(spec.methods) & {*SIMULATIONS}:
+        wanted = {name for name in wanted if QUANTITIES[name].estimate}
+    if not wanted:
+        return []
+    predicted = {name for method in spec.methods for name in _columns(plan, method)}
+    return [
+        f"sweep.keep: no method gives {name}: {', '.join(spec.methods)}"
+        for name in sorted(wanted - predicted)
+    ]
+
+
+def _columns(plan: Plan, method: str) -> Iterable[str]:
+    """Quantities that a theory gives; all of them if it supports none of the chains."""
+    if method in SIMULATIONS:
+        return ()
+    for chain in _chains(plan):
+        with suppress(InputError, SimulationError):
+            return pulse_by(method, chain).columns()
+    return QUANTITIES
+
+
+def _has_wall(plan: Plan) -> bool:
+    return any(plan.trial(index).has_wall for index in plan.tried())

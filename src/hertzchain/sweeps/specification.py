@@ -1,32 +1,77 @@
-"""What a sweep shall do: every choice, checked, as text of one form."""
+"""The specification of a sweep: its schema, and how a TOML file or a mapping is read.
+
+::
+
+    [chain]                       # as in a chain file
+    taper = "forward-exponential"
+    rate = 0.05
+    beads = 60
+
+    [axes]                        # parameters that vary, in every combination
+    rate = {linspace = [0.01, 0.1, 19]}
+    beads = [20, 40, 60]
+
+    [sweep]
+    methods = ["propagate", "local-rate"]
+    keep = ["momentum"]           # quantities of the pulse or of the right wall
+    at = "last"                   # or "every" bead, or a list of beads
+    errors = ["velocity"]         # of the other methods relative to the first
+
+    [method]
+    rtol = 1e-8
+"""
 
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+import os
+import tomllib
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from pathlib import Path
+from types import MappingProxyType
 from typing import Any, Final
 
-from hertzchain.sweeps.axes import Axis
+from ..chain.chain import Chain
+from ..errors import InputError, short_repr, unknown_name_error
+from ..pulse.quantities import QUANTITIES, WALL_QUANTITIES
+from ..representation import short
+from ..store.chain_files import chain_as_toml, chain_from
+from ..store.chain_schema import (
+    KEYS,
+    Key,
+    Section,
+    chain_schema,
+    check_document,
+    section_as_dict,
+    without_units,
+)
+from ..store.toml_files import read_toml
+from ..validation.json_types import to_json_types
+from ..validation.numbers import whole_number
+from ..validation.objects import shown_path
+from .axes import (
+    Axis,
+    columns_of_points,
+    conflicts,
+    duplicates,
+    flattened,
+    unequal_lengths,
+)
+from .methods import METHODS, check_option
+from .methods import OPTIONS as OPTIONS_OF
 
-# Quantities of the right wall, of `simulate` alone: what `WallForce` calls them, what they are,
-# their unit in SI.
-WALL_QUANTITIES: Final[Mapping[str, tuple[str, str, str]]] = {
-    "wall_peak_force": ("peak", "largest force on the right wall", "N"),
-    "wall_peak_time": ("peak_time", "time of the largest force on the right wall", "s"),
-    "wall_largest_so_far": (
-        "largest_so_far", "largest force on the right wall in the run, complete or not", "N",
-    ),
-    "wall_impulse_of_impact": (
-        "impulse_of_impact", "impulse of the right wall until its largest force is complete", "N s",
-    ),
-    "wall_first_contact_impulse": (
-        "first_contact_impulse", "impulse of the first contact with the right wall", "N s",
-    ),
-    "wall_impulse": ("impulse", "impulse of the right wall in the whole run", "N s"),
-}  # fmt: skip
-# Names that axes cannot have, since the dataset needs them.
-TAKEN: Final = ("by", "bead", "contact", "point", "status", "reason", "outside_range", "incomplete")
+# Names that the dataset uses itself; an axis of such a name gets its full path as name.
+TAKEN: Final = (
+    "approach",
+    "bead",
+    "contact",
+    "point",
+    "status",
+    "reason",
+    "outside_range",
+    "incomplete",
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,34 +81,34 @@ class Specification:
     Attributes
     ----------
     title : str
-        Heads pictures and the dataset; may be empty.
+        Title of figures and of the dataset; may be empty.
     chain : mapping
         Table ``[chain]`` of a chain file, to which the axes are applied.
     materials : mapping
-        Materials of one's own by name, as in a chain file.
+        Custom materials by name, as in a chain file.
     axes : tuple of Axis
-        What varies.
+        Parameters that vary.
     combine : str
-        ``"product"``: every combination of values; ``"zip"``: the first of each, the second
-        of each, and so on.
+        ``"product"``: every combination of values; ``"zip"``: all first values, all second
+        values, and so on.
     methods : tuple of str
         Names of `hertzchain.sweeps.methods.METHODS`.
     keep : tuple of str
-        Quantities of a pulse, or of a wall.
+        Quantities of the pulse or of the right wall.
     at : str or tuple of int
         ``"every"`` bead, the ``"last"`` one, or the numbers of beads.
     errors : tuple of str
-        Quantities whose relative errors are kept, too.
+        Quantities whose relative errors are kept as well.
     reference : str
-        Method from which errors are measured.
+        Method relative to which errors are computed.
     batch : int or None
-        Points that are computed together; chosen if `None`.
+        Number of points computed together; chosen automatically if `None`.
     options : mapping
-        Of the integrations: rtol, until, max_steps.
+        Options of the simulations: rtol, until, max_steps.
 
     Examples
     --------
-    >>> from hertzchain.sweeps.reading import read_specification
+    >>> from hertzchain.sweeps.specification import read_specification
     >>> spec = read_specification({"chain": {"taper": "uniform"}, "axes": {"beads": [20, 40]}})
     >>> spec.methods, len(spec.axes[0])
     (('propagate',), 2)
@@ -82,8 +127,18 @@ class Specification:
     batch: int | None
     options: Mapping[str, Any]
 
+    def __repr__(self) -> str:
+        axes = [f"{axis.long_name} ({len(axis)})" for axis in self.axes]
+        return short(
+            "Specification",
+            self.title,
+            f"{self.combine} of {', '.join(axes) or 'no axes'}",
+            f"methods {', '.join(self.methods)}",
+            f"keep {', '.join(self.keep)}",
+        )
+
     def as_json(self) -> str:
-        """All of it as JSON text, the same for the same sweep.
+        """Convert to JSON text, which is the same for the same sweep.
 
         Returns
         -------
@@ -91,7 +146,7 @@ class Specification:
 
         Examples
         --------
-        >>> from hertzchain.sweeps.reading import read_specification
+        >>> from hertzchain.sweeps.specification import read_specification
         >>> spec = read_specification({"chain": {"taper": "uniform"}, "axes": {"beads": [20]}})
         >>> spec.as_json()[:42]
         '{"title": "", "chain": {"taper": "uniform"'
@@ -111,38 +166,8 @@ class Specification:
         return json.dumps(document, allow_nan=False)
 
 
-def differences(one: str, other: str) -> list[str]:
-    """Where two specifications, as JSON text, differ.
-
-    Parameters
-    ----------
-    one, other : str
-        Texts of `Specification.as_json`.
-
-    Returns
-    -------
-    list of str
-        A line for each place: its path, what is in the one, what is in the other.
-
-    Examples
-    --------
-    >>> differences('{"sweep": {"at": "last"}}', '{"sweep": {"at": "every"}}')
-    ["sweep.at: 'last', now 'every'"]
-    """
-    documents = [json.loads(text) for text in (one, other)]
-    left, right = (dict(_leaves(document)) for document in documents)
-    # The order of axes is that of the dimensions.
-    for leaves, document in zip((left, right), documents, strict=True):
-        leaves["axes"] = ", ".join(document.get("axes", {}))
-    return [
-        f"{path}: {left.get(path, 'nothing')!r}, now {right.get(path, 'nothing')!r}"
-        for path in sorted(left.keys() | right.keys())
-        if left.get(path) != right.get(path)
-    ]
-
-
 def _entry(axis: Axis) -> Mapping[str, Any]:
-    """An axis as it was specified."""
+    """Entry of an axis as it was specified."""
     if isinstance(axis.entry, Mapping) and "list" not in axis.entry:
         return axis.entry
     return {"list": axis.values}
@@ -152,9 +177,269 @@ def _sorted(table: Mapping[str, Any]) -> Any:
     return json.loads(json.dumps(table, sort_keys=True))
 
 
-def _leaves(entry: Any, path: str = "") -> Any:
-    if isinstance(entry, Mapping):
-        for key, value in entry.items():
-            yield from _leaves(value, f"{path}.{key}" if path else key)
-    else:
-        yield path, entry
+# Tables of a specification, and its title.
+TABLES: Final = ("title", "chain", "materials", "axes", "points", "sweep", "method")
+
+_SWEEP: Final = (
+    Key("combine", "choice", "every combination of values, or all first, all second values, ...",
+        default="product", choices=("product", "zip")),
+    Key("methods", "choice", "simulations and theories", default="propagate", choices=METHODS,
+        per="item", one_for_all=True),
+    Key("keep", "choice", "quantities of the pulse or of the right wall", default="velocity",
+        choices=(*QUANTITIES, *WALL_QUANTITIES), per="item", one_for_all=True),
+    Key("at", "choice", "beads to keep: every, the last, or a list of their numbers",
+        default="every", choices=("every", "last")),
+    Key("errors", "choice", "quantities whose relative errors are kept", choices=(*QUANTITIES,),
+        per="item", one_for_all=True),
+    Key("reference", "choice", "method relative to which errors are computed; the first by default",
+        choices=METHODS),
+    Key("batch", "integer", "number of points computed together", least=1, most=10**6),
+)  # fmt: skip
+_METHOD: Final = (
+    Key("rtol", "number", "tolerated error of a step", above=0.0),
+    Key("until", "number", "time to stop at", dimension="time", above=0.0),
+    Key("max_steps", "integer", "step limit", least=1),
+)
+SECTIONS: Final[Mapping[str, Section]] = MappingProxyType(
+    {
+        "sweep": Section("sweep", "what is computed and kept", _SWEEP),
+        "method": Section("method", "options of the simulations", _METHOD),
+    }
+)
+SETTINGS: Final[Mapping[str, Key]] = MappingProxyType({key.name: key for key in _SWEEP})
+OPTIONS: Final = tuple(key.name for key in _METHOD)
+
+
+def specification_schema() -> dict[str, Any]:
+    """Schema of specifications in plain types, including the schema of chain files.
+
+    Returns
+    -------
+    dict
+        As of `hertzchain.store.chain_schema.chain_schema`.
+
+    Examples
+    --------
+    >>> found = specification_schema()["sections"]
+    >>> found["sweep"]["keys"][0]["choices"], "chain.loss" in found
+    (['product', 'zip'], True)
+    """
+    found = chain_schema()
+    found["sections"] |= {name: section_as_dict(each) for name, each in SECTIONS.items()}
+    return found
+
+
+# Largest number of errors listed in one message.
+MAX_LISTED: Final = 20
+
+
+def read_specification(given: Any) -> Specification:
+    """Read a specification from a TOML file or from a mapping with the same tables."""
+    if isinstance(given, Specification):
+        return given
+    if isinstance(given, Mapping):
+        return _Reader(given, Path()).specification()
+    if not isinstance(given, str | os.PathLike):
+        raise InputError(f"specification must be a TOML file or a mapping, got {short_repr(given)}")
+    document = read_toml("specification", given, "give the path of a TOML file")
+    return _Reader(document, Path(given).parent, f"{shown_path(given)}: ").specification()
+
+
+def specification_from_json(text: str) -> Specification:
+    """Read a specification from the text that `Specification.as_json` returns."""
+    return read_specification(json.loads(text))
+
+
+class _Reader:
+    """Read a document and collect all errors in it."""
+
+    def __init__(self, document: Mapping[str, Any], folder: Path, heading: str = "") -> None:
+        self.document, self.folder, self.heading = document, folder, heading
+        self.problems: list[str] = []
+
+    def specification(self) -> Specification:
+        for key in self.document:
+            if key not in TABLES:
+                self._add("", unknown_name_error("table or key", key, TABLES))
+        settings = self._table("sweep")
+        for key in settings:
+            if key not in SETTINGS:
+                self._add("sweep", unknown_name_error("key", key, SETTINGS))
+        chain, materials = self._chain()
+        axes, combine = self._axes(settings)
+        methods = self._names(settings, "methods")
+        keep = self._names(settings, "keep")
+        errors = self._names(settings, "errors")
+        reference = settings.get("reference", methods[0] if methods else "")
+        if reference not in methods:
+            self._add("sweep.reference", unknown_name_error("reference", reference, methods))
+        if errors and len(methods) == 1:
+            self._add("sweep.errors", f"there is only one method, {methods[0]}: add others")
+        if "simulate" not in methods and set(keep) & set(WALL_QUANTITIES):
+            self._add("sweep.keep", "quantities of the wall need the method 'simulate'")
+        title, batch = self._title(), self._batch(settings)
+        at = self._at(settings.get("at", SETTINGS["at"].default))
+        options = self._options(axes, methods)
+        raise_all(self.problems, self.heading)
+        return Specification(
+            title, chain, materials, axes, combine, methods, keep, at, errors, reference, batch,
+            options,
+        )  # fmt: skip
+
+    def _title(self) -> str:
+        title = self.document.get("title", "")
+        if not isinstance(title, str):
+            self._add("title", f"must be text, got {short_repr(title)}")
+        return str(self._try("title", to_json_types, title))
+
+    def _batch(self, settings: Mapping[str, Any]) -> int | None:
+        batch, allowed = settings.get("batch"), SETTINGS["batch"]
+        if batch is None:
+            return None
+        bounds = {"least": int(allowed.least), "most": int(allowed.most)}
+        return self._try("sweep.batch", whole_number, "batch", batch, **bounds)
+
+    def _chain(self) -> tuple[Mapping[str, Any], Mapping[str, Any]]:
+        given, materials = self.document.get("chain"), self._table("materials")
+        if isinstance(given, Chain):
+            return self._inlined(given)
+        if not isinstance(given, Mapping):
+            self._add("chain", "a sweep needs a table [chain], as in a chain file")
+            return {}, materials
+        drive = given.get("drive")
+        names_files = "file" in given or (isinstance(drive, Mapping) and "file" in drive)
+        if names_files:
+            # Workers may run on other machines, which get the specification but no files.
+            document = {"chain": self._table("chain"), "materials": materials}
+            found = self._try("chain", chain_from, document, self.folder)
+            return self._inlined(found) if found is not None else ({}, materials)
+        plain = self._try("chain", to_json_types, given)
+        if plain is not None:
+            # An axis may provide the keys that are missing.
+            document = {"chain": plain, "materials": materials}
+            self.problems += check_document(document, complete=False)
+        return (without_units(plain) if not self.problems else {}), materials
+
+    def _inlined(self, chain: Chain) -> tuple[Mapping[str, Any], Mapping[str, Any]]:
+        document = self._try("chain", _as_document, chain) or {}
+        return document.get("chain", {}), document.get("materials", {})
+
+    def _axes(self, settings: Mapping[str, Any]) -> tuple[tuple[Axis, ...], str]:
+        combine = settings.get("combine", SETTINGS["combine"].default)
+        if combine not in SETTINGS["combine"].choices:
+            known = SETTINGS["combine"].choices
+            self._add("sweep.combine", unknown_name_error("combination", combine, known))
+        points = self.document.get("points")
+        entries: dict[tuple[str, ...], Any] = {}
+        if points is not None:
+            if "axes" in self.document or "combine" in settings:
+                self._add("points", "there are also axes or combine: remove them or points")
+            entries, combine = self._try("", columns_of_points, points, self.folder) or {}, "zip"
+        else:
+            found_axes = list(flattened(self._mapping("axes")))
+            entries = dict(found_axes)
+            if not entries:
+                self._add("axes", "nothing varies: add parameters and their values")
+            self.problems += conflicts([path for path, _ in found_axes])
+        place = "points" if points is not None else "axes"
+        read = [self._axis(place, path, entry) for path, entry in entries.items()]
+        axes = tuple(axis for axis in read if axis is not None)
+        self.problems += unequal_lengths(axes) if combine == "zip" else duplicates(axes)
+        return axes, combine
+
+    def _axis(self, place: str, path: tuple[str, ...], entry: Any) -> Axis | None:
+        where = f"{place}.{'.'.join(path)}"
+        if path[0] == "method" and len(path) == 2:
+            if path[1] not in OPTIONS:
+                self._add(where, unknown_name_error("option", path[1], OPTIONS))
+        elif path[0] not in KEYS:
+            known = (*KEYS, *(f"method.{name}" for name in OPTIONS))
+            self._add(where, unknown_name_error("parameter", ".".join(path), known))
+            return None
+        return self._try(where, Axis, path, entry)
+
+    def _names(self, settings: Mapping[str, Any], key: str) -> tuple[str, ...]:
+        usual, known = SETTINGS[key].default, SETTINGS[key].choices
+        default = () if usual is None else (str(usual),)
+        given = settings.get(key, default)
+        listed = [given] if isinstance(given, str) else given
+        if not isinstance(listed, list | tuple) or (default and not listed):
+            self._add(f"sweep.{key}", f"must be a list of names, got {short_repr(given)}")
+            return default
+        for place, name in enumerate(listed, start=1):
+            if name not in known:
+                what = {"methods": "method"}.get(key, "quantity")
+                self._add(f"sweep.{key}[{place}]", unknown_name_error(what, name, known))
+        names = tuple(name for name in listed if name in known)
+        if len(set(names)) < len(names):
+            self._add(f"sweep.{key}", f"has one name twice: {', '.join(names)}")
+        return names or default
+
+    def _at(self, given: Any) -> str | tuple[int, ...]:
+        if given in SETTINGS["at"].choices:
+            return str(given)
+        if not isinstance(given, list | tuple) or not given:
+            self._add(
+                "sweep.at", f"must be 'every', 'last' or a list of beads, got {short_repr(given)}"
+            )
+            return "every"
+        beads = [self._try("sweep.at", whole_number, "bead", bead, least=1) for bead in given]
+        found = tuple(bead for bead in beads if bead is not None)
+        if sorted(set(found)) != list(found):
+            self._add("sweep.at", f"numbers of beads must increase, got {short_repr(given)}")
+        return found
+
+    def _options(self, axes: Sequence[Axis], methods: Sequence[str]) -> Mapping[str, Any]:
+        given = self._table("method")
+        used = {axis.path[1] for axis in axes if axis.path[0] == "method"} | given.keys()
+        accepted = {name for method in methods for name in OPTIONS_OF.get(method, ())}
+        for name in sorted(used):
+            if name not in OPTIONS:
+                self._add(f"method.{name}", unknown_name_error("option", name, OPTIONS))
+            elif name not in accepted:
+                fit = [method for method, names in OPTIONS_OF.items() if name in names]
+                self._add(f"method.{name}", f"no method accepts it: add {' or '.join(fit)}")
+        for name, value in given.items():
+            self._try(f"method.{name}", check_option, name, value, methods)
+        for axis in axes:
+            if axis.path[0] == "method":
+                for value in axis.values:
+                    where = f"axes.{axis.long_name}"
+                    self._try(where, check_option, axis.path[1], value, methods)
+        return given
+
+    def _table(self, name: str) -> Mapping[str, Any]:
+        """A table with values of JSON types."""
+        return self._try(name, to_json_types, self._mapping(name)) or {}
+
+    def _mapping(self, name: str) -> Mapping[Any, Any]:
+        entry = self.document.get(name, {})
+        if not isinstance(entry, Mapping):
+            self._add(name, f"must be a table, got {short_repr(entry)}")
+            return {}
+        return entry
+
+    def _try(self, place: str, function: Any, *arguments: Any, **more: Any) -> Any:
+        try:
+            return function(*arguments, **more)
+        except InputError as error:
+            self._add(place, error)
+            return None
+
+    def _add(self, place: str, problem: InputError | str) -> None:
+        self.problems.append(f"{place}: {problem}" if place else str(problem))
+
+
+def raise_all(problems: Sequence[str], heading: str = "") -> None:
+    """Raise one error that lists all problems, if there are any."""
+    if len(problems) == 1:
+        raise InputError(heading + problems[0])
+    if problems:
+        lines = [f"{heading}{len(problems)} errors:", *problems[:MAX_LISTED]]
+        if len(problems) > MAX_LISTED:
+            lines.append(f"and {len(problems) - MAX_LISTED} more")
+        raise InputError("\n  ".join(lines))
+
+
+def _as_document(chain: Chain) -> Any:
+    return to_json_types(tomllib.loads(chain_as_toml(chain)), "chain")

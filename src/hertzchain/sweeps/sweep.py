@@ -1,76 +1,54 @@
-"""Sweep: points in batches to an executor, results to a store or into memory."""
+"""Compute, estimate, merge and open sweeps."""
 
 from __future__ import annotations
 
+import json
 import math
 import os
 import shutil
-import threading
 import time
-from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import (
-    FIRST_COMPLETED,
-    BrokenExecutor,
-    CancelledError,
-    Executor,
-    Future,
-    ThreadPoolExecutor,
-    wait,
-)
-from contextlib import ExitStack
+from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import Executor
+from contextlib import ExitStack, closing
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
-import numpy as np
-
-from hertzchain import __version__
-from hertzchain.arguments import callback, file_path, instance, listed, truth
-from hertzchain.checks import whole_number, worker_count
-from hertzchain.errors import InputError, StoreError, shown
-from hertzchain.store.sweep_store import SweepStore, locked, plain_text
-from hertzchain.sweeps.checking import check_plan
-from hertzchain.sweeps.dataset import attributes_of, bytes_of, columns_of, variables_of
-from hertzchain.sweeps.executors import (
-    check_version,
-    end_processes,
-    local_pool,
-    lost_a_process,
-)
-from hertzchain.sweeps.plan import Plan
-from hertzchain.sweeps.reading import read_specification, specification_from_json
-from hertzchain.sweeps.specification import differences
-from hertzchain.sweeps.work import Result, run_batch, run_planned
+from .. import __version__
+from ..errors import InputError, short_repr
+from ..store.sweep_store import SweepStore, locked
+from ..validation.numbers import whole_number, worker_count
+from ..validation.objects import callback, check_bool, check_list, check_type, file_path
+from .batches import run_planned
+from .dataset import MemoryStore, attributes_of, bytes_of, columns_of, variables_of
+from .dispatch import results_of
+from .executors import local_pool, workers_of
+from .plan import Plan, check_plan
+from .specification import read_specification, specification_from_json
 
 if TYPE_CHECKING:
     import xarray as xr
 
 Progress = Callable[[int, int], None]
 
-# Batches that wait for each worker, so that none waits for us.
-AHEAD: Final = 2
-# So often an interrupt is heard and progress told, in seconds.
-POLL: Final = 0.1
-# So often a pool is seen without one of its workers before it is given up.
-LOST: Final = 10
-# A batch is timed for an estimate if it takes at most so long, in seconds.
+# A whole batch is timed for an estimate if it is expected to take at most this many seconds.
 SAMPLE_SECONDS: Final = 5.0
-# Part of the free disk that a sweep may fill.
-FREE: Final = 0.95
+# Part of the free disk or memory that a sweep may use.
+USABLE_PART: Final = 0.95
 
 
 @dataclass(frozen=True)
 class Estimate:
-    """What a sweep would take.
+    """Estimated time and size of a sweep.
 
     Attributes
     ----------
     points, batches : int
-        How many there are.
+        Number of points and of batches.
     bytes_on_disk : int
-        Of all results, text left out and nothing compressed.
+        Number of bytes of all results, without text and before compression.
     seconds : float
-        On this machine, from a few points that were timed.
+        Time on this machine, extrapolated from a few points.
     """
 
     points: int
@@ -94,17 +72,19 @@ def sweep(
     Parameters
     ----------
     specification : path-like, mapping or Specification
-        What varies, by which methods, what is kept: `hertzchain.sweeps.specification`.
+        Parameters that vary, methods and quantities to keep: `hertzchain.sweeps.specification`.
     store : path-like, optional
-        Zarr folder for the results.  If it holds a part of this sweep, only what is missing is
-        computed.  Without it results are in memory alone.
+        Zarr folder for the results.  If it holds a part of this sweep, only the missing batches
+        are computed.  Without it, results are in memory only.
     executor : concurrent.futures.Executor, optional
-        Where batches are computed; by default, threads of this machine.
+        Executor that computes the batches; by default, threads of this machine.
     workers : int, optional
-        Number of threads, if there is no executor; by default, one for each processor.
+        Number of threads; by default, one per processor.  With an executor, its number of workers:
+        twice as many batches are submitted at a time.  It is known for `local_pool` and
+        `dask_pool`; for other executors, two workers per processor of this machine are assumed.
     shard : tuple of int, optional
-        ``(i, n)``: compute the i-th of n parts alone, i = 1..n, into a store of its own;
-        `merge_sweeps` joins them.
+        ``(i, n)``: compute only the i-th of n parts, i = 1..n, into a separate store;
+        `merge_sweeps` joins the stores.
     skip_damaged : bool
         Compute batches of the store again if one of their files is damaged; by default a damaged
         file is an error.
@@ -114,17 +94,18 @@ def sweep(
     Returns
     -------
     xarray.Dataset
-        One dimension for each axis, then ``by`` (the method) and ``bead``.  Chains may differ
-        in length: beside the shorter there is NaN.  ``status`` is 0 where a point is missing,
-        1 where it is done, 2 where it failed, with its ``reason``.
+        One dimension per axis, then ``approach`` (the method) and ``bead``.  Chains may differ in
+        length: values are NaN beyond the last bead.  ``status`` is 0 where a point is missing, 1
+        where it is done and 2 where it failed; ``reason`` states why.
 
     Raises
     ------
     InputError
-        For anything in the specification that cannot be used, or a store that is not of this
-        sweep, is in use, damaged or too large for the disk.
+        If the specification has errors, or if the store belongs to another sweep, is in use, is
+        damaged or would be too large for the disk.
     hertzchain.StoreError
-        If the disk is full or a worker has ended; what is in the store stays good.
+        If the disk is full or a worker has ended.  The batches in the store remain valid, and the
+        same call resumes the sweep.
 
     Examples
     --------
@@ -134,13 +115,15 @@ def sweep(
     ...     "axes": {"rate": [0.02, 0.04, 0.06]},
     ...     "sweep": {"methods": ["propagate", "bca"], "at": "last"},
     ... })
-    >>> found.velocity.sel(by="bca").values.round(2)
+    >>> found.velocity.sel(approach="bca").values.round(2)
     array([ 3.13,  9.27, 26.05])
     """
     callback("progress", progress)
-    skip_damaged = truth("skip_damaged", skip_damaged)
+    skip_damaged = check_bool("skip_damaged", skip_damaged)
+    count = worker_count("workers", workers)
     if executor is not None:
-        instance("executor", executor, Executor, "concurrent.futures has some")
+        check_type("executor", executor, Executor, "concurrent.futures has some")
+        count = count if workers is not None else workers_of(executor)
     part = None
     if store is not None:
         file_path("store", store)
@@ -149,32 +132,43 @@ def sweep(
         raise InputError("a shard needs a store, which merge_sweeps joins with the others")
     plan = Plan(read_specification(specification))
     _check_room(plan, store)
-    _check_memory(plan, executor, workers)
+    # The memory of other executors is not that of this machine.
+    _check_memory(plan, count if executor is None else 1)
     check_plan(plan, _heading(specification))
     with ExitStack() as stack:
         pool = executor
         if pool is None:
-            pool = stack.enter_context(local_pool("threads", workers))
-        if store is None:
-            return _in_memory(plan, pool, progress)
-        stack.enter_context(locked(store))
-        target = _opened(plan, store, skip_damaged)
-        missing = _of_shard([int(batch) for batch in target.missing()], part)
-        tell = _counted(plan, missing, progress, whole=part is None)
-        for result in _results(plan, missing, pool, tell):
+            pool = stack.enter_context(local_pool("threads", count))
+        target, batches, folder = _target(plan, store, skip_damaged, stack)
+        batches = _of_shard(batches, part)
+        report = _reporter(plan, batches, progress, whole=part is None)
+        results = stack.enter_context(closing(results_of(plan, batches, pool, count, folder)))
+        for result in results:
             target.write(result.batch, plan.region(result.batch), columns_of(plan, result))
+            report(result.batch)
         return target.open()
 
 
+def _target(
+    plan: Plan, store: str | os.PathLike[str] | None, skip_damaged: bool, stack: ExitStack
+) -> tuple[MemoryStore | SweepStore, list[int], Path | None]:
+    """Where results are written, the batches that it lacks, and its folder."""
+    if store is None:
+        return MemoryStore(variables_of(plan), attributes_of(plan)), [*range(plan.batches)], None
+    stack.enter_context(locked(store))
+    found = _opened(plan, store, skip_damaged)
+    return found, [int(batch) for batch in found.missing()], Path(os.path.realpath(store))
+
+
 def estimate(specification: Any, *, workers: int | None = None) -> Estimate:
-    """What a sweep would take, from its specification and a few points that are timed.
+    """Estimate the time and size of a sweep from its specification and a few timed points.
 
     Parameters
     ----------
     specification : path-like, mapping or Specification
-        As of `sweep`.
+        As in `sweep`.
     workers : int, optional
-        Number of threads; by default, one for each processor.
+        Number of threads; by default, one per processor.
 
     Returns
     -------
@@ -183,7 +177,7 @@ def estimate(specification: Any, *, workers: int | None = None) -> Estimate:
     Raises
     ------
     InputError
-        As `sweep`.
+        As in `sweep`.
 
     Examples
     --------
@@ -195,14 +189,14 @@ def estimate(specification: Any, *, workers: int | None = None) -> Estimate:
     plan = Plan(spec)
     check_plan(plan, _heading(specification))
     size = bytes_of(plan)
-    # The first point alone compiles, another is timed; a whole batch if that is soon done.
+    # The first point compiles the kernels; another point is timed, and a whole batch if it is fast.
     alone = Plan(replace(spec, batch=1))
-    _timed(alone, 0)
-    each = _timed(alone, alone.batches // 2)
+    _time_batch(alone, 0)
+    each = _time_batch(alone, alone.batches // 2)
     batch = plan.batches // 2
     size_of_batch = sum(1 for _ in plan.indices(batch))
     if each * size_of_batch < SAMPLE_SECONDS:
-        each = _timed(plan, batch) / size_of_batch
+        each = _time_batch(plan, batch) / size_of_batch
     seconds = each * plan.points / count
     return Estimate(plan.points, plan.batches, size, seconds)
 
@@ -218,24 +212,24 @@ def merge_sweeps(
     Parameters
     ----------
     stores : list of path-like
-        Stores of one specification.
+        Stores of the same specification.
     into : path-like
-        Store for all of it: none yet, or of the same sweep.
+        Store for the whole sweep: a new one, or one of the same sweep.
     skip_damaged : bool
-        Whether to leave out batches with damaged files, with a `DamageWarning`; by default a
-        damaged file is an error.
+        Whether to omit batches with damaged files, with a `DamageWarning`; by default a damaged
+        file is an error.
 
     Returns
     -------
     dataset : xarray.Dataset
-        All that they hold.
+        Contents of all stores.
     missing : int
-        Points that none of them has yet.
+        Number of points that none of the stores has.
 
     Raises
     ------
     InputError
-        If a store is not of the same sweep, or is damaged.
+        If a store belongs to another sweep or is damaged.
 
     Examples
     --------
@@ -250,11 +244,11 @@ def merge_sweeps(
     ...     missing, bool((found.status == 1).all())
     (0, True)
     """
-    paths = [file_path("store", each) for each in listed("stores", stores, "paths")]
+    paths = [file_path("store", each) for each in check_list("stores", stores, "paths")]
     file_path("store to merge into", into)
     if not paths:
-        raise InputError("there are no stores to merge: name those of the shards")
-    skip_damaged = truth("skip_damaged", skip_damaged)
+        raise InputError("there are no stores to merge: give the stores of the shards")
+    skip_damaged = check_bool("skip_damaged", skip_damaged)
     parts = [SweepStore(path, skip_damaged=skip_damaged) for path in paths]
     text = parts[0].specification
     for part in parts:
@@ -272,26 +266,27 @@ def merge_sweeps(
 
 
 def open_sweep(store: str | os.PathLike[str], *, skip_damaged: bool = False) -> xr.Dataset:
-    """What the store of a sweep holds, also while the sweep runs.
+    """Open the store of a sweep, even while the sweep is running.
 
     Parameters
     ----------
     store : path-like
         The store.
     skip_damaged : bool
-        Whether batches with damaged files count as missing, with a `DamageWarning`; all files
+        Whether to treat batches with damaged files as missing, with a `DamageWarning`; all files
         are then read once.  By default a damaged file is an error.
 
     Returns
     -------
     xarray.Dataset
-        As of `sweep`; values are read, and compared with their digests, when they are used.
+        As returned by `sweep`; values are read, and compared with their digests, when they are
+        used.
 
     Raises
     ------
     InputError
-        If there is none, what is there is no sweep, or a file is missing.  Later, if a file from
-        which values are read is damaged, or is that of another batch.
+        If the folder does not exist or is not a sweep, or if a file is missing.  Later, if a file
+        from which values are read is damaged or belongs to another batch.
 
     Examples
     --------
@@ -302,12 +297,12 @@ def open_sweep(store: str | os.PathLike[str], *, skip_damaged: bool = False) -> 
     ...     hc.open_sweep(Path(folder) / "sweep").sizes["bead"]
     40
     """
-    skip_damaged = truth("skip_damaged", skip_damaged)
+    skip_damaged = check_bool("skip_damaged", skip_damaged)
     return SweepStore(file_path("store", store), skip_damaged=skip_damaged).open()
 
 
 def _opened(plan: Plan, folder: str | os.PathLike[str], skip_damaged: bool) -> SweepStore:
-    """The store of this sweep: the one that is there, or a new one."""
+    """Open the store of this sweep, or create it."""
     if Path(folder).exists():
         store = SweepStore(folder, skip_damaged=skip_damaged)
         _check_same(store, plan.specification.as_json(), f"the store {os.fspath(folder)!r}")
@@ -318,38 +313,37 @@ def _opened(plan: Plan, folder: str | os.PathLike[str], skip_damaged: bool) -> S
 
 
 def _check_room(plan: Plan, folder: str | os.PathLike[str] | None) -> None:
-    """Refuse a sweep that does not fit on the disk, or without a store into memory."""
+    """Raise `InputError` if the results do not fit on the disk, or into memory without a store."""
     size = bytes_of(plan)
     if folder is None:
         import psutil
 
         free, where, other = psutil.virtual_memory().available, "there are", "give a store"
         what = "GB of memory free"
-    # A name that is too long is no error yet, as it would be to pathlib.
+    # Path.exists raises OSError for a name that is too long.
     elif os.path.exists(folder):  # noqa: PTH110
         return
     else:
         parent = next(p for p in Path(folder).absolute().parents if os.path.exists(p))  # noqa: PTH110
         free, where, other = shutil.disk_usage(parent).free, f"{parent} has", "another place"
         what = "GB free"
-    if size > FREE * free:
+    if size > USABLE_PART * free:
         raise InputError(
             f"the sweep needs {size / 1e9:.3g} GB for {plan.points} points, but {where} "
             f"{free / 1e9:.3g} {what}: keep fewer quantities, at = 'last', or {other}"
         )
 
 
-def _check_memory(plan: Plan, executor: Executor | None, workers: int | None) -> None:
-    """Refuse batches that do not fit into memory, those of all threads together."""
+def _check_memory(plan: Plan, workers: int) -> None:
+    """Raise `InputError` if the batches of all workers together do not fit into memory."""
     import psutil
 
-    count = worker_count("workers", workers) if executor is None else 1
-    size, free = count * plan.bytes_held, psutil.virtual_memory().available
-    if size > FREE * free:
+    size, free = workers * plan.bytes_in_memory, psutil.virtual_memory().available
+    if size > USABLE_PART * free:
         raise InputError(
-            f"{count} batches of {math.prod(plan.block)} points of {plan.longest} beads need about "
-            f"{size / 1e9:.3g} GB of memory at a time, and {free / 1e9:.3g} GB are free: use a "
-            "smaller batch, fewer workers or shorter chains"
+            f"{workers} batches of {math.prod(plan.block)} points of {plan.longest} beads need "
+            f"about {size / 1e9:.3g} GB of memory at a time, but {free / 1e9:.3g} GB are free: use "
+            "a smaller batch, fewer workers or shorter chains"
         )
 
 
@@ -357,26 +351,50 @@ def _check_same(store: SweepStore, text: str, what: str) -> None:
     found = differences(store.specification, text)
     if found:
         raise InputError(
-            f"{what} is of another specification; move it away or choose another store. It has"
-            + "".join(f"\n  {line}" for line in found)
+            f"{what} belongs to another specification; move it away or choose another store. "
+            "Differences:" + "".join(f"\n  {line}" for line in found)
         )
     version = store.attributes.get("hertzchain_version", "of unknown version")
     if version != __version__:
         raise InputError(
-            f"{what} was begun by hertzchain {version}, this is {__version__}: go on with that "
-            "version, or choose another store"
+            f"{what} was begun by hertzchain {version}, this is {__version__}: use that version, "
+            "or choose another store"
         )
+
+
+def differences(one: str, other: str) -> list[str]:
+    """List the differences between two specifications given as JSON text."""
+    documents = [json.loads(text) for text in (one, other)]
+    left, right = (dict(_leaves(document)) for document in documents)
+    # The order of the axes matters: it is the order of the dimensions.
+    for leaves, document in zip((left, right), documents, strict=True):
+        leaves["axes"] = ", ".join(document.get("axes", {}))
+    return [
+        f"{path}: {left.get(path, 'nothing')!r}, now {right.get(path, 'nothing')!r}"
+        for path in sorted(left.keys() | right.keys())
+        if left.get(path) != right.get(path)
+    ]
+
+
+def _leaves(entry: Any, path: str = "") -> Any:
+    if isinstance(entry, Mapping):
+        for key, value in entry.items():
+            yield from _leaves(value, f"{path}.{key}" if path else key)
+    else:
+        yield path, entry
 
 
 def _checked_shard(shard: Any) -> tuple[int, int] | None:
     if shard is None:
         return None
-    parts = listed("shard", shard, "two whole numbers")
+    parts = check_list("shard", shard, "two whole numbers")
     if len(parts) != 2:
-        raise InputError(f"shard must be two whole numbers, such as (1, 4), got {shown(shard)}")
+        raise InputError(
+            f"shard must be two whole numbers, such as (1, 4), got {short_repr(shard)}"
+        )
     i, n = (whole_number("shard", part, least=1) for part in parts)
     if not 1 <= i <= n:
-        raise InputError(f"shard {i} of {n} does not exist: they are numbered 1 to {n}")
+        raise InputError(f"shard {i} of {n} does not exist: shards are numbered 1 to {n}")
     return i, n
 
 
@@ -386,125 +404,26 @@ def _of_shard(batches: list[int], shard: tuple[int, int] | None) -> list[int]:
     return [batch for batch in batches if batch % shard[1] == shard[0] - 1]
 
 
-def _counted(
-    plan: Plan, batches: list[int], progress: Progress | None, *, whole: bool = True
-) -> Callable[[int | None], None]:
-    """Tells progress in points; of the whole sweep, or of these batches alone."""
+def _reporter(
+    plan: Plan, batches: list[int], progress: Progress | None, *, whole: bool
+) -> Callable[[int], None]:
+    """Report progress in points, of the whole sweep or of these batches only."""
     sizes = {batch: math.prod(s.stop - s.start for s in plan.region(batch)) for batch in batches}
     left = sum(sizes.values())
     total = plan.points if whole else left
+    if progress is not None:
+        progress(total - left, total)
 
-    def tell(batch: int | None) -> None:
+    def report(batch: int) -> None:
         nonlocal left
-        left -= 0 if batch is None else sizes[batch]
+        left -= sizes[batch]
         if progress is not None:
             progress(total - left, total)
 
-    return tell
+    return report
 
 
-def _results(
-    plan: Plan, batches: list[int], pool: Executor, tell: Callable[[int | None], None]
-) -> Iterator[Result]:
-    """Results as they are finished; a few batches for each worker are under way."""
-    waiting, stop = iter(batches), threading.Event()
-    submit: Callable[[int], Future[Result]]
-    if isinstance(pool, ThreadPoolExecutor):
-        submit = lambda batch: _submitted(pool, run_planned, plan, batch, stop.is_set)  # noqa: E731
-    else:
-        # What runs elsewhere ends with its batch.
-        text = plan.specification.as_json()
-        submit = lambda batch: _submitted(pool, run_batch, text, batch)  # noqa: E731
-    running: set[Future[Result]] = set()
-    left, ahead = len(batches), AHEAD * _workers_of(pool)
-    try:
-        tell(None)
-        while left:
-            for batch in waiting:
-                running.add(submit(batch))
-                if len(running) >= ahead:
-                    break
-            finished, running = _wait(running, pool)
-            for future in finished:
-                result = future.result()
-                check_version(result.version, "a worker")
-                left -= 1
-                yield result
-                tell(result.batch)
-    except CancelledError:
-        raise StoreError(
-            f"the executor gave up with {left} of {len(batches)} batches to go (did its scheduler "
-            "end?)"
-        ) from None
-    except BrokenExecutor:
-        raise StoreError(
-            f"a worker process ended abruptly with {left} of {len(batches)} batches to go (killed, "
-            "or out of memory?)"
-        ) from None
-    finally:
-        stop.set()
-        for future in running:
-            future.cancel()
-
-
-def _submitted(pool: Executor, function: Callable[..., Result], *arguments: Any) -> Future[Result]:
-    try:
-        return pool.submit(function, *arguments)
-    except BrokenExecutor:
-        raise
-    except RuntimeError as error:
-        raise InputError(f"the executor takes no work ({error}): give one that runs") from None
-
-
-def _wait(
-    running: set[Future[Result]], pool: Executor
-) -> tuple[set[Future[Result]], set[Future[Result]]]:
-    lost = 0
-    while True:
-        finished, others = wait(running, timeout=POLL, return_when=FIRST_COMPLETED)
-        if finished:
-            return finished, others
-        # A pool soon finds out by itself that a worker is gone, but not always.
-        lost += lost_a_process(pool)
-        if lost > LOST:
-            end_processes(pool)
-
-
-def _workers_of(pool: Executor) -> int:
-    known = getattr(pool, "workers", None) or getattr(pool, "_max_workers", None)
-    return int(known or 2 * worker_count("workers", None))
-
-
-def _in_memory(plan: Plan, pool: Executor, progress: Progress | None) -> xr.Dataset:
-    import xarray as xr
-
-    variables = variables_of(plan)
-    arrays: dict[str, Any] = {}
-    for name, variable in variables.items():
-        text = np.dtypes.StringDType()
-        empty = np.full(variable.shape, "", text) if variable.dtype == "str" else None
-        fill = np.nan if variable.dtype == "f8" else 0
-        arrays[name] = np.full(variable.shape, fill, variable.dtype) if empty is None else empty
-        if variable.values is not None:
-            arrays[name] = variable.values
-    batches = list(range(plan.batches))
-    tell = _counted(plan, batches, progress)
-    for result in _results(plan, batches, pool, tell):
-        region = plan.region(result.batch)
-        sizes = tuple(part.stop - part.start for part in region)
-        for name, values in columns_of(plan, result).items():
-            target = arrays[name]
-            target[region] = np.asarray(values).reshape(sizes + target.shape[len(region) :])
-    columns = {
-        name: (variable.dimensions, arrays[name], dict(variable.attributes))
-        for name, variable in variables.items()
-    }
-    kept = {name: column for name, column in columns.items() if variables[name].values is None}
-    coordinates = {name: column for name, column in columns.items() if name not in kept}
-    return plain_text(xr.Dataset(kept, coords=coordinates, attrs=attributes_of(plan)))
-
-
-def _timed(plan: Plan, batch: int) -> float:
+def _time_batch(plan: Plan, batch: int) -> float:
     begun = time.perf_counter()
     run_planned(plan, batch, lambda: False)
     return time.perf_counter() - begun

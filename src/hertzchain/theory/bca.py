@@ -1,28 +1,30 @@
 r"""The binary collision approximation (BCA): one contact acts at a time.
 
-The pulse sits on two beads; bead k strikes the resting bead k + 1, hands on what
-an elastic collision hands on, and is forgotten.  Secs. 2 to 4 of the paper.
+Bead k collides with bead k + 1 at rest, transfers momentum as in an isolated elastic
+collision, and takes no further part.  Secs. 2 to 4 of the paper.
 """
 
 from __future__ import annotations
 
 import numpy as np
 
-from hertzchain.chain.chain import Chain, Taper, check_taper, rate_symbol
-from hertzchain.chain.coverage import require
-from hertzchain.checks import number
-from hertzchain.contacts import (
+from ..chain.chain import Chain
+from ..chain.tapers import check_taper, rate_symbol
+from ..collision import (
     Array,
     collision_cascade,
     collision_overlap,
     compression_time,
     reduced_mass,
 )
-from hertzchain.errors import InputError
-from hertzchain.pulse.pulse import Pulse
-from hertzchain.theory.decoration import warn_if_decorated
+from ..errors import InputError
+from ..pulse.chain_units import for_any_units
+from ..pulse.pulse import Pulse
+from ..validation.numbers import number
+from .decoration import warn_if_decorated
 
 
+@for_any_units("the BCA", supported=("masses", "stiffness"), alternative="use simulate")
 def bca(chain: Chain, *, restitution: float = 1.0) -> Pulse:
     r"""Leading pulse of any chain by the binary collision approximation.
 
@@ -31,64 +33,62 @@ def bca(chain: Chain, *, restitution: float = 1.0) -> Pulse:
         v_k = \prod_{j=1}^{k-1} \frac{1 + e}{1 + m_{j+1}/m_j},
         \qquad t_k = \sum_{j=1}^{k-1} T_j
 
-    with Eq. (5) of the paper for the velocities (the exact product, not its
-    asymptotic form; there e = 1) and the collision's
-    `hertzchain.contacts.compression_time` as residence time :math:`T_j` of the pulse on
-    bead j.
+    For e = 1 the velocities are Eq. (5) of the paper (the exact product, not its asymptotic
+    form).  The residence time :math:`T_j` of the pulse on bead j is
+    `hertzchain.collision.compression_time`.
 
-    With e < 1, all of a collision's loss is taken to happen while the beads part, as if
-    the force of unloading were :math:`e^2` times that of loading at the same overlap.
-    Until the largest overlap a collision is then the elastic one, so that arrivals and
-    overlaps are the elastic formulas at the diminished velocities.
+    For e < 1, all loss of a collision is assumed to occur during unloading, as if the
+    unloading force were :math:`e^2` times the loading force at the same overlap.  Loading
+    is then elastic, so that arrival times and overlaps follow from the elastic formulas at
+    the reduced velocities.
 
-    This is not what a chain with a law of loss does.  There a contact is relieved only in part
-    before the next bead has carried the pulse on, and pairs are slower than the strike; `simulate`
-    finds, at the same e, 0.29 to 0.85 times this theory's decay rate per bead, by the law: see the
-    table in the explanation "Closed forms".  So a coefficient measured in a drop test predicts 1.2
-    to 3.4 times too much loss in the exponent.
+    A chain with a loss law loses less.  Its contacts unload only in part before the next bead
+    has transmitted the pulse, and its beads collide more slowly than the impact.  At the same
+    e, `simulate` gives 0.29 to 0.85 times this theory's decay rate per bead, depending on the
+    law (see the table in the explanation "Closed forms").  A coefficient measured in a drop
+    test therefore overestimates the loss, in the exponent, by a factor of 1.2 to 3.4.
 
     Parameters
     ----------
     chain : Chain
         Any chain whose beads change little from one to the next; for small beads
-        between large ones see `effective_chain`.
+        between large ones, see `effective_chain`.
     restitution : float
-        Coefficient of restitution e of every collision, 0 < e <= 1; below 1 the decay is
-        overpredicted, see above.
+        Coefficient of restitution e of every collision, 0 < e <= 1.  Below 1 the decay is
+        overestimated (see above).
 
     Returns
     -------
     Pulse
-        Velocity, arrival and largest overlaps (momentum, energy, residence and
-        force follow).
+        Velocity, arrival time, largest overlap and residence time; momentum, energy and
+        force are derived from them.
 
     Raises
     ------
     InputError
-        If a velocity underflows, or the restitution is out of its range.
+        If a velocity underflows, or the restitution is out of range.
 
     Warns
     -----
     ModelRangeWarning
-        If there are small beads between large ones, as `effective_chain` finds them.
+        If there are small beads between large ones (see `effective_chain`).
 
     Examples
     --------
-    In a uniform chain the BCA does not notice that the pulse spreads: the velocity
-    stays 1, where the integration gives 0.6816.
+    The BCA does not account for the spreading of the pulse: in a uniform chain the velocity
+    stays 1, while the simulation gives 0.6816.
 
     >>> import hertzchain as hc
     >>> pulse = hc.bca(hc.Chain.uniform(50))
     >>> float(pulse.velocity[49]), round(float(pulse.residence[0]), 6)
     (1.0, 1.219419)
     """
-    require(chain, "the BCA", covers=("masses", "stiffness"), instead="use simulate")
     m, e = chain.masses, number("restitution", restitution, above=0.0, most=1.0)
     velocity = collision_cascade(m, e)
     reduced, speed = reduced_mass(m[:-1], m[1:]), velocity[:-1]
     with np.errstate(divide="ignore", invalid="ignore"):
-        time = compression_time(reduced, chain.stiffness, speed, chain.exponent)
-        overlap = collision_overlap(reduced, chain.stiffness, speed, chain.exponent)
+        time = compression_time(reduced, chain.stiffness, speed, chain.exponents)
+        overlap = collision_overlap(reduced, chain.stiffness, speed, chain.exponents)
     pulse = Pulse(
         chain=chain,
         method="BCA" if e == 1.0 else f"BCA, e = {e:g}",
@@ -102,18 +102,18 @@ def bca(chain: Chain, *, restitution: float = 1.0) -> Pulse:
     return pulse
 
 
-def bca_velocity_closed_form(taper: Taper, rate: float, beads: int) -> Array:
-    r"""The product of the BCA in closed form, for the four tapers of the paper.
+def bca_velocity_closed_form(taper: str, rate: float, beads: int) -> Array:
+    r"""Closed form of the product of the BCA, for the four tapers of the paper.
 
-    Exponential tapers, Eqs. (12) and (14), forward by :math:`q \to -q`:
+    For exponential tapers, Eqs. (12) and (14), with :math:`q \to -q` for a forward taper,
 
     .. math:: v_k = A^{1-k}, \qquad A = \tfrac12 [1 + (1-q)^{-3}] .
 
-    With restitution e, each is multiplied by :math:`[(1+e)/2]^{k-1}`.
+    With restitution e, each velocity is multiplied by :math:`[(1+e)/2]^{k-1}`.
 
-    Linear tapers, with :math:`a = 1/S` and
-    :math:`g(x) = \Gamma(x)\,|\Gamma(x + i\sqrt3/2)|^2` from
-    :math:`m_k + m_{k+1} \propto (x^2+\tfrac34)\,x` (derived here, not in the paper):
+    For linear tapers (derived here, not in the paper), with :math:`a = 1/S` and
+    :math:`g(x) = \Gamma(x)\,|\Gamma(x + i\sqrt3/2)|^2`, which follows from
+    :math:`m_k + m_{k+1} \propto (x^2+\tfrac34)\,x`,
 
     .. math::
 
@@ -128,7 +128,7 @@ def bca_velocity_closed_form(taper: Taper, rate: float, beads: int) -> Array:
     taper : str
         Name of the taper.
     rate : float
-        Its S or q.
+        Tapering parameter S or q.
     beads : int
         Number of beads N.
 
@@ -140,7 +140,7 @@ def bca_velocity_closed_form(taper: Taper, rate: float, beads: int) -> Array:
     Raises
     ------
     InputError
-        As `Chain.tapered`.
+        If the taper is unknown, or the rate is impossible for this number of beads.
 
     Examples
     --------
@@ -160,7 +160,7 @@ def bca_velocity_closed_form(taper: Taper, rate: float, beads: int) -> Array:
     return np.asarray(np.exp(log_mass_part + _log_g(a - k + 1.5) - _log_g(np.array(a + 0.5))))
 
 
-def exponential_rates(taper: Taper, rate: float) -> dict[str, float]:
+def exponential_rates(taper: str, rate: float) -> dict[str, float]:
     r"""Rates per bead of velocity, momentum and energy of an exponential taper.
 
     .. math::
@@ -169,8 +169,8 @@ def exponential_rates(taper: Taper, rate: float) -> dict[str, float]:
         \mathcal P = -\ln\left(1 - \tfrac32 q + \tfrac32 q^2 - \tfrac12 q^3\right), \quad
         \mathcal E = -2 \ln \tfrac12\left[(1-q)^{3/2} + (1-q)^{-3/2}\right]
 
-    from Eqs. (12), (16) and (18) for a backward taper, and with :math:`q \to -q`
-    for a forward one, Eqs. (26) and (27).
+    These are Eqs. (12), (16) and (18) for a backward taper, and with :math:`q \to -q`
+    Eqs. (26) and (27) for a forward one.
 
     Parameters
     ----------
@@ -187,11 +187,11 @@ def exponential_rates(taper: Taper, rate: float) -> dict[str, float]:
     Raises
     ------
     InputError
-        For a linear taper, which has no constant rate.
+        If the taper is linear, so that there is no constant rate.
 
     Examples
     --------
-    The first entries of tables 1 and 2:
+    First entries of tables 1 and 2 of the paper:
 
     >>> rates = exponential_rates("backward-exponential", 0.01)
     >>> round(rates["momentum"], 5), round(rates["energy"], 5)
@@ -199,7 +199,7 @@ def exponential_rates(taper: Taper, rate: float) -> dict[str, float]:
     """
     check_taper(taper, rate)
     if rate_symbol(taper) != "q":
-        raise InputError(f"a {taper} taper has no constant rate; only exponential tapers have")
+        raise InputError(f"a {taper} taper has no constant rate; use an exponential taper")
     q = rate if taper == "backward-exponential" else -rate
     return {
         "velocity": float(-np.log(0.5 * (1.0 + (1.0 - q) ** -3))),
@@ -214,7 +214,7 @@ def backward_linear_prefactor(rate: float) -> float:
     .. math:: v_k \to a_{bl}^u k^{-3/2}, \qquad
               a_{bl}^u = \frac{g(a + \frac12)}{\Gamma(a)^3}, \quad a = 1/S
 
-    the constant of Eq. (28), which the paper does not give; g as in
+    This is the constant of Eq. (28), whose value the paper does not state; g is defined in
     `bca_velocity_closed_form`.
 
     Parameters
@@ -247,9 +247,9 @@ def forward_linear_momentum_slope(rate: float) -> float:
 
     .. math:: \frac{dP}{dk} = -\frac32\, S\,(1+S)^2
 
-    of Eq. (24); the column "Binary" of table 3.  It is not quite the slope with which the
-    exact product of the BCA begins, :math:`P_2 - P_1 = -\frac32 S (1+S)^{1/2} + \dots`:
-    Eq. (22) leaves out a factor :math:`(1+S)^{-3/2}`, without which :math:`v_1 \neq 1`.
+    This is Eq. (24) and the column "Binary" of table 3.  It differs slightly from the initial
+    slope of the exact product of the BCA, :math:`P_2 - P_1 = -\frac32 S (1+S)^{1/2} + \dots`,
+    because Eq. (22) omits a factor :math:`(1+S)^{-3/2}`, without which :math:`v_1 \neq 1`.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Every theory of the leading pulse by its name, as the command line and the scoreboard use it."""
+"""All theories of the leading pulse by name, for the command line and the scoreboard."""
 
 from __future__ import annotations
 
@@ -7,16 +7,16 @@ from functools import partial
 from types import MappingProxyType
 from typing import Final
 
-from hertzchain.chain.chain import Chain
-from hertzchain.pulse.pulse import Pulse
-from hertzchain.theory.bca import bca
-from hertzchain.theory.hard_sphere import hard_sphere
-from hertzchain.theory.local_rate import local_rate
-from hertzchain.theory.modified_bca import modified_bca, two_thirds_bca
+from ..chain.chain import Chain
+from ..pulse.pulse import Pulse
+from .bca import bca
+from .hard_sphere import hard_sphere
+from .local_rate import local_rate
+from .modified_bca import modified_bca, two_thirds_bca
 
 Theory = Callable[[Chain], Pulse]
 
-# A theory refuses a chain it does not cover with an InputError.
+# Each theory raises InputError for chains that it does not support.
 THEORIES: Final[Mapping[str, Theory]] = MappingProxyType(
     {
         "bca": bca,

@@ -1,4 +1,4 @@
-"""Which beads of a chain are small ones between large ones."""
+"""Find the small beads between large ones."""
 
 from __future__ import annotations
 
@@ -8,36 +8,16 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from hertzchain.chain.chain import Chain
-from hertzchain.contacts import Array
-from hertzchain.errors import ModelRangeWarning
+from ..chain.chain import Chain
+from ..collision import Array
+from ..errors import ModelRangeWarning
 
-# A bead is small if the large ones on both sides exceed it by more than this.
+# A bead is small if its radius is below this fraction of the large radii on both sides.
 SMALL: Final = 0.8
 
 
 def small_beads(radii: Array) -> NDArray[np.bool_]:
-    """Find the beads that decorate a chain: small ones between large ones.
-
-    A run of beads counts as small if the bead before it and the bead after it are larger
-    than all of it, by a factor of more than 1/0.8.  A taper, however strong, has none.
-
-    Parameters
-    ----------
-    radii : ndarray, shape (N,)
-        Radii of the beads.
-
-    Returns
-    -------
-    ndarray of bool, shape (N,)
-
-    Examples
-    --------
-    >>> small_beads(np.array([1.0, 0.3, 0.9, 0.25, 0.25, 0.8]))
-    array([False,  True, False,  True,  True, False])
-    >>> bool(small_beads(0.7 ** np.arange(9)).any())
-    False
-    """
+    """Find runs of beads that are smaller than both neighbours by a factor of more than 1/0.8."""
     small: NDArray[Any] = np.zeros(len(radii), dtype=bool)
     falls = np.flatnonzero(radii[1:] < SMALL * radii[:-1])
     rises = radii[1:] * SMALL > radii[:-1]
@@ -53,39 +33,27 @@ def small_beads(radii: Array) -> NDArray[np.bool_]:
 
 
 def _run_end(radii: Array, first: int) -> int | None:
-    """First bead that towers over all from the given one on; looks farther step by step."""
+    """First bead that is larger than all from the given one on."""
+    # The search is extended step by step, since runs are short.
     ahead = 8
     while True:
         part = radii[first : first + ahead]
-        towering = np.flatnonzero(part[1:] * SMALL > np.maximum.accumulate(part[:-1]))
-        if len(towering):
-            return first + 1 + int(towering[0])
+        larger = np.flatnonzero(part[1:] * SMALL > np.maximum.accumulate(part[:-1]))
+        if len(larger):
+            return first + 1 + int(larger[0])
         if first + ahead >= len(radii):
             return None
         ahead *= 4
 
 
 def warn_if_decorated(chain: Chain, theory: str) -> None:
-    """Warn that a theory of single collisions does not hold for a decorated chain.
-
-    Parameters
-    ----------
-    chain : Chain
-        The chain it was asked about.
-    theory : str
-        Name of the theory.
-
-    Examples
-    --------
-    >>> import hertzchain as hc
-    >>> warn_if_decorated(hc.Chain.tapered("forward-linear", 0.01, beads=50), "BCA")
-    """
+    """Warn that a theory of single collisions does not apply to a decorated chain."""
     small = small_beads(chain.radii)
     if small.any():
         warnings.warn(
-            f"{theory} has one collision at a time, but bead {int(np.argmax(small)) + 1} is a "
-            "small one between large ones and is hit many times: use effective_chain, or "
-            f"a chain whose radii do not fall below {SMALL:g} of those on both sides",
+            f"{theory} assumes one collision at a time, but bead {int(np.argmax(small)) + 1} is "
+            "small, between large beads, and collides many times; use effective_chain, or a "
+            f"chain without radii below {SMALL:g} of those on both sides",
             ModelRangeWarning,
-            stacklevel=3,
+            stacklevel=4,
         )

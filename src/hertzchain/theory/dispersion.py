@@ -1,9 +1,9 @@
-r"""Small oscillations of a chain that a static force holds together.
+r"""Small oscillations of a precompressed chain.
 
-Precompressed by a force :math:`F_0`, each contact is a spring of stiffness
-:math:`K = p\,k^{1/p} F_0^{1-1/p}` for motions that change its overlap little: V. F.
-Nesterenko, *Dynamics of Heterogeneous Materials*, Springer 2001.  Without precompression
-there is no sound, and nothing here applies.
+Under a static force :math:`F_0`, each contact acts as a spring of stiffness
+:math:`K = p\,k^{1/p} F_0^{1-1/p}`, as long as its overlap changes little: V. F. Nesterenko,
+*Dynamics of Heterogeneous Materials*, Springer 2001.  Without precompression the sound
+speed is zero, and this theory does not apply.
 """
 
 from __future__ import annotations
@@ -14,11 +14,11 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
-from hertzchain.chain.chain import Chain
-from hertzchain.chain.coverage import require
-from hertzchain.checks import number, real_numbers
-from hertzchain.contacts import HERTZ_EXPONENT, Array, hertz_stiffness
-from hertzchain.errors import InputError, unknown_name
+from ..chain.chain import Chain
+from ..chain.feature_support import require_supported
+from ..collision import HERTZ_EXPONENT, Array, hertz_stiffness
+from ..errors import InputError, unknown_name_error
+from ..validation.numbers import number, real_numbers
 
 End = Literal["free", "fixed"]
 
@@ -31,16 +31,16 @@ def linear_stiffness(stiffness: ArrayLike, force: float, exponent: float = HERTZ
     Parameters
     ----------
     stiffness : array_like
-        Contact stiffness k [scaled, or any consistent units].
+        Contact stiffness k, in any consistent units.
     force : float
-        Static force F_0 > 0 [the same units].
+        Static force F_0 > 0, in the same units.
     exponent : float
         Exponent p of the contact force, > 1.
 
     Returns
     -------
     ndarray
-        Of the shape of ``stiffness``.
+        Spring constants, in the shape of ``stiffness``.
 
     Raises
     ------
@@ -49,7 +49,7 @@ def linear_stiffness(stiffness: ArrayLike, force: float, exponent: float = HERTZ
 
     Examples
     --------
-    Hertz, unit overlap: d(d^1.5)/dd = 1.5.
+    A Hertz contact with unit overlap has K = 1.5:
 
     >>> float(linear_stiffness(1.0, 1.0))
     1.5
@@ -65,20 +65,20 @@ def dispersion_uniform(wave_number: ArrayLike, *, mass: float = 1.0, spring: flo
 
     .. math:: \omega = 2 \sqrt{K/m}\, |\sin(q/2)|
 
-    Sound runs at :math:`\sqrt{K/m}` beads per time; nothing passes above the cut-off
-    :math:`2\sqrt{K/m}`.
+    The sound speed is :math:`\sqrt{K/m}` beads per unit time.  Waves do not propagate above
+    the cut-off frequency :math:`2\sqrt{K/m}`.
 
     Parameters
     ----------
     wave_number : array_like
         Phase q from bead to bead [radians].
     mass, spring : float
-        Mass m of a bead and `linear_stiffness` K of a contact [consistent units].
+        Mass m of a bead and `linear_stiffness` K of a contact, in consistent units.
 
     Returns
     -------
     ndarray
-        Angular frequencies, of the shape of ``wave_number``.
+        Angular frequencies, in the shape of ``wave_number``.
 
     Raises
     ------
@@ -98,7 +98,7 @@ def dispersion_uniform(wave_number: ArrayLike, *, mass: float = 1.0, spring: flo
 def dispersion_diatomic(
     wave_number: ArrayLike, *, mass: float = 1.0, other_mass: float, spring: float = 1.0
 ) -> tuple[Array, Array]:
-    r"""Frequencies of plane waves in a chain of two kinds of beads in turn.
+    r"""Frequencies of plane waves in a chain of alternating beads.
 
     .. math::
 
@@ -108,14 +108,14 @@ def dispersion_diatomic(
     Parameters
     ----------
     wave_number : array_like
-        Phase q from cell to cell, of two beads each [radians].
+        Phase q from one cell of two beads to the next [radians].
     mass, other_mass, spring : float
-        The two masses and the `linear_stiffness` K of a contact [consistent units].
+        The two masses and the `linear_stiffness` K of a contact, in consistent units.
 
     Returns
     -------
     acoustic, optical : ndarray
-        Angular frequencies of the two branches, of the shape of ``wave_number``.
+        Angular frequencies of the two branches, in the shape of ``wave_number``.
 
     Raises
     ------
@@ -130,16 +130,16 @@ def dispersion_diatomic(
     """
     a, b = _checked_positive("mass", mass), _checked_positive("other_mass", other_mass)
     k, half = _checked_positive("spring", spring), 0.5 * real_numbers("wave number", wave_number)
-    # s^2 - 4 sin^2/(m1 m2), written so that nothing cancels for equal masses.
+    # s^2 - 4 sin^2/(m1 m2), in a form without cancellation for equal masses.
     root = np.sqrt((1.0 / a - 1.0 / b) ** 2 + 4.0 * np.cos(half) ** 2 / (a * b))
     upper = 1.0 / a + 1.0 / b + root
-    # The product of the branches is known; their difference would cancel for long waves.
+    # Computed from the product of the branches; the difference would cancel for long waves.
     optical = np.sqrt(k * upper)
     return np.asarray(2.0 * k * np.abs(np.sin(half)) / (np.sqrt(a * b) * optical)), optical
 
 
 def band_edges(*, mass: float = 1.0, other_mass: float, spring: float = 1.0) -> Array:
-    r"""Where the two bands of a diatomic chain begin and end.
+    r"""Edges of the two frequency bands of a diatomic chain.
 
     .. math::
 
@@ -154,7 +154,8 @@ def band_edges(*, mass: float = 1.0, other_mass: float, spring: float = 1.0) -> 
     Returns
     -------
     ndarray, shape (4,)
-        Ends of the acoustic, then of the optical band: nothing passes in between.
+        Lower and upper edge of the acoustic band, then of the optical band.  Waves do not
+        propagate at frequencies between the bands.
 
     Raises
     ------
@@ -177,9 +178,10 @@ def modes(
 ) -> tuple[Array, Array]:
     r"""Normal modes of a finite chain under a static force.
 
-    The eigenvalues :math:`\omega^2` of :math:`M^{-1/2} K M^{-1/2}`, as `spring_modes`
-    finds them, with the springs of `linear_stiffness`.  `hertzchain.spectrum` does this for a
-    chain with its own precompression, gravity, walls and losses, in SI units too.
+    The squares :math:`\omega^2` of the frequencies are the eigenvalues of
+    :math:`M^{-1/2} K M^{-1/2}` (see `spring_modes`), with the spring constants of
+    `linear_stiffness`.  For a chain with its own precompression, gravity, walls and losses,
+    also in SI units, use `hertzchain.spectrum`.
 
     Parameters
     ----------
@@ -188,14 +190,14 @@ def modes(
     force : float
         Static force F_0 > 0 on every contact [scaled].
     ends : tuple of str
-        Left and right end: ``"free"``, held by a force that does not change, or
-        ``"fixed"``, in contact with an immobile bead like the last one.  Where the stiffness
-        of contacts is given, that contact is as stiff as the chain's last one on its side.
+        Left and right end: ``"free"`` (held by a constant force) or ``"fixed"`` (in contact
+        with an immobile bead of the same size).  If the chain's stiffness is given, the
+        contact at a fixed end is as stiff as the chain's last contact at this end.
 
     Returns
     -------
     frequencies : ndarray, shape (N,)
-        Angular frequencies, rising; the first is 0 if both ends are free.
+        Angular frequencies in ascending order; the first is 0 if both ends are free.
     shapes : ndarray, shape (N, N)
         Displacements of the beads; ``shapes[:, j]`` is mode j, with
         :math:`\sum_k m_k x_k^2 = 1`.
@@ -207,36 +209,39 @@ def modes(
 
     Examples
     --------
-    Two free beads: :math:`\omega = \sqrt{2K/m}` with K = 1.5.
+    Two free beads have :math:`\omega = \sqrt{2K/m}` with K = 1.5:
 
     >>> import hertzchain as hc
     >>> frequencies, shapes = modes(hc.Chain.uniform(2), 1.0)
     >>> frequencies.round(6)
     array([0.      , 1.732051])
     """
-    require(chain, "modes", covers=("masses", "stiffness"), instead="use hertzchain.spectrum")
-    springs = linear_stiffness(chain.stiffness, force, chain.exponent)
+    require_supported(
+        chain, "modes", supported=("masses", "stiffness"), alternative="use hertzchain.spectrum"
+    )
+    springs = linear_stiffness(chain.stiffness, force, chain.exponents)
     held = [0.0, 0.0]
     for side, end in enumerate(ends):
         if end not in ("free", "fixed"):
-            raise unknown_name("end", end, ("free", "fixed"))
+            raise unknown_name_error("end", end, ("free", "fixed"))
         if end == "fixed":
             radius = chain.radii[-side]
             wall = hertz_stiffness(radius, radius)
             if "stiffness" in chain.given:
                 wall = chain.stiffness[-side]
-            held[side] = float(linear_stiffness(wall, force, chain.exponent))
+            held[side] = float(linear_stiffness(wall, force, chain.exponents))
     return spring_modes(chain.masses, springs, (held[0], held[1]))
 
 
 def spring_modes(
     masses: ArrayLike, springs: ArrayLike, ends: tuple[float, float] = (0.0, 0.0)
 ) -> tuple[Array, Array]:
-    r"""Normal modes of masses in a row, joined by springs.
+    r"""Normal modes of a line of masses joined by springs.
 
-    :math:`M^{-1/2} K M^{-1/2} = A^T A`, where a row of A is a spring: the square root of
-    its constant times the difference of its two beads over the roots of their masses.
-    The frequencies are the singular values of A, which keeps the digits of the low ones.
+    The matrix is factorised as :math:`M^{-1/2} K M^{-1/2} = A^T A`.  The row of A that belongs
+    to the spring between masses j and j + 1 has the entries :math:`\sqrt{K_j/m_j}` and
+    :math:`-\sqrt{K_j/m_{j+1}}`.  The frequencies are the singular values of A, which keeps
+    low frequencies accurate.
 
     Parameters
     ----------
@@ -250,9 +255,9 @@ def spring_modes(
     Returns
     -------
     frequencies : ndarray, shape (N,)
-        Angular frequencies, rising.
+        Angular frequencies in ascending order.
     shapes : ndarray, shape (N, N)
-        As for `modes`.
+        Displacements, as for `modes`.
 
     Raises
     ------
@@ -269,7 +274,7 @@ def spring_modes(
     m, k = _checked_positive("masses", masses), _checked_positive("springs", springs)
     n = len(m)
     if k.shape != (n - 1,):
-        raise InputError(f"{n} masses in a row have {n - 1} springs between them, got {len(k)}")
+        raise InputError(f"{n} masses require {n - 1} springs between them, got {len(k)}")
     rows = np.zeros((n + 1, n))
     inner = np.arange(n - 1)
     rows[inner, inner], rows[inner, inner + 1] = np.sqrt(k / m[:-1]), -np.sqrt(k / m[1:])
@@ -278,7 +283,7 @@ def spring_modes(
     _, frequencies, vectors = np.linalg.svd(rows)
     frequencies = frequencies[::-1].copy()
     if left == right == 0.0:
-        # Moving the chain as a whole costs nothing; the rest is round-off.
+        # The translation of the whole chain has frequency 0, apart from rounding errors.
         frequencies[0] = 0.0
     return frequencies, vectors[::-1].T / np.sqrt(m)[:, None]
 

@@ -1,10 +1,11 @@
-r"""Decorated chains: small beads between large ones, done away with.
+r"""Reduce a decorated chain to its large beads, with effective contacts and masses.
 
-A light bead between two heavy ones follows them at once, with one force F on both of
-its contacts.  The contacts between neighbouring large beads are then springs in series,
-and the small beads' masses belong to the large ones: U. Harbola, A. Rosas, A. H. Romero,
-M. Esposito and K. Lindenberg, Phys. Rev. E 80, 051302 (2009), arXiv:0909.2627, for one
-bead; derived here for any number of any sizes.
+A light bead between two heavy ones follows their motion immediately, with the same force F
+on both of its contacts.  The contacts between neighbouring large beads then act as springs
+in series, and the masses of the small beads are added to the large ones: U. Harbola,
+A. Rosas, A. H. Romero, M. Esposito and K. Lindenberg, Phys. Rev. E 80, 051302 (2009),
+arXiv:0909.2627, for one small bead.  The generalisation to any number of small beads of any
+sizes is derived here.
 """
 
 from __future__ import annotations
@@ -18,44 +19,49 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from hertzchain.arguments import listed
-from hertzchain.chain.chain import Chain
-from hertzchain.chain.coverage import require
-from hertzchain.checks import real_numbers, whole_number
-from hertzchain.contacts import (
+from ..chain.chain import Chain
+from ..chain.feature_support import require_supported
+from ..collision import (
     Array,
     collision_cascade,
     collision_overlap,
     compression_time,
     reduced_mass,
 )
-from hertzchain.errors import InputError, ModelRangeWarning, shown
-from hertzchain.frozen import Frozen
-from hertzchain.theory.decoration import SMALL, small_beads
-from hertzchain.theory.solitary_wave import solitary_wave
+from ..errors import InputError, ModelRangeWarning, short_repr
+from ..frozen import Frozen
+from ..representation import measure, short
+from ..validation.numbers import real_numbers, whole_number
+from ..validation.objects import check_list
+from .decoration import SMALL, small_beads
+from .solitary_wave import solitary_wave
 
-# Largest mass of the small beads between two large ones, over that of the smaller of these,
-# up to which the spacing is right to about 0.2 per cent: one small bead of half the radius.
-LARGEST_LOAD: Final = 0.125
+# Largest mass of the small beads between two large ones, over that of the smaller large bead,
+# for which the spacing is accurate to about 0.2%: one small bead of half the radius.
+MAX_LOAD: Final = 0.125
 
 
 @dataclass(frozen=True, eq=False)
 class EffectiveChain(Frozen):
-    r"""The large beads of a decorated chain, with the effective contacts between them.
+    r"""Large beads of a decorated chain, with effective contacts between them.
 
-    Made by `effective_chain`.  The force between neighbours is
+    It is returned by `effective_chain`.  The force between neighbours is
     :math:`k_{\mathrm{eff}} (x_j - x_{j+1})_+^p`.
 
     Attributes
     ----------
     masses : ndarray, shape (n,)
-        Masses of the large beads, shares of the small ones included [scaled].
+        Masses of the large beads, including shares of the small ones [scaled, or kg].
     stiffness : ndarray, shape (n - 1,)
-        Effective stiffness between neighbours [scaled].
+        Effective stiffness between neighbours [scaled, or N/m^p].
     exponent : float
         Exponent p of the contact force.
     large_beads : ndarray of int, shape (n,)
-        Their bead numbers in the decorated chain, counted from 1.
+        Bead numbers in the decorated chain, counted from 1.
+    velocity : float
+        Velocity with which bead 1 is struck [scaled, or m/s].
+    units : str
+        ``"scaled"`` or ``"SI"``.
 
     Examples
     --------
@@ -71,6 +77,8 @@ class EffectiveChain(Frozen):
     stiffness: Array
     exponent: float
     large_beads: NDArray[np.int64]
+    velocity: float = 1.0
+    units: str = "scaled"
 
     def __post_init__(self) -> None:
         for values in (self.masses, self.stiffness, self.large_beads):
@@ -79,8 +87,8 @@ class EffectiveChain(Frozen):
     def bca(self) -> EffectivePulse:
         r"""Binary collision approximation of the large beads.
 
-        As `hertzchain.bca`, with effective masses and stiffness: the first bead has
-        velocity one.
+        It is evaluated as in `hertzchain.bca`, with effective masses and stiffness, in the
+        units of the chain.
 
         Returns
         -------
@@ -88,8 +96,8 @@ class EffectiveChain(Frozen):
 
         Examples
         --------
-        Equal large beads hand on their velocity, but for the ends of the chain, which
-        have half the share of the small beads:
+        Equal large beads transfer their velocity completely, except at the ends of the chain,
+        which have only half the share of the small beads:
 
         >>> import hertzchain as hc
         >>> effective = hc.effective_chain(hc.Chain.uniform(41).decorated(0.3))
@@ -97,45 +105,48 @@ class EffectiveChain(Frozen):
         array([1.     , 0.99338, 0.99338])
         """
         m, k, p = self.masses, self.stiffness, self.exponent
-        velocity = collision_cascade(m)
+        velocity = self.velocity * collision_cascade(m)
         reduced, speed = reduced_mass(m[:-1], m[1:]), velocity[:-1]
         return EffectivePulse(
             bead=self.large_beads,
             velocity=velocity,
             arrival=np.concatenate(([0.0], np.cumsum(compression_time(reduced, k, speed, p)))),
             peak_force=k * collision_overlap(reduced, k, speed, p) ** p,
+            units=self.units,
         )
 
     def spacing(self, velocity: ArrayLike) -> Array:
-        r"""Time of the pulse from each large bead to the next, at the exact wave's speed.
+        r"""Travel time of the pulse from each large bead to the next.
 
         .. math::
 
             T_j = \frac1C \left(\frac{\bar m}{k_{\mathrm{eff}}}\right)^{\frac1{p+1}}
                   \bar v^{\,-\frac{p-1}{p+1}}
 
-        with the constant C of `solitary_wave`, and the means of the masses (arithmetic)
-        and velocities (geometric) of beads j and j + 1.  A taper of the large beads changes
-        the pulse and with it the speed: by 2 per cent if radii change by 2 per cent a bead.
+        This is the time of the exact solitary wave, with the constant C of `solitary_wave`,
+        the arithmetic mean of the masses and the geometric mean of the velocities of beads j
+        and j + 1.  A taper of the large beads changes the pulse and therefore its speed, by
+        2% if the radii change by 2% per bead.
 
         Parameters
         ----------
         velocity : array_like
-            Peak velocities of the large beads, shape (n,), or one for all [scaled].
+            Peak velocities of the large beads, shape (n,), or one for all [scaled, or m/s].
 
         Returns
         -------
         ndarray, shape (n - 1,)
-            Times [scaled].
+            Times [scaled, or s].
 
         Raises
         ------
         InputError
-            If a velocity is not positive, or their number is not that of the beads.
+            If a velocity is not positive, or the number of velocities is wrong.
 
         Examples
         --------
-        Between velocity maxima of beads 51 and 101 of 119, the integration has 2.12796:
+        Between the velocity maxima of beads 51 and 101 of 119, the mean time in the simulation
+        is 2.12796:
 
         >>> import hertzchain as hc
         >>> effective = hc.effective_chain(hc.Chain.uniform(60).decorated(0.3))
@@ -146,7 +157,7 @@ class EffectiveChain(Frozen):
         if v.shape not in ((), self.masses.shape) or not np.all((v > 0.0) & np.isfinite(v)):
             raise InputError(
                 f"velocity must be one positive number or one for each of the {len(self.masses)} "
-                f"large beads, got {shown(velocity)}"
+                f"large beads, got {short_repr(velocity)}"
             )
         v = np.broadcast_to(v, self.masses.shape)
         s, p = 1.0 / (self.exponent + 1.0), self.exponent
@@ -161,32 +172,49 @@ class EffectiveChain(Frozen):
 
 
 @dataclass(frozen=True, eq=False)
-class EffectivePulse:
-    """The leading pulse on the large beads of a decorated chain, by `EffectiveChain.bca`.
+class EffectivePulse(Frozen):
+    """Leading pulse on the large beads of a decorated chain, from `EffectiveChain.bca`.
 
     Attributes
     ----------
     bead : ndarray of int, shape (n,)
         Bead numbers in the decorated chain, counted from 1.
     velocity : ndarray, shape (n,)
-        Peak velocities [scaled].
+        Peak velocities [scaled, or m/s].
     arrival : ndarray, shape (n,)
-        Times at which a large bead becomes faster than the large one behind [scaled].
+        Times at which a large bead becomes faster than the large bead behind [scaled, or s].
     peak_force : ndarray, shape (n - 1,)
-        Largest force between neighbours, on all contacts between them [scaled].
+        Largest force between neighbours, the same on all contacts between them [scaled, or N].
+    units : str
+        ``"scaled"`` or ``"SI"``.
     """
 
     bead: NDArray[np.int64]
     velocity: Array
     arrival: Array
     peak_force: Array
+    units: str = "scaled"
+
+    def __post_init__(self) -> None:
+        for values in (self.bead, self.velocity, self.arrival, self.peak_force):
+            values.setflags(write=False)
+
+    def __repr__(self) -> str:
+        last, arrival, force = (
+            measure(value, unit, self.units)
+            for value, unit in (
+                (self.velocity[-1], "m/s"), (self.arrival[-1], "s"), (self.peak_force.max(), "N")
+            )
+        )  # fmt: skip
+        facts = f"v_{self.bead[-1]} = {last}", f"arrival {arrival}", f"largest force {force}"
+        return short("EffectivePulse", f"{len(self.bead)} large beads", *facts)
 
 
 def effective_chain(chain: Chain, large: Sequence[int] | None = None) -> EffectiveChain:
-    r"""Replace the small beads of a decorated chain by what they do to the large ones.
+    r"""Replace the small beads of a decorated chain by effective contacts and masses.
 
-    Between two neighbouring large beads a and b, contacts of stiffness k_i bear one force,
-    so that their overlaps add as
+    All contacts between two neighbouring large beads a and b, with stiffness k_i, carry the
+    same force, so that their overlaps add up:
 
     .. math::
 
@@ -194,21 +222,23 @@ def effective_chain(chain: Chain, large: Sequence[int] | None = None) -> Effecti
         x_j = (1-\lambda_j)\,x_a + \lambda_j\,x_b, \qquad
         \lambda_j = \frac{\sum_{i \le j} k_i^{-1/p}}{\sum_i k_i^{-1/p}} .
 
-    The small bead j gives :math:`(1-\lambda_j)\,m_j` to bead a and :math:`\lambda_j m_j` to
-    b, which keeps the momentum.  Between equal large beads `EffectiveChain.spacing` is within
-    0.2 per cent of the integration for one small bead of up to half the radius, and within
-    0.25 per cent for several of together one eighth of the mass.  What the small beads keep
-    of the energy, and so the decay of the pulse at ratios that resonate, is left out.
+    The small bead j adds :math:`(1-\lambda_j)\,m_j` to the mass of bead a and
+    :math:`\lambda_j m_j` to that of bead b, which conserves momentum.  Between equal large
+    beads, `EffectiveChain.spacing` agrees with the simulation to 0.2% for one small bead of up
+    to half the radius, and to 0.25% for several small beads that have one eighth of the mass in
+    total.  The energy that remains in the small beads is neglected, and so is the decay of
+    the pulse at resonant size ratios.
 
     Parameters
     ----------
     chain : Chain
-        A chain with one or more small beads between some or all of its large ones, as
-        `Chain.decorated` makes them; both may be tapered.  Its first and last bead count as
-        large, whatever their size.
+        A chain, scaled or in SI units, with one or more small beads between some or all of its
+        large ones, such as `Chain.decorated` returns; both may be tapered.  The first and the
+        last bead are always treated as large.
     large : sequence of int, optional
-        Bead numbers of the large beads, counted from 1; found from the radii by default:
-        small beads are runs that both neighbours exceed by more than a factor of 1/0.8.
+        Numbers of the large beads, counted from 1.  By default they are found from the radii:
+        small beads are runs of beads smaller than both neighbours by a factor of more than
+        1/0.8.
 
     Returns
     -------
@@ -217,28 +247,33 @@ def effective_chain(chain: Chain, large: Sequence[int] | None = None) -> Effecti
     Raises
     ------
     InputError
-        If no small beads are found, a small one is not smaller than its large neighbours,
-        or the numbers given are not rising bead numbers from 1 to N.
+        If no small beads are found, a small bead is not smaller than its large neighbours,
+        or ``large`` is not an ascending list of bead numbers from 1 to N.
 
     Warns
     -----
     ModelRangeWarning
         If the small beads between two large ones have more than one eighth of the mass of
-        the smaller of these.
+        the smaller large bead.
 
     Examples
     --------
-    Two equal contacts in series are :math:`2^{-3/2}` as stiff as one:
+    Two equal contacts in series have :math:`2^{-3/2}` times the stiffness of one:
 
     >>> import hertzchain as hc
     >>> decorated = hc.Chain.uniform(2).decorated(0.25)
     >>> float(effective_chain(decorated).stiffness[0] / decorated.stiffness[0]).__round__(6)
     0.353553
     """
-    require(chain, "effective_chain", covers=("masses", "stiffness"), instead="use simulate")
+    require_supported(
+        chain,
+        "effective_chain",
+        supported=("SI units", "masses", "stiffness"),
+        alternative="use simulate",
+    )
     index = _detected(chain) if large is None else _checked_large(chain, large)
     _check_small(chain, index)
-    masses, springs = chain.masses, chain.stiffness ** (-1.0 / chain.exponent)
+    masses, springs = chain.masses, chain.stiffness ** (-1.0 / chain.exponents)
     effective, softness = masses[index].copy(), np.empty(len(index) - 1)
     for j, (a, b) in enumerate(itertools.pairwise(index)):
         softness[j] = springs[a:b].sum()
@@ -246,33 +281,36 @@ def effective_chain(chain: Chain, large: Sequence[int] | None = None) -> Effecti
         between = masses[a + 1 : b]
         effective[j] += np.sum((1.0 - share) * between)
         effective[j + 1] += np.sum(share * between)
-    return EffectiveChain(effective, softness**-chain.exponent, chain.exponent, index + 1)
+    return EffectiveChain(
+        effective, softness**-chain.exponents, chain.exponents, index + 1,
+        float(chain.velocities[0]), chain.units,
+    )  # fmt: skip
 
 
 def _detected(chain: Chain) -> NDArray[Any]:
     small = small_beads(chain.radii)
     if not small.any():
         raise InputError(
-            f"effective_chain needs small beads between large ones; {chain.description} has none "
-            f"below {SMALL:g} of both neighbours: use bca, or name the large beads"
+            f"effective_chain requires small beads between large ones, but {chain.description} has "
+            f"no radii below {SMALL:g} of both neighbours; use bca, or give large"
         )
     return np.flatnonzero(~small)
 
 
 def _checked_large(chain: Chain, large: Sequence[int]) -> NDArray[Any]:
-    given = listed("large", large, "bead numbers")
+    given = check_list("large", large, "bead numbers")
     index = np.array([whole_number("large bead", k, least=1, most=chain.beads) for k in given])
     ends = len(index) >= 2 and index[0] == 1 and index[-1] == chain.beads
     if not ends or np.any(np.diff(index) <= 0):
         raise InputError(
-            f"large must be rising bead numbers from 1 to {chain.beads}, both included (the first "
-            f"and the last bead have no neighbour on one side), got {shown(large)}"
+            f"large must be ascending bead numbers that include 1 and {chain.beads} (the first and "
+            f"the last bead have only one neighbour), got {short_repr(large)}"
         )
     return index - 1
 
 
 def _check_small(chain: Chain, index: NDArray[Any]) -> None:
-    """Refuse small beads that are not small, and warn of those that are not light enough."""
+    """Reject beads that are not small, and warn about beads that are not light enough."""
     between = np.diff(index) - 1
     small = np.delete(np.arange(chain.beads), index)
     left, right = chain.radii[index[:-1]], chain.radii[index[1:]]
@@ -280,18 +318,18 @@ def _check_small(chain: Chain, index: NDArray[Any]) -> None:
     if len(small) and ratio.max() >= 1.0:
         bead = small[np.argmax(ratio)] + 1
         raise InputError(
-            f"bead {bead} lies between large beads but has {ratio.max():.3g} "
-            "of the radius of one of them: count it among the large ones"
+            f"bead {bead} is between large beads but has {ratio.max():.3g} times the radius of one "
+            "of them; include it in large"
         )
     cell = np.repeat(np.arange(len(between)), between)
     load = np.bincount(cell, weights=ratio**3, minlength=len(between))
     worst = int(np.argmax(load))
-    if load[worst] > LARGEST_LOAD * (1.0 + 1e-9):
+    if load[worst] > MAX_LOAD * (1.0 + 1e-9):
         warnings.warn(
             f"the small beads between beads {index[worst] + 1} and {index[worst + 1] + 1} have "
-            f"{load[worst]:.3g} of the mass of a large one: the effective chain is right to 0.2 "
-            f"per cent up to {LARGEST_LOAD:g} only (one small bead of half the radius), since "
-            "heavier beads do not follow their neighbours at once",
+            f"{load[worst]:.3g} times the mass of a large bead; the effective chain is accurate to "
+            f"0.2% only up to {MAX_LOAD:g} (one small bead of half the radius), because heavier "
+            "beads do not follow their neighbours immediately",
             ModelRangeWarning,
             stacklevel=3,
         )

@@ -1,10 +1,10 @@
 r"""The independent-collision theory: hard spheres that collide one pair at a time.
 
-What the literature on tapered chains held its simulations against before there was a
-binary collision approximation: S. Sen, F. S. Manciu and M. Manciu, Physica A 299, 551
-(2001); R. Doney and S. Sen, Phys. Rev. E 72, 041304 (2005),
-doi:10.1103/PhysRevE.72.041304.  Its velocities are those of the BCA with restitution;
-collisions take no time, so that it has no residence times, overlaps or forces.
+The literature on tapered chains compared simulations with this theory before the binary
+collision approximation was introduced: S. Sen, F. S. Manciu and M. Manciu, Physica A 299,
+551 (2001); R. Doney and S. Sen, Phys. Rev. E 72, 041304 (2005),
+doi:10.1103/PhysRevE.72.041304.  Its velocities are those of the BCA with restitution.
+Collisions are instantaneous, so that residence times, overlaps and forces are not defined.
 """
 
 from __future__ import annotations
@@ -13,15 +13,17 @@ import math
 
 import numpy as np
 
-from hertzchain.chain.chain import Chain
-from hertzchain.chain.coverage import require
-from hertzchain.checks import number
-from hertzchain.contacts import collision_cascade
-from hertzchain.errors import InputError
-from hertzchain.pulse.pulse import Pulse
-from hertzchain.theory.decoration import warn_if_decorated
+from ..chain.chain import Chain
+from ..chain.feature_support import require_supported
+from ..collision import collision_cascade
+from ..errors import InputError
+from ..pulse.chain_units import for_any_units
+from ..pulse.pulse import Pulse
+from ..validation.numbers import number
+from .decoration import warn_if_decorated
 
 
+@for_any_units("the hard-sphere theory", supported=("masses", "stiffness", "gaps"))
 def hard_sphere(chain: Chain, *, restitution: float = 1.0) -> Pulse:
     r"""Leading pulse of hard spheres that collide one pair after the other.
 
@@ -30,7 +32,7 @@ def hard_sphere(chain: Chain, *, restitution: float = 1.0) -> Pulse:
     Parameters
     ----------
     chain : Chain
-        Any chain; the exponent of its contacts plays no part.
+        Any chain; the result does not depend on the exponent of its contacts.
     restitution : float
         Coefficient of restitution e of every collision, 0 < e <= 1; see
         `restitution_from_unloading`.
@@ -38,19 +40,20 @@ def hard_sphere(chain: Chain, *, restitution: float = 1.0) -> Pulse:
     Returns
     -------
     Pulse
-        Velocity, momentum and energy.  The elastic loss per bead is that of the BCA:
-        too small, above all in forward tapers.  The loss by restitution is too large: 1.2 to
-        3.4 times, in the exponent, that of a chain with a law of loss of the same e (`bca`).
+        Velocity, momentum and energy.  The elastic loss per bead is that of the BCA; it is
+        too small, especially in forward tapers.  The loss due to restitution is too large:
+        in the exponent, it is 1.2 to 3.4 times that of a chain with a loss law of the same e
+        (see `bca`).
 
     Raises
     ------
     InputError
-        If the restitution is out of its range, or a velocity underflows.
+        If the restitution is out of range, or a velocity underflows.
 
     Warns
     -----
     ModelRangeWarning
-        If there are small beads between large ones, as `effective_chain` finds them.
+        If there are small beads between large ones (see `effective_chain`).
 
     Examples
     --------
@@ -58,7 +61,6 @@ def hard_sphere(chain: Chain, *, restitution: float = 1.0) -> Pulse:
     >>> hc.hard_sphere(hc.Chain.uniform(4), restitution=0.9).velocity.round(6)
     array([1.      , 0.95    , 0.9025  , 0.857375])
     """
-    require(chain, "the hard-sphere theory", covers=("masses", "stiffness", "gaps"))
     e = number("restitution", restitution, above=0.0, most=1.0)
     velocity = collision_cascade(chain.masses, e)
     method = "hard sphere" if e == 1.0 else f"hard sphere, e = {e:g}"
@@ -68,36 +70,36 @@ def hard_sphere(chain: Chain, *, restitution: float = 1.0) -> Pulse:
 
 
 def hard_sphere_energy_ratio(chain: Chain, *, restitution: float = 1.0) -> float:
-    r"""Kinetic energy of the last bead over that of the striker.
+    r"""Ratio of the kinetic energy of the last bead to that of the first.
 
     .. math::
 
         \frac{K_N}{K_1} = \prod_{k=1}^{N-1}
         \frac{(1+e)^2\, m_k m_{k+1}}{(m_k + m_{k+1})^2}
 
-    For given end masses it is largest if the masses in between are geometric.  With e < 1 it
-    exaggerates the loss in a chain, as `hard_sphere` does.
+    For given first and last mass, it is largest if the masses form a geometric sequence.
+    With e < 1 it overestimates the loss, like `hard_sphere`.
 
     Parameters
     ----------
     chain : Chain
-        Any chain, decorated ones included.
+        Any chain, including decorated ones.
     restitution : float
         Coefficient of restitution e, 0 < e <= 1.
 
     Returns
     -------
     float
-        At most 1; 0 if it underflows.
+        Energy ratio, at most 1; 0 if it underflows.
 
     Raises
     ------
     InputError
-        If the restitution is out of its range.
+        If the restitution is out of range.
 
     Examples
     --------
-    Twenty spheres, each 5 per cent smaller than the one before:
+    Twenty spheres, each 5% smaller than the previous one:
 
     >>> import hertzchain as hc
     >>> ratio = hard_sphere_energy_ratio(hc.Chain.from_radii(0.95 ** np.arange(20)))
@@ -105,23 +107,23 @@ def hard_sphere_energy_ratio(chain: Chain, *, restitution: float = 1.0) -> float
     0.893718
     """
     covered = ("SI units", "masses", "stiffness", "gaps")
-    require(chain, "the hard-sphere theory", covers=covered)
+    require_supported(chain, "the hard-sphere theory", supported=covered)
     m, e = chain.masses, number("restitution", restitution, above=0.0, most=1.0)
     mass_ratio = m[1:] / m[:-1]
     return float(np.prod((1.0 + e) ** 2 * mass_ratio / (1.0 + mass_ratio) ** 2))
 
 
 def exponential_energy_ratio(q: float, beads: int, *, restitution: float = 1.0) -> float:
-    r"""`hard_sphere_energy_ratio` of spheres with :math:`R_{k+1} = (1-q) R_k`, in closed form.
+    r"""Closed form of `hard_sphere_energy_ratio` for spheres with :math:`R_{k+1} = (1-q) R_k`.
 
     .. math::
 
         \frac{K_N}{K_1} =
         \left\{\frac{(1+e)^2 (1-q)^3}{[1 + (1-q)^3]^2}\right\}^{N-1}
 
-    This is the convention of the literature on tapered chains.  The paper's forward
-    exponential taper is :math:`R_{k+1} = R_k/(1+q)`; the same chain run from its other
-    end has the same ratio.  With e < 1 the loss is exaggerated, as by `hard_sphere`.
+    This definition of q is that of the literature on tapered chains; the paper's forward
+    exponential taper is :math:`R_{k+1} = R_k/(1+q)`.  The ratio is the same if the chain is
+    struck at its other end.  With e < 1 the loss is overestimated, as by `hard_sphere`.
 
     Parameters
     ----------
@@ -139,7 +141,7 @@ def exponential_energy_ratio(q: float, beads: int, *, restitution: float = 1.0) 
     Raises
     ------
     InputError
-        If one of the three is out of its range.
+        If an argument is out of range.
 
     Examples
     --------
@@ -156,29 +158,29 @@ def exponential_energy_ratio(q: float, beads: int, *, restitution: float = 1.0) 
 
 
 def restitution_from_unloading(loss: float) -> float:
-    r"""Coefficient of restitution of contacts that unload more softly than they load.
+    r"""Coefficient of restitution of contacts with a reduced unloading force.
 
     .. math:: e = \sqrt{1 - w}
 
     If the unloading force is 1 - w times the loading force at the same overlap, the
-    contact returns the fraction 1 - w of the energy it took, whatever its law and the
-    speed.  The literature on tapered chains gives its losses by this w.  It is the coefficient
-    of two beads alone; in a chain a pulse loses less per bead (`bca`).
+    contact returns the fraction 1 - w of the stored energy, for any force law and speed.
+    The literature on tapered chains specifies losses by w.  This coefficient holds for an
+    isolated collision of two beads; in a chain, a pulse loses less per bead (see `bca`).
 
     Parameters
     ----------
     loss : float
-        The fraction w, 0 <= w < 1.
+        Fraction w by which the unloading force is reduced, 0 <= w < 1.
 
     Returns
     -------
     float
-        Coefficient e.
+        Coefficient of restitution e.
 
     Raises
     ------
     InputError
-        If w is out of its range.
+        If w is out of range.
 
     Examples
     --------

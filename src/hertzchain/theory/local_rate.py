@@ -1,42 +1,45 @@
-r"""The local-rate law: the leading pulse of smooth tapers, right to a fraction of a per cent.
+r"""The local-rate law: the leading pulse of smooth tapers, accurate to a fraction of 1%.
 
-An exponential chain, of one rate :math:`s = \ln(R_{k+1}/R_k)`, looks the same from every bead,
-so that after a few beads the velocity changes by one factor :math:`e^{\sigma(s)}` a bead, which
-depends on s alone.  In any other chain the pulse is close to that of the local rate and
-remembers, for a few beads, the rates that it came through; the law adds the response to their
-differences, to second degree, and the start at the strike and at the free end likewise.  The
-functions of the rate it needs are in the tables of `hertzchain.theory.universal`.
+An exponential chain, with constant rate :math:`s = \ln(R_{k+1}/R_k)`, looks the same from every
+bead.  After a few beads, the velocity therefore changes by a factor :math:`e^{\sigma(s)}` per
+bead that depends only on s.  In any other chain the pulse is close to that of the local rate,
+with a memory of the rates at the previous few beads.  The law includes the response to
+differences between these rates up to second order, and treats the impact and the free end in
+the same way.  The functions of the rate are tabulated in
+`hertzchain.theory.universal_functions`.
 """
 
 from __future__ import annotations
 
 import warnings
 from dataclasses import dataclass
-from typing import Final, Literal, get_args
+from typing import Final
 
 import numpy as np
 
-from hertzchain.arguments import one_of
-from hertzchain.chain.chain import Chain
-from hertzchain.chain.coverage import require
-from hertzchain.checks import whole_number
-from hertzchain.contacts import Array
-from hertzchain.errors import InputError, ModelRangeWarning
-from hertzchain.pulse.pulse import Pulse
-from hertzchain.pulse.quantities import PER_CONTACT
-from hertzchain.theory.universal import (
-    FEWEST_BEADS,
+from ..chain.chain import Chain
+from ..collision import Array
+from ..errors import InputError, ModelRangeWarning
+from ..pulse.chain_units import for_any_units, scaled_chain, unit_of
+from ..pulse.pulse import Pulse
+from ..pulse.quantities import QUANTITIES
+from ..validation.numbers import whole_number
+from ..validation.objects import check_choice
+from .universal_functions import (
+    MIN_BEADS,
     UniversalFunctions,
     powers,
     universal_functions,
 )
 
-Quantity = Literal["velocity", "momentum", "energy", "arrival", "residence", "peak_force"]
-DIFFERENTIABLE: Final[tuple[Quantity, ...]] = get_args(Quantity)
-# An estimated error of velocity beyond which a chain is said to be outside the law's range.
+# Quantities that have a gradient.
+DIFFERENTIABLE: Final = ("velocity", "momentum", "energy", "arrival", "residence", "peak_force")
+METHOD, ALTERNATIVE = "the local-rate law", "use simulate"
+# Estimated velocity error above which a chain is outside the law's range.
 DOUBTFUL: Final = 0.02
 
 
+@for_any_units(METHOD, alternative=ALTERNATIVE)
 def local_rate(chain: Chain) -> Pulse:
     r"""Leading pulse of a chain of any taper by the local-rate law.
 
@@ -45,42 +48,45 @@ def local_rate(chain: Chain) -> Pulse:
         v_k = \exp\sum_{j<k} \rho_j, \qquad
         z_k = z^*(s_k) + \sum_i c_i(s_k)\, x_i + \sum_{i\le j} c_{ij}(s_k)\, x_i x_j
 
-    where the state :math:`z_k = (\rho_k, \varphi_k, \tau_k)` is the growth of velocity,
-    :math:`\rho_k = \ln(v_{k+1}/v_k)`, and the peak force and the residence time of contact k
-    in units of the bead's mass, velocity and stiffness; :math:`z^*(s)` is the state on an
-    exponential chain of rate s, and x holds the deviation of the state before from its
-    :math:`z^*` and the differences of the rates :math:`s_{k-2} \dots s_{k+2}`
-    (not in the paper; derived in the explanation "A law for any taper").
+    The state of contact k is :math:`z_k = (\rho_k, \varphi_k, \tau_k)`, where
+    :math:`\rho_k = \ln(v_{k+1}/v_k)` is the growth of the velocity.  The other two components are
+    the logarithms of the peak force and the residence time, made dimensionless with the bead's
+    mass and velocity and the contact stiffness.  On an exponential chain of rate s the state is
+    :math:`z^*(s)`.  The inputs x are
+    the deviation of the previous state from its :math:`z^*` and the differences between the
+    rates :math:`s_{k-2} \dots s_{k+2}`.  The law is not in the paper; it is derived in the
+    explanation "The local-rate law".
 
     Parameters
     ----------
     chain : Chain
-        A chain of at least nine beads, of which neighbours may differ in radius by factors
-        from 0.85 to 3.  The factor must change slowly: where radii alternate or scatter from
-        bead to bead, however little, the law is wrong and its estimate too small (see Notes).
+        A chain of at least nine beads.  The ratio of neighbouring radii may be from 0.85 to 3
+        and must change slowly: if radii alternate or scatter from bead to bead, even a little,
+        the law is wrong and the estimated error too small (see Notes).
 
     Returns
     -------
     Pulse
-        Velocity with its estimated relative error, arrival, residence, peak overlaps
-        (momentum, energy and force follow).
+        Velocity with its estimated relative error, arrival time, residence time and peak
+        overlap; momentum, energy and force are derived from them.
 
     Raises
     ------
     InputError
-        For a chain of fewer beads, or an exponent that there are no tables for.
+        If there are fewer beads, or no tables for the exponent.
 
     Warns
     -----
     ModelRangeWarning
-        If a rate lies outside the tables, or the estimated error of a velocity exceeds 2 %.
+        If a rate is outside the tables, or the estimated velocity error exceeds 2%.
 
     Notes
     -----
-    The estimated error is a measure of smoothness, found on ramps, and no bound.  A hundred
-    spheres of radii 1 and 0.99 in turn are off by 7.7 %, with an estimate of 0.7 % and no
-    warning; with a scatter of 0.3 % a velocity is off by some 0.5 %, which the estimate covers at
-    a fifth to a third of the beads.  The last three beads are off by more than the others.  There,
+    The estimated error measures the smoothness of the taper and was calibrated on ramps; it is
+    not an upper bound.  For a hundred spheres of alternating radii 1 and 0.99, the error is 7.7%,
+    but the estimate is 0.7% and there is no warning.  If radii scatter by 0.3%, the velocity
+    error is about 0.5%, and the estimate is large enough at only a fifth to a third of the
+    beads.  The error of the last three beads is larger than that of the others.  In these cases
     use `propagate`.
 
     Examples
@@ -91,16 +97,16 @@ def local_rate(chain: Chain) -> Pulse:
     >>> comparison.worst("velocity") < 1e-3
     True
     """
-    from hertzchain.kernels import local_rate as kernel
+    from ..kernels import local_rate as kernel
 
-    functions, of = _checked_functions(chain), powers(chain.exponent)
+    functions, of = _checked_functions(chain), powers(chain.exponents)
     by_bead, by_contact = np.empty((3, chain.beads)), np.empty((2, chain.beads - 1))
     wanted = of["residence"], of["peak_overlap"]
     error = kernel.pulse(
         chain.radii, *functions.tables, functions.error, *wanted, by_bead, by_contact
     )
     if not error <= DOUBTFUL:
-        _warn_outside(chain, functions, chain.beads)
+        _warn_outside(chain, functions, chain.beads, stacklevel=4)
     velocity, velocity_error, arrival = by_bead
     residence, peak_overlap = by_contact
     return Pulse(
@@ -115,17 +121,17 @@ def local_rate(chain: Chain) -> Pulse:
 
 
 def local_rate_gradient(
-    chain: Chain, quantity: Quantity = "velocity", *, bead: int
+    chain: Chain, quantity: str = "velocity", *, bead: int
 ) -> tuple[float, Array]:
-    r"""Value of the local-rate law at one bead, and its derivatives to the radii of all beads.
+    r"""Value of the local-rate law at one bead, and its derivatives with respect to all radii.
 
     .. math:: Q_k, \qquad \frac{\partial \ln Q_k}{\partial \ln R_j}, \quad j = 1..N
 
-    The derivatives are exact for the law, by its adjoint, and all together cost little more
-    than the value.  They are derivatives of the law, not of the chain: in the middle those of a
-    velocity differ from an integration's by some 3 %, those of the last bead's by half.  Only the
-    chain up to the bead, and two beads ahead, has a part in them.  The
-    units stay when :math:`R_1` is varied: the strike has velocity 1 and masses are
+    The derivatives of the law are exact.  They are computed by the adjoint method and take
+    little more time than the value.  They differ from the derivatives of the simulated pulse:
+    by about 3% for the velocity of a bead in the middle of the chain, and by a half for that of
+    the last bead.  They depend only on the chain up to two beads ahead of the bead.  The units
+    are kept fixed when :math:`R_1` is varied: the impact velocity is 1 and masses are
     :math:`R^3`.
 
     Parameters
@@ -133,30 +139,32 @@ def local_rate_gradient(
     chain : Chain
         As for `local_rate`.
     quantity : str
-        ``"velocity"``, ``"momentum"``, ``"energy"`` or ``"arrival"`` of a bead,
-        ``"residence"`` on it or ``"peak_force"`` on the next one.
+        ``"velocity"``, ``"momentum"``, ``"energy"``, ``"arrival"`` or ``"residence"`` of the
+        bead, or ``"peak_force"`` on the next bead.
     bead : int
-        Bead k, from 1; for residence and force up to N - 1, for the arrival from 2.
+        Bead k, from 1 to N; up to N - 1 for residence time and force, from 2 for the arrival.
 
     Returns
     -------
     value : float
-        :math:`Q_k` [scaled], the same as that of `local_rate`.
+        :math:`Q_k` [scaled, or SI], equal to that of `local_rate`.
     gradient : ndarray, shape (N,)
+        Logarithmic derivatives with respect to the radii.
 
     Raises
     ------
     InputError
-        As `local_rate`, and for an unknown quantity or a bead outside its range.
+        In the cases listed for `local_rate`, or if the quantity is unknown or the bead is out
+        of range.
 
     Warns
     -----
     ModelRangeWarning
-        As `local_rate`, for the chain up to the bead.
+        In the cases listed for `local_rate`, for the chain up to the bead.
 
     Examples
     --------
-    With all beads larger by a factor, the last one's momentum grows as the masses.
+    If all radii are multiplied by a factor, the momentum of the last bead grows like the masses:
 
     >>> import hertzchain as hc
     >>> chain = hc.Chain.tapered("forward-linear", 0.01, beads=50)
@@ -164,36 +172,38 @@ def local_rate_gradient(
     >>> round(float(gradient.sum()), 9)
     3.0
     """
-    from hertzchain.kernels import local_rate as kernel
+    from ..kernels import local_rate as kernel
 
-    one_of("quantity", quantity, DIFFERENTIABLE)
-    functions = _checked_functions(chain)
+    check_choice("quantity", quantity, DIFFERENTIABLE)
+    scaled = scaled_chain(chain, METHOD, alternative=ALTERNATIVE)
+    functions = _checked_functions(scaled)
     first = 2 if quantity == "arrival" else 1
-    last = chain.beads - 1 if quantity in PER_CONTACT else chain.beads
+    last = QUANTITIES[quantity].count(chain.beads)
     bead = whole_number("bead", bead, least=first, most=last)
     found = np.empty(chain.beads)
     of = "residence" if quantity == "arrival" else quantity
-    # The arrival is the sum of all residence times before.
+    # The arrival time is the sum of all previous residence times.
     begin, end = (0, bead - 1) if quantity == "arrival" else (bead - 1, bead)
-    followed = end if of in PER_CONTACT else bead - 1
+    followed = end if QUANTITIES[of].per == "contact" else bead - 1
     value, error = kernel.gradient(
-        chain.radii,
+        scaled.radii,
         *functions.tables,
         functions.error,
-        powers(chain.exponent)[of],
+        powers(chain.exponents)[of],
         begin,
         end,
         followed,
         found,
     )
     if not error <= DOUBTFUL:
-        _warn_outside(chain, functions, followed + 1)
-    return 0.5 * value if quantity == "energy" else value, found
+        _warn_outside(scaled, functions, followed + 1, stacklevel=3)
+    value *= (0.5 if quantity == "energy" else 1.0) * unit_of(chain, quantity)
+    return value, found
 
 
 @dataclass(frozen=True, eq=False)
 class Solution:
-    r"""The states of all contacts by the law and what they came from.
+    r"""Rates and states of all contacts, and the terms of the error estimate.
 
     Attributes
     ----------
@@ -202,12 +212,13 @@ class Solution:
     states : ndarray, shape (N - 1, 3)
         States :math:`z_k`.
     error_parts : ndarray, shape (N - 1, 4)
-        What the estimated error is made of: one; :math:`(\sum_j |x_j|^2)^{1/2}` over the
-        contacts after the strike, and over all others; and, of the others,
-        :math:`[\sum_j (|x_j| q_j)^2]^{1/2}` with the size :math:`q_j` of the growth's terms of
-        second degree, in proportion to the third degree, which is left out.
+        Terms of the estimated error: one; :math:`(\sum_j |x_j|^2)^{1/2}` over the contacts
+        near the impact; the same over all others; and, for the others,
+        :math:`[\sum_j (|x_j| q_j)^2]^{1/2}`, where :math:`q_j` is the size of the second-order
+        terms of the growth.  The last term is proportional to the omitted third order.
     lost : int
-        First contact, from 0, whose state ran away and was set back; their number if none.
+        First contact, from 0, whose state diverged and was reset; the number of contacts if
+        there is none.
     """
 
     rates: Array
@@ -222,66 +233,48 @@ class Solution:
 
 
 def solve(chain: Chain, functions: UniversalFunctions) -> Solution:
-    """Follow the law along a chain.
-
-    Parameters
-    ----------
-    chain : Chain
-        The chain, of at least nine beads.
-    functions : UniversalFunctions
-        Those of its exponent.
-
-    Returns
-    -------
-    Solution
-
-    Examples
-    --------
-    >>> import hertzchain as hc
-    >>> solution = solve(hc.Chain.uniform(40), universal_functions(1.5))
-    >>> float(np.exp(solution.log_velocity[30]).round(3))
-    0.682
-    """
-    from hertzchain.kernels import local_rate as kernel
+    """Evaluate the law along a chain."""
+    from ..kernels import local_rate as kernel
 
     _, rates = kernel.logarithms(chain.radii)
     contacts = len(rates)
     states, parts = np.empty((contacts, 3)), np.empty((contacts, 4))
-    # What only the gradient needs.
+    # These are needed only for the gradient.
     slopes, to_inputs = np.empty((contacts, 3, 2)), np.empty((contacts, 3, kernel.FORM))
     lost = kernel.forward(rates, contacts, *functions.tables, states, slopes, to_inputs, parts)
     return Solution(rates, states, parts, lost)
 
 
 def _checked_functions(chain: Chain) -> UniversalFunctions:
-    require(chain, "the local-rate law", instead="use simulate")
-    if chain.beads < FEWEST_BEADS:
+    if chain.beads < MIN_BEADS:
         raise InputError(
-            f"the local-rate law needs at least {FEWEST_BEADS} beads, got {chain.beads}: "
-            "strike and free end must not meet; use propagate"
+            f"the local-rate law requires at least {MIN_BEADS} beads, got {chain.beads}; use "
+            "propagate"
         )
-    return universal_functions(chain.exponent)
+    return universal_functions(chain.exponents)
 
 
-def _warn_outside(chain: Chain, functions: UniversalFunctions, bead: int) -> None:
-    """Say what is wrong with the chain up to a bead."""
+def _warn_outside(
+    chain: Chain, functions: UniversalFunctions, bead: int, *, stacklevel: int
+) -> None:
+    """Issue a warning that states why the chain up to a bead is outside the law's range."""
     solution, (low, high) = solve(chain, functions), functions.range
     rates = solution.rates[: bead - 1]
     outside = ~((rates >= low) & (rates <= high))
     if outside.any():
         k = int(np.argmax(outside))
-        reason = f"rate ln(R_{k + 2}/R_{k + 1}) = {rates[k]:.3g} is outside {low:g} to {high:g}"
+        reason = f"the rate ln(R_{k + 2}/R_{k + 1}) = {rates[k]:.3g} is outside {low:g} to {high:g}"
     else:
         error = solution.error_parts @ functions.error
         error[solution.lost :] += 1.0
         k = int(np.argmax(~(error <= DOUBTFUL)))
         place = "the end" if bead == chain.beads else f"bead {bead}"
         reason = (
-            f"the radii change too unevenly: from bead {k + 2} on its velocities may be off by "
-            f"more than {DOUBTFUL:.0%}, at {place} by {error[bead - 2]:.1%}"
+            "the radii change too abruptly. The estimated velocity error exceeds "
+            f"{DOUBTFUL:.0%} from bead {k + 2} on and is {error[bead - 2]:.1%} at {place}"
         )
     warnings.warn(
-        f"outside the range of the local-rate law, {chain.description}: {reason}; use propagate",
+        f"local_rate is unreliable for this chain ({chain.description}): {reason}; use propagate",
         ModelRangeWarning,
-        stacklevel=3,
+        stacklevel=stacklevel,
     )

@@ -1,8 +1,8 @@
-r"""Approximations of the solitary wave, to be held against the exact one.
+r"""Approximations of the solitary wave, for comparison with the exact one.
 
-The long-wave (continuum) theory of Nesterenko expands the equation of motion in the
-ratio of bead to wave; the form of Sen and Manciu is a fit of the displacement.  How far
-each is off stands in the docs, "Closed forms".
+The long-wave (continuum) theory of Nesterenko expands the equation of motion in the ratio
+of bead diameter to wavelength; the form of Sen and Manciu is a fit of the displacement.
+The explanation "Closed forms" lists the errors of both.
 """
 
 from __future__ import annotations
@@ -12,14 +12,14 @@ import math
 import numpy as np
 from numpy.typing import ArrayLike
 
-from hertzchain.arguments import instance
-from hertzchain.checks import number, real_numbers
-from hertzchain.contacts import HERTZ_EXPONENT, Array
-from hertzchain.errors import InputError
-from hertzchain.theory.solitary_wave import SolitaryWave
+from ..collision import HERTZ_EXPONENT, Array
+from ..errors import InputError
+from ..validation.numbers import number, real_numbers
+from ..validation.objects import check_type
+from .solitary_wave import SolitaryWave
 
-# Sen and Manciu for p = 3/2, as commonly quoted. They agree with the Taylor coefficients of
-# the exact wave to 5e-5, 6e-4 and 2 per cent.
+# Coefficients of Sen and Manciu for p = 3/2, as commonly quoted.  They agree with the Taylor
+# coefficients of the exact wave to 5e-5, 6e-4 and 2%.
 QUOTED_COEFFICIENTS = (2.39536, 0.268529, 0.0061347)
 
 
@@ -28,9 +28,9 @@ def long_wave_speed_constant(exponent: float = HERTZ_EXPONENT) -> float:
 
     .. math:: C = \left(\frac{2}{p+1}\right)^{1/(p+1)}
 
-    with C as in `SolitaryWave`: V. F. Nesterenko, J. Appl. Mech. Tech. Phys. 24, 733
-    (1983), doi:10.1007/BF00905892.  Against the exact constant it is 0.8 per cent high for
-    p = 3/2 and right for p -> 1.
+    The constant C is defined in `SolitaryWave`: V. F. Nesterenko, J. Appl. Mech. Tech. Phys.
+    24, 733 (1983), doi:10.1007/BF00905892.  This value is 0.8% above the exact constant for
+    p = 3/2 and becomes exact as p -> 1.
 
     Parameters
     ----------
@@ -56,15 +56,16 @@ def long_wave_speed_constant(exponent: float = HERTZ_EXPONENT) -> float:
 
 
 def long_wave_velocity(distance: ArrayLike, exponent: float = HERTZ_EXPONENT) -> Array:
-    r"""Velocity profile of the solitary wave in the long-wave theory, one at the crest.
+    r"""Velocity profile of the solitary wave in the long-wave theory, normalised to its peak.
 
     .. math::
 
         w = \cos^{2/(p-1)} (\kappa\xi), \qquad
         \kappa = \frac{p-1}{p+1} \sqrt{\frac{6(p+1)}{p}}, \qquad |\xi| \le \frac{\pi}{2\kappa}
 
-    and zero outside; :math:`\cos^4 (\sqrt{2/5}\,\xi)`, 4.97 beads long, for Hertz contacts
-    (Nesterenko, as `long_wave_speed_constant`).
+    and zero outside this interval.  For Hertz contacts the profile is
+    :math:`\cos^4 (\sqrt{2/5}\,\xi)`, 4.97 beads long.  For the source, see
+    `long_wave_speed_constant`.
 
     Parameters
     ----------
@@ -76,7 +77,7 @@ def long_wave_velocity(distance: ArrayLike, exponent: float = HERTZ_EXPONENT) ->
     Returns
     -------
     ndarray
-        Of the shape of ``distance``.
+        Velocities, in the shape of ``distance``.
 
     Raises
     ------
@@ -91,14 +92,14 @@ def long_wave_velocity(distance: ArrayLike, exponent: float = HERTZ_EXPONENT) ->
     p = _checked_exponent(exponent)
     kappa = (p - 1.0) / (p + 1.0) * math.sqrt(6.0 * (p + 1.0) / p)
     angle = np.minimum(kappa * np.abs(real_numbers("distance", distance)), 0.5 * np.pi)
-    # cos(pi/2) is 6e-17 in floating point; the compacton ends at 0.
+    # In floating point, cos(pi/2) is 6e-17 instead of 0.
     return np.where(angle < 0.5 * np.pi, np.cos(angle), 0.0) ** (2.0 / (p - 1.0))
 
 
 def sen_manciu_coefficients(wave: SolitaryWave) -> tuple[float, float, float]:
-    r"""Coefficients of the Sen-Manciu form that touch the exact wave at its crest.
+    r"""Coefficients of the Sen-Manciu form that match the exact wave at its crest.
 
-    The displacement of a bead, from A behind the wave to 0 ahead of it, is written as
+    The displacement of a bead, which is A behind the wave and 0 ahead of it, is written as
 
     .. math::
 
@@ -121,14 +122,14 @@ def sen_manciu_coefficients(wave: SolitaryWave) -> tuple[float, float, float]:
 
     Examples
     --------
-    Commonly quoted for p = 3/2 are 2.39536, 0.268529 and 0.0061347:
+    The values commonly quoted for p = 3/2 are 2.39536, 0.268529 and 0.0061347:
 
     >>> from hertzchain.theory.solitary_wave import solitary_wave
     >>> [round(c, 4) for c in sen_manciu_coefficients(solitary_wave())]
     [2.3953, 0.2684, 0.0062]
     """
-    instance("wave", wave, SolitaryWave, "hc.solitary_wave() is one")
-    # 1 - 2u/A = a1 xi + a3 xi^3 + a5 xi^5 + ...: integral of the velocity profile.
+    check_type("wave", wave, SolitaryWave, "use hc.solitary_wave()")
+    # 1 - 2u/A = a1 xi + a3 xi^3 + a5 xi^5 + ... is the integral of the velocity profile.
     w0, w2, w4 = (wave.velocity.crest_derivative(order) for order in (0, 2, 4))
     scale = 2.0 / wave.momentum_constant
     a1, a3, a5 = scale * w0, scale * w2 / 6.0, scale * w4 / 120.0
@@ -138,7 +139,7 @@ def sen_manciu_coefficients(wave: SolitaryWave) -> tuple[float, float, float]:
 def sen_manciu_velocity(
     distance: ArrayLike, coefficients: tuple[float, float, float] = QUOTED_COEFFICIENTS
 ) -> Array:
-    r"""Velocity profile of the Sen-Manciu form, one at the crest.
+    r"""Velocity profile of the Sen-Manciu form, normalised to its peak.
 
     .. math:: w = \frac{f'(\xi)}{C_1}\, \operatorname{sech}^2 \frac{f(\xi)}{2}
 
@@ -147,16 +148,16 @@ def sen_manciu_velocity(
     distance : array_like
         Distance :math:`\xi` from the crest [beads].
     coefficients : tuple of float
-        C_1, C_3 and C_5; those commonly quoted for p = 3/2 by default.
+        C_1, C_3 and C_5.  The default is those commonly quoted for p = 3/2.
 
     Returns
     -------
     ndarray
-        Of the shape of ``distance``.
+        Velocities, in the shape of ``distance``.
 
     Examples
     --------
-    The exact wave has 0.32625 there:
+    The exact wave has the velocity 0.32625 at this distance:
 
     >>> round(float(sen_manciu_velocity(1.0)), 5)
     0.32687
@@ -165,28 +166,28 @@ def sen_manciu_velocity(
     xi = real_numbers("distance", distance)
     f = c1 * xi + c3 * xi**3 + c5 * xi**5
     slope = 1.0 + (3.0 * c3 * xi**2 + 5.0 * c5 * xi**4) / c1
-    # 4 e^-f / (1 + e^-f)^2 is sech^2(f/2) and cannot overflow.
+    # 4 e^-f / (1 + e^-f)^2 equals sech^2(f/2) and cannot overflow.
     decay = np.exp(-np.abs(f))
     return np.asarray(slope * 4.0 * decay / (1.0 + decay) ** 2)
 
 
 def precompressed_speed(force_ratio: ArrayLike, exponent: float = HERTZ_EXPONENT) -> Array:
-    r"""Speed of a solitary wave on a precompressed chain over that of sound, long-wave theory.
+    r"""Speed of a solitary wave on a precompressed chain over the sound speed.
 
-    With the ratio :math:`x = f^{1/p}` of overlaps, f that of the largest force (static one
-    included) to the static force :math:`F_0`,
+    Let f be the ratio of the largest force, including the static one, to the static force
+    :math:`F_0`, and :math:`x = f^{1/p}` the ratio of the overlaps.  In the long-wave theory
 
     .. math::
 
         \left(\frac V{c_0}\right)^2 = \frac{2}{p(p+1)}\,
         \frac{x^{p+1} - 1 - (p+1)(x-1)}{(x-1)^2}, \qquad
-        c_0 = \sqrt{\frac{p\,k^{1/p} F_0^{1-1/p}}{m}} ,
+        c_0 = \sqrt{\frac{p\,k^{1/p} F_0^{1-1/p}}{m}} .
 
-    for Hertz contacts
+    For Hertz contacts
     :math:`V/c_0 = \sqrt{\frac4{15}(3 + 2f^{5/3} - 5f^{2/3})}/(f^{2/3} - 1)`
     (C. Coste, E. Falcon and S. Fauve, Phys. Rev. E 56, 6104, 1997,
-    doi:10.1103/PhysRevE.56.6104).  For p = 3/2 it is below the exact speed by 0.04 per cent
-    at f = 2, 0.4 at 10, and never by more than 1.3.
+    doi:10.1103/PhysRevE.56.6104).  For p = 3/2 it is below the exact speed by 0.04% at f = 2,
+    by 0.4% at f = 10, and by at most 1.3%.
 
     Parameters
     ----------
@@ -198,16 +199,16 @@ def precompressed_speed(force_ratio: ArrayLike, exponent: float = HERTZ_EXPONENT
     Returns
     -------
     ndarray
-        :math:`V/c_0`, 1 at f = 1, of the shape of ``force_ratio``.
+        :math:`V/c_0`, in the shape of ``force_ratio``; it is 1 at f = 1.
 
     Raises
     ------
     InputError
-        If a ratio is below 1 or not finite, or the exponent not above 1 and finite.
+        If a ratio is below 1 or not finite, or the exponent is not above 1 and finite.
 
     Examples
     --------
-    The exact wave at twice the static force runs 1.0453 times as fast as sound:
+    At f = 2, the exact wave has 1.0453 times the sound speed:
 
     >>> precompressed_speed([1.0, 2.0]).round(4)
     array([1.    , 1.0449])
@@ -216,10 +217,11 @@ def precompressed_speed(force_ratio: ArrayLike, exponent: float = HERTZ_EXPONENT
     if not np.all((f >= 1.0) & (f < math.inf)):
         bad = float(f.flat[np.argmin((f >= 1.0) & (f < math.inf))])
         raise InputError(
-            f"force_ratio is that of the largest to the static force: at least 1, got {bad:g}"
+            "force_ratio, the largest force divided by the static force, must be finite and at "
+            f"least 1, got {bad:g}"
         )
     excess = np.expm1(np.log(f) / p)
-    # Near f = 1 the closed form is 0/0; its binomial series is exact there.
+    # Near f = 1 the closed form approaches 0/0; the binomial series converges fast there.
     near = excess < 0.05
     far = np.where(near, 1.0, excess)
     closed = ((1.0 + far) ** (p + 1.0) - 1.0 - (p + 1.0) * far) / far**2

@@ -1,16 +1,15 @@
 r"""The modified BCA: the paper's corrections of the velocity, Sec. 5.
 
-Linear tapers: the velocity of the BCA times one constant ratio.  Exponential
-tapers: divided by :math:`c(q) + d(q) k` with power laws in q.  Two sets of
-constants come with the package:
+For linear tapers, the velocity of the BCA is multiplied by a constant.  For exponential
+tapers, it is divided by :math:`c(q) + d(q) k`, where c and d are power laws in q.  Two
+sets of constants are available:
 
 ``"printed"``
-    The four formulas exactly as the paper's summary prints them, Eqs. (41) to
-    (44).  All four are misprinted (`hertzchain.paper.errata`); they are here to be
-    compared with, not to be used.
+    The four formulas exactly as printed in the paper's summary, Eqs. (41) to (44).  All
+    four contain misprints (`hertzchain.paper.errata`); use them for comparison only.
 ``"calibrated"``
     The corrections applied to the exact product of the BCA, with constants that
-    `hertzchain.calibration.calibrate` finds from the integration.
+    `hertzchain.calibration.calibrate` fits to the simulation.
 """
 
 from __future__ import annotations
@@ -24,14 +23,15 @@ from typing import ClassVar, Literal
 
 import numpy as np
 
-from hertzchain.arguments import one_of
-from hertzchain.chain.chain import TAPERS, Chain, Taper, rate_symbol
-from hertzchain.chain.coverage import check_chain, require
-from hertzchain.checks import number, real_numbers
-from hertzchain.contacts import Array
-from hertzchain.errors import InputError, ModelRangeWarning
-from hertzchain.pulse.pulse import Pulse
-from hertzchain.theory.bca import bca
+from ..chain.chain import Chain
+from ..chain.tapers import PAPER_TAPERS, rate_symbol
+from ..collision import Array
+from ..errors import InputError, ModelRangeWarning
+from ..pulse.chain_units import for_any_units
+from ..pulse.pulse import Pulse
+from ..validation.numbers import number, real_numbers
+from ..validation.objects import check_choice
+from .bca import bca
 
 
 @dataclass(frozen=True)
@@ -41,7 +41,7 @@ class RatioCorrection:
     Attributes
     ----------
     ratio : float
-        Velocity of the integration over that of the BCA.
+        Velocity of the simulation over that of the BCA.
 
     Examples
     --------
@@ -53,7 +53,27 @@ class RatioCorrection:
     formula: ClassVar = "v = ratio * v_BCA"
 
     def velocity(self, unmodified: Array, rate: float | None, k: Array) -> Array:  # noqa: ARG002
-        """Corrected velocity of beads k; the rate plays no part."""
+        """Corrected velocity of beads k.
+
+        Parameters
+        ----------
+        unmodified : ndarray, shape (M,)
+            Velocities of the unmodified BCA [scaled].
+        rate : float or None
+            Rate of the taper; not used.
+        k : ndarray of int, shape (M,)
+            Bead numbers, counted from 1.
+
+        Returns
+        -------
+        ndarray, shape (M,)
+            Corrected velocities [scaled].
+
+        Examples
+        --------
+        >>> RatioCorrection(2 / 3).velocity(np.array([3.0]), None, np.array([1])).round(3)
+        array([2.])
+        """
         return self.ratio * unmodified
 
 
@@ -61,8 +81,8 @@ class RatioCorrection:
 class PowerLawCorrection:
     r"""Correction of an exponential taper: :math:`v_k = v_k^u / (c_0 q^x + d_0 q^y k)`.
 
-    Eqs. (35) and (39) of the paper; its text defines the inverse ratio, Eq. (34),
-    but its formulas divide.
+    Eqs. (35) and (39) of the paper.  The text defines the inverse ratio, Eq. (34), but the
+    formulas divide.
 
     Attributes
     ----------
@@ -85,29 +105,56 @@ class PowerLawCorrection:
     formula: ClassVar = "v = v_BCA / (c0 q^x + d0 q^y k)"
 
     def velocity(self, unmodified: Array, rate: float | None, k: Array) -> Array:
-        """Corrected velocity of beads k of a taper with the given q."""
+        """Corrected velocity of beads k.
+
+        Parameters
+        ----------
+        unmodified : ndarray, shape (M,)
+            Velocities of the unmodified BCA [scaled].
+        rate : float or None
+            Rate q of the taper.
+        k : ndarray of int, shape (M,)
+            Bead numbers, counted from 1.
+
+        Returns
+        -------
+        ndarray, shape (M,)
+            Corrected velocities [scaled].
+
+        Raises
+        ------
+        InputError
+            If ``rate`` is None.
+
+        Examples
+        --------
+        >>> correction = PowerLawCorrection(c0=1.0, x=0.0, d0=0.5, y=0.0)
+        >>> correction.velocity(np.array([3.0]), 0.05, np.array([1])).round(3)
+        array([2.])
+        """
         if rate is None:
-            raise InputError("this correction needs the rate q of an exponential taper")
+            raise InputError("this correction requires the rate q of an exponential taper")
         return np.asarray(unmodified / (self.c0 * rate**self.x + self.d0 * rate**self.y * k))
 
 
 Correction = RatioCorrection | PowerLawCorrection
 
-# Eqs. (38) and (40): the constants of the two exponential formulas as printed.
-PRINTED_EXPONENTIAL: dict[Taper, PowerLawCorrection] = {
+# Constants of the two exponential formulas as printed, Eqs. (38) and (40).
+PRINTED_EXPONENTIAL: dict[str, PowerLawCorrection] = {
     "backward-exponential": PowerLawCorrection(c0=1.64, x=0.0259, d0=0.211, y=1.83),
     "forward-exponential": PowerLawCorrection(c0=1.32, x=0.0252, d0=11.1, y=2.57),
 }
-# Rates of the paper's figures, for which both sets of constants were found.
-FITTED_RATES: dict[Taper, tuple[float, float]] = {
+# Rates of the paper's figures, to which both sets of constants were fitted.
+FITTED_RATES: dict[str, tuple[float, float]] = {
     "backward-linear": (0.1, 0.9),
     "backward-exponential": (0.01, 0.08),
     "forward-linear": (0.001, 0.009),
     "forward-exponential": (0.01, 0.06),
 }
-PRINTED_RATIO: dict[Taper, float] = {"backward-linear": 2.0 / 3.0, "forward-linear": 0.680}
+PRINTED_RATIO: dict[str, float] = {"backward-linear": 2.0 / 3.0, "forward-linear": 0.680}
 
 
+@for_any_units("modified_bca", alternative="use simulate")
 def modified_bca(
     chain: Chain,
     coefficients: Literal["calibrated", "printed"] | Correction = "calibrated",
@@ -123,31 +170,34 @@ def modified_bca(
     forward-exponential   :math:`v_k^u/(1.32 q^{0.0252} + 11.1 q^{2.57} k)`
     ====================  ================================================
 
-    With ``"calibrated"`` constants, linear tapers have :math:`v_k = \rho\,v_k^u` with
-    the exact product :math:`v_k^u` of the BCA, and exponential ones the same form as
-    printed.  The correction is one of velocity alone: no times, no forces.  The
-    constants hold for k = 5..80, q = 0.01..0.08 (backward) or 0.01..0.06 (forward),
-    S = 0.1..0.9 (backward) or 0.001..0.009 (forward); see
-    `hertzchain.calibration.calibrate`.  Rates outside bring a `ModelRangeWarning`,
-    unless the correction is your own.
+    With ``"calibrated"`` constants, the velocity is :math:`v_k = \rho\,v_k^u` for linear tapers,
+    where :math:`v_k^u` is the exact product of the BCA, and has the printed form for exponential
+    tapers.  Only velocities are corrected; times and forces are not available.  The constants
+    were fitted for k = 5..80, q = 0.01..0.08 (backward) or 0.01..0.06 (forward), and S =
+    0.1..0.9 (backward) or 0.001..0.009 (forward); see `hertzchain.calibration.calibrate`.
 
     Parameters
     ----------
     chain : Chain
-        A chain made by `Chain.tapered`.
+        A chain built with `Chain.tapered`.
     coefficients : str or RatioCorrection or PowerLawCorrection
-        ``"calibrated"``, ``"printed"``, or a correction of your own.
+        ``"calibrated"``, ``"printed"``, or a custom correction.
 
     Returns
     -------
     Pulse
-        Velocity, momentum and energy; bead 1 keeps its strike velocity.
+        Velocity, momentum and energy; bead 1 keeps its impact velocity.
 
     Raises
     ------
     InputError
-        If the chain is not one of the four tapers, or its force is not Hertz',
-        for which the constants were found.
+        If the chain is not one of the four tapers of the paper, or its contacts are not Hertz
+        contacts.
+
+    Warns
+    -----
+    ModelRangeWarning
+        If the rate is outside the fitted range, unless the correction is a custom one.
 
     Examples
     --------
@@ -157,27 +207,25 @@ def modified_bca(
     >>> float(abs(errors[4:80]).max()) < 0.01
     True
     """
-    check_chain("modified_bca", chain)
-    if chain.taper is None or chain.rate is None:
+    if chain.taper not in FITTED_RATES or chain.rate is None:
         raise InputError(
-            f"modified_bca needs a tapered chain ({', '.join(TAPERS)}), got {chain.description}; "
-            "use bca for any other"
+            f"modified_bca requires a tapered chain ({', '.join(FITTED_RATES)}), got "
+            f"{chain.description}; use bca for other chains"
         )
-    require(chain, "modified_bca", instead="use simulate")
-    if chain.exponent != 1.5:
+    if chain.exponents != 1.5:
         raise InputError(
             f"modified_bca has constants for Hertz contacts (exponent 1.5), got p = "
-            f"{chain.exponent:g}; use bca"
+            f"{chain.exponents:g}; use bca"
         )
     if not isinstance(coefficients, Correction):
-        one_of("coefficients", coefficients, ("calibrated", "printed"))
+        check_choice("coefficients", coefficients, ("calibrated", "printed"))
     low, high = FITTED_RATES[chain.taper]
     if isinstance(coefficients, str) and not low <= chain.rate <= high:
         warnings.warn(
-            f"the constants of the modified BCA were found for {chain.taper} tapers with "
-            f"{rate_symbol(chain.taper)} = {low:g}..{high:g}, not {chain.rate:g}",
+            f"the constants of the modified BCA were fitted to {chain.taper} tapers with "
+            f"{rate_symbol(chain.taper)} = {low:g}..{high:g}, but this chain has {chain.rate:g}",
             ModelRangeWarning,
-            stacklevel=2,
+            stacklevel=3,
         )
     k = np.arange(1, chain.beads + 1)
     if coefficients == "printed":
@@ -194,15 +242,16 @@ def modified_bca(
     return Pulse(chain=chain, method=method, velocity=velocity)
 
 
+@for_any_units("the BCA", supported=("masses", "stiffness"), alternative="use simulate")
 def two_thirds_bca(chain: Chain) -> Pulse:
-    r"""Leading pulse with two thirds of the velocity of the BCA, for any chain.
+    r"""Leading pulse of any chain with two thirds of the velocity of the BCA.
 
     .. math:: v_k = \tfrac23 v_k^u, \qquad k \ge 2
 
-    The paper takes 2/3 as its working value of the ratio :math:`v_k/v_k^u` in backward
-    linear tapers (Sec. 5, below Eq. (30)).  It is a good guess for any taper, because equal
-    beads have 0.6816.  Momentum and energy follow; times and forces it has none, as those
-    of the BCA need its unmodified velocity.
+    The paper uses 2/3 as the ratio :math:`v_k/v_k^u` in backward linear tapers (Sec. 5, below
+    Eq. (30)).  It is a good estimate for any taper, because the ratio for equal beads is
+    0.6816.  Times and forces are not available, because those of the BCA depend on its
+    unmodified velocity.
 
     Parameters
     ----------
@@ -212,12 +261,12 @@ def two_thirds_bca(chain: Chain) -> Pulse:
     Returns
     -------
     Pulse
-        Velocity, momentum and energy; bead 1 keeps its strike velocity.
+        Velocity, momentum and energy; bead 1 keeps its impact velocity.
 
     Warns
     -----
     ModelRangeWarning
-        As `bca`.
+        If there are small beads between large ones (see `effective_chain`).
 
     Examples
     --------
@@ -231,15 +280,15 @@ def two_thirds_bca(chain: Chain) -> Pulse:
     return Pulse(chain=chain, method="2/3 BCA", velocity=velocity)
 
 
-def printed_velocity(taper: Taper, rate: float, k: Array) -> Array:
-    """The four formulas of the paper's summary to the letter, misprints included.
+def printed_velocity(taper: str, rate: float, k: Array) -> Array:
+    """Velocity by the four formulas of the paper's summary, including their misprints.
 
     Parameters
     ----------
     taper : str
         Name of the taper.
     rate : float
-        Its S or q.
+        Tapering parameter S or q.
     k : ndarray
         Bead numbers, counted from 1.
 
@@ -253,7 +302,7 @@ def printed_velocity(taper: Taper, rate: float, k: Array) -> Array:
     >>> printed_velocity("backward-linear", 0.5, np.array([4.0])).round(6)
     array([0.083333])
     """
-    one_of("taper", taper, TAPERS)
+    check_choice("taper", taper, PAPER_TAPERS)
     rate, k = number("rate", rate), real_numbers("bead", k)
     if taper == "backward-linear":
         return PRINTED_RATIO[taper] * k**-1.5
@@ -264,12 +313,12 @@ def printed_velocity(taper: Taper, rate: float, k: Array) -> Array:
     return PRINTED_EXPONENTIAL[taper].velocity(unmodified, rate, k)
 
 
-def printed_correction(taper: Taper) -> Correction:
-    """The correction of a taper with the constants that the paper prints.
+def printed_correction(taper: str) -> Correction:
+    """Correction of a taper with the constants printed in the paper.
 
-    Linear tapers have the ratios of its text, 2/3 and 0.680; exponential ones Eqs. (38)
-    and (40).  To be applied to the product of the BCA, which the paper's summary does not
-    do for linear tapers; that is `printed_velocity`.
+    The ratios of linear tapers, 2/3 and 0.680, are in the text; the constants of exponential
+    tapers are in Eqs. (38) and (40).  The correction applies to the product of the BCA.  For
+    linear tapers, the paper's summary does not use this product (see `printed_velocity`).
 
     Parameters
     ----------
@@ -291,20 +340,8 @@ def printed_correction(taper: Taper) -> Correction:
 
 
 @functools.cache
-def calibrated_corrections() -> dict[Taper, Correction]:
-    """The corrections that our own calibration found, by taper.
-
-    Returns
-    -------
-    dict
-        From ``calibrated.toml`` beside this module, which
-        ``hertzchain calibrate`` writes.
-
-    Examples
-    --------
-    >>> round(calibrated_corrections()["forward-linear"].ratio, 2)
-    0.67
-    """
+def calibrated_corrections() -> dict[str, Correction]:
+    """Corrections found by `hertzchain.calibration.calibrate`, by taper."""
     text = resources.files("hertzchain.theory").joinpath("calibrated.toml").read_text("utf-8")
     constants = tomllib.loads(text)["corrections"]
     return {
@@ -313,5 +350,5 @@ def calibrated_corrections() -> dict[Taper, Correction]:
             if taper.endswith("linear")
             else PowerLawCorrection(**constants[taper])
         )
-        for taper in TAPERS
+        for taper in PAPER_TAPERS
     }

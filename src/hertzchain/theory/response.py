@@ -1,4 +1,4 @@
-"""Steady motion of a row of masses, springs and dampers under a drive of one frequency."""
+"""Steady motion of a line of masses, springs and dampers under a harmonic drive."""
 
 from __future__ import annotations
 
@@ -8,27 +8,35 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from hertzchain.chain.drives import Driven
-from hertzchain.contacts import Array
-from hertzchain.frozen import Frozen
-from hertzchain.theory.linear_contacts import LinearContacts
+from ..chain.drives import Driven
+from ..collision import Array
+from ..errors import InputError
+from ..frozen import Frozen
+from .linear_contacts import LinearContacts
 
 Complex = NDArray[np.complexfloating[Any, Any]]
 
+# Squares of larger frequencies cannot be represented.
+MAX_FREQUENCY = 1e100
+
 
 class Response(Frozen):
-    r"""Steady motion of a chain at some frequencies.
+    r"""Steady motion of a chain at given frequencies.
 
-    ``ahead[c]`` is the force by which contact c and all ahead of it resist a unit displacement
-    of bead c, ``behind[c]`` that by which it and all behind it resist one of bead c + 1:
-    springs in series with what they lead to.  Unlike the inverse of
-    :math:`K + i\omega C - \omega^2 M`, this keeps its digits for slow drives.
+    ``ahead[c]`` is the dynamic stiffness of contact c and everything ahead of it, as seen by bead
+    c; ``behind[c]`` is that of contact c and everything behind it, as seen by bead c + 1.  Both
+    are springs in series with the rest of the chain.  Unlike the inverse of
+    :math:`K + i\omega C - \omega^2 M`, they remain accurate at low frequencies.
     """
 
     def __init__(self, contacts: LinearContacts, omega: Array) -> None:
         self.omega = omega
         springs, dampers = contacts.springs[:, None], contacts.dampers[:, None]
         flat = omega.reshape(-1)
+        if np.abs(flat).max(initial=0.0) > MAX_FREQUENCY:
+            raise InputError(
+                f"angular frequencies must be at most {MAX_FREQUENCY:g}, got {np.abs(flat).max():g}"
+            )
         self.links: Complex = springs + 1j * flat * dampers
         self.inertia: Array = -(flat**2) * contacts.masses[:, None]
         self.beads = len(contacts.masses)
@@ -39,30 +47,7 @@ class Response(Frozen):
             self.behind[c] = _in_series(self.links[c], self.inertia[c - 1] + self.behind[c - 1])
 
     def displacement(self, bead: int, drive: Driven, source: int) -> Complex:
-        r"""Complex amplitude of a bead's motion, for a drive of amplitude one.
-
-        Parameters
-        ----------
-        bead : int
-            Bead 1..N; walls are 0 and N + 1.
-        drive : str
-            ``"force"`` or ``"displacement"``.
-        source : int
-            The bead or wall that is driven.
-
-        Returns
-        -------
-        ndarray of complex
-            Of the shape of the frequencies.
-
-        Examples
-        --------
-        A mass of 1 on a spring of 2, driven at :math:`\omega = 1`, moves by 1/(2 - 1):
-
-        >>> one = LinearContacts(np.ones(1), np.array([2.0, 0.0]), np.zeros(2))
-        >>> complex(Response(one, np.array(1.0)).displacement(1, "force", 1))
-        (1+0j)
-        """
+        r"""Complex amplitude of a bead's displacement, for a drive of amplitude one."""
         moved = self._at_source(drive, source)
         for c in range(source, bead):
             moved = moved * _share(self.links[c], self.inertia[c] + self.ahead[c + 1])
@@ -71,26 +56,7 @@ class Response(Frozen):
         return moved.reshape(self.omega.shape)
 
     def force(self, contact: int, drive: Driven, source: int) -> Complex:
-        """Complex amplitude of the force in a contact, positive if it is pressed more.
-
-        Parameters
-        ----------
-        contact : int
-            Contact 0..N.
-        drive, source
-            As for `displacement`.
-
-        Returns
-        -------
-        ndarray of complex
-            Of the shape of the frequencies.
-
-        Examples
-        --------
-        >>> one = LinearContacts(np.ones(1), np.array([2.0, 0.0]), np.zeros(2))
-        >>> complex(Response(one, np.array(1.0)).force(0, "force", 1)).real
-        -2.0
-        """
+        """Complex amplitude of a contact force, positive in compression."""
         if contact >= source:
             moved = self.displacement(contact, drive, source)
             return moved * self.ahead[contact].reshape(self.omega.shape)
@@ -106,14 +72,14 @@ class Response(Frozen):
 
 
 def _in_series(link: Complex, rest: Complex) -> Complex:
-    """Resistance of a contact and what it leads to; 0 at a free end."""
+    """Dynamic stiffness of a contact in series with the rest of the chain; 0 at a free end."""
     if not link.any():
         return link
     return rest * _share(link, rest)
 
 
 def _share(link: Complex, rest: Complex) -> Complex:
-    """What part of its one end's displacement a contact hands on to the other."""
+    """Displacement at the far end of a contact over that at its near end."""
     total = link + rest
-    # At a resonance of the rest, which without loss can be met exactly.
+    # Without loss, the sum can vanish exactly at a resonance.
     return link / np.where(total == 0.0, np.finfo(float).eps * link, total)

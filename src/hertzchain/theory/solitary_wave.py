@@ -1,11 +1,11 @@
-r"""The solitary wave of a uniform chain without precompression, exact to round-off.
+r"""The solitary wave of a uniform chain without precompression, exact to rounding.
 
-A wave :math:`d_k(t) = \varphi(k - ct)` of overlaps solves the equation of motion if
+A wave of overlaps :math:`d_k(t) = \varphi(k - ct)` solves the equation of motion if
 
 .. math:: c^2 \varphi = \Lambda * \varphi^{\,p}, \qquad \Lambda(\xi) = (1 - |\xi|)_+
 
-(stiffness and mass one; J. M. English and R. L. Pego, Proc. Am. Math. Soc. 133, 1763,
-2005).  `hertzchain.theory.fixed_point` solves it.
+for unit stiffness and mass (J. M. English and R. L. Pego, Proc. Am. Math. Soc. 133, 1763,
+2005).  `hertzchain.theory.solitary_wave_solver` solves this equation.
 """
 
 from __future__ import annotations
@@ -18,25 +18,30 @@ from typing import Final
 
 import numpy as np
 
-from hertzchain.checks import number
-from hertzchain.contacts import HERTZ_EXPONENT, Array
-from hertzchain.theory.fixed_point import POINTS_PER_BEAD, box_transform, fixed_point
-from hertzchain.theory.wave_profile import WaveProfile
-from hertzchain.theory.wave_tail import WaveTail
+from ..collision import HERTZ_EXPONENT, Array
+from ..validation.numbers import number
+from .solitary_wave_solver import (
+    POINTS_PER_BEAD,
+    box_transform,
+    solve_solitary_wave,
+)
+from .wave_profile import WaveProfile
+from .wave_tail import WaveTail
 
-# Below, the wave is wide and the iteration slow; above, the grid is too coarse for ten digits.
-SMALLEST_EXPONENT: Final = 1.05
-LARGEST_EXPONENT: Final = 20.0
-# Of velocity, mass and stiffness, and its inverse the smallest: no power of them overflows.
-LARGEST: Final = 1e60
+# Below the minimum the wave is wide and the iteration slow; above the maximum the grid is too
+# coarse for ten digits.
+MIN_EXPONENT: Final = 1.05
+MAX_EXPONENT: Final = 20.0
+# Largest velocity, mass and stiffness, and the inverse of the smallest: no power overflows.
+MAX_SCALE: Final = 1e60
 
 
 @dataclass(frozen=True, eq=False)
 class SolitaryWave:
-    r"""The solitary wave of a uniform chain, made by `solitary_wave`.
+    r"""Solitary wave of a uniform chain, as returned by `solitary_wave`.
 
-    With peak velocity v of a bead, mass m and contact stiffness k, in any consistent
-    units, speed V, momentum P, energy E and peak force F of the wave are
+    Let v be the peak velocity of a bead, m its mass and k the contact stiffness, in any
+    consistent units.  Speed V, momentum P, energy E and peak force F of the wave are
 
     .. math::
 
@@ -49,12 +54,12 @@ class SolitaryWave:
     exponent : float
         Exponent p of the contact force.
     speed_constant, momentum_constant, energy_constant, force_constant : float
-        The constants C (speed in beads per time), P_1, E_1 and F_1.
+        Constants C (speed in beads per unit time), P_1, E_1 and F_1.
     velocity, overlap, force : WaveProfile
-        Velocity of a bead, overlap and force of a contact over their crest values, as
-        functions of the distance from the crest in beads: ``wave.velocity(0.5)``,
-        ``wave.force.width()``.  Within some three beads they are right to 1e-15 of the crest,
-        beyond to 1e-9 of themselves, until they are smaller than the smallest number.
+        Velocity of a bead, overlap and force of a contact, divided by their values at the
+        crest, as functions of the distance from the crest in beads: ``wave.velocity(0.5)``,
+        ``wave.force.width()``.  Within about three beads the error is 1e-15 of the crest
+        value; beyond, the relative error is 1e-9 until the values underflow.
 
     Examples
     --------
@@ -62,8 +67,9 @@ class SolitaryWave:
     >>> wave
     SolitaryWave(p = 1.5, C = 0.9074700784)
 
-    The wave that a strike with velocity one makes in equal beads has the amplitude
-    0.681631548571 and takes 1.18975557698 from bead to bead (both by integration):
+    An impact with velocity one on equal beads creates a wave with a peak velocity of
+    0.681631548571 that takes the time 1.18975557698 from bead to bead (both from the
+    simulation):
 
     >>> round(1 / wave.speed(0.681631548571), 10)
     1.189755577
@@ -84,22 +90,22 @@ class SolitaryWave:
         Parameters
         ----------
         velocity, mass, stiffness : float
-            Peak velocity of a bead, its mass, stiffness of its contacts, in scaled or any
-            other consistent units; all positive.
+            Peak velocity of a bead, its mass, and the stiffness of its contacts, in scaled or
+            any other consistent units; all must be positive.
 
         Returns
         -------
         float
-            Speed [beads per time].
+            Speed [beads per unit time].
 
         Raises
         ------
         InputError
-            If one of them is not positive and finite.
+            If an argument is not positive and finite.
 
         Examples
         --------
-        Steel beads of radius 5 mm struck at 1 m/s, in SI units: 674.659 m/s.
+        In steel beads of radius 5 mm, struck at 1 m/s, the speed is 674.659 m/s:
 
         >>> speed = solitary_wave().speed(0.681631548571, mass=4.073598e-3, stiffness=7.435897e9)
         >>> round(speed * 0.010, 3)
@@ -120,10 +126,12 @@ class SolitaryWave:
         Returns
         -------
         float
+            Momentum.
 
         Examples
         --------
-        More than the striker brought (1), since beads behind the wave fly back:
+        It is larger than the momentum of the impact, 1, because beads behind the wave move
+        backwards:
 
         >>> round(solitary_wave().momentum(0.681631548571), 9)
         1.138305089
@@ -142,10 +150,11 @@ class SolitaryWave:
         Returns
         -------
         float
+            Energy.
 
         Examples
         --------
-        99.366 per cent of the energy of the strike, 1/2:
+        The wave carries 99.366% of the impact energy, 1/2:
 
         >>> round(2 * solitary_wave().energy(0.681631548571), 9)
         0.993661008
@@ -164,6 +173,7 @@ class SolitaryWave:
         Returns
         -------
         float
+            Force.
 
         Examples
         --------
@@ -176,7 +186,7 @@ class SolitaryWave:
 
     @property
     def kinetic_fraction(self) -> float:
-        r"""Kinetic part of the energy, averaged over time: (p + 1)/(p + 3), by the virial."""
+        r"""Mean kinetic fraction of the energy, (p + 1)/(p + 3) by the virial theorem."""
         return (self.exponent + 1.0) / (self.exponent + 3.0)
 
     def __repr__(self) -> str:
@@ -186,20 +196,21 @@ class SolitaryWave:
 def solitary_wave(exponent: float = HERTZ_EXPONENT) -> SolitaryWave:
     r"""Solve for the solitary wave of a uniform chain.
 
-    The fixed point of :math:`c^2 \varphi = \Lambda * \varphi^p` by Fourier transform; with
-    crest overlap, mass and stiffness one, the velocity of a bead is the force on either
-    side, averaged: :math:`w(\xi) = c^{-1} \int_{\xi-1/2}^{\xi+1/2} \varphi^p`.
+    The equation :math:`c^2 \varphi = \Lambda * \varphi^p` is solved by fixed-point iteration
+    with Fourier transforms.  For unit crest overlap, mass and stiffness, the velocity of a
+    bead is :math:`w(\xi) = c^{-1} \int_{\xi-1/2}^{\xi+1/2} \varphi^p`.
 
     Parameters
     ----------
     exponent : float
-        Exponent p of the contact force, 1.05 .. 20.  (Toward 1 the wave becomes ever
-        wider; far above, the beads are hard spheres.)
+        Exponent p of the contact force, from 1.05 to 20.  The wave becomes wider as p
+        approaches 1; for large p, the beads behave like hard spheres.
 
     Returns
     -------
     SolitaryWave
-        Constants good to about 1e-13.  The same object for the same exponent.
+        The wave, whose constants are accurate to about 1e-13.  It is cached, so that the same
+        object is returned for the same exponent.
 
     Raises
     ------
@@ -219,7 +230,7 @@ def solitary_wave(exponent: float = HERTZ_EXPONENT) -> SolitaryWave:
 @functools.lru_cache(maxsize=64)
 def _solved(p: float) -> SolitaryWave:
     half = float(math.ceil(max(6.0, math.sqrt(40.0 / (3.0 * (p - 1.0))))))
-    squared_speed, overlap = fixed_point(p, half)
+    squared_speed, overlap = solve_solitary_wave(p, half)
     force = overlap**p
     spectrum, box = np.fft.rfft(force), box_transform(half, len(force))
     c = math.sqrt(squared_speed)
@@ -243,7 +254,7 @@ def _solved(p: float) -> SolitaryWave:
 
 @dataclass(frozen=True, eq=False)
 class _Scaled:
-    """A function times a factor, which unlike a lambda can be pickled."""
+    """A function multiplied by a factor; unlike a lambda, it can be pickled."""
 
     function: Callable[[Array], Array]
     factor: float
@@ -254,14 +265,14 @@ class _Scaled:
 
 def _checked_exponent(exponent: float) -> float:
     return number(
-        "exponent of a solitary wave", exponent, least=SMALLEST_EXPONENT, most=LARGEST_EXPONENT,
+        "exponent of a solitary wave", exponent, least=MIN_EXPONENT, most=MAX_EXPONENT,
         hint="Hertz contacts have 1.5",
     )  # fmt: skip
 
 
 def _checked_wave(velocity: float, mass: float, stiffness: float) -> tuple[float, float, float]:
     v, m, k = (
-        number(f"{name} of a solitary wave", value, least=1.0 / LARGEST, most=LARGEST)
+        number(f"{name} of a solitary wave", value, least=1.0 / MAX_SCALE, most=MAX_SCALE)
         for name, value in (("velocity", velocity), ("mass", mass), ("stiffness", stiffness))
     )
     return v, m, k

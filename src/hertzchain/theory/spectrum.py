@@ -4,8 +4,8 @@ Displacements x from equilibrium that are much smaller than the static overlaps 
 
 .. math:: M \ddot x + C \dot x + K x = f(t) ,
 
-with the springs and dampers of `hertzchain.theory.linear_contacts`.  Its solutions are sums of
-:math:`\mathrm{Re}\,[X_j e^{\lambda_j t}]` with
+with the springs and dampers of `hertzchain.theory.linear_contacts`.  The solutions are sums of
+:math:`\mathrm{Re}\,[X_j e^{\lambda_j t}]`, where
 :math:`(\lambda_j^2 M + \lambda_j C + K) X_j = 0`.
 """
 
@@ -18,50 +18,52 @@ from typing import Any, Final, Literal, get_args
 import numpy as np
 from numpy.typing import ArrayLike
 
-from hertzchain.arguments import one_of
-from hertzchain.chain.chain import Chain
-from hertzchain.chain.coverage import check_chain
-from hertzchain.chain.drives import DRIVEN, Driven
-from hertzchain.checks import real_numbers, whole_number
-from hertzchain.contacts import Array
-from hertzchain.errors import InputError
-from hertzchain.frozen import Frozen
-from hertzchain.theory.dispersion import spring_modes
-from hertzchain.theory.linear_contacts import LinearContacts, linear_contacts
-from hertzchain.theory.response import Complex, Response
+from ..chain.chain import Chain
+from ..chain.drives import DRIVEN, Driven
+from ..chain.feature_support import require_chain
+from ..collision import Array
+from ..errors import InputError
+from ..frozen import Frozen
+from ..representation import short
+from ..validation.numbers import real_numbers, whole_number
+from ..validation.objects import check_choice
+from .dispersion import spring_modes
+from .linear_contacts import LinearContacts, linear_contacts
+from .response import Complex, Response
 
 WallName = Literal["left wall", "right wall"]
 WALLS: Final[tuple[WallName, ...]] = get_args(WallName)
-# Cells of a periodic chain that differ by less are the same: rounding of radii and forces.
+# Relative difference below which two cells of a periodic chain are equal, except for rounding.
 SAME: Final = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
 class Spectrum(Frozen):
-    r"""Small oscillations of a chain, made by `spectrum`.
+    r"""Small oscillations of a chain, as returned by `spectrum`.
 
-    Frequencies are in cycles per unit of time, as those of drives: Hz for a chain in SI units.
-    There is a mode for each bead, or two where a mode is overdamped; both then have
-    frequency 0 and their own decay rates.
+    Frequencies are in cycles per unit time, like those of drives (Hz for a chain in SI units).
+    There is one mode per bead.  If a mode is overdamped, there are two instead, with frequency
+    0 and different decay rates.
 
     Attributes
     ----------
     chain : Chain
         The chain.
     eigenvalues : ndarray of complex, shape (M,)
-        :math:`\lambda_j = -\delta_j + 2\pi i f_j` with :math:`f_j \ge 0`, in order of
-        frequency, then of decay [1/time, or 1/s].  A chain without walls moves as a whole at no
-        cost: its first eigenvalue is 0.
+        Eigenvalues :math:`\lambda_j = -\delta_j + 2\pi i f_j` with :math:`f_j \ge 0`, sorted by
+        frequency, then by decay rate [1/time, or 1/s].  For a chain without walls, the first is
+        0: it belongs to the translation of the whole chain.
     modes : ndarray, shape (N, M)
-        Displacements of the beads; ``modes[:, j]`` belongs to eigenvalue j, with
-        :math:`\sum_k m_k |x_k|^2 = 1` and the bead of most energy at a positive real number.
-        Real for a chain without loss, otherwise complex: beads need not move in phase.
+        Displacements of the beads; ``modes[:, j]`` belongs to eigenvalue j, normalised so that
+        :math:`\sum_k m_k |x_k|^2 = 1` and the bead with most energy is real and positive.  The
+        modes of a chain without loss are real; otherwise they are complex, because beads need
+        not move in phase.
     contacts : LinearContacts
         Masses, springs and dampers.
 
     Examples
     --------
-    Steel balls of 10 mm diameter, pressed together with 10 N between walls:
+    Steel balls of 10 mm diameter, compressed by 10 N between walls:
 
     >>> import hertzchain as hc
     >>> wall = hc.Wall()
@@ -79,18 +81,18 @@ class Spectrum(Frozen):
 
     @property
     def frequencies(self) -> Array:
-        """Frequencies, rising, shape (M,) [cycles per time, or Hz]."""
+        """Frequencies in ascending order, shape (M,) [cycles per unit time, or Hz]."""
         return self.eigenvalues.imag / (2.0 * math.pi)
 
     @property
     def decay_rates(self) -> Array:
         r"""Rates of the decay :math:`e^{-\delta_j t}`, shape (M,) [1/time, or 1/s]."""
-        # Not -0.0 without loss.
+        # This gives 0.0 instead of -0.0 for a chain without loss.
         return 0.0 - self.eigenvalues.real
 
     @property
     def damping_ratios(self) -> Array:
-        r""":math:`\delta_j/|\lambda_j|`, shape (M,): 0 without loss, 1 if overdamped.
+        r"""Ratios :math:`\delta_j/|\lambda_j|`, shape (M,): 0 without loss, 1 if overdamped.
 
         The quality factor is :math:`1/(2\,\delta_j/|\lambda_j|)`.
         """
@@ -107,38 +109,38 @@ class Spectrum(Frozen):
     ) -> Complex:
         r"""Displacement of a bead under a steady drive.
 
-        With a drive :math:`\mathrm{Re}\,[a\,e^{2\pi i f t}]` the bead moves, after the start has
-        died out, as :math:`\mathrm{Re}\,[H(f)\,a\,e^{2\pi i f t}]`.  Its velocity has
-        :math:`2\pi i f H`.
+        Under a drive :math:`\mathrm{Re}\,[a\,e^{2\pi i f t}]`, the displacement of the bead after
+        the initial transient is :math:`\mathrm{Re}\,[H(f)\,a\,e^{2\pi i f t}]`.  The transfer
+        function of its velocity is :math:`2\pi i f H`.
 
         Parameters
         ----------
         frequencies : array_like
-            Frequencies f >= 0 of the drive [cycles per time, or Hz].
+            Frequencies f >= 0 of the drive [cycles per unit time, or Hz].
         bead : int
-            Bead k that responds, from 1.
+            Number k of the responding bead, from 1.
         drive : str
             ``"force"`` on a bead, positive towards bead N, or ``"displacement"`` of a bead or
             wall.
         at : int or str
-            What is driven: a bead by its number, ``"left wall"`` or ``"right wall"``.
+            Driven bead or wall: a bead number, ``"left wall"`` or ``"right wall"``.
 
         Returns
         -------
         ndarray of complex
-            H, of the shape of ``frequencies`` [scaled, or m/N for a force; no unit for a
-            displacement]; infinite at a resonance without loss.
+            Transfer function H, in the shape of ``frequencies`` [scaled, or m/N for a force; no
+            unit for a displacement]; infinite at a resonance without loss.
 
         Raises
         ------
         InputError
-            If there is no such bead or wall, a wall is driven by a force, a frequency is
-            negative, or 0 with a force on a chain that nothing holds in place.
+            If the bead or wall does not exist, a wall is driven by a force, a frequency is
+            negative, or a constant force acts on a chain that is not held in place.
 
         Examples
         --------
-        Two beads between walls, with springs of 3/2, resonate at :math:`\omega^2 = 3/2` and 9/2.
-        At 3, in between, the driven bead stands still:
+        Two beads between walls, with spring constants of 3/2, resonate at
+        :math:`\omega^2 = 3/2` and 9/2.  At :math:`\omega^2 = 3` the driven bead does not move:
 
         >>> import hertzchain as hc
         >>> wall = hc.Wall(stiffness=1.0)
@@ -160,22 +162,23 @@ class Spectrum(Frozen):
         drive: Driven = "force",
         at: int | WallName = 1,
     ) -> Complex:
-        """Force in a contact under a steady drive, less the static one.
+        """Change of a contact force under a steady drive.
 
         Parameters
         ----------
         frequencies : array_like
-            Frequencies f >= 0 of the drive [cycles per time, or Hz].
+            Frequencies f >= 0 of the drive [cycles per unit time, or Hz].
         contact : int
-            Contact that responds: k joins beads k and k + 1, 0 is the left wall's and N the
-            right wall's.  A sensor in bead k shows the mean of contacts k - 1 and k.
+            Number of the responding contact: contact k joins beads k and k + 1, contacts 0 and
+            N are those with the walls.  A sensor in bead k shows the mean of contacts k - 1
+            and k.
         drive, at
             As for `transfer`.
 
         Returns
         -------
         ndarray of complex
-            Amplitude of the force over that of the drive, of the shape of ``frequencies``
+            Amplitude of the force over that of the drive, in the shape of ``frequencies``
             [no unit for a force; scaled, or N/m for a displacement].
 
         Raises
@@ -185,7 +188,8 @@ class Spectrum(Frozen):
 
         Examples
         --------
-        A slow force on bead 1 reaches the wall as it is; far above the cut-off nothing does:
+        A slowly varying force on bead 1 is transmitted to the wall unchanged; far above the
+        cut-off frequency, no force is transmitted:
 
         >>> import hertzchain as hc
         >>> held = hc.Chain.uniform(9).replace(
@@ -198,27 +202,28 @@ class Spectrum(Frozen):
         return response.force(c, drive, self._source(drive, at, response))
 
     def bands(self, phase: ArrayLike, *, cell: int | None = None) -> Array:
-        r"""Frequencies of plane waves in the endless chain that repeats this one's cell.
+        r"""Frequencies of plane waves in an infinite chain with the same cell.
 
-        Between neighbouring cells a wave of phase q has the factor :math:`e^{iq}`; losses are
-        left out.
+        From one cell to the next, a wave of phase q changes by the factor :math:`e^{iq}`.  Losses
+        are neglected.
 
         Parameters
         ----------
         phase : array_like
             Phase q from cell to cell [radians].
         cell : int, optional
-            Number of beads of the cell; the smallest that repeats if not given.
+            Number of beads per cell.  The default is the smallest cell that repeats.
 
         Returns
         -------
         ndarray, shape (..., cell)
-            Frequencies of each band, rising [cycles per time, or Hz].
+            Frequencies of all bands in ascending order [cycles per unit time, or Hz].
 
         Raises
         ------
         InputError
-            If masses or springs do not repeat, as under gravity, or there are not two cells.
+            If masses or springs do not repeat (for example under gravity), or the chain is
+            shorter than two cells.
 
         Examples
         --------
@@ -229,7 +234,7 @@ class Spectrum(Frozen):
         """
         c = self._cell(cell)
         q = _checked_finite("phase", phase, -math.inf)
-        # As in `spring_modes`: a row is a spring; the last one joins the next cell.
+        # As in `spring_modes`, each row is a spring; the last one joins the next cell.
         rows = np.zeros((*q.shape, c, c), complex)
         here = np.arange(c)
         root = np.sqrt(self.contacts.springs[1 : c + 1])
@@ -238,11 +243,11 @@ class Spectrum(Frozen):
         rows[..., here[:-1], here[1:]] -= root[:-1] * weight[1:]
         rows[..., -1, 0] -= root[-1] * weight[0] * np.exp(1j * q)
         found: Array = np.linalg.svd(rows, compute_uv=False)[..., ::-1] / (2.0 * math.pi)
-        found[np.mod(q, 2.0 * math.pi) == 0.0, 0] = 0.0  # the chain as a whole
+        found[np.mod(q, 2.0 * math.pi) == 0.0, 0] = 0.0  # translation of the chain
         return found
 
     def band_edges(self, *, cell: int | None = None) -> Array:
-        """Where the bands of the endless chain that repeats this one's cell begin and end.
+        """Edges of the frequency bands of an infinite chain with the same cell.
 
         Parameters
         ----------
@@ -252,8 +257,8 @@ class Spectrum(Frozen):
         Returns
         -------
         ndarray, shape (cell, 2)
-            Lower and upper edge of each band [cycles per time, or Hz]; no wave passes between
-            bands, or above the last.
+            Lower and upper edge of each band [cycles per unit time, or Hz].  Waves do not
+            propagate at frequencies between the bands or above the last one.
 
         Raises
         ------
@@ -262,7 +267,7 @@ class Spectrum(Frozen):
 
         Examples
         --------
-        Aluminium and steel balls in turn under 20 N: two bands, in kHz.
+        Alternating aluminium and steel balls under 20 N have two bands, given here in kHz:
 
         >>> import hertzchain as hc
         >>> pair = hc.Chain.periodic([9.5e-3] * 2, cells=20, velocity=0.0,
@@ -276,7 +281,7 @@ class Spectrum(Frozen):
         return np.sort(edges, axis=0).T.copy()
 
     def _cell(self, cell: int | None) -> int:
-        """Number of beads of a cell, checked or found."""
+        """Check the number of beads per cell, or find the smallest one."""
         n = self.chain.beads
         if cell is not None:
             cell = whole_number("cell", cell, least=1, most=n // 2)
@@ -289,21 +294,23 @@ class Spectrum(Frozen):
                 return c
         size = "of any length" if cell is None else f"of {cell} beads"
         raise InputError(
-            f"no cell {size} repeats in this chain ({self.chain.description}): bands are of "
-            "periodic chains under the same force everywhere; use frequencies"
+            f"no cell {size} repeats in this chain ({self.chain.description}); bands require a "
+            "periodic chain with the same force at all contacts, otherwise use frequencies"
         )
 
     def _source(self, drive: Driven, at: int | WallName, response: Response) -> int:
-        """Place of the drive, checked: 0 is the left wall, N + 1 the right one."""
-        one_of("drive", drive, DRIVEN)
+        """Check the place of the drive: 0 is the left wall, N + 1 the right wall."""
+        check_choice("drive", drive, DRIVEN)
         beads = self.chain.beads
         if isinstance(at, str):
-            side = WALLS.index(one_of("driven end", at, WALLS))
+            side = WALLS.index(check_choice("driven end", at, WALLS))
             if self.contacts.springs[-side] == 0.0:
-                raise InputError(f"the {at} cannot be driven: the chain does not touch one there")
+                raise InputError(
+                    f"the {at} cannot be driven, because no wall touches the chain at this end"
+                )
             if drive == "force":
                 raise InputError(
-                    f"a force on the {at} does not move it: drive a bead, or use "
+                    f"a force on the {at} does not move it; drive a bead, or use "
                     "drive='displacement'"
                 )
             return (beads + 1) * side
@@ -311,49 +318,51 @@ class Spectrum(Frozen):
         loose = not self.contacts.springs[[0, -1]].any()
         if drive == "force" and loose and (response.omega == 0.0).any():
             raise InputError(
-                "a constant force (frequency 0) accelerates a chain that nothing holds in place "
-                "for ever: give frequencies above 0, or a wall"
+                "a constant force (frequency 0) accelerates a chain without walls indefinitely; "
+                "give frequencies above 0, or a wall"
             )
         return place
 
     def __repr__(self) -> str:
         f = self.frequencies
         unit = " Hz" if self.chain.units == "SI" else ""
-        return f"Spectrum({len(f)} modes, {f[0]:g} .. {f[-1]:g}{unit}: {self.chain.description})"
+        about = f"{len(f)} modes, {f[0]:g} .. {f[-1]:g}{unit}"
+        return short("Spectrum", about, self.chain.description)
 
 
 def spectrum(chain: Chain) -> Spectrum:
     r"""Frequencies, decay rates and modes of a chain about its static equilibrium.
 
-    Walls, gravity, precompression, given masses and stiffness, losses and SI units all count;
-    velocities and drive do not.  An end held by a constant force (``held_by="force"``) moves
-    freely.
+    Walls, gravity, precompression, given masses and stiffness, losses and SI units are taken into
+    account; velocities and drive are ignored.  An end held by a constant force
+    (``held_by="force"``) moves freely.
 
     Parameters
     ----------
     chain : Chain
-        A chain that something presses together: precompression, or gravity against a wall.
+        A chain whose contacts carry a static force, from precompression or from gravity and a
+        wall.
 
     Returns
     -------
     Spectrum
-        Its eigenvalues are good to some 1e-14 of the largest one.
+        Eigenvalues, accurate to about 1e-14 of the largest one, and modes.
 
     Raises
     ------
     InputError
-        If a contact bears no static force, or its loss is not linear however small the motion:
+        If a contact carries no static force, or its loss law cannot be linearised:
         `UnloadingRatio`, `WaltonBraun`, and `VelocityPower` with alpha < 1.
 
     Warns
     -----
     ModelRangeWarning
-        If the loss is a `VelocityPower` with alpha > 1, which small motions do not feel.
+        If the loss is a `VelocityPower` with alpha > 1, which does not damp small motions.
 
     Examples
     --------
-    Two beads between walls, all springs K = 1.5, with a material time of 0.1: the modes have
-    :math:`\omega^2 = K` and :math:`3K`, and :math:`\delta = A\omega^2/2`.
+    Two beads between walls, with spring constants K = 1.5 and a material time A = 0.1, have
+    modes with :math:`\omega^2 = K` and :math:`3K`, and :math:`\delta = A\omega^2/2`:
 
     >>> import hertzchain as hc
     >>> wall = hc.Wall(stiffness=1.0)
@@ -362,7 +371,7 @@ def spectrum(chain: Chain) -> Spectrum:
     >>> hc.spectrum(held).decay_rates.round(12)
     array([0.075, 0.225])
     """
-    check_chain("spectrum", chain)
+    require_chain("spectrum", chain)
     contacts = linear_contacts(chain)
     eigenvalues, modes = _eigen(contacts)
     for array in (eigenvalues, modes, contacts.springs, contacts.dampers):
@@ -371,12 +380,12 @@ def spectrum(chain: Chain) -> Spectrum:
 
 
 def _eigen(contacts: LinearContacts) -> tuple[Complex, Array | Complex]:
-    """Eigenvalues and modes, in order."""
+    """Sorted eigenvalues and modes."""
     k, c = contacts.springs, contacts.dampers
     omega, shapes = spring_modes(contacts.masses, k[1:-1], (k[0], k[-1]))
     if not c.any():
         return 1j * omega, _oriented(contacts.masses, shapes)
-    # A chain as a whole is not damped.
+    # The translation of the whole chain is not damped.
     rigid = int(k[0] == k[-1] == 0.0)
     time = c[1] / k[1]
     if np.allclose(c, time * k, rtol=1e-14, atol=0.0):
@@ -391,7 +400,7 @@ def _eigen(contacts: LinearContacts) -> tuple[Complex, Array | Complex]:
 
 
 def _by_proportion(omega: Array, time: float) -> tuple[Complex, Array]:
-    r"""Dampers that are springs times a time: the modes stay, :math:`\delta = A\omega^2/2`."""
+    r"""Eigenvalues for dampers C = A K: the modes are unchanged, :math:`\delta = A\omega^2/2`."""
     delta = 0.5 * time * omega**2
     rings = delta < omega
     slow = -delta[rings] + 1j * np.sqrt((omega - delta)[rings] * (omega + delta)[rings])
@@ -402,10 +411,10 @@ def _by_proportion(omega: Array, time: float) -> tuple[Complex, Array]:
 
 
 def _coupled(omega: Array, shapes: Array, dampers: Array) -> tuple[Complex, Complex]:
-    r"""Dampers that couple the modes without loss, of amplitudes w.
+    r"""Eigenvalues for dampers that couple the modes of the chain without loss.
 
-    :math:`a = \Omega w` and :math:`b = w'` obey :math:`a' = \Omega b,\; b' = -\Omega a - D b`:
-    no square of a frequency is formed.
+    With mode amplitudes w, :math:`a = \Omega w` and :math:`b = w'`, the equations are
+    :math:`a' = \Omega b,\; b' = -\Omega a - D b`.  They contain no squared frequencies.
     """
     stretched = np.sqrt(dampers)[:, None] * np.diff(np.pad(shapes, ((1, 1), (0, 0))), axis=0)
     n = len(omega)
@@ -413,13 +422,13 @@ def _coupled(omega: Array, shapes: Array, dampers: Array) -> tuple[Complex, Comp
     system[:n, n:], system[n:, :n] = np.diag(omega), np.diag(-omega)
     system[n:, n:] = -stretched.T @ stretched
     values, vectors = np.linalg.eig(system)
-    # One of each pair of conjugates; the real ones are modes of their own.
+    # Keep one eigenvalue of each complex pair, and all real ones.
     kept = np.flatnonzero(values.imag >= 0.0)
     return values[kept].astype(complex), (vectors[:n, kept] / omega[:, None]).astype(complex)
 
 
 def _oriented(masses: Array, modes: Any) -> Any:
-    """Modes of norm one, with the bead of most energy at a positive real number."""
+    """Normalise modes, with the displacement of the bead with most energy real and positive."""
     weighted = np.sqrt(masses)[:, None] * modes
     largest = weighted[np.argmax(np.abs(weighted), axis=0), np.arange(modes.shape[1])]
     return modes * (np.conj(largest) / np.abs(largest) / np.linalg.norm(weighted, axis=0))

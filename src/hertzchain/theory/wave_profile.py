@@ -1,4 +1,4 @@
-"""The shape of a wave: a smooth even function of the distance from its crest."""
+"""Profile of a wave: a smooth even function of the distance from its crest."""
 
 from __future__ import annotations
 
@@ -9,29 +9,30 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import ArrayLike
 
-from hertzchain.checks import number, real_numbers, whole_number
-from hertzchain.contacts import Array
-from hertzchain.errors import InputError
-from hertzchain.frozen import Frozen
+from ..collision import Array
+from ..errors import InputError
+from ..frozen import Frozen
+from ..validation.numbers import number, real_numbers, whole_number
 
 
 @dataclass(frozen=True, eq=False)
 class WaveProfile(Frozen):
-    r"""A profile of a wave, one at its crest; call it with distances from there.
+    r"""Profile of a wave, normalised to its crest, as a function of the distance from the crest.
 
     .. math:: f(\xi) = \Bigl(\sum_j a_j \cos \frac{\pi j \xi}{h}\Bigr)^{n}
 
-    exact to about 1e-15 of the crest.  The profiles of a `hertzchain.SolitaryWave` continue in
-    a tail (`hertzchain.theory.wave_tail`) where the series would be left with its round-off;
-    there they are right to 1e-9 of themselves, down to the smallest numbers.
+    The series is accurate to about 1e-15 of the crest value.  The profiles of a
+    `hertzchain.SolitaryWave` continue in a tail (`hertzchain.theory.wave_tail`) where rounding
+    errors would dominate the series.  The relative error of the tail is 1e-9, down to the
+    smallest representable numbers.
 
     Attributes
     ----------
     half_length : float
-        Half of the period of the series, h [beads]: the largest distance that can be asked
-        for if there is no tail.
+        Half the period of the series, h [beads].  Without a tail, it is the largest distance
+        at which the profile can be evaluated.
     power : float
-        The power n, 1 unless it is that of a force.
+        The power n, which is 1 except for forces.
 
     Examples
     --------
@@ -43,22 +44,22 @@ class WaveProfile(Frozen):
     half_length: float
     power: float
     _coefficients: Array = field(repr=False)
-    # Where the tail begins, and what it is before the power.
+    # Distance at which the tail begins, and its values before the power is taken.
     _seam: float = field(default=math.inf, repr=False)
     _tail: Callable[[Array], Array] | None = field(default=None, repr=False)
 
     @classmethod
     def from_samples(cls, samples: Array, half_length: float, power: float = 1.0) -> WaveProfile:
-        """Profile through samples of a function that is even and smooth.
+        """Interpolate samples of an even and smooth function.
 
         Parameters
         ----------
         samples : ndarray, shape (n,)
-            Values on n points of [-half_length, half_length); n is even.
+            Values at n equidistant points of [-half_length, half_length), where n is even.
         half_length : float
-            Half of the period [beads].
+            Half the period [beads].
         power : float
-            Power to raise the function to.
+            Power to which the function is raised.
 
         Returns
         -------
@@ -78,14 +79,15 @@ class WaveProfile(Frozen):
         return cls(half_length, power, kept)
 
     def with_tail(self, start: float, tail: Callable[[Array], Array]) -> WaveProfile:
-        """The same profile, continued to any distance.
+        """Return the profile with a tail, so that it extends to any distance.
 
         Parameters
         ----------
         start : float
-            Distance from the crest at which the tail takes over [beads].
+            Distance from the crest at which the tail begins [beads].
         tail : callable
-            Its values, before the power, at an array of distances.
+            Function of an array of distances that returns the values of the tail before the
+            power is taken.
 
         Returns
         -------
@@ -100,9 +102,9 @@ class WaveProfile(Frozen):
         return replace(self, _seam=start, _tail=tail)
 
     def __call__(self, distance: ArrayLike) -> Array:
-        """Value over that at the crest, at distances from the crest [beads], of their shape.
+        """Evaluate the profile at distances from the crest [beads].
 
-        An `InputError` says where a distance is not finite, or is beyond ``half_length`` of a
+        An `InputError` is raised if a distance is not finite, or beyond ``half_length`` for a
         profile without a tail.
         """
         xi = np.abs(real_numbers("distance", distance))
@@ -110,21 +112,21 @@ class WaveProfile(Frozen):
         if not within.all():
             allowed = "be finite"
             if self._tail is None:
-                allowed = f"lie within {self.half_length:g} beads"
+                allowed = f"be at most {self.half_length:g} beads"
             raise InputError(
                 f"distance from the crest must {allowed}, got {float(xi.flat[np.argmin(within)]):g}"
             )
-        # Chebyshev polynomials of a cosine are cosines of multiples.
+        # T_j(cos x) = cos(j x) for the Chebyshev polynomials T_j.
         cosine = np.cos(np.pi / self.half_length * np.minimum(xi, self.half_length))
         values = np.array(np.polynomial.chebyshev.chebval(cosine, self._coefficients))
         far = xi > self._seam
         if self._tail is not None and far.any():
             values[far] = self._tail(xi[far])
-        # Round-off of a series may be negative, and then has no broken power.
+        # Rounding errors of the series may be negative, where the power is not defined.
         return values if self.power == 1.0 else np.maximum(values, 0.0) ** self.power
 
     def width(self, level: float = 0.5) -> float:
-        """Full width at a fraction of the crest; half of it by default.
+        """Full width at a fraction of the crest value, by default one half.
 
         Parameters
         ----------
@@ -139,7 +141,7 @@ class WaveProfile(Frozen):
         Raises
         ------
         InputError
-            If the level does not lie between 0 and 1.
+            If the level is not between 0 and 1.
 
         Examples
         --------
@@ -171,11 +173,12 @@ class WaveProfile(Frozen):
         Returns
         -------
         float
+            Derivative with respect to the distance in beads.
 
         Raises
         ------
         InputError
-            If the profile has another power.
+            If the profile has a power other than one.
 
         Examples
         --------
@@ -184,7 +187,9 @@ class WaveProfile(Frozen):
         1.0
         """
         if self.power != 1.0:
-            raise InputError("crest_derivative needs a profile of power one: velocity or overlap")
+            raise InputError(
+                "crest_derivative requires a profile of power one: velocity or overlap"
+            )
         order = whole_number("order of a derivative", order, least=0)
         if order % 2:
             return 0.0
@@ -192,5 +197,7 @@ class WaveProfile(Frozen):
         with np.errstate(over="ignore"):
             terms = (-1) ** (order // 2) * self._coefficients * wave_numbers**order
         if not np.isfinite(terms).all():
-            raise InputError(f"derivative {order} at the crest cannot be represented: lower order")
+            raise InputError(
+                f"derivative {order} at the crest cannot be represented; use a lower order"
+            )
         return math.fsum(terms)

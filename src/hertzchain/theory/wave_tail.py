@@ -1,17 +1,16 @@
-r"""The tail of a solitary wave, far below the round-off of its crest.
+r"""The tail of a solitary wave, far below the rounding errors at its crest.
 
-Ahead of the wave, where :math:`\varphi` is small, the equation
-:math:`c^2\varphi = \Lambda * \varphi^p` is read from the crest outwards: only beads one place
-nearer to the crest push with a force that counts, so that
+Far from the crest, the equation :math:`c^2\varphi = \Lambda * \varphi^p` can be solved outwards,
+because :math:`\varphi` is determined by its values closer to the crest:
 
 .. math::
 
     \ln\varphi(\xi) = p \ln\varphi(\xi - 1) - \ln c^2 +
     \ln \int_{-1}^{1} (1-|s|)\,\frac{\varphi^p(\xi-s)}{\varphi^p(\xi-1)}\,ds
 
-and :math:`\ln\varphi(\xi+1)/\ln\varphi(\xi) \to p`: the tail falls doubly exponentially (J. M.
-English, R. L. Pego, Proc. Am. Math. Soc. 133, 1763, 2005).  All terms of the integral are
-positive, and it is evaluated in logarithms, so that nothing is lost to round-off.
+Therefore :math:`\ln\varphi(\xi+1)/\ln\varphi(\xi) \to p`, and the tail decays doubly exponentially
+(J. M. English, R. L. Pego, Proc. Am. Math. Soc. 133, 1763, 2005).  All terms of the integral are
+positive and evaluated in logarithms, so that there is no cancellation.
 """
 
 from __future__ import annotations
@@ -24,17 +23,17 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from hertzchain.contacts import Array
-from hertzchain.errors import InputError
+from ..collision import Array
+from ..errors import InputError
 
 if TYPE_CHECKING:
-    from hertzchain.theory.wave_profile import WaveProfile
+    from .wave_profile import WaveProfile
 
-# Where the tail begins: the round-off of the profile, 1e-15, is 1e-12 of it there.
+# Overlap at which the tail begins; the rounding errors of the profile, 1e-15, are 1e-12 of it.
 SEAM: Final = 1e-3
-# Beyond this -ln(overlap) the overlap is 0 in double precision.
-NOTHING: Final = 750.0
-# Of ln(-ln(overlap)), which is nearly straight: so many points in which it rises by one.
+# Value of -ln(overlap) beyond which the overlap is 0 in double precision.
+UNDERFLOW: Final = 750.0
+# Number of points in which ln(-ln(overlap)), which is nearly linear, increases by one.
 POINTS: Final = 32
 CONVERGED: Final = 1e-13
 ITERATION_LIMIT: Final = 1000
@@ -49,9 +48,9 @@ class WaveTail:
     exponent : float
         Exponent p of the contact force.
     squared_speed : float
-        c^2, with crest overlap, mass and stiffness one.
+        Squared speed c^2, for unit crest overlap, mass and stiffness.
     core : WaveProfile
-        The overlap where it is larger than its round-off.
+        Overlap within the core of the wave.
     """
 
     exponent: float
@@ -64,7 +63,7 @@ class WaveTail:
         return self.core.width(SEAM) / 2.0
 
     def overlap(self, distance: Array) -> Array:
-        """Overlap over that of the crest; 0 where it is below the smallest number.
+        """Overlap over that at the crest; 0 if it underflows.
 
         Parameters
         ----------
@@ -74,6 +73,7 @@ class WaveTail:
         Returns
         -------
         ndarray
+            Overlaps.
 
         Examples
         --------
@@ -84,7 +84,7 @@ class WaveTail:
         return np.exp(-self._minus_log(distance))
 
     def velocity(self, distance: Array) -> Array:
-        r"""Velocity of a bead with crest overlap one: the force on either side, averaged.
+        r"""Velocity of a bead for unit crest overlap.
 
         .. math:: w(\xi) = c^{-1} \int_{\xi-1/2}^{\xi+1/2} \varphi^p
 
@@ -96,6 +96,7 @@ class WaveTail:
         Returns
         -------
         ndarray
+            Velocities.
 
         Examples
         --------
@@ -112,9 +113,9 @@ class WaveTail:
         return np.asarray(force * integral / math.sqrt(self.squared_speed))
 
     def _minus_log(self, distance: Array) -> Array:
-        """Minus the logarithm of the overlap, of core and tail alike."""
+        """Minus the logarithm of the overlap, in the core and in the tail."""
         spline, end = self._spline
-        found = np.full(distance.shape, 2.0 * NOTHING)
+        found = np.full(distance.shape, 2.0 * UNDERFLOW)
         inside, tail = distance <= self.start, distance < end
         found[inside] = -np.log(self.core(distance[inside]))
         tail &= ~inside
@@ -123,10 +124,10 @@ class WaveTail:
 
     @cached_property
     def _spline(self) -> tuple[Callable[[Array], Array], float]:
-        """Spline of ln(-ln(overlap)) in the tail, and where it ends; by iteration."""
+        """Spline of ln(-ln(overlap)) in the tail, found by iteration, and its last point."""
         from scipy.interpolate import make_interp_spline
 
-        # A few points of the core, so that the spline has no end at the seam.
+        # The spline includes a few points of the core, so that it does not end at the seam.
         before = np.log(-np.log(self.core(self.start - 1e-3 * np.arange(2))))
         slope = 1e3 * float(before[0] - before[1])
         step = 1.0 / (POINTS * slope)
@@ -145,15 +146,15 @@ class WaveTail:
             guess = new
             if change < CONVERGED:
                 return spline, float(outer[-1])
-        raise InputError(f"the tail of the wave of exponent {self.exponent:g} was not found")
+        raise InputError(
+            f"the tail of the solitary wave of exponent {self.exponent:g} did not converge"
+        )
 
     def _points(self, value: float, slope: float, step: float) -> int:
-        """How many points there are until the overlap is nothing.
-
-        Near the seam the wave is a Gaussian, of which the slope falls as 1/distance; far out
-        ln p is left.
-        """
-        count, far = 0, math.log(2.0 * NOTHING)
+        """Number of points until the overlap underflows."""
+        # Near the seam the wave is Gaussian and the slope is proportional to 1/distance; far out
+        # it approaches ln p.
+        count, far = 0, math.log(2.0 * UNDERFLOW)
         while value < far:
             count += 1
             falling = slope * self.start / (self.start + count * step)
@@ -162,7 +163,7 @@ class WaveTail:
 
 
 class _TailEquation:
-    """The integral equation at some points of the tail."""
+    """Integral equation at points of the tail."""
 
     def __init__(self, tail: WaveTail, points: Array) -> None:
         s, rest, weight = _rule()
@@ -184,7 +185,7 @@ class _TailEquation:
         return found
 
     def iterate(self, spline: Any) -> Array:
-        """ln(-ln(overlap)) at the points, by the equation, from what it was."""
+        """New values of ln(-ln(overlap)) at the points, from the previous spline."""
         p = self.tail.exponent
         nearest = self._filled(self.nearest, self.known[0], spline)
         behind = self._filled(self.behind, self.known[1], spline)
@@ -200,7 +201,7 @@ class _TailEquation:
 
 
 def _rule() -> tuple[Array, Array, Array]:
-    """Points s of a doubly exponential rule on 0 .. 1, 1 - s without cancellation, weights."""
+    """Nodes s of a double-exponential rule on [0, 1], 1 - s without cancellation, and weights."""
     step = 0.06
     t = np.arange(-60, 61) * step
     s, rest = (1.0 / (1.0 + np.exp(sign * np.pi * np.sinh(t))) for sign in (-1.0, 1.0))

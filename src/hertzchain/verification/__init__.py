@@ -1,1 +1,1 @@
-"""Exact and published values of the field, and ours beside them."""
+"""Compare simulations with exact and published values."""

@@ -1,4 +1,4 @@
-"""One quantity with a known value, and runs that several of them share."""
+"""A quantity with a known value, and a cache for runs that several quantities share."""
 
 from __future__ import annotations
 
@@ -7,35 +7,37 @@ from dataclasses import dataclass
 from functools import cache
 from typing import Any, Final, Literal, TypeVar
 
+from ..representation import short
+
 Origin = Literal["derived", "computed", "recalled", "abstract"]
-# How an expected value was obtained; printed below the table.
+# Origins of expected values, printed below the table.
 ORIGINS: Final[dict[Origin, str]] = {
-    "derived": "closed form or limit, derived again for this list",
-    "computed": "by other code: SciPy's DOP853 at rtol 1e-13, or the fixed point of the wave",
-    "recalled": "published, recalled from memory: the full text was not at hand",
-    "abstract": "stated in the abstract; the full text was not at hand",
+    "derived": "closed form or limit, derived independently for this list",
+    "computed": "by other code: SciPy's DOP853 at rtol 1e-13, or iteration of the wave equation",
+    "recalled": "published, recalled from memory without access to the full text",
+    "abstract": "stated in the abstract, without access to the full text",
 }
 
 
 @dataclass(frozen=True)
 class Case:
-    """One quantity with a known value.
+    """A quantity with a known value.
 
     Attributes
     ----------
     group, name : str
-        What it is.
+        Group and name of the quantity.
     expected : float
-        The known value.
+        Known value.
     tolerance : float
-        How far from it a result may be: half of the last known digit, or the known error of
-        the approximation that the value is from.
+        Largest difference that counts as agreement: half of the last known digit, or the known
+        error of the approximation from which the value is derived.
     source : str
-        Where the value is from, and what is known of its error.
+        Source of the value, and its known error.
     compute : callable
-        Our value.
+        Function that computes the value with hertzchain.
     origin : str
-        How the value was obtained: a key of ``ORIGINS``.
+        Origin of the value, a key of ``ORIGINS``.
     """
 
     group: str
@@ -46,39 +48,23 @@ class Case:
     compute: Callable[[], float]
     origin: Origin = "derived"
 
+    def __repr__(self) -> str:
+        known = f"{self.expected:.10g} within {self.tolerance:.2g}"
+        return short("Case", f"{self.group}, {self.name}", known, self.origin)
+
 
 F = TypeVar("F", bound=Callable[..., Any])
 _SHARED: Final[list[Any]] = []
 
 
 def shared(function: F) -> F:
-    """Keep what a function returns until `forget_shared` is called.
-
-    Parameters
-    ----------
-    function : callable
-        A function of hashable arguments.
-
-    Returns
-    -------
-    callable
-
-    Examples
-    --------
-    >>> shared(lambda beads: [beads])(3)
-    [3]
-    """
+    """Cache the result of a function until `forget_shared` is called."""
     cached = cache(function)
     _SHARED.append(cached)
     return cached  # type: ignore[return-value]
 
 
 def forget_shared() -> None:
-    """Free the memory of everything that is shared.
-
-    Examples
-    --------
-    >>> forget_shared()
-    """
+    """Clear the caches of all `shared` functions."""
     for cached in _SHARED:
         cached.cache_clear()

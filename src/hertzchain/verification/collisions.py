@@ -1,4 +1,4 @@
-"""Collisions of two beads: duration and restitution of each law of loss."""
+"""Collisions of two beads: duration, and restitution of each loss law."""
 
 from __future__ import annotations
 
@@ -6,10 +6,14 @@ import math
 from collections.abc import Iterator
 from functools import partial
 
-from hertzchain.chain.chain import Chain
-from hertzchain.chain.losses import Loss, Restitution, UnloadingRatio, Viscoelastic, WaltonBraun
-from hertzchain.simulation.simulate import simulate
-from hertzchain.verification.case import Case
+from ..chain.chain import Chain
+from ..chain.laws import Loss
+from ..chain.laws.restitution import Restitution
+from ..chain.laws.unloading_ratio import UnloadingRatio
+from ..chain.laws.viscoelastic import Viscoelastic
+from ..chain.laws.walton_braun import WaltonBraun
+from ..simulation.simulate import simulate
+from .case import Case
 
 TSUJI = "Tsuji et al., Powder Technol. 71, 239 (1992)"
 SERIES = "Schwager, Poeschel, PRE 57, 650 (1998)"
@@ -17,22 +21,12 @@ PADE = "Mueller, Poeschel, PRE 84, 021302 (2011)"
 
 
 def cases() -> list[Case]:
-    """Cases of this topic.
-
-    Returns
-    -------
-    list of Case
-
-    Examples
-    --------
-    >>> cases()[0].group
-    'restitution'
-    """
+    """Cases of this topic."""
     return [*_any_speed(), *_viscoelastic()]
 
 
 def _any_speed() -> Iterator[Case]:
-    """Laws whose restitution is known at any speed."""
+    """Loss laws whose restitution is known at any speed."""
     yield Case(
         "restitution", "duration of a collision, in overlap/speed", 2.943275184, 1e-9, "Hertz",
         _duration,
@@ -45,7 +39,7 @@ def _any_speed() -> Iterator[Case]:
             )  # fmt: skip
     for p in (2.0, 3.0):
         for pulls in (True, False):
-            name = f"the same, e = 0.7, p = {p:g}{'' if pulls else ', no pull'}"
+            name = f"the same, e = 0.7, p = {p:g}{'' if pulls else ', no attraction'}"
             yield Case(
                 "restitution", name, 0.7, 1e-8, "damped oscillator in d^((p + 1)/2)",
                 partial(_restitution, Restitution(0.7, attractive=pulls), 0.3, p),
@@ -62,27 +56,27 @@ def _any_speed() -> Iterator[Case]:
 
 
 def _viscoelastic() -> Iterator[Case]:
-    r"""Kuwabara and Kono, by :math:`B = \frac32 A (k/\mu)^{2/5} v^{1/5}`."""
+    r"""Law of Kuwabara and Kono, as a function of :math:`B = \frac32 A (k/\mu)^{2/5} v^{1/5}`."""
     for b in (0.01, 0.015, 0.05, 0.1):
         yield Case(
-            "viscoelastic restitution", f"may pull, B = {b:g}, to second order", _series(b),
+            "viscoelastic restitution", f"attractive, B = {b:g}, to second order", _series(b),
             0.53 * b**3, f"{SERIES}; next term 0.523 B^3", partial(_kuwabara, b, True),
         )  # fmt: skip
     for b, e in ((0.1, 0.892147587291), (0.2, 0.797550062040)):
         yield Case(
-            "viscoelastic restitution", f"may pull, B = {b:g}", e, 1e-9, "two integrations",
+            "viscoelastic restitution", f"attractive, B = {b:g}", e, 1e-9, "two integrations",
             partial(_kuwabara, b, True), "computed",
         )  # fmt: skip
     for b, error in ((0.01, 1e-7), (0.1, 5e-5)):
         yield Case(
-            "viscoelastic restitution", f"no pull, B = {b:g}, Pade [1/4]", _pade(b), error,
-            f"{PADE}; known to be off by {error:.0e}", partial(_kuwabara, b, False),
+            "viscoelastic restitution", f"no attraction, B = {b:g}, Pade [1/4]", _pade(b), error,
+            f"{PADE}; with a known error of {error:.0e}", partial(_kuwabara, b, False),
             "recalled",
         )  # fmt: skip
     known = {0.1: 0.892858875507, 0.5: 0.595251501135, 1.0: 0.393930603230, 2.0: 0.211646054604}
     for b, e in known.items():
         yield Case(
-            "viscoelastic restitution", f"no pull, B = {b:g}", e, 1e-9, "two integrations",
+            "viscoelastic restitution", f"no attraction, B = {b:g}", e, 1e-9, "two integrations",
             partial(_kuwabara, b, False), "computed",
         )  # fmt: skip
 
@@ -102,12 +96,12 @@ def _restitution(law: Loss, speed: float, exponent: float = 1.5) -> float:
 
 
 def _kuwabara(b: float, pulls: bool) -> float:
-    """Two beads of mass and stiffness one at speed one: B = 3/2 A 2^(2/5)."""
+    """Restitution of two beads of unit mass, stiffness and speed: B = 3/2 A 2^(2/5)."""
     return _restitution(Viscoelastic(b / 1.5 * 0.5**0.4, attractive=pulls), 1.0)
 
 
 def _series(b: float) -> float:
-    """1 - C1 B + (3/5) (C1 B)^2."""
+    """Restitution to second order, 1 - C1 B + (3/5) (C1 B)^2."""
     gamma = math.gamma
     c1 = math.sqrt(math.pi) * gamma(0.6) / (2.0**0.2 * 5.0**0.4 * gamma(2.1))
     return 1.0 - c1 * b + 0.6 * (c1 * b) ** 2

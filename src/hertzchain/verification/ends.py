@@ -1,4 +1,4 @@
-"""Walls: what reaches them, and single beads and columns that meet them."""
+"""Walls: the force of a pulse, and collisions of single beads and columns."""
 
 from __future__ import annotations
 
@@ -8,12 +8,12 @@ from functools import partial
 
 import numpy as np
 
-from hertzchain.chain.chain import Chain
-from hertzchain.chain.materials import RIGID, Material
-from hertzchain.chain.walls import Wall
-from hertzchain.simulation.run import Run
-from hertzchain.simulation.simulate import simulate
-from hertzchain.verification.case import Case, shared
+from ..chain.chain import Chain
+from ..chain.materials import RIGID, Material
+from ..chain.walls import Wall
+from ..simulation.run import Run
+from ..simulation.simulate import simulate
+from .case import Case, shared
 
 TWO_INTEGRATIONS = "two integrations"
 JOHNSON = "Johnson, Contact Mechanics (1985), Eq. 11.22"
@@ -22,22 +22,12 @@ BRASS = Material("brass", density=8500.0, young=100e9, poisson=0.35)
 
 
 def cases() -> list[Case]:
-    """Cases of this topic.
-
-    Returns
-    -------
-    list of Case
-
-    Examples
-    --------
-    >>> cases()[0].group
-    'walls'
-    """
+    """Cases of this topic."""
     return [*_walls(), *_single_beads()]
 
 
 def _walls() -> Iterator[Case]:
-    """The pulse of a chain meets a wall."""
+    """Pulses that are reflected by a wall."""
     kinds = {
         "like a contact": (1.0, 1.75040),
         "own material": (math.sqrt(2.0), 1.94390),
@@ -48,9 +38,9 @@ def _walls() -> Iterator[Case]:
             "walls", f"force over the pulse's, {kind}", ratio, 6e-6, TWO_INTEGRATIONS,
             partial(_wall_ratio, stiffness), "computed",
         )  # fmt: skip
-    # As printed, so that the last digit known can be seen. In forward tapers light beads bounce
-    # between each other and the wall until the fourth digit depends on rounding: SciPy's DOP853
-    # gives 3.14941 and 3.47847 at rtol 1e-11, 3.14936 and 3.47687 at 1e-13.
+    # These are strings, which show the last known digit. In forward tapers light beads bounce
+    # between each other and the wall, until the fourth digit depends on rounding: SciPy's DOP853
+    # gives 3.14941 and 3.47847 at rtol 1e-11, but 3.14936 and 3.47687 at 1e-13.
     table = {
         "uniform": ("1.24323", "2.34539", "2.36546"),
         "forward-exponential": ("0.88930", "1.77524", "3.15"),
@@ -68,8 +58,8 @@ def _walls() -> Iterator[Case]:
 
 
 def _single_beads() -> Iterator[Case]:
-    """What hits a wall by itself."""
-    # F = k^(2/5) (5 m v^2/4)^(3/5), with k = 4/3 E* sqrt(R) and 1/E* from both sides.
+    """Beads and columns that hit a wall."""
+    # F = k^(2/5) (5 m v^2/4)^(3/5), with k = 4/3 E* sqrt(R) and 1/E* the sum for both bodies.
     mass, compliance = 4.0 / 3.0 * math.pi * 7810.0 * 6e-3**3, 0.91 / 210e9
     for wall, other in ((RIGID, 0.0), (STEEL, compliance), (BRASS, (1.0 - 0.35**2) / 100e9)):
         k = 4.0 / 3.0 * math.sqrt(6e-3) / (compliance + other)
@@ -80,12 +70,12 @@ def _single_beads() -> Iterator[Case]:
         )  # fmt: skip
     yield Case(
         "beads on a wall", "duration over (m^2/(R E*^2 v))^(1/5)", 2.87, 5e-3,
-        "Johnson, Eq. 11.24; 2.8683 cut", _duration, "recalled",
+        "Johnson, Eq. 11.24; 2.8683 truncated", _duration, "recalled",
     )  # fmt: skip
     for bead, name in enumerate(("light", "heavy")):
         yield Case(
             "beads on a wall", f"superball m on 3 m, {name} one afterwards", -2.0 + 2.0 * bead,
-            1e-9, "textbook: collisions of two", partial(_superball, bead),
+            1e-9, "textbook: two-body collisions", partial(_superball, bead),
         )  # fmt: skip
     yield Case(
         "beads on a wall", "peak of 40 falling beads over that of 2", 1.0, 1e-6,
@@ -100,7 +90,7 @@ def _on(stiffness: float) -> Run:
 
 
 def _wall_ratio(stiffness: float) -> float:
-    """Largest force on a wall over that in the pulse that hits it."""
+    """Largest force on a wall over that of the incident pulse."""
     return _on(stiffness).wall_force().peak / 0.6395542321
 
 
@@ -121,7 +111,7 @@ def _on_wall(name: str, quantity: str) -> float:
 
 @shared
 def _ball(wall: Material) -> Run:
-    """A steel ball of 12 mm at 0.2 m/s leaves another one and meets a wall."""
+    """A 12 mm steel ball at 0.2 m/s separates from another one and hits a wall."""
     pair = Chain.from_materials(6e-3, STEEL, beads=2)
     chain = pair.replace(velocities=[0.0, 0.2], right_wall=Wall(material=wall))
     return simulate(chain, until=1e-4, times=2)
@@ -132,7 +122,7 @@ def _peak(wall: Material) -> float:
 
 
 def _duration() -> float:
-    """Twice the time to the peak, for a rigid wall."""
+    """Twice the time to the peak force, for a rigid wall."""
     run = _ball(RIGID)
     mass, modulus = float(run.chain.masses[1]), 210e9 / 0.91
     unit = (mass**2 / (6e-3 * modulus**2 * 0.2)) ** 0.2

@@ -1,4 +1,4 @@
-"""Chains under a static force: linear waves, their bands and decay, and pulses on them."""
+"""Chains under a static force: linear waves, bands, decay, and pulses."""
 
 from __future__ import annotations
 
@@ -8,38 +8,28 @@ from functools import partial
 
 import numpy as np
 
-from hertzchain.chain.chain import Chain
-from hertzchain.chain.losses import Viscoelastic
-from hertzchain.chain.materials import Material
-from hertzchain.chain.walls import Wall
-from hertzchain.contacts import Array
-from hertzchain.simulation.simulate import simulate
-from hertzchain.theory.dispersion import band_edges, dispersion_uniform, linear_stiffness
-from hertzchain.theory.long_wave import precompressed_speed
-from hertzchain.theory.spectrum import spectrum
-from hertzchain.verification.case import Case, shared
+from ..chain.chain import Chain
+from ..chain.laws.viscoelastic import Viscoelastic
+from ..chain.materials import Material
+from ..chain.walls import Wall
+from ..collision import Array
+from ..simulation.simulate import simulate
+from ..theory.dispersion import band_edges, dispersion_uniform, linear_stiffness
+from ..theory.long_wave import precompressed_speed
+from ..theory.spectrum import spectrum
+from .case import Case, shared
 
 HONG = "Hong, Ji, Kim, PRL 82, 3058 (1999)"
 BOECHLER = "Boechler et al., PRL 104, 244302 (2010)"
 
 
 def cases() -> list[Case]:
-    """Cases of this topic.
-
-    Returns
-    -------
-    list of Case
-
-    Examples
-    --------
-    >>> cases()[0].group
-    'compressed chains'
-    """
+    """Cases of this topic."""
     return [*_modes(), *_pulses(), *_spectra()]
 
 
 def _modes() -> Iterator[Case]:
-    """Small oscillations, integrated."""
+    """Simulated small oscillations."""
     yield Case(
         "compressed chains", "frequency of a mode, q = 3 pi/21",
         float(dispersion_uniform(3 * math.pi / 21, spring=1.5)), 1e-9, "2 sqrt(K/m) sin(q/2)",
@@ -50,7 +40,7 @@ def _modes() -> Iterator[Case]:
     heavy, light = np.resize([1.0, 0.4], 21), np.resize([0.4, 1.0], 21)
     both = np.resize([1.0, -2.5], 21)
     ends = np.where(np.isin(np.arange(21), (0, 20)), 0.5, 1.0) * heavy
-    names = ("heavy beads alone", "light beads alone", "heavy against light")
+    names = ("only heavy beads move", "only light beads move", "both move in antiphase")
     shapes = ((heavy, in_turn, 1.0), (light, in_turn, 1.0), (ends, both, 0.0))
     for name, edge, shape in zip(names, edges, shapes, strict=True):
         yield Case(
@@ -65,11 +55,11 @@ def _modes() -> Iterator[Case]:
 
 
 def _pulses() -> Iterator[Case]:
-    """Pulses on a static force, and under gravity."""
+    """Pulses in precompressed chains and under gravity."""
     for strike in (0.05, 1.0, 5.0):
         yield Case(
-            "compressed chains", f"pulse over long-wave theory, strike {strike:g}", 1.0, 8e-3,
-            "Coste et al., PRE 56, 6104 (1997); known to be up to 0.8 % low",
+            "compressed chains", f"speed over long-wave theory, impact at {strike:g}", 1.0, 8e-3,
+            "Coste et al., PRE 56, 6104 (1997); known to be up to 0.8% too low",
             partial(_on_compression, strike),
         )  # fmt: skip
     yield Case(
@@ -83,11 +73,11 @@ def _pulses() -> Iterator[Case]:
 
 
 def _spectra() -> Iterator[Case]:
-    """Spectra of whole chains, by `hertzchain.spectrum`."""
+    """Spectra from `hertzchain.spectrum`."""
     aluminium, steel = _aluminium_and_steel()
     yield Case(
         "spectra", "Hertz coefficient, Al on steel [N/um^1.5]", 5.46, 6e-3,
-        f"{BOECHLER}; 5.466 cut",
+        f"{BOECHLER}; 5.466 truncated",
         lambda: Chain.from_materials([9.53e-3] * 2, [aluminium, steel]).stiffness[0] * 1e-9,
         "recalled",
     )  # fmt: skip
@@ -95,7 +85,7 @@ def _spectra() -> Iterator[Case]:
     for row, name, edge in zip(((0, 1), (1, 0), (1, 1)), names, (5.125, 8.82, 10.20), strict=True):
         yield Case(
             "spectra", f"{name} band edge at 20.4 N [kHz]", edge, 1e-3 * edge,
-            f"{BOECHLER}; masses from densities, to 0.1 %", partial(_crystal_edge, *row),
+            f"{BOECHLER}; masses from densities, to 0.1%", partial(_crystal_edge, *row),
             "recalled",
         )  # fmt: skip
     for ratio in (0.2, 0.4):
@@ -114,7 +104,7 @@ def _mode_frequency(masses: Array, shape: Array, walls: float) -> float:
     chain = Chain.uniform(beads).replace(
         masses=masses, precompression=1.0, velocities=weak * shape, **ends
     )
-    # A multiple of the first guess's period, so that the phase is small.
+    # The run lasts ten periods of the first guess, so that the remaining phase is small.
     stiffness = float(linear_stiffness(1.0, 1.0))
     springs = stiffness * (np.diff(shape, append=0.0) - np.diff(shape, prepend=0.0))
     if walls == 0.0:
@@ -128,7 +118,7 @@ def _mode_frequency(masses: Array, shape: Array, walls: float) -> float:
 
 
 def _mode_decay(time: float, omega: float) -> float:
-    """From the velocity after ten periods of the damped oscillator."""
+    """Decay rate from the velocity after ten periods of the damped oscillator."""
     shape = np.sin(3 * math.pi * np.arange(1, 21) / 21)
     wall = Wall(stiffness=1.0)
     chain = Chain.uniform(20).replace(
@@ -177,7 +167,7 @@ def _aluminium_and_steel() -> tuple[Material, Material]:
 
 @shared
 def _crystal() -> Array:
-    """Band edges [kHz] of 80 beads, with the stiffness that was measured."""
+    """Band edges [kHz] of 80 beads with the measured stiffness."""
     pair = _aluminium_and_steel()
     beads = Chain.periodic([9.53e-3] * 2, cells=40, materials=pair, velocity=0.0)
     chain = beads.replace(stiffness=7.04e9, precompression=20.4, held_by="force")
@@ -189,7 +179,7 @@ def _crystal_edge(band: int, edge: int) -> float:
 
 
 def _defect(ratio: float) -> float:
-    """The highest mode of 61 beads with a light one in the middle."""
+    """Squared frequency of the highest mode of 61 beads with a light bead in the middle."""
     masses = np.ones(61)
     masses[30] = ratio
     wall = Wall(stiffness=1.0)

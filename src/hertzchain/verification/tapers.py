@@ -1,4 +1,4 @@
-"""Tapered chains: power laws of growing beads, and energy handed on by hard spheres."""
+"""Tapered chains: power laws in chains of growing beads, and energy of hard spheres."""
 
 from __future__ import annotations
 
@@ -8,12 +8,12 @@ from typing import Final, Literal
 
 import numpy as np
 
-from hertzchain.chain.chain import Chain
-from hertzchain.propagation.propagate import propagate
-from hertzchain.pulse.pulse import Pulse
-from hertzchain.theory.bca import bca
-from hertzchain.theory.hard_sphere import hard_sphere_energy_ratio
-from hertzchain.verification.case import Case, shared
+from ..chain.chain import Chain
+from ..propagation.propagate import propagate
+from ..pulse.pulse import Pulse
+from ..theory.bca import bca
+from ..theory.hard_sphere import hard_sphere_energy_ratio
+from .case import Case, shared
 
 HARBOLA = "Harbola et al., PRE 80, 031303 (2009)"
 Method = Literal["BCA", "propagate"]
@@ -21,36 +21,26 @@ BEADS: Final[dict[Method, int]] = {"BCA": 30_000, "propagate": 3000}
 
 
 def cases() -> list[Case]:
-    """Cases of this topic.
-
-    Returns
-    -------
-    list of Case
-
-    Examples
-    --------
-    >>> cases()[0].group
-    'tapers'
-    """
+    """Cases of this topic."""
     return list(_tapers())
 
 
 def _tapers() -> Iterator[Case]:
-    """Backward linear tapers, S = 0.9, over the last two thirds of the beads."""
+    """Power laws over the last two thirds of backward linear tapers with S = 0.9."""
     exponents = {"velocity": -1.5, "residence": 1.3, "arrival": 2.3}
     methods: dict[Method, float] = {"BCA": 1e-4, "propagate": 2e-3}
     for method, tolerance in methods.items():
         for quantity, exponent in exponents.items():
             yield Case(
                 "tapers", f"{quantity} ~ k^x, backward-linear, {method}", exponent, tolerance,
-                f"{HARBOLA}; of large k, here up to {BEADS[method]}",
+                f"{HARBOLA}; for large k, here up to {BEADS[method]}",
                 partial(_power, method, quantity), "recalled",
             )  # fmt: skip
     ratio = 0.95**3
     energy = (4.0 * ratio / (1.0 + ratio) ** 2) ** 19
     yield Case(
         "tapers", "energy through 20 hard spheres, q = 0.05", energy, 1e-12,
-        "collisions of two: Doney, Sen, PRE 72, 041304 (2005)",
+        "two-body collisions: Doney, Sen, PRE 72, 041304 (2005)",
         lambda: hard_sphere_energy_ratio(Chain.from_radii(0.95 ** np.arange(20))),
     )  # fmt: skip
 
@@ -62,7 +52,7 @@ def _growing(method: Method) -> Pulse:
 
 
 def _power(method: Method, quantity: str) -> float:
-    """Slope of the logarithm over that of the bead number."""
+    """Slope of ln(quantity) as a function of ln k."""
     beads = np.arange(BEADS[method] // 3, BEADS[method] - 20)
     values = getattr(_growing(method), quantity)[beads - 1]
     return float(np.polyfit(np.log(beads), np.log(values), 1)[0])

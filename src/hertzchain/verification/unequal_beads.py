@@ -1,4 +1,4 @@
-"""Heavy and light beads in turn, and small beads between large ones."""
+"""Alternating heavy and light beads, and small beads between large ones."""
 
 from __future__ import annotations
 
@@ -7,32 +7,22 @@ from functools import partial
 
 import numpy as np
 
-from hertzchain.chain.chain import Chain
-from hertzchain.simulation.simulate import simulate
-from hertzchain.theory.effective_chain import effective_chain
-from hertzchain.theory.solitary_wave import solitary_wave
-from hertzchain.verification.case import Case
+from ..chain.chain import Chain
+from ..simulation.simulate import simulate
+from ..theory.effective_chain import effective_chain
+from ..theory.solitary_wave import solitary_wave
+from .case import Case
 
 JAYAPRAKASH = "Jayaprakash et al., PRE 83, 036606 (2011): anti-resonances"
 
 
 def cases() -> list[Case]:
-    """Cases of this topic.
-
-    Returns
-    -------
-    list of Case
-
-    Examples
-    --------
-    >>> cases()[0].group
-    'dimers'
-    """
+    """Cases of this topic."""
     return list(_dimers())
 
 
 def _dimers() -> Iterator[Case]:
-    """Where solitary waves pass, and where they do not."""
+    """Mass ratios at which solitary waves exist, and ratios at which pulses decay."""
     for ratio in (1.0, 0.342845, 0.154752, 0.090127, 0.061503):
         yield Case(
             "dimers", f"velocity 181 over 61, mass ratio {ratio:g}", 1.0, 1e-8, JAYAPRAKASH,

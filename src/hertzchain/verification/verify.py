@@ -1,10 +1,10 @@
-"""The field's own tests: quantities with exact or published values, computed anew.
+"""Compute quantities with exact or published values and compare them.
 
-`verify` runs them all.  Each `Case` says what is expected, how far from it a result may
-be, where the number is from and how it was obtained.  Numbers "of two integrations" were
-found by SciPy's DOP853 at rtol 1e-13 and, for the travelling wave, by the fixed point of its
-integral equation (J. M. English, R. L. Pego, Proc. Amer. Math. Soc. 133, 1763, 2005,
-doi:10.1090/S0002-9939-05-07851-2); neither shares anything with `hertzchain.simulate`.
+Each `Case` states the expected value, the tolerance, the source and the origin of the value.
+Values from "two integrations" were computed by SciPy's DOP853 at rtol 1e-13 and, for the
+travelling wave, by fixed-point iteration of its integral equation (J. M. English, R. L. Pego,
+Proc. Amer. Math. Soc. 133, 1763, 2005, doi:10.1090/S0002-9939-05-07851-2).  Neither shares
+code with `hertzchain.simulate`.
 """
 
 from __future__ import annotations
@@ -12,24 +12,25 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from hertzchain import __version__
-from hertzchain.arguments import callback, listed, one_of
-from hertzchain.errors import InputError
-from hertzchain.simulation.simulate import Progress
-from hertzchain.verification.case import ORIGINS, Case, forget_shared
-from hertzchain.verification.cases import cases
+from .. import __version__
+from ..errors import InputError
+from ..representation import short
+from ..simulation.simulate import Progress
+from ..validation.objects import callback, check_choice, check_list
+from .case import ORIGINS, Case, forget_shared
+from .cases import cases
 
 
 @dataclass(frozen=True)
 class Verdict:
-    """A case and our value.
+    """A case and the computed value.
 
     Attributes
     ----------
     case : Case
-        The case.
+        Case with the expected value.
     ours : float
-        Our value.
+        Computed value.
 
     Examples
     --------
@@ -43,7 +44,7 @@ class Verdict:
 
     @property
     def difference(self) -> float:
-        """Ours less the expected value."""
+        """Computed value minus expected value."""
         return self.ours - self.case.expected
 
     @property
@@ -51,27 +52,34 @@ class Verdict:
         """Whether the difference is within the tolerance."""
         return abs(self.difference) <= self.case.tolerance
 
+    def __repr__(self) -> str:
+        agrees = "agrees" if self.agrees else "does not agree"
+        known = f"{self.case.expected:.10g} within {self.case.tolerance:.2g}"
+        about = f"{self.case.group}, {self.case.name}"
+        return short("Verdict", about, f"{self.ours:.10g}, expected {known}", agrees)
+
 
 def verify(
     groups: Sequence[str] | None = None, *, progress: Progress | None = None
 ) -> list[Verdict]:
-    """Compute every quantity that has an exact or published value.
+    """Compute all quantities with exact or published values.
 
     Parameters
     ----------
     groups : sequence of str, optional
-        Names of groups of cases; all by default.
+        Names of groups of cases.  The default is all groups.
     progress : callable, optional
         Called as ``progress(cases_done, cases)``.
 
     Returns
     -------
     list of Verdict
+        One verdict per case.
 
     Raises
     ------
     InputError
-        For an unknown group.
+        If a group is unknown.
 
     Examples
     --------
@@ -82,11 +90,11 @@ def verify(
     known = list(dict.fromkeys(case.group for case in every))
     callback("progress", progress)
     if groups is not None:
-        groups = listed("groups", groups, "names")
+        groups = check_list("groups", groups, "names")
     if groups is not None and not groups:
-        raise InputError(f"name groups of cases to verify, of {', '.join(known)}")
+        raise InputError(f"groups must contain at least one of {', '.join(known)}")
     for group in groups or ():
-        one_of("group of cases", group, known)
+        check_choice("group of cases", group, known)
     chosen = [case for case in every if groups is None or case.group in groups]
     verdicts = []
     for done, case in enumerate(chosen, start=1):
@@ -98,7 +106,7 @@ def verify(
 
 
 def as_dict(verdicts: Sequence[Verdict]) -> dict[str, object]:
-    """Verdicts as plain data, for JSON and reports.
+    """Convert verdicts to a dictionary of JSON types.
 
     Parameters
     ----------
@@ -108,6 +116,7 @@ def as_dict(verdicts: Sequence[Verdict]) -> dict[str, object]:
     Returns
     -------
     dict
+        Number of agreeing cases, and one entry per case.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""Solitary waves of equal beads, their trains and shocks."""
+"""Solitary waves, wave trains and shocks in chains of equal beads."""
 
 from __future__ import annotations
 
@@ -8,40 +8,30 @@ from functools import partial
 
 import numpy as np
 
-from hertzchain.chain.chain import Chain
-from hertzchain.chain.drives import Table
-from hertzchain.chain.losses import Dashpot
-from hertzchain.chain.materials import Material
-from hertzchain.chain.walls import Wall
-from hertzchain.contacts import Array
-from hertzchain.pulse.pulse import Pulse
-from hertzchain.simulation.run import Run
-from hertzchain.simulation.simulate import simulate
-from hertzchain.theory.bca import bca
-from hertzchain.theory.long_wave import QUOTED_COEFFICIENTS, sen_manciu_coefficients
-from hertzchain.theory.solitary_wave import SolitaryWave, solitary_wave
-from hertzchain.theory.spectrum import spectrum
-from hertzchain.verification.case import Case, shared
+from ..chain.chain import Chain
+from ..chain.drives import TableDrive
+from ..chain.laws.dashpot import Dashpot
+from ..chain.materials import Material
+from ..chain.walls import Wall
+from ..collision import Array
+from ..pulse.pulse import Pulse
+from ..simulation.run import Run
+from ..simulation.simulate import simulate
+from ..theory.bca import bca
+from ..theory.long_wave import QUOTED_COEFFICIENTS, sen_manciu_coefficients
+from ..theory.solitary_wave import SolitaryWave, solitary_wave
+from ..theory.spectrum import spectrum
+from .case import Case, shared
 
 TWO_INTEGRATIONS = "two integrations"
 ROSAS = "Rosas, Lindenberg, PRE 69, 037601 (2004)"
 HERBOLD = "Herbold, Nesterenko, PRE 75, 021304 (2007)"
-# Time from bead to bead and force of the wave that a strike of velocity one makes.
+# Time from bead to bead and force of the wave created by an impact with velocity one.
 PERIOD, FORCE = 1.18975557698, 0.6395542321
 
 
 def cases() -> list[Case]:
-    """Cases of this topic.
-
-    Returns
-    -------
-    list of Case
-
-    Examples
-    --------
-    >>> cases()[0].group
-    'uniform chain'
-    """
+    """Cases of this topic."""
     return [*_uniform(), *_published(), *_profile(), *_strikers(), *_shocks(), *_steel_beads()]
 
 
@@ -58,10 +48,10 @@ def _uniform() -> Iterator[Case]:
     for p, constant in speeds.items():
         yield Case(
             "uniform chain", f"speed constant C, p = {p:g}", constant, 5e-10,
-            "fixed point of the travelling wave", partial(_speed_constant, p), "computed",
+            "iteration of the wave equation", partial(_speed_constant, p), "computed",
         )  # fmt: skip
     yield Case(
-        "uniform chain", "velocity of the last bead, which leaves", 0.98567886, 6e-9,
+        "uniform chain", "velocity of the last bead, which separates", 0.98567886, 6e-9,
         TWO_INTEGRATIONS, lambda: _struck(1.5).pulse().velocity[-1], "computed",
     )  # fmt: skip
     yield Case(
@@ -69,16 +59,16 @@ def _uniform() -> Iterator[Case]:
         TWO_INTEGRATIONS, lambda: _struck(1.5).state.velocities[0], "computed",
     )  # fmt: skip
     yield Case(
-        "uniform chain", "momentum of all that moves forwards", 1.138305088728, 5e-9,
+        "uniform chain", "momentum of all beads that move forwards", 1.138305088728, 5e-9,
         TWO_INTEGRATIONS, lambda: _momentum("leading pulse", "lagging"), "computed",
     )  # fmt: skip
-    # The end of the pulse, as defined, cuts off a part of its tail.
+    # By definition, the leading pulse does not include all of its tail.
     yield Case(
         "uniform chain", "momentum of the leading pulse", 1.138305088728, 2e-5,
         TWO_INTEGRATIONS, lambda: _momentum("leading pulse"), "computed",
     )  # fmt: skip
     yield Case(
-        "uniform chain", "twice the momentum handed over at the crest", 1.138305088728, 5e-9,
+        "uniform chain", "twice the momentum transferred at the crest", 1.138305088728, 5e-9,
         "symmetry of the wave", lambda: 2.0 * _struck(1.5).leading_pulse().handed_over[150],
         "computed",
     )  # fmt: skip
@@ -95,60 +85,60 @@ def _uniform() -> Iterator[Case]:
 
 
 def _published() -> Iterator[Case]:
-    """Numbers as papers print them."""
+    """Published numbers, as printed."""
     yield Case(
         "published numbers", "speed of the pulse, numerical [beads/time]", 0.84, 5e-3, ROSAS,
         lambda: _speed(_struck(1.5).pulse()), "recalled",
     )  # fmt: skip
     yield Case(
-        "published numbers", "the same by the BCA", 0.82, 5e-3, ROSAS,
+        "published numbers", "speed of the pulse, BCA [beads/time]", 0.82, 5e-3, ROSAS,
         lambda: 1.0 / float(_residence(bca(Chain.uniform(3)))[0]), "recalled",
     )  # fmt: skip
     yield Case(
-        "published numbers", "velocity of the pulse over the strike's", 0.682, 5e-4,
+        "published numbers", "velocity of the pulse over the impact's", 0.682, 5e-4,
         "Hinch, Saint-Jean, Proc. R. Soc. A 455, 3201 (1999)", partial(_velocity, 1.5), "recalled",
     )  # fmt: skip
     yield Case(
         "published numbers", "Nesterenko's prefactor of the speed", 0.6802, 0.0125 * 0.6802,
-        "Daraio et al., PRE 73, 026610 (2006); long-wave theory, known to be 1.24 % low",
+        "Daraio et al., PRE 73, 026610 (2006); long-wave theory, known to be 1.24% too low",
         lambda: _steel_speed() / _speed_unit(_steel_force()), "recalled",
     )  # fmt: skip
     yield Case(
         "published numbers", "prefactor of the speed of sound", 0.9314, 1e-4,
-        "Daraio et al., PRE 73, 026610 (2006); cut after 4 digits", _sound_prefactor, "recalled",
+        "Daraio et al., PRE 73, 026610 (2006); truncated", _sound_prefactor, "recalled",
     )  # fmt: skip
-    # Differences of the fit from the exact wave's Taylor coefficients.
+    # Differences between the fit and the Taylor coefficients of the exact wave.
     known_errors = (1.2e-4, 1.6e-4, 1.1e-4)
     for order, quoted, error in zip((1, 3, 5), QUOTED_COEFFICIENTS, known_errors, strict=True):
         yield Case(
             "published numbers", f"coefficient C{order} of Sen and Manciu", quoted, error,
-            "PRE 64, 056605 (2001); a fit, against the Taylor series",
+            "PRE 64, 056605 (2001); a fit, compared with the Taylor series",
             partial(_sen_manciu, order), "recalled",
         )  # fmt: skip
 
 
 def _profile() -> Iterator[Case]:
-    """The wave's shape, from its limits."""
+    """Limits of the wave profile."""
     yield Case(
         "wave profile", "ln of the overlap 4 beads from the crest", math.log(4.694144675343e-9),
-        1e-9, "fixed point in 60-digit arithmetic", partial(_log_overlap, 4.0), "computed",
+        1e-9, "iteration in 60-digit arithmetic", partial(_log_overlap, 4.0), "computed",
     )  # fmt: skip
     yield Case(
         "wave profile", "ln of the overlap 6 beads from the crest", math.log(5.420602767884e-26),
-        1e-9, "fixed point in 60-digit arithmetic", partial(_log_overlap, 6.0), "computed",
+        1e-9, "iteration in 60-digit arithmetic", partial(_log_overlap, 6.0), "computed",
     )  # fmt: skip
     yield Case(
         "wave profile", "Gaussian for p -> 1: exponent/3(p - 1)", 1.0, 1e-2,
-        "Chatterjee, PRE 59, 5912 (1999); to second order of p - 1", _gaussian,
+        "Chatterjee, PRE 59, 5912 (1999); to second order in p - 1", _gaussian,
     )  # fmt: skip
     yield Case(
-        "wave profile", "c^2 at p = 1.05, crest overlap one", 0.975, 0.05**2,
-        "1 - (p - 1)/2, to first order of p - 1", _squared_speed,
+        "wave profile", "c^2 at p = 1.05, unit crest overlap", 0.975, 0.05**2,
+        "1 - (p - 1)/2, to first order in p - 1", _squared_speed,
     )  # fmt: skip
 
 
 def _strikers() -> Iterator[Case]:
-    """A uniform chain, struck by a lighter or heavier bead, or by several, or from both ends."""
+    """Uniform chains struck by a lighter or heavier bead, by several beads, or at both ends."""
     velocities = {0.1: 0.12348280, 0.25: 0.27030873, 0.5: 0.44968037, 2.0: 0.94809654,
                   4.0: 1.21314076, 8.0: 1.44133545, 16.0: 1.62033946}  # fmt: skip
     for mass, velocity in velocities.items():
@@ -159,46 +149,47 @@ def _strikers() -> Iterator[Case]:
     for count in range(1, 6):
         number = "1 striker" if count == 1 else f"{count} strikers"
         yield Case(
-            "strikers", f"waves made by {number}", count, 0.0,
-            "PRE 67, 066607 (2003); above 5 % of the first", partial(_waves, count), "abstract",
+            "strikers", f"number of waves from {number}", count, 0.0,
+            "PRE 67, 066607 (2003); above 5% of the first", partial(_waves, count), "abstract",
         )  # fmt: skip
     yield Case(
         "strikers", "head-on: middle force over the pulse's", 2.23838, 6e-6,
-        "symmetry: a rigid wall", _head_on,
+        "symmetry: equivalent to a rigid wall", _head_on,
     )  # fmt: skip
 
 
 def _shocks() -> Iterator[Case]:
-    """A piston of velocity one drives a chain with dashpots."""
+    """Shocks in a chain with dashpots, driven by a piston of velocity one."""
     for what, compute in (("speed of the front", _front_speed), ("force behind it", _force)):
         yield Case(
             "shocks", f"{what}, gamma = 0.2", 1.0, 1e-4, f"jump conditions; {HERBOLD}", compute,
         )  # fmt: skip
-    # Behind it, deviations go as exp(z t): z^2 = (2 cosh z - 2)(3/2 - gamma z).
+    # Deviations behind the front vary as exp(z t), with z^2 = (2 cosh z - 2)(3/2 - gamma z).
     real, imaginary = 0.8078330631538784, 2.174999391852513
     yield Case(
-        "shocks", "half wave behind the front, gamma = 0.2", math.pi / imaginary, 2e-3,
-        "linearised equation; the wave is not yet small", lambda: _ripples()[0],
+        "shocks", "half period behind the front, gamma = 0.2", math.pi / imaginary, 2e-3,
+        "linearised equation, of limited accuracy at this amplitude", lambda: _ripples()[0],
     )  # fmt: skip
     yield Case(
-        "shocks", "ratio of its ripples, gamma = 0.2", -math.exp(-math.pi * real / imaginary), 5e-3,
-        "linearised equation; the wave is not yet small", lambda: _ripples()[1],
+        "shocks", "ratio of successive extrema, gamma = 0.2",
+        -math.exp(-math.pi * real / imaginary), 5e-3,
+        "linearised equation, of limited accuracy at this amplitude", lambda: _ripples()[1],
     )  # fmt: skip
     yield Case(
         "shocks", "overshoot, gamma = 0.4", 0.0, 1e-4,
-        "monotonic above 0.395, where its roots cross", lambda: _overshoot(0.4),
+        "monotonic above 0.395, where the roots coincide", lambda: _overshoot(0.4),
     )  # fmt: skip
 
 
 def _steel_beads() -> Iterator[Case]:
-    """Steel beads of 10 mm diameter (E = 203 GPa, nu = 0.3, 7780 kg/m^3), struck with 1 m/s."""
+    """Steel beads of 10 mm diameter (E = 203 GPa, nu = 0.3, 7780 kg/m^3), struck at 1 m/s."""
     for name, value, tolerance, compute in (
         ("speed of the pulse [m/s]", 674.659, 6e-4, _steel_speed),
         ("largest force [N]", 209.121, 6e-4, _steel_force),
         ("largest overlap [um]", 9.2479, 6e-5, _steel_overlap),
     ):
         yield Case(
-            "steel beads", name, value, tolerance, "SI units of the constants above", compute,
+            "steel beads", name, value, tolerance, "scaled constants converted to SI", compute,
         )  # fmt: skip
 
 
@@ -227,17 +218,17 @@ def _speed_constant(p: float) -> float:
 
 
 def _momentum(*parts: str) -> float:
-    """Momentum of some parts of the budget of a pulse inside a chain."""
+    """Momentum of parts of the budget while the pulse is within the chain."""
     budget = simulate(Chain.uniform(100), until=80.0, times=[80.0]).budget()
     return float(sum(budget.momentum[part][0] for part in parts))
 
 
 def _kinetic_fraction() -> float:
-    """Of the wave alone, over the time in which it moves by one bead."""
+    """Kinetic fraction of the wave, averaged over the time in which it moves by one bead."""
     times = 60.0 + PERIOD * np.arange(24) / 24
     run = simulate(Chain.uniform(100), until=70.0, times=times)
     kinetic = 0.5 * run.velocities**2
-    # Beads far behind move freely.
+    # Beads far behind are in free flight.
     behind = float(kinetic[0, :25].sum())
     return float(kinetic[:, 25:].sum(axis=1).mean()) / (0.5 - behind)
 
@@ -264,7 +255,7 @@ def _sen_manciu(order: int) -> float:
 
 
 def _gaussian() -> float:
-    """Extrapolated to p = 1 along a straight line."""
+    """Exponent of the Gaussian, extrapolated linearly to p = 1."""
     near, far = (-math.log(_wave_overlap(p, 1.0)) / (3.0 * (p - 1.0)) for p in (1.05, 1.1))
     return 2.0 * near - far
 
@@ -283,7 +274,7 @@ def _struck_by_mass(mass: float) -> float:
 
 
 def _waves(strikers: int) -> float:
-    """Maxima of the velocity of one bead; ripples of 1 % follow them."""
+    """Number of maxima of the velocity of one bead, without the ripples of 1% behind them."""
     chain = Chain.uniform(90).struck_by(count=strikers)
     velocity = simulate(chain, until=110.0, times=3000).velocity(50 + strikers)
     inner = velocity[1:-1]
@@ -300,8 +291,8 @@ def _head_on() -> float:
 
 @shared
 def _shock(gamma: float) -> Run:
-    """The left wall moves with velocity one."""
-    piston = Table(np.array([0.0, 200.0]), np.array([0.0, 200.0]), of="displacement")
+    """Chain whose left wall moves with velocity one."""
+    piston = TableDrive(np.array([0.0, 200.0]), np.array([0.0, 200.0]), of="displacement")
     chain = Chain.uniform(110).replace(
         left_wall=Wall(stiffness=1.0), drive=piston, loss=Dashpot(gamma)
     )
@@ -321,7 +312,7 @@ def _force() -> float:
 
 @shared
 def _ripples() -> tuple[float, float]:
-    """Time between extrema of the velocity behind the front, and their ratio."""
+    """Time between extrema of the velocity behind the front, and the ratio of two of them."""
     from scipy.interpolate import CubicSpline
 
     run = _shock(0.2)
@@ -337,7 +328,7 @@ def _overshoot(gamma: float) -> float:
 
 @shared
 def _steel() -> Pulse:
-    # No yield strength: the numbers are of elastic beads, at a speed at which real ones dent.
+    # The values are for elastic beads (real ones would yield), so no yield strength is given.
     steel = Material("steel", density=7780.0, young=203e9, poisson=0.3)
     return simulate(Chain.from_materials(5e-3, steel, beads=100), times=0).pulse()
 
@@ -361,11 +352,11 @@ def _steel_overlap() -> float:
 
 
 def _speed_unit(force: float) -> float:
-    r""":math:`[4E^2F/a^2\rho^3(1-\nu^2)^2]^{1/6}` of the steel beads, of diameter a."""
+    r"""Unit :math:`[4E^2F/a^2\rho^3(1-\nu^2)^2]^{1/6}` for steel beads of diameter a."""
     return float((4.0 * 203e9**2 * force / (0.01**2 * 7780.0**3 * 0.91**2)) ** (1.0 / 6.0))
 
 
 def _sound_prefactor() -> float:
-    """From the cut-off of the steel beads' band: c0 = pi f a."""
+    """Prefactor from the cut-off frequency f of the band, with c0 = pi f a."""
     held = _steel().chain.replace(precompression=5.0, held_by="force", velocities=np.zeros(100))
     return float(math.pi * spectrum(held).band_edges()[0, 1] * 0.01) / _speed_unit(5.0)

@@ -1,0 +1,46 @@
+"""Check that a method supports all features of a chain."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from ..errors import InputError, short_repr
+from .chain import Chain
+
+# Features that are named with an article in messages.
+COUNTABLE = ("left wall", "right wall", "drive", "loss")
+
+
+def require_chain(method: str, chain: object) -> None:
+    """Raise an error for anything but a chain."""
+    if not isinstance(chain, Chain):
+        raise InputError(
+            f"{method} requires a Chain, got {short_repr(chain)}; Chain.from_radii builds one "
+            "from radii"
+        )
+
+
+def require_supported(
+    chain: Chain,
+    method: str,
+    *,
+    supported: Sequence[str] = (),
+    alternative: str = "",
+    description: str = "",
+) -> None:
+    """Raise an error for a chain with a feature that a method does not support."""
+    require_chain(method, chain)
+    others = [name for name in chain.features if name not in supported]
+    if others:
+        advice = alternative or "remove them from the chain"
+        if others == ["SI units"]:
+            advice = "use Scales.of(chain).to_scaled(chain)"
+        raise InputError(
+            f"{method} does not support {_listed(others)}; {advice} "
+            f"(chain: {description or chain.description})"
+        )
+
+
+def _listed(features: Sequence[str]) -> str:
+    *first, last = [f"a {name}" if name in COUNTABLE else name for name in features]
+    return f"{', '.join(first)} or {last}" if first else last

@@ -1,0 +1,468 @@
+"""Fields of a chain: checked numbers and arrays, and quantities derived from them."""
+
+from __future__ import annotations
+
+import dataclasses
+import warnings
+from collections.abc import Sequence
+from dataclasses import KW_ONLY, dataclass, field
+from typing import Any, Final, Literal, Self, get_args
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..collision import HERTZ_EXPONENT, Array
+from ..errors import InputError, InputWarning, short_repr, unknown_name_error
+from ..frozen import Frozen
+from ..representation import short
+from ..validation.numbers import (
+    SCALED,
+    number,
+    per_bead_array,
+    plain_magnitude,
+    real_numbers,
+    whole_number,
+)
+from ..validation.objects import check_choice, check_list
+from .boundary_checks import (
+    HELD_BY,
+    PARTS,
+    HeldBy,
+    check_drive,
+    check_laws,
+    check_part,
+    check_precompression,
+)
+from .contact_groups import ContactGroup, group_contacts, loading_forces
+from .description import beads_description
+from .drives import Drive
+from .input_checks import checked_radii, scaled_radii
+from .laws import Loss
+from .mass_and_stiffness import contact_stiffness, sphere_masses, wall_stiffness
+from .materials import Material, MaterialLike, material
+from .per_contact import (
+    ELASTIC,
+    Exponent,
+    Losses,
+    checked_exponents,
+    checked_losses,
+    contact_exponents,
+    contact_losses,
+    given_laws,
+)
+from .static_forces import Loads, check_static_overlaps, static_forces
+from .tapers import taper_named
+from .walls import Wall
+
+Units = Literal["scaled", "SI"]
+UNITS: Final[tuple[Units, ...]] = get_args(Units)
+
+# SI radii above this value [m] cause a warning, because they are probably in millimetres.
+LARGE_RADIUS: Final = 1.0
+
+# Default of a field that is computed from the others unless it is given.
+FROM_OTHERS: Final[Any] = None
+DERIVED: Final = ("masses", "stiffness", "velocities", "gaps")
+
+
+@dataclass(frozen=True, eq=False)
+class ChainFields(Frozen):
+    """Fields of `hertzchain.Chain`, which documents them; each is checked when it is set."""
+
+    radii: Array
+    exponent: Exponent = HERTZ_EXPONENT
+    _: KW_ONLY
+    taper: str | None = None
+    taper_parameters: tuple[tuple[str, float], ...] = ()
+    masses: Array = FROM_OTHERS
+    stiffness: Array = FROM_OTHERS
+    units: Units = "scaled"
+    materials: tuple[Material, ...] | None = None
+    velocities: Array = FROM_OTHERS
+    gaps: Array = FROM_OTHERS
+    strikers: int = 0
+    precompression: float = 0.0
+    held_by: HeldBy = "walls"
+    gravity: float = 0.0
+    left_wall: Wall | None = None
+    right_wall: Wall | None = None
+    drive: Drive | None = None
+    loss: Losses = None
+    # Names of the derived fields that were given.
+    given: frozenset[str] = field(init=False, repr=False)
+
+    def __post_init__(self) -> None:
+        given = frozenset(name for name in DERIVED if getattr(self, name) is not None)
+        self._set("given", given)
+        check_choice("units", self.units, UNITS)
+        self._check_radii()
+        self._set("exponent", checked_exponents(self.exponent, self.beads - 1))
+        self._set("loss", checked_losses(self.loss, self.beads - 1))
+        self._check_taper()
+        self._check_masses_and_stiffness()
+        self._check_start()
+        self._check_parts()
+        check_drive(self.drive, self.left_wall)
+        # Rejects a wall whose stiffness does not follow from its material and that of the bead.
+        _ = self.wall_stiffness
+        if not self.lossless:
+            check_laws(given_laws(self.loss), self.contact_groups, scaled=self.scaled)
+        check_choice("way to hold a chain", self.held_by, HELD_BY)
+        check_precompression(self.loads, self.held_by)
+        forces = static_forces(self.loads)
+        if forces.any():
+            radii = None if self.scaled else self.radii
+            check_static_overlaps(self.loads, forces, self.contact_groups, radii)
+
+    def _set(self, name: str, value: object) -> None:
+        object.__setattr__(self, name, value)
+
+    def _check_parts(self) -> None:
+        for name, *_ in PARTS:
+            part, p = getattr(self, name), HERTZ_EXPONENT
+            if isinstance(part, Wall) and part.with_units:
+                p = float(self.contact_exponents[0 if name == "left_wall" else -1])
+            check_part(name, part, scaled=self.scaled, exponent=p)
+
+    def _check_radii(self) -> None:
+        radii = plain_magnitude("radius", self.radii, self._unit("m"))
+        checked = scaled_radii if self.scaled else checked_radii
+        self._set("radii", _read_only(checked(radii)))
+        strikers = whole_number("strikers", self.strikers, least=0, most=self.beads - 1)
+        self._set("strikers", strikers)
+        if self.units == "scaled" and self.radii[strikers] != 1.0:
+            which = "after the strikers " if strikers else ""
+            raise InputError(
+                f"the first {which}of a scaled chain's radii must be 1, got "
+                f"{self.radii[strikers]:g}; Chain.from_radii accepts radii in any unit"
+            )
+        if self.units == "SI" and self.radii.max() > LARGE_RADIUS:
+            k = int(np.argmax(self.radii))
+            warnings.warn(
+                f"bead {k + 1} has a radius of {self.radii[k]:g} m; radii are in metres, so divide "
+                "by 1000 if these are millimetres",
+                InputWarning,
+                stacklevel=4,
+            )
+
+    def _check_taper(self) -> None:
+        given = _checked_parameters(self.taper_parameters)
+        if self.taper is None:
+            if given:
+                raise InputError("taper_parameters require a taper; use Chain.tapered")
+            return
+        taper = taper_named(self.taper)
+        values = taper.parameters(given, self.beads)
+        self._set("taper_parameters", tuple(values.items()))
+        if not np.array_equal(self.radii, taper.radii_of(self.beads, values)):
+            raise InputError(
+                f"these radii are not those of a {self.taper} taper; use Chain.tapered"
+            )
+
+    def _check_masses_and_stiffness(self) -> None:
+        """Check masses and stiffness, or compute them from radii and materials."""
+        if self.materials is not None:
+            self._set("materials", _checked_materials(self.materials, self.beads))
+        if "masses" in self.given:
+            masses = per_bead_array(
+                "mass", self.masses, self.beads, "bead", unit=self._unit("kg"), above=0.0
+            )
+        else:
+            masses = _derived(
+                "mass", "bead", sphere_masses(self.radii, self.materials, scaled=self.scaled)
+            )
+        self._set("masses", masses)
+        if "stiffness" in self.given:
+            unit = self._unit(self._stiffness_unit)
+            stiffness = per_bead_array(
+                "stiffness", self.stiffness, self.beads - 1, "contact", unit=unit, above=0.0
+            )
+        else:
+            p = np.atleast_1d(self.exponents)
+            values = contact_stiffness(self.radii, self.materials, p, scaled=self.scaled)
+            stiffness = _derived("stiffness", "contact", values)
+        self._set("stiffness", stiffness)
+
+    def _check_start(self) -> None:
+        """Check velocities, gaps, gravity and precompression."""
+        if "velocities" in self.given:
+            values = per_bead_array(
+                "velocity", self.velocities, self.beads, "bead", unit=self._unit("m/s")
+            )
+        else:
+            values = np.zeros(self.beads)
+            if self.drive is None:
+                values[: max(1, self.strikers)] = 1.0
+        self._set("velocities", _read_only(values))
+        gaps = np.zeros(self.beads - 1)
+        if "gaps" in self.given:
+            unit = self._unit("m")
+            gaps = per_bead_array("gap", self.gaps, self.beads - 1, "contact", unit=unit, least=0.0)
+        self._set("gaps", _read_only(gaps))
+        gravity = number("gravity", self.gravity, unit=self._unit("m/s**2"))
+        self._set("gravity", gravity)
+        force = number("precompression", self.precompression, unit=self._unit("N"), least=0.0,
+                       hint="contacts carry no tension")  # fmt: skip
+        self._set("precompression", force)
+
+    @property
+    def _stiffness_unit(self) -> str:
+        p = self.exponents
+        return f"N/m**{p}" if isinstance(p, float) else ""
+
+    def _unit(self, unit: str) -> str:
+        """Unit in which this chain stores a quantity, for `hertzchain.validation.numbers`."""
+        return SCALED if self.scaled else unit
+
+    def replace(self, **changes: Any) -> Self:
+        """Return a chain with some fields changed and all derived fields recomputed.
+
+        Parameters
+        ----------
+        **changes
+            Fields of `Chain` and their new values.
+
+        Returns
+        -------
+        Chain
+
+        Raises
+        ------
+        InputError
+            If a field does not exist, is out of range or contradicts another one.
+
+        Examples
+        --------
+        >>> import hertzchain as hc
+        >>> hc.Chain.uniform(20).replace(right_wall=hc.Wall.rigid())
+        Chain(uniform, 20 beads, right wall)
+        """
+        fields = [item.name for item in dataclasses.fields(self) if item.init]
+        for name in changes:
+            if name not in fields:
+                raise unknown_name_error("field of a chain", name, fields)
+        kept = {
+            name: getattr(self, name)
+            for name in fields
+            if name not in DERIVED or name in self.given
+        }
+        if "radii" in changes:
+            kept |= {"taper": None, "taper_parameters": ()}
+        return type(self)(**(kept | changes))
+
+    @property
+    def beads(self) -> int:
+        """Number of beads N."""
+        return len(self.radii)
+
+    @property
+    def scaled(self) -> bool:
+        """Whether the chain is in the scaled variables of the paper."""
+        return self.units == "scaled"
+
+    @property
+    def rate(self) -> float | None:
+        """Rate of the taper: S if it is linear, q if it is exponential; None without a rate."""
+        return dict(self.taper_parameters).get("rate")
+
+    @property
+    def wall_stiffness(self) -> tuple[float, float]:
+        r"""Stiffness of the contacts with the left and right wall [scaled, or N/m^p]; 0 if free.
+
+        In scaled variables it is :math:`\sqrt{2R}` for a flat wall of the bead's own material and
+        twice as much for a rigid wall.
+        """
+        # In SI units it follows from the materials, even if other contacts have given stiffness.
+        hertz = "stiffness" not in self.given or self.materials is not None
+        exponents = self.contact_exponents
+        left, right = (
+            wall_stiffness(
+                wall,
+                float(self.radii[bead]),
+                None if self.materials is None else self.materials[bead],
+                scaled=self.scaled,
+                hertz=hertz and exponents[bead] == HERTZ_EXPONENT,
+            )
+            for wall, bead in ((self.left_wall, 0), (self.right_wall, -1))
+        )
+        return left, right
+
+    @property
+    def contact_stiffness(self) -> Array:
+        """Stiffness of all contacts, walls included, shape (N + 1,); 0 at a free end."""
+        left, right = self.wall_stiffness
+        return np.concatenate(([left], self.stiffness, [right]))
+
+    @property
+    def exponents(self) -> Exponent:
+        """Exponents p of the contacts of two beads: one number if all are equal, else (N - 1,)."""
+        if isinstance(self.exponent, float):
+            return self.exponent
+        inner = self.contact_exponents[1:-1]
+        return float(inner[0]) if np.all(inner == inner[0]) else inner
+
+    @property
+    def contact_exponents(self) -> Array:
+        """Exponents p of all contacts, walls included, shape (N + 1,)."""
+        walls = self.left_wall, self.right_wall
+        return contact_exponents(self.exponent, self.materials, walls, self.beads)
+
+    @property
+    def contact_losses(self) -> tuple[Loss, ...]:
+        """Laws of all contacts, walls included, length N + 1; `Elastic()` without a loss."""
+        walls = self.left_wall, self.right_wall
+        return contact_losses(self.loss, self.materials, walls, self.beads)
+
+    @property
+    def contact_groups(self) -> list[ContactGroup]:
+        """All contacts, walls included, by law and exponent."""
+        kinds = None
+        if self.materials is not None and not self.scaled:
+            walls = zip((self.left_wall, self.right_wall), (0, -1), strict=True)
+            ends = [(wall and wall.material) or self.materials[bead] for wall, bead in walls]
+            kinds = [ends[0], *self.materials, ends[1]]
+        radii = None if self.scaled else self.radii
+        return group_contacts(
+            self.contact_losses, self.contact_exponents, self.contact_stiffness, self.masses,
+            radii, kinds,
+        )  # fmt: skip
+
+    def loading_force(self, overlaps: ArrayLike) -> Array:
+        """Forces of the contacts of two beads, at overlaps that are reached for the first time.
+
+        Parameters
+        ----------
+        overlaps : array_like, shape (N - 1,)
+            Overlaps; a negative one has no force [scaled, or m].
+
+        Returns
+        -------
+        ndarray, shape (N - 1,)
+            Elastic forces, and those beyond yield; without damping [scaled, or N].
+
+        Raises
+        ------
+        InputError
+            If there are too few or many overlaps.
+
+        Examples
+        --------
+        >>> import hertzchain as hc
+        >>> hc.Chain.uniform(3).loading_force([4.0, -1.0])
+        array([8., 0.])
+        """
+        values = real_numbers("overlap", overlaps, "contact", unit=self._unit("m"))
+        if values.shape != (self.beads - 1,):
+            raise InputError(
+                f"there must be {self.beads - 1} overlaps, one for each contact of two beads, got "
+                f"shape {values.shape}"
+            )
+        return loading_forces(self.contact_groups, np.pad(values, 1))[1:-1]
+
+    @property
+    def lossless(self) -> bool:
+        """Whether no contact has a loss."""
+        walls = self.left_wall, self.right_wall
+        if self.loss is None and all(wall is None or wall.loss is None for wall in walls):
+            return True
+        return all(each == ELASTIC for each in self.contact_losses)
+
+    @property
+    def loads(self) -> Loads:
+        """Quantities that determine the static contact forces."""
+        return Loads(
+            self.masses,
+            self.gaps,
+            self.strikers,
+            self.precompression,
+            self.gravity,
+            (self.left_wall, self.right_wall),
+        )
+
+    @property
+    def centre_distances(self) -> Array:
+        """Distances between the centres of neighbours at time 0, shape (N - 1,) [R_1, or m].
+
+        In SI units they include the gaps.  Scaled gaps are in units of the overlaps, which are
+        negligible compared with a radius.
+        """
+        touching = self.radii[:-1] + self.radii[1:]
+        return touching + self.gaps if not self.scaled else touching
+
+    @property
+    def features(self) -> tuple[str, ...]:
+        """Names of features that the paper's chains do not have, such as ``"gaps"``."""
+        losses = {*{id(law): law for law in self.contact_losses}.values()}
+        present = {
+            "SI units": not self.scaled,
+            "masses": "masses" in self.given,
+            "stiffness": "stiffness" in self.given,
+            "strikers": self.strikers > 0,
+            "velocities": "velocities" in self.given and not self._only_first_moves,
+            "gaps": "gaps" in self.given and bool(self.gaps.any()),
+            "precompression": self.precompression > 0.0,
+            "gravity": self.gravity != 0.0,
+            "left wall": self.left_wall is not None,
+            "right wall": self.right_wall is not None,
+            "drive": self.drive is not None,
+            "loss": len(losses) == 1 and losses != {ELASTIC},
+            "mixed exponents": len({*self.contact_exponents.tolist()}) > 1,
+            "mixed losses": len(losses) > 1,
+        }
+        return tuple(name for name, there in present.items() if there)
+
+    @property
+    def _only_first_moves(self) -> bool:
+        """Whether only bead 1 moves: with velocity 1 if scaled, forwards at any speed in SI."""
+        first = float(self.velocities[0])
+        expected = first == 1.0 if self.scaled else first >= 0.0
+        return expected and not self.velocities[1:].any()
+
+    @property
+    def description(self) -> str:
+        """Short description of the chain, for titles of tables and figures."""
+        kind = beads_description(
+            self.radii, self.materials, self.taper, self.taper_parameters, scaled=self.scaled
+        )
+        p = self.exponents
+        law = f", p = {p:g}" if isinstance(p, float) and p != HERTZ_EXPONENT else ""
+        rest = "".join(f", {name}" for name in self.features if name != "SI units")
+        return f"{kind}, {self.beads} beads{law}{rest}"
+
+    def __repr__(self) -> str:
+        return short("Chain", self.description)
+
+
+def _checked_parameters(given: Sequence[tuple[str, float]]) -> dict[str, float]:
+    pairs = check_list("taper_parameters", given, "pairs of name and value")
+    for pair in pairs:
+        if not (isinstance(pair, tuple | list) and len(pair) == 2 and isinstance(pair[0], str)):
+            raise InputError(
+                "taper_parameters must be pairs of name and value, such as ('rate', 0.05), got "
+                f"{short_repr(pair)}"
+            )
+    return dict(pairs)
+
+
+def _checked_materials(given: Sequence[MaterialLike], beads: int) -> tuple[Material, ...]:
+    kinds = tuple(map(material, check_list("materials", given, "names")))
+    if len(kinds) != beads:
+        raise InputError(f"there must be {beads} materials, one for each bead, got {len(kinds)}")
+    return kinds
+
+
+def _derived(what: str, place: str, values: Array) -> Array:
+    """Check that values computed from radii and materials are positive and finite."""
+    good = (values > 0.0) & np.isfinite(values)
+    if not good.all():
+        k = int(np.argmin(good))
+        raise InputError(
+            f"{place} {k + 1} has {what} {values[k]:g}, computed from radius and material; check "
+            "their units (to model a rigid body, use Wall.rigid())"
+        )
+    return _read_only(values)
+
+
+def _read_only(values: Array) -> Array:
+    values.setflags(write=False)
+    return values

@@ -1,0 +1,74 @@
+"""Check the number of beads, the radii and the exponent of the contact force."""
+
+from __future__ import annotations
+
+import math
+from typing import Final
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..collision import Array
+from ..errors import InputError, short_repr
+from ..validation.numbers import number, real_numbers, whole_number
+
+# Memory of a simulation per bead: sixteen stages and the state, at 8 bytes per number.
+BYTES_PER_BEAD: Final = 400
+# With a larger exponent, a contact resembles a rigid wall and the steps become too small.
+MAX_EXPONENT: Final = 50.0
+
+
+def checked_beads(beads: int) -> int:
+    """Check a number of beads: whole, at least two, and not more than fit in memory."""
+    count = whole_number("beads", beads, least=2)
+    # Any machine has memory for a hundred thousand beads, and the check takes time.
+    if count > 100_000:
+        import psutil
+
+        free = psutil.virtual_memory().available
+        if count * BYTES_PER_BEAD > free:
+            raise InputError(
+                f"{count} beads do not fit in memory: {free / 2**30:.1f} GiB are free, enough for "
+                f"{free // BYTES_PER_BEAD} beads of {BYTES_PER_BEAD} bytes; use fewer beads"
+            )
+    return count
+
+
+def checked_exponent(exponent: float) -> float:
+    """Check an exponent of the contact force: above 1 and at most 50."""
+    return number(
+        "exponent of the contact force", exponent, above=1.0, most=MAX_EXPONENT,
+        hint="Hertz contacts have 1.5",
+    )  # fmt: skip
+
+
+def checked_radii(radii: ArrayLike) -> Array:
+    """Check at least two radii, positive and finite, and return a copy."""
+    values = real_numbers("radius", radii, "bead")
+    if values.ndim != 1 or len(values) < 2:
+        raise InputError(f"radii must be a list of at least two numbers, got {short_repr(radii)}")
+    checked_beads(len(values))
+    values = values.copy()
+    good = (values > 0.0) & (values < math.inf)
+    if not good.all():
+        k = int(np.argmin(good))
+        raise InputError(
+            f"radius of bead {k + 1} is {values[k]:g}: radii must be positive and finite"
+        )
+    return values
+
+
+def scaled_radii(radii: ArrayLike) -> Array:
+    """Check radii in units of the first one, whose cubes must be representable; return a copy."""
+    values = real_numbers("radius", radii, "bead")
+    with np.errstate(over="ignore", under="ignore"):
+        masses = values**3
+    good = (masses >= np.finfo(float).tiny) & (masses < math.inf)
+    if values.ndim == 1 and not good.all():
+        k = int(np.argmin(good))
+        if not values[k] < 0.0:
+            raise InputError(
+                f"bead {k + 1} has {values[k]:g} times the radius of the first bead; masses can be "
+                "represented for ratios from 1e-102 to 1e102, so use fewer beads or a weaker taper"
+            )
+    return checked_radii(values)

@@ -1,0 +1,35 @@
+r"""Laws by which contacts lose energy, one file each.
+
+Each law is a frozen dataclass that states what is added to, or replaces, the elastic force
+:math:`F = k\,d^{\,p}` of a contact with overlap :math:`d`, while :math:`d > 0`.  Where a law's
+force would pull the beads together before they part, the field ``attractive`` states whether it
+may: `True` ends the contact where the overlap does, `False` where the force does, after which the
+beads fly apart freely.
+
+================  ============================================  ======================
+law               force                                         restitution
+================  ============================================  ======================
+`Elastic`         :math:`k d^p`                                 1
+`Restitution`     :math:`k d^p + c\sqrt{\mu k}\,d^{(p-1)/2}d'`  e at any speed
+`Viscoelastic`    :math:`k (d^p + p A\,d^{p-1} d')`             falls with speed
+`UnloadingRatio`  :math:`(1-w)\,k d^p` if :math:`d' < 0`        :math:`\sqrt{1-w}`
+`VelocityPower`   :math:`k d^p \pm \gamma\,|d'|^\alpha`         depends on speed
+`Dashpot`         :math:`k d^p + \gamma d'`                     rises with speed
+`WaltonBraun`     plastic: unloading to a dent that stays       :math:`\sqrt{K_1/K_2}`
+`ElasticPlastic`  plastic above a yield pressure                falls above a speed
+================  ============================================  ======================
+
+A law is in the units of its chain.  To add one, add a file with a class derived from
+`hertzchain.chain.laws.base.Loss`, and its force to `hertzchain.kernels.contact_law`.
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
+from pkgutil import iter_modules
+
+from .base import LAWS as LAWS
+from .base import Loss as Loss
+
+for _module in iter_modules(__path__):
+    import_module(f"{__name__}.{_module.name}")

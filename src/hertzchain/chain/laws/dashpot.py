@@ -1,0 +1,46 @@
+"""A linear dashpot next to the spring of each contact."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ...collision import Array
+from ...kernels.law_kinds import DAMPED, LawRow
+from .base import ContactArrays, ContactsAtRest, Loss, may_pull, parameter
+
+
+@dataclass(frozen=True)
+class Dashpot(Loss, name="dashpot"):
+    r"""A linear dashpot next to the spring of each contact.
+
+    .. math:: F = k\,d^{\,p} + \gamma\,d'
+
+    acting in contact only: A. Rosas, A. H. Romero, V. F. Nesterenko, K. Lindenberg, Phys.
+    Rev. Lett. 98, 164301 (2007), doi:10.1103/PhysRevLett.98.164301.
+
+    Attributes
+    ----------
+    gamma : float
+        Damping constant >= 0 [scaled, or kg/s].
+    attractive : bool
+        Whether the force may pull before the overlap ends; the usual form does.
+
+    Examples
+    --------
+    >>> Dashpot(6.0)
+    Dashpot(gamma=6.0, attractive=True)
+    """
+
+    gamma: float = parameter("gamma", "damping constant", "damping", least=0.0)
+    attractive: bool = may_pull(default=True)
+
+    def row(self, exponent: float) -> LawRow:
+        return LawRow(DAMPED, attractive=self.attractive)
+
+    def strength(self, contacts: ContactArrays) -> Array:
+        return np.full(len(contacts.stiffness), self.gamma)
+
+    def damper(self, contacts: ContactsAtRest) -> Array:
+        return np.full(len(contacts.spring), self.gamma)

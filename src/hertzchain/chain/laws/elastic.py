@@ -1,0 +1,30 @@
+"""Contacts without loss."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from ...kernels.law_kinds import ELASTIC, LawRow
+from .base import ContactArrays, Loss
+
+
+@dataclass(frozen=True)
+class Elastic(Loss, name="elastic"):
+    r"""No loss: the contact returns all energy.
+
+    .. math:: F = k\,d^{\,p}
+
+    The default of a chain; useful for one of its contacts or walls where the others have a loss.
+
+    Examples
+    --------
+    >>> import hertzchain as hc
+    >>> hc.Wall(loss=Elastic())
+    Wall(own material, loss = Elastic())
+    """
+
+    def row(self, exponent: float) -> LawRow:
+        return LawRow(ELASTIC)
+
+    def _restitution(self, speed: float, contacts: ContactArrays) -> float:
+        return 1.0

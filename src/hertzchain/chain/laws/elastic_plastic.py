@@ -1,0 +1,218 @@
+"""Elastic-plastic spheres, which yield above a contact pressure."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from ...collision import HERTZ_EXPONENT, Array
+from ...errors import InputError
+from ...kernels.law_kinds import YIELDING, LawRow
+from ..materials import FIRST_YIELD
+from .base import ContactArrays, ContactsAtRest, Loss, parameter
+
+# Halvings of an interval of overlaps, until it has only rounding left.
+BISECTIONS: Final = 60
+# Part of a force that rounding may take from it.
+ROUNDING: Final = 1e-13
+
+
+@dataclass(frozen=True)
+class ElasticPlastic(Loss, name="elastic-plastic"):
+    r"""Spheres that yield: Hertz contacts up to a pressure, plastic beyond.
+
+    With the overlap :math:`d_y` and force :math:`F_y = k\,d_y^{3/2}` at which the largest pressure
+    in the contact reaches the yield pressure :math:`p_y`, the first loading is
+
+    .. math::
+
+        F = k\,d^{3/2} \ (d \le d_y), \qquad
+        F = F_y + \pi p_y R\,(d - d_y) \ (d > d_y), \qquad
+        d_y = R \left(\frac{\pi p_y}{2 E^*}\right)^2 ,
+
+    R and :math:`E^*` the effective radius and modulus.  Below the largest overlap so far,
+    :math:`d_m` with force :math:`F_m`, the contact unloads and reloads as a Hertz contact of the
+    larger radius :math:`R_p`, and opens at the dent :math:`d_p`:
+
+    .. math::
+
+        F = \tfrac43 E^* \sqrt{R_p}\,(d - d_p)_+^{3/2}, \qquad
+        R_p = \frac{4 E^*}{3 F_m} \left(\frac{2 F_m + F_y}{2 \pi p_y}\right)^{3/2}
+            = R\,\frac{k\,d_m^{3/2}}{F_m} .
+
+    A collision with the speed v, where :math:`v_y` is the one at which beads first yield, has the
+    restitution (1 for :math:`v \le v_y`)
+
+    .. math::
+
+        e^2 = \frac{6\sqrt3}{5} \left(1 - \frac{u^2}{6}\right)
+              \left[\frac{u}{u + 2\sqrt{6/5 - u^2/5}}\right]^{1/2}, \qquad
+        u = \frac{v_y}{v}, \qquad \tfrac12 \mu v_y^2 = \tfrac25 F_y d_y .
+
+    C. Thornton, J. Appl. Mech. 64, 383 (1997), doi:10.1115/1.2787319.  Exponents other than 3/2
+    are rejected.
+
+    Attributes
+    ----------
+    yield_pressure : float or None
+        Largest pressure that a contact bears, :math:`p_y` > 0 [Pa], in chains in SI units.  If
+        omitted, 1.60 times the yield strength of the softer material, the pressure of first yield
+        (K. L. Johnson, *Contact Mechanics*, Cambridge 1985, Sec. 6.1); fully plastic contacts bear
+        up to 2.8 times the yield strength.
+    yield_overlap : float or None
+        Instead, the overlap :math:`d_y` > 0 at which a contact yields [scaled, or m].
+
+    Examples
+    --------
+    >>> import hertzchain as hc
+    >>> chain = hc.Chain.from_materials(5e-3, "steel-316", beads=2, velocity=0.1)
+    >>> after = hc.simulate(chain.replace(loss=ElasticPlastic()), until=1e-3).velocities[-1]
+    >>> round(float(after[1] - after[0]) / 0.1, 3)
+    0.415
+    """
+
+    yields = True
+    yield_pressure: float | None = parameter(
+        "yield pressure", "largest pressure that a contact bears", "pressure", default=None,
+        above=0.0,
+    )  # fmt: skip
+    yield_overlap: float | None = parameter(
+        "yield overlap", "overlap at which a contact yields", "length", default=None, above=0.0
+    )
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.yield_pressure is not None and self.yield_overlap is not None:
+            raise InputError(
+                "ElasticPlastic has a yield_pressure or a yield_overlap, not both: the pressure "
+                "decides at which overlap a contact yields"
+            )
+
+    def row(self, exponent: float) -> LawRow:
+        if exponent != HERTZ_EXPONENT:
+            raise InputError(
+                f"ElasticPlastic is a law of spheres (exponent 1.5), but a contact has p = "
+                f"{exponent:g}: use WaltonBraun"
+            )
+        return LawRow(YIELDING)
+
+    def strength(self, contacts: ContactArrays) -> Array:
+        """Overlaps at yield."""
+        if self.yield_overlap is not None:
+            return np.full(len(contacts.stiffness), self.yield_overlap)
+        if contacts.radius is None:
+            raise InputError(
+                "ElasticPlastic in a scaled chain needs a yield_overlap: pressures have no meaning "
+                "there; or make a chain in SI units"
+            )
+        pressure = self._pressures(contacts)
+        modulus = 0.75 * contacts.stiffness / np.sqrt(contacts.radius)
+        with np.errstate(divide="ignore"):
+            first = contacts.radius * (0.5 * math.pi * pressure / modulus) ** 2
+        return np.where(modulus > 0.0, first, 0.0)
+
+    def _pressures(self, contacts: ContactArrays) -> Array:
+        if self.yield_pressure is not None:
+            return np.full(len(contacts.stiffness), self.yield_pressure)
+        strength = contacts.yield_strength
+        if strength is None or not np.isfinite(strength[contacts.stiffness > 0.0]).all():
+            raise InputError(
+                "ElasticPlastic() takes the yield strength of the materials, which is not known "
+                "for all contacts here: give ElasticPlastic(yield_pressure=...)"
+            )
+        return FIRST_YIELD * strength
+
+    def resolved(self, contacts: ContactArrays) -> list[Loss]:
+        if self.yield_overlap is not None:
+            return super().resolved(contacts)
+        there = (contacts.stiffness > 0.0).tolist()
+        return [
+            ElasticPlastic(yield_overlap=first) if real else self
+            for first, real in zip(self.strength(contacts).tolist(), there, strict=True)
+        ]
+
+    def loading_force(self, overlap: Array, contacts: ContactArrays) -> Array:
+        return _loading(np.maximum(overlap, 0.0), contacts.stiffness, self.strength(contacts))
+
+    def loading_overlap(self, force: Array, contacts: ContactArrays) -> Array:
+        k, first = contacts.stiffness, self.strength(contacts)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            plastic = force / (1.5 * k * np.sqrt(first)) + first / 3.0
+        return np.where(plastic > first, plastic, super().loading_overlap(force, contacts))
+
+    def stored_energy(self, overlap: Array, force: Array, contacts: ContactArrays) -> Array:
+        """By the unloading curve through overlap and force, which tells the largest overlap."""
+        k, first = contacts.stiffness, self.strength(contacts)
+        d = np.maximum(overlap, 0.0)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            # The force falls with the largest overlap m, and is 0 at the second bound.
+            furthest = _bisected(
+                lambda m: _unloading(d, m, k, first) > force, np.maximum(d, first),
+                2.0 * d + 2.25 * first,
+            )  # fmt: skip
+            width = d - furthest + _loading(furthest, k, first) / (k * np.sqrt(furthest))
+        elastic = (d <= first) & (force >= (1.0 - ROUNDING) * _loading(d, k, first))
+        return np.where(force > 0.0, 0.4 * force * np.where(elastic, d, width), 0.0)
+
+    def largest_overlap(self, energy: Array, contacts: ContactArrays) -> Array:
+        """Where unloading gives back the energy: beyond yield, loading needs more of it."""
+        k, first = contacts.stiffness, self.strength(contacts)
+        elastic = super().largest_overlap(energy, contacts)
+
+        def less(m: Array) -> Array:
+            return 0.4 * _loading(m, k, first) ** 2 / (k * np.sqrt(m)) < energy
+
+        with np.errstate(invalid="ignore"):
+            most = (elastic**2.5 / first) ** (2.0 / 3.0)
+            return np.where(elastic > first, _bisected(less, elastic, most), elastic)
+
+    def damper(self, contacts: ContactsAtRest) -> Array:
+        if np.any(contacts.overlap > self.strength(contacts)):
+            raise InputError(
+                "contacts under ElasticPlastic that are pressed together beyond yield close along "
+                "one curve and open along a steeper one, so that no motion is small enough to be "
+                "linear: use simulate, loss=None or less precompression"
+            )
+        return super().damper(contacts)
+
+    def _yield_speed(self, contacts: ContactArrays) -> Array:
+        """Speeds of collisions at which contacts first yield."""
+        first = self.strength(contacts)
+        energy = 0.4 * contacts.stiffness * first**2.5
+        return np.asarray(np.sqrt(2.0 * energy / contacts.reduced_mass))
+
+    def _restitution(self, speed: float, contacts: ContactArrays) -> float:
+        self.row(contacts.exponent)
+        u = float(self._yield_speed(contacts)[0]) / speed
+        if u >= 1.0:
+            return 1.0
+        root = 2.0 * math.sqrt(1.2 - 0.2 * u * u)
+        return math.sqrt(1.2 * math.sqrt(3.0) * (1.0 - u * u / 6.0) * math.sqrt(u / (u + root)))
+
+
+def _loading(overlap: Array, k: Array, first: Array) -> Array:
+    """Force of the first loading; ``first`` is the overlap at yield."""
+    plastic = k * np.sqrt(first) * (1.5 * overlap - 0.5 * first)
+    return np.asarray(np.where(overlap > first, plastic, k * overlap * np.sqrt(overlap)))
+
+
+def _unloading(overlap: Array, furthest: Array, k: Array, first: Array) -> Array:
+    """Force on the way back from the overlap ``furthest``, which is beyond yield."""
+    peak = _loading(furthest, k, first)
+    width = peak / (k * np.sqrt(furthest))
+    part = np.maximum(1.0 - (furthest - overlap) / width, 0.0)
+    return np.asarray(peak * part * np.sqrt(part))
+
+
+def _bisected(below: Callable[[Array], Array], low: Array, high: Array) -> Array:
+    """Where a condition that holds at ``low`` ceases to hold, between ``low`` and ``high``."""
+    low, high = np.broadcast_arrays(low, high)
+    for _ in range(BISECTIONS):
+        middle = 0.5 * (low + high)
+        inside = below(middle)
+        low, high = np.where(inside, middle, low), np.where(inside, high, middle)
+    return 0.5 * (low + high)

@@ -1,0 +1,93 @@
+"""Compute masses and contact stiffness from radii and, in SI units, from materials."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+from ..collision import HERTZ_EXPONENT, Array, hertz_stiffness
+from ..errors import InputError
+from .materials import Material, contact_modulus, sphere_stiffness
+from .walls import Wall
+
+Materials = Sequence[Material] | None
+
+
+def sphere_masses(radii: Array, materials: Materials, *, scaled: bool) -> Array:
+    r"""Masses of spheres.
+
+    .. math:: m_k = R_k^3, \qquad m_k = \tfrac{4}{3} \pi \rho_k R_k^3
+
+    in scaled variables (Eq. (3) of the paper) and in SI units.
+    """
+    if scaled:
+        return radii**3
+    densities = np.array([each.density for each in _required(materials, "masses")])
+    with np.errstate(over="ignore", under="ignore"):
+        return 4.0 / 3.0 * math.pi * densities * radii**3
+
+
+def contact_stiffness(
+    radii: Array, materials: Materials, exponents: Array, *, scaled: bool
+) -> Array:
+    r"""Stiffness of Hertz contacts of neighbouring spheres.
+
+    .. math:: r_k = \sqrt{\frac{2 R_k R_{k+1}}{R_k + R_{k+1}}}
+
+    in scaled variables (below Eq. (4) of the paper); for SI units, see
+    `hertzchain.chain.materials.sphere_stiffness`.
+    """
+    if scaled:
+        return hertz_stiffness(radii[:-1], radii[1:])
+    known = _required(materials, "stiffness")
+    others = exponents[exponents != HERTZ_EXPONENT]
+    if len(others):
+        raise InputError(
+            f"materials determine the stiffness of Hertz contacts (exponent 1.5) only, not of p = "
+            f"{others[0]:g}; give stiffness in N/m^{others[0]:g}"
+        )
+    compliance = np.array([each.compliance for each in known])
+    with np.errstate(divide="ignore", over="ignore"):
+        modulus = 1.0 / (compliance[:-1] + compliance[1:])
+    return np.asarray(sphere_stiffness(radii[:-1], radii[1:], modulus))
+
+
+def wall_stiffness(
+    wall: Wall | None, radius: float, material: Material | None, *, scaled: bool, hertz: bool
+) -> float:
+    r"""Stiffness of the contact of a bead with a flat wall; 0 without a wall.
+
+    In scaled variables it is :math:`\sqrt{2R}` for a wall of the bead's own material and twice as
+    much for a rigid wall.  The argument ``hertz`` states whether all other contacts are Hertz
+    contacts, so that the stiffness can be computed from the material.
+    """
+    if wall is None:
+        return 0.0
+    if wall.stiffness is not None:
+        return wall.stiffness
+    if not hertz:
+        raise InputError(
+            "the stiffness of a wall follows from materials only if all other contacts are "
+            "Hertz contacts; give Wall(stiffness=...)"
+        )
+    if not scaled and material is not None:
+        other = material if wall.material is None else wall.material
+        return float(sphere_stiffness(radius, math.inf, contact_modulus(material, other)))
+    if wall.material is not None and math.isfinite(wall.material.young):
+        raise InputError(
+            f"a wall of {wall.material.name} requires a chain with materials "
+            "(Chain.from_materials); for a scaled chain use Wall(), Wall.rigid() or "
+            "Wall(stiffness=...)"
+        )
+    return math.sqrt(2.0 * radius) * (1.0 if wall.material is None else 2.0)
+
+
+def _required(materials: Materials, needed: str) -> Sequence[Material]:
+    if materials is None:
+        raise InputError(
+            f"a chain in SI units requires {needed} or materials; Chain.from_materials builds "
+            "one from radii and materials"
+        )
+    return materials

@@ -1,0 +1,180 @@
+"""Exponents and laws of loss of contacts: given as one, as a list, or by pairs of materials."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, Final, Generic, TypeAlias, TypeVar
+
+import numpy as np
+
+from ..collision import Array
+from ..errors import InputError, short_repr
+from ..validation.numbers import real_numbers
+from .input_checks import checked_exponent
+from .laws import Loss
+from .laws.elastic import Elastic
+from .materials import Material, material
+from .walls import Wall
+
+T = TypeVar("T")
+Materials: TypeAlias = Sequence[Material] | None
+Walls: TypeAlias = tuple[Wall | None, Wall | None]
+ELASTIC: Final = Elastic()
+
+
+@dataclass(frozen=True)
+class MaterialPairs(Generic[T]):
+    """A value for each pair of materials in contact, in either order."""
+
+    what: str
+    values: Mapping[frozenset[Material], T]
+
+    def between(self, one: Material, other: Material, place: str) -> T:
+        """The value of a contact of two materials."""
+        pair = frozenset((one, other))
+        if pair not in self.values:
+            raise InputError(
+                f"there is no {self.what} for {one.name} on {other.name}, which meet at {place}: "
+                f"add ({one.name!r}, {other.name!r}) to its pairs of materials"
+            )
+        return self.values[pair]
+
+    def __repr__(self) -> str:
+        items = (
+            f"{' on '.join(sorted(each.name for each in (*pair, *pair))[:: len(pair)])}: {value!r}"
+            for pair, value in self.values.items()
+        )
+        return "{" + ", ".join(items) + "}"
+
+
+Exponent: TypeAlias = Any  # a float, an array with one per contact, or MaterialPairs
+Losses: TypeAlias = Loss | tuple[Loss | None, ...] | MaterialPairs[Loss | None] | None
+
+
+def _pairs(what: str, given: Mapping[Any, Any], check: Callable[[Any], T]) -> MaterialPairs[T]:
+    """Pairs of materials, whose names are looked up."""
+    values: dict[frozenset[Material], T] = {}
+    for pair, value in given.items():
+        names = tuple(pair) if isinstance(pair, tuple | frozenset) else ()
+        if len(names) == 1 and isinstance(pair, frozenset):
+            names *= 2
+        if len(names) != 2:
+            raise InputError(
+                f"{what} by materials needs pairs such as ('steel-316', 'ptfe'), got "
+                f"{short_repr(pair)}"
+            )
+        values[frozenset(map(material, names))] = check(value)
+    if not values:
+        raise InputError(f"{what} by materials has no pairs: give one for each kind of contact")
+    return MaterialPairs(what, values)
+
+
+def _one_if_equal(values: Sequence[T]) -> T | tuple[T, ...]:
+    """One value if all are equal."""
+    return values[0] if all(each == values[0] for each in values) else tuple(values)
+
+
+def checked_exponents(given: Any, contacts: int) -> Exponent:
+    """An exponent for all contacts, an array with one for each, or one for pairs of materials."""
+    if isinstance(given, MaterialPairs):
+        return given
+    if isinstance(given, Mapping):
+        return _pairs("exponent", given, checked_exponent)
+    listed = isinstance(given, list | tuple) or (isinstance(given, np.ndarray) and given.ndim)
+    if not listed:
+        return checked_exponent(given)
+    values = real_numbers("exponent", given, "contact")
+    _check_count("exponents", values.shape, contacts)
+    one = _one_if_equal([checked_exponent(each) for each in values.tolist()])
+    if not isinstance(one, tuple):
+        return one
+    array = np.array(one)
+    array.setflags(write=False)
+    return array
+
+
+def checked_losses(given: Any, contacts: int) -> Losses:
+    """A law for all contacts or `None`, one for each, or one for pairs of materials."""
+    if isinstance(given, MaterialPairs):
+        return given
+    if isinstance(given, Mapping):
+        return _pairs("loss", given, _checked_loss)
+    if not isinstance(given, list | tuple):
+        return _checked_loss(given)
+    _check_count("laws of loss", (len(given),), contacts)
+    return _one_if_equal([_checked_loss(each) for each in given])
+
+
+def _checked_loss(given: Any) -> Loss | None:
+    if given is not None and not isinstance(given, Loss):
+        raise InputError(
+            f"loss must be a law of hertzchain.chain.laws or None, got {short_repr(given)}; "
+            "for example, Restitution(0.95) has the coefficient of restitution 0.95"
+        )
+    return None if given == ELASTIC else given
+
+
+def _check_count(what: str, shape: tuple[int, ...], contacts: int) -> None:
+    if shape != (contacts,):
+        got = shape[0] if len(shape) == 1 else f"shape {shape}"
+        raise InputError(
+            f"there must be {contacts} {what}, one for each contact of two beads, got {got}; a "
+            "wall has its own, Wall(exponent=..., loss=...)"
+        )
+
+
+def given_laws(loss: Losses) -> Iterable[Loss]:
+    """All laws that a chain's `loss` names."""
+    values: Iterable[Loss | None] = (
+        loss.values.values() if isinstance(loss, MaterialPairs)
+        else loss if isinstance(loss, tuple) else (loss,)
+    )  # fmt: skip
+    return [each for each in values if each is not None]
+
+
+def spread(given: Any, own: tuple[Any, Any], materials: Materials, walls: Walls, beads: int) -> Any:
+    """One value for each contact 0..N: those of two beads as given, those of walls their own.
+
+    ``own`` is what the walls have; where that is `None`, or an end is free, a wall's contact is
+    like the one next to it or, by materials, as its pair.
+    """
+    if isinstance(given, MaterialPairs):
+        if materials is None:
+            raise InputError(
+                f"{given.what} by pairs of materials needs a chain of materials: use "
+                "Chain.from_materials, or give a list with one for each contact"
+            )
+        inner = [
+            given.between(materials[k], materials[k + 1], f"contact {k + 1}")
+            for k in range(beads - 1)
+        ]
+    else:
+        listed = isinstance(given, tuple | np.ndarray)
+        inner = list(given) if listed else [given] * (beads - 1)
+    ends = [inner[0], inner[-1]]
+    for end, (wall, bead) in enumerate(zip(walls, (0, beads - 1), strict=True)):
+        if own[end] is not None:
+            ends[end] = own[end]
+        elif wall is not None and isinstance(given, MaterialPairs):
+            assert materials is not None
+            other = materials[bead] if wall.material is None else wall.material
+            ends[end] = given.between(materials[bead], other, f"the {('left', 'right')[end]} wall")
+    return [ends[0], *inner, ends[1]]
+
+
+def contact_exponents(exponent: Exponent, materials: Materials, walls: Walls, beads: int) -> Array:
+    """Exponents of contacts 0..N."""
+    own = tuple(None if wall is None else wall.exponent for wall in walls)
+    if isinstance(exponent, float) and own == (None, None):
+        return np.full(beads + 1, exponent)
+    return np.array(spread(exponent, own, materials, walls, beads))  # type: ignore[arg-type]
+
+
+def contact_losses(
+    loss: Losses, materials: Materials, walls: Walls, beads: int
+) -> tuple[Loss, ...]:
+    """Laws of contacts 0..N; `Elastic()` without one."""
+    own = tuple(None if wall is None else wall.loss for wall in walls)
+    laws = spread(loss, own, materials, walls, beads)  # type: ignore[arg-type]
+    return tuple(ELASTIC if each is None else each for each in laws)

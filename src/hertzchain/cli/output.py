@@ -1,0 +1,35 @@
+"""Print tables and JSON; save figures."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+if TYPE_CHECKING:
+    from rich.table import Table
+
+
+def show_table(table: Table) -> None:
+    """Print a table on stdout."""
+    from rich.console import Console
+
+    # Numbers must not be shortened; a narrow terminal wraps the lines.
+    needed = Console(width=1000).measure(table).maximum
+    Console(width=max(needed, Console().width)).print(table)
+
+
+def show_json(document: dict[str, Any]) -> None:
+    """Print a document, whose numbers must be finite, on stdout."""
+    import json
+
+    click.echo(json.dumps(document, indent=2, allow_nan=False))
+
+
+def save_figure(axes: Any, plot: Path) -> None:
+    """Write the figure of these axes to a file, in the format given by its extension."""
+    from ..plotting.style import figure_bytes
+    from ..store.writing import write_bytes
+
+    write_bytes(plot, figure_bytes(axes.figure, plot.suffix[1:]))

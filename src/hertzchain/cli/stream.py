@@ -1,0 +1,68 @@
+"""The command `simulate --stream`: a long run that is kept only on disk."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from .output import show_json
+from .progress import progress_bar
+
+if TYPE_CHECKING:
+    from ..chain.chain import Chain
+    from ..collision import Array
+
+
+def check_stream_options(**others: object) -> None:
+    """Reject options that cannot be combined with --stream."""
+    for name, value in others.items():
+        if value:
+            option = f"--{name.replace('_', '-')}"
+            raise click.UsageError(f"--stream and {option} cannot be combined")
+
+
+def stream_into(
+    folder: Path, chain: Chain, *, until: float | None, times: int, rtol: float, as_json: bool
+) -> None:
+    """Write a run to a folder, or resume the run in it, and summarise it."""
+    from ..simulation.run_message import LONG_RUN, transits_between_walls
+    from ..store import results
+    from ..store.streaming import stream
+
+    moments = _saved_times(until, times)
+    try:
+        with progress_bar("times saved") as progress:
+            stored = stream(chain, folder, times=moments, rtol=rtol, progress=progress)
+    except KeyboardInterrupt:
+        click.echo("interrupted; run the same command again to resume", err=True)
+        raise
+    files, end = len(stored.files), float(moments[-1])
+    if as_json:
+        document = {"schema_version": results.SCHEMA_VERSION, "chain": results.chain_as_dict(chain)}
+        document |= {"folder": str(folder), "files": files, "saved_times": times, "end_time": end}
+        show_json(document)
+        return
+    unit = " s" if chain.units == "SI" else ""
+    noun = "file" if files == 1 else "files"
+    click.echo(f"{chain.description}\n{times} times up to t = {end:g}{unit} in {files} {noun}")
+    if transits_between_walls(chain, end) > LONG_RUN:
+        click.echo(
+            "a long run between walls: --horizon, without --stream, shows how long it is "
+            "predictable"
+        )
+
+
+def _saved_times(until: float | None, times: int) -> Array:
+    """The requested number of evenly spaced times from 0."""
+    import numpy as np
+
+    from ..validation.numbers import number
+
+    if until is None:
+        raise click.UsageError("--stream requires --until, the stop time")
+    try:
+        return np.linspace(0.0, number("until", until, above=0.0), times)
+    except MemoryError:
+        raise click.UsageError(f"--times {times} do not fit in memory; save fewer") from None

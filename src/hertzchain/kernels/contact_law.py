@@ -1,0 +1,216 @@
+r"""The force of one contact, the energy that it stores, and how its law is looked up, compiled.
+
+Where a law's force jumps, has a memory or is cut off, each contact is in a *mode*, which
+`hertzchain.kernels.contact_modes` keeps within a step:
+
+=============  ========================  =================  =======================
+law            `LOADED`                  `RELEASED`         `STUCK`
+=============  ========================  =================  =======================
+`DAMPED`       the law acts              no force
+`UNLOADING`    approaching               parting            neither: d' = 0, held by
+                                                            a force between the two
+`PLASTIC`,     loading further than      below the largest
+`YIELDING`     ever                      overlap so far
+=============  ========================  =================  =======================
+
+A new law is a branch of `contact_force` and, if it stores energy otherwise, of `potential`.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from .compilation import compiled
+from .law_kinds import DAMPED, ELASTIC, PLASTIC, UNLOADING, YIELDING
+
+RELEASED, LOADED, STUCK = range(3)
+HERTZ = 1.5
+
+
+class Law(NamedTuple):
+    """Numbers of a law that all of its contacts share."""
+
+    kind: int
+    exponent: float
+    # DAMPED: k d^p + damping d^overlap_power |d'|^speed_power sgn d'.
+    overlap_power: float
+    speed_power: float
+    # The part of the energy given back: 1 - w of UNLOADING, e^2 of PLASTIC.
+    kept: float
+    attractive: bool
+    # Whether explicit steps would have to be too short (`hertzchain.kernels.implicit`).
+    implicit: bool
+    # Speed in which errors are at least measured: that of a chain at rest is none.
+    slowest: float
+
+
+class LawTable(NamedTuple):
+    """The laws of a chain whose contacts differ: a row per law, and the row of each contact."""
+
+    row: Any  # (N + 1,)
+    kind: Any  # (rows,), as all below
+    exponent: Any
+    overlap_power: Any
+    speed_power: Any
+    kept: Any
+    attractive: Any
+
+
+@compiled
+def law_of(c, setup):
+    """The law of contact c; `setup.law`, unless contacts differ."""
+    return law_in(c, setup.law, setup.laws)
+
+
+@compiled
+def law_in(c, law, laws):
+    """`law_of`, by the table of laws, which is `None` where all contacts have one law."""
+    if laws is None:
+        return law
+    row = laws.row[c]
+    return Law(
+        laws.kind[row], laws.exponent[row], laws.overlap_power[row], laws.speed_power[row],
+        laws.kept[row], laws.attractive[row], law.implicit, law.slowest,
+    )  # fmt: skip
+
+
+@compiled
+def laws_within(laws, low, high):
+    """The table of laws for the contacts of a window."""
+    if laws is None:
+        return None
+    return LawTable(
+        laws.row[low : high + 1], laws.kind, laws.exponent, laws.overlap_power, laws.speed_power,
+        laws.kept, laws.attractive,
+    )  # fmt: skip
+
+
+@compiled
+def force(overlap, stiffness, exponent):
+    """Contact force k d^p of a positive overlap; d^1.5 by a square root is 40 times faster."""
+    if overlap <= 0.0:
+        return 0.0
+    if exponent == 1.5:
+        return stiffness * overlap * np.sqrt(overlap)
+    return stiffness * overlap**exponent
+
+
+@compiled
+def has_modes(law):
+    """Whether the force depends on more than overlap and closing speed, or jumps with them."""
+    if law.kind == DAMPED:
+        return law.overlap_power == 0.0 or not law.attractive
+    return law.kind != ELASTIC
+
+
+@compiled
+def is_plastic(law):
+    """Whether the contact remembers its largest overlap."""
+    return law.kind == PLASTIC or law.kind == YIELDING
+
+
+@compiled
+def damping_weight(overlap, law):
+    """d^overlap_power of an overlap that is not negative."""
+    if law.overlap_power == 0.0:
+        return 1.0
+    if law.overlap_power == 0.25:
+        return np.sqrt(np.sqrt(overlap))
+    if law.overlap_power == 0.5:
+        return np.sqrt(overlap)
+    return overlap**law.overlap_power
+
+
+@compiled
+def signed_power(closing, exponent):
+    """|d'|^exponent with the sign of d'."""
+    if exponent == 1.0:
+        return closing
+    return np.sign(closing) * abs(closing) ** exponent
+
+
+@compiled
+def elastic_overlap(overlap, mode, largest, law):
+    """Overlap that the loading curve would need for the force of a plastic contact."""
+    if mode == LOADED:
+        return overlap
+    return (overlap - (1.0 - law.kept) * largest) / law.kept
+
+
+@compiled
+def loading_force(overlap, stiffness, damping, law):
+    """Force of an overlap that is reached slowly for the first time."""
+    if law.kind == YIELDING and overlap > damping:
+        return stiffness * np.sqrt(damping) * (1.5 * overlap - 0.5 * damping)
+    return force(overlap, stiffness, law.exponent)
+
+
+@compiled
+def rebound(overlap, largest, stiffness, damping, law):
+    """Overlap and stiffness of the Hertz contact by which an elastic-plastic one unloads."""
+    if largest <= damping:
+        return overlap, stiffness
+    peak = loading_force(largest, stiffness, damping, law)
+    root = np.sqrt(largest)
+    steeper = stiffness * np.sqrt(stiffness * largest * root / peak)
+    return overlap - largest + peak / (stiffness * root), steeper
+
+
+@compiled
+def power_of_yield(overlap, closing, stiffness, damping, law):
+    """Power of loading that the contact cannot return, d (W - U)/dt."""
+    if overlap <= damping:
+        return 0.0
+    slope = 1.5 * stiffness * np.sqrt(damping)
+    pushing = loading_force(overlap, stiffness, damping, law)
+    stored = 0.4 * pushing * (2.0 * slope * overlap - 0.5 * pushing)
+    return (pushing - stored / (stiffness * overlap * np.sqrt(overlap))) * closing
+
+
+@compiled
+def contact_force(overlap, closing, mode, largest, stiffness, damping, law):
+    """Force of a contact, and the power that it loses.
+
+    ``damping`` is the number of the contact that its law asks for: of YIELDING, the overlap at
+    which it first yields.
+    """
+    if law.kind == DAMPED:
+        if has_modes(law) and mode != LOADED:
+            return 0.0, 0.0
+        weight = damping * damping_weight(max(overlap, 0.0), law)
+        damped = weight * signed_power(closing, law.speed_power)
+        return force(overlap, stiffness, law.exponent) + damped, damped * closing
+    if law.kind == YIELDING:
+        if mode == LOADED:
+            pushing = loading_force(overlap, stiffness, damping, law)
+            return pushing, power_of_yield(overlap, closing, stiffness, damping, law)
+        elastic, steeper = rebound(overlap, largest, stiffness, damping, law)
+        return force(elastic, steeper, HERTZ), 0.0
+    if law.kind == PLASTIC:
+        overlap = elastic_overlap(overlap, mode, largest, law)
+    curve = force(overlap, stiffness, law.exponent)
+    if law.kind == ELASTIC:
+        return curve, 0.0
+    if mode == LOADED:
+        return curve, (1.0 - law.kept) * curve * closing
+    return law.kept * curve if law.kind == UNLOADING else curve, 0.0
+
+
+@compiled
+def potential(overlap, stiffness, damping, mode, largest, law):
+    """Energy that a contact can give back."""
+    kept = 1.0
+    if law.kind == DAMPED and has_modes(law) and mode == RELEASED:
+        return 0.0
+    if law.kind == YIELDING:
+        furthest = max(overlap, 0.0) if mode == LOADED else largest
+        overlap, stiffness = rebound(overlap, furthest, stiffness, damping, law)
+    if law.kind == PLASTIC:
+        overlap = elastic_overlap(overlap, mode, largest, law)
+        kept = law.kept
+    if law.kind == UNLOADING:
+        kept = law.kept
+    curve = force(overlap, stiffness, law.exponent)
+    return kept * curve * max(overlap, 0.0) / (law.exponent + 1.0)

@@ -1,0 +1,1 @@
+"""HTML representations of chains and results for notebooks: a small figure and key numbers."""

@@ -1,0 +1,115 @@
+"""HTML representation of a chain: its beads to scale, and numbers that describe it."""
+
+from __future__ import annotations
+
+from typing import Final
+
+import numpy as np
+
+from ..chain.chain import Chain
+from ..collision import Array
+from .drawing import COLOURS, WIDTH, engineering, legend, note, numbers, page, svg
+
+# Beads beyond which the outline of the chain is drawn instead of circles.
+MAX_CIRCLES: Final = 240
+MAX_HEIGHT: Final = 130.0
+# Thickness of a wall in the figure, and the space at both ends.
+WALL, MARGIN = 7.0, 12.0
+
+
+def chain_html(chain: Chain) -> str:
+    """Figure and numbers of a chain."""
+    parts = [_drawing(chain)]
+    kinds = [*dict.fromkeys(each.name for each in chain.materials or ())]
+    if 1 < len(kinds) <= len(COLOURS):
+        parts.append(legend(zip(kinds, COLOURS, strict=False)))
+    parts.append(numbers(_numbers(chain)))
+    if chain.units == "scaled":
+        parts.append(note("Scaled variables: in units of the first radius and the impact."))
+    return page("Chain", chain.description, *parts)
+
+
+def _numbers(chain: Chain) -> dict[str, str]:
+    units = chain.units
+
+    def range_of(values: Array, unit: str) -> str:
+        low, high = float(values.min()), float(values.max())
+        ends = [engineering(low, unit, units)]
+        if high > low * (1.0 + 1e-12):
+            ends.append(engineering(high, unit, units))
+        return " .. ".join(ends)
+
+    found = {"beads": f"{chain.beads}", "radii": range_of(chain.radii, "m"),
+             "mass in total": engineering(1e3 * chain.masses.sum(), "g") if units == "SI"
+             else f"{chain.masses.sum():.4g}"}  # fmt: skip
+    if chain.taper is not None:
+        found["taper"] = f"{chain.taper}, {chain.rate:g}"
+    struck = np.flatnonzero(chain.velocities)
+    if len(struck):
+        fastest = float(chain.velocities[struck[np.argmax(np.abs(chain.velocities[struck]))]])
+        which = f"bead {struck[0] + 1}" if len(struck) == 1 else f"{len(struck)} beads"
+        found["struck"] = f"{which}, {engineering(fastest, 'm/s', units)}"
+    exponents = dict.fromkeys(f"{each:g}" for each in np.atleast_1d(chain.exponents))
+    if [*exponents] != ["1.5"]:
+        found["exponent"] = ", ".join(exponents)
+    if not chain.lossless:
+        laws = dict.fromkeys(type(each).__name__ for each in chain.contact_losses)
+        found["loss"] = ", ".join(laws)
+    if chain.drive is not None:
+        found["drive"] = type(chain.drive).__name__
+    if chain.precompression > 0.0:
+        found["precompression"] = engineering(chain.precompression, "N", units)
+    return found
+
+
+def _drawing(chain: Chain) -> str:
+    """Beads, strikers in outline, and walls; to scale."""
+    apart = np.concatenate(([0.0], np.cumsum(chain.centre_distances)))
+    length = apart[-1] + chain.radii[0] + chain.radii[-1]
+    scale = min((WIDTH - 2.0 * MARGIN) / length, 0.5 * MAX_HEIGHT / chain.radii.max())
+    # A long chain would be too thin to see, so its thickness is not to scale.
+    thick = max(scale, 5.0 / chain.radii.max())
+    height = max(2.0 * thick * float(chain.radii.max()), 20.0) + 8.0
+    begin = 0.5 * (WIDTH - scale * length)
+    centres, middle = begin + scale * (chain.radii[0] + apart), 0.5 * height
+    radii = scale * chain.radii
+    if chain.beads <= MAX_CIRCLES:
+        content = _circles(chain, centres, radii, middle)
+    else:
+        content = _outline(centres, thick * chain.radii, middle)
+    for wall, at, outwards in (
+        (chain.left_wall, begin, -1.0), (chain.right_wall, begin + scale * length, 1.0),
+    ):  # fmt: skip
+        if wall is not None:
+            gap = 4.0 if wall.gap > 0.0 else 0.0
+            left = at + outwards * gap - (WALL if outwards < 0.0 else 0.0)
+            content += (
+                f'<rect x="{left:.1f}" y="2" width="{WALL:g}" height="{height - 4:.1f}" '
+                'fill="currentColor" opacity="0.45"/>'
+            )
+    return svg(content, height, f"the beads of the chain: {chain.description}")
+
+
+def _circles(chain: Chain, centres: Array, radii: Array, middle: float) -> str:
+    kinds = [*dict.fromkeys(chain.materials or (None,))]
+    colours = {kind: COLOURS[i % len(COLOURS)] for i, kind in enumerate(kinds)}
+    found = []
+    for k, (x, r) in enumerate(zip(centres, radii, strict=True)):
+        colour = colours[chain.materials[k] if chain.materials else None]
+        fill = "none" if k < chain.strikers else colour
+        found.append(
+            f'<circle cx="{x:.1f}" cy="{middle:.1f}" r="{max(r - 0.4, 0.4):.2f}" fill="{fill}" '
+            f'fill-opacity="0.55" stroke="{colour}"/>'
+        )
+    return "".join(found)
+
+
+def _outline(centres: Array, radii: Array, middle: float) -> str:
+    """The radii along the chain, as a band; the largest and smallest of each column."""
+    columns = np.array_split(np.arange(len(centres)), min(len(centres), 300))
+    x = [float(centres[column].mean()) for column in columns]
+    r = [float(radii[column].max()) for column in columns]
+    upper = "L".join(f"{a:.1f} {middle - b:.1f}" for a, b in zip(x, r, strict=True))
+    lower = "L".join(f"{a:.1f} {middle + b:.1f}" for a, b in zip(x[::-1], r[::-1], strict=True))
+    colour = COLOURS[0]
+    return f'<path d="M{upper}L{lower}Z" fill="{colour}" fill-opacity="0.55" stroke="{colour}"/>'

@@ -1,0 +1,299 @@
+"""HTML for notebooks: small SVG figures and tables, without any plotting library.
+
+Text and axes have the colour of the surrounding text, and curves have colours of medium
+brightness, so that figures are readable on light and on dark backgrounds.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from html import escape
+from typing import Final
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..collision import Array
+
+COLOURS: Final = ("#3d85c6", "#d46a12", "#3a9d6e", "#9b6bc4", "#d2504c", "#8a8a8a")
+WIDTH: Final = 640
+# Points of a curve after thinning: at most two per column of this many.
+COLUMNS: Final = 160
+# Points up to which each has a dot.
+MAX_DOTS: Final = 60
+# Margins of a chart: left, right, top, bottom.
+MARGINS: Final = (58, 12, 10, 34)
+PREFIXES: Final = {-12: "p", -9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G"}
+
+FONT = "font-family:system-ui,-apple-system,'Segoe UI',sans-serif"
+CELL = "padding:2px 16px 2px 0;border:0;background:none;color:inherit"
+
+
+@dataclass(frozen=True, eq=False)
+class Curve:
+    """A curve of a chart; a filled area if it has a lower edge."""
+
+    x: Array
+    y: Array
+    label: str = ""
+    colour: str = COLOURS[0]
+    base: Array | None = None
+
+
+@dataclass(frozen=True)
+class Mark:
+    """A point of a chart with a text next to it; an open circle if it is not final."""
+
+    x: float
+    y: float
+    text: str
+    colour: str = COLOURS[0]
+    open: bool = False
+
+
+def page(name: str, description: str, *parts: str) -> str:
+    """A figure and tables under a heading."""
+    heading = f'<div style="margin-bottom:4px"><b>{escape(name)}</b> {escape(description)}</div>'
+    return (
+        f'<div class="hertzchain" style="{FONT};font-size:13px;line-height:1.4;max-width:{WIDTH}px;'
+        f'color:inherit">{heading}{"".join(parts)}</div>'
+    )
+
+
+def note(text: str) -> str:
+    """A sentence below a figure."""
+    return f'<div style="opacity:0.75;font-size:12px;margin-top:4px">{escape(text)}</div>'
+
+
+def numbers(values: Mapping[str, str]) -> str:
+    """Numbers in a row, each below its name."""
+    return table(values.keys(), [values.values()])
+
+
+def table(head: Iterable[str], rows: Iterable[Iterable[str]], *, numeric: bool = False) -> str:
+    """A small table with a heading; numeric columns, all but the first, are aligned right."""
+
+    def cell(tag: str, column: int, text: str, style: str) -> str:
+        side = "right" if numeric and column else "left"
+        return f'<{tag} style="{CELL};text-align:{side};{style}">{escape(text)}</{tag}>'
+
+    faint = "font-weight:normal;opacity:0.65;font-size:11px"
+    top = "".join(cell("th", i, text, faint) for i, text in enumerate(head))
+    cells = (
+        "".join(cell("td", i, text, "font-variant-numeric:tabular-nums")
+                for i, text in enumerate(row))
+        for row in rows
+    )  # fmt: skip
+    lines = "".join(f'<tr style="background:none">{row}</tr>' for row in cells)
+    return (
+        '<div style="overflow-x:auto"><table style="border-collapse:collapse;border:0;'
+        f'margin:4px 0;font-size:13px"><tr style="background:none">{top}</tr>{lines}</table></div>'
+    )
+
+
+def legend(entries: Iterable[tuple[str, str]]) -> str:
+    """Coloured squares, each with its text."""
+    spans = (
+        f'<span style="white-space:nowrap;margin-right:14px"><span style="display:inline-block;'
+        f'width:10px;height:10px;border-radius:2px;background:{colour};margin-right:5px"></span>'
+        f"{escape(text)}</span>"
+        for text, colour in entries
+    )
+    return f'<div style="font-size:12px;margin:2px 0 2px {MARGINS[0]}px">{"".join(spans)}</div>'
+
+
+def engineering(value: float, unit: str, units: str = "SI") -> str:
+    """A number with four digits; in SI units with its unit and a prefix."""
+    if units != "SI":
+        return f"{value:.4g}"
+    power = _power_of(abs(value), unit)
+    return f"{value / 10.0**power:.4g} {PREFIXES[power]}{unit}"
+
+
+def axis_unit(values: Array, unit: str, units: str) -> tuple[float, str]:
+    """Factor and unit, in brackets, of the values on an axis."""
+    if units != "SI":
+        return 1.0, ""
+    power = _power_of(float(np.nanmax(np.abs(values), initial=0.0)), unit)
+    return 10.0**-power, f" [{PREFIXES[power]}{unit}]"
+
+
+def _power_of(size: float, unit: str) -> int:
+    if unit == "kg m/s" or not (0.0 < size < math.inf):
+        return 0
+    return int(np.clip(3 * math.floor(math.log10(size) / 3.0 + 1e-9), -12, 9))
+
+
+def svg(content: str, height: float, title: str) -> str:
+    """An SVG figure as wide as the text."""
+    return (
+        f'<svg viewBox="0 0 {WIDTH} {height:g}" width="{WIDTH}" role="img" '
+        f'style="max-width:100%;height:auto;display:block" font-size="11" fill="currentColor">'
+        f"<title>{escape(title)}</title>{content}</svg>"
+    )
+
+
+@dataclass(frozen=True)
+class _Frame:
+    """Ranges of a chart, and the conversion of values to positions."""
+
+    begin: float
+    end: float
+    low: float
+    high: float
+    height: int
+    log: bool
+    whole: bool
+
+    @property
+    def floor(self) -> int:
+        return self.height - MARGINS[3]
+
+    def across(self, x: ArrayLike) -> Array:
+        left, right, _, _ = MARGINS
+        part = (np.asarray(x, float) - self.begin) / (self.end - self.begin)
+        return np.asarray(left + (WIDTH - left - right) * part)
+
+    def up(self, y: ArrayLike) -> Array:
+        values = np.asarray(y, float)
+        if self.log:
+            with np.errstate(divide="ignore", invalid="ignore"):
+                values = np.where(values > 0.0, np.log10(values), np.nan)
+        part = (values - self.low) / (self.high - self.low)
+        return np.asarray(self.floor - (self.floor - MARGINS[2]) * part)
+
+
+def chart(
+    curves: Sequence[Curve],
+    x_label: str,
+    y_label: str,
+    *,
+    marks: Sequence[Mark] = (),
+    log: bool = False,
+    whole: bool = False,
+    height: int = 190,
+) -> str:
+    """Curves over one axis, with whole numbers if ``whole``, as an SVG figure."""
+    edges = [edge for curve in curves for edge in (curve.y, curve.base) if edge is not None]
+    values = np.concatenate([*edges, [mark.y for mark in marks]])
+    values = values[np.isfinite(values) & ((values > 0.0) | (not log))]
+    if not len(values):
+        return note("There is nothing to draw.")
+    begin, end = min(curve.x[0] for curve in curves), max(curve.x[-1] for curve in curves)
+    low, high = _limits(values, log=log)
+    end = float(end) if end > begin else float(begin) + 1.0
+    frame = _Frame(float(begin), end, low, high, height, log, whole)
+    parts = [
+        _axes(frame, x_label, y_label),
+        *(_curve(curve, frame) for curve in curves),
+        *(_mark(mark, frame) for mark in marks),
+    ]
+    return svg("".join(parts), height, f"{y_label} over {x_label}")
+
+
+def _limits(values: Array, *, log: bool) -> tuple[float, float]:
+    low, high = float(values.min()), float(values.max())
+    if log:
+        low, high = math.floor(math.log10(low)), math.ceil(math.log10(high))
+        return low, max(high, low + 1.0)
+    low, high = min(low, 0.0), max(high, 0.0)
+    room = 0.06 * (high - low) or 1.0
+    return (low - room if low < 0.0 else low), high + room
+
+
+def ticks(low: float, high: float, count: int = 4, *, whole: bool = False) -> list[float]:
+    """About this many round numbers between two others."""
+    raw = max((high - low) / count, 1.0 if whole else 0.0)
+    power = 10.0 ** math.floor(math.log10(raw))
+    step = next(each * power for each in (1.0, 2.0, 2.5, 5.0, 10.0) if each * power >= 0.999 * raw)
+    first, last = math.ceil(low / step - 1e-9), math.floor(high / step + 1e-9)
+    return [step * i for i in range(first, last + 1)]
+
+
+def _axes(frame: _Frame, x_label: str, y_label: str) -> str:
+    left, right, _, _ = MARGINS
+    parts = []
+    for level, name in _levels(frame):
+        y = float(frame.up(level))
+        parts.append(
+            f'<path d="M{left} {y:.1f}H{WIDTH - right}" stroke="currentColor" opacity="0.13"/>'
+            f'<text x="{left - 6}" y="{y + 4:.1f}" text-anchor="end">{name}</text>'
+        )
+    for x in ticks(frame.begin, frame.end, 6, whole=frame.whole):
+        place = float(frame.across(x))
+        parts.append(
+            f'<path d="M{place:.1f} {frame.floor}v4" stroke="currentColor" opacity="0.5"/>'
+            f'<text x="{place:.1f}" y="{frame.floor + 15}" text-anchor="middle">{x:.4g}</text>'
+        )
+    middle = (left + WIDTH - right) // 2
+    parts.append(
+        f'<path d="M{left} {frame.floor}H{WIDTH - right}" stroke="currentColor" opacity="0.5"/>'
+        f'<text x="{middle}" y="{frame.height - 4}" text-anchor="middle">{escape(x_label)}</text>'
+        f'<text transform="translate(11 {frame.floor // 2}) rotate(-90)" text-anchor="middle">'
+        f"{escape(y_label)}</text>"
+    )
+    return "".join(parts)
+
+
+def _levels(frame: _Frame) -> list[tuple[float, str]]:
+    """Values at which the vertical axis has a line, and their names."""
+    if not frame.log:
+        return [(level, f"{level:.4g}") for level in ticks(frame.low, frame.high)]
+    step = max(1, math.ceil((frame.high - frame.low) / 5.0))
+    powers = range(int(frame.low), int(frame.high) + 1, step)
+    return [(10.0**p, f"{10.0**p:g}" if -4 < p < 5 else f"1e{p}") for p in powers]
+
+
+def _curve(curve: Curve, frame: _Frame) -> str:
+    if curve.base is not None:
+        kept = np.unique(np.linspace(0, len(curve.x) - 1, COLUMNS).astype(int))
+        x = frame.across(curve.x[kept])
+        upper = _points(x, frame.up(curve.y[kept]))
+        lower = _points(x[::-1], frame.up(curve.base[kept][::-1]))
+        return f'<path d="M{upper}L{lower}Z" fill="{curve.colour}" fill-opacity="0.8"/>'
+    x, y = thinned(frame.across(curve.x), frame.up(curve.y))
+    pieces = np.split(np.arange(len(x)), np.flatnonzero(~np.isfinite(y)))
+    runs = [piece[np.isfinite(y[piece])] for piece in pieces]
+    dots = ""
+    if len(x) <= MAX_DOTS:
+        dots = "".join(
+            f'<circle cx="{a:.1f}" cy="{b:.1f}" r="2.4" fill="{curve.colour}"/>'
+            for a, b in zip(x, y, strict=True) if np.isfinite(b)
+        )  # fmt: skip
+    path = "".join(f"M{_points(x[run], y[run])}" for run in runs if len(run))
+    return (
+        f'<path d="{path}" fill="none" stroke="{curve.colour}" stroke-width="1.6" '
+        f'stroke-linejoin="round" stroke-linecap="round"/>{dots}'
+    )
+
+
+def thinned(x: Array, y: Array) -> tuple[Array, Array]:
+    """Lowest and highest point of each column of a figure, in their order."""
+    if len(x) <= 2 * COLUMNS:
+        return x, y
+    kept = {0, len(x) - 1}
+    for part in np.array_split(np.arange(len(x)), COLUMNS):
+        known = part[np.isfinite(y[part])]
+        if len(known):
+            kept |= {int(known[np.argmin(y[known])]), int(known[np.argmax(y[known])])}
+        if len(known) < len(part):
+            kept.add(int(part[np.argmin(np.isfinite(y[part]))]))
+    order = sorted(kept)
+    return x[order], y[order]
+
+
+def _points(x: Array, y: Array) -> str:
+    return "L".join(f"{a:.1f} {b:.1f}" for a, b in zip(x, y, strict=True))
+
+
+def _mark(mark: Mark, frame: _Frame) -> str:
+    x, y = float(frame.across(mark.x)), float(frame.up(mark.y))
+    fill = "none" if mark.open else mark.colour
+    side, anchor = (-8, "end") if x > 0.7 * WIDTH else (8, "start")
+    return (
+        f'<circle cx="{x:.1f}" cy="{y:.1f}" r="4" fill="{fill}" stroke="{mark.colour}" '
+        f'stroke-width="1.6"/><text x="{x + side:.1f}" y="{y + 4:.1f}" text-anchor="{anchor}">'
+        f"{escape(mark.text)}</text>"
+    )

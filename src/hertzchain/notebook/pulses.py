@@ -1,0 +1,81 @@
+"""HTML representations of pulses and comparisons: curves and key numbers."""
+
+from __future__ import annotations
+
+from typing import Final
+
+import numpy as np
+
+from ..pulse.comparison import Comparison
+from ..pulse.notes import notes_in_words
+from ..pulse.pulse import Pulse
+from .drawing import (
+    COLOURS,
+    Curve,
+    axis_unit,
+    chart,
+    engineering,
+    legend,
+    note,
+    numbers,
+    page,
+    table,
+)
+
+# Ratio of the largest and smallest velocity from which the axis is logarithmic.
+LOG_RANGE: Final = 30.0
+# Errors below this part of the largest are not drawn.
+SMALLEST: Final = 1e-4
+# Quantities of which a comparison draws the errors.
+DRAWN: Final = ("velocity", "arrival", "residence", "peak_force")
+
+
+def pulse_html(pulse: Pulse) -> str:
+    """Velocity along the chain, and the numbers of the last bead."""
+    units, beads = pulse.chain.units, pulse.chain.beads
+    factor, unit = axis_unit(pulse.velocity, "m/s", units)
+    known = pulse.velocity[np.isfinite(pulse.velocity) & (pulse.velocity > 0.0)]
+    log = bool(len(known)) and float(known.max()) > LOG_RANGE * float(known.min())
+    curve = Curve(pulse.bead.astype(float), factor * pulse.velocity)
+    figure = chart([curve], "bead k", f"velocity{unit}", log=log, whole=True)
+    found = {"last bead": f"{beads}", "velocity": engineering(pulse.velocity[-1], "m/s", units)}
+    found["momentum"] = engineering(pulse.momentum[-1], "kg m/s", units)
+    found["energy"] = engineering(pulse.energy[-1], "J", units)
+    if pulse.arrival is not None:
+        found["arrival"] = engineering(pulse.arrival[-1], "s", units)
+    if pulse.peak_force is not None and np.isfinite(pulse.peak_force).any():
+        k = int(np.nanargmax(pulse.peak_force))
+        force = engineering(pulse.peak_force[k], "N", units)
+        found["largest force"] = f"{force} (contact {k + 1})"
+    notes = [note(text) for text in notes_in_words(pulse.notes)]
+    return page("Pulse", f"by {pulse.method}: {pulse.chain.description}", figure, numbers(found),
+                *notes)  # fmt: skip
+
+
+def comparison_html(comparison: Comparison) -> str:
+    """Relative errors along the chain, and their largest and typical values."""
+    rows: list[tuple[str, ...]] = []
+    curves: list[Curve] = []
+    for name in comparison.quantities:
+        errors = np.abs(comparison.errors(name)[1:])
+        if np.isnan(errors).all():
+            continue
+        rows.append((
+            name, f"{100.0 * comparison.worst(name):.3g}%", f"{comparison.worst_bead(name)}",
+            f"{100.0 * comparison.rms(name):.3g}%",
+        ))  # fmt: skip
+        if name in DRAWN and (errors > 0.0).any():
+            colour = COLOURS[len(curves)]
+            places = np.arange(2.0, len(errors) + 2.0)
+            seen = np.where(errors >= SMALLEST * np.nanmax(errors), 100.0 * errors, np.nan)
+            curves.append(Curve(places, seen, name, colour))
+    parts = []
+    if curves:
+        parts.append(legend((curve.label, curve.colour) for curve in curves))
+        parts.append(
+            chart(curves, "bead or contact k", "size of the error [%]", log=True, whole=True)
+        )
+    parts.append(table(("quantity", "largest error", "at k", "rms error"), rows, numeric=True))
+    ours, theirs = comparison.pulse, comparison.reference
+    about = f"of {ours.method} with {theirs.method}: {ours.chain.description}"
+    return page("Comparison", about, *parts, note("Relative errors of beads and contacts k >= 2."))

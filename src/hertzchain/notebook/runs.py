@@ -1,0 +1,139 @@
+"""HTML representations of runs, budgets and wall forces: curves and key numbers."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Final
+
+import numpy as np
+
+from ..simulation.budget import Budget
+from ..simulation.run import Run
+from ..simulation.wall_force import WallForce
+from .drawing import (
+    COLOURS,
+    Curve,
+    Mark,
+    axis_unit,
+    chart,
+    engineering,
+    legend,
+    note,
+    numbers,
+    page,
+    table,
+)
+
+# Beads whose velocities are drawn.
+MAX_CURVES: Final = 5
+
+
+def run_html(run: Run) -> str:
+    """Velocities of some beads over time, and how the run ended."""
+    units = run.chain.units
+    found = {
+        "status": run.status,
+        "end time": engineering(run.end_time, "s", units),
+        "beads passed": f"{run.beads_passed} of {run.chain.beads}",
+        "times saved": f"{len(run.times)}",
+        "steps": f"{run.steps}",
+        "energy drift": f"{run.energy_drift:.1e}",
+        "momentum drift": f"{run.momentum_drift:.1e}",
+    }
+    parts = [numbers(found)]
+    if len(run.times) > 1:
+        parts = [*_velocities(run), *parts]
+    else:
+        parts.append(note("No times were saved, so there are no curves to draw."))
+    if run.prediction:
+        parts.append(note(f"{run.prediction[0].upper()}{run.prediction[1:]}."))
+    if not run.success:
+        parts.append(note(f"The run failed: {run.message}."))
+    return page("Run", run.chain.description, *parts)
+
+
+def _velocities(run: Run) -> tuple[str, str]:
+    beads, units = run.chain.beads, run.chain.units
+    chosen = np.unique(np.linspace(1, beads, min(MAX_CURVES, beads)).round().astype(int))
+    slow, second = axis_unit(run.times, "s", units)
+    fast, speed = axis_unit(run.velocities, "m/s", units)
+    curves = [
+        Curve(slow * run.times, fast * run.velocity(int(k)), f"bead {k}", COLOURS[i])
+        for i, k in enumerate(chosen)
+    ]
+    entries = ((curve.label, curve.colour) for curve in curves)
+    return legend(entries), chart(curves, f"time{second}", f"velocity{speed}")
+
+
+def budget_html(budget: Budget) -> str:
+    """Energy by location over time, stacked, and both balances at the last saved time."""
+    units = budget.chain.units
+    slow, second = axis_unit(budget.times, "s", units)
+    there = {name: values for name, values in budget.energy.items() if np.any(values > 0.0)}
+    factor, joule = axis_unit(np.sum([*there.values()], axis=0), "J", units)
+    curves, base = [], np.zeros(len(budget.times))
+    for colour, (name, values) in zip(COLOURS, there.items(), strict=False):
+        top = base + values
+        curves.append(Curve(slow * budget.times, factor * top, name, colour, factor * base))
+        base = top
+    rows = [*_balances(budget, factor)]
+    worst = max(float(np.abs(budget.residual(of)).max()) for of in ("energy", "momentum"))
+    impulse = " [kg m/s]" if units == "SI" else ""
+    end = engineering(float(budget.times[-1]), "s", units)
+    return page(
+        "Budget",
+        budget.chain.description,
+        legend((curve.label, curve.colour) for curve in curves),
+        chart(curves, f"time{second}", f"energy{joule}"),
+        table(
+            (f"at t = {end}", f"energy{joule}", "", f"momentum{impulse}", ""), rows, numeric=True
+        ),
+        note(f"Energy and momentum add up within {worst:.0e} of the largest amount in motion."),
+    )
+
+
+def _balances(budget: Budget, factor: float) -> Iterator[list[str]]:
+    """Rows of amounts of energy and momentum, also as parts of the total input."""
+    for name in dict.fromkeys((*budget.energy, *budget.momentum)):
+        cells = [name]
+        for there, given, unit in (
+            (budget.energy, budget.energy_given, factor),
+            (budget.momentum, budget.momentum_given, 1.0),
+        ):
+            total = float(np.sum([values[-1] for values in given.values()]))
+            value = float(there[name][-1]) if name in there else 0.0
+            cells.append(f"{unit * value:.4g}" if value else "")
+            cells.append(f"{value / total:.1%}" if value and total else "")
+        if any(cells[1:]):
+            yield cells
+
+
+def wall_force_html(wall: WallForce) -> str:
+    """The force on a wall over time with its peak, and its impulses."""
+    units = wall.units
+    parts = []
+    if len(wall.times) > 1:
+        slow, second = axis_unit(wall.times, "s", units)
+        strong, newton = axis_unit(np.array([wall.largest_so_far]), "N", units)
+        largest = engineering(wall.largest_so_far, "N", units)
+        mark = Mark(
+            slow * wall.largest_so_far_time, strong * wall.largest_so_far,
+            f"peak {largest}" if wall.complete else f"{largest} so far", open=not wall.complete,
+        )  # fmt: skip
+        marks = [mark] if wall.largest_so_far > 0.0 else []
+        curve = Curve(slow * wall.times, strong * wall.force)
+        parts.append(chart([curve], f"time{second}", f"force{newton}", marks=marks))
+    complete = wall.complete
+    found = {
+        "peak": engineering(wall.peak, "N", units) if complete else "not complete",
+        "peak time": engineering(wall.peak_time, "s", units) if complete else "",
+        "impulse of the impact": engineering(wall.impulse_of_impact, "N s", units)
+        if complete else "",
+        "impulse of the run": engineering(wall.impulse, "N s", units),
+        "contacts with the wall": f"{wall.touches}",
+    }  # fmt: skip
+    parts.append(numbers({name: value for name, value in found.items() if value}))
+    if not complete:
+        bound = engineering(wall.bound, "N", units)
+        parts.append(note(f"The run ended too early: a force of up to {bound} may follow."))
+    return page("WallForce", f"{wall.side} wall", *parts)

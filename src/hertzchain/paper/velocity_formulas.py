@@ -1,0 +1,122 @@
+"""The paper's four velocity formulas: as printed, corrected and recalibrated."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Final
+
+import matplotlib.pyplot as plt
+import numpy as np
+from matplotlib.figure import Figure as MatplotlibFigure
+
+from ..calibration import RATES, WINDOW, Window
+from ..chain.tapers import rate_symbol
+from ..collision import Array
+from ..plotting.style import COLOURS, figure_style
+from ..pulse.pulse import Pulse
+from ..theory.bca import backward_linear_prefactor, bca
+from ..theory.modified_bca import (
+    PowerLawCorrection,
+    calibrated_corrections,
+    printed_velocity,
+)
+from .published import published_correction, published_ratio
+from .tables import Pulses
+
+Formula = Callable[[Pulse], Array]
+
+PRINTED: Final = "as printed"
+WITH_PREFACTOR: Final = "with the prefactor of Eq. (28)"
+EXACT_PRODUCT: Final = "with the exact product, Eq. (5)"
+CONSTANTS_SWAPPED: Final = "with (c0, x) exchanged"
+CALIBRATED: Final = "same form, recalibrated"
+
+
+def velocity_formulas(taper: str) -> dict[str, Formula]:
+    """Velocity formula of the paper for a taper: as printed, corrected and recalibrated."""
+    calibrated = calibrated_corrections()[taper]
+
+    def printed(pulse: Pulse) -> Array:
+        assert pulse.chain.rate is not None
+        return printed_velocity(taper, pulse.chain.rate, pulse.bead.astype(float))
+
+    formulas: dict[str, Formula] = {PRINTED: printed}
+    if taper == "backward-linear":
+        ratio = published_ratio(taper).value
+        formulas[WITH_PREFACTOR] = lambda p: (
+            ratio * backward_linear_prefactor(p.chain.rate or 0.0) * p.bead**-1.5
+        )
+        formulas[EXACT_PRODUCT] = lambda p: ratio * bca(p.chain).velocity
+    elif taper == "forward-linear":
+        ratio = published_ratio(taper).value
+        formulas["with the exponent -3/2 of Eq. (22)"] = lambda p: (
+            ratio * (1.0 - p.bead / (1.0 + 1.0 / (p.chain.rate or 0.0))) ** -1.5
+        )
+        formulas[EXACT_PRODUCT] = lambda p: ratio * bca(p.chain).velocity
+    else:
+        exchanged = _exchanged(taper)
+        formulas[CONSTANTS_SWAPPED] = lambda p: exchanged.velocity(
+            bca(p.chain).velocity, p.chain.rate, p.bead
+        )
+    formulas[CALIBRATED] = lambda p: calibrated.velocity(
+        bca(p.chain).velocity, p.chain.rate, p.bead
+    )
+    return formulas
+
+
+def _exchanged(taper: str) -> PowerLawCorrection:
+    """Corrected constants: (c0, x) of the other taper, with negative x for the backward taper."""
+    other: str = (
+        "forward-exponential" if taper == "backward-exponential" else "backward-exponential"
+    )
+    pair, own = published_correction(other), published_correction(taper)
+    x = -pair.x if taper == "backward-exponential" else pair.x
+    return PowerLawCorrection(c0=pair.c0, x=x, d0=own.d0, y=own.y)
+
+
+def worst_errors(
+    formula: Formula, taper: str, pulses: Pulses, *, window: Window = WINDOW
+) -> list[float]:
+    """Largest relative error of a velocity formula over a window of beads, for each rate."""
+    first, last = window
+    exact = [pulses[taper, rate] for rate in RATES[taper]]
+    return [
+        float(np.abs(formula(pulse) / pulse.velocity - 1.0)[first - 1 : last].max())
+        for pulse in exact
+    ]
+
+
+def printed_and_corrected_errors(pulses: Pulses) -> tuple[float, float]:
+    """Largest error of the four velocity formulas as printed, and as corrected."""
+    printed, corrected = [], []
+    for taper in RATES:
+        formulas = velocity_formulas(taper)
+        best = EXACT_PRODUCT if rate_symbol(taper) == "S" else CONSTANTS_SWAPPED
+        printed += worst_errors(formulas[PRINTED], taper, pulses)
+        corrected += worst_errors(formulas[best], taper, pulses)
+    return max(printed), max(corrected)
+
+
+def draw_formula_errors(pulses: Pulses) -> MatplotlibFigure:
+    """Plot the error of each velocity formula along the chain, at the largest rate per taper."""
+    fixed = {PRINTED: (COLOURS[2], "-"), CALIBRATED: (COLOURS[0], ":")}
+    with figure_style():
+        canvas, grid = plt.subplots(2, 2, figsize=(7.6, 5.8), sharex=True)
+        for axes, taper in zip(grid.flat, RATES, strict=True):
+            rate = RATES[taper][-1]
+            pulse = pulses[taper, rate]
+            corrected = iter(((COLOURS[1], "--"), (COLOURS[3], "-.")))
+            for name, formula in velocity_formulas(taper).items():
+                colour, dashes = fixed.get(name) or next(corrected)
+                error = 100.0 * (formula(pulse) / pulse.velocity - 1.0)
+                axes.plot(pulse.bead[4:90], error[4:90], color=colour, linestyle=dashes, label=name)
+            axes.axhline(0.0, color="0.7", linewidth=0.6, zorder=0)
+            axes.set_title(f"{taper}, ${rate_symbol(taper)} = {rate:g}$")
+            if rate_symbol(taper) == "q":
+                axes.set_ylim(-40.0, 60.0)
+            axes.legend(fontsize=7.5, loc="best")
+        for axes in grid[1]:
+            axes.set_xlabel("bead $k$")
+        for axes in grid[:, 0]:
+            axes.set_ylabel("velocity error [%]")
+    return canvas

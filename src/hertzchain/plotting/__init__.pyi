@@ -1,0 +1,10 @@
+from .animation import animate as animate
+from .budget import plot_budget as plot_budget
+from .chains import plot_chain as plot_chain
+from .pulses import plot_pulses as plot_pulses
+from .runs import plot_forces as plot_forces
+from .runs import plot_run as plot_run
+from .scoreboard import plot_scoreboard as plot_scoreboard
+from .style import figure_style as figure_style
+from .sweeps import plot_sweep as plot_sweep
+from .waves import plot_waves as plot_waves

@@ -1,0 +1,148 @@
+"""Conversion of chains and results, so that scaled methods accept chains in any units.
+
+Theories and `hertzchain.propagate` compute in the paper's scaled variables.  `for_any_units` makes
+such a function accept chains in SI units and return results in SI units; it also checks that the
+method supports the chain.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import functools
+import warnings
+from collections.abc import Callable, Sequence
+from typing import Any, Final, TypeVar
+
+import numpy as np
+
+from ..chain.chain import Chain
+from ..chain.feature_support import require_chain, require_supported
+from ..chain.hertz_range import hertz_range, warn_outside_hertz
+from ..chain.scales import Scales
+from ..errors import InputError, ModelRangeWarning
+from .pulse import Pulse
+from .pulse_table import PulseTable
+from .quantities import QUANTITIES
+
+F = TypeVar("F", bound=Callable[..., Any])
+P = TypeVar("P", bound=Pulse)
+# Features that a chain in SI units may lose, or gain, when it is scaled.
+UNIT_FEATURES: Final = ("SI units", "masses", "stiffness")
+# Relative difference of numbers that differ by a conversion only.
+ROUNDING: Final = 1e-12
+
+
+def for_any_units(
+    method: str, *, supported: Sequence[str] = (), alternative: str = ""
+) -> Callable[[F], F]:
+    """Decorate a function of a scaled chain that returns a `Pulse`.
+
+    ``supported`` are the features of a chain (`Chain.features`) that the function supports, and
+    ``alternative`` is the advice for a chain that has others.
+    """
+
+    def decorate(function: F) -> F:
+        @functools.wraps(function)
+        def convert(chain: Chain, *args: Any, **options: Any) -> Any:
+            scaled = scaled_chain(chain, method, supported, alternative)
+            pulse = function(scaled, *args, **options)
+            if scaled is chain:
+                return pulse
+            pulse = in_units_of(chain, pulse)
+            if pulse.peak_overlap is not None:
+                warn_outside_hertz(chain, pulse.peak_overlap)
+            return pulse
+
+        return convert  # type: ignore[return-value]
+
+    return decorate
+
+
+def scaled_chain(
+    chain: Chain, method: str, supported: Sequence[str] = (), alternative: str = ""
+) -> Chain:
+    """The chain in scaled variables, after checking that a method supports it."""
+    require_chain(method, chain)
+    if chain.units == "scaled":
+        require_supported(chain, method, supported=supported, alternative=alternative)
+        return chain
+    require_supported(
+        chain, method, supported=(*supported, *UNIT_FEATURES), alternative=alternative
+    )
+    if not chain.velocities[0] > 0.0:
+        raise InputError(
+            f"{method} needs a chain whose first bead is struck, but this one is at rest "
+            f"({chain.description}): give it a velocity"
+        )
+    scaled = Scales.of(chain).to_scaled(chain)
+    require_supported(
+        scaled, method, supported=supported, alternative=alternative, description=chain.description
+    )
+    return scaled
+
+
+def in_units_of(chain: Chain, pulse: P) -> P:
+    """Convert a scaled pulse to the units of its chain."""
+    if chain.units == pulse.chain.units:
+        return pulse
+    return dataclasses.replace(Scales.of(chain).to_si(pulse), chain=chain)
+
+
+def in_same_units(pulse: P, reference: P) -> tuple[P, P]:
+    """Convert two pulses of one chain to the same units: SI if one of them is in SI units."""
+    ours, theirs = pulse.chain, reference.chain
+    if ours.units == theirs.units or not np.array_equal(ours.exponents, theirs.exponents):
+        return pulse, reference
+    if ours.units == "SI":
+        return pulse, Scales.of(ours).to_si(reference)
+    return Scales.of(theirs).to_si(pulse), reference
+
+
+def same_beads(one: Chain, other: Chain) -> bool:
+    """Whether two chains have the same beads and contacts, except for rounding."""
+    if one.units != other.units or not np.array_equal(one.exponents, other.exponents):
+        return False
+    if one.beads != other.beads:
+        return False
+    return all(
+        np.allclose(getattr(one, name), getattr(other, name), rtol=ROUNDING, atol=0.0)
+        for name in ("radii", "masses", "stiffness")
+    )
+
+
+def unit_of(chain: Chain, quantity: str) -> float:
+    """Unit of a quantity in the scaled variables of a chain; 1 for a scaled chain."""
+    scale = "radius" if quantity == "radii" else QUANTITIES[quantity].scale
+    return 1.0 if chain.units == "scaled" else float(Scales.of(chain).unit(scale))
+
+
+def table_in_si(chains: Sequence[Chain], table: PulseTable) -> PulseTable:
+    """The pulses of chains in SI units, from those of the scaled chains."""
+    followed = np.array([row not in table.reasons for row in range(len(chains))])
+    changes: dict[str, Any] = {}
+    for name in ("radii", "velocity", "peak_time", "arrival", "peak_overlap", "residence"):
+        units = [unit_of(each, name) if good else np.nan
+                 for each, good in zip(chains, followed, strict=True)]  # fmt: skip
+        changes[name] = getattr(table, name) * np.array(units)[:, np.newaxis]
+    found = dataclasses.replace(table, chains=tuple(chains), **changes)
+    _warn_outside_hertz(found, np.flatnonzero(followed).tolist())
+    return found
+
+
+def _warn_outside_hertz(table: PulseTable, rows: list[int]) -> None:
+    """Warn once if chains in SI units have exceeded the limits of Hertz's law."""
+    exceeded = {}
+    for row in rows:
+        chain = table.chains[row]
+        if chain.materials is not None:
+            overlaps = table.peak_overlap[row, : chain.beads - 1]
+            if violations := hertz_range(chain, overlaps).violations:
+                exceeded[row] = violations[0]
+    for row, violation in exceeded.items():
+        warnings.warn(
+            f"{len(exceeded)} of {len(table)} chains exceed the limits of Hertz's law; in the "
+            f"first of them, chain {row}, {violation}",
+            ModelRangeWarning,
+            stacklevel=5,
+        )
+        return

@@ -1,0 +1,38 @@
+"""Short representations of objects: at most three lines of 100 characters."""
+
+from __future__ import annotations
+
+import re
+import textwrap
+from typing import Final
+
+MAX_LINES: Final = 3
+MAX_WIDTH: Final = 100
+NO_BREAK: Final = "\N{NO-BREAK SPACE}"
+# Spaces around an equals sign, and between a number and its unit.
+KEPT_TOGETHER: Final = re.compile(r" (?==)|(?<==) |(?<=\d) (?=(?:kg m/s|m/s|N s|kg|Hz|[smNJ])\b)")
+
+
+def short(name: str, about: str, *facts: str) -> str:
+    """``Name(about: fact; fact)`` on at most three lines; facts that are empty are omitted."""
+    told = "; ".join(fact for fact in facts if fact)
+    return wrapped(f"{name}({': '.join(part for part in (about, told) if part)})")
+
+
+def wrapped(text: str) -> str:
+    """Text on at most three lines, the rest replaced by an ellipsis."""
+    lines = textwrap.wrap(
+        KEPT_TOGETHER.sub(NO_BREAK, text), MAX_WIDTH, subsequent_indent="    ",
+        max_lines=MAX_LINES, placeholder=" ...)", break_on_hyphens=False,
+    )  # fmt: skip
+    return "\n".join(lines).replace(NO_BREAK, " ")
+
+
+def measure(value: float, unit: str, units: str = "SI") -> str:
+    """A number with four digits and, unless it is scaled, its unit."""
+    return f"{value:.4g} {unit}" if units == "SI" else f"{value:.4g}"
+
+
+def counted(count: int, noun: str) -> str:
+    """``1 wave``, ``2 waves``."""
+    return f"{count} {noun}{'' if count == 1 else 's'}"

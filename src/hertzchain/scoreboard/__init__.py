@@ -1,1 +1,0 @@
-"""The theories against the integration, over tapers that none was fitted to."""

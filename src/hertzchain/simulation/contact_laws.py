@@ -1,0 +1,105 @@
+"""The contact laws of a chain in the kernel's terms: a row per law, a number per contact."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+
+from ..chain.chain import Chain
+from ..chain.contact_groups import ContactGroup
+from ..chain.equilibrium import equilibrium
+from ..collision import Array, collision_overlap, compression_time
+from ..errors import InputError
+from ..kernels.law_kinds import DAMPED, ELASTIC, PLASTIC, UNLOADING, VECTORISED, LawRow
+from .time_scales import typical_speed
+
+if TYPE_CHECKING:
+    from ..kernels.contact_law import Law, LawTable
+
+# Steps are implicit where damping would bring contacts to rest more often than this within the
+# time of a pulse: explicit steps become so short that they take longer.
+STIFF: Final = 300.0
+# Beyond, contacts are rigid for any step, and the equations of an implicit one overflow.
+RIGID: Final = 1e250
+# Speeds below this part of the fastest do not matter while a chain at rest is set in motion.
+SLOWEST: Final = 1e-3
+
+
+def contact_laws(chain: Chain) -> tuple[Law, LawTable | None, Array]:
+    """The law of all contacts, a table of laws if they differ, and the damping of each contact."""
+    from ..kernels.contact_law import Law
+
+    groups = chain.contact_groups
+    rows = [group.law.row(group.contacts.exponent) for group in groups]
+    damping = np.zeros(chain.beads + 1)
+    for group in groups:
+        strength = group.law.strength(group.contacts)
+        damping[group.index] = np.where(group.contacts.stiffness > 0.0, strength, 0.0)
+    implicit = _steps_are_implicit(chain, groups, rows, damping)
+    slowest = SLOWEST * typical_speed(chain) if implicit else 0.0
+    exponent = groups[0].contacts.exponent
+    if len(groups) == 1 and rows[0].kind in VECTORISED:
+        law = Law(**rows[0]._asdict(), exponent=exponent, implicit=implicit, slowest=slowest)
+        return law, None, damping
+    if implicit:
+        # Implicit steps have contacts under damping only.
+        rows = [row._replace(kind=DAMPED) for row in rows]
+    table = _table(groups, rows)
+    return Law(_checked_for(rows), exponent, 0.0, 1.0, 1.0, True, implicit, slowest), table, damping
+
+
+def _table(groups: Sequence[ContactGroup], rows: Sequence[LawRow]) -> LawTable:
+    from ..kernels.contact_law import LawTable
+
+    row = np.zeros(sum(len(group.index) for group in groups), np.int64)
+    for number, group in enumerate(groups):
+        row[group.index] = number
+    columns = {name: np.array([getattr(each, name) for each in rows]) for name in LawRow._fields}
+    exponents = np.array([group.contacts.exponent for group in groups])
+    return LawTable(row=row, exponent=exponents, **columns)
+
+
+def _checked_for(rows: Sequence[LawRow]) -> int:
+    """The kind of law that needs the most of all checks that any of the laws needs."""
+    from ..kernels.contact_law import has_modes
+
+    if UNLOADING in {row.kind for row in rows}:
+        return UNLOADING
+    return PLASTIC if any(map(has_modes.py_func, rows)) else ELASTIC
+
+
+def _steps_are_implicit(
+    chain: Chain, groups: Sequence[ContactGroup], rows: Sequence[LawRow], damping: Array
+) -> bool:
+    """Whether the damping is too stiff for explicit steps."""
+    damped = [(group, row) for group, row in zip(groups, rows, strict=True) if row.kind == DAMPED]
+    sudden = [group.law for group, row in damped if row.speed_power < 1.0]
+    remember = [
+        group.law for group, row in zip(groups, rows, strict=True)
+        if row.kind not in (ELASTIC, DAMPED)
+    ]  # fmt: skip
+    if sudden and remember:
+        raise InputError(
+            f"contacts under {sudden[0]} (alpha < 1) need implicit steps, which cannot follow "
+            f"contacts under {remember[0]}: use alpha >= 1, or another law for these"
+        )
+    if sudden or remember:
+        return bool(sudden)
+    return any(STIFF < _relaxation(chain, group, row, damping) < RIGID for group, row in damped)
+
+
+def _relaxation(chain: Chain, group: ContactGroup, row: LawRow, damping: Array) -> float:
+    """How often, at most, damping would bring a contact to rest within the time of a pulse."""
+    there = group.contacts.stiffness > 0.0
+    speed = typical_speed(chain)
+    if speed == 0.0 or not there.any():
+        return 0.0
+    contacts, own = group.contacts.only(there), damping[group.index][there]
+    mass, k, p = contacts.reduced_mass, contacts.stiffness, contacts.exponent
+    static = (equilibrium(chain).forces[group.index][there] / k) ** (1.0 / p)
+    overlap = np.maximum(collision_overlap(mass, k, speed, p), static)
+    a = row.speed_power
+    steepness = a * own * overlap**row.overlap_power * speed ** (a - 1.0)
+    return float(np.max(steepness * compression_time(mass, k, speed, p) / mass))

@@ -1,0 +1,152 @@
+r"""Find the waves of a run: maxima of the force that pass one contact after another.
+
+Events of neighbouring contacts and of one direction are assigned to each other so that the sum of
+
+.. math:: \left(\frac{\Delta t}{h} - 1\right)^2 + \ln^2\frac{J_{k\pm1}}{J_k}
+
+is smallest, where :math:`h = 0.66\,J/F` is the time in which a solitary wave of this duration
+passes from contact to contact; pairs of 4 or more are not linked.  A wave ends where it meets
+another wave or a wall, and a new one begins beyond.
+"""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Iterator
+from typing import Final
+
+import numpy as np
+
+from ..errors import InputError, InputWarning
+from ..validation.numbers import number, whole_number
+from .trajectory import Trajectory
+from .wave_events import (
+    MIN_SAMPLES,
+    WaveEvent,
+    check_saved_times,
+    events_at,
+    largest_force_of,
+    times_to_save,
+)
+from .waves import DIRECTIONS, Wave, Waves
+
+# Time from contact to contact in durations, in the solitary wave of p = 3/2.
+HOP: Final = 0.66
+# Limits for linking two events: time relative to the expected time, and cost.
+EARLIEST, LATEST = -0.36, 2.86
+MAX_COST: Final = 4.0
+
+
+def find_waves(self: Trajectory, *, threshold: float = 0.01, min_contacts: int = 3) -> Waves:
+    """Find the travelling waves in both directions: pulses, trains and reflections.
+
+    A wave is a maximum of the force that passes one contact after another;
+    `hertzchain.simulation.find_waves` describes how waves are found.
+
+    Parameters
+    ----------
+    threshold : float
+        Smallest force of a wave, relative to the largest force of the run.
+    min_contacts : int
+        Smallest number of contacts that a wave passes.
+
+    Returns
+    -------
+    Waves
+        A sequence of `Wave`, ordered by the time at the first contact.
+
+    Raises
+    ------
+    InputError
+        If fewer than 8 times were saved during the passage of the strongest wave.
+
+    Warns
+    -----
+    InputWarning
+        If some weaker waves are not resolved; they are marked.
+
+    Examples
+    --------
+    A striker of four times the mass sends a train of waves, each half as strong as the one
+    before it:
+
+    >>> import hertzchain as hc
+    >>> import numpy as np
+    >>> chain = hc.Chain.uniform(80).replace(masses=np.append(4.0, np.ones(79)))
+    >>> train = hc.simulate(chain, until=110.0, times=2200).waves().passing(60)
+    >>> [round(wave.amplitude, 3) for wave in train][:4]
+    [1.277, 0.495, 0.207, 0.089]
+    """
+    threshold = number("threshold", threshold, above=0.0, below=1.0)
+    least = whole_number("min_contacts", min_contacts, least=2)
+    check_saved_times(self)
+    floor = threshold * largest_force_of(self)
+    events = [events_at(self, k, floor) for k in range(self.chain.beads + 1)]
+    every = [event for here in events for event in here]
+    tracks = [
+        track for sign in DIRECTIONS for track in _tracks(events, sign) if len(track) >= least
+    ]
+    found = [Wave(self.chain, track[0].direction, tuple(track)) for track in tracks]
+    found.sort(key=lambda wave: wave.events[0].time)
+    _check_resolved(self, found)
+    return Waves(self.chain, tuple(found), tuple(every))
+
+
+def _tracks(events: list[list[WaveEvent]], sign: int) -> Iterator[list[WaveEvent]]:
+    """Events of one direction, linked from contact to contact."""
+    moving = [[event for event in here if event.direction == sign] for here in events][::sign]
+    open_tracks: dict[int, list[WaveEvent]] = {}
+    for here, there in zip(moving, [*moving[1:], []], strict=True):
+        for i, event in enumerate(here):
+            open_tracks.setdefault(i, [event])
+        following = {}
+        for i, j in _links(here, there):
+            track = open_tracks.pop(i)
+            track.append(there[j])
+            following[j] = track
+        yield from open_tracks.values()
+        open_tracks = following
+
+
+def _links(here: list[WaveEvent], there: list[WaveEvent]) -> Iterator[tuple[int, int]]:
+    """Assign events of the next contact to events of this one."""
+    from scipy.optimize import linear_sum_assignment
+
+    if not (here and there):
+        return
+    time, duration, impulse = (np.array(c)[:, np.newaxis] for c in _columns(here))
+    next_time, next_duration, next_impulse = (np.array(c) for c in _columns(there))
+    wait = (next_time - time) / (0.5 * HOP * (duration + next_duration))
+    # Impulses of opposite signs, of which one is rounding, give NaN and are not linked.
+    with np.errstate(invalid="ignore", divide="ignore"):
+        cost = (wait - 1.0) ** 2 + np.log(next_impulse / impulse) ** 2
+    cost[(wait <= EARLIEST) | (wait >= LATEST) | ~(cost < MAX_COST)] = 1e9
+    for i, j in zip(*linear_sum_assignment(cost), strict=True):
+        if cost[i, j] < MAX_COST:
+            yield int(i), int(j)
+
+
+def _columns(events: list[WaveEvent]) -> Iterator[tuple[float, ...]]:
+    return zip(*((e.time, e.duration, e.impulse) for e in events), strict=True)
+
+
+def _check_resolved(run: Trajectory, waves: list[Wave]) -> None:
+    """Raise an error if the strongest wave is not resolved; warn about weaker ones."""
+    missed = [wave for wave in waves if not wave.resolved]
+    if not missed:
+        return
+    worst = min(wave.samples for wave in missed)
+    advice = f"save at least times={times_to_save(run, worst)}"
+    strongest = max(waves, key=lambda wave: wave.energy)
+    if not strongest.resolved:
+        raise InputError(
+            "too few saved times to find waves: the strongest wave has "
+            f"{strongest.samples:.3g} while it passes a contact, but at least {MIN_SAMPLES:g} are "
+            f"required; {advice}"
+        )
+    warnings.warn(
+        f"{len(missed)} of {len(waves)} waves have fewer than {MIN_SAMPLES:g} saved times while "
+        f"they pass a contact (least: {worst:.3g}) and are marked as unresolved; {advice}",
+        InputWarning,
+        stacklevel=3,
+    )

@@ -1,0 +1,83 @@
+"""A chain as the arrays that the compiled equations take.
+
+`kernel_chain` has what acts on the beads, `initial_state` where they are and how they move at
+time 0.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+
+from ..chain.chain import Chain
+from ..chain.equilibrium import equilibrium
+from ..collision import Array
+from ..errors import InputError
+from .contact_laws import contact_laws
+from .drive_pieces import drive_pieces
+
+if TYPE_CHECKING:
+    from ..kernels.forces import DefaultChain, GeneralChain
+
+# What the loop for default chains supports: any other chain takes the general one.
+PLAIN_FEATURES: Final = frozenset({"SI units", "masses", "stiffness", "strikers", "velocities"})
+
+
+def kernel_chain(chain: Chain) -> DefaultChain | GeneralChain:
+    """What acts on the beads of a chain, for the compiled loop."""
+    from ..kernels.driving import MOVING_WALL, NOTHING, PUSH
+    from ..kernels.forces import DefaultChain, GeneralChain
+
+    if PLAIN_FEATURES.issuperset(chain.features):
+        return DefaultChain(1.0 / chain.masses, np.array(chain.stiffness), chain.exponents)
+    static = equilibrium(chain)
+    drive = NOTHING
+    if chain.drive is not None:
+        drive = PUSH if chain.drive.of == "force" else MOVING_WALL
+    try:
+        with np.errstate(over="ignore", divide="ignore", invalid="ignore"):
+            starts, pieces = drive_pieces(chain.drive)
+    except ArithmeticError:
+        starts, pieces = np.zeros(1), np.full((1, 1), np.inf)
+    if not np.isfinite(pieces).all():
+        raise InputError(f"{chain.drive} cannot be represented: look at the units of its times")
+    with np.errstate(over="ignore"):
+        law, laws, damping = contact_laws(chain)
+    if not np.isfinite(damping).all():
+        raise InputError(
+            f"the damping by {chain.loss} is too large to be represented: look at its units"
+        )
+    return GeneralChain(
+        inverse_mass=1.0 / chain.masses,
+        stiffness=chain.contact_stiffness,
+        exponent=law.exponent,
+        # Positions are counted from equilibrium, where contacts overlap: rounding is then
+        # that of an overlap, not of the length of the chain.
+        gap=static.gaps - static_closing(chain),
+        damping=damping,
+        law=law,
+        laws=laws,
+        body_force=static.body_forces,
+        drive=drive,
+        piece_starts=starts,
+        pieces=pieces,
+    )
+
+
+def steps_are_implicit(chain: Chain) -> bool:
+    """Whether the damping of a chain is too stiff for explicit steps."""
+    from ..kernels.forces import DefaultChain
+
+    equation = kernel_chain(chain)
+    return not isinstance(equation, DefaultChain) and equation.law.implicit
+
+
+def static_closing(chain: Chain) -> Array:
+    """What each contact, counted with the walls, is closed by the static positions."""
+    return -np.diff(np.pad(equilibrium(chain).positions, 1))
+
+
+def initial_state(chain: Chain) -> Array:
+    """Positions, counted from equilibrium, and velocities at time 0."""
+    return np.concatenate([np.zeros(chain.beads), chain.velocities])

@@ -1,0 +1,123 @@
+"""Criteria for the end of a run, and for the end of the next call of the compiled loop.
+
+Without ``until``, a chain with a right wall runs until the largest force on the wall is complete
+(`hertzchain.simulation.wall_watch`), at most ten transits; any other chain runs until the pulse has
+left.  With ``until``, the run stops at that time, and walls are watched in the same way.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any, Literal
+
+import numpy as np
+
+from ..chain.chain import Chain
+from ..collision import Array
+from ..kernels import state_layout
+from .wall_bound import RIGHT
+from .wall_watch import WallWatch
+
+if TYPE_CHECKING:
+    from ..kernels.forces import DefaultChain, GeneralChain
+
+Status = Literal[
+    "pulse left", "time reached", "wall force complete", "transit limit", "nothing more happens",
+    "step limit", "step too small", "underflow",
+]  # fmt: skip
+
+# Steps between checks whether a wall was hit, if neither impact nor drive determines the time.
+STEPS_PER_LOOK = 64
+
+
+class RunEnd:
+    """The end of a run; ``arrays`` are those of its state, one of which the wall watch changes."""
+
+    def __init__(
+        self,
+        chain: Chain,
+        arrays: dict[str, Array],
+        equation: DefaultChain | GeneralChain,
+        until: float | None,
+    ) -> None:
+        self.chain, self.counts, self.default = chain, arrays["counts"], until is None
+        self.until = math.inf if until is None else until
+        self.struck = bool(chain.velocities[0] > 0.0) and chain.drive is None
+        self.watch: WallWatch | None = None
+        if any(chain.wall_stiffness):
+            self.watch = WallWatch(chain, arrays, equation)  # type: ignore[arg-type]
+
+    def goal(self) -> tuple[float, bool]:
+        """Time not to step past, and whether to stop earlier when the pulse has left."""
+        watch = self.watch
+        if watch is None or watch.closed:
+            return self.until, self.default
+        if watch.started:
+            to_the_wall = not self.default or self.chain.right_wall is not None
+            return (min(self.until, watch.due), False) if to_the_wall else (self.until, True)
+        if self.chain.drive is not None:
+            return min(self.until, self.chain.drive.end), False
+        return self.until, self.struck
+
+    @property
+    def steps(self) -> int:
+        """Steps until the next check whether a wall was hit; very many if none is needed."""
+        looking = self.watch is not None and not self.watch.started
+        if not looking or self.struck or self.chain.drive is not None:
+            return int(np.iinfo(np.int64).max)
+        return STEPS_PER_LOOK - int(self.counts[state_layout.STEPS]) % STEPS_PER_LOOK
+
+    def after(self, code: int, kernel: Any, forces: Array) -> Status | None:
+        """Status of the run after a call of the loop returned a code; `None` if it continues."""
+        endings: dict[int, Status] = {
+            kernel.PULSE_LEFT: "pulse left",
+            kernel.PULSE_LOST: "nothing more happens",
+            kernel.TIME_REACHED: "time reached",
+            kernel.STEP_TOO_SMALL: "step too small",
+        }
+        if self.watch is None or code in (kernel.TIME_REACHED, kernel.STEP_TOO_SMALL):
+            return endings.get(code)
+        if code == kernel.PULSE_LOST:
+            self.watch.close()
+            return endings[code] if self.default else None
+        if code == kernel.PULSE_LEFT:
+            if not self.watch.started:
+                self.watch.start_after_pulse()
+            return endings[code] if self.default and self.chain.right_wall is None else None
+        if code == kernel.LAST_STEP:
+            return self._after_check(self.watch, forces)
+        if self.steps == STEPS_PER_LOOK and self.watch.hit:
+            self.watch.start_at(self.watch.time)
+        return None
+
+    def _after_check(self, watch: WallWatch, forces: Array) -> Status | None:
+        """Start to watch walls after a drive has ended, or check whether the peak is complete."""
+        if not watch.started:
+            if self.chain.drive is not None and self.chain.drive.end <= self.until:
+                watch.start_at(self.chain.drive.end)
+            return None
+        if watch.closed or watch.due > self.until:
+            return None
+        watch.check(forces)
+        if not self.default:
+            return None
+        if watch.closed:
+            return "nothing more happens"
+        if watch.complete(RIGHT):
+            return "wall force complete"
+        return "transit limit" if watch.expired else None
+
+    def assess(self, forces: Array) -> tuple[Array, Array]:
+        """Momentum, energy and bound of the motion towards each wall, and whether it is complete.
+
+        Returns arrays of shape (3, 2) and (2,), left wall first; NaN and false without a wall.
+        """
+        approaches, complete = np.full((3, 2), np.nan), np.zeros(2, bool)
+        if self.watch is None:
+            return approaches, complete
+        self.watch.close_if_apart()
+        for target in self.watch.targets:
+            found, side = self.watch.approach(target, forces), target.side
+            approaches[:, side] = found.momentum, found.energy, found.bound
+            complete[side] = self.watch.complete(side) and self.watch.bounded(side, found)
+        return approaches, complete

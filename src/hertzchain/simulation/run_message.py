@@ -1,0 +1,68 @@
+"""Messages about the end of a run, and about its predictability."""
+
+from __future__ import annotations
+
+from typing import Final
+
+import numpy as np
+
+from ..chain.chain import Chain
+from .run_end import Status
+from .time_scales import transit_times
+from .wall_watch import MAX_TRANSITS
+
+FAILURES: Final = ("step limit", "step too small", "underflow")
+
+# Features that can make the motion of a chain stiff, and what to try instead.
+MILDER: Final = {
+    "loss": "a weaker loss",
+    "mixed losses": "weaker losses",
+    "precompression": "less precompression",
+    "gravity": "less gravity",
+    "left wall": "a softer left wall",
+    "right wall": "a softer right wall",
+    "drive": "a slower drive",
+    "masses": "less unequal masses",
+    "stiffness": "less unequal stiffness",
+}
+
+# Transits of a pulse after which a run between walls may have become unpredictable.
+LONG_RUN: Final = 3.0
+
+
+def end_message(chain: Chain, status: Status, time: float, steps: int, passed: int) -> str:
+    """Describe the status of a run in a sentence, with advice if it failed."""
+    unit = " s" if chain.units == "SI" else ""
+    at, milder = f"at t = {time:g}{unit}, after {steps} steps", _milder(chain)
+    so_far = f"the pulse had passed {passed} of {chain.beads} beads"
+    return {
+        "pulse left": f"the pulse left the chain {at}",
+        "wall force complete": f"the force on the right wall is complete {at}",
+        "transit limit": (
+            f"stopped after {MAX_TRANSITS} transits of the pulse {at}; the force on the right "
+            "wall is not complete"
+        ),
+        "nothing more happens": f"all beads are in free flight and separating {at}; {so_far}",
+        "time reached": f"stopped as requested {at}; {so_far}",
+        "step limit": (
+            f"stopped by the step limit {at}; {so_far}; raise max_steps, or use {milder} if the "
+            "time hardly advances"
+        ),
+        "underflow": f"the motion became too small to represent {at}; {so_far}; use {milder}",
+        "step too small": (
+            f"the step size fell below the resolution of t {at}; {so_far}; use {milder}"
+        ),
+    }[status]
+
+
+def _milder(chain: Chain) -> str:
+    """Changes of this chain that would make its motion less stiff."""
+    found = [advice for name, advice in MILDER.items() if name in chain.features]
+    even = np.ptp(chain.radii) == 0.0
+    return " or ".join(found or ["fewer beads" if even else "fewer beads or a weaker taper"])
+
+
+def transits_between_walls(chain: Chain, time: float) -> float:
+    """Number of transits of a pulse in a chain that traps it, without losses and with a wall."""
+    trapped = chain.lossless and any(chain.wall_stiffness)
+    return time / float(transit_times(chain).sum()) if trapped else 0.0

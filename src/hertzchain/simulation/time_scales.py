@@ -1,0 +1,68 @@
+"""Rough speeds and times of the motion of a chain, where a guess is enough."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from ..chain.chain import Chain
+from ..chain.equilibrium import equilibrium
+from ..collision import Array, compression_time, reduced_mass
+from .drive_pieces import drive_pieces
+
+
+def typical_speed(chain: Chain) -> float:
+    """Rough speed of the fastest motion, by the start, the drive or else the static forces."""
+    fastest = float(np.abs(chain.velocities).max())
+    if chain.drive is None and fastest > 0.0:
+        return fastest
+    if chain.drive is None:
+        static = equilibrium(chain)
+        return _pushed(chain, float(max(static.forces.max(), np.abs(static.body_forces).sum())))
+    starts, pieces = drive_pieces(chain.drive)
+    lengths, powers = np.append(np.diff(starts), 0.0)[:, np.newaxis], np.arange(4)
+    cubics, sines, rates = np.abs(pieces[:, :4]), np.abs(pieces[:, 4::2]), np.abs(pieces[:, 5::2])
+    if chain.drive.of == "displacement":
+        slopes = (powers[1:] * cubics[:, 1:] * lengths ** powers[:3]).sum(axis=1)
+        return max(fastest, float((slopes + (sines * rates).sum(axis=1)).max()))
+    # A force gives a free bead an impulse, and one in a chain an overlap.
+    size = float(((cubics * lengths**powers).sum(axis=1) + sines.sum(axis=1)).max())
+    time = float(transit_times(chain).min())
+    return max(fastest, min(size * time / chain.masses[0], _pushed(chain, size)))
+
+
+def _pushed(chain: Chain, force: float) -> float:
+    """Speed of bead 1 with the energy that a force has over the overlap that bears it."""
+    overlap = (force / chain.stiffness[0]) ** (1.0 / chain.contact_exponents[1])
+    return math.sqrt(force * overlap / chain.masses[0])
+
+
+def transit_times(chain: Chain, energy: float | None = None) -> Array:
+    """Rough time in which a pulse passes each contact.
+
+    The smallest of three times: that of a pulse that keeps its energy, as in a slow taper (with
+    v ~ m^(-1/2), it passes each contact in the compression time of its two beads), that of sound
+    in a compressed contact, and the duration of the pieces of the drive.  A rough value is enough
+    for the first step and the spacing of saved times.
+    """
+    masses, p = chain.masses, chain.exponents
+    reduced = reduced_mass(masses[:-1], masses[1:])
+    times = np.full(chain.beads - 1, np.inf)
+    fastest = int(np.argmax(np.abs(chain.velocities)))
+    speed = abs(chain.velocities[fastest]) * np.sqrt(masses[fastest] / masses[:-1])
+    if energy is not None:
+        speed = np.sqrt(2.0 * energy / masses[:-1])
+    if speed.any():
+        times = compression_time(reduced, chain.stiffness, speed, p)
+    force = equilibrium(chain).forces[1:-1]
+    held = force > 0.0
+    p = p if isinstance(p, float) else p[held]
+    slope = p * chain.stiffness[held] ** (1.0 / p) * force[held] ** (1.0 - 1.0 / p)
+    times[held] = np.minimum(times[held], np.sqrt(reduced[held] / slope))
+    if chain.drive is not None and energy is None:
+        kinks = np.unique(np.append(0.0, chain.drive.kinks))
+        lengths = np.diff(kinks[np.isfinite(kinks) & (kinks >= 0.0)])
+        times = np.minimum(times, np.min(lengths, initial=np.inf))
+    # Nothing sets a time: beads at rest, in free fall or pushed by a constant force.
+    return np.where(np.isfinite(times), times, 1.0)

@@ -1,0 +1,308 @@
+"""The recorded motion of a chain: saved times, forces, events and status.
+
+`hertzchain.Run` adds methods that evaluate the motion; modules that implement them accept a
+`Trajectory`.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from .. import __version__
+from ..chain.chain import Chain
+from ..chain.contact_groups import loading_overlaps
+from ..chain.equilibrium import equilibrium
+from ..chain.scales import scale
+from ..collision import Array
+from ..pulse.quantities import BEAD_QUANTITIES, RUN_QUANTITIES, TIME
+from ..validation.numbers import whole_number
+from .budget import overlaps_of
+from .run_end import Status
+from .run_message import FAILURES, end_message
+from .state import ACCUMULATOR_SCALES, ROW_SCALES, State
+
+if TYPE_CHECKING:
+    import pandas as pd
+    import xarray as xr
+
+
+@dataclass(frozen=True, eq=False)
+class Trajectory:
+    """The motion of a chain as recorded by the compiled loop; `hertzchain.Run` has the fields."""
+
+    chain: Chain
+    times: Array = field(metadata=scale("time"))
+    positions: Array = field(metadata=scale("length"))
+    velocities: Array = field(metadata=scale("velocity"))
+    status: Status
+    end_time: float = field(metadata=scale("time"))
+    energy_drift: float
+    momentum_drift: float
+    steps: int
+    evaluations: int
+    rtol: float
+    state: State
+    _forces: Array | None = field(metadata=scale("force"))
+    _ledger: Array = field(metadata=scale(ACCUMULATOR_SCALES, axis=1))
+    _peaks: Array = field(metadata=scale(ROW_SCALES["peaks"]))
+    _crossings: Array = field(metadata=scale(ROW_SCALES["crossings"]))
+    _walls: Array = field(metadata=scale(ROW_SCALES["walls"]))
+    _impulses: Array = field(metadata=scale("momentum"))
+    _completion: Array = field(metadata=scale(ROW_SCALES["completion"]))
+    _approaches: Array = field(metadata=scale(("momentum", "energy", "force")))
+    _complete: Array
+
+    @cached_property
+    def forces(self) -> Array:
+        """Forces in the contacts at the saved times, shape (T, N + 1) [scaled, or N].
+
+        Numbered with the walls: 0 is the left wall's contact, k joins beads k and k + 1, and N
+        is the right wall's.
+        """
+        if self._forces is not None:
+            return self._forces
+        overlap = np.maximum(self.positions[:, :-1] - self.positions[:, 1:], 0.0)
+        return np.pad(self.chain.stiffness * overlap**self.chain.exponents, ((0, 0), (1, 1)))
+
+    @cached_property
+    def largest_overlaps(self) -> Array:
+        """Largest overlap of each contact, shape (N + 1,) [scaled, or m].
+
+        Numbered with the walls, as `forces`.  For the leading pulse and the walls it is found
+        between the steps, for later waves among the saved times.  For a wall it is the overlap
+        :math:`(F/k)^{1/p}` that its largest force :math:`F` causes without losses.
+
+        Examples
+        --------
+        How far a run exceeds the range of Hertz's law:
+
+        >>> import hertzchain as hc
+        >>> chain = hc.Chain.from_materials(5e-3, "steel-52100", beads=20, velocity=0.3)
+        >>> print(hc.hertz_range(chain, hc.simulate(chain).largest_overlaps))
+        overlap / radius  0.0016 at contact 1 (limit 0.01)
+        pressure / yield  0.868 at contact 1 (limit 1)
+        speed / sound  5.9e-05 (limit 0.01)
+        """
+        from ..kernels import state_layout
+
+        stiffness = np.array(self.chain.wall_stiffness)
+        peak = np.zeros(self.chain.beads + 1)
+        peak[[0, -1]] = self._walls[state_layout.WALL_PEAK]
+        walls = loading_overlaps(self.chain.contact_groups, peak)[[0, -1]]
+        passed = np.concatenate((walls[:1], self._crossings[state_layout.OVERLAP], walls[1:]))
+        saved = overlaps_of(self.chain, self.times, self.positions)
+        saved[:, [0, -1]] = np.where(stiffness > 0.0, saved[:, [0, -1]], 0.0)
+        return np.asarray(np.maximum(passed, np.max(saved, axis=0, initial=0.0)))
+
+    @property
+    def success(self) -> bool:
+        """Whether the run reached its requested end."""
+        return self.status not in FAILURES
+
+    @property
+    def message(self) -> str:
+        """The status in a sentence."""
+        return end_message(self.chain, self.status, self.end_time, self.steps, self.beads_passed)
+
+    @property
+    def beads_passed(self) -> int:
+        """Number of beads that the pulse has passed, the struck bead included."""
+        # A bead is passed if its velocity peak and both of its contacts are recorded.
+        return 1 + int(np.count_nonzero((self._peaks[0, 1:] != 0) & (self._crossings[0] > 0)))
+
+    @property
+    def _reached(self) -> bool:
+        """Whether any contact between two beads was compressed beyond its state at rest."""
+        gaps = equilibrium(self.chain).gaps[1:-1]
+        moved = self.state.arrays["y"][: self.chain.beads]
+        compressed = moved[:-1] - moved[1:] > np.maximum(gaps, 0.0)
+        seen = self.largest_overlaps[1:-1] > np.maximum(-gaps, 0.0) * (1.0 + 1e-9)
+        return bool(np.any(seen | compressed))
+
+    def force(self, contact: int) -> Array:
+        """Force in one contact at the saved times.
+
+        Parameters
+        ----------
+        contact : int
+            Number of the contact: k joins beads k and k + 1; 0 is the left wall's, N the
+            right wall's.
+
+        Returns
+        -------
+        ndarray, shape (T,)
+            [scaled, or N]
+
+        Raises
+        ------
+        InputError
+            If there is no such contact.
+
+        Examples
+        --------
+        >>> import hertzchain as hc
+        >>> run = hc.simulate(hc.Chain.uniform(30), until=20.0)
+        >>> bool(0.63 < run.force(10).max() < 0.65)
+        True
+        """
+        return self.forces[:, whole_number("contact", contact, least=0, most=self.chain.beads)]
+
+    def velocity(self, bead: int) -> Array:
+        """Velocity of one bead at the saved times.
+
+        Parameters
+        ----------
+        bead : int
+            Number k of the bead, from 1.
+
+        Returns
+        -------
+        ndarray, shape (T,)
+            [scaled, or m/s]
+
+        Raises
+        ------
+        InputError
+            If there is no such bead.
+
+        Examples
+        --------
+        >>> import hertzchain as hc
+        >>> float(hc.simulate(hc.Chain.uniform(5), until=1.0).velocity(1)[0])
+        1.0
+        """
+        return self.velocities[:, whole_number("bead", bead, least=1, most=self.chain.beads) - 1]
+
+    def sensor(self, bead: int) -> Array:
+        r"""Signal of a force sensor embedded in a bead: :math:`(F_{k-1} + F_k)/2`.
+
+        The usual sensor is a thin piezoelectric disc between the two halves of a bead; it
+        carries the mean of the forces on both halves if its own mass is small.
+
+        Parameters
+        ----------
+        bead : int
+            Number k of the bead, from 1.
+
+        Returns
+        -------
+        ndarray, shape (T,)
+            [scaled, or N]
+
+        Raises
+        ------
+        InputError
+            If there is no such bead.
+
+        Examples
+        --------
+        >>> import hertzchain as hc
+        >>> run = hc.simulate(hc.Chain.uniform(30), until=20.0)
+        >>> bool(run.sensor(10).max() < run.force(10).max())
+        True
+        """
+        k = whole_number("bead", bead, least=1, most=self.chain.beads)
+        return 0.5 * (self.forces[:, k - 1] + self.forces[:, k])
+
+    def open_contacts(self) -> Array:
+        """Contacts that are open at the saved times.
+
+        Returns
+        -------
+        ndarray of bool, shape (T, N - 1)
+            Runs of closed contacts between open ones are the fragments of the chain.
+
+        Examples
+        --------
+        >>> import hertzchain as hc
+        >>> run = hc.simulate(hc.Chain.tapered("backward-exponential", 0.1, beads=20))
+        >>> bool(run.open_contacts()[-1, :10].all())
+        True
+        """
+        gaps = equilibrium(self.chain).gaps[1:-1]
+        apart: Array = self.positions[:, :-1] - self.positions[:, 1:] - gaps < 0.0
+        return apart
+
+    def to_xarray(self) -> xr.Dataset:
+        """Labelled dataset with coordinates ``time``, ``bead`` = 1..N and ``contact`` = 0..N.
+
+        Returns
+        -------
+        xarray.Dataset
+            ``position`` and ``velocity``, both (time, bead), ``force`` (time, contact),
+            ``radius`` and ``mass``, with their units ("1": scaled).
+
+        Examples
+        --------
+        >>> import hertzchain as hc
+        >>> run = hc.simulate(hc.Chain.uniform(9), until=2.0, times=5)
+        >>> dict(run.to_xarray().sizes)
+        {'time': 5, 'bead': 9, 'contact': 10}
+        """
+        import xarray as xr
+
+        chain, units = self.chain, self.chain.units
+        saved = {"position": self.positions, "velocity": self.velocities, "force": self.forces}
+        variables: dict[str, tuple[object, ...]] = {
+            name: (("time", quantity.per), saved[name], quantity.attributes(units))
+            for name, quantity in RUN_QUANTITIES.items()
+        }
+        for name, values in (("radius", chain.radii), ("mass", chain.masses)):
+            variables[name] = ("bead", values, BEAD_QUANTITIES[name].attributes(units))
+        return xr.Dataset(
+            variables,
+            coords={
+                "time": ("time", self.times, TIME.attributes(units)),
+                "bead": np.arange(1, chain.beads + 1),
+                "contact": np.arange(chain.beads + 1),
+            },
+            attrs={
+                "hertzchain_version": __version__,
+                "chain": chain.description,
+                "taper": chain.taper or "",
+                "rate": chain.rate or 0.0,
+                "exponent": chain.exponents,
+                "status": self.status,
+                "energy_drift": self.energy_drift,
+                "momentum_drift": self.momentum_drift,
+                "rtol": self.rtol,
+            },
+        )
+
+    def to_dataframe(self) -> pd.DataFrame:
+        """Table with one row per saved time and bead.
+
+        Returns
+        -------
+        pandas.DataFrame
+            Indexed by ``time`` and ``bead`` = 1..N; columns ``position``, ``velocity`` and
+            ``force``, that of contact k in the row of bead k (``run.force(0)`` is the left
+            wall's).  ``attrs["units"]`` has their units ("1": scaled).
+
+        Examples
+        --------
+        >>> import hertzchain as hc
+        >>> table = hc.simulate(hc.Chain.uniform(9), until=2.0, times=5).to_dataframe()
+        >>> float(table.velocity.loc[0.0, 1]), len(table), table.attrs["units"]["time"]
+        (1.0, 45, '1')
+        """
+        import pandas as pd
+
+        columns = {
+            "position": self.positions.ravel(),
+            "velocity": self.velocities.ravel(),
+            "force": self.forces[:, 1:].ravel(),
+        }
+        beads = np.arange(1, self.chain.beads + 1)
+        index = pd.MultiIndex.from_product([self.times, beads], names=["time", "bead"])
+        table = pd.DataFrame(columns, index=index)
+        quantities = {"time": TIME, **RUN_QUANTITIES}
+        table.attrs["units"] = {
+            name: quantities[name].attributes(self.chain.units)["units"]
+            for name in ("time", *columns)
+        }
+        return table

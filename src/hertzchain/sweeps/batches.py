@@ -1,0 +1,261 @@
+"""Compute one batch of a sweep: a specification and a number in, arrays out."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from .. import __version__
+from ..chain.chain import Chain
+from ..collision import HERTZ_EXPONENT, Array
+from ..errors import IncompleteWarning, InputError, ModelRangeWarning, SimulationError
+from ..propagation.propagate import propagate_many
+from ..pulse.notes import notes_in_words
+from ..pulse.pulse import Pulse
+from ..pulse.quantities import QUANTITIES, WALL_QUANTITIES
+from ..simulation.run import Run
+from ..simulation.simulate import simulate
+from ..store.sweep_store import DONE, FAILED
+from .methods import OPTIONS, pulse_by, record_warnings
+from .plan import Index, Plan, plan_of
+
+Stop = Callable[[], bool]
+
+
+class Stopped(Exception):
+    """Raised in a batch that has to stop; its results are discarded."""
+
+
+@dataclass(frozen=True, eq=False)
+class Result:
+    """Results of a batch.
+
+    Attributes
+    ----------
+    batch : int
+        Number of the batch.
+    version : str
+        Version of hertzchain that computed it.
+    columns : mapping of str to ndarray
+        Kept quantities, shape (points, methods, beads) or (points, methods).
+    status : ndarray of int, shape (points, methods)
+        `DONE` or `FAILED`.
+    reason : list of list of str
+        Why a method failed at a point, or why values are missing; otherwise empty.
+    outside_range : ndarray of int, shape (points, methods)
+        1 where the method warned that it is used outside its range.
+    incomplete : ndarray of int, shape (points, methods)
+        1 where the largest force on the wall is incomplete.
+    beads : ndarray of int, shape (points,)
+        Number of beads; 0 if the chain cannot be made.
+    """
+
+    batch: int
+    version: str
+    columns: Mapping[str, Array]
+    status: np.ndarray[Any, np.dtype[np.int8]]
+    reason: list[list[str]]
+    outside_range: np.ndarray[Any, np.dtype[np.int8]]
+    incomplete: np.ndarray[Any, np.dtype[np.int8]]
+    beads: np.ndarray[Any, np.dtype[np.int64]]
+
+
+def run_batch(text: str, batch: int, stop: Stop | None = None) -> Result:
+    """Compute one batch of a specification given as JSON text."""
+    return run_planned(plan_of(text), batch, stop or (lambda: False))
+
+
+def run_planned(plan: Plan, batch: int, stop: Stop) -> Result:
+    """Compute one batch of a plan, which threads may share."""
+    work = _Batch(plan, batch, stop)
+    for place, method in enumerate(work.plan.specification.methods):
+        if method == "propagate" and not work.varied_options:
+            work.propagate_together(place)
+        else:
+            work.one_by_one(place, method)
+    work.compute_errors()
+    return work.result(batch)
+
+
+class _Batch:
+    """The points of a batch and their results so far."""
+
+    def __init__(self, plan: Plan, batch: int, stop: Stop) -> None:
+        self.plan, self.stop = plan, stop
+        spec = plan.specification
+        self.indices: list[Index] = list(plan.indices(batch))
+        self.chains: dict[int, Chain] = {}
+        shape = (len(self.indices), len(spec.methods))
+        self.status = np.full(shape, DONE, np.int8)
+        self.outside_range, self.incomplete = np.zeros((2, *shape), np.int8)
+        self.reason = [[""] * shape[1] for _ in self.indices]
+        self.beads = np.zeros(shape[0], np.int64)
+        self.varied_options = any(axis.path[0] == "method" for axis in spec.axes)
+        # Values of all beads, since the largest error is taken over all of them.
+        wide = [name for name in dict.fromkeys((*spec.keep, *spec.errors)) if name in QUANTITIES]
+        self.whole: dict[str, Array] = {
+            name: np.full((*shape, QUANTITIES[name].count(plan.longest)), np.nan) for name in wide
+        }
+        self.single = {
+            name: np.full(shape, np.nan) for name in plan.variables
+            if name in WALL_QUANTITIES or name.startswith("worst_error_of_")
+        }  # fmt: skip
+        self.relative: dict[str, Array] = {}
+
+    def propagate_together(self, place: int) -> None:
+        """Propagate all chains without features in one call of `propagate_many`."""
+        subjects: list[Chain | Array] = []
+        rows = []
+        for row in range(len(self.indices)):
+            self._check_stop()
+            try:
+                subject = self._subject(row)
+            except InputError as error:
+                self._fail(row, place, error)
+                continue
+            if subject is None:
+                self._one(row, place, "propagate")
+                continue
+            self.beads[row] = len(subject) if isinstance(subject, np.ndarray) else subject.beads
+            subjects.append(subject)
+            rows.append(row)
+        if not subjects:
+            return
+        options = self._options("propagate", self.indices[0])
+        table = propagate_many(subjects, threads=1, progress=self._check_stop, **options)
+        for name, values in self.whole.items():
+            found = table.column(name)
+            if found is not None:
+                values[rows, place, : found.shape[1]] = found
+        for number, reason in table.reasons.items():
+            self._fail(rows[number], place, reason)
+
+    def _subject(self, row: int) -> Chain | Array | None:
+        """Radii or chain of a point for `propagate_many`; `None` if the chain has features."""
+        if self.plan.specification.methods == ("propagate",):
+            # No other method needs the chain, so only the radii are computed.
+            radii = self.plan.radii(self.indices[row])
+            if radii is not None:
+                return radii
+        chain = self.chain(row)
+        if chain.features:
+            return None
+        return chain.radii if chain.exponents == HERTZ_EXPONENT else chain
+
+    def one_by_one(self, place: int, method: str) -> None:
+        """Apply a method to one chain after the other."""
+        for row in range(len(self.indices)):
+            self._one(row, place, method)
+
+    def _one(self, row: int, place: int, method: str) -> None:
+        self._check_stop()
+        try:
+            chain = self.chain(row)
+            self.beads[row] = chain.beads
+            with record_warnings() as warned:
+                self._keep(row, place, method, chain)
+            for flag, category in (
+                (self.outside_range, ModelRangeWarning), (self.incomplete, IncompleteWarning),
+            ):  # fmt: skip
+                flag[row, place] = any(issubclass(each, category) for each in warned)
+        except (InputError, SimulationError) as error:
+            self._fail(row, place, error)
+
+    def _keep(self, row: int, place: int, method: str, chain: Chain) -> None:
+        options = self._options(method, self.indices[row])
+        if method == "simulate":
+            run = simulate(chain, times=0, progress=self._check_stop, **options)
+            self._keep_wall(row, place, run)
+            if self.whole:
+                self._keep_pulse(row, place, run.pulse())
+                if run.beads_passed < chain.beads:
+                    self.status[row, place] = FAILED
+        else:
+            self._keep_pulse(row, place, pulse_by(method, chain, **options))
+
+    def _keep_pulse(self, row: int, place: int, pulse: Pulse) -> None:
+        for name, values in self.whole.items():
+            found = pulse.column(name)
+            if found is not None:
+                values[row, place, : len(found)] = found
+        self.reason[row][place] = "; ".join(notes_in_words(pulse.notes, self.whole))
+
+    def _keep_wall(self, row: int, place: int, run: Run) -> None:
+        wanted = [name for name in self.single if name in WALL_QUANTITIES]
+        if wanted:
+            wall = run.wall_force("right")
+            for name in wanted:
+                value = getattr(wall, WALL_QUANTITIES[name].attribute)
+                self.single[name][row, place] = np.nan if value is None else value
+
+    def compute_errors(self) -> None:
+        """Compute errors of all methods relative to the reference, and the largest per point."""
+        spec = self.plan.specification
+        for name in spec.errors:
+            values = self.whole[name]
+            reference = values[:, [spec.methods.index(spec.reference)]]
+            with np.errstate(divide="ignore", invalid="ignore"):
+                relative = np.where(values == reference, 0.0, (values - reference) / reference)
+            # Bead 1 starts with the velocity of the impact in every method.
+            first = 0 if QUANTITIES[name].per == "contact" else 1
+            away = np.abs(relative[:, :, first:])
+            known = ~np.isnan(away)
+            worst = np.where(known, away, 0.0).max(axis=2, initial=0.0)
+            self.single[f"worst_error_of_{name}"][:] = np.where(known.any(axis=2), worst, np.nan)
+            self.relative[f"relative_error_of_{name}"] = relative
+
+    def result(self, batch: int) -> Result:
+        """Select what is kept."""
+        plan = self.plan
+        columns = {}
+        for name in plan.variables:
+            if name in self.single:
+                columns[name] = self.single[name]
+                continue
+            whole = self.whole[name] if name in self.whole else self.relative[name]
+            columns[name] = self._at(whole, name.removeprefix("relative_error_of_"))
+        return Result(
+            batch, __version__, columns, self.status, self.reason, self.outside_range,
+            self.incomplete, self.beads,
+        )  # fmt: skip
+
+    def _at(self, whole: Array, quantity: str) -> Array:
+        """Select the beads that are kept; contact k is kept with bead k."""
+        at = self.plan.specification.at
+        if at == "every":
+            return whole
+        if at == "last":
+            last = np.maximum(self.beads - 1 - (QUANTITIES[quantity].per == "contact"), 0)
+            return np.take_along_axis(whole, last[:, None, None], axis=2)[:, :, 0]
+        places = np.array(at) - 1
+        inside = places < whole.shape[2]
+        kept = whole[:, :, np.minimum(places, whole.shape[2] - 1)]
+        return np.where(inside, kept, np.nan)
+
+    def chain(self, row: int) -> Chain:
+        """Make the chain of a point, once."""
+        if row not in self.chains:
+            chain = self.plan.chain(self.indices[row])
+            if chain.beads > self.plan.longest:
+                raise InputError(f"{chain.beads} beads where {self.plan.longest} were expected")
+            if chain.units != self.plan.units:
+                raise InputError(
+                    f"the chain is in {chain.units} units, and others in {self.plan.units} units"
+                )
+            self.chains[row] = chain
+        return self.chains[row]
+
+    def _options(self, method: str, index: Index) -> dict[str, Any]:
+        given = self.plan.document(index)["method"]
+        return {name: given[name] for name in OPTIONS.get(method, ()) if name in given}
+
+    def _fail(self, row: int, place: int, error: Exception | str) -> None:
+        self.status[row, place] = FAILED
+        self.reason[row][place] = str(error)
+
+    def _check_stop(self, *_: int) -> None:
+        if self.stop():
+            raise Stopped

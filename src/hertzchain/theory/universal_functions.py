@@ -1,0 +1,245 @@
+r"""Universal functions of the local-rate law, read from their tables.
+
+The *rate* of contact k is :math:`s_k = \ln(R_{k+1}/R_k)`.  The *state* :math:`z_k` of the pulse at
+this contact consists of three dimensionless numbers of order one:
+
+.. math::
+
+    \rho_k = \ln\frac{v_{k+1}}{v_k}, \qquad
+    \varphi_k = \ln\frac{F_k}{r_k^{1/(p+1)} (m_k v_k^2)^{p/(p+1)}}, \qquad
+    \tau_k = \ln\frac{T_k}{(m_k/r_k)^{1/(p+1)}\, v_k^{-(p-1)/(p+1)}}
+
+These are the logarithms of the velocity ratio, and of the peak force and residence time made
+dimensionless with the mass and velocity of bead k and the stiffness of contact k.  Contacts
+are divided into *stages*: those after the impact, those within the chain, and those before the
+free end.  For each stage, `tools/training` determines the state on an exponential chain as a
+function of its rate, and the response to differences between rates.
+"""
+
+from __future__ import annotations
+
+import csv
+import functools
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from importlib import resources
+from itertools import combinations_with_replacement
+from pathlib import Path
+from typing import Final
+
+import numpy as np
+
+from ..chain.chain import Chain
+from ..collision import Array, velocity_transfer
+from ..errors import InputError
+from ..pulse.pulse import Pulse
+
+STATE: Final = ("growth", "force", "time")
+# Numbers of contacts that depend on the impact (the first ones) and on the free end (the last).
+START: Final = 4
+END: Final = 3
+STAGES: Final = ("start 1", "start 2", "start 3", "start 4", "within", "end 3", "end 2", "end 1")
+WITHIN: Final = START
+# Stage whose anchor is subtracted from the previous state; the first stage has no previous one.
+REFERENCES: Final = (0, 0, 1, 2, WITHIN, WITHIN, 5, 6)
+# Inputs of the response: the deviation of the previous state from that of an exponential chain,
+# and the differences between the rates of five neighbouring contacts.
+INPUTS: Final = (
+    *(f"{name} before" for name in STATE),
+    "s[k-1]-s[k-2]",
+    "s[k]-s[k-1]",
+    "s[k+1]-s[k]",
+    "s[k+2]-s[k+1]",
+)
+# The response is of second order: it contains all inputs and all products of two inputs.
+PAIRS: Final = tuple(combinations_with_replacement(range(len(INPUTS)), 2))
+TERMS: Final = INPUTS + tuple(f"({INPUTS[i]})({INPUTS[j]})" for i, j in PAIRS)
+MIN_BEADS: Final = START + END + 2
+
+
+@dataclass(frozen=True, eq=False)
+class UniversalFunctions:
+    r"""Functions of the rate s as piecewise cubic polynomials with continuous second derivatives.
+
+    Attributes
+    ----------
+    exponent : float
+        Exponent p of the contact force.
+    nodes : ndarray, shape (n + 1,)
+        Ends of the intervals of the `anchors`.
+    anchors : ndarray, shape (stages, n, 12)
+        State of each stage on an exponential chain, with the growth relative to that of the
+        BCA.  The entries are the coefficients of the powers 3, 2, 1, 0 of the distance from
+        the left end of the interval, each for the three components of the state.
+    knots : ndarray, shape (K + 1,)
+        Ends of the intervals of the `response`.
+    response : ndarray, shape (stages, K, 4, 192)
+        Polynomials, as for the anchors, of the symmetric matrices :math:`A(s)` of the response
+        :math:`y^T A y`, where y consists of 1 and the `INPUTS`.  For each power, the rows of the
+        three components are stored next to each other, as an array of shape (8, 3, 8).
+    error : ndarray, shape (4,)
+        Constants of the error estimate; see `hertzchain.theory.local_rate.Solution`.
+    """
+
+    exponent: float
+    nodes: Array
+    anchors: Array
+    knots: Array
+    response: Array
+    error: Array
+
+    @property
+    def tables(self) -> tuple[Array, Array, Array, Array]:
+        """Nodes, anchors, knots and response, the arguments of the kernel."""
+        return self.nodes, self.anchors, self.knots, self.response
+
+    @property
+    def range(self) -> tuple[float, float]:
+        """Smallest and largest rate of the tables."""
+        return float(self.nodes[0]), float(self.nodes[-1])
+
+
+def state(pulse: Pulse) -> Array:
+    r"""State :math:`(\rho_k, \varphi_k, \tau_k)` of every contact of a pulse."""
+    assert pulse.peak_force is not None
+    assert pulse.residence is not None
+    scales = log_scales(pulse.chain, np.log(pulse.velocity))
+    growth = np.diff(np.log(pulse.velocity))
+    # Residence times are negative if beads peak out of order; the law does not describe this.
+    force, time = np.log(pulse.peak_force), np.log(np.abs(pulse.residence))
+    return np.stack([growth, force - scales[0], time - scales[1]], axis=-1)
+
+
+def log_scales(chain: Chain, log_velocity: Array) -> tuple[Array, Array]:
+    r"""Logarithms of the units of force and time formed from mass, velocity and stiffness."""
+    of = powers(chain.exponents)
+    scaled = np.log(chain.masses[:-1]), log_velocity[:-1], np.log(chain.stiffness)
+    force, time = (of[name][:3] @ scaled for name in ("peak_force", "residence"))
+    return force, time
+
+
+@functools.cache
+def powers(exponent: float) -> dict[str, Array]:
+    r"""Exponents of the power products that give each quantity.
+
+    .. math:: \ln Q_k = a\ln m_k + b\ln v_k + c\ln r_k + d\,\varphi_k + e\,\tau_k
+    """
+    p = exponent
+    listed = {
+        "velocity": (0.0, 1.0, 0.0, 0.0, 0.0),
+        "momentum": (1.0, 1.0, 0.0, 0.0, 0.0),
+        "energy": (1.0, 2.0, 0.0, 0.0, 0.0),
+        "peak_force": (p / (p + 1.0), 2.0 * p / (p + 1.0), 1.0 / (p + 1.0), 1.0, 0.0),
+        "peak_overlap": (1.0 / (p + 1.0), 2.0 / (p + 1.0), -1.0 / (p + 1.0), 1.0 / p, 0.0),
+        "residence": (1.0 / (p + 1.0), -(p - 1.0) / (p + 1.0), -1.0 / (p + 1.0), 0.0, 1.0),
+    }
+    return {name: np.array(numbers) for name, numbers in listed.items()}
+
+
+def bca_growth(rate: Array) -> Array:
+    r"""Growth of the velocity per bead in the BCA, :math:`\ln[2/(1 + e^{3s})]`, Eq. (5)."""
+    return np.log(velocity_transfer(1.0, np.exp(3.0 * np.asarray(rate))))
+
+
+def cubic_pieces(knots: Array, coefficients: Array) -> Array:
+    """Convert a cubic spline to polynomials on its intervals."""
+    from scipy.interpolate import BSpline
+
+    spline = BSpline(padded_knots(knots), coefficients, 3)
+    # Taylor coefficients at the left end of each interval.
+    powers = [spline(knots[:-1], nu=power) / math.factorial(power) for power in (3, 2, 1, 0)]
+    return np.stack(powers, axis=1)
+
+
+def padded_knots(knots: Array) -> Array:
+    """Knots with the outer ones repeated four times, as required by cubic B-splines."""
+    return np.concatenate([[knots[0]] * 3, knots, [knots[-1]] * 3])
+
+
+def tables(exponent: float) -> Path:
+    """Folder of the tables for an exponent, which need not exist."""
+    return Path(str(resources.files("hertzchain.theory"))) / "universal_tables" / f"p{exponent:g}"
+
+
+def assemble(
+    exponent: float, nodes: Array, values: Array, knots: Array, coefficients: Array, error: Array
+) -> UniversalFunctions:
+    """Build universal functions from the numbers in their tables."""
+    from scipy.interpolate import CubicSpline
+
+    spline = CubicSpline(nodes, values)
+    pieces = cubic_pieces(knots, np.moveaxis(coefficients, 2, 0))
+    # From (powers, intervals, stages, states).
+    anchors = np.einsum("pist->sipt", spline.c).reshape(len(STAGES), len(nodes) - 1, -1)
+    return UniversalFunctions(
+        exponent=exponent,
+        nodes=nodes,
+        anchors=np.ascontiguousarray(anchors),
+        knots=knots,
+        response=_matrices(pieces),
+        error=error,
+    )
+
+
+def _matrices(pieces: Array) -> Array:
+    """Symmetric matrices of the responses, from (intervals, powers, stages, terms, states).
+
+    The coefficient of a product of two inputs is divided between both entries of the matrix.  A
+    single input is treated as its product with 1.
+    """
+    intervals, powers, stages, _, states = pieces.shape
+    side = 1 + len(INPUTS)
+    found = np.zeros((stages, intervals, powers, side, states, side))
+    ends = [(0, 1 + i) for i in range(len(INPUTS))] + [(1 + i, 1 + j) for i, j in PAIRS]
+    for term, (i, j) in enumerate(ends):
+        half = 0.5 * np.einsum("ipst->sipt", pieces[:, :, :, term])
+        found[:, :, :, i, :, j] += half
+        found[:, :, :, j, :, i] += half
+    return found.reshape(stages, intervals, powers, -1)
+
+
+@functools.cache
+def universal_functions(exponent: float) -> UniversalFunctions:
+    """Universal functions of an exponent, from the tables of the package."""
+    folder = tables(exponent)
+    if not folder.is_dir():
+        known = sorted(entry.name[1:] for entry in tables(1.5).parent.iterdir())
+        raise InputError(
+            f"the local-rate law has no tables for the exponent {exponent:g}, only for "
+            f"{' and '.join(known)}; use propagate"
+        )
+    return read_tables(folder, exponent)
+
+
+def read_tables(folder: Path, exponent: float) -> UniversalFunctions:
+    """Read universal functions from a folder of tables."""
+    nodes, columns = _numbers(folder / "exponential.csv")
+    values = columns.reshape(len(nodes), len(STAGES), len(STATE))
+    knots, coefficients = _response(folder / "response.csv")
+    first, others = _numbers(folder / "error.csv")
+    error = np.concatenate([first, others[0]])
+    return assemble(exponent, nodes, values, knots, coefficients, error)
+
+
+def _rows(file: Path) -> Iterator[list[str]]:
+    """Rows of a table without its comments."""
+    with file.open(encoding="utf-8", newline="") as lines:
+        yield from csv.reader(line for line in lines if not line.startswith("#"))
+
+
+def _numbers(file: Path) -> tuple[Array, Array]:
+    """First column and other columns of a table with one header line."""
+    _, *rows = _rows(file)
+    values = np.array(rows, dtype=float)
+    return values[:, 0], values[:, 1:]
+
+
+def _response(file: Path) -> tuple[Array, Array]:
+    """Knots and coefficients, shape (stages, terms, splines, states); zero if not listed."""
+    names, knots, *rows = _rows(file)
+    coefficients = np.zeros((len(STAGES), len(TERMS), len(names) - 3, len(STATE)))
+    for stage, state, term, *values in rows:
+        at = STAGES.index(stage), TERMS.index(term), slice(None), STATE.index(state)
+        coefficients[at] = [float(value) for value in values]
+    return np.array([float(knot) for knot in knots[3:] if knot]), coefficients

@@ -1,0 +1,1 @@
+"""Argument checks: numbers and arrays (`numbers`), all other objects (`objects`)."""

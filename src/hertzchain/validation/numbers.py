@@ -1,0 +1,221 @@
+"""Check numbers and arrays and convert units to SI.
+
+Text with a unit (``"5 mm"``) and quantities of `pint` (anything with ``to`` and ``magnitude``) are
+converted to floats in SI; all other modules work with these.  Every numeric public argument passes
+through `number`, `whole_number`, `per_bead_array` or `real_numbers`.  A unit is therefore never
+dropped silently: it is converted if the argument has a dimension, and rejected otherwise.
+"""
+
+from __future__ import annotations
+
+import math
+import numbers
+import operator
+import os
+from collections.abc import Sequence
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..collision import Array
+from ..errors import InputError, real_number, short_repr
+from ..units import converted, quantity
+
+# Largest index of a NumPy array.
+MAX_INDEX: Final = 2**63 - 1
+# Takes the place of the unit for a variable of a scaled chain, which must have none.
+SCALED: Final = "scaled"
+# Largest number of dimensions of an array.
+MAX_DEPTH: Final = 32
+
+
+def has_unit(value: Any) -> bool:
+    """Whether a value, or an item of a list, has a unit: text such as "5 mm", or a quantity."""
+    if isinstance(value, str):
+        return quantity(value) is not None
+    if isinstance(value, list | tuple):
+        return any(has_unit(item) for item in value if not isinstance(item, float | int))
+    if isinstance(value, np.ndarray) and value.dtype.kind in "UTO":
+        return has_unit(value.tolist())
+    return _is_quantity(value)
+
+
+def plain_magnitude(what: str, value: Any, unit: str | None, depth: int = 0) -> Any:
+    """Convert a value with a unit to plain numbers; return any other value unchanged."""
+    if type(value) in (float, int):
+        return value
+    if isinstance(value, str):
+        found = quantity(value)
+        if found is None:
+            return value
+        return converted(what, *found, _unit_for(what, value, unit))
+    if isinstance(value, np.ndarray) and value.dtype.kind in "UTO":
+        value = value.tolist()
+    if isinstance(value, list | tuple):
+        if depth > MAX_DEPTH or all(type(item) in (float, int) for item in value):
+            return value
+        return [plain_magnitude(what, item, unit, depth + 1) for item in value]
+    if not _is_quantity(value):
+        _reject_masked(what, value)
+        return value
+    inner = getattr(value, "data", None)
+    if not hasattr(value, "magnitude") and hasattr(inner, "magnitude"):
+        return plain_magnitude(what, inner, unit, depth)
+    if not (hasattr(value, "magnitude") and hasattr(value, "to")):
+        raise InputError(
+            f"{what} has a unit of a package other than pint ({short_repr(value)}); give plain "
+            "numbers in SI or a pint quantity"
+        )
+    try:
+        plain = value.to("" if unit in (None, SCALED) else unit).magnitude
+    # The exceptions of pint have no common base class; the message quotes them.
+    except Exception as error:  # noqa: BLE001
+        _unit_for(what, value, unit)
+        raise InputError(f"{what} must be convertible to {unit}: {error}") from None
+    _reject_masked(what, plain)
+    return plain
+
+
+def _is_quantity(value: Any) -> bool:
+    """Whether a value has a unit: of pint, within an xarray array, or of another package."""
+    if hasattr(value, "magnitude") or hasattr(getattr(value, "data", None), "magnitude"):
+        return True
+    return isinstance(value, np.ndarray) and (hasattr(value, "unit") or hasattr(value, "units"))
+
+
+def _unit_for(what: str, value: Any, unit: str | None) -> str:
+    """The unit to convert to; raises an error if the argument cannot have a unit."""
+    if unit == SCALED:
+        raise InputError(
+            f"{what} has a unit ({short_repr(value)}), but the chain is in scaled variables; give "
+            "plain numbers or build a chain in SI units"
+        )
+    if unit is None:
+        raise InputError(f"{what} has a unit ({short_repr(value)}), but it must be a plain number")
+    return unit
+
+
+def _reject_masked(what: str, value: Any) -> None:
+    if isinstance(value, np.ma.MaskedArray) and np.ma.is_masked(value):
+        raise InputError(
+            f"{what} has masked entries; remove them (`compressed()`) or replace them "
+            "(`filled(value)`)"
+        )
+
+
+def number(
+    what: str,
+    value: Any,
+    *,
+    unit: str | None = None,
+    above: float = -math.inf,
+    least: float = -math.inf,
+    below: float = math.inf,
+    most: float = math.inf,
+    hint: str = "",
+) -> float:
+    """Check that a value is a finite number within its bounds."""
+    given = real_number(what, plain_magnitude(what, value, unit))
+    if above < given < below and least <= given <= most and math.isfinite(given):
+        return given
+    bounds = [
+        f"{text} {bound:g}"
+        for text, bound in (("above", above), ("at least", least), ("below", below),
+                            ("at most", most))
+        if math.isfinite(bound)
+    ]  # fmt: skip
+    if not (bounds and math.isfinite(given)):
+        bounds.append("finite")
+    allowed = " and ".join(bounds)
+    raise InputError(f"{what} must be {allowed}, got {given:g}{'; ' + hint if hint else ''}")
+
+
+def whole_number(what: str, value: object, *, least: int, most: int | None = None) -> int:
+    """Check that a value is a whole number within its bounds."""
+    _reject_masked(what, value)
+    try:
+        count = least - 1 if isinstance(value, bool) else operator.index(value)  # type: ignore[arg-type]
+    except TypeError:
+        count = least - 1
+    if most is None and count > MAX_INDEX:
+        raise InputError(f"{what} is too large; whole numbers have at most 63 bits")
+    if count < least or (most is not None and count > most):
+        bounds = f"of at least {least}" if most is None else f"from {least} to {most}"
+        raise InputError(f"{what} must be a whole number {bounds}, got {short_repr(value)}")
+    return count
+
+
+def per_bead_array(
+    what: str,
+    given: ArrayLike | Any,
+    length: int,
+    place: str,
+    *,
+    unit: str | None = None,
+    least: float | None = None,
+    above: float | None = None,
+) -> Array:
+    """Check values per bead or contact and return them as a read-only array."""
+    values = real_numbers(what, given, place, unit=unit)
+    if values.ndim == 0:
+        values = np.full(length, values)
+    if values.shape != (length,):
+        raise InputError(
+            f"there must be {length} numbers for the {what}, one for each {place}, "
+            f"got {values.size if values.ndim == 1 else f'shape {values.shape}'}"
+        )
+    checked = values.copy()
+    good = np.isfinite(checked)
+    allowed = "finite"
+    if least is not None:
+        good &= checked >= least
+        allowed = f"finite and at least {least:g}"
+    if above is not None:
+        good &= checked > above
+        allowed = f"finite and above {above:g}"
+    if not good.all():
+        k = int(np.argmin(good))
+        raise InputError(f"{what} of {place} {k + 1} is {checked[k]:g}: it must be {allowed}")
+    checked.setflags(write=False)
+    return checked
+
+
+def real_numbers(
+    what: str, given: ArrayLike | Any, place: str = "entry", *, unit: str | None = None
+) -> Array:
+    """Convert real numbers to an array of any shape; booleans and text are rejected."""
+    given = plain_magnitude(what, given, unit)
+    try:
+        values = np.asarray(given)
+    except (ValueError, TypeError):
+        raise InputError(f"{what} must be a list of numbers, got {short_repr(given)}") from None
+    listed = isinstance(given, Sequence) and not isinstance(given, str)
+    # NumPy converts booleans in a list of numbers to 0 and 1.
+    if listed or values.dtype.kind not in "iuf":
+        for k, value in enumerate(values.tolist() if values.ndim else []):
+            item = given[k] if listed else value
+            if isinstance(item, numbers.Real) and not isinstance(item, bool | np.bool_):
+                continue
+            if isinstance(item, Sequence | np.ndarray) and not isinstance(item, str):
+                continue  # callers check the shape
+            raise InputError(
+                f"{what} of {place} {k + 1} is {short_repr(item)}: it must be a number"
+            )
+    try:
+        if values.dtype.kind in "iufO" and values.size + values.ndim:
+            return values.astype(float)
+    except OverflowError:
+        raise InputError(f"{what} is too large: at most 1.8e308") from None
+    except (TypeError, ValueError):
+        pass
+    raise InputError(f"{what} must be a list of numbers, got {short_repr(given)}")
+
+
+def worker_count(what: str, given: int | None) -> int:
+    """Check a number of workers; the default is one per processor of this process."""
+    if given is not None:
+        return whole_number(what, given, least=1)
+    if hasattr(os, "sched_getaffinity"):
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1

@@ -1,0 +1,577 @@
+"""Runs of chains with everything a bench has, against other paths to the same numbers."""
+
+import warnings
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy_chain import trajectory
+
+import hertzchain as hc
+from hertzchain.chain.equilibrium import equilibrium
+from hertzchain.simulation.kernel_input import drive_pieces, kernel_chain, steps_are_implicit
+
+LAWS = [
+    None,
+    hc.Restitution(0.8),
+    hc.Restitution(0.5, attractive=False),
+    hc.Viscoelastic(0.05),
+    hc.UnloadingRatio(0.1),
+    hc.UnloadingRatio(0.8),
+    hc.WaltonBraun(0.6),
+    hc.Dashpot(0.05),
+    hc.Dashpot(0.2, attractive=False),
+    hc.VelocityPower(0.05, 1.81),
+    hc.VelocityPower(0.05, 0.5),
+    hc.VelocityPower(0.2, 0.2, attractive=False),
+    hc.Dashpot(1e4),
+]
+# Where the pulse is at t = 12, so that everything has happened by 30.
+SHORT = hc.Chain.tapered("forward-linear", 0.05, beads=12)
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"right_wall": hc.Wall(gap=0.3), "left_wall": hc.Wall.rigid()},
+        {"gaps": np.linspace(0.0, 0.2, 11)},
+        {"gravity": 0.05, "right_wall": hc.Wall()},
+        {"precompression": 0.2, "held_by": "force"},
+        {"precompression": 0.2, "left_wall": hc.Wall(), "right_wall": hc.Wall()},
+        {"drive": hc.SineBurst(0.3, 0.1, cycles=2.0)},
+        {
+            "drive": hc.SineBurst(0.3, 0.1, cycles=2.0, of="displacement"),
+            "left_wall": hc.Wall(),
+        },
+        {"drive": hc.StepDrive(0.3, rise=2.0)},
+        {"loss": hc.Restitution(0.8), "right_wall": hc.Wall()},
+        {
+            "loss": hc.Viscoelastic(0.05, attractive=True),
+            "gravity": 0.02,
+            "right_wall": hc.Wall(),
+        },
+    ],
+    ids="+".join,
+)
+def test_trajectories_against_scipy(changes):
+    chain = SHORT.replace(**changes)
+    times = np.linspace(0.0, 30.0, 61)
+    run, motion = hc.simulate(chain, times=times), trajectory(chain, times)
+    np.testing.assert_allclose(run.positions - run.positions[0], motion.displacements, atol=1e-9)
+    np.testing.assert_allclose(run.velocities, motion.velocities, atol=1e-9)
+
+
+@pytest.mark.parametrize("law", LAWS, ids=repr)
+def test_the_budget_adds_up(law):
+    chain = SHORT.replace(loss=law, gravity=0.02, right_wall=hc.Wall(), gaps=np.full(11, 0.01))
+    run = hc.simulate(chain, until=80.0, times=300)
+    budget = run.budget()
+    for of in ("energy", "momentum"):
+        # Measured: 1.7e-11 by implicit steps, whose tolerance is 1e-11 at least.
+        assert np.abs(budget.residual(of)).max() < (5e-11 if steps_are_implicit(chain) else 1e-11)
+    assert np.all(np.diff(budget.energy["lost"]) > -1e-12)
+    assert (budget.energy["lost"][-1] > 1e-3) == (law is not None)
+    assert run.energy_drift < (5e-11 if steps_are_implicit(chain) else 1e-11)
+
+
+@pytest.mark.parametrize("law", LAWS, ids=repr)
+def test_a_run_goes_on_from_its_state_to_the_last_bit(law):
+    chain = SHORT.replace(loss=law, right_wall=hc.Wall())
+    whole = hc.simulate(chain, until=40.0, times=80)
+    first = hc.simulate(chain, until=13.7, times=0)
+    second = hc.simulate(chain, start=first.state, until=40.0, times=whole.times[30:])
+    for name in ("positions", "velocities", "forces"):
+        np.testing.assert_array_equal(getattr(second, name), getattr(whole, name)[30:])
+    assert second._impulses[1] == whole._impulses[1]
+    for name in ("walls", "completion"):
+        np.testing.assert_array_equal(second.state.arrays[name], whole.state.arrays[name])
+    assert (second.steps, second.energy_drift) == (whole.steps, whole.energy_drift)
+    np.testing.assert_array_equal(second.pulse().velocity, whole.pulse().velocity)
+
+
+@pytest.mark.parametrize("changes", [{}, {"right_wall": hc.Wall(), "gravity": 0.01}])
+def test_lossless_runs_go_back_where_they_came_from(changes):
+    chain = SHORT.replace(**changes)
+    state = hc.simulate(chain, until=25.0).state
+    back = hc.simulate(chain, start=state.reversed(), times=[state.time])
+    # Rounding grows with every contact that opens and closes.
+    np.testing.assert_allclose(back.velocities[0], -chain.velocities, atol=2e-8)
+    np.testing.assert_allclose(back.positions[0], equilibrium(chain).positions, atol=2e-8)
+
+
+def test_what_knows_the_direction_of_time_does_not_go_back():
+    state = hc.simulate(SHORT.replace(loss=hc.Dashpot(0.1)), until=1.0).state
+    with pytest.raises(hc.InputError, match="loss does not run backwards"):
+        state.reversed()
+
+
+def test_fifty_reflections_without_drift():
+    chain = hc.Chain.uniform(10).replace(left_wall=hc.Wall(), right_wall=hc.Wall.rigid())
+    run = hc.simulate(chain, until=600.0, times=0)
+    assert run.energy_drift < 3e-10
+    assert run.momentum_drift < 2e-12
+
+
+def test_a_chain_at_rest_stays_at_rest():
+    for law in LAWS:
+        chain = hc.Chain.uniform(8).replace(
+            gravity=0.1, right_wall=hc.Wall(), velocities=np.zeros(8), loss=law
+        )
+        run = hc.simulate(chain, until=100.0, times=2)
+        np.testing.assert_allclose(run.forces[-1], equilibrium(chain).forces, atol=1e-13)
+        assert np.abs(run.velocities[-1]).max() < 1e-13
+
+
+def test_a_falling_bead_falls_freely():
+    chain = hc.Chain.uniform(2).replace(
+        gravity=0.5, velocities=[0.0, 0.0], right_wall=hc.Wall(gap=1.0)
+    )
+    run = hc.simulate(chain, times=[1.0, 1.9])
+    np.testing.assert_allclose(run.positions[:, 1], [0.25, 0.25 * 1.9**2], rtol=1e-13)
+
+
+def test_beads_with_gaps_meet_when_they_must():
+    chain = hc.Chain.uniform(3).replace(gaps=[2.0, 5.0])
+    run = hc.simulate(chain, times=[1.99, 2.0 + 2.9433 + 3.0])
+    assert run.velocities[0].tolist() == [1.0, 0.0, 0.0]
+    # Equal beads exchange their velocities; the second has not reached the third.
+    np.testing.assert_allclose(run.velocities[1], [0.0, 1.0, 0.0], atol=1e-12)
+
+
+def test_sticking_contacts_are_found_and_hold():
+    """With w = 0.9 a contact can neither close nor open under forces between F and F/10."""
+    from hertzchain.kernels.forces import STUCK
+
+    chain = hc.Chain.uniform(8).replace(
+        gravity=0.2, velocities=np.zeros(8), right_wall=hc.Wall(gap=0.3),
+        loss=hc.UnloadingRatio(0.9),
+    )  # fmt: skip
+    run = hc.simulate(chain, until=60.0, times=200)
+    assert np.count_nonzero(run.state.arrays["mode"] == STUCK) >= 6
+    # Settled: the forces are the weights above, though the overlaps are others.
+    np.testing.assert_allclose(run.forces[-1, 1:], 0.2 * np.arange(1, 9), rtol=1e-9)
+    assert np.abs(run.budget().residual("energy")).max() < 1e-11
+
+
+def test_dents_stay():
+    chain = hc.Chain.uniform(2).replace(loss=hc.WaltonBraun(0.5))
+    run = hc.simulate(chain, until=20.0, times=[20.0])
+    largest = (2.5 * 0.5 / 2) ** 0.4
+    assert run.state.arrays["largest"][1] == pytest.approx(largest, rel=1e-10)
+
+
+def test_walls_feel_what_the_chain_loses():
+    chain = hc.Chain.uniform(20).replace(right_wall=hc.Wall())
+    run = hc.simulate(chain, until=80.0, times=4000)
+    wall = run.wall_force()
+    assert wall.impulse == pytest.approx(1.0 - run.velocities[-1].sum(), rel=1e-12)
+    sampled = np.trapezoid(wall.force, wall.times)
+    assert sampled == pytest.approx(wall.impulse, rel=1e-6)
+    assert 0.0 <= wall.peak - wall.force.max() < 1e-4
+    assert wall.first_contact_impulse == wall.impulse_of_impact < wall.impulse
+    with pytest.warns(hc.IncompleteWarning, match="not complete: .* t = 20 "):
+        early = hc.simulate(chain, until=20.0).wall_force()
+    assert early.first_contact_impulse is None
+
+
+def test_sensors_see_the_forces_around_them():
+    run = hc.simulate(SHORT, until=12.0)
+    np.testing.assert_array_equal(run.sensor(5), (run.force(4) + run.force(5)) / 2)
+    mass = SHORT.masses[4]
+    acceleration = np.gradient(run.velocity(5), run.times)
+    net = (run.force(4) - run.force(5)) / mass
+    np.testing.assert_allclose(acceleration[1:-1], net[1:-1], atol=6e-3)
+
+
+@pytest.mark.parametrize(
+    "drive",
+    [
+        hc.SineBurst(2.0, 0.7, cycles=3.0),
+        hc.SineBurst(2.0, 0.7, cycles=0.5, window="none"),
+        hc.StepDrive(1.5, rise=2.0),
+        hc.StepDrive(1.5),
+        hc.TableDrive([0.5, 1.0, 3.0], [1.0, -2.0, 0.5]),
+        hc.TableDrive([-1.0, 1.0], [0.0, 2.0]),
+    ],
+    ids=repr,
+)
+def test_pieces_of_drives_are_the_drives(drive):
+    from hertzchain.kernels.driving import PUSH, drive_at
+
+    starts, pieces = drive_pieces(drive)
+    chain = hc.Chain.uniform(2).replace(drive=hc.StepDrive(1.0))
+    setup = kernel_chain(chain)._replace(drive=PUSH, piece_starts=starts, pieces=pieces)
+    times = np.linspace(0.013, 5.0, 97)
+    values = [drive_at(t, setup, np.searchsorted(starts, t, "right") - 1)[0] for t in times]
+    np.testing.assert_allclose(values, drive.value(times), atol=1e-13)
+
+
+def test_the_work_of_a_drive():
+    chain = hc.Chain.uniform(30).replace(drive=hc.StepDrive(0.5))
+    run = hc.simulate(chain, until=20.0, times=2)
+    budget = run.budget()
+    assert budget.momentum_given["drive"][-1] == pytest.approx(0.5 * 20.0, rel=1e-13)
+    assert budget.energy_given["drive"][-1] == pytest.approx(0.5 * run.positions[-1, 0], rel=1e-11)
+
+
+@settings(max_examples=20)
+@given(
+    st.lists(st.floats(0.5, 2.0), min_size=3, max_size=10),
+    st.sampled_from(LAWS),
+    st.floats(0.0, 0.1),
+    st.floats(0.0, 0.1),
+)
+def test_any_bench_keeps_its_balance(radii, law, gravity, gap):
+    chain = hc.Chain.from_radii(radii).replace(
+        loss=law, gravity=gravity, right_wall=hc.Wall(), gaps=np.full(len(radii) - 1, gap)
+    )
+    run = hc.simulate(chain, until=60.0, times=50)
+    assert run.energy_drift < 1e-9
+    assert np.abs(run.budget().residual("energy")).max() < 1e-9
+    assert np.abs(run.budget().residual("momentum")).max() < 1e-11
+
+
+@settings(max_examples=10)
+@given(st.sampled_from(LAWS[:2] + LAWS[4:7]), st.floats(0.1, 10.0))
+def test_units_of_time_play_no_part(law, speed):
+    """Laws without a time of their own: speeds scale with the strike's, times with its -1/5."""
+    slow = SHORT.replace(loss=law, right_wall=hc.Wall())
+    velocities = np.zeros(12)
+    velocities[0] = speed
+    fast = slow.replace(velocities=velocities)
+    one, other = (hc.simulate(chain, times=0).wall_force() for chain in (slow, fast))
+    assert other.peak / speed**1.2 == pytest.approx(one.peak, rel=1e-9)
+    # Checks come 16 times in a transit of about 13.
+    assert other.complete_since * speed**0.2 == pytest.approx(one.complete_since, abs=1.7)
+
+
+def test_strikers_of_any_number():
+    chain = hc.Chain.uniform(40).struck_by(count=3)
+    pulse = hc.simulate(chain, times=0).pulse()
+    assert pulse.velocity[:3].tolist() == [1.0, 1.0, 1.0]
+    assert pulse.velocity[20] > 0.9
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        ({"until": 5.0}, "starts at time .* cannot stop at until = 5"),
+        ({"times": [1.0, 20.0]}, "resumes from time .*, but the first time"),
+    ],
+)
+def test_the_past_cannot_be_asked_for(options, said):
+    state = hc.simulate(SHORT, until=10.0).state
+    with pytest.raises(hc.InputError, match=said):
+        hc.simulate(SHORT, start=state, **options)
+
+
+def test_a_state_belongs_to_its_chain():
+    state = hc.simulate(SHORT, until=1.0).state
+    with pytest.raises(hc.InputError, match="another chain"):
+        hc.simulate(hc.Chain.uniform(12), start=state, until=2.0)
+
+
+def test_no_pulse_ends_a_driven_run():
+    chain = hc.Chain.uniform(9).replace(drive=hc.StepDrive(1.0))
+    with pytest.raises(hc.InputError, match="right end is free.*give until or a right_wall"):
+        hc.simulate(chain)
+    with pytest.raises(hc.InputError, match="drive of this chain does not end.*give until"):
+        hc.simulate(chain.replace(right_wall=hc.Wall()))
+    with pytest.raises(hc.InputError, match="not struck.*give until"):
+        hc.simulate(hc.Chain.uniform(9).replace(velocities=np.zeros(9)))
+
+
+@pytest.mark.parametrize(
+    ("ask", "said"),
+    [
+        (lambda run: run.force(99), "contact must be a whole number from 0 to 12, got 99"),
+        (lambda run: run.sensor(0), "bead must be a whole number from 1 to 12, got 0"),
+        (lambda run: run.velocity(1.5), "bead must be a whole number"),
+        (lambda run: run.wall_force(), "right end of this chain is free"),
+        (lambda run: run.wall_force("top"), "choose from left, right"),
+        (lambda run: run.budget().residual("mass"), "unknown balance 'mass'"),
+    ],
+)
+def test_what_a_run_cannot_tell(ask, said):
+    with pytest.raises(hc.InputError, match=said):
+        ask(hc.simulate(SHORT, until=1.0))
+
+
+def test_leading_pulse_of_a_forward_taper_at_a_wall():
+    chain = hc.Chain.tapered("forward-exponential", 0.05, beads=20)
+    run = hc.simulate(chain.replace(right_wall=hc.Wall()), until=60.0, times=600)
+    momentum = run.budget().momentum
+    # A third of the strike's momentum reaches the wall at first, more later.
+    assert 0.5 < momentum["leading pulse"].max() < 1.3
+    assert momentum["right wall"][-1] > 1.5
+    assert momentum["leading pulse"][-1] == 0.0
+
+
+def test_a_train_of_waves_and_their_width():
+    masses = np.ones(120)
+    masses[0] = 8.0
+    run = hc.simulate(hc.Chain.uniform(120).replace(masses=masses), until=120.0, times=4000)
+    peaks = run.velocity_peaks(80)
+    np.testing.assert_allclose(peaks.amplitudes[:3], [1.4413, 0.9331, 0.6331], atol=6e-5)
+    assert np.all(np.diff(peaks.times) > 0.0)
+    # Full width at half maximum of the exact wave: 1.57914 beads.
+    speed = 0.9074700784 * peaks.amplitudes[0] ** 0.2
+    assert peaks.widths[0] * speed == pytest.approx(1.57914, abs=6e-6)
+
+
+BALLS = hc.Chain.from_materials(5e-3, "steel-52100", beads=6, velocity=0.3)
+WALLED = BALLS.replace(
+    right_wall=hc.Wall(), left_wall=hc.Wall(gap=1e-6), loss=hc.WaltonBraun(0.8), gravity=9.81
+)
+DRIVEN = BALLS.replace(
+    velocities=None, drive=hc.StepDrive(20.0, rise=20e-6), loss=hc.Viscoelastic(1e-7)
+)
+
+
+@pytest.mark.parametrize("chain", [BALLS, WALLED, DRIVEN])
+def test_a_run_in_other_units_is_the_run_of_the_chain_in_them(chain):
+    scales = hc.Scales.of(chain, velocity=0.7)
+    times = np.linspace(0.0, 200e-6, 41)
+    in_si = hc.simulate(chain, times=times)
+    scaled = hc.simulate(scales.to_scaled(chain), times=times / scales.time)
+    for one, other in ((scales.to_scaled(in_si), scaled), (scales.to_si(scaled), in_si)):
+        for ours, theirs in (
+            (one.times, other.times),
+            (one.positions, other.positions),
+            (one.velocities, other.velocities),
+            (one.forces, other.forces),
+            (one.end_time, other.end_time),
+            (one._crossings, other._crossings),
+            (one._peaks, other._peaks),
+            (one.state.start, other.state.start),
+        ):
+            np.testing.assert_allclose(ours, theirs, rtol=0, atol=1e-9 * np.abs(theirs).max())
+        for of in ("energy", "momentum"):
+            ours, theirs = one.budget().to_dataframe(of), other.budget().to_dataframe(of)
+            largest = theirs.abs().to_numpy().max()
+            np.testing.assert_allclose(ours, theirs, rtol=0, atol=1e-9 * largest)
+            assert abs(one.budget().residual(of)).max() < 1e-9
+        assert one.chain.units == other.chain.units
+        if chain is WALLED:
+            ours, theirs = one.wall_force("right"), other.wall_force("right")
+            assert ours.peak == pytest.approx(theirs.peak, rel=1e-9)
+            assert ours.peak_time == pytest.approx(theirs.peak_time, rel=1e-6)
+            assert ours.impulse == pytest.approx(theirs.impulse, rel=1e-9)
+
+
+def test_a_run_goes_on_in_other_units():
+    scales = hc.Scales.of(WALLED)
+    state = scales.to_scaled(hc.simulate(WALLED, until=100e-6).state)
+    times = np.linspace(100e-6, 200e-6, 11)
+    later = hc.simulate(scales.to_scaled(WALLED), start=state, times=times[1:] / scales.time)
+    whole = hc.simulate(WALLED, times=times)
+    fastest = np.abs(whole.velocities).max()
+    np.testing.assert_allclose(
+        scales.to_si(later).velocities, whole.velocities[1:], rtol=0, atol=1e-9 * fastest
+    )
+
+
+def test_largest_overlaps_are_those_of_a_finely_saved_run():
+    chain = WALLED.replace(loss=None)
+    coarse = hc.simulate(chain, until=110e-6, times=0).largest_overlaps
+    fine = hc.simulate(chain, until=110e-6, times=9001)
+    apart = np.diff(np.pad(fine.positions, ((0, 0), (1, 1))), axis=1)
+    seen = np.maximum(-apart - equilibrium(chain).gaps, 0.0).max(axis=0)
+    np.testing.assert_allclose(coarse, seen, rtol=0, atol=3e-7 * seen.max())
+    # What is saved counts too: the pulse comes back, and is larger than when it came.
+    late = hc.simulate(chain, until=1e-3, times=2001)
+    assert np.all(late.largest_overlaps >= coarse * (1.0 - 1e-12))
+
+
+def test_static_overlaps_count():
+    held = BALLS.replace(left_wall=hc.Wall(), right_wall=hc.Wall(), precompression=50.0)
+    run = hc.simulate(held.replace(velocities=np.zeros(6)), until=1e-5, times=2)
+    static = (50.0 / np.concatenate(([held.wall_stiffness[0]], held.stiffness))) ** (2 / 3)
+    np.testing.assert_allclose(run.largest_overlaps[:-1], static, rtol=1e-12)
+
+
+def test_a_run_out_of_the_range_of_hertz_warns_once():
+    fast = BALLS.replace(velocities=[1.0, 0, 0, 0, 0, 0])
+    with pytest.warns(hc.ModelRangeWarning) as caught:
+        run = hc.simulate(fast)
+    assert len(caught) == 1
+    said = str(caught[0].message)
+    assert said.startswith("the pressure at contact 1 is")
+    assert said in hc.hertz_range(fast, run.largest_overlaps).violations
+    assert caught[0].filename == __file__
+    with pytest.warns(hc.ModelRangeWarning) as caught:
+        hc.simulate(hc.Chain.from_materials(5e-3, "aluminium", beads=5, velocity=200.0))
+    said = [str(each.message) for each in caught]
+    assert len(said) == 3
+    assert "of the effective radius" in said[0]
+    assert "first yield" in said[1]
+    assert "sound speed" in said[2]
+
+
+def test_gentle_runs_and_those_without_materials_do_not_warn():
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        hc.simulate(BALLS)
+        hc.simulate(hc.Chain.uniform(5))
+        hc.simulate(hc.Scales.of(BALLS, velocity=1e-3).to_scaled(BALLS))
+
+
+def test_the_pulse_of_equal_beads_has_the_exact_speed_and_width():
+    run = hc.simulate(hc.Chain.uniform(120), times=4000)
+    pulse = run.pulse()
+    # A bead is two radii long; the exact wave, by the fixed point of the travelling wave.
+    exact = 0.9074700784 * pulse.velocity[99] ** 0.2
+    assert pulse.speed[99] / 2.0 == pytest.approx(exact, rel=1e-9)
+    assert run.pulse_width(100) == pytest.approx(1.57914, abs=6e-6)
+
+
+def test_the_speed_of_a_pulse_in_steel():
+    # The published check of these balls, struck with 1 m/s.
+    steel = hc.Material("steel", density=7780.0, young=203e9, poisson=0.3)
+    chain = hc.Chain.from_materials(5e-3, steel, beads=80)
+    run = hc.simulate(chain, times=4000)
+    assert run.pulse().speed[60] == pytest.approx(674.659, abs=6e-4)
+    assert run.pulse_width(61) == pytest.approx(1.57914, abs=6e-6)
+    scales = hc.Scales.of(chain)
+    scaled = scales.to_scaled(run)
+    ours = scaled.pulse().speed * scales.radius / scales.time
+    np.testing.assert_allclose(ours, run.pulse().speed, rtol=1e-13)
+
+
+def test_the_way_through_a_gap_counts_in_real_units():
+    balls = hc.Chain.from_materials(5e-3, "steel-52100", beads=3, velocity=0.3)
+    apart = balls.replace(gaps=[0.0, 1e-3])
+    np.testing.assert_allclose(apart.centre_distances, [10e-3, 11e-3], rtol=1e-14)
+    assert hc.modified_bca(hc.Chain.tapered("forward-linear", 0.005, beads=9)).speed is None
+
+
+def test_no_width_where_the_pulse_has_not_been():
+    run = hc.simulate(hc.Chain.uniform(20), until=8.0)
+    with pytest.raises(hc.SimulationError, match="no width of the pulse at bead 15: stopped as"):
+        run.pulse_width(15)
+    with pytest.raises(hc.InputError, match="from 2 to 19"):
+        run.pulse_width(20)
+
+
+def test_a_width_that_is_not_seen_is_an_error():
+    chain = hc.Chain.uniform(30)
+    with pytest.raises(hc.SimulationError, match="among the 3 saved times .* save more times"):
+        hc.simulate(chain, times=4).pulse_width(10)
+    # The last saved time is just past the crest.
+    arrival = hc.simulate(chain).pulse().peak_time[9]
+    times = np.linspace(0.0, arrival + 0.05, 500)
+    with pytest.raises(hc.SimulationError, match="no width of the pulse at bead 10"):
+        hc.simulate(chain, times=times).pulse_width(10)
+
+
+@pytest.mark.parametrize(
+    "law",
+    [None, hc.UnloadingRatio(0.3), hc.VelocityPower(0.05, 1.81), hc.VelocityPower(0.05, 0.6)],
+)
+def test_a_run_in_pieces_is_the_run_at_once_also_where_beads_rest_and_fly(law):
+    # The beads that are stepped follow from the state: few of them, ever others, back from a wall.
+    chain = hc.Chain.tapered("backward-exponential", 0.1, beads=40).replace(
+        loss=law, right_wall=hc.Wall.rigid()
+    )
+    end = hc.simulate(chain, times=0).end_time
+    whole = hc.simulate(chain, until=2.0 * end, times=0)
+    state = None
+    while state is None or state.time < whole.state.time:
+        state = hc.simulate(
+            chain, start=state, until=2.0 * end, times=0, max_steps=11, check=False
+        ).state
+    for name, array in whole.state.arrays.items():
+        assert np.array_equal(state.arrays[name], array), name
+
+
+@pytest.mark.filterwarnings("ignore::hertzchain.ModelRangeWarning")
+@pytest.mark.parametrize(("ratio", "rtol"), [(0.12, 1e-13), (0.18, 3e-10), (0.58, 3e-10)])
+def test_contacts_that_stick_and_come_loose_do_not_stop_the_clock(ratio, rtol):
+    chain = hc.Chain.from_materials(5e-3, "steel-52100", beads=100)
+    run = hc.simulate(
+        chain.replace(loss=hc.UnloadingRatio(ratio)), times=0, rtol=rtol, max_steps=5000
+    )
+    assert np.all(np.diff(run.pulse().arrival) > 0.0)
+
+
+@pytest.mark.parametrize("law", LAWS, ids=repr)
+def test_the_first_contact_with_a_wall_ends_with_its_force(law):
+    wall = hc.Wall(stiffness=1.0)
+    chain = hc.Chain.uniform(3).replace(right_wall=wall, left_wall=wall, loss=law)
+    run = hc.simulate(chain, until=20.0, times=4001)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", hc.IncompleteWarning)  # of the peak
+        felt = run.wall_force()
+    pushed = felt.force != 0.0
+    begin = int(np.argmax(pushed))
+    if pushed[begin:].all():
+        # A strong dashpot lets the beads creep apart for longer than this run.
+        assert felt.first_contact_end is None
+        return
+    end = begin + int(np.argmin(pushed[begin:]))
+    # The clock may show it a step late, of what is then a free flight.
+    assert run.times[end - 1] <= felt.first_contact_end < run.times[end] + 0.1
+    sampled = np.trapezoid(felt.force[:end], run.times[:end])
+    assert felt.first_contact_impulse == pytest.approx(sampled, rel=3e-3)
+
+
+@pytest.mark.parametrize("law", [None, hc.Dashpot(0.1), hc.Viscoelastic(0.1)], ids=repr)
+def test_a_wall_that_comes_and_goes_is_met(law):
+    """Within a period the wall goes away and returns: no step may pass over its visit."""
+    drive = hc.SineBurst(-0.6, 0.4, cycles=1.0, of="displacement", window="none")
+    chain = hc.Chain.uniform(3).replace(left_wall=hc.Wall(gap=0.3), drive=drive, loss=law)
+    run = hc.simulate(chain, times=[2.4])
+    velocities = trajectory(chain, [0.0, 2.4]).velocities
+    np.testing.assert_allclose(run.velocities[-1], velocities[-1], atol=9e-11)
+
+
+@pytest.mark.parametrize("law", [None, hc.Dashpot(0.1)], ids=repr)
+def test_a_bead_that_barely_reaches_a_wall_feels_it(law):
+    """Thrown up to a height of 0.25 below a wall at 0.2499."""
+    chain = hc.Chain.uniform(2).replace(
+        gravity=2.0, left_wall=hc.Wall(gap=0.2499), gaps=1e5, velocities=[-1.0, 0.0], loss=law
+    )
+    impulse = hc.simulate(chain, times=[5.0])._impulses[0]
+    # The force k d^p of a flight that goes on, over the 0.02 that it is beyond the wall.
+    t = np.linspace(-0.01, 0.01, 2001)
+    d, closing = 1e-4 - t**2, -2.0 * t
+    damped = 0.0 if law is None else 0.1 * closing
+    force = np.sqrt(2.0) * np.maximum(d, 0.0) ** 1.5 + damped
+    assert impulse == pytest.approx(np.trapezoid(force, t), rel=2e-3)
+
+
+def test_a_chain_that_falls_freely_is_struck_as_one_at_rest():
+    chain = hc.Chain.uniform(12).replace(masses=np.linspace(1.0, 3.0, 12))
+    resting = hc.simulate(chain, until=25.0).pulse()
+    for gravity in (0.1, -0.1):
+        falling = hc.simulate(chain.replace(gravity=gravity), until=25.0)
+        np.testing.assert_allclose(falling._crossings[0], resting.arrival[1:], rtol=1e-12)
+        np.testing.assert_allclose(falling._crossings[1], resting.peak_overlap, rtol=1e-12)
+
+
+def test_beads_that_part_do_not_hold_each_other():
+    chain = hc.Chain.uniform(3).replace(velocities=[-1.0, 0.0, 0.0], loss=hc.Dashpot(0.5))
+    assert (hc.simulate(chain, until=1.0).forces == 0.0).all()
+    law = hc.Restitution(0.3, attractive=False)
+    held = chain.replace(precompression=1.0, held_by="force", loss=law, velocities=[-9.0, 0, 0])
+    run = hc.simulate(held, until=1.0, times=20)
+    assert (run.forces >= 0.0).all()
+    assert np.abs(run.budget().residual("energy")).max() < 1e-14
+
+
+@pytest.mark.parametrize("window", ["none", "hann"])
+def test_a_bead_that_a_drive_brings_to_rest_does_not_stop_the_clock(window):
+    """A force whose impulse is zero, on a bead that it draws off the chain."""
+    drive = hc.SineBurst(-0.5, 0.2, cycles=1.0, window=window)
+    run = hc.simulate(hc.Chain.uniform(3).replace(drive=drive), times=[10.0], max_steps=2000)
+    t = np.linspace(0.0, 5.0, 20001)
+    moved = np.trapezoid((5.0 - t) * drive.value(t), t)
+    assert run.positions[-1, 0] == pytest.approx(moved, rel=1e-7)
+    assert np.abs(run.velocities[-1]).max() < 1e-14
+
+
+def test_the_work_of_a_rising_force_on_a_free_bead():
+    drive = hc.StepDrive(-0.5, rise=4.0)
+    run = hc.simulate(hc.Chain.uniform(3).replace(drive=drive), until=6.0, times=99)
+    assert np.abs(run.budget().residual("energy")).max() < 6e-11

@@ -1,0 +1,389 @@
+"""Every public door, with what does not belong there: one sentence, never a traceback."""
+
+import inspect
+import warnings
+
+import numpy as np
+import pytest
+
+import hertzchain as hc
+from hertzchain import Chain
+
+# What simulations and theories make, and nobody else: no doors, but for their methods.
+RESULTS = (
+    "Budget", "Calibration", "EffectiveChain", "EffectivePulse", "EnergyFlux", "Fronts",
+    "HertzRange", "Horizon", "LeadingPulse", "PulseTable", "Reflection", "Run", "Scoreboard",
+    "SensorForce", "SolitaryWave", "Spectrum", "State", "StaticState", "VelocityPeaks", "Verdict",
+    "WallForce", "Wave", "WaveEvent", "Waves",
+)  # fmt: skip
+# Called with what other doors have checked.
+OUR_OWN = (
+    "factors", "row", "strength", "resolved", "loading_force", "loading_overlap", "stored_energy",
+    "largest_overlap", "damper", "between",
+)  # fmt: skip
+LAWS = {
+    "Dashpot": hc.Dashpot(0.1), "Elastic": hc.Elastic(), "Restitution": hc.Restitution(0.9),
+    "ElasticPlastic": hc.ElasticPlastic(yield_overlap=0.1), "Viscoelastic": hc.Viscoelastic(0.1),
+    "UnloadingRatio": hc.UnloadingRatio(0.1), "VelocityPower": hc.VelocityPower(0.1, 1.5),
+    "WaltonBraun": hc.WaltonBraun(0.5),
+}  # fmt: skip
+TRIED = {
+    "None": None, "3": 3, "text": "x", "empty": [], "nan": float("nan"), "object": object(),
+    "array": np.array([1.0, 2.0]), "ragged": [[1, 2], [3]], "huge": 10**400, "True": True,
+}  # fmt: skip
+
+
+def tried(door, /, **good):
+    """What to call, and arguments that are good."""
+    return door, good
+
+
+def doors(folder):
+    """Each door by its name."""
+    chain, tapered = Chain.uniform(9), Chain.tapered("forward-linear", 0.005, beads=30)
+    walled = chain.replace(right_wall=hc.Wall())
+    balls = Chain.from_materials(5e-3, "brass", beads=9, velocity=0.01)
+    small = chain.decorated(0.2)
+    run, pulse = hc.simulate(walled, until=25.0, times=50), hc.bca(chain)
+    longer = hc.simulate(walled, until=40.0, times=400)
+    budget, compared, wave = run.budget(), pulse.compare(pulse), hc.solitary_wave()
+    table = hc.propagate_many([[1.0, 1.0, 1.0]])
+    held = chain.replace(precompression=1.0, held_by="force")
+    lines, sent = hc.spectrum(held), {"drive": "force", "at": 1}
+    scales, state = hc.Scales.of(balls), folder / "state.npz"
+    stored = hc.stream(chain, folder / "run", times=[1.0, 2.0])
+    hc.save_state(run.state, state)
+    board = hc.scoreboard(theories=["bca", "local-rate"])
+    plan = {"chain": {"taper": "uniform"}, "axes": {"beads": [5, 6]}}
+    hc.sweep(plan, folder / "sweep")
+    return {
+        "Chain": tried(
+            Chain,
+            radii=[1.0, 1.0],
+            exponent=1.5,
+            taper=None,
+            taper_parameters=(),
+            masses=None,
+            stiffness=None,
+            units="scaled",
+            materials=None,
+            velocities=None,
+            gaps=None,
+            strikers=0,
+            precompression=0.0,
+            held_by="walls",
+            gravity=0.0,
+            left_wall=None,
+            right_wall=None,
+            drive=None,
+            loss=None,
+        ),
+        "Chain.tapered": tried(
+            Chain.tapered, taper="forward-linear", rate=0.01, beads=5, exponent=1.5
+        ),
+        "Chain.uniform": tried(Chain.uniform, beads=5, exponent=1.5),
+        "Chain.from_radii": tried(Chain.from_radii, radii=[1, 2], exponent=1.5),
+        "Chain.from_materials": tried(
+            Chain.from_materials,
+            radii=[0.005, 0.004],
+            materials="brass",
+            beads=None,
+            velocity=0.01,
+            gravity=0.0,
+        ),
+        "Chain.periodic": tried(Chain.periodic, cell=[1.0, 0.5], cells=3, materials=None),
+        "Chain.dimer": tried(Chain.dimer, mass_ratio=0.5, beads=5, exponent=1.5),
+        "Chain.decorated": tried(chain.decorated, ratio=0.3, between=1, material=None),
+        "Chain.decorated, by radius": tried(chain.decorated, radius=0.3),
+        "Chain.decorated, of a material": tried(balls.decorated, ratio=0.3, material="brass"),
+        "Chain.with_defects": tried(chain.with_defects, radii={3: 0.5}, material=None),
+        "Chain.with_scatter": tried(chain.with_scatter, rng=1, relative=0.1),
+        "Chain.with_scatter, by grade": tried(balls.with_scatter, rng=1, grade=100),
+        "Chain.struck_by": tried(
+            chain.struck_by, velocity=1.0, radius=1.0, mass=1.0, stiffness=1.0, count=1, gap=0.0
+        ),
+        "Chain.struck_by, of a material": tried(balls.struck_by, material="brass"),
+        "Chain.replace": tried(chain.replace, gravity=0.0),
+        "Chain.loading_force": tried(chain.loading_force, overlaps=[0.1] * (chain.beads - 1)),
+        "Chain.with_contacts": tried(balls.with_contacts, shapes=hc.Cone(60.0)),
+        "Cone": tried(hc.Cone, half_angle=60.0),
+        "Cone.stiffness": tried(hc.Cone(60.0).stiffness, modulus=1e9),
+        "CrossedCylinders": tried(
+            hc.CrossedCylinders, radius=0.005, other_radius=0.005, angle=90.0
+        ),
+        "CrossedCylinders.stiffness": tried(hc.CrossedCylinders(0.005).stiffness, modulus=1e9),
+        "SineBurst": tried(
+            hc.SineBurst, amplitude=1.0, frequency=1.0, cycles=5.0, of="force", window="hann"
+        ),
+        "SineBurst.value": tried(hc.SineBurst(1.0, 1.0).value, times=[1.0]),
+        "StepDrive": tried(hc.StepDrive, amplitude=1.0, rise=1.0, of="force"),
+        "StepDrive.value": tried(hc.StepDrive(1.0).value, times=[1.0]),
+        "TableDrive": tried(hc.TableDrive, times=[0.0, 1.0], values=[0.0, 1.0], of="force"),
+        "TableDrive.value": tried(hc.TableDrive([0, 1], [0, 1]).value, times=[1.0]),
+        "equilibrium": tried(hc.equilibrium, chain=chain),
+        "hertz_range": tried(hc.hertz_range, chain=balls, overlaps=None),
+        "Dashpot": tried(hc.Dashpot, gamma=1.0, attractive=True),
+        "Restitution": tried(hc.Restitution, coefficient=0.9, attractive=True),
+        "Restitution.damping": tried(hc.Restitution(0.9).damping, exponent=1.5),
+        "UnloadingRatio": tried(hc.UnloadingRatio, ratio=0.1),
+        "VelocityPower": tried(hc.VelocityPower, gamma=1.0, alpha=1.0, attractive=True),
+        "Viscoelastic": tried(hc.Viscoelastic, time=0.1, attractive=False),
+        "WaltonBraun": tried(hc.WaltonBraun, ratio=0.5),
+        "Elastic": tried(hc.Elastic),
+        "ElasticPlastic": tried(hc.ElasticPlastic, yield_overlap=0.1),
+        "ElasticPlastic, by pressure": tried(hc.ElasticPlastic, yield_pressure=1e9),
+        **{
+            f"{name}.restitution": tried(
+                law.restitution, speed=1.0, reduced_mass=0.5, stiffness=1.0, exponent=1.5
+            )
+            for name, law in LAWS.items()
+        },
+        "Material": tried(
+            hc.Material,
+            name="a",
+            density=1.0,
+            young=1.0,
+            poisson=0.3,
+            yield_strength=None,
+            source="",
+        ),
+        "material": tried(hc.material, name="brass"),
+        "Scales": tried(hc.Scales, radius=1.0, mass=1.0, velocity=1.0, length=1.0, exponent=1.5),
+        "Scales.of": tried(hc.Scales.of, chain=balls, velocity=None),
+        "Scales.to_si": tried(scales.to_si, item=scales.to_scaled(balls)),
+        "Scales.to_scaled": tried(scales.to_scaled, item=balls),
+        "Scales.unit": tried(scales.unit, scale="force/velocity"),
+        "Wall": tried(hc.Wall, stiffness=None, material=None, gap=0.0, exponent=None, loss=None),
+        "Wall.of": tried(hc.Wall.of, name="brass", gap=0.0),
+        "Wall.rigid": tried(hc.Wall.rigid, gap=0.0),
+        "Run.save": tried(run.save, path=folder / "a.csv"),
+        "Run.animate": tried(run.animate, path=folder / "a.gif"),
+        "save_run": tried(hc.save_run, run=run, path=folder / "a.nc"),
+        "export_sweep": tried(
+            hc.export_sweep, dataset=hc.open_sweep(folder / "sweep"), path=folder / "a.csv"
+        ),
+        "plot_pulses": tried(
+            hc.plot_pulses, pulses=[pulse], quantity="velocity", log=False, ax=None
+        ),
+        "plot_sweep": tried(
+            hc.plot_sweep,
+            dataset=hc.open_sweep(folder / "sweep"),
+            quantity="velocity",
+            log=False,
+            levels=None,
+            ax=None,
+            bead=3,
+        ),
+        "animate": tried(
+            hc.animate, run=run, path=folder / "a.gif", frames=2, seconds=1.0, magnify=None
+        ),
+        "plot_chain": tried(hc.plot_chain, chain=chain, ax=None),
+        "propagate": tried(hc.propagate, chain=chain, rtol=1e-8, progress=None),
+        "propagate_many": tried(
+            hc.propagate_many, chains=[chain], rtol=1e-8, threads=1, progress=None
+        ),
+        "Comparison": tried(hc.Comparison, pulse=pulse, reference=pulse),
+        "Comparison.errors": tried(compared.errors, quantity="velocity"),
+        "Comparison.worst": tried(compared.worst, quantity="velocity", first_bead=2),
+        "Comparison.rms": tried(compared.rms, quantity="velocity", first_bead=2),
+        "Comparison.worst_bead": tried(compared.worst_bead, quantity="velocity", first_bead=2),
+        "Pulse": tried(
+            hc.Pulse,
+            chain=chain,
+            method="x",
+            velocity=np.ones(9),
+            peak_time=None,
+            arrival=None,
+            peak_overlap=None,
+            residence=None,
+            velocity_error=None,
+            notes={},
+            restitution=1.0,
+        ),
+        "Pulse.column": tried(pulse.column, quantity="velocity"),
+        "Pulse.unit": tried(pulse.unit, quantity="velocity"),
+        "Pulse.compare": tried(pulse.compare, reference=pulse),
+        "Pulse.plot": tried(pulse.plot, quantity="velocity", ax=None),
+        "PulseTable.chain": tried(table.chain, index=0),
+        "PulseTable.column": tried(table.column, quantity="velocity"),
+        "PulseTable[...]": tried(lambda index: table[index], index=0),
+        "Budget.residual": tried(budget.residual, of="energy"),
+        "Budget.to_dataframe": tried(budget.to_dataframe, of="energy"),
+        "Budget.plot": tried(budget.plot, of="energy", horizon=None, ax=None),
+        "Run.force": tried(run.force, contact=1),
+        "Run.sensor": tried(run.sensor, bead=1),
+        "Run.sensor_force": tried(run.sensor_force, bead=1),
+        "Run.velocity": tried(run.velocity, bead=1),
+        "Run.wall_force": tried(run.wall_force, side="right"),
+        "LeadingPulse.weights": tried(
+            run.leading_pulse().weights, times=run.times, velocities=run.velocities
+        ),
+        "Run.waves": tried(longer.waves, threshold=0.1, min_contacts=3),
+        "Run.reflection": tried(longer.reflection, before=4, after=9, since=0.0, until=None),
+        "Run.horizon": tried(run.horizon, within=0.01, progress=None),
+        "Run.velocity_peaks": tried(run.velocity_peaks, bead=3),
+        "Waves.passing": tried(longer.waves().passing, contact=3),
+        "Waves.at": tried(longer.waves().at, contact=3),
+        "Waves.plot": tried(longer.waves().plot, ax=None),
+        "Run.pulse_width": tried(run.pulse_width, bead=3),
+        "Run.plot": tried(run.plot, quantity="velocity", ax=None),
+        "Run.plot_forces": tried(run.plot_forces, beads=[3], ax=None),
+        "simulate": tried(
+            hc.simulate,
+            chain=chain,
+            until=1.0,
+            times=5,
+            start=None,
+            rtol=1e-13,
+            max_steps=9999,
+            check=True,
+            progress=None,
+        ),
+        "load_drive": tried(hc.load_drive, path=folder / "no.csv"),
+        "load_chain": tried(hc.load_chain, path=folder / "no.toml"),
+        "chain_as_toml": tried(hc.chain_as_toml, chain=chain),
+        "load_state": tried(hc.load_state, path=state, chain=walled),
+        "save_state": tried(hc.save_state, state=run.state, path=folder / "again.npz"),
+        "StoredRun": tried(hc.StoredRun, folder=folder / "run"),
+        "StoredRun.load": tried(stored.load, start=0.0, stop=5.0, skip_damaged=False),
+        "StoredRun.parts": tried(lambda **given: [*stored.parts(**given)], skip_damaged=False),
+        "stream": tried(
+            hc.stream,
+            chain=chain,
+            folder=folder / "run",
+            times=[1.0, 2.0],
+            rtol=1e-13,
+            progress=None,
+        ),
+        "bca": tried(hc.bca, chain=chain, restitution=1.0),
+        "effective_chain": tried(hc.effective_chain, chain=small, large=None),
+        "hard_sphere": tried(hc.hard_sphere, chain=chain, restitution=1.0),
+        "local_rate": tried(hc.local_rate, chain=tapered),
+        "local_rate_gradient": tried(
+            hc.local_rate_gradient, chain=tapered, quantity="velocity", bead=3
+        ),
+        "modified_bca": tried(hc.modified_bca, chain=tapered, coefficients="calibrated"),
+        "solitary_wave": tried(hc.solitary_wave, exponent=1.5),
+        "SolitaryWave.speed": tried(wave.speed, velocity=1.0, mass=1.0, stiffness=1.0),
+        "SolitaryWave.momentum": tried(wave.momentum, velocity=1.0, mass=1.0),
+        "SolitaryWave.energy": tried(wave.energy, velocity=1.0, mass=1.0),
+        "SolitaryWave.peak_force": tried(wave.peak_force, velocity=1.0, mass=1.0, stiffness=1.0),
+        "SolitaryWave.velocity": tried(wave.velocity, distance=0.0),
+        "SolitaryWave.velocity.width": tried(wave.velocity.width, level=0.5),
+        "SolitaryWave.velocity.crest_derivative": tried(wave.velocity.crest_derivative, order=2),
+        "spectrum": tried(hc.spectrum, chain=held),
+        "Spectrum.transfer": tried(lines.transfer, frequencies=[0.1], bead=2, **sent),
+        "Spectrum.transfer_force": tried(
+            lines.transfer_force, frequencies=[0.1], contact=2, **sent
+        ),
+        "Spectrum.bands": tried(lines.bands, phase=0.1, cell=None),
+        "Spectrum.band_edges": tried(lines.band_edges, cell=None),
+        "EffectiveChain.spacing": tried(hc.effective_chain(small).spacing, velocity=1.0),
+        "sweep": tried(
+            hc.sweep,
+            specification=plan,
+            store=folder / "sweep",
+            executor=None,
+            workers=1,
+            shard=(1, 1),
+            skip_damaged=False,
+            progress=None,
+        ),
+        "merge_sweeps": tried(
+            hc.merge_sweeps, stores=[folder / "sweep"], into=folder / "all", skip_damaged=False
+        ),
+        "open_sweep": tried(hc.open_sweep, store=folder / "sweep", skip_damaged=False),
+        "calibrate": tried(
+            hc.calibrate,
+            taper="forward-linear",
+            rates=(0.001, 0.002),
+            beads=20,
+            window=(5, 15),
+            progress=None,
+        ),
+        "scoreboard": tried(hc.scoreboard, theories=["hard-sphere"], progress=None),
+        "Scoreboard.worst": tried(board.worst, quantity="velocity", first_bead=2),
+        "Scoreboard.rms": tried(board.rms, quantity="velocity", first_bead=2),
+        "Scoreboard.coverage": tried(
+            lambda theory: board.coverage(theory, "paper"), theory="local-rate"
+        ),
+        "Scoreboard.table": tried(
+            board.table, quantity="velocity", statistic="worst", by="group", first_bead=2
+        ),
+        "Scoreboard.outside": tried(board.outside, by="group"),
+        "Scoreboard.rows": tried(board.rows, by="group"),
+        "Scoreboard.as_dict": tried(board.as_dict, by="group"),
+        "verify": tried(hc.verify, groups=["restitution"], progress=None),
+    }
+
+
+@pytest.fixture(scope="module")
+def every_door(tmp_path_factory):
+    return doors(tmp_path_factory.mktemp("doors"))
+
+
+def public_doors():
+    """Names of all public functions, constructors and methods that take arguments."""
+    for name in hc.__all__:
+        item = getattr(hc, name)
+        if inspect.isfunction(item):
+            yield name
+        if not inspect.isclass(item) or issubclass(item, Exception):
+            continue
+        if name not in RESULTS:
+            yield name
+        for method, function in inspect.getmembers(item, callable):
+            if method.startswith("_") or method in OUR_OWN:
+                continue
+            if set(inspect.signature(function).parameters) - {"self"}:
+                yield f"{name}.{method}"
+
+
+DOORS = sorted(public_doors())
+
+
+def test_no_door_is_left_out(every_door):
+    assert set(DOORS) <= set(every_door)
+
+
+def test_good_arguments_are_good(every_door):
+    for name, (door, good) in every_door.items():
+        if not name.startswith(("load_chain", "load_drive")):
+            door(**good)
+
+
+def refusal(door, arguments):
+    """What a call is refused with; None if it is not."""
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            door(**arguments)
+    except Exception as error:  # noqa: BLE001
+        return error
+    return None
+
+
+# A whole number is a possible row of a longer table, number of steps, or end of a count of waves.
+POSSIBLE = {
+    ("index", IndexError), ("max_steps", hc.SimulationError), ("until", hc.SimulationError),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("value", TRIED.values(), ids=TRIED)
+def test_what_does_not_belong_is_refused_in_one_sentence(every_door, value, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    for name, (door, good) in every_door.items():
+        for argument, usual in good.items():
+            if value is None and usual is None:
+                continue
+            error = refusal(door, good | {argument: value})
+            if isinstance(value, int) and (argument, type(error)) in POSSIBLE:
+                continue
+            if error is None:
+                # Three of something may be right, and some text and lists; these two never.
+                assert not isinstance(value, float), (name, argument)
+                assert type(value) is not object, (name, argument)
+                continue
+            assert isinstance(error, hc.InputError), (name, argument, error)
+            for trace in ("\n", "array(", "Traceback"):
+                assert trace not in str(error), (name, argument, error)

@@ -1,0 +1,384 @@
+"""Chains whose contacts and walls have different laws and exponents."""
+
+import math
+
+import numpy as np
+import pytest
+from random_chains import mixed_case, random_law
+from scipy.integrate import quad
+from scipy_chain import Units
+from test_random_chains import deviation
+
+import hertzchain as hc
+from hertzchain import Chain, InputError, Wall
+from hertzchain.chain.laws import LAWS
+from hertzchain.chain.laws.base import ContactArrays, Loss
+from hertzchain.chain.materials import contact_modulus
+from hertzchain.simulation.kernel_input import kernel_chain
+
+pytestmark = [
+    pytest.mark.filterwarnings("ignore::hertzchain.ModelRangeWarning"),
+    pytest.mark.filterwarnings("ignore::hertzchain.IncompleteWarning"),
+]
+MIXED = Chain.uniform(5).replace(
+    loss=[hc.Dashpot(0.1), None, hc.WaltonBraun(0.8), hc.ElasticPlastic(yield_overlap=0.1)],
+    exponent=[2.0, 1.5, 1.5, 1.5],
+    right_wall=Wall(stiffness=2.0, gap=0.1, exponent=1.8, loss=hc.UnloadingRatio(0.3)),
+)
+STEEL_AND_PTFE = Chain.periodic([9.5e-3] * 2, cells=3, materials=["steel-316", "ptfe"])
+PAIRS = {("steel-316", "ptfe"): hc.Restitution(0.6), ("ptfe", "ptfe"): hc.Restitution(0.4)}
+
+
+@pytest.mark.parametrize("seed", [0, 4, 8, 9, 11, 14, 19, 20, 30, 35])
+def test_random_chains_agree_with_scipy(seed):
+    # Measured on the first 130 seeds: 1e-7.
+    assert deviation(mixed_case(seed)) < 5e-7
+
+
+def test_each_contact_has_its_own_restitution():
+    """Beads so far apart that each collision of two is over before the next begins."""
+    coefficients = np.array([0.9, 0.5, 0.7])
+    laws = [
+        hc.Restitution(0.9), hc.UnloadingRatio(1.0 - 0.5**2), hc.WaltonBraun(0.7**2),
+    ]  # fmt: skip
+    radii = [1.0, 0.8, 1.3, 0.6]
+    chain = Chain.from_radii(radii).replace(loss=laws, gaps=[0.0, 50.0, 50.0])
+    run = hc.simulate(chain, until=400.0, times=2)
+    m = np.array(radii) ** 3
+    passed = np.cumprod((1.0 + coefficients) / (1.0 + m[1:] / m[:-1]))
+    assert run.velocities[-1, -1] == pytest.approx(passed[-1], rel=1e-9)
+
+
+@pytest.mark.parametrize("exponent", [1.2, 1.5, 2.5])
+def test_each_contact_has_its_own_exponent(exponent):
+    """Largest overlap of a collision of two: all energy is in the contact."""
+    chain = Chain.uniform(3).replace(exponent=[exponent, 3.0], gaps=[0.0, 50.0])
+    run = hc.simulate(chain, until=200.0, times=2)
+    expected = [((p + 1.0) * 0.25) ** (1.0 / (p + 1.0)) for p in (exponent, 3.0)]
+    np.testing.assert_allclose(run.largest_overlaps[1:3], expected, rtol=1e-9)
+
+
+def published_restitution(ratio):
+    """C. Thornton, J. Appl. Mech. 64, 383 (1997), of the ratio of yield speed to speed."""
+    root = math.sqrt(6.0 / 5.0 - ratio**2 / 5.0)
+    first = math.sqrt(6.0 * math.sqrt(3.0) / 5.0) * math.sqrt(1.0 - ratio**2 / 6.0)
+    return first * (ratio / (ratio + 2.0 * root)) ** 0.25
+
+
+@pytest.mark.parametrize("ratio", [1.5, 1.0, 0.7, 0.3, 0.03])
+def test_elastic_plastic_spheres_have_the_published_restitution(ratio):
+    law = hc.ElasticPlastic(yield_overlap=0.2)
+    speed = math.sqrt(2.0 * 0.4 * 0.2**2.5 / 0.5) / ratio
+    chain = Chain.uniform(2).replace(velocities=[speed, 0.0], loss=law)
+    run = hc.simulate(chain, until=20.0 * speed**-0.2, times=2)
+    expected = published_restitution(ratio) if ratio < 1.0 else 1.0
+    # Measured: 2e-10 at the default tolerance.
+    after = np.diff(run.velocities[-1])[0] / speed
+    assert after == pytest.approx(expected, rel=2e-9)
+    assert law.restitution(speed) == pytest.approx(expected, rel=1e-14)
+
+
+def test_materials_yield_at_the_published_speed():
+    """A sphere on a plane, of one material: v_y = 1.56 (p_y^5/(E*^4 rho))^(1/2)."""
+    steel = hc.material("steel-316")
+    pressure = 1.6 * steel.yield_strength
+    speed = 1.56 * math.sqrt(pressure**5 / (contact_modulus(steel, steel) ** 4 * steel.density))
+    for factor, elastic in ((0.99, True), (1.02, False)):
+        bead = Chain.from_materials(5e-3, steel, beads=2).replace(
+            velocities=[0.0, factor * speed], gaps=[1e-3], right_wall=Wall(),
+            loss=hc.ElasticPlastic(),
+        )  # fmt: skip
+        returned = -hc.simulate(bead, until=2e-4, times=2).velocities[-1, 1] / (factor * speed)
+        assert (returned > 1.0 - 1e-9) == elastic
+
+
+def test_elastic_plastic_contacts_at_rest_are_loaded_beyond_yield():
+    chain = Chain.uniform(4).replace(
+        precompression=1.0,
+        held_by="force",
+        velocities=0.0,
+        loss=hc.ElasticPlastic(yield_overlap=0.25),
+    )
+    # F_y = 1/8, and the slope beyond is 1.5 sqrt(1/4).
+    overlaps = -np.diff(hc.equilibrium(chain).positions)
+    np.testing.assert_allclose(overlaps, 0.25 + (1.0 - 0.125) / 0.75, rtol=1e-14)
+    run = hc.simulate(chain, until=10.0, times=5)
+    assert np.abs(run.velocities).max() < 1e-14
+
+
+@pytest.mark.parametrize("name", sorted(LAWS))
+def test_stored_energy_is_that_of_the_kernel(name):
+    """The law's own formula, for saved states, and the kernel's, along a loading and unloading."""
+    from hertzchain.kernels.contact_law import LOADED, RELEASED, Law, contact_force, potential
+
+    rng = np.random.default_rng(3)
+    class_name = LAWS[name].__name__
+    for exponent in (1.5,) if name == "elastic-plastic" else (1.5, 2.2):
+        law = random_law(rng, Units(), (class_name,))
+        contacts = ContactArrays(exponent, np.array([1.7]), np.array([0.6]))
+        row, damping = law.row(exponent), float(law.strength(contacts)[0])
+        numbers = Law(**row._asdict(), exponent=exponent, implicit=False, slowest=0.0)
+        for largest, mode in ((0.05, LOADED), (0.9, LOADED), (0.05, RELEASED), (1.4, RELEASED)):
+            damped = row.overlap_power or row.speed_power != 1.0 or not row.attractive
+            if mode == RELEASED and (damped or name in ("dashpot", "elastic")):
+                continue
+            for part in (1.0, 0.97, 0.6):
+                d = largest * (part if mode == RELEASED else 1.0)
+                state = d, 1e-300, mode, largest, 1.7, damping, numbers
+                force, _ = contact_force.py_func(*state)
+                expected = potential.py_func(d, 1.7, damping, mode, largest, numbers)
+                own = law.stored_energy(np.array([d]), np.array([force]), contacts)[0]
+                assert own == pytest.approx(expected, rel=1e-10, abs=1e-15)
+
+
+@pytest.mark.parametrize("exponent", [1.5, 2.0, 3.0])
+@pytest.mark.parametrize("law", [hc.Restitution(0.7), hc.Restitution(0.7, attractive=False)])
+def test_the_integrated_collision_is_right(law, exponent):
+    contacts = ContactArrays(exponent, np.array([2.0]), np.array([0.3]))
+    # Measured: 4e-10.
+    assert Loss._restitution(law, 0.8, contacts) == pytest.approx(0.7, rel=4e-9)
+
+
+@pytest.mark.parametrize(
+    "law", [hc.Dashpot(0.2), hc.Viscoelastic(0.1), hc.VelocityPower(0.1, 1.8)], ids=repr
+)
+def test_restitution_is_that_of_two_beads(law):
+    chain = Chain.from_radii([1.0, 0.8]).replace(loss=law, velocities=[1.3, 0.0])
+    run = hc.simulate(chain, until=100.0, times=2)
+    m, k = chain.masses, float(chain.stiffness[0])
+    own = law.restitution(1.3, reduced_mass=float(m[0] * m[1] / m.sum()), stiffness=k)
+    assert np.diff(run.velocities[-1])[0] / 1.3 == pytest.approx(own, rel=1e-8)
+
+
+def test_energy_is_accounted_for():
+    walled = MIXED.replace(gravity=0.02, left_wall=Wall(stiffness=1.0))
+    run = hc.simulate(walled, until=60.0, times=200)
+    budget = run.budget()
+    # Both force laws and energies change where a sphere yields: measured 2e-9.
+    for of in ("energy", "momentum"):
+        assert np.abs(budget.residual(of)).max() < 1e-8
+    assert run.energy_drift < 1e-8
+    assert budget.energy["lost"][-1] > 0.1
+
+
+def test_a_run_resumes_bit_for_bit(tmp_path):
+    whole = hc.simulate(MIXED, until=40.0, times=2)
+    half = hc.simulate(MIXED, until=17.3, times=2)
+    hc.save_state(half.state, tmp_path / "state.npz")
+    start = hc.load_state(tmp_path / "state.npz", MIXED)
+    rest = hc.simulate(MIXED, start=start, until=40.0, times=2)
+    np.testing.assert_array_equal(whole.velocities[-1], rest.velocities[-1])
+
+
+def test_a_streamed_run_is_the_same(tmp_path):
+    times = np.linspace(0.0, 30.0, 16)
+    stored = hc.stream(MIXED, tmp_path / "run", times=times)
+    run = hc.simulate(MIXED, times=times)
+    np.testing.assert_array_equal(stored.load()["velocity"], run.velocities)
+
+
+def test_equal_laws_are_one_law():
+    listed = Chain.uniform(4).replace(loss=[hc.Dashpot(0.1)] * 3, exponent=[2.0] * 3)
+    assert listed.loss == hc.Dashpot(0.1)
+    assert listed.exponent == 2.0
+    assert listed.features == ("loss",)
+    assert kernel_chain(listed).laws is None
+    assert Chain.uniform(4).replace(loss=[None, hc.Elastic(), None]).features == ()
+
+
+def test_walls_follow_the_contact_beside_them_unless_told():
+    assert [law.name for law in MIXED.contact_losses] == [
+        "dashpot", "dashpot", "elastic", "walton-braun", "elastic-plastic", "unloading-ratio",
+    ]  # fmt: skip
+    np.testing.assert_array_equal(MIXED.contact_exponents, [2.0, 2.0, 1.5, 1.5, 1.5, 1.8])
+    other = MIXED.replace(left_wall=Wall(stiffness=1.0, loss=hc.Elastic()))
+    assert other.contact_losses[0] == hc.Elastic()
+    assert (
+        "mixed losses" in Chain.uniform(3).replace(right_wall=Wall(loss=hc.Dashpot(1.0))).features
+    )
+
+
+def test_laws_by_pairs_of_materials():
+    chain = STEEL_AND_PTFE.replace(loss=PAIRS, right_wall=Wall())
+    assert chain.contact_losses == (hc.Restitution(0.6),) * 6 + (hc.Restitution(0.4),)
+    # What is changed later still follows from the pairs.
+    longer = chain.replace(radii=[9.5e-3] * 3, materials=["ptfe", "ptfe", "steel-316"],
+                           right_wall=None, gaps=None, velocities=None)  # fmt: skip
+    assert longer.contact_losses[1:3] == (hc.Restitution(0.4), hc.Restitution(0.6))
+    listed = STEEL_AND_PTFE.replace(
+        loss=[hc.Restitution(0.6)] * 5, right_wall=Wall(loss=hc.Restitution(0.4))
+    )
+    runs = [hc.simulate(each, until=5e-4, times=2) for each in (chain, listed)]
+    np.testing.assert_array_equal(runs[0].velocities, runs[1].velocities)
+    p = {("steel-316", "ptfe"): 1.5, ("ptfe", "ptfe"): 1.5}
+    assert STEEL_AND_PTFE.replace(exponent=p).features == STEEL_AND_PTFE.features
+
+
+@pytest.mark.parametrize(
+    ("build", "said"),
+    [
+        (lambda: MIXED.replace(loss=[hc.Dashpot(1.0)]), "must be 4 laws of loss, .* got 1; a wall"),
+        (lambda: MIXED.replace(exponent=[1.5, 2.0]), "must be 4 exponents, .* got 2; a wall has"),
+        (lambda: MIXED.replace(exponent=[1.5, 2.0, 1.0, 1.5]), "exponent .* above 1 .* got 1"),
+        (lambda: MIXED.replace(loss=[0.9] * 4), "loss must be a law of hertzchain.chain.laws"),
+        (lambda: MIXED.replace(loss=PAIRS), "loss by pairs of materials needs a chain of mat"),
+        (
+            lambda: STEEL_AND_PTFE.replace(loss=PAIRS, left_wall=Wall()),
+            "no loss for steel-316 on steel-316, which meet at the left wall: add",
+        ),
+        (lambda: STEEL_AND_PTFE.replace(loss={"ptfe": None}), "needs pairs such as .* got 'ptfe'"),
+        (lambda: STEEL_AND_PTFE.replace(loss={}), "loss by materials has no pairs"),
+        (lambda: STEEL_AND_PTFE.replace(exponent=[1.5, 2, 1.5, 1.5, 1.5]), "not of p = 2; give st"),
+        (lambda: Wall(loss=0.9), "loss of a wall must be a law of .* got 0.9; Elastic"),
+        (lambda: Wall(exponent=0.5), "exponent of the contact force must be above 1"),
+        (
+            lambda: Chain.uniform(3).replace(right_wall=Wall(exponent=2.0)),
+            r"give Wall\(stiffness=...\)",
+        ),
+        (
+            lambda: Chain.uniform(3, exponent=2.0).replace(loss=hc.ElasticPlastic(yield_overlap=1)),
+            "law of spheres .* p = 2: use WaltonBraun",
+        ),
+        (lambda: Chain.uniform(3).replace(loss=hc.ElasticPlastic()), "scaled chain needs a yie"),
+        (
+            lambda: Chain.from_materials(5e-3, hc.Material("a", 1e3, 1e9, 0.3), beads=2,
+                                         loss=hc.ElasticPlastic()),
+            "yield strength of the materials, which is not known .* give ElasticPlastic",
+        ),
+        (lambda: hc.ElasticPlastic(1e9, 1e-6), "a yield_pressure or a yield_overlap, not both"),
+        (
+            lambda: hc.simulate(MIXED.replace(right_wall=Wall(stiffness=1.0,
+                                              loss=hc.VelocityPower(0.1, 0.5)))),
+            "alpha < 1.* need implicit steps, which cannot follow .*WaltonBraun.*: use alpha",
+        ),
+        (lambda: MIXED.decorated(0.2), "but its exponents and losses belong to the present ones"),
+    ],
+)  # fmt: skip
+def test_contradictions_are_refused_in_one_sentence(build, said):
+    with pytest.raises(InputError, match=said) as caught:
+        build()
+    assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize("method", [hc.propagate, hc.bca, hc.hard_sphere, hc.effective_chain])
+def test_theories_reject_mixed_contacts_in_one_sentence(method):
+    chain = MIXED.replace(right_wall=None)
+    with pytest.raises(InputError, match="does not support mixed exponents or mixed losses"):
+        method(chain)
+    with pytest.raises(InputError, match="does not support mixed exponents"):
+        method(Chain.uniform(4).replace(exponent=[1.5, 2.0, 1.5]))
+
+
+def test_small_motions_of_mixed_contacts():
+    """Each contact is its own spring and damper at the static force."""
+    force = 0.7
+    chain = Chain.uniform(4).replace(
+        precompression=force, held_by="force", exponent=[1.5, 2.0, 3.0],
+        loss=[hc.Dashpot(0.3), hc.Viscoelastic(0.2), None],
+    )  # fmt: skip
+    contacts = hc.spectrum(chain).contacts
+    p = np.array([1.5, 2.0, 3.0])
+    springs = p * force ** (1.0 - 1.0 / p)
+    np.testing.assert_allclose(contacts.springs[1:-1], springs, rtol=1e-14)
+    np.testing.assert_allclose(contacts.dampers[1:-1], [0.3, 0.2 * springs[1], 0.0], rtol=1e-14)
+
+
+def test_units_of_mixed_contacts():
+    """Scaled and back, a chain moves as before."""
+    chain = Chain.from_materials(
+        [5e-3, 4e-3, 6e-3, 5e-3], ["steel-316", "brass", "brass", "steel-316"], velocity=0.2,
+        loss=[hc.Dashpot(3.0), hc.ElasticPlastic(), hc.Viscoelastic(1e-6)],
+        right_wall=Wall.of("aluminium"),
+    ).with_contacts({1: hc.Cone(80.0)})  # fmt: skip
+    scales = hc.Scales.of(chain)
+    scaled = scales.to_scaled(chain)
+    back = scales.to_si(scaled)
+    assert scaled.features[-2:] == ("mixed exponents", "mixed losses")
+    for name in ("stiffness", "masses", "contact_exponents", "contact_stiffness"):
+        np.testing.assert_allclose(getattr(back, name), getattr(chain, name), rtol=1e-13)
+    until = 2e-4
+    si = hc.simulate(chain, until=until, times=2).velocities[-1]
+    own = hc.simulate(scaled, until=until / scales.time, times=2).velocities[-1]
+    np.testing.assert_allclose(own * scales.velocity, si, rtol=0, atol=1e-9 * 0.2)
+
+
+@pytest.mark.parametrize(
+    "chain",
+    [
+        MIXED,
+        STEEL_AND_PTFE.replace(loss=PAIRS, right_wall=Wall()),
+        STEEL_AND_PTFE.with_contacts({2: hc.Cone(75.0), 3: hc.CrossedCylinders(angle=45.0)}),
+        STEEL_AND_PTFE.replace(
+            loss=hc.ElasticPlastic(yield_pressure=1e8), left_wall=Wall(loss=hc.Elastic())
+        ),
+        Chain.uniform(3, exponent=2.0).replace(left_wall=Wall(stiffness=1.0, exponent=1.5)),
+    ],
+    ids=str,
+)  # fmt: skip
+def test_chain_files_carry_mixed_contacts(chain, tmp_path):
+    file = tmp_path / "chain.toml"
+    file.write_text(hc.chain_as_toml(chain), "utf-8")
+    read = hc.load_chain(file)
+    assert read.contact_losses == chain.contact_losses
+    np.testing.assert_array_equal(read.contact_exponents, chain.contact_exponents)
+    np.testing.assert_array_equal(read.contact_stiffness, chain.contact_stiffness)
+
+
+def test_strikers_are_like_the_first_contact():
+    struck = MIXED.struck_by(count=2, stiffness=1.0)
+    assert struck.loss[:3] == (hc.Dashpot(0.1),) * 3
+    np.testing.assert_array_equal(struck.exponent[:4], [2.0, 2.0, 2.0, 1.5])
+
+
+@pytest.mark.parametrize("axes", [(1.0, 1.0), (1.0, 0.7), (3.0, 0.2), (1.0, 0.01)])
+def test_crossed_cylinders_by_the_integrals_of_hertz(axes):
+    """For an ellipse (a, b): force, curvatures and approach by quadrature; Johnson, Sec. 4.2."""
+    a, b = axes
+    size = 3.0 / (4.0 * math.pi)  # of a force and a modulus of one
+
+    def integral(*powers):
+        def integrand(t):  # w = t^2
+            one, other = a * a + t * t, b * b + t * t
+            return 2.0 / (one ** powers[0] * other ** powers[1])
+
+        return quad(integrand, 0.0, math.inf, epsabs=0.0, epsrel=1e-12, limit=500)[0]
+
+    approach = size * integral(0.5, 0.5)
+    small, large = size * integral(1.5, 0.5), size * integral(0.5, 1.5)
+    # Equal cylinders: A + B = 1/R and B - A = cos(angle)/R.
+    radius = 1.0 / (small + large)
+    angle = math.degrees(math.acos(min(1.0, (large - small) * radius)))
+    shape = hc.CrossedCylinders(radius, angle=angle)
+    assert shape.stiffness(1.0) * approach**1.5 == pytest.approx(1.0, rel=1e-9)
+
+
+def test_crossed_cylinders_like_a_sphere_on_a_plane():
+    radius, modulus = 4e-3, 1e11
+    k = hc.CrossedCylinders(radius).stiffness(modulus)
+    assert k == pytest.approx(4.0 / 3.0 * modulus * math.sqrt(radius), rel=1e-15)
+
+
+def test_a_cone_by_its_pressure():
+    """Sneddon: d = (pi/2) a cot(theta), mean pressure E*/2 cot(theta) on a circle of radius a."""
+    theta, modulus, a = math.radians(80.0), 2e11, 1e-5
+    overlap = 0.5 * math.pi * a / math.tan(theta)
+    force = 0.5 * modulus / math.tan(theta) * math.pi * a**2
+    assert hc.Cone(80.0).stiffness(modulus) * overlap**2 == pytest.approx(force, rel=1e-13)
+
+
+def test_shapes_at_walls_and_who_refuses_them():
+    chain = STEEL_AND_PTFE.replace(right_wall=Wall.of("brass"))
+    shaped = chain.with_contacts({6: hc.Cone(60.0)})
+    modulus = contact_modulus(hc.material("ptfe"), hc.material("brass"))
+    assert shaped.wall_stiffness[1] == hc.Cone(60.0).stiffness(modulus)
+    np.testing.assert_array_equal(shaped.contact_exponents, [1.5] * 6 + [2.0])
+    for shapes, said in (
+        ({0: hc.Cone(60.0)}, "has no left_wall"),
+        ({6: hc.CrossedCylinders()}, "need a radius where they are not at"),
+        ({7: hc.Cone(60.0)}, "from 0 to 6, got 7"),
+        ({1: hc.Wall()}, "shape of contact 1 must be a CrossedCylinders or a Cone"),
+    ):
+        with pytest.raises(InputError, match=said):
+            chain.with_contacts(shapes)
+    with pytest.raises(InputError, match="follows from materials"):
+        Chain.uniform(3).with_contacts(hc.Cone(60.0))

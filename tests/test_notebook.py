@@ -1,0 +1,188 @@
+"""HTML for notebooks: well-formed, small, escaped, and true to the numbers."""
+
+import re
+import subprocess
+import sys
+import warnings
+from xml.etree import ElementTree
+
+import numpy as np
+import pytest
+
+import hertzchain as hc
+from hertzchain.notebook.drawing import COLUMNS, Curve, chart, engineering, thinned, ticks
+
+MAX_BYTES = 40_000
+UNITS = ("scaled", "SI")
+
+
+def balls(beads, units):
+    if units == "SI":
+        return hc.Chain.from_materials(5e-3, "steel-52100", beads=beads, velocity=0.1)
+    return hc.Chain.uniform(beads)
+
+
+def parsed(item):
+    """The elements of an object's HTML, after checks of what all must be."""
+    html = item._repr_html_()
+    assert len(html.encode()) <= MAX_BYTES
+    assert not re.search(r"\b(nan|inf)\b", html)
+    # The colours of text and axes are those of the page.
+    assert not re.search(r"(?:^|[;\"])color:(?!inherit)", html)
+    root = ElementTree.fromstring(html)
+    return root, " ".join(" ".join(root.itertext()).split())
+
+
+@pytest.fixture(scope="module", params=[(n, u) for u in UNITS for n in (3, 1000)], ids=str)
+def results(request):
+    beads, units = request.param
+    chain = balls(beads, units).replace(right_wall=hc.Wall())
+    unit = hc.Scales.of(chain).time if units == "SI" else 1.0
+    run = hc.simulate(chain, until=(2.2 * beads + 20) * unit, times=7 * beads + 100)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", hc.IncompleteWarning)
+        return beads, units, run, run.wall_force()
+
+
+def test_every_kind_is_small_and_has_its_numbers(results):
+    beads, units, run, wall = results
+    si = units == "SI"
+    free = balls(beads, units)
+    pulse = hc.bca(free)
+    for item, words in (
+        (run.chain, [f"{beads} beads, right wall", "bead 1, 100 mm/s" if si else "bead 1, 1"]),
+        (pulse, ["by BCA", "last bead", "largest force", " N (contact" if si else "(contact"]),
+        (run.pulse(), ["by simulation", "arrival"]),
+        (run, ["time reached", f"{beads} of {beads}", "energy drift", "velocity [m" * si]),
+        (run.budget(), ["scattered back", "right wall", "add up within", "[kg m/s]" * si]),
+        (wall, [engineering(wall.largest_so_far, "N", units), "impulse of the run"]),
+        (pulse.compare(hc.propagate(free)), ["of BCA with propagation", "rms error", "velocity"]),
+    ):
+        root, text = parsed(item)
+        assert text.startswith(type(item).__name__)
+        assert root.find(".//svg") is not None
+        assert root.find(".//table") is not None
+        for word in words:
+            assert word in text, (word, text)
+
+
+def test_peaks_that_are_not_complete_say_so():
+    chain = hc.Chain.uniform(20).replace(right_wall=hc.Wall())
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", hc.IncompleteWarning)
+        early = hc.simulate(chain, until=24.0).wall_force()
+        before = hc.simulate(chain, until=5.0).wall_force()
+    root, text = parsed(early)
+    assert "not complete" in text
+    assert "so far" in text
+    assert root.find(".//circle").get("fill") == "none"
+    assert "peak" in parsed(before)[1]
+    complete = hc.simulate(chain).wall_force()
+    root, text = parsed(complete)
+    assert f"peak {complete.peak:.4g}" in text
+    assert root.find(".//circle").get("fill") != "none"
+
+
+def test_a_chain_has_a_circle_for_each_bead_to_scale():
+    radii = np.array([1.0, 0.5, 0.25, 2.0])
+    root, _ = parsed(hc.Chain.from_radii(radii).replace(left_wall=hc.Wall(stiffness=1.0)))
+    circles = root.findall(".//circle")
+    drawn = np.array([float(each.get("r")) for each in circles]) + 0.4
+    np.testing.assert_allclose(drawn / drawn[0], radii, rtol=0.01)
+    centres = np.array([float(each.get("cx")) for each in circles])
+    # Neighbours touch.
+    np.testing.assert_allclose(np.diff(centres), drawn[1:] + drawn[:-1], atol=0.15)
+    assert len(root.findall(".//rect")) == 1
+
+
+def test_strikers_and_materials_are_told_apart():
+    chain = hc.Chain.periodic([9e-3, 4e-3], cells=5, materials=["brass", "ptfe"], velocity=0.1)
+    root, text = parsed(chain.struck_by(velocity=0.3, count=2))
+    assert [each.get("fill") for each in root.findall(".//circle")][:2] == ["none", "none"]
+    assert "brass" in text
+    assert "2 beads, 300 mm/s" in text
+
+
+def test_names_are_escaped():
+    name = "<script>alert('&')</script>"
+    bad = hc.Material(name, 8000.0, 2e11, 0.3)
+    chain = hc.Chain.from_materials([5e-3, 4e-3, 5e-3], [bad, "brass", bad], velocity=0.01)
+    pulse = hc.Pulse(hc.Chain.uniform(3), name, np.ones(3))
+    for item in (chain, hc.bca(chain), hc.simulate(chain), pulse, pulse.compare(pulse)):
+        html = item._repr_html_()
+        assert "<script" not in html
+        ElementTree.fromstring(html)
+        assert name in "".join(ElementTree.fromstring(html).itertext())
+
+
+def test_runs_without_saved_times_have_numbers_only():
+    run = hc.simulate(hc.Chain.uniform(5), times=0)
+    root, text = parsed(run)
+    assert root.find(".//svg") is None
+    assert "No times were saved" in text
+
+
+def test_values_that_are_missing_leave_gaps():
+    run = hc.simulate(hc.Chain.uniform(30), until=12.0)
+    pulse = run.pulse()
+    assert np.isnan(pulse.velocity).any()
+    html = pulse._repr_html_().replace(">nan<", "><")
+    assert "no first maximum of the velocity" in html
+    assert not re.search(r"[ML ]nan", html)
+
+
+def test_curves_keep_their_extremes_when_thinned():
+    x = np.arange(100_000.0)
+    y = np.zeros(100_000)
+    y[[777, 50_001]] = 5.0, -3.0
+    few, values = thinned(x, y)
+    assert len(few) <= 3 * COLUMNS
+    assert (values.max(), values.min()) == (5.0, -3.0)
+    assert few[np.argmax(values)] == 777.0
+    assert (np.diff(few) > 0.0).all()
+
+
+def test_axes_show_the_values():
+    root = ElementTree.fromstring(
+        chart([Curve(np.array([5.0, 10.0]), np.array([0.0, 100.0]))], "x", "y")
+    )
+    labels = {each.text: each for each in root.iter("text")}
+    dots = [(float(each.get("cx")), float(each.get("cy"))) for each in root.iter("circle")]
+    assert float(labels["0"].get("y")) - 4 == pytest.approx(dots[0][1], abs=0.1)
+    assert float(labels["100"].get("y")) - 4 == pytest.approx(dots[1][1], abs=0.1)
+    assert float(labels["10"].get("x")) == pytest.approx(dots[1][0], abs=0.1)
+
+
+@pytest.mark.parametrize(
+    ("low", "high", "whole", "expected"),
+    [
+        (0.0, 1.0, False, [0.0, 0.25, 0.5, 0.75, 1.0]),
+        (1.0, 3.0, True, [1.0, 2.0, 3.0]),
+        (-2.1, 7.0, False, [0.0, 2.5, 5.0]),
+    ],
+)
+def test_ticks_are_round_numbers_inside(low, high, whole, expected):
+    assert ticks(low, high, whole=whole) == pytest.approx(expected)
+
+
+@pytest.mark.parametrize(
+    ("value", "unit", "text"),
+    [
+        (2.349e-5, "s", "23.49 µs"), (0.0, "N", "0 N"), (1300.5, "N", "1.3 kN"),
+        (1e-3, "m", "1 mm"), (0.0311, "N s", "31.1 mN s"), (0.5, "kg m/s", "0.5 kg m/s"),
+        (-0.25, "m/s", "-250 mm/s"), (1e-20, "J", "1e-08 pJ"),
+    ],
+)  # fmt: skip
+def test_numbers_have_a_prefix(value, unit, text):
+    assert engineering(value, unit) == text
+    assert engineering(value, unit, "scaled") == f"{value:.4g}"
+
+
+def test_no_plotting_library_is_loaded():
+    code = (
+        "import sys, hertzchain as hc; chain = hc.Chain.uniform(9); pulse = hc.bca(chain);"
+        "[item._repr_html_() for item in (chain, pulse, pulse.compare(pulse))];"
+        "print([name for name in ('matplotlib', 'pandas', 'xarray') if name in sys.modules])"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "[]"

@@ -1,0 +1,96 @@
+import numpy as np
+import pytest
+from PIL import Image
+
+import hertzchain as hc
+from hertzchain.plotting.animation import animate
+from hertzchain.plotting.budget import plot_budget
+from hertzchain.plotting.chains import bead_centres, plot_chain
+from hertzchain.plotting.runs import plot_forces
+
+
+@pytest.fixture(scope="module")
+def run():
+    chain = hc.Chain.tapered("forward-exponential", 0.05, beads=12)
+    return hc.simulate(chain.replace(right_wall=hc.Wall()), until=40.0, times=200)
+
+
+def test_traces_are_the_sensors(run):
+    axes = plot_forces(run, [4, 13])
+    np.testing.assert_array_equal(axes.lines[0].get_ydata(), run.sensor(4))
+    np.testing.assert_array_equal(axes.lines[1].get_ydata(), run.wall_force().force)
+
+
+def test_si_is_drawn_in_microseconds_and_newtons():
+    chain = hc.Chain.from_materials(5e-3, "steel-52100", beads=5, velocity=0.1)
+    run = hc.simulate(chain, until=1e-4, times=50)
+    axes = plot_forces(run, [2])
+    assert axes.lines[0].get_xdata()[-1] == pytest.approx(100.0)
+    assert (axes.get_xlabel(), axes.get_ylabel()) == ("time [µs]", "force [N]")
+    assert run.plot("force").get_xlabel() == "time [µs]"
+
+
+@pytest.mark.parametrize("of", ["energy", "momentum"])
+def test_the_stack_ends_at_what_was_given(run, of):
+    budget = run.budget()
+    axes = plot_budget(budget, of)
+    given = sum((budget.energy_given if of == "energy" else budget.momentum_given).values())
+    top = max(path.get_paths()[0].vertices[:, 1].max() for path in axes.collections
+              if path.get_paths())  # fmt: skip
+    line = axes.lines[0].get_ydata()
+    np.testing.assert_allclose(line, given)
+    assert top >= line.max() - 1e-9
+    if of == "energy":
+        assert top == pytest.approx(line.max(), rel=1e-9)
+
+
+def test_the_chain_is_to_scale():
+    chain = hc.Chain.from_radii([2.0, 1.0, 3.0])
+    np.testing.assert_allclose(bead_centres(chain), [1.0, 2.5, 4.5])
+    radii = [patch.vertices[:, 0].max() for patch in plot_chain(chain).collections[0].get_paths()]
+    assert len(radii) == 3
+
+
+def test_an_animation_moves(run, tmp_path):
+    file = animate(run, tmp_path / "beads.gif", frames=6)
+    with Image.open(file) as pictures:
+        assert pictures.n_frames == 6
+        first = np.asarray(pictures.convert("RGB"))
+        pictures.seek(3)
+        assert np.any(np.asarray(pictures.convert("RGB")) != first)
+
+
+def test_bad_requests(run, tmp_path):
+    with pytest.raises(hc.InputError, match=r"end in \.gif"):
+        animate(run, tmp_path / "beads.mp4")
+    with pytest.raises(hc.InputError, match="bead must be a whole number from 1 to 12, got 99"):
+        plot_forces(run, [99])
+    with pytest.raises(hc.InputError, match="unknown balance"):
+        plot_budget(run.budget(), "mass")
+    with pytest.raises(hc.InputError, match="unknown quantity of a map"):
+        run.plot("mass")
+
+
+@pytest.mark.parametrize(
+    ("of", "label"), [("energy", "energy [µJ]"), ("momentum", "momentum [mN s]")]
+)
+def test_a_budget_in_real_units_has_a_prefix(of, label):
+    # 4.07 g with 0.3 m/s: 183 microjoules, 1.22 mN s.
+    chain = hc.Chain.from_materials(5e-3, "steel-52100", beads=4, velocity=0.3)
+    axes = hc.simulate(chain, until=50e-6).budget().plot(of)
+    assert axes.get_ylabel() == label
+    start = {"energy": "183", "momentum": "1.22"}[of]
+    line = axes.lines[0].get_ydata()[0]
+    assert axes.yaxis.get_major_formatter()(line, 0).startswith(start)
+
+
+def test_an_animation_shows_the_wall(tmp_path):
+    walled = hc.Chain.uniform(5).replace(right_wall=hc.Wall())
+    shown = []
+    for chain in (walled, walled.replace(right_wall=None)):
+        file = hc.animate(hc.simulate(chain, until=9.0, times=5), tmp_path / "x.gif", frames=2)
+        with Image.open(file) as image:
+            shown.append(np.asarray(image.convert("L"), int))
+    # The wall is the only grey thing before anything moves but the striker.
+    grey = [np.count_nonzero(np.abs(each - 0xBB) < 12) for each in shown]
+    assert grey[0] > 3 * grey[1]

@@ -1,0 +1,59 @@
+"""The recipes of docs/how-to/extend.md, each applied to a copy of the package and tried.
+
+A recipe is a section with diffs, which are applied to the copy, and a block of Python, which runs
+there in a process of its own and must not fail.
+"""
+
+import os
+import re
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parent.parent
+PAGE = (ROOT / "docs" / "how-to" / "extend.md").read_text("utf-8")
+# Recipes whose number of source files is promised by the page.
+MAX_FILES = 2
+
+
+def recipes():
+    """Title, diffs and Python blocks of each section that has a diff."""
+    for section in re.split(r"^## ", PAGE, flags=re.M)[1:]:
+        title, _, text = section.partition("\n")
+        diffs = re.findall(r"^```diff\n(.*?)^```$", text, re.M | re.S)
+        blocks = re.findall(r"^```python\n(.*?)^```$", text, re.M | re.S)
+        if diffs:
+            yield pytest.param(diffs, blocks, id=title)
+
+
+@pytest.mark.parametrize(("diffs", "blocks"), [*recipes()])
+def test_recipes_work(diffs, blocks, tmp_path):
+    # With modification times, so that what is compiled stays valid.
+    shutil.copytree(ROOT / "src", tmp_path / "src", copy_function=shutil.copy2)
+    touched = set()
+    for diff in diffs:
+        touched |= set(re.findall(r"^\+\+\+ b/(src/\S+\.py)$", diff, re.M))
+        done = subprocess.run(
+            ["git", "apply", "--recount", "--whitespace=nowarn", "-"],
+            cwd=tmp_path, input=diff, text=True, capture_output=True, check=False,
+            env={**os.environ, "GIT_CEILING_DIRECTORIES": str(tmp_path.parent)},
+        )  # fmt: skip
+        assert done.returncode == 0, done.stderr
+    assert 1 <= len(touched) <= MAX_FILES
+    assert blocks, "a recipe must show that it works"
+    for block in blocks:
+        done = subprocess.run(
+            [sys.executable, "-W", "error", "-c", block],
+            cwd=tmp_path, text=True, capture_output=True, check=False,
+            env={**os.environ, "PYTHONPATH": str(tmp_path / "src"), "MPLBACKEND": "agg"},
+        )  # fmt: skip
+        assert done.returncode == 0, done.stderr
+
+
+def test_the_page_has_all_recipes():
+    titles = {param.id for param in recipes()}
+    expected = {"taper", "theory", "loss law", "quantity", "plot"}
+    assert expected <= {title.split(" ", 2)[2] for title in titles if title.startswith("Add a")}

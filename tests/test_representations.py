@@ -1,0 +1,172 @@
+"""The representations of every public object: short, and with the numbers that matter."""
+
+import warnings
+
+import numpy as np
+import pytest
+
+import hertzchain as hc
+from hertzchain.chain.drives import SineBurst, StepDrive, TableDrive
+from hertzchain.evaluation import Case, paper_cases
+from hertzchain.representation import MAX_LINES, MAX_WIDTH, short
+from hertzchain.sweeps.axes import Axis
+from hertzchain.sweeps.specification import read_specification
+from hertzchain.theory import RatioCorrection
+from hertzchain.verification.case import Case as KnownValue
+
+BEADS = (3, 1000)
+UNITS = ("scaled", "SI")
+
+
+def balls(beads, units):
+    if units == "SI":
+        return hc.Chain.from_materials(5e-3, "steel-52100", beads=beads, velocity=0.1)
+    return hc.Chain.uniform(beads)
+
+
+def time_unit(chain):
+    return hc.Scales.of(chain).time if chain.units == "SI" else 1.0
+
+
+def run_of(beads, units):
+    """A run of a chain in front of a wall, from which the pulse has just returned."""
+    chain = balls(beads, units).replace(right_wall=hc.Wall())
+    return hc.simulate(chain, until=(1.3 * beads + 8) * time_unit(chain), times=max(200, 7 * beads))
+
+
+@pytest.fixture(scope="module", params=[(n, u) for u in UNITS for n in BEADS], ids=str)
+def results(request):
+    """Everything that one run and one pulse give, with words that the representation must have."""
+    beads, units = request.param
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", hc.IncompleteWarning)
+        run = run_of(beads, units)
+        wall = run.wall_force()
+    chain, free = run.chain, balls(beads, units)
+    pulse = hc.bca(free)
+    held = chain.replace(precompression=1.0, held_by="force")
+    decorated = free.decorated(0.2)
+    s, newton, speed = (" s", " N", " m/s") if units == "SI" else ("", "", "")
+    end = f"t = {run.times[-1]:.4g}{s}"
+    found = [
+        (chain, [f"{beads} beads", "right wall"]),
+        (run, ["t = ", f"{len(run.times)} times saved", "energy drift"]),
+        (run.state, [f"t = {run.state.time:.4g}{s}", "steps", speed]),
+        (run.budget(), [end, "energy", "momentum", "right wall", "adds up within"]),
+        (wall, ["right wall", f"{wall.largest_so_far:.4g}{newton}", "contact"]),
+        (run.sensor_force(2), ["bead 2", "first maximum", newton]),
+        (run.leading_pulse(), [f"of {beads - 1} contacts", "momentum", "kinetic energy"]),
+        (run.fronts(), [f"of {beads - 1} contacts", "t = "]),
+        (run.velocity_peaks(2), ["bead 2", "the first", speed]),
+        (run.pulse(), ["simulation", f"v_{beads} = ", speed]),
+        (pulse, ["BCA", f"v_{beads} = {pulse.velocity[-1]:.4g}{speed}"]),
+        (pulse.compare(hc.hard_sphere(free)), ["BCA against hard sphere", "velocity", "k = "]),
+        (hc.propagate_many([free, free]), ["2 chains", f"up to {beads} beads"]),
+        (hc.equilibrium(held), [f"{beads} beads", "static forces 1 .. 1"]),
+        (hc.effective_chain(decorated), [f"{beads} large beads of {2 * beads - 1}"]),
+        (hc.effective_chain(decorated).bca(), [f"v_{2 * beads - 1} = ", newton]),
+    ]
+    if units == "SI":
+        found += [
+            (hc.hertz_range(chain), ["overlap", "yield", "speed"]),
+            (hc.Scales.of(chain), ["radius=0.005"]),
+        ]
+    return found
+
+
+def check(item, words):
+    text = repr(item)
+    lines = text.split("\n")
+    assert len(lines) <= MAX_LINES, text
+    assert max(map(len, lines)) <= MAX_WIDTH, text
+    assert text.startswith(type(item).__name__ + "("), text
+    assert text.endswith(")"), text
+    assert "array(" not in text
+    joined = " ".join(text.split())
+    for word in words:
+        assert word in joined, (word, text)
+
+
+def test_results_of_short_and_long_chains(results):
+    for item, words in results:
+        check(item, words)
+
+
+@pytest.mark.parametrize("units", UNITS)
+@pytest.mark.parametrize("beads", [8, 120])
+def test_waves_and_what_belongs_to_them(beads, units):
+    chain = balls(beads, units).replace(right_wall=hc.Wall.rigid())
+    run = hc.simulate(chain, until=2.2 * beads * time_unit(chain), times=20 * beads)
+    newton = " N" if units == "SI" else ""
+    waves = run.waves()
+    assert len(waves) > 1
+    check(waves, ["right", "left", "the strongest", newton])
+    check(waves[0], ["right, contacts", f"force {waves[0].amplitude:.4g}{newton}"])
+    check(waves[0].events[0], ["contact", "to the right", f"{newton}, impulse"])
+    check(run.reflection(beads // 2, beads), ["reflected energy", "transmitted energy", "1 wave"])
+    check(run.energy_flux(), ["most to the right", "contact"])
+    check(run.horizon(), ["predictable within 1%", "rtol 1e-13"])
+    check(run, ["predictable"])
+    assert len(str(waves).splitlines()) > len(waves)
+
+
+@pytest.mark.parametrize("beads", [3, 200])
+def test_spectra(beads):
+    chain = balls(beads, "SI").replace(precompression=1.0, held_by="force")
+    check(hc.spectrum(chain), [f"{beads} modes", "Hz"])
+
+
+def test_everything_else(tmp_path):
+    stored = hc.stream(hc.Chain.uniform(5), tmp_path / ("long" * 20), times=[1.0, 2.0])
+    calibration = hc.calibrate("backward-linear", rates=(0.5,), beads=30, window=(5, 25))
+    plan = {"chain": {"taper": "uniform"}, "axes": {"beads": list(range(5, 600))}}
+    features = hc.Chain.uniform(5).replace(
+        precompression=1.0, gravity=0.1, left_wall=hc.Wall(), right_wall=hc.Wall(),
+        loss=hc.Dashpot(0.1), velocities=[1, 1, 0, 0, 0], masses=[1, 2, 3, 4, 5],
+    )  # fmt: skip
+    known = KnownValue("a group", "a quantity", 1.0, 0.1, "a source" * 50, float)
+    for item, words in (
+        (stored, []),
+        (calibration, ["backward-linear", "1 rate", "RatioCorrection(ratio=", "rms"]),
+        (hc.scoreboard(theories=["hard-sphere"]), ["1 theories on 52 chains"]),
+        (hc.Verdict(known, 1.05), ["a quantity", "1.05", "expected 1 within 0.1", "agrees"]),
+        (hc.Verdict(known, 1.5), ["does not agree"]),
+        (known, ["a group, a quantity: 1 within 0.1"]),
+        (paper_cases()[0], []),
+        (Case("equal", "equal", "smooth", hc.Chain.uniform(30)), ["30 beads"]),
+        (read_specification(plan), ["beads (595)", "propagate"]),
+        (Axis(("rate",), {"linspace": [0.02, 0.1, 500]}), ["rate: 500 values", "0.02 .. 0.1"]),
+        (hc.solitary_wave(), ["p = 1.5", "C = 0.9074"]),
+        (hc.solitary_wave().velocity, []),
+        (RatioCorrection(0.6), ["ratio=0.6"]),
+        (features, ["5 beads", "precompression", "gravity", "left wall", "loss"]),
+        (TableDrive(np.linspace(0, 1, 999), np.linspace(0, 1, 999)), ["999 times"]),
+        (hc.material("brass"), ["8530 kg/m^3", "101 GPa"]),
+        (hc.Material("x" * 400, 1e3, 1e9, 0.3), []),
+    ):
+        check(item, words)
+
+
+@pytest.mark.parametrize(
+    "item",
+    [
+        hc.Dashpot(0.1), hc.Restitution(0.9, attractive=False), hc.Viscoelastic(1e-6),
+        hc.UnloadingRatio(0.1), hc.VelocityPower(0.1, 1.5), hc.WaltonBraun(0.9),
+        SineBurst(1.0, 2.0), StepDrive(1.0, rise=0.5), RatioCorrection(0.6),
+        hc.Scales(radius=0.005, mass=0.004073598474154764, velocity=0.1, length=1.97450360669e-06),
+    ],
+    ids=lambda item: type(item).__name__,
+)  # fmt: skip
+def test_simple_values_can_be_evaluated_again(item):
+    check(item, [])
+    assert eval(repr(item), vars(hc) | {type(item).__name__: type(item)}) == item
+
+
+def test_what_does_not_fit_ends_in_an_ellipsis():
+    text = short("Name", "about", *(["a fact of some length"] * 40))
+    assert len(text.split("\n")) == MAX_LINES
+    assert text.endswith("...)")
+    # A number stays with its unit, and with the name before it.
+    for width in range(60, 101):
+        lines = short("Name", "x" * (width - 20), "at t = 1.25 s", "more", "y" * 40).split("\n")
+        assert any("t = 1.25 s" in line for line in lines)

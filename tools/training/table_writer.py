@@ -1,0 +1,54 @@
+"""Write the tables that `hertzchain.theory.universal_functions` reads."""
+
+from __future__ import annotations
+
+import csv
+from pathlib import Path
+
+from hertzchain import __version__
+from hertzchain.collision import Array
+from hertzchain.theory.universal_functions import STAGES, STATE, TERMS
+
+from .response_fit import KNOTS, Anchors
+from .training_chains import NODES, RTOLS
+
+
+def write_tables(folder: Path, anchors: Anchors, found: Array, error: Array) -> None:
+    """Write the three tables of an exponent."""
+    folder.mkdir(parents=True, exist_ok=True)
+    names = [f"{stage} {name}" for stage in STAGES for name in STATE]
+    rows = anchors.values.reshape(len(NODES), -1)
+    _write(
+        folder / "exponential.csv",
+        "State of each stage on exponential chains of rate s; growth beyond that of the BCA.",
+        ["s", *names],
+        [
+            [f"{s:g}", *(f"{value:.9f}" for value in row)]
+            for s, row in zip(NODES, rows, strict=True)
+        ],
+    )
+    listed: list[list[str]] = [["", "", "knots", *(f"{knot:g}" for knot in KNOTS), "", ""]]
+    for i, stage in enumerate(STAGES):
+        for j, term in enumerate(TERMS):
+            for o, name in enumerate(STATE):
+                if found[i, j, :, o].any():
+                    listed.append([stage, name, term, *(f"{c:.6g}" for c in found[i, j, :, o])])
+    _write(
+        folder / "response.csv",
+        "Response of the state to deviations: coefficients of cubic B-splines in s.",
+        ["stage", "state", "term", *(f"c{n}" for n in range(1, found.shape[2] + 1))],
+        listed,
+    )
+    _write(
+        folder / "error.csv",
+        "Constants of the estimated error of velocity, found on ramps that were not fitted.",
+        ["one", "deviations, start", "deviations, others", "third degree"],
+        [[f"{value:.3g}" for value in error]],
+    )
+
+
+def _write(file: Path, title: str, names: list[str], rows: list[list[str]]) -> None:
+    with file.open("w", encoding="utf-8", newline="") as text:
+        text.write(f"# {title}\n# Written by python -m training, hertzchain {__version__}")
+        text.write(f"; integrated with rtol = {RTOLS[0]:g}.\n")
+        csv.writer(text, lineterminator="\n").writerows([names, *rows])

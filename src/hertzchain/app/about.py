@@ -10,7 +10,7 @@ from typing import Any, Final
 from .. import __version__
 from ..chain.materials import catalogue
 from ..chain.tapers import TAPERS
-from ..pulse.quantities import QUANTITIES, RUN_QUANTITIES, TIME
+from ..pulse.quantities import QUANTITIES
 from ..store.chain_schema import chain_schema
 from ..theory.catalogue import THEORIES
 from .documents import DEFAULT, MAX_BEADS, chain_of
@@ -37,7 +37,6 @@ def gallery() -> list[dict[str, Any]]:
 
 def about(document: object = None) -> dict[str, Any]:
     """Description of the program for the page, with the document to begin with."""
-    quantities = (*QUANTITIES.values(), *RUN_QUANTITIES.values(), TIME)
     return {
         "version": __version__,
         "schema": chain_schema(),
@@ -46,9 +45,8 @@ def about(document: object = None) -> dict[str, Any]:
         "quantities": {
             each.name: {"description": each.description, "symbol": each.symbol, "unit": each.unit,
                         "per": each.per, "estimate": each.estimate}
-            for each in quantities
+            for each in QUANTITIES.values()
         },
-        "pulse": list(QUANTITIES),
         "theories": [*THEORIES, "effective-chain"],
         "gallery": gallery(),
         "max_beads": MAX_BEADS,

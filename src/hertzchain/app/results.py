@@ -224,7 +224,8 @@ def saved_times(
     echo = ECHO[chain.right_wall is not None]
     known = np.isfinite(arrival)
     arrival = np.maximum.accumulate(arrival[known])
-    if np.count_nonzero(np.diff(arrival)) < 2 or not known.all():
+    # A driven wave has no single arrival: its crests change on their way.
+    if chain.drive is not None or np.count_nonzero(np.diff(arrival)) < 2 or not known.all():
         return np.linspace(0.0, max(end, 1.2 * float(arrival.max(initial=0.0))), frames)
     if clock == "time":
         return np.linspace(0.0, max(arrival[-1] * (1.0 + echo), end), frames)

@@ -6,12 +6,12 @@ import { powers, short, ticks } from "./numbers.js";
 /** @typedef {{name: string, label: string, x: ArrayLike<number>, y: ArrayLike<number>, base?: ArrayLike<number>,
  *   points?: boolean, note?: string}} Series */
 /** @typedef {{xLabel: string, yLabel: string, log?: boolean, xTicks?: {at: number, text: string}[],
- *   zero?: boolean, percent?: boolean, message?: string}} Axes */
+ *   zero?: boolean, percent?: boolean, message?: string, most?: number}} Axes */
 
 const SVG = "http://www.w3.org/2000/svg";
 /** Values below this part of the largest are cut off on logarithmic axes. */
 const SMALLEST = 1e-7;
-const LEFT = 54, RIGHT = 12, TOP = 20, BOTTOM = 32;
+const LEFT = 54, RIGHT = 20, TOP = 20, BOTTOM = 32;
 
 /** @param {string} name @param {Record<string, string | number>} [attributes] @param {string} [text] */
 export function svg(name, attributes = {}, text) {
@@ -90,6 +90,7 @@ export class Chart {
     }
     this.x = x0 <= x1 ? [x0, x1 > x0 ? x1 : x0 + 1] : [0, 1];
     if (!(y0 <= y1)) [y0, y1] = this.log ? [0.1, 1] : [0, 1];
+    if (axes.most !== undefined && y0 < axes.most) y1 = Math.min(y1, axes.most);
     if (this.log) {
       this.y = [Math.max(y0, y1 * SMALLEST) / 1.3, y1 * 1.3];
       return;
@@ -131,7 +132,7 @@ export class Chart {
       return svg("path", { class: `line points ${each.name}`, d: parts.join("") });
     }
     for (let i = 0; i < y.length; i++) {
-      const good = Number.isFinite(y[i]) && (!this.log || y[i] >= this.y[0]);
+      const good = Number.isFinite(y[i]) && (!this.log || (y[i] >= this.y[0] && y[i] <= this.y[1]));
       if (good) parts.push(`${on ? "L" : "M"}${this.px(x[i]).toFixed(1)} ${this.py(y[i]).toFixed(1)}`);
       // Values of the large beads of a decorated chain are joined across the small ones.
       on = good || (on && each.name === "effective-chain");

@@ -47,7 +47,7 @@ const results = { A: new Results(), B: new Results() };
 const answers = /** @type {any[]} */ ([]);
 const frames = /** @type {number[]} */ ([]);
 let u = 0, playing = !matchMedia("(prefers-reduced-motion: reduce)").matches, last = 0, awake = false;
-let settle = 0, asked = 0, written = location.hash;
+let settle = 0, asked = 0, draft = false, written = location.hash;
 const dirty = { pulse: true, times: true, map: true, table: true };
 /** @type {Record<Slot, boolean>} */
 const moved = { A: false, B: false };
@@ -240,9 +240,10 @@ function request(slots, moving) {
   const input = performance.now();
   for (const slot of slots) if (state[slot]) moved[slot] = true;
   document.body.dataset.settled = "no";
+  draft = moving;
   asked ||= requestAnimationFrame(() => {
     asked = 0;
-    for (const slot of SLOTS) if (moved[slot] && state[slot]) links[slot].ask(requestOf(slot, moving, input));
+    for (const slot of SLOTS) if (moved[slot] && state[slot]) links[slot].ask(requestOf(slot, draft, input));
   });
   clearTimeout(settle);
   const finish = () => {
@@ -251,16 +252,18 @@ function request(slots, moving) {
       return;
     }
     keepAddress();
-    if (moving) for (const slot of SLOTS) if (moved[slot] && state[slot]) links[slot].ask(requestOf(slot, false, performance.now()));
+    if (draft) for (const slot of SLOTS) if (moved[slot] && state[slot]) links[slot].ask(requestOf(slot, false, performance.now()));
+    draft = false;
     for (const slot of SLOTS) moved[slot] = false;
+    if (document.body.dataset.settled === "no") wakeLater();
   };
   settle = setTimeout(finish, SETTLE);
 }
 
-/** @param {Slot} slot @param {boolean} draft @param {number} input */
-function requestOf(slot, draft, input) {
+/** @param {Slot} slot @param {boolean} rough @param {number} input */
+function requestOf(slot, rough, input) {
   return {
-    document: state[slot], draft, frames: draft ? 160 : 320, rtol: draft ? 1e-6 : 1e-9, clock: state.view.clock,
+    document: state[slot], draft: rough, frames: rough ? 160 : 320, rtol: rough ? 1e-6 : 1e-9, clock: state.view.clock,
     sensors: state.view.sensors, input,
   };
 }
@@ -428,7 +431,7 @@ function keepAddress() {
 // Events -----------------------------------------------------------------------------------------
 
 function listen() {
-  for (const name of about.pulse) {
+  for (const name of Object.keys(about.quantities)) {
     if (!about.quantities[name].estimate) $("quantity").append(Object.assign(document.createElement("option"), { value: name, textContent: name.replaceAll("_", " ") }));
   }
   /** @type {[string, keyof typeof VIEW, boolean?][]} */
@@ -548,4 +551,5 @@ function start() {
 }
 
 start();
-Object.assign(window, { hertzchain: { state, results, answers, frames, get u() { return u; }, get playing() { return playing; } } });
+Object.assign(window, { hertzchain: { about, schema: Object.keys(about.schema.sections), state, results, answers, frames, get u() { return u; }, get playing() { return playing; },
+  placeOf: (/** @type {Slot} */ slot, /** @type {number} */ bead) => stages[slot].placeOf(bead) } });

@@ -4,7 +4,7 @@
 import { COLOURS, PIXELS } from "./colour.js";
 import { short, ticks } from "./numbers.js";
 
-const LEFT = 52, RIGHT = 10, TOP = 6, BOTTOM = 34;
+const LEFT = 52, RIGHT = 16, TOP = 6, BOTTOM = 34;
 
 export class SpaceTime {
   /** @param {HTMLCanvasElement} canvas @param {(bead: number, u: number) => void} pick */

@@ -40,7 +40,7 @@ export function fillDialogs(about, on) {
     return make("li", { className: "example" }, picture(example.radii), make("h3", {}, example.title), make("p", {}, example.look_for),
       make("div", { className: "actions" },
         make("button", { type: "button", className: "primary", "aria-label": `Open ${example.title}`, onclick: () => choose("A") }, "Open"),
-        make("button", { type: "button", "aria-label": `Open ${example.title} as chain B`, onclick: () => choose("B") }, "Open as chain B")));
+        make("button", { type: "button", "aria-label": `Open as chain B: ${example.title}`, onclick: () => choose("B") }, "Open as chain B")));
   }));
   for (const [button, dialog] of [["open-examples", examples], ["open-share", share], ["open-help", $("help")]]) {
     $(button).addEventListener("click", () => /** @type {any} */ (dialog).showModal());

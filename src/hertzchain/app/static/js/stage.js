@@ -19,7 +19,9 @@ export class Stage {
   constructor(canvas, on) {
     this.canvas = canvas;
     this.on = on;
+    /** @type {Float64Array<ArrayBufferLike>} */
     this.radii = new Float64Array(0);
+    /** @type {Float64Array<ArrayBufferLike>} */
     this.centres = new Float64Array(0);
     /** @type {string[]} */
     this.walls = [];
@@ -62,6 +64,12 @@ export class Stage {
   /** @param {number} x */
   px(x) {
     return (x - this.look.x) * this.look.scale;
+  }
+
+  /** Centre and radius of a bead in the window. @param {number} bead from 1 @returns {number[]} */
+  placeOf(bead) {
+    const { left, top } = this.canvas.getBoundingClientRect();
+    return [left + this.px(this.centres[bead - 1]), top + this.middle, this.radii[bead - 1] * this.look.scale];
   }
 
   /** Bead at a place, or -1; and whether it is at the rim. @param {number} x @param {number} y */

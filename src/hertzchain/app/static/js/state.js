@@ -105,7 +105,9 @@ const FORBIDDEN = ["__proto__", "constructor", "prototype"];
 function flat(item, path) {
   const scalars = Array.isArray(item) && item.every((each) => typeof each !== "object");
   if (scalars || typeof item !== "object" || item === null) return [[path, text(item)]];
-  return Object.entries(item).flatMap(([name, value]) => flat(value, path ? `${path}.${name}` : name))
+  // A name may contain the separator, as materials may.
+  const word = (/** @type {string} */ name) => name.replaceAll("%", "%25").replaceAll(".", "%2E");
+  return Object.entries(item).flatMap(([name, value]) => flat(value, path ? `${path}.${word(name)}` : word(name)))
     .concat(Object.keys(item).length ? [] : [[path, "{}"]]);
 }
 
@@ -137,7 +139,7 @@ export function toLink(state) {
     if (JSON.stringify(each) !== JSON.stringify(VIEW[/** @type {keyof View} */ (name)])) pairs.push([`~${name}`, text(each)]);
   }
   return "#" + pairs.map(([name, each]) => `${encodeURIComponent(name)}=${encodeURIComponent(each)}`
-    .replaceAll("%20", "+").replaceAll("%2F", "/").replaceAll("%2C", ",").replaceAll("%5B", "[").replaceAll("%5D", "]").replaceAll("~", "~")).join("&");
+    .replaceAll("%20", "+").replaceAll("%2F", "/").replaceAll("%2C", ",").replaceAll("%5B", "[").replaceAll("%5D", "]")).join("&");
 }
 
 /** The state that a link describes, or null if there is none. @param {string} hash
@@ -151,20 +153,20 @@ export function fromLink(hash) {
   const view = copy(VIEW);
   for (const pair of pairs) {
     const split = pair.indexOf("=");
-    let name, content;
+    let name, content, words;
     try {
-      name = decodeURIComponent(pair.slice(0, split));
+      name = decodeURIComponent(pair.slice(0, split).replaceAll("+", " "));
+      words = name.split(".").map(decodeURIComponent);
       content = value(decodeURIComponent(pair.slice(split + 1).replaceAll("+", " ")));
     } catch {
       continue;
     }
     if (name.startsWith("~")) {
       const key = name.slice(1);
-      if (key in VIEW && typeof content === typeof view[key] && Array.isArray(content) === Array.isArray(view[key])) view[key] = content;
+      if (Object.hasOwn(VIEW, key) && typeof content === typeof view[key] && Array.isArray(content) === Array.isArray(view[key])) view[key] = content;
       continue;
     }
-    const words = name.split(".");
-    const root = words[0] in tables && words[0] !== "a" ? words.shift() ?? "a" : "a";
+    const root = Object.hasOwn(tables, words[0]) && words[0] !== "a" ? words.shift() ?? "a" : "a";
     if (!words.length || words.some((each) => FORBIDDEN.includes(each) || each === "")) continue;
     put(tables[root], words, content);
   }

@@ -93,7 +93,7 @@ export class Views {
     const estimate = quantity === "velocity" ? own.theory("local-rate", "velocity_error") : undefined;
     if (exact && estimate && !hidden.includes("local-rate")) series.push({ ...line("estimate", "estimate of the local-rate law", estimate, 100) });
     const message = series.length ? "" : !own.pulse.header ? this.reason(own, quantity) : shown.length ? "The simulation has no values to compare with." : "No theory that is shown covers this chain.";
-    this.error.draw(series, { xLabel: "bead k", yLabel: label, log: true, percent: true, message }, `Errors of the theories: ${summary(series)}`);
+    this.error.draw(series, { xLabel: "bead k", yLabel: label, log: true, percent: true, message, most: 1000 }, `Errors of the theories: ${summary(series)}`);
   }
 
   /** Buttons that show and hide curves, with the largest errors, and what is not covered.
@@ -216,9 +216,10 @@ export class Views {
   drawTable(state, own) {
     if (!own.ready) return;
     const { quantity } = state.view, info = this.about.quantities[quantity];
-    const columns = /** @type {[string, any][]} */ ([["radius", own.beads.arrays.get("radii")], ["mass", own.beads.arrays.get("masses")],
-      ...["velocity", "arrival", "residence", "peak_force"].map((name) => [`${name.replace("_", " ")}`, own.exact(name)]),
-      ...own.theories.map(([name]) => [`${info.description}, ${title(name)}`, own.theory(name, quantity)])]).filter(([, values]) => values);
+    const unit = (/** @type {string} */ text) => (own.si && text !== "1" ? ` [${text}]` : "");
+    const columns = /** @type {[string, any][]} */ ([[`radius${unit("m")}`, own.beads.arrays.get("radii")], [`mass${unit("kg")}`, own.beads.arrays.get("masses")],
+      ...["velocity", "arrival", "residence", "peak_force"].map((name) => [`${name.replace("_", " ")}${unit(this.about.quantities[name].unit)}`, own.exact(name)]),
+      ...own.theories.map(([name]) => [`${quantity.replace("_", " ")}, ${title(name)}${unit(info.unit)}`, own.theory(name, quantity)])]).filter(([, values]) => values);
     const head = make("tr", {}, ...["bead", ...columns.map(([name]) => name)].map((text) => make("th", { scope: "col" }, text)));
     const rows = Array.from({ length: Math.min(own.beads.header.beads, MAX_ROWS) }, (_, k) => {
       const row = make("tr", { className: k + 1 === state.view.bead ? "chosen" : "" }, make("th", { scope: "row" }, String(k + 1)));

@@ -139,6 +139,18 @@ def test_numbers_after_a_drag_are_those_of_the_library(page):
     assert parts[-1] == ["run", False]
 
 
+def test_errors_are_those_of_the_library(page):
+    chain = chain_of(page.document())
+    exact = hc.propagate(chain)
+    for quantity in ("velocity", "arrival"):
+        page.tab.select_option("#quantity", quantity)
+        page.tab.wait_for_timeout(100)
+        for name, theory in (("bca", hc.bca), ("local-rate", hc.local_rate)):
+            shown = page.tab.text_content(f"[data-curve='{name}']").rpartition(" ")[2]
+            worst = 100.0 * theory(chain).compare(exact).worst(quantity)
+            assert float(shown.removesuffix("%")) == float(f"{worst:.2g}")
+
+
 @pytest.mark.filterwarnings("ignore::hertzchain.ModelRangeWarning")
 def test_the_rim_of_a_bead_can_be_dragged_and_undone(page):
     x, y, r = page.tab.evaluate("hertzchain.placeOf('A', 35)")

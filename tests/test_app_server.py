@@ -126,8 +126,6 @@ def test_pulses_are_those_of_the_library(client, document):
     for name, pulse in methods.items():
         for quantity, values in pulse.columns().items():
             assert np.array_equal(sent[f"{name}.{quantity}"], values), (name, quantity)
-    worst = methods["bca"].compare(methods["exact"]).worst("velocity")
-    assert parts["pulse"][0]["worst"]["bca"]["velocity"] == worst
     assert np.array_equal(sent["radii"], chain.radii)
 
 

@@ -72,7 +72,7 @@ def _results(request: Request, stop: Stop) -> Iterator[Part]:
         compiled = _Theories(chain)
         compiled.add(COMPILED)
     if exact is not None:
-        yield _pulse_part(request, exact, compiled, table, warned, began)
+        yield _pulse_part(request, exact, compiled, warned, began)
     if exact is not None and not request.run:
         return
     began = time.perf_counter()
@@ -85,7 +85,7 @@ def _results(request: Request, stop: Stop) -> Iterator[Part]:
         if exact is None:
             pulse = _pulse_of(run)
             note = refusal if pulse is None else ""
-            yield _pulse_part(request, pulse, compiled, table, [], began, note)
+            yield _pulse_part(request, pulse, compiled, [], began, note)
         if request.run:
             yield _run_part(run, request, warned, time.perf_counter() - began)
 
@@ -112,7 +112,6 @@ class _Theories:
 
     def __init__(self, chain: Chain) -> None:
         self.chain = chain
-        self.pulses: dict[str, Pulse] = {}
         self.header: dict[str, dict[str, str]] = {}
         self.arrays: dict[str, Array] = {}
 
@@ -125,7 +124,6 @@ class _Theories:
                 except InputError as error:
                     self.header[name] = {"refusal": str(error)}
                     continue
-            self.pulses[name] = pulse
             self.header[name] = {"note": " ".join(dict.fromkeys(map(str, warned)))}
             self.arrays |= pulse_arrays(name, pulse)
         if COMPILED[0] not in names:
@@ -166,31 +164,19 @@ def _pulse_of(run: Run) -> Pulse | None:
 
 
 def _pulse_part(
-    request: Request, exact: Pulse | None, compiled: _Theories, table: _Theories,
-    warned: list[Warning], began: float, note: str = "",
+    request: Request, exact: Pulse | None, compiled: _Theories, warned: list[Warning],
+    began: float, note: str = "",
 ) -> Part:  # fmt: skip
-    arrays, errors = dict(compiled.arrays), {}
+    arrays = dict(compiled.arrays)
     if exact is not None:
         arrays |= pulse_arrays("exact", exact)
-        with record_warnings() as compared:
-            for name, pulse in (table.pulses | compiled.pulses).items():
-                comparison = pulse.compare(exact)
-                errors[name] = {each: _worst(comparison, each) for each in comparison.quantities}
-        notes = dict.fromkeys([note, *exact.notes.values(), *map(str, compared)])
-        note = " ".join(filter(None, notes))
+        note = " ".join(filter(None, dict.fromkeys([note, *exact.notes.values()])))
     header = {
-        "part": "pulse", **request.identity, "theories": compiled.header, "worst": errors,
+        "part": "pulse", **request.identity, "theories": compiled.header,
         "method": exact.method if exact is not None else None, "note": note,
         "warnings": [str(each) for each in warned], "seconds": time.perf_counter() - began,
     }  # fmt: skip
     return Part(header, arrays)
-
-
-def _worst(comparison: Any, quantity: str) -> float | None:
-    try:
-        return float(comparison.worst(quantity))
-    except InputError:
-        return None  # No bead has a value in both pulses.
 
 
 def limited(stop: Stop) -> Callable[..., None]:

@@ -5,6 +5,8 @@ import { Splitter } from "./parts.js";
 
 /** Milliseconds after which a request that has not been answered is replaced. */
 const PATIENCE = 250;
+/** Milliseconds between maps during a drag: in between, the leading pulse has precedence. */
+const BETWEEN_MAPS = 120;
 
 /** @typedef {{number: number, draft: boolean, sent: number, input: number}} Sent */
 /** @typedef {{part: (part: import("./parts.js").Part, sent: Sent) => void, offline: (message: string) => void}} Handlers */
@@ -24,6 +26,7 @@ export class Link {
     this.waiting = null;
     this.timer = 0;
     this.retry = 0;
+    this.lastMap = 0;
   }
 
   get busy() {
@@ -54,6 +57,14 @@ export class Link {
     void this.stream({ ...rest, session, slot: this.slot, number: sent.number }, sent, request);
   }
 
+  /** @param {import("./parts.js").Part} part @param {Sent} sent */
+  received(part, sent) {
+    this.on.part(part, sent);
+    const now = performance.now(), kind = part.header.part;
+    if (kind === "run") this.lastMap = now;
+    if (kind === "pulse" && sent.draft && this.waiting?.draft && now - this.lastMap < BETWEEN_MAPS) this.send();
+  }
+
   /** @param {any} body @param {Sent} sent @param {any} request */
   async stream(body, sent, request) {
     let failure = "";
@@ -66,7 +77,7 @@ export class Link {
       for (;;) {
         const { done, value } = await reader.read();
         if (done) break;
-        for (const part of splitter.add(value)) if (this.current === sent) this.on.part(part, sent);
+        for (const part of splitter.add(value)) if (this.current === sent) this.received(part, sent);
       }
     } catch (error) {
       failure = error instanceof TypeError ? "The server does not answer. Is `hertzchain app` still running? Trying again …" : String(error);

@@ -99,7 +99,7 @@ export class Views {
   /** Buttons that show and hide curves, with the largest errors, and what is not covered.
    * @param {Results} own @param {Results | null} other @param {string} quantity @param {string[]} hidden */
   legend(own, other, quantity, hidden) {
-    const worst = own.pulse.header?.worst ?? {};
+    const exact = own.exact(quantity);
     const entry = (/** @type {string} */ name, /** @type {string} */ text, /** @type {string} */ note) => {
       const sample = svg("svg", { viewBox: "0 0 26 8", class: "sample", "aria-hidden": "true" });
       sample.append(svg("path", { class: `line ${name}`, d: "M1 4H25" }));
@@ -113,8 +113,8 @@ export class Views {
     const reasons = new Map();
     for (const [name, each] of own.theories) {
       if (own.theory(name, quantity)) {
-        const error = worst[name]?.[quantity];
-        entries.push(entry(name, title(name) + (typeof error === "number" ? ` ${percent(error)}` : ""), each.note || "largest error from bead 2 on"));
+        const error = exact && !this.about.quantities[quantity].estimate ? worst(own.theory(name, quantity), exact) : NaN;
+        entries.push(entry(name, title(name) + (error >= 0 ? ` ${short(error, 2)}%` : ""), each.note || "largest error from bead 2 on"));
         if (each.note) reasons.set(each.note, [...(reasons.get(each.note) ?? []), title(name)]);
       } else {
         const reason = each.refusal ?? `has no ${this.about.quantities[quantity].description}`;
@@ -270,9 +270,13 @@ function forcesOf(results) {
   return found;
 }
 
-/** @param {number} error */
-function percent(error) {
-  return `${short(100 * error, 2)}%`;
+/** Largest error from bead 2 on in percent, as `Comparison.worst`; NaN if there is none.
+ * @param {ArrayLike<number>} values @param {ArrayLike<number>} exact */
+function worst(values, exact) {
+  const { y } = difference("", "", values, exact, true);
+  let most = NaN;
+  for (let i = 1; i < y.length; i++) if (!(y[i] <= most) && Number.isFinite(y[i])) most = y[i];
+  return most;
 }
 
 /** Curves in words. @param {Series[]} series */

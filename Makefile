@@ -7,7 +7,7 @@ STYLE_SKIP := tests docs/reference/api.md $(addprefix docs/how-to/, many_chains.
 	$(addprefix simulation/, budget.py kernel_input.py run_pulse.py state.py wall_force.py) \
 	$(addprefix chain/, chain.py drives.py laws parts.py scales.py walls.py))
 
-.PHONY: reproduce test test-long style benchmark docs calibrate universal constraints clean
+.PHONY: reproduce test test-long style benchmark benchmark-app docs calibrate universal constraints clean
 
 reproduce: .venv/installed
 	$(BIN)/hertzchain reproduce
@@ -39,6 +39,10 @@ benchmark: .venv/installed
 	$(BIN)/python benchmarks/sweep_overhead.py
 	$(BIN)/python benchmarks/loss_laws.py
 	$(BIN)/python benchmarks/island_steps.py
+
+# Latency of the app; requires an installed Chromium.
+benchmark-app: .venv/installed-test
+	$(BIN)/python benchmarks/app.py
 
 # Fit the constants of the modified BCA to the simulation.
 calibrate: .venv/installed

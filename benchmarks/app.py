@@ -146,9 +146,8 @@ def start_up(browser: Browser) -> tuple[float, float, float, int, int]:
     """Milliseconds from the command to paint, theories and pulse; requests and bytes."""
     began = time.time()
     command = [sys.executable, "-m", "hertzchain", "app", "--no-open", "--port", "0"]
-    with subprocess.Popen(
-        command, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True
-    ) as server:
+    quiet = {"stderr": subprocess.DEVNULL, "text": True}
+    with subprocess.Popen(command, stdout=subprocess.PIPE, **quiet) as server:
         assert server.stdout is not None
         address = server.stdout.readline().strip()
         page = browser.new_page()
@@ -156,9 +155,8 @@ def start_up(browser: Browser) -> tuple[float, float, float, int, int]:
         page.on("response", lambda each: sizes.append(int(each.headers.get("content-length", "0"))))
         page.goto(address)
         page.wait_for_selector(SETTLED, timeout=300_000)
-        origin, paint = page.evaluate(
-            "[performance.timeOrigin, performance.getEntriesByName('first-contentful-paint')[0].startTime]"
-        )
+        origin = page.evaluate("performance.timeOrigin")
+        paint = page.evaluate("performance.getEntriesByType('paint').at(-1).startTime")
         answers = page.evaluate("hertzchain.answers")
         shown = [
             next(a["shown"] for a in answers if a["part"] == part) for part in ("beads", "pulse")
@@ -182,7 +180,8 @@ def memory(browser: Browser, server: RunningServer, seconds: float) -> str:
     for page in pages:
         page.context.close()
     quarter = max(1, len(sizes) // 4)
-    return f"{statistics.mean(sizes[:quarter]):.0f} MiB at first, {statistics.mean(sizes[-quarter:]):.0f} MiB at the end, largest {max(sizes):.0f} MiB, {seconds:.0f} s"
+    first, last = statistics.mean(sizes[:quarter]), statistics.mean(sizes[-quarter:])
+    return f"{first:.0f} MiB at first, {last:.0f} MiB at the end, after {seconds:.0f} s"
 
 
 def main() -> None:

@@ -82,6 +82,7 @@ export class Views {
     const { quantity, hidden } = state.view, exact = own.exact(quantity);
     const label = "error relative to the simulation";
     if (state.view.errors === "difference") {
+      replace($("legend-error"), []);
       const theirs = other?.exact(quantity);
       const common = other && other.si === own.si && exact && theirs;
       const series = common ? [difference("other", "other chain", theirs, exact)] : [];
@@ -92,6 +93,7 @@ export class Views {
     const series = exact ? shown.map((name) => difference(name, title(name), own.theory(name, quantity), exact, true)) : [];
     const estimate = quantity === "velocity" ? own.theory("local-rate", "velocity_error") : undefined;
     if (exact && estimate && !hidden.includes("local-rate")) series.push({ ...line("estimate", "estimate of the local-rate law", estimate, 100) });
+    replace($("legend-error"), series.at(-1)?.name === "estimate" ? [key("estimate", "the law’s own estimate")] : []);
     const message = series.length ? "" : !own.pulse.header ? this.reason(own, quantity) : shown.length ? "The simulation has no values to compare with." : "No theory that is shown covers this chain.";
     this.error.draw(series, { xLabel: "bead k", yLabel: label, log: true, percent: true, message, most: 1000 }, `Errors of the theories: ${summary(series)}`);
   }
@@ -101,9 +103,7 @@ export class Views {
   legend(own, other, quantity, hidden) {
     const exact = own.exact(quantity);
     const entry = (/** @type {string} */ name, /** @type {string} */ text, /** @type {string} */ note) => {
-      const sample = svg("svg", { viewBox: "0 0 26 8", class: "sample", "aria-hidden": "true" });
-      sample.append(svg("path", { class: `line ${name}`, d: "M1 4H25" }));
-      const button = make("button", { type: "button", title: note, "aria-pressed": String(!hidden.includes(name)), onclick: () => this.on.hide(name) }, sample, text);
+      const button = make("button", { type: "button", title: note, "aria-pressed": String(!hidden.includes(name)), onclick: () => this.on.hide(name) }, sample(name), text);
       button.dataset.curve = name;
       return button;
     };
@@ -122,7 +122,8 @@ export class Views {
         reasons.set(brief, [...(reasons.get(brief) ?? []), title(name)]);
       }
     }
-    replace($("legend-pulse"), entries);
+    const pressed = (/** @type {HTMLElement} */ each) => each.getAttribute("aria-pressed") === "true";
+    replace($("legend-pulse"), [...entries.filter(pressed), ...entries.filter((each) => !pressed(each))]);
     const notes = [...reasons].map(([reason, names]) => make("li", {}, make("b", {}, names.join(", ")), `: ${reason}`));
     $("notes-count").textContent = notes.length ? `${notes.length} note${notes.length > 1 ? "s" : ""} on theories` : "";
     $("notes").hidden = !notes.length;
@@ -189,9 +190,7 @@ export class Views {
     const peaks = own.run.header.peaks;
     replace($("legend-force"), traces.map((each) => {
       const peak = peaks[each.key], text = peak.first !== null ? `${each.side ? "peak" : "first maximum"} ${short(peak.first * factor)}` : `largest so far ${short((peak.largest ?? 0) * factor)}`;
-      const sample = svg("svg", { viewBox: "0 0 26 8", class: "sample", "aria-hidden": "true" });
-      sample.append(svg("path", { class: `line ${each.name}`, d: "M1 4H25" }));
-      return make("span", { className: "key" }, sample, `${each.label}: ${text}${unit ? ` ${unit}` : ""}`);
+      return key(each.name, `${each.label}: ${text}${unit ? ` ${unit}` : ""}`);
     }));
   }
 
@@ -228,6 +227,18 @@ export class Views {
     });
     $("table").replaceChildren(make("table", {}, make("thead", {}, head), make("tbody", {}, ...rows)));
   }
+}
+
+/** A piece of a curve. @param {string} name */
+function sample(name) {
+  const drawing = svg("svg", { viewBox: "0 0 26 8", class: "sample", "aria-hidden": "true" });
+  drawing.append(svg("path", { class: `line ${name}`, d: "M1 4H25" }));
+  return drawing;
+}
+
+/** @param {string} name @param {string} text */
+function key(name, text) {
+  return make("span", { className: "key" }, sample(name), text);
 }
 
 /** Replace children only if they differ, so that a button in use is not replaced.

@@ -48,9 +48,11 @@ MEASURE = """async points => {
   }
   return Object.entries(times).map(([name, each]) => [name, ...[0.5, 0].map(q => each.slice(10).sort((a, b) => a - b)[(50 * q) | 0])]);
 }"""  # noqa: E501
-PAGE = """<!doctype html><link rel=stylesheet href=/app.css><link rel=stylesheet href=/uPlot.min.css>
-<div id=own style="width:400px;height:220px" class=plot></div><div id=u></div>
-<div id=plot></div><script src=/uPlot.iife.min.js></script><script src=/d3.min.js></script>
+PAGE = """<!doctype html>
+<link rel=stylesheet href=/app.css><link rel=stylesheet href=/uPlot.min.css>
+<div id=own style="width:400px;height:220px" class=plot></div>
+<div id=u></div><div id=plot></div>
+<script src=/uPlot.iife.min.js></script><script src=/d3.min.js></script>
 <script src=/plot.umd.min.js></script>"""
 
 

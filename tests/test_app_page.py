@@ -1,16 +1,21 @@
 """The page of `hertzchain app` in a real browser; skipped where no Chromium is installed."""
 
+import base64
 import json
 import os
 import shutil
+from importlib.resources import files
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 import hertzchain as hc
-from hertzchain.app.about import gallery
+from hertzchain.app.about import about, gallery
 from hertzchain.app.documents import chain_of
+from hertzchain.app.explore import Conversation
+from hertzchain.app.messages import finite
+from hertzchain.app.saved_page import embedded_page
 from hertzchain.app.serve import RunningServer
 
 NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
@@ -316,6 +321,64 @@ def test_files_are_saved_and_opened(page, tmp_path):
     page.tab.click("#play")
     page.tab.wait_for_timeout(200)
     assert page.tab.evaluate("hertzchain.u") > 0.0
+
+
+HOST = """
+<div id="cell"></div><script type="module">
+  import widget from "/frame.js";
+  const listeners = [];
+  const model = {
+    get: name => name === "page" ? window.page : 900,
+    on: (name, action) => listeners.push(action), off: () => {},
+    send: message => window.kernel(JSON.stringify(message)),
+  };
+  window.receive = (content, buffers) => {
+    const views = buffers.map(text => new DataView(Uint8Array.from(atob(text), c => c.charCodeAt(0)).buffer));
+    for (const action of listeners) action({content}, views);
+  };
+  window.show = page => { window.page = page; widget.render({ model, el: document.getElementById("cell") }); };
+</script>"""  # noqa: E501
+
+
+def test_the_page_works_in_a_notebook(browser):
+    document = {"chain": {"taper": "uniform", "beads": 15}}
+    context = browser.new_context(reduced_motion="reduce")
+    tab, sent = context.new_page(), []
+    talk = Conversation(document, lambda content, buffers: sent.append((content, buffers)))
+    tab.expose_function("kernel", lambda text: talk.receive(json.loads(text)))
+    frame_js = (files("hertzchain.app") / "notebook_frame.js").read_text("utf-8")
+    bodies = {"/": ("text/html", HOST), "/frame.js": ("text/javascript", frame_js)}
+
+    def answer(route):
+        kind, body = bodies[route.request.url.removeprefix("http://notebook.test")]
+        route.fulfill(body=body, content_type=kind)
+
+    tab.route("http://notebook.test/**", answer)
+    tab.goto("http://notebook.test/")
+    page = embedded_page({"kind": "notebook", "about": finite(about(document))}).decode()
+    tab.evaluate("page => window.show(page)", page)
+    frame = tab.frames[-1]
+
+    def relay(done):
+        for _ in range(400):
+            while sent:
+                content, buffers = sent.pop(0)
+                tab.evaluate(
+                    "([content, buffers]) => receive(content, buffers)",
+                    [content, [base64.b64encode(each).decode() for each in buffers]],
+                )
+            if done():
+                return
+            tab.wait_for_timeout(25)
+        raise AssertionError(frame.text_content("#status"))
+
+    relay(lambda: frame.locator(SETTLED).count() == 1)
+    frame.fill("[id='c-chain.beads']", "22")
+    relay(lambda: talk.documents["A"]["chain"]["beads"] == 22)
+    relay(lambda: frame.locator(SETTLED).count() == 1)
+    shown = frame.evaluate(ARRAY, ["A", "pulse", "exact.velocity"])
+    assert np.array_equal(shown, hc.propagate(chain_of(talk.documents["A"])).velocity)
+    context.close()
 
 
 def test_everything_is_reachable_by_keyboard(page):

@@ -430,7 +430,7 @@ def test_a_saved_page_contains_everything(client):
     page = exported(client, TAPER, "page", other=WALL).decode()
     assert not re.findall(r'(?:src|href)="(?!data:|#)', page)
     assert "token" not in page
-    saved = json.loads(re.search(r'id="saved">(.*?)</script>', page)[1])
+    saved = json.loads(re.search(r'id="embedded">(.*?)</script>', page)[1])
     assert saved["about"]["document"] == TAPER
     assert 'from "./' not in page
 

@@ -77,7 +77,7 @@ def document_of_toml(text: str) -> dict[str, Any]:
         document = tomllib.loads(text.removeprefix("\ufeff"))
     except (tomllib.TOMLDecodeError, RecursionError, ValueError) as error:
         raise InputError(f"this file is not valid TOML: {error}") from None
-    document = _as_json(document)
+    document = as_json(document)
     chain_of(document)
     return document
 
@@ -89,8 +89,8 @@ def document_of_file(path: str | os.PathLike[str]) -> dict[str, Any]:
     if Path(path).suffix.lower() != ".csv":
         document: dict[str, Any] = tomllib.loads(Path(path).read_text("utf-8-sig"))
         if not any(_files(document)):
-            return _as_json(document)
-    return _as_json(tomllib.loads(chain_as_toml(chain)))
+            return as_json(document)
+    return as_json(tomllib.loads(chain_as_toml(chain)))
 
 
 def document_as_toml(given: object) -> str:
@@ -114,12 +114,12 @@ def with_infinity(item: Any) -> Any:
     return math.inf if item == "inf" else item
 
 
-def _as_json(item: Any) -> Any:
+def as_json(item: Any) -> Any:
     """The item with text for infinite numbers."""
     if isinstance(item, Mapping):
-        return {name: _as_json(value) for name, value in item.items()}
+        return {name: as_json(value) for name, value in item.items()}
     if isinstance(item, list):
-        return [_as_json(value) for value in item]
+        return [as_json(value) for value in item]
     if item == math.inf:
         return "inf"
     if isinstance(item, str | int) or (isinstance(item, float) and math.isfinite(item)):

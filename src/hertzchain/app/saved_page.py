@@ -1,4 +1,4 @@
-"""One HTML file with the page and its results, which plays without Python and without a server."""
+"""The page in one HTML file: with its results, to play without Python, or for a notebook."""
 
 from __future__ import annotations
 
@@ -21,15 +21,19 @@ POLICY: Final = (
 
 
 def saved_page(given: Mapping[str, Any], parts: bytes) -> bytes:
-    """The page with the messages of one request.
+    """The page with the messages of its requests, and the state of its views."""
+    return embedded_page(
+        {
+            "kind": "saved",
+            "about": about(given.get("document")),
+            "view": given.get("view"),
+            "parts": base64.b64encode(parts).decode(),
+        }
+    )
 
-    Parameters
-    ----------
-    given : mapping
-        The request, with ``document`` and, for the state of the views, ``view``.
-    parts : bytes
-        Packed messages.
-    """
+
+def embedded_page(stored: Mapping[str, Any]) -> bytes:
+    """The page in one file, with the data that `host.js` reads."""
     files = static_files()
     text = files["/index.html"].content.decode()
     modules = {
@@ -39,20 +43,15 @@ def saved_page(given: Mapping[str, Any], parts: bytes) -> bytes:
     }
     style = files["/app.css"].content.decode()
     icon = base64.b64encode(files["/icon.svg"].content).decode()
-    saved = {
-        "about": about(given.get("document")),
-        "view": given.get("view"),
-        "parts": base64.b64encode(parts).decode(),
-    }
     head = (
         f'<meta http-equiv="content-security-policy" content="{POLICY}">'
         f"<style>{style}</style>"
         f'<script type="importmap">{_json({"imports": modules})}</script>'
-        f'<script type="application/json" id="saved">{_json(saved)}</script>'
+        f'<script type="application/json" id="embedded">{_json(stored)}</script>'
         f'<script type="module">import "{PREFIX}main.js";</script>'
     )
-    text = re.sub(r"<(link|script)\b[^>]*(stylesheet|modulepreload|main\.js)[^>]*>(</script>)?", "",
-                  text)  # fmt: skip
+    loaded = r"<(link|script)\b[^>]*(stylesheet|modulepreload|main\.js)[^>]*>(</script>)?"
+    text = re.sub(loaded, "", text)
     text = text.replace("/icon.svg", f"data:image/svg+xml;base64,{icon}")
     return text.replace("</head>", f"{head}</head>", 1).encode()
 

@@ -265,7 +265,7 @@ export class Controls {
   /** Slider and exact number. @param {Path} place @param {any} key @param {string} label */
   numberField(place, key, label) {
     const id = `c-${place.join(".")}`, read = () => at(this.document, place);
-    const box = /** @type {HTMLInputElement} */ (make("input", { type: "number", id, step: "any", placeholder: key.default === null || key.default === undefined ? "automatic" : plain(Number(key.default) || 0) }));
+    const box = /** @type {HTMLInputElement} */ (make("input", { type: "number", id, step: "any", placeholder: key.default === null || key.default === undefined ? "auto" : plain(Number(key.default) || 0) }));
     const slider = /** @type {HTMLInputElement} */ (make("input", { type: "range", min: "0", max: String(STEPS), step: "1", "aria-label": `${label}, slider` }));
     const unit = make("span", { className: "unit" });
     const clear = make("button", { type: "button", className: "clear", title: `Use the default for ${label}`, "aria-label": `Use the default for ${label}`, onclick: () => this.put(place, undefined) }, "×");

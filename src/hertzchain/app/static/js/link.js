@@ -1,7 +1,7 @@
 // @ts-check
 /** Requests for results: the latest wins, here and on the server. */
 
-import { Splitter } from "./parts.js";
+import { OfflineError, host } from "./host.js";
 
 /** Milliseconds after which a request that has not been answered is replaced. */
 const PATIENCE = 250;
@@ -67,43 +67,20 @@ export class Link {
 
   /** @param {any} body @param {Sent} sent @param {any} request */
   async stream(body, sent, request) {
-    let failure = "";
+    let failure = "", offline = false;
     try {
-      const answer = await fetch("/api/results", {
-        method: "POST", headers: { "content-type": "application/json" }, body: JSON.stringify(body),
-      });
-      if (!answer.ok || !answer.body) throw new Error(await answer.text());
-      const reader = answer.body.getReader(), splitter = new Splitter();
-      for (;;) {
-        const { done, value } = await reader.read();
-        if (done) break;
-        for (const part of splitter.add(value)) if (this.current === sent) this.received(part, sent);
-      }
+      await host.results(body, (part) => { if (this.current === sent) this.received(part, sent); });
     } catch (error) {
-      failure = error instanceof TypeError ? "The server does not answer. Is `hertzchain app` still running? Trying again …" : String(error);
+      offline = error instanceof OfflineError;
+      failure = error instanceof Error ? error.message : String(error);
     }
     if (this.current !== sent) return;
     this.current = null;
     if (failure) {
       this.on.offline(failure);
+      if (!offline) return;
       this.waiting ??= request;
       this.retry = setTimeout(() => this.send(), 1500);
     } else if (this.waiting) this.send();
-  }
-}
-
-/** Results that are stored in the page. */
-export class SavedLink {
-  /** @param {string} slot @param {Handlers} on @param {import("./parts.js").Part[]} parts */
-  constructor(slot, on, parts) {
-    this.busy = false;
-    this.on = on;
-    this.parts = parts.filter((part) => part.header.slot === slot);
-  }
-
-  /** @param {any} request */
-  ask(request) {
-    const sent = { number: 0, draft: false, sent: performance.now(), input: request.input };
-    queueMicrotask(() => this.parts.forEach((part) => this.on.part(part, sent)));
   }
 }

@@ -3,10 +3,10 @@
 
 import { readColours } from "./colour.js";
 import { Controls } from "./controls.js";
-import { Link, SavedLink } from "./link.js";
+import { host, stored } from "./host.js";
+import { Link } from "./link.js";
 import { SpaceTime } from "./map.js";
 import { FACTORS, parsed, plain } from "./numbers.js";
-import { unpack } from "./parts.js";
 import { Results } from "./results.js";
 import { fillDialogs } from "./share.js";
 import { Stage } from "./stage.js";
@@ -23,21 +23,10 @@ const SLOTS = ["A", "B"];
 const DURATION = 8;
 const SETTLE = 180;
 const MAX_SENSORS = 4;
-const savedData = document.getElementById("saved");
-const saved = savedData ? JSON.parse(savedData.textContent ?? "null") : null;
-
-/** @returns {Promise<any>} */
-async function readAbout() {
-  if (saved) return saved.about;
-  const answer = await fetch("/api/about");
-  if (!answer.ok) throw new Error(await answer.text());
-  return answer.json();
-}
-
-const about = await readAbout();
+const about = await host.about();
 /** @type {import("./state.js").State} */
-const state = (!saved && fromLink(location.hash)) || { A: about.document, B: saved?.view?.B ?? null, active: "A", view: { ...copy(VIEW), ...saved?.view?.view } };
-if (!saved && !fromLink(location.hash)) {
+const state = (!stored && fromLink(location.hash)) || { A: about.document, B: stored?.view?.B ?? null, active: "A", view: { ...copy(VIEW), ...stored?.view?.view } };
+if (stored?.kind !== "saved" && !(!stored && fromLink(location.hash))) {
   const middle = Math.round((about.document.chain.beads ?? 2) / 2);
   Object.assign(state.view, { bead: middle, sensors: [middle] });
 }
@@ -68,21 +57,8 @@ const stageOf = (slot) => new Stage($(`stage-${slot}`), {
 });
 const stages = { A: stageOf("A"), B: stageOf("B") };
 /** @param {Slot} slot */
-const linkOf = (slot) => {
-  const on = { part: (/** @type {any} */ part, /** @type {any} */ sent) => take(slot, part, sent), offline: (/** @type {string} */ text) => say(text, true) };
-  return saved ? new SavedLink(slot, on, savedParts()) : new Link(slot, on);
-};
+const linkOf = (slot) => new Link(slot, { part: (part, sent) => take(slot, part, sent), offline: (text) => say(text, true) });
 const links = { A: linkOf("A"), B: linkOf("B") };
-
-function savedParts() {
-  const bytes = Uint8Array.from(atob(saved.parts), (each) => each.charCodeAt(0)), parts = [];
-  for (let at = 0; at < bytes.length;) {
-    const length = new DataView(bytes.buffer).getUint32(at, true);
-    parts.push(unpack(bytes.slice(at + 4, at + 4 + length).buffer));
-    at += 4 + length;
-  }
-  return parts;
-}
 
 /** Results of the chain that the controls change. */
 function own() {
@@ -421,8 +397,9 @@ function goTo(place) {
 }
 
 function keepAddress() {
+  host.state({ A: state.A, B: state.B });
   // A link that was pasted into the address in the meantime is not overwritten.
-  if (saved || location.hash !== written) return;
+  if (stored || location.hash !== written) return;
   const hash = toLink(state);
   if (hash !== written) window.history.replaceState(null, "", hash);
   written = location.hash;
@@ -519,7 +496,7 @@ function keys(event) {
 }
 
 function start() {
-  document.body.classList.toggle("saved", Boolean(saved));
+  document.body.classList.toggle("saved", stored?.kind === "saved");
   readColours();
   listen();
   fillDialogs(about, {
@@ -543,7 +520,7 @@ function start() {
     }),
     opened: (document) => { controls.last = ""; change(document, false); },
     say,
-    link: () => location.origin + location.pathname + toLink(state),
+    link: () => (stored ? "http://127.0.0.1:8765/" : location.origin + location.pathname) + toLink(state),
   });
   play(playing);
   showAll();

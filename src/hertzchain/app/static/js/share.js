@@ -3,6 +3,7 @@
 
 import { svg } from "./chart.js";
 import { make } from "./controls.js";
+import { host } from "./host.js";
 
 /** @typedef {{open: (example: any, slot: "A" | "B") => void, document: () => any, request: () => any, opened: (document: any) => void,
  *   say: (text: string, bad?: boolean) => void, link: () => string}} Handlers */
@@ -61,27 +62,25 @@ export function fillDialogs(about, on) {
     const file = $("file").files[0];
     $("file").value = "";
     if (!file) return;
-    const answer = await fetch("/api/chain", { method: "POST", headers: { "content-type": "application/toml" }, body: await file.text() });
-    const reply = answer.ok ? await answer.json() : { error: await answer.text() };
     share.close();
-    if (reply.error) on.say(reply.error, true);
-    else on.opened(reply.document);
+    try {
+      on.opened(await host.read(await file.text()));
+    } catch (error) {
+      on.say(/** @type {Error} */ (error).message, true);
+    }
   });
   for (const button of document.querySelectorAll("[data-export]")) {
     button.addEventListener("click", async () => {
       const kind = /** @type {HTMLElement} */ (button).dataset.export;
       on.say("Preparing the file …");
-      const body = JSON.stringify({ ...on.request(), kind, document: on.document(), figure: $("figure").value, format: $("format").value });
-      const answer = await fetch("/api/export", { method: "POST", headers: { "content-type": "application/json" }, body }).catch(() => null);
       share.close();
-      if (!answer?.ok) {
-        const reply = await answer?.json().catch(() => null);
-        on.say(reply?.error ?? "The file could not be made.", true);
-        return;
+      try {
+        const { name, blob } = await host.save({ ...on.request(), kind, document: on.document(), figure: $("figure").value, format: $("format").value });
+        offer(name, blob);
+        on.say(`Saved ${name}.`);
+      } catch (error) {
+        on.say(/** @type {Error} */ (error).message, true);
       }
-      const name = /filename="([^"]+)"/.exec(answer.headers.get("content-disposition") ?? "")?.[1] ?? "chain";
-      offer(name, await answer.blob());
-      on.say(`Saved ${name}.`);
     });
   }
 }

@@ -270,8 +270,8 @@ export class Controls {
     const unit = make("span", { className: "unit" });
     const clear = make("button", { type: "button", className: "clear", title: `Use the default for ${label}`, "aria-label": `Use the default for ${label}`, onclick: () => this.put(place, undefined) }, "×");
     const rangeNow = () => {
-      const value = read(), shown = parsed(value, this.unitOf(key, value)).number, chain = this.document.chain;
-      return rangeOf(key, this.si, shown, { beads: chain.beads, taper: chain.taper });
+      const value = read(), unit = this.unitOf(key, value), chain = this.document.chain;
+      return rangeOf(key, this.si, parsed(value, unit).number, { beads: chain.beads, taper: chain.taper, unit });
     };
     let range = rangeNow();
     const write = (/** @type {number} */ value, /** @type {boolean} */ moving) => this.put(place, valued(value, this.unitOf(key, read())), moving);

@@ -1,4 +1,4 @@
-"""What the page can request, checked."""
+"""Requests of the page, checked."""
 
 from __future__ import annotations
 

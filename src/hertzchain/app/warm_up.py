@@ -54,7 +54,7 @@ class WarmUp:
                 self._done += 1
 
     def pending(self) -> list[str]:
-        """What is not compiled yet, in order."""
+        """Stages that are not compiled yet, in order."""
         return [name for name, _ in self._stages[self._done :]]
 
     def wait(self, part: str, *, general: bool, stop: Callable[[], bool]) -> None:

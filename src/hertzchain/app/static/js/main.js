@@ -3,15 +3,16 @@
 
 import { readColours } from "./colour.js";
 import { Controls } from "./controls.js";
+import { listen } from "./events.js";
 import { host, stored } from "./host.js";
 import { Link } from "./link.js";
 import { SpaceTime } from "./map.js";
-import { FACTORS, parsed, plain } from "./numbers.js";
+import { gapOf, inMillimetres } from "./numbers.js";
 import { Results } from "./results.js";
 import { fillDialogs } from "./share.js";
 import { Stage } from "./stage.js";
-import { History, VIEW, copy, fromLink, toLink, withRadius } from "./state.js";
-import { Views } from "./views.js";
+import { History, VIEW, changed, copy, fromLink, toLink, withRadius } from "./state.js";
+import { Views, showClock } from "./views.js";
 
 /** @typedef {import("./state.js").Slot} Slot */
 
@@ -111,13 +112,8 @@ function restore(found) {
   request(SLOTS, false);
 }
 
-function undo() {
-  restore(history.undo(snapshot()));
-}
-
-function redo() {
-  restore(history.redo(snapshot()));
-}
+const undo = () => restore(history.undo(snapshot()));
+const redo = () => restore(history.redo(snapshot()));
 
 function showHistory() {
   $("undo").disabled = !history.past.length;
@@ -190,22 +186,14 @@ function resize(bead, radius, moving) {
   }
   if (document.chain.with_scatter) return say("Radii that scatter cannot be dragged; remove the random scatter first.", true);
   if (!si && bead === 1 + own().beads.header.strikers) return say("Bead 1 is the unit of length of a scaled chain; change the others, or choose a material.", true);
-  change(withRadius(document, bead, si ? `${plain(+(radius * 1e3).toPrecision(3))} mm` : +radius.toPrecision(3)), moving, "chain.with_defects");
+  change(withRadius(document, bead, si ? inMillimetres(radius) : +radius.toPrecision(3)), moving, "chain.with_defects");
 }
 
 /** @param {number} gap @param {boolean} moving */
 function moveWall(gap, moving) {
   const document = /** @type {any} */ (state[state.active]);
   if (!own().si) return say("Gaps of a scaled chain are in units of overlaps, too small to be seen; use the control of the wall.", true);
-  const next = copy(document);
-  next.chain.right_wall.gap = `${plain(+(gap * 1e3).toPrecision(3))} mm`;
-  change(next, moving, "chain.right_wall.gap");
-}
-
-/** @param {any} document */
-function gapOf(document) {
-  const { number, unit } = parsed(document?.chain?.right_wall?.gap ?? 0, "m");
-  return (number ?? 0) * (FACTORS[unit] ?? 1);
+  change(changed(document, ["chain", "right_wall", "gap"], inMillimetres(gap)), moving, "chain.right_wall.gap");
 }
 
 // Requests ---------------------------------------------------------------------------------------
@@ -354,17 +342,7 @@ function draw() {
   if (dirty.table && $("table-details").open) views.drawTable(state, found);
   dirty.table = false;
   views.cursor(state.view.bead, place);
-  showClock(found, frame, axis);
-}
-
-/** @param {import("./results.js").Results} found @param {number} frame @param {any} axis */
-function showClock(found, frame, axis) {
-  const time = found.motion?.times[Math.round(frame)];
-  const text = time === undefined ? "" : `t = ${(time * axis.factor).toPrecision(4)}${axis.label.match(/\[(.*)\]/)?.[1] ? ` ${axis.label.match(/\[(.*)\]/)[1]}` : ""}`;
-  if ($("clockface").textContent !== text) $("clockface").textContent = text;
-  const slider = $("time");
-  if (document.activeElement !== slider || playing) slider.value = String(Math.round(1000 * Math.min(1, u)));
-  slider.setAttribute("aria-valuetext", text);
+  showClock(found.motion?.times[Math.round(frame)], axis, Math.min(1, u), playing);
 }
 
 function showTitles() {
@@ -407,49 +385,6 @@ function keepAddress() {
 
 // Events -----------------------------------------------------------------------------------------
 
-function listen() {
-  for (const name of Object.keys(about.quantities)) {
-    if (!about.quantities[name].estimate) $("quantity").append(Object.assign(document.createElement("option"), { value: name, textContent: name.replaceAll("_", " ") }));
-  }
-  /** @type {[string, keyof typeof VIEW, boolean?][]} */
-  const selects = [["quantity", "quantity"], ["camera", "camera"], ["map-of", "map"], ["map-scale", "scale"], ["budget-of", "budget"], ["errors", "errors"], ["clock", "clock", true]];
-  for (const [id, name, again] of selects) {
-    $(id).addEventListener("change", () => {
-      view({ [name]: $(id).value });
-      if (again) request(SLOTS, false);
-    });
-  }
-  $("speed").addEventListener("change", () => view({ speed: Number($("speed").value) }));
-  $("log").addEventListener("change", () => view({ log: $("log").checked }));
-  $("bead").addEventListener("change", () => select(Math.max(1, Math.min(own().beads.header?.beads ?? 1, Math.round(Number($("bead").value)) || 1))));
-  $("sensor").addEventListener("click", () => toggleSensor(state.view.bead));
-  $("play").addEventListener("click", () => play(!playing));
-  $("time").addEventListener("input", () => goTo(Number($("time").value) / 1000));
-  $("undo").addEventListener("click", undo);
-  $("redo").addEventListener("click", redo);
-  $("compare").addEventListener("click", compare);
-  for (const slot of SLOTS) $(`tab-${slot}`).addEventListener("click", () => activate(slot));
-  $("theme").addEventListener("click", () => {
-    const root = document.documentElement, dark = root.dataset.theme ? root.dataset.theme === "dark" : matchMedia("(prefers-color-scheme: dark)").matches;
-    root.dataset.theme = dark ? "light" : "dark";
-    repaint();
-  });
-  matchMedia("(prefers-color-scheme: dark)").addEventListener("change", repaint);
-  $("table-details").addEventListener("toggle", () => { dirty.table = true; wake(); });
-  const sizes = new ResizeObserver(() => { dirty.pulse = dirty.times = true; wake(); });
-  for (const plot of document.querySelectorAll(".plot")) sizes.observe(plot);
-  addEventListener("hashchange", () => {
-    const next = fromLink(location.hash);
-    if (!next) return;
-    history.note(snapshot(), false);
-    written = location.hash;
-    Object.assign(state, next);
-    showAll();
-    request(SLOTS, false);
-  });
-  addEventListener("keydown", keys);
-}
-
 function compare() {
   history.note(snapshot(), false);
   if (state.B) Object.assign(state, { A: state.active === "B" ? state.B : state.A, B: null, active: "A" });
@@ -465,41 +400,22 @@ function repaint() {
   wake();
 }
 
-/** @param {KeyboardEvent} event */
-function keys(event) {
-  const target = /** @type {HTMLElement} */ (event.target), typing = target.matches("input:not([type=range]):not([type=checkbox]), textarea");
-  if (document.querySelector("dialog[open]")) return;
-  if ((event.ctrlKey || event.metaKey) && !typing && event.key.toLowerCase() === "z") {
-    event.preventDefault();
-    if (event.shiftKey) redo();
-    else undo();
-    return;
-  }
-  if (event.ctrlKey || event.metaKey || event.altKey || typing) return;
-  const onStage = target.matches(".lane");
-  const bead = state.view.bead, beads = own().beads.header?.beads ?? 1;
-  /** @type {Record<string, () => void>} */
-  const actions = {
-    " ": () => play(!playing), ",": () => goTo(u - 1 / 320), ".": () => goTo(u + 1 / 320), s: () => toggleSensor(bead),
-    f: () => view({ camera: state.view.camera === "follow" ? "whole" : "follow" }), "?": () => $("help").showModal(),
-    ...(onStage ? {
-      ArrowLeft: () => select(Math.max(1, bead - 1)), ArrowRight: () => select(Math.min(beads, bead + 1)),
-      Home: () => select(1), End: () => select(beads),
-      ArrowUp: () => resize(bead, own().beads.arrays.get("radii")[bead - 1] * 1.05, false),
-      ArrowDown: () => resize(bead, own().beads.arrays.get("radii")[bead - 1] / 1.05, false),
-    } : {}),
-  };
-  if (event.key === " " && target.matches("button, summary, select, input")) return;
-  const action = actions[event.key];
-  if (!action) return;
-  event.preventDefault();
-  action();
-}
-
 function start() {
   document.body.classList.toggle("saved", stored?.kind === "saved");
   readColours();
-  listen();
+  listen({
+    about, state, view, request: () => request(SLOTS, false), select, toggleSensor, play: () => play(!playing), goTo, step: (by) => goTo(u + by),
+    undo, redo, compare, activate, repaint, radiusOf: (bead) => own().beads.arrays.get("radii")[bead - 1], resize,
+    beads: () => own().beads.header?.beads ?? 1,
+    redraw: (...what) => { for (const each of what) dirty[each] = true; wake(); },
+    open: (next) => {
+      history.note(snapshot(), false);
+      written = location.hash;
+      Object.assign(state, next);
+      showAll();
+      request(SLOTS, false);
+    },
+  });
   fillDialogs(about, {
     open: (example, slot) => {
       history.note(snapshot(), false);

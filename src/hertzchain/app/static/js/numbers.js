@@ -110,6 +110,17 @@ export function valued(number, unit) {
   return unit && (FACTORS[unit] ?? 1) !== 1 ? `${plain(number)} ${unit}` : number;
 }
 
+/** A length in metres as text with three digits, as after a drag. @param {number} length */
+export function inMillimetres(length) {
+  return `${plain(+(length * 1e3).toPrecision(3))} mm`;
+}
+
+/** Gap in front of the right wall [m, or scaled]. @param {any} document */
+export function gapOf(document) {
+  const { number, unit } = parsed(document?.chain?.right_wall?.gap ?? 0, "m");
+  return (number ?? 0) * (FACTORS[unit] ?? 1);
+}
+
 /** Range of the slider of a key.
  * @param {any} key @param {boolean} si @param {number | null} value in the unit that is shown
  * @param {{beads?: number, taper?: string, unit?: string}} [chain] with the unit that is shown

@@ -297,3 +297,14 @@ function summary(series) {
     return `${each.label}, at the end ${short(last)}, largest ${short(largest(each.y))}`;
   }).join("; ") || "no curves";
 }
+
+/** Show the time, and its place on the slider. @param {number | undefined} time @param {any} axis
+ * @param {number} u @param {boolean} playing */
+export function showClock(time, axis, u, playing) {
+  const unit = /\[(.*)\]/.exec(axis.label)?.[1];
+  const text = time === undefined ? "" : `t = ${(time * axis.factor).toPrecision(4)}${unit ? ` ${unit}` : ""}`;
+  if ($("clockface").textContent !== text) $("clockface").textContent = text;
+  const slider = $("time");
+  if (document.activeElement !== slider || playing) slider.value = String(Math.round(1000 * u));
+  slider.setAttribute("aria-valuetext", text);
+}

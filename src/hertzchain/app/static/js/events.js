@@ -1,0 +1,86 @@
+// @ts-check
+/** Events of the page: its choices, buttons and keys. */
+
+import { fromLink } from "./state.js";
+
+/** @typedef {import("./state.js").State} State */
+/** @typedef {"pulse" | "times" | "map" | "table"} Part */
+/** @typedef {{about: any, state: State, view: (some: any) => void, request: () => void, select: (bead: number) => void,
+ *   toggleSensor: (bead: number) => void, play: () => void, goTo: (u: number) => void, step: (by: number) => void,
+ *   undo: () => void, redo: () => void, compare: () => void, activate: (slot: "A" | "B") => void, repaint: () => void,
+ *   radiusOf: (bead: number) => number, resize: (bead: number, radius: number, moving: boolean) => void,
+ *   beads: () => number, redraw: (...what: Part[]) => void, open: (next: State) => void}} App */
+
+/** @param {string} id @returns {any} */
+const $ = (id) => document.getElementById(id);
+
+/** @param {App} app */
+export function listen(app) {
+  const { about, state, view } = app;
+  for (const name of Object.keys(about.quantities)) {
+    if (!about.quantities[name].estimate) $("quantity").append(Object.assign(document.createElement("option"), { value: name, textContent: name.replaceAll("_", " ") }));
+  }
+  /** @type {[string, keyof import("./state.js").View, boolean?][]} */
+  const selects = [["quantity", "quantity"], ["camera", "camera"], ["map-of", "map"], ["map-scale", "scale"], ["budget-of", "budget"], ["errors", "errors"], ["clock", "clock", true]];
+  for (const [id, name, again] of selects) {
+    $(id).addEventListener("change", () => {
+      view({ [name]: $(id).value });
+      if (again) app.request();
+    });
+  }
+  $("speed").addEventListener("change", () => view({ speed: Number($("speed").value) }));
+  $("log").addEventListener("change", () => view({ log: $("log").checked }));
+  $("bead").addEventListener("change", () => app.select(Math.max(1, Math.min(app.beads(), Math.round(Number($("bead").value)) || 1))));
+  $("sensor").addEventListener("click", () => app.toggleSensor(state.view.bead));
+  $("play").addEventListener("click", () => app.play());
+  $("time").addEventListener("input", () => app.goTo(Number($("time").value) / 1000));
+  $("undo").addEventListener("click", app.undo);
+  $("redo").addEventListener("click", app.redo);
+  $("compare").addEventListener("click", app.compare);
+  for (const slot of /** @type {const} */ (["A", "B"])) $(`tab-${slot}`).addEventListener("click", () => app.activate(slot));
+  $("theme").addEventListener("click", () => {
+    const root = document.documentElement, dark = root.dataset.theme ? root.dataset.theme === "dark" : matchMedia("(prefers-color-scheme: dark)").matches;
+    root.dataset.theme = dark ? "light" : "dark";
+    app.repaint();
+  });
+  matchMedia("(prefers-color-scheme: dark)").addEventListener("change", app.repaint);
+  $("table-details").addEventListener("toggle", () => app.redraw("table"));
+  const sizes = new ResizeObserver(() => app.redraw("pulse", "times"));
+  for (const plot of document.querySelectorAll(".plot")) sizes.observe(plot);
+  addEventListener("hashchange", () => {
+    const next = fromLink(location.hash);
+    if (next) app.open(next);
+  });
+  addEventListener("keydown", (event) => keys(event, app));
+}
+
+/** @param {KeyboardEvent} event @param {App} app */
+function keys(event, app) {
+  const target = /** @type {HTMLElement} */ (event.target), typing = target.matches("input:not([type=range]):not([type=checkbox]), textarea");
+  if (document.querySelector("dialog[open]")) return;
+  if ((event.ctrlKey || event.metaKey) && !typing && event.key.toLowerCase() === "z") {
+    event.preventDefault();
+    if (event.shiftKey) app.redo();
+    else app.undo();
+    return;
+  }
+  if (event.ctrlKey || event.metaKey || event.altKey || typing) return;
+  const onStage = target.matches(".lane");
+  const { bead, camera } = app.state.view, beads = app.beads();
+  /** @type {Record<string, () => void>} */
+  const actions = {
+    " ": () => app.play(), ",": () => app.step(-1 / 320), ".": () => app.step(1 / 320), s: () => app.toggleSensor(bead),
+    f: () => app.view({ camera: camera === "follow" ? "whole" : "follow" }), "?": () => $("help").showModal(),
+    ...(onStage ? {
+      ArrowLeft: () => app.select(Math.max(1, bead - 1)), ArrowRight: () => app.select(Math.min(beads, bead + 1)),
+      Home: () => app.select(1), End: () => app.select(beads),
+      ArrowUp: () => app.resize(bead, app.radiusOf(bead) * 1.05, false),
+      ArrowDown: () => app.resize(bead, app.radiusOf(bead) / 1.05, false),
+    } : {}),
+  };
+  if (event.key === " " && target.matches("button, summary, select, input")) return;
+  const action = actions[event.key];
+  if (!action) return;
+  event.preventDefault();
+  action();
+}

@@ -1,6 +1,5 @@
-"""The server of `hertzchain app`: its numbers, its limits, and requests that it rejects."""
+"""The server of `hertzchain app`: its numbers, its files, and how it starts."""
 
-import contextlib
 import csv
 import http.client
 import io
@@ -9,8 +8,6 @@ import math
 import os
 import re
 import signal
-import socket
-import struct
 import subprocess
 import sys
 import threading
@@ -19,82 +16,14 @@ import tomllib
 
 import numpy as np
 import pytest
+from app_client import STEEL, TAPER, WALL, Client, computed, unpacked
 
 import hertzchain as hc
-from hertzchain.app import connection, server
 from hertzchain.app.about import about, gallery
 from hertzchain.app.documents import chain_of, document_as_toml, document_of_file
 from hertzchain.app.messages import Part
-from hertzchain.app.requests import Request
-from hertzchain.app.results import results
 from hertzchain.app.serve import RunningServer, bind
 from hertzchain.app.warm_up import WarmUp
-
-TAPER = {"chain": {"taper": "backward-exponential", "rate": 0.05, "beads": 40}}
-WALL = {"chain": {"taper": "uniform", "beads": 20, "right_wall": {"rigid": True}}}
-STEEL = {
-    "chain": {"taper": "forward-exponential", "rate": 0.03, "beads": 20, "radius": "9.3 mm",
-              "materials": "steel-52100", "velocity": "0.02 m/s"}
-}  # fmt: skip
-KINDS = {"f8": "<f8", "f4": "<f4", "i2": "<i2", "i8": "<i8"}
-
-
-def unpacked(raw):
-    """Headers and arrays of all messages, read independently of `Part`."""
-    found, at = [], 0
-    while at < len(raw):
-        (length,) = struct.unpack_from("<I", raw, at)
-        size, version = struct.unpack_from("<II", raw, at + 4)
-        assert version == 1
-        header = json.loads(raw[at + 12 : at + 12 + size])
-        arrays = {}
-        for name, kind, shape, offset in header["arrays"]:
-            begin = at + 12 + size + offset
-            # Relative to the message, arrays begin at multiples of 8 bytes.
-            assert (begin - at - 4) % 8 == 0
-            count = math.prod(shape)
-            arrays[name] = np.frombuffer(raw, KINDS[kind], count, begin).reshape(shape)
-        found.append((header, arrays))
-        at += 4 + length
-    return found
-
-
-def computed(document, **more):
-    request = Request.of({"session": "test", "number": 0, "document": document, **more})
-    found = unpacked(b"".join(part.pack() for part in results(request, lambda: False)))
-    return {header["part"]: (header, arrays) for header, arrays in found}
-
-
-class Client:
-    """A browser of one page: it has the cookie."""
-
-    def __init__(self, running):
-        self.port = running.port
-        self.cookie = running.app.guard.set_cookie.partition(";")[0]
-        self.host = f"127.0.0.1:{running.port}"
-
-    def ask(self, method, path, body=None, **changed):
-        headers = {"Host": self.host, "Cookie": self.cookie, "Content-Type": "application/json"}
-        headers |= {name.replace("_", "-"): value for name, value in changed.items()}
-        link = http.client.HTTPConnection("127.0.0.1", self.port, timeout=30)
-        given = {name: value for name, value in headers.items() if value is not None}
-        raw = body if body is None or isinstance(body, bytes) else json.dumps(body).encode()
-        link.putrequest(method, path, skip_host=True)
-        for name, value in given.items():
-            link.putheader(name, value)
-        if raw is not None:
-            link.putheader("Content-Length", str(len(raw)))
-        link.endheaders(raw)
-        answer = link.getresponse()
-        answer.content = answer.read()
-        link.close()
-        return answer
-
-    def results(self, document, number=1, **more):
-        body = {"session": "s", "number": number, "document": document, **more}
-        answer = self.ask("POST", "/api/results", body)
-        assert answer.status == 200
-        return unpacked(answer.content)
 
 
 @pytest.fixture(scope="module")
@@ -215,139 +144,6 @@ def test_infinite_radii_can_be_sent():
     assert tomllib.loads(document_as_toml(flat))["chain"]["struck_by"]["radius"] == math.inf
 
 
-# Attacks -----------------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize(
-    "changed",
-    [
-        {"Host": "example.org"},
-        {"Host": None},
-        {"Host": "127.0.0.1:1"},
-        {"Origin": "http://example.org"},
-        {"Origin": "null"},
-        {"Sec_Fetch_Site": "cross-site"},
-        {"Sec_Fetch_Site": "same-site"},
-        {"Cookie": None},
-        {"Cookie": "hertzchain-1=x"},
-    ],
-    ids=str,
-)
-def test_foreign_requests_are_rejected(client, changed):
-    body = {"session": "s", "number": 1, "document": TAPER}
-    answer = client.ask("POST", "/api/results", body, **changed)
-    # An HTTP/1.1 request without Host is rejected by the parser.
-    assert answer.status == (400 if changed == {"Host": None} else 403)
-    assert b"radii" not in answer.content
-
-
-def test_requests_of_the_page_are_accepted(client):
-    own = {"Origin": f"http://{client.host}", "Sec_Fetch_Site": "same-origin"}
-    assert client.ask("GET", "/api/about", **own).status == 200
-
-
-def test_the_token_is_exchanged_for_a_cookie(running, client):
-    token = running.app.guard.token
-    answer = client.ask("GET", f"/?token={token}", Cookie=None)
-    assert (answer.status, answer.headers["location"]) == (303, "/")
-    cookie = answer.headers["set-cookie"]
-    assert "HttpOnly" in cookie
-    assert "SameSite=Strict" in cookie
-    assert client.ask("GET", "/", Cookie=cookie.partition(";")[0]).status == 200
-    assert client.ask("GET", f"/?token={token[:-1]}x", Cookie=None).status == 403
-    assert client.ask("GET", f"/?token={token}", Cookie=None, Host="example.org").status == 403
-
-
-def test_every_answer_has_strict_headers(client):
-    for path in ("/", "/api/about", "/nothing", "/js/main.js"):
-        answer = client.ask("GET", path)
-        policy = answer.headers["content-security-policy"]
-        assert "default-src 'none'" in policy
-        assert "unsafe" not in policy
-        assert answer.headers["x-content-type-options"] == "nosniff"
-        assert "server" not in answer.headers
-
-
-@pytest.mark.parametrize(
-    "path", ["/../pyproject.toml", "/js/../../server.py", "/%2e%2e/server.py", "//etc/passwd",
-             "/js/", "/gallery.toml"],
-)  # fmt: skip
-def test_no_path_reaches_the_disk(client, path):
-    assert client.ask("GET", path).status == 404
-
-
-@pytest.mark.parametrize(
-    ("body", "status"),
-    [
-        (b"x" * 400_000, 413),
-        (b"[" * 100_000, 400),
-        (b"not json", 400),
-        (b"[1]", 400),
-        (b"\xff\xfe", 400),
-        (b'{"number": NaN}', 400),
-        ({"session": "s"}, 400),
-        ({"session": "s", "number": -1}, 400),
-        ({"session": "s" * 100, "number": 1}, 400),
-        ({"session": "s", "number": 1, "slot": "C"}, 400),
-        ({"session": "s", "number": 1, "frames": 10**9}, 400),
-        ({"session": "s", "number": 1, "sensors": "all"}, 400),
-    ],
-    ids=lambda value: str(value)[:40],
-)
-def test_invalid_bodies_are_rejected(client, body, status):
-    answer = client.ask("POST", "/api/results", body)
-    assert answer.status == status
-    assert b"Traceback" not in answer.content
-
-
-def test_forms_of_other_sites_cannot_send_requests(client):
-    body = {"session": "s", "number": 1, "document": TAPER}
-    assert client.ask("POST", "/api/results", body, Content_Type="text/plain").status == 415
-
-
-def test_the_server_is_not_reachable_from_outside(running):
-    assert running.socket.getsockname()[0] == "127.0.0.1"
-
-
-def test_silent_and_slow_clients_are_dropped(monkeypatch):
-    monkeypatch.setattr(connection, "PATIENCE", 0.4)
-    monkeypatch.setattr(server, "PATIENCE", 0.4)
-    found = RunningServer(0, warm_up=False)
-    found.start()
-    try:
-        client = Client(found)
-        head = (f"POST /api/results HTTP/1.1\r\nHost: {client.host}\r\nCookie: {client.cookie}\r\n"
-                "Content-Type: application/json\r\nContent-Length: 1000\r\n")  # fmt: skip
-        for begun in (b"", b"GET / HT", head.encode(), head.encode() + b"\r\n{"):
-            with socket.create_connection(("127.0.0.1", found.port), timeout=5.0) as link:
-                link.sendall(begun)
-                began, answer = time.monotonic(), b""
-                with contextlib.suppress(ConnectionResetError):
-                    while chunk := link.recv(65536):
-                        answer += chunk
-                assert time.monotonic() - began < 4.0
-                assert answer == b"" or b"408" in answer
-        assert client.ask("GET", "/").status == 200
-    finally:
-        found.stop()
-
-
-def test_many_connections_leave_the_server_usable(monkeypatch):
-    monkeypatch.setattr(connection, "PATIENCE", 1.0)
-    found = RunningServer(0, warm_up=False)
-    found.start()
-    links = [socket.create_connection(("127.0.0.1", found.port), timeout=5.0) for _ in range(200)]
-    try:
-        time.sleep(0.3)
-        assert len(found.server.server_state.connections) <= connection.MAX_CONNECTIONS
-        time.sleep(1.5)
-        assert Client(found).ask("GET", "/").status == 200
-    finally:
-        for link in links:
-            link.close()
-        found.stop()
-
-
 # Requests that are out of date -------------------------------------------------------------------
 
 LONG = {"chain": {"taper": "uniform", "beads": 1500, "right_wall": {}}}
@@ -368,7 +164,7 @@ def test_a_newer_request_cancels_the_older_one(client):
     ask(11, TAPER)
     first.join()
     assert answers[10][0][-1][0]["part"] == "cancelled"
-    # A call of the kernel takes a fraction of a second; without cancelling, the run takes about ten seconds.
+    # A call of the kernel takes a fraction of a second; the whole run takes about ten seconds.
     assert answers[10][1] - began < 2.0
     assert answers[11][0][-1][0]["part"] == "run"
 

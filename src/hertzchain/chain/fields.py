@@ -221,10 +221,6 @@ class ChainFields(Frozen):
         **changes
             Fields of `Chain` and their new values.
 
-        Returns
-        -------
-        Chain
-
         Raises
         ------
         InputError

@@ -134,10 +134,6 @@ def material(name: MaterialLike) -> Material:
     name : str or Material
         Name, such as ``"steel-52100"``.
 
-    Returns
-    -------
-    Material
-
     Raises
     ------
     InputError
@@ -171,10 +167,6 @@ def contact_modulus(one: Material, other: Material) -> float:
     ----------
     one, other : Material
         The two materials; one of them may be `RIGID`.
-
-    Returns
-    -------
-    float
 
     Examples
     --------

@@ -166,10 +166,6 @@ class Budget:
         ax : matplotlib.axes.Axes, optional
             Axes to draw into; a new figure's if not given.
 
-        Returns
-        -------
-        matplotlib.axes.Axes
-
         Raises
         ------
         InputError

@@ -133,10 +133,6 @@ class State:
 
         A lossless chain that continues from it returns to its start.
 
-        Returns
-        -------
-        State
-
         Raises
         ------
         InputError

@@ -32,10 +32,6 @@ def chain_as_toml(chain: Chain) -> str:
     chain : Chain
         Any chain.
 
-    Returns
-    -------
-    str
-
     Raises
     ------
     InputError

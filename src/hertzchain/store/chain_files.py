@@ -74,10 +74,6 @@ def load_chain(path: str | os.PathLike[str]) -> Chain:
         ``mass [g]``, ``velocity [m/s]`` and, for the contact with the next bead, ``gap [um]`` and
         ``stiffness [N/m^1.5]``; in any order and unit, or all without units for a scaled chain.
 
-    Returns
-    -------
-    Chain
-
     Raises
     ------
     InputError

@@ -135,10 +135,6 @@ class Specification:
     def as_json(self) -> str:
         """Convert to JSON text, which is the same for the same sweep.
 
-        Returns
-        -------
-        str
-
         Examples
         --------
         >>> from hertzchain.sweeps.specification import read_specification

@@ -1,4 +1,4 @@
-"""Chains from TOML and CSV: every feature once, and every way to get it wrong."""
+"""Chains from TOML and CSV files: each feature once, and invalid files."""
 
 import numpy as np
 import pytest
@@ -98,10 +98,10 @@ STEEL = "steel-52100"
         ),
     ],
 )  # fmt: skip
-def test_files_say_what_python_says(tmp_path, text, expected):
+def test_files_and_python_describe_the_same_chain(tmp_path, text, expected):
     loaded = hc.load_chain(written(tmp_path, f"[chain]\n{text}\n"))
     assert_same(loaded, expected)
-    # And back: what is written reads as the same chain.
+    # The written file describes the same chain.
     again = written(tmp_path, hc.chain_as_toml(expected), "again.toml")
     assert_same(hc.load_chain(again), expected)
 
@@ -213,7 +213,7 @@ def test_bad_bead_tables_name_row_and_column(tmp_path, text, said):
         ("time [us],force [N]\n0,0\n", "at least two times"),
     ],
 )
-def test_bad_drive_tables_are_refused(tmp_path, text, said):
+def test_bad_drive_tables_are_rejected(tmp_path, text, said):
     with pytest.raises(InputError, match=said) as caught:
         hc.load_drive(written(tmp_path, text, "drive.csv"))
     assert "drive.csv" in str(caught.value)
@@ -285,7 +285,7 @@ SI = 'radii = 5e-3\nbeads = 3\nmaterials = "brass"\n'
         (U + "masses = [1, 2]", "3 numbers for the mass"),
     ],
 )  # fmt: skip
-def test_bad_chain_files_say_what_is_wrong(tmp_path, text, said):
+def test_errors_of_chain_files_state_the_problem(tmp_path, text, said):
     with pytest.raises(InputError, match=said) as caught:
         hc.load_chain(written(tmp_path, f"[chain]\n{text}\n"))
     assert "chain.toml" in str(caught.value)
@@ -355,7 +355,7 @@ DEEP = "[" * 3000 + "]" * 3000
         (U + "rate = " + "9" * 5001, "a whole number of thousands of digits"),
     ],
 )  # fmt: skip
-def test_values_of_the_wrong_type_are_refused(tmp_path, text, said):
+def test_values_of_the_wrong_type_are_rejected(tmp_path, text, said):
     with pytest.raises(InputError, match=said) as caught:
         hc.load_chain(written(tmp_path, f"[chain]\n{text}\n"))
     assert "\n" not in str(caught.value)

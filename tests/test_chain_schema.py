@@ -134,7 +134,7 @@ def with_key(section, variant, key, value):
 
 
 @pytest.mark.parametrize(("section", "variant", "key", "value"), [*bounds()])
-def test_values_beyond_the_bounds_are_refused(section, variant, key, value):
+def test_values_beyond_the_bounds_are_rejected(section, variant, key, value):
     document = with_key(section, variant, key, value)
     assert not [*check_document(document)]
     with pytest.raises(hc.InputError):

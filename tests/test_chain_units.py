@@ -23,7 +23,7 @@ def test_si_chains_give_what_conversion_by_hand_gives(method):
     pulse, by_hand = method(STEEL), SCALES.to_si(method(SCALED))
     assert pulse.chain is STEEL
     assert pulse.method == by_hand.method
-    # What the method computes is converted by the same products.
+    # All results of the method are converted by the same products.
     for field in fields(pulse):
         if isinstance(getattr(pulse, field.name), np.ndarray):
             np.testing.assert_array_equal(getattr(pulse, field.name), getattr(by_hand, field.name))
@@ -125,7 +125,7 @@ def test_unsupported_features_are_named_with_the_chain_as_it_was_given():
         hc.propagate(driven)
 
 
-def test_a_chain_at_rest_is_refused():
+def test_a_chain_at_rest_is_rejected():
     still = STEEL.replace(velocities=np.zeros(30))
     for method in METHODS:
         with pytest.raises(InputError, match="needs a chain whose first bead is struck"):

@@ -141,7 +141,7 @@ def test_a_page_escapes_the_method():
 
 
 @pytest.mark.parametrize("name", ["a\nb", "a\x7f", "\ud800", "tab\t", "\0", "\x9b"])
-def test_names_that_no_file_can_carry_are_refused(name):
+def test_names_that_no_file_can_carry_are_rejected(name):
     with pytest.raises(hc.InputError, match=r"character \d of .* is U\+") as caught:
         named(name)
     str(caught.value).encode()
@@ -199,7 +199,7 @@ def test_given_contacts_of_a_chain_of_materials_are_written():
     assert fingerprint(again) == fingerprint(chain)
 
 
-def test_a_chain_that_cannot_be_written_is_refused(monkeypatch):
+def test_a_chain_that_cannot_be_written_is_rejected(monkeypatch):
     chain = hc.Chain.uniform(3).replace(gaps=[0.1, 0.2])
     monkeypatch.setattr(writer, "ARRAYS", ("masses",))
     with pytest.raises(hc.InputError, match="cannot be written .* moves differently"):

@@ -138,6 +138,6 @@ CHAIN = hc.Chain.uniform(3).decorated(0.3)
         (lambda: hc.effective_chain(CHAIN).spacing(0.0), "positive"),
     ],
 )
-def test_bad_input_is_refused(call, said):
+def test_bad_input_is_rejected(call, said):
     with pytest.raises(hc.InputError, match=said):
         call()

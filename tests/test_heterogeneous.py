@@ -116,7 +116,7 @@ def test_stop_signal_ends_the_kernel():
     assert signal[PASSED] == 0
 
 
-# What comes out of `propagate`.
+# Results of `propagate`.
 
 
 def test_against_scipy():

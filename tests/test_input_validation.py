@@ -1,4 +1,4 @@
-"""Every public door, with what does not belong there: one sentence, never a traceback."""
+"""All public functions with invalid arguments raise `InputError` with one sentence."""
 
 import inspect
 import warnings
@@ -9,17 +9,17 @@ import pytest
 import hertzchain as hc
 from hertzchain import Chain
 
-# What simulations and theories make, and nobody else: no doors, but for their methods.
+# Classes that users do not create; only their methods are called.
 RESULTS = (
     "Budget", "Calibration", "EffectiveChain", "EffectivePulse", "EnergyFlux", "Fronts",
     "HertzRange", "Horizon", "LeadingPulse", "PulseTable", "Reflection", "Run", "Scoreboard",
     "SensorForce", "SolitaryWave", "Spectrum", "State", "StaticState", "VelocityPeaks", "Verdict",
     "WallForce", "Wave", "WaveEvent", "Waves",
 )  # fmt: skip
-# Called with what other doors have checked.
-OUR_OWN = (
+# Methods for internal use, whose arguments have been checked.
+INTERNAL = (
     "factors", "row", "strength", "resolved", "loading_force", "loading_overlap", "stored_energy",
-    "largest_overlap", "damper", "between",
+    "largest_overlap", "damper",
 )  # fmt: skip
 LAWS = {
     "Dashpot": hc.Dashpot(0.1), "Elastic": hc.Elastic(), "Restitution": hc.Restitution(0.9),
@@ -33,13 +33,13 @@ TRIED = {
 }  # fmt: skip
 
 
-def tried(door, /, **good):
-    """What to call, and arguments that are good."""
-    return door, good
+def tried(function, /, **good):
+    """A public function and valid arguments."""
+    return function, good
 
 
-def doors(folder):
-    """Each door by its name."""
+def public_calls(folder):
+    """Public functions with valid arguments, by name."""
     chain, tapered = Chain.uniform(9), Chain.tapered("forward-linear", 0.005, beads=30)
     walled = chain.replace(right_wall=hc.Wall())
     balls = Chain.from_materials(5e-3, "brass", beads=9, velocity=0.01)
@@ -318,11 +318,11 @@ def doors(folder):
 
 
 @pytest.fixture(scope="module")
-def every_door(tmp_path_factory):
-    return doors(tmp_path_factory.mktemp("doors"))
+def every_call(tmp_path_factory):
+    return public_calls(tmp_path_factory.mktemp("public_calls"))
 
 
-def public_doors():
+def public_names():
     """Names of all public functions, constructors and methods that take arguments."""
     for name in hc.__all__:
         item = getattr(hc, name)
@@ -333,31 +333,31 @@ def public_doors():
         if name not in RESULTS:
             yield name
         for method, function in inspect.getmembers(item, callable):
-            if method.startswith("_") or method in OUR_OWN:
+            if method.startswith("_") or method in INTERNAL:
                 continue
             if set(inspect.signature(function).parameters) - {"self"}:
                 yield f"{name}.{method}"
 
 
-DOORS = sorted(public_doors())
+NAMES = sorted(public_names())
 
 
-def test_no_door_is_left_out(every_door):
-    assert set(DOORS) <= set(every_door)
+def test_every_public_function_is_called(every_call):
+    assert set(NAMES) <= set(every_call)
 
 
-def test_good_arguments_are_good(every_door):
-    for name, (door, good) in every_door.items():
+def test_valid_arguments_are_accepted(every_call):
+    for name, (function, good) in every_call.items():
         if not name.startswith(("load_chain", "load_drive")):
-            door(**good)
+            function(**good)
 
 
-def refusal(door, arguments):
-    """What a call is refused with; None if it is not."""
+def error_of(function, arguments):
+    """Exception of a call, or None."""
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
-            door(**arguments)
+            function(**arguments)
     except Exception as error:  # noqa: BLE001
         return error
     return None
@@ -370,13 +370,13 @@ POSSIBLE = {
 
 
 @pytest.mark.parametrize("value", TRIED.values(), ids=TRIED)
-def test_what_does_not_belong_is_refused_in_one_sentence(every_door, value, tmp_path, monkeypatch):
+def test_invalid_arguments_raise_one_sentence(every_call, value, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    for name, (door, good) in every_door.items():
+    for name, (function, good) in every_call.items():
         for argument, usual in good.items():
             if value is None and usual is None:
                 continue
-            error = refusal(door, good | {argument: value})
+            error = error_of(function, good | {argument: value})
             if isinstance(value, int) and (argument, type(error)) in POSSIBLE:
                 continue
             if error is None:

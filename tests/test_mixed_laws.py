@@ -187,7 +187,7 @@ def test_equal_laws_are_one_law():
     assert Chain.uniform(4).replace(loss=[None, hc.Elastic(), None]).features == ()
 
 
-def test_walls_follow_the_contact_beside_them_unless_told():
+def test_walls_are_by_default_like_the_contact_next_to_them():
     assert [law.name for law in MIXED.contact_losses] == [
         "dashpot", "dashpot", "elastic", "walton-braun", "elastic-plastic", "unloading-ratio",
     ]  # fmt: skip
@@ -202,7 +202,7 @@ def test_walls_follow_the_contact_beside_them_unless_told():
 def test_laws_by_pairs_of_materials():
     chain = STEEL_AND_PTFE.replace(loss=PAIRS, right_wall=Wall())
     assert chain.contact_losses == (hc.Restitution(0.6),) * 6 + (hc.Restitution(0.4),)
-    # What is changed later still follows from the pairs.
+    # Later changes also follow from the pairs.
     longer = chain.replace(radii=[9.5e-3] * 3, materials=["ptfe", "ptfe", "steel-316"],
                            right_wall=None, gaps=None, velocities=None)  # fmt: skip
     assert longer.contact_losses[1:3] == (hc.Restitution(0.4), hc.Restitution(0.6))
@@ -255,7 +255,7 @@ def test_laws_by_pairs_of_materials():
         (lambda: MIXED.decorated(0.2), "but its exponents and losses belong to the present ones"),
     ],
 )  # fmt: skip
-def test_contradictions_are_refused_in_one_sentence(build, said):
+def test_contradictions_are_rejected_in_one_sentence(build, said):
     with pytest.raises(InputError, match=said) as caught:
         build()
     assert "\n" not in str(caught.value)
@@ -469,7 +469,7 @@ def test_a_cone_by_its_pressure():
     assert hc.Cone(80.0).stiffness(modulus) * overlap**2 == pytest.approx(force, rel=1e-13)
 
 
-def test_shapes_at_walls_and_who_refuses_them():
+def test_shapes_at_walls_and_invalid_ones():
     chain = STEEL_AND_PTFE.replace(right_wall=Wall.of("brass"))
     shaped = chain.with_contacts({6: hc.Cone(60.0)})
     modulus = contact_modulus(hc.material("ptfe"), hc.material("brass"))

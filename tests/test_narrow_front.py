@@ -55,7 +55,7 @@ def steps_of_two_beads(w, steps):
 
 
 def relative_velocity_error(steps):
-    """Two beads pressed together and let go: energy tells the exact velocity."""
+    """Two compressed beads are released: the exact velocity follows from energy."""
     w = np.zeros(narrow_front.END)
     w[narrow_front.STIFFNESS] = 1.0
     w[narrow_front.INVERSE_MASS : narrow_front.INVERSE_MASS + 2] = 1.0

@@ -115,7 +115,7 @@ def test_drawings_show_the_data(reproduction, name):
     assert len(rows) == 1 + 90 * len(figure.curves)
 
 
-def test_errors_of_the_formulas_as_printed_and_mended():
+def test_errors_of_the_formulas_as_printed_and_corrected():
     pulses = integrate_chains(errata_chains())
 
     def worst(taper, name):

@@ -112,7 +112,7 @@ def tracked_files():
     return [ROOT / name for name in done.stdout.split("\0") if name]
 
 
-def test_no_tracked_file_speaks_of_a_machine():
+def test_no_tracked_file_names_a_machine():
     files = tracked_files()
     if not files:
         pytest.skip("not a git checkout")
@@ -143,7 +143,7 @@ def test_versions_agree():
     assert f"## [{hc.__version__}]" in (ROOT / "CHANGELOG.md").read_text("utf-8")
 
 
-def test_what_was_compiled_before_a_kernel_changed_is_thrown_away(tmp_path):
+def test_cache_files_older_than_a_kernel_are_deleted(tmp_path):
     from hertzchain.kernels import _forget_stale
 
     source, cache = tmp_path / "kernel.py", tmp_path / "__pycache__"

@@ -180,7 +180,7 @@ def test_a_table_of_pulses_is_no_pulse():
         hc.bca(TAPER).compare(table)
 
 
-# What a copy of the package with one more quantity must do.
+# Checks of a copy of the package with an additional quantity.
 EVERYWHERE = """
 import json, sys
 import numpy as np

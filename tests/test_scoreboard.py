@@ -76,7 +76,7 @@ def test_a_family_gathers_its_chains():
     assert list(board.table("velocity", by="case").index) == ["a", "b"]
 
 
-def test_one_chain_that_is_refused_makes_its_family_a_dash():
+def test_one_chain_that_is_rejected_makes_its_family_a_dash():
     cases = [case_of(np.ones(20), "a"), case_of(np.ones(24), "b")]
 
     def theory(chain):
@@ -202,7 +202,7 @@ def test_two_thirds():
     assert two_thirds_bca(chain).arrival is None
 
 
-def test_the_command_line_knows_every_theory():
+def test_the_command_line_supports_every_theory():
     assert set(METHODS) == {"propagate", "simulate", *THEORIES}
 
 
@@ -270,7 +270,7 @@ def test_the_figure_has_a_symbol_for_every_number(board):
         (lambda _: evaluate([case_of(np.ones(20))], [hc.bca(hc.Chain.uniform(21))]), "different"),
     ],
 )  # fmt: skip
-def test_bad_input_is_refused(board, call, said):
+def test_bad_input_is_rejected(board, call, said):
     with pytest.raises(hc.InputError, match=said):
         call(board)
 

@@ -53,7 +53,7 @@ def test_chain_files(tmp_path):
         ('[chain]\ntaper = "uniform"\nbeads = 2.5', "whole number"),
     ],
 )
-def test_bad_chain_files_are_refused_by_name(tmp_path, text, said):
+def test_bad_chain_files_are_rejected_by_name(tmp_path, text, said):
     with pytest.raises(hc.InputError, match=said) as caught:
         hc.load_chain(chain_file(tmp_path, text))
     assert "chain.toml" in str(caught.value)

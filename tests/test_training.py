@@ -1,4 +1,4 @@
-"""What the law is trained on, and that its tables come from there."""
+"""Training data of the local-rate law, and the origin of its tables."""
 
 import numpy as np
 import pytest

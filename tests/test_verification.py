@@ -23,7 +23,7 @@ def test_a_wrong_value_is_outside():
     assert not Verdict(case, case.compute()).agrees
 
 
-def test_an_unknown_group_is_refused():
+def test_an_unknown_group_is_rejected():
     with pytest.raises(hc.InputError, match=r"unknown group of cases 'wals'.*did you mean 'walls'"):
         verify(["wals"])
 

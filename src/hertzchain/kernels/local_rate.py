@@ -153,24 +153,25 @@ def second_degree(matrix, y):
     return size
 
 
+# Arguments of `forward`:
+# rates: (M,), of all contacts
+# nodes, anchors: ends of intervals, and polynomials (stages, intervals, 12), which are
+#   coefficients of x^3 to x^0, each for the three components of the state
+# knots, response: the same for the matrices A, (stages, intervals, 4, 192): powers, eight rows,
+#   three components, eight columns
+# Results:
+# states: (followed, 3)
+# slopes: (followed, 3, 2), derivatives of the state with respect to the rate of the contact,
+#   and of the anchor of its stage
+# to_inputs: (followed, 3, 8), derivatives of the state with respect to y
+# doubts: (followed, 4), terms of the estimated error: one; norms of all inputs after the
+#   impact, of those at all other contacts up to this one, and of the products of their size and
+#   of the second degree of the growth
 @compiled
 def forward(
     rates, followed, nodes, anchors, knots, response, states, slopes, to_inputs, doubts
 ):  # fmt: skip
     """Compute states of contacts; returns the first that diverges, or else ``followed``."""
-    # rates: (M,), of all contacts
-    # nodes, anchors: ends of intervals, and polynomials (stages, intervals, 12), which are
-    #   coefficients of x^3 to x^0, each for the three components of the state
-    # knots, response: the same for the matrices A, (stages, intervals, 4, 192): powers, eight rows,
-    #   three components, eight columns
-    # Results:
-    # states: (followed, 3)
-    # slopes: (followed, 3, 2), derivatives of the state with respect to the rate of the contact,
-    #   and of the anchor of its stage
-    # to_inputs: (followed, 3, 8), derivatives of the state with respect to y
-    # doubts: (followed, 4), terms of the estimated error: one; norms of all inputs after the
-    #   impact, of those at all other contacts up to this one, and of the products of their size and
-    #   of the second degree of the growth
     value, slope = np.zeros(STATES), np.zeros(STATES)
     y, matrix, derivative = np.ones(FORM), np.empty(MATRIX), np.empty(MATRIX)
     by_input, by_input_slope = np.empty(ROW), np.empty(ROW)

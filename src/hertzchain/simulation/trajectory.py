@@ -89,13 +89,12 @@ class Trajectory:
         """
         from ..kernels import state_layout
 
-        stiffness = np.array(self.chain.wall_stiffness)
         peak = np.zeros(self.chain.beads + 1)
         peak[[0, -1]] = self._walls[state_layout.WALL_PEAK]
         walls = loading_overlaps(self.chain.contact_groups, peak)[[0, -1]]
         passed = np.concatenate((walls[:1], self._crossings[state_layout.OVERLAP], walls[1:]))
         saved = overlaps_of(self.chain, self.times, self.positions)
-        saved[:, [0, -1]] = np.where(stiffness > 0.0, saved[:, [0, -1]], 0.0)
+        saved = np.where(self.chain.contact_stiffness > 0.0, saved, 0.0)
         return np.asarray(np.maximum(passed, np.max(saved, axis=0, initial=0.0)))
 
     @property

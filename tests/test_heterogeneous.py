@@ -51,7 +51,7 @@ def steps_of_two_beads(w, steps, exponent):
 
 
 def energy_error(steps, exponent):
-    """Two beads pressed together and let go: overlap and speed keep the energy."""
+    """Two compressed beads are released: overlap and velocity conserve energy."""
     w = wide_front.new_scratch()[0]
     w[wide_front.STIFFNESS] = 1.0
     w[wide_front.INVERSE_MASS : wide_front.INVERSE_MASS + 2] = 1.0

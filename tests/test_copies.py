@@ -10,6 +10,7 @@ import pytest
 
 import hertzchain as hc
 from hertzchain.simulation.state import fingerprint
+from hertzchain.store import chain_as_toml as writer
 from hertzchain.store import chain_files
 
 WAYS_TO_COPY = {
@@ -201,6 +202,6 @@ def test_given_contacts_of_a_chain_of_materials_are_written():
 
 def test_a_chain_that_cannot_be_written_is_refused(monkeypatch):
     chain = hc.Chain.uniform(3).replace(gaps=[0.1, 0.2])
-    monkeypatch.setattr(chain_files, "ARRAYS", ("masses",))
-    with pytest.raises(hc.InputError, match="cannot be written .* moves in another way"):
+    monkeypatch.setattr(writer, "ARRAYS", ("masses",))
+    with pytest.raises(hc.InputError, match="cannot be written .* moves differently"):
         hc.chain_as_toml(chain)

@@ -15,6 +15,7 @@ from hertzchain.chain.laws import LAWS
 from hertzchain.chain.laws.base import ContactArrays, Loss
 from hertzchain.chain.materials import contact_modulus
 from hertzchain.simulation.kernel_input import kernel_chain
+from hertzchain.simulation.state import fingerprint
 
 pytestmark = [
     pytest.mark.filterwarnings("ignore::hertzchain.ModelRangeWarning"),
@@ -312,6 +313,11 @@ def test_units_of_mixed_contacts():
             loss=hc.ElasticPlastic(yield_pressure=1e8), left_wall=Wall(loss=hc.Elastic())
         ),
         Chain.uniform(3, exponent=2.0).replace(left_wall=Wall(stiffness=1.0, exponent=1.5)),
+        STEEL_AND_PTFE.replace(
+            exponent={("steel-316", "ptfe"): 1.5, ("ptfe", "brass"): 2.0},
+            right_wall=Wall(stiffness=1e9, exponent=1.7),
+        ),
+        STEEL_AND_PTFE.replace(left_wall=Wall.of("brass")).with_contacts({0: hc.Cone(60.0)}),
     ],
     ids=str,
 )  # fmt: skip
@@ -322,6 +328,103 @@ def test_chain_files_carry_mixed_contacts(chain, tmp_path):
     assert read.contact_losses == chain.contact_losses
     np.testing.assert_array_equal(read.contact_exponents, chain.contact_exponents)
     np.testing.assert_array_equal(read.contact_stiffness, chain.contact_stiffness)
+    assert fingerprint(read) == fingerprint(chain)
+
+
+SHAPED = """
+[chain]
+cell = ["9.5 mm", "9.5 mm"]
+cells = 3
+materials = ["steel-316", "ptfe"]
+
+[chain.right_wall]
+material = "brass"
+
+[[chain.with_contacts]]
+shape = "crossed-cylinders"
+contacts = [2, 5]
+angle = 45
+
+[[chain.with_contacts]]
+shape = "crossed-cylinders"
+contacts = 1
+radius = "4 mm"
+
+[[chain.with_contacts]]
+shape = "cone"
+contacts = [3, 6]
+half_angle = 75.0
+"""
+BY_PAIRS = """
+[chain]
+cell = ["9.5 mm", "9.5 mm"]
+cells = 3
+materials = ["steel-316", "ptfe"]
+stiffness = 1e8
+exponent = [
+    {between = ["steel-316", "ptfe"], value = 1.6},
+    {between = ["ptfe", "ptfe"], value = 2.0},
+]
+
+[chain.right_wall]
+stiffness = 2e8
+"""
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        (
+            SHAPED,
+            STEEL_AND_PTFE.replace(right_wall=Wall.of("brass")).with_contacts(
+                {
+                    **dict.fromkeys((2, 5), hc.CrossedCylinders(angle=45.0)),
+                    1: hc.CrossedCylinders(4e-3),
+                    **dict.fromkeys((3, 6), hc.Cone(75.0)),
+                }
+            ),
+        ),
+        (
+            '[chain]\nradii = 5e-3\nbeads = 4\nmaterials = "brass"\n'
+            '[[chain.struck_by]]\nradius = 6e-3\n[chain.with_contacts]\nshape = "cone"\n'
+            "half_angle = 80",
+            Chain.from_materials(5e-3, "brass", beads=4)
+            .struck_by(radius=6e-3)
+            .with_contacts(hc.Cone(80.0)),
+        ),
+        (
+            BY_PAIRS,
+            STEEL_AND_PTFE.replace(
+                stiffness=1e8,
+                exponent={("steel-316", "ptfe"): 1.6, ("ptfe", "ptfe"): 2.0},
+                right_wall=Wall(stiffness=2e8),
+            ),
+        ),
+    ],
+    ids=["shapes", "all contacts", "pairs of materials"],
+)
+def test_contacts_of_a_chain_file_are_those_of_python(text, expected, tmp_path):
+    file = tmp_path / "chain.toml"
+    file.write_text(text, "utf-8")
+    read = hc.load_chain(file)
+    assert fingerprint(read) == fingerprint(expected)
+    np.testing.assert_array_equal(read.contact_exponents, expected.contact_exponents)
+    file.write_text(hc.chain_as_toml(read), "utf-8")
+    assert fingerprint(hc.load_chain(file)) == fingerprint(expected)
+
+
+def test_exponents_by_pairs_are_written_as_pairs(tmp_path):
+    chain = STEEL_AND_PTFE.replace(
+        exponent={("steel-316", "ptfe"): 1.6, ("ptfe", "ptfe"): 2.0}, stiffness=1e8
+    )
+    file = tmp_path / "chain.toml"
+    file.write_text(hc.chain_as_toml(chain), "utf-8")
+    # The exponent of a wall that is added later also follows from the pairs.
+    wall = Wall(stiffness=1e8)
+    again = hc.load_chain(file).replace(right_wall=wall)
+    assert (
+        again.contact_exponents[-1] == chain.replace(right_wall=wall).contact_exponents[-1] == 2.0
+    )
 
 
 def test_strikers_are_like_the_first_contact():

@@ -7,6 +7,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+import count_lines
 import pytest
 from documented import directives, public_functions
 from numpydoc.docscrape import FunctionDoc
@@ -123,6 +124,17 @@ def test_no_tracked_file_speaks_of_a_machine():
             continue
         found = pattern.search(path.read_text("utf-8"))
         assert found is None, f"{path.name}: {found.group()}"
+
+
+def test_files_and_functions_are_short():
+    _, _, too_long = count_lines.count()
+    assert too_long.keys() <= count_lines.EXCEPTIONS.keys()
+    assert all(name.startswith("kernels/") for name in too_long)
+
+
+def test_docstrings_are_slim():
+    code, documentation, _ = count_lines.count()
+    assert documentation < count_lines.MAX_RATIO * code
 
 
 def test_versions_agree():

@@ -9,7 +9,19 @@ import hertzchain as hc
 from hertzchain.evaluation.cases import FREE_END, Case, paper_cases, unseen_cases
 from hertzchain.evaluation.evaluate import evaluate, scoreboard
 from hertzchain.evaluation.scoreboard import QUANTITIES, percentage
-from hertzchain.evaluation.unseen_tapers import is_smooth, unseen_radii
+from hertzchain.evaluation.unseen_tapers import (
+    bump,
+    hourglass,
+    is_smooth,
+    piecewise_exponential,
+    power_law,
+    random_smooth,
+    scatter,
+    sigmoid,
+    step,
+    unseen_radii,
+    wave,
+)
 from hertzchain.plotting.scoreboard import plot_scoreboard
 from hertzchain.sweeps.methods import METHODS
 from hertzchain.theory.catalogue import THEORIES
@@ -261,3 +273,17 @@ def test_the_figure_has_a_symbol_for_every_number(board):
 def test_bad_input_is_refused(board, call, said):
     with pytest.raises(hc.InputError, match=said):
         call(board)
+
+
+def test_families_of_unseen_tapers():
+    k = np.array([50.0, 51.0])
+    rates = np.diff(np.log(piecewise_exponential(np.arange(1.0, 53.0), (0.05, 0.0, 0.1))))
+    np.testing.assert_allclose(rates[[0, 23, 24, 49, 50]], [0.05, 0.05, 0.05, 0.0, 0.1], atol=1e-14)
+    assert power_law(k, 2.0, 50.0)[0] == 1e4
+    assert sigmoid(k, 3.0, 10.0)[0] == 2.0
+    assert bump(k, -0.4, 18.0)[0] == pytest.approx(0.6, rel=1e-15)
+    assert wave(np.array([15.0]), 0.2, 60.0, 0.1)[0] == pytest.approx(1.2 * np.exp(1.5), rel=1e-15)
+    assert hourglass(np.array([75.0]), 25.0)[0] == pytest.approx(np.cosh(1.0), rel=1e-15)
+    assert step(k, 1.3).tolist() == [1.0, 1.3]
+    assert scatter(k, 0.0, seed=1).tolist() == [1.0, 1.0]
+    assert is_smooth(random_smooth(np.arange(1.0, 101.0), seed=7))

@@ -40,7 +40,7 @@ def test_chain_files(tmp_path):
         ('[chain]\ntapr = "uniform"\nbeads = 3', "unknown key .*'tapr'.* did you mean 'taper'"),
         ("[chain]\nbeads = 3", "has no taper"),
         ('[chain]\ntaper = "uniform"', "has no beads"),
-        ('[chain]\ntaper = "uniform"\nbeads = 3\nrate = 0.1', "leave one out"),
+        ('[chain]\ntaper = "uniform"\nbeads = 3\nrate = 0.1', "omit one"),
         ('[chain]\ntaper = "forward-linear"\nbeads = 3', "no rate"),
         ('[chain]\ntaper = "forward-linear"\nbeads = 3\nrate = "x"', "must be a number, got 'x'"),
         ("[chain]\nradii = [1, 2]\nbeads = 2", "has radii and also beads"),

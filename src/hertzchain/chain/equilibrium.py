@@ -21,10 +21,6 @@ def equilibrium(chain: Chain) -> StaticState:
         Any chain.  Without precompression, and without a wall on which the chain rests
         under gravity, or if there are gaps, all forces are 0.
 
-    Returns
-    -------
-    StaticState
-
     Examples
     --------
     A force of 8 on contacts of stiffness 1 gives overlaps of :math:`8^{2/3} = 4`:

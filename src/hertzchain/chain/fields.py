@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import dataclasses
 import warnings
-from collections.abc import Sequence
 from dataclasses import KW_ONLY, dataclass, field
 from functools import cached_property
 from typing import Any, Final, Literal, Self, get_args
@@ -13,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..collision import HERTZ_EXPONENT, Array
-from ..errors import InputError, InputWarning, short_repr, unknown_name_error
+from ..errors import InputError, InputWarning, unknown_name_error
 from ..frozen import Frozen
 from ..representation import short
 from ..validation.numbers import (
@@ -24,7 +23,7 @@ from ..validation.numbers import (
     real_numbers,
     whole_number,
 )
-from ..validation.objects import check_choice, check_list
+from ..validation.objects import check_choice
 from .boundary_checks import (
     HELD_BY,
     PARTS,
@@ -40,7 +39,7 @@ from .drives import Drive
 from .input_checks import checked_radii, scaled_radii
 from .laws import Loss
 from .mass_and_stiffness import contact_stiffness, sphere_masses, wall_stiffness
-from .materials import Material, MaterialLike, material
+from .materials import Material, material_per_bead
 from .per_contact import (
     ELASTIC,
     Exponent,
@@ -52,7 +51,7 @@ from .per_contact import (
     given_laws,
 )
 from .static_forces import Loads, check_static_overlaps, static_forces
-from .tapers import taper_named
+from .tapers import parameter_pairs, taper_named
 from .walls import Wall
 
 Units = Literal["scaled", "SI"]
@@ -151,7 +150,7 @@ class ChainFields(Frozen):
             )
 
     def _check_taper(self) -> None:
-        given = _checked_parameters(self.taper_parameters)
+        given = parameter_pairs(self.taper_parameters)
         if self.taper is None:
             if given:
                 raise InputError("taper_parameters require a taper; use Chain.tapered")
@@ -167,7 +166,7 @@ class ChainFields(Frozen):
     def _check_masses_and_stiffness(self) -> None:
         """Check masses and stiffness, or compute them from radii and materials."""
         if self.materials is not None:
-            self._set("materials", _checked_materials(self.materials, self.beads))
+            self._set("materials", material_per_bead(self.materials, self.beads))
         if "masses" in self.given:
             masses = per_bead_array(
                 "mass", self.masses, self.beads, "bead", unit=self._unit("kg"), above=0.0
@@ -226,10 +225,6 @@ class ChainFields(Frozen):
         ----------
         **changes
             Fields of `Chain` and their new values.
-
-        Returns
-        -------
-        Chain
 
         Raises
         ------
@@ -436,24 +431,6 @@ class ChainFields(Frozen):
 
     def __repr__(self) -> str:
         return short("Chain", self.description)
-
-
-def _checked_parameters(given: Sequence[tuple[str, float]]) -> dict[str, float]:
-    pairs = check_list("taper_parameters", given, "pairs of name and value")
-    for pair in pairs:
-        if not (isinstance(pair, tuple | list) and len(pair) == 2 and isinstance(pair[0], str)):
-            raise InputError(
-                "taper_parameters must be pairs of name and value, such as ('rate', 0.05), got "
-                f"{short_repr(pair)}"
-            )
-    return dict(pairs)
-
-
-def _checked_materials(given: Sequence[MaterialLike], beads: int) -> tuple[Material, ...]:
-    kinds = tuple(map(material, check_list("materials", given, "names")))
-    if len(kinds) != beads:
-        raise InputError(f"there must be {beads} materials, one for each bead, got {len(kinds)}")
-    return kinds
 
 
 def _derived(what: str, place: str, values: Array) -> Array:

@@ -1,13 +1,13 @@
-r"""Powers of many numbers at once: the library's power takes one number after the other.
+r"""Vectorised powers of the elements of an array.
 
-With :math:`x = 2^e m`, which can be read from the bits of x,
+With :math:`x = 2^e m`, where e and m follow from the bits of x,
 
 .. math:: x^a = 2^n\, 2^{a e + a \log_2 m - n}, \qquad
           \log_2 m = \frac{2}{\ln 2}\,\mathrm{artanh}\,\frac{m - 1}{m + 1} ,
 
-n the whole number next to the exponent; both functions by their series.  The result is right to a
-few parts in :math:`10^{16}`, and the loops have no branch, so that several numbers are done with
-one instruction.
+where n is the whole number next to the exponent; both functions are evaluated by their series.  The
+relative error is a few :math:`10^{-16}`, and the loops have no branch, so that the compiler can
+vectorise them.
 """
 
 from __future__ import annotations
@@ -18,30 +18,27 @@ import numpy as np
 
 from .compilation import compiled
 
-# A float64 is 2^(exponent - BIAS) (1 + mantissa), its exponent from bit SHIFT on.
+# A float64 is 2^(exponent - BIAS) (1 + mantissa), where the exponent begins at bit SHIFT.
 SHIFT, BIAS = 52, 1023
 MANTISSA, ONE = (1 << SHIFT) - 1, BIAS << SHIFT
-# Smaller numbers have lost digits; their powers are given as 0.
+# Smaller numbers are subnormal; their powers are set to 0.
 SMALLEST = 1e-300
 ROOT_2 = math.sqrt(2.0)
-# log2 m by odd powers of (m - 1)/(m + 1), and 2^r by powers of r.
+# Series of log2 m in odd powers of (m - 1)/(m + 1), and of 2^r in powers of r.
 LOGARITHM = tuple(2.0 / ((2 * i + 1) * math.log(2.0)) for i in range(12))
 EXPONENTIAL = tuple(math.log(2.0) ** i / math.factorial(i) for i in range(14))
 
 
 @compiled
 def powers(base, exponent, out, scratch):
-    """Write base^exponent into ``out``; ``scratch`` is (2, len(base)).
-
-    The bases are not negative, the exponent lies between 0 and 16; what is not finite gives nan.
-    """
+    """Write base^exponent (base >= 0, NaN if not finite; 0 <= exponent <= 16) into ``out``."""
     bits = base.view(np.int64)
     mantissa, whole = scratch[0, : len(base)], scratch[1, : len(base)]
     written, exponents = mantissa.view(np.int64), whole.view(np.int64)
     for i in range(len(base)):
         written[i] = (bits[i] & MANTISSA) | ONE
         exponents[i] = (bits[i] >> SHIFT) - BIAS
-    # The upper half of the exponent times a whole number is exact.
+    # The product of the upper half of the exponent and a whole number is exact.
     upper = np.float64(np.float32(exponent))
     lower = exponent - upper
     for i in range(len(base)):
@@ -60,7 +57,7 @@ def powers(base, exponent, out, scratch):
 
 @compiled
 def log2(m):
-    """Logarithm to the base 2 of a number next to 1."""
+    """Logarithm to the base 2 of a number near 1."""
     f = (m - 1.0) / (m + 1.0)
     q = f * f
     a0, a1, a2, a3, a4, a5, a6, a7, a8, a9, a10, a11 = LOGARITHM
@@ -70,7 +67,7 @@ def log2(m):
 
 @compiled
 def exp2(r):
-    """2^r of a number of at most one half."""
+    """2^r for abs(r) <= 1/2."""
     a0, a1, a2, a3, a4, a5, a6, a7, a8, a9, a10, a11, a12, a13 = EXPONENTIAL
     high = a7 + r * (a8 + r * (a9 + r * (a10 + r * (a11 + r * (a12 + r * a13)))))
     return a0 + r * (a1 + r * (a2 + r * (a3 + r * (a4 + r * (a5 + r * (a6 + r * high))))))

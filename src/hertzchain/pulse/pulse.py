@@ -195,10 +195,6 @@ class Pulse(Frozen):
         quantity : str
             A name in `hertzchain.pulse.quantities.QUANTITIES`.
 
-        Returns
-        -------
-        str
-
         Raises
         ------
         InputError
@@ -329,10 +325,6 @@ class Pulse(Frozen):
             Name of the quantity.
         ax : matplotlib.axes.Axes, optional
             Axes to draw into.  By default, a new figure is created.
-
-        Returns
-        -------
-        matplotlib.axes.Axes
 
         Examples
         --------

@@ -134,10 +134,6 @@ class PulseTable(Frozen):
         index : int
             Row, from 0; negative ones count from the end.
 
-        Returns
-        -------
-        Chain
-
         Raises
         ------
         InputError

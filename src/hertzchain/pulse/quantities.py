@@ -87,10 +87,6 @@ class Quantity:
         beads : int
             Number of beads.
 
-        Returns
-        -------
-        int
-
         Examples
         --------
         >>> QUANTITIES["peak_force"].count(10)
@@ -106,10 +102,6 @@ class Quantity:
         units : str
             ``"SI"`` or ``"scaled"``, the units of the chain.
 
-        Returns
-        -------
-        str
-
         Examples
         --------
         >>> QUANTITIES["energy"].unit_in("SI"), QUANTITIES["energy"].unit_in("scaled")
@@ -124,10 +116,6 @@ class Quantity:
         ----------
         units : str
             ``"SI"`` or ``"scaled"``, the units of the chain.
-
-        Returns
-        -------
-        str
 
         Examples
         --------

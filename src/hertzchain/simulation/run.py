@@ -154,10 +154,6 @@ class Run(Trajectory):
         side : str
             ``"left"`` or ``"right"``.
 
-        Returns
-        -------
-        WallForce
-
         Raises
         ------
         InputError
@@ -196,10 +192,6 @@ class Run(Trajectory):
     def budget(self) -> Budget:
         """Energy and momentum at every saved time, by location and by source.
 
-        Returns
-        -------
-        Budget
-
         Raises
         ------
         InputError
@@ -236,10 +228,6 @@ class Run(Trajectory):
             velocity.
         progress : callable, optional
             Called as ``progress(beads_passed, beads)`` a few times per second.
-
-        Returns
-        -------
-        Horizon
 
         Raises
         ------
@@ -321,10 +309,6 @@ class Run(Trajectory):
         ax : matplotlib.axes.Axes, optional
             Axes to draw into; by default those of a new figure.
 
-        Returns
-        -------
-        matplotlib.axes.Axes
-
         Examples
         --------
         >>> import hertzchain as hc
@@ -344,10 +328,6 @@ class Run(Trajectory):
             Numbers of the beads with a sensor; N + 1 is the right wall, 0 the left one.
         ax : matplotlib.axes.Axes, optional
             Axes to draw into; by default those of a new figure.
-
-        Returns
-        -------
-        matplotlib.axes.Axes
 
         Examples
         --------

@@ -91,10 +91,6 @@ def simulate(
     progress : callable, optional
         Called as ``progress(beads_passed, beads)`` a few times per second.
 
-    Returns
-    -------
-    Run
-
     Raises
     ------
     InputError

@@ -13,7 +13,7 @@ from hertzchain.simulation.state import fingerprint
 from hertzchain.store import chain_as_toml as writer
 from hertzchain.store import chain_files
 
-WINDOW_SETTINGS = {
+WAYS_TO_COPY = {
     "copy": copy.copy,
     "deepcopy": copy.deepcopy,
     "pickle": lambda item: pickle.loads(pickle.dumps(item)),
@@ -57,18 +57,19 @@ def test_no_public_type_is_left_out(everything):
 
 
 def arrays(item, depth=0):
-    """Arrays in the attributes of an object, by path."""
-    for name, value in getattr(item, "__dict__", {}).items():
+    """Arrays in what a copy of an object is made from, by path."""
+    state = item.__getstate__() if hasattr(item, "__getstate__") else None
+    for name, value in state.items() if isinstance(state, dict) else ():
         if isinstance(value, np.ndarray):
             yield name, value
         elif depth < 2:
             yield from ((f"{name}.{path}", each) for path, each in arrays(value, depth + 1))
 
 
-@pytest.mark.parametrize("way", WINDOW_SETTINGS)
+@pytest.mark.parametrize("way", WAYS_TO_COPY)
 def test_copies_are_equal_and_read_only(everything, way):
     for name, item in everything.items():
-        again = WINDOW_SETTINGS[way](item)
+        again = WAYS_TO_COPY[way](item)
         assert type(again) is type(item)
         assert repr(again) == repr(item), name
         one, other = dict(arrays(item)), dict(arrays(again))
@@ -78,21 +79,21 @@ def test_copies_are_equal_and_read_only(everything, way):
             assert values.flags.writeable == other[path].flags.writeable, (name, path)
 
 
-@pytest.mark.parametrize("way", WINDOW_SETTINGS)
+@pytest.mark.parametrize("way", WAYS_TO_COPY)
 def test_a_copied_chain_cannot_be_changed(way):
     chain = hc.Chain.from_materials(5e-3, "brass", beads=3, drive=hc.TableDrive([0, 1], [0, 1]))
-    again = WINDOW_SETTINGS[way](chain)
+    again = WAYS_TO_COPY[way](chain)
     assert fingerprint(again) == fingerprint(chain)
     for values in (again.radii, again.masses, again.velocities, again.drive.values):
         with pytest.raises(ValueError, match="read-only"):
             values[0] = 9.0
 
 
-@pytest.mark.parametrize("way", WINDOW_SETTINGS)
+@pytest.mark.parametrize("way", WAYS_TO_COPY)
 def test_copies_remember_their_units(way):
     for name, part in (("right_wall", hc.Wall(gap="1 um")), ("drive", hc.StepDrive("5 N"))):
         with pytest.raises(hc.InputError, match="scaled variables"):
-            hc.Chain.uniform(3).replace(**{name: WINDOW_SETTINGS[way](part)})
+            hc.Chain.uniform(3).replace(**{name: WAYS_TO_COPY[way](part)})
 
 
 def test_a_copied_table_still_says_why_chains_failed():

@@ -11,7 +11,6 @@ from .chain.contact_shapes import CrossedCylinders as CrossedCylinders
 from .chain.drives import SineBurst as SineBurst
 from .chain.drives import StepDrive as StepDrive
 from .chain.drives import TableDrive as TableDrive
-from .chain.equilibrium import StaticState as StaticState
 from .chain.equilibrium import equilibrium as equilibrium
 from .chain.hertz_range import HertzRange as HertzRange
 from .chain.hertz_range import hertz_range as hertz_range
@@ -27,6 +26,7 @@ from .chain.materials import Material as Material
 from .chain.materials import catalogue as catalogue
 from .chain.materials import material as material
 from .chain.scales import Scales as Scales
+from .chain.static_state import StaticState as StaticState
 from .chain.tapers import TAPERS as TAPERS
 from .chain.walls import Wall as Wall
 from .errors import DamageWarning as DamageWarning

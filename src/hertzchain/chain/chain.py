@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -25,6 +26,7 @@ from . import strikers as striking
 from .fields import ChainFields
 from .input_checks import checked_beads, checked_radii
 from .materials import Material, MaterialLike, material
+from .static_state import StaticState, static_state
 from .tapers import taper_named
 
 
@@ -352,6 +354,11 @@ class Chain(ChainFields):
         ratio = number("mass ratio of a dimer", mass_ratio, above=0.0)
         masses = np.where(np.arange(count) % 2, ratio, 1.0)
         return cls(np.cbrt(masses), exponent, masses=masses, stiffness=np.ones(count - 1))
+
+    @cached_property
+    def static_state(self) -> StaticState:
+        """Positions and forces before the impact; see `hertzchain.equilibrium`."""
+        return static_state(self)
 
     # Methods that return a modified chain, in separate files.
     decorated = modifications.decorated

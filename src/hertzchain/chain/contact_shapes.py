@@ -237,7 +237,7 @@ def with_contacts(self: C, shapes: Shape | Mapping[int, Shape]) -> C:
         )
     last = self.beads
     given = shapes if isinstance(shapes, Mapping) else dict.fromkeys(range(1, last), shapes)
-    stiffness, exponents = self.stiffness.copy(), self.contact_exponents[1:-1]
+    stiffness, exponents = self.stiffness.copy(), self.contact_exponents[1:-1].copy()
     walls = {0: ("left_wall", 0), last: ("right_wall", -1)}
     changes: dict[str, Any] = {}
     for contact, shape in given.items():

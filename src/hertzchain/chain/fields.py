@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import warnings
 from dataclasses import KW_ONLY, dataclass, field
+from functools import cached_property
 from typing import Any, Final, Literal, Self, get_args
 
 import numpy as np
@@ -112,6 +113,10 @@ class ChainFields(Frozen):
         if forces.any():
             radii = None if self.scaled else self.radii
             check_static_overlaps(self.loads, forces, self.contact_groups, radii)
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Fields only: what follows from them is computed again."""
+        return {each.name: getattr(self, each.name) for each in dataclasses.fields(self)}
 
     def _set(self, name: str, value: object) -> None:
         object.__setattr__(self, name, value)
@@ -282,11 +287,11 @@ class ChainFields(Frozen):
         )
         return left, right
 
-    @property
+    @cached_property
     def contact_stiffness(self) -> Array:
         """Stiffness of all contacts, walls included, shape (N + 1,); 0 at a free end."""
         left, right = self.wall_stiffness
-        return np.concatenate(([left], self.stiffness, [right]))
+        return _read_only(np.concatenate(([left], self.stiffness, [right])))
 
     @property
     def exponents(self) -> Exponent:
@@ -296,20 +301,20 @@ class ChainFields(Frozen):
         inner = self.contact_exponents[1:-1]
         return float(inner[0]) if np.all(inner == inner[0]) else inner
 
-    @property
+    @cached_property
     def contact_exponents(self) -> Array:
         """Exponents p of all contacts, walls included, shape (N + 1,)."""
         walls = self.left_wall, self.right_wall
-        return contact_exponents(self.exponent, self.materials, walls, self.beads)
+        return _read_only(contact_exponents(self.exponent, self.materials, walls, self.beads))
 
-    @property
+    @cached_property
     def contact_losses(self) -> tuple[Loss, ...]:
         """Laws of all contacts, walls included, length N + 1; `Elastic()` without a loss."""
         walls = self.left_wall, self.right_wall
         return contact_losses(self.loss, self.materials, walls, self.beads)
 
-    @property
-    def contact_groups(self) -> list[ContactGroup]:
+    @cached_property
+    def contact_groups(self) -> tuple[ContactGroup, ...]:
         """All contacts, walls included, by law and exponent."""
         kinds = None
         if self.materials is not None and not self.scaled:
@@ -384,7 +389,7 @@ class ChainFields(Frozen):
         touching = self.radii[:-1] + self.radii[1:]
         return touching + self.gaps if not self.scaled else touching
 
-    @property
+    @cached_property
     def features(self) -> tuple[str, ...]:
         """Names of features that the paper's chains do not have, such as ``"gaps"``."""
         losses = {*{id(law): law for law in self.contact_losses}.values()}

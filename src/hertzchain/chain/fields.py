@@ -115,7 +115,7 @@ class ChainFields(Frozen):
             check_static_overlaps(self.loads, forces, self.contact_groups, radii)
 
     def __getstate__(self) -> dict[str, Any]:
-        """Fields only: what follows from them is computed again."""
+        """Fields without cached results, which are computed again."""
         return {each.name: getattr(self, each.name) for each in dataclasses.fields(self)}
 
     def _set(self, name: str, value: object) -> None:

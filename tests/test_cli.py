@@ -511,7 +511,7 @@ STEEL_TOML = '[chain]\nradii = "5 mm"\nbeads = 4\nmaterials = "brass"\nvelocity 
 
 
 def command(folder, *arguments, **variables):
-    """Standard output and error of a command in a process of its own."""
+    """Standard output and error of a command in a separate process."""
     return subprocess.run(
         [sys.executable, "-m", "hertzchain", *arguments],
         cwd=folder, env=os.environ | variables, capture_output=True, text=True, check=False,

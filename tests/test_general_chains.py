@@ -235,7 +235,7 @@ def test_general_chains_conserve_energy_and_momentum(radii, law, gravity, gap):
 @settings(max_examples=10)
 @given(st.sampled_from(LAWS[:2] + LAWS[4:7]), st.floats(0.1, 10.0))
 def test_units_of_time_play_no_part(law, speed):
-    """Laws without a time of their own: speeds scale with the strike's, times with its -1/5."""
+    """Without a time scale, speeds are proportional to the impact velocity v, times to v^(-1/5)."""
     slow = SHORT.replace(loss=law, right_wall=hc.Wall())
     velocities = np.zeros(12)
     velocities[0] = speed

@@ -1,4 +1,4 @@
-"""Uneven chains: the wide window, what it notices, and what is an error rather than a number."""
+"""Heterogeneous chains: the wide window, its checks, and chains that raise an error."""
 
 import numpy as np
 import pytest
@@ -81,7 +81,7 @@ def test_errors_follow_the_tolerance():
 
 
 def test_what_is_behind_matters_in_disorder():
-    """So no fixed window will do: 24 beads are too few for this chain, enough for a dimer."""
+    """No fixed window is sufficient: 24 beads are too few for this chain, but not for a dimer."""
     dimer = hc.Chain.from_radii(np.tile([1.0, 0.5], 50))
     for chain, low, high in ((strongly_random(100), 1e-5, 1.0), (dimer, 0.0, 1e-8)):
         narrow, wide = (follow([chain], behind=behind)[0] for behind in (24, 100))
@@ -210,7 +210,7 @@ def test_stop_ends_the_whole_chain():
 
 
 def test_ensemble_of_uneven_chains():
-    """The same bits alone, beside others and on two threads."""
+    """Results are equal, bit for bit, for one chain, in an ensemble and on two threads."""
     rows = np.random.default_rng(2).uniform(0.3, 3.0, (300, 25))
     one, two = (hc.propagate_many(rows, threads=threads) for threads in (1, 2))
     assert not one.reasons

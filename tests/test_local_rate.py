@@ -1,4 +1,4 @@
-"""The local-rate law against the integration, published rates and finite differences."""
+"""The local-rate law, compared with the simulation, published rates and finite differences."""
 
 import warnings
 from functools import partial
@@ -42,7 +42,7 @@ def board():
 def test_growth_on_exponential_chains_is_the_exact_rate(taper, q):
     velocity = hc.local_rate(hc.Chain.tapered(taper, q, beads=90)).velocity
     growth = np.log(velocity[79] / velocity[78])
-    # Between the nodes of the tables the functions are right to 1e-6.
+    # Between the nodes of the tables the functions are accurate to 1e-6.
     assert growth == pytest.approx(PUBLISHED_RATES[taper, q], abs=2e-6)
 
 

@@ -92,7 +92,7 @@ def test_there_and_back_is_the_same_chain():
 
 @pytest.mark.parametrize("loss", [hc.Viscoelastic(1e-6), hc.VelocityPower(2.0, 1.81)])
 def test_losses_scale_like_the_elastic_forces(loss):
-    # A contact in SI and its scaled image bear the same force in newtons.
+    # A contact in SI and its scaled image have the same force in newtons.
     chain = Chain.from_materials(5e-3, "steel-52100", beads=2, loss=loss)
     scales = Scales.of(chain)
     scaled = scales.to_scaled(chain)

@@ -28,7 +28,7 @@ def follow(chains, window=(13, 8), lanes=narrow_front.LANES, limits=NO_LIMITS, s
 
 
 def test_rkn8_weights_satisfy_the_quadrature_conditions():
-    # sum b' c^k = 1/(k+1), sum b c^k = 1/((k+1)(k+2)): the conditions on f(t) alone.
+    # sum b' c^k = 1/(k+1), sum b c^k = 1/((k+1)(k+2)): the conditions for x'' = f(t).
     for k in range(8):
         powers = np.array(NODES) ** k
         assert np.dot(rkn8.B_VELOCITY, powers) == pytest.approx(1 / (k + 1), rel=1e-13)
@@ -106,7 +106,7 @@ def test_released_contact_gives_the_rest_of_the_impulse():
 
 @pytest.mark.parametrize("lanes", [1, narrow_front.LANES])
 def test_lanes_do_not_touch_each_other(lanes):
-    """More chains than lanes, of different lengths: each as if it were alone, to the bit."""
+    """More chains than lanes, of different lengths: each gives the same bits as separately."""
     rates = (0.01, 0.03, 0.05, 0.07)
     chains = [
         hc.Chain.tapered(taper, rate, beads=20 + 3 * i)

@@ -1,7 +1,7 @@
 """The recipes of docs/how-to/extend.md, each applied to a copy of the package and tried.
 
 A recipe is a section with diffs, which are applied to the copy, and a block of Python, which runs
-there in a process of its own and must not fail.
+there in a separate process and must not fail.
 """
 
 import os

@@ -135,7 +135,7 @@ def test_slow_drives_keep_their_digits():
     assert free.transfer(0.0, 6, drive="displacement") == 1.0
     held = hc.spectrum(random_chain(1, **BETWEEN_WALLS))
     compliance = 1.0 / held.contacts.springs
-    # Two stacks of springs side by side bear a static force on bead 3.
+    # Two parallel stacks of springs carry a static force on bead 3.
     stacks = 1.0 / compliance[:3].sum() + 1.0 / compliance[3:].sum()
     assert held.transfer(0.0, 3, at=3) == pytest.approx(1.0 / stacks, rel=1e-13)
 

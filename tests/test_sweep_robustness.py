@@ -64,7 +64,7 @@ def command(specification, store, *options):
 
 
 def start(specification, store, *options):
-    # A group of its own, as a terminal gives it; workers are in it too.
+    # A separate process group, like that of a terminal; it includes the workers.
     return subprocess.Popen(
         command(specification, store, *options), stdout=subprocess.DEVNULL,
         stderr=subprocess.PIPE, text=True, start_new_session=True,
@@ -76,7 +76,7 @@ def done_batches(store):
 
 
 def kill_at(process, store, batches, sign=signal.SIGKILL):
-    """Send a signal once so many batches are done, or when the process ends by itself."""
+    """Send a signal after a number of batches, unless the process ends before."""
     while process.poll() is None and done_batches(store) < batches:
         time.sleep(0.002)
     time.sleep(random.uniform(0.0, 0.03))
@@ -185,7 +185,7 @@ class InThisProcess(ProcessPoolExecutor):
 
 
 def test_messages_of_processes_are_too_short_to_be_cut(tmp_path):
-    """A pipe transfers up to PIPE_BUF bytes at once; a kill cannot leave a part of them."""
+    """Up to PIPE_BUF bytes are written to a pipe completely or not at all, also by a kill."""
     import select
 
     rates = {"list": [0.01 + 1e-5 * i for i in range(2000)]}

@@ -33,7 +33,7 @@ def test_command_line():
     command = [Path(sys.executable).parent / "hertzchain", "verify", "--only", "restitution"]
     shown = subprocess.run(command, capture_output=True, text=True, check=True).stdout
     assert f"{agreeing} of {agreeing} cases agree" in shown
-    # Numbers of sources stand in the table, the sources below it.
+    # The table has the numbers of the sources, which are listed below it.
     assert "[2]" in shown.partition("Tsuji")[0]
     assert "Tsuji et al., Powder Technol. 71, 239 (1992) (derived)" in shown
     document = subprocess.run([*command, "--json"], capture_output=True, text=True, check=True)

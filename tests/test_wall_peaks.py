@@ -160,7 +160,7 @@ def test_a_resumed_run_has_the_same_complete_peak(seed):
         other = hc.simulate(chain, start=state, times=0)
         assert (other.status, other.end_time) == (whole.status, whole.end_time)
         for name, value in whole.state.arrays.items():
-            # But for the number of saved times, and the evaluations that these take.
+            # Except for the number of saved times and of evaluations for them.
             kept = slice(None) if name != "counts" else [0, *range(3, 9)]
             np.testing.assert_array_equal(other.state.arrays[name][kept], value[kept])
 

@@ -92,7 +92,7 @@ def plot_forces(run: Run, beads: Sequence[int], *, ax: Axes | None = None) -> Ax
     """Plot the force in sensors in beads, and on walls, over time.
 
     If the peak force on a wall is not complete, its curve ends in an open circle, and the legend
-    says so.
+    states it.
 
     Parameters
     ----------

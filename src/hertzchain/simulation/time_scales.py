@@ -33,7 +33,7 @@ def typical_speed(chain: Chain) -> float:
 
 
 def _pushed(chain: Chain, force: float) -> float:
-    """Speed of bead 1 with the energy that a force has over the overlap that bears it."""
+    """Speed of bead 1 with the energy of a force times its overlap."""
     overlap = (force / chain.stiffness[0]) ** (1.0 / chain.contact_exponents[1])
     return math.sqrt(force * overlap / chain.masses[0])
 

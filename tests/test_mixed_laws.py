@@ -427,6 +427,20 @@ def test_exponents_by_pairs_are_written_as_pairs(tmp_path):
     )
 
 
+def test_shapes_can_be_varied_in_sweeps():
+    balls = Chain.from_materials(5e-3, "brass", beads=4, velocity=0.01)
+    shape = {"shape": "crossed-cylinders", "contacts": [2]}
+    found = hc.sweep({
+        "chain": {"radii": 5e-3, "beads": 4, "materials": "brass", "velocity": 0.01,
+                  "with_contacts": shape},
+        "axes": {"with_contacts.angle": [30.0, 90.0]},
+        "sweep": {"methods": ["simulate"], "keep": ["peak_force"]},
+    })  # fmt: skip
+    for angle, forces in zip((30.0, 90.0), found.peak_force.values[:, 0], strict=True):
+        shaped = balls.with_contacts({2: hc.CrossedCylinders(angle=angle)})
+        np.testing.assert_array_equal(forces, hc.simulate(shaped).pulse().peak_force)
+
+
 def test_strikers_are_like_the_first_contact():
     struck = MIXED.struck_by(count=2, stiffness=1.0)
     assert struck.loss[:3] == (hc.Dashpot(0.1),) * 3

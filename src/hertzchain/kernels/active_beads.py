@@ -157,7 +157,7 @@ def contacts_within(contacts, low, high):
     return Contacts(
         contacts.mode[low : high + 1], contacts.largest[low : high + 1],
         contacts.force[low : high + 1], contacts.last_force[low : high + 1], contacts.scratch,
-        contacts.powers, contacts.implicit,
+        contacts.powers, contacts.implicit, contacts.search,
     )  # fmt: skip
 
 

@@ -11,7 +11,7 @@ import numpy as np
 
 from .compilation import compiled
 from .dop853 import E3, E5, STAGES, STEP_STAGES, A
-from .driving import PUSH, drive_at
+from .driving import PUSH, drive_at, rounding_of_drive
 from .forces import derivative
 
 # Number of beads on either side that set the unit of the error of a bead, and the part of the speed
@@ -132,8 +132,9 @@ def general_scale(time, h, y, y_new, wall_speed, setup, contacts, segment, rtol,
         rounding = (abs(pushing[k]) + abs(pushing[k + 1])) * inverse_mass[k] * rounded
         scale[k] = max(SLOW * fastest, rounding, setup.law.slowest)
     if setup.drive == PUSH:
-        rate = drive_at(time + h, setup, segment)[1]
-        scale[0] = max(scale[0], abs(rate) * (time + h) * inverse_mass[0] * rounded)
+        unknown = abs(drive_at(time + h, setup, segment)[1]) * (time + h)
+        unknown = max(unknown, rounding_of_drive(time, setup, segment))
+        scale[0] = max(scale[0], unknown * inverse_mass[0] * rounded)
     for k in range(min(NEIGHBOURS, beads)):
         scale[k] = max(scale[k], abs(wall_speed), scale[0] if setup.drive == PUSH else 0.0)
     fastest_nearby(speeds, scale)

@@ -25,11 +25,9 @@ from .active_beads import (
 )
 from .compilation import compiled
 from .conservation import kinetic, update_drift
-from .contact_law import has_modes
 from .contact_modes import (
     MIN_RELATIVE_SPEED,
     first_modes,
-    first_switch,
     follow_wall,
     forget_unloading,
     may_close_unseen,
@@ -47,7 +45,7 @@ from .events import (
 )
 from .forces import copy, overlap_and_closing
 from .implicit import remember_overlaps
-from .law_kinds import UNLOADING
+from .mode_search import first_switch
 from .state_layout import (
     CROSSINGS,
     EVALUATIONS,
@@ -184,10 +182,11 @@ def advance_window(
         if contacts is not None:
             copy(contacts.force, contacts.last_force)
         still = MIN_RELATIVE_SPEED * clock[FASTEST]
-        if contacts is not None and has_modes(setup.law):
+        if contacts is not None:
             switching, theta, dense_is_found = first_switch(
-                time, y, h, y_new, stages, dense, setup, contacts, segment, still, trial, scratch
-            )
+                time, y, h, y_new, stages, dense, setup, contacts, segment, still, trial, scratch,
+                contacts.search,
+            )  # fmt: skip
             if switching >= 0 and theta < 1.0:
                 h *= theta
                 cut = last_step = dense_is_found = False
@@ -217,14 +216,18 @@ def advance_window(
             clock[STEP] = h * change
         counts[STEPS] += 1
         if contacts is not None and switching >= 0:
-            switch(switching, time_new, y, setup, contacts, segment, still, scratch)
+            switch(
+                switching, time_new, y, setup, contacts, segment, still, scratch, contacts.search
+            )
             counts[SWITCHES] += 1
-        if contacts is not None and setup.law.kind == UNLOADING:
-            forget_unloading(y, wall_motion(time_new, setup, segment), setup, contacts)
+        if contacts is not None:
+            wall = wall_motion(time_new, setup, segment)
+            forget_unloading(y, wall, setup, contacts, contacts.search)
         if cut and stop == piece_end:
             counts[SEGMENT] += 1
-            if contacts is not None and setup.drive == MOVING_WALL and setup.law.kind == UNLOADING:
-                follow_wall(time_new, y, setup, contacts, counts[SEGMENT], still, scratch)
+            if contacts is not None and setup.drive == MOVING_WALL:
+                follow_wall(time_new, y, setup, contacts, counts[SEGMENT], still, scratch,
+                            contacts.search)  # fmt: skip
         if switching >= 0 or cut:
             begin(time_new, y, clock[STEP], setup, contacts, counts[SEGMENT], rtol, stages, work,
                   scale)  # fmt: skip

@@ -295,7 +295,11 @@ def _run(going: _Integration, state: State, status: Status, walls: tuple[Array, 
         velocities=saved[:, beads : 2 * beads],
         status=status,
         end_time=float(clock[state_layout.TIME]),
-        energy_drift=_part(clock[state_layout.ENERGY_DRIFT], clock[state_layout.ENERGY_UNIT]),
+        # At rest under static forces, the energy stored in contacts sets the rounding.
+        energy_drift=_part(
+            clock[state_layout.ENERGY_DRIFT],
+            max(clock[state_layout.ENERGY_UNIT], abs(clock[state_layout.INITIAL_ENERGY])),
+        ),
         momentum_drift=_part(clock[state_layout.MOMENTUM_DRIFT], clock[state_layout.MOMENTUM_UNIT]),
         steps=int(counts[state_layout.STEPS]),
         evaluations=int(counts[state_layout.EVALUATIONS]),

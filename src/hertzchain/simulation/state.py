@@ -196,6 +196,8 @@ def first_state(chain: Chain) -> State:
 
 def contacts_of(arrays: dict[str, Array], equation: DefaultChain | GeneralChain) -> Contacts | None:
     """The memory of the contacts, as arrays of the kernel."""
+    from ..kernels.compilation import uncompiled
+    from ..kernels.contact_law import has_modes
     from ..kernels.forces import Contacts, DefaultChain
     from ..kernels.stiff_law import new_implicit
 
@@ -205,7 +207,10 @@ def contacts_of(arrays: dict[str, Array], equation: DefaultChain | GeneralChain)
     force, last_force = np.zeros((2, number))
     scratch, powers = np.zeros((3, number)), np.zeros((4, number))
     within = new_implicit(number) if equation.law.implicit else None
-    return Contacts(arrays["mode"], arrays["largest"], force, last_force, scratch, powers, within)
+    search = True if uncompiled(has_modes)(equation.law) else None
+    return Contacts(
+        arrays["mode"], arrays["largest"], force, last_force, scratch, powers, within, search
+    )
 
 
 def same_motion(chain: Chain, other: Chain) -> bool:

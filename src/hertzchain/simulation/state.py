@@ -26,8 +26,9 @@ if TYPE_CHECKING:
 ROW_SCALES: Final[Mapping[str, tuple[str, ...]]] = {
     "clock": (
         "time", "time", "time", "velocity", "energy", "momentum", "energy", "momentum", "energy",
-        "momentum",
+        "momentum", "velocity", "time",
     ),
+    "flights": ("length", "time"),
     "peaks": ("time", "velocity"),
     "crossings": ("time", "length", "time", "momentum", "time", "momentum", "energy"),
     "walls": ("time", "force", "momentum", "time", "time", "1", "1"),
@@ -167,6 +168,7 @@ def new_state(chain: Chain, positions: Array, velocities: Array) -> State:
         "counts": np.zeros(state_layout.COUNTS_SIZE, np.int64),
         "mode": np.zeros(beads + 1, np.int64),
         "largest": np.zeros(beads + 1),
+        "flights": np.zeros((state_layout.FLIGHT_ROWS, beads)),
         "peaks": np.zeros((2, beads)),
         "crossings": np.zeros((state_layout.CROSSING_ROWS, beads - 1)),
         "walls": np.zeros((state_layout.WALL_ROWS, 2)),

@@ -82,7 +82,8 @@ def test_units_of_scales():
 
 def test_rows_of_a_state_have_units():
     sizes = {
-        "clock": state_layout.CLOCK_SIZE, "peaks": 2, "crossings": state_layout.CROSSING_ROWS,
+        "clock": state_layout.CLOCK_SIZE, "flights": state_layout.FLIGHT_ROWS, "peaks": 2,
+        "crossings": state_layout.CROSSING_ROWS,
         "walls": state_layout.WALL_ROWS, "completion": state_layout.COMPLETION_ROWS,
     }  # fmt: skip
     assert {name: len(units) for name, units in ROW_SCALES.items()} == sizes

@@ -12,3 +12,8 @@ OPTIONS: dict[str, Any] = {"cache": True, "nogil": True, "error_model": "numpy",
 CONTRACTED: dict[str, Any] = OPTIONS | {"fastmath": {"contract"}}
 
 compiled = njit(**OPTIONS)
+
+
+def uncompiled(function: Any) -> Any:
+    """The function as Python runs it, for a single call that is not worth compiling."""
+    return getattr(function, "py_func", function)

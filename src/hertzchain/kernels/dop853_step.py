@@ -9,15 +9,18 @@ from __future__ import annotations
 
 import numpy as np
 
+from .active_beads import unresolved_speed
 from .compilation import compiled
 from .dop853 import E3, E5, STAGES, STEP_STAGES, A
-from .driving import PUSH, drive_at
+from .driving import PUSH, drive_at, rounding_of_drive
 from .forces import derivative
 
 # Number of beads on either side that set the unit of the error of a bead, and the part of the speed
 # of the fastest bead in contact that sets it if all of them are slow, as behind a pulse.
 NEIGHBOURS = 3
 SLOW = 1e-4
+# The same part if the steps resolve no motion in any contact, in unresolved speeds.
+FAINT = 100.0
 # Slower beads have not been reached: ahead of the front, numbers underflow.
 AT_REST = 1e-290
 # Relative rounding error of a force, as amplified by the error estimate.
@@ -96,10 +99,11 @@ def fastest_nearby(speeds, scale):
 
 
 @compiled
-def velocity_scale(y, speeds, scale):
+def velocity_scale(y, rtol, setup, speeds, scale):
     """Units of the errors of the velocities of beads."""
     # The unit is the largest speed within a few beads, or a small part of that of the fastest bead
-    # in contact: the motion of beads without contact is exact at any speed.
+    # in contact: the motion of beads without contact is exact at any speed.  What is left of a
+    # pulse that has gone is not followed more exactly than it is known.
     beads = len(scale)
     velocities = y[beads : 2 * beads]
     for k in range(beads):
@@ -108,7 +112,7 @@ def velocity_scale(y, speeds, scale):
     for k in range(beads - 1):
         if y[k] > y[k + 1]:
             fastest = max(fastest, speeds[k], speeds[k + 1])
-    scale[:] = SLOW * fastest
+    scale[:] = max(SLOW * fastest, FAINT * unresolved_speed(y, beads, rtol, setup, None))
     fastest_nearby(speeds, scale)
 
 
@@ -128,12 +132,14 @@ def general_scale(time, h, y, y_new, wall_speed, setup, contacts, segment, rtol,
         if pushing[k] != 0.0 or pushing[k + 1] != 0.0:
             fastest = max(fastest, speeds[k])
     rounded = ROUNDING * h / rtol
+    least = max(SLOW * fastest, FAINT * unresolved_speed(y, beads, rtol, setup, contacts))
     for k in range(beads):
         rounding = (abs(pushing[k]) + abs(pushing[k + 1])) * inverse_mass[k] * rounded
-        scale[k] = max(SLOW * fastest, rounding, setup.law.slowest)
+        scale[k] = max(least, rounding, setup.law.slowest)
     if setup.drive == PUSH:
-        rate = drive_at(time + h, setup, segment)[1]
-        scale[0] = max(scale[0], abs(rate) * (time + h) * inverse_mass[0] * rounded)
+        unknown = abs(drive_at(time + h, setup, segment)[1]) * (time + h)
+        unknown = max(unknown, rounding_of_drive(time, setup, segment))
+        scale[0] = max(scale[0], unknown * inverse_mass[0] * rounded)
     for k in range(min(NEIGHBOURS, beads)):
         scale[k] = max(scale[k], abs(wall_speed), scale[0] if setup.drive == PUSH else 0.0)
     fastest_nearby(speeds, scale)

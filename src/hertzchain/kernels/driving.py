@@ -59,6 +59,20 @@ def drive_at(time, setup, segment):
 
 
 @compiled
+def rounding_of_drive(time, setup, segment):
+    """Size of what is rounded where the drive is found, apart from the time.
+
+    Sines that cancel at the end of a window leave nothing but rounding of their amplitudes.
+    """
+    t, c = time - setup.piece_starts[segment], setup.pieces[segment]
+    size, fastest = 0.0, 0.0
+    for i in range(SINES):
+        size += abs(c[CUBIC + 2 * i])
+        fastest = max(fastest, abs(c[CUBIC + 2 * i + 1]))
+    return size if fastest * t >= 1.0 else 0.0
+
+
+@compiled
 def reach_of_wall(time, setup, segment):
     """Bounds of the size and acceleration of the drive from the start of a piece on."""
     t = time - setup.piece_starts[segment]

@@ -76,6 +76,8 @@ class Contacts(NamedTuple):
     powers: Any  # (4, N + 1): scratch of powers
     # Scratch of implicit steps; None if steps are explicit, so that numba compiles only these.
     implicit: Any
+    # None where no contact has modes, for which numba compiles no search for their changes.
+    search: Any
 
 
 @compiled
@@ -120,10 +122,13 @@ def force_on(k, drive, setup):
 
 
 @compiled
-def solve_stuck_forces(drive, wall_acceleration, setup, contacts):
+def solve_stuck_forces(drive, wall_acceleration, overlap, setup, contacts):
     """Forces that keep the closing speed of stuck contacts at zero, from a tridiagonal system."""
     # The accelerations a_left = (F_{c-1} - F_c + X_left)/m_left and a_right of a stuck contact c
     # are equal; the forces of contacts that are not stuck are known.
+    if all_stuck(contacts.mode):
+        share_common_force(drive, wall_acceleration, overlap, setup, contacts)
+        return
     inverse_mass, mode, pushing = setup.inverse_mass, contacts.mode, contacts.force
     beads = len(inverse_mass)
     factor, value = contacts.scratch[1], contacts.scratch[2]
@@ -154,6 +159,41 @@ def solve_stuck_forces(drive, wall_acceleration, setup, contacts):
             pushing[c] = value[c]
             if c < beads and mode[c + 1] == STUCK:
                 pushing[c] += factor[c] * pushing[c + 1]
+
+
+@compiled
+def all_stuck(mode):
+    """Whether all contacts are stuck, those with two walls included."""
+    for c in range(len(mode)):
+        if mode[c] != STUCK:
+            return False
+    return True
+
+
+@compiled
+def share_common_force(drive, wall_acceleration, overlap, setup, contacts):
+    """Forces of contacts that are all stuck between two walls.
+
+    At rest their differences follow from the forces on the beads; the force that all have in
+    common is in the middle of those that no contact gives way to.  A wall that begins to move
+    makes contacts give way.
+    """
+    pushing = contacts.force
+    beads, low, high, common = len(setup.inverse_mass), -np.inf, np.inf, 0.0
+    for c in range(beads + 1):
+        if c > 0:
+            common += force_on(c - 1, drive, setup)
+        pushing[c] = common
+        law = law_of(c, setup)
+        loading = force(overlap[c], setup.stiffness[c], law.exponent)
+        low = max(low, law.kept * loading - common)
+        high = min(high, loading - common)
+    middle = 0.5 * (low + high)
+    if wall_acceleration != 0.0:
+        beyond = abs(low) + abs(high)
+        middle += beyond if wall_acceleration > 0.0 else -beyond
+    for c in range(beads + 1):
+        pushing[c] += middle
 
 
 @compiled
@@ -302,7 +342,7 @@ def contact_forces(overlap, closing, drive, wall, setup, laws, contacts):
     elif law.kind == UNLOADING:
         lost = power_lost(pushing, closing, mode, law)
         if reduce_unloading_forces(pushing, mode, law):
-            solve_stuck_forces(drive[0], wall[2], setup, contacts)
+            solve_stuck_forces(drive[0], wall[2], overlap, setup, contacts)
     elif law.kind == PLASTIC:
         lost = power_lost(pushing, closing, mode, law)
     return lost
@@ -320,7 +360,7 @@ def differing_forces(overlap, closing, drive, wall, setup, contacts):
         lost += power
         stuck = stuck or contacts.mode[c] == STUCK
     if stuck:
-        solve_stuck_forces(drive[0], wall[2], setup, contacts)
+        solve_stuck_forces(drive[0], wall[2], overlap, setup, contacts)
     return lost
 
 

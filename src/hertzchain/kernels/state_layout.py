@@ -9,9 +9,15 @@ from __future__ import annotations
 # Entries of `clock` and `counts`, the scalars of the state.
 TIME, STEP, SINCE_CROSSING, FASTEST = 0, 1, 2, 3
 INITIAL_ENERGY, INITIAL_MOMENTUM, ENERGY_UNIT, MOMENTUM_UNIT = range(4, 8)
-ENERGY_DRIFT, MOMENTUM_DRIFT, CLOCK_SIZE = 8, 9, 10
+ENERGY_DRIFT, MOMENTUM_DRIFT = 8, 9
+# Speed below which relative motion is not resolved; time until which beads behind the window stay
+# out of contact (`hertzchain.kernels.active_beads`).
+UNRESOLVED, IDLE_UNTIL, CLOCK_SIZE = 10, 11, 12
 STEPS, EVALUATIONS, FRAMES, PEAKS, CROSSINGS, LAST_CROSSING, FROZEN, SEGMENT, SWITCHES = range(9)
-COUNTS_SIZE = 9
+# First bead of the window and the one after its last; beads that the leading pulse has left.
+LOW, HIGH, LEFT_BY_PULSE, COUNTS_SIZE = range(9, 13)
+# Rows of `flights`: where and when each bead behind the window left it.
+FLIGHT_POSITION, FLIGHT_TIME, FLIGHT_ROWS = range(3)
 # Rows of `peaks`, of `crossings` and of `walls`; `TOUCHING` is 1 while a bead touches the wall.
 PEAK_TIME, PEAK_VELOCITY = 0, 1
 # `HANDED_OVER` begins with minus the momentum of the beads ahead, and is complete at the crossing.

@@ -57,7 +57,8 @@ class Run(Trajectory):
         Time at which the simulation stopped [scaled, or s].
     energy_drift : float
         Largest error of the energy balance over all steps, relative to the largest kinetic
-        energy.
+        energy or, where it is larger, the energy at the start: of a compressed chain at rest,
+        that of its contacts.
     momentum_drift : float
         Largest error of the momentum balance over all steps, relative to the largest sum of the
         absolute momenta of the beads.

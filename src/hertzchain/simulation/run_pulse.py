@@ -45,9 +45,11 @@ def residence_of(chain: Chain, crossings: Array) -> Array:
     passed = times > 0.0
     residence[~passed | ~np.append(True, passed[:-1])] = np.nan
     residence[_without_residence(chain)] = np.nan
+    # Beads that stick together arrive at once.
+    residence[residence == 0.0] = np.nan
     if chain.drive is not None:
         # These are crests of the drive, not of a pulse that moves from contact to contact.
-        residence[residence <= 0.0] = np.nan
+        residence[residence < 0.0] = np.nan
     return residence
 
 
@@ -98,7 +100,7 @@ def _notes(
     stay = together(
         reason("bead", undefined, why),
         reason("bead", absent & ~seen, f"no arrival there or at the next {LATE}"),
-        reason("bead", absent & seen, "the crest is at the next contact before it is at this one"),
+        reason("bead", absent & seen, "the crest is at the next contact no later than at this one"),
         crests if chain.drive is not None else "",
     )
     notes = dict.fromkeys(("velocity", "momentum", "energy"), together(slow, tail))

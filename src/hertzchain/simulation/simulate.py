@@ -215,10 +215,10 @@ class _Integration:
         """Take at most this number of steps; return a code for the reason to stop."""
         arrays, frames = self.state.arrays, self.frames
         code: int = self.kernel.advance(
-            arrays["y"], self.clock, self.counts, self.equation, self.contacts, *end,
-            self.rtol, steps, pause, frames.times, frames.spacing is not None, frames.states,
-            frames.forces, arrays["peaks"], arrays["crossings"], arrays["walls"],
-            self.accelerations, *self.scratch,
+            arrays["y"], self.clock, self.counts, self.equation, self.contacts,
+            arrays["flights"], *end, self.rtol, steps, BEAD_STEPS_PER_CALL, pause, frames.times,
+            frames.spacing is not None, frames.states, frames.forces, arrays["peaks"],
+            arrays["crossings"], arrays["walls"], self.accelerations, *self.scratch,
         )  # fmt: skip
         return code
 
@@ -252,14 +252,13 @@ def _integrate(
     going = _Integration(chain, start, frames, rtol)
     kernel, counts = going.kernel, going.counts
     end = RunEnd(chain, going.state.arrays, going.equation, until)
-    budget = max(20, BEAD_STEPS_PER_CALL // chain.beads)
     first = int(counts[state_layout.STEPS])
     status: Status | None = None
     # Keep the state before the last, shortened step, so that a longer run resumes bit for bit.
     before_end: State | None = None
     while status is None:
         goal = end.goal() if before_end is None else (end.until, False)
-        steps = min(budget, end.steps, max_steps - int(counts[state_layout.STEPS]) + first)
+        steps = min(end.steps, max_steps - int(counts[state_layout.STEPS]) + first)
         code = going.advance(goal, steps, before_end is None)
         if progress is not None:
             progress(
@@ -295,7 +294,11 @@ def _run(going: _Integration, state: State, status: Status, walls: tuple[Array, 
         velocities=saved[:, beads : 2 * beads],
         status=status,
         end_time=float(clock[state_layout.TIME]),
-        energy_drift=_part(clock[state_layout.ENERGY_DRIFT], clock[state_layout.ENERGY_UNIT]),
+        # At rest under static forces, the energy stored in contacts sets the rounding.
+        energy_drift=_part(
+            clock[state_layout.ENERGY_DRIFT],
+            max(clock[state_layout.ENERGY_UNIT], abs(clock[state_layout.INITIAL_ENERGY])),
+        ),
         momentum_drift=_part(clock[state_layout.MOMENTUM_DRIFT], clock[state_layout.MOMENTUM_UNIT]),
         steps=int(counts[state_layout.STEPS]),
         evaluations=int(counts[state_layout.EVALUATIONS]),

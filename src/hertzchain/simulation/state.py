@@ -26,8 +26,9 @@ if TYPE_CHECKING:
 ROW_SCALES: Final[Mapping[str, tuple[str, ...]]] = {
     "clock": (
         "time", "time", "time", "velocity", "energy", "momentum", "energy", "momentum", "energy",
-        "momentum",
+        "momentum", "velocity", "time",
     ),
+    "flights": ("length", "time"),
     "peaks": ("time", "velocity"),
     "crossings": ("time", "length", "time", "momentum", "time", "momentum", "energy"),
     "walls": ("time", "force", "momentum", "time", "time", "1", "1"),
@@ -167,6 +168,7 @@ def new_state(chain: Chain, positions: Array, velocities: Array) -> State:
         "counts": np.zeros(state_layout.COUNTS_SIZE, np.int64),
         "mode": np.zeros(beads + 1, np.int64),
         "largest": np.zeros(beads + 1),
+        "flights": np.zeros((state_layout.FLIGHT_ROWS, beads)),
         "peaks": np.zeros((2, beads)),
         "crossings": np.zeros((state_layout.CROSSING_ROWS, beads - 1)),
         "walls": np.zeros((state_layout.WALL_ROWS, 2)),
@@ -196,6 +198,8 @@ def first_state(chain: Chain) -> State:
 
 def contacts_of(arrays: dict[str, Array], equation: DefaultChain | GeneralChain) -> Contacts | None:
     """The memory of the contacts, as arrays of the kernel."""
+    from ..kernels.compilation import uncompiled
+    from ..kernels.contact_law import has_modes
     from ..kernels.forces import Contacts, DefaultChain
     from ..kernels.stiff_law import new_implicit
 
@@ -205,7 +209,10 @@ def contacts_of(arrays: dict[str, Array], equation: DefaultChain | GeneralChain)
     force, last_force = np.zeros((2, number))
     scratch, powers = np.zeros((3, number)), np.zeros((4, number))
     within = new_implicit(number) if equation.law.implicit else None
-    return Contacts(arrays["mode"], arrays["largest"], force, last_force, scratch, powers, within)
+    search = True if uncompiled(has_modes)(equation.law) else None
+    return Contacts(
+        arrays["mode"], arrays["largest"], force, last_force, scratch, powers, within, search
+    )
 
 
 def same_motion(chain: Chain, other: Chain) -> bool:

@@ -60,10 +60,7 @@ def drive_at(time, setup, segment):
 
 @compiled
 def rounding_of_drive(time, setup, segment):
-    """Size of what is rounded where the drive is found, apart from the time.
-
-    Sines that cancel at the end of a window leave nothing but rounding of their amplitudes.
-    """
+    """Size of the terms of the drive, whose rounding remains when they cancel."""
     t, c = time - setup.piece_starts[segment], setup.pieces[segment]
     size, fastest = 0.0, 0.0
     for i in range(SINES):

@@ -44,3 +44,28 @@ def test_margins_that_may_vanish():
     assert not may_vanish(1.0, -1.0, 1e-3, -1.0)
     # Tangents that meet outside the step say nothing.
     assert may_vanish(1.0, -0.1, 0.01, 5.0)
+
+
+@pytest.mark.parametrize("velocities", [[0.3, 0.0, 0.0], [0.05, -0.02, 0.01]])
+@pytest.mark.parametrize("gravity", [0.0, 0.05])
+def test_the_common_force_of_contacts_at_rest_between_walls(velocities, gravity):
+    """It is in the middle of those that all contacts can bear, whatever the rounding."""
+    chain = hc.Chain.uniform(3).replace(
+        loss=hc.UnloadingRatio(0.6), velocities=velocities, gravity=gravity, precompression=0.2,
+        left_wall=hc.Wall(), right_wall=hc.Wall(), held_by="walls",
+    )  # fmt: skip
+    mirrored = chain.replace(velocities=np.negative(velocities[::-1]), gravity=-gravity)
+    times = [0.0, 300.0]
+    run = hc.simulate(chain, times=times)
+    forces = run.forces[-1]
+    weight, k = np.append(0.0, np.cumsum(chain.masses * gravity)), chain.contact_stiffness
+    static = ((0.2 + weight) / k) ** (2 / 3)
+    loading = k * (static - np.diff(np.pad(run.positions[-1] - run.positions[0], 1))) ** 1.5
+    middle = 0.5 * (np.max(0.4 * loading - weight) + np.min(loading - weight))
+    np.testing.assert_allclose(forces, weight + middle, rtol=0, atol=1e-13)
+    # Measured: 2e-12 and 1e-11; .08 where rounding decided.
+    np.testing.assert_allclose(
+        hc.simulate(mirrored, times=times).forces[-1][::-1], forces, rtol=0, atol=2e-11
+    )
+    rough = hc.simulate(chain, times=times, rtol=1e-9)
+    np.testing.assert_allclose(rough.forces[-1], forces, rtol=0, atol=1e-10)

@@ -27,6 +27,8 @@ from .law_kinds import DAMPED, UNLOADING
 # What counts as no relative motion, in parts of the fastest motion so far: a contact at rest
 # must not change its mode for rounding.
 MIN_RELATIVE_SPEED = 1e-14
+# Relative speeds of the last contact of a stack of stuck ones, in those that are none.
+SETTLED = 1e4
 # An overlap of this part of a wall's way may go unseen: a wall may rest where a bead touches it.
 UNSEEN = 1e-10
 
@@ -114,6 +116,34 @@ def next_mode(c, overlap, time, y, setup, contacts, segment, scratch):
 
 
 @compiled
+def close_stack(time, y, still, setup, contacts, segment, scratch):
+    """Let the last contact between two walls stick, too, where all others do and it can bear it.
+
+    It cannot move any more, and rounding would decide between loading and unloading.
+    """
+    beads, mode, last = len(setup.inverse_mass), contacts.mode, -1
+    for c in range(beads + 1):
+        if setup.stiffness[c] == 0.0 or (mode[c] != STUCK and last >= 0):
+            return
+        if mode[c] != STUCK:
+            last = c
+    if last < 0 or law_of(last, setup).kind != UNLOADING:
+        return
+    wall, before = wall_motion(time, setup, segment), mode[last]
+    overlap, closing = overlap_and_closing(last, y, beads, setup.gap[last], wall)
+    if overlap <= 0.0 or abs(closing) > SETTLED * still or wall[2] != 0.0:
+        return
+    mode[last] = STUCK
+    derivative(time, y, setup, contacts, segment, scratch)
+    for c in range(beads + 1):
+        overlap, _ = overlap_and_closing(c, y, beads, setup.gap[c], wall)
+        loading = force(overlap, setup.stiffness[c], law_of(c, setup).exponent)
+        if not law_of(c, setup).kept * loading < contacts.force[c] < loading:
+            mode[last] = before
+            return
+
+
+@compiled
 def equalise_velocities(c, wall_speed, y, inverse_mass, mode):
     """Give the beads that contact c, now stuck, and stuck ones beside it join one velocity.
 
@@ -198,6 +228,7 @@ def switch_once(first, time, y, setup, contacts, segment, still, scratch):
         # What a contact still stores when its force is cut off comes to nothing.
         y[2 * beads + LOST] += before - after
         if mode[c] == STUCK:
+            close_stack(time, y, still, setup, contacts, segment, scratch)
             equalise_velocities(c, wall[1], y, setup.inverse_mass, mode)
         derivative(time, y, setup, contacts, segment, scratch)
     return changed

@@ -34,6 +34,7 @@ docs: .venv/installed-test
 # installed); sweeps; loss laws; islands of touching beads.
 benchmark: .venv/installed
 	$(BIN)/python benchmarks/propagation_speed.py
+	$(BIN)/python benchmarks/many_chains.py
 	$(BIN)/python benchmarks/sweep_overhead.py
 	$(BIN)/python benchmarks/loss_laws.py
 	$(BIN)/python benchmarks/island_steps.py

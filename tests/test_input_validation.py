@@ -12,7 +12,8 @@ from hertzchain import Chain
 # Classes that users do not create; only their methods are called.
 RESULTS = (
     "Budget", "Calibration", "EffectiveChain", "EffectivePulse", "EnergyFlux", "Fronts",
-    "HertzRange", "Horizon", "LeadingPulse", "PulseTable", "Reflection", "Run", "Scoreboard",
+    "HertzRange", "Horizon", "LeadingPulse", "PulseTable", "Reflection", "Run", "RunTable",
+    "Scoreboard",
     "SensorForce", "SolitaryWave", "Spectrum", "State", "StaticState", "VelocityPeaks", "Verdict",
     "WallForce", "Wave", "WaveEvent", "Waves",
 )  # fmt: skip
@@ -48,6 +49,7 @@ def public_calls(folder):
     longer = hc.simulate(walled, until=40.0, times=400)
     budget, compared, wave = run.budget(), pulse.compare(pulse), hc.solitary_wave()
     table = hc.propagate_many([[1.0, 1.0, 1.0]])
+    runs = hc.simulate_many([chain])
     held = chain.replace(precompression=1.0, held_by="force")
     lines, sent = hc.spectrum(held), {"drive": "force", "at": 1}
     scales, state = hc.Scales.of(balls), folder / "state.npz"
@@ -182,6 +184,18 @@ def public_calls(folder):
         "propagate_many": tried(
             hc.propagate_many, chains=[chain], rtol=1e-8, threads=1, progress=None
         ),
+        "simulate_many": tried(
+            hc.simulate_many,
+            chains=[chain],
+            keep=["velocity"],
+            sensors=[3],
+            until=1.0,
+            rtol=1e-8,
+            max_steps=9999,
+            threads=1,
+            progress=None,
+        ),
+        "RunTable[...]": tried(lambda name: runs[name], name="velocity"),
         "Comparison": tried(hc.Comparison, pulse=pulse, reference=pulse),
         "Comparison.errors": tried(compared.errors, quantity="velocity"),
         "Comparison.worst": tried(compared.worst, quantity="velocity", first_bead=2),

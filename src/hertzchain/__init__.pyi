@@ -54,8 +54,10 @@ from .simulation.horizon import Horizon as Horizon
 from .simulation.leading_pulse import LeadingPulse as LeadingPulse
 from .simulation.reflection import Reflection as Reflection
 from .simulation.run import Run as Run
+from .simulation.run_table import RunTable as RunTable
 from .simulation.sensor_force import SensorForce as SensorForce
 from .simulation.simulate import simulate as simulate
+from .simulation.simulate_many import simulate_many as simulate_many
 from .simulation.state import State as State
 from .simulation.velocity_peaks import VelocityPeaks as VelocityPeaks
 from .simulation.wall_force import WallForce as WallForce

@@ -74,6 +74,11 @@ class WallForce:
     impulse: float
     units: str = "scaled"
 
+    @property
+    def duration(self) -> float:
+        """Impulse of the impact over its largest force [scaled, or s]; NaN if incomplete."""
+        return self.impulse_of_impact / self.peak if self.peak else math.nan
+
     def __repr__(self) -> str:
         def at(force: float, time: float) -> str:
             return f"{measure(force, 'N', self.units)} at t = {measure(time, 's', self.units)}"

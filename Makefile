@@ -5,7 +5,7 @@ BIN := .venv/bin
 STYLE_SKIP := $(addprefix src/hertzchain/kernels/, active_beads.py contact_modes.py events.py \
 	full_chain.py implicit.py narrow_front.py stepping.py wide_front.py)
 
-.PHONY: reproduce test test-long style benchmark docs calibrate universal constraints clean
+.PHONY: reproduce test test-long style benchmark benchmark-app docs calibrate universal constraints clean
 
 reproduce: .venv/installed
 	$(BIN)/hertzchain reproduce
@@ -38,6 +38,10 @@ benchmark: .venv/installed
 	$(BIN)/python benchmarks/sweep_overhead.py
 	$(BIN)/python benchmarks/loss_laws.py
 	$(BIN)/python benchmarks/island_steps.py
+
+# Latency of the app; requires an installed Chromium.
+benchmark-app: .venv/installed-test
+	$(BIN)/python benchmarks/app.py
 
 # Fit the constants of the modified BCA to the simulation.
 calibrate: .venv/installed

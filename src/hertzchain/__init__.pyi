@@ -3,6 +3,7 @@ from . import evaluation as evaluation
 from . import paper as paper
 from . import plotting as plotting
 from . import theory as theory
+from .app.explore import explore as explore
 from .calibration import Calibration as Calibration
 from .calibration import calibrate as calibrate
 from .chain.chain import Chain as Chain

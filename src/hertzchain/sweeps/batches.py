@@ -216,7 +216,7 @@ class _Batch:
             for flag, category in (
                 (self.outside_range, ModelRangeWarning), (self.incomplete, IncompleteWarning),
             ):  # fmt: skip
-                flag[row, place] = any(issubclass(each, category) for each in warned)
+                flag[row, place] = any(isinstance(each, category) for each in warned)
         except (InputError, SimulationError) as error:
             self._fail(row, place, error)
 

@@ -90,10 +90,10 @@ _recorded = threading.local()
 
 
 @contextmanager
-def record_warnings() -> Iterator[list[type[Warning]]]:
-    """Record the categories of warnings in a ``with`` block of this thread, showing none."""
+def record_warnings() -> Iterator[list[Warning]]:
+    """Record the warnings in a ``with`` block of this thread, showing none."""
     global _filters, _show, _users
-    mine: list[type[Warning]] = []
+    mine: list[Warning] = []
     with _lock:
         if not _users:
             _filters = warnings.catch_warnings()
@@ -102,12 +102,12 @@ def record_warnings() -> Iterator[list[type[Warning]]]:
             warnings.simplefilter("always")
             warnings.showwarning = _record
         _users += 1
-    outer = getattr(_recorded, "categories", None)
-    _recorded.categories = mine
+    outer = getattr(_recorded, "warnings", None)
+    _recorded.warnings = mine
     try:
         yield mine
     finally:
-        _recorded.categories = outer
+        _recorded.warnings = outer
         with _lock:
             _users -= 1
             if not _users:
@@ -115,9 +115,9 @@ def record_warnings() -> Iterator[list[type[Warning]]]:
 
 
 def _record(message: Any, category: type[Warning], *where: Any, **more: Any) -> None:
-    categories = getattr(_recorded, "categories", None)
-    if categories is None:
+    recorded = getattr(_recorded, "warnings", None)
+    if recorded is None:
         # The warning is from a thread that computes no batch, such as one that shows progress.
         _show(message, category, *where, **more)
     else:
-        categories.append(category)
+        recorded.append(message)

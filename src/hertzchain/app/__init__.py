@@ -1,0 +1,1 @@
+"""The browser app: a local server, and the page that it serves."""

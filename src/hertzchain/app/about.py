@@ -1,0 +1,54 @@
+"""Everything that the page needs before the first result: schema, materials, gallery, limits."""
+
+from __future__ import annotations
+
+import tomllib
+from functools import cache
+from importlib.resources import files
+from typing import Any, Final
+
+from .. import __version__
+from ..chain.materials import catalogue
+from ..chain.tapers import TAPERS
+from ..pulse.quantities import QUANTITIES
+from ..store.chain_schema import chain_schema
+from ..theory.catalogue import THEORIES
+from .documents import DEFAULT, MAX_BEADS, chain_of
+
+# Beads of a picture in the gallery.
+MAX_THUMBNAIL: Final = 40
+
+
+@cache
+def gallery() -> list[dict[str, Any]]:
+    """Examples with a title, a sentence and a document; radii for a small picture."""
+    text = (files("hertzchain.app") / "gallery.toml").read_text("utf-8")
+    found = []
+    for entry in tomllib.loads(text)["example"]:
+        document = {name: entry[name] for name in ("chain", "materials") if name in entry}
+        radii = chain_of(document).radii[:MAX_THUMBNAIL]
+        found.append(
+            {"title": entry["title"], "look_for": entry["look_for"], "document": document,
+             "other": {"chain": entry["other"]} if "other" in entry else None,
+             "view": entry.get("view", {}), "radii": [float(f"{r:.3g}") for r in radii]}
+        )  # fmt: skip
+    return found
+
+
+def about(document: object = None) -> dict[str, Any]:
+    """Description of the program for the page, with the document to begin with."""
+    return {
+        "version": __version__,
+        "schema": chain_schema(),
+        "tapers": {name: dict(taper.symbols) for name, taper in TAPERS.items()},
+        "materials": list(catalogue()),
+        "quantities": {
+            each.name: {"description": each.description, "symbol": each.symbol, "unit": each.unit,
+                        "per": each.per, "estimate": each.estimate}
+            for each in QUANTITIES.values()
+        },
+        "theories": [*THEORIES, "effective-chain"],
+        "gallery": gallery(),
+        "max_beads": MAX_BEADS,
+        "document": DEFAULT if document is None else document,
+    }  # fmt: skip

@@ -1,0 +1,150 @@
+"""The page of the app in a notebook."""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Callable, Mapping
+from concurrent.futures import ThreadPoolExecutor
+from functools import cache
+from importlib.resources import files
+from typing import Any
+
+from ..chain.chain import Chain
+from ..chain.feature_support import require_chain
+from ..errors import InputError, SimulationError
+from ..store.chain_files import chain_as_toml
+from ..validation.numbers import whole_number
+from .about import about
+from .documents import as_json, chain_of, document_of_toml
+from .exports import export
+from .latest import Latest
+from .messages import finite
+from .requests import Request
+from .results import Cancelled, results
+from .saved_page import embedded_page
+
+# Sends a message to the page: a mapping, and buffers.
+Send = Callable[[Mapping[str, Any], list[bytes]], None]
+
+
+def explore(chain: Chain | None = None, *, height: int = 900) -> Any:
+    """Show a chain in a notebook, with the controls and views of ``hertzchain app``.
+
+    Results are computed in the kernel of the notebook.  The page needs no network and no port.
+
+    Parameters
+    ----------
+    chain : Chain, optional
+        Chain to begin with, of at most 2000 beads; by default a backward-exponential taper.
+    height : int
+        Height of the output, in pixels from 300 to 4000.
+
+    Returns
+    -------
+    anywidget.AnyWidget
+        A widget whose attributes ``chain`` and ``other`` are the chains on the page as it is now;
+        ``other`` is None if there is only one.  ``hertzchain.propagate(widget.chain)`` returns
+        the numbers on the page.
+
+    Raises
+    ------
+    InputError
+        If an argument is out of range, or the package anywidget is not installed.
+
+    Examples
+    --------
+    >>> import hertzchain as hc
+    >>> view = hc.explore(hc.Chain.uniform(20))  # doctest: +SKIP
+    >>> view.chain  # doctest: +SKIP
+    Chain(uniform, 20 beads)
+    """
+    height = whole_number("height", height, least=300, most=4000)
+    document = None
+    if chain is not None:
+        require_chain("explore", chain)
+        document = as_json(tomllib.loads(chain_as_toml(chain)))
+        chain_of(document)
+    return _widget_class()(document, height)
+
+
+class Conversation:
+    """Answers the messages of one page; independent of the notebook."""
+
+    def __init__(self, document: object, send: Send) -> None:
+        self.documents = {"A": document, "B": None}
+        self.send = send
+        self.latest = Latest()
+        self.pool = ThreadPoolExecutor(2, "hertzchain-explore")
+
+    def receive(self, content: Mapping[str, Any]) -> None:
+        """Answer a message; results are computed in a thread."""
+        kind, body = content.get("type"), content.get("body")
+        if kind == "state" and isinstance(body, Mapping):
+            self.documents = {"A": body.get("A"), "B": body.get("B")}
+            self.send({"id": content.get("id"), "done": True}, [])
+        elif kind in ("results", "read", "export"):
+            self.pool.submit(self._answer, content.get("id"), kind, body)
+
+    def _answer(self, number: Any, kind: str, body: Any) -> None:
+        last: dict[str, Any] = {"id": number, "done": True}
+        buffers: list[bytes] = []
+        try:
+            if kind == "results":
+                wanted = Request.of(body)
+                stop = self.latest.begin(wanted.session, wanted.slot, wanted.number)
+                for part in results(wanted, stop):
+                    self.send({"id": number}, [part.pack()])
+            elif kind == "read":
+                last["document"] = document_of_toml(body)
+            else:
+                file = export(body, lambda: False)
+                last |= {"name": file.name, "media_type": file.media_type}
+                buffers = [file.content]
+        except (InputError, SimulationError) as error:
+            last["error"] = str(error)
+        except Cancelled:
+            last["error"] = "cancelled"
+        self.send(last, buffers)
+
+
+@cache
+def _widget_class() -> Any:
+    """The class of widgets, which exists only if anywidget is installed."""
+    try:
+        import anywidget
+        import traitlets
+    except ImportError:
+        raise InputError(
+            "explore requires the package anywidget; install it with pip install "
+            "'hertzchain[notebook]', or use hertzchain app"
+        ) from None
+
+    class Explorer(anywidget.AnyWidget):  # type: ignore[misc, unused-ignore]
+        """A frame with the page, which exchanges messages with this object."""
+
+        _esm = (files("hertzchain.app") / "notebook_frame.js").read_text("utf-8")
+        page = traitlets.Unicode().tag(sync=True)
+        height = traitlets.Int().tag(sync=True)
+
+        def __init__(self, document: object, height: int) -> None:
+            stored = {"kind": "notebook", "about": finite(about(document))}
+            super().__init__(page=embedded_page(stored).decode(), height=height)
+            first = stored["about"]["document"]
+            self.conversation = Conversation(first, self._send_message)
+            self.on_msg(lambda _, content, __: self.conversation.receive(content))
+
+        def _send_message(self, content: Mapping[str, Any], buffers: list[bytes]) -> None:
+            self.send({"content": dict(content)}, buffers)
+
+        @property
+        def chain(self) -> Chain:
+            """The chain on the page, or chain A."""
+            return chain_of(self.conversation.documents["A"])
+
+        @property
+        def other(self) -> Chain | None:
+            """Chain B, if there is one."""
+            document = self.conversation.documents["B"]
+            return None if document is None else chain_of(document)
+
+    return Explorer

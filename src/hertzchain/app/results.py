@@ -1,0 +1,288 @@
+"""Results of one chain as messages, in the order in which they become available."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterator
+from typing import Any, Final
+
+import numpy as np
+
+from ..chain.chain import Chain
+from ..collision import Array
+from ..errors import InputError, SimulationError
+from ..propagation.propagate import propagate
+from ..pulse.pulse import Pulse
+from ..simulation.run import Run
+from ..simulation.simulate import simulate
+from ..simulation.time_scales import transit_times
+from ..sweeps.methods import record_warnings
+from ..theory.catalogue import THEORIES
+from ..theory.effective_chain import effective_chain
+from ..theory.spectrum import spectrum
+from .documents import chain_of
+from .messages import Part, columns_as_int16
+from .requests import Request
+
+MAX_SECONDS: Final = 20.0
+# Theories in compiled code, which are evaluated after the others.
+COMPILED: Final = ("local-rate",)
+# The budget of a longer chain takes as long as a draft of its motion.
+MAX_BEADS_OF_DRAFT_BUDGET: Final = 300
+# Extra time after the pulse has left, in parts of its transit: with a wall, and without.
+ECHO: Final = {True: 1.0, False: 0.12}
+# Tolerance of the run that determines how long a pulse takes to pass a chain.
+ROUGH: Final = 1e-6
+
+Stop = Callable[[], bool]
+
+
+class Cancelled(Exception):
+    """A newer request has arrived."""
+
+
+def results(request: Request, stop: Stop) -> Iterator[Part]:
+    """Messages with the results of a chain: ``beads``, ``pulse`` and ``run``; or ``error``.
+
+    ``stop`` is called during simulations; if it returns true, the last message is ``cancelled``.
+    """
+    identity = request.identity
+    try:
+        yield from _results(request, stop)
+    except Cancelled:
+        yield Part({"part": "cancelled", **identity})
+    except (InputError, SimulationError) as error:
+        yield Part({"part": "error", **identity, "message": str(error)})
+
+
+def _results(request: Request, stop: Stop) -> Iterator[Part]:
+    began, identity = time.perf_counter(), request.identity
+    with record_warnings() as warned:
+        chain = chain_of(request.document)
+        table = _Theories(chain)
+        table.add([name for name in THEORIES if name not in COMPILED])
+    yield Part(
+        {"part": "beads", **identity, **_description(chain), "theories": table.header,
+         "warnings": [str(each) for each in warned], "seconds": time.perf_counter() - began},
+        _bead_arrays(chain) | table.arrays,
+    )  # fmt: skip
+    began = time.perf_counter()
+    with record_warnings() as warned:
+        exact, refusal = _propagated(chain)
+        compiled = _Theories(chain)
+        compiled.add(COMPILED)
+    if exact is not None:
+        yield _pulse_part(request, exact, compiled, warned, began)
+    if exact is not None and not request.run:
+        return
+    began = time.perf_counter()
+    progress = limited(stop)
+    progress()
+    with record_warnings():
+        times = saved_times(chain, exact, request.frames, request.clock, progress)
+    with record_warnings() as warned:
+        run = simulate(chain, times=times, rtol=request.rtol, check=False, progress=progress)
+        if exact is None:
+            pulse = _pulse_of(run)
+            note = refusal if pulse is None else ""
+            yield _pulse_part(request, pulse, compiled, [], began, note)
+        if request.run:
+            yield _run_part(run, request, warned, time.perf_counter() - began)
+
+
+def _description(chain: Chain) -> dict[str, Any]:
+    p = chain.exponents
+    walls = ("left wall", "right wall")
+    return {
+        "description": chain.description, "beads": chain.beads, "units": chain.units,
+        "features": list(chain.features), "strikers": chain.strikers,
+        "exponent": p if isinstance(p, float) else None,
+        "walls": [name.removesuffix(" wall") for name in walls if name in chain.features],
+    }  # fmt: skip
+
+
+def _bead_arrays(chain: Chain) -> dict[str, Array]:
+    centres = np.cumsum(np.concatenate(([chain.radii[0]], chain.centre_distances)))
+    return {"radii": chain.radii, "masses": chain.masses, "centres": centres,
+            "start": chain.velocities}  # fmt: skip
+
+
+class _Theories:
+    """Predictions of theories, and sentences of those that do not cover the chain."""
+
+    def __init__(self, chain: Chain) -> None:
+        self.chain = chain
+        self.header: dict[str, dict[str, str]] = {}
+        self.arrays: dict[str, Array] = {}
+
+    def add(self, names: Any) -> None:
+        """Evaluate theories of the catalogue."""
+        for name in names:
+            with record_warnings() as warned:
+                try:
+                    pulse = THEORIES[name](self.chain)
+                except InputError as error:
+                    self.header[name] = {"refusal": str(error)}
+                    continue
+            self.header[name] = {"note": " ".join(dict.fromkeys(map(str, warned)))}
+            self.arrays |= pulse_arrays(name, pulse)
+        if COMPILED[0] not in names:
+            self._add_effective_chain()
+
+    def _add_effective_chain(self) -> None:
+        """Evaluate the large beads of a decorated chain; nothing for other chains."""
+        with record_warnings() as warned:
+            try:
+                effective = effective_chain(self.chain).bca()
+            except InputError:
+                return
+        self.header["effective-chain"] = {"note": " ".join(map(str, warned))}
+        for name in ("velocity", "arrival"):
+            values = np.full(self.chain.beads, np.nan)
+            values[effective.bead - 1] = getattr(effective, name)
+            self.arrays[f"effective-chain.{name}"] = values
+
+
+def pulse_arrays(name: str, pulse: Pulse) -> dict[str, Array]:
+    """All quantities of a pulse, with the name of the method before them."""
+    return {f"{name}.{quantity}": values for quantity, values in pulse.columns().items()}
+
+
+def _propagated(chain: Chain) -> tuple[Pulse | None, str]:
+    """The pulse by `propagate`, or why it does not support the chain."""
+    try:
+        return propagate(chain), ""
+    except (InputError, SimulationError) as error:
+        return None, str(error)
+
+
+def _pulse_of(run: Run) -> Pulse | None:
+    try:
+        return run.pulse()
+    except SimulationError:
+        return None
+
+
+def _pulse_part(
+    request: Request, exact: Pulse | None, compiled: _Theories, warned: list[Warning],
+    began: float, note: str = "",
+) -> Part:  # fmt: skip
+    arrays = dict(compiled.arrays)
+    if exact is not None:
+        arrays |= pulse_arrays("exact", exact)
+        note = " ".join(filter(None, dict.fromkeys([note, *exact.notes.values()])))
+    header = {
+        "part": "pulse", **request.identity, "theories": compiled.header,
+        "method": exact.method if exact is not None else None, "note": note,
+        "warnings": [str(each) for each in warned], "seconds": time.perf_counter() - began,
+    }  # fmt: skip
+    return Part(header, arrays)
+
+
+def limited(stop: Stop) -> Callable[..., None]:
+    """A callback for ``progress`` that ends a run if it is out of date or takes too long."""
+    began = time.perf_counter()
+
+    def progress(*_: int) -> None:
+        if stop():
+            raise Cancelled
+        if time.perf_counter() - began > MAX_SECONDS:
+            raise SimulationError(
+                f"this run takes longer than {MAX_SECONDS:g} s, the limit of the app; use "
+                "hertzchain simulate, or a shorter chain"
+            )
+
+    return progress
+
+
+def saved_times(
+    chain: Chain, exact: Pulse | None, frames: int, clock: str, progress: Any = None
+) -> Array:
+    """Times to save: equally many for each bead that the pulse passes, or equally spaced.
+
+    After the pulse has left, the times continue with the residence times in reverse order, at
+    the rate of an echo.
+    """
+    if exact is not None and exact.arrival is not None:
+        arrival, end = exact.arrival, 0.0
+    else:
+        arrival, end = _rough_arrivals(chain, progress)
+    echo = ECHO[chain.right_wall is not None]
+    known = np.isfinite(arrival)
+    arrival = np.maximum.accumulate(arrival[known])
+    # A driven wave has no single arrival: its crests change on their way.
+    if chain.drive is not None or np.count_nonzero(np.diff(arrival)) < 2 or not known.all():
+        return np.linspace(0.0, max(end, 1.2 * float(arrival.max(initial=0.0))), frames)
+    if clock == "time":
+        return np.linspace(0.0, max(arrival[-1] * (1.0 + echo), end), frames)
+    steps = np.diff(arrival)[::-1]
+    later = arrival[-1] + np.cumsum(np.concatenate((steps, steps[::-1])))
+    whole = np.concatenate((arrival, later))
+    beads_passed = np.linspace(0.0, (len(arrival) - 1) * (1.0 + echo), frames)
+    return np.unique(np.interp(beads_passed, np.arange(len(whole)), whole))
+
+
+def _rough_arrivals(chain: Chain, progress: Any) -> tuple[Array, float]:
+    """Arrivals and end of a quick run, for chains that `propagate` does not support."""
+    try:
+        rough = simulate(chain, times=0, rtol=ROUGH, check=False, progress=progress)
+    except InputError:
+        # Nothing ends this run, for example because its drive does not end.
+        end = 1.5 * float(transit_times(chain).sum())
+        rough = simulate(chain, until=end, times=0, rtol=ROUGH, check=False, progress=progress)
+    pulse = _pulse_of(rough)
+    arrival = np.array([np.nan]) if pulse is None or pulse.arrival is None else pulse.arrival
+    return arrival, rough.end_time
+
+
+def _run_part(run: Run, request: Request, warned: list[Warning], took: float) -> Part:
+    began, chain = time.perf_counter(), run.chain
+    arrays: dict[str, Any] = {"times": run.times}
+    arrays |= columns_as_int16("velocities", run.velocities)
+    arrays |= columns_as_int16("forces", run.forces)
+    sensors = [bead for bead in request.sensors if bead <= chain.beads]
+    peaks: dict[str, Any] = {}
+    for bead in sensors:
+        sensor = run.sensor_force(bead)
+        arrays[f"force.{bead}"] = sensor.force
+        peaks[str(bead)] = {"first": sensor.first_maximum, "largest": sensor.largest_so_far}
+    for side, contact in (("left", 0), ("right", -1)):
+        if f"{side} wall" in chain.features:
+            wall = run._wall_force(side)  # type: ignore[arg-type]  # without its warning
+            arrays[f"force.{side}"] = run.forces[:, contact]
+            peaks[side] = {"first": wall.peak, "largest": wall.largest_so_far,
+                           "impulse": wall.impulse}  # fmt: skip
+    if not request.draft or chain.beads <= MAX_BEADS_OF_DRAFT_BUDGET:
+        arrays |= _budget_arrays(run)
+    modes = "" if request.draft else _add_spectrum(chain, arrays)
+    header = {
+        "part": "run", **request.identity, "status": run.status, "message": run.message,
+        "success": run.success, "rtol": run.rtol, "steps": run.steps, "sensors": sensors,
+        "peaks": peaks, "energy_drift": run.energy_drift, "momentum_drift": run.momentum_drift,
+        "beads_passed": run.beads_passed, "spectrum": modes,
+        "warnings": list(dict.fromkeys(map(str, warned))),
+        "seconds": {"simulate": took, "pack": time.perf_counter() - began},
+    }  # fmt: skip
+    return Part(header, arrays)
+
+
+def _budget_arrays(run: Run) -> dict[str, Any]:
+    """Energy and momentum by location, without locations where there is none."""
+    budget = run.budget()
+    parts = (("energy", budget.energy), ("momentum", budget.momentum))
+    return {
+        f"{of}.{name}": values.astype(np.float32)
+        for of, items in parts
+        for name, values in items.items()
+        if values.any()
+    }
+
+
+def _add_spectrum(chain: Chain, arrays: dict[str, Any]) -> str:
+    """Add the frequencies of small oscillations, or return why there are none."""
+    try:
+        modes = spectrum(chain)
+    except InputError as error:
+        return str(error)
+    arrays |= {"modes.frequency": modes.frequencies, "modes.decay": modes.decay_rates}
+    return ""

@@ -1,0 +1,151 @@
+// @ts-check
+/** Line charts and stacked areas as SVG: sharp at any zoom, readable by assistive software. */
+
+import { powers, short, ticks } from "./numbers.js";
+
+/** @typedef {{name: string, label: string, x: ArrayLike<number>, y: ArrayLike<number>, base?: ArrayLike<number>,
+ *   points?: boolean, note?: string}} Series */
+/** @typedef {{xLabel: string, yLabel: string, log?: boolean, xTicks?: {at: number, text: string}[],
+ *   zero?: boolean, percent?: boolean, message?: string, most?: number}} Axes */
+
+const SVG = "http://www.w3.org/2000/svg";
+/** Values below this part of the largest are cut off on logarithmic axes. */
+const SMALLEST = 1e-7;
+const LEFT = 54, RIGHT = 20, TOP = 20, BOTTOM = 32;
+
+/** @param {string} name @param {Record<string, string | number>} [attributes] @param {string} [text] */
+export function svg(name, attributes = {}, text) {
+  const element = document.createElementNS(SVG, name);
+  for (const [key, value] of Object.entries(attributes)) element.setAttribute(key, String(value));
+  if (text !== undefined) element.textContent = text;
+  return element;
+}
+
+export class Chart {
+  /** @param {HTMLElement} host @param {(x: number) => void} pick */
+  constructor(host, pick) {
+    this.host = host;
+    this.plot = svg("g");
+    this.axes = svg("g", { "aria-hidden": "true" });
+    this.mark = svg("line", { class: "cursor" });
+    this.svg = svg("svg", { role: "img" });
+    this.svg.append(this.axes, this.plot, this.mark);
+    this.message = document.createElement("p");
+    this.message.className = "nothing";
+    host.append(this.svg, this.message);
+    this.W = this.H = 1;
+    this.x = [0, 1];
+    this.y = [0, 1];
+    this.log = false;
+    /** @type {number | null} */
+    this.at = null;
+    const picked = (/** @type {PointerEvent} */ event) => {
+      if (event.buttons & 1) pick(this.x[0] + ((event.offsetX - LEFT) / (this.W - LEFT - RIGHT)) * (this.x[1] - this.x[0]));
+    };
+    host.addEventListener("pointerdown", picked);
+    host.addEventListener("pointermove", picked);
+  }
+
+  /** @param {number} x */
+  px(x) {
+    return LEFT + ((x - this.x[0]) / (this.x[1] - this.x[0] || 1)) * (this.W - LEFT - RIGHT);
+  }
+
+  /** @param {number} y */
+  py(y) {
+    const [low, high] = this.y;
+    const u = this.log ? Math.log(y / low) / Math.log(high / low) : (y - low) / (high - low);
+    return this.H - BOTTOM - u * (this.H - TOP - BOTTOM);
+  }
+
+  /** @param {Series[]} series @param {Axes} axes @param {string} summary */
+  draw(series, axes, summary) {
+    this.W = Math.max(120, this.host.clientWidth);
+    this.H = Math.max(90, this.host.clientHeight);
+    this.log = Boolean(axes.log);
+    this.svg.setAttribute("viewBox", `0 0 ${this.W} ${this.H}`);
+    this.svg.setAttribute("aria-label", summary);
+    this.message.textContent = axes.message ?? "";
+    this.message.hidden = !axes.message;
+    this.fit(series, axes);
+    if (axes.message && !series.length) this.axes.replaceChildren();
+    else this.drawAxes(axes);
+    this.plot.replaceChildren(...series.map((each) => this.path(each)));
+    this.cursor(this.at);
+  }
+
+  /** Ends of the axes. @param {Series[]} series @param {Axes} axes */
+  fit(series, axes) {
+    let x0 = Infinity, x1 = -Infinity, y0 = Infinity, y1 = -Infinity;
+    for (const { x, y, base } of series) {
+      for (let i = 0; i < y.length; i++) {
+        const value = y[i];
+        if (x[i] < x0) x0 = x[i];
+        if (x[i] > x1) x1 = x[i];
+        if (!Number.isFinite(value) || (this.log && !(value > 0))) continue;
+        if (value < y0) y0 = value;
+        if (value > y1) y1 = value;
+        if (base && base[i] < y0) y0 = base[i];
+      }
+    }
+    this.x = x0 <= x1 ? [x0, x1 > x0 ? x1 : x0 + 1] : [0, 1];
+    if (!(y0 <= y1)) [y0, y1] = this.log ? [0.1, 1] : [0, 1];
+    if (axes.most !== undefined && y0 < axes.most) y1 = Math.min(y1, axes.most);
+    if (this.log) {
+      this.y = [Math.max(y0, y1 * SMALLEST) / 1.3, y1 * 1.3];
+      return;
+    }
+    if (axes.zero !== false && y0 > 0 && y0 < 0.6 * y1) y0 = 0;
+    if (axes.zero !== false && y1 < 0 && y1 > 0.6 * y0) y1 = 0;
+    if (y0 === y1) [y0, y1] = y0 === 0 ? [-1, 1] : [y0 - 0.1 * Math.abs(y0), y1 + 0.1 * Math.abs(y1)];
+    const room = 0.05 * (y1 - y0);
+    this.y = [y0 === 0 ? 0 : y0 - room, y1 === 0 ? 0 : y1 + room];
+  }
+
+  /** @param {Axes} axes */
+  drawAxes(axes) {
+    const items = [], right = this.W - RIGHT, bottom = this.H - BOTTOM, rows = Math.max(2, (bottom - TOP) / 38);
+    const marks = this.log ? powers(this.y[0], this.y[1], rows) : ticks(this.y[0], this.y[1], rows);
+    for (const y of marks) {
+      const at = Math.round(this.py(y)) + 0.5;
+      items.push(svg("line", { class: y === 0 ? "axis" : "grid", x1: LEFT, x2: right, y1: at, y2: at }));
+      items.push(svg("text", { x: LEFT - 6, y: at + 3.5, "text-anchor": "end" }, short(y) + (axes.percent ? "%" : "")));
+    }
+    const across = axes.xTicks ?? ticks(this.x[0], this.x[1], (right - LEFT) / 70).map((x) => ({ at: x, text: short(x) }));
+    for (const { at, text } of across) {
+      const x = this.px(at);
+      items.push(svg("line", { class: "tick", x1: x, x2: x, y1: bottom, y2: bottom + 4 }));
+      items.push(svg("text", { x, y: bottom + 15, "text-anchor": "middle" }, text));
+    }
+    items.push(svg("line", { class: "axis", x1: LEFT, x2: right, y1: bottom + 0.5, y2: bottom + 0.5 }));
+    items.push(svg("text", { x: (LEFT + right) / 2, y: this.H - 3, "text-anchor": "middle", class: "label" }, axes.xLabel));
+    items.push(svg("text", { x: 2, y: 11, class: "label" }, axes.yLabel));
+    this.axes.replaceChildren(...items);
+  }
+
+  /** @param {Series} each */
+  path(each) {
+    const { x, y, base } = each, parts = [];
+    let on = false;
+    if (each.points) {
+      for (let i = 0; i < y.length; i++) if (Number.isFinite(y[i])) parts.push(`M${this.px(x[i]).toFixed(1)} ${this.py(y[i]).toFixed(1)}h0`);
+      return svg("path", { class: `line points ${each.name}`, d: parts.join("") });
+    }
+    for (let i = 0; i < y.length; i++) {
+      const good = Number.isFinite(y[i]) && (!this.log || (y[i] >= this.y[0] && y[i] <= this.y[1]));
+      if (good) parts.push(`${on ? "L" : "M"}${this.px(x[i]).toFixed(1)} ${this.py(y[i]).toFixed(1)}`);
+      // Values of the large beads of a decorated chain are joined across the small ones.
+      on = good || (on && each.name === "effective-chain");
+    }
+    if (!base) return svg("path", { class: `line ${each.name}`, d: parts.join("") });
+    for (let i = y.length - 1; i >= 0; i--) parts.push(`L${this.px(x[i]).toFixed(1)} ${this.py(base[i]).toFixed(1)}`);
+    return svg("path", { class: `area ${each.name}`, d: parts.join("") + "Z" });
+  }
+
+  /** @param {number | null} x */
+  cursor(x) {
+    this.at = x;
+    const px = x === null || !this.plot.childElementCount ? -9 : this.px(x);
+    for (const [name, value] of Object.entries({ x1: px, x2: px, y1: TOP, y2: this.H - BOTTOM })) this.mark.setAttribute(name, value.toFixed(1));
+  }
+}

@@ -1,0 +1,52 @@
+// @ts-check
+/** Colours of canvases: they follow the theme of the page. */
+
+/** Colours of the page by name; filled by `readColours`.
+ * @type {Record<string, string>} */
+export const COLOURS = {};
+
+const NAMES = ["ink", "soft", "line", "card", "accent", "bead", "edge", "forward", "back", "striker", "wall",
+  "s0", "s1", "s2", "s3"];
+
+/** Colours of velocities and forces from -1 to 1, at 0 .. 511, as pixels. */
+export const PIXELS = new Uint32Array(512);
+/** The same as CSS colours.
+ * @type {string[]} */
+export const STEPS = [];
+
+/** Read the colours of the theme, and compute the scale of colours. */
+export function readColours() {
+  const style = getComputedStyle(document.documentElement);
+  const probe = document.createElement("canvas").getContext("2d", { willReadFrequently: true });
+  if (!probe) return;
+  const rgb = (/** @type {string} */ colour) => {
+    probe.fillStyle = colour;
+    probe.fillRect(0, 0, 1, 1);
+    return probe.getImageData(0, 0, 1, 1).data;
+  };
+  const resolver = document.createElement("i");
+  document.body.append(resolver);
+  for (const name of NAMES) {
+    resolver.style.color = style.getPropertyValue(`--${name}`);
+    COLOURS[name] = getComputedStyle(resolver).color;
+  }
+  const ends = ["back-2", "back", "zero", "forward", "forward-2"].map((name) => {
+    resolver.style.color = style.getPropertyValue(`--${name}`);
+    return rgb(getComputedStyle(resolver).color);
+  });
+  resolver.remove();
+  for (let i = 0; i < 512; i++) {
+    const x = Math.abs(i - 256) / 256, side = i < 256 ? [ends[2], ends[1], ends[0]] : [ends[2], ends[3], ends[4]];
+    // Half of the scale of colours is used for the smallest third of the values.
+    const u = Math.min(1, x) ** 0.7 * 2, k = u < 1 ? 0 : 1, v = u - k;
+    const c = [0, 1, 2].map((n) => Math.round(side[k][n] * (1 - v) + side[k + 1][n] * v));
+    PIXELS[i] = (255 << 24) | (c[2] << 16) | (c[1] << 8) | c[0];
+    STEPS[i] = `rgb(${c[0]} ${c[1]} ${c[2]})`;
+  }
+}
+
+/** Index of a value from -1 to 1. @param {number} value */
+export function stepOf(value) {
+  const i = 256 + Math.round(255 * value);
+  return i < 0 ? 0 : i > 511 ? 511 : i;
+}

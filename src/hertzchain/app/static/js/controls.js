@@ -1,0 +1,393 @@
+// @ts-check
+/** Controls of a chain file, generated from its schema: a new law or taper appears by itself. */
+
+import { FACTORS, SHOWN, STEPS, parsed, plain, positionOf, rangeOf, valueAt, valued } from "./numbers.js";
+import { at, changed, listed } from "./state.js";
+
+/** @typedef {import("./state.js").Document} Document */
+/** @typedef {(document: Document, moving: boolean, path: string) => void} Change */
+/** @typedef {(string | number)[]} Path */
+
+/** Titles of tables; others are shown by their names.
+ * @type {Record<string, string>} */
+const TITLES = {
+  struck_by: "Strikers", left_wall: "Left wall", right_wall: "Right wall", loss: "Loss in contacts", drive: "Drive",
+  decorated: "Small beads between", with_defects: "Defects", with_scatter: "Random scatter",
+};
+/** @type {Record<string, string>} */
+const FORMS = { taper: "a taper", radii: "their radii", cell: "a repeated cell", mass_ratio: "a dimer of two masses" };
+/** Values with which a new table begins, where its schema has no default.
+ * @type {Record<string, any>} */
+const BEGIN = {
+  bead: 10, radius: 2, seed: 1, relative: 0.05, ratio: 0.4, coefficient: 0.9, amplitude: 0.3, frequency: 0.1,
+};
+/** @type {Record<string, string>} */
+const BEGIN_SI = { radius: "20 mm", amplitude: "10 N", frequency: "5 kHz", time: "10 µs" };
+
+/** @param {string} tag @param {Record<string, any>} [properties] @param {...(Node | string)} children */
+export function make(tag, properties = {}, ...children) {
+  const element = document.createElement(tag);
+  for (const [name, value] of Object.entries(properties)) {
+    if (name.includes("-") || name === "for" || name === "role" || name === "list") element.setAttribute(name, value);
+    else /** @type {any} */ (element)[name] = value;
+  }
+  element.append(...children);
+  return element;
+}
+
+/** @param {string} name */
+const words = (name) => name.replaceAll("_", " ");
+
+export class Controls {
+  /** @param {HTMLElement} host @param {any} about @param {Change} change */
+  constructor(host, about, change) {
+    this.host = host;
+    this.about = about;
+    this.schema = about.schema.sections;
+    this.change = change;
+    /** @type {Document} */
+    this.document = { chain: {} };
+    /** @type {Set<string>} */
+    this.opened = new Set();
+    this.shape = "";
+    /** @type {(() => void)[]} */
+    this.updates = [];
+    this.last = "";
+  }
+
+  get si() {
+    return this.document.chain.materials !== undefined || this.document.chain.units === "SI";
+  }
+
+  /** Show a document; elements are rebuilt only if other controls are needed. @param {Document} document */
+  show(document) {
+    this.document = document;
+    const shape = this.shapeOf(document);
+    if (shape !== this.shape) this.build(shape);
+    for (const update of this.updates) update();
+  }
+
+  /** The keys of a document without its numbers. @param {any} item @returns {string} */
+  shapeOf(item) {
+    return JSON.stringify(item, (name, value) => typeof value === "number" || (typeof value === "string" && /^[-+.\d]/.test(value)) ? 0 : value);
+  }
+
+  /** @param {string} shape */
+  build(shape) {
+    this.shape = shape;
+    const focused = /** @type {HTMLElement | null} */ (document.activeElement)?.id;
+    const top = this.host.scrollTop;
+    this.updates = [];
+    const chain = this.document.chain, forms = this.about.schema.forms;
+    const keys = this.schema.chain.keys;
+    const inForms = new Set(Object.values(forms).flat().concat(Object.keys(forms)));
+    const own = new Set(["materials", "velocity", "exponent"]);
+    const rest = keys.filter((/** @type {any} */ key) => !inForms.has(key.name) && !own.has(key.name));
+    const tables = Object.keys(this.schema).filter((name) => name.startsWith("chain."));
+    this.host.replaceChildren(
+      this.beads(keys),
+      ...tables.map((name) => this.table(name)),
+      this.group("more", "Static forces, masses and more", rest.some((/** @type {any} */ key) => key.name in chain),
+        rest.map((/** @type {any} */ key) => this.field(["chain"], key))),
+      make("p", { className: "bad", id: "problem", hidden: true, role: "alert" }),
+    );
+    this.host.scrollTop = top;
+    if (focused && this.host.ownerDocument.activeElement === document.body) document.getElementById(focused)?.focus();
+  }
+
+  /** @param {any[]} keys */
+  beads(keys) {
+    const chain = this.document.chain, forms = this.about.schema.forms;
+    const form = Object.keys(forms).find((name) => name in chain) ?? "taper";
+    const choices = Object.keys(forms).filter((name) => name !== "file");
+    const names = [form, ...forms[form]];
+    const symbols = this.about.tapers[chain.taper] ?? {};
+    const parameters = new Set(Object.values(this.about.tapers).flatMap((/** @type {any} */ each) => Object.keys(each)));
+    const shown = keys.filter((key) => names.includes(key.name) && (!parameters.has(key.name) || form !== "taper" || key.name in symbols) && (key.name !== "radius" || this.si));
+    const fields = shown.map((key) => this.field(["chain"], key, symbols[key.name] ? `${words(key.name)} ${symbols[key.name]}` : undefined));
+    const select = this.select("form", "given by", choices.map((name) => [name, FORMS[name] ?? words(name)]), () => form, (name) => this.changeForm(name));
+    const material = this.materialField(keys.find((key) => key.name === "materials"));
+    const more = ["velocity", "exponent"].filter((name) => name !== "velocity" || this.si)
+      .map((name) => this.field(["chain"], keys.find((key) => key.name === name), name === "velocity" ? "impact velocity" : undefined));
+    return make("fieldset", {}, make("legend", {}, "Beads"), select, ...fields, material, ...more);
+  }
+
+  /** @param {string} form */
+  changeForm(form) {
+    const { chain } = this.document, si = this.si;
+    /** @type {Record<string, any>} */
+    const begins = {
+      taper: { taper: "backward-exponential", rate: 0.05, beads: 40, ...(si ? { radius: "5 mm" } : {}) },
+      radii: si ? { radii: ["5 mm", "4 mm", "3 mm", "4 mm", "5 mm"] } : { radii: [1, 0.8, 0.6, 0.8, 1] },
+      cell: { cell: si ? ["5 mm", "3 mm"] : [1, 0.6], cells: 20 },
+      mass_ratio: { mass_ratio: 0.3428, beads: 40 },
+    };
+    const forms = this.about.schema.forms, dropped = new Set(Object.values(forms).flat().concat(Object.keys(forms)));
+    const kept = Object.fromEntries(Object.entries(chain).filter(([name]) => !dropped.has(name) && !(form === "mass_ratio" && ["materials", "velocity", "units"].includes(name))));
+    this.change({ ...this.document, chain: { ...begins[form], ...kept } }, false, "form");
+  }
+
+  /** A table of the schema: on or off, or several. @param {string} name */
+  table(name) {
+    const key = name.replace("chain.", ""), section = this.schema[name];
+    const present = this.document.chain[key] !== undefined;
+    const entries = listed(this.document.chain[key]), several = section.repeated && key !== "loss";
+    const path = (/** @type {number} */ i) => /** @type {Path} */ (Array.isArray(this.document.chain[key]) ? ["chain", key, i] : ["chain", key]);
+    const items = entries.map((entry, i) => {
+      const fields = this.tableFields(section, path(i), entry);
+      const remove = make("button", { type: "button", className: "small", onclick: () => this.remove(key, i) }, "Remove");
+      remove.setAttribute("aria-label", `Remove ${TITLES[key] ?? words(key)}${entries.length > 1 ? ` ${i + 1}` : ""}`);
+      return make("div", { className: "entry" }, ...fields, remove);
+    });
+    const add = make("button", { type: "button", className: "small", onclick: () => this.add(key, section) }, present ? "Add another" : "Add");
+    add.setAttribute("aria-label", `${present ? "Add another" : "Add"}: ${TITLES[key] ?? words(key)}`);
+    add.id = `add-${key}`;
+    const group = this.group(key, TITLES[key] ?? words(key), present, [make("p", { className: "hint" }, section.description), ...items, ...(present && !several ? [] : [add])]);
+    return group;
+  }
+
+  /** @param {string} name @param {string} title @param {boolean} used @param {Node[]} children */
+  group(name, title, used, children) {
+    const details = /** @type {HTMLDetailsElement} */ (make("details", { className: "group", id: `group-${name}` }, make("summary", {}, title, ...(used ? [make("span", { className: "used", title: "used" }, "●")] : [])), ...children));
+    details.open = this.opened.has(name) || (used && !this.opened.has(`-${name}`));
+    // Not the event "toggle", which also follows from the line above.
+    details.firstElementChild?.addEventListener("click", () => {
+      this.opened.delete(details.open ? name : `-${name}`);
+      this.opened.add(details.open ? `-${name}` : name);
+    });
+    return details;
+  }
+
+  /** @param {any} section @param {Path} path @param {any} entry @returns {Node[]} */
+  tableFields(section, path, entry) {
+    const fields = [];
+    if (section.variant_key) {
+      const choices = Object.keys(section.variants).map((each) => /** @type {[string, string]} */ ([each, words(each).replaceAll("-", " ")]));
+      fields.push(this.select(path.join("."), section.variant_key, choices, () => at(this.document, path)?.[section.variant_key],
+        (chosen) => this.put(path, this.begin({ keys: section.variants[chosen] }, { [section.variant_key]: chosen }))));
+    }
+    const keys = section.variant_key ? section.variants[entry[section.variant_key]] ?? [] : section.keys;
+    const between = section.variant_key && entry.between ? section.keys : [];
+    for (const key of [...between, ...keys]) if (key.kind !== "file") fields.push(this.field(path, key));
+    return fields;
+  }
+
+  /** A table with values for its required keys. @param {any} section @param {any} table */
+  begin(section, table) {
+    for (const key of section.keys) {
+      if (!key.required && !(key.name in BEGIN && key.name === "relative") && !(key.name === "ratio")) continue;
+      const si = this.si ? BEGIN_SI[key.name] ?? (key.dimension ? BEGIN_SI[key.dimension] : undefined) : undefined;
+      table[key.name] = si ?? BEGIN[key.name] ?? (key.kind === "boolean" ? false : key.choices?.[0] ?? this.inside(key));
+    }
+    return table;
+  }
+
+  /** A number that a key allows. @param {any} key */
+  inside(key) {
+    const low = key.least ?? key.above ?? 0, high = key.most ?? key.below ?? low + 1;
+    return low + 0.5 * (high - low);
+  }
+
+  /** @param {string} key @param {any} section */
+  add(key, section) {
+    const variant = section.variant_key ? Object.keys(section.variants)[key === "loss" ? 1 : 0] : "";
+    const keys = variant ? section.variants[variant] : section.keys;
+    const entry = this.begin({ keys }, variant ? { [section.variant_key]: variant } : {});
+    const before = listed(this.document.chain[key]);
+    this.opened.add(key);
+    this.put(["chain", key], section.repeated && key !== "loss" ? [...before, entry] : entry);
+  }
+
+  /** @param {string} key @param {number} i */
+  remove(key, i) {
+    const left = listed(this.document.chain[key]).filter((_, place) => place !== i);
+    this.put(["chain", key], left.length ? left : undefined);
+  }
+
+  /** @param {Path} path @param {any} value @param {boolean} [moving] */
+  put(path, value, moving = false) {
+    this.last = path.join(".");
+    this.change(changed(this.document, path, value), moving, this.last);
+  }
+
+  /** @param {Path} path @param {any} key @param {string} [label] @returns {HTMLElement} */
+  field(path, key, label = words(key.name)) {
+    const place = [...path, key.name];
+    if (key.kind === "law") return this.lawField(place, key);
+    if (key.kind === "boolean") return this.checkField(place, key, label);
+    if (key.kind === "choice") {
+      const choices = key.choices.map((/** @type {string} */ each) => [each, words(each).replaceAll("-", " ")]);
+      return this.select(place.join("."), label, key.required || key.name === "taper" ? choices : [["", key.default ?? "automatic"], ...choices],
+        () => at(this.document, place) ?? "", (chosen) => this.chooseKey(place, key, chosen), key.description);
+    }
+    if (key.kind === "material") return this.materialOf(place, key);
+    const list = Array.isArray(at(this.document, place)), single = key.one_for_all && key.default !== null && !list;
+    if (key.kind === "text" || (key.per && !single)) return this.listField(place, key, label);
+    return this.numberField(place, key, label);
+  }
+
+  /** @param {Path} place @param {any} key @param {string} chosen */
+  chooseKey(place, key, chosen) {
+    if (key.name !== "taper") return this.put(place, chosen || undefined);
+    const chain = { ...this.document.chain, taper: chosen }, beads = chain.beads ?? 40;
+    for (const each of Object.values(this.about.tapers)) for (const name of Object.keys(/** @type {any} */ (each))) delete chain[name];
+    for (const name of Object.keys(this.about.tapers[chosen] ?? {})) {
+      chain[name] = chosen === "forward-linear" ? +(0.65 / (beads - 1)).toPrecision(2) : chosen.endsWith("linear") ? 0.2 : 0.05;
+    }
+    this.last = place.join(".");
+    this.change({ ...this.document, chain }, false, this.last);
+  }
+
+  /** @param {string} id @param {string} label @param {[string, string][]} choices @param {() => string} read
+   * @param {(chosen: string) => void} write @param {string} [title] */
+  select(id, label, choices, read, write, title = "") {
+    const select = /** @type {HTMLSelectElement} */ (make("select", { id: `c-${id}`, title }, ...choices.map(([value, text]) => make("option", { value }, text))));
+    select.addEventListener("change", () => write(select.value));
+    this.updates.push(() => { select.value = read(); });
+    return make("div", { className: "row choice" }, make("label", { for: select.id }, label), select);
+  }
+
+  /** @param {Path} place @param {any} key @param {string} label */
+  checkField(place, key, label) {
+    const box = /** @type {HTMLInputElement} */ (make("input", { type: "checkbox", id: `c-${place.join(".")}` }));
+    box.addEventListener("change", () => this.put(place, box.checked));
+    this.updates.push(() => { box.checked = at(this.document, place) ?? key.default ?? false; });
+    return make("div", { className: "row choice" }, make("label", { for: box.id, title: key.description }, label), box);
+  }
+
+  /** Unit in which a key is shown. @param {any} key @param {any} value */
+  unitOf(key, value) {
+    if (!this.si || !key.dimension) return "";
+    const own = parsed(value, "").unit;
+    return own || (FACTORS[key.unit] === undefined ? "" : SHOWN[key.dimension] ?? key.unit);
+  }
+
+  /** Slider and exact number. @param {Path} place @param {any} key @param {string} label */
+  numberField(place, key, label) {
+    const id = `c-${place.join(".")}`, read = () => at(this.document, place);
+    const box = /** @type {HTMLInputElement} */ (make("input", { type: "number", id, step: "any", placeholder: key.default === null || key.default === undefined ? "auto" : plain(Number(key.default) || 0) }));
+    const slider = /** @type {HTMLInputElement} */ (make("input", { type: "range", min: "0", max: String(STEPS), step: "1", "aria-label": `${label}, slider` }));
+    const unit = make("span", { className: "unit" });
+    const clear = make("button", { type: "button", className: "clear", title: `Use the default for ${label}`, "aria-label": `Use the default for ${label}`, onclick: () => this.put(place, undefined) }, "×");
+    const rangeNow = () => {
+      const value = read(), shown = parsed(value, this.unitOf(key, value)).number, chain = this.document.chain;
+      return rangeOf(key, this.si, shown, { beads: chain.beads, taper: chain.taper });
+    };
+    let range = rangeNow();
+    const write = (/** @type {number} */ value, /** @type {boolean} */ moving) => this.put(place, valued(value, this.unitOf(key, read())), moving);
+    slider.addEventListener("pointerdown", () => { range = rangeNow(); });
+    slider.addEventListener("input", () => write(valueAt(Number(slider.value), range), true));
+    slider.addEventListener("change", () => write(valueAt(Number(slider.value), range), false));
+    box.addEventListener("input", () => { if (box.value !== "" && box.validity.valid) write(Number(box.value), true); });
+    box.addEventListener("change", () => (box.value === "" ? this.put(place, undefined) : write(Number(box.value), false)));
+    this.updates.push(() => {
+      const value = read(), shown = parsed(value, this.unitOf(key, value));
+      if (document.activeElement !== slider) range = rangeNow();
+      if (document.activeElement !== box || Number(box.value) !== shown.number) box.value = shown.number === null ? "" : plain(shown.number);
+      const position = positionOf(shown.number ?? (typeof key.default === "number" ? key.default : null), range);
+      if (document.activeElement !== slider || Math.abs(valueAt(Number(slider.value), range) - (shown.number ?? NaN)) > 1e-9 * Math.abs(shown.number ?? 1)) slider.value = String(position);
+      slider.setAttribute("aria-valuetext", shown.number === null ? "default" : `${plain(shown.number)} ${shown.unit}`);
+      slider.classList.toggle("idle", value === undefined);
+      unit.textContent = shown.unit;
+      clear.hidden = value === undefined || key.required || ["rate", "beads", "cells", "mass_ratio"].includes(key.name);
+    });
+    return make("div", { className: "row", title: key.description }, make("label", { for: id }, label), make("span", { className: "value" }, clear, box, unit), slider);
+  }
+
+  /** A list, or one value for all. @param {Path} place @param {any} key @param {string} label */
+  listField(place, key, label) {
+    const box = /** @type {HTMLInputElement} */ (make("input", { type: "text", id: `c-${place.join(".")}`, placeholder: key.default ?? (key.per ? `one per ${key.per}` : ""), spellcheck: false }));
+    box.addEventListener("change", () => this.put(place, listOf(box.value, key)));
+    this.updates.push(() => {
+      const value = at(this.document, place);
+      if (document.activeElement !== box) box.value = value === undefined ? "" : Array.isArray(value) ? value.join(", ") : String(value);
+    });
+    return make("div", { className: "row wide", title: key.description }, make("label", { for: box.id }, label), box);
+  }
+
+  /** @param {any} key */
+  materialField(key) {
+    const own = Object.keys(this.document.materials ?? {}), names = [...this.about.materials, ...own];
+    const value = this.document.chain.materials, several = Array.isArray(value);
+    const choices = /** @type {[string, string][]} */ ([["", "scaled, no material"], ...names.map((each) => [each, each]), ...(several ? [["several", "several"]] : [])]);
+    const select = this.select("chain.materials", "material", choices, () => (several ? "several" : at(this.document, ["chain", "materials"]) ?? ""), (chosen) => this.changeMaterial(chosen), key.description);
+    return several ? make("div", {}, select, this.listField(["chain", "materials"], key, "of each bead")) : select;
+  }
+
+  /** Change to a material, or to scaled variables, in which lengths in metres have no meaning.
+   * @param {string} chosen */
+  changeMaterial(chosen) {
+    if (chosen === "several") return;
+    const chain = { ...this.document.chain };
+    this.last = "chain.materials";
+    if (chosen) {
+      if (!this.si) {
+        for (const name of Object.keys(chain)) if (this.isTable(name)) delete chain[name];
+        if ("radii" in chain || "cell" in chain) for (const name of ["radii", "cell"]) if (name in chain) chain[name] = listed(chain[name]).map((each) => `${plain(each * 5)} mm`);
+        if ("mass_ratio" in chain) Object.assign(chain, { taper: "uniform" }), delete chain.mass_ratio;
+        if ("taper" in chain) chain.radius = "5 mm";
+        chain.velocity = "1 m/s";
+      }
+      chain.materials = chosen;
+    } else {
+      for (const name of ["materials", "radius", "velocity", "units"]) delete chain[name];
+      for (const name of ["radii", "cell"]) if (name in chain) chain[name] = scaled(listed(chain[name]));
+      for (const name of Object.keys(chain)) if (this.isTable(name) || (typeof chain[name] === "string" && /^[\d.]/.test(chain[name]))) delete chain[name];
+    }
+    this.change({ ...this.document, chain }, false, this.last);
+  }
+
+  /** Whether a key is a table with quantities that have units. @param {string} name */
+  isTable(name) {
+    const section = this.schema[`chain.${name}`];
+    return section !== undefined && JSON.stringify(this.document.chain[name]).length > 2 && JSON.stringify(section).includes('"dimension":"');
+  }
+
+  /** @param {Path} place @param {any} key */
+  materialOf(place, key) {
+    const names = [...this.about.materials, ...Object.keys(this.document.materials ?? {})];
+    if (!this.si) return make("span", { hidden: true });
+    if (key.per) return this.listField(place, key, words(key.name));
+    return this.select(place.join("."), words(key.name), [["", "as the beads"], ...names.map((each) => /** @type {[string, string]} */ ([each, each]))],
+      () => at(this.document, place) ?? "", (chosen) => this.put(place, chosen || undefined), key.description);
+  }
+
+  /** A law within a table. @param {Path} place @param {any} key */
+  lawField(place, key) {
+    const section = this.schema["chain.loss"], entry = at(this.document, place);
+    if (entry) return make("div", { className: "entry" }, ...this.tableFields(section, place, entry), make("button", { type: "button", className: "small", onclick: () => this.put(place, undefined) }, "Use the chain’s loss"));
+    const names = Object.keys(section.variants).map((each) => /** @type {[string, string]} */ ([each, words(each).replaceAll("-", " ")]));
+    return this.select(place.join("."), words(key.name), [["", "the chain’s"], ...names], () => "",
+      (chosen) => chosen && this.put(place, this.begin({ keys: section.variants[chosen] }, { law: chosen })), key.description);
+  }
+
+  /** Show a message next to the control that was changed last. @param {string} message */
+  problem(message) {
+    const text = this.host.querySelector("#problem");
+    if (!(text instanceof HTMLElement)) return;
+    text.textContent = message;
+    text.hidden = !message;
+    for (const each of this.host.querySelectorAll("[aria-invalid]")) each.removeAttribute("aria-invalid");
+    const control = message ? document.getElementById(`c-${this.last}`) : null;
+    const row = control?.closest(".row");
+    if (control && row) {
+      control.setAttribute("aria-invalid", "true");
+      control.setAttribute("aria-describedby", "problem");
+      row.after(text);
+    } else this.host.append(text);
+  }
+}
+
+/** @param {string} text @param {any} key */
+export function listOf(text, key) {
+  const items = text.split(/[,;\n]+/).map((each) => each.trim()).filter(Boolean)
+    .map((each) => (key.kind === "number" && each !== "" && Number.isFinite(Number(each)) ? Number(each) : each));
+  if (!items.length) return undefined;
+  return items.length === 1 && key.one_for_all ? items[0] : key.kind === "text" ? text : items;
+}
+
+/** Radii in units of the first. @param {any[]} radii */
+function scaled(radii) {
+  const values = radii.map((each) => { const { number, unit } = parsed(each, "m"); return (number ?? 1) * (FACTORS[unit] ?? 1); });
+  return values.map((each) => +(each / values[0]).toPrecision(6));
+}

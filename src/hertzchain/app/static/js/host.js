@@ -1,0 +1,103 @@
+// @ts-check
+/** Where results come from: the local server, the page itself, or a notebook. */
+
+import { Splitter } from "./parts.js";
+
+/** @typedef {import("./parts.js").Part} Part */
+/** @typedef {{name: string, blob: Blob}} File */
+/** @typedef {{about: () => Promise<any>, results: (body: any, received: (part: Part) => void) => Promise<void>,
+ *   read: (text: string) => Promise<any>, save: (body: any) => Promise<File>, state: (state: any) => void}} Host */
+
+/** The server did not answer. */
+export class OfflineError extends Error {}
+
+const embedded = document.getElementById("embedded");
+/** What is stored in the page: nothing, if a server has sent it.
+ * @type {{kind: "saved" | "notebook", about: any, view?: any, parts?: string} | null} */
+export const stored = embedded ? JSON.parse(embedded.textContent ?? "null") : null;
+
+/** @param {string} path @param {string} type @param {string} body */
+async function post(path, type, body) {
+  return fetch(path, { method: "POST", headers: { "content-type": type }, body })
+    .catch(() => { throw new OfflineError("The server does not answer. Is `hertzchain app` still running? Trying again …"); });
+}
+
+/** @type {Host} */
+const server = {
+  async about() {
+    const answer = await fetch("/api/about");
+    if (!answer.ok) throw new Error(await answer.text());
+    return answer.json();
+  },
+  async results(body, received) {
+    const answer = await post("/api/results", "application/json", JSON.stringify(body));
+    if (!answer.ok || !answer.body) throw new Error(await answer.text());
+    const reader = answer.body.getReader(), splitter = new Splitter();
+    for (;;) {
+      const { done, value } = await reader.read().catch(() => { throw new OfflineError("The server has stopped. Trying again …"); });
+      if (done) return;
+      splitter.add(value).forEach(received);
+    }
+  },
+  async read(text) {
+    const answer = await post("/api/chain", "application/toml", text);
+    const reply = answer.ok ? await answer.json() : { error: await answer.text() };
+    if (reply.error) throw new Error(reply.error);
+    return reply.document;
+  },
+  async save(body) {
+    const answer = await post("/api/export", "application/json", JSON.stringify(body));
+    if (!answer.ok) throw new Error((await answer.json().catch(() => null))?.error ?? "The file could not be made.");
+    return { name: /filename="([^"]+)"/.exec(answer.headers.get("content-disposition") ?? "")?.[1] ?? "chain", blob: await answer.blob() };
+  },
+  state() {},
+};
+
+/** Results that are stored in the page.
+ * @type {Host} */
+const saved = {
+  about: async () => stored?.about,
+  async results(body, received) {
+    const bytes = Uint8Array.from(atob(stored?.parts ?? ""), (each) => each.charCodeAt(0));
+    for (const part of new Splitter().add(bytes)) if (part.header.slot === body.slot) received(part);
+  },
+  read: () => Promise.reject(new Error("A saved page cannot open files.")),
+  save: () => Promise.reject(new Error("A saved page cannot save files.")),
+  state() {},
+};
+
+/** A notebook, whose cell relays messages between this frame and Python.
+ * @returns {Host} */
+function notebook() {
+  let last = 0;
+  /** @type {Map<number, (content: any, buffers: ArrayBuffer[]) => void>} */
+  const pending = new Map();
+  addEventListener("message", (event) => {
+    if (event.source === parent && event.data?.content) pending.get(event.data.content.id)?.(event.data.content, event.data.buffers);
+  });
+  const ask = (/** @type {string} */ type, /** @type {any} */ body, /** @type {(buffer: ArrayBuffer) => void} */ received = () => {}) => new Promise((done, failed) => {
+    const id = ++last;
+    pending.set(id, (content, buffers) => {
+      buffers.forEach(received);
+      if (!content.done) return;
+      pending.delete(id);
+      if (content.error) failed(new Error(content.error));
+      else done({ ...content, buffers });
+    });
+    parent.postMessage({ id, type, body }, "*");
+  });
+  return {
+    about: async () => stored?.about,
+    async results(body, received) {
+      await ask("results", body, (buffer) => new Splitter().add(new Uint8Array(buffer)).forEach(received));
+    },
+    read: async (text) => (await ask("read", text)).document,
+    async save(body) {
+      const { name, media_type: type, buffers } = await ask("export", body);
+      return { name, blob: new Blob(buffers, { type }) };
+    },
+    state: (state) => { void ask("state", state); },
+  };
+}
+
+export const host = stored?.kind === "saved" ? saved : stored?.kind === "notebook" ? notebook() : server;

@@ -1,0 +1,532 @@
+// @ts-check
+/** The page: state, requests, drawing. */
+
+import { readColours } from "./colour.js";
+import { Controls } from "./controls.js";
+import { host, stored } from "./host.js";
+import { Link } from "./link.js";
+import { SpaceTime } from "./map.js";
+import { FACTORS, parsed, plain } from "./numbers.js";
+import { Results } from "./results.js";
+import { fillDialogs } from "./share.js";
+import { Stage } from "./stage.js";
+import { History, VIEW, copy, fromLink, toLink, withRadius } from "./state.js";
+import { Views } from "./views.js";
+
+/** @typedef {import("./state.js").Slot} Slot */
+
+/** @param {string} id @returns {any} */
+const $ = (id) => document.getElementById(id);
+/** @type {Slot[]} */
+const SLOTS = ["A", "B"];
+/** Seconds that a run takes at speed 1. */
+const DURATION = 8;
+const SETTLE = 180;
+const MAX_SENSORS = 4;
+const about = await host.about();
+/** @type {import("./state.js").State} */
+const state = (!stored && fromLink(location.hash)) || { A: about.document, B: stored?.view?.B ?? null, active: "A", view: { ...copy(VIEW), ...stored?.view?.view } };
+if (stored?.kind !== "saved" && !(!stored && fromLink(location.hash))) {
+  const middle = Math.round((about.document.chain.beads ?? 2) / 2);
+  Object.assign(state.view, { bead: middle, sensors: [middle] });
+}
+const history = new History();
+const results = { A: new Results(), B: new Results() };
+/** Measured times of answers, for the tests and `benchmarks/app.py`. */
+const answers = /** @type {any[]} */ ([]);
+const frames = /** @type {number[]} */ ([]);
+let u = 0, playing = !matchMedia("(prefers-reduced-motion: reduce)").matches, last = 0, awake = false;
+let settle = 0, asked = 0, draft = false, written = location.hash;
+const dirty = { pulse: true, times: true, map: true, table: true };
+/** @type {Record<Slot, boolean>} */
+const moved = { A: false, B: false };
+
+const controls = new Controls($("controls-body"), about, (document, moving, path) => change(document, moving, path));
+const views = new Views(about, {
+  bead: (bead) => select(Math.max(1, Math.min(own().beads.header?.beads ?? 1, bead))),
+  u: (place) => goTo(place),
+  hide: (name) => view({ hidden: state.view.hidden.includes(name) ? state.view.hidden.filter((each) => each !== name) : [...state.view.hidden, name] }),
+});
+const map = new SpaceTime($("map"), (bead, place) => { select(bead); goTo(place); });
+/** @param {Slot} slot */
+const stageOf = (slot) => new Stage($(`stage-${slot}`), {
+  select: (bead) => { activate(slot); select(bead); },
+  sensor: (bead) => toggleSensor(bead),
+  resize: (bead, radius, moving) => resize(bead, radius, moving),
+  wall: (gap, moving) => moveWall(gap, moving),
+});
+const stages = { A: stageOf("A"), B: stageOf("B") };
+/** @param {Slot} slot */
+const linkOf = (slot) => new Link(slot, { part: (part, sent) => take(slot, part, sent), offline: (text) => say(text, true) });
+const links = { A: linkOf("A"), B: linkOf("B") };
+
+/** Results of the chain that the controls change. */
+function own() {
+  return results[state.active];
+}
+
+function other() {
+  return state.B ? results[state.active === "A" ? "B" : "A"] : null;
+}
+
+/** @param {string} text @param {boolean} [bad] */
+function say(text, bad = false) {
+  $("status").textContent = text;
+  $("status").classList.toggle("bad", bad);
+}
+
+// State ------------------------------------------------------------------------------------------
+
+function snapshot() {
+  return JSON.stringify({ A: state.A, B: state.B, sensors: state.view.sensors });
+}
+
+/** The document of the active chain has changed.
+ * @param {any} document @param {boolean} moving @param {string} [path] */
+function change(document, moving, path) {
+  history.note(snapshot(), moving);
+  state[state.active] = document;
+  if (path === undefined) controls.last = "";
+  controls.show(document);
+  request([state.active], moving);
+  showHistory();
+}
+
+/** @param {Partial<import("./state.js").View>} some */
+function view(some) {
+  Object.assign(state.view, some);
+  dirty.pulse = dirty.times = dirty.map = dirty.table = true;
+  showView();
+  keepAddress();
+  wake();
+}
+
+/** @param {string | undefined} found */
+function restore(found) {
+  if (found === undefined) return;
+  const { A, B, sensors } = JSON.parse(found);
+  Object.assign(state, { A, B, active: B ? state.active : "A" });
+  state.view.sensors = sensors;
+  showAll();
+  request(SLOTS, false);
+}
+
+function undo() {
+  restore(history.undo(snapshot()));
+}
+
+function redo() {
+  restore(history.redo(snapshot()));
+}
+
+function showHistory() {
+  $("undo").disabled = !history.past.length;
+  $("redo").disabled = !history.future.length;
+}
+
+/** Show everything that the state determines. */
+function showAll() {
+  if (state.B && !["A", "B"].includes(state.active)) state.active = "A";
+  document.body.classList.toggle("comparing", state.B !== null);
+  $("compare").setAttribute("aria-pressed", String(state.B !== null));
+  $("lane-B").hidden = state.B === null;
+  $("tabs").hidden = state.B === null;
+  for (const slot of SLOTS) {
+    $(`tab-${slot}`).setAttribute("aria-pressed", String(slot === state.active));
+    $(`lane-${slot}`).classList.toggle("active", slot === state.active && state.B !== null);
+  }
+  controls.show(/** @type {any} */ (state[state.active]));
+  showView();
+  showHistory();
+  dirty.pulse = dirty.times = dirty.map = dirty.table = true;
+  wake();
+}
+
+function showView() {
+  const { view: v } = state;
+  /** @type {[string, string | number][]} */
+  const selects = [["quantity", v.quantity], ["camera", v.camera], ["clock", v.clock], ["speed", v.speed], ["map-of", v.map], ["map-scale", v.scale], ["budget-of", v.budget], ["errors", v.errors]];
+  for (const [id, value] of selects) $(id).value = String(value);
+  $("log").checked = v.log;
+  for (const slot of SLOTS) Object.assign(stages[slot], { camera: v.camera, scale: v.scale, sensors: v.sensors, bead: v.bead });
+  $("bead").value = String(v.bead);
+  $("sensor").setAttribute("aria-pressed", String(v.sensors.includes(v.bead)));
+}
+
+/** @param {Slot} slot */
+function activate(slot) {
+  if (slot === state.active || !state[slot]) return;
+  state.active = slot;
+  showAll();
+}
+
+/** @param {number} bead */
+function select(bead) {
+  if (bead === state.view.bead) return;
+  state.view.bead = bead;
+  dirty.table = true;
+  showView();
+  keepAddress();
+  wake();
+}
+
+/** @param {number} bead */
+function toggleSensor(bead) {
+  const { sensors } = state.view;
+  history.note(snapshot(), false);
+  state.view.sensors = sensors.includes(bead) ? sensors.filter((each) => each !== bead) : [...sensors, bead].slice(-MAX_SENSORS);
+  showView();
+  showHistory();
+  request(SLOTS, false);
+}
+
+/** @param {number} bead @param {number} radius NaN at the end of a drag @param {boolean} moving */
+function resize(bead, radius, moving) {
+  const document = /** @type {any} */ (state[state.active]), si = own().si;
+  if (!Number.isFinite(radius)) {
+    history.open = false;
+    request([state.active], false);
+    return;
+  }
+  if (document.chain.with_scatter) return say("Radii that scatter cannot be dragged; remove the random scatter first.", true);
+  if (!si && bead === 1 + own().beads.header.strikers) return say("Bead 1 is the unit of length of a scaled chain; change the others, or choose a material.", true);
+  change(withRadius(document, bead, si ? `${plain(+(radius * 1e3).toPrecision(3))} mm` : +radius.toPrecision(3)), moving, "chain.with_defects");
+}
+
+/** @param {number} gap @param {boolean} moving */
+function moveWall(gap, moving) {
+  const document = /** @type {any} */ (state[state.active]);
+  if (!own().si) return say("Gaps of a scaled chain are in units of overlaps, too small to be seen; use the control of the wall.", true);
+  const next = copy(document);
+  next.chain.right_wall.gap = `${plain(+(gap * 1e3).toPrecision(3))} mm`;
+  change(next, moving, "chain.right_wall.gap");
+}
+
+/** @param {any} document */
+function gapOf(document) {
+  const { number, unit } = parsed(document?.chain?.right_wall?.gap ?? 0, "m");
+  return (number ?? 0) * (FACTORS[unit] ?? 1);
+}
+
+// Requests ---------------------------------------------------------------------------------------
+
+/** Ask for results with the next frame: a draft during a drag, the exact ones when it has settled.
+ * @param {Slot[]} slots @param {boolean} moving */
+function request(slots, moving) {
+  const input = performance.now();
+  for (const slot of slots) if (state[slot]) moved[slot] = true;
+  document.body.dataset.settled = "no";
+  draft = moving;
+  asked ||= requestAnimationFrame(() => {
+    asked = 0;
+    for (const slot of SLOTS) if (moved[slot] && state[slot]) links[slot].ask(requestOf(slot, draft, input));
+  });
+  clearTimeout(settle);
+  const finish = () => {
+    if (SLOTS.some((slot) => links[slot].busy)) {
+      settle = setTimeout(finish, 30);
+      return;
+    }
+    keepAddress();
+    if (draft) for (const slot of SLOTS) if (moved[slot] && state[slot]) links[slot].ask(requestOf(slot, false, performance.now()));
+    draft = false;
+    for (const slot of SLOTS) moved[slot] = false;
+    if (document.body.dataset.settled === "no") wakeLater();
+  };
+  settle = setTimeout(finish, SETTLE);
+}
+
+/** @param {Slot} slot @param {boolean} rough @param {number} input */
+function requestOf(slot, rough, input) {
+  return {
+    document: state[slot], draft: rough, frames: rough ? 160 : 320, rtol: rough ? 1e-6 : 1e-9, clock: state.view.clock,
+    sensors: state.view.sensors, input,
+  };
+}
+
+/** @param {Slot} slot @param {any} part @param {any} sent */
+function take(slot, part, sent) {
+  const found = results[slot], kind = found.take(part), received = performance.now();
+  if (kind === "beads" || kind === "run") {
+    if (found.beads.header) stages[slot].chain(found.beads.arrays.get("radii"), found.beads.arrays.get("centres"), found.beads.header, gapOf(state[slot]));
+    stages[slot].motion = found.motion;
+  }
+  if (kind === "beads" || kind === "pulse") dirty.pulse = dirty.table = true;
+  if (kind === "run") dirty.times = dirty.map = true;
+  if (kind === "run" || kind === "status" || kind === "beads") dirty.times = true;
+  const record = { slot, part: kind, number: sent.number, draft: sent.draft, input: sent.input, sent: sent.sent, received, shown: 0 };
+  answers.push(record);
+  if (answers.length > 2000) answers.splice(0, 1000);
+  waiting.push(record);
+  problem(slot);
+  wake();
+}
+/** @type {any[]} */
+const waiting = [];
+
+/** @param {Slot} slot */
+function problem(slot) {
+  const found = results[slot];
+  $(`lane-${slot}`).classList.toggle("stale", Boolean(found.problem));
+  if (slot !== state.active) return;
+  document.body.classList.toggle("stale", Boolean(found.problem));
+  controls.problem(found.problem);
+  if (found.problem) return say(found.problem, true);
+  const message = found.run.header?.message;
+  if (found.pending.length && !found.motion) say(`Compiling ${found.pending[0]}: once after an installation, about a minute. Theories are shown already.`);
+  else if (message) say(`${message.charAt(0).toUpperCase()}${message.slice(1)}; energy is conserved to ${found.run.header.energy_drift.toExponential(0)}.`, !found.run.header.success);
+}
+
+// Drawing ----------------------------------------------------------------------------------------
+
+function wake() {
+  if (awake) return;
+  awake = true;
+  requestAnimationFrame(tick);
+}
+
+/** Frame of a chain at the place of the clock. @param {Slot} slot */
+function frameOf(slot) {
+  const motion = results[slot].motion;
+  if (!motion) return 0;
+  const first = results.A.motion;
+  if (slot === "A" || state.view.clock === "beads" || !first) return u * (motion.count - 1);
+  const time = first.times[Math.round(u * (first.count - 1))], found = motion.times.findIndex((each) => each >= time);
+  return found < 0 ? motion.count - 1 : found;
+}
+
+/** @param {number} now */
+function tick(now) {
+  awake = false;
+  const began = performance.now();
+  if (playing && last) u += (Math.min(100, now - last) / 1000 / DURATION) * state.view.speed;
+  if (u >= 1) u = u >= 1.06 ? 0 : u; // Rest at the end for a moment.
+  last = playing ? now : 0;
+  draw();
+  frames.push(performance.now() - began);
+  if (frames.length > 1000) frames.splice(0, 500);
+  if (waiting.length) {
+    const shown = waiting.splice(0);
+    setTimeout(() => {
+      for (const record of shown) record.shown = performance.now();
+      const done = SLOTS.every((slot) => !state[slot] || ((results[slot].settled || results[slot].problem) && !links[slot].busy));
+      document.body.dataset.settled = done && !moved.A && !moved.B && !asked ? "yes" : "no";
+      if (document.body.dataset.settled === "no") wakeLater();
+    });
+  }
+  if (playing && results.A.motion) wake();
+}
+
+let later = 0;
+/** Look again whether everything has settled. */
+function wakeLater() {
+  clearTimeout(later);
+  later = setTimeout(() => {
+    const done = SLOTS.every((slot) => !state[slot] || ((results[slot].settled || results[slot].problem) && !links[slot].busy));
+    if (done && !moved.A && !moved.B && !asked) document.body.dataset.settled = "yes";
+    else wakeLater();
+  }, 30);
+}
+
+function draw() {
+  const found = own(), place = Math.min(1, u), frame = Math.min(1, u) * ((found.motion?.count ?? 1) - 1);
+  for (const slot of SLOTS) {
+    if (!state[slot] || !results[slot].ready) continue;
+    const at = place === u ? frameOf(slot) : (results[slot].motion?.count ?? 1) - 1;
+    const time = results[slot].motion?.times[Math.round(at)] ?? 0;
+    stages[slot].draw(at, results[slot].front(time));
+  }
+  if (dirty.map && found.motion) {
+    map.paint(found.motion, /** @type {any} */ (state.view.map), state.view.scale);
+    dirty.map = false;
+  }
+  const axis = found.motion ? views.timeAxis(found) : { factor: 1, label: "" };
+  map.draw(frame, state.view.bead, axis);
+  if (dirty.pulse) {
+    views.drawPulse(state, found, other());
+    showTitles();
+    dirty.pulse = false;
+  }
+  if (dirty.times) {
+    views.drawTimes(state, found, other());
+    dirty.times = false;
+  }
+  if (dirty.table && $("table-details").open) views.drawTable(state, found);
+  dirty.table = false;
+  views.cursor(state.view.bead, place);
+  showClock(found, frame, axis);
+}
+
+/** @param {import("./results.js").Results} found @param {number} frame @param {any} axis */
+function showClock(found, frame, axis) {
+  const time = found.motion?.times[Math.round(frame)];
+  const text = time === undefined ? "" : `t = ${(time * axis.factor).toPrecision(4)}${axis.label.match(/\[(.*)\]/)?.[1] ? ` ${axis.label.match(/\[(.*)\]/)[1]}` : ""}`;
+  if ($("clockface").textContent !== text) $("clockface").textContent = text;
+  const slider = $("time");
+  if (document.activeElement !== slider || playing) slider.value = String(Math.round(1000 * Math.min(1, u)));
+  slider.setAttribute("aria-valuetext", text);
+}
+
+function showTitles() {
+  for (const slot of SLOTS) {
+    const header = results[slot].beads.header;
+    if (header) $(`title-${slot}`).textContent = (state.B ? `${slot}: ` : "") + header.description;
+  }
+  const beads = own().beads.header?.beads, list = own().warnings.map((text) => text.charAt(0).toUpperCase() + text.slice(1));
+  if (beads) $("bead").max = String(beads);
+  if (beads < state.view.bead) select(beads);
+  $("warnings").hidden = !list.length;
+  $("warnings-count").textContent = list.length === 1 ? list[0] : `${list.length} warnings: ${list[0]}`;
+  $("warnings-list").replaceChildren(...list.slice(1).map((text) => Object.assign(document.createElement("li"), { textContent: text })));
+}
+
+/** @param {boolean} on */
+function play(on) {
+  playing = on;
+  if (on && u >= 1) u = 0;
+  last = 0;
+  $("play").setAttribute("aria-label", on ? "Pause" : "Play");
+  $("play").textContent = on ? "❚❚" : "▶";
+  wake();
+}
+
+/** @param {number} place */
+function goTo(place) {
+  u = Math.max(0, Math.min(1, place));
+  play(false);
+}
+
+function keepAddress() {
+  host.state({ A: state.A, B: state.B });
+  // A link that was pasted into the address in the meantime is not overwritten.
+  if (stored || location.hash !== written) return;
+  const hash = toLink(state);
+  if (hash !== written) window.history.replaceState(null, "", hash);
+  written = location.hash;
+}
+
+// Events -----------------------------------------------------------------------------------------
+
+function listen() {
+  for (const name of Object.keys(about.quantities)) {
+    if (!about.quantities[name].estimate) $("quantity").append(Object.assign(document.createElement("option"), { value: name, textContent: name.replaceAll("_", " ") }));
+  }
+  /** @type {[string, keyof typeof VIEW, boolean?][]} */
+  const selects = [["quantity", "quantity"], ["camera", "camera"], ["map-of", "map"], ["map-scale", "scale"], ["budget-of", "budget"], ["errors", "errors"], ["clock", "clock", true]];
+  for (const [id, name, again] of selects) {
+    $(id).addEventListener("change", () => {
+      view({ [name]: $(id).value });
+      if (again) request(SLOTS, false);
+    });
+  }
+  $("speed").addEventListener("change", () => view({ speed: Number($("speed").value) }));
+  $("log").addEventListener("change", () => view({ log: $("log").checked }));
+  $("bead").addEventListener("change", () => select(Math.max(1, Math.min(own().beads.header?.beads ?? 1, Math.round(Number($("bead").value)) || 1))));
+  $("sensor").addEventListener("click", () => toggleSensor(state.view.bead));
+  $("play").addEventListener("click", () => play(!playing));
+  $("time").addEventListener("input", () => goTo(Number($("time").value) / 1000));
+  $("undo").addEventListener("click", undo);
+  $("redo").addEventListener("click", redo);
+  $("compare").addEventListener("click", compare);
+  for (const slot of SLOTS) $(`tab-${slot}`).addEventListener("click", () => activate(slot));
+  $("theme").addEventListener("click", () => {
+    const root = document.documentElement, dark = root.dataset.theme ? root.dataset.theme === "dark" : matchMedia("(prefers-color-scheme: dark)").matches;
+    root.dataset.theme = dark ? "light" : "dark";
+    repaint();
+  });
+  matchMedia("(prefers-color-scheme: dark)").addEventListener("change", repaint);
+  $("table-details").addEventListener("toggle", () => { dirty.table = true; wake(); });
+  new ResizeObserver(() => { dirty.pulse = dirty.times = true; wake(); }).observe($("views"));
+  addEventListener("hashchange", () => {
+    const next = fromLink(location.hash);
+    if (!next) return;
+    history.note(snapshot(), false);
+    written = location.hash;
+    Object.assign(state, next);
+    showAll();
+    request(SLOTS, false);
+  });
+  addEventListener("keydown", keys);
+}
+
+function compare() {
+  history.note(snapshot(), false);
+  if (state.B) Object.assign(state, { A: state.active === "B" ? state.B : state.A, B: null, active: "A" });
+  else Object.assign(state, { B: copy(state.A), active: "B" });
+  view({ errors: state.B ? "difference" : "theories" });
+  showAll();
+  request(SLOTS, false);
+}
+
+function repaint() {
+  readColours();
+  dirty.map = true;
+  wake();
+}
+
+/** @param {KeyboardEvent} event */
+function keys(event) {
+  const target = /** @type {HTMLElement} */ (event.target), typing = target.matches("input:not([type=range]):not([type=checkbox]), textarea");
+  if (document.querySelector("dialog[open]")) return;
+  if ((event.ctrlKey || event.metaKey) && !typing && event.key.toLowerCase() === "z") {
+    event.preventDefault();
+    if (event.shiftKey) redo();
+    else undo();
+    return;
+  }
+  if (event.ctrlKey || event.metaKey || event.altKey || typing) return;
+  const onStage = target.matches(".lane");
+  const bead = state.view.bead, beads = own().beads.header?.beads ?? 1;
+  /** @type {Record<string, () => void>} */
+  const actions = {
+    " ": () => play(!playing), ",": () => goTo(u - 1 / 320), ".": () => goTo(u + 1 / 320), s: () => toggleSensor(bead),
+    f: () => view({ camera: state.view.camera === "follow" ? "whole" : "follow" }), "?": () => $("help").showModal(),
+    ...(onStage ? {
+      ArrowLeft: () => select(Math.max(1, bead - 1)), ArrowRight: () => select(Math.min(beads, bead + 1)),
+      Home: () => select(1), End: () => select(beads),
+      ArrowUp: () => resize(bead, own().beads.arrays.get("radii")[bead - 1] * 1.05, false),
+      ArrowDown: () => resize(bead, own().beads.arrays.get("radii")[bead - 1] / 1.05, false),
+    } : {}),
+  };
+  if (event.key === " " && target.matches("button, summary, select, input")) return;
+  const action = actions[event.key];
+  if (!action) return;
+  event.preventDefault();
+  action();
+}
+
+function start() {
+  document.body.classList.toggle("saved", stored?.kind === "saved");
+  readColours();
+  listen();
+  fillDialogs(about, {
+    open: (example, slot) => {
+      history.note(snapshot(), false);
+      if (slot === "B") Object.assign(state, { B: copy(example.document), active: "B" });
+      else Object.assign(state, { A: copy(example.document), B: example.other ? copy(example.other) : state.B, active: "A" });
+      state.view.sensors = example.view.sensors ?? (slot === "B" ? state.view.sensors : []);
+      state.view.errors = state.B ? "difference" : "theories";
+      controls.last = "";
+      u = 0;
+      showAll();
+      request(SLOTS, false);
+      say(example.look_for);
+    },
+    document: () => state[state.active],
+    request: () => ({
+      sensors: state.view.sensors, quantity: state.view.quantity, clock: state.view.clock, frames: 320,
+      until: own().motion?.times.at(-1), other: state.B ? state[state.active === "A" ? "B" : "A"] : undefined,
+      view: { view: state.view, B: state.B && state[state.active === "A" ? "B" : "A"] },
+    }),
+    opened: (document) => { controls.last = ""; change(document, false); },
+    say,
+    link: () => (stored ? "http://127.0.0.1:8765/" : location.origin + location.pathname) + toLink(state),
+  });
+  play(playing);
+  showAll();
+  request(SLOTS, false);
+}
+
+start();
+Object.assign(window, { hertzchain: { about, schema: Object.keys(about.schema.sections), state, results, answers, frames, get u() { return u; }, get playing() { return playing; },
+  placeOf: (/** @type {Slot} */ slot, /** @type {number} */ bead) => stages[slot].placeOf(bead) } });

@@ -1,0 +1,153 @@
+// @ts-check
+/** Numbers as text, ticks of axes, units, and the scale of sliders.  Pure functions. */
+
+/** @typedef {{low: number, high: number, log: boolean, integer: boolean, zero: boolean}} Range */
+
+/** Factors to SI of the units that the page shows.
+ * @type {Record<string, number>} */
+export const FACTORS = {
+  m: 1, cm: 1e-2, mm: 1e-3, um: 1e-6, "µm": 1e-6, nm: 1e-9, in: 25.4e-3,
+  kg: 1, g: 1e-3, mg: 1e-6, s: 1, ms: 1e-3, us: 1e-6, "µs": 1e-6, ns: 1e-9,
+  "m/s": 1, "cm/s": 1e-2, "mm/s": 1e-3, "m/s^2": 1, "cm/s^2": 1e-2, "mm/s^2": 1e-3,
+  N: 1, kN: 1e3, mN: 1e-3, Hz: 1, kHz: 1e3, MHz: 1e6,
+  Pa: 1, kPa: 1e3, MPa: 1e6, GPa: 1e9, "kg/m^3": 1, "g/cm^3": 1e3, "kg/s": 1, "g/s": 1e-3,
+};
+
+/** Units in which a quantity is shown and entered first, by dimension.
+ * @type {Record<string, string>} */
+export const SHOWN = {
+  length: "mm", mass: "g", time: "µs", frequency: "kHz", pressure: "GPa",
+};
+
+/** Usual ranges of sliders in the units shown: SI, then scaled; number fields accept all values.
+ * @type {Record<string, [[number, number], [number, number]]>} */
+const USUAL = {
+  length: [[0.1, 50], [0.05, 5]],
+  velocity: [[0.01, 20], [0.01, 5]],
+  force: [[0.1, 1000], [0.001, 10]],
+  frequency: [[0.1, 50], [0.01, 10]],
+  time: [[1, 10000], [0.1, 100]],
+  stiffness: [[1e6, 1e12], [0.01, 100]],
+  mass: [[0.01, 1000], [0.01, 100]],
+  acceleration: [[-20, 20], [-0.1, 0.1]],
+  damping: [[1e-4, 10], [1e-3, 1]],
+  pressure: [[0.1, 500], [0.01, 100]],
+  density: [[500, 20000], [0.01, 100]],
+};
+
+/** Usual ranges of keys without a dimension, by name.
+ * @type {Record<string, [number, number]>} */
+const BY_NAME = {
+  beads: [2, 200], cells: [1, 100], exponent: [1.1, 4], rate: [0.001, 0.3], mass_ratio: [0.01, 1],
+  ratio: [0.05, 1.2], relative: [0, 0.3], seed: [0, 50], count: [1, 8], between: [1, 4],
+  strikers: [0, 5], cycles: [0.5, 20], grade: [3, 1000],
+};
+
+/** A number in few characters. @param {number} value @param {number} [digits] */
+export function short(value, digits = 4) {
+  if (!Number.isFinite(value)) return "–";
+  if (value === 0) return "0";
+  const size = Math.abs(value);
+  if (size >= 1e5 || size < 1e-3) {
+    const [mantissa, power] = value.toExponential(Math.min(digits, 3) - 1).split("e");
+    return `${String(+mantissa)}e${+power}`.replace("-", "−").replace("e-", "e−");
+  }
+  return String(+value.toPrecision(digits)).replace("-", "−");
+}
+
+/** Text for a number field: the shortest text that is the same number to 12 digits.
+ * @param {number} value */
+export function plain(value) {
+  return String(+value.toPrecision(12));
+}
+
+/** Round values between two ends. @param {number} low @param {number} high @param {number} count */
+export function ticks(low, high, count) {
+  if (!(high > low)) return [low];
+  const rough = (high - low) / Math.max(1, count);
+  const power = 10 ** Math.floor(Math.log10(rough));
+  const step = power * ([1, 2, 5, 10].find((each) => each * power >= rough * 0.999) ?? 10);
+  const found = [];
+  for (let i = Math.ceil(low / step - 1e-9); i * step <= high + 1e-9 * step; i++) {
+    found.push(+(i * step).toPrecision(12));
+  }
+  return found;
+}
+
+/** Powers of ten between two ends. @param {number} low @param {number} high @param {number} count */
+export function powers(low, high, count) {
+  const first = Math.ceil(Math.log10(low) - 1e-9), last = Math.floor(Math.log10(high) + 1e-9);
+  const step = Math.max(1, Math.ceil((last - first) / count));
+  const found = [];
+  for (let power = first; power <= last; power += step) found.push(10 ** power);
+  return found.length > 1 ? found : ticks(low, high, count).filter((each) => each > 0);
+}
+
+/** Prefix that makes the largest value readable: factor and unit.
+ * @param {number} largest @param {string} unit @returns {[number, string]} */
+export function prefixed(largest, unit) {
+  if (!unit || !(largest > 0) || !Number.isFinite(largest)) return [1, unit];
+  /** @type {[number, string][]} */
+  const prefixes = [[1e-9, "G"], [1e-6, "M"], [1e-3, "k"], [1, ""], [1e3, "m"], [1e6, "µ"], [1e9, "n"]];
+  if (!/^(m|m\/s|s|N|J|Hz|Pa)$/.test(unit)) return [1, unit];
+  const found = prefixes.find(([factor]) => largest * factor >= 0.5) ?? [1e9, "n"];
+  return [found[0], found[1] + unit];
+}
+
+/** Number and unit of a value of a document. @param {unknown} value @param {string} unit
+ * @returns {{number: number | null, unit: string}} */
+export function parsed(value, unit) {
+  if (typeof value === "number") return { number: value / (FACTORS[unit] ?? 1), unit };
+  const found = typeof value === "string" ? /^\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(.*?)\s*$/.exec(value) : null;
+  if (found) return { number: Number(found[1]), unit: found[2] || unit };
+  return { number: value === "inf" ? Infinity : null, unit };
+}
+
+/** Value of a document for a number in a unit; text with the unit keeps all decimal digits.
+ * @param {number} number @param {string} unit @returns {number | string} */
+export function valued(number, unit) {
+  if (number === Infinity) return "inf";
+  return unit && (FACTORS[unit] ?? 1) !== 1 ? `${plain(number)} ${unit}` : number;
+}
+
+/** Range of the slider of a key.
+ * @param {any} key @param {boolean} si @param {number | null} value in the unit that is shown
+ * @param {{beads?: number, taper?: string}} [chain] @returns {Range} */
+export function rangeOf(key, si, value, chain = {}) {
+  const least = key.least ?? key.above, most = key.most ?? key.below;
+  let [low, high] = (key.dimension && USUAL[key.dimension]?.[si ? 0 : 1]) || BY_NAME[key.name] || [0.01, 10];
+  if (!key.dimension && least !== undefined && most !== undefined && !(key.name in BY_NAME)) [low, high] = [least, most];
+  if (key.name === "rate" && chain.taper?.endsWith("linear") && chain.beads) {
+    high = chain.taper.startsWith("forward") ? 0.999 / (chain.beads - 1) : 1;
+    low = high / 1000;
+  }
+  if (key.name === "bead" && chain.beads) [low, high] = [1, chain.beads];
+  if (key.kind === "integer" && least !== undefined) low = Math.max(low, least);
+  const finite = value !== null && Number.isFinite(value);
+  if (finite && value > 0) [low, high] = [Math.min(low, value), Math.max(high, value)];
+  if (finite && value < 0) low = Math.min(low, value);
+  const integer = key.kind === "integer", log = low > 0 && high / low > 50;
+  return { low, high, log, integer, zero: log && key.least === 0 };
+}
+
+/** Number of steps of a slider. */
+export const STEPS = 1000;
+
+/** Value at a position of a slider. @param {number} position 0 .. STEPS @param {Range} range */
+export function valueAt(position, range) {
+  if (range.zero && position <= 0) return 0;
+  const u = Math.min(1, Math.max(0, position / STEPS));
+  const value = range.log ? range.low * (range.high / range.low) ** u : range.low + u * (range.high - range.low);
+  if (range.integer) return Math.round(value);
+  if (u === 0) return range.low;
+  if (u === 1) return range.high;
+  return range.log ? +value.toPrecision(3) : +value.toFixed(Math.max(0, 3 - Math.floor(Math.log10(range.high - range.low))));
+}
+
+/** Position of a slider at a value. @param {number | null} value @param {Range} range */
+export function positionOf(value, range) {
+  if (value === null || !Number.isFinite(value)) return STEPS / 2;
+  if (range.log && value <= 0) return 0;
+  const u = range.log ? Math.log(value / range.low) / Math.log(range.high / range.low) : (value - range.low) / (range.high - range.low);
+  return Math.round(STEPS * Math.min(1, Math.max(0, u)));
+}

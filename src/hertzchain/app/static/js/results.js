@@ -1,0 +1,96 @@
+// @ts-check
+/** Results of one chain, as they arrive. */
+
+/** @typedef {import("./parts.js").Part} Part */
+
+const START = () => ({ header: /** @type {any} */ (null), arrays: /** @type {Map<string, any>} */ (new Map()) });
+
+export class Results {
+  constructor() {
+    this.beads = START();
+    this.pulse = START();
+    this.run = START();
+    /** @type {import("./stage.js").Motion | null} */
+    this.motion = null;
+    /** Why there is no newer result. */
+    this.problem = "";
+    /** @type {string[]} */
+    this.pending = [];
+    this.settled = false;
+  }
+
+  /** Take a message; returns its kind. @param {Part} part @returns {string} */
+  take(part) {
+    const { header, arrays } = part, kind = header.part;
+    if (kind === "status") this.pending = header.pending;
+    if (kind === "error") this.problem = header.message;
+    if (kind === "beads") {
+      this.beads = part;
+      this.problem = "";
+      // Results of a chain with another number of beads cannot be shown together with this one.
+      if (this.motion && this.motion.beads !== header.beads) this.motion = null;
+      if (this.exact("velocity") && this.exact("velocity").length !== header.beads) this.pulse = START();
+    }
+    if (kind === "pulse") this.pulse = part;
+    if (kind === "run") {
+      this.run = part;
+      this.settled = !header.draft;
+      this.motion = {
+        count: arrays.get("times").length, beads: this.beads.header.beads, times: arrays.get("times"),
+        velocities: arrays.get("velocities"), speeds: arrays.get("velocities.scale"),
+        forces: arrays.get("forces"), strengths: arrays.get("forces.scale"),
+      };
+    }
+    return kind;
+  }
+
+  get ready() {
+    return this.beads.header !== null;
+  }
+
+  get si() {
+    return this.beads.header?.units === "SI";
+  }
+
+  /** @param {string} quantity */
+  exact(quantity) {
+    return this.pulse.arrays.get(`exact.${quantity}`);
+  }
+
+  /** All theories: label, refusal or note. @returns {[string, any][]} */
+  get theories() {
+    return Object.entries({ ...this.beads.header?.theories, ...this.pulse.header?.theories });
+  }
+
+  /** @param {string} name @param {string} quantity */
+  theory(name, quantity) {
+    const values = this.beads.arrays.get(`${name}.${quantity}`) ?? this.pulse.arrays.get(`${name}.${quantity}`);
+    const beads = this.beads.header?.beads;
+    return values && Math.abs(values.length - beads) <= 1 ? values : undefined;
+  }
+
+  /** Sentences about the validity of the results. @returns {string[]} */
+  get warnings() {
+    const note = this.pulse.header?.note;
+    return [...new Set([...(this.beads.header?.warnings ?? []), ...(this.run.header?.warnings ?? []), ...(note ? [note] : [])])];
+  }
+
+  /** Bead that the pulse reaches at a time, counted from 0, with a fraction. @param {number} time */
+  front(time) {
+    const arrival = this.exact("arrival");
+    if (!arrival) return 0;
+    let low = 0, high = arrival.length - 1;
+    while (low < high) {
+      const half = (low + high + 1) >> 1;
+      if (arrival[half] <= time) low = half;
+      else high = half - 1;
+    }
+    const next = arrival[low + 1];
+    return next > time ? low + (time - arrival[low]) / (next - arrival[low]) : low;
+  }
+}
+
+/** Name of a theory for people. @param {string} name */
+export function title(name) {
+  return name.replace(/-printed$/, ", as printed").replaceAll("-", " ").replace("bca", "BCA");
+}

@@ -1,0 +1,86 @@
+// @ts-check
+/** Dialogs: examples, and what can be shared or saved. */
+
+import { svg } from "./chart.js";
+import { make } from "./controls.js";
+import { host } from "./host.js";
+
+/** @typedef {{open: (example: any, slot: "A" | "B") => void, document: () => any, request: () => any, opened: (document: any) => void,
+ *   say: (text: string, bad?: boolean) => void, link: () => string}} Handlers */
+
+/** @param {string} id @returns {any} */
+const $ = (id) => document.getElementById(id);
+
+/** Offer a file to save. @param {string} name @param {Blob} blob */
+function offer(name, blob) {
+  const link = /** @type {HTMLAnchorElement} */ (make("a", { href: URL.createObjectURL(blob), download: name }));
+  link.click();
+  setTimeout(() => URL.revokeObjectURL(link.href), 10000);
+}
+
+/** A chain as a picture. @param {number[]} radii */
+function picture(radii) {
+  const long = radii.reduce((sum, r) => sum + 2 * r, 0), most = Math.max(...radii), tall = Math.max(2 * most, long / 12);
+  const drawing = svg("svg", { viewBox: `0 0 ${long} ${tall}`, "aria-hidden": "true", class: "picture" });
+  let x = 0;
+  radii.forEach((r, k) => {
+    drawing.append(svg("circle", { cx: x + r, cy: tall / 2, r: 0.96 * r, class: k === 0 ? "first" : "" }));
+    x += 2 * r;
+  });
+  return drawing;
+}
+
+/** @param {any} about @param {Handlers} on */
+export function fillDialogs(about, on) {
+  const examples = $("examples"), share = $("share-dialog");
+  $("gallery").replaceChildren(...about.gallery.map((/** @type {any} */ example) => {
+    const choose = (/** @type {"A" | "B"} */ slot) => {
+      examples.close();
+      on.open(example, slot);
+    };
+    return make("li", { className: "example" }, picture(example.radii), make("h3", {}, example.title), make("p", {}, example.look_for),
+      make("div", { className: "actions" },
+        make("button", { type: "button", className: "primary", "aria-label": `Open ${example.title}`, onclick: () => choose("A") }, "Open"),
+        make("button", { type: "button", "aria-label": `Open as chain B: ${example.title}`, onclick: () => choose("B") }, "Open as chain B")));
+  }));
+  for (const [button, dialog] of [["open-examples", examples], ["open-share", share], ["open-help", $("help")]]) {
+    $(button).addEventListener("click", () => /** @type {any} */ (dialog).showModal());
+  }
+  for (const close of document.querySelectorAll("dialog .close")) close.addEventListener("click", () => close.closest("dialog")?.close());
+
+  $("copy-link").addEventListener("click", async () => {
+    try {
+      await navigator.clipboard.writeText(on.link());
+      on.say("Link copied. It opens this chain in any running `hertzchain app`.");
+    } catch {
+      on.say("The browser does not allow copying; copy the address of the page.", true);
+    }
+    share.close();
+  });
+  $("open-file").addEventListener("click", () => $("file").click());
+  $("file").addEventListener("change", async () => {
+    const file = $("file").files[0];
+    $("file").value = "";
+    if (!file) return;
+    share.close();
+    try {
+      on.opened(await host.read(await file.text()));
+    } catch (error) {
+      on.say(/** @type {Error} */ (error).message, true);
+    }
+  });
+  for (const button of document.querySelectorAll("[data-export]")) {
+    button.addEventListener("click", async () => {
+      const kind = /** @type {HTMLElement} */ (button).dataset.export;
+      on.say("Preparing the file …");
+      share.close();
+      try {
+        const { name, blob } = await host.save({ ...on.request(), kind, document: on.document(), figure: $("figure").value, format: $("format").value });
+        offer(name, blob);
+        on.say(`Saved ${name}.`);
+      } catch (error) {
+        on.say(/** @type {Error} */ (error).message, true);
+      }
+    });
+  }
+}

@@ -1,0 +1,331 @@
+// @ts-check
+/** The beads, to scale, with the pulse in them. */
+
+import { COLOURS, STEPS, stepOf } from "./colour.js";
+
+/** @typedef {{count: number, beads: number, times: Float64Array, velocities: Int16Array, speeds: Float64Array,
+ *   forces: Int16Array, strengths: Float64Array}} Motion */
+/** @typedef {{select: (bead: number) => void, sensor: (bead: number) => void,
+ *   resize: (bead: number, radius: number, moving: boolean) => void,
+ *   wall: (gap: number, moving: boolean) => void}} Handlers */
+
+const FULL = 32767;
+/** Pixels around the rim of a bead in which it can be dragged. */
+const RIM = 6;
+const MOST = 6, LEAST = 0.15;
+
+export class Stage {
+  /** @param {HTMLCanvasElement} canvas @param {Handlers} on */
+  constructor(canvas, on) {
+    this.canvas = canvas;
+    this.on = on;
+    /** @type {Float64Array<ArrayBufferLike>} */
+    this.radii = new Float64Array(0);
+    /** @type {Float64Array<ArrayBufferLike>} */
+    this.centres = new Float64Array(0);
+    /** @type {string[]} */
+    this.walls = [];
+    this.strikers = 0;
+    this.long = 1;
+    this.largest = 1;
+    /** @type {Motion | null} */
+    this.motion = null;
+    this.bead = 0;
+    /** @type {number[]} */
+    this.sensors = [];
+    this.camera = "whole";
+    this.scale = "bead";
+    this.wallGap = 0;
+    this.look = { x: 0, scale: 1 };
+    /** @type {any} */
+    this.drag = null;
+    canvas.addEventListener("pointerdown", (event) => this.down(event));
+    canvas.addEventListener("pointermove", (event) => this.move(event));
+    canvas.addEventListener("pointerup", () => this.up());
+    canvas.addEventListener("pointercancel", () => this.up());
+  }
+
+  /** @param {Float64Array} radii @param {Float64Array} centres @param {any} header @param {number} wallGap */
+  chain(radii, centres, header, wallGap) {
+    this.radii = radii;
+    this.centres = centres;
+    this.walls = header.walls;
+    this.strikers = header.strikers;
+    this.wallGap = header.units === "SI" ? wallGap : 0;
+    const last = radii.length - 1;
+    this.long = centres[last] + radii[last] + this.wallGap;
+    this.largest = radii.reduce((a, b) => Math.max(a, b), 0);
+  }
+
+  get middle() {
+    return this.canvas.clientHeight * 0.63;
+  }
+
+  /** @param {number} x */
+  px(x) {
+    return (x - this.look.x) * this.look.scale;
+  }
+
+  /** Centre and radius of a bead in the window. @param {number} bead from 1 @returns {number[]} */
+  placeOf(bead) {
+    const { left, top } = this.canvas.getBoundingClientRect();
+    return [left + this.px(this.centres[bead - 1]), top + this.middle, this.radii[bead - 1] * this.look.scale];
+  }
+
+  /** Bead at a place, or -1; and whether it is at the rim. @param {number} x @param {number} y */
+  hit(x, y) {
+    const place = x / this.look.scale + this.look.x;
+    let low = 0, high = this.radii.length - 1;
+    while (low < high) {
+      const half = (low + high) >> 1;
+      if (this.centres[half] + this.radii[half] < place) low = half + 1;
+      else high = half;
+    }
+    const distance = Math.hypot(x - this.px(this.centres[low]), y - this.middle);
+    const r = this.radii[low] * this.look.scale;
+    if (distance > Math.max(r, 8) + RIM) return { bead: -1, rim: false };
+    return { bead: low, rim: distance > r - Math.min(RIM, 0.35 * r) };
+  }
+
+  /** @param {number} x */
+  atWall(x) {
+    return this.walls.includes("right") && Math.abs(x - this.px(this.long) - 5) < 9;
+  }
+
+  /** @param {PointerEvent} event */
+  down(event) {
+    const { offsetX: x, offsetY: y } = event;
+    const { bead, rim } = this.hit(x, y);
+    if (bead < 0) {
+      if (!this.atWall(x)) return;
+      this.canvas.setPointerCapture(event.pointerId);
+      this.drag = { wall: true, x, gap: this.wallGap, moved: false };
+      return;
+    }
+    this.canvas.setPointerCapture(event.pointerId);
+    const reach = Math.max(4, Math.hypot(x - this.px(this.centres[bead]), y - this.middle));
+    this.drag = { bead, rim, reach, radius: this.radii[bead], look: { ...this.look }, moved: false, x, y };
+    this.on.select(bead + 1);
+  }
+
+  /** @param {PointerEvent} event */
+  move(event) {
+    const { offsetX: x, offsetY: y } = event, drag = this.drag;
+    if (!drag) {
+      const { bead, rim } = this.hit(x, y);
+      this.canvas.style.cursor = bead >= 0 ? (rim ? "nwse-resize" : "pointer") : this.atWall(x) ? "ew-resize" : "default";
+      return;
+    }
+    if (drag.wall) {
+      drag.moved = true;
+      this.on.wall(Math.max(0, drag.gap + (x - drag.x) / this.look.scale), true);
+      return;
+    }
+    if (!drag.moved && Math.hypot(x - drag.x, y - drag.y) < 3) return;
+    drag.moved = true;
+    // Distances from where the centre was when the drag began, so that the bead cannot run away.
+    const centre = (this.centres[drag.bead] - drag.look.x) * drag.look.scale;
+    const factor = Math.min(MOST, Math.max(LEAST, Math.hypot(x - centre, y - this.middle) / drag.reach));
+    this.on.resize(drag.bead + 1, drag.radius * factor, true);
+  }
+
+  up() {
+    const drag = this.drag;
+    this.drag = null;
+    if (!drag) return;
+    if (drag.wall) { if (drag.moved) this.on.wall(this.wallGap, false); }
+    else if (drag.moved) this.on.resize(drag.bead + 1, NaN, false);
+    else this.on.sensor(drag.bead + 1);
+  }
+
+  /** Where the camera looks. @param {number} front bead, counted from 0, with a fraction */
+  aim(front) {
+    if (this.drag && !this.drag.wall) {
+      this.look = this.drag.look;
+      return;
+    }
+    const W = this.canvas.clientWidth, H = this.canvas.clientHeight;
+    const left = this.walls.includes("left") ? 16 : 8, right = this.walls.includes("right") ? 22 : 8;
+    const whole = Math.min((W - left - right) / this.long, (0.26 * H) / this.largest);
+    if (this.camera !== "follow") {
+      const spare = W - left - right - this.long * whole;
+      this.look = { scale: whole, x: -(left + spare / 2) / whole };
+      return;
+    }
+    const k = Math.max(0, Math.min(this.radii.length - 1, Math.floor(front))), next = Math.min(this.radii.length - 1, k + 1);
+    const u = Math.max(0, Math.min(1, front - k));
+    const r = this.radii[k] * (1 - u) + this.radii[next] * u, x = this.centres[k] * (1 - u) + this.centres[next] * u;
+    const scale = Math.max(whole, Math.min((0.2 * H) / r, W / (14 * 2 * r)));
+    this.look = { scale, x: x - W / 2 / scale };
+  }
+
+  get fastest() {
+    return this.motion ? this.motion.speeds.reduce((a, b) => Math.max(a, b), 1e-300) : 1;
+  }
+
+  /** Draw everything at a frame, which may have a fraction. @param {number} frame @param {number} front */
+  draw(frame, front) {
+    const canvas = this.canvas, ratio = devicePixelRatio || 1, W = canvas.clientWidth, H = canvas.clientHeight;
+    if (canvas.width !== Math.round(W * ratio) || canvas.height !== Math.round(H * ratio)) {
+      canvas.width = Math.round(W * ratio);
+      canvas.height = Math.round(H * ratio);
+    }
+    const pen = /** @type {CanvasRenderingContext2D} */ (canvas.getContext("2d"));
+    pen.setTransform(ratio, 0, 0, ratio, 0, 0);
+    pen.clearRect(0, 0, W, H);
+    if (!this.radii.length) return;
+    this.aim(front);
+    const i = this.motion ? Math.min(this.motion.count - 1, Math.max(0, Math.floor(frame))) : 0, u = frame - i;
+    const count = this.radii.length, fastest = this.scale === "bead" ? 0 : this.fastest;
+    const speeds = new Float64Array(count);
+    const m = this.motion;
+    if (m && m.beads === count) {
+      const here = i * count, there = Math.min(m.count - 1, i + 1) * count;
+      for (let k = 0; k < count; k++) {
+        const v = ((1 - u) * m.velocities[here + k] + u * m.velocities[there + k]) / FULL;
+        speeds[k] = fastest ? (v * m.speeds[k]) / fastest : v;
+      }
+    }
+    this.drawProfile(pen, W, H, speeds);
+    this.drawWalls(pen, H);
+    this.drawBeads(pen, W, H, speeds);
+    if (m && m.beads === count) this.drawForces(pen, W, i, u);
+    this.drawLabels(pen, W, H);
+  }
+
+  /** @param {CanvasRenderingContext2D} pen @param {number} W @param {number} H @param {Float64Array} speeds */
+  drawProfile(pen, W, H, speeds) {
+    const base = H * 0.27, tall = H * 0.21, count = this.radii.length;
+    pen.strokeStyle = COLOURS.line;
+    pen.lineWidth = 1;
+    pen.beginPath();
+    pen.moveTo(0, base + 0.5);
+    pen.lineTo(W, base + 0.5);
+    pen.stroke();
+    pen.fillStyle = COLOURS.soft;
+    pen.font = "11px system-ui, sans-serif";
+    pen.textAlign = "left";
+    pen.fillText(this.scale === "bead" ? "velocity, relative to the largest of each bead" : "velocity, relative to the largest of all", 0, 10);
+    if (!this.motion) return;
+    for (const sign of [1, -1]) {
+      pen.beginPath();
+      let first = -1, last = 0;
+      for (let k = 0; k < count; k++) {
+        const x = this.px(this.centres[k]);
+        if (x < -60 || x > W + 60) continue;
+        if (first < 0) pen.moveTo((first = x), base);
+        const v = speeds[k] * sign;
+        pen.lineTo(x, base - sign * tall * (v > 0 ? v : 0) * (sign > 0 ? 1 : 0.6));
+        last = x;
+      }
+      pen.lineTo(last, base);
+      pen.closePath();
+      pen.fillStyle = sign > 0 ? COLOURS.forward : COLOURS.back;
+      pen.globalAlpha = 0.3;
+      pen.fill();
+      pen.globalAlpha = 1;
+      pen.strokeStyle = pen.fillStyle;
+      pen.lineWidth = 1.25;
+      pen.stroke();
+    }
+  }
+
+  /** @param {CanvasRenderingContext2D} pen @param {number} H */
+  drawWalls(pen, H) {
+    const y = this.middle, half = Math.min(0.32 * H, H - y - 4);
+    for (const side of this.walls) {
+      const x = side === "left" ? this.px(0) - 10 : this.px(this.long);
+      pen.fillStyle = COLOURS.wall;
+      pen.fillRect(x, y - half, 10, 2 * half);
+      pen.strokeStyle = COLOURS.card;
+      pen.lineWidth = 1;
+      pen.beginPath();
+      for (let at = -half; at < half; at += 7) {
+        pen.moveTo(x, y + at + 7);
+        pen.lineTo(x + 10, y + at);
+      }
+      pen.save();
+      pen.clip(new Path2D(`M${x} ${y - half}h10v${2 * half}h-10z`));
+      pen.stroke();
+      pen.restore();
+    }
+  }
+
+  /** @param {CanvasRenderingContext2D} pen @param {number} W @param {number} H @param {Float64Array} speeds */
+  drawBeads(pen, W, H, speeds) {
+    const y = this.middle, scale = this.look.scale;
+    for (let k = 0; k < this.radii.length; k++) {
+      const r = Math.max(this.radii[k] * scale, 0.5), x = this.px(this.centres[k]);
+      if (x + r < -2 || x - r > W + 2) continue;
+      const v = speeds[k], moving = v > 0.004 || v < -0.004;
+      pen.beginPath();
+      pen.arc(x, y, Math.max(r - 0.5, 0.5), 0, 6.2832);
+      pen.fillStyle = moving ? STEPS[stepOf(v)] : k < this.strikers ? COLOURS.striker : COLOURS.bead;
+      pen.fill();
+      if (r > 3) {
+        pen.strokeStyle = COLOURS.edge;
+        pen.lineWidth = r > 12 ? 1.25 : 0.75;
+        pen.stroke();
+      }
+      if (r > 7) {
+        pen.beginPath();
+        pen.arc(x - 0.33 * r, y - 0.36 * r, 0.19 * r, 0, 6.2832);
+        pen.fillStyle = "#fff";
+        pen.globalAlpha = 0.28;
+        pen.fill();
+        pen.globalAlpha = 1;
+      }
+    }
+  }
+
+  /** Forces of the contacts, as bars across them. @param {CanvasRenderingContext2D} pen
+   * @param {number} W @param {number} i @param {number} u */
+  drawForces(pen, W, i, u) {
+    const m = /** @type {Motion} */ (this.motion), y = this.middle, columns = m.beads + 1;
+    const here = i * columns, there = Math.min(m.count - 1, i + 1) * columns;
+    pen.strokeStyle = COLOURS.ink;
+    pen.lineCap = "round";
+    for (let c = 0; c < columns; c++) {
+      const force = ((1 - u) * m.forces[here + c] + u * m.forces[there + c]) / FULL;
+      if (force < 0.03) continue;
+      const k = Math.max(0, c - 1), next = Math.min(m.beads - 1, c);
+      const x = c === 0 ? this.px(0) : c === m.beads ? this.px(this.long) : this.px(this.centres[k] + this.radii[k]);
+      if (x < -5 || x > W + 5) continue;
+      const r = Math.min(this.radii[k], this.radii[next]) * this.look.scale, half = Math.max(1.5, 0.6 * r * Math.cbrt(force));
+      pen.globalAlpha = 0.25 + 0.75 * force;
+      pen.lineWidth = Math.max(1.25, Math.min(4.5, 0.14 * r));
+      pen.beginPath();
+      pen.moveTo(x, y - half);
+      pen.lineTo(x, y + half);
+      pen.stroke();
+    }
+    pen.globalAlpha = 1;
+  }
+
+  /** @param {CanvasRenderingContext2D} pen @param {number} W @param {number} H */
+  drawLabels(pen, W, H) {
+    const y = this.middle;
+    pen.textAlign = "center";
+    this.sensors.forEach((bead, n) => {
+      if (bead > this.radii.length) return;
+      const x = this.px(this.centres[bead - 1]), r = Math.max(3, this.radii[bead - 1] * this.look.scale);
+      pen.fillStyle = COLOURS[`s${n}`];
+      pen.beginPath();
+      pen.moveTo(x, y + r + 2);
+      pen.lineTo(x - 5, y + r + 10);
+      pen.lineTo(x + 5, y + r + 10);
+      pen.fill();
+    });
+    if (!this.bead || this.bead > this.radii.length) return;
+    const x = this.px(this.centres[this.bead - 1]), r = this.radii[this.bead - 1] * this.look.scale;
+    pen.strokeStyle = COLOURS.accent;
+    pen.lineWidth = 2;
+    pen.beginPath();
+    pen.arc(x, y, Math.max(r + 1.5, 4.5), 0, 6.2832);
+    pen.stroke();
+    pen.fillStyle = COLOURS.accent;
+    pen.font = "600 12px system-ui, sans-serif";
+    const below = this.sensors.includes(this.bead) ? 24 : 15;
+    pen.fillText(`bead ${this.bead}`, Math.max(28, Math.min(W - 28, x)), Math.min(H - 3, y + Math.max(r, 4) + below));
+  }
+}

@@ -1,0 +1,49 @@
+"""The command `app`: a live chain in the browser."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+
+@click.command()
+@click.argument("file", required=False, type=click.Path(path_type=Path))
+@click.option(
+    "--port", type=click.IntRange(0, 65535), default=8765, show_default=True,
+    help="Port of the server; if it is taken, the next free one. 0 is any free port.",
+)  # fmt: skip
+@click.option("--no-open", is_flag=True, help="Print the address, but open no browser.")
+def app(file: Path | None, port: int, no_open: bool) -> None:
+    """Build, strike and compare chains in the browser.
+
+    FILE is the chain to begin with: a TOML chain file, or CSV with one row per bead.
+
+    The page is served on this computer only, at the printed address, until you press Ctrl-C.
+    On the first start after an installation, simulations are compiled, which takes one to two
+    minutes; the page shows theories at once and simulations when they are ready.
+
+    \b
+    Examples:
+      hertzchain app
+      hertzchain app experiment.toml --port 9000
+      hertzchain app --no-open
+    """
+    from ..app.documents import document_of_file
+    from ..app.serve import RunningServer, open_browser
+
+    document = None if file is None else document_of_file(file)
+    server = RunningServer(port, document)
+    if port not in (0, server.port):
+        click.echo(f"port {port} is taken; using {server.port}", err=True)
+    click.echo(server.address)
+    click.echo("Press Ctrl-C to stop.", err=True)
+
+    def opened() -> None:
+        if not open_browser(server.address):
+            click.echo("no browser found; open the address above", err=True)
+
+    try:
+        server.run(None if no_open else opened)
+    except KeyboardInterrupt:
+        click.echo("stopped", err=True)

@@ -1,0 +1,74 @@
+import assert from "node:assert/strict";
+import { test } from "node:test";
+
+import { STEPS, parsed, plain, positionOf, powers, prefixed, rangeOf, short, ticks, valueAt, valued } from "../../src/hertzchain/app/static/js/numbers.js";
+
+test("short numbers keep their size and sign", () => {
+  assert.equal(short(0), "0");
+  assert.equal(short(-0.25), "−0.25");
+  assert.equal(short(123456), "1.23e5");
+  assert.equal(short(0.000012345), "1.23e−5");
+  assert.equal(short(NaN), "–");
+});
+
+test("ticks are round, within the ends and equally spaced", () => {
+  for (const [low, high, count] of [[0, 1, 5], [-3.2, 17, 6], [1e-9, 2e-9, 4], [1, 40, 7]]) {
+    const found = ticks(low, high, count);
+    assert.ok(found.length >= 2 && found.length <= 2 * count + 2);
+    assert.ok(found[0] >= low * 0.999999 - 1e-12 && found.at(-1) <= high * 1.000001 + 1e-12);
+    const steps = found.slice(1).map((each, i) => each - found[i]);
+    for (const step of steps) assert.ok(Math.abs(step / steps[0] - 1) < 1e-6);
+  }
+});
+
+test("ticks of logarithmic axes are powers of ten, or round values within one decade", () => {
+  assert.deepEqual(powers(0.02, 300, 8), [0.1, 1, 10, 100]);
+  assert.ok(powers(2, 5, 4).every((each) => each >= 2 && each <= 5));
+});
+
+test("prefixes make the largest value readable", () => {
+  assert.deepEqual(prefixed(0.0007, "s"), [1e3, "ms"]);
+  assert.deepEqual(prefixed(0.9, "m/s"), [1, "m/s"]);
+  assert.deepEqual(prefixed(12000, "N"), [1e-3, "kN"]);
+  assert.deepEqual(prefixed(12000, "kg m/s"), [1, "kg m/s"]);
+  assert.deepEqual(prefixed(0, "N"), [1, "N"]);
+});
+
+test("values with units keep their decimal digits", () => {
+  assert.deepEqual(parsed("9.3 mm", "mm"), { number: 9.3, unit: "mm" });
+  assert.deepEqual(parsed(0.25, ""), { number: 0.25, unit: "" });
+  assert.deepEqual(parsed(undefined, "mm"), { number: null, unit: "mm" });
+  assert.equal(parsed("inf", "mm").number, Infinity);
+  assert.equal(valued(9.3, "mm"), "9.3 mm");
+  assert.equal(valued(9.3, "m/s"), 9.3);
+  assert.equal(valued(Infinity, "mm"), "inf");
+  assert.equal(plain(0.1 + 0.2), "0.3");
+});
+
+test("sliders reach both ends, and positions return to their values", () => {
+  const keys = [
+    { name: "beads", kind: "integer", least: 2 }, { name: "rate", kind: "number" }, { name: "gap", kind: "number", dimension: "length", least: 0 },
+    { name: "coefficient", kind: "number", above: 0, most: 1 }, { name: "gravity", kind: "number", dimension: "acceleration" },
+  ];
+  for (const key of keys) {
+    for (const si of [true, false]) {
+      const range = rangeOf(key, si, null);
+      assert.equal(valueAt(STEPS, range), range.high);
+      assert.equal(valueAt(0, range), range.zero ? 0 : range.low);
+      let last = -Infinity;
+      for (let at = 0; at <= STEPS; at += 50) {
+        const value = valueAt(at, range);
+        assert.ok(value >= last, `${key.name}: ${value} after ${last}`);
+        assert.ok(Math.abs(positionOf(value, range) - at) <= (range.integer ? STEPS : 12), `${key.name} at ${at}: ${value}`);
+        last = value;
+      }
+    }
+  }
+});
+
+test("a slider includes the present value, and depends on the taper", () => {
+  assert.equal(rangeOf({ name: "beads", kind: "integer", least: 2 }, false, 1500).high, 1500);
+  const rate = { name: "rate", kind: "number" };
+  assert.ok(rangeOf(rate, false, 0.01, { beads: 50, taper: "forward-linear" }).high < 1 / 49);
+  assert.equal(rangeOf({ name: "bead", kind: "integer", least: 1 }, false, 3, { beads: 30 }).high, 30);
+});

@@ -1,0 +1,479 @@
+"""The page of `hertzchain app` in a real browser; skipped where no Chromium is installed."""
+
+import base64
+import json
+import os
+import shutil
+from importlib.resources import files
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import hertzchain as hc
+from hertzchain.app.about import about, gallery
+from hertzchain.app.documents import chain_of
+from hertzchain.app.explore import Conversation
+from hertzchain.app.messages import finite
+from hertzchain.app.saved_page import embedded_page
+from hertzchain.app.serve import RunningServer
+
+NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
+BROWSER = os.environ.get("HERTZCHAIN_CHROMIUM") or next(
+    filter(None, map(shutil.which, NAMES)), None
+)
+AXE = Path(__file__).parents[1] / "tools/page/node_modules/axe-core/axe.min.js"
+# Set where the page must be tested: a missing browser is then a failure.
+REQUIRED = os.environ.get("HERTZCHAIN_REQUIRE_BROWSER")
+
+if BROWSER is None and not REQUIRED:
+    pytest.skip("page not tested: no Chromium is installed", allow_module_level=True)
+if not REQUIRED:
+    pytest.importorskip("playwright", reason="page not tested: Playwright is not installed")
+
+from playwright.sync_api import sync_playwright  # noqa: E402
+
+OPEN_ALL = "for (const each of document.querySelectorAll('details')) each.open = true"
+SETTLED = "body[data-settled=yes]"
+ARRAY = """([slot, part, name]) => Array.from(hertzchain.results[slot][part].arrays.get(name))"""
+
+
+@pytest.fixture(scope="module")
+def running():
+    found = RunningServer(0, warm_up=False)
+    thread = found.start()
+    yield found
+    found.stop()
+    thread.join(5.0)
+
+
+@pytest.fixture(scope="module")
+def browser():
+    with sync_playwright() as playwright:
+        # Chromium has no sandbox for root, as in containers.
+        options = [] if os.geteuid() else ["--no-sandbox"]
+        found = playwright.chromium.launch(executable_path=BROWSER, args=options)
+        yield found
+        found.close()
+
+
+class Page:
+    """A tab, which must not write to the console or load anything from elsewhere."""
+
+    def __init__(self, browser, running, **options):
+        settings = {"viewport": {"width": 1280, "height": 900}, "reduced_motion": "reduce"}
+        self.context = browser.new_context(**(settings | options))
+        self.running, self.origin = running, f"http://127.0.0.1:{running.port}/"
+        self.problems = []
+        self.tab = self.new_tab()
+
+    def new_tab(self, address=None):
+        tab = self.context.new_page()
+        tab.set_default_timeout(20_000)
+        tab.on("console", lambda each: self.problems.append(each.text))
+        tab.on("pageerror", lambda each: self.problems.append(str(each)))
+        tab.on("request", lambda each: self.check_request(each.url))
+        tab.goto(self.running.address if address is None else address)
+        tab.wait_for_selector(SETTLED)
+        return tab
+
+    def check_request(self, url):
+        if not url.startswith((self.origin, "data:", "blob:", "file:")):
+            self.problems.append(f"outside request: {url}")
+
+    def settle(self):
+        # The attribute is reset as soon as the request is made, before this is called.
+        self.tab.wait_for_timeout(60)
+        self.tab.wait_for_selector(SETTLED)
+
+    def array(self, part, name, slot="A"):
+        return np.array(self.tab.evaluate(ARRAY, [slot, part, name]), float)
+
+    def document(self, slot="A"):
+        return self.tab.evaluate("slot => hertzchain.state[slot]", slot)
+
+    def status(self):
+        return self.tab.text_content("#status")
+
+
+@pytest.fixture
+def page(browser, running):
+    found = Page(browser, running)
+    yield found
+    found.context.close()
+    assert found.problems == []
+
+
+def check_numbers(page, slot="A"):
+    """Compare all numbers of the leading pulse with the library, bit for bit."""
+    chain = chain_of(page.document(slot))
+    assert np.array_equal(page.array("beads", "radii", slot), chain.radii)
+    pulse = hc.propagate(chain)
+    for quantity, values in pulse.columns().items():
+        assert np.array_equal(page.array("pulse", f"exact.{quantity}", slot), values)
+    for name, theory in (("bca", hc.bca), ("local-rate", hc.local_rate)):
+        part = "pulse" if name == "local-rate" else "beads"
+        assert np.array_equal(page.array(part, f"{name}.velocity", slot), theory(chain).velocity)
+    return chain
+
+
+def drag(page, selector, to):
+    box = page.tab.locator(selector).bounding_box()
+    middle = box["y"] + box["height"] / 2
+    at = float(page.tab.input_value(selector)) / 1000
+    page.tab.mouse.move(box["x"] + 8 + at * (box["width"] - 16), middle)
+    page.tab.mouse.down()
+    for step in range(1, 13):
+        place = at + (to - at) * step / 12
+        page.tab.mouse.move(box["x"] + 8 + place * (box["width"] - 16), middle)
+    page.tab.mouse.up()
+    page.settle()
+
+
+def slider(name):
+    return f".row:has([id='c-chain.{name}']) input[type=range]"
+
+
+def test_numbers_after_a_drag_are_those_of_the_library(page):
+    before = check_numbers(page)
+    drag(page, slider("rate"), 0.9)
+    after = check_numbers(page)
+    assert dict(after.taper_parameters)["rate"] > 2 * dict(before.taper_parameters)["rate"]
+    parts = page.tab.evaluate("hertzchain.answers.map(a => [a.part, a.draft])")
+    assert ["pulse", True] in parts  # drafts were shown during the drag
+    assert parts[-1] == ["run", False]
+
+
+def test_errors_are_those_of_the_library(page):
+    chain = chain_of(page.document())
+    exact = hc.propagate(chain)
+    for quantity in ("velocity", "arrival"):
+        page.tab.select_option("#quantity", quantity)
+        page.tab.wait_for_timeout(100)
+        for name, theory in (("bca", hc.bca), ("local-rate", hc.local_rate)):
+            shown = page.tab.text_content(f"[data-curve='{name}']").rpartition(" ")[2]
+            worst = 100.0 * theory(chain).compare(exact).worst(quantity)
+            assert float(shown.removesuffix("%")) == float(f"{worst:.2g}")
+
+
+@pytest.mark.filterwarnings("ignore::hertzchain.ModelRangeWarning")
+def test_the_rim_of_a_bead_can_be_dragged_and_undone(page):
+    x, y, r = page.tab.evaluate("hertzchain.placeOf('A', 35)")
+    page.tab.mouse.move(x, y - r + 1)
+    page.tab.mouse.down()
+    page.tab.mouse.move(x, y - 1.3 * r)
+    page.tab.mouse.move(x, y - 1.5 * r)
+    page.tab.mouse.up()
+    page.settle()
+    defects = page.document()["chain"]["with_defects"]
+    assert [each["bead"] for each in defects] == [35]
+    before = hc.Chain.tapered("backward-exponential", 0.05, beads=40).radii[34]
+    assert 1.3 < defects[0]["radius"] / before < 1.7
+    check_numbers(page)
+    page.tab.keyboard.press("Control+z")
+    page.settle()
+    assert "with_defects" not in page.document()["chain"]
+    page.tab.keyboard.press("Control+Shift+Z")
+    page.settle()
+    assert page.document()["chain"]["with_defects"] == defects
+
+
+def test_a_click_makes_a_sensor(page):
+    before = page.tab.evaluate("hertzchain.state.view.sensors")
+    box = page.tab.locator("#stage-A").bounding_box()
+    page.tab.mouse.click(box["x"] + 0.95 * box["width"], box["y"] + 0.63 * box["height"])
+    page.settle()
+    after = page.tab.evaluate("hertzchain.state.view.sensors")
+    assert len(after) == len(before) + 1
+    force = page.array("run", f"force.{after[-1]}")
+    run = hc.simulate(chain_of(page.document()), times=page.array("run", "times"), rtol=1e-9)
+    assert np.array_equal(force, run.sensor(after[-1]))
+    assert f"sensor in bead {after[-1]}" in page.tab.text_content("#legend-force")
+
+
+def test_every_table_of_the_schema_can_be_added_and_removed(page):
+    tables = [name for name in page.tab.evaluate("hertzchain.schema") if name.startswith("chain.")]
+    assert len(tables) == 8
+    for name in tables:
+        key = name.removeprefix("chain.")
+        before = page.document()
+        page.tab.evaluate(f"document.getElementById('group-{key}').open = true")
+        page.tab.click(f"#add-{key}")
+        page.settle()
+        found = page.document()
+        assert set(found["chain"]) - set(before["chain"]) == {key}
+        assert chain_of(found)
+        assert not page.tab.evaluate("hertzchain.results.A.problem"), page.status()
+        page.tab.click(f"#group-{key} button:has-text('Remove')")
+        page.settle()
+        assert page.document() == before
+
+
+def test_every_law_of_loss_has_its_controls(page):
+    page.tab.click("#group-loss summary")
+    page.tab.click("#add-loss")
+    page.settle()
+    for law in page.tab.evaluate("hertzchain.about.schema.sections['chain.loss'].variants"):
+        page.tab.select_option("[id='c-chain.loss']", law)
+        page.settle()
+        assert page.document()["chain"]["loss"]["law"] == law
+        problem = page.tab.evaluate("hertzchain.results.A.problem")
+        assert not problem or "yield" in problem or "SI" in problem, problem
+        if not problem:
+            # Theories state their reasons where their curves would be.
+            assert "does not support" in page.tab.text_content("#notes-list") or law == "elastic"
+
+
+def test_units_are_converted_by_the_library(page):
+    page.tab.select_option("[id='c-chain.materials']", "steel-52100")
+    page.settle()
+    page.tab.fill("[id='c-chain.radius']", "9.3")
+    page.tab.keyboard.press("Tab")
+    page.settle()
+    assert page.document()["chain"]["radius"] == "9.3 mm"
+    assert page.array("beads", "radii")[0] == 9.3e-3
+    page.tab.select_option("[id='c-chain.materials']", "")
+    page.settle()
+    assert "radius" not in page.document()["chain"]
+    check_numbers(page)
+
+
+@pytest.mark.parametrize("example", gallery()[:14:3], ids=lambda example: example["title"])
+def test_links_bring_everything_back(page, example):
+    page.tab.click("#open-examples")
+    page.tab.click(f"button[aria-label='Open {example['title']}']")
+    page.settle()
+    page.tab.select_option("#quantity", "arrival")
+    page.tab.wait_for_timeout(300)
+    link = page.tab.evaluate("location.href")
+    other = page.new_tab(link)
+    state = "JSON.stringify(hertzchain.state)"
+    assert json.loads(other.evaluate(state)) == json.loads(page.tab.evaluate(state))
+    assert other.evaluate("hertzchain.state.A") == example["document"]
+    assert "token" not in link
+
+
+def test_two_chains_are_computed_and_compared(page):
+    page.tab.click("#compare")
+    page.settle()
+    drag(page, slider("rate"), 0.1)
+    assert check_numbers(page, "B").radii[-1] < check_numbers(page, "A").radii[-1]
+    assert page.tab.locator("#chart-error path.other").count() == 1
+    page.tab.click("#tab-A")
+    drag(page, slider("beads"), 0.2)
+    assert chain_of(page.document("A")).beads < 20 < chain_of(page.document("B")).beads
+    page.tab.click("#compare")
+    page.settle()
+    assert page.document("B") is None
+
+
+def test_two_tabs_do_not_disturb_each_other(page):
+    other = page.new_tab(page.origin)
+    page.tab.fill("[id='c-chain.beads']", "25")
+    page.settle()
+    assert other.evaluate("hertzchain.results.A.beads.header.beads") == 40
+    assert page.array("beads", "radii").size == 25
+
+
+def test_invalid_input_is_explained_next_to_its_control(page):
+    before = page.array("run", "times")
+    page.tab.fill("[id='c-chain.rate']", "2")
+    page.settle()
+    with pytest.raises(hc.InputError) as error:
+        chain_of(page.document())
+    assert page.tab.text_content("#problem") == str(error.value) == page.status()
+    row = page.tab.locator(".row:has([id='c-chain.rate']) + #problem")
+    assert row.count() == 1
+    assert page.tab.get_attribute("[id='c-chain.rate']", "aria-invalid") == "true"
+    assert page.tab.evaluate("document.body.classList.contains('stale')")
+    assert np.array_equal(page.array("run", "times"), before)
+    page.tab.fill("[id='c-chain.rate']", "0.06")
+    page.settle()
+    assert not page.tab.locator("#problem").is_visible()
+    check_numbers(page)
+
+
+def test_files_are_saved_and_opened(page, tmp_path):
+    def save(selector):
+        page.tab.click("#open-share")
+        with page.tab.expect_download() as download:
+            page.tab.click(selector)
+        path = tmp_path / download.value.suggested_filename
+        download.value.save_as(path)
+        return path
+
+    chain_file = save("[data-export=toml]")
+    assert hc.load_chain(chain_file).description == chain_of(page.document()).description
+    chain_file.write_text('[chain]\ntaper = "uniform"\nbeads = 12\nright_wall = {rigid = true}\n')
+    page.tab.set_input_files("#file", chain_file)
+    page.settle()
+    table = {"taper": "uniform", "beads": 12, "right_wall": {"rigid": True}}
+    assert page.document() == {"chain": table}
+    chain_file.write_text("[chain]\nbead = 12\n")
+    page.tab.set_input_files("#file", chain_file)
+    page.tab.wait_for_selector("#status.bad")
+    assert "bead" in page.status()
+    saved = save("[data-export=page]")
+    velocity = page.array("pulse", "exact.velocity")
+    page.tab.goto(f"file://{saved}")
+    page.tab.wait_for_selector("#chart-pulse path.exact")
+    assert np.array_equal(page.array("pulse", "exact.velocity"), velocity)
+    page.tab.click("#play")
+    page.tab.wait_for_timeout(200)
+    assert page.tab.evaluate("hertzchain.u") > 0.0
+
+
+HOST = """
+<div id="cell"></div><script type="module">
+  import widget from "/frame.js";
+  const listeners = [];
+  const model = {
+    get: name => name === "page" ? window.page : 900,
+    on: (name, action) => listeners.push(action), off: () => {},
+    send: message => window.kernel(JSON.stringify(message)),
+  };
+  window.receive = (content, buffers) => {
+    const views = buffers.map(text => new DataView(Uint8Array.from(atob(text), c => c.charCodeAt(0)).buffer));
+    for (const action of listeners) action({content}, views);
+  };
+  window.show = page => { window.page = page; widget.render({ model, el: document.getElementById("cell") }); };
+</script>"""  # noqa: E501
+
+
+def test_the_page_works_in_a_notebook(browser):
+    document = {"chain": {"taper": "uniform", "beads": 15}}
+    context = browser.new_context(reduced_motion="reduce")
+    tab, sent = context.new_page(), []
+    talk = Conversation(document, lambda content, buffers: sent.append((content, buffers)))
+    tab.expose_function("kernel", lambda text: talk.receive(json.loads(text)))
+    frame_js = (files("hertzchain.app") / "notebook_frame.js").read_text("utf-8")
+    bodies = {"/": ("text/html", HOST), "/frame.js": ("text/javascript", frame_js)}
+
+    def answer(route):
+        kind, body = bodies[route.request.url.removeprefix("http://notebook.test")]
+        route.fulfill(body=body, content_type=kind)
+
+    tab.route("http://notebook.test/**", answer)
+    tab.goto("http://notebook.test/")
+    page = embedded_page({"kind": "notebook", "about": finite(about(document))}).decode()
+    tab.evaluate("page => window.show(page)", page)
+    frame = tab.frames[-1]
+
+    def relay(done):
+        for _ in range(400):
+            while sent:
+                content, buffers = sent.pop(0)
+                tab.evaluate(
+                    "([content, buffers]) => receive(content, buffers)",
+                    [content, [base64.b64encode(each).decode() for each in buffers]],
+                )
+            if done():
+                return
+            tab.wait_for_timeout(25)
+        raise AssertionError(frame.text_content("#status"))
+
+    relay(lambda: frame.locator(SETTLED).count() == 1)
+    frame.fill("[id='c-chain.beads']", "22")
+    relay(lambda: talk.documents["A"]["chain"]["beads"] == 22)
+    relay(lambda: frame.locator(SETTLED).count() == 1)
+    shown = frame.evaluate(ARRAY, ["A", "pulse", "exact.velocity"])
+    assert np.array_equal(shown, hc.propagate(chain_of(talk.documents["A"])).velocity)
+    context.close()
+
+
+def test_everything_is_reachable_by_keyboard(page):
+    page.tab.focus("[id='c-chain.rate']")
+    page.tab.keyboard.press("Tab")
+    for _ in range(3):
+        page.tab.keyboard.press("ArrowRight")
+    page.settle()
+    assert page.document()["chain"]["rate"] > 0.05
+    check_numbers(page)
+    page.tab.focus("#lane-A")
+    page.tab.keyboard.press("Home")
+    page.tab.keyboard.press("ArrowRight")
+    page.tab.keyboard.press("ArrowUp")
+    page.settle()
+    assert page.document()["chain"]["with_defects"][0]["bead"] == 2
+    page.tab.keyboard.press("s")
+    page.settle()
+    assert 2 in page.tab.evaluate("hertzchain.state.view.sensors")
+    page.tab.keyboard.press("Space")
+    assert page.tab.evaluate("hertzchain.playing")
+    page.tab.keyboard.press("?")
+    assert page.tab.locator("#help").is_visible()
+    page.tab.keyboard.press("Escape")
+    reached = set()
+    page.tab.evaluate("document.activeElement.blur()")
+    for _ in range(80):
+        page.tab.keyboard.press("Tab")
+        reached.add(page.tab.evaluate("document.activeElement.id"))
+    needed = {"open-examples", "compare", "open-share", "theme", "play", "time", "speed", "camera",
+              "bead", "sensor", "map-of", "quantity", "log", "errors", "budget-of",
+              "lane-A"}  # fmt: skip
+    assert needed <= reached
+
+
+def test_motion_is_reduced_if_the_system_says_so(browser, running, page):
+    assert not page.tab.evaluate("hertzchain.playing")
+    moving = Page(browser, running, reduced_motion="no-preference")
+    assert moving.tab.evaluate("hertzchain.playing")
+    moving.context.close()
+
+
+@pytest.mark.parametrize("width", [400, 1600])
+def test_nothing_overflows(browser, running, width):
+    page = Page(browser, running, viewport={"width": width, "height": 800})
+    for action in ("", "document.getElementById('compare').click()", OPEN_ALL):
+        page.tab.evaluate(action)
+        page.settle()
+        assert page.tab.evaluate("document.documentElement.scrollWidth") <= width
+    page.context.close()
+    assert page.problems == []
+
+
+@pytest.mark.skipif(
+    not AXE.exists(), reason="axe-core is not installed (npm install in tools/page)"
+)
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_no_violations_of_accessibility(browser, running, scheme):
+    page = Page(browser, running, color_scheme=scheme)
+    tab = page.tab
+
+    def check(name):
+        found = tab.evaluate(AXE.read_text("utf-8") + "; axe.run().then(r => r.violations)")
+        assert [(each["id"], each["nodes"][0]["html"]) for each in found] == [], name
+
+    check("start")
+    for dialog in ("examples", "share", "help"):
+        tab.click(f"#open-{dialog}")
+        check(dialog)
+        tab.keyboard.press("Escape")
+    tab.evaluate(OPEN_ALL)
+    tab.click("#compare")
+    page.settle()
+    check("everything open, two chains")
+    tab.fill("[id='c-chain.rate']", "2")
+    page.settle()
+    check("invalid input")
+    page.context.close()
+
+
+def test_a_server_that_is_gone_is_reported_and_found_again(browser):
+    first = RunningServer(0, warm_up=False)
+    thread = first.start()
+    page = Page(browser, first)
+    cookie = first.app.guard.token
+    first.stop()
+    thread.join(5.0)
+    page.tab.fill("[id='c-chain.beads']", "30")
+    page.tab.wait_for_selector("#status.bad")
+    assert "does not answer" in page.status()
+    second = RunningServer(first.port, warm_up=False)
+    second.app.guard.token = cookie
+    thread = second.start()
+    page.tab.wait_for_selector(SETTLED)
+    assert page.array("beads", "radii").size == 30
+    page.context.close()
+    second.stop()
+    thread.join(5.0)

@@ -1,0 +1,513 @@
+"""The server of `hertzchain app`: its numbers, its limits, and requests that it rejects."""
+
+import contextlib
+import csv
+import http.client
+import io
+import json
+import math
+import os
+import re
+import signal
+import socket
+import struct
+import subprocess
+import sys
+import threading
+import time
+import tomllib
+
+import numpy as np
+import pytest
+
+import hertzchain as hc
+from hertzchain.app import connection, server
+from hertzchain.app.about import about, gallery
+from hertzchain.app.documents import chain_of, document_as_toml, document_of_file
+from hertzchain.app.messages import Part
+from hertzchain.app.requests import Request
+from hertzchain.app.results import results
+from hertzchain.app.serve import RunningServer, bind
+from hertzchain.app.warm_up import STAGES, WarmUp
+
+TAPER = {"chain": {"taper": "backward-exponential", "rate": 0.05, "beads": 40}}
+WALL = {"chain": {"taper": "uniform", "beads": 20, "right_wall": {"rigid": True}}}
+STEEL = {
+    "chain": {"taper": "forward-exponential", "rate": 0.03, "beads": 20, "radius": "9.3 mm",
+              "materials": "steel-52100", "velocity": "0.02 m/s"}
+}  # fmt: skip
+KINDS = {"f8": "<f8", "f4": "<f4", "i2": "<i2", "i8": "<i8"}
+
+
+def unpacked(raw):
+    """Headers and arrays of all messages, read independently of `Part`."""
+    found, at = [], 0
+    while at < len(raw):
+        (length,) = struct.unpack_from("<I", raw, at)
+        size, version = struct.unpack_from("<II", raw, at + 4)
+        assert version == 1
+        header = json.loads(raw[at + 12 : at + 12 + size])
+        arrays = {}
+        for name, kind, shape, offset in header["arrays"]:
+            begin = at + 12 + size + offset
+            # Relative to the message, arrays begin at multiples of 8 bytes.
+            assert (begin - at - 4) % 8 == 0
+            count = math.prod(shape)
+            arrays[name] = np.frombuffer(raw, KINDS[kind], count, begin).reshape(shape)
+        found.append((header, arrays))
+        at += 4 + length
+    return found
+
+
+def computed(document, **more):
+    request = Request.of({"session": "test", "number": 0, "document": document, **more})
+    found = unpacked(b"".join(part.pack() for part in results(request, lambda: False)))
+    return {header["part"]: (header, arrays) for header, arrays in found}
+
+
+class Client:
+    """A browser of one page: it has the cookie."""
+
+    def __init__(self, running):
+        self.port = running.port
+        self.cookie = running.app.guard.set_cookie.partition(";")[0]
+        self.host = f"127.0.0.1:{running.port}"
+
+    def ask(self, method, path, body=None, **changed):
+        headers = {"Host": self.host, "Cookie": self.cookie, "Content-Type": "application/json"}
+        headers |= {name.replace("_", "-"): value for name, value in changed.items()}
+        link = http.client.HTTPConnection("127.0.0.1", self.port, timeout=30)
+        given = {name: value for name, value in headers.items() if value is not None}
+        raw = body if body is None or isinstance(body, bytes) else json.dumps(body).encode()
+        link.putrequest(method, path, skip_host=True)
+        for name, value in given.items():
+            link.putheader(name, value)
+        if raw is not None:
+            link.putheader("Content-Length", str(len(raw)))
+        link.endheaders(raw)
+        answer = link.getresponse()
+        answer.content = answer.read()
+        link.close()
+        return answer
+
+    def results(self, document, number=1, **more):
+        body = {"session": "s", "number": number, "document": document, **more}
+        answer = self.ask("POST", "/api/results", body)
+        assert answer.status == 200
+        return unpacked(answer.content)
+
+
+@pytest.fixture(scope="module")
+def running():
+    found = RunningServer(0, TAPER, warm_up=False)
+    thread = found.start()
+    yield found
+    found.stop()
+    thread.join(5.0)
+    assert not thread.is_alive()
+
+
+@pytest.fixture
+def client(running):
+    return Client(running)
+
+
+# Numbers -----------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("document", [TAPER, STEEL], ids=["scaled", "SI"])
+def test_pulses_are_those_of_the_library(client, document):
+    parts = {header["part"]: (header, arrays) for header, arrays in client.results(document)}
+    assert list(parts) == ["status", "beads", "pulse", "run"]
+    chain = chain_of(document)
+    methods = {"bca": hc.bca(chain), "hard-sphere": hc.hard_sphere(chain),
+               "local-rate": hc.local_rate(chain), "exact": hc.propagate(chain)}  # fmt: skip
+    sent = parts["beads"][1] | parts["pulse"][1]
+    for name, pulse in methods.items():
+        for quantity, values in pulse.columns().items():
+            assert np.array_equal(sent[f"{name}.{quantity}"], values), (name, quantity)
+    assert np.array_equal(sent["radii"], chain.radii)
+
+
+def test_runs_are_those_of_the_library():
+    header, arrays = computed(WALL, frames=100, sensors=[7])["run"]
+    chain = hc.Chain.uniform(20).replace(right_wall=hc.Wall.rigid())
+    run = hc.simulate(chain, times=arrays["times"], rtol=1e-9)
+    for name, values in (("velocities", run.velocities), ("forces", run.forces)):
+        shown = arrays[name] * (arrays[f"{name}.scale"] / 32767)
+        # Half a step of 16 bits, relative to the largest value of each bead.
+        assert np.all(np.abs(shown - values) <= 1.6e-5 * np.abs(values).max(axis=0))
+        assert np.any(values)
+    assert np.array_equal(arrays["force.7"], run.sensor(7))
+    assert np.array_equal(arrays["force.right"], run.forces[:, -1])
+    assert header["peaks"]["right"]["first"] == run.wall_force().peak
+    budget = run.budget()
+    for name in ("contacts", "leading pulse"):
+        assert np.array_equal(arrays[f"energy.{name}"], budget.energy[name].astype("f4"))
+    pulse = computed(WALL)["pulse"][1]
+    assert np.array_equal(pulse["exact.velocity"], run.pulse().velocity)
+
+
+def test_times_show_each_bead_equally_long():
+    times = computed(TAPER, frames=200)["run"][1]["times"]
+    arrival = hc.propagate(chain_of(TAPER)).arrival
+    passed = np.searchsorted(times, arrival)
+    assert np.ptp(np.diff(passed)[1:]) <= 1
+    # In this taper, equally spaced times would spend most frames on the last beads.
+    even = computed(TAPER, frames=200, clock="time")["run"][1]["times"]
+    assert np.diff(even).max() < 1.001 * np.diff(even).min()
+    assert np.searchsorted(even, arrival[20]) < 0.25 * len(even)
+
+
+def test_theories_that_do_not_cover_a_chain_give_their_reason():
+    theories = computed(WALL)["beads"][0]["theories"]
+    with pytest.raises(hc.InputError) as error:
+        hc.bca(chain_of(WALL))
+    assert theories["bca"] == {"refusal": str(error.value)}
+
+
+@pytest.mark.parametrize("example", gallery(), ids=lambda example: example["title"])
+def test_examples_have_results(example):
+    for document in (example["document"], example["other"]):
+        if document is not None:
+            parts = computed(document, frames=60, draft=True)
+            assert parts["run"][0]["success"]
+            assert np.isfinite(parts["pulse"][1]["exact.velocity"]).any()
+    assert example["look_for"].endswith(".")
+
+
+def test_drives_without_end_and_chains_at_rest_have_results_or_a_reason():
+    step = {"chain": {"taper": "uniform", "beads": 9, "drive": {"kind": "step", "amplitude": 0.1}}}
+    assert computed(step)["run"][0]["success"]
+    rest = {"chain": {"radii": [1.0, 1.0, 1.0], "velocities": [0.0, 0.0, 0.0]}}
+    assert set(computed(rest)) & {"run", "error"}
+
+
+# Bad input ---------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("table", "sentence"),
+    [
+        ({"taper": "uniform", "beads": 1}, "beads"),
+        ({"taper": "uniform", "beads": 2001}, "at most 2000 beads"),
+        ({"cell": [1.0, 0.5], "cells": 10**9}, "at most 2000 beads"),
+        ({"taper": "uniform", "beads": 9, "struck_by": {"count": 10**9}}, "at most 2000 beads"),
+        ({"taper": "uniform", "beads": 9, "decorated": {"ratio": 0.4, "between": 10**9}}, "2000"),
+        ({"file": "/etc/passwd"}, "cannot refer to files"),
+        ({"taper": "uniform", "beads": 9, "drive": {"kind": "table", "file": "x.csv"}}, "files"),
+        ({"taper": "uniform", "beads": 9, "loss": [{"law": "x", "file": "y"}]}, "files"),
+        ({"taper": "nothing", "beads": 9}, "taper"),
+        ("text", "[chain]"),
+    ],
+)
+def test_invalid_chains_are_answered_with_a_sentence(client, table, sentence):
+    header, _ = client.results({"chain": table})[-1]
+    assert header["part"] == "error"
+    assert sentence in header["message"]
+    assert "\n" not in header["message"]
+
+
+def test_infinite_radii_can_be_sent():
+    flat = {"chain": {"taper": "uniform", "beads": 9, "struck_by": {"radius": "inf", "mass": 2.0}}}
+    assert chain_of(flat).masses[0] == 2.0
+    assert tomllib.loads(document_as_toml(flat))["chain"]["struck_by"]["radius"] == math.inf
+
+
+# Attacks -----------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    "changed",
+    [
+        {"Host": "example.org"},
+        {"Host": None},
+        {"Host": "127.0.0.1:1"},
+        {"Origin": "http://example.org"},
+        {"Origin": "null"},
+        {"Sec_Fetch_Site": "cross-site"},
+        {"Sec_Fetch_Site": "same-site"},
+        {"Cookie": None},
+        {"Cookie": "hertzchain-1=x"},
+    ],
+    ids=str,
+)
+def test_foreign_requests_are_rejected(client, changed):
+    body = {"session": "s", "number": 1, "document": TAPER}
+    answer = client.ask("POST", "/api/results", body, **changed)
+    # An HTTP/1.1 request without Host is rejected by the parser.
+    assert answer.status == (400 if changed == {"Host": None} else 403)
+    assert b"radii" not in answer.content
+
+
+def test_requests_of_the_page_are_accepted(client):
+    own = {"Origin": f"http://{client.host}", "Sec_Fetch_Site": "same-origin"}
+    assert client.ask("GET", "/api/about", **own).status == 200
+
+
+def test_the_token_is_exchanged_for_a_cookie(running, client):
+    token = running.app.guard.token
+    answer = client.ask("GET", f"/?token={token}", Cookie=None)
+    assert (answer.status, answer.headers["location"]) == (303, "/")
+    cookie = answer.headers["set-cookie"]
+    assert "HttpOnly" in cookie
+    assert "SameSite=Strict" in cookie
+    assert client.ask("GET", "/", Cookie=cookie.partition(";")[0]).status == 200
+    assert client.ask("GET", f"/?token={token[:-1]}x", Cookie=None).status == 403
+    assert client.ask("GET", f"/?token={token}", Cookie=None, Host="example.org").status == 403
+
+
+def test_every_answer_has_strict_headers(client):
+    for path in ("/", "/api/about", "/nothing", "/js/main.js"):
+        answer = client.ask("GET", path)
+        policy = answer.headers["content-security-policy"]
+        assert "default-src 'none'" in policy
+        assert "unsafe" not in policy
+        assert answer.headers["x-content-type-options"] == "nosniff"
+        assert "server" not in answer.headers
+
+
+@pytest.mark.parametrize(
+    "path", ["/../pyproject.toml", "/js/../../server.py", "/%2e%2e/server.py", "//etc/passwd",
+             "/js/", "/gallery.toml"],
+)  # fmt: skip
+def test_no_path_reaches_the_disk(client, path):
+    assert client.ask("GET", path).status == 404
+
+
+@pytest.mark.parametrize(
+    ("body", "status"),
+    [
+        (b"x" * 400_000, 413),
+        (b"[" * 100_000, 400),
+        (b"not json", 400),
+        (b"[1]", 400),
+        (b"\xff\xfe", 400),
+        (b'{"number": NaN}', 400),
+        ({"session": "s"}, 400),
+        ({"session": "s", "number": -1}, 400),
+        ({"session": "s" * 100, "number": 1}, 400),
+        ({"session": "s", "number": 1, "slot": "C"}, 400),
+        ({"session": "s", "number": 1, "frames": 10**9}, 400),
+        ({"session": "s", "number": 1, "sensors": "all"}, 400),
+    ],
+    ids=lambda value: str(value)[:40],
+)
+def test_invalid_bodies_are_rejected(client, body, status):
+    answer = client.ask("POST", "/api/results", body)
+    assert answer.status == status
+    assert b"Traceback" not in answer.content
+
+
+def test_forms_of_other_sites_cannot_send_requests(client):
+    body = {"session": "s", "number": 1, "document": TAPER}
+    assert client.ask("POST", "/api/results", body, Content_Type="text/plain").status == 415
+
+
+def test_the_server_is_not_reachable_from_outside(running):
+    assert running.socket.getsockname()[0] == "127.0.0.1"
+
+
+def test_silent_and_slow_clients_are_dropped(monkeypatch):
+    monkeypatch.setattr(connection, "PATIENCE", 0.4)
+    monkeypatch.setattr(server, "PATIENCE", 0.4)
+    found = RunningServer(0, warm_up=False)
+    found.start()
+    try:
+        client = Client(found)
+        head = (f"POST /api/results HTTP/1.1\r\nHost: {client.host}\r\nCookie: {client.cookie}\r\n"
+                "Content-Type: application/json\r\nContent-Length: 1000\r\n")  # fmt: skip
+        for begun in (b"", b"GET / HT", head.encode(), head.encode() + b"\r\n{"):
+            with socket.create_connection(("127.0.0.1", found.port), timeout=5.0) as link:
+                link.sendall(begun)
+                began, answer = time.monotonic(), b""
+                with contextlib.suppress(ConnectionResetError):
+                    while chunk := link.recv(65536):
+                        answer += chunk
+                assert time.monotonic() - began < 4.0
+                assert answer == b"" or b"408" in answer
+        assert client.ask("GET", "/").status == 200
+    finally:
+        found.stop()
+
+
+def test_many_connections_leave_the_server_usable(monkeypatch):
+    monkeypatch.setattr(connection, "PATIENCE", 1.0)
+    found = RunningServer(0, warm_up=False)
+    found.start()
+    links = [socket.create_connection(("127.0.0.1", found.port), timeout=5.0) for _ in range(200)]
+    try:
+        time.sleep(0.3)
+        assert len(found.server.server_state.connections) <= connection.MAX_CONNECTIONS
+        time.sleep(1.5)
+        assert Client(found).ask("GET", "/").status == 200
+    finally:
+        for link in links:
+            link.close()
+        found.stop()
+
+
+# Requests that are out of date -------------------------------------------------------------------
+
+LONG = {"chain": {"taper": "uniform", "beads": 1500, "right_wall": {}}}
+
+
+def test_a_newer_request_cancels_the_older_one(client):
+    computed(WALL)  # compiled
+    answers = {}
+
+    def ask(number, document, **more):
+        answers[number] = client.results(document, number, **more), time.monotonic()
+
+    first = threading.Thread(target=ask, args=(10, LONG), kwargs={"rtol": 1e-13})
+    first.start()
+    time.sleep(1.0)
+    assert first.is_alive()
+    began = time.monotonic()
+    ask(11, TAPER)
+    first.join()
+    assert answers[10][0][-1][0]["part"] == "cancelled"
+    # A call of the kernel takes a fraction of a second; without cancelling, the run takes 7 s.
+    assert answers[10][1] - began < 2.0
+    assert answers[11][0][-1][0]["part"] == "run"
+
+
+def test_a_request_that_arrives_late_is_not_computed(client):
+    client.results(TAPER, 21)
+    assert client.results(TAPER, 20)[-1][0]["part"] == "cancelled"
+    assert client.results(TAPER, 20, slot="B")[-1][0]["part"] == "run"
+
+
+# Files -------------------------------------------------------------------------------------------
+
+
+def exported(client, document, kind, **more):
+    answer = client.ask("POST", "/api/export", {"document": document, "kind": kind, **more})
+    assert answer.status == 200, answer.content
+    return answer.content
+
+
+@pytest.mark.parametrize("document", [each["document"] for each in gallery()], ids=str)
+def test_chain_files_round_trip(client, document):
+    text = exported(client, document, "toml")
+    read = client.ask("POST", "/api/chain", text, Content_Type="application/toml")
+    assert json.loads(read.content) == {"document": document}
+
+
+@pytest.mark.parametrize("document", [TAPER, WALL, STEEL], ids=["taper", "wall", "SI"])
+def test_the_script_gives_the_numbers_of_the_page(client, document, tmp_path, monkeypatch, capsys):
+    arrays = {}
+    for _, each in client.results(document, 30):
+        arrays |= each
+    script = exported(client, document, "python", until=float(arrays["times"][-1]))
+    monkeypatch.chdir(tmp_path)
+    names = {}
+    exec(compile(script, "chain.py", "exec"), names)
+    assert capsys.readouterr().out
+    for quantity in ("velocity", "arrival"):
+        assert np.array_equal(arrays[f"exact.{quantity}"], getattr(names["pulse"], quantity))
+
+
+def test_tables_have_all_digits(client):
+    rows = list(csv.reader(io.StringIO(exported(client, STEEL, "csv").decode())))
+    column = rows[0].index("velocity (simulation) [m/s]")
+    velocity = hc.propagate(chain_of(STEEL)).velocity
+    assert [float(row[column]) for row in rows[1:]] == velocity.tolist()
+
+
+@pytest.mark.parametrize(
+    ("form", "magic"), [("svg", b"<?xml"), ("pdf", b"%PDF"), ("png", b"\x89PNG")]
+)
+def test_figures_are_those_of_the_library(client, form, magic):
+    for figure in ("chain", "pulse", "map", "forces", "budget"):
+        content = exported(client, WALL, "figure", figure=figure, format=form)
+        assert content.startswith(magic)
+        if form != "svg":
+            break
+
+
+def test_a_saved_page_contains_everything(client):
+    page = exported(client, TAPER, "page", other=WALL).decode()
+    assert not re.findall(r'(?:src|href)="(?!data:|#)', page)
+    assert "token" not in page
+    saved = json.loads(re.search(r'id="embedded">(.*?)</script>', page)[1])
+    assert saved["about"]["document"] == TAPER
+    assert 'from "./' not in page
+
+
+def test_exports_reject_bad_requests(client):
+    for body in ({"kind": "nothing"}, {"kind": "toml"}, {"kind": "figure", "document": TAPER},
+                 {"kind": "toml", "document": {"chain": {"file": "/etc/passwd"}}}):  # fmt: skip
+        answer = client.ask("POST", "/api/export", body)
+        assert answer.status == 422
+        assert "Traceback" not in json.loads(answer.content)["error"]
+
+
+def test_files_that_are_not_chains_are_rejected(client):
+    for text in (b"\xff", b"chain = ", b"[chain]\ntaper = 1\n", b"[chain]\nfile = 'x.csv'\n",
+                 b"a = " + b"[" * 50_000, b"[chain]\nradii = [nan, 1.0]\n"):  # fmt: skip
+        read = client.ask("POST", "/api/chain", text, Content_Type="application/toml")
+        assert "error" in json.loads(read.content)
+
+
+# Starting ----------------------------------------------------------------------------------------
+
+
+def test_files_named_in_a_chain_file_are_included(tmp_path):
+    (tmp_path / "beads.csv").write_text("radius\n1\n0.9\n0.8\n")
+    file = tmp_path / "chain.toml"
+    file.write_text('[chain]\nfile = "beads.csv"\n')
+    document = document_of_file(file)
+    assert chain_of(document).radii.tolist() == [1.0, 0.9, 0.8]
+    assert chain_of(document_of_file(tmp_path / "beads.csv")).beads == 3
+
+
+def test_a_port_that_is_taken_is_replaced_by_the_next():
+    with bind(0) as first, bind(first.getsockname()[1]) as second:
+        assert first.getsockname()[1] < second.getsockname()[1] <= first.getsockname()[1] + 20
+
+
+def test_everything_that_is_compiled_is_listed():
+    started = []
+    warm_up = WarmUp((("one", started.append), ("two", started.append)))
+    assert [*warm_up.pending()] == ["one", "two"]
+    warm_up._work()
+    assert not [*warm_up.pending()]
+    assert len(started) == 2
+    assert len(STAGES) == 5
+
+
+def test_the_page_receives_the_schema():
+    text = json.dumps(about(TAPER), allow_nan=False)
+    found = json.loads(text)
+    assert found["document"] == TAPER
+    assert set(found["schema"]["sections"]) == set(hc.store.chain_schema.SECTIONS)
+    assert len(found["gallery"]) >= 12
+
+
+def test_numbers_that_json_lacks_become_null():
+    header, _ = unpacked(Part({"a": math.nan, "b": [math.inf, np.float64(1.5)]}).pack())[0]
+    assert (header["a"], header["b"]) == (None, [None, 1.5])
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="signals of POSIX")
+def test_the_command_prints_the_address_and_stops(tmp_path):
+    file = tmp_path / "chain.toml"
+    file.write_text(document_as_toml(TAPER))
+    command = [sys.executable, "-m", "hertzchain", "app", str(file), "--no-open", "--port", "0"]
+    environment = os.environ | {"PYTHONUNBUFFERED": "1"}
+    with subprocess.Popen(
+        command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=environment
+    ) as process:
+        address = process.stdout.readline().strip()
+        host, _, token = address.removeprefix("http://").partition("/?token=")
+        link = http.client.HTTPConnection(host, timeout=20)
+        link.request("GET", f"/?token={token}")
+        answer = link.getresponse()
+        answer.read()
+        link.request("GET", "/api/about", headers={"Cookie": answer.headers["set-cookie"]})
+        assert json.loads(link.getresponse().read())["document"] == TAPER
+        link.close()
+        process.send_signal(signal.SIGINT)
+        assert process.wait(20) == 0
+        assert "stopped" in process.stderr.read()

@@ -1,0 +1,59 @@
+"""Draw the pictures of the documentation of the app: docs/app/*.png.
+
+    python tools/page/pictures.py
+
+It needs an installed Chromium and the Python package playwright.
+"""
+
+import os
+import shutil
+from pathlib import Path
+
+from playwright.sync_api import sync_playwright
+
+from hertzchain.app.serve import RunningServer
+
+FOLDER = Path(__file__).parents[2] / "docs/app"
+SETTLED = "body[data-settled=yes]"
+# Name, colours, width and height of the window, example of the gallery, and place of the clock.
+PICTURES = (
+    ("taper", "light", 1440, 900, None, 0.55),
+    ("striker-and-wall", "dark", 1440, 900, "Heavy steel striker and a wall", 0.62),
+    ("shock-absorber", "light", 1440, 960, "Shock absorber", 0.47),
+    ("phone", "light", 400, 800, "A defect", 0.6),
+)
+GO_TO = """place => {
+  const time = document.getElementById("time");
+  time.value = 1000 * place;
+  time.dispatchEvent(new Event("input"));
+}"""
+
+
+def main() -> None:
+    """Draw all pictures."""
+    FOLDER.mkdir(exist_ok=True)
+    server = RunningServer(0, warm_up=False)
+    server.start()
+    with sync_playwright() as playwright:
+        options = [] if os.geteuid() else ["--no-sandbox"]
+        browser = playwright.chromium.launch(executable_path=shutil.which("chromium"), args=options)
+        for name, scheme, width, height, example, place in PICTURES:
+            size = {"width": width, "height": height}
+            page = browser.new_page(viewport=size, color_scheme=scheme, reduced_motion="reduce")
+            page.goto(server.address)
+            page.wait_for_selector(SETTLED, timeout=300_000)
+            if example is not None:
+                page.click("#open-examples")
+                page.click(f"button[aria-label='Open {example}']")
+                page.wait_for_timeout(100)
+                page.wait_for_selector(SETTLED)
+            page.evaluate(GO_TO, place)
+            page.wait_for_timeout(200)
+            page.screenshot(path=FOLDER / f"{name}.png")
+            page.close()
+        browser.close()
+    server.stop()
+
+
+if __name__ == "__main__":
+    main()

@@ -25,8 +25,9 @@ class Kind:
     """What a parameter of a chain is: unit, unit in scaled variables, bounds and typical size.
 
     A parameter of a dimension other than ``"1"`` is fitted in units of the motion, so that a
-    change of stiffness or velocity alone needs no simulation.  ``step`` is the relative step of
-    differences.
+    change of stiffness or velocity alone needs no simulation.  A factor is fitted by its
+    logarithm: velocity, stiffness and gains, which can replace each other, then do so along a
+    straight line.  ``step`` is the step of differences in units of the typical size.
     """
 
     unit: str = ""
@@ -35,21 +36,22 @@ class Kind:
     upper: float = np.inf
     typical: float = 1.0
     step: float = 1e-4
+    factor: bool = False
 
 
 KINDS: Final[Mapping[str, Kind]] = {
-    "stiffness": Kind(lower=1e-3, upper=1e3),
+    "stiffness": Kind(lower=1e-3, upper=1e3, factor=True),
     "exponent": Kind(lower=1.05, upper=4.0, step=3e-5),
-    "struck_by.velocity": Kind("m/s", typical=0.0),
-    "materials.young": Kind("Pa", lower=1.0, typical=0.0),
-    "materials.density": Kind("kg/m^3", lower=1e-3, upper=1e6, typical=0.0),
+    "struck_by.velocity": Kind("m/s", factor=True),
+    "materials.young": Kind("Pa", lower=1.0, factor=True),
+    "materials.density": Kind("kg/m^3", lower=1e-3, upper=1e6, factor=True),
     "materials.poisson": Kind(lower=-0.99, upper=0.499, typical=0.3),
-    "radius": Kind("m", lower=1e-9, typical=0.0),
-    "mass": Kind("kg", lower=1e-15, typical=0.0),
+    "radius": Kind("m", lower=1e-9, factor=True),
+    "mass": Kind("kg", lower=1e-15, factor=True),
     "gap": Kind("m", "length", lower=0.0, typical=0.1, step=1e-2),
     "precompression": Kind("N", "force", lower=0.0, typical=0.1, step=1e-3),
     "gravity": Kind("m/s^2", "acceleration", typical=0.1, step=1e-3),
-    "wall.stiffness": Kind("N/m^p", lower=1e-6, typical=0.0),
+    "wall.stiffness": Kind("N/m^p", lower=1e-6, factor=True),
     "wall.exponent": Kind(lower=1.05, upper=4.0, step=3e-5),
     "wall.gap": Kind("m", "length", lower=0.0, typical=0.1, step=1e-2),
 }
@@ -64,7 +66,9 @@ TYPICAL: Final[Mapping[type[Loss], Mapping[str, float]]] = {
     LAWS["walton-braun"]: {"ratio": 0.95},
     LAWS["elastic-plastic"]: {"yield_overlap": 1.0},
 }
-SWITCHING: Final = tuple(LAWS[name] for name in ("unloading-ratio", "walton-braun", "elastic-plastic"))
+SWITCHING: Final = tuple(
+    LAWS[name] for name in ("unloading-ratio", "walton-braun", "elastic-plastic")
+)
 SMOOTH_STEP, SWITCHING_STEP = 1e-3, 1e-2
 # Smaller exponents of `VelocityPower` need very short steps.
 MIN_ALPHA: Final = 0.5
@@ -246,7 +250,7 @@ def with_sizes(chain: Chain, values: Mapping[Name, float], reference: float) -> 
 
 def _changed_materials(chain: Chain, values: Mapping[Name, float]) -> tuple[Any, ...]:
     assert chain.materials is not None
-    changes: dict[str, dict[str, float]] = {}
+    changes: dict[str, dict[str, Any]] = {}
     for name, value in values.items():
         changes.setdefault(name.item, {})[name.key.split(".")[1]] = value
     return tuple(
@@ -337,11 +341,12 @@ def _changed_laws(
     else:
         chosen = {k for k, law in enumerate(laws) if _has(law, field)}
     made: dict[int, Loss] = {}
+    change: dict[str, Any] = {field: value}
     out = list(laws)
     for k in chosen:
         law = laws[k]
         if id(law) not in made:
-            made[id(law)] = dataclasses.replace(law, **{field: value})
+            made[id(law)] = dataclasses.replace(law, **change)
         out[k] = made[id(law)]
     return out
 
@@ -353,5 +358,3 @@ def is_motion(name: Name) -> bool:
         or "loss." in name.key
         or name.key.endswith("_wall.gap")
     )
-
-

@@ -48,7 +48,8 @@ class WeakDirection:
             ratio = " : ".join(f"{weight:.2g}" for weight in self.weights.values())
             text += f" (in the ratio {ratio})"
         if self.fixed_by:
-            return f"{text}; only the prior of {_grouped(list(self.fixed_by))} fixes them"
+            priors = f"prior{'s' if len(self.fixed_by) > 1 else ''}"
+            return f"{text}; fixed only by the {priors} of {_grouped(list(self.fixed_by))}"
         return f"{text}: fix one of them, or give it a prior"
 
     def __repr__(self) -> str:

@@ -12,14 +12,14 @@ from ..collision import Array
 from ..errors import InputError
 from ..validation.numbers import whole_number
 from ..validation.objects import callback
-from .directions import weak_directions
+from .directions import WeakDirection, weak_directions
 from .goodness import goodness_of
 from .least_squares import Solution, solve
 from .model import Model, make_model
 from .parameters import Parameter, Priors, free_parameters
-from .problem import Problem
+from .problem import Problem, differences
 from .result import FitResult
-from .settings import Settings, load_experiment
+from .settings import load_experiment
 from .simulations import Simulator, range_notes
 from .systematics import effects_of
 from .trace_files import load_traces
@@ -173,7 +173,8 @@ def result_of(problem: Problem, solution: Solution) -> FitResult:
         high - variables < AT_BOUND * np.maximum(1.0, np.abs(high))
     )
     free = ~bound
-    change = _values_by_variables(model, variables)
+    # No simulation is needed.
+    change = differences(lambda u: np.array([*model.values(u).values()]), variables)
     covariance = _covariance(solution.jacobian, change, free) * good.inflation
     sigmas = np.sqrt(np.diag(covariance))
     sigmas[bound] = np.inf
@@ -191,7 +192,7 @@ def result_of(problem: Problem, solution: Solution) -> FitResult:
     )  # fmt: skip
     chains = tuple(model.chain(shot, values) for shot in range(len(model.chains)))
     at_bounds = tuple(name for name, there in zip(names, bound, strict=True) if there)
-    notes = _notes(problem, names, estimates, sigmas, sizes, at_bounds, weak)
+    notes = _notes(model, sigmas, sizes, at_bounds, weak)
     effects = effects_of(problem, values, solution.jacobian, solution.residuals)
     simulations = model.simulator.count
     duration = float(model.traces.shots[0].times[-1] - model.traces.shots[0].times[0])
@@ -202,21 +203,6 @@ def result_of(problem: Problem, solution: Solution) -> FitResult:
         effects, at_bounds, chains, notes, simulations, solution.starts, penalty,
         problem, variables, solution.jacobian, solution.residuals,
     )  # fmt: skip
-
-
-def _values_by_variables(model: Model, variables: Array) -> Array:
-    """Derivatives of the values by the variables; no simulation is needed."""
-    columns = []
-    for j in range(len(variables)):
-        ends = []
-        step = 1e-6 * max(abs(float(variables[j])), 1.0)
-        for sign in (1.0, -1.0):
-            moved = variables.copy()
-            moved[j] += sign * step
-            values = model.values(moved)
-            ends.append(np.array([values[name] for name in model.names]))
-        columns.append((ends[0] - ends[1]) / (2.0 * step))
-    return np.column_stack(columns)
 
 
 def _covariance(jacobian: Array, change: Array, free: Array) -> Array:
@@ -245,19 +231,19 @@ def _sizes(model: Model, estimates: Array) -> Array:
         elif each.name.key == "offset":
             found.append(max(s.sigma for _, s in model.traces if each.name.item in ("", s.name)))
         else:
-            found.append(max(abs(value), typical) or 1.0)
+            found.append(abs(value) if each.kind.factor else max(abs(value), typical))
     return np.array(found)
 
 
 def _notes(
-    problem: Problem, names: tuple[str, ...], estimates: Array, sigmas: Array, sizes: Array,
-    at_bounds: tuple[str, ...], weak: tuple[object, ...],
+    model: Model, sigmas: Array, sizes: Array, at_bounds: tuple[str, ...],
+    weak: tuple[WeakDirection, ...],
 ) -> tuple[str, ...]:  # fmt: skip
-    model = problem.model
+    """Samples that are not used, bounds, large errors and failed runs, one sentence each."""
     notes = list(model.traces.notes())
     notes += [f"{name} is at its bound and has no error" for name in at_bounds]
-    named = {name for each in weak for name in each.weights}  # type: ignore[attr-defined]
-    for name, sigma, size in zip(names, sigmas, sizes, strict=True):
+    named = {name for each in weak for name in each.weights}
+    for name, sigma, size in zip(map(str, model.names), sigmas, sizes, strict=True):
         if np.isfinite(sigma) and sigma > LARGE_ERROR * size and name not in named:
             notes.append(
                 f"the data hardly fix {name}, whose error exceeds its size: fix it, or give it a "
@@ -266,5 +252,3 @@ def _notes(
     if model.simulator.failed:
         notes.append(f"{model.simulator.failed} trial runs failed and were rejected")
     return tuple(notes)
-
-

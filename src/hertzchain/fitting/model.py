@@ -7,8 +7,10 @@ needs no simulation where the scaling symmetry holds.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
+from typing import Final
 
 import numpy as np
 
@@ -18,11 +20,15 @@ from .chain_parameters import is_motion, with_motion, with_sizes
 from .names import Name
 from .parameters import Parameter
 from .sensors import Sensor, filtered, sampled, with_crosstalk
-from .simulations import Simulator
+from .simulations import Signals, Simulator
 from .symmetry import Units, units_of
 from .traces import Traces
 
 Values = Mapping[Name, float]
+# Largest logarithm of a factor over its start.
+MAX_LOGARITHM: Final = 20.0
+# Sampled signals that are kept; a step of one gain does not change the others.
+KEPT: Final = 64
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,38 +54,57 @@ class Model:
     parameters: tuple[Parameter, ...]
     simulator: Simulator
     reference: float
+    _sampled: dict[tuple[object, ...], Array] = field(default_factory=dict, repr=False)
 
-    def values(self, variables: Array) -> dict[Name, float]:
-        """Values of the parameters from the variables of the fit."""
-        scales = self.scales
-        given = dict(zip(self.names, (variables * scales).tolist(), strict=True))
+    def values(self, variables: Array, shot: int = 0) -> dict[Name, float]:
+        """Values of the parameters from variables in the units of the motion of a shot."""
+        given: dict[Name, float] = {}
+        for each, variable in zip(self.parameters, variables.tolist(), strict=True):
+            if each.kind.factor:
+                given[each.name] = each.start * math.exp(min(variable, MAX_LOGARITHM))
+            else:
+                given[each.name] = variable * each.kind.typical
         units: dict[int, Units] = {}
         for each in self.parameters:
             if self._moves(each):
-                shot = each.shot or 0
-                if shot not in units:
-                    units[shot] = units_of(self._sized(shot, given))
-                given[each.name] *= self._unit(each, units[shot], given)
+                own = shot if each.shot is None else each.shot
+                if own not in units:
+                    units[own] = units_of(self._sized(own, given))
+                given[each.name] *= self._unit(each, units[own], given)
         return given
 
-    def variables(self, values: Values) -> Array:
-        """Variables of the fit from the values of the parameters."""
-        out = np.array([values[name] for name in self.names])
+    def variables(self, values: Values, shot: int = 0) -> Array:
+        """Variables in the units of the motion of a shot from the values of the parameters."""
+        out = np.zeros(len(self.parameters))
         for i, each in enumerate(self.parameters):
+            value = values[each.name]
+            if each.kind.factor:
+                out[i] = math.log(value / each.start)
+                continue
+            out[i] = value / each.kind.typical
             if self._moves(each):
-                units = units_of(self._sized(each.shot or 0, values))
-                out[i] /= self._unit(each, units, values)
-        return np.asarray(out / self.scales)
+                own = shot if each.shot is None else each.shot
+                out[i] /= self._unit(each, units_of(self._sized(own, values)), values)
+        return out
+
+    def bounds_of(self, parameter: Parameter) -> tuple[float, float]:
+        """Bounds of the variable of a parameter."""
+        kind = parameter.kind
+        if kind.factor:
+            ends = [
+                math.log(bound / parameter.start) if 0.0 < bound / parameter.start < np.inf
+                else sign * MAX_LOGARITHM
+                for bound, sign in ((kind.lower, -1.0), (kind.upper, 1.0))
+            ]  # fmt: skip
+            return ends[0], ends[1]
+        if self._moves(parameter):
+            return (0.0 if kind.lower >= 0.0 else -np.inf), np.inf
+        return kind.lower / kind.typical, kind.upper / kind.typical
 
     @property
     def names(self) -> tuple[Name, ...]:
         """Names of the parameters."""
         return tuple(each.name for each in self.parameters)
-
-    @property
-    def scales(self) -> Array:
-        """Sizes of the variables, so that all are of order 1."""
-        return np.array([each.kind.typical or abs(each.start) or 1.0 for each in self.parameters])
 
     @staticmethod
     def _moves(parameter: Parameter) -> bool:
@@ -113,10 +138,9 @@ class Model:
         motion = {name: value for name, value in given.items() if is_motion(name)}
         return with_motion(self._sized(shot, values), motion)
 
-    def needs_simulation(self, values: Values, shot: int | None = None) -> bool:
-        """Whether a chain with these values has not been simulated yet."""
-        shots = range(len(self.chains)) if shot is None else (shot,)
-        return not all(self.simulator.knows(self.chain(each, values)) for each in shots)
+    def needs_simulation(self, values: Values, shot: int) -> bool:
+        """Whether the chain of a shot has not been simulated with these values."""
+        return not self.simulator.knows(self.chain(shot, values))
 
     def predict(self, values: Values) -> list[list[Array]]:
         """Signals of each shot at all its times."""
@@ -129,15 +153,25 @@ class Model:
         times = data.times - given.get(Name("time_offset"), 0.0)
         sensors = [self._sensor(signal.name, given) for signal in data.signals]
         last = float(times[-1]) - min(0.0, *(each.delay for each in sensors))
-        spacing, columns = self.simulator.signals(self.chain(shot, values), max(last, 1e-9))
-        places = [place.name for place in self.simulator.places]
-        signals = []
-        for signal, sensor in zip(data.signals, sensors, strict=True):
-            column = columns[:, places.index(signal.name)]
-            seen = sampled(filtered(column, spacing, sensor), spacing, times - sensor.delay)
-            signals.append(sensor.gain * seen + sensor.offset)
+        run = self.simulator.signals(self.chain(shot, values), max(last, 1e-9))
+        signals = [
+            each.gain * self._seen(run, signal.name, each, times) + each.offset
+            for signal, each in zip(data.signals, sensors, strict=True)
+        ]
         share = given.get(Name("crosstalk"), 0.0)
         return with_crosstalk(signals, [signal.unit for signal in data.signals], share)
+
+    def _seen(self, run: Signals, name: str, sensor: Sensor, times: Array) -> Array:
+        """Signal of a sensor before its gain and offset."""
+        key = (run.key, run.spacing, name, replace(sensor, gain=1.0, offset=0.0), times[0],
+               len(times))  # fmt: skip
+        if key not in self._sampled:
+            while len(self._sampled) >= KEPT:
+                del self._sampled[next(iter(self._sampled))]
+            places = [place.name for place in self.simulator.places]
+            column = filtered(run.columns[:, places.index(name)], run.spacing, sensor)
+            self._sampled[key] = sampled(column, run.spacing, times - sensor.delay)
+        return self._sampled[key]
 
     @staticmethod
     def _sensor(name: str, given: Values) -> Sensor:

@@ -1,4 +1,4 @@
-"""Names of parameters, such as ``loss.time``, ``gap[8-9]``, ``gain[ball 6]`` or ``time_offset@2``."""
+"""Names of parameters, such as ``loss.time``, ``gap[8-9]``, ``gain[ball 6]``, ``loss.time@2``."""
 
 from __future__ import annotations
 

@@ -149,7 +149,7 @@ def _parameter(
     prior: tuple[float, float] | None,
     starts: Mapping[Name, float],
 ) -> Parameter:
-    kind, value = _kind_and_value(name, traces, chains)
+    kind, value = kind_and_value(name, traces, chains)
     if prior is not None:
         if not kind.lower - 3.0 * prior[1] <= prior[0] <= kind.upper + 3.0 * prior[1]:
             raise InputError(
@@ -161,7 +161,8 @@ def _parameter(
     return Parameter(name, kind, min(max(value, kind.lower), kind.upper), prior)
 
 
-def _kind_and_value(name: Name, traces: Traces, chains: Sequence[Chain]) -> tuple[Kind, float]:
+def kind_and_value(name: Name, traces: Traces, chains: Sequence[Chain]) -> tuple[Kind, float]:
+    """What a parameter is, and its nominal value."""
     if name.key == "time_offset":
         return TIME, 0.0
     if name.key in SENSOR_KINDS:
@@ -175,7 +176,7 @@ def _kind_and_value(name: Name, traces: Traces, chains: Sequence[Chain]) -> tupl
     try:
         return kind_of(chain, name), value_of(chain, name)
     except InputError as error:
-        known: list[Any] = [*known_names(chain), "time_offset", *SENSOR_KINDS]
+        every: list[Any] = [*known_names(chain), "time_offset", *SENSOR_KINDS]
         if "unknown parameter" in str(error):
-            raise unknown_name_error("parameter", str(name), known) from None
+            raise unknown_name_error("parameter", str(name), every) from None
         raise

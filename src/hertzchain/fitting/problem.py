@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from typing import Final
 
 import numpy as np
 
@@ -11,6 +12,23 @@ from ..collision import Array
 from ..errors import InputError, SimulationError
 from .model import Model
 from .names import Name
+
+# Step of differences of functions that need no simulation, relative to variables of order 1.
+SMALL: Final = 1e-6
+
+
+def differences(function: Callable[[Array], Array], variables: Array) -> Array:
+    """Central differences of a function that needs no simulation."""
+    columns = []
+    for j, variable in enumerate(variables):
+        step = SMALL * max(abs(float(variable)), 1.0)
+        ends = []
+        for sign in (1.0, -1.0):
+            moved = variables.copy()
+            moved[j] += sign * step
+            ends.append(function(moved))
+        columns.append((ends[0] - ends[1]) / (2.0 * step))
+    return np.column_stack(columns)
 
 
 @dataclass(eq=False)
@@ -65,60 +83,67 @@ class Problem:
         ])  # fmt: skip
 
     def jacobian(self, variables: Array) -> Array:
-        """Derivatives of the residuals by the variables."""
-        here = self.residuals(variables)
-        columns = [self._column(variables, here, j) for j in range(len(variables))]
-        return np.column_stack(columns)
+        """Derivatives of the residuals by the variables.
 
-    def _column(self, variables: Array, here: Array, j: int) -> Array:
-        step = self.step(variables, j)
-        ends = [variables.copy(), variables.copy()]
-        ends[0][j] += step
-        ends[1][j] -= step
+        Each shot is differentiated in the units of its own motion, in which stiffness and velocity
+        need no simulation, and the derivatives are converted.
+        """
+        values = self.model.values(variables)
+        rows = []
+        for shot in range(len(self.model.chains)):
+            own = self.model.variables(values, shot)
+            columns = self._shot_jacobian(shot, own)
+            if shot:
+                columns = columns @ self._conversion(variables, shot)
+            rows.append(columns)
+        priors = differences(lambda u: self.prior_residuals(self.model.values(u)), variables)
+        return np.concatenate((*rows, priors))
+
+    def _conversion(self, variables: Array, shot: int) -> Array:
+        """Derivatives of the variables of a shot by those of the fit."""
+        return differences(lambda u: self.model.variables(self.model.values(u), shot), variables)
+
+    def _shot_jacobian(self, shot: int, variables: Array) -> Array:
+        """Derivatives of the residuals of one shot by its own variables."""
+        here = self.predicted(self.model.values(variables, shot), shot)
+        columns = [
+            self._column(shot, variables, here, j)
+            if each.shot in (None, shot) else np.zeros(len(here))
+            for j, each in enumerate(self.model.parameters)
+        ]  # fmt: skip
+        sigma = np.concatenate([
+            np.full(each.valid.sum(), each.sigma) for each in self.model.traces.shots[shot].signals
+        ])  # fmt: skip
+        return np.column_stack(columns) / sigma[:, None]
+
+    def _column(self, shot: int, variables: Array, here: Array, j: int) -> Array:
+        """Derivatives by one variable: central differences if they need no simulation."""
+        step = self.step(j)
         low, high = self.bounds()
-        inside = [bool(low[j] <= end[j] <= high[j]) for end in ends]
-        values = [self.model.values(end) if ok else {} for end, ok in zip(ends, inside, strict=True)]
-        shot = self.model.parameters[j].shot
-        cheap = all(inside) and not any(
-            self.model.needs_simulation(each, shot) for each in values
-        )
-        if cheap:
-            plus, minus = (self._residuals_like(here, each, shot) for each in values)
-            return (plus - minus) / (2.0 * step)
-        for sign, each, ok in zip((1.0, -1.0), values, inside, strict=True):
-            if not ok:
-                continue
+        ends = {}
+        for sign in (1.0, -1.0):
+            moved = variables.copy()
+            moved[j] += sign * step
+            if low[j] <= moved[j] <= high[j]:
+                ends[sign] = self.model.values(moved, shot)
+        if len(ends) == 2 and not any(
+            self.model.needs_simulation(each, shot) for each in ends.values()
+        ):
+            plus, minus = (self.predicted(each, shot) for each in ends.values())
+            return np.asarray((plus - minus) / (2.0 * step))
+        for sign, each in ends.items():
             try:
-                return sign * (self._residuals_like(here, each, shot) - here) / step
+                return np.asarray(sign * (self.predicted(each, shot) - here) / step)
             except (SimulationError, InputError) as error:
                 self.last_failure = str(error)
         return np.zeros(len(here))
 
-    def _residuals_like(self, here: Array, values: Mapping[Name, float], shot: int | None) -> Array:
-        """Residuals near a point; only those of one shot are computed again."""
-        data = here[: len(self.data)].copy()
-        shots = self.model.traces.shots
-        begin = 0
-        for index, each in enumerate(shots):
-            count = sum(int(signal.valid.sum()) for signal in each.signals)
-            part = slice(begin, begin + count)
-            if shot is None or index == shot:
-                found = self.predicted(values, index)
-                data[part] = (found - self.data[part]) / self.sigma[part]
-            begin += count
-        return np.concatenate((data, self.prior_residuals(values)))
-
-    def step(self, variables: Array, j: int) -> float:
+    def step(self, j: int) -> float:
         """Step of a difference."""
-        kind = self.model.parameters[j].kind
-        return kind.step if kind.typical else kind.step * max(abs(float(variables[j])), 0.1)
+        return self.model.parameters[j].kind.step
 
     def bounds(self) -> tuple[Array, Array]:
         """Bounds of the variables."""
-        low, high = [], []
-        scales = self.model.scales
-        for each, scale in zip(self.model.parameters, scales, strict=True):
-            free = each.of_chain and each.kind.scale != "1"
-            low.append(0.0 if free and each.kind.lower >= 0.0 else each.kind.lower / scale)
-            high.append(np.inf if free else each.kind.upper / scale)
+        ends = [self.model.bounds_of(each) for each in self.model.parameters]
+        low, high = zip(*ends, strict=True)
         return np.array(low), np.array(high)

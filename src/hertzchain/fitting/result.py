@@ -208,12 +208,14 @@ class FitResult:
         for each, value, sigma in zip(
             self.model.parameters, self.estimates, self.sigmas, strict=True
         ):
-            unit = each.kind.unit if each.kind.typical != 0.0 or each.kind.unit != "m" else "m"
+            unit = each.kind.unit
             if each.name.key == "gain" and not _calibrated(self.traces, each.name.item):
                 unit = "V/N"
             factor, unit = SHOWN.get(unit, (1.0, unit))
             error = "at its bound" if str(each) in self.at_bounds else f"+- {factor * sigma:.2g}"
-            found.append((str(each), f"{_rounded(factor * value, factor * sigma)} {error} {unit}".rstrip()))
+            found.append(
+                (str(each), f"{_rounded(factor * value, factor * sigma)} {error} {unit}".rstrip())
+            )
         return found
 
     @property

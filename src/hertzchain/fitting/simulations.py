@@ -6,7 +6,7 @@ import warnings
 from collections import OrderedDict
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
-from typing import Any, Final
+from typing import Any, Final, NamedTuple
 
 import numpy as np
 
@@ -29,6 +29,14 @@ STEP_FACTOR, MIN_STEPS = 50, 20_000
 KEPT: Final = 96
 
 
+class Signals(NamedTuple):
+    """A key that identifies signals, their spacing in time, and signals (times, places)."""
+
+    key: bytes
+    spacing: float
+    columns: Array
+
+
 @dataclass(frozen=True, eq=False)
 class Simulated:
     """Signals of a chain on an even grid of times from 0, in SI."""
@@ -38,12 +46,15 @@ class Simulated:
     columns: Array
     force: Array
 
-    def scaled_to(self, units: Units) -> tuple[float, Array]:
-        """Spacing and signals of a chain that moves alike, in other units."""
+    def scaled_to(self, key: bytes, units: Units) -> Signals:
+        """Signals of a chain that moves alike, in other units."""
         factor = np.where(
             self.force, units.force / self.units.force, units.velocity / self.units.velocity
         )
-        return self.spacing * units.time / self.units.time, self.columns * factor
+        spacing = self.spacing * units.time / self.units.time
+        # Signals of like chains in like units are the same.
+        label = key + np.array([units.force, units.velocity]).tobytes()
+        return Signals(label, spacing, self.columns * factor)
 
 
 @dataclass(eq=False)
@@ -67,20 +78,20 @@ class Simulator:
     _steps: int = 0
     _kept: OrderedDict[bytes, Simulated] = field(default_factory=OrderedDict)
 
-    def signals(self, chain: Chain, duration: float) -> tuple[float, Array]:
-        """Spacing in time and signals (times, places) of a chain; simulated if necessary."""
+    def signals(self, chain: Chain, duration: float) -> Signals:
+        """Signals of a chain for at least a duration; simulated if necessary."""
         units = units_of(chain)
         key = similarity_key(chain, units)
         found = self._kept.get(key)
         if found is not None:
-            spacing, columns = found.scaled_to(units)
-            if spacing * (len(columns) - 1) >= duration:
+            scaled = found.scaled_to(key, units)
+            if scaled.spacing * (len(scaled.columns) - 1) >= duration:
                 self._kept.move_to_end(key)
-                return spacing, columns
+                return scaled
         found = self._kept[key] = self._simulate(chain, units, LONGER * duration)
         if len(self._kept) > KEPT:
             self._kept.popitem(last=False)
-        return found.scaled_to(units)
+        return found.scaled_to(key, units)
 
     def knows(self, chain: Chain) -> bool:
         """Whether a chain that moves alike has been simulated."""

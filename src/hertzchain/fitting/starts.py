@@ -82,13 +82,15 @@ def _shapes(
     model: Model, values: dict[Name, float], shot: int, duration: float
 ) -> tuple[float, list[Array]]:
     """Simulated signals of the sensors of a shot, without the sensor model."""
-    spacing, columns = model.simulator.signals(model.chain(shot, values), duration)
+    _, spacing, columns = model.simulator.signals(model.chain(shot, values), duration)
     places = [place.name for place in model.simulator.places]
     names = [signal.name for signal in model.traces.shots[shot].signals]
     return spacing, [columns[:, places.index(name)] for name in names]
 
 
-def further_starts(model: Model, values: dict[Name, float], count: int) -> Iterator[dict[Name, float]]:
+def further_starts(
+    model: Model, values: dict[Name, float], count: int
+) -> Iterator[dict[Name, float]]:
     """Values with smaller and larger losses and exponents, clipped to their bounds."""
     for factor, shift in list(zip(LOSS_FACTORS, EXPONENT_SHIFTS, strict=True))[1:count]:
         out = dict(values)

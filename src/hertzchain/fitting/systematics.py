@@ -1,4 +1,4 @@
-"""What sensors may do that a fit does not include: would it be seen, and what would it move?
+"""Effects of sensors that a fit does not include: what the data show, and what they would move.
 
 Each effect is added to the linearised fit as one more parameter.  No simulation is needed.
 """

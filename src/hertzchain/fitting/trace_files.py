@@ -97,7 +97,9 @@ def _shots(
     if np.isnan(labels).any():
         raise InputError(f"row {int(np.argmax(np.isnan(labels))) + 1} has no shot")
     return [
-        make_shot(times[labels == label], {k: v[labels == label] for k, v in samples.items()}, noise)
+        make_shot(
+            times[labels == label], {k: v[labels == label] for k, v in samples.items()}, noise
+        )
         for label in np.unique(labels)
     ]
 
@@ -138,7 +140,9 @@ def _time_factor(text: str) -> float:
 
 def _numbers(body: list[list[str]], index: int, name: str) -> Array:
     try:
-        return np.array([float(row[index]) if row[index] not in MISSING else np.nan for row in body])
+        return np.array(
+            [float(row[index]) if row[index] not in MISSING else np.nan for row in body]
+        )
     except ValueError:
         pass
     for number, row in enumerate(body, start=1):

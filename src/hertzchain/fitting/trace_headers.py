@@ -18,7 +18,9 @@ def header_of(text: str) -> tuple[Place, str, float]:
         raise InputError(f"column {text!r} must have the form 'ball 6 [N]'")
     place, unit = place_named(found["name"]), (found["unit"] or "").strip()
     if not unit:
-        raise InputError(f"column {text!r} has no unit; write {place.name} [{UNITS[place.quantity]}]")
+        raise InputError(
+            f"column {text!r} has no unit; write {place.name} [{UNITS[place.quantity]}]"
+        )
     if unit in VOLTS:
         return place, "V", VOLTS[unit]
     si = UNITS[place.quantity]

@@ -258,9 +258,7 @@ class Traces:
     def __repr__(self) -> str:
         shot = self.shots[0]
         steps = 1e6 * np.diff(shot.times)
-        noises = ", ".join(
-            dict.fromkeys(f"{signal.noise:.3g} {signal.unit}" for _, signal in self)
-        )
+        noises = ", ".join(dict.fromkeys(f"{signal.noise:.3g} {signal.unit}" for _, signal in self))
         every = f"{len(shot.times)} samples, every {np.median(steps):.3g} us"
         about = f"{counted(len(self.shots), 'shot')}, {', '.join(self.names)}"
         return short("Traces", about, every, f"noise {noises}", *self.notes())
@@ -310,7 +308,9 @@ def _check_values(place: Place, values: Array, count: int) -> None:
 
 def _quiet_samples(columns: Sequence[Array] | Any) -> int:
     """Number of samples at the beginning in which no sensor has a signal."""
-    first = [onset(np.where(np.isfinite(values), values, np.nanmedian(values))) for values in columns]
+    first = [
+        onset(np.where(np.isfinite(values), values, np.nanmedian(values))) for values in columns
+    ]
     return int(QUIET_PART * min(first))
 
 

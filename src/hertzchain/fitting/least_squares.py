@@ -18,6 +18,8 @@ FTOL, XTOL, GTOL = 1e-7, 1e-9, 1e-10
 MAX_EVALUATIONS: Final = 60
 # A fit is good enough to be the last if chi-squared per sample is below this.
 GOOD: Final = 1.3
+# Sums of squares that differ by less than this part are of the same optimum.
+SAME: Final = 1e-3
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,9 +62,11 @@ def solve(problem: Problem, values: dict[Name, float], starts: int, *, align: bo
         for start in further_starts(problem.model, first, starts):
             found = _from(problem, problem.model.variables(start))
             tried += 1
+            # A second start that ends where the first did has found the best there is.
+            same = abs(found.cost - best.cost) < SAME * best.cost
             if found.cost < best.cost:
                 best = found
-            if best.cost <= GOOD * len(best.residuals):
+            if same or best.cost <= GOOD * len(best.residuals):
                 break
     return Solution(
         best.variables, best.residuals, best.jacobian, best.converged, best.reason, tried

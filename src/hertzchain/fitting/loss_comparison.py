@@ -35,16 +35,24 @@ FURTHER: Final = (0.25, 0.5, 2.0, 4.0)
 
 @dataclass(frozen=True, eq=False)
 class LossFit:
-    """The fit of one law; ``result`` is `None` if it failed, and ``reason`` has why."""
+    """The fit of one law.
+
+    Attributes
+    ----------
+    law : str
+        Name of the law.
+    result : FitResult or None
+        Its fit; `None` if it failed.
+    reason : str
+        Why it failed or did not converge; empty otherwise.
+    bic : float
+        Bayesian information criterion with the effective number of samples of the best fit.
+    """
 
     law: str
     result: FitResult | None
     reason: str = ""
-
-    @property
-    def bic(self) -> float:
-        """Bayesian information criterion; infinite if the fit failed."""
-        return np.inf if self.result is None else self.result.bic
+    bic: float = np.inf
 
 
 @dataclass(frozen=True, eq=False)
@@ -231,13 +239,23 @@ def compare_losses(
             fits.append(LossFit(law.name, None, str(error)))
         if progress is not None:
             progress(done, len(wanted))
-    fits.sort(key=lambda each: each.bic)
-    if fits[0].result is None:
-        raise SimulationError(f"no law could be fitted; {fits[0].law}: {fits[0].reason}")
-    comparison = LossComparison(tuple(fits))
+    comparison = LossComparison(_ranked(fits))
     if len(comparison.undecided) < 2:
         return comparison
     return replace(comparison, further_shots=_further_shots(comparison))
+
+
+def _ranked(fits: Sequence[LossFit]) -> tuple[LossFit, ...]:
+    """Fits in the order of their BIC, with the correlation of the noise from the closest fit."""
+    good = [each.result for each in fits if each.result is not None]
+    if not good:
+        raise SimulationError(f"no law could be fitted; {fits[0].law}: {fits[0].reason}")
+    inflation = min(good, key=lambda each: each.chi2 + each.penalty).goodness.inflation
+    known = [
+        each if each.result is None else replace(each, bic=each.result.bic(inflation))
+        for each in fits
+    ]
+    return tuple(sorted(known, key=lambda each: each.bic))
 
 
 def _law(given: str | Loss, chain: Chain) -> Loss:

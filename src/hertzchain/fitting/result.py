@@ -118,17 +118,32 @@ class FitResult:
         """Sum of the squared residuals of the data over their noise."""
         return self.goodness.chi2
 
-    @property
-    def bic(self) -> float:
-        r"""Bayesian information criterion :math:`\chi^2 n_e/n + k \ln n_e`, priors included.
+    def bic(self, inflation: float | None = None) -> float:
+        r"""Bayesian information criterion :math:`\chi^2/s + k \ln(n/s)`, priors included.
 
-        G. Schwarz, Ann. Stat. 6, 461 (1978), doi:10.1214/aos/1176344136; with the effective
-        number of samples :math:`n_e`.
+        G. Schwarz, Ann. Stat. 6, 461 (1978), doi:10.1214/aos/1176344136; s is the number of samples
+        per independent sample.
+
+        Parameters
+        ----------
+        inflation : float, optional
+            The number s; by default that of this fit.  Fits that are compared need the same,
+            because residuals of a wrong model are correlated.
+
+        Returns
+        -------
+        float
+
+        Examples
+        --------
+        >>> import hertzchain as hc
+        >>> result = hc.fit(*hc.example_experiment())
+        >>> result.bic() > result.chi2
+        True
         """
-        effective = self.goodness.effective_samples
+        s = self.goodness.inflation if inflation is None else inflation
         return float(
-            (self.chi2 + self.penalty) / self.goodness.inflation
-            + len(self.names) * np.log(effective)
+            (self.chi2 + self.penalty) / s + len(self.names) * np.log(self.goodness.samples / s)
         )
 
     @property
@@ -267,7 +282,7 @@ class FitResult:
         data["value"] = ("parameter", self.estimates)
         data["error"] = ("parameter", self.sigmas)
         data["correlation"] = (("parameter", "parameter_2"), self.correlation)
-        return data.assign_attrs(chi2=self.chi2, bic=self.bic, describes=int(self.describes))
+        return data.assign_attrs(chi2=self.chi2, bic=self.bic(), describes=int(self.describes))
 
     def as_dict(self) -> dict[str, Any]:
         """Plain values for JSON: numbers that do not exist are `None`.
@@ -295,7 +310,7 @@ class FitResult:
             "chi2": self.chi2, "degrees_of_freedom": self.goodness.freedom,
             "samples": self.goodness.samples,
             "effective_samples": self.goodness.effective_samples,
-            "bic": self.bic, "converged": self.converged, "reason": self.reason,
+            "bic": self.bic(), "converged": self.converged, "reason": self.reason,
             "describes": self.describes, "warnings": list(self.warnings),
             "simulations": self.simulations,
         }  # fmt: skip

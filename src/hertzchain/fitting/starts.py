@@ -92,6 +92,8 @@ def further_starts(
     model: Model, values: dict[Name, float], count: int
 ) -> Iterator[dict[Name, float]]:
     """Values with smaller and larger losses and exponents, clipped to their bounds."""
+    if not any("loss." in name.key or name.key == "exponent" for name in model.names):
+        return
     for factor, shift in list(zip(LOSS_FACTORS, EXPONENT_SHIFTS, strict=True))[1:count]:
         out = dict(values)
         for each in model.parameters:

@@ -10,8 +10,12 @@ from ..collision import Array
 
 # Fewest samples from which a noise is estimated.
 MIN_QUIET: Final = 20
-# A signal has begun when it exceeds this part of its range, or this multiple of its noise.
-ONSET, ONSET_IN_NOISE = 0.02, 6.0
+# A signal has begun when it differs from its first samples by more than this part of its range
+# and this multiple of its noise, or by the last part of its range.
+FIRST: Final = 7
+# ... and does so in this many samples in a row.
+IN_A_ROW: Final = 3
+ONSET, ONSET_IN_NOISE, CERTAIN = 0.02, 5.0, 0.3
 # Part of the time before the onset that is regarded as quiet: lags and crosstalk begin earlier.
 QUIET_PART: Final = 0.8
 # Equal extreme samples in a row, next to which the signal falls by more than this many steps, are
@@ -21,11 +25,13 @@ MIN_FLAT, FALL_IN_STEPS = 3, 2.5
 
 def onset(values: Array) -> int:
     """Index of the first sample at which a signal has begun."""
-    head = values[:MIN_QUIET]
-    level, spread = float(np.median(head)), float(np.std(head))
-    threshold = max(ONSET * float(np.ptp(values)), ONSET_IN_NOISE * spread)
+    level, size = float(np.median(values[:FIRST])), float(np.ptp(values))
+    # The median of differences is that of the noise, also next to a pulse.
+    noise = float(np.median(np.abs(np.diff(values[: MIN_QUIET + 1])))) / (0.6745 * 2.0**0.5)
+    threshold = min(max(ONSET * size, ONSET_IN_NOISE * noise), CERTAIN * size)
     begun = np.abs(values - level) > threshold
-    return int(np.argmax(begun)) if begun.any() else len(values)
+    lasting = np.convolve(begun, np.ones(IN_A_ROW), "valid") == IN_A_ROW
+    return int(np.argmax(lasting)) if lasting.any() else len(values)
 
 
 def noise_of(quiet: Array) -> float:

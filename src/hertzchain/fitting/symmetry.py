@@ -21,6 +21,8 @@ from ..simulation.state import fingerprint
 
 # Numbers that agree in this many binary digits are regarded as equal.
 DIGITS = 35
+# Moves numbers such as 1 away from powers of 2, where rounding would change the exponent.
+OFF_POWERS = 1.37
 
 
 @dataclass(frozen=True)
@@ -71,7 +73,8 @@ def similarity_key(chain: Chain, units: Units) -> bytes:
             about, values = _law_numbers(law, s)
             text.append(about)
             numbers.append(values)
-    mantissa, power = np.frexp(np.concatenate([np.asarray(each, float) for each in numbers]))
+    whole = OFF_POWERS * np.concatenate([np.asarray(each, float) for each in numbers])
+    mantissa, power = np.frexp(whole)
     digits = np.round(np.ldexp(mantissa, DIGITS)).astype(np.int64)
     return digits.tobytes() + power.tobytes() + "|".join(text).encode()
 

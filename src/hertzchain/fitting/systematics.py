@@ -120,6 +120,8 @@ def _effect(key: str, column: Array, model: Model, jacobian: Array, residuals: A
     if SENSOR_KINDS[key].lower == 0.0:
         value = max(value, 0.0)
     spread = np.sqrt(np.sum(inverse**2, axis=1))
+    # A parameter that the data do not depend on cannot be moved.
+    spread[spread == 0.0] = np.inf
     shifts = (abs(value) + 2.0 * error) * np.abs(response) / spread
     chain = [i for i, each in enumerate(model.parameters) if each.of_chain] or [0]
     worst = chain[int(np.argmax(shifts[chain]))]

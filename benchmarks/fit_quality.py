@@ -140,8 +140,8 @@ def laws(draws):
             free = [name for name in NINE if name != "exponent"]
             compared = hc.compare_losses(traces, bench(), free=free, priors=priors)
             first += compared.fits[0].law == law
-            gaps.append(f"{compared.fits[0].law} {compared.fits[1].bic - compared.fits[0].bic:.1f} "
-                        f"{compared.fits[1].law}")  # fmt: skip
+            best, second = compared.fits[:2]
+            gaps.append(f"{best.law} {second.bic - best.bic:.1f} {second.law}")
         found[law] = {"first": first, "of": draws, "best, distance in BIC, next": gaps}
         print(law, found[law], flush=True)
     return found

@@ -26,9 +26,8 @@ def signals(chain, duration, offset, balls=BALLS, spacing=1e-6):
     run = hc.simulate(chain, times=grid, rtol=1e-11)
     columns = [run.sensor(k + chain.strikers) for k in balls] + [run.forces[:, -1]]
     spline = make_interp_spline(grid, np.column_stack(columns), k=3)
-    after = times > offset
-    seen = np.zeros((len(times), len(columns)))
-    seen[after] = spline(times[after] - offset)
+    # Before the impact, the forces at rest.
+    seen = spline(np.maximum(times - offset, 0.0))
     return times, seen
 
 

@@ -171,6 +171,8 @@ def test_nothing_calibrated_is_named(traces):
     assert weights["struck_by.velocity"] / weights["stiffness"] == pytest.approx(-2.0, abs=0.01)
     assert weights["gain[wall]"] / weights["stiffness"] == pytest.approx(2.0, abs=0.01)
     assert "fix one of them, or give it a prior" in result.summary()
+    assert np.isinf(result.errors["stiffness"])
+    assert np.isfinite(result.errors["loss.time"])
 
 
 def test_large_errors_are_named(traces):
@@ -310,7 +312,7 @@ GOOD = "".join(f"{i},{0.1 * (-1) ** i if i < 60 else 20 - abs(i - 80)}\n" for i 
 @pytest.mark.parametrize(
     ("text", "words"),
     [
-        (HEAD + GOOD[GOOD.index("\n55,") + 1 :], "samples before the pulse arrives: record at least 20"),
+        (HEAD + GOOD[GOOD.index("\n55,") + 1 :], "before the pulse arrives: record at least 20"),
         ("ball 6 [N]\n1\n", "one column of times"),
         ("time [us],ball 6 [m]\n0,1\n1,2\n", "'ball 6' must have a unit such as N"),
         ("time [us],ball 6\n0,1\n1,2\n", "has no unit; write ball 6 [N]"),

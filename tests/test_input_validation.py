@@ -11,7 +11,7 @@ from hertzchain import Chain
 
 # What simulations and theories make, and nobody else: no doors, but for their methods.
 RESULTS = (
-    "Budget", "Calibration", "EffectiveChain", "EffectivePulse", "EnergyFlux", "Fronts",
+    "Budget", "Calibration", "DefectScan", "EffectiveChain", "EffectivePulse", "EnergyFlux", "Fronts",
     "HertzRange", "Horizon", "LeadingPulse", "PulseTable", "Reflection", "Run", "Scoreboard",
     "SensorForce", "SolitaryWave", "Spectrum", "State", "StaticState", "VelocityPeaks", "Verdict",
     "WallForce", "Wave", "WaveEvent", "Waves",

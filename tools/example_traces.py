@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 from scipy.integrate import solve_ivp
 
-# The truth.  The bench file has nominal values: the catalogue's steel, and 0.1 and 0.3 m/s.
+# The truth.  The chain file has nominal values: the catalogue's steel, and 0.1 and 0.3 m/s.
 BALLS, RADIUS, DENSITY, POISSON = 20, 5e-3, 7780.0, 0.3
 YOUNG = 0.96 * 203e9
 RELAXATION = 0.62e-6
@@ -74,7 +74,8 @@ def shot(velocity, offset, samples, rng):
     mixed[:, 2] += CROSSTALK * seen[:, 3]
     mixed[:, 3] += CROSSTALK * seen[:, 2]
     for i, (_, noise, step) in enumerate(constants):
-        mixed[:, i] = step * np.round((mixed[:, i] + rng.normal(0.0, noise, samples)) / step)
+        # Adding 0 turns -0 into 0.
+        mixed[:, i] = step * np.round((mixed[:, i] + rng.normal(0.0, noise, samples)) / step) + 0.0
     return times, mixed
 
 

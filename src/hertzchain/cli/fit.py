@@ -32,7 +32,8 @@ if TYPE_CHECKING:
     "priors",
     multiple=True,
     metavar="NAME=VALUE,ERROR",
-    help="What is known of a parameter, such as struck_by.velocity=0.3,0.003; repeatable.",
+    help="Value and standard deviation of a parameter from other measurements, such as "
+    "struck_by.velocity=0.3,0.003; repeatable.",
 )
 @click.option("--starts", type=int, default=4, show_default=True, help="Largest number of starts.")
 @click.option(
@@ -72,9 +73,9 @@ def fit(
 
     \b
     Examples:
-      hertzchain fit data.csv bench.toml
-      hertzchain fit fast.csv slow.csv bench.toml --plot fit.png --out fitted.toml
-      hertzchain fit data.csv bench.toml --free stiffness --free loss.time --laws all
+      hertzchain fit data.csv experiment.toml
+      hertzchain fit fast.csv slow.csv experiment.toml --plot fit.png --out fitted.toml
+      hertzchain fit data.csv experiment.toml --free stiffness --free loss.time --laws all
     """
     import hertzchain
 

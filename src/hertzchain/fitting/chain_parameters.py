@@ -22,7 +22,7 @@ ENDS: Final = ("left_wall", "right_wall")
 
 @dataclass(frozen=True)
 class Kind:
-    """What a parameter of a chain is: unit, unit in scaled variables, bounds and typical size.
+    """Unit, unit in scaled variables, bounds and typical size of a parameter of a chain.
 
     A parameter of a dimension other than ``"1"`` is fitted in units of the motion, so that a
     change of stiffness or velocity alone needs no simulation.  A factor is fitted by its
@@ -101,7 +101,7 @@ def loss_parameters(chain: Chain) -> dict[str, Loss]:
 
 
 def kind_of(chain: Chain, name: Name) -> Kind:
-    """What a parameter is; raises `InputError` if the chain does not have it."""
+    """Kind of a parameter; raises `InputError` if the chain does not have it."""
     key = name.key
     for end in ENDS:
         if key.startswith(f"{end}."):

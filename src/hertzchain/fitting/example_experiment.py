@@ -29,7 +29,7 @@ def example_experiment(*shots: str) -> tuple[Traces, Path]:
     -------
     traces : Traces
         The data.
-    bench : pathlib.Path
+    chain_file : pathlib.Path
         The chain file, with a table ``[fit]``.
 
     Raises
@@ -39,7 +39,7 @@ def example_experiment(*shots: str) -> tuple[Traces, Path]:
 
     Examples
     --------
-    >>> traces, bench = example_experiment()
+    >>> traces, chain_file = example_experiment()
     >>> traces.names
     ('ball 6', 'ball 11', 'ball 16', 'wall')
     """
@@ -49,4 +49,4 @@ def example_experiment(*shots: str) -> tuple[Traces, Path]:
     folder = Path(str(files("hertzchain.fitting") / "example"))
     return load_traces(
         *(folder / FILES[each] for each in shots or ("fast",))
-    ), folder / "bench.toml"
+    ), folder / "experiment.toml"

@@ -133,7 +133,7 @@ def fitted(problem: Problem, start: Mapping[str, float], starts: int) -> FitResu
 
 
 def _nonzero_loss(model: Model, parameter: Parameter) -> float:
-    """The start of a parameter; a typical loss if the chain's is zero, where nothing is felt."""
+    """The start of a parameter; a typical loss if the chain's is zero, where derivatives vanish."""
     from .symmetry import units_of
 
     if "loss." not in parameter.name.key or parameter.start != parameter.kind.lower:
@@ -176,7 +176,7 @@ def result_of(problem: Problem, solution: Solution) -> FitResult:
     # No simulation is needed.
     change = differences(lambda u: np.array([*model.values(u).values()]), variables)
     covariance = _covariance(solution.jacobian, change, free) * good.inflation
-    sigmas = np.sqrt(np.diag(covariance))
+    sigmas = np.sqrt(np.maximum(np.diag(covariance), 0.0))
     sigmas[bound] = np.inf
     estimates = np.array([values[name] for name in model.names])
     sizes = _sizes(model, estimates)
@@ -190,6 +190,9 @@ def result_of(problem: Problem, solution: Solution) -> FitResult:
         [name for name, ok in zip(names, free, strict=True) if ok],
         physical[:, free], sizes[free], priors,
     )  # fmt: skip
+    for each in weak:
+        if each.exact and not each.fixed_by:
+            sigmas[[name in each.weights for name in names]] = np.inf
     chains = tuple(model.chain(shot, values) for shot in range(len(model.chains)))
     at_bounds = tuple(name for name, there in zip(names, bound, strict=True) if there)
     notes = _notes(model, sigmas, sizes, at_bounds, weak)

@@ -112,7 +112,7 @@ class LossComparison:
 
     @property
     def statement(self) -> str:
-        """What the data can and cannot decide."""
+        """Sentence on the laws between which the data can and cannot decide."""
         first = self.fits[0]
         if not self.best.describes:
             return (

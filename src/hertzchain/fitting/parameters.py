@@ -33,7 +33,7 @@ class Parameter:
     start : float
         Value from which a fit starts.
     prior : tuple of float or None
-        Mean and standard deviation of what is known of it.
+        Value and standard deviation from other measurements.
     """
 
     name: Name
@@ -162,7 +162,7 @@ def _parameter(
 
 
 def kind_and_value(name: Name, traces: Traces, chains: Sequence[Chain]) -> tuple[Kind, float]:
-    """What a parameter is, and its nominal value."""
+    """Kind of a parameter, and its nominal value."""
     if name.key == "time_offset":
         return TIME, 0.0
     if name.key in SENSOR_KINDS:

@@ -38,7 +38,8 @@ class FitResult:
     names : tuple of str
         Names of the free parameters.
     estimates, sigmas : ndarray
-        Their values and standard errors in SI; factors have no unit.
+        Their values and standard errors in SI; factors have no unit.  The error is infinite at a
+        bound, or if the data do not determine the parameter.
     covariance : ndarray
         Of the values; correlated residuals are accounted for.
     goodness : Goodness
@@ -88,7 +89,7 @@ class FitResult:
 
     @property
     def errors(self) -> dict[str, float]:
-        """Standard errors by name, in SI; infinite at a bound."""
+        """Standard errors by name, in SI; infinite at a bound or if not determined."""
         return dict(zip(self.names, self.sigmas.tolist(), strict=True))
 
     @property
@@ -227,10 +228,14 @@ class FitResult:
             if each.name.key == "gain" and not _calibrated(self.traces, each.name.item):
                 unit = "V/N"
             factor, unit = SHOWN.get(unit, (1.0, unit))
-            error = "at its bound" if str(each) in self.at_bounds else f"+- {factor * sigma:.2g}"
-            found.append(
-                (str(each), f"{_rounded(factor * value, factor * sigma)} {error} {unit}".rstrip())
-            )
+            if str(each) in self.at_bounds:
+                error = "(at its bound)"
+            elif np.isfinite(sigma):
+                error = f"+- {factor * sigma:.2g}"
+            else:
+                error = "(not determined)"
+            shown = _rounded(factor * value, factor * sigma)
+            found.append((str(each), " ".join(filter(None, (shown, error, unit)))))
         return found
 
     @property

@@ -1,4 +1,4 @@
-"""Settings of a fit: what is free, priors and starts, from arguments or a chain file."""
+"""Settings of a fit: free parameters, priors and starts, from arguments or a chain file."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ def load_experiment(
     """Traces, the chain of each shot, and the settings in the chain file."""
     settings = Settings()
     if isinstance(chain, str | os.PathLike):
-        chain, settings = load_bench(chain)
+        chain, settings = load_chain_and_settings(chain)
     if not isinstance(traces, Traces):
         paths = [traces] if isinstance(traces, str | os.PathLike) else traces
         if not isinstance(paths, list | tuple):
@@ -74,7 +74,7 @@ def load_experiment(
     return traces, tuple(chains), settings
 
 
-def load_bench(path: str | os.PathLike[str]) -> tuple[Chain, Settings]:
+def load_chain_and_settings(path: str | os.PathLike[str]) -> tuple[Chain, Settings]:
     """Read a chain file that may have a table ``[fit]``."""
     file = file_path("chain file", path)
     if file.suffix.lower() == ".csv":

@@ -1,4 +1,4 @@
-"""Effects of sensors that a fit does not include: what the data show, and what they would move.
+"""Effects of sensors that a fit does not include: would the data show them, and do they matter.
 
 Each effect is added to the linearised fit as one more parameter.  No simulation is needed.
 """

@@ -33,7 +33,7 @@ class Signal(Frozen):
     Attributes
     ----------
     place : Place
-        Where the sensor is, and what it measures.
+        Position of the sensor, and its quantity.
     unit : str
         ``"N"``, ``"m/s"`` or, without a calibration, ``"V"``.
     values : ndarray, shape (n,)
@@ -68,7 +68,7 @@ class Signal(Frozen):
 
     @property
     def calibrated(self) -> bool:
-        """Whether the signal is in the unit of what it measures."""
+        """Whether the signal is in the unit of its quantity."""
         return self.unit != "V"
 
 
@@ -173,7 +173,7 @@ class Traces:
         return sum(int(signal.valid.sum()) for _, signal in self)
 
     def notes(self) -> tuple[str, ...]:
-        """What was recognised in the samples: missing and saturated ones, uneven sampling.
+        """Missing and saturated samples and uneven sampling that were recognised.
 
         Returns
         -------

@@ -192,8 +192,8 @@ def sensors(draws):
     z = np.array(rows)
     return {"largest mean bias in sigma": float(np.abs(z.mean(axis=0)).max()),
             "of": draws, "error of a mean": draws**-0.5,
-            "sd of z": dict(zip(truth, z.std(axis=0).round(2).tolist(), strict=True)),
-            "mean of z": dict(zip(truth, z.mean(axis=0).round(2).tolist(), strict=True))}  # fmt: skip
+            "sd of z": dict(zip(truth, z.std(axis=0).round(2), strict=True)),
+            "mean of z": dict(zip(truth, z.mean(axis=0).round(2), strict=True))}  # fmt: skip
 
 
 def degeneracies(_):

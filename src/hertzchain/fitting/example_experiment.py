@@ -5,7 +5,7 @@ from __future__ import annotations
 from importlib.resources import files
 from pathlib import Path
 
-from ..errors import InputError
+from ..validation.objects import check_choice
 from .trace_files import load_traces
 from .traces import Traces
 
@@ -44,8 +44,7 @@ def example_experiment(*shots: str) -> tuple[Traces, Path]:
     ('ball 6', 'ball 11', 'ball 16', 'wall')
     """
     for each in shots:
-        if each not in FILES:
-            raise InputError(f"the shots of the example are 'fast' and 'slow', got {each!r}")
+        check_choice("shot of the example", each, FILES)
     folder = Path(str(files("hertzchain.fitting") / "example"))
     return load_traces(
         *(folder / FILES[each] for each in shots or ("fast",))

@@ -222,7 +222,11 @@ def compare_losses(
     wanted = DEFAULT_LAWS if laws is None else check_list("laws", laws, "names of laws")
     if not wanted:
         raise InputError("no laws to compare; name some, such as 'viscoelastic'")
-    names = default_names(data, chains[0]) if settings.free is None else list(settings.free)
+    names = (
+        default_names(data, chains[0])
+        if settings.free is None
+        else check_list("free", settings.free, "names")
+    )
     kept = [name for name in names if "loss." not in parse_name(name).key]
     fits = []
     for done, each in enumerate(wanted, start=1):

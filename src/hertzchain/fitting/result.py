@@ -12,6 +12,7 @@ import numpy as np
 from ..chain.chain import Chain
 from ..collision import Array
 from ..representation import counted, short
+from ..validation.numbers import number
 from .directions import WeakDirection
 from .goodness import Goodness
 from .model import Model
@@ -142,7 +143,9 @@ class FitResult:
         >>> result.bic() > result.chi2
         True
         """
-        s = self.goodness.inflation if inflation is None else inflation
+        s = self.goodness.inflation
+        if inflation is not None:
+            s = number("inflation", inflation, above=0.0)
         return float(
             (self.chi2 + self.penalty) / s + len(self.names) * np.log(self.goodness.samples / s)
         )
@@ -206,7 +209,7 @@ class FitResult:
         --------
         >>> import hertzchain as hc
         >>> print(hc.fit(*hc.example_experiment()).summary().splitlines()[0])
-        5 parameters from 2004 samples of 4 sensors
+        11 parameters from 2560 samples of 4 sensors
         """
         sensors = counted(len(self.traces.names), "sensor")
         shots = len(self.traces.shots)
@@ -219,7 +222,18 @@ class FitResult:
         return "\n".join([*lines, self.verdict, *self.warnings])
 
     def rows(self) -> list[tuple[str, str]]:
-        """Name, and value with error and unit, of each parameter."""
+        """Name, and value with error and unit, of each parameter.
+
+        Returns
+        -------
+        list of tuple of str
+
+        Examples
+        --------
+        >>> import hertzchain as hc
+        >>> hc.fit(*hc.example_experiment()).rows()[0][0]
+        'stiffness'
+        """
         found = []
         for each, value, sigma in zip(
             self.model.parameters, self.estimates, self.sigmas, strict=True

@@ -11,6 +11,7 @@ from ..collision import Array
 from ..errors import InputError
 from ..representation import short
 from ..simulation.run import Run
+from ..validation.numbers import number
 from ..validation.objects import check_type
 from .sensors import sampled
 from .traces import Traces
@@ -49,8 +50,12 @@ class TraceComparison:
     def _signals(self) -> tuple:  # type: ignore[type-arg]
         return self.traces.shots[0].signals
 
-    def scale(self, i: int) -> float:
-        """Factor of signal i that makes the simulation most like the data; 1 if calibrated."""
+    @property
+    def scales(self) -> tuple[float, ...]:
+        """Factors that make the simulation most like the data; 1 for calibrated sensors."""
+        return tuple(map(self._scale, range(len(self.signals))))
+
+    def _scale(self, i: int) -> float:
         signal, model = self._signals[i], self.signals[i]
         if signal.calibrated:
             return 1.0
@@ -58,7 +63,7 @@ class TraceComparison:
         return float(signal.values[ok] @ model[ok] / (model[ok] @ model[ok]))
 
     def _difference(self, i: int) -> float:
-        signal, model = self._signals[i], self.scale(i) * self.signals[i]
+        signal, model = self._signals[i], self._scale(i) * self.signals[i]
         ok = signal.valid & np.isfinite(model)
         rest = signal.values[ok] - model[ok]
         return float(np.sqrt(np.mean(rest**2)) / np.abs(model[ok]).max())
@@ -111,7 +116,9 @@ def compare_traces(
     grid = np.linspace(run.times[0], run.times[-1], len(run.times))
     columns = [np.interp(grid, run.times, signal.place.signal(run)) for signal in shot.signals]
     spacing = float(grid[1] - grid[0])
-    if time_offset is None:
+    if time_offset is not None:
+        time_offset = number("time_offset", time_offset, unit="s")
+    else:
         time_offset = _best_offset(shot, columns, spacing)
     moments = shot.times - time_offset - run.times[0]
     inside = moments <= grid[-1] - grid[0]

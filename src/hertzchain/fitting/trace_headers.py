@@ -13,7 +13,7 @@ UNITS = {"force": "N", "velocity": "m/s"}
 
 def header_of(text: str) -> tuple[Place, str, float]:
     """Place, unit (``"N"``, ``"m/s"`` or ``"V"``) and factor of a column."""
-    found = HEADER.fullmatch(text)
+    found = HEADER.fullmatch(text) if isinstance(text, str) else None
     if found is None:
         raise InputError(f"column {text!r} must have the form 'ball 6 [N]'")
     place, unit = place_named(found["name"]), (found["unit"] or "").strip()

@@ -10,10 +10,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..collision import Array
-from ..errors import InputError
+from ..errors import InputError, short_repr
 from ..frozen import Frozen
 from ..representation import counted, short
 from ..validation.numbers import number, real_numbers
+from ..validation.objects import check_list, check_type
 from .places import Place
 from .quiet import MIN_QUIET, QUIET_PART, digitiser_step, noise_of, onset, saturated
 from .trace_headers import header_of
@@ -107,6 +108,14 @@ class Traces:
 
     shots: tuple[Shot, ...]
 
+    def __post_init__(self) -> None:
+        shots = check_list("shots", self.shots, "shots")
+        for shot in shots:
+            check_type("shot", shot, Shot, "hc.Traces.from_arrays makes traces from arrays")
+        if not shots:
+            raise InputError("there must be at least one shot, got none")
+        object.__setattr__(self, "shots", tuple(shots))
+
     @classmethod
     def from_arrays(
         cls,
@@ -144,13 +153,15 @@ class Traces:
         Traces(1 shot, wall: 4 samples, every 1 us; noise 0.1 N)
         """
         moments = real_numbers("time", times, "sample", unit="s")
+        if not isinstance(signals, Mapping):
+            raise InputError(
+                "signals must be a mapping such as {'ball 6 [N]': samples}, got "
+                f"{short_repr(signals)}"
+            )
         columns = {}
         for header, given in signals.items():
             place, unit, factor = header_of(header)
             columns[place, unit] = factor * real_numbers(header, given, "sample")
-            known = noise.get(place.name) if isinstance(noise, Mapping) else noise
-            if known is not None:
-                known = number(f"noise of {place.name}", known, above=0.0)
         return cls((make_shot(moments, columns, noise),))
 
     def __add__(self, other: Traces) -> Traces:
@@ -329,7 +340,9 @@ def _signal(
         )
     known = noise.get(place.name) if isinstance(noise, Mapping) else noise
     used = 0
-    if known is None:
+    if known is not None:
+        known = number(f"noise of {place.name}", known, above=0.0)
+    else:
         before = values[:quiet][present[:quiet]]
         used = len(before)
         if used < MIN_QUIET:
@@ -345,4 +358,4 @@ def _signal(
             )
     for each in (values, valid):
         each.setflags(write=False)
-    return Signal(place, unit, values, valid, float(known), used, step)
+    return Signal(place, unit, values, valid, known, used, step)

@@ -230,7 +230,7 @@ def plot_comparison(comparison: TraceComparison) -> Figure:
                 axes.remove()
                 continue
             _draw_signal(axes, shot.times, shot.signals[i],
-                         comparison.scale(i) * comparison.signals[i])  # fmt: skip
+                         comparison.scales[i] * comparison.signals[i])  # fmt: skip
             if i >= count - columns:
                 axes.set_xlabel("time [µs]")
         panels[0, 0].legend()

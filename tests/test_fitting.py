@@ -457,7 +457,7 @@ def test_command_reports_a_model_that_does_not_describe_the_data(tmp_path):
     assert done.returncode == 3, done.stderr
     assert "the model does not describe the data" in done.stdout
     assert "Warning" not in done.stderr
-    done = command(data, chain, "--free", "time_offset")
+    done = command(data, chain, "--free", "time_offset", "--prior", "exponent=1.5,0.1")
     assert done.returncode == 2
     assert "has a prior but is not free" in done.stderr
 

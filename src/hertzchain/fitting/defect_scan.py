@@ -83,7 +83,7 @@ class DefectScan:
         Examples
         --------
         >>> import hertzchain as hc
-        >>> scan = hc.scan_defects(hc.fit(*hc.example_experiment()))
+        >>> scan = hc.scan_defects(hc.fit(*hc.example_experiment(), free=["time_offset"]))
         >>> fitted = scan.fit(candidates=1)  # doctest: +SKIP
         """
         count = whole_number("candidates", candidates, least=1, most=len(self.names))
@@ -149,8 +149,7 @@ def scan_defects(
     Examples
     --------
     >>> import hertzchain as hc
-    >>> scan = hc.scan_defects(hc.fit(*hc.example_experiment()))
-    >>> scan
+    >>> hc.scan_defects(hc.fit(*hc.example_experiment()))
     DefectScan(gap: no gap explains more than noise would)
     """
     check_type("result", result, FitResult, "hc.fit returns one")

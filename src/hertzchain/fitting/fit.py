@@ -19,7 +19,7 @@ from .model import Model, make_model
 from .parameters import Parameter, Priors, free_parameters
 from .problem import Problem, differences
 from .result import FitResult
-from .settings import load_experiment
+from .settings import Settings, load_experiment
 from .simulations import Simulator, range_notes
 from .systematics import effects_of
 from .trace_files import load_traces
@@ -64,7 +64,7 @@ def fit(
         The data; paths are read by `hertzchain.load_traces`, one shot per file.
     chain : Chain, path-like or sequence of Chain
         The chain with nominal values, in SI units; one for all shots or one for each.  The table
-        ``[fit]`` of a chain file gives ``free``, ``prior`` and ``start``.
+        ``[fit]`` of a chain file gives ``free``, ``prior`` and ``start``; arguments replace them.
     free : sequence of str, optional
         Names of the free parameters.  By default, the stiffness of all contacts (a factor), the
         striker's velocity, the numbers of the law of loss, the time offset and the gains of sensors
@@ -102,25 +102,34 @@ def fit(
     Four sensors in a row of 20 steel balls; the data are synthetic:
 
     >>> import hertzchain as hc
-    >>> traces, chain = hc.example_experiment()
-    >>> result = hc.fit(traces, chain)
+    >>> traces, chain_file = hc.example_experiment()
+    >>> result = hc.fit(traces, chain_file)
     >>> result.describes
     True
     """
     data, chains, settings = load_experiment(traces, chain, load_traces)
     callback("progress", progress)
     settings = settings.updated(free, priors, start)
-    parameters = free_parameters(data, chains, settings.free, settings.priors, settings.start)
+    count = whole_number("starts", starts, least=1, most=6)
+    return fit_with(data, chains, settings, count, progress)
+
+
+def fit_with(
+    data: Traces, chains: Sequence[Chain], settings: Settings, starts: int,
+    progress: Callable[[int, int], None] | None = None,
+) -> FitResult:  # fmt: skip
+    """Fit with checked traces and chains."""
+    parameters = free_parameters(
+        data, chains, settings.free, settings.priors, settings.start, settings.optional
+    )
     if data.samples <= len(parameters):
         raise InputError(
             f"{len(parameters)} parameters cannot be fitted to {data.samples} samples; free fewer"
         )
-    count = whole_number("starts", starts, least=1, most=6)
     places = list({signal.name: signal.place for _, signal in data}.values())
-    told = None if progress is None else lambda done: progress(done, 0)
-    simulator = Simulator(places, told)
+    simulator = Simulator(places, None if progress is None else lambda done: progress(done, 0))
     problem = Problem(make_model(data, chains, parameters, simulator))
-    return fitted(problem, settings.start, count)
+    return fitted(problem, settings.start, starts)
 
 
 def fitted(problem: Problem, start: Mapping[str, float], starts: int) -> FitResult:

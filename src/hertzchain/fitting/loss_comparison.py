@@ -15,11 +15,11 @@ from ..errors import InputError, SimulationError, short_repr, unknown_name_error
 from ..representation import short
 from ..validation.objects import callback, check_list
 from .chain_parameters import TYPICAL
-from .fit import ChainLike, TracesLike, fit
+from .fit import ChainLike, TracesLike, fit_with
 from .names import Name, parse_name
 from .parameters import Priors, default_names
 from .result import FitResult
-from .settings import load_experiment
+from .settings import Settings, load_experiment
 from .symmetry import units_of
 from .trace_files import load_traces
 
@@ -29,6 +29,8 @@ DEFAULT_LAWS: Final = (
 )  # fmt: skip
 # Differences of BIC above this decide (odds of more than a hundred).
 DECIDES: Final = 10.0
+# Largest number of starts of each law.
+STARTS: Final = 4
 # Velocities, relative to that of the first shot, at which a further shot is considered.
 FURTHER: Final = (0.25, 0.5, 2.0, 4.0)
 
@@ -151,9 +153,9 @@ class LossComparison:
         Examples
         --------
         >>> import hertzchain as hc
-        >>> compared = hc.compare_losses(*hc.example_experiment(), laws=["restitution"])
+        >>> compared = hc.compare_losses(*hc.example_experiment(), laws=["elastic"])
         >>> compared.as_dict()["laws"][0]["law"]
-        'restitution'
+        'elastic'
         """
         return {
             "laws": [
@@ -237,7 +239,8 @@ def compare_losses(
         known = {n: v for n, v in settings.priors.items() if "loss" not in n or n in own}
         given = {n: v for n, v in settings.start.items() if "loss" not in n or n in own}
         try:
-            found = fit(data, lossy, free=kept + own, priors=known, start=given)
+            chosen = Settings(kept + own, known, given, settings.optional)
+            found = fit_with(data, lossy, chosen, STARTS)
             fits.append(LossFit(law.name, found, "" if found.converged else found.reason))
         except SimulationError as error:
             fits.append(LossFit(law.name, None, str(error)))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Final
 
@@ -73,6 +73,7 @@ def free_parameters(
     free: Sequence[str] | None,
     priors: Priors,
     start: Mapping[str, float],
+    optional: Collection[str] = (),
 ) -> list[Parameter]:
     """Checked parameters; `InputError` for names, priors or starts that do not fit."""
     asked = default_names(traces, chains[0]) if free is None else check_list("free", free, "names")
@@ -84,11 +85,12 @@ def free_parameters(
             names[name] = None
     if not names:
         raise InputError("no parameter is free; name at least one, such as 'stiffness'")
-    known_priors = _checked_priors(priors, traces, names)
+    known_priors = _checked_priors(priors, traces, names, optional)
     starts = {
         name: number(f"start of {name}", value)
         for text, value in start.items()
         for name in expanded(parse_name(text), traces)
+        if name in names or text not in optional
     }
     for name in starts:
         if name not in names:
@@ -111,7 +113,7 @@ def expanded(name: Name, traces: Traces) -> list[Name]:
 
 
 def _checked_priors(
-    priors: Priors, traces: Traces, names: Mapping[Name, None]
+    priors: Priors, traces: Traces, names: Mapping[Name, None], optional: Collection[str]
 ) -> dict[Name, tuple[float, float]]:
     if not isinstance(priors, Mapping):
         raise InputError(
@@ -127,6 +129,8 @@ def _checked_priors(
                 f"(0.3, 0.003), got {short_repr(given)}"
             )
         for name in expanded(parse_name(text), traces):
+            if name not in names and text in optional:
+                continue
             if name not in names:
                 raise InputError(
                     f"{str(name)!r} has a prior but is not free; add it to free, whose names are "

@@ -19,11 +19,23 @@ KEYS = ("free", "prior", "start")
 
 @dataclass(frozen=True)
 class Settings:
-    """Names of free parameters, priors and starts."""
+    """Names of free parameters, priors and starts.
+
+    Attributes
+    ----------
+    free : sequence of str or None
+        Names; `None` for those that are free by default.
+    priors, start : mapping
+        Values by name.
+    optional : frozenset of str
+        Names in priors and start that need not be free: those of a file whose ``free`` an argument
+        replaces.
+    """
 
     free: Sequence[str] | None = None
     priors: Mapping[str, Any] = field(default_factory=dict)
     start: Mapping[str, Any] = field(default_factory=dict)
+    optional: frozenset[str] = frozenset()
 
     def updated(
         self, free: Sequence[str] | None, priors: Any, start: Mapping[str, float] | None
@@ -38,7 +50,9 @@ class Settings:
             self.free if free is None else free,
             {**self.priors, **(priors or {})},
             {**self.start, **(start or {})},
-        )
+            frozenset() if free is None
+            else frozenset({*self.priors, *self.start} - {*(priors or {}), *(start or {})}),
+        )  # fmt: skip
 
 
 def load_experiment(

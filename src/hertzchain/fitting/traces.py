@@ -100,7 +100,7 @@ class Traces:
 
     Examples
     --------
-    >>> times = np.arange(0.0, 60e-6, 1e-6)
+    >>> times = 1e-6 * np.arange(60)
     >>> pulse = np.exp(-(((times - 40e-6) / 5e-6) ** 2))
     >>> Traces.from_arrays(times, {"ball 6 [N]": 30.0 * pulse}, noise=0.1)
     Traces(1 shot, ball 6: 60 samples, every 1 us; noise 0.1 N)

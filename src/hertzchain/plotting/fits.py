@@ -77,7 +77,7 @@ def plot_fit(result: FitResult) -> Figure:
     Examples
     --------
     >>> import hertzchain as hc
-    >>> figure = plot_fit(hc.fit(*hc.example_experiment()))
+    >>> figure = plot_fit(hc.fit(*hc.example_experiment(), free=["time_offset"]))
     """
     residuals = result.residuals()
     shots = result.traces.shots
@@ -136,7 +136,7 @@ def plot_fit_residuals(result: FitResult) -> Figure:
     Examples
     --------
     >>> import hertzchain as hc
-    >>> figure = plot_fit_residuals(hc.fit(*hc.example_experiment()))
+    >>> figure = plot_fit_residuals(hc.fit(*hc.example_experiment(), free=["time_offset"]))
     """
     with figure_style():
         figure, (left, right) = plt.subplots(1, 2, figsize=(8.5, 3.4), layout="constrained")
@@ -178,7 +178,7 @@ def plot_correlations(result: FitResult) -> Figure:
     Examples
     --------
     >>> import hertzchain as hc
-    >>> figure = plot_correlations(hc.fit(*hc.example_experiment()))
+    >>> figure = plot_correlations(hc.fit(*hc.example_experiment(), free=["time_offset"]))
     """
     names, values = result.names, result.correlation
     with figure_style():
@@ -252,7 +252,7 @@ def plot_corner(posterior: Posterior) -> Figure:
     Examples
     --------
     >>> import hertzchain as hc
-    >>> result = hc.fit(*hc.example_experiment())
+    >>> result = hc.fit(*hc.example_experiment(), free=["time_offset"])
     >>> figure = plot_corner(result.sample(1000))  # doctest: +SKIP
     """
     count = len(posterior.names)

@@ -39,6 +39,17 @@ from .errors import SimulationError as SimulationError
 from .errors import StoreError as StoreError
 from .evaluation.evaluate import scoreboard as scoreboard
 from .evaluation.scoreboard import Scoreboard as Scoreboard
+from .fitting.defect_scan import DefectScan as DefectScan
+from .fitting.defect_scan import scan_defects as scan_defects
+from .fitting.example_experiment import example_experiment as example_experiment
+from .fitting.fit import fit as fit
+from .fitting.loss_comparison import LossComparison as LossComparison
+from .fitting.loss_comparison import compare_losses as compare_losses
+from .fitting.posterior import Posterior as Posterior
+from .fitting.result import FitResult as FitResult
+from .fitting.trace_comparison import TraceComparison as TraceComparison
+from .fitting.trace_files import load_traces as load_traces
+from .fitting.traces import Traces as Traces
 from .plotting.animation import animate as animate
 from .plotting.chains import plot_chain as plot_chain
 from .plotting.pulses import plot_pulses as plot_pulses

@@ -30,6 +30,8 @@ from .wall_force import SIDES, Side, WallForce, incomplete_peak, wall_force_of
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
+    from ..fitting.trace_comparison import TraceComparison
+    from ..fitting.traces import Traces
     from .horizon import Horizon
 
 
@@ -367,6 +369,39 @@ class Run(Trajectory):
         from ..plotting.animation import animate
 
         return animate(self, path, **options)
+
+    def compare(self, traces: Traces, *, time_offset: float | None = None) -> TraceComparison:
+        """Compare the run with measured traces, without any fit.
+
+        Parameters
+        ----------
+        traces : Traces
+            Data of one shot, such as those of `hertzchain.load_traces`.
+        time_offset : float, optional
+            Time of the data at which the run begins [s]; by default, that of the largest
+            cross-correlation.
+
+        Returns
+        -------
+        TraceComparison
+
+        Raises
+        ------
+        InputError
+            If the run is in scaled variables or saved few times, for several shots, or for
+            sensors that the chain does not have.
+
+        Examples
+        --------
+        >>> import hertzchain as hc
+        >>> traces, chain = hc.example_experiment()
+        >>> compared = hc.simulate(hc.load_chain(chain), until=6e-4, times=1201).compare(traces)
+        >>> f"{compared.differences['ball 6']:.1%}"
+        '5.0%'
+        """
+        from ..fitting.trace_comparison import compare_traces
+
+        return compare_traces(self, traces, time_offset=time_offset)
 
     def _require_times(self) -> None:
         if not len(self.times):

@@ -37,8 +37,9 @@ def check_document(document: Mapping[str, Any], *, complete: bool = True) -> Ite
     "rigid of [chain.right_wall] must be true or false, got 'false'"
     """
     for name in document:
-        if name not in ("chain", "materials"):
-            yield str(unknown_name_error("table or key", name, ("chain", "materials")))
+        # `hertzchain.fit` reads [fit].
+        if name not in ("chain", "materials", "fit"):
+            yield str(unknown_name_error("table or key", name, ("chain", "materials", "fit")))
     table = document.get("chain")
     if not isinstance(table, Mapping):
         yield "a chain file needs a table [chain]"

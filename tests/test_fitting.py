@@ -176,7 +176,7 @@ def test_nothing_calibrated_is_named(traces):
 
 
 def test_large_errors_are_named(traces):
-    # Before the wall is reached, its stiffness is not felt.
+    # Before the wall is reached, the traces do not depend on its stiffness.
     shot = traces.shots[0]
     early = shot.times < 250e-6
     first = hc.Traces.from_arrays(

@@ -1,4 +1,4 @@
-"""What the page can request, checked."""
+"""Checked requests of the page."""
 
 from __future__ import annotations
 

@@ -44,5 +44,5 @@ class WarmUp:
             del self._left[0]
 
     def pending(self) -> Iterator[str]:
-        """What is not compiled yet, in order."""
+        """Names of kernels that are not compiled yet, in order."""
         yield from (name for name, _ in self._left.copy())

@@ -194,7 +194,7 @@ class FitResult:
         >>> hc.fit(*hc.example_experiment(), free=["time_offset"]).chain_toml().splitlines()[0]
         '[chain]'
         """
-        from ..store.chain_files import chain_as_toml
+        from ..store.chain_as_toml import chain_as_toml
 
         return chain_as_toml(self.chain)
 

@@ -57,10 +57,10 @@ def simulate_many(
     r"""Simulate all beads of many chains, and keep of each only what is asked for.
 
     The equation of motion and the end of each run are those of `hertzchain.simulate`.  Chains
-    without losses and drive whose bead 1 is struck are integrated several at a time by the
-    Runge-Kutta-Nyström pair RKN8(6) (J. R. Dormand, M. E. A. El-Mikkawy, P. J. Prince, IMA J.
-    Numer. Anal. 7, 423, 1987) with a step of its own for each; all others one by one by
-    `simulate`, which takes longer and gives the same columns.
+    without losses and drive whose bead 1 is struck (of at most 150 beads, or with a right wall) are
+    integrated several at a time by the Runge-Kutta-Nyström pair RKN8(6) (J. R. Dormand, M. E. A.
+    El-Mikkawy, P. J. Prince, IMA J. Numer. Anal. 7, 423, 1987) with a step of its own for each;
+    all others one by one by `simulate`, with the same columns.
 
     Parameters
     ----------

@@ -39,6 +39,7 @@ benchmark: .venv/installed
 	$(BIN)/python benchmarks/sweep_overhead.py
 	$(BIN)/python benchmarks/loss_laws.py
 	$(BIN)/python benchmarks/island_steps.py
+	$(BIN)/python benchmarks/long_runs.py
 
 # Fit the constants of the modified BCA to the simulation.
 calibrate: .venv/installed

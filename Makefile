@@ -38,6 +38,7 @@ benchmark: .venv/installed
 	$(BIN)/python benchmarks/sweep_overhead.py
 	$(BIN)/python benchmarks/loss_laws.py
 	$(BIN)/python benchmarks/island_steps.py
+	$(BIN)/python benchmarks/long_runs.py
 
 # Latency of the app; requires an installed Chromium.
 benchmark-app: .venv/installed-test

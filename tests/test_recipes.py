@@ -55,5 +55,5 @@ def test_recipes_work(diffs, blocks, tmp_path):
 
 def test_the_page_has_all_recipes():
     titles = {param.id for param in recipes()}
-    expected = {"taper", "theory", "loss law", "quantity", "plot"}
+    expected = {"taper", "theory", "loss law", "quantity", "integrator", "plot"}
     assert expected <= {title.split(" ", 2)[2] for title in titles if title.startswith("Add a")}

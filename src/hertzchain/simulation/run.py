@@ -67,7 +67,9 @@ class Run(Trajectory):
     steps, evaluations : int
         Accepted steps, and evaluations of the force on the whole chain.
     rtol : float
-        Relative tolerance per step.
+        Relative tolerance per step; NaN if the steps were fixed.
+    method : str
+        ``"DOP853"``, or the splitting method of a symplectic run: ``"verlet"`` or ``"forward-4"``.
     state : State
         State from which a longer run resumes.
 

@@ -45,6 +45,7 @@ class Trajectory:
     steps: int
     evaluations: int
     rtol: float
+    method: str
     state: State
     _forces: Array | None = field(metadata=scale("force"))
     _ledger: Array = field(metadata=scale(ACCUMULATOR_SCALES, axis=1))

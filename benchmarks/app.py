@@ -194,7 +194,7 @@ def main() -> None:
     rows: dict[str, Any] = {"load": " ".join(f"{each:.1f}" for each in os.getloadavg())}
     server = RunningServer(0)
     server.start()
-    while [*server.app.warm_up.pending()]:
+    while server.app.warm_up.pending():
         time.sleep(0.1)
     for beads in (100, 1000):
         rows[f"server alone, N = {beads}"] = server_only(beads, given.samples)

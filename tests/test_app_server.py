@@ -28,7 +28,7 @@ from hertzchain.app.messages import Part
 from hertzchain.app.requests import Request
 from hertzchain.app.results import results
 from hertzchain.app.serve import RunningServer, bind
-from hertzchain.app.warm_up import STAGES, WarmUp
+from hertzchain.app.warm_up import WarmUp
 
 TAPER = {"chain": {"taper": "backward-exponential", "rate": 0.05, "beads": 40}}
 WALL = {"chain": {"taper": "uniform", "beads": 20, "right_wall": {"rigid": True}}}
@@ -117,8 +117,9 @@ def client(running):
 
 @pytest.mark.parametrize("document", [TAPER, STEEL], ids=["scaled", "SI"])
 def test_pulses_are_those_of_the_library(client, document):
-    parts = {header["part"]: (header, arrays) for header, arrays in client.results(document)}
-    assert list(parts) == ["status", "beads", "pulse", "run"]
+    answer = client.results(document)
+    assert [header["part"] for header, _ in answer] == ["status", "beads", "pulse", "run"]
+    parts = {header["part"]: (header, arrays) for header, arrays in answer}
     chain = chain_of(document)
     methods = {"bca": hc.bca(chain), "hard-sphere": hc.hard_sphere(chain),
                "local-rate": hc.local_rate(chain), "exact": hc.propagate(chain)}  # fmt: skip
@@ -467,14 +468,43 @@ def test_a_port_that_is_taken_is_replaced_by_the_next():
         assert first.getsockname()[1] < second.getsockname()[1] <= first.getsockname()[1] + 20
 
 
-def test_everything_that_is_compiled_is_listed():
-    started = []
-    warm_up = WarmUp((("one", started.append), ("two", started.append)))
-    assert [*warm_up.pending()] == ["one", "two"]
-    warm_up._work()
-    assert not [*warm_up.pending()]
-    assert len(started) == 2
-    assert len(STAGES) == 5
+def test_theories_are_sent_while_simulations_are_compiled():
+    compiled = threading.Event()
+    found = RunningServer(0, warm_up=False)
+    stages = (("the simulation", lambda _: compiled.wait(30.0)), ("the law", lambda _: None))
+    found.app.warm_up = WarmUp(stages)
+    found.start()
+    answers = {}
+
+    def ask(number):
+        answers[number] = Client(found).results(TAPER, number)
+
+    threads = [threading.Thread(target=ask, args=(number,)) for number in range(5)]
+    for thread in threads:
+        thread.start()
+        time.sleep(0.15)
+    # Requests that are out of date do not wait for the compiler, so that threads remain.
+    for thread in threads[:-1]:
+        thread.join(5.0)
+        assert not thread.is_alive()
+    assert threads[-1].is_alive()
+    assert {"cancelled"} == {answers[number][-1][0]["part"] for number in range(4)}
+    compiled.set()
+    threads[-1].join(30.0)
+    headers = [header for header, _ in answers[4]]
+    assert [each["part"] for each in headers][:3] == ["status", "beads", "status"]
+    assert headers[0]["pending"] == ["the simulation", "the law"]
+    assert headers[-1]["part"] == "run"
+    found.stop()
+
+
+def test_the_stages_of_the_compilation_are_those_that_messages_need():
+    warm_up = WarmUp()
+    assert len(warm_up.pending()) == 5
+    began = time.monotonic()
+    warm_up.wait("beads", general=True, stop=lambda: time.monotonic() > began + 0.2)
+    assert time.monotonic() > began + 0.2
+    WarmUp(()).wait("beads", general=True, stop=lambda: False)
 
 
 def test_the_page_receives_the_schema():

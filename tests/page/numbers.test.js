@@ -70,5 +70,7 @@ test("a slider includes the present value, and depends on the taper", () => {
   assert.equal(rangeOf({ name: "beads", kind: "integer", least: 2 }, false, 1500).high, 1500);
   const rate = { name: "rate", kind: "number" };
   assert.ok(rangeOf(rate, false, 0.01, { beads: 50, taper: "forward-linear" }).high < 1 / 49);
+  const speed = { name: "velocity", kind: "number", dimension: "velocity", unit: "m/s" };
+  assert.equal(rangeOf(speed, true, 50, { unit: "mm/s" }).high, 1000 * rangeOf(speed, true, 0.05, { unit: "m/s" }).high);
   assert.equal(rangeOf({ name: "bead", kind: "integer", least: 1 }, false, 3, { beads: 30 }).high, 30);
 });

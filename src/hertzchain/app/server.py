@@ -130,11 +130,23 @@ class App:
         if stop():
             put(Part({"part": "cancelled", **wanted.identity}).pack())
             return
-        put(
-            Part({"part": "status", **wanted.identity, "pending": [*self.warm_up.pending()]}).pack()
-        )
+        self._put_status(wanted, put)
+        general = False
         for part in results(wanted, stop):
             put(part.pack())
+            kind = part.header["part"]
+            if kind == "beads":
+                general = any(name != "SI units" for name in part.header["features"])
+            if self.warm_up.pending():
+                self._put_status(wanted, put)
+                self.warm_up.wait(kind, general=general, stop=stop)
+            if stop() and kind in ("beads", "pulse"):
+                put(Part({"part": "cancelled", **wanted.identity}).pack())
+                return
+
+    def _put_status(self, wanted: Request, put: Callable[[bytes], None]) -> None:
+        status = {"part": "status", **wanted.identity, "pending": self.warm_up.pending()}
+        put(Part(status).pack())
 
     async def _computed(
         self, compute: Callable[[Callable[[bytes], None]], None], gone: threading.Event

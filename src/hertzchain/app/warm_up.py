@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Callable, Iterator
+import time
+from collections.abc import Callable
 from typing import Final
 
 from ..chain.chain import Chain
@@ -26,11 +27,18 @@ STAGES: Final[tuple[Stage, ...]] = (
 )  # fmt: skip
 
 
+# Stages that must be complete before the message after another one: of a default chain, and of
+# one with further features.
+NEEDED: Final = {"beads": (2, 4), "pulse": (3, 4)}
+POLL: Final = 0.05
+
+
 class WarmUp:
     """Progress of the compilation, which numba's cache reduces to seconds after the first time."""
 
     def __init__(self, stages: tuple[Stage, ...] = STAGES) -> None:
-        self._left = list(stages)
+        self._stages = stages
+        self._done = 0
         self._thread = threading.Thread(target=self._work, daemon=True)
 
     def start(self) -> None:
@@ -39,10 +47,21 @@ class WarmUp:
 
     def _work(self) -> None:
         chain = Chain.tapered("backward-exponential", 0.05, beads=12)
-        while self._left:
-            self._left[0][1](chain)
-            del self._left[0]
+        for _, compile_stage in self._stages:
+            try:
+                compile_stage(chain)
+            finally:
+                self._done += 1
 
-    def pending(self) -> Iterator[str]:
+    def pending(self) -> list[str]:
         """Names of kernels that are not compiled yet, in order."""
-        yield from (name for name, _ in self._left.copy())
+        return [name for name, _ in self._stages[self._done :]]
+
+    def wait(self, part: str, *, general: bool, stop: Callable[[], bool]) -> None:
+        """Wait for the kernels that the message after ``part`` needs, or until ``stop`` returns true.
+
+        Otherwise threads of requests that are out of date would wait for the compiler.
+        """
+        needed = min(NEEDED.get(part, (0, 0))[general], len(self._stages))
+        while self._done < needed and not stop():
+            time.sleep(POLL)

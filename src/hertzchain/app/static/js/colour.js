@@ -25,6 +25,8 @@ export function readColours() {
     return probe.getImageData(0, 0, 1, 1).data;
   };
   const resolver = document.createElement("i");
+  // Colours carry meaning here, also where the system replaces those of the page.
+  resolver.style.setProperty("forced-color-adjust", "none");
   document.body.append(resolver);
   for (const name of NAMES) {
     resolver.style.color = style.getPropertyValue(`--${name}`);

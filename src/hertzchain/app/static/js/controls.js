@@ -89,6 +89,7 @@ export class Controls {
       ...tables.map((name) => this.table(name)),
       this.group("more", "Static forces, masses and more", rest.some((/** @type {any} */ key) => key.name in chain),
         rest.map((/** @type {any} */ key) => this.field(["chain"], key))),
+      this.ownMaterials(),
       make("p", { className: "bad", id: "problem", hidden: true, role: "alert" }),
     );
     this.host.scrollTop = top;
@@ -146,6 +147,24 @@ export class Controls {
     return group;
   }
 
+  /** Materials that are described in the chain file. */
+  ownMaterials() {
+    const own = Object.keys(this.document.materials ?? {}), section = this.schema["materials.NAME"];
+    const entries = own.map((name) => {
+      const remove = make("button", { type: "button", className: "small", "aria-label": `Remove material ${name}`, onclick: () => this.put(["materials", name], undefined) }, "Remove");
+      return make("div", { className: "entry" }, make("p", { className: "hint" }, name), ...this.tableFields(section, ["materials", name], this.document.materials[name]), remove);
+    });
+    const add = make("button", { type: "button", className: "small", id: "add-material", onclick: () => {
+      let number = 1;
+      while (own.includes(`material ${number}`)) number++;
+      this.opened.add("materials");
+      // A soft polymer, which can be seen next to steel.
+      this.put(["materials", `material ${number}`], { density: 1200, young: "2 GPa", poisson: 0.35 });
+    } }, own.length ? "Add another" : "Add");
+    add.setAttribute("aria-label", `${own.length ? "Add another" : "Add"}: own material`);
+    return this.group("materials", "Own materials", own.length > 0, [make("p", { className: "hint" }, section.description), ...entries, add]);
+  }
+
   /** @param {string} name @param {string} title @param {boolean} used @param {Node[]} children */
   group(name, title, used, children) {
     const details = /** @type {HTMLDetailsElement} */ (make("details", { className: "group", id: `group-${name}` }, make("summary", {}, title, ...(used ? [make("span", { className: "used", title: "used" }, "●")] : [])), ...children));
@@ -175,11 +194,17 @@ export class Controls {
   /** A table with values for its required keys. @param {any} section @param {any} table */
   begin(section, table) {
     for (const key of section.keys) {
+      if (key.per === "row") table[key.name] = this.rows(key);
       if (!key.required && !(key.name in BEGIN && key.name === "relative") && !(key.name === "ratio")) continue;
       const si = this.si ? BEGIN_SI[key.name] ?? (key.dimension ? BEGIN_SI[key.dimension] : undefined) : undefined;
       table[key.name] = si ?? BEGIN[key.name] ?? (key.kind === "boolean" ? false : key.choices?.[0] ?? this.inside(key));
     }
     return table;
+  }
+
+  /** A triangle of force or displacement, for a drive that is a table. @param {any} key */
+  rows(key) {
+    return key.name === "times" ? [0, 0.5, 1].map((each) => each * (this.si ? 1e-4 : 10)) : [0, this.si ? 10 : 0.1, 0];
   }
 
   /** A number that a key allows. @param {any} key */
@@ -257,7 +282,7 @@ export class Controls {
 
   /** Unit in which a key is shown. @param {any} key @param {any} value */
   unitOf(key, value) {
-    if (!this.si || !key.dimension) return "";
+    if (!key.dimension || (!this.si && !["density", "pressure"].includes(key.dimension))) return "";
     const own = parsed(value, "").unit;
     return own || (FACTORS[key.unit] === undefined ? "" : SHOWN[key.dimension] ?? key.unit);
   }
@@ -270,8 +295,8 @@ export class Controls {
     const unit = make("span", { className: "unit" });
     const clear = make("button", { type: "button", className: "clear", title: `Use the default for ${label}`, "aria-label": `Use the default for ${label}`, onclick: () => this.put(place, undefined) }, "×");
     const rangeNow = () => {
-      const value = read(), shown = parsed(value, this.unitOf(key, value)).number, chain = this.document.chain;
-      return rangeOf(key, this.si, shown, { beads: chain.beads, taper: chain.taper });
+      const value = read(), unit = this.unitOf(key, value), chain = this.document.chain;
+      return rangeOf(key, this.si, parsed(value, unit).number, { beads: chain.beads, taper: chain.taper, unit });
     };
     let range = rangeNow();
     const write = (/** @type {number} */ value, /** @type {boolean} */ moving) => this.put(place, valued(value, this.unitOf(key, read())), moving);

@@ -223,7 +223,7 @@ function request(slots, moving) {
   });
   clearTimeout(settle);
   const finish = () => {
-    if (SLOTS.some((slot) => links[slot].busy)) {
+    if (asked || SLOTS.some((slot) => links[slot].busy)) {
       settle = setTimeout(finish, 30);
       return;
     }
@@ -233,7 +233,7 @@ function request(slots, moving) {
     for (const slot of SLOTS) moved[slot] = false;
     if (document.body.dataset.settled === "no") wakeLater();
   };
-  settle = setTimeout(finish, SETTLE);
+  settle = setTimeout(finish, moving ? SETTLE : 20);
 }
 
 /** @param {Slot} slot @param {boolean} rough @param {number} input */

@@ -112,10 +112,15 @@ export function valued(number, unit) {
 
 /** Range of the slider of a key.
  * @param {any} key @param {boolean} si @param {number | null} value in the unit that is shown
- * @param {{beads?: number, taper?: string}} [chain] @returns {Range} */
+ * @param {{beads?: number, taper?: string, unit?: string}} [chain] with the unit that is shown
+ * @returns {Range} */
 export function rangeOf(key, si, value, chain = {}) {
   const least = key.least ?? key.above, most = key.most ?? key.below;
   let [low, high] = (key.dimension && USUAL[key.dimension]?.[si ? 0 : 1]) || BY_NAME[key.name] || [0.01, 10];
+  if (si && chain.unit && FACTORS[chain.unit]) {
+    const factor = FACTORS[SHOWN[key.dimension] ?? key.unit] / FACTORS[chain.unit];
+    [low, high] = [low * factor, high * factor];
+  }
   if (!key.dimension && least !== undefined && most !== undefined && !(key.name in BY_NAME)) [low, high] = [least, most];
   if (key.name === "rate" && chain.taper?.endsWith("linear") && chain.beads) {
     high = chain.taper.startsWith("forward") ? 0.999 / (chain.beads - 1) : 1;

@@ -107,10 +107,10 @@ class Posterior:
         rows = ", ".join(
             f"{name} = {self.means[name]:.5g} +- {self.errors[name]:.2g}" for name in self.names
         )
-        length = "" if self.long_enough else (
-            f"only {self.steps} steps for an autocorrelation of {self.autocorrelation:.0f}: "
-            f"take {LONG_ENOUGH} times as many"
-        )  # fmt: skip
+        length = ""
+        if not self.long_enough:
+            length = f"only {self.steps} steps, too few for an autocorrelation of "
+            length += f"{self.autocorrelation:.0f} steps: take {LONG_ENOUGH} times that"
         return short("Posterior", f"{len(self.samples)} samples", length, rows)
 
 

@@ -22,11 +22,11 @@ def strongly_random(beads, seed=7):
 def follow(chains, behind=100, tolerance=1e-9, grading=1.1, work=10**9):
     """Columns of all chains in one row, and what became of each."""
     batch = Batch.of(chains)
-    columns = np.zeros((wide_front.COLUMNS, len(batch.radii)))
+    columns = np.zeros((wide_front.COLUMNS, len(batch.masses)))
     status = np.zeros(len(chains), np.int64)
     wide_front.follow(
         (behind, tolerance, grading),
-        (batch.given(), batch.first, batch.beads, batch.exponents),
+        (batch.given, batch.first, batch.beads, batch.chain_exponents),
         columns, status, np.full(len(chains), work), np.zeros(2, np.int64),
         wide_front.new_scratch(),
     )  # fmt: skip
@@ -55,6 +55,7 @@ def energy_error(steps, exponent):
     w = wide_front.new_scratch()[0]
     w[wide_front.STIFFNESS] = 1.0
     w[wide_front.INVERSE_MASS : wide_front.INVERSE_MASS + 2] = 1.0
+    w[wide_front.EXPONENT : wide_front.EXPONENT + 2] = exponent
     w[wide_front.POSITION] = 1.0
     steps_of_two_beads(w, steps, exponent)
     overlap = w[wide_front.POSITION] - w[wide_front.POSITION + 1]
@@ -109,7 +110,7 @@ def test_stop_signal_ends_the_kernel():
     columns = np.zeros((wide_front.COLUMNS, 90))
     status = np.full(3, wide_front.RUNNING)
     wide_front.follow(
-        (48, 1e-8, 1.3), (batch.given(), batch.first, batch.beads, batch.exponents),
+        (48, 1e-8, 1.3), (batch.given, batch.first, batch.beads, batch.chain_exponents),
         columns, status, np.full(3, 10**9), signal, wide_front.new_scratch(),
     )  # fmt: skip
     assert list(status) == [wide_front.STOPPED, wide_front.RUNNING, wide_front.RUNNING]

@@ -299,7 +299,7 @@ def test_invalid_ensembles(chains, said):
 
 INTERRUPTED = {
     "ensemble": "hc.propagate_many(np.ones((100_000, 100)), progress=report)",
-    "chain": "hc.propagate(hc.Chain.uniform(3_000_000), progress=report)",
+    "chain": "hc.propagate(hc.Chain.from_radii(1 + 1e-6 * np.arange(3e6)), progress=report)",
     "heterogeneous": "hc.propagate_many(np.tile([1.0, 0.4], (20_000, 50)), progress=report)",
 }
 

@@ -392,7 +392,10 @@ class ChainFields(Frozen):
     @cached_property
     def features(self) -> tuple[str, ...]:
         """Names of features that the paper's chains do not have, such as ``"gaps"``."""
-        losses = {*{id(law): law for law in self.contact_losses}.values()}
+        losses: set[Loss] = {ELASTIC}
+        p = self.contact_exponents
+        if not self.lossless:
+            losses = {*{id(law): law for law in self.contact_losses}.values()}
         present = {
             "SI units": not self.scaled,
             "masses": "masses" in self.given,
@@ -406,7 +409,7 @@ class ChainFields(Frozen):
             "right wall": self.right_wall is not None,
             "drive": self.drive is not None,
             "loss": len(losses) == 1 and losses != {ELASTIC},
-            "mixed exponents": len({*self.contact_exponents.tolist()}) > 1,
+            "mixed exponents": bool(p.min() < p.max()),
             "mixed losses": len(losses) > 1,
         }
         return tuple(name for name, there in present.items() if there)

@@ -75,7 +75,7 @@ STEEP, STEEP_PART = 1.4, 0.7
 
 # Step size and release of opening contacts, as fractions of the time per bead and of a step, for
 # a tolerance of 1e-8; the exponents were fitted to the errors measured at 1e-6 to 1e-10.
-STEP_PART, STEP_ORDER, MAX_STEP_PART = 0.175, 6, 0.28
+STEP_PART, STEP_ORDER, MAX_STEP_PART = 0.15, 6, 0.28
 # Forces of higher exponents change faster: their steps are shorter by (p/1.5) to this power.
 STEP_BY_EXPONENT: Final = -0.45
 RELEASE_PART, RELEASE_ORDER, MAX_RELEASE_PART = 0.1, 4, 0.3

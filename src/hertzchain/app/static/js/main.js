@@ -436,7 +436,8 @@ function listen() {
   });
   matchMedia("(prefers-color-scheme: dark)").addEventListener("change", repaint);
   $("table-details").addEventListener("toggle", () => { dirty.table = true; wake(); });
-  new ResizeObserver(() => { dirty.pulse = dirty.times = true; wake(); }).observe($("views"));
+  const sizes = new ResizeObserver(() => { dirty.pulse = dirty.times = true; wake(); });
+  for (const plot of document.querySelectorAll(".plot")) sizes.observe(plot);
   addEventListener("hashchange", () => {
     const next = fromLink(location.hash);
     if (!next) return;

@@ -160,6 +160,10 @@ def test_filters_solve_their_equations():
     found = filtered(force(times), spacing, Sensor(lag=lag, highpass=rate))
     # The signal is linear between the times of the grid: an error of h^2 F''/12.
     assert np.abs(found - exact.y[1]).max() < 2.0 * spacing**2 / 2e-5**2 / 6.0
+    # A force at rest stays, however slow the high-pass.
+    assert np.array_equal(
+        filtered(np.full(9, 2.0), spacing, Sensor(highpass=rate)), np.full(9, 2.0)
+    )
 
 
 def test_nothing_calibrated_is_named(traces):
@@ -263,6 +267,29 @@ def test_a_fit_that_does_not_converge_is_returned(traces, monkeypatch):
     result = hc.fit(traces, bench(hc.Viscoelastic(0.1e-6)), free=NINE, priors=KNOWN, starts=1)
     assert not result.converged
     assert "not converged after 2 evaluations" in result.summary()
+
+
+def test_precompression_and_velocity_signals_are_fitted():
+    chain = bench(LAW, precompression=2.0, held_by="force")
+    rng, grid = np.random.default_rng(0), 0.25e-6 * np.arange(1800)
+    run = hc.simulate(chain, times=grid, rtol=1e-11)
+    times = 1e-6 * np.arange(400)
+    columns = {
+        "ball 6 [N]": (run.sensor(7), 0.05), "ball 10 velocity [m/s]": (run.velocity(11), 5e-4),
+    }  # fmt: skip
+    traces = hc.Traces.from_arrays(times, {
+        name: np.interp(times - 20e-6, grid, signal) + rng.normal(0.0, noise, len(times))
+        for name, (signal, noise) in columns.items()
+    })  # fmt: skip
+    nominal = chain.replace(precompression=1.5, loss=hc.Viscoelastic(0.3e-6))
+    free = ["stiffness", "precompression", "loss.time", "time_offset", "struck_by.velocity"]
+    result = hc.fit(traces, nominal, free=free)
+    truth = {"stiffness": 1.0, "precompression": 2.0, "loss.time": 0.6e-6,
+             "struck_by.velocity": 0.3}  # fmt: skip
+    for name, true in truth.items():
+        assert abs(result.values[name] - true) < 3.0 * result.errors[name], name
+        assert result.errors[name] < 0.01 * true
+    assert "nan" not in result.summary()
 
 
 def test_correlated_residuals_count_less():

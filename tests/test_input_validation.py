@@ -59,7 +59,7 @@ def public_calls(folder):
     board = hc.scoreboard(theories=["bca", "local-rate"])
     plan = {"chain": {"taper": "uniform"}, "axes": {"beads": [5, 6]}}
     hc.sweep(plan, folder / "sweep")
-    steel = Chain.from_materials(5e-3, "steel-316", beads=5, velocity=0.01)
+    steel = Chain.from_materials(5e-3, "steel-52100", beads=5, velocity=0.01)
     moved = hc.simulate(steel, until=2e-4, times=101)
     signal = {"ball 4 [N]": moved.sensor(4)}
     traces = hc.Traces.from_arrays(moved.times, signal, noise=0.01)

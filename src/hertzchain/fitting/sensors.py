@@ -7,7 +7,8 @@ The recorded signal of sensor i is
 
 with the force or velocity s, the lag :math:`\tau_l \dot u + u = s`, the high-pass
 :math:`\dot u + r u = \dot s` (of a charge amplifier with time constant 1/r), and the crosstalk c
-from the neighbouring columns in the same unit.
+from the neighbouring columns in the same unit.  The high-pass acts on the change of a signal since
+the impact; a force at rest, such as that of a precompressed chain, is kept.
 """
 
 from __future__ import annotations
@@ -49,7 +50,7 @@ def filtered(signal: Array, spacing: float, sensor: Sensor) -> Array:
     if sensor.lag > 0.0:
         signal = _lagging(signal, spacing / sensor.lag)
     if sensor.highpass > 0.0:
-        signal = signal - _lagging(signal, spacing * sensor.highpass)
+        signal = signal - _lagging(signal - signal[0], spacing * sensor.highpass)
     return signal
 
 

@@ -92,7 +92,9 @@ def effects_of(
             continue
         extended = np.concatenate((_derivative(problem, values, key), np.zeros(
             len(residuals) - len(problem.data))))  # fmt: skip
-        found.append(_effect(key, extended, model, jacobian, residuals))
+        # Sensors in unlike units have no crosstalk.
+        if extended.any():
+            found.append(_effect(key, extended, model, jacobian, residuals))
     return tuple(found)
 
 

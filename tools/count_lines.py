@@ -9,6 +9,9 @@ SOURCE = Path(__file__).parents[1] / "src" / "hertzchain"
 MAX_FUNCTION, MAX_FILE, MAX_RATIO = 60, 450, 0.45
 # Longer functions and files, and why they are not split.
 EXCEPTIONS = {
+    "kernels/elastic_chains.py: follow": (
+        "the loop over steps of four chains, whose lanes are refilled from one list"
+    ),
     "kernels/full_chain.py: advance": (
         "the loop over windows, whose bounds, records and numbers of steps change together"
     ),
@@ -18,6 +21,9 @@ EXCEPTIONS = {
     ),
     "kernels/narrow_front.py": (
         "one chain per vector lane: numba vectorises the stages only if they are compiled as one"
+    ),
+    "kernels/symplectic.py: advance": (
+        "the loop over steps, between stops for events, saved times and checks of the energy"
     ),
     "kernels/wide_front.py": (
         "the window of one chain and its events, which share arrays that only this file describes"

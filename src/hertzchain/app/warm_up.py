@@ -58,7 +58,7 @@ class WarmUp:
         return [name for name, _ in self._stages[self._done :]]
 
     def wait(self, part: str, *, general: bool, stop: Callable[[], bool]) -> None:
-        """Wait for the kernels that the message after ``part`` needs, or until ``stop`` returns true.
+        """Wait for the kernels that the message after ``part`` needs, or until ``stop()`` is true.
 
         Otherwise threads of requests that are out of date would wait for the compiler.
         """

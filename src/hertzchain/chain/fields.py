@@ -36,7 +36,7 @@ from .boundary_checks import (
 from .contact_groups import ContactGroup, group_contacts, loading_forces
 from .description import beads_description
 from .drives import Drive
-from .input_checks import checked_radii, scaled_radii
+from .input_checks import checked_radii, positive_derived, scaled_radii
 from .laws import Loss
 from .mass_and_stiffness import contact_stiffness, sphere_masses, wall_stiffness
 from .materials import Material, material_per_bead
@@ -172,7 +172,7 @@ class ChainFields(Frozen):
                 "mass", self.masses, self.beads, "bead", unit=self._unit("kg"), above=0.0
             )
         else:
-            masses = _derived(
+            masses = positive_derived(
                 "mass", "bead", sphere_masses(self.radii, self.materials, scaled=self.scaled)
             )
         self._set("masses", masses)
@@ -184,7 +184,7 @@ class ChainFields(Frozen):
         else:
             p = np.atleast_1d(self.exponents)
             values = contact_stiffness(self.radii, self.materials, p, scaled=self.scaled)
-            stiffness = _derived("stiffness", "contact", values)
+            stiffness = positive_derived("stiffness", "contact", values)
         self._set("stiffness", stiffness)
 
     def _check_start(self) -> None:
@@ -434,18 +434,6 @@ class ChainFields(Frozen):
 
     def __repr__(self) -> str:
         return short("Chain", self.description)
-
-
-def _derived(what: str, place: str, values: Array) -> Array:
-    """Check that values computed from radii and materials are positive and finite."""
-    good = (values > 0.0) & np.isfinite(values)
-    if not good.all():
-        k = int(np.argmin(good))
-        raise InputError(
-            f"{place} {k + 1} has {what} {values[k]:g}, computed from radius and material; check "
-            "their units (to model a rigid body, use Wall.rigid())"
-        )
-    return _read_only(values)
 
 
 def _read_only(values: Array) -> Array:

@@ -9,8 +9,8 @@ where n is the whole number next to the exponent; both functions are evaluated b
 relative error is a few :math:`10^{-16}`, and the loops have no branch, so that the compiler can
 vectorise them.
 
-`power` is the same function for one number at a time, to be called in such loops; its error of 1e-14
-is below that of the pulse, and it takes half of the time.
+`power` is the same function for one number at a time, to be called in such loops; its error of
+1e-14 is below that of the pulse, and it takes half of the time.
 """
 
 from __future__ import annotations
@@ -81,7 +81,7 @@ def _number_of(_context, _bits):
     return types.float64(types.int64), generate
 
 
-# For type checkers, which do not know that the first argument is not given.
+# Callers omit the first argument, which type checkers would require.
 bits_of: Any = _bits_of
 number_of: Any = _number_of
 
@@ -108,7 +108,7 @@ def power(base, exponent):
     high = b5 + r * (b6 + r * (b7 + r * (b8 + r * (b9 + r * b10))))
     root = b0 + r * (b1 + r * (b2 + r * (b3 + r * (b4 + r * high))))
     found = number_of(bits_of(root) + (bits_of(shifted) << SHIFT))
-    # What is no number remains none.
+    # NaN stays NaN.
     return found if positive else 0.0 * base
 
 

@@ -87,8 +87,10 @@ def steps_alone(
     rtol = min(DEFAULT_RTOL * max(1.0, slow), 1e-6)
     clock, counts = np.zeros(state_layout.CLOCK_SIZE), np.zeros(state_layout.COUNTS_SIZE, np.int64)
     clock[state_layout.STEP] = arrays["clock"][state_layout.STEP]
+    clock[state_layout.IDLE_UNTIL], counts[state_layout.HIGH] = np.inf, beads
+    flights = np.zeros((state_layout.FLIGHT_ROWS, beads))
     rest = (
-        NO_TIMES, False, NO_STATES, NO_STATES, np.ones((2, beads)), np.ones((3, beads - 1)),
+        False, NO_TIMES, False, NO_STATES, NO_STATES, np.ones((2, beads)), np.ones((3, beads - 1)),
         np.zeros((state_layout.WALL_ROWS, 2)), np.zeros(beads), np.zeros(full_chain.ROWS * len(y)),
         np.empty((2, beads + 1)), np.zeros((2, beads), np.bool_),
     )  # fmt: skip
@@ -97,7 +99,7 @@ def steps_alone(
     for budget in (0, 10**6):
         began = time.perf_counter()
         full_chain.advance(
-            y, clock, counts, part, contacts, duration, False, rtol, budget, False, *rest
+            y, clock, counts, part, contacts, flights, duration, False, rtol, budget, 10**9, *rest
         )
         seconds.append(time.perf_counter() - began)
     return int(counts[state_layout.STEPS]), max(seconds[1] - seconds[0], 0.0)
@@ -142,11 +144,8 @@ def count(chain: hc.Chain, transits: float) -> dict[str, float]:
 
 def beads_in_window(state: State) -> tuple[int, int]:
     """First bead of the window, and bead after the last."""
-    chain, arrays = state.chain, state.arrays
-    equation = kernel_chain(chain)
-    contacts = contacts_of(arrays, equation)
-    trim = active_beads.trimmed(equation, contacts)
-    return active_beads.bounds(arrays["y"], equation, contacts, 0, chain.beads, trim)
+    counts = state.arrays["counts"]
+    return int(counts[state_layout.LOW]), int(counts[state_layout.HIGH])
 
 
 def main() -> None:

@@ -27,6 +27,7 @@ import other_solvers
 from numba import njit
 from rich.console import Console
 from rich.table import Table
+from scipy.integrate import solve_ivp
 
 import hertzchain as hc
 from hertzchain.kernels import narrow_front
@@ -157,22 +158,25 @@ def time_in_square_roots() -> dict[str, float]:
     """Time of the kernel per force evaluation of a contact, in units of a vectorised root."""
     values, times = np.full(2 * 104, 1.5), 20_000
     results = {}
-    for taper, window in (("uniform", window_choice.NARROW), ("forward", window_choice.WIDE)):
+    for taper, window in (
+        ("uniform", window_choice.WINDOWS.narrow), ("forward", window_choice.WINDOWS.wide),
+    ):  # fmt: skip
         rate = 0.05
         chains = [
             hc.Chain.uniform(BEADS) if taper == "uniform"
             else hc.Chain.tapered("forward-exponential", rate, beads=BEADS)
         ] * 400  # fmt: skip
         batch = Batch.of(chains)
-        given = (batch.given(), batch.first, batch.beads)
-        columns = np.empty((narrow_front.COLUMNS, len(batch.radii)))
+        given = (batch.given, batch.first, batch.beads, None)
+        columns = np.empty((narrow_front.COLUMNS, len(batch.masses)))
         ratios, steps = [], 0
         for _ in range(REPEATS + 2):
             status, signal = np.zeros(len(chains), np.int64), np.zeros(2, np.int64)
             began = time.perf_counter()
-            steps = narrow_front.follow_many(
-                (*window, 0.15, 0.1), (np.inf, np.inf, np.inf), given, columns, status, signal,
-                narrow_front.scratch_of(narrow_front.LANES),
+            steps = narrow_front.follow(
+                narrow_front.ABREAST, (*window, window_choice.STEP_PART, 0.1),
+                (np.inf, np.inf, np.inf), given, columns, status, signal,
+                narrow_front.scratch_of(narrow_front.ABREAST),
             )  # fmt: skip
             middle = time.perf_counter()
             square_roots(values, times)
@@ -323,6 +327,50 @@ def heterogeneous_rows(console: Console) -> dict[str, dict[str, float]]:
     return results
 
 
+def targets() -> dict[str, dict[str, float]]:
+    """Milliseconds of CPU time of single chains, with the targets that they must or should meet."""
+    random = hc.Chain.from_radii(np.random.default_rng(0).uniform(0.5, 2.0, BEADS))
+    cases: dict[str, tuple[hc.Chain, float, float]] = {
+        "single pulse, equal beads": (hc.Chain.uniform(BEADS), 0.25, 0.15),
+        "random radii 0.5 .. 2": (random, 19.0, 6.3),
+        "a million equal beads": (hc.Chain.uniform(1_000_000), 500.0, 5.0),
+    }
+    for exponent in (1.2, 2.0, 2.5):
+        chain = hc.Chain.tapered("backward-exponential", 0.05, beads=BEADS, exponent=exponent)
+        cases[f"backward exponential, p = {exponent:g}"] = (chain, 0.8, 0.45)
+    found = {}
+    for name, (chain, must, aim) in cases.items():
+        hc.propagate(chain)
+        number = 20 if chain.beads == BEADS else 1
+        times = timeit.repeat(
+            lambda chain=chain: hc.propagate(chain), timer=time.process_time, number=number,
+            repeat=5,
+        )  # fmt: skip
+        found[name] = {"ms": 1e3 * min(times) / number, "must": must, "aim": aim}
+    return found
+
+
+def against_scipy() -> dict[str, float]:
+    """Time of SciPy's DOP853 (NumPy, rtol 1e-9, no dense output) over that of an ensemble."""
+    found = {}
+    for taper, rate in TAPERS.items():
+        chain = hc.Chain.tapered(taper, rate, beads=BEADS)
+        radii, end = ensemble(taper)[:400], hc.simulate(chain, times=0).end_time
+        hc.propagate_many(radii, threads=1)
+        start = np.append(np.zeros(BEADS), chain.velocities)
+        derivative = other_solvers.numpy_derivative(chain.radii)
+        times: tuple[list[float], list[float]] = ([], [])
+        for _ in range(3):
+            began = time.process_time()
+            solve_ivp(derivative, (0.0, end), start, method="DOP853", rtol=1e-9, atol=1e-20)
+            middle = time.process_time()
+            hc.propagate_many(radii, threads=1)
+            times[0].append(middle - began)
+            times[1].append((time.process_time() - middle) / len(radii))
+        found[taper] = min(times[0]) / min(times[1])
+    return found
+
+
 def show(console: Console, title: str, rows: list[Row]) -> None:
     """Print a table of solvers, with the largest error and the mean time over these rows."""
     by_name: dict[str, list[Row]] = {}
@@ -379,6 +427,7 @@ def main() -> None:
     report: dict[str, Any] = {"machine": machine(), "rows": [asdict(row) for row in rows]}
     report["heterogeneous"] = heterogeneous_results
     for name, measure in (
+        ("targets [ms]", targets), ("SciPy / ensemble, must 1000, aim 2500", against_scipy),
         ("growth", growth), ("time in square roots", time_in_square_roots),
         ("first call", first_call), ("paper", paper), ("sweep", sweep),
         ("a million equal beads", long_chain), ("us of the local-rate law", local_rate_times),

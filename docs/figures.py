@@ -218,6 +218,22 @@ def sweep() -> Figure:
     return canvas
 
 
+def fit_before() -> Figure:
+    """Data of the example, and the simulation with nominal values."""
+    traces, bench = hc.example_experiment()
+    return hc.simulate(hc.load_chain(bench), until=600e-6, times=1201).compare(traces).plot()
+
+
+def fit_result() -> Figure:
+    """Data, fit and residuals of the example."""
+    return hc.fit(*hc.example_experiment()).plot()
+
+
+def fit_correlations() -> Figure:
+    """Correlations of the parameters of the example."""
+    return hc.fit(*hc.example_experiment()).plot_correlations()
+
+
 def _growth(rate: float) -> float:
     velocity = hc.local_rate(hc.Chain.from_radii(np.exp(rate * np.arange(90)))).velocity
     return float(np.log(velocity[80] / velocity[79]))
@@ -236,6 +252,9 @@ FIGURES: dict[str, Callable[[], Figure]] = {
     "scoreboard": scores,
     "growth-and-memory": growth_and_memory,
     "sweep": sweep,
+    "fit-before": fit_before,
+    "fit-result": fit_result,
+    "fit-correlations": fit_correlations,
 }
 
 

@@ -15,8 +15,13 @@ if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
 # Kernels compile at the first example; machines are shared.
 settings.register_profile("hertzchain", deadline=None)
 settings.load_profile("hertzchain")
-# Files that take longest come first, so that no worker is left alone with one of them at the end.
-LONGEST = ("test_sweep_processes.py", "console.py", "test_random_chains.py", "test_propagation.py")
+# Files that take longest come first, so that they do not run on a single worker at the end.
+LONGEST = (
+    "test_sweep_robustness.py",
+    "check_console_blocks.py",
+    "test_random_chains.py",
+    "test_propagation.py",
+)
 
 
 def pytest_collection_modifyitems(items):

@@ -6,7 +6,13 @@ from importlib import import_module
 from pathlib import Path
 
 import hertzchain as hc
+from hertzchain.chain.laws import Loss
 
+# Methods that only authors of a law need (docs/how-to/extend.md).
+OF_AUTHORS = {
+    "damper", "largest_overlap", "loading_force", "loading_overlap", "resolved", "row",
+    "stored_energy", "strength",
+}  # fmt: skip
 REFERENCE = Path(__file__).parents[1] / "docs" / "reference" / "api.md"
 
 
@@ -44,6 +50,7 @@ def public_functions():
         elif inspect.isclass(item) and item.__module__.startswith("hertzchain"):
             for name, method in inspect.getmembers(item, inspect.isfunction):
                 own = not name.startswith("_") and method.__module__.startswith("hertzchain")
-                if own and not _overrides(item, name):
+                author = issubclass(item, Loss) and name in OF_AUTHORS
+                if own and not author and not _overrides(item, name):
                     found[f"{method.__module__}.{method.__qualname__}"] = method
     return found

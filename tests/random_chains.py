@@ -1,9 +1,9 @@
-"""Random chains with everything switched on, the same for the same seed.
+"""Random chains with all features, reproducible by a seed.
 
-`random_case(seed)` draws beads, materials or given masses and stiffness, exponent, velocities,
-gaps, walls, gravity, precompression, strikers, drive and loss law: each kind of chain that
-`hertzchain.simulate` accepts.  A failing test names the seeds, so that
-``random_case(seed).chain`` is the whole reproduction.
+`random_case(seed)` chooses beads, materials or given masses and stiffness, exponent, velocities,
+gaps, walls, gravity, precompression, strikers, drive and loss law, so that all kinds of chain that
+`hertzchain.simulate` accepts occur.  A failing test names the seeds; ``random_case(seed).chain``
+reproduces the chain.
 """
 
 from __future__ import annotations
@@ -21,12 +21,12 @@ FEATURES = {
 }  # fmt: skip
 DAMPING = ("Restitution", "Viscoelastic", "Dashpot", "Elastic")
 MIXED = (*LAWS, "ElasticPlastic", "Elastic")
-# Time that a run takes, in units of a collision of the first beads.
+# Duration of a run, in units of a collision of the first beads.
 DURATION = 20.0
 
 
 class Case(NamedTuple):
-    """A chain, how long to follow it, and the rough size of what happens in it."""
+    """A chain, the duration of its run, and rough units of its motion."""
 
     seed: int
     chain: hc.Chain
@@ -47,8 +47,8 @@ class Case(NamedTuple):
 def random_case(seed, **options):
     """A random chain of up to nine beads.
 
-    Options are ``only`` and ``without``, what it must and must not have, any of ``FEATURES``; and
-    ``laws``, those to choose from.
+    Options are ``only`` and ``without``, names of ``FEATURES`` that it must or must not have, and
+    ``laws``, the laws from which one is chosen.
     """
     return _random_case(seed, options, **options)
 
@@ -73,14 +73,14 @@ def _random_case(seed, options, only=(), without=(), laws=LAWS):
 
 
 class _Draw:
-    """Random choices of what a chain has."""
+    """Random choices of the features of a chain."""
 
     def __init__(self, rng, only, without):
         assert {*only, *without} <= FEATURES
         self.rng, self.only, self.without = rng, only, without
 
     def has(self, feature, chance):
-        # Drawn in any case: what one chain lacks must not change the rest of it.
+        # The number is drawn in any case, so that excluding a feature does not change the others.
         drawn = bool(self.rng.random() < chance)
         return (drawn or feature in self.only) and feature not in self.without
 
@@ -92,7 +92,7 @@ class _Draw:
 
 
 def _beads(draw, beads):
-    """Beads and their contacts, at rest but for the first."""
+    """Beads and their contacts; only the first bead moves."""
     rng = draw.rng
     radii = rng.uniform(0.6, 1.7, beads)
     if draw.has("SI", 0.4):
@@ -147,7 +147,7 @@ def _ends(draw, chain, units):
 
 
 def _held(draw, chain, units):
-    """Precompression, with what it excludes left out."""
+    """Precompression; features that it excludes are removed."""
     force = draw.near(0.2) * units.force
     if not draw.has("precompression", 0.3):
         return chain
@@ -181,11 +181,11 @@ def _struck(draw, chain, units):
 
 
 def mixed_case(seed, **options):
-    """A random chain whose contacts and walls all have laws and exponents of their own."""
+    """A random chain whose contacts and walls have different laws and exponents."""
     case = random_case(seed, without=("loss", "strikers"), **options)
     chain, units, rng = case.chain, case.units, np.random.default_rng([seed, 1])
     scaled = chain.units == "scaled"
-    # Laws of |d'|^alpha with alpha < 1 take implicit steps, beside damping only.
+    # Laws |d'|^alpha with alpha < 1 need implicit steps, which support only damping.
     names = MIXED if rng.random() < 0.8 else (*DAMPING, "VelocityPower")
 
     def draw():
@@ -230,7 +230,7 @@ def random_law(rng, units, laws=LAWS):
 
 
 def random_drive(rng, units, *, walled):
-    """A force on bead 1 or, where there is a left wall, its displacement."""
+    """A force on bead 1 or, with a left wall, a displacement of the wall."""
     of = "displacement" if walled and rng.random() < 0.5 else "force"
     size = rng.uniform(-1.0, 1.0) * (units.length if of == "displacement" else 0.6 * units.force)
     kind = rng.integers(4)
@@ -247,23 +247,23 @@ def random_drive(rng, units, *, walled):
 
 
 def may_wedge(chain):
-    """Whether contacts between two walls may all be stuck: they then bear any force in common."""
+    """Whether all contacts between two walls may be stuck, with an undetermined common force."""
     walls = (chain.left_wall, chain.right_wall)
     laws = {type(law) for law in chain.contact_losses}
     return laws == {hc.UnloadingRatio} and None not in walls
 
 
 def force_difference(run, forces, units):
-    """Largest difference of a run's contact forces from others, where they are determined."""
+    """Largest difference between contact forces, if they are determined."""
     apart = run.forces - forces
     if may_wedge(run.chain):
-        # Only its changes along the chain.
+        # Only differences along the chain are determined.
         apart = np.diff(apart, axis=1)
     return np.abs(apart).max() / units.force
 
 
 class Tally:
-    """How a check fared on many chains."""
+    """Results of a check on many chains."""
 
     def __init__(self, name):
         self.name, self.tried, self.worst, self.failures = name, 0, 0.0, []

@@ -1,13 +1,13 @@
-"""An independent integration of any chain: SciPy's steppers, restarted wherever a force switches.
+"""An independent integration of any chain by SciPy, restarted whenever a contact force switches.
 
-Written from the equations of the documentation and the papers cited there.  Of a chain only its
-description is read (radii, materials, what was given, walls, law, drive); masses, Hertz stiffness,
-static equilibrium, contact laws and drives are worked out here.  Everything is made dimensionless
-with rough units of the motion, so that one set of tolerances is right for millimetres, too.
+It is written from the equations of the documentation and of the papers cited there.  Only the
+description of a chain is used (radii, materials, given values, walls, law, drive); masses, Hertz
+stiffness, static equilibrium, contact laws and drives are computed here.  All numbers are made
+dimensionless with rough units of the motion, so that the same tolerances suit chains in metres.
 
-A contact is open, loading, unloading or stuck, and remains so within a piece of the integration.
-Its *margin* is positive as long as that is right; the first zero of a margin on SciPy's dense
-output ends the piece.
+Within a piece of the integration, each contact remains open, loading, unloading or stuck.  Its
+*margin* is positive as long as this state is correct; the first zero of a margin on the dense
+output of SciPy ends the piece.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ MOST_SWITCHES = 20_000
 
 
 class Units(NamedTuple):
-    """Rough size of what happens in a chain; a scaled chain has ones."""
+    """Rough units of the motion in a chain; those of a scaled chain are one."""
 
     length: float = 1.0
     time: float = 1.0
@@ -57,7 +57,7 @@ class Units(NamedTuple):
 class Motion(NamedTuple):
     """At each time: beads' displacements since time 0 and velocities, forces of contacts 0..N.
 
-    Then what has passed until then: impulses of the left and the right wall, work of the drive.
+    Also the integrals up to each time: impulses of the left and the right wall, work of the drive.
     """
 
     displacements: np.ndarray
@@ -92,7 +92,7 @@ def elastic_constants(chain):
 
 
 def stiffness_of(chain):
-    """Of contacts 0..N; 0 at a free end."""
+    """Stiffness of contacts 0..N; 0 at a free end."""
     beads = len(chain.radii)
     k = np.zeros(beads + 1)
     solid = elastic_constants(chain)
@@ -134,7 +134,7 @@ def plastic_overlap(force, k, first):
 
 
 def static_forces(chain, masses):
-    """Forces of contacts 0..N at rest; zero where nothing holds or carries the beads."""
+    """Forces of contacts 0..N at rest; zero if nothing supports the beads."""
     beads, strikers = len(masses), chain.strikers
     forces = np.zeros(beads + 1)
     weight = masses * chain.gravity
@@ -201,14 +201,14 @@ def kinks_of(drive):
 
 
 class Contacts:
-    """A chain as dimensionless numbers, what its contacts remember, and how they change."""
+    """A chain as dimensionless numbers, and the states of its contacts."""
 
     def __init__(self, chain, units):
         p = described_exponents(chain)
         masses, k = masses_of(chain), stiffness_of(chain)
         forces = static_forces(chain, masses)
         self.free = k == 0.0
-        # What holds the chain behind strikers is a force on its first bead, not their contact.
+        # A chain behind strikers is supported by a force on its first bead, not by their contact.
         held = (
             (forces > 0.0)
             & ~self.free
@@ -235,7 +235,7 @@ class Contacts:
         self.largest = np.zeros(len(k))
 
     def _laws(self, chain, p, units):
-        """One law for all contacts at once, which is faster, unless they differ."""
+        """One law for all contacts, which is faster, unless they differ."""
         laws = described_laws(chain)
         uniform = all(law == laws[0] for law in laws) and np.all(p == p[0])
         if uniform and type(laws[0]).__name__ != "ElasticPlastic":
@@ -253,7 +253,7 @@ class Contacts:
         return np.array([value, rate * T, second * T * T]) / self.drive_unit
 
     def kinematics(self, t, y):
-        """Overlaps, and the speeds at which they grow."""
+        """Overlaps and their rates."""
         n = len(self.m)
         wall = self.driven(t) if self.moves_wall else np.zeros(3)
         x = np.concatenate((wall[:1], y[:n], [0.0]))
@@ -301,7 +301,7 @@ class Contacts:
         return np.concatenate((y[n : 2 * n], self.accelerations(t, forces), passed))
 
     def start(self, t, y):
-        """Beads that touch are in contact, unless they part."""
+        """Beads that touch are in contact, unless they separate."""
         d, closing = self.kinematics(t, y)
         self.largest = np.maximum(d, 0.0)
         touching = (d > 0.0) | ((d == 0.0) & (closing >= 0.0))
@@ -347,7 +347,7 @@ class Contacts:
             i = int(np.argmin(right))
             beyond = LOADING if found[i] > most[i] else UNLOADING
             then[i] = beyond if then[i] == STUCK else STUCK
-        # The contact whose turn it is does leave its mode, even if nothing pulls at it yet.
+        # The contact that switches leaves its mode, even if no force acts on it yet.
         if self.mode[c] == STUCK:
             then[turn] = LOADING if upper else UNLOADING
         elif then[turn] == self.mode[c]:
@@ -355,7 +355,7 @@ class Contacts:
         self.mode[which] = then
 
     def hold(self, t, y):
-        """Take from stuck contacts the relative speed, of a rounding error's size, that is left."""
+        """Set the relative speed of stuck contacts, a rounding error, to zero."""
         _, closing = self.kinematics(t, y)
         stuck, n = np.flatnonzero(self.mode == STUCK), len(self.m)
         impulses = np.zeros(n + 1)
@@ -406,7 +406,7 @@ def _advance(contacts, t, y, end, rtol, at, saved):
 def _piece(contacts, t, y, end, rtol, at, saved):
     """Integrate until a contact must switch; returns where, and which one (None at the end)."""
     stiff = getattr(contacts.law, "stiff", False)
-    # An implicit method of order 5 takes too long for more.
+    # With smaller tolerances, an implicit method of order 5 takes too long.
     stepper, rtol = (Radau, max(rtol, 1e-8)) if stiff else (DOP853, rtol)
     solver = stepper(contacts.rates, t, y, end, rtol=rtol, atol=0.1 * rtol, max_step=0.3)
     while solver.status == "running":
@@ -426,7 +426,7 @@ def _piece(contacts, t, y, end, rtol, at, saved):
 
 
 def _first_violation(contacts, dense, begin, end):
-    """The first zero of a margin within a step, and the contact; (end, None) without one."""
+    """First zero of a margin within a step, and its contact; (end, None) without one."""
     earliest, which, low = end, None, begin
     for theta in (0.25, 0.5, 0.75, 1.0):
         t = begin + theta * (end - begin) if theta < 1.0 else end

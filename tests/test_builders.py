@@ -65,7 +65,7 @@ def test_balls_scatter_within_their_grade_and_by_their_seed():
     first, second = (chain.with_scatter(seed, grade=100) for seed in (7, 7))
     np.testing.assert_array_equal(first.radii, second.radii)
     diameters = 2 * first.radii
-    # The lot's variation is 5 um; 2000 balls leave less than one per cent of it unused.
+    # The lot diameter variation is 5 um; 2000 balls use more than 99% of it.
     assert 4.95e-6 < np.ptp(diameters) <= 5e-6
     assert abs(diameters.mean() - 0.01) < 1e-7
     assert not np.array_equal(chain.with_scatter(8, grade=100).radii, first.radii)
@@ -166,7 +166,7 @@ BALLS = Chain.from_materials(5e-3, "brass", beads=3)
         (lambda: BALLS.struck_by(mass=1.0, radius=math.inf, count=2), "give stiffness"),
     ],
 )
-def test_impossible_beads_are_refused(build, said):
+def test_impossible_beads_are_rejected(build, said):
     with pytest.raises(InputError, match=said) as caught:
         build()
     assert "\n" not in str(caught.value)

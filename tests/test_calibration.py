@@ -33,7 +33,7 @@ def test_windows_and_rates_are_arguments():
     assert early.worst_error == np.abs(early.residuals).max()
 
 
-def test_the_printed_constants_stand_beside():
+def test_the_printed_constants_are_shown():
     result = calibrate("forward-exponential", rates=[0.02, 0.04, 0.06], beads=60, window=(5, 40))
     assert result.printed == {"c0": 1.32, "x": 0.0252, "d0": 11.1, "y": 2.57}
     assert list(result.constants) == list(result.standard_errors) == list(result.printed)
@@ -79,6 +79,6 @@ def test_line_against_known_errors():
         ({"taper": "forward-linear", "window": (2, 4, 5)}, "first and a last bead"),
     ],
 )
-def test_bad_input_is_refused(options, said):
+def test_bad_input_is_rejected(options, said):
     with pytest.raises(hc.InputError, match=said):
         calibrate(**options)

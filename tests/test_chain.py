@@ -99,7 +99,7 @@ def test_the_named_longest_forward_linear_chain_exists(rate):
         ),
     ],
 )
-def test_bad_chains_are_refused_in_one_sentence(build, said):
+def test_bad_chains_are_rejected_in_one_sentence(build, said):
     with pytest.raises(InputError, match=said) as caught:
         build()
     assert "\n" not in str(caught.value)

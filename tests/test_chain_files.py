@@ -1,4 +1,4 @@
-"""Chains from TOML and CSV: every feature once, and every way to get it wrong."""
+"""Chains from TOML and CSV files: each feature once, and invalid files."""
 
 import numpy as np
 import pytest
@@ -98,10 +98,10 @@ STEEL = "steel-52100"
         ),
     ],
 )  # fmt: skip
-def test_files_say_what_python_says(tmp_path, text, expected):
+def test_files_and_python_describe_the_same_chain(tmp_path, text, expected):
     loaded = hc.load_chain(written(tmp_path, f"[chain]\n{text}\n"))
     assert_same(loaded, expected)
-    # And back: what is written reads as the same chain.
+    # The written file describes the same chain.
     again = written(tmp_path, hc.chain_as_toml(expected), "again.toml")
     assert_same(hc.load_chain(again), expected)
 
@@ -213,7 +213,7 @@ def test_bad_bead_tables_name_row_and_column(tmp_path, text, said):
         ("time [us],force [N]\n0,0\n", "at least two times"),
     ],
 )
-def test_bad_drive_tables_are_refused(tmp_path, text, said):
+def test_bad_drive_tables_are_rejected(tmp_path, text, said):
     with pytest.raises(InputError, match=said) as caught:
         hc.load_drive(written(tmp_path, text, "drive.csv"))
     assert "drive.csv" in str(caught.value)
@@ -229,7 +229,7 @@ SI = 'radii = 5e-3\nbeads = 3\nmaterials = "brass"\n'
         (U + "radii = [1, 2]", "has taper and also radii"),
         (U + "cells = 3", "has taper and also cells"),
         ("cell = [1, 2]", "no cells, which goes with cell"),
-        (U + "velocity = 2.0", "has velocity but no materials: .* leave velocity out"),
+        (U + "velocity = 2.0", "has velocity but no materials: .* omit velocity"),
         (U + "radius = 2.0", "has radius but no materials"),
         ('taper = "uniform"\nbeads = 3\nmaterials = "brass"', "no radius, which goes with taper"),
         ('mass_ratio = 0.5\nbeads = 3\nmaterials = "brass"', "mass_ratio, a scaled chain"),
@@ -239,7 +239,30 @@ SI = 'radii = 5e-3\nbeads = 3\nmaterials = "brass"\n'
         ('radii = 5e-3\nbeads = 3\nmaterials = 3', "materials of .chain. must be a name, got 3"),
         (U + "right_wall = 3", r"\[chain.right_wall\] must be a table"),
         (U + "[chain.right_wall]\nstif = 3", r"key of \[chain.right_wall\] 'stif'.*stiffness"),
-        (U + '[chain.right_wall]\nrigid = true\nmaterial = "brass"', "leave one out"),
+        (U + '[chain.right_wall]\nrigid = true\nmaterial = "brass"', "omit one"),
+        (
+            U + '[chain.right_wall.loss]\nlaw = "elastic"\nbetween = ["brass", "ptfe"]',
+            r"loss of \[chain.right_wall\] has between, but .* omit between",
+        ),
+        (U + "[[chain.exponent]]\nvalue = 2.0", r"\[chain.exponent\] has no between"),
+        (
+            U + 'exponent = [{between = ["brass"], value = 2}]',
+            r"between of \[chain.exponent\] must have two materials, .* got \['brass'\]",
+        ),
+        (U + 'exponent = [{between = ["brass", "ptfe"], value = 2}]', "needs a chain of materials"),
+        (U + "exponent = [1.5, {value = 2}]", r"must be a table, such as \{between"),
+        (SI + "[chain.with_contacts]\nangle = 5.0", "has no shape: choose from cone, crossed-cyl"),
+        (SI + 'with_contacts = {shape = "cone"}', r"\[chain.with_contacts\] has no half_angle"),
+        (
+            SI + 'with_contacts = {shape = "cone", half_angle = 70, angle = 3}',
+            r"unknown key of \[chain.with_contacts\] 'angle': .*did you mean 'half_angle'",
+        ),
+        (SI + 'with_contacts = {shape = "cone", half_angle = 70, contacts = [4]}', "0 to 3, got 4"),
+        (SI + 'with_contacts = {shape = "cone", half_angle = 70, contacts = 3}', "no right_wall"),
+        (
+            SI + 'with_contacts = {shape = "cone", half_angle = 70, contacts = [1.5]}',
+            "contacts of .chain.with_contacts. must be a whole number, got 1.5",
+        ),
         (
             U + "[chain.loss]\ncoefficient = 0.9",
             r"\[chain.loss\] has no law: choose from dashpot, elastic, elastic-plastic, rest",
@@ -262,7 +285,7 @@ SI = 'radii = 5e-3\nbeads = 3\nmaterials = "brass"\n'
         (U + "masses = [1, 2]", "3 numbers for the mass"),
     ],
 )  # fmt: skip
-def test_bad_chain_files_say_what_is_wrong(tmp_path, text, said):
+def test_errors_of_chain_files_state_the_problem(tmp_path, text, said):
     with pytest.raises(InputError, match=said) as caught:
         hc.load_chain(written(tmp_path, f"[chain]\n{text}\n"))
     assert "chain.toml" in str(caught.value)
@@ -332,7 +355,7 @@ DEEP = "[" * 3000 + "]" * 3000
         (U + "rate = " + "9" * 5001, "a whole number of thousands of digits"),
     ],
 )  # fmt: skip
-def test_values_of_the_wrong_type_are_refused(tmp_path, text, said):
+def test_values_of_the_wrong_type_are_rejected(tmp_path, text, said):
     with pytest.raises(InputError, match=said) as caught:
         hc.load_chain(written(tmp_path, f"[chain]\n{text}\n"))
     assert "\n" not in str(caught.value)

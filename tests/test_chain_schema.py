@@ -1,4 +1,4 @@
-"""The schema of chain files: what it says is what the package does."""
+"""The schema of chain files agrees with the functions and classes of the package."""
 
 import inspect
 import itertools
@@ -11,21 +11,21 @@ import pytest
 import hertzchain as hc
 from hertzchain.chain.laws import LAWS, Loss
 from hertzchain.chain.materials import Material
-from hertzchain.store.chain_files import DRIVES, METHODS, PARTS, chain_from
+from hertzchain.store.chain_files import DRIVES, METHODS, PARTS, SHAPES, chain_from
 from hertzchain.store.chain_schema import (
     FORMS,
     KEYS,
     SECTIONS,
     TABLES,
     chain_schema,
-    check_document,
     dimensions_of,
 )
+from hertzchain.store.schema_checks import check_document
 from hertzchain.sweeps.specification import specification_schema
 from hertzchain.units import UNITS
 
 DOCS = Path(__file__).parent.parent / "docs" / "how-to"
-# What has another name in Python: a mapping of radii by bead, a generator, a kind of wall.
+# Arguments with another name in Python: a mapping of radii by bead, a generator.
 RENAMED = {"radii": {"bead", "radius"}, "rng": {"seed"}}
 
 
@@ -43,6 +43,8 @@ def functions():
         yield getattr(hc.Chain, name), SECTIONS[f"chain.{name}"].keys
     for name, law in LAWS.items():
         yield law, SECTIONS["chain.loss"].variants[name]
+    for name, shape in SHAPES.items():
+        yield shape, SECTIONS["chain.with_contacts"].variants[name]
     for name, drive in DRIVES.items():
         keys = SECTIONS["chain.drive"].variants[name]
         yield drive, [key for key in keys if key.kind != "file"]
@@ -79,7 +81,7 @@ def test_fields_of_a_chain_are_those_of_python():
         if name in ("exponent", "strikers", "precompression", "held_by", "gravity"):
             assert in_files[name].default == item.default
     assert {*FORMS} < {*KEYS}
-    assert {*METHODS, *PARTS} == {*TABLES}
+    assert {*METHODS, *PARTS, "with_contacts", "exponent"} == {*TABLES}
     assert {*LAWS.values()} == {*Loss.__subclasses__()}
 
 
@@ -111,7 +113,9 @@ def with_key(section, variant, key, value):
         own = {"density": 1.0, "young": 1.0, "poisson": 0.3, key.name: value}
         return {"chain": chain | {"materials": "own"}, "materials": {"own": own}}
     table = {
-        part.name: {"number": 1.0, "integer": 1, "choice": part.default}[part.kind]
+        part.name: {"number": 2.0, "integer": 1, "choice": part.default, "material": ["brass"] * 2}[
+            part.kind
+        ]
         for part in (*section.keys, *section.variants.get(variant, ()))
         if part.required
     }
@@ -130,7 +134,7 @@ def with_key(section, variant, key, value):
 
 
 @pytest.mark.parametrize(("section", "variant", "key", "value"), [*bounds()])
-def test_values_beyond_the_bounds_are_refused(section, variant, key, value):
+def test_values_beyond_the_bounds_are_rejected(section, variant, key, value):
     document = with_key(section, variant, key, value)
     assert not [*check_document(document)]
     with pytest.raises(hc.InputError):

@@ -112,7 +112,7 @@ def test_simulate(run, tmp_path):
     assert document["energy_drift"] < 1e-10
 
 
-def test_an_interrupted_stream_goes_on_when_repeated(run, tmp_path, monkeypatch):
+def test_an_interrupted_stream_resumes_when_repeated(run, tmp_path, monkeypatch):
     saved = []
 
     def interrupt(*arguments):
@@ -262,7 +262,7 @@ def test_interrupt_leaves_with_130():
     assert "Traceback" not in err
 
 
-def test_calibrate_shows_the_paper_beside(run):
+def test_calibrate_compares_with_the_paper(run):
     code, out, err = run("calibrate", "--taper", "forward-exponential")
     assert (code, err) == (0, "")
     assert re.search(r"d0 +5\.\d+ +\d\.\d+ +11\.1", out)
@@ -366,7 +366,7 @@ def test_a_chain_is_given_once(run):
     assert "not both" in err
 
 
-def test_a_real_chain_at_a_wall_is_told_with_units(run, tmp_path):
+def test_a_chain_with_a_wall_is_reported_with_units(run, tmp_path):
     file = tmp_path / "chain.toml"
     file.write_text(
         '[chain]\nradii = 5e-3\nmaterials = "steel-52100"\nbeads = 8\nvelocity = 0.05\n'
@@ -511,7 +511,7 @@ STEEL_TOML = '[chain]\nradii = "5 mm"\nbeads = 4\nmaterials = "brass"\nvelocity 
 
 
 def command(folder, *arguments, **variables):
-    """Standard output and error of a command in a process of its own."""
+    """Standard output and error of a command in a separate process."""
     return subprocess.run(
         [sys.executable, "-m", "hertzchain", *arguments],
         cwd=folder, env=os.environ | variables, capture_output=True, text=True, check=False,

@@ -1,4 +1,4 @@
-"""Stores, streamed runs and states, damaged at random: refused or harmless, never wrong numbers.
+"""Randomly corrupted stores, streamed runs and states: an error or correct numbers.
 
 Each trial damages one or two files in one way, always the same for a seed.
 """
@@ -73,7 +73,7 @@ def swap(file, other, _):
 
 
 def duplicate(file, other, _):
-    """Under a name of the same kind that is not there."""
+    """Copy to a new name of the same kind."""
     digits = [place for place, part in enumerate(file.name) if part.isdigit()]
     if digits:
         name = [*file.name]
@@ -97,7 +97,7 @@ class Damaged:
         return sorted(file for file in self.folder.rglob("*") if file.is_file())
 
     def damage(self, seed):
-        """Damage it as the seed says; returns how, and whether anything changed."""
+        """Damage it according to a seed; returns how, and whether anything changed."""
         rng = random.Random(seed)
         damage = DAMAGES[seed % len(DAMAGES)]
         file = rng.choice([*self.contents])
@@ -142,7 +142,7 @@ def damaged_store(sweep_store):
 
 
 def opened(folder, **options):
-    """A whole store in memory; nothing if it is refused."""
+    """A whole store in memory; None if it is rejected."""
     try:
         return hc.open_sweep(folder, **options).load()
     except hc.InputError:
@@ -150,7 +150,7 @@ def opened(folder, **options):
 
 
 def assert_rest_is_right(found, whole):
-    """What is not missing is as it was, what is missing has no numbers."""
+    """Values are unchanged, or NaN if they are missing."""
     there = (found.status != 0).all("approach")
     for name in found.data_vars:
         if found[name].dtype.kind == "f":
@@ -161,13 +161,13 @@ def assert_rest_is_right(found, whole):
 
 
 @pytest.mark.parametrize("seeds", trials(60, 800))
-def test_a_damaged_store_is_refused_or_its_rest_is_right(damaged_store, seeds):
+def test_a_damaged_store_is_rejected_or_its_rest_is_right(damaged_store, seeds):
     folder, whole = damaged_store
     for seed in seeds:
         how, changed = folder.damage(seed)
         found = opened(folder.folder)
         if found is not None:
-            # A batch without digests is one that was not done.
+            # A batch without digests has not been computed.
             assert_rest_is_right(found, whole)
             assert how.split()[1].startswith("digest") or not changed or "duplicate" in how, how
         try:
@@ -195,7 +195,7 @@ def streamed_run(tmp_path_factory):
 
 
 @pytest.mark.parametrize("seeds", trials(60, 1200))
-def test_a_damaged_stream_is_refused_or_its_rest_is_right(streamed_run, seeds):
+def test_a_damaged_stream_is_rejected_or_its_rest_is_right(streamed_run, seeds):
     stored, whole = streamed_run
     folder = Damaged(stored.folder)
     for seed in seeds:
@@ -217,7 +217,7 @@ def test_a_damaged_stream_is_refused_or_its_rest_is_right(streamed_run, seeds):
         before = {file: file.read_bytes() for file in folder.files()}
         try:
             longer = hc.stream(CHAIN, stored.folder, times=np.append(TIMES, 31.0))
-            # NumPy reads an archive that something was appended to.
+            # NumPy reads archives with appended bytes.
             xr.testing.assert_equal(longer.load(stop=30.0), whole)
             assert not changed or name in ("state.npz", ".lock"), how
         except hc.InputError:
@@ -235,7 +235,7 @@ def state_file(tmp_path_factory):
 
 
 @pytest.mark.parametrize("seeds", trials(300, 3000))
-def test_a_damaged_state_is_refused(state_file, seeds):
+def test_a_damaged_state_is_rejected(state_file, seeds):
     path, state = state_file
     folder = Damaged(path)
     for seed in seeds:
@@ -255,7 +255,7 @@ def test_a_damaged_state_is_refused(state_file, seeds):
 
 
 def tampered(state, rng):
-    """A state with one array changed, as somebody might write it with the right digest."""
+    """A state with one changed array, written with a valid digest."""
     arrays = {name: values.copy() for name, values in state.arrays.items()}
     name = rng.choice([*arrays])
     values = arrays[name]

@@ -129,6 +129,6 @@ def test_given_stiffness_counts_at_fixed_ends():
         (lambda: spring_modes([1.0, 1.0], [1.0], (-1.0, 0.0)), "end .* got -1"),
     ],
 )
-def test_bad_input_is_refused(call, said):
+def test_bad_input_is_rejected(call, said):
     with pytest.raises(hc.InputError, match=said):
         call()

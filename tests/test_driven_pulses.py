@@ -41,7 +41,7 @@ def test_a_hammer_sends_a_pulse():
 @pytest.mark.parametrize(
     ("chain", "until", "speeds"),
     [
-        # Means over beads 10-20 and 20-30, by a program of its own.
+        # Means over beads 10-20 and 20-30, from a separate program.
         (HAMMER, 60.0, (0.84543, 0.84547)),
         (STILL.replace(drive=hc.StepDrive(0.3)), 60.0, (0.83179, 0.84157)),
         (STILL.replace(drive=hc.SineBurst(0.3, 1 / 40, cycles=0.5, window="none"),

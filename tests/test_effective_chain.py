@@ -82,7 +82,7 @@ def test_effective_chain_of_tapered_large_beads_moves_as_the_full_one():
     chain = decorated(0.98 ** np.arange(24), 0.3)
     effective = hc.effective_chain(chain)
     spacing, velocity = measured(chain, effective, 8, 18)
-    # The speed of the uniform chain's wave is off by what the taper does to the wave.
+    # The speed is that of the wave in a uniform chain, without the effect of the taper.
     assert effective.spacing(velocity)[8:18].mean() / spacing == pytest.approx(1.02, abs=1e-3)
     m, k, n = effective.masses, effective.stiffness, 24
 
@@ -138,6 +138,6 @@ CHAIN = hc.Chain.uniform(3).decorated(0.3)
         (lambda: hc.effective_chain(CHAIN).spacing(0.0), "positive"),
     ],
 )
-def test_bad_input_is_refused(call, said):
+def test_bad_input_is_rejected(call, said):
     with pytest.raises(hc.InputError, match=said):
         call()

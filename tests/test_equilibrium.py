@@ -12,9 +12,7 @@ from hertzchain import Chain, Wall
 def contact_forces(chain, state):
     """Forces from the overlaps of the state, independently of how it was found."""
     x = np.concatenate(([0.0], state.positions, [0.0]))
-    left, right = chain.wall_stiffness
-    stiffness = np.concatenate(([left], chain.stiffness, [right]))
-    return stiffness * np.maximum(x[:-1] - x[1:] - state.gaps, 0.0) ** chain.exponent
+    return chain.contact_stiffness * np.maximum(x[:-1] - x[1:] - state.gaps, 0.0) ** chain.exponent
 
 
 def net_forces(chain, state):

@@ -1,7 +1,7 @@
 """Malformed chain files, specifications, tables and arguments, at random with fixed seeds.
 
-Each is read, or refused with one sentence; nothing else may be raised.  What is read as a chain
-must be the same chain after it was written and read again.
+Each is read, or rejected with one sentence; no other exception may be raised.  A chain that was
+read must be the same after it is written and read again.
 """
 
 import copy
@@ -64,7 +64,7 @@ CHAINS = [
 DEEP: list = []
 for _ in range(150):
     DEEP = [DEEP]
-# Values that stand in the wrong place, or are right at the edge.
+# Values of wrong types, and values at the limits of their ranges.
 ODD = [
     0, 1, -1, 2, 3, 7, 10**15, -(10**40), 0.0, -0.5, 0.5, 1.5, 1e-300, 1e300, math.inf, -math.inf,
     math.nan, True, False, "", "x", "5", "5 mm", "-1 um", "3 kg", "2 furlong", "1 m/s", "2ms",
@@ -113,7 +113,7 @@ def mutated(rng, document, odd=ODD, names=NAMES):
 
 
 def outcome(call):
-    """What a call returns, or `None` if it was refused as it should be."""
+    """Result of a call, or None if it raised the expected error."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", hc.InputWarning)
         warnings.simplefilter("ignore", hc.ModelRangeWarning)
@@ -138,7 +138,7 @@ def assert_written_and_read(chain):
 
 
 def counts(short, long):
-    """The same test twice: a short one, and one of `make test-long`."""
+    """Numbers of trials of `make test` and of `make test-long`."""
     return pytest.mark.parametrize("number", [short, pytest.param(long, marks=pytest.mark.long)])
 
 
@@ -255,7 +255,7 @@ ARGUMENTS = [
     hc.Wall(gap="1 um"), hc.Dashpot("3 kg/s"), hc.StepDrive("5 N"), hc.material("brass"),
     hc.Chain.uniform(3), hc.Chain.from_materials(5e-3, "brass", beads=3),
 ]  # fmt: skip
-# These compute for long with arguments that are good, or take any object as it is.
+# With valid arguments, these take long or accept any object.
 SLOW = ("verify", "animate", "sweep", "stream", "merge_sweeps", "StoredRun", "plot", "open_sweep")
 OTHERS = (IndexError, hc.SimulationError)
 

@@ -102,7 +102,7 @@ def test_bca_with_loss_slows_the_pulse():
         (lambda: exponential_energy_ratio(0.1, 1), "beads must .* got 1"),
     ],
 )
-def test_bad_input_is_refused(call, said):
+def test_bad_input_is_rejected(call, said):
     with pytest.raises(hc.InputError, match=said):
         call()
 
@@ -119,7 +119,7 @@ def test_comparison_with_a_lossy_run_warns_that_the_decay_is_too_fast(theory, la
         compared = lossy.compare(run)
     with pytest.warns(hc.ModelRangeWarning, match="1.2 to 3.4 times"):
         run.compare(lossy)
-    # What it warns of: decay per bead from bead 10 to 25.
+    # The reason for the warning: decay per bead from bead 10 to 25.
     excess = np.log(lossy.velocity[9] / lossy.velocity[24])
     excess /= np.log(run.velocity[9] / run.velocity[24])
     assert 1.2 < excess < 3.4

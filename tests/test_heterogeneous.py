@@ -1,4 +1,4 @@
-"""Uneven chains: the wide window, what it notices, and what is an error rather than a number."""
+"""Heterogeneous chains: the wide window, its checks, and chains that raise an error."""
 
 import numpy as np
 import pytest
@@ -22,11 +22,11 @@ def strongly_random(beads, seed=7):
 def follow(chains, behind=100, tolerance=1e-9, grading=1.1, work=10**9):
     """Columns of all chains in one row, and what became of each."""
     batch = Batch.of(chains)
-    columns = np.zeros((wide_front.COLUMNS, len(batch.radii)))
+    columns = np.zeros((wide_front.COLUMNS, len(batch.masses)))
     status = np.zeros(len(chains), np.int64)
     wide_front.follow(
         (behind, tolerance, grading),
-        (batch.given(), batch.first, batch.beads, batch.exponents),
+        (batch.given, batch.first, batch.beads, batch.chain_exponents),
         columns, status, np.full(len(chains), work), np.zeros(2, np.int64),
         wide_front.new_scratch(),
     )  # fmt: skip
@@ -51,10 +51,11 @@ def steps_of_two_beads(w, steps, exponent):
 
 
 def energy_error(steps, exponent):
-    """Two beads pressed together and let go: overlap and speed keep the energy."""
+    """Two compressed beads are released: overlap and velocity conserve energy."""
     w = wide_front.new_scratch()[0]
     w[wide_front.STIFFNESS] = 1.0
     w[wide_front.INVERSE_MASS : wide_front.INVERSE_MASS + 2] = 1.0
+    w[wide_front.EXPONENT : wide_front.EXPONENT + 2] = exponent
     w[wide_front.POSITION] = 1.0
     steps_of_two_beads(w, steps, exponent)
     overlap = w[wide_front.POSITION] - w[wide_front.POSITION + 1]
@@ -81,7 +82,7 @@ def test_errors_follow_the_tolerance():
 
 
 def test_what_is_behind_matters_in_disorder():
-    """So no fixed window will do: 24 beads are too few for this chain, enough for a dimer."""
+    """No fixed window is sufficient: 24 beads are too few for this chain, but not for a dimer."""
     dimer = hc.Chain.from_radii(np.tile([1.0, 0.5], 50))
     for chain, low, high in ((strongly_random(100), 1e-5, 1.0), (dimer, 0.0, 1e-8)):
         narrow, wide = (follow([chain], behind=behind)[0] for behind in (24, 100))
@@ -109,14 +110,14 @@ def test_stop_signal_ends_the_kernel():
     columns = np.zeros((wide_front.COLUMNS, 90))
     status = np.full(3, wide_front.RUNNING)
     wide_front.follow(
-        (48, 1e-8, 1.3), (batch.given(), batch.first, batch.beads, batch.exponents),
+        (48, 1e-8, 1.3), (batch.given, batch.first, batch.beads, batch.chain_exponents),
         columns, status, np.full(3, 10**9), signal, wide_front.new_scratch(),
     )  # fmt: skip
     assert list(status) == [wide_front.STOPPED, wide_front.RUNNING, wide_front.RUNNING]
     assert signal[PASSED] == 0
 
 
-# What comes out of `propagate`.
+# Results of `propagate`.
 
 
 def test_against_scipy():
@@ -210,7 +211,7 @@ def test_stop_ends_the_whole_chain():
 
 
 def test_ensemble_of_uneven_chains():
-    """The same bits alone, beside others and on two threads."""
+    """Results are equal, bit for bit, for one chain, in an ensemble and on two threads."""
     rows = np.random.default_rng(2).uniform(0.3, 3.0, (300, 25))
     one, two = (hc.propagate_many(rows, threads=threads) for threads in (1, 2))
     assert not one.reasons

@@ -1,6 +1,6 @@
-"""What must not change the motion of a chain, on random chains with everything switched on.
+"""Transformations that must not change the motion of random chains with all features.
 
-Each check compares two runs that physics says are the same, or whose difference it bounds.
+Each check compares two runs that are physically the same, or whose difference is bounded.
 Deviations are relative to the rough sizes of velocity and force in a chain (`Units`).
 """
 
@@ -14,7 +14,7 @@ from scipy_chain import Units
 import hertzchain as hc
 from hertzchain.simulation.state import fingerprint
 
-# Rounding, magnified by the collisions of a run; measured on 300 chains of each check: 2e-8.
+# Rounding, amplified by the collisions of a run; measured on 300 chains of each check: 2e-8.
 SAME = 1e-7
 pytestmark = pytest.mark.filterwarnings("ignore::hertzchain.ModelRangeWarning")
 ZERO_LOSSES = [
@@ -45,7 +45,7 @@ def difference(velocities, others, units):
 
 
 def largest_difference(run, other, units):
-    """Of velocities and of forces."""
+    """Largest difference of velocities and of forces."""
     return max(
         difference(run.velocities, other.velocities, units),
         force_difference(run, other.forces, units),
@@ -66,7 +66,7 @@ def test_a_uniform_motion_changes_nothing(try_chains):
 
 
 def mirrored(chain):
-    """The chain seen from behind; scaled, with all numbers given."""
+    """The mirror image of a chain; scaled, with all numbers given."""
     fields = {
         item.name: getattr(chain, item.name)
         for item in dataclasses.fields(chain)
@@ -168,7 +168,7 @@ def test_a_law_that_loses_nothing_changes_nothing(try_chains, law):
 
 
 def weak(law, part, units):
-    """A law with so small a part of the loss of a strong one."""
+    """A law with a small part of the loss of a strong one."""
     return {
         "Restitution": lambda: hc.Restitution(1.0 - part),
         "Viscoelastic": lambda: hc.Viscoelastic(part * units.time),
@@ -210,7 +210,7 @@ def test_saving_more_often_changes_no_bit(try_chains):
     try_chains(deviation, 0.0)
 
 
-def test_a_run_goes_on_from_a_saved_state_bit_for_bit(try_chains, tmp_path):
+def test_a_run_resumes_from_a_saved_state_bit_for_bit(try_chains, tmp_path):
     def deviation(case):
         times, path = times_of(case), tmp_path / "state.npz"
         first = hc.simulate(case.chain, until=0.43 * case.until, times=0)
@@ -333,7 +333,7 @@ def test_a_wall_is_a_bead_too_heavy_to_move(try_chains):
         heavy = chain.replace(
             radii=np.append(chain.radii, chain.radii[-1]),
             masses=np.append(chain.masses, 1e12 * units.mass),
-            stiffness=np.append(chain.stiffness, chain.wall_stiffness[1]),
+            stiffness=chain.contact_stiffness[1:],
             materials=chain.materials and chain.materials + chain.materials[-1:],
             velocities=np.append(chain.velocities, 0.0),
             gaps=np.append(chain.gaps, chain.right_wall.gap),
@@ -347,7 +347,7 @@ def test_a_wall_is_a_bead_too_heavy_to_move(try_chains):
 
 
 def test_a_drive_that_comes_later_does_the_same_later(try_chains):
-    """On a chain at rest, with no weight that it would fall by."""
+    """On a chain at rest and without weight."""
 
     def deviation(case):
         chain, units = case.chain, case.units
@@ -389,7 +389,7 @@ def test_a_power_of_one_is_a_dashpot(try_chains):
 
 
 def test_hertz_is_one_exponent_among_others(try_chains):
-    """3/2 has loops of its own."""
+    """3/2 has separate loops."""
 
     def deviation(case):
         chain = case.chain.replace(
@@ -418,7 +418,7 @@ def test_gaps_that_vanish_are_none(try_chains):
 
 
 def test_precompression_that_vanishes_is_none(try_chains):
-    r"""What it changes vanishes with the static overlap :math:`(F/k)^{1/p}`."""
+    r"""The change vanishes with the static overlap :math:`(F/k)^{1/p}`."""
 
     def deviation(case):
         chain, units = case.chain, case.units

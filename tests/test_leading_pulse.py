@@ -34,8 +34,8 @@ def test_in_equal_beads_it_is_the_solitary_wave():
     assert abs(momentum["lagging"]) < 1e-4
 
 
-# By a program of its own, from 6000 saved times: momentum and kinetic energy of the leading
-# pulse, of what lags behind, and of what moves back.
+# From a separate program with 6000 saved times: momentum and kinetic energy of the leading pulse,
+# of lagging beads, and of beads that move back.
 @pytest.mark.parametrize(
     ("q", "beads", "bead", "momentum", "energy"),
     [
@@ -107,7 +107,7 @@ def test_what_is_handed_over_is_the_impulse_of_the_force(changes):
     # A force that jumps does so somewhere between two saved times, 0.00125 apart.
     error = 2e-4 if isinstance(chain.loss, hc.UnloadingRatio) else 1e-5
     for k in range(1, 12):
-        # What contact k has handed over, less what the beads ahead gave to the wall.
+        # Momentum transferred by contact k, minus that transferred to the wall.
         given = cumulative_trapezoid(excess[:, k] - excess[:, 12], run.times, initial=0.0)
         impulse = np.interp(leading.crest[k - 1], run.times, given)
         assert leading.handed_over[k - 1] == pytest.approx(impulse, abs=error)

@@ -1,4 +1,4 @@
-"""The local-rate law against the integration, published rates and finite differences."""
+"""The local-rate law, compared with the simulation, published rates and finite differences."""
 
 import warnings
 from functools import partial
@@ -42,7 +42,7 @@ def board():
 def test_growth_on_exponential_chains_is_the_exact_rate(taper, q):
     velocity = hc.local_rate(hc.Chain.tapered(taper, q, beads=90)).velocity
     growth = np.log(velocity[79] / velocity[78])
-    # Between the nodes of the tables the functions are right to 1e-6.
+    # Between the nodes of the tables the functions are accurate to 1e-6.
     assert growth == pytest.approx(PUBLISHED_RATES[taper, q], abs=2e-6)
 
 
@@ -71,7 +71,7 @@ def test_the_papers_tapers_and_smooth_unseen_ones(board, group, quantity, first_
     assert board.table(quantity, by="group", first_bead=first_bead).loc[group].item() < must / 3
 
 
-def test_the_law_knows_its_own_error(board):
+def test_the_law_estimates_its_error(board):
     covered, ratio = board.coverage("local-rate", "smooth", "rough")
     assert covered >= 0.95
     assert ratio <= 5.0
@@ -85,7 +85,7 @@ def test_it_warns_where_it_is_off(board):
 
 
 def test_the_last_beads_of_the_papers_tapers():
-    """Where the scoreboard does not look: the three beads that feel the free end."""
+    """The three beads near the free end, which the scoreboard does not use."""
     for taper, rate in (
         ("backward-linear", 0.5),
         ("backward-exponential", 0.05),
@@ -210,7 +210,7 @@ def test_a_rate_outside_the_tables_is_named():
     assert np.isfinite(pulse.velocity).all()
 
 
-def test_a_rate_beyond_the_largest_goes_on_as_the_bca():
+def test_beyond_the_largest_rate_the_trend_is_that_of_the_bca():
     radii = np.exp(np.concatenate([[0.0], np.cumsum(np.full(20, 1.4))]))
     chain = hc.Chain.from_radii(radii)
     with pytest.warns(ModelRangeWarning, match="outside"):
@@ -247,6 +247,6 @@ def test_the_gradient_warns_only_of_the_chain_up_to_the_bead():
 
 
 @pytest.mark.parametrize("evaluated", [hc.local_rate, partial(hc.local_rate_gradient, bead=2)])
-def test_what_is_no_chain_is_named(evaluated):
+def test_an_argument_that_is_not_a_chain_is_named(evaluated):
     with pytest.raises(InputError, match=r"requires a Chain, got \[1.0, 1.0\]"):
         evaluated([1.0, 1.0])

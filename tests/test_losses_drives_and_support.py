@@ -1,4 +1,4 @@
-"""What stands around a chain: walls, drives, losses, precompression; and who refuses them."""
+"""Walls, drives, losses and precompression, and methods that do not support them."""
 
 import math
 
@@ -86,7 +86,7 @@ def test_features_are_named_in_order():
     assert CHAIN.features == ()
 
 
-def test_a_driven_chain_starts_at_rest_unless_told():
+def test_a_driven_chain_starts_at_rest_by_default():
     assert not CHAIN.replace(drive=StepDrive(1.0)).velocities.any()
     assert Chain.from_materials(5e-3, "brass", beads=3, drive=StepDrive(1.0)).velocities.any() == 0
     np.testing.assert_array_equal(
@@ -139,7 +139,7 @@ def test_theories_say_what_they_do_not_cover(method, name):
         assert "gravity or a right wall" in str(caught.value)
 
 
-def test_modified_bca_refuses_a_taper_on_the_bench():
+def test_modified_bca_rejects_a_taper_with_other_features():
     chain = Chain.tapered("forward-linear", 0.005, beads=20).replace(loss=Restitution(0.9))
     with pytest.raises(InputError, match="modified_bca does not support a loss"):
         hc.modified_bca(chain)
@@ -254,7 +254,7 @@ def test_theories_take_masses_and_contacts_of_any_kind():
         (lambda: hc.WaltonBraun(0.0), "ratio K1/K2 .* above 0 and at most 1, got 0"),
     ],
 )
-def test_contradictions_are_refused_in_one_sentence(build, said):
+def test_contradictions_are_rejected_in_one_sentence(build, said):
     with pytest.raises(InputError, match=said) as caught:
         build()
     assert "\n" not in str(caught.value)

@@ -12,7 +12,7 @@ from hertzchain.chain.materials import RIGID, catalogue, contact_modulus, sphere
 STEEL = hc.material("steel-52100")
 
 
-def test_catalogue_has_what_benches_have():
+def test_catalogue_has_common_materials():
     wanted = {
         "steel-52100", "steel-304", "steel-316", "brass", "bronze", "aluminium", "titanium",
         "tungsten-carbide", "silicon-nitride", "alumina", "glass", "ptfe", "nylon",
@@ -28,7 +28,7 @@ def test_catalogue_numbers_are_possible_and_sourced(name):
     assert 1e6 <= found.young < 1e12
     assert 0.0 < found.poisson < 0.5
     assert len(found.source) > 20
-    # Everything but rubber yields at a strain of 0.05 to 4 per cent.
+    # Everything but rubber yields at a strain of 0.05% to 4%.
     if found.yield_strength is not None:
         assert 5e-4 < found.yield_strength / found.young < 0.04
 
@@ -91,8 +91,8 @@ def test_there_and_back_is_the_same_chain():
 
 
 @pytest.mark.parametrize("loss", [hc.Viscoelastic(1e-6), hc.VelocityPower(2.0, 1.81)])
-def test_losses_scale_like_the_forces_beside_them(loss):
-    # A contact in SI and its scaled image bear the same force in newtons.
+def test_losses_scale_like_the_elastic_forces(loss):
+    # A contact in SI and its scaled image have the same force in newtons.
     chain = Chain.from_materials(5e-3, "steel-52100", beads=2, loss=loss)
     scales = Scales.of(chain)
     scaled = scales.to_scaled(chain)
@@ -140,7 +140,7 @@ def test_a_pulse_in_newtons_and_seconds():
         (lambda: Scales(1.0, 1.0, 1.0, 1.0).to_si(3), "cannot convert 3"),
     ],
 )
-def test_impossible_materials_are_refused(build, said):
+def test_impossible_materials_are_rejected(build, said):
     with pytest.raises(InputError, match=said) as caught:
         build()
     assert "\n" not in str(caught.value)
@@ -204,7 +204,7 @@ def test_only_chains_of_materials_have_limits():
         (math.inf, 5e-3, "contact 1 has stiffness inf, .* use Wall.rigid"),
     ],
 )
-def test_bodies_that_are_no_numbers_are_refused(young, radius, reason):
+def test_bodies_without_finite_mass_are_rejected(young, radius, reason):
     odd = Material("odd", density=7800.0, young=young, poisson=0.3)
     with pytest.raises(InputError, match=reason):
         Chain.from_materials(radius, odd, beads=3)

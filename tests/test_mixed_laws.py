@@ -15,6 +15,7 @@ from hertzchain.chain.laws import LAWS
 from hertzchain.chain.laws.base import ContactArrays, Loss
 from hertzchain.chain.materials import contact_modulus
 from hertzchain.simulation.kernel_input import kernel_chain
+from hertzchain.simulation.state import fingerprint
 
 pytestmark = [
     pytest.mark.filterwarnings("ignore::hertzchain.ModelRangeWarning"),
@@ -186,7 +187,7 @@ def test_equal_laws_are_one_law():
     assert Chain.uniform(4).replace(loss=[None, hc.Elastic(), None]).features == ()
 
 
-def test_walls_follow_the_contact_beside_them_unless_told():
+def test_walls_are_by_default_like_the_contact_next_to_them():
     assert [law.name for law in MIXED.contact_losses] == [
         "dashpot", "dashpot", "elastic", "walton-braun", "elastic-plastic", "unloading-ratio",
     ]  # fmt: skip
@@ -201,7 +202,7 @@ def test_walls_follow_the_contact_beside_them_unless_told():
 def test_laws_by_pairs_of_materials():
     chain = STEEL_AND_PTFE.replace(loss=PAIRS, right_wall=Wall())
     assert chain.contact_losses == (hc.Restitution(0.6),) * 6 + (hc.Restitution(0.4),)
-    # What is changed later still follows from the pairs.
+    # Later changes also follow from the pairs.
     longer = chain.replace(radii=[9.5e-3] * 3, materials=["ptfe", "ptfe", "steel-316"],
                            right_wall=None, gaps=None, velocities=None)  # fmt: skip
     assert longer.contact_losses[1:3] == (hc.Restitution(0.4), hc.Restitution(0.6))
@@ -254,7 +255,7 @@ def test_laws_by_pairs_of_materials():
         (lambda: MIXED.decorated(0.2), "but its exponents and losses belong to the present ones"),
     ],
 )  # fmt: skip
-def test_contradictions_are_refused_in_one_sentence(build, said):
+def test_contradictions_are_rejected_in_one_sentence(build, said):
     with pytest.raises(InputError, match=said) as caught:
         build()
     assert "\n" not in str(caught.value)
@@ -312,6 +313,11 @@ def test_units_of_mixed_contacts():
             loss=hc.ElasticPlastic(yield_pressure=1e8), left_wall=Wall(loss=hc.Elastic())
         ),
         Chain.uniform(3, exponent=2.0).replace(left_wall=Wall(stiffness=1.0, exponent=1.5)),
+        STEEL_AND_PTFE.replace(
+            exponent={("steel-316", "ptfe"): 1.5, ("ptfe", "brass"): 2.0},
+            right_wall=Wall(stiffness=1e9, exponent=1.7),
+        ),
+        STEEL_AND_PTFE.replace(left_wall=Wall.of("brass")).with_contacts({0: hc.Cone(60.0)}),
     ],
     ids=str,
 )  # fmt: skip
@@ -322,6 +328,117 @@ def test_chain_files_carry_mixed_contacts(chain, tmp_path):
     assert read.contact_losses == chain.contact_losses
     np.testing.assert_array_equal(read.contact_exponents, chain.contact_exponents)
     np.testing.assert_array_equal(read.contact_stiffness, chain.contact_stiffness)
+    assert fingerprint(read) == fingerprint(chain)
+
+
+SHAPED = """
+[chain]
+cell = ["9.5 mm", "9.5 mm"]
+cells = 3
+materials = ["steel-316", "ptfe"]
+
+[chain.right_wall]
+material = "brass"
+
+[[chain.with_contacts]]
+shape = "crossed-cylinders"
+contacts = [2, 5]
+angle = 45
+
+[[chain.with_contacts]]
+shape = "crossed-cylinders"
+contacts = 1
+radius = "4 mm"
+
+[[chain.with_contacts]]
+shape = "cone"
+contacts = [3, 6]
+half_angle = 75.0
+"""
+BY_PAIRS = """
+[chain]
+cell = ["9.5 mm", "9.5 mm"]
+cells = 3
+materials = ["steel-316", "ptfe"]
+stiffness = 1e8
+exponent = [
+    {between = ["steel-316", "ptfe"], value = 1.6},
+    {between = ["ptfe", "ptfe"], value = 2.0},
+]
+
+[chain.right_wall]
+stiffness = 2e8
+"""
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        (
+            SHAPED,
+            STEEL_AND_PTFE.replace(right_wall=Wall.of("brass")).with_contacts(
+                {
+                    **dict.fromkeys((2, 5), hc.CrossedCylinders(angle=45.0)),
+                    1: hc.CrossedCylinders(4e-3),
+                    **dict.fromkeys((3, 6), hc.Cone(75.0)),
+                }
+            ),
+        ),
+        (
+            '[chain]\nradii = 5e-3\nbeads = 4\nmaterials = "brass"\n'
+            '[[chain.struck_by]]\nradius = 6e-3\n[chain.with_contacts]\nshape = "cone"\n'
+            "half_angle = 80",
+            Chain.from_materials(5e-3, "brass", beads=4)
+            .struck_by(radius=6e-3)
+            .with_contacts(hc.Cone(80.0)),
+        ),
+        (
+            BY_PAIRS,
+            STEEL_AND_PTFE.replace(
+                stiffness=1e8,
+                exponent={("steel-316", "ptfe"): 1.6, ("ptfe", "ptfe"): 2.0},
+                right_wall=Wall(stiffness=2e8),
+            ),
+        ),
+    ],
+    ids=["shapes", "all contacts", "pairs of materials"],
+)
+def test_contacts_of_a_chain_file_are_those_of_python(text, expected, tmp_path):
+    file = tmp_path / "chain.toml"
+    file.write_text(text, "utf-8")
+    read = hc.load_chain(file)
+    assert fingerprint(read) == fingerprint(expected)
+    np.testing.assert_array_equal(read.contact_exponents, expected.contact_exponents)
+    file.write_text(hc.chain_as_toml(read), "utf-8")
+    assert fingerprint(hc.load_chain(file)) == fingerprint(expected)
+
+
+def test_exponents_by_pairs_are_written_as_pairs(tmp_path):
+    chain = STEEL_AND_PTFE.replace(
+        exponent={("steel-316", "ptfe"): 1.6, ("ptfe", "ptfe"): 2.0}, stiffness=1e8
+    )
+    file = tmp_path / "chain.toml"
+    file.write_text(hc.chain_as_toml(chain), "utf-8")
+    # The exponent of a wall that is added later also follows from the pairs.
+    wall = Wall(stiffness=1e8)
+    again = hc.load_chain(file).replace(right_wall=wall)
+    assert (
+        again.contact_exponents[-1] == chain.replace(right_wall=wall).contact_exponents[-1] == 2.0
+    )
+
+
+def test_shapes_can_be_varied_in_sweeps():
+    balls = Chain.from_materials(5e-3, "brass", beads=4, velocity=0.01)
+    shape = {"shape": "crossed-cylinders", "contacts": [2]}
+    found = hc.sweep({
+        "chain": {"radii": 5e-3, "beads": 4, "materials": "brass", "velocity": 0.01,
+                  "with_contacts": shape},
+        "axes": {"with_contacts.angle": [30.0, 90.0]},
+        "sweep": {"methods": ["simulate"], "keep": ["peak_force"]},
+    })  # fmt: skip
+    for angle, forces in zip((30.0, 90.0), found.peak_force.values[:, 0], strict=True):
+        shaped = balls.with_contacts({2: hc.CrossedCylinders(angle=angle)})
+        np.testing.assert_array_equal(forces, hc.simulate(shaped).pulse().peak_force)
 
 
 def test_strikers_are_like_the_first_contact():
@@ -366,7 +483,7 @@ def test_a_cone_by_its_pressure():
     assert hc.Cone(80.0).stiffness(modulus) * overlap**2 == pytest.approx(force, rel=1e-13)
 
 
-def test_shapes_at_walls_and_who_refuses_them():
+def test_shapes_at_walls_and_invalid_ones():
     chain = STEEL_AND_PTFE.replace(right_wall=Wall.of("brass"))
     shaped = chain.with_contacts({6: hc.Cone(60.0)})
     modulus = contact_modulus(hc.material("ptfe"), hc.material("brass"))

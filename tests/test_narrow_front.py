@@ -13,22 +13,22 @@ NO_LIMITS = (np.inf, np.inf, np.inf)
 NODES = (0.0, rkn8.C1, rkn8.C2, rkn8.C3, rkn8.C4, rkn8.C5, rkn8.C6, rkn8.C7)
 
 
-def follow(chains, window=(13, 8), lanes=narrow_front.LANES, limits=NO_LIMITS, step=STEP):
+def follow(
+    chains, window=(13, 8), lanes=narrow_front.ABREAST, limits=NO_LIMITS, step=STEP, power=None
+):
     """Columns of each chain, and what became of it."""
     batch = Batch.of(chains)
-    given = batch.given()
-    columns = np.full((narrow_front.COLUMNS, len(batch.radii)), np.nan)
+    columns = np.full((narrow_front.COLUMNS, len(batch.masses)), np.nan)
     status = np.zeros(len(chains), np.int64)
-    run = narrow_front.follow_many if lanes == narrow_front.LANES else narrow_front.follow_one
-    run(
-        (*window, *step), limits, (given, batch.first, batch.beads), columns, status,
-        np.zeros(2, np.int64), narrow_front.scratch_of(lanes),
+    narrow_front.follow(
+        lanes, (*window, *step), limits, (batch.given, batch.first, batch.beads, power), columns,
+        status, np.zeros(2, np.int64), narrow_front.scratch_of(lanes),
     )  # fmt: skip
     return np.split(columns, batch.first[1:], axis=1), status
 
 
 def test_rkn8_weights_satisfy_the_quadrature_conditions():
-    # sum b' c^k = 1/(k+1), sum b c^k = 1/((k+1)(k+2)): the conditions on f(t) alone.
+    # sum b' c^k = 1/(k+1), sum b c^k = 1/((k+1)(k+2)): the conditions for x'' = f(t).
     for k in range(8):
         powers = np.array(NODES) ** k
         assert np.dot(rkn8.B_VELOCITY, powers) == pytest.approx(1 / (k + 1), rel=1e-13)
@@ -50,12 +50,12 @@ def test_error_weights_vanish_on_polynomials_of_degree_5_only():
 @njit
 def steps_of_two_beads(w, steps):
     for _ in range(steps):
-        narrow_front.accelerate(w, 2, 1, narrow_front.POSITION, narrow_front.STAGE_0)
-        narrow_front.take_step(w, 2, 1)
+        narrow_front.accelerate(w, 2, 1, narrow_front.POSITION, narrow_front.STAGE_0, None)
+        narrow_front.take_step(w, 2, 1, None)
 
 
 def relative_velocity_error(steps):
-    """Two beads pressed together and let go: energy tells the exact velocity."""
+    """Two compressed beads are released: the exact velocity follows from energy."""
     w = np.zeros(narrow_front.END)
     w[narrow_front.STIFFNESS] = 1.0
     w[narrow_front.INVERSE_MASS : narrow_front.INVERSE_MASS + 2] = 1.0
@@ -98,15 +98,15 @@ def test_released_contact_gives_the_rest_of_the_impulse():
     w[narrow_front.VELOCITY + 1], w[narrow_front.VELOCITY + 2] = -speed / 2, speed / 2
     w[narrow_front.STAGE_0 + 2] = overlap**1.5
     w[narrow_front.STAGE_0 + 1] = -(overlap**1.5)
-    narrow_front.release(w, 1, 1, overlap / speed)
+    narrow_front.release(w, 1, 1, overlap / speed, None)
     exact = np.sqrt(speed**2 + 1.6 * overlap**2.5) / 2.0
     assert w[narrow_front.VELOCITY + 2] - speed / 2 == pytest.approx(exact - speed / 2, rel=1e-5)
     assert w[narrow_front.STIFFNESS + 1] == 0.0
 
 
-@pytest.mark.parametrize("lanes", [1, narrow_front.LANES])
+@pytest.mark.parametrize("lanes", [narrow_front.ALONE, narrow_front.ABREAST])
 def test_lanes_do_not_touch_each_other(lanes):
-    """More chains than lanes, of different lengths: each as if it were alone, to the bit."""
+    """More chains than lanes, of different lengths: each gives the same bits as separately."""
     rates = (0.01, 0.03, 0.05, 0.07)
     chains = [
         hc.Chain.tapered(taper, rate, beads=20 + 3 * i)
@@ -116,15 +116,19 @@ def test_lanes_do_not_touch_each_other(lanes):
     together, status = follow(chains, lanes=lanes)
     assert np.all(status == narrow_front.FOLLOWED)
     for chain, columns in zip(chains, together, strict=True):
-        alone, _ = follow([chain], lanes=1)
+        alone, _ = follow([chain], lanes=narrow_front.ALONE)
         assert np.array_equal(alone[0], columns, equal_nan=True)
 
 
 def test_convergence_with_the_step():
     chain = hc.Chain.tapered("backward-exponential", 0.05, beads=40)
-    fine = follow([chain], step=(0.05, 0.02), lanes=1)[0][0]
+    fine = follow([chain], step=(0.05, 0.02), lanes=narrow_front.ALONE)[0][0]
     errors = [
-        np.nanmax(np.abs(follow([chain], step=(part, 0.1), lanes=1)[0][0][0] / fine[0] - 1.0))
+        np.nanmax(
+            np.abs(
+                follow([chain], step=(part, 0.1), lanes=narrow_front.ALONE)[0][0][0] / fine[0] - 1.0
+            )
+        )
         for part in (0.3, 0.15)
     ]
     assert errors[1] < 3e-9
@@ -134,40 +138,49 @@ def test_convergence_with_the_step():
 def test_window_too_narrow_behind_is_noticed():
     chain = hc.Chain.tapered("forward-exponential", 0.05, beads=60)
     limits = (1e-8, np.inf, np.inf)
-    assert follow([chain], window=(9, 4), limits=limits, lanes=1)[1][0] == narrow_front.REAR_CUT
-    wrong = follow([chain], window=(9, 4), lanes=1)[0][0][0]
-    right = follow([chain], lanes=1)[0][0][0]
+    assert (
+        follow([chain], window=(9, 4), limits=limits, lanes=narrow_front.ALONE)[1][0]
+        == narrow_front.REAR_CUT
+    )
+    wrong = follow([chain], window=(9, 4), lanes=narrow_front.ALONE)[0][0][0]
+    right = follow([chain], lanes=narrow_front.ALONE)[0][0][0]
     assert np.max(np.abs(wrong / right - 1.0)[1:]) > 1e-5  # so it was worth noticing
 
 
 def test_window_too_narrow_ahead_is_noticed():
     chain = hc.Chain.uniform(40)
     limits = (np.inf, 1e-9, np.inf)
-    assert follow([chain], window=(10, 8), limits=limits, lanes=1)[1][0] == narrow_front.FRONT_CUT
-    assert follow([chain], limits=limits, lanes=1)[1][0] == narrow_front.FOLLOWED
+    assert (
+        follow([chain], window=(10, 8), limits=limits, lanes=narrow_front.ALONE)[1][0]
+        == narrow_front.FRONT_CUT
+    )
+    assert follow([chain], limits=limits, lanes=narrow_front.ALONE)[1][0] == narrow_front.FOLLOWED
 
 
 def test_too_long_steps_are_noticed():
     chain = hc.Chain.uniform(40)
     limits = (np.inf, np.inf, 1e-6)
-    assert follow([chain], limits=limits, step=(0.6, 0.1), lanes=1)[1][0] == narrow_front.INACCURATE
-    assert follow([chain], limits=limits, lanes=1)[1][0] == narrow_front.FOLLOWED
+    assert (
+        follow([chain], limits=limits, step=(0.6, 0.1), lanes=narrow_front.ALONE)[1][0]
+        == narrow_front.INACCURATE
+    )
+    assert follow([chain], limits=limits, lanes=narrow_front.ALONE)[1][0] == narrow_front.FOLLOWED
 
 
 @pytest.mark.parametrize("rate", [0.15, 0.3])
 def test_beads_out_of_order_are_noticed(rate):
     chain = hc.Chain.tapered("forward-exponential", rate, beads=40)
-    assert follow([chain], lanes=1)[1][0] == narrow_front.OUT_OF_ORDER
+    assert follow([chain], lanes=narrow_front.ALONE)[1][0] == narrow_front.OUT_OF_ORDER
 
 
 def test_stop_signal_ends_the_kernel():
     batch = Batch.of([hc.Chain.uniform(50)] * 3)
     signal = np.array([1, 0])
     status = np.zeros(3, np.int64)
-    narrow_front.follow_many(
-        (13, 8, *STEP), NO_LIMITS, (batch.given(), batch.first, batch.beads),
-        np.empty((narrow_front.COLUMNS, 150)), status, signal,
-        narrow_front.scratch_of(narrow_front.LANES),
+    narrow_front.follow(
+        narrow_front.ABREAST, (13, 8, *STEP), NO_LIMITS,
+        (batch.given, batch.first, batch.beads, None), np.empty((narrow_front.COLUMNS, 150)),
+        status, signal, narrow_front.scratch_of(narrow_front.ABREAST),
     )  # fmt: skip
     assert np.all(status == narrow_front.WAITING)
     assert signal[PASSED] == 0

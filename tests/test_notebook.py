@@ -23,7 +23,7 @@ def balls(beads, units):
 
 
 def parsed(item):
-    """The elements of an object's HTML, after checks of what all must be."""
+    """Elements of the HTML of an object, after common checks."""
     html = item._repr_html_()
     assert len(html.encode()) <= MAX_BYTES
     assert not re.search(r"\b(nan|inf)\b", html)
@@ -95,7 +95,7 @@ def test_a_chain_has_a_circle_for_each_bead_to_scale():
     assert len(root.findall(".//rect")) == 1
 
 
-def test_strikers_and_materials_are_told_apart():
+def test_strikers_and_materials_are_distinguished():
     chain = hc.Chain.periodic([9e-3, 4e-3], cells=5, materials=["brass", "ptfe"], velocity=0.1)
     root, text = parsed(chain.struck_by(velocity=0.3, count=2))
     assert [each.get("fill") for each in root.findall(".//circle")][:2] == ["none", "none"]

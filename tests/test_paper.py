@@ -77,7 +77,7 @@ def test_statements_would_fail_on_wrong_physics(reproduction, name):
     figure = next(f for f in reproduction.figures if f.published.name == name)
     pulses = {}
     for curve in figure.curves:
-        # The pulse of a chain whose taper has its rate off by a third.
+        # The pulse of a chain whose rate has an error of a third.
         pulse = curve.integration
         wrong = pulse.velocity ** (4 / 3 if figure.published.number != 9 else 1.2)
         pulses[figure.published.taper, curve.rate] = hc.Pulse(pulse.chain, "wrong", wrong)
@@ -94,7 +94,7 @@ def test_slopes_of_backward_linear_tapers(reproduction):
     k = pulse.bead[39:90]
     slope = np.polyfit(np.log(k), np.log(pulse.momentum[39:90]), 1)[0]
     theory = np.polyfit(np.log(k), np.log(hc.bca(pulse.chain).momentum[39:90]), 1)[0]
-    # The BCA has come within 2 % of 3/2 at k = 40..90; the integration is 3 % below.
+    # At k = 40..90, the BCA is within 2% of 3/2, the simulation 3% below.
     assert theory == pytest.approx(1.5, rel=0.02)
     assert slope == pytest.approx(1.5, rel=0.035)
 
@@ -115,7 +115,7 @@ def test_drawings_show_the_data(reproduction, name):
     assert len(rows) == 1 + 90 * len(figure.curves)
 
 
-def test_errors_of_the_formulas_as_printed_and_mended():
+def test_errors_of_the_formulas_as_printed_and_corrected():
     pulses = integrate_chains(errata_chains())
 
     def worst(taper, name):

@@ -1,4 +1,4 @@
-"""Quantities with units, at the border."""
+"""Quantities with units as input."""
 
 import numpy as np
 import pint
@@ -48,7 +48,7 @@ def test_own_materials_may_have_units():
     assert mine.yield_strength == pytest.approx(400e6)
 
 
-def test_the_wrong_dimension_is_refused():
+def test_the_wrong_dimension_is_rejected():
     with pytest.raises(hc.InputError, match="velocity must be convertible to m/s.*meter"):
         hc.Chain.from_materials(5e-3, "brass", beads=3, velocity=3 * UNIT.m)
     with pytest.raises(hc.InputError, match="density of 'x' must be convertible to kg/m"):
@@ -121,7 +121,7 @@ PARTS = {
 @pytest.mark.parametrize(
     ("name", "build"), [(name, build) for name, builds in PARTS.items() for build in builds]
 )
-def test_a_scaled_chain_refuses_parts_with_units(name, build):
+def test_a_scaled_chain_rejects_parts_with_units(name, build):
     part = build()
     with pytest.raises(hc.InputError, match=f"{name} has a unit in its .* scaled variables"):
         SCALED.replace(**{name: part})
@@ -150,7 +150,7 @@ def test_a_scaled_chain_refuses_parts_with_units(name, build):
     ],
 )
 @pytest.mark.parametrize("value", [Q(1, "m"), Q(1, "s"), Q(1, "kg"), "1 m", "1 s"])
-def test_a_scaled_chain_refuses_units_everywhere(call, value):
+def test_a_scaled_chain_rejects_units_everywhere(call, value):
     with pytest.raises(hc.InputError, match="has a unit .* scaled variables"):
         call(value)
 
@@ -185,7 +185,7 @@ def test_a_scaled_chain_refuses_units_everywhere(call, value):
         lambda x: printed_velocity("backward-linear", 0.1, x),
     ],
 )
-def test_what_has_no_dimension_refuses_units(call):
+def test_arguments_without_dimension_reject_units(call):
     for value in (Q(1, "m"), Q([1.0, 1.0], "s")):
         with pytest.raises(hc.InputError) as caught:
             call(value)

@@ -7,6 +7,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+import count_lines
 import pytest
 from documented import directives, public_functions
 from numpydoc.docscrape import FunctionDoc
@@ -111,7 +112,7 @@ def tracked_files():
     return [ROOT / name for name in done.stdout.split("\0") if name]
 
 
-def test_no_tracked_file_speaks_of_a_machine():
+def test_no_tracked_file_names_a_machine():
     files = tracked_files()
     if not files:
         pytest.skip("not a git checkout")
@@ -125,13 +126,24 @@ def test_no_tracked_file_speaks_of_a_machine():
         assert found is None, f"{path.name}: {found.group()}"
 
 
+def test_files_and_functions_are_short():
+    _, _, too_long = count_lines.count()
+    assert too_long.keys() <= count_lines.EXCEPTIONS.keys()
+    assert all(name.startswith("kernels/") for name in too_long)
+
+
+def test_docstrings_are_slim():
+    code, documentation, _ = count_lines.count()
+    assert documentation < count_lines.MAX_RATIO * code
+
+
 def test_versions_agree():
     citation = (ROOT / "CITATION.cff").read_text("utf-8")
     assert f"version: {hc.__version__}" in citation
     assert f"## [{hc.__version__}]" in (ROOT / "CHANGELOG.md").read_text("utf-8")
 
 
-def test_what_was_compiled_before_a_kernel_changed_is_thrown_away(tmp_path):
+def test_cache_files_older_than_a_kernel_are_deleted(tmp_path):
     from hertzchain.kernels import _forget_stale
 
     source, cache = tmp_path / "kernel.py", tmp_path / "__pycache__"

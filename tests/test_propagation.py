@@ -292,26 +292,26 @@ def test_bad_threads(threads):
         (np.ones(3), "put a single row of radii in a list"),
     ],
 )
-def test_what_is_no_ensemble(chains, said):
+def test_invalid_ensembles(chains, said):
     with pytest.raises(hc.InputError, match=said):
         hc.propagate_many(chains)
 
 
 INTERRUPTED = {
-    "ensemble": "hc.propagate_many(np.ones((100_000, 100)), progress=tell)",
-    "chain": "hc.propagate(hc.Chain.uniform(3_000_000), progress=tell)",
-    "uneven": "hc.propagate_many(np.tile([1.0, 0.4], (20_000, 50)), progress=tell)",
+    "ensemble": "hc.propagate_many(np.ones((100_000, 100)), progress=report)",
+    "chain": "hc.propagate(hc.Chain.from_radii(1 + 1e-6 * np.arange(3e6)), progress=report)",
+    "heterogeneous": "hc.propagate_many(np.tile([1.0, 0.4], (20_000, 50)), progress=report)",
 }
 
 
 @pytest.mark.parametrize("what", INTERRUPTED)
 def test_interrupt(what):
-    """Ctrl-C ends long work within a second and says how far it came."""
+    """Ctrl-C ends long work within a second and reports its progress."""
     code = f"""
         import numpy as np, hertzchain as hc
         hc.propagate(hc.Chain.uniform(9)), hc.propagate_many(np.ones((9, 9)))
         hc.propagate(hc.Chain.from_radii([1.0, 0.4, 1.0]))
-        tell = lambda done, of: print("working", flush=True)
+        report = lambda done, of: print("working", flush=True)
         {INTERRUPTED[what]}
     """
     with subprocess.Popen(

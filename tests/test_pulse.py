@@ -36,7 +36,7 @@ def test_compare_measures_from_the_reference(pulses):
     assert "velocity" in str(comparison)
 
 
-def test_compare_refuses_what_cannot_be_compared(pulses):
+def test_compare_rejects_other_objects(pulses):
     exact, theory = pulses
     with pytest.raises(hc.InputError, match="different chains"):
         exact.compare(hc.bca(hc.Chain.uniform(20)))

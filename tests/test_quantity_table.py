@@ -20,8 +20,10 @@ from hertzchain.chain.conversion import CHAIN_SCALES
 from hertzchain.kernels import forces, state_layout
 from hertzchain.pulse.quantities import (
     BEAD_QUANTITIES,
+    FINAL_QUANTITIES,
     QUANTITIES,
     RUN_QUANTITIES,
+    SENSOR_QUANTITIES,
     TIME,
     WALL_QUANTITIES,
     WAVE_QUANTITIES,
@@ -32,6 +34,7 @@ from hertzchain.units import _parse
 ROWS = [
     *QUANTITIES.values(), *WALL_QUANTITIES.values(), *RUN_QUANTITIES.values(),
     *WAVE_QUANTITIES.values(), *BEAD_QUANTITIES.values(), TIME,
+    *SENSOR_QUANTITIES.values(), *FINAL_QUANTITIES.values(),
 ]  # fmt: skip
 SCALES = hc.Scales(radius=5e-3, mass=4e-3, velocity=0.7, length=11e-6)
 # Its unit of force, M V^2 / L.
@@ -64,7 +67,9 @@ def test_rows_are_complete():
         assert row.description
         assert row.label
     for row in WALL_QUANTITIES.values():
-        assert row.attribute in {field.name for field in dataclasses.fields(hc.WallForce)}
+        assert hasattr(hc.WallForce, row.attribute) or row.attribute in {
+            field.name for field in dataclasses.fields(hc.WallForce)
+        }
 
 
 @pytest.mark.parametrize("scale", ["speed", "force/", "force velocity", "force*", "time^x", "*1"])
@@ -82,7 +87,8 @@ def test_units_of_scales():
 
 def test_rows_of_a_state_have_units():
     sizes = {
-        "clock": state_layout.CLOCK_SIZE, "peaks": 2, "crossings": state_layout.CROSSING_ROWS,
+        "clock": state_layout.CLOCK_SIZE, "flights": state_layout.FLIGHT_ROWS, "peaks": 2,
+        "crossings": state_layout.CROSSING_ROWS,
         "walls": state_layout.WALL_ROWS, "completion": state_layout.COMPLETION_ROWS,
     }  # fmt: skip
     assert {name: len(units) for name, units in ROW_SCALES.items()} == sizes
@@ -180,7 +186,7 @@ def test_a_table_of_pulses_is_no_pulse():
         hc.bca(TAPER).compare(table)
 
 
-# What a copy of the package with one more quantity must do.
+# Checks of a copy of the package with an additional quantity.
 EVERYWHERE = """
 import json, sys
 import numpy as np

@@ -59,7 +59,7 @@ def test_chains_without_losses(try_chains):
         pytest.param(
             3, {"loss": hc.UnloadingRatio(0.7), "gravity": 0.2,
                 "right_wall": hc.Wall(stiffness=1.5)},
-            id="a stuck contact released by the one beside it",
+            id="a stuck contact released by its neighbour",
         ),
         pytest.param(
             2, {"loss": hc.UnloadingRatio(0.8), "gravity": -0.1, "left_wall": hc.Wall(),

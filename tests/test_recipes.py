@@ -1,7 +1,7 @@
 """The recipes of docs/how-to/extend.md, each applied to a copy of the package and tried.
 
 A recipe is a section with diffs, which are applied to the copy, and a block of Python, which runs
-there in a process of its own and must not fail.
+there in a separate process and must not fail.
 """
 
 import os
@@ -55,5 +55,5 @@ def test_recipes_work(diffs, blocks, tmp_path):
 
 def test_the_page_has_all_recipes():
     titles = {param.id for param in recipes()}
-    expected = {"taper", "theory", "loss law", "quantity", "plot"}
+    expected = {"taper", "theory", "loss law", "quantity", "integrator", "plot"}
     assert expected <= {title.split(" ", 2)[2] for title in titles if title.startswith("Add a")}

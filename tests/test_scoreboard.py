@@ -9,7 +9,19 @@ import hertzchain as hc
 from hertzchain.evaluation.cases import FREE_END, Case, paper_cases, unseen_cases
 from hertzchain.evaluation.evaluate import evaluate, scoreboard
 from hertzchain.evaluation.scoreboard import QUANTITIES, percentage
-from hertzchain.evaluation.unseen_tapers import is_smooth, unseen_radii
+from hertzchain.evaluation.unseen_tapers import (
+    bump,
+    hourglass,
+    is_smooth,
+    piecewise_exponential,
+    power_law,
+    random_smooth,
+    scatter,
+    sigmoid,
+    step,
+    unseen_radii,
+    wave,
+)
 from hertzchain.plotting.scoreboard import plot_scoreboard
 from hertzchain.sweeps.methods import METHODS
 from hertzchain.theory.catalogue import THEORIES
@@ -64,7 +76,7 @@ def test_a_family_gathers_its_chains():
     assert list(board.table("velocity", by="case").index) == ["a", "b"]
 
 
-def test_one_chain_that_is_refused_makes_its_family_a_dash():
+def test_one_chain_that_is_rejected_makes_its_family_a_dash():
     cases = [case_of(np.ones(20), "a"), case_of(np.ones(24), "b")]
 
     def theory(chain):
@@ -190,7 +202,7 @@ def test_two_thirds():
     assert two_thirds_bca(chain).arrival is None
 
 
-def test_the_command_line_knows_every_theory():
+def test_the_command_line_supports_every_theory():
     assert set(METHODS) == {"propagate", "simulate", *THEORIES}
 
 
@@ -258,6 +270,20 @@ def test_the_figure_has_a_symbol_for_every_number(board):
         (lambda _: evaluate([case_of(np.ones(20))], [hc.bca(hc.Chain.uniform(21))]), "different"),
     ],
 )  # fmt: skip
-def test_bad_input_is_refused(board, call, said):
+def test_bad_input_is_rejected(board, call, said):
     with pytest.raises(hc.InputError, match=said):
         call(board)
+
+
+def test_families_of_unseen_tapers():
+    k = np.array([50.0, 51.0])
+    rates = np.diff(np.log(piecewise_exponential(np.arange(1.0, 53.0), (0.05, 0.0, 0.1))))
+    np.testing.assert_allclose(rates[[0, 23, 24, 49, 50]], [0.05, 0.05, 0.05, 0.0, 0.1], atol=1e-14)
+    assert power_law(k, 2.0, 50.0)[0] == 1e4
+    assert sigmoid(k, 3.0, 10.0)[0] == 2.0
+    assert bump(k, -0.4, 18.0)[0] == pytest.approx(0.6, rel=1e-15)
+    assert wave(np.array([15.0]), 0.2, 60.0, 0.1)[0] == pytest.approx(1.2 * np.exp(1.5), rel=1e-15)
+    assert hourglass(np.array([75.0]), 25.0)[0] == pytest.approx(np.cosh(1.0), rel=1e-15)
+    assert step(k, 1.3).tolist() == [1.0, 1.3]
+    assert scatter(k, 0.0, seed=1).tolist() == [1.0, 1.0]
+    assert is_smooth(random_smooth(np.arange(1.0, 101.0), seed=7))

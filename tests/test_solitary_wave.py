@@ -256,6 +256,6 @@ def test_precompressed_speed_is_smooth_where_its_two_forms_meet():
         (lambda: long_wave_speed_constant(1.0), "above 1"),
     ],
 )
-def test_bad_input_is_refused(call, said):
+def test_bad_input_is_rejected(call, said):
     with pytest.raises(hc.InputError, match=said):
         call()

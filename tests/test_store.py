@@ -40,7 +40,7 @@ def test_chain_files(tmp_path):
         ('[chain]\ntapr = "uniform"\nbeads = 3', "unknown key .*'tapr'.* did you mean 'taper'"),
         ("[chain]\nbeads = 3", "has no taper"),
         ('[chain]\ntaper = "uniform"', "has no beads"),
-        ('[chain]\ntaper = "uniform"\nbeads = 3\nrate = 0.1', "leave one out"),
+        ('[chain]\ntaper = "uniform"\nbeads = 3\nrate = 0.1', "omit one"),
         ('[chain]\ntaper = "forward-linear"\nbeads = 3', "no rate"),
         ('[chain]\ntaper = "forward-linear"\nbeads = 3\nrate = "x"', "must be a number, got 'x'"),
         ("[chain]\nradii = [1, 2]\nbeads = 2", "has radii and also beads"),
@@ -53,7 +53,7 @@ def test_chain_files(tmp_path):
         ('[chain]\ntaper = "uniform"\nbeads = 2.5', "whole number"),
     ],
 )
-def test_bad_chain_files_are_refused_by_name(tmp_path, text, said):
+def test_bad_chain_files_are_rejected_by_name(tmp_path, text, said):
     with pytest.raises(hc.InputError, match=said) as caught:
         hc.load_chain(chain_file(tmp_path, text))
     assert "chain.toml" in str(caught.value)

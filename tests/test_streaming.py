@@ -33,7 +33,7 @@ def test_what_is_streamed_is_the_run(tmp_path):
 
 
 @pytest.mark.usefixtures("_small_files")
-def test_an_interrupted_stream_goes_on_to_the_last_bit(tmp_path):
+def test_an_interrupted_stream_resumes_bit_for_bit(tmp_path):
     class Stopped(Exception):
         pass
 
@@ -50,7 +50,7 @@ def test_an_interrupted_stream_goes_on_to_the_last_bit(tmp_path):
 
 
 @pytest.mark.usefixtures("_small_files")
-def test_a_file_ahead_of_its_state_is_written_anew(tmp_path, monkeypatch):
+def test_a_file_ahead_of_its_state_is_written_again(tmp_path, monkeypatch):
     calls = []
 
     def fail_late(state, path):
@@ -145,7 +145,7 @@ def flip(files):
 
 
 @pytest.mark.parametrize("damage", [lose, repeat, swap, flip])
-def test_a_part_that_is_lost_repeated_or_altered_is_refused(stored, damage):
+def test_a_part_that_is_lost_repeated_or_altered_is_rejected(stored, damage):
     whole = stored.load()
     damage(stored.files)
     said = r"is damaged: part-00000\d.nc is (missing|not as it was written)"
@@ -159,7 +159,7 @@ def test_a_part_that_is_lost_repeated_or_altered_is_refused(stored, damage):
     xr.testing.assert_equal(rest, whole.sel(time=rest.time))
 
 
-def test_parts_of_another_run_are_refused_and_left_alone(stored, tmp_path):
+def test_parts_of_another_run_are_rejected_and_not_changed(stored, tmp_path):
     other = hc.stream(CHAIN.replace(loss=None), tmp_path / "other", times=TIMES)
     extra = stored.folder / f"part-{len(stored.files) + 1:06d}.nc"
     shutil.copy(other.files[0], extra)
@@ -196,7 +196,7 @@ def test_a_manifest_is_compared_with_its_digest(stored):
             stored.load()
 
 
-def test_a_state_of_a_later_time_is_refused(stored):
+def test_a_state_of_a_later_time_is_rejected(stored):
     times = np.linspace(0.0, 80.0, 161)
     older = (stored.folder / "manifest.json").read_bytes()
     hc.stream(CHAIN, stored.folder, times=times)
@@ -259,12 +259,12 @@ def test_two_runs_into_one_folder_are_kept_apart(tmp_path):
 
 
 @pytest.mark.parametrize("name", ["x" * 300, "x" * 300 + "/a"])
-def test_a_folder_that_cannot_be_made_is_told(tmp_path, name):
+def test_a_folder_that_cannot_be_created_is_reported(tmp_path, name):
     with pytest.raises(hc.InputError, match="cannot write .*too long"):
         hc.stream(CHAIN, tmp_path / name, times=TIMES)
 
 
-def test_notes_beside_a_run_are_no_obstacle(tmp_path):
+def test_other_files_next_to_a_run_are_allowed(tmp_path):
     hc.stream(CHAIN, tmp_path, times=[1.0, 2.0])
     (tmp_path / "notes.txt").write_text("mine")
     assert len(hc.stream(CHAIN, tmp_path, times=[1.0, 2.0, 3.0]).files) == 2
@@ -298,7 +298,7 @@ def test_a_state_goes_through_a_file_unchanged(tmp_path):
     np.testing.assert_array_equal(later.velocities, whole.velocities)
 
 
-def test_states_that_do_not_fit_are_refused(tmp_path, monkeypatch):
+def test_states_that_do_not_fit_are_rejected(tmp_path, monkeypatch):
     state, file = hc.simulate(CHAIN, until=1.0).state, tmp_path / "state.npz"
     monkeypatch.setattr(results, "__version__", "0.0.1")
     hc.save_state(state, file)
@@ -322,14 +322,14 @@ import numpy as np
 import hertzchain as hc
 chain = hc.Chain.uniform(1000).replace(right_wall=hc.Wall(), left_wall=hc.Wall())
 hc.stream(chain, sys.argv[1], times=np.linspace(0.0, float(sys.argv[2]), int(sys.argv[3])))
-# Of this process alone; what getrusage tells may be of its parent.
+# Only of this process; getrusage may include the memory of its parent.
 peak = next(line for line in Path("/proc/self/status").open() if line.startswith("VmHWM"))
 print(int(peak.split()[1]) / 1024)
 """
 
 
 def test_memory_does_not_grow_with_the_run(tmp_path):
-    """Nearly half a GB of states, in less memory than that would need at once."""
+    """Almost half a GB of states is written with less memory."""
     arguments = [os.fspath(tmp_path), "120", "20000"]
     done = subprocess.run(
         [sys.executable, "-c", LONG, *arguments], capture_output=True, text=True, check=True

@@ -64,7 +64,7 @@ def command(specification, store, *options):
 
 
 def start(specification, store, *options):
-    # A group of its own, as a terminal gives it; workers are in it too.
+    # A separate process group, like that of a terminal; it includes the workers.
     return subprocess.Popen(
         command(specification, store, *options), stdout=subprocess.DEVNULL,
         stderr=subprocess.PIPE, text=True, start_new_session=True,
@@ -76,7 +76,7 @@ def done_batches(store):
 
 
 def kill_at(process, store, batches, sign=signal.SIGKILL):
-    """Send a signal once so many batches are done, or when the process ends by itself."""
+    """Send a signal after a number of batches, unless the process ends before."""
     while process.poll() is None and done_batches(store) < batches:
         time.sleep(0.002)
     time.sleep(random.uniform(0.0, 0.03))
@@ -106,7 +106,7 @@ def test_thirty_kills_of_main_and_workers(specification, undisturbed, tmp_path, 
     kill_worker_and_resume(specification, tmp_path / "worker", undisturbed, seed=seed)
 
 
-def test_a_killed_worker_is_told_and_the_sweep_goes_on(specification, undisturbed, tmp_path):
+def test_a_killed_worker_is_reported_and_the_sweep_resumes(specification, undisturbed, tmp_path):
     told = kill_worker_and_resume(specification, tmp_path / "sweep", undisturbed, seed=3)
     assert "a worker process ended abruptly" in told
     assert "run the same command again to resume" in told
@@ -164,7 +164,7 @@ def test_a_worker_killed_while_it_writes_is_noticed(specification, undisturbed, 
 
 
 def files_beside(store):
-    """What a sweep has left beside its store, apart from the lock."""
+    """Files next to the store of a sweep, except for the lock."""
     return [each.name for each in store.parent.iterdir()
             if each != store and not each.name.endswith(".lock")]  # fmt: skip
 
@@ -185,7 +185,7 @@ class InThisProcess(ProcessPoolExecutor):
 
 
 def test_messages_of_processes_are_too_short_to_be_cut(tmp_path):
-    """A pipe transfers up to PIPE_BUF bytes at once; a kill cannot leave a part of them."""
+    """Up to PIPE_BUF bytes are written to a pipe completely or not at all, also by a kill."""
     import select
 
     rates = {"list": [0.01 + 1e-5 * i for i in range(2000)]}
@@ -308,7 +308,7 @@ def test_no_worker_outlives_its_sweep(specification, undisturbed, tmp_path, sign
     assert contents(store) == undisturbed
 
 
-def test_an_executor_that_gives_up_is_told(specification, undisturbed, tmp_path):
+def test_a_failing_executor_is_reported(specification, undisturbed, tmp_path):
     class Lost(ThreadPoolExecutor):
         def submit(self, *_):
             future = Future()
@@ -323,7 +323,7 @@ def test_an_executor_that_gives_up_is_told(specification, undisturbed, tmp_path)
     assert contents(tmp_path / "sweep") == undisturbed
 
 
-def test_an_executor_that_is_shut_down_is_told(specification, undisturbed, tmp_path):
+def test_an_executor_that_is_shut_down_is_reported(specification, undisturbed, tmp_path):
     with ThreadPoolExecutor(1) as pool:
         pass
     with pytest.raises(hc.InputError, match="the executor does not accept work .*after shutdown"):
@@ -332,7 +332,7 @@ def test_an_executor_that_is_shut_down_is_told(specification, undisturbed, tmp_p
     assert contents(tmp_path / "sweep") == undisturbed
 
 
-def test_what_progress_raises_ends_the_sweep_and_it_goes_on(specification, undisturbed, tmp_path):
+def test_an_exception_of_progress_ends_a_sweep_that_resumes(specification, undisturbed, tmp_path):
     def bored(done, _):
         if done > 200:
             raise LookupError("enough")
@@ -344,7 +344,7 @@ def test_what_progress_raises_ends_the_sweep_and_it_goes_on(specification, undis
     assert contents(tmp_path / "sweep") == undisturbed
 
 
-def test_a_store_that_is_removed_meanwhile_is_told(specification, undisturbed, tmp_path):
+def test_a_store_that_is_removed_during_a_sweep_is_reported(specification, undisturbed, tmp_path):
     store = tmp_path / "sweep"
 
     def remove(done, _):
@@ -358,7 +358,7 @@ def test_a_store_that_is_removed_meanwhile_is_told(specification, undisturbed, t
     assert contents(store) == undisturbed
 
 
-def test_an_interrupt_leaves_a_store_that_goes_on(specification, undisturbed, tmp_path):
+def test_an_interrupted_sweep_resumes(specification, undisturbed, tmp_path):
     store = tmp_path / "sweep"
     process = start(specification, store)
     kill_at(process, store, 2, signal.SIGINT)
@@ -402,7 +402,7 @@ def test_an_interrupt_is_handled_at_once_in_large_sweeps(tmp_path, size, seconds
     assert time.monotonic() - begun < 4.0
 
 
-def test_a_disk_that_fills_is_told_and_the_sweep_goes_on(specification, undisturbed, tmp_path):
+def test_a_full_disk_is_reported_and_the_sweep_resumes(specification, undisturbed, tmp_path):
     store = tmp_path / "sweep"
     largest = max(len(content) for content in undisturbed.values())
     # The largest chunk does not fit, all others do.
@@ -419,7 +419,7 @@ def test_a_disk_that_fills_is_told_and_the_sweep_goes_on(specification, undistur
     assert contents(store) == undisturbed
 
 
-def test_a_sweep_that_cannot_fit_is_refused(specification, tmp_path, monkeypatch):
+def test_a_sweep_that_cannot_fit_is_rejected(specification, tmp_path, monkeypatch):
     monkeypatch.setattr(sweep_module.shutil, "disk_usage",
                         lambda _: type("Usage", (), {"free": 1000})())  # fmt: skip
     with pytest.raises(hc.InputError, match="needs 0.00.* GB for 1984 points.* has 1e-06 GB free"):
@@ -442,7 +442,7 @@ def test_two_sweeps_into_one_store_are_kept_apart(specification, undisturbed, tm
     assert contents(store) == undisturbed
 
 
-def test_a_store_has_one_lock_by_whatever_name(specification, tmp_path):
+def test_a_store_has_one_lock_by_any_name(specification, tmp_path):
     (tmp_path / "link").symlink_to(tmp_path / "sweep")
     hc.sweep(specification, tmp_path / "sweep", shard=(31, 31))
     with (
@@ -465,7 +465,7 @@ def test_places_where_no_store_can_be(specification, store):
         hc.open_sweep(store)
 
 
-def test_a_sweep_too_large_for_memory_or_disk_is_refused_at_once():
+def test_a_sweep_too_large_for_memory_or_disk_is_rejected():
     rates = {"linspace": [0.01, 0.1, 1000_000]}
     given = {"chain": {"taper": "forward-exponential", "beads": 20},
              "axes": {"rate": rates, "exponent": {"linspace": [1.3, 2.0, 1000_000]}}}  # fmt: skip
@@ -506,7 +506,7 @@ def test_shards_merge_into_the_same_bytes(specification, undisturbed, tmp_path):
         hc.sweep(specification, shard=(1, 3))
 
 
-def test_a_changed_specification_is_refused_with_the_difference(specification, tmp_path):
+def test_a_changed_specification_is_rejected_with_the_difference(specification, tmp_path):
     store, other = tmp_path / "sweep", tmp_path / "other.toml"
     hc.sweep(specification, store, shard=(1, 31))
     before = contents(store)
@@ -521,7 +521,7 @@ def test_a_changed_specification_is_refused_with_the_difference(specification, t
         hc.merge_sweeps([store, tmp_path / "second"], tmp_path / "all")
 
 
-def test_what_is_not_ours_or_damaged_is_left_alone(specification, tmp_path):
+def test_foreign_and_damaged_files_are_not_changed(specification, tmp_path):
     (tmp_path / "mine").mkdir()
     (tmp_path / "mine" / "thesis.tex").write_text("all I have")
     with pytest.raises(
@@ -692,7 +692,7 @@ def test_a_store_that_was_not_made_to_its_end_is_made_again(
     assert not unfinished.exists()
 
 
-def test_other_versions_are_refused_with_both_named(specification, tmp_path, monkeypatch):
+def test_other_versions_are_rejected_with_both_named(specification, tmp_path, monkeypatch):
     store = tmp_path / "sweep"
     with monkeypatch.context() as changed:
         changed.setattr("hertzchain.sweeps.dataset.__version__", "0.0.9")
@@ -835,7 +835,7 @@ def test_a_dask_worker_that_is_killed_costs_nothing(
     assert contents(store) == undisturbed
 
 
-def test_a_scheduler_that_does_not_answer_is_told_soon(monkeypatch):
+def test_a_scheduler_that_does_not_answer_is_reported_soon(monkeypatch):
     monkeypatch.setattr(executors, "PATIENCE", 1.0)
     begun = time.monotonic()
     said = "no dask scheduler answers at 'tcp://127.0.0.1:1'"
@@ -845,7 +845,7 @@ def test_a_scheduler_that_does_not_answer_is_told_soon(monkeypatch):
 
 
 @pytest.mark.parametrize("address", ["http://127.0.0.1:1", "nonsense", "", "tcp://127.0.0.1", 3])
-def test_what_is_no_address_is_refused_at_once(address):
+def test_an_invalid_address_is_rejected_immediately(address):
     begun = time.monotonic()
     said = "a scheduler's address looks like tcp://127.0.0.1:8786, got"
     with pytest.raises(hc.InputError, match=said), executors.dask_pool(address):

@@ -46,11 +46,13 @@ def test_every_point_is_what_the_methods_give_alone():
             }  # fmt: skip
             for by, pulse in pulses.items():
                 one = point.sel(approach=by)
-                np.testing.assert_allclose(one.velocity[:beads], pulse.velocity, rtol=1e-15)
-                np.testing.assert_allclose(one.energy[:beads], pulse.energy, rtol=4e-15)
-                np.testing.assert_allclose(one.arrival[:beads], pulse.arrival, rtol=1e-15)
+                # Batches of simulations are integrated by another method, `simulate_many`.
+                near = 1e-12 if by == "simulate" else 1e-15
+                np.testing.assert_allclose(one.velocity[:beads], pulse.velocity, rtol=near)
+                np.testing.assert_allclose(one.energy[:beads], pulse.energy, rtol=4.0 * near)
+                np.testing.assert_allclose(one.arrival[:beads], pulse.arrival, rtol=near)
                 force = one.peak_force[: beads - 1]
-                np.testing.assert_allclose(force, pulse.peak_force, rtol=4e-15)
+                np.testing.assert_allclose(force, pulse.peak_force, rtol=4.0 * near)
                 assert np.isnan(one.velocity[beads:]).all()
     assert (found.status == 1).all()
 
@@ -288,7 +290,7 @@ BAD = [
 
 
 @pytest.mark.parametrize(("change", "said"), BAD)
-def test_what_cannot_be_used_is_refused(change, said):
+def test_invalid_specifications_are_rejected(change, said):
     given = {"chain": dict(FORWARD), "axes": {"rate": [0.05]}}
     if change in (BAD[0][0], BAD[1][0]):
         given = {}
@@ -306,7 +308,7 @@ def test_what_cannot_be_used_is_refused(change, said):
     ("missing.csv", "missing.csv': cannot be read"),
     ("\0.csv", "points must be a path"),
 ])  # fmt: skip
-def test_points_that_cannot_be_used_are_refused(points, said):
+def test_points_that_cannot_be_used_are_rejected(points, said):
     with pytest.raises(hc.InputError, match=said):
         hc.sweep({"chain": dict(FORWARD), "points": points})
 
@@ -323,7 +325,7 @@ def test_points_that_cannot_be_used_are_refused(points, said):
     ("rate,beads\n0.1,ten\n", "beads of .chain. must be a whole number, got 'ten'"),
     ('rate,beads\n"0.1,10\n', "not a CSV table"),
 ])  # fmt: skip
-def test_tables_of_points_that_cannot_be_used_are_refused(tmp_path, text, said):
+def test_tables_of_points_that_cannot_be_used_are_rejected(tmp_path, text, said):
     (tmp_path / "points.csv").write_text(text)
     with pytest.raises(hc.InputError, match=said):
         hc.sweep({"chain": dict(FORWARD), "points": str(tmp_path / "points.csv")})
@@ -375,7 +377,7 @@ def test_a_batch_holds_little_in_memory(beads, most, kept):
     assert plan.bytes_in_memory <= 2**27 or most == 1
 
 
-def test_batches_too_large_for_memory_are_refused():
+def test_batches_too_large_for_memory_are_rejected():
     given = {"chain": {"taper": "backward-exponential", "beads": 10_000_000},
              "axes": {"rate": {"linspace": [1e-9, 2e-9, 1000]}},
              "sweep": {"at": "last", "batch": 1000}}  # fmt: skip
@@ -497,7 +499,7 @@ def test_exports_need_memory_for_a_part_alone(tmp_path, monkeypatch):
     assert peak < 2e6
 
 
-def test_exports_of_another_kind_are_refused(tmp_path):
+def test_exports_of_another_kind_are_rejected(tmp_path):
     found = swept(FORWARD, {"rate": [0.05]})
     with pytest.raises(hc.InputError, match="exported as .csv, .parquet, .nc, got 'a.xls'"):
         export_sweep(found, tmp_path / "a.xls")
@@ -535,7 +537,7 @@ def test_curves_and_maps():
         plot_sweep(found, "speed")
 
 
-def test_cells_of_a_map_meet_halfway_on_its_scales_whatever_the_order_of_values():
+def test_cells_of_a_map_meet_halfway_on_its_scales_for_any_order_of_values():
     found = hc.sweep({
         "chain": {"taper": "forward-linear"},
         "axes": {"rate": {"geomspace": [1e-4, 1e-2, 3]}, "beads": [40, 20, 30]},
@@ -609,14 +611,14 @@ def test_points_are_ticked_by_whole_numbers():
     ({"levels": ["a"]}, "level must be a number, got 'a'"),
     ({"ax": 3}, "ax must be an Axes, got 3"),
 ])  # fmt: skip
-def test_what_cannot_be_drawn_is_refused(chosen, said):
+def test_sweeps_that_cannot_be_plotted_are_rejected(chosen, said):
     found = swept(FORWARD, {"rate": RATES}, methods=["propagate", "bca"])
     with pytest.raises(hc.InputError, match=said):
         plot_sweep(found, **chosen)
 
 
 @pytest.mark.parametrize("given", [3, None, {}, xr.Dataset({"a": ("x", [1.0])})])
-def test_what_is_no_sweep_is_neither_drawn_nor_exported(tmp_path, given):
+def test_anything_but_a_sweep_is_neither_plotted_nor_exported(tmp_path, given):
     for use in (plot_sweep, lambda dataset: export_sweep(dataset, tmp_path / "a.csv")):
         with pytest.raises(
             hc.InputError, match=r"dataset must be a Dataset|is not the result of a sweep"

@@ -141,7 +141,7 @@ def test_modified_bca_by_coefficients():
         ),
     ],
 )
-def test_bad_input_is_refused(call, said):
+def test_bad_input_is_rejected(call, said):
     with pytest.raises(hc.InputError, match=said):
         call()
 

@@ -1,4 +1,4 @@
-"""What the law is trained on, and that its tables come from there."""
+"""Training data of the local-rate law, and the origin of its tables."""
 
 import numpy as np
 import pytest
@@ -22,7 +22,7 @@ def test_no_unseen_taper_is_among_the_inputs():
     for name, radii in unseen_radii().items():
         rates = np.diff(np.log(radii))[: inputs.shape[1]]
         nearest = np.abs(inputs - rates).max(axis=1).min()
-        # Of the bead's radius, or for the gentlest tapers of their own change.
+        # Relative to the radius or, for the gentlest tapers, to the range of rates.
         assert nearest > min(1e-3, 0.2 * np.ptp(rates)), name
 
 
@@ -34,7 +34,7 @@ def test_inputs_are_exponential_chains_and_ramps_alone():
         (training_chains.double_ramp_rates(np.random.default_rng(1), 300), 5),
     ):
         slopes = np.diff(rates, axis=1).round(9)
-        # Straight pieces: the slope changes at most so many times.
+        # Piecewise linear rates: the number of changes of the slope is limited.
         assert np.count_nonzero(np.diff(slopes, axis=1), axis=1).max() <= most
 
 

@@ -93,7 +93,7 @@ def test_ways_to_write_powers_and_products():
         ("-1 mm", "must be at least 0, got -0.001"),
     ],
 )
-def test_what_is_no_length_is_refused(text, said):
+def test_an_invalid_length_is_rejected(text, said):
     with pytest.raises(hc.InputError, match=said):
         number("gap", text, unit="m", least=0.0)
 

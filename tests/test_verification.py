@@ -23,7 +23,7 @@ def test_a_wrong_value_is_outside():
     assert not Verdict(case, case.compute()).agrees
 
 
-def test_an_unknown_group_is_refused():
+def test_an_unknown_group_is_rejected():
     with pytest.raises(hc.InputError, match=r"unknown group of cases 'wals'.*did you mean 'walls'"):
         verify(["wals"])
 
@@ -33,7 +33,7 @@ def test_command_line():
     command = [Path(sys.executable).parent / "hertzchain", "verify", "--only", "restitution"]
     shown = subprocess.run(command, capture_output=True, text=True, check=True).stdout
     assert f"{agreeing} of {agreeing} cases agree" in shown
-    # Numbers of sources stand in the table, the sources below it.
+    # The table has the numbers of the sources, which are listed below it.
     assert "[2]" in shown.partition("Tsuji")[0]
     assert "Tsuji et al., Powder Technol. 71, 239 (1992) (derived)" in shown
     document = subprocess.run([*command, "--json"], capture_output=True, text=True, check=True)

@@ -151,7 +151,7 @@ def test_no_peak_of_many_random_chains_is_missed():
 
 
 @pytest.mark.parametrize("seed", [0, 3, 5, 6, 10, 11])
-def test_a_run_goes_on_to_the_same_complete_peak(seed):
+def test_a_resumed_run_has_the_same_complete_peak(seed):
     """Neither saved times nor stops before the end change anything."""
     chain = random_chain(seed)
     whole = hc.simulate(chain, times=200)
@@ -160,7 +160,7 @@ def test_a_run_goes_on_to_the_same_complete_peak(seed):
         other = hc.simulate(chain, start=state, times=0)
         assert (other.status, other.end_time) == (whole.status, whole.end_time)
         for name, value in whole.state.arrays.items():
-            # But for the number of saved times, and the evaluations that these take.
+            # Except for the number of saved times and of evaluations for them.
             kept = slice(None) if name != "counts" else [0, *range(3, 9)]
             np.testing.assert_array_equal(other.state.arrays[name][kept], value[kept])
 
@@ -236,7 +236,7 @@ def test_touches_are_counted():
 
 
 def test_a_left_wall_is_assessed_alike():
-    """A chain and its mirror image: what the right wall gets, the left wall gets."""
+    """The walls of a chain and of its mirror image have equal forces."""
     radii, velocities = np.linspace(0.6, 1.0, 12), np.zeros(12)
     velocities[-1] = -0.5
     chain = hc.Chain.from_radii(radii).replace(velocities=velocities, left_wall=WALL)
@@ -317,7 +317,7 @@ def swept(**method):
 
 def test_sweeps_keep_complete_peaks():
     found = swept()
-    # A uniform chain's solitary wave does not know how long the chain is.
+    # The solitary wave of a uniform chain does not depend on the length of the chain.
     np.testing.assert_allclose(found.wall_peak_force[:, 0], 102.6, atol=0.05)
     assert not found.incomplete.any()
 

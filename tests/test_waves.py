@@ -38,7 +38,7 @@ def test_a_wave_is_the_solitary_wave(solitary):
     assert len(found) == 1
     wave = found[0]
     assert wave.resolved
-    # From contact 40 on the pulse has become the solitary wave, and contact 76 feels the end.
+    # The pulse is the solitary wave from contact 40 on; the end affects contact 76.
     far = (wave.contacts > 40) & (wave.contacts < 75)
     for name, error in {"amplitudes": 1e-6, "momenta": 2e-8, "energies": 2e-8}.items():
         np.testing.assert_allclose(getattr(wave, name)[far], exact[name], rtol=error, err_msg=name)
@@ -327,7 +327,7 @@ def test_what_cannot_be_asked(ask, said):
 
 @pytest.mark.parametrize("ask", ["waves", "energy_flux", "reflection"])
 @pytest.mark.parametrize("times", [0, 5, 30])
-def test_too_few_saved_times_are_refused(ask, times):
+def test_too_few_saved_times_are_rejected(ask, times):
     run = hc.simulate(hc.Chain.uniform(30), until=30.0, times=times)
     arguments = (10, 20) if ask == "reflection" else ()
     with pytest.raises(hc.InputError, match=r"times=\d+|give simulate more times"):

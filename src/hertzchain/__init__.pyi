@@ -12,7 +12,6 @@ from .chain.contact_shapes import CrossedCylinders as CrossedCylinders
 from .chain.drives import SineBurst as SineBurst
 from .chain.drives import StepDrive as StepDrive
 from .chain.drives import TableDrive as TableDrive
-from .chain.equilibrium import StaticState as StaticState
 from .chain.equilibrium import equilibrium as equilibrium
 from .chain.hertz_range import HertzRange as HertzRange
 from .chain.hertz_range import hertz_range as hertz_range
@@ -28,6 +27,7 @@ from .chain.materials import Material as Material
 from .chain.materials import catalogue as catalogue
 from .chain.materials import material as material
 from .chain.scales import Scales as Scales
+from .chain.static_state import StaticState as StaticState
 from .chain.tapers import TAPERS as TAPERS
 from .chain.walls import Wall as Wall
 from .errors import DamageWarning as DamageWarning
@@ -39,6 +39,17 @@ from .errors import SimulationError as SimulationError
 from .errors import StoreError as StoreError
 from .evaluation.evaluate import scoreboard as scoreboard
 from .evaluation.scoreboard import Scoreboard as Scoreboard
+from .fitting.defect_scan import DefectScan as DefectScan
+from .fitting.defect_scan import scan_defects as scan_defects
+from .fitting.example_experiment import example_experiment as example_experiment
+from .fitting.fit import fit as fit
+from .fitting.loss_comparison import LossComparison as LossComparison
+from .fitting.loss_comparison import compare_losses as compare_losses
+from .fitting.posterior import Posterior as Posterior
+from .fitting.result import FitResult as FitResult
+from .fitting.trace_comparison import TraceComparison as TraceComparison
+from .fitting.trace_files import load_traces as load_traces
+from .fitting.traces import Traces as Traces
 from .plotting.animation import animate as animate
 from .plotting.chains import plot_chain as plot_chain
 from .plotting.pulses import plot_pulses as plot_pulses
@@ -55,8 +66,10 @@ from .simulation.horizon import Horizon as Horizon
 from .simulation.leading_pulse import LeadingPulse as LeadingPulse
 from .simulation.reflection import Reflection as Reflection
 from .simulation.run import Run as Run
+from .simulation.run_table import RunTable as RunTable
 from .simulation.sensor_force import SensorForce as SensorForce
 from .simulation.simulate import simulate as simulate
+from .simulation.simulate_many import simulate_many as simulate_many
 from .simulation.state import State as State
 from .simulation.velocity_peaks import VelocityPeaks as VelocityPeaks
 from .simulation.wall_force import WallForce as WallForce
@@ -64,7 +77,7 @@ from .simulation.wave_events import WaveEvent as WaveEvent
 from .simulation.waves import Wave as Wave
 from .simulation.waves import Waves as Waves
 from .store.bead_tables import load_drive as load_drive
-from .store.chain_files import chain_as_toml as chain_as_toml
+from .store.chain_as_toml import chain_as_toml as chain_as_toml
 from .store.chain_files import load_chain as load_chain
 from .store.results import load_state as load_state
 from .store.results import save_run as save_run

@@ -179,10 +179,6 @@ def calibrate(
     progress : callable, optional
         Called as ``progress(chains_done, chains)``.
 
-    Returns
-    -------
-    Calibration
-
     Raises
     ------
     InputError

@@ -11,7 +11,8 @@ from typing import Any, Final
 
 from ..chain.chain import Chain
 from ..errors import InputError
-from ..store.chain_files import chain_as_toml, chain_from, load_chain
+from ..store.chain_as_toml import chain_as_toml
+from ..store.chain_files import chain_from, load_chain
 from ..store.chain_schema import SECTIONS
 from ..store.toml_files import toml_key, toml_text
 

@@ -12,7 +12,7 @@ from typing import Any
 from ..chain.chain import Chain
 from ..chain.feature_support import require_chain
 from ..errors import InputError, SimulationError
-from ..store.chain_files import chain_as_toml
+from ..store.chain_as_toml import chain_as_toml
 from ..validation.numbers import whole_number
 from .about import about
 from .documents import as_json, chain_of, document_of_toml

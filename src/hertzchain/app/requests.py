@@ -1,4 +1,4 @@
-"""Requests of the page, checked."""
+"""Checked requests of the page."""
 
 from __future__ import annotations
 

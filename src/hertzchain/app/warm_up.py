@@ -54,11 +54,11 @@ class WarmUp:
                 self._done += 1
 
     def pending(self) -> list[str]:
-        """Stages that are not compiled yet, in order."""
+        """Names of kernels that are not compiled yet, in order."""
         return [name for name, _ in self._stages[self._done :]]
 
     def wait(self, part: str, *, general: bool, stop: Callable[[], bool]) -> None:
-        """Wait for what the message after ``part`` needs, or until ``stop`` returns true.
+        """Wait for the kernels that the message after ``part`` needs, or until ``stop()`` is true.
 
         Otherwise threads of requests that are out of date would wait for the compiler.
         """

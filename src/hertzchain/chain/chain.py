@@ -1,16 +1,17 @@
-"""The chain of beads: its builders, and the methods that make another chain of it.
+"""The chain of beads: its builders, and the methods that return a modified chain.
 
-The default chain is the paper's: in scaled variables (Sec. 2; radii in units of the first
-bead's, masses of the first bead's mass, velocities of the impact's), with touching beads at rest,
-struck at bead 1, free ends and no losses.  Every other feature (walls, gaps, losses, drives, ...)
-is a field that is off by default.  Bead ``k = 1..N`` counts from the struck end; contact ``k``
-joins beads ``k`` and ``k + 1``.  Arrays start at 0: ``chain.radii[0]`` is bead 1.
+The default chain is that of the paper: scaled variables (Sec. 2; in units of the radius and mass
+of the first bead and of the velocity of the impact), touching beads at rest, an impact on bead 1,
+free ends and no losses.  Other features (walls, gaps, losses, drives, ...) are optional fields.
+Bead ``k = 1..N`` counts from the struck end; contact ``k`` joins beads ``k`` and ``k + 1``.  Arrays
+start at 0: ``chain.radii[0]`` is bead 1.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -25,6 +26,7 @@ from . import strikers as striking
 from .fields import ChainFields
 from .input_checks import checked_beads, checked_radii
 from .materials import Material, MaterialLike, material
+from .static_state import StaticState, static_state
 from .tapers import taper_named
 
 
@@ -34,9 +36,9 @@ class Chain(ChainFields):
 
     By default bead 1 has velocity 1 and all others are at rest.
 
-    Use a builder: `Chain.tapered`, `Chain.uniform` or `Chain.from_radii` for
-    the scaled variables of the paper, `Chain.from_materials` in SI units; `Chain.replace`
-    changes fields.  The equation of motion of the default chain, Eq. (4) of the paper, is
+    Use a builder: `Chain.tapered`, `Chain.uniform` or `Chain.from_radii` for the scaled
+    variables of the paper, `Chain.from_materials` for SI units; `Chain.replace` changes fields.
+    The equation of motion of the default chain, Eq. (4) of the paper, is
 
     .. math::
 
@@ -46,13 +48,13 @@ class Chain(ChainFields):
     Attributes
     ----------
     radii : ndarray, shape (N,)
-        Radii :math:`R_k` [scaled, or m]; scaled, the first after the strikers is 1.
+        Radii :math:`R_k` [scaled, or m]; the first scaled radius after the strikers is 1.
     exponent : float, array_like of shape (N - 1,), or mapping
-        Exponent p of the contact force, > 1; 3/2 for spheres (Hertz).  One for all contacts and
-        walls, one for each contact of two beads, or one for each pair of materials, such as
+        Exponent p of the contact force, > 1; 3/2 for spheres (Hertz).  One value for all
+        contacts and walls, one per contact of two beads, or one per pair of materials, such as
         ``{("steel-316", "ptfe"): 1.5, ...}``.
     taper : str or None
-        Name of the taper, if the chain was built from one.
+        Name of the taper, if the chain was created from one.
     taper_parameters : tuple of pairs
         Name and value of each parameter of the taper, such as ``(("rate", 0.05),)``.
     masses : ndarray, shape (N,)
@@ -60,41 +62,41 @@ class Chain(ChainFields):
         the paper), or computed from the densities.
     stiffness : ndarray, shape (N - 1,)
         Stiffness :math:`r_k` > 0 of each contact [scaled, or N/m^p]; if not given,
-        Hertz': below Eq. (4) of the paper, or from the materials.
+        that of Hertz: below Eq. (4) of the paper, or from the materials.
     units : str
-        ``"scaled"`` or ``"SI"``: m, kg, s, N.  `hertzchain.Scales` converts.
+        ``"scaled"`` or ``"SI"`` (m, kg, s, N).  `hertzchain.Scales` converts.
     materials : tuple of Material, length N, or None
-        Of each bead, where known.
+        Material of each bead, if known.
     velocities : ndarray, shape (N,)
         Velocities at time 0, positive towards bead N [scaled, or m/s]; if not given, 1
         for bead 1 (or the strikers) and 0 for the others, or 0 for all if there is a drive.
     gaps : ndarray, shape (N - 1,)
-        Distance >= 0 of neighbouring beads at time 0 [scaled, or m]; 0 if not given.
+        Distance >= 0 between neighbouring beads at time 0 [scaled, or m]; 0 if not given.
     strikers : int
-        Number of beads at the front that are strikers: they arrive in free flight and take
-        no part in the static equilibrium.  See `Chain.struck_by`.
+        Number of beads at the front that are strikers, which arrive in free flight and are not
+        part of the static equilibrium.  See `Chain.struck_by`.
     precompression : float
-        Static force >= 0 on every contact behind the strikers [scaled, or N]; with gravity,
-        on the contact that carries least.
+        Static force >= 0 on every contact after the strikers [scaled, or N]; with gravity, on
+        the contact with the smallest force.
     held_by : str
-        What holds the precompressed chain: ``"walls"`` at both ends, which stay where they
-        are, or ``"force"``: a constant force at each end that has no wall.
+        Support of a precompressed chain: ``"walls"`` at both ends, which do not move, or
+        ``"force"``, a constant force at each end without a wall.
     gravity : float
         Component of the acceleration of gravity along the chain, positive towards bead N
         [scaled, or m/s^2].  A chain that rests on a wall without gaps is in equilibrium at
         time 0; otherwise it falls.
     left_wall, right_wall : Wall or None
-        Wall behind bead 1, and ahead of bead N; `None` is a free end.
+        Walls behind bead 1 and ahead of bead N; `None` is a free end.
     drive : SineBurst, StepDrive, TableDrive or None
         Force on bead 1, or displacement of the left wall, as a function of time.
     loss : Restitution, Viscoelastic, ..., list of length N - 1, mapping or None
-        A law of `hertzchain.chain.laws`: one for all contacts and walls, one for each contact of
-        two beads, or one for each pair of materials.
+        Law of `hertzchain.chain.laws`: one for all contacts and walls, one per contact of two
+        beads, or one per pair of materials.
 
     Raises
     ------
     InputError
-        If a field is out of its range or contradicts another.
+        If a field is out of range or contradicts another.
 
     Warns
     -----
@@ -147,10 +149,6 @@ class Chain(ChainFields):
         **parameters : float
             Parameters of a taper that has others than a rate.
 
-        Returns
-        -------
-        Chain
-
         Raises
         ------
         InputError
@@ -184,10 +182,6 @@ class Chain(ChainFields):
         exponent : float
             Exponent p of the contact force, > 1.
 
-        Returns
-        -------
-        Chain
-
         Raises
         ------
         InputError
@@ -202,19 +196,15 @@ class Chain(ChainFields):
 
     @classmethod
     def from_radii(cls, radii: ArrayLike, *, exponent: float = HERTZ_EXPONENT) -> Chain:
-        """A chain of spheres of one material with any positive radii.
+        """A chain of spheres of one material with arbitrary radii.
 
         Parameters
         ----------
         radii : array_like, shape (N,)
-            Radii of the beads, struck bead first, in any one unit: the chain
-            keeps them in units of the first.
+            Radii of the beads, struck bead first, in one arbitrary unit.  The chain stores
+            them in units of the first radius.
         exponent : float
             Exponent p of the contact force, > 1.
-
-        Returns
-        -------
-        Chain
 
         Raises
         ------
@@ -240,9 +230,9 @@ class Chain(ChainFields):
         velocity: float | None = None,
         **fields: Any,
     ) -> Chain:
-        r"""A chain of real beads in SI units, from their radii and materials.
+        r"""A chain in SI units, from radii and materials.
 
-        Contacts are Hertz', between unlike spheres too:
+        All contacts are Hertz contacts, also those of different materials:
         `hertzchain.chain.materials.sphere_stiffness`.
 
         Parameters
@@ -258,14 +248,10 @@ class Chain(ChainFields):
         **fields
             Other fields of `Chain`.
 
-        Returns
-        -------
-        Chain
-
         Raises
         ------
         InputError
-            For an unknown material, lists of unlike lengths, or a field out of its range.
+            For an unknown material, lists of different lengths, or a field out of range.
 
         Examples
         --------
@@ -300,22 +286,18 @@ class Chain(ChainFields):
         materials: MaterialLike | Sequence[MaterialLike] | None = None,
         **fields: Any,
     ) -> Chain:
-        """A chain that repeats a cell of beads: a dimer, a trimer, any k-mer.
+        """A chain that repeats a cell of beads, such as a dimer or trimer.
 
         Parameters
         ----------
         cell : array_like
-            Radii of the beads of one cell, in any one unit; in m if there are materials.
+            Radii of the beads of one cell, in one arbitrary unit; in m with materials.
         cells : int
-            How often it is repeated.
+            Number of repetitions.
         materials : str, Material or sequence of them, optional
-            Material of all beads, or of each bead of the cell: makes a chain in SI units.
+            Material of all beads, or of each bead of the cell.  The chain is then in SI units.
         **fields
             Arguments of `from_materials`, or of `from_radii`.
-
-        Returns
-        -------
-        Chain
 
         Raises
         ------
@@ -341,13 +323,13 @@ class Chain(ChainFields):
 
     @classmethod
     def dimer(cls, mass_ratio: float, *, beads: int, exponent: float = HERTZ_EXPONENT) -> Chain:
-        """Heavy and light beads in turn, with all contacts equal.
+        """Alternating heavy and light beads, with equal contacts.
 
-        The mass ratio is then the only parameter: at 1, 0.3428, 0.1548, 0.0901, ... solitary
-        waves pass (K. R. Jayaprakash, Y. Starosvetsky, A. F. Vakakis, Phys. Rev. E 83, 036606,
-        2011, doi:10.1103/PhysRevE.83.036606).  Alternating spheres of one material, whose
-        contacts are all equal too, are ``Chain.periodic([1, r], cells=...)``: a factor common
-        to all contacts only changes the time.
+        The mass ratio is then the only parameter: at 1, 0.3428, 0.1548, 0.0901, ... there are
+        solitary waves (K. R. Jayaprakash, Y. Starosvetsky, A. F. Vakakis, Phys. Rev. E 83, 036606,
+        2011, doi:10.1103/PhysRevE.83.036606).  Alternating spheres of one material are
+        ``Chain.periodic([1, r], cells=...)``; their contacts are equal, too, and a common factor
+        of the stiffness only changes the unit of time.
 
         Parameters
         ----------
@@ -358,14 +340,10 @@ class Chain(ChainFields):
         exponent : float
             Exponent p of the contact force, > 1.
 
-        Returns
-        -------
-        Chain
-
         Raises
         ------
         InputError
-            If the ratio is not positive, or there are too few or many beads.
+            If the ratio is not positive, or the number of beads is out of range.
 
         Examples
         --------
@@ -377,7 +355,12 @@ class Chain(ChainFields):
         masses = np.where(np.arange(count) % 2, ratio, 1.0)
         return cls(np.cbrt(masses), exponent, masses=masses, stiffness=np.ones(count - 1))
 
-    # Methods that make another chain of this one, one idea per file.
+    @cached_property
+    def static_state(self) -> StaticState:
+        """Positions and forces before the impact; see `hertzchain.equilibrium`."""
+        return static_state(self)
+
+    # Methods that return a modified chain, in separate files.
     decorated = modifications.decorated
     with_defects = modifications.with_defects
     with_scatter = modifications.with_scatter

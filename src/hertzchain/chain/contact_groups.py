@@ -35,7 +35,7 @@ def group_contacts(
     masses: Array,
     radii: Array | None = None,
     materials: Sequence[Material | None] | None = None,
-) -> list[ContactGroup]:
+) -> tuple[ContactGroup, ...]:
     """Groups of contacts 0..N, in the order in which they are first met.
 
     Radii in metres are those of the beads; materials are those of left wall, beads and right wall.
@@ -45,11 +45,11 @@ def group_contacts(
     strength = None if materials is None else _yield_strengths(materials)
     if all(law is losses[0] for law in losses) and np.all(exponents == exponents[0]):
         contacts = ContactArrays(float(exponents[0]), stiffness, reduced, effective, strength)
-        return [ContactGroup(losses[0], np.arange(len(stiffness)), contacts)]
+        return (ContactGroup(losses[0], np.arange(len(stiffness)), contacts),)
     members: dict[tuple[Loss, float], list[int]] = {}
     for c, key in enumerate(zip(losses, exponents.tolist(), strict=True)):
         members.setdefault(key, []).append(c)
-    return [
+    return tuple(
         ContactGroup(
             law,
             np.array(index),
@@ -62,7 +62,7 @@ def group_contacts(
             ),
         )
         for (law, exponent), index in members.items()
-    ]
+    )
 
 
 def effective_radii(radii: Array) -> Array:

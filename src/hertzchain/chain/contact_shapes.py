@@ -1,4 +1,4 @@
-r"""Contacts of other bodies than spheres: exponent and stiffness from geometry and material.
+r"""Contacts of bodies other than spheres: exponent and stiffness from geometry and material.
 
 A shape gives :math:`F = k\,d^{\,p}` of two bodies with the effective modulus :math:`E^*`;
 `Chain.with_contacts` puts shapes at contacts of a chain of materials.
@@ -93,10 +93,6 @@ class CrossedCylinders:
         modulus : float
             Effective modulus, of `hertzchain.chain.materials.contact_modulus` [Pa].
 
-        Returns
-        -------
-        float
-
         Raises
         ------
         InputError
@@ -117,23 +113,8 @@ class CrossedCylinders:
         radius, softer = _ellipse(self.radius, other, math.radians(self.angle))
         return 4.0 / 3.0 * modulus * math.sqrt(radius) / softer**1.5
 
-    def between(self, radius: float, other_radius: float) -> CrossedCylinders:
-        """The same cylinders, with the radii of two beads if they have none.
-
-        Parameters
-        ----------
-        radius, other_radius : float
-            Radii of the beads [m].
-
-        Returns
-        -------
-        CrossedCylinders
-
-        Examples
-        --------
-        >>> CrossedCylinders(angle=45.0).between(2e-3, 3e-3)
-        CrossedCylinders(radius=0.002, other_radius=0.003, angle=45.0)
-        """
+    def _between(self, radius: float, other_radius: float) -> CrossedCylinders:
+        """Insert the radii of two beads if there are none."""
         if self.radius is not None:
             return self
         return dataclasses.replace(self, radius=radius, other_radius=other_radius)
@@ -176,10 +157,6 @@ class Cone:
         modulus : float
             Effective modulus, of `hertzchain.chain.materials.contact_modulus` [Pa].
 
-        Returns
-        -------
-        float
-
         Raises
         ------
         InputError
@@ -193,23 +170,7 @@ class Cone:
         modulus = number("effective modulus", modulus, unit="Pa", above=0.0)
         return 2.0 / math.pi * modulus * math.tan(math.radians(self.half_angle))
 
-    def between(self, radius: float, other_radius: float) -> Cone:  # noqa: ARG002
-        """The same cone: a tip has no radius.
-
-        Parameters
-        ----------
-        radius, other_radius : float
-            Radii of the beads [m].
-
-        Returns
-        -------
-        Cone
-
-        Examples
-        --------
-        >>> Cone(45.0).between(2e-3, 3e-3)
-        Cone(half_angle=45.0)
-        """
+    def _between(self, radius: float, other_radius: float) -> Cone:  # noqa: ARG002
         return self
 
 
@@ -244,20 +205,16 @@ def _ellipse(one: float, other: float, angle: float) -> tuple[float, float]:
 
 
 def with_contacts(self: C, shapes: Shape | Mapping[int, Shape]) -> C:
-    """The same chain with contacts of other bodies than spheres.
+    """The same chain with contacts of bodies other than spheres.
 
-    Exponents and stiffness become those of the shapes and the materials of both bodies; masses and
-    radii stay.
+    Exponents and stiffness follow from the shapes and the materials of both bodies; masses and
+    radii are unchanged.
 
     Parameters
     ----------
     shapes : CrossedCylinders, Cone or mapping from int to them
         Shape of all contacts of two beads; or of contacts by their number, 1 to N - 1, and 0 or N
         of a wall.
-
-    Returns
-    -------
-    Chain
 
     Raises
     ------
@@ -280,7 +237,7 @@ def with_contacts(self: C, shapes: Shape | Mapping[int, Shape]) -> C:
         )
     last = self.beads
     given = shapes if isinstance(shapes, Mapping) else dict.fromkeys(range(1, last), shapes)
-    stiffness, exponents = self.stiffness.copy(), self.contact_exponents[1:-1]
+    stiffness, exponents = self.stiffness.copy(), self.contact_exponents[1:-1].copy()
     walls = {0: ("left_wall", 0), last: ("right_wall", -1)}
     changes: dict[str, Any] = {}
     for contact, shape in given.items():
@@ -292,7 +249,7 @@ def with_contacts(self: C, shapes: Shape | Mapping[int, Shape]) -> C:
             )
         if c not in walls:
             modulus = contact_modulus(*self.materials[c - 1 : c + 1])
-            own = shape.between(float(self.radii[c - 1]), float(self.radii[c]))
+            own = shape._between(float(self.radii[c - 1]), float(self.radii[c]))
             stiffness[c - 1], exponents[c - 1] = own.stiffness(modulus), shape.exponent
             continue
         name, bead = walls[c]

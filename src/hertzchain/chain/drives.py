@@ -1,7 +1,7 @@
-"""What drives a chain in the course of time: a force on bead 1, or a moving left wall.
+"""Drives: a force on bead 1, or a displacement of the left wall, as a function of time.
 
-Each drive is a frozen dataclass with its value at any time and the moments at which it is
-not smooth, which an integration must not step over.
+Each drive is a frozen dataclass that gives its value at any time and the times at which it is
+not smooth, at which an integration step must end.
 """
 
 from __future__ import annotations
@@ -24,14 +24,14 @@ Driven = Literal["force", "displacement"]
 Window = Literal["hann", "none"]
 DRIVEN: Final[tuple[Driven, ...]] = get_args(Driven)
 WINDOWS: Final[tuple[Window, ...]] = get_args(Window)
-# Unit of a value by what is driven, in SI and in the words of `Scales.unit`.
+# Unit of the values of each kind of drive, in SI and as in `Scales.unit`.
 _UNIT: Final[dict[str, str]] = {"force": "N", "displacement": "m"}
 _DRIVEN_SCALE: Final = scale(lambda drive: {"force": "force", "displacement": "length"}[drive.of])
 
 
 @dataclass(frozen=True)
 class SineBurst(Part):
-    r"""Some periods of a sine, by default under a window that lets it come and go smoothly.
+    r"""Some periods of a sine, by default with a window that begins and ends smoothly.
 
     .. math::
 
@@ -53,7 +53,7 @@ class SineBurst(Part):
 
     Examples
     --------
-    Half a sine, as a hammer gives:
+    Half a sine, like the blow of a hammer:
 
     >>> blow = SineBurst(100.0, 5e3, cycles=0.5, window="none")
     >>> blow.value([0.0, 5e-5, 1e-3]).round(9)
@@ -89,20 +89,16 @@ class SineBurst(Part):
 
     @property
     def end(self) -> float:
-        """Time after which it does no work; infinite if it never ends [scaled, or s]."""
+        """Time after which the drive does no work; may be infinite [scaled, or s]."""
         return self.cycles / self.frequency
 
     def value(self, times: ArrayLike) -> Array:
-        """The force or displacement.
+        """Force or displacement at given times.
 
         Parameters
         ----------
         times : array_like
             Times [scaled, or s].
-
-        Returns
-        -------
-        ndarray
 
         Examples
         --------
@@ -118,7 +114,7 @@ class SineBurst(Part):
 
 @dataclass(frozen=True)
 class StepDrive(Part):
-    r"""A value that is reached and kept.
+    r"""A value that is reached within a rise time and then kept.
 
     .. math:: a(t) = A\,(3u^2 - 2u^3), \qquad u = \min(t/t_r, 1)
 
@@ -127,7 +123,7 @@ class StepDrive(Part):
     amplitude : float
         A [scaled; N for a force, m for a displacement].
     rise : float
-        Rise time t_r >= 0 [scaled, or s]; a displacement needs some.
+        Rise time t_r >= 0 [scaled, or s]; > 0 for a displacement.
     of : str
         ``"force"``, on bead 1 towards bead N, or ``"displacement"``, of the left wall.
 
@@ -148,8 +144,8 @@ class StepDrive(Part):
         _set(self, "rise", number("rise time", self.rise, unit="s", least=0.0))
         if self.of == "displacement" and self.rise == 0.0:
             raise InputError(
-                "a step of displacement needs a rise time above 0: a wall cannot be in two places "
-                "at once"
+                "a step of displacement needs a rise time above 0, because a wall cannot move "
+                "instantaneously"
             )
 
     @property
@@ -159,21 +155,17 @@ class StepDrive(Part):
 
     @property
     def end(self) -> float:
-        """Time after which it does no work: a force never ends [scaled, or s]."""
+        """Time after which the drive does no work; infinite for a force [scaled, or s]."""
         endless = self.of == "force" and self.amplitude != 0.0
         return math.inf if endless else self.rise
 
     def value(self, times: ArrayLike) -> Array:
-        """The force or displacement.
+        """Force or displacement at given times.
 
         Parameters
         ----------
         times : array_like
             Times [scaled, or s].
-
-        Returns
-        -------
-        ndarray
 
         Examples
         --------
@@ -189,14 +181,14 @@ class StepDrive(Part):
 
 @dataclass(frozen=True, eq=False)
 class TableDrive(Part):
-    """Values measured at given times, joined by straight lines; kept before and after.
+    """Values at given times with linear interpolation; constant before and after.
 
     Attributes
     ----------
     times : ndarray, shape (n,)
         Increasing times, at least two [scaled, or s].
     values : ndarray, shape (n,)
-        Force or displacement at those times [scaled; N or m].
+        Force or displacement at these times [scaled; N or m].
     of : str
         ``"force"``, on bead 1 towards bead N, or ``"displacement"``, of the left wall.
 
@@ -237,21 +229,17 @@ class TableDrive(Part):
 
     @property
     def end(self) -> float:
-        """Time after which it does no work; infinite for a force that stays [scaled, or s]."""
+        """Time after which the drive does no work; infinite if a force remains [scaled, or s]."""
         endless = self.of == "force" and self.values[-1] != 0.0
         return math.inf if endless else max(0.0, float(self.times[-1]))
 
     def value(self, times: ArrayLike) -> Array:
-        """The force or displacement.
+        """Force or displacement at given times.
 
         Parameters
         ----------
         times : array_like
             Times [scaled, or s].
-
-        Returns
-        -------
-        ndarray
 
         Examples
         --------

@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import dataclasses
 import warnings
-from collections.abc import Sequence
 from dataclasses import KW_ONLY, dataclass, field
+from functools import cached_property
 from typing import Any, Final, Literal, Self, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from ..collision import HERTZ_EXPONENT, Array
-from ..errors import InputError, InputWarning, short_repr, unknown_name_error
+from ..errors import InputError, InputWarning, unknown_name_error
 from ..frozen import Frozen
 from ..representation import short
 from ..validation.numbers import (
@@ -23,7 +23,7 @@ from ..validation.numbers import (
     real_numbers,
     whole_number,
 )
-from ..validation.objects import check_choice, check_list
+from ..validation.objects import check_choice
 from .boundary_checks import (
     HELD_BY,
     PARTS,
@@ -36,10 +36,10 @@ from .boundary_checks import (
 from .contact_groups import ContactGroup, group_contacts, loading_forces
 from .description import beads_description
 from .drives import Drive
-from .input_checks import checked_radii, scaled_radii
+from .input_checks import checked_radii, positive_derived, scaled_radii
 from .laws import Loss
 from .mass_and_stiffness import contact_stiffness, sphere_masses, wall_stiffness
-from .materials import Material, MaterialLike, material
+from .materials import Material, material_per_bead
 from .per_contact import (
     ELASTIC,
     Exponent,
@@ -51,7 +51,7 @@ from .per_contact import (
     given_laws,
 )
 from .static_forces import Loads, check_static_overlaps, static_forces
-from .tapers import taper_named
+from .tapers import parameter_pairs, taper_named
 from .walls import Wall
 
 Units = Literal["scaled", "SI"]
@@ -114,6 +114,10 @@ class ChainFields(Frozen):
             radii = None if self.scaled else self.radii
             check_static_overlaps(self.loads, forces, self.contact_groups, radii)
 
+    def __getstate__(self) -> dict[str, Any]:
+        """Fields without cached results, which are computed again."""
+        return {each.name: getattr(self, each.name) for each in dataclasses.fields(self)}
+
     def _set(self, name: str, value: object) -> None:
         object.__setattr__(self, name, value)
 
@@ -146,7 +150,7 @@ class ChainFields(Frozen):
             )
 
     def _check_taper(self) -> None:
-        given = _checked_parameters(self.taper_parameters)
+        given = parameter_pairs(self.taper_parameters)
         if self.taper is None:
             if given:
                 raise InputError("taper_parameters require a taper; use Chain.tapered")
@@ -162,13 +166,13 @@ class ChainFields(Frozen):
     def _check_masses_and_stiffness(self) -> None:
         """Check masses and stiffness, or compute them from radii and materials."""
         if self.materials is not None:
-            self._set("materials", _checked_materials(self.materials, self.beads))
+            self._set("materials", material_per_bead(self.materials, self.beads))
         if "masses" in self.given:
             masses = per_bead_array(
                 "mass", self.masses, self.beads, "bead", unit=self._unit("kg"), above=0.0
             )
         else:
-            masses = _derived(
+            masses = positive_derived(
                 "mass", "bead", sphere_masses(self.radii, self.materials, scaled=self.scaled)
             )
         self._set("masses", masses)
@@ -180,7 +184,7 @@ class ChainFields(Frozen):
         else:
             p = np.atleast_1d(self.exponents)
             values = contact_stiffness(self.radii, self.materials, p, scaled=self.scaled)
-            stiffness = _derived("stiffness", "contact", values)
+            stiffness = positive_derived("stiffness", "contact", values)
         self._set("stiffness", stiffness)
 
     def _check_start(self) -> None:
@@ -221,10 +225,6 @@ class ChainFields(Frozen):
         ----------
         **changes
             Fields of `Chain` and their new values.
-
-        Returns
-        -------
-        Chain
 
         Raises
         ------
@@ -287,11 +287,11 @@ class ChainFields(Frozen):
         )
         return left, right
 
-    @property
+    @cached_property
     def contact_stiffness(self) -> Array:
         """Stiffness of all contacts, walls included, shape (N + 1,); 0 at a free end."""
         left, right = self.wall_stiffness
-        return np.concatenate(([left], self.stiffness, [right]))
+        return _read_only(np.concatenate(([left], self.stiffness, [right])))
 
     @property
     def exponents(self) -> Exponent:
@@ -301,20 +301,20 @@ class ChainFields(Frozen):
         inner = self.contact_exponents[1:-1]
         return float(inner[0]) if np.all(inner == inner[0]) else inner
 
-    @property
+    @cached_property
     def contact_exponents(self) -> Array:
         """Exponents p of all contacts, walls included, shape (N + 1,)."""
         walls = self.left_wall, self.right_wall
-        return contact_exponents(self.exponent, self.materials, walls, self.beads)
+        return _read_only(contact_exponents(self.exponent, self.materials, walls, self.beads))
 
-    @property
+    @cached_property
     def contact_losses(self) -> tuple[Loss, ...]:
         """Laws of all contacts, walls included, length N + 1; `Elastic()` without a loss."""
         walls = self.left_wall, self.right_wall
         return contact_losses(self.loss, self.materials, walls, self.beads)
 
-    @property
-    def contact_groups(self) -> list[ContactGroup]:
+    @cached_property
+    def contact_groups(self) -> tuple[ContactGroup, ...]:
         """All contacts, walls included, by law and exponent."""
         kinds = None
         if self.materials is not None and not self.scaled:
@@ -389,10 +389,13 @@ class ChainFields(Frozen):
         touching = self.radii[:-1] + self.radii[1:]
         return touching + self.gaps if not self.scaled else touching
 
-    @property
+    @cached_property
     def features(self) -> tuple[str, ...]:
         """Names of features that the paper's chains do not have, such as ``"gaps"``."""
-        losses = {*{id(law): law for law in self.contact_losses}.values()}
+        losses: set[Loss] = {ELASTIC}
+        p = self.contact_exponents
+        if not self.lossless:
+            losses = {*{id(law): law for law in self.contact_losses}.values()}
         present = {
             "SI units": not self.scaled,
             "masses": "masses" in self.given,
@@ -406,7 +409,7 @@ class ChainFields(Frozen):
             "right wall": self.right_wall is not None,
             "drive": self.drive is not None,
             "loss": len(losses) == 1 and losses != {ELASTIC},
-            "mixed exponents": len({*self.contact_exponents.tolist()}) > 1,
+            "mixed exponents": bool(p.min() < p.max()),
             "mixed losses": len(losses) > 1,
         }
         return tuple(name for name, there in present.items() if there)
@@ -431,36 +434,6 @@ class ChainFields(Frozen):
 
     def __repr__(self) -> str:
         return short("Chain", self.description)
-
-
-def _checked_parameters(given: Sequence[tuple[str, float]]) -> dict[str, float]:
-    pairs = check_list("taper_parameters", given, "pairs of name and value")
-    for pair in pairs:
-        if not (isinstance(pair, tuple | list) and len(pair) == 2 and isinstance(pair[0], str)):
-            raise InputError(
-                "taper_parameters must be pairs of name and value, such as ('rate', 0.05), got "
-                f"{short_repr(pair)}"
-            )
-    return dict(pairs)
-
-
-def _checked_materials(given: Sequence[MaterialLike], beads: int) -> tuple[Material, ...]:
-    kinds = tuple(map(material, check_list("materials", given, "names")))
-    if len(kinds) != beads:
-        raise InputError(f"there must be {beads} materials, one for each bead, got {len(kinds)}")
-    return kinds
-
-
-def _derived(what: str, place: str, values: Array) -> Array:
-    """Check that values computed from radii and materials are positive and finite."""
-    good = (values > 0.0) & np.isfinite(values)
-    if not good.all():
-        k = int(np.argmin(good))
-        raise InputError(
-            f"{place} {k + 1} has {what} {values[k]:g}, computed from radius and material; check "
-            "their units (to model a rigid body, use Wall.rigid())"
-        )
-    return _read_only(values)
 
 
 def _read_only(values: Array) -> Array:

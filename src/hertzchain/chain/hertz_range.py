@@ -133,10 +133,6 @@ def hertz_range(chain: Chain, overlaps: ArrayLike | None = None) -> HertzRange:
         default, each pair of beads that approach each other at time 0 is treated as an
         isolated collision.
 
-    Returns
-    -------
-    HertzRange
-
     Raises
     ------
     InputError

@@ -72,3 +72,16 @@ def scaled_radii(radii: ArrayLike) -> Array:
                 "represented for ratios from 1e-102 to 1e102, so use fewer beads or a weaker taper"
             )
     return checked_radii(values)
+
+
+def positive_derived(what: str, place: str, values: Array) -> Array:
+    """Read-only values computed from radii and materials, if positive and finite."""
+    good = (values > 0.0) & np.isfinite(values)
+    if not good.all():
+        k = int(np.argmin(good))
+        raise InputError(
+            f"{place} {k + 1} has {what} {values[k]:g}, computed from radius and material; check "
+            "their units (to model a rigid body, use Wall.rigid())"
+        )
+    values.setflags(write=False)
+    return values

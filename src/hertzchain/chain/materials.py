@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 import tomllib
 import unicodedata
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
 from importlib.resources import files
@@ -21,7 +22,7 @@ from ..collision import Array
 from ..errors import InputError, unknown_name_error
 from ..representation import short
 from ..validation.numbers import number, real_numbers
-from ..validation.objects import check_type, text
+from ..validation.objects import check_list, check_type, text
 
 # Densities that a bead can have [kg/m^3]: an aerogel has 1, osmium 22,600.
 MIN_DENSITY, MAX_DENSITY = 1e-3, 1e6
@@ -133,10 +134,6 @@ def material(name: MaterialLike) -> Material:
     name : str or Material
         Name, such as ``"steel-52100"``.
 
-    Returns
-    -------
-    Material
-
     Raises
     ------
     InputError
@@ -170,10 +167,6 @@ def contact_modulus(one: Material, other: Material) -> float:
     ----------
     one, other : Material
         The two materials; one of them may be `RIGID`.
-
-    Returns
-    -------
-    float
 
     Examples
     --------
@@ -216,3 +209,11 @@ def sphere_stiffness(radius: ArrayLike, next_radius: ArrayLike, modulus: ArrayLi
     one, other = (real_numbers("radius", each, unit="m") for each in (radius, next_radius))
     modulus = real_numbers("modulus", modulus, unit="Pa")
     return np.asarray(4.0 / 3.0 * modulus / np.sqrt(1.0 / one + 1.0 / other))
+
+
+def material_per_bead(given: Sequence[MaterialLike], beads: int) -> tuple[Material, ...]:
+    """Look up the materials of all beads."""
+    kinds = tuple(map(material, check_list("materials", given, "names")))
+    if len(kinds) != beads:
+        raise InputError(f"there must be {beads} materials, one for each bead, got {len(kinds)}")
+    return kinds

@@ -53,10 +53,6 @@ def decorated(
         Material of the small beads, in a chain with materials.  The default is that of the
         large bead behind.
 
-    Returns
-    -------
-    Chain
-
     Raises
     ------
     InputError
@@ -95,10 +91,6 @@ def with_defects(self: C, radii: Mapping[int, float], *, material: MaterialLike 
         Radius [scaled, or m] by bead number, counted from 1.
     material : str or Material, optional
         Material of these beads, in a chain with materials.
-
-    Returns
-    -------
-    Chain
 
     Raises
     ------
@@ -147,10 +139,6 @@ def with_scatter(
         Grade of ISO 3290-1 (3 to 200), instead of a relative deviation, for chains in SI
         units.  Diameters are distributed uniformly over the variation that the grade allows
         within a lot, 5 um for grade 100.
-
-    Returns
-    -------
-    Chain
 
     Raises
     ------

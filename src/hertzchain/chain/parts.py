@@ -1,4 +1,4 @@
-"""What walls, drives and losses have in common: they are described before their chain is."""
+"""Base class of walls, drives and losses, which are created before their chain."""
 
 from __future__ import annotations
 
@@ -10,10 +10,10 @@ from ..validation.numbers import has_unit
 
 @dataclass(frozen=True)
 class Part(Frozen):
-    """A part of a chain, whose numbers may have been given with units.
+    """A part of a chain.
 
-    Numbers with a unit are kept in SI.  Since a part does not know its chain, it keeps the names
-    of those fields, so that a scaled chain can refuse them.
+    Numbers with a unit are stored in SI.  A part is independent of its chain; it stores the names
+    of the fields that had a unit, so that a scaled chain can reject them.
 
     Attributes
     ----------

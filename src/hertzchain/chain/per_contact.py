@@ -53,7 +53,7 @@ Losses: TypeAlias = Loss | tuple[Loss | None, ...] | MaterialPairs[Loss | None] 
 
 
 def _pairs(what: str, given: Mapping[Any, Any], check: Callable[[Any], T]) -> MaterialPairs[T]:
-    """Pairs of materials, whose names are looked up."""
+    """Check the pairs of a mapping, and look up names of materials."""
     values: dict[frozenset[Material], T] = {}
     for pair, value in given.items():
         names = tuple(pair) if isinstance(pair, tuple | frozenset) else ()
@@ -134,10 +134,10 @@ def given_laws(loss: Losses) -> Iterable[Loss]:
 
 
 def spread(given: Any, own: tuple[Any, Any], materials: Materials, walls: Walls, beads: int) -> Any:
-    """One value for each contact 0..N: those of two beads as given, those of walls their own.
+    """One value for each contact 0..N; ``own`` are the values of the walls, or None.
 
-    ``own`` is what the walls have; where that is `None`, or an end is free, a wall's contact is
-    like the one next to it or, by materials, as its pair.
+    The value of a wall without its own, or of a free end, is that of the contact next to it or,
+    with pairs of materials, that of the wall's pair.
     """
     if isinstance(given, MaterialPairs):
         if materials is None:

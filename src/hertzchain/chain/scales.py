@@ -9,8 +9,8 @@ lengths of motion are in units of
 times of :math:`L/V_1`, forces of :math:`M_1 V_1^2/L = k_1 L^p`; radii are in units of
 :math:`R_1'`, velocities of :math:`V_1`, masses of :math:`M_1`.
 
-`Scales` depends on no chain.  `hertzchain.chain.conversion` converts chains and results; it reads
-the unit of each number from the metadata of its field, which `scale` makes.
+`Scales` does not depend on chains.  `hertzchain.chain.conversion` converts chains and results; it
+reads the unit of each number from the metadata of its field, which `scale` creates.
 """
 
 from __future__ import annotations
@@ -33,8 +33,9 @@ if TYPE_CHECKING:
 
 T = TypeVar("T")
 
-# Unit of a field: a product of powers of the units of `Scales`, such as "force/velocity"; one for
-# each row of an array; for each key of a dictionary; or a function of the object that gives either.
+# Unit of a field: a product of powers of the units of `Scales`, such as "force/velocity"; one such
+# product for each row of an array or key of a dictionary; or a function of the object that
+# returns any of these.
 Scale: TypeAlias = "str | tuple[str, ...] | Mapping[str, Scale] | Callable[[Any], Scale]"
 
 # Names of the units of `Scales`.
@@ -46,10 +47,7 @@ _FACTOR: Final = re.compile(r"([*/]?)([a-z1]+)(?:\^([+-]?\d+(?:\.\d+)?(?:e[+-]?\
 
 
 def scale(unit: Scale, *, axis: int = 0) -> dict[str, Any]:
-    """Metadata of a field of a dataclass: its unit in scaled variables.
-
-    ``axis`` is the axis of an array along which a tuple of units runs.
-    """
+    """Metadata of a field: its unit, or a tuple of units along an axis of an array."""
     return {"scale": unit, "axis": axis}
 
 
@@ -72,7 +70,7 @@ class Scales:
 
     Examples
     --------
-    Steel balls of 10 mm diameter, struck with 1 m/s:
+    Steel balls of 10 mm diameter, struck at 1 m/s:
 
     >>> import hertzchain as hc
     >>> chain = hc.Chain.from_materials(5e-3, "steel-52100", beads=20)
@@ -109,7 +107,7 @@ class Scales:
 
     @classmethod
     def of(cls, chain: Chain, *, velocity: float | None = None) -> Scales:
-        """The scales in which a chain in SI units becomes the paper's.
+        """Scales in which a chain in SI units has the variables of the paper.
 
         In these scales the first bead behind the strikers has radius and mass 1.
 
@@ -119,10 +117,6 @@ class Scales:
             A chain in SI units.
         velocity : float, optional
             Unit of velocity [m/s]; by default the velocity of the fastest bead at time 0.
-
-        Returns
-        -------
-        Scales
 
         Raises
         ------
@@ -166,7 +160,7 @@ class Scales:
 
     @property
     def stiffness(self) -> float:
-        """Unit of stiffness, that of two beads like the first [N/m^p]."""
+        """Unit of stiffness, that of a contact of two first beads [N/m^p]."""
         return self.force / self.length**self.exponent
 
     @property
@@ -175,22 +169,18 @@ class Scales:
         return self.velocity**2 / self.length
 
     def unit(self, scale: str) -> float:
-        """Unit in SI of a product of powers of the units above.
+        """SI value of a product of powers of units.
 
         Parameters
         ----------
         scale : str
-            Such as ``"momentum"``, ``"force/velocity"``, ``"1/time"`` or ``"force/velocity^1.8"``:
-            names of the attributes of `Scales`, evaluated from left to right.
-
-        Returns
-        -------
-        float
+            Names of attributes, evaluated from left to right, such as ``"momentum"``,
+            ``"force/velocity"``, ``"1/time"`` or ``"force/velocity^1.8"``.
 
         Raises
         ------
         InputError
-            If it is not such a product.
+            If the text is not such a product.
 
         Examples
         --------
@@ -217,7 +207,7 @@ class Scales:
         Parameters
         ----------
         item : Chain, Run, State, Pulse, LeadingPulse, Fronts, or part of a chain
-            What to convert.
+            Object to convert.
 
         Returns
         -------
@@ -226,7 +216,7 @@ class Scales:
         Raises
         ------
         InputError
-            If it is already in SI units, or cannot be converted.
+            If the object is already in SI units, or cannot be converted.
 
         Examples
         --------
@@ -243,13 +233,13 @@ class Scales:
     def to_scaled(self, item: T) -> T:
         """Convert a chain, run, pulse, drive, ... from SI units to the paper's scaled variables.
 
-        Masses and stiffness that follow from the radii are not given in the scaled chain, so that
+        Masses and stiffness that follow from the radii are not set in the scaled chain, so that
         the theories accept it.
 
         Parameters
         ----------
         item : Chain, Run, State, Pulse, LeadingPulse, Fronts, or part of a chain
-            What to convert.
+            Object to convert.
 
         Returns
         -------
@@ -258,7 +248,7 @@ class Scales:
         Raises
         ------
         InputError
-            If it is already scaled, or cannot be converted.
+            If the object is already scaled, or cannot be converted.
 
         Examples
         --------

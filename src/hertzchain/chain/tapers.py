@@ -7,7 +7,7 @@ Each of the paper's four tapers has one parameter, the rate.  To add a taper, ad
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import Any, Final, Literal
@@ -15,7 +15,8 @@ from typing import Any, Final, Literal
 import numpy as np
 
 from ..collision import Array
-from ..errors import InputError, real_number, unknown_name_error
+from ..errors import InputError, real_number, short_repr, unknown_name_error
+from ..validation.objects import check_list
 
 # Radii below this value are zero except for rounding errors.
 ROUNDING: Final = 1e-12
@@ -179,3 +180,15 @@ def parameter_description(name: str) -> str:
         if name in taper.symbols:
             symbols.setdefault(taper.symbols[name], []).append(taper.name)
     return "; ".join(f"{symbol} of {' and '.join(names)}" for symbol, names in symbols.items())
+
+
+def parameter_pairs(given: Sequence[tuple[str, float]]) -> dict[str, float]:
+    """Check a sequence of names and values of parameters."""
+    pairs = check_list("taper_parameters", given, "pairs of name and value")
+    for pair in pairs:
+        if not (isinstance(pair, tuple | list) and len(pair) == 2 and isinstance(pair[0], str)):
+            raise InputError(
+                "taper_parameters must be pairs of name and value, such as ('rate', 0.05), got "
+                f"{short_repr(pair)}"
+            )
+    return dict(pairs)

@@ -19,30 +19,30 @@ def _stiffness_unit(wall: Wall) -> str:
 
 @dataclass(frozen=True)
 class Wall(Part):
-    r"""A flat wall; its contact with the last bead beside it is one like all others.
+    r"""A flat wall; its contact with the bead next to it is like all other contacts.
 
-    ``Wall()`` is of the bead's own material, ``Wall.of("brass")`` of another and
-    ``Wall.rigid()`` does not give at all; ``Wall(stiffness=...)`` says outright how stiff
-    the contact is.  Against a flat wall a sphere of radius R has the Hertz stiffness
-    :math:`\frac43 E^*\sqrt{R}`: :math:`\sqrt2` times that of two such spheres if all are of
+    ``Wall()`` has the material of the bead, ``Wall.of("brass")`` another one, and
+    ``Wall.rigid()`` cannot be deformed; ``Wall(stiffness=...)`` sets the stiffness of the
+    contact.  On a flat wall a sphere of radius R has the Hertz stiffness
+    :math:`\frac43 E^*\sqrt{R}`: :math:`\sqrt2` times that of two such spheres if all have
     one material, :math:`2\sqrt2` times if the wall is rigid.
 
     Attributes
     ----------
     stiffness : float or None
-        Stiffness k > 0 of the contact of wall and bead [scaled, or N/m^p], if given; with a
-        unit only where p = 3/2.
+        Stiffness k > 0 of the contact of wall and bead [scaled, or N/m^p]; a unit is allowed
+        only if p = 3/2.
     material : Material or None
-        Material of the wall; the bead's own if `None`.
+        Material of the wall; that of the bead if `None`.
     gap : float
-        Distance between wall and bead at the beginning, >= 0 [scaled, or m].
+        Distance between wall and bead at time 0, >= 0 [scaled, or m].
     exponent : float or None
-        Exponent p of the contact of wall and bead; the chain's if `None`.
+        Exponent p of the contact of wall and bead; that of the chain if `None`.
     loss : Restitution, Viscoelastic, ... or None
-        Law of loss of this contact; the chain's if `None`, none at all with ``Elastic()``.
+        Law of loss of this contact; that of the chain if `None`, no loss with ``Elastic()``.
 
-    Where exponents or losses of a chain differ, the chain's are those of the contact next to the
-    wall or, if given by pairs of materials, those of the wall's material on the bead's.
+    If exponents or losses of a chain differ, those of the contact next to the wall are used or, by
+    pairs of materials, those for the materials of wall and bead.
 
     Examples
     --------
@@ -63,11 +63,11 @@ class Wall(Part):
         if self.stiffness is not None:
             if self.material is not None:
                 raise InputError(
-                    "a wall has a stiffness or a material, not both: the material decides how "
-                    "stiff its contact is"
+                    "a wall has a stiffness or a material, not both: the stiffness follows from "
+                    "the material"
                 )
             k = number("stiffness of a wall", self.stiffness, unit="N/m**1.5", above=0.0,
-                       hint="Wall.rigid() does not give")  # fmt: skip
+                       hint="for a rigid wall, use Wall.rigid()")  # fmt: skip
             object.__setattr__(self, "stiffness", k)
         elif self.material is not None:
             object.__setattr__(self, "material", material(self.material))
@@ -83,18 +83,14 @@ class Wall(Part):
 
     @classmethod
     def of(cls, name: MaterialLike, *, gap: float = 0.0) -> Wall:
-        """A wall of a material.
+        """A wall of a given material.
 
         Parameters
         ----------
         name : str or Material
             A material or its name in the catalogue.
         gap : float
-            Distance to the bead at the beginning [scaled, or m].
-
-        Returns
-        -------
-        Wall
+            Distance to the bead at time 0 [scaled, or m].
 
         Raises
         ------
@@ -110,16 +106,12 @@ class Wall(Part):
 
     @classmethod
     def rigid(cls, *, gap: float = 0.0) -> Wall:
-        """A wall that does not give: twice as stiff as one of the bead's material.
+        """A rigid wall: its contact is twice as stiff as that of a wall of the bead's material.
 
         Parameters
         ----------
         gap : float
-            Distance to the bead at the beginning [scaled, or m].
-
-        Returns
-        -------
-        Wall
+            Distance to the bead at time 0 [scaled, or m].
 
         Raises
         ------

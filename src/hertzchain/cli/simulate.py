@@ -37,6 +37,15 @@ if TYPE_CHECKING:
     "--rtol", type=float, default=1e-13, show_default=True, help="Relative tolerance per step."
 )
 @click.option(
+    "--method",
+    type=click.Choice(["adaptive", "symplectic", "verlet", "forward-4"]),
+    default="adaptive",
+    show_default=True,
+    help="Method; symplectic takes fixed steps, for long runs of elastic chains.",
+)
+@click.option("--step", metavar="TIME", help="Step of the symplectic method.")
+@click.option("--drift", type=float, help="Largest energy drift of the symplectic method.")
+@click.option(
     "--max-steps", type=int, help="Step limit.  [default: 2000 per bead, at least a million]"
 )
 @click.option(
@@ -76,9 +85,10 @@ if TYPE_CHECKING:
 @click.option("--json", "as_json", is_flag=True, help="Print the summary as JSON.")
 def simulate(
     file: Path | None, chain_file: Path | None, taper: str | None, rate: float | None,
-    beads: int | None, until: str | None, times: int, rtol: float, max_steps: int | None,
-    out: Path | None, plot: Path | None, sensors: tuple[int, ...], stream: Path | None,
-    budget: bool, waves: bool, horizon: bool, as_json: bool,
+    beads: int | None, until: str | None, times: int, rtol: float, method: str,
+    step: str | None, drift: float | None, max_steps: int | None, out: Path | None,
+    plot: Path | None, sensors: tuple[int, ...], stream: Path | None, budget: bool, waves: bool,
+    horizon: bool, as_json: bool,
 ) -> None:  # fmt: skip
     """Integrate the whole chain and keep its trajectories.
 
@@ -115,7 +125,8 @@ def simulate(
     if stream is not None:
         check_stream_options(
             out=out, plot=plot, sensor=sensors, budget=budget, waves=waves, horizon=horizon,
-            max_steps=max_steps,
+            max_steps=max_steps, method=method if method != "adaptive" else None, step=step,
+            drift=drift,
         )  # fmt: skip
     chain = chain_from(file, chain_file, taper, rate, beads)
     end = time_from("--until", until, chain)
@@ -126,8 +137,10 @@ def simulate(
         return
     with progress_bar("beads passed") as progress:
         run = hertzchain.simulate(
-            chain, until=end, times=times, rtol=rtol, max_steps=max_steps, progress=progress
-        )
+            chain, until=end, times=times, rtol=rtol, method=method,
+            step=time_from("--step", step, chain), drift=drift, max_steps=max_steps,
+            progress=progress,
+        )  # fmt: skip
     if horizon:
         with progress_bar("beads passed, second integration") as progress:
             run.horizon(progress=progress)

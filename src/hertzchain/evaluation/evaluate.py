@@ -31,10 +31,6 @@ def scoreboard(
     progress : callable, optional
         Called as ``progress(chains_done, chains)``.
 
-    Returns
-    -------
-    Scoreboard
-
     Raises
     ------
     InputError
@@ -71,10 +67,6 @@ def evaluate(
         Reference pulse of each chain.
     theories : mapping of str to callable
         Functions from a chain to a pulse, by name.
-
-    Returns
-    -------
-    Scoreboard
 
     Raises
     ------

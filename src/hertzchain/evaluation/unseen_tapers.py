@@ -21,150 +21,32 @@ MAX_CHANGE: Final = 0.005
 
 
 def power_law(k: Array, exponent: float, offset: float = 0.0) -> Array:
-    r"""Radii :math:`(k + a)^x`, so that :math:`s_k \approx x/(k + a)`.
-
-    Parameters
-    ----------
-    k : ndarray
-        Bead numbers, from 1.
-    exponent : float
-        Power x.
-    offset : float
-        Shift a; a positive one reduces the local rate of the first beads.
-
-    Returns
-    -------
-    ndarray
-        Radii.
-
-    Examples
-    --------
-    >>> power_law(np.array([1.0, 4.0]), 0.5)
-    array([1., 2.])
-    """
+    r"""Radii :math:`(k + a)^x`, so that :math:`s_k \approx x/(k + a)`."""
     return np.asarray((k + offset) ** exponent)
 
 
 def sigmoid(k: Array, last: float, width: float) -> Array:
-    """Radii that change from 1 to another value around bead 50.
-
-    Parameters
-    ----------
-    k : ndarray
-        Bead numbers.
-    last : float
-        Radius at the far end.
-    width : float
-        Width of the transition, in beads.
-
-    Returns
-    -------
-    ndarray
-        Radii.
-
-    Examples
-    --------
-    >>> sigmoid(np.array([50.0]), 3.0, 10.0)
-    array([2.])
-    """
+    """Radii that change from 1 to another value around bead 50."""
     return 1.0 + (last - 1.0) / (1.0 + np.exp((50.0 - k) / width))
 
 
 def bump(k: Array, height: float, width: float) -> Array:
-    """Equal beads with a bump of larger or a waist of smaller beads around bead 50.
-
-    Parameters
-    ----------
-    k : ndarray
-        Bead numbers.
-    height : float
-        Additional radius at bead 50; negative for a waist.
-    width : float
-        Half width at 1/e of the height.
-
-    Returns
-    -------
-    ndarray
-        Radii.
-
-    Examples
-    --------
-    >>> bump(np.array([50.0]), -0.4, 18.0)
-    array([0.6])
-    """
+    """Equal beads with a bump (or waist, of negative height) at bead 50, of half width at 1/e."""
     return 1.0 + height * np.exp(-(((k - 50.0) / width) ** 2))
 
 
 def wave(k: Array, amplitude: float, period: float, rise: float = 0.0) -> Array:
-    """Radii that oscillate about one, or about an exponential.
-
-    Parameters
-    ----------
-    k : ndarray
-        Bead numbers.
-    amplitude : float
-        Relative amplitude of the radius.
-    period : float
-        Period, in beads.
-    rise : float
-        Growth of ln R per bead.
-
-    Returns
-    -------
-    ndarray
-        Radii.
-
-    Examples
-    --------
-    >>> wave(np.array([15.0]), 0.2, 60.0)
-    array([1.2])
-    """
+    """Radii that oscillate about one, or about an exponential of rate ``rise``."""
     return np.asarray(np.exp(rise * k) * (1.0 + amplitude * np.sin(2.0 * np.pi * k / period)))
 
 
 def hourglass(k: Array, width: float) -> Array:
-    """Radii that follow a hyperbolic cosine, with a neck at bead 50.
-
-    Parameters
-    ----------
-    k : ndarray
-        Bead numbers.
-    width : float
-        Number of beads over which the radius grows by a factor e, far from the neck.
-
-    Returns
-    -------
-    ndarray
-        Radii.
-
-    Examples
-    --------
-    >>> hourglass(np.array([50.0]), 25.0)
-    array([1.])
-    """
+    """Radii that follow a hyperbolic cosine, with a neck at bead 50."""
     return np.cosh((k - 50.0) / width)
 
 
 def random_smooth(k: Array, seed: int) -> Array:
-    """Radii whose local rates are a sum of four long waves with random coefficients.
-
-    Parameters
-    ----------
-    k : ndarray
-        Consecutive bead numbers.
-    seed : int
-        Seed of the random numbers.
-
-    Returns
-    -------
-    ndarray
-        Radii.
-
-    Examples
-    --------
-    >>> random_smooth(np.arange(1.0, 3.0), seed=1)[0]
-    np.float64(1.0)
-    """
+    """Radii whose local rates are a sum of four long waves with random coefficients."""
     rng = np.random.default_rng(seed)
     waves, phases = np.arange(1, 5), rng.uniform(0.0, 2.0 * np.pi, 4)
     amplitudes = rng.uniform(-1.0, 1.0, 4)
@@ -175,75 +57,18 @@ def random_smooth(k: Array, seed: int) -> Array:
 
 
 def step(k: Array, ratio: float) -> Array:
-    """Two uniform halves, the second from bead 51 on.
-
-    Parameters
-    ----------
-    k : ndarray
-        Bead numbers.
-    ratio : float
-        Radius of the second half over that of the first.
-
-    Returns
-    -------
-    ndarray
-        Radii.
-
-    Examples
-    --------
-    >>> step(np.array([50.0, 51.0]), 1.3)
-    array([1. , 1.3])
-    """
+    """Two uniform halves, the second from bead 51 on."""
     return np.where(k <= 50.0, 1.0, ratio)
 
 
 def piecewise_exponential(k: Array, rates: tuple[float, ...]) -> Array:
-    """Consecutive exponential tapers, each 25 beads long.
-
-    Parameters
-    ----------
-    k : ndarray
-        Consecutive bead numbers, from 1.
-    rates : tuple of float
-        Growth of ln R per bead in each piece; the last piece extends to the end.
-
-    Returns
-    -------
-    ndarray
-        Radii.
-
-    Examples
-    --------
-    >>> radii = piecewise_exponential(np.arange(1.0, 53.0), (0.05, 0.0, 0.1))
-    >>> np.diff(np.log(radii))[[0, 23, 24, 49, 50]].round(3)
-    array([0.05, 0.05, 0.05, 0.  , 0.1 ])
-    """
+    """Consecutive exponential tapers, each 25 beads long."""
     piece = np.minimum((k[:-1].astype(int) - 1) // 25, len(rates) - 1)
     return np.exp(np.concatenate(([0.0], np.cumsum(np.array(rates)[piece]))))
 
 
 def scatter(k: Array, tolerance: float, seed: int) -> Array:
-    """Equal beads with random deviations of the radii.
-
-    Parameters
-    ----------
-    k : ndarray
-        Bead numbers.
-    tolerance : float
-        Standard deviation of the radii.
-    seed : int
-        Seed of the random numbers.
-
-    Returns
-    -------
-    ndarray
-        Radii.
-
-    Examples
-    --------
-    >>> scatter(np.arange(1.0, 4.0), 0.0, seed=1)
-    array([1., 1., 1.])
-    """
+    """Equal beads with random deviations of the radii."""
     return 1.0 + tolerance * np.random.default_rng(seed).standard_normal(len(k))
 
 
@@ -301,10 +126,6 @@ def is_smooth(radii: Array) -> bool:
     ----------
     radii : ndarray, shape (N,)
         Radii, in any unit.
-
-    Returns
-    -------
-    bool
 
     Examples
     --------

@@ -1,12 +1,12 @@
 """All compiled code: arrays in, arrays and a status code out.
 
-`full_chain` steps the beads of a whole chain, with the forces of `forces`; `front` and
-`wide_front` follow the pulse alone; `local_rate` is a theory.  Nothing here raises or prints;
-the callers turn status codes into errors.
+`full_chain` integrates all beads of a chain, with the forces of `forces`; `narrow_front` and
+`wide_front` integrate only the beads around the pulse; `local_rate` evaluates a theory.  Kernels
+raise no exceptions and print nothing; callers convert status codes to errors.
 
-Numba keeps what it compiled beside these files and, of a function and those that it calls,
-looks at the date of the caller's file alone.  Whatever was compiled before any file here
-changed is therefore thrown away when they are loaded.
+Numba caches compiled functions next to these files, but compares the date of a cached function
+only with the file of the function itself, not with those of the functions that it calls.  When the
+package is imported, cache files that are older than any file here are therefore deleted.
 """
 
 from contextlib import suppress
@@ -16,7 +16,7 @@ from pathlib import Path
 def _forget_stale(folder: Path) -> None:
     newest = max(source.stat().st_mtime for source in folder.glob("*.py"))
     for index in (folder / "__pycache__").glob("*.nbi"):
-        # Another process may be faster, or the folder not ours to write.
+        # Another process may have deleted the file, or the folder may be read-only.
         with suppress(OSError):
             if index.stat().st_mtime < newest:
                 index.unlink()

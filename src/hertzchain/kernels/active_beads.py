@@ -1,32 +1,50 @@
 r"""Which beads a step is taken for: those between the ones that fly and the ones that rest.
 
-Ahead of a pulse the beads are at rest; behind it many have lost contact for good::
+Ahead of a pulse the beads are at rest; behind it many have separated permanently, or their
+contacts are idle::
 
-      flying, exactly          the window                 at rest
+      constant velocity        the window                 at rest
       <-o  <-o   <-o  |  o o O O o o o o o o  |  o o o o o o o o
                       |    margin      margin |
 
-Where nothing is held together by static forces, only the beads between are integrated; those
-that fly move on by velocity times step.  The window is a chain of its own, with arrays that are
-parts of the chain's.  Which beads are in it follows from their positions and velocities alone, so
-that a run goes on from a saved state as if it had not stopped.
+A contact is *idle* if its beads separate, or if they approach more slowly than the steps
+resolve, by a part of the tolerance times the largest speed in the window, and the contact stores
+less than the energy of that speed: behind a pulse in equal beads, all motion is of this kind.
+
+Where nothing is held together by static forces, only the beads of the window are integrated.
+The state stores where and when each bead behind it left, and from then on the bead has a constant
+velocity.  Beads behind the window that meet at less than the resolved speed collide as hard
+spheres, so that energy and momentum are conserved.  A bead is taken back when the contact between
+it and the window is no longer idle, because a pulse returns, or when beads behind the window meet
+at a higher speed or meet a wall.  The window is a chain of its own, with arrays that are parts of
+the chain's, and its ends are part of the state, so that a resumed run is the same as one that never
+stopped.
 """
 
 from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
 from numba import types
 from numba.extending import overload
 
 from .compilation import OPTIONS, compiled
-from .contact_law import laws_within
+from .contact_law import force, has_modes, law_of, laws_within
 from .driving import NOTHING
 from .forces import Contacts, DefaultChain, GeneralChain, copy, overlap_and_closing
+from .state_layout import FLIGHT_POSITION, FLIGHT_TIME
 
 # A bead rests that has moved less, and is slower, than this part of those a few beads behind;
 # the foot of a pulse falls off doubly exponentially, so that no digit depends on it.
 QUIET, BEHIND = 1e-60, 3
+# Part of the tolerance times the largest speed that counts as no motion.  Behind a pulse, steps
+# leave differences of speed that are a tenth of it.
+NOISE = 0.1
+# Beads behind the window stay there until they differ in speed by this many times that speed.
+STAY = 4.0
+# Collisions of a bead behind the window at one time, on average, before all are taken back.
+MAX_COLLISIONS = 100
 # Beads kept at both ends of the window that rest or fly, and the number it grows or shrinks by.
 MARGIN, STRIDE = 4, 8
 WITHOUT_CACHE: Any = {name: OPTIONS[name] for name in OPTIONS if name != "cache"}
@@ -60,21 +78,152 @@ def moves(y, beads, k):
 
 
 @compiled
-def in_free_flight(y, beads, k, setup, contacts):
-    """Whether bead k has lost the next one for good, as far as the two know."""
-    if contacts is None:
-        return y[k] < y[k + 1] and y[beads + k] < y[beads + k + 1]
-    overlap, closing = overlap_and_closing(k + 1, y, beads, setup.gap[k + 1], (0.0, 0.0, 0.0))
-    return overlap < 0.0 and closing < 0.0
+def unresolved_speed(y, beads, rtol, setup, contacts):
+    """Relative speed that counts as no motion; negative where all motion counts.
+
+    Beads that flew off behind a pulse may be much faster than the pulse, and are not considered.
+    Where steps are implicit, positions do not show the overlaps.
+    """
+    if contacts is not None and setup.law.implicit:
+        return -1.0
+    first = 0
+    while first < beads - 1:
+        overlap, closing = overlap_and_closing_of(first + 1, y, setup, contacts)
+        if not (overlap < 0.0 and closing < 0.0):
+            break
+        first += 1
+    fastest = 0.0
+    for k in range(first, beads):
+        fastest = max(fastest, abs(y[beads + k]))
+    return NOISE * rtol * fastest
 
 
 @compiled
-def bounds(y, setup, contacts, first, all_beads, trim):
+def contact_numbers(c, setup, contacts):
+    """Stiffness, exponent and largest inverse mass of contact c, and whether it has no modes.
+
+    Contact c joins beads c - 1 and c (0-based); contact 0 is that with the left wall.
+    """
+    lighter = setup.inverse_mass[c]
+    if c > 0:
+        lighter = max(lighter, setup.inverse_mass[c - 1])
+    if contacts is None:
+        return setup.stiffness[c - 1] if c > 0 else 0.0, setup.exponent, lighter, True
+    return setup.stiffness[c], law_of(c, setup).exponent, lighter, not has_modes(setup.law)
+
+
+@compiled
+def idle(overlap, closing, unresolved, numbers):
+    """Whether a contact does nothing that the steps resolve."""
+    if overlap < 0.0 and closing < 0.0:
+        return True
+    if unresolved < 0.0 or not closing <= unresolved:
+        return False
+    stiffness, exponent, lighter, elastic = numbers
+    if overlap < 0.0 or (overlap == 0.0 and closing <= 0.0):
+        return True
+    # A contact whose mode depends on its history is left only if it is open.
+    return elastic and force(overlap, stiffness, exponent) * overlap * lighter <= unresolved**2
+
+
+@compiled
+def idle_overlap(unresolved, numbers):
+    """Largest overlap of an idle contact."""
+    stiffness, exponent, lighter, elastic = numbers
+    if not elastic:
+        return 0.0
+    return (unresolved**2 / (lighter * stiffness)) ** (1.0 / (exponent + 1.0))
+
+
+@compiled
+def idle_time(overlap, closing, unresolved, numbers):
+    """How long a contact behind the window stays idle, where beads have constant velocities."""
+    if closing <= 0.0:
+        return np.inf
+    if not closing <= unresolved:
+        return 0.0
+    return max(0.0, (idle_overlap(unresolved, numbers) - overlap) / closing)
+
+
+@compiled
+def overlap_and_closing_of(c, y, setup, contacts):
+    """Overlap of contact c of the chain ``setup``, not driven, and the speed at which it grows."""
+    beads = len(setup.inverse_mass)
+    if contacts is None:
+        return y[c - 1] - y[c], y[beads + c - 1] - y[beads + c]
+    return overlap_and_closing(c, y, beads, setup.gap[c], (0.0, 0.0, 0.0))
+
+
+@compiled
+def contact_is_idle(c, y, unresolved, setup, contacts):
+    """Whether contact c of the chain ``setup`` is idle; where there is no wall, it is."""
+    numbers = contact_numbers(c, setup, contacts)
+    if c == 0 and numbers[0] == 0.0:
+        return True
+    overlap, closing = overlap_and_closing_of(c, y, setup, contacts)
+    return idle(overlap, closing, unresolved, numbers)
+
+
+@compiled
+def earliest_contact(y, first, last, unresolved, time, setup, contacts):
+    """Time until which contacts ``first`` to ``last`` - 1 stay idle."""
+    earliest = np.inf
+    for c in range(first, last):
+        numbers = contact_numbers(c, setup, contacts)
+        if c > 0 or numbers[0] > 0.0:
+            overlap, closing = overlap_and_closing_of(c, y, setup, contacts)
+            earliest = min(earliest, time + idle_time(overlap, closing, unresolved, numbers))
+    return earliest
+
+
+@compiled
+def collide_behind(y, low, time, unresolved, setup, contacts, flights):
+    """Hard-sphere collisions of the beads before ``low`` that meet at less than a resolved speed.
+
+    Returns whether all of them are done.
+    """
+    beads, inverse_mass = len(setup.inverse_mass), setup.inverse_mass
+    c, left = 1, MAX_COLLISIONS * low
+    while c < low:
+        overlap, closing = overlap_and_closing_of(c, y, setup, contacts)
+        if overlap > 0.0 and 0.0 < closing <= STAY * unresolved:
+            numbers = contact_numbers(c, setup, contacts)
+            if numbers[3] and overlap > idle_overlap(unresolved, numbers):
+                passed_on = 2.0 * closing / (inverse_mass[c - 1] + inverse_mass[c])
+                y[beads + c - 1] -= passed_on * inverse_mass[c - 1]
+                y[beads + c] += passed_on * inverse_mass[c]
+                leave_behind(y, c - 1, c + 1, time, flights)
+                left -= 1
+                if left == 0:
+                    return False
+                c = max(c - 1, 1)
+                continue
+        c += 1
+    return True
+
+
+@compiled
+def leave_behind(y, first, last, time, flights):
+    """Beads ``first`` to ``last`` - 1 leave the window."""
+    for k in range(first, last):
+        flights[FLIGHT_POSITION, k] = y[k]
+        flights[FLIGHT_TIME, k] = time
+
+
+@compiled
+def place_behind(y, beads, first, last, time, flights):
+    """Write where beads ``first`` to ``last`` - 1, behind the window, are now."""
+    for k in range(first, last):
+        y[k] = flights[FLIGHT_POSITION, k] + (time - flights[FLIGHT_TIME, k]) * y[beads + k]
+
+
+@compiled
+def bounds(y, setup, contacts, first, all_beads, trim, unresolved):
     """First bead of the window and the one after its last, of all beads or from a window."""
     beads = len(setup.inverse_mass)
     active = 0
-    if trim[0] and (first > 0 or leaves_wall(y, beads, setup, contacts)):
-        while active < beads - 1 and in_free_flight(y, beads, active, setup, contacts):
+    if trim[0] and (first > 0 or contact_is_idle(0, y, unresolved, setup, contacts)):
+        while active < beads - 1 and contact_is_idle(active + 1, y, unresolved, setup, contacts):
             active += 1
     low = max(0, (first + active - MARGIN) // STRIDE * STRIDE)
     high = all_beads
@@ -87,21 +236,21 @@ def bounds(y, setup, contacts, first, all_beads, trim):
 
 
 @compiled
-def leaves_wall(y, beads, setup, contacts):
-    """Whether the first bead will not meet a wall."""
-    if contacts is None or setup.stiffness[0] == 0.0:
-        return True
-    overlap, closing = overlap_and_closing(0, y, beads, setup.gap[0], (0.0, 0.0, 0.0))
-    return overlap < 0.0 and closing < 0.0
+def window_too_small(
+    time, y_new, low, all_beads, behind, unresolved, flights, setup, contacts, numbers
+):  # fmt: skip
+    """Whether a step moved what it must not: a bead at the end of the window.
 
-
-@compiled
-def window_too_small(y, y_new, low, high, all_beads):
-    """Whether a step moved what it must not: a bead at the end of the window."""
-    beads = high - low
-    if low > 0 and y_new[beads] != y[beads]:
-        return True
-    return high < all_beads and moves(y_new, beads, beads - 1)
+    ``behind`` is the velocity of the bead behind the window, ``numbers`` are those of the contact
+    with it.
+    """
+    beads = len(setup.inverse_mass)
+    if low > 0:
+        left = flights[FLIGHT_POSITION, low - 1] + (time - flights[FLIGHT_TIME, low - 1]) * behind
+        gap = setup.gap[0] if contacts is not None else 0.0
+        if not idle(left - y_new[0] - gap, behind - y_new[beads], unresolved, numbers):
+            return True
+    return low + beads < all_beads and moves(y_new, beads, beads - 1)
 
 
 def part_of(setup, contacts, low, high, ends):
@@ -157,7 +306,7 @@ def contacts_within(contacts, low, high):
     return Contacts(
         contacts.mode[low : high + 1], contacts.largest[low : high + 1],
         contacts.force[low : high + 1], contacts.last_force[low : high + 1], contacts.scratch,
-        contacts.powers, contacts.implicit,
+        contacts.powers, contacts.implicit, contacts.search,
     )  # fmt: skip
 
 

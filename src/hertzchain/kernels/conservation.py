@@ -1,4 +1,4 @@
-"""Whether energy and momentum are kept: the balance of a run, drawn up after each step."""
+"""Balance of energy and momentum of a run, evaluated after each step."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ def kinetic(velocities, inverse_mass, others):
 
 @compiled
 def plain_potential(y, stiffness, exponent):
-    """Energy stored in the contacts of a plain chain."""
+    """Energy stored in the contacts of a default chain."""
     stored = 0.0
     for k in range(len(stiffness)):
         overlap = y[k] - y[k + 1]
@@ -42,7 +42,7 @@ def plain_potential(y, stiffness, exponent):
 
 @compiled
 def stored_minus_supplied(time, y, setup, contacts, segment):
-    """Energy stored less what came from outside, and momentum less what came from outside."""
+    """Stored energy and momentum of the chain, minus energy and momentum supplied from outside."""
     outside, stiffness, gap = setup.body_force, setup.stiffness, setup.gap
     damping, mode, largest = setup.damping, contacts.mode, contacts.largest
     beads = len(outside)
@@ -65,13 +65,9 @@ def stored_minus_supplied(time, y, setup, contacts, segment):
 
 @compiled
 def update_drift(y, clock, setup, contacts, segment, flying, first):
-    """Keep the largest departure from conservation, and what to compare it with.
-
-    Energy is compared with the largest kinetic energy, momentum with the largest sum of
-    absolute momenta: in a backward taper the pulse gains momenta of thousands, against as
-    much thrown back, and one is their difference.  ``flying`` is what beads behind the window
-    have of the three.
-    """
+    """Update the largest drifts and their units; ``flying`` are sums of beads behind the window."""
+    # The unit of the momentum is the largest sum of absolute momenta: in a backward taper, the
+    # pulse and the beads behind it have opposite momenta of thousands, and their sum is one.
     beads = len(setup.inverse_mass)
     velocities = y[beads : 2 * beads]
     kinetic_energy, momentum, absolute = kinetic(velocities, setup.inverse_mass, flying)

@@ -1,19 +1,19 @@
-r"""The force of one contact, the energy that it stores, and how its law is looked up, compiled.
+r"""Compiled force and stored energy of one contact, and the table of laws.
 
-Where a law's force jumps, has a memory or is cut off, each contact is in a *mode*, which
-`hertzchain.kernels.contact_modes` keeps within a step:
+If the force of a law is discontinuous, has a memory or is cut off, each contact is in a *mode*,
+which `hertzchain.kernels.contact_modes` keeps constant within a step:
 
 =============  ========================  =================  =======================
 law            `LOADED`                  `RELEASED`         `STUCK`
 =============  ========================  =================  =======================
 `DAMPED`       the law acts              no force
-`UNLOADING`    approaching               parting            neither: d' = 0, held by
-                                                            a force between the two
-`PLASTIC`,     loading further than      below the largest
-`YIELDING`     ever                      overlap so far
+`UNLOADING`    approaching               separating         d' = 0, with a force
+                                                            between the other two
+`PLASTIC`,     beyond the largest        below the largest
+`YIELDING`     overlap so far            overlap so far
 =============  ========================  =================  =======================
 
-A new law is a branch of `contact_force` and, if it stores energy otherwise, of `potential`.
+A new kind of law is a branch of `contact_force` and, if its stored energy differs, of `potential`.
 """
 
 from __future__ import annotations
@@ -37,17 +37,17 @@ class Law(NamedTuple):
     # DAMPED: k d^p + damping d^overlap_power |d'|^speed_power sgn d'.
     overlap_power: float
     speed_power: float
-    # The part of the energy given back: 1 - w of UNLOADING, e^2 of PLASTIC.
+    # Part of the energy that is returned: 1 - w of UNLOADING, e^2 of PLASTIC.
     kept: float
     attractive: bool
-    # Whether explicit steps would have to be too short (`hertzchain.kernels.implicit`).
+    # Whether steps are implicit, because explicit ones would be too short.
     implicit: bool
-    # Speed in which errors are at least measured: that of a chain at rest is none.
+    # Lower limit of the unit of errors of velocities, for chains at rest.
     slowest: float
 
 
 class LawTable(NamedTuple):
-    """The laws of a chain whose contacts differ: a row per law, and the row of each contact."""
+    """Laws of a chain whose contacts differ: one row per law, and the row of each contact."""
 
     row: Any  # (N + 1,)
     kind: Any  # (rows,), as all below
@@ -66,7 +66,7 @@ def law_of(c, setup):
 
 @compiled
 def law_in(c, law, laws):
-    """`law_of`, by the table of laws, which is `None` where all contacts have one law."""
+    """Law of contact c from the table of laws, which is `None` if all contacts have one law."""
     if laws is None:
         return law
     row = laws.row[c]
@@ -78,7 +78,7 @@ def law_in(c, law, laws):
 
 @compiled
 def laws_within(laws, low, high):
-    """The table of laws for the contacts of a window."""
+    """Table of laws for the contacts of a window."""
     if laws is None:
         return None
     return LawTable(
@@ -99,7 +99,7 @@ def force(overlap, stiffness, exponent):
 
 @compiled
 def has_modes(law):
-    """Whether the force depends on more than overlap and closing speed, or jumps with them."""
+    """Whether the force is discontinuous or depends on more than overlap and closing speed."""
     if law.kind == DAMPED:
         return law.overlap_power == 0.0 or not law.attractive
     return law.kind != ELASTIC
@@ -133,7 +133,7 @@ def signed_power(closing, exponent):
 
 @compiled
 def elastic_overlap(overlap, mode, largest, law):
-    """Overlap that the loading curve would need for the force of a plastic contact."""
+    """Overlap at which the loading curve has the force of a plastic contact."""
     if mode == LOADED:
         return overlap
     return (overlap - (1.0 - law.kept) * largest) / law.kept
@@ -141,7 +141,7 @@ def elastic_overlap(overlap, mode, largest, law):
 
 @compiled
 def loading_force(overlap, stiffness, damping, law):
-    """Force of an overlap that is reached slowly for the first time."""
+    """Force at an overlap that is reached slowly for the first time."""
     if law.kind == YIELDING and overlap > damping:
         return stiffness * np.sqrt(damping) * (1.5 * overlap - 0.5 * damping)
     return force(overlap, stiffness, law.exponent)
@@ -149,7 +149,7 @@ def loading_force(overlap, stiffness, damping, law):
 
 @compiled
 def rebound(overlap, largest, stiffness, damping, law):
-    """Overlap and stiffness of the Hertz contact by which an elastic-plastic one unloads."""
+    """Overlap and stiffness of the Hertz contact along which an elastic-plastic one unloads."""
     if largest <= damping:
         return overlap, stiffness
     peak = loading_force(largest, stiffness, damping, law)
@@ -171,11 +171,7 @@ def power_of_yield(overlap, closing, stiffness, damping, law):
 
 @compiled
 def contact_force(overlap, closing, mode, largest, stiffness, damping, law):
-    """Force of a contact, and the power that it loses.
-
-    ``damping`` is the number of the contact that its law asks for: of YIELDING, the overlap at
-    which it first yields.
-    """
+    """Force and power loss of a contact; ``damping`` is the overlap at yield of YIELDING."""
     if law.kind == DAMPED:
         if has_modes(law) and mode != LOADED:
             return 0.0, 0.0
@@ -200,7 +196,7 @@ def contact_force(overlap, closing, mode, largest, stiffness, damping, law):
 
 @compiled
 def potential(overlap, stiffness, damping, mode, largest, law):
-    """Energy that a contact can give back."""
+    """Energy that a contact can return."""
     kept = 1.0
     if law.kind == DAMPED and has_modes(law) and mode == RELEASED:
         return 0.0

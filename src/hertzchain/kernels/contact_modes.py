@@ -1,8 +1,8 @@
-r"""When a contact leaves its mode: the moment is found, and the step ends there.
+r"""How contacts change their modes, between two steps.
 
-What the modes are stands in `hertzchain.kernels.forces`.  They are kept within a step, so that the
-forces are smooth; here is which contact must leave its mode first, when, and into which, and
-whether one may have closed and opened again within a step, unseen.
+The modes (`hertzchain.kernels.contact_law`) are kept within a step, so that the forces are smooth.
+The step ends where a contact must leave its mode (`hertzchain.kernels.mode_search`); here is which
+mode follows, and whether a contact may have closed and opened again within a step, unseen.
 """
 
 from __future__ import annotations
@@ -12,77 +12,25 @@ from .contact_law import (
     LOADED,
     RELEASED,
     STUCK,
-    damping_weight,
     force,
     has_modes,
     is_plastic,
     law_of,
     potential,
-    signed_power,
 )
+from .contact_margins import leaves_mode, must_switch
 from .dop853 import STEP_STAGES
-from .dop853_interpolant import state_within, value
 from .driving import MOVING_WALL, reach_of_wall, wall_motion
-from .events import BISECTIONS, PARTS
 from .forces import LOST, derivative, overlap_and_closing
 from .law_kinds import DAMPED, UNLOADING
-from .stepping import interpolate
-from .stiff_law import force_within, overlap_within, size_of
 
 # What counts as no relative motion, in parts of the fastest motion so far: a contact at rest
 # must not change its mode for rounding.
 MIN_RELATIVE_SPEED = 1e-14
-# A force within this part of a bound is on it: a contact at rest must not change its mode
-# for rounding.
-EVEN = 1e-13
+# Relative speeds of the last contact of a stack of stuck ones, in those that are none.
+SETTLED = 1e4
 # An overlap of this part of a wall's way may go unseen: a wall may rest where a bead touches it.
 UNSEEN = 1e-10
-# Part of the beads' positions that rounding makes an overlap of.
-ROUNDED = 1e-15
-
-
-@compiled
-def must_switch(overlap, closing, stiffness, damping, mode, largest, held, law, still):
-    """Whether a contact has to leave its mode; relative speeds below ``still`` are none."""
-    if law.kind == DAMPED:
-        pulls = False
-        if not law.attractive and overlap > 0.0:
-            pushing = force(overlap, stiffness, law.exponent)
-            weight = damping_weight(overlap, law)
-            pulls = pushing + damping * weight * signed_power(closing, law.speed_power) < 0.0
-        return overlap < 0.0 or pulls if mode == LOADED else overlap > 0.0 and not pulls
-    if overlap <= 0.0 and mode != STUCK:
-        return False
-    if mode == LOADED:
-        return closing < -still
-    if is_plastic(law):
-        return overlap > largest and closing > still
-    if mode == RELEASED:
-        return closing > still
-    loading = force(overlap, stiffness, law.exponent)
-    return held > (1.0 + EVEN) * loading or held < (1.0 - EVEN) * law.kept * loading
-
-
-@compiled
-def implicit_must_switch(c, y, overlap, pushing, setup, mode):
-    """The same where steps are implicit: a force that may not pull is cut off within the mode."""
-    if mode == LOADED:
-        return pushing <= 0.0 and overlap < 0.0
-    return overlap > ROUNDED * size_of(c, y, setup)
-
-
-@compiled
-def leaves_mode(c, theta, y, wall, setup, contacts, still):
-    """Whether contact c has to leave its mode at the fraction theta of a step, where y is given."""
-    beads = len(setup.inverse_mass)
-    overlap, closing = overlap_and_closing(c, y, beads, setup.gap[c], wall)
-    if setup.law.implicit:
-        pushing = force_within(c, theta, contacts.implicit)
-        if contacts.mode[c] == LOADED:
-            overlap = overlap_within(c, theta, y, overlap, setup, contacts.implicit)
-        return implicit_must_switch(c, y, overlap, pushing, setup, contacts.mode[c])
-    return must_switch(overlap, closing, setup.stiffness[c], setup.damping[c], contacts.mode[c],
-                       contacts.largest[c], contacts.force[c], law_of(c, setup), still)  # fmt: skip
 
 
 @compiled
@@ -148,120 +96,6 @@ def may_close_unseen(time, h, y, y_new, stages, scale, setup, segment, rtol):
 
 
 @compiled
-def turned(c, beads, wall_speed, sign, stages, still):
-    """Whether some stage of the step finds contact c opening (sign 1) or closing (-1)."""
-    for j in range(1, STEP_STAGES):
-        left = stages[j, c - 1] if c > 0 else wall_speed
-        right = stages[j, c] if c < beads else 0.0
-        if sign * (left - right) < -still:
-            return True
-    return False
-
-
-@compiled
-def may_switch(c, y, y_new, stages, setup, contacts, walls, still):
-    """Whether contact c, by what the stages of a step say, must leave its mode within it.
-
-    ``walls`` is the motion of the left wall at both ends of the step.
-    """
-    law, mode, gap = law_of(c, setup), contacts.mode[c], setup.gap[c]
-    beads = len(setup.inverse_mass)
-    remembers = law.kind == UNLOADING or is_plastic(law)
-    if remembers and mode != STUCK:
-        # Open at both ends: there is no force whose mode could matter.
-        overlap, _ = overlap_and_closing(c, y_new, beads, gap, walls[1])
-        before, _ = overlap_and_closing(c, y, beads, gap, walls[0])
-        if overlap <= 0.0 and before <= 0.0:
-            return False
-    if leaves_mode(c, 1.0, y_new, walls[1], setup, contacts, still):
-        return True
-    if remembers and mode == LOADED:
-        return turned(c, beads, walls[1][1], 1.0, stages, still)
-    if law.kind == UNLOADING and mode == RELEASED:
-        return turned(c, beads, walls[1][1], -1.0, stages, still)
-    if is_plastic(law) and mode == RELEASED:
-        # It may go beyond its largest overlap and come back.
-        _, closing = overlap_and_closing(c, y, beads, gap, walls[0])
-        return closing > still and turned(c, beads, walls[1][1], 1.0, stages, still)
-    return False
-
-
-@compiled
-def closing_until(c, time, y, h, dense, setup, segment, still):
-    """Fraction of the step until which contact c, closing at its start, closes."""
-    beads, low, high = len(setup.inverse_mass), 0.0, 2.0
-    for part in range(1, PARTS + BISECTIONS + 1):
-        if high > 1.0 and part > PARTS:
-            return 1.0
-        theta = part / PARTS if high > 1.0 else 0.5 * (low + high)
-        left = wall_motion(time + theta * h, setup, segment)[1]
-        if c > 0:
-            left = value(beads + c - 1, theta, y, dense)
-        right = value(beads + c, theta, y, dense) if c < beads else 0.0
-        if left - right > still:
-            low = theta
-        else:
-            high = theta
-    return low
-
-
-@compiled
-def switch_within(c, time, y, h, dense, setup, contacts, segment, still, trial, scratch):
-    """Where in the step contact c first must leave its mode; 2 if nowhere."""
-    beads, mode = len(setup.inverse_mass), contacts.mode[c]
-    # A stuck contact's force depends on all beads, that of another one on its own two.
-    first, last = max(c - 1, 0), min(c + 1, beads)
-    low, high, found, end = 0.0, 0.0, False, 1.0
-    if is_plastic(law_of(c, setup)) and mode == RELEASED:
-        end = closing_until(c, time, y, h, dense, setup, segment, still)
-    for part in range(1, PARTS + BISECTIONS + 1):
-        if found:
-            theta = 0.5 * (low + high)
-        elif part > PARTS:
-            return 2.0
-        else:
-            theta = end * part / PARTS
-        if mode == STUCK:
-            state_within(theta, y, dense, trial)
-            derivative(time + theta * h, trial, setup, contacts, segment, scratch)
-        for k in range(first, last):
-            trial[k] = value(k, theta, y, dense)
-            trial[beads + k] = value(beads + k, theta, y, dense)
-        wall = wall_motion(time + theta * h, setup, segment)
-        if leaves_mode(c, theta, trial, wall, setup, contacts, still):
-            high, found = theta, True
-        else:
-            low = theta
-    return high
-
-
-@compiled
-def first_switch(time, y, h, y_new, stages, dense, setup, contacts, segment, still, trial, scratch):
-    """The first contact that must leave its mode within the step, and where; -1 if none.
-
-    Tells, too, whether it has completed the stages and found the coefficients in ``dense``.
-    """
-    beads = len(setup.inverse_mass)
-    walls = wall_motion(time, setup, segment), wall_motion(time + h, setup, segment)
-    first, earliest, dense_is_found = -1, 2.0, False
-    for c in range(beads + 1):
-        if setup.stiffness[c] == 0.0 or not has_modes(law_of(c, setup)):
-            continue
-        if not may_switch(c, y, y_new, stages, setup, contacts, walls, still):
-            continue
-        if not dense_is_found:
-            interpolate(time, y, h, y_new, setup, contacts, segment, stages, dense, trial)
-            dense_is_found = True
-        theta = switch_within(c, time, y, h, dense, setup, contacts, segment, still, trial, scratch)
-        if setup.law.kind == UNLOADING:
-            # The forces of stuck contacts were overwritten.
-            derivative(time + h, y_new, setup, contacts, segment, scratch)
-        if first < 0 or theta < earliest:
-            first, earliest = c, theta
-    return first if earliest <= 1.0 else -1, earliest, dense_is_found
-
-
-@compiled
 def next_mode(c, overlap, time, y, setup, contacts, segment, scratch):
     """The mode that follows.  A contact whose two forces both drive it back is stuck."""
     law, mode = law_of(c, setup), contacts.mode[c]
@@ -279,6 +113,34 @@ def next_mode(c, overlap, time, y, setup, contacts, segment, scratch):
     if overlap > 0.0 and law.kept * loading < held < loading:
         return STUCK
     return RELEASED if mode == LOADED else LOADED
+
+
+@compiled
+def close_stack(time, y, still, setup, contacts, segment, scratch):
+    """Let the last contact between two walls stick, too, where all others do and it can bear it.
+
+    It cannot move any more, and rounding would decide between loading and unloading.
+    """
+    beads, mode, last = len(setup.inverse_mass), contacts.mode, -1
+    for c in range(beads + 1):
+        if setup.stiffness[c] == 0.0 or (mode[c] != STUCK and last >= 0):
+            return
+        if mode[c] != STUCK:
+            last = c
+    if last < 0 or law_of(last, setup).kind != UNLOADING:
+        return
+    wall, before = wall_motion(time, setup, segment), mode[last]
+    overlap, closing = overlap_and_closing(last, y, beads, setup.gap[last], wall)
+    if overlap <= 0.0 or abs(closing) > SETTLED * still or wall[2] != 0.0:
+        return
+    mode[last] = STUCK
+    derivative(time, y, setup, contacts, segment, scratch)
+    for c in range(beads + 1):
+        overlap, _ = overlap_and_closing(c, y, beads, setup.gap[c], wall)
+        loading = force(overlap, setup.stiffness[c], law_of(c, setup).exponent)
+        if not law_of(c, setup).kept * loading < contacts.force[c] < loading:
+            mode[last] = before
+            return
 
 
 @compiled
@@ -307,8 +169,10 @@ def equalise_velocities(c, wall_speed, y, inverse_mass, mode):
 
 
 @compiled
-def forget_unloading(y, wall, setup, contacts):
+def forget_unloading(y, wall, setup, contacts, search):
     """An open contact will load when it closes."""
+    if search is None or setup.law.kind != UNLOADING:
+        return
     beads, mode = len(setup.inverse_mass), contacts.mode
     for c in range(beads + 1):
         if mode[c] == RELEASED and law_of(c, setup).kind == UNLOADING:
@@ -318,11 +182,14 @@ def forget_unloading(y, wall, setup, contacts):
 
 
 @compiled
-def switch(first, time, y, setup, contacts, segment, still, scratch):
+def switch(first, time, y, setup, contacts, segment, still, scratch, search):
     """Give contact ``first`` its next mode, and all others that must change at this moment.
 
     A contact that changes alters the forces that stuck contacts on both sides of it have to bear.
+    Without modes ``search`` is `None`, as for `hertzchain.kernels.mode_search.first_switch`.
     """
+    if search is None:
+        return
     changed = switch_once(first, time, y, setup, contacts, segment, still, scratch)
     for _ in range(len(setup.inverse_mass) + 1):
         if not changed or setup.law.kind != UNLOADING:
@@ -361,17 +228,20 @@ def switch_once(first, time, y, setup, contacts, segment, still, scratch):
         # What a contact still stores when its force is cut off comes to nothing.
         y[2 * beads + LOST] += before - after
         if mode[c] == STUCK:
+            close_stack(time, y, still, setup, contacts, segment, scratch)
             equalise_velocities(c, wall[1], y, setup.inverse_mass, mode)
         derivative(time, y, setup, contacts, segment, scratch)
     return changed
 
 
 @compiled
-def follow_wall(time, y, setup, contacts, segment, still, scratch):
+def follow_wall(time, y, setup, contacts, segment, still, scratch, search):
     """Give the contact with the left wall its mode where the wall's speed has jumped."""
+    if search is None or setup.law.kind != UNLOADING:
+        return
     wall = wall_motion(time, setup, segment)
     _, closing = overlap_and_closing(0, y, len(setup.inverse_mass), setup.gap[0], wall)
     if law_of(0, setup).kind == UNLOADING and abs(closing) > still:
         contacts.mode[0] = LOADED if closing > 0.0 else RELEASED
         derivative(time, y, setup, contacts, segment, scratch)
-        switch(-1, time, y, setup, contacts, segment, still, scratch)
+        switch(-1, time, y, setup, contacts, segment, still, scratch, search)

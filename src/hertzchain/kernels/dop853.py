@@ -3,7 +3,7 @@
 Source: E. Hairer, S. P. Norsett and G. Wanner, "Solving Ordinary Differential
 Equations I", 2nd ed. (Springer, 1993), Sec. II.10, and its program ``dop853.f``;
 doi:10.1007/978-3-540-78862-1.  Stages 1-12 make the step, 13 is the derivative
-at its end, 14-16 serve the interpolant alone.
+at its end, 14-16 serve only the interpolant.
 """
 
 from __future__ import annotations

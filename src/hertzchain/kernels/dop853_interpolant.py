@@ -1,12 +1,12 @@
-r"""A motion within a step: the interpolant of order 7 that belongs to the method.
+r"""The interpolant of order 7 within a step.
 
-With the fraction :math:`\theta` of the step and seven coefficients a component, it is
+With the fraction :math:`\theta` of the step and seven coefficients per component, it is
 
 .. math:: y + \theta(c_0 + (1-\theta)(c_1 + \theta(c_2 + (1-\theta)(c_3 + \theta(c_4
           + (1-\theta)(c_5 + \theta c_6))))))
 
-(`hertzchain.kernels.dop853`).  The coefficients of all components are found at once, after
-which a search for a maximum costs little.
+(`hertzchain.kernels.dop853`).  The coefficients of all components are computed together;
+the search for a maximum is then cheap.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ def find_coefficients(h, y, y_new, stages, dense):
         dense[2, i] = 2.0 * dense[0, i] - h * (last[i] + first[i])
     for row in range(3, COEFFICIENTS):
         weights, out = D[row - 3], dense[row]
-        # The interpolant leaves stages 1 to 4 out.
+        # The interpolant does not use stages 1 to 4.
         w0, w1, w2, w3 = h * weights[0], h * weights[5], h * weights[6], h * weights[7]
         s1, s2, s3 = stages[5], stages[6], stages[7]
         for i in range(len(y)):

@@ -1,4 +1,4 @@
-"""What drives a chain, compiled: a force on bead 1, or the place of the left wall, by pieces."""
+"""Compiled drives: piecewise functions for the force on bead 1 or the place of the left wall."""
 
 from __future__ import annotations
 
@@ -6,19 +6,19 @@ import numpy as np
 
 from .compilation import compiled
 
-# What drives the chain: nothing, a force on bead 1, the place of the left wall.
+# Kinds of drive: none, force on bead 1, place of the left wall.
 NOTHING, PUSH, MOVING_WALL = range(3)
 # A piece of the drive: a cubic in time, then amplitude and angular frequency of three sines.
 CUBIC, SINES = 4, 3
-# The series of sin x - x for |x| < 1, from its last term: 1/(n (n + 1)) is a term over the one
-# before.  A sum of slopes that is this small beside them is rounding.
+# The series of sin x - x for |x| < 1, from its last term; 1/(n (n + 1)) is the ratio of successive
+# terms.  A sum of slopes that is smaller than this, relative to the slopes, is a rounding error.
 SINE_TERMS = tuple(range(18, 0, -2))
 ROUNDED_SLOPE = 1e-14
 
 
 @compiled
 def sine_beyond_line(x):
-    """Sin x - x, to all digits where x is small."""
+    """Sin x - x, without cancellation for small x."""
     if abs(x) > 1.0:
         return np.sin(x) - x
     square, total = x * x, 0.0
@@ -29,11 +29,9 @@ def sine_beyond_line(x):
 
 @compiled
 def drive_at(time, setup, segment):
-    """Value, rate and acceleration of the drive at a time within a piece of it.
-
-    Sines under a window begin as a power of time: what is linear in time cancels, and would
-    leave nothing but rounding of the sum.
-    """
+    """Value, rate and acceleration of the drive at a time within a piece."""
+    # Sines with a window begin as a higher power of time.  The linear terms cancel and are omitted
+    # from the sum; otherwise only rounding errors would remain.
     t = time - setup.piece_starts[segment]
     c = setup.pieces[segment]
     value = c[0] + t * (c[1] + t * (c[2] + t * c[3]))
@@ -61,8 +59,19 @@ def drive_at(time, setup, segment):
 
 
 @compiled
+def rounding_of_drive(time, setup, segment):
+    """Size of the terms of the drive, whose rounding remains when they cancel."""
+    t, c = time - setup.piece_starts[segment], setup.pieces[segment]
+    size, fastest = 0.0, 0.0
+    for i in range(SINES):
+        size += abs(c[CUBIC + 2 * i])
+        fastest = max(fastest, abs(c[CUBIC + 2 * i + 1]))
+    return size if fastest * t >= 1.0 else 0.0
+
+
+@compiled
 def reach_of_wall(time, setup, segment):
-    """Bounds of the drive's size and acceleration from the start of a piece of it on."""
+    """Bounds of the size and acceleration of the drive from the start of a piece on."""
     t = time - setup.piece_starts[segment]
     c = setup.pieces[segment]
     size = abs(c[0]) + t * (abs(c[1]) + t * (abs(c[2]) + t * abs(c[3])))
@@ -76,7 +85,7 @@ def reach_of_wall(time, setup, segment):
 
 @compiled
 def wall_motion(time, setup, segment):
-    """Place, speed and acceleration of the left wall."""
+    """Place, velocity and acceleration of the left wall."""
     if setup.drive == MOVING_WALL:
         return drive_at(time, setup, segment)
     return 0.0, 0.0, 0.0

@@ -7,7 +7,7 @@ force on each wall: between two steps, on the method's interpolant
 
 from __future__ import annotations
 
-from .active_beads import put_back
+from .active_beads import place_behind, put_back
 from .compilation import compiled
 from .contact_law import LOADED, force, law_of
 from .dop853 import STEP_STAGES
@@ -258,7 +258,10 @@ def record_crossings(
             overlap = max(0.0, overlap - setup.gap[c + 1])
         store_crossing(first + c, theta * h, overlap, clock, counts, crossings)
         rise = rise_of(overlap, c, setup, contacts)
-        note_leading_pulse(first + c, rise, theta, first, y, dense, chain, inverse_mass, crossings)
+        note_leading_pulse(
+            first + c, rise, theta, first, clock[TIME], counts, y, dense, chain, inverse_mass,
+            crossings,
+        )  # fmt: skip
 
 
 @compiled
@@ -277,8 +280,9 @@ def record_stops(
             store_crossing(first + c, 0.0, overlap, clock, counts, crossings)
             rise = rise_of(overlap, c, setup, contacts)
             note_leading_pulse(
-                first + c, rise, 0.0, first, y, dense, chain, inverse_mass, crossings
-            )
+                first + c, rise, 0.0, first, clock[TIME], counts, y, dense, chain, inverse_mass,
+                crossings,
+            )  # fmt: skip
 
 
 @compiled
@@ -377,7 +381,7 @@ def wall_pushed(stages):
 
 
 @compiled
-def save_frames(time, time_new, h, y, dense, first, chain, setup, contacts, segment,
+def save_frames(time, time_new, h, y, dense, first, chain, flights, setup, contacts, segment,
                 counts, frame_times, frames, frame_forces, trial, scratch):  # fmt: skip
     """States, and forces where they are asked for, at the saved times within the step.
 
@@ -390,8 +394,7 @@ def save_frames(time, time_new, h, y, dense, first, chain, setup, contacts, segm
         theta = min(1.0, (frame_times[frame] - time) / h)
         state_within(theta, y, dense, trial)
         copy(chain, frames[frame])
-        for k in range(first):
-            frames[frame, k] += theta * h * chain[all_beads + k]
+        place_behind(frames[frame], all_beads, 0, first, frame_times[frame], flights)
         put_back(trial, all_beads, first, first + beads, frames[frame])
         if contacts is not None:
             forces_within(theta, time, h, trial, setup, contacts, segment, scratch)
@@ -403,9 +406,9 @@ def save_frames(time, time_new, h, y, dense, first, chain, setup, contacts, segm
 
 @compiled
 def record_events(
-    time, time_new, h, y, y_new, dense_is_found, first, chain, inverse_mass, clock, counts, setup,
-    contacts, segment, stages, dense, scale, reached, expected, frame_times, frames, frame_forces,
-    peaks, crossings, walls, trial, scratch,
+    time, time_new, h, y, y_new, dense_is_found, first, chain, flights, inverse_mass, clock,
+    counts, setup, contacts, segment, stages, dense, scale, reached, expected, frame_times, frames,
+    frame_forces, peaks, crossings, walls, trial, scratch,
 ):  # fmt: skip
     """All that a completed step has to show; its interpolant is made if that is anything."""
     frame = counts[FRAMES]
@@ -429,5 +432,5 @@ def record_events(
     if walled:
         record_walls(time, h, y, y_new, stages, dense, walls)
     if save:
-        save_frames(time, time_new, h, y, dense, first, chain, setup, contacts, segment, counts,
-                    frame_times, frames, frame_forces, trial, scratch)  # fmt: skip
+        save_frames(time, time_new, h, y, dense, first, chain, flights, setup, contacts, segment,
+                    counts, frame_times, frames, frame_forces, trial, scratch)  # fmt: skip

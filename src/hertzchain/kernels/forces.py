@@ -1,16 +1,15 @@
-r"""The forces on the beads of a chain, compiled: contacts, walls, drives, weight.
+r"""Compiled forces on the beads of a chain: contacts, walls, drives, weight.
 
 The state ``y`` holds positions :math:`x_k`, velocities :math:`v_k` and, unless the chain
-is a default one, accumulators of what enters and leaves.  Its derivative is :math:`(v_k, a_k)` with
+is a default chain, accumulators of energy and momentum.  Its derivative is :math:`(v_k, a_k)` with
 
 .. math:: m_k a_k = F_{k-1} - F_k + X_k ,
 
-:math:`F_c` the force in contact c and :math:`X_k` that from outside.  Contacts
-:math:`c = 1 \dots N - 1` join beads c and c + 1; contacts 0 and N are those with the
-walls.  A `DefaultChain`, Eq. (4) of the paper, has :math:`F_c = r_c (x_c - x_{c+1})_+^p`
-and nothing else, and a separate loop; a `GeneralChain` has everything else.  The force of one
-contact is in `hertzchain.kernels.contact_law`; where all contacts have one law, loops over all of
-them at once are faster.
+where :math:`F_c` is the force of contact c and :math:`X_k` the external force on bead k.  Contacts
+:math:`c = 1 \dots N - 1` join beads c and c + 1; contacts 0 and N are those with the walls.  A
+`DefaultChain`, Eq. (4) of the paper, has only the forces :math:`F_c = r_c (x_c - x_{c+1})_+^p`, and
+a separate loop; a `GeneralChain` supports all other features.  The force of one contact is in
+`hertzchain.kernels.contact_law`; if all contacts have one law, loops over contacts are faster.
 """
 
 from __future__ import annotations
@@ -33,13 +32,13 @@ from .driving import MOVING_WALL, NOTHING, PUSH, drive_at
 from .law_kinds import DAMPED, PLASTIC, UNLOADING
 from .powers import powers
 
-# The ledger behind positions and velocities: energy lost in contacts, work and impulse of the
-# drive, impulse given to the chain by the left wall and by the chain to the right one.
+# Accumulators, after positions and velocities: energy lost in contacts, work and impulse of the
+# drive, impulse of the left wall on the chain and of the chain on the right wall.
 LOST, DRIVEN, PUSHED, LEFT_IMPULSE, RIGHT_IMPULSE, ACCUMULATORS = range(6)
 
 
 class DefaultChain(NamedTuple):
-    """A chain of Eq. (4) of the paper: beads, the contacts between them, nothing else."""
+    """A chain of Eq. (4) of the paper, which has only beads and their contacts."""
 
     inverse_mass: Any  # (N,)
     stiffness: Any  # (N - 1,)
@@ -47,42 +46,43 @@ class DefaultChain(NamedTuple):
 
 
 class GeneralChain(NamedTuple):
-    """Any other chain: beads, contacts 0..N (walls at both ends), and what acts on them."""
+    """Any other chain: beads, contacts 0..N (walls at both ends), and external forces."""
 
     inverse_mass: Any  # (N,)
-    stiffness: Any  # (N + 1,); 0 where there is no wall
+    stiffness: Any  # (N + 1,); 0 without a wall
     exponent: float
     gap: Any  # (N + 1,)
-    damping: Any  # (N + 1,): or what else the law asks for
-    law: Law  # of all contacts; where they differ, what all of them are checked for
-    laws: Any  # a LawTable; None where all contacts have one law
-    body_force: Any  # (N,): weight along the chain, and what holds a free end
+    damping: Any  # (N + 1,): or another number of the law
+    law: Law  # of all contacts; if they differ, the kind with all checks
+    laws: Any  # a LawTable; None if all contacts have one law
+    body_force: Any  # (N,): weight along the chain, and forces that hold free ends
     drive: int
     piece_starts: Any  # (pieces,)
     pieces: Any  # (pieces, CUBIC + 2 SINES)
 
 
 class Contacts(NamedTuple):
-    """What the contacts of a `GeneralChain` remember, and where their forces are written.
+    """Memory and forces of the contacts of a `GeneralChain`; `None` for a `DefaultChain`."""
 
-    With a `Plain` chain there are none: `None`, for which numba compiles code without them.
-    Tuples of arrays are dear to pass: loops over contacts take the arrays out first.
-    """
+    # For None, numba compiles code without these arrays.  Passing tuples of arrays takes time, so
+    # that loops over contacts extract the arrays first.
 
     mode: Any  # (N + 1,)
-    largest: Any  # (N + 1,): largest overlap, where the law depends on it; the overlap, where
-    # steps are implicit and positions do not tell
+    largest: Any  # (N + 1,): largest overlap, if the law depends on it; with implicit steps, the
+    # overlap, which may be below the rounding of positions
     force: Any  # (N + 1,)
-    last_force: Any  # (N + 1,): at the last step's end
+    last_force: Any  # (N + 1,): at the end of the last step
     scratch: Any  # (3, N + 1)
     powers: Any  # (4, N + 1): scratch of powers
-    # Scratch of implicit steps; None where steps are explicit, for which numba compiles no others.
+    # Scratch of implicit steps; None if steps are explicit, so that numba compiles only these.
     implicit: Any
+    # None where no contact has modes, for which numba compiles no search for their changes.
+    search: Any
 
 
 @compiled
 def copy(source, target):
-    """As ``target[:] = source``, which would look first whether the two overlap."""
+    """Copy like ``target[:] = source``, but without its check whether the arrays overlap."""
     for i in range(len(target)):
         target[i] = source[i]
 
@@ -103,7 +103,7 @@ def plain_derivative(y, inverse_mass, stiffness, exponent, out):
 
 @compiled
 def overlap_and_closing(c, y, beads, gap, wall):
-    """Overlap of contact c and the speed at which it grows; ``wall`` is the left wall's motion."""
+    """Overlap of contact c and its rate; ``wall`` is the motion of the left wall."""
     left, left_speed = wall[0], wall[1]
     if c > 0:
         left, left_speed = y[c - 1], y[beads + c - 1]
@@ -115,19 +115,20 @@ def overlap_and_closing(c, y, beads, gap, wall):
 
 @compiled
 def force_on(k, drive, setup):
-    """Force from outside on bead k (0-based)."""
+    """External force on bead k (0-based)."""
     if k == 0 and setup.drive == PUSH:
         return setup.body_force[k] + drive
     return setup.body_force[k]
 
 
 @compiled
-def solve_stuck_forces(drive, wall_acceleration, setup, contacts):
-    """Forces that keep the closing speed of stuck contacts at zero: a tridiagonal system.
-
-    For contact c between accelerations a_left = (F_{c-1} - F_c + X_left)/m_left and
-    a_right, their difference is zero; neighbours that are not stuck have known forces.
-    """
+def solve_stuck_forces(drive, wall_acceleration, overlap, setup, contacts):
+    """Forces that keep the closing speed of stuck contacts at zero, from a tridiagonal system."""
+    # The accelerations a_left = (F_{c-1} - F_c + X_left)/m_left and a_right of a stuck contact c
+    # are equal; the forces of contacts that are not stuck are known.
+    if all_stuck(contacts.mode):
+        share_common_force(drive, wall_acceleration, overlap, setup, contacts)
+        return
     inverse_mass, mode, pushing = setup.inverse_mass, contacts.mode, contacts.force
     beads = len(inverse_mass)
     factor, value = contacts.scratch[1], contacts.scratch[2]
@@ -161,8 +162,43 @@ def solve_stuck_forces(drive, wall_acceleration, setup, contacts):
 
 
 @compiled
+def all_stuck(mode):
+    """Whether all contacts are stuck, those with two walls included."""
+    for c in range(len(mode)):
+        if mode[c] != STUCK:
+            return False
+    return True
+
+
+@compiled
+def share_common_force(drive, wall_acceleration, overlap, setup, contacts):
+    """Forces of contacts that are all stuck between two walls.
+
+    At rest their differences follow from the forces on the beads; the force that all have in
+    common is in the middle of those that no contact gives way to.  A wall that begins to move
+    makes contacts give way.
+    """
+    pushing = contacts.force
+    beads, low, high, common = len(setup.inverse_mass), -np.inf, np.inf, 0.0
+    for c in range(beads + 1):
+        if c > 0:
+            common += force_on(c - 1, drive, setup)
+        pushing[c] = common
+        law = law_of(c, setup)
+        loading = force(overlap[c], setup.stiffness[c], law.exponent)
+        low = max(low, law.kept * loading - common)
+        high = min(high, loading - common)
+    middle = 0.5 * (low + high)
+    if wall_acceleration != 0.0:
+        beyond = abs(low) + abs(high)
+        middle += beyond if wall_acceleration > 0.0 else -beyond
+    for c in range(beads + 1):
+        pushing[c] += middle
+
+
+@compiled
 def overlaps_and_rates(y, gap, wall, overlap, closing):
-    """Overlaps of all contacts, and the speeds at which they grow."""
+    """Overlaps of all contacts, and their rates."""
     beads = len(gap) - 1
     position, velocity = y[:beads], y[beads : 2 * beads]
     for c in range(1, beads):
@@ -174,8 +210,7 @@ def overlaps_and_rates(y, gap, wall, overlap, closing):
     closing[beads] = velocity[beads - 1]
 
 
-# The loops below each do one thing and have no branch, so that the compiler does several
-# contacts at once.
+# Each of the following loops has one task and no branch, so that the compiler can vectorise it.
 
 
 @compiled
@@ -202,7 +237,7 @@ def power_of_closed(overlap, exponent, out, scratch):
 
 @compiled
 def damping_coefficients(overlap, damping, law, weight, scratch):
-    """What multiplies the power of the closing speed: damping * d_+^overlap_power."""
+    """Coefficients of the power of the closing speed: damping * d_+^overlap_power."""
     if law.overlap_power == 0.0:
         copy(damping, weight)
     elif law.overlap_power == 0.25:
@@ -221,7 +256,7 @@ def damping_coefficients(overlap, damping, law, weight, scratch):
 
 @compiled
 def add_damping(pushing, overlap, closing, damping, mode, law, more, scratch):
-    """Add to elastic forces what depends on the closing speed; returns the power lost."""
+    """Add forces that depend on the closing speed to elastic ones; returns the power lost."""
     damping_coefficients(overlap, damping, law, more, scratch)
     if has_modes(law):
         for c in range(len(more)):
@@ -245,7 +280,7 @@ def add_damping(pushing, overlap, closing, damping, mode, law, more, scratch):
 
 @compiled
 def sum_of_products(a, b):
-    """Sum of a * b: four sums, which do not wait for each other."""
+    """Sum of a * b, as four independent sums, which is faster."""
     s, t, u, v = 0.0, 0.0, 0.0, 0.0
     whole = len(a) - len(a) % 4
     for i in range(0, whole, 4):
@@ -260,7 +295,7 @@ def sum_of_products(a, b):
 
 @compiled
 def reduce_unloading_forces(pushing, mode, law):
-    """Lower the forces of contacts that part; returns if any is stuck."""
+    """Reduce the forces of contacts that separate; returns whether any is stuck."""
     stuck = 0
     for c in range(len(pushing)):
         pushing[c] *= 1.0 if mode[c] == LOADED else law.kept
@@ -270,7 +305,7 @@ def reduce_unloading_forces(pushing, mode, law):
 
 @compiled
 def power_lost(pushing, closing, mode, law):
-    """What loading takes that unloading will not give back."""
+    """Power of loading that unloading will not return."""
     s, t = 0.0, 0.0
     for c in range(0, len(pushing) - 1, 2):
         s += pushing[c] * closing[c] if mode[c] == LOADED else 0.0
@@ -283,7 +318,7 @@ def power_lost(pushing, closing, mode, law):
 
 @compiled
 def elastic_overlaps(overlap, mode, largest, kept):
-    """Replace overlaps of plastic contacts by those that the loading curve would need."""
+    """Replace overlaps of plastic contacts by those at which the loading curve has their force."""
     for c in range(len(overlap)):
         unloading = (overlap[c] - (1.0 - kept) * largest[c]) / kept
         overlap[c] = overlap[c] if mode[c] == LOADED else unloading
@@ -291,7 +326,7 @@ def elastic_overlaps(overlap, mode, largest, kept):
 
 @compiled
 def contact_forces(overlap, closing, drive, wall, setup, laws, contacts):
-    """Write the forces of all contacts; returns the power that they lose."""
+    """Write the forces of all contacts; returns the power lost."""
     if laws is not None:
         return differing_forces(overlap, closing, drive, wall, setup, contacts)
     law, mode, pushing = setup.law, contacts.mode, contacts.force
@@ -307,7 +342,7 @@ def contact_forces(overlap, closing, drive, wall, setup, laws, contacts):
     elif law.kind == UNLOADING:
         lost = power_lost(pushing, closing, mode, law)
         if reduce_unloading_forces(pushing, mode, law):
-            solve_stuck_forces(drive[0], wall[2], setup, contacts)
+            solve_stuck_forces(drive[0], wall[2], overlap, setup, contacts)
     elif law.kind == PLASTIC:
         lost = power_lost(pushing, closing, mode, law)
     return lost
@@ -315,7 +350,7 @@ def contact_forces(overlap, closing, drive, wall, setup, laws, contacts):
 
 @compiled
 def differing_forces(overlap, closing, drive, wall, setup, contacts):
-    """`contact_forces` where contacts have different laws, one contact after the other."""
+    """Write the forces of contacts with different laws; returns the power lost."""
     lost, stuck = 0.0, False
     for c in range(len(overlap)):
         contacts.force[c], power = contact_force(
@@ -325,13 +360,13 @@ def differing_forces(overlap, closing, drive, wall, setup, contacts):
         lost += power
         stuck = stuck or contacts.mode[c] == STUCK
     if stuck:
-        solve_stuck_forces(drive[0], wall[2], setup, contacts)
+        solve_stuck_forces(drive[0], wall[2], overlap, setup, contacts)
     return lost
 
 
 @compiled
 def full_derivative(time, y, setup, contacts, segment, out):
-    """Velocities, accelerations and rates of the ledger."""
+    """Velocities, accelerations and rates of the accumulators."""
     inverse_mass, pushing, outside = setup.inverse_mass, contacts.force, setup.body_force
     beads = len(inverse_mass)
     overlap, closing = contacts.scratch[0, : beads + 1], contacts.scratch[1, : beads + 1]
@@ -356,7 +391,7 @@ def full_derivative(time, y, setup, contacts, segment, out):
 
 @compiled
 def derivative(time, y, setup, contacts, segment, out):
-    """Velocities and accelerations and, unless the chain is plain, rates of the ledger."""
+    """Velocities and accelerations and, for a general chain, rates of the accumulators."""
     if contacts is None:
         plain_derivative(y, setup.inverse_mass, setup.stiffness, setup.exponent, out)
     else:

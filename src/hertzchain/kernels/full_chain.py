@@ -15,21 +15,27 @@ from __future__ import annotations
 import numpy as np
 
 from .active_beads import (
+    STAY,
+    STRIDE,
     bounds,
+    collide_behind,
+    contact_numbers,
     contacts_within,
+    earliest_contact,
+    leave_behind,
     part_of,
+    place_behind,
     put_back,
     take_out,
     trimmed,
+    unresolved_speed,
     window_too_small,
 )
 from .compilation import compiled
 from .conservation import kinetic, update_drift
-from .contact_law import has_modes
 from .contact_modes import (
     MIN_RELATIVE_SPEED,
     first_modes,
-    first_switch,
     follow_wall,
     forget_unloading,
     may_close_unseen,
@@ -47,13 +53,16 @@ from .events import (
 )
 from .forces import copy, overlap_and_closing
 from .implicit import remember_overlaps
-from .law_kinds import UNLOADING
+from .mode_search import first_switch
 from .state_layout import (
     CROSSINGS,
     EVALUATIONS,
     FASTEST,
     FROZEN,
+    HIGH,
+    IDLE_UNTIL,
     LAST_CROSSING,
+    LOW,
     PEAKS,
     SEGMENT,
     SINCE_CROSSING,
@@ -61,13 +70,14 @@ from .state_layout import (
     STEPS,
     SWITCHES,
     TIME,
+    UNRESOLVED,
 )
 from .stepping import begin, change_of_step, is_implicit, take_step
 from .wall_touches import count_touches
 
 # What `advance` returns, and what only `advance_window` does.
 RUNNING, PULSE_LEFT, TIME_REACHED, FRAMES_FULL, STEP_TOO_SMALL, PULSE_LOST, LAST_STEP = range(7)
-MOVED, OUTRUN = 7, 8
+MOVED, OUTRUN, WOKEN = 7, 8, 9
 
 MIN_STEP = 1e-280
 # A run that waits this long for the pulse to leave waits for ever.
@@ -115,7 +125,8 @@ def start(y, clock, counts, setup, contacts, first_step):
     clock[:] = 0.0
     counts[:] = 0
     counts[LAST_CROSSING] = -1
-    clock[STEP] = first_step
+    counts[HIGH] = len(setup.inverse_mass)
+    clock[STEP], clock[IDLE_UNTIL] = first_step, np.inf
     if contacts is not None:
         first_modes(y, setup, contacts)
     update_drift(y, clock, setup, contacts, 0, (0.0, 0.0, 0.0), True)
@@ -123,21 +134,23 @@ def start(y, clock, counts, setup, contacts, first_step):
 
 @compiled
 def advance_window(
-    y, chain, inverse_mass, low, flying, trim, budget, clock, counts, setup, contacts, until,
-    stop_when_left, rtol, pause, frame_times, growing, frames, frame_forces, peaks, crossings,
-    walls, stages, dense, work, expected,
+    y, chain, inverse_mass, low, edge, flights, flying, trim, budget, clock, counts, setup,
+    contacts, until, stop_when_left, rtol, pause, frame_times, growing, frames, frame_forces,
+    peaks, crossings, walls, stages, dense, work, expected,
 ):  # fmt: skip
     """`advance` for the beads of a window, from bead ``low`` on, until the window moves.
 
-    ``y`` is the state of its beads, ``chain`` that of all, with ``inverse_mass``, ``flying`` what
-    those behind it have of energy and momentum, ``trim`` what `trimmed` says; ``peaks`` are those
-    of the window, ``crossings`` those of the chain.
+    ``y`` is the state of its beads, ``chain`` that of all, with ``inverse_mass``, ``flying`` the
+    energy and momentum of those behind it, ``edge`` the numbers of the contact with them,
+    ``trim`` the result of `trimmed`; ``peaks`` are those of the window, ``crossings`` those of
+    the chain.  ``counts`` has the ends of the window that follows.
     Returns why it stopped and how many steps it tried.
     """
     beads = len(setup.inverse_mass)
     all_beads = (len(chain) - (len(y) - 2 * beads)) // 2
     trial, y_new, scratch, scale = work[0], work[1], work[2], work[3, :beads]
     implicit, reached = is_implicit(setup, contacts), least_speed(rtol, setup, contacts)
+    behind = chain[all_beads + low - 1] if low > 0 else 0.0
     begin(clock[TIME], y, clock[STEP], setup, contacts, counts[SEGMENT], rtol, stages, work, scale)
     for tried in range(1, budget + 1):
         time, h = clock[TIME], clock[STEP]
@@ -158,6 +171,8 @@ def advance_window(
             return PULSE_LOST, tried
         if growing and time + h >= frame_times[-1]:
             return FRAMES_FULL, tried
+        if low > 0 and not time + h < clock[IDLE_UNTIL]:
+            return WOKEN, tried - 1
         error, evaluations = take_step(
             time, y, h, setup, contacts, segment, rtol, stages, trial, y_new, work, scale
         )
@@ -173,10 +188,13 @@ def advance_window(
         ):
             clock[STEP] = 0.5 * h
             continue
-        if window_too_small(y, y_new, low, low + beads, all_beads):
+        if window_too_small(
+            time + h, y_new, low, all_beads, behind, STAY * clock[UNRESOLVED], flights, setup,
+            contacts, edge,
+        ):  # fmt: skip
             return OUTRUN, tried - 1
         # Only beads in free flight take steps that are so long.
-        lone = error == 0.0 or h > LONG_STEP * time
+        lone = (error == 0.0 or h > LONG_STEP * time) and not clock[IDLE_UNTIL] < np.inf
         if stop_when_left and lone and nothing_can_happen(y, setup, contacts):
             return PULSE_LOST, tried
 
@@ -184,10 +202,11 @@ def advance_window(
         if contacts is not None:
             copy(contacts.force, contacts.last_force)
         still = MIN_RELATIVE_SPEED * clock[FASTEST]
-        if contacts is not None and has_modes(setup.law):
+        if contacts is not None:
             switching, theta, dense_is_found = first_switch(
-                time, y, h, y_new, stages, dense, setup, contacts, segment, still, trial, scratch
-            )
+                time, y, h, y_new, stages, dense, setup, contacts, segment, still, trial, scratch,
+                contacts.search,
+            )  # fmt: skip
             if switching >= 0 and theta < 1.0:
                 h *= theta
                 cut = last_step = dense_is_found = False
@@ -197,17 +216,15 @@ def advance_window(
                 counts[EVALUATIONS] += evaluations
         time_new = stop if cut else time + h
         record_events(
-            time, time_new, h, y, y_new, dense_is_found, low, chain, inverse_mass, clock, counts,
-            setup, contacts, segment, stages, dense, scale, reached, expected, frame_times, frames,
-            frame_forces, peaks, crossings, walls, trial, scratch,
+            time, time_new, h, y, y_new, dense_is_found, low, chain, flights, inverse_mass, clock,
+            counts, setup, contacts, segment, stages, dense, scale, reached, expected, frame_times,
+            frames, frame_forces, peaks, crossings, walls, trial, scratch,
         )  # fmt: skip
 
         if contacts is not None and implicit:
             remember_overlaps(contacts, contacts.implicit)
         copy(y_new, y)
         copy(stages[STEP_STAGES], stages[0])
-        for k in range(low):
-            chain[k] += h * chain[all_beads + k]
         clock[TIME] = time_new
         clock[SINCE_CROSSING] += h
         counts[FROZEN] = counts[FROZEN] + 1 if time_new == time else 0
@@ -217,14 +234,18 @@ def advance_window(
             clock[STEP] = h * change
         counts[STEPS] += 1
         if contacts is not None and switching >= 0:
-            switch(switching, time_new, y, setup, contacts, segment, still, scratch)
+            switch(
+                switching, time_new, y, setup, contacts, segment, still, scratch, contacts.search
+            )
             counts[SWITCHES] += 1
-        if contacts is not None and setup.law.kind == UNLOADING:
-            forget_unloading(y, wall_motion(time_new, setup, segment), setup, contacts)
+        if contacts is not None:
+            wall = wall_motion(time_new, setup, segment)
+            forget_unloading(y, wall, setup, contacts, contacts.search)
         if cut and stop == piece_end:
             counts[SEGMENT] += 1
-            if contacts is not None and setup.drive == MOVING_WALL and setup.law.kind == UNLOADING:
-                follow_wall(time_new, y, setup, contacts, counts[SEGMENT], still, scratch)
+            if contacts is not None and setup.drive == MOVING_WALL:
+                follow_wall(time_new, y, setup, contacts, counts[SEGMENT], still, scratch,
+                            contacts.search)  # fmt: skip
         if switching >= 0 or cut:
             begin(time_new, y, clock[STEP], setup, contacts, counts[SEGMENT], rtol, stages, work,
                   scale)  # fmt: skip
@@ -236,12 +257,14 @@ def advance_window(
             record_wall_ends(time_new, y, stages[0], setup, counts[SEGMENT], crossings, walls)
             count_touches(beads, stages[0], walls)
         update_drift(y, clock, setup, contacts, counts[SEGMENT], flying, False)
+        clock[UNRESOLVED] = unresolved_speed(y, beads, rtol, setup, contacts)
+        now = bounds(y, setup, contacts, low, all_beads, trim, clock[UNRESOLVED])
+        counts[LOW], counts[HIGH] = now
         left = counts[PEAKS] == all_beads - 1 and counts[CROSSINGS] == all_beads - 1
         if stop_when_left and left:
             return PULSE_LEFT, tried
         if last_step:
             return TIME_REACHED, tried
-        now = bounds(y, setup, contacts, low, all_beads, trim)
         if now[0] != low or now[1] != low + beads:
             return MOVED, tried
     return RUNNING, budget
@@ -249,11 +272,11 @@ def advance_window(
 
 @compiled
 def advance(
-    y, clock, counts, setup, contacts, until, stop_when_left, rtol, budget, pause,
-    frame_times, growing, frames, frame_forces, peaks, crossings, walls, accelerations,
+    y, clock, counts, setup, contacts, flights, until, stop_when_left, rtol, budget, bead_steps,
+    pause, frame_times, growing, frames, frame_forces, peaks, crossings, walls, accelerations,
     scratch, ends, expected,
 ):  # fmt: skip
-    """Take up to ``budget`` steps and say why it stopped.
+    """Take up to ``budget`` steps, and say why it stopped.
 
     Everything that changes is in the arrays, so a run goes on where it stopped.
 
@@ -261,8 +284,10 @@ def advance(
     ----------
     y : (2N,) or (2N + LEDGER,) state; ``clock`` (CLOCK_SIZE,) and ``counts`` (COUNTS_SIZE,)
     setup, contacts : what acts on the beads, and what contacts remember
+    flights : (FLIGHT_ROWS, N) where and when the beads behind the window left it
     until : time not to step past; ``stop_when_left`` ends the run, too, once all is recorded
     rtol : tolerated error of a step, in units of the speeds around each bead
+    bead_steps : steps times beads of their windows after which it stops, too
     pause : come back before the step that ``until`` cuts short: the state that a longer
         run would go on from
     frame_times, frames : (F,) times to save at, and the (F, len(y)) states saved; with
@@ -276,26 +301,58 @@ def advance(
     """
     beads = len(setup.inverse_mass)
     trim = trimmed(setup, contacts)
-    code = MOVED
-    while code in (MOVED, OUTRUN):
-        low, high = 0, beads
-        if code == MOVED:
-            low, high = bounds(y, setup, contacts, 0, beads, trim)
+    low, high, code, more = counts[LOW], counts[HIGH], MOVED, STRIDE
+    nothing = (0.0, 0.0, 0.0)
+    flying = kinetic(y[beads : beads + low], setup.inverse_mass[:low], nothing)
+    accelerations[:] = 0.0
+    while True:
         part = part_of(setup, contacts, low, high, ends)
         touching = contacts_within(contacts, low, high)
-        flying = kinetic(y[beads : beads + low], setup.inverse_mass[:low], (0.0, 0.0, 0.0))
+        edge = contact_numbers(low, setup, contacts)
         length = len(y) - 2 * (beads - (high - low))
         rows = scratch[: ROWS * length].reshape((ROWS, length))
         stages, dense = rows[:STAGES], rows[STAGES : STAGES + COEFFICIENTS]
         work, near = rows[STAGES + COEFFICIENTS : ROWS - 1], rows[ROWS - 1]
         take_out(y, beads, low, high, near)
+        steps = counts[STEPS]
+        allowed = min(budget, 1 + bead_steps // (high - low))
         code, tried = advance_window(
-            near, y, setup.inverse_mass, low, flying, trim, budget, clock, counts, part, touching,
-            until, stop_when_left, rtol, pause, frame_times, growing, frames, frame_forces,
-            peaks[:, low:high], crossings, walls, stages, dense, work, expected[:, : high - low],
+            near, y, setup.inverse_mass, low, edge, flights, flying, trim, allowed, clock, counts,
+            part, touching, until, stop_when_left, rtol, pause, frame_times, growing, frames,
+            frame_forces, peaks[:, low:high], crossings, walls, stages, dense, work,
+            expected[:, : high - low],
         )  # fmt: skip
         put_back(near, beads, low, high, y)
-        accelerations[:] = 0.0
-        copy(stages[0, high - low : 2 * (high - low)], accelerations[low:high])
         budget -= tried
-    return code
+        bead_steps -= tried * (high - low)
+        time, last = clock[TIME], low
+        if code < MOVED:
+            copy(stages[0, high - low : 2 * (high - low)], accelerations[low:high])
+        if code == OUTRUN:
+            more *= 2
+            low, high = max(0, low - more), min(beads, high + more)
+        elif code == WOKEN:
+            place_behind(y, beads, 0, low, time, flights)
+            stay = STAY * clock[UNRESOLVED]
+            done = collide_behind(y, low, time, clock[UNRESOLVED], setup, contacts, flights)
+            clock[IDLE_UNTIL] = earliest_contact(y, 0, low, stay, time, setup, contacts)
+            flying = kinetic(y[beads : beads + low], setup.inverse_mass[:low], nothing)
+            if not (done and time + clock[STEP] < clock[IDLE_UNTIL]):
+                low = 0
+        else:
+            low, high, more = counts[LOW], counts[HIGH], STRIDE
+            if last == 0 and counts[STEPS] > steps:
+                clock[IDLE_UNTIL] = np.inf
+        if low < last:
+            place_behind(y, beads, low, last, time, flights)
+            flying = kinetic(y[beads : beads + low], setup.inverse_mass[:low], nothing)
+        elif low > last and counts[STEPS] > steps:
+            place_behind(y, beads, max(last - 1, 0), last, time, flights)
+            leave_behind(y, last, low, time, flights)
+            stay = STAY * clock[UNRESOLVED]
+            earliest = earliest_contact(y, last, low, stay, time, setup, contacts)
+            clock[IDLE_UNTIL] = min(clock[IDLE_UNTIL], earliest)
+            flying = kinetic(y[beads + last : beads + low], setup.inverse_mass[last:low], flying)
+        if code < MOVED:
+            place_behind(y, beads, 0, low, time, flights)
+            return code

@@ -1,8 +1,8 @@
-r"""A motion within a step, from what is known at both its ends: Hermite's polynomial of degree 7.
+"""Hermite interpolation within a step, by a polynomial of degree 7.
 
-Position, velocity, acceleration and jerk at either end fix its eight coefficients.  The
-methods that step positions alone (`hertzchain.kernels.rkn8`) have no interpolant of their own;
-with this one the maxima between two steps keep their digits.
+Position, velocity, acceleration and jerk at both ends determine its eight coefficients.  Nystrom
+methods (`hertzchain.kernels.rkn8`) have no interpolant; with this one, maxima between two steps are
+as accurate as the steps.
 """
 
 from __future__ import annotations
@@ -16,10 +16,7 @@ compiled = njit(**CONTRACTED)
 
 @compiled
 def hermite(h, x0, v0, a0, j0, x1, v1, a1, j1):
-    """Coefficients of the polynomial of degree 7 in s = t/h through both ends of a step.
-
-    It takes position, velocity, acceleration and jerk from each end.
-    """
+    """Coefficients of the polynomial in s = t/h through both ends of a step."""
     c1, c2, c3 = h * v0, 0.5 * h * h * a0, h * h * h * j0 / 6.0
     x = x1 - (x0 + c1 + c2 + c3)
     v = h * v1 - (c1 + 2.0 * c2 + 3.0 * c3)
@@ -34,14 +31,14 @@ def hermite(h, x0, v0, a0, j0, x1, v1, a1, j1):
 
 @compiled
 def value(c, s):
-    """The polynomial at s."""
+    """Value of the polynomial at s."""
     c0, c1, c2, c3, c4, c5, c6, c7 = c
     return c0 + s * (c1 + s * (c2 + s * (c3 + s * (c4 + s * (c5 + s * (c6 + s * c7))))))
 
 
 @compiled
 def slope(c, s):
-    """Its first derivative with respect to s."""
+    """First derivative with respect to s."""
     _, c1, c2, c3, c4, c5, c6, c7 = c
     high = 4.0 * c4 + s * (5.0 * c5 + s * (6.0 * c6 + s * (7.0 * c7)))
     return c1 + s * (2.0 * c2 + s * (3.0 * c3 + s * high))
@@ -49,7 +46,7 @@ def slope(c, s):
 
 @compiled
 def curvature(c, s):
-    """Its second derivative."""
+    """Second derivative."""
     _, _, c2, c3, c4, c5, c6, c7 = c
     high = 12.0 * c4 + s * (20.0 * c5 + s * (30.0 * c6 + s * (42.0 * c7)))
     return 2.0 * c2 + s * (6.0 * c3 + s * high)
@@ -57,6 +54,6 @@ def curvature(c, s):
 
 @compiled
 def third(c, s):
-    """Its third derivative."""
+    """Third derivative."""
     _, _, _, c3, c4, c5, c6, c7 = c
     return 6.0 * c3 + s * (24.0 * c4 + s * (60.0 * c5 + s * (120.0 * c6 + s * (210.0 * c7))))

@@ -19,6 +19,7 @@ from .state_layout import (
     HANDED_OVER,
     LEADING_ENERGY,
     LEADING_MOMENTUM,
+    LEFT_BY_PULSE,
     RISE_TIME,
 )
 
@@ -48,21 +49,47 @@ def rise_of(overlap, c, setup, contacts):
 
 
 @compiled
-def note_leading_pulse(at, rise, theta, first, y, dense, chain, inverse_mass, crossings):
-    """Record what the leading pulse is at the crossing of contact ``at`` of the chain.
+def skip_beads_left(time, counts, beads, crossings):
+    """Count the beads that the pulse has left by now; returns the last rise time among them."""
+    k = counts[LEFT_BY_PULSE]
+    last = k
+    while last > 0 and not crossings[RISE_TIME, last - 1] > 0.0:
+        last -= 1
+    rise_time = crossings[RISE_TIME, last - 1] if last > 0 else 0.0
+    while k < beads - 1 and crossings[CROSSING_TIME, k] != 0.0:
+        own = crossings[RISE_TIME, k]
+        if own > 0.0:
+            if crossings[CROSSING_TIME, k] + LENGTH * own > time:
+                break
+            rise_time = own
+        if rise_time == 0.0:
+            break
+        k += 1
+    counts[LEFT_BY_PULSE] = k
+    return rise_time
 
-    ``rise`` is the force of the contact above its static one.
+
+@compiled
+def note_leading_pulse(
+    at, rise, theta, first, start, counts, y, dense, chain, inverse_mass, crossings
+):  # fmt: skip
+    """Record the leading pulse at the crossing of contact ``at`` of the chain.
+
+    ``rise`` is the force of the contact above its static one, ``start`` the time at the start of
+    the step.
     """
     beads = len(inverse_mass)
-    for k in range(at + 1, beads):
+    end = first + (len(y) - (len(chain) - 2 * beads)) // 2
+    for k in range(at + 1, end):
         velocity = velocity_within(k, theta, first, y, dense, chain, beads)
         crossings[HANDED_OVER, at] += velocity / inverse_mass[k]
     handed_over = crossings[HANDED_OVER, at]
     if rise > 0.0 and handed_over > 0.0:
         crossings[RISE_TIME, at] = handed_over / rise
     now = crossings[CROSSING_TIME, at]
-    rear, time, weight, momentum, energy = 0.0, 0.0, 1.0, 0.0, 0.0
-    for k in range(beads):
+    rear, weight, momentum, energy = 0.0, 1.0, 0.0, 0.0
+    time = skip_beads_left(start, counts, beads, crossings)
+    for k in range(counts[LEFT_BY_PULSE], end):
         weight = 1.0
         if k < beads - 1 and crossings[CROSSING_TIME, k] != 0.0:
             if crossings[RISE_TIME, k] > 0.0:

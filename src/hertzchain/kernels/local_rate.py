@@ -1,4 +1,4 @@
-r"""The local-rate law, forward along a chain and its derivatives backward.
+r"""The local-rate law along a chain, and its derivatives by backward differentiation.
 
 The state of contact k follows from that of the contact before
 (`hertzchain.theory.universal_functions`):
@@ -9,15 +9,15 @@ The state of contact k follows from that of the contact before
     y = \left(1,\; z_{k-1} - z^*(s_{k-1}),\; s_{k-1} - s_{k-2},\; s_k - s_{k-1},\;
                  s_{k+1} - s_k,\; s_{k+2} - s_{k+1}\right)
 
-with a symmetric matrix A for each of the three components of z.  :math:`z^*` and A are cubic
-polynomials of the rate on intervals, and belong to one of the stages: the first four contacts,
-those within, the last three.  The product A y is all the work, and gives everything::
+with a symmetric matrix A for each of the three components of z.  :math:`z^*` and A are piecewise
+cubic polynomials of the rate, one set for each stage: the first four contacts, those within the
+chain, the last three.  Almost all work is the product A y, from which everything follows::
 
     A(s) y  --->  z  = z* + y.(A y)      forward
-            --->  dz/dy = 2 A y          kept for the way back
+            --->  dz/dy = 2 A y          stored for the backward pass
             --->  dz/ds = y.(A'(s) y)    from the same coefficients
 
-so that the derivatives of any one number to all rates cost little more than the law.
+so that the derivatives of a number with respect to all rates take little more time than the law.
 """
 
 from __future__ import annotations
@@ -26,18 +26,18 @@ import numpy as np
 from numba import njit
 
 STATES = 3
-# Each input, after a one: a row of eight numbers, which a processor multiplies at once.
+# Inputs including the constant one, padded to the eight numbers of a vector register.
 INPUTS = 7
 FORM = 1 + INPUTS
-# A row of all three matrices side by side, and all their rows.
+# Length of a row of all three matrices side by side, and of all rows.
 ROW = STATES * FORM
 MATRIX = FORM * ROW
 START, END = 4, 3
 WITHIN = START
-# A state this far from an exponential chain's has run away; it is held there, and told.
+# Largest distance from the state of an exponential chain; beyond it, the law has diverged.
 FARTHEST = 1.0
 
-# Sums may be taken in any order, so that they can be taken eight numbers at a time.
+# Sums may be evaluated in any order, so that the compiler can vectorise them.
 compiled = njit(cache=True, nogil=True, error_model="numpy", fastmath={"reassoc", "contract"})
 
 
@@ -51,16 +51,14 @@ def stage_of(contact, contacts):
 
 @compiled
 def rates_ahead(stage):
-    """How many rates ahead of its own a contact responds to."""
+    """Number of rates ahead of a contact to which it responds."""
     return 2 if stage <= WITHIN else 0
 
 
 @compiled
 def interval_of(rate, ends, guess):
-    """The interval that holds a rate and the distance from its left end; outside, the nearest.
-
-    Searched from the contact before: most rates are close to it.
-    """
+    """Interval that contains a rate (or the nearest one), and the distance from its left end."""
+    # The search begins at the interval of the contact before, whose rate is usually close.
     clipped = min(max(rate, ends[0]), ends[-1])
     interval = guess
     while interval > 0 and clipped < ends[interval]:
@@ -82,10 +80,8 @@ def bca_growth(rate):
 
 @compiled
 def anchor(rate, pieces, ends, guess, value, slope):
-    """State on an exponential chain of this rate and its derivative; outside, the BCA's trend.
-
-    Returns the interval of the rate.
-    """
+    """Write state and derivative on an exponential chain; returns the interval of the rate."""
+    # Outside the tables, the trend is that of the BCA.
     interval, x = interval_of(rate, ends, guess)
     inside = ends[0] <= rate <= ends[-1]
     powers = pieces[interval]
@@ -101,7 +97,7 @@ def anchor(rate, pieces, ends, guess, value, slope):
 
 @compiled
 def gather(contact, stage, rates, y):
-    """The inputs of a contact that are differences of the rates around it."""
+    """Write the inputs of a contact that are differences of the rates around it."""
     ahead = rates_ahead(stage)
     for i in range(INPUTS - STATES):
         last = contact - 1 + i
@@ -111,7 +107,7 @@ def gather(contact, stage, rates, y):
 
 @compiled
 def evaluate(pieces, x, matrix, derivative):
-    """The matrix A and its derivative to the rate, all numbers side by side."""
+    """Evaluate the matrix A and its derivative with respect to the rate."""
     for i in range(MATRIX):
         a, b, c = pieces[0, i], pieces[1, i], pieces[2, i]
         matrix[i] = ((a * x + b) * x + c) * x + pieces[3, i]
@@ -120,9 +116,9 @@ def evaluate(pieces, x, matrix, derivative):
 
 @compiled
 def product(matrix, y, found):
-    """A y, its three components side by side."""
+    """Evaluate A y for all three components."""
     y0, y1, y2, y3, y4, y5, y6, y7 = y[0], y[1], y[2], y[3], y[4], y[5], y[6], y[7]
-    # Written out, so that numbers next to each other are taken together.
+    # Unrolled, so that the compiler vectorises it.
     for i in range(ROW):
         found[i] = (
             (y0 * matrix[i] + y1 * matrix[ROW + i])
@@ -143,7 +139,7 @@ def times(y, found, i):
 
 @compiled
 def second_degree(matrix, y):
-    """Size of what the products of two inputs add to the growth."""
+    """Size of the contribution of products of two inputs to the growth."""
     y1, y2, y3, y4 = abs(y[1]), abs(y[2]), abs(y[3]), abs(y[4])
     y5, y6, y7 = abs(y[5]), abs(y[6]), abs(y[7])
     size = 0.0
@@ -157,28 +153,25 @@ def second_degree(matrix, y):
     return size
 
 
+# Arguments of `forward`:
+# rates: (M,), of all contacts
+# nodes, anchors: ends of intervals, and polynomials (stages, intervals, 12), which are
+#   coefficients of x^3 to x^0, each for the three components of the state
+# knots, response: the same for the matrices A, (stages, intervals, 4, 192): powers, eight rows,
+#   three components, eight columns
+# Results:
+# states: (followed, 3)
+# slopes: (followed, 3, 2), derivatives of the state with respect to the rate of the contact,
+#   and of the anchor of its stage
+# to_inputs: (followed, 3, 8), derivatives of the state with respect to y
+# doubts: (followed, 4), terms of the estimated error: one; norms of all inputs after the
+#   impact, of those at all other contacts up to this one, and of the products of their size and
+#   of the second degree of the growth
 @compiled
 def forward(
     rates, followed, nodes, anchors, knots, response, states, slopes, to_inputs, doubts
 ):  # fmt: skip
-    """States of the contacts; returns the first that ran away, or the number followed if none.
-
-    Parameters
-    ----------
-    rates : (M,) rates of all contacts
-    followed : how many contacts to follow
-    nodes, anchors : ends of intervals, and (stages, intervals, 12) polynomials: the coefficients
-        of x^3 to x^0, each for the three components of the state
-    knots, response : the same of the (stages, intervals, 4, 192) matrices A: of each power the
-        eight rows, of each the three components, of each the eight columns
-    states : (followed, 3), written
-    slopes : (followed, 3, 2), derivatives of the state to the contact's own rate, all others held,
-        and of its stage's anchor, written
-    to_inputs : (followed, 3, 8), derivatives of the state to y, written
-    doubts : (followed, 4), what the estimated error is made of, written: one; the norm of all
-        inputs after the strike and of those at all other contacts up to here; and, of these, of
-        the products of their size and of the growth's second degree
-    """
+    """Compute states of contacts; returns the first that diverges, or else ``followed``."""
     value, slope = np.zeros(STATES), np.zeros(STATES)
     y, matrix, derivative = np.ones(FORM), np.empty(MATRIX), np.empty(MATRIX)
     by_input, by_input_slope = np.empty(ROW), np.empty(ROW)
@@ -188,7 +181,7 @@ def forward(
     for k in range(followed):
         stage = stage_of(k, len(rates))
         if k == START:
-            # What happens within is measured from the anchor within; other stages have their own.
+            # Deviations are measured from the anchor of the inner stage; other stages differ.
             anchor(rates[k - 1], anchors[WITHIN], nodes, node, value, slope)
             slopes[k - 1, :, 1] = slope
         for i in range(STATES):
@@ -230,15 +223,8 @@ def forward(
 
 @compiled
 def backward(contacts, slopes, to_inputs, seeds, to_rates):
-    """Derivatives of a number to all rates, given those to the states.
-
-    Parameters
-    ----------
-    contacts : number of all contacts
-    slopes, to_inputs : what `forward` wrote of the contacts that it followed
-    seeds : derivatives to their states; overwritten
-    to_rates : (contacts,) derivatives to the rates are added to it
-    """
+    """Add derivatives with respect to the rates to ``to_rates``; ``seeds`` are those to states."""
+    # slopes, to_inputs: results of `forward`.  seeds is overwritten.
     to_y = np.empty(FORM)
     for k in range(len(seeds) - 1, -1, -1):
         for j in range(FORM):
@@ -268,7 +254,7 @@ def logarithms(radii):
 @compiled
 def estimated_error(contact, doubts, constants, lost):
     """Estimated relative error of the velocity behind a contact."""
-    # From where a state has run away nothing is known.
+    # Beyond a state that has diverged, the error is unknown.
     error = 1.0 if contact >= lost else 0.0
     for i in range(4):
         error += constants[i] * doubts[contact, i]
@@ -307,17 +293,12 @@ def log_of_contact(powers, stiffness, state):
 def pulse(
     radii, nodes, anchors, knots, response, constants, of_time, of_overlap, by_bead, by_contact
 ):
-    """The law along a chain; returns the error at its end, infinite if a rate is outside.
-
-    Parameters
-    ----------
-    radii : (N,)
-    nodes, anchors, knots, response : as for `forward`
-    constants : (4,) of the estimated error
-    of_time, of_overlap : (5,) powers (a, b, c, d, e) of residence times and overlaps
-    by_bead : (3, N) velocities, their estimated errors, arrivals, written
-    by_contact : (2, N - 1) residence times, overlaps, written
-    """
+    """Evaluate the law; returns the error at the last bead, infinite if a rate is outside."""
+    # nodes, anchors, knots, response: as for `forward`
+    # constants: (4,), of the estimated error
+    # of_time, of_overlap: powers (a, b, c, d, e) of residence times and overlaps
+    # by_bead (3, N): result: velocities, their estimated errors, arrivals
+    # by_contact (2, N - 1): result: residence times, overlaps
     logs, rates = logarithms(radii)
     contacts = len(rates)
     states, doubts = np.empty((contacts, STATES)), np.empty((contacts, 4))
@@ -346,16 +327,10 @@ def pulse(
 def gradient(
     radii, nodes, anchors, knots, response, constants, powers, begin, end, followed, found
 ):
-    """Sum of a quantity over some beads; returns it and its error, infinite if one is outside.
-
-    Parameters
-    ----------
-    radii, nodes, anchors, knots, response, constants : as for `pulse`
-    powers : (5,) powers (a, b, c, d, e) of the quantity
-    begin, end : the beads, from 0, the last excluded
-    followed : how many contacts it depends on; the states of no more are known
-    found : (N,) derivatives of its logarithm to those of the radii, written
-    """
+    """Sum of a quantity over beads, and its error; writes derivatives of ln(sum) to ``found``."""
+    # powers: (a, b, c, d, e) of the quantity; begin, end: the beads, from 0, the last excluded
+    # followed: number of contacts on which the quantity depends
+    # found: (N,), derivatives with respect to the logarithms of the radii
     logs, rates = logarithms(radii)
     states, doubts = np.empty((followed, STATES)), np.empty((followed, 4))
     slopes, to_inputs = np.empty((followed, STATES, 2)), np.empty((followed, STATES, FORM))
@@ -378,13 +353,13 @@ def gradient(
 
 @compiled
 def pull_back(rates, begin, weights, radii, powers, slopes, to_inputs, found):
-    """Derivatives of a quantity's weighted logarithms, from a bead on, to all log radii."""
+    """Derivatives of weighted logarithms of a quantity with respect to all log radii."""
     followed = len(slopes)
     seeds, to_rates = np.zeros((followed, STATES)), np.zeros(len(rates))
     found[:] = 0.0
     to_velocity = 0.0
     for k in range(begin + len(weights) - 1, -1, -1):
-        # A velocity is made of the growth at all contacts before.
+        # A velocity is the product of the growth at all contacts before.
         if k < followed:
             seeds[k, 0] = to_velocity
         if k < begin:

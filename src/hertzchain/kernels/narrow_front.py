@@ -25,9 +25,13 @@ chains with one instruction.
 
 The method is RKN8(6)9FM (`hertzchain.kernels.rkn8`) with steps that are a fixed part of the
 time the pulse takes per bead.  Two things would spoil its order, because there the force
-grows like a power 3/2 of time: the strike, where the first steps are graded, and each contact
+grows like a power p of time: the strike, where the first steps are graded, and each contact
 that opens behind the pulse, where `release` puts the exact end of the push in its place.
 What the window cannot follow is noticed and reported by a status code, never patched up.
+
+Forces of Hertz's law need a square root only, `hertz`; other exponents, of which each contact has
+its own, take `hertzchain.kernels.powers.power`.  The kernel is compiled for either kind when it is
+first needed.
 """
 
 from __future__ import annotations
@@ -37,10 +41,10 @@ from typing import Any
 
 import numpy as np
 from numba import njit
-from numba.misc.special import literally
 
 from .compilation import CONTRACTED
 from .hermite import curvature, hermite, slope, third, value
+from .powers import power
 from .rkn8 import (
     A1,
     A2,
@@ -62,32 +66,41 @@ from .rkn8 import (
 )
 
 LANES = 8
-MAX_SLOTS = 24
+MAX_SLOTS = 32
 # A row has room for the longest window and, not to map all rows to the same lines of the
 # processor's cache, a little more.
 ROW = (MAX_SLOTS + 3) * LANES
 (
-    POSITION, VELOCITY, TRIAL, STIFFNESS, INVERSE_MASS, FORCE, STEP, ERROR,
+    POSITION, VELOCITY, TRIAL, STIFFNESS, EXPONENT, INVERSE_MASS, FORCE, STEP, ERROR,
     OLD_POSITION, OLD_VELOCITY, OLD_STAGE_0,
-    STAGE_0, STAGE_1, STAGE_2, STAGE_3, STAGE_4, STAGE_5, STAGE_6, STAGE_7, END,
-) = range(0, 20 * ROW, ROW)  # fmt: skip
-
-# What a lane knows besides its window. Its time is counted from the last arrival.
-ARRIVAL_TIME, TIME, OLD_STEP, TARGET_STEP, FREE_STEP, MAX_FORCE, CLOCK_SIZE = range(7)
-CHAIN, FIRST, BEAD, BEADS, ARRIVED, STEPS, PLACE_SIZE = range(7)
+    STAGE_0, STAGE_1, STAGE_2, STAGE_3, STAGE_4, STAGE_5, STAGE_6, STAGE_7, CLOCK, END,
+) = range(0, 22 * ROW, ROW)  # fmt: skip
+# What each lane knows besides its window: entries of the row CLOCK, LANES for each. Time is counted
+# from the last arrival; ARRIVED and LAST are 1 from the arrival at the candidate on, and if that is
+# the last bead; WATCH is 1 where a step may have brought an event.
+(
+    ARRIVAL_TIME, TIME, OLD_STEP, TARGET_STEP, FREE_STEP, MAX_FORCE, ARRIVED, LAST, STEPS,
+    NEXT_STEP, WATCH, CLOCK_SIZE,
+) = range(0, 12 * LANES, LANES)  # fmt: skip
+CHAIN, FIRST, BEAD, BEADS, PLACE_SIZE = range(5)
 
 # What becomes of a chain.
 WAITING, FOLLOWED, OUT_OF_ORDER, REAR_CUT, FRONT_CUT, INACCURATE, STALLED, BROKEN = range(8)
 # Entries of `signal`, through which other threads stop the kernel and watch it.
 STOP, PASSED = 0, 1
+# What `follow` takes for one chain after the other, and for LANES of them side by side: the type of
+# these tuples makes a compiled version of its own for each.
+ALONE, ABREAST = (0,), (0,) * LANES
 # Rows of `chains`, what is given of every bead, and of `passed`, what is found.
-GIVEN_INVERSE_MASS, GIVEN_STIFFNESS = 0, 1
+GIVEN_INVERSE_MASS, GIVEN_STIFFNESS, GIVEN_EXPONENT = 0, 1, 2
 PEAK_VELOCITY, PEAK_TIME, ARRIVAL, PEAK_OVERLAP, RESIDENCE, COLUMNS = range(6)
 
 # Part of the local time scale taken for the first step, and its growth from step to step.
 FIRST_STEP, GRADING = 1e-3, 1.4
 # Before a contact opens, steps are at most this part of the time left to it.
 APPROACH = 0.5
+# A contact that opens within this part of a step is released though the next bead is about to pass.
+SOON = 1e-4
 # Contacts behind the candidate that are watched for opening.
 WATCHED = 4
 # A bead much slower than the candidate is the foot of the pulse, where rounding may look
@@ -100,21 +113,45 @@ MAX_STEPS = 400
 # 5 % of the time. The second kind is for every step.
 compiled = njit(**CONTRACTED)
 inlined = njit(forceinline=True, **CONTRACTED)
+approximate = njit(forceinline=True, **(CONTRACTED | {"fastmath": True}))
+# Overlaps that are no larger count as none: their powers would be so small that the processor needs
+# a hundred times as long for them.
+TINY = 1e-36
+
+
+@approximate
+def inverse_root(d):
+    """1/sqrt(d) to some seven digits, one instruction for many numbers."""
+    return np.float64(np.float32(1.0) / np.sqrt(np.float32(d)))
 
 
 @inlined
 def hertz(overlap, stiffness):
-    """Contact force k d^1.5; none without overlap."""
-    d = overlap if overlap > 0.0 else 0.0
-    return stiffness * d * math.sqrt(d)
+    """Contact force k d^1.5; none without overlap.
+
+    The root is corrected by a step of third order, which is faster than the processor's root.
+    """
+    d = overlap if overlap > TINY else 0.0
+    y = inverse_root(d + TINY)
+    root = d * y
+    e = 1.0 - root * y
+    return stiffness * d * (root + root * e * (0.5 + 0.375 * e))
 
 
 @inlined
-def accelerate(w, size, lanes, positions, accelerations):
+def pushing(w, i, overlap, exponents):
+    """Force of contact i at an overlap; ``exponents`` is `None` for Hertz's law."""
+    if exponents is None:
+        return hertz(overlap, w[STIFFNESS + i])
+    return w[STIFFNESS + i] * power(overlap, w[EXPONENT + i])
+
+
+@inlined
+def accelerate(w, size, lanes, positions, accelerations, exponents):
     """Forces and accelerations of all slots, Eq. (4) of the paper."""
     for i in range(size):
         overlap = w[positions + i] - w[positions + i + lanes]
-        w[FORCE + lanes + i] = hertz(overlap, w[STIFFNESS + i])
+        w[FORCE + lanes + i] = pushing(w, i, overlap, exponents)
     for i in range(size):
         net = w[FORCE + i] - w[FORCE + lanes + i]
         w[accelerations + i] = net * w[INVERSE_MASS + i]
@@ -148,22 +185,22 @@ def complete_step(w, size):
 
 
 @inlined
-def take_step(w, size, lanes):
+def take_step(w, size, lanes, exponents):
     """One step of order 8 in every lane; stage 0 must hold the accelerations at its start."""
     place(w, size, C1, A1)
-    accelerate(w, size, lanes, TRIAL, STAGE_1)
+    accelerate(w, size, lanes, TRIAL, STAGE_1, exponents)
     place(w, size, C2, A2)
-    accelerate(w, size, lanes, TRIAL, STAGE_2)
+    accelerate(w, size, lanes, TRIAL, STAGE_2, exponents)
     place(w, size, C3, A3)
-    accelerate(w, size, lanes, TRIAL, STAGE_3)
+    accelerate(w, size, lanes, TRIAL, STAGE_3, exponents)
     place(w, size, C4, A4)
-    accelerate(w, size, lanes, TRIAL, STAGE_4)
+    accelerate(w, size, lanes, TRIAL, STAGE_4, exponents)
     place(w, size, C5, A5)
-    accelerate(w, size, lanes, TRIAL, STAGE_5)
+    accelerate(w, size, lanes, TRIAL, STAGE_5, exponents)
     place(w, size, C6, A6)
-    accelerate(w, size, lanes, TRIAL, STAGE_6)
+    accelerate(w, size, lanes, TRIAL, STAGE_6, exponents)
     place(w, size, C7, A7)
-    accelerate(w, size, lanes, TRIAL, STAGE_7)
+    accelerate(w, size, lanes, TRIAL, STAGE_7, exponents)
     complete_step(w, size)
 
 
@@ -198,34 +235,36 @@ def note_error(w, candidates, lanes):
 
 
 @compiled
-def force_rate(w, i, lanes, positions, velocities):
-    """Rate of change of the force of contact i: 1.5 k sqrt(d) d'."""
+def force_rate(w, i, lanes, positions, velocities, exponents):
+    """Rate of change of the force of contact i: p F d'/d."""
     overlap = w[positions + i] - w[positions + i + lanes]
     if overlap <= 0.0:
         return 0.0
     closing = w[velocities + i] - w[velocities + i + lanes]
-    return 1.5 * w[STIFFNESS + i] * math.sqrt(overlap) * closing
+    if exponents is None:
+        return 1.5 * w[STIFFNESS + i] * math.sqrt(overlap) * closing
+    return w[EXPONENT + i] * pushing(w, i, overlap, exponents) / overlap * closing
 
 
 @compiled
-def jerk(w, i, lanes, positions, velocities):
+def jerk(w, i, lanes, positions, velocities, exponents):
     """Rate of change of the acceleration of slot i."""
-    push = force_rate(w, i - lanes, lanes, positions, velocities)
-    return (push - force_rate(w, i, lanes, positions, velocities)) * w[INVERSE_MASS + i]
+    push = force_rate(w, i - lanes, lanes, positions, velocities, exponents)
+    return (push - force_rate(w, i, lanes, positions, velocities, exponents)) * w[INVERSE_MASS + i]
 
 
 @compiled
-def overlap_jerk(w, i, lanes, positions, velocities):
+def overlap_jerk(w, i, lanes, positions, velocities, exponents):
     """Rate of change of the relative acceleration of the two slots of contact i."""
     k = i + lanes
-    behind = force_rate(w, i - lanes, lanes, positions, velocities) * w[INVERSE_MASS + i]
-    ahead = force_rate(w, k, lanes, positions, velocities) * w[INVERSE_MASS + k]
-    between = force_rate(w, i, lanes, positions, velocities)
+    behind = force_rate(w, i - lanes, lanes, positions, velocities, exponents) * w[INVERSE_MASS + i]
+    ahead = force_rate(w, k, lanes, positions, velocities, exponents) * w[INVERSE_MASS + k]
+    between = force_rate(w, i, lanes, positions, velocities, exponents)
     return behind + ahead - between * (w[INVERSE_MASS + i] + w[INVERSE_MASS + k])
 
 
 @compiled
-def largest_overlap(w, i, lanes, h):
+def largest_overlap(w, i, lanes, h, exponents):
     """Overlap of contact i where its beads have equal velocities, and where in the step.
 
     Newton's method on the slope of the Hermite polynomial of the overlap.
@@ -236,9 +275,9 @@ def largest_overlap(w, i, lanes, h):
     c = hermite(
         h,
         w[OLD_POSITION + i] - w[OLD_POSITION + k], u0, w[OLD_STAGE_0 + i] - w[OLD_STAGE_0 + k],
-        overlap_jerk(w, i, lanes, OLD_POSITION, OLD_VELOCITY),
+        overlap_jerk(w, i, lanes, OLD_POSITION, OLD_VELOCITY, exponents),
         w[POSITION + i] - w[POSITION + k], u1, w[STAGE_0 + i] - w[STAGE_0 + k],
-        overlap_jerk(w, i, lanes, POSITION, VELOCITY),
+        overlap_jerk(w, i, lanes, POSITION, VELOCITY, exponents),
     )  # fmt: skip
     s = u0 / (u0 - u1)
     for _ in range(3):
@@ -247,14 +286,14 @@ def largest_overlap(w, i, lanes, h):
 
 
 @compiled
-def velocity_maximum(w, i, lanes, h):
+def velocity_maximum(w, i, lanes, h, exponents):
     """Largest velocity of slot i within the step, and where: zero of the acceleration."""
     a0, a1 = w[OLD_STAGE_0 + i], w[STAGE_0 + i]
     c = hermite(
         h,
         w[OLD_POSITION + i], w[OLD_VELOCITY + i], a0,
-        jerk(w, i, lanes, OLD_POSITION, OLD_VELOCITY),
-        w[POSITION + i], w[VELOCITY + i], a1, jerk(w, i, lanes, POSITION, VELOCITY),
+        jerk(w, i, lanes, OLD_POSITION, OLD_VELOCITY, exponents),
+        w[POSITION + i], w[VELOCITY + i], a1, jerk(w, i, lanes, POSITION, VELOCITY, exponents),
     )  # fmt: skip
     s = a0 / (a0 - a1)
     for _ in range(3):
@@ -263,47 +302,49 @@ def velocity_maximum(w, i, lanes, h):
 
 
 @compiled
-def remaining_push(w, i, lanes, left):
+def remaining_push(w, i, lanes, left, exponents):
     r"""How contact i ends: time left, remaining impulse and its first moment.
 
     The overlap is continued as a cubic in time, from its derivatives now, to its zero
     :math:`\sigma`.  Written in the time :math:`u = 1 - t/\sigma` left, it is
     :math:`D u (1 + e_1 u + e_2 u^2)`, and with the expansion
 
-    .. math:: (1 + e_1 u + e_2 u^2)^{3/2} \approx 1 + q_1 u + q_2 u^2 + q_3 u^3
+    .. math:: (1 + e_1 u + e_2 u^2)^p \approx 1 + q_1 u + q_2 u^2 + q_3 u^3
 
-    the integrals of the force :math:`k d^{3/2}` are sums of powers.
+    the integrals of the force :math:`k d^p` are sums of powers.
     """
     k = i + lanes
     d0, d1 = w[POSITION + i] - w[POSITION + k], w[VELOCITY + i] - w[VELOCITY + k]
     d2 = w[STAGE_0 + i] - w[STAGE_0 + k]
-    d3 = overlap_jerk(w, i, lanes, POSITION, VELOCITY)
+    d3 = overlap_jerk(w, i, lanes, POSITION, VELOCITY, exponents)
     for _ in range(3):
         gap = d0 + left * (d1 + left * (d2 / 2.0 + left * d3 / 6.0))
         left -= gap / (d1 + left * (d2 + left * d3 / 2.0))
     opening = -(d1 + left * (d2 + left * d3 / 2.0))
     e1 = (d2 + left * d3) / (2.0 * opening) * left
     e2 = -d3 / (6.0 * opening) * left * left
-    q1 = 1.5 * e1
-    q2 = 1.5 * e2 + 0.375 * e1 * e1
-    q3 = 0.75 * e1 * e2 - 0.0625 * e1 * e1 * e1
-    scale = hertz(opening * left, w[STIFFNESS + i]) * left
-    impulse = scale * (2 / 5 + q1 * 2 / 7 + q2 * 2 / 9 + q3 * 2 / 11)
-    moment = scale * left * (2 / 7 + q1 * 2 / 9 + q2 * 2 / 11 + q3 * 2 / 13)
+    p = 1.5 if exponents is None else w[EXPONENT + i]
+    q1 = p * e1
+    q2 = p * (e2 + 0.5 * (p - 1.0) * e1 * e1)
+    q3 = p * (p - 1.0) * e1 * (e2 + (p - 2.0) / 6.0 * e1 * e1)
+    scale = pushing(w, i, opening * left, exponents) * left
+    a, b, c = p + 1.0, p + 2.0, p + 3.0
+    impulse = scale * (1.0 / a + q1 / b + q2 / c + q3 / (p + 4.0))
+    moment = scale * left * (1.0 / b + q1 / c + q2 / (p + 4.0) + q3 / (p + 5.0))
     return left, impulse, moment
 
 
 @compiled
-def release(w, i, lanes, left):
+def release(w, i, lanes, left, exponents):
     """Give the bead ahead of contact i the rest of its push at once, and cut the contact.
 
     The bead's position is set back by what it would not yet have moved, so that position
     and velocity are right once the contact would have opened.  Returns the time left.
     """
-    left, impulse, moment = remaining_push(w, i, lanes, left)
+    left, impulse, moment = remaining_push(w, i, lanes, left, exponents)
     ahead = i + lanes
     overlap = w[POSITION + i] - w[POSITION + ahead]
-    w[STAGE_0 + ahead] -= hertz(overlap, w[STIFFNESS + i]) * w[INVERSE_MASS + ahead]
+    w[STAGE_0 + ahead] -= pushing(w, i, overlap, exponents) * w[INVERSE_MASS + ahead]
     w[VELOCITY + ahead] += impulse * w[INVERSE_MASS + ahead]
     w[POSITION + ahead] -= (impulse * left - moment) * w[INVERSE_MASS + ahead]
     w[STIFFNESS + i] = 0.0
@@ -315,41 +356,54 @@ def time_to_opening(w, i, lanes, horizon):
     """Time after which contact i opens, by a parabola; ``inf`` if not within the horizon."""
     k = i + lanes
     d0, d1 = w[POSITION + i] - w[POSITION + k], w[VELOCITY + i] - w[VELOCITY + k]
-    if d1 >= 0.0 or d0 > -d1 * horizon:
-        return math.inf
-    d2 = w[STAGE_0 + i] - w[STAGE_0 + k]
-    square = d1 * d1 - 2.0 * d0 * d2
-    return 2.0 * d0 / (math.sqrt(square) - d1) if square > 0.0 else math.inf
+    square = d1 * d1 - 2.0 * d0 * (w[STAGE_0 + i] - w[STAGE_0 + k])
+    opens = (d1 < 0.0) & (d0 <= -d1 * horizon) & (square > 0.0)
+    root = math.sqrt(square if opens else 1.0)
+    return 2.0 * d0 / (root - d1) if opens else math.inf
 
 
-@inlined
-def handle_openings(w, clock, place, lane, lanes, behind, release_part, chains):
+@compiled
+def time_to_arrival(w, candidate, lanes):
+    """Time until the candidate is as fast as the bead behind it, by a straight line."""
+    closing = w[VELOCITY + candidate - lanes] - w[VELOCITY + candidate]
+    return closing / (w[STAGE_0 + candidate] - w[STAGE_0 + candidate - lanes])
+
+
+@compiled
+def handle_openings(w, clock, place, lane, lanes, behind, release_part, given):
     """Release contacts that are opening, and put back those that have; returns the next step."""
-    target = clock[TARGET_STEP, lane]
+    target = clock[TARGET_STEP + lane]
     step = target
     for back in range(2, WATCHED + 1):
         i = (behind - back) * lanes + lane
-        if i < 0:
-            break
         left = time_to_opening(w, i, lanes, 4.0 * target)
         if w[STIFFNESS + i] == 0.0:
             if w[POSITION + i] <= w[POSITION + i + lanes]:
                 bead = place[BEAD, lane] - back
-                w[STIFFNESS + i] = chains[GIVEN_STIFFNESS, place[FIRST, lane] + bead]
+                w[STIFFNESS + i] = given[0][GIVEN_STIFFNESS, place[FIRST, lane] + bead]
         elif 0.0 < left < release_part * target:
-            release(w, i, lanes, left)
+            if back == 2 and clock[ARRIVED + lane] == 0.0 and left > SOON * target:
+                # The push would make the bead too fast, and the arrival late, until it has ended.
+                arrival = time_to_arrival(w, behind * lanes + lane, lanes)
+                if 0.0 < arrival < left:
+                    step = min(step, 0.5 * (arrival + left))
+                    continue
+            release(w, i, lanes, left, given[3])
         elif left > 0.0:
             step = min(step, APPROACH * left)
     return step
 
 
 @compiled
-def load_slot(w, i, chains, place, lane, bead):
+def load_slot(w, i, given, place, lane, bead):
     """Put a bead at rest into a slot; beyond the ends of the chain, nothing at all."""
+    chains, exponents = given[0], given[3]
     inside = 0 <= bead < place[BEADS, lane]
     at = place[FIRST, lane] + bead
     w[STIFFNESS + i] = chains[GIVEN_STIFFNESS, at] if inside else 0.0
     w[INVERSE_MASS + i] = chains[GIVEN_INVERSE_MASS, at] if inside else 0.0
+    if exponents is not None:
+        w[EXPONENT + i] = chains[GIVEN_EXPONENT, at] if inside else 1.5
     w[POSITION + i] = 0.0
     w[VELOCITY + i] = 0.0
     w[STAGE_0 + i] = 0.0
@@ -361,26 +415,25 @@ def load_chain(scratch, lane, lanes, window, given, chain):
     """Begin a chain in a lane: bead 1 struck, bead 2 the candidate."""
     w, clock, place = scratch
     slots, behind, step_part, _ = window
-    chains, first, beads = given
+    _, first, beads, exponents = given
     place[CHAIN, lane] = chain
     place[FIRST, lane] = first[chain]
     place[BEADS, lane] = beads[chain]
     place[BEAD, lane] = 1
-    place[ARRIVED, lane] = 0
-    place[STEPS, lane] = 0
     for s in range(slots):
-        load_slot(w, s * lanes + lane, chains, place, lane, s - behind + 1)
+        load_slot(w, s * lanes + lane, given, place, lane, s - behind + 1)
     striker = (behind - 1) * lanes + lane
     w[VELOCITY + striker] = 1.0
     # Compression time of the first two beads, as if they were alone.
     reduced = 1.0 / (w[INVERSE_MASS + striker] + w[INVERSE_MASS + striker + lanes])
-    time_scale = 1.609 * (reduced / w[STIFFNESS + striker]) ** 0.4
-    clock[ARRIVAL_TIME, lane] = 0.0
-    clock[TIME, lane] = 0.0
-    clock[OLD_STEP, lane] = 0.0
-    clock[TARGET_STEP, lane] = step_part * time_scale
-    clock[FREE_STEP, lane] = FIRST_STEP * time_scale
-    clock[MAX_FORCE, lane] = 0.0
+    p = 1.5 if exponents is None else w[EXPONENT + striker]
+    largest = (0.5 * (p + 1.0) * reduced / w[STIFFNESS + striker]) ** (1.0 / (p + 1.0))
+    time_scale = 1.4716 * largest
+    for entry in (ARRIVAL_TIME, TIME, OLD_STEP, MAX_FORCE, ARRIVED, STEPS):
+        clock[entry + lane] = 0.0
+    clock[LAST + lane] = 1.0 if beads[chain] == 2 else 0.0
+    clock[TARGET_STEP + lane] = step_part * time_scale
+    clock[FREE_STEP + lane] = FIRST_STEP * time_scale
 
 
 @compiled
@@ -390,37 +443,43 @@ def clear_lane(scratch, lane, lanes, window, given):
     place[CHAIN, lane] = -1
     place[BEADS, lane] = 0
     for s in range(window[0]):
-        load_slot(w, s * lanes + lane, given[0], place, lane, s)
-    clock[TARGET_STEP, lane] = 1.0
-    clock[FREE_STEP, lane] = 1.0
+        load_slot(w, s * lanes + lane, given, place, lane, s)
+    for entry in range(0, CLOCK_SIZE, LANES):
+        clock[entry + lane] = 0.0
+    clock[TARGET_STEP + lane] = 1.0
+    clock[FREE_STEP + lane] = 1.0
 
 
 @compiled
-def shift_window(w, place, lane, lanes, slots, behind, chains):
+def shift_window(w, clock, place, lane, lanes, slots, behind, given):
     """Move the window by one bead: each slot takes over from the next, the last is loaded."""
     last = (slots - 1) * lanes + lane
+    exponents = given[3]
     for i in range(lane, last, lanes):
         w[POSITION + i] = w[POSITION + i + lanes]
         w[VELOCITY + i] = w[VELOCITY + i + lanes]
         w[STIFFNESS + i] = w[STIFFNESS + i + lanes]
         w[INVERSE_MASS + i] = w[INVERSE_MASS + i + lanes]
         w[STAGE_0 + i] = w[STAGE_0 + i + lanes]
+        if exponents is not None:
+            w[EXPONENT + i] = w[EXPONENT + i + lanes]
     w[ERROR + behind * lanes + lane] = 0.0
     place[BEAD, lane] += 1
-    load_slot(w, last, chains, place, lane, place[BEAD, lane] + slots - behind - 1)
-    push = hertz(w[POSITION + last - lanes], w[STIFFNESS + last - lanes])
+    clock[LAST + lane] = 1.0 if place[BEAD, lane] == place[BEADS, lane] - 1 else 0.0
+    load_slot(w, last, given, place, lane, place[BEAD, lane] + slots - behind - 1)
+    push = pushing(w, last - lanes, w[POSITION + last - lanes], exponents)
     w[STAGE_0 + last] = push * w[INVERSE_MASS + last]
 
 
 @compiled
-def window_status(w, clock, lane, lanes, slots, candidate, limits):
+def window_status(w, clock, lane, lanes, slots, candidate, limits, exponents):
     """Whether the window still holds what matters, looked at before it is moved."""
     rear_limit, front_limit, error_limit = limits
     speed = w[VELOCITY + candidate]
-    largest = clock[MAX_FORCE, lane]
-    rear = hertz(w[POSITION + lane] - w[POSITION + lane + lanes], w[STIFFNESS + lane])
+    largest = clock[MAX_FORCE + lane]
+    rear = pushing(w, lane, w[POSITION + lane] - w[POSITION + lane + lanes], exponents)
     last = (slots - 1) * lanes + lane
-    front = hertz(w[POSITION + last], w[STIFFNESS + last])
+    front = pushing(w, last, w[POSITION + last], exponents)
     if not (speed > 0.0 and largest > 0.0 and speed < math.inf):
         return BROKEN
     if rear > rear_limit * largest:
@@ -431,15 +490,42 @@ def window_status(w, clock, lane, lanes, slots, candidate, limits):
 
 
 @inlined
-def may_have_events(w, place, lane, lanes, behind):
-    """Whether there may be anything to record after a step; most often there is not."""
-    candidate = behind * lanes + lane
-    last_bead = place[BEAD, lane] == place[BEADS, lane] - 1
-    if last_bead or w[STAGE_0 + candidate] <= 0.0:
-        return True
-    if place[ARRIVED, lane] == 0 and w[VELOCITY + candidate - lanes] <= w[VELOCITY + candidate]:
-        return True
-    return w[STAGE_0 + candidate + lanes] < 0.0 or w[STAGE_0 + candidate + 2 * lanes] < 0.0
+def opening_step(w, i, lanes, release_part, target):
+    """The step that contact i allows, negative if it must be released or put back first."""
+    left = time_to_opening(w, i, lanes, 4.0 * target)
+    cut = w[STIFFNESS + i] == 0.0
+    returned = cut & (w[POSITION + i] <= w[POSITION + i + lanes])
+    ends = (left > 0.0) & (left < release_part * target)
+    allowed = APPROACH * left if (left > 0.0) & (not cut) else math.inf
+    return -1.0 if returned | (ends & (not cut)) else allowed
+
+
+@inlined
+def choose_steps(watched, lanes, release_part):
+    """The next step of every lane, and whether something may have happened in it.
+
+    Most often nothing has, and all lanes are done with the same instructions: for that,
+    ``watched`` is the window from the last contact that is watched on, with the candidate in a
+    slot that the compiler knows, and the clock at a distance that it knows.
+    """
+    for lane in range(lanes):
+        candidate = WATCHED * lanes + lane
+        pushed, ahead = watched[STAGE_0 + candidate], watched[STAGE_0 + candidate + lanes]
+        further = watched[STAGE_0 + candidate + 2 * lanes]
+        arriving = watched[VELOCITY + candidate - lanes] <= watched[VELOCITY + candidate]
+        event = (
+            (pushed <= 0.0) | (ahead < 0.0) | (further < 0.0) | (watched[CLOCK + LAST + lane] > 0.0)
+        )
+        event = event | ((watched[CLOCK + ARRIVED + lane] == 0.0) & arriving)
+        target = watched[CLOCK + TARGET_STEP + lane]
+        step = target
+        for contact in range(WATCHED - 1):
+            allowed = opening_step(watched, contact * lanes + lane, lanes, release_part, target)
+            step = allowed if allowed < step else step
+        free = watched[CLOCK + FREE_STEP + lane] * GRADING
+        event = event | (step < 0.0) | (watched[CLOCK + STEPS + lane] >= MAX_STEPS)
+        watched[CLOCK + NEXT_STEP + lane] = step if step < free else free
+        watched[CLOCK + WATCH + lane] = 1.0 if event else 0.0
 
 
 @compiled
@@ -455,94 +541,121 @@ def out_of_order(w, candidate, lanes, arrived):
 
 
 @compiled
-def record_events(scratch, lane, lanes, window, limits, chains, passed):
+def record_arrival(w, clock, lane, candidate, lanes, at, step_part, passed, exponents):
+    """Record the largest overlap behind the candidate; time is counted from there."""
+    contact = candidate - lanes
+    h = clock[OLD_STEP + lane]
+    overlap, part = largest_overlap(w, contact, lanes, h, exponents)
+    residence = clock[TIME + lane] - (1.0 - part) * h
+    passed[PEAK_OVERLAP, at - 1] = overlap
+    passed[RESIDENCE, at - 1] = residence
+    clock[TIME + lane] -= residence
+    clock[ARRIVAL_TIME + lane] += residence
+    passed[ARRIVAL, at] = clock[ARRIVAL_TIME + lane]
+    clock[TARGET_STEP + lane] = step_part * residence
+    clock[MAX_FORCE + lane] = pushing(w, contact, overlap, exponents)
+    clock[ARRIVED + lane] = 1.0
+
+
+@compiled
+def record_events(scratch, lane, lanes, window, limits, given, passed):
     """Record what happened in the last step, and move the window if the candidate has peaked.
 
     Returns WAITING while the chain goes on, otherwise what became of it.
     """
     w, clock, place = scratch
     slots, behind, step_part, release_part = window
+    exponents = given[3]
     candidate = behind * lanes + lane
     contact = candidate - lanes
     at = place[FIRST, lane] + place[BEAD, lane]
-    last_bead = place[BEAD, lane] == place[BEADS, lane] - 1
-    h = clock[OLD_STEP, lane]
-
-    if place[ARRIVED, lane] == 0 and w[VELOCITY + contact] <= w[VELOCITY + candidate]:
-        overlap, part = largest_overlap(w, contact, lanes, h)
-        residence = clock[TIME, lane] - (1.0 - part) * h
-        passed[PEAK_OVERLAP, at - 1] = overlap
-        passed[RESIDENCE, at - 1] = residence
-        clock[TIME, lane] -= residence
-        clock[ARRIVAL_TIME, lane] += residence
-        passed[ARRIVAL, at] = clock[ARRIVAL_TIME, lane]
-        clock[TARGET_STEP, lane] = step_part * residence
-        clock[MAX_FORCE, lane] = hertz(overlap, w[STIFFNESS + contact])
-        place[ARRIVED, lane] = 1
-    arrived = place[ARRIVED, lane] == 1
+    if clock[ARRIVED + lane] == 0.0 and w[VELOCITY + contact] <= w[VELOCITY + candidate]:
+        record_arrival(w, clock, lane, candidate, lanes, at, step_part, passed, exponents)
+    arrived = clock[ARRIVED + lane] == 1.0
     if out_of_order(w, candidate, lanes, arrived):
         return OUT_OF_ORDER
 
-    if arrived and last_bead:
-        left = time_to_opening(w, contact, lanes, 4.0 * clock[TARGET_STEP, lane])
-        if left < release_part * clock[TARGET_STEP, lane]:
-            code = window_status(w, clock, lane, lanes, slots, candidate, limits)
-            left = release(w, contact, lanes, left)
+    if arrived and clock[LAST + lane] == 1.0:
+        left = time_to_opening(w, contact, lanes, 4.0 * clock[TARGET_STEP + lane])
+        if left < release_part * clock[TARGET_STEP + lane]:
+            code = window_status(w, clock, lane, lanes, slots, candidate, limits, exponents)
+            left = release(w, contact, lanes, left, exponents)
             passed[PEAK_VELOCITY, at] = w[VELOCITY + candidate]
-            passed[PEAK_TIME, at] = clock[ARRIVAL_TIME, lane] + clock[TIME, lane] + left
+            passed[PEAK_TIME, at] = clock[ARRIVAL_TIME + lane] + clock[TIME + lane] + left
             return FOLLOWED if code == WAITING else code
-        clock[FREE_STEP, lane] = min(clock[FREE_STEP, lane], APPROACH * left)
+        clock[FREE_STEP + lane] = min(clock[FREE_STEP + lane], APPROACH * left)
     elif arrived and w[STAGE_0 + candidate] <= 0.0:
-        velocity, part = velocity_maximum(w, candidate, lanes, h)
+        h = clock[OLD_STEP + lane]
+        velocity, part = velocity_maximum(w, candidate, lanes, h, exponents)
         passed[PEAK_VELOCITY, at] = velocity
-        delay = clock[TIME, lane] - (1.0 - part) * h
-        passed[PEAK_TIME, at] = clock[ARRIVAL_TIME, lane] + delay
-        code = window_status(w, clock, lane, lanes, slots, candidate, limits)
+        delay = clock[TIME + lane] - (1.0 - part) * h
+        passed[PEAK_TIME, at] = clock[ARRIVAL_TIME + lane] + delay
+        code = window_status(w, clock, lane, lanes, slots, candidate, limits, exponents)
         if code != WAITING:
             return code
-        shift_window(w, place, lane, lanes, slots, behind, chains)
-        place[ARRIVED, lane] = 0
-        place[STEPS, lane] = 0
+        shift_window(w, clock, place, lane, lanes, slots, behind, given)
+        clock[ARRIVED + lane] = 0.0
+        clock[STEPS + lane] = 0.0
         early = w[VELOCITY + contact] <= w[VELOCITY + candidate]
         if early or w[STAGE_0 + candidate] <= 0.0:
             return OUT_OF_ORDER
     return WAITING
 
 
-@inlined
-def choose_step(scratch, lane, lanes, window, chains):
-    """Step of a lane: its part of the local time scale, less after the strike and at openings."""
+@compiled
+def attend(scratch, lane, lanes, window, limits, given, passed):
+    """Record the events of a lane and choose its next step; returns what became of its chain."""
     w, clock, place = scratch
-    slots, behind, _, release_part = window
-    step = handle_openings(w, clock, place, lane, lanes, behind, release_part, chains)
-    place[STEPS, lane] += 1
-    if place[STEPS, lane] > MAX_STEPS:
-        return STALLED
-    clock[FREE_STEP, lane] *= GRADING
-    step = min(step, clock[FREE_STEP, lane])
-    clock[TIME, lane] += step
-    if step != clock[OLD_STEP, lane]:
-        clock[OLD_STEP, lane] = step
-        for s in range(slots):
-            w[STEP + s * lanes + lane] = step
-    return WAITING
+    code = record_events(scratch, lane, lanes, window, limits, given, passed)
+    if code != WAITING:
+        return code
+    step = handle_openings(w, clock, place, lane, lanes, window[1], window[3], given)
+    clock[NEXT_STEP + lane] = min(step, clock[FREE_STEP + lane] * GRADING)
+    return STALLED if clock[STEPS + lane] >= MAX_STEPS else WAITING
+
+
+@inlined
+def begin_steps(w, clock, slots, lanes):
+    """Set the clocks, and the step of every slot, to the chosen steps."""
+    for lane in range(lanes):
+        step = clock[NEXT_STEP + lane]
+        clock[FREE_STEP + lane] *= GRADING
+        clock[TIME + lane] += step
+        clock[STEPS + lane] += 1.0
+        clock[OLD_STEP + lane] = step
+    for s in range(slots):
+        for lane in range(lanes):
+            w[STEP + s * lanes + lane] = clock[NEXT_STEP + lane]
 
 
 @compiled
-def follow(lanes, window, limits, given, passed, status, signal, scratch):
-    """Follow the pulse along many chains, ``lanes`` at a time.
+def next_chain(scratch, lane, lanes, window, given, waiting, chains):
+    """Fill a lane with the next waiting chain, if there is one; returns how many were begun."""
+    if waiting == chains:
+        clear_lane(scratch, lane, lanes, window, given)
+        return 0
+    load_chain(scratch, lane, lanes, window, given, waiting)
+    clock = scratch[1]
+    clock[NEXT_STEP + lane] = min(clock[TARGET_STEP + lane], clock[FREE_STEP + lane] * GRADING)
+    return 1
+
+
+@compiled
+def follow(abreast, window, limits, given, passed, status, signal, scratch):
+    """Follow the pulse along many chains, ``len(abreast)`` at a time.
 
     Parameters
     ----------
-    lanes : 1 or LANES; a compiled version of its own for each
-    window : (slots, slots behind the candidate, step in parts of the time the pulse takes per
-        bead, time before the opening of a contact at which it is released in parts of such a
-        step)
+    abreast : ALONE or ABREAST
+    window : (slots, slots behind the candidate, at least WATCHED, step in parts of the time the
+        pulse takes per bead, time before the opening of a contact at which it is released in
+        parts of such a step)
     limits : (force cut off at the rear, at the front, both in parts of the largest force;
         estimated error of a step in parts of the velocity), above which the chain is given up
-    given : (chains, first, beads): (2, M) inverse masses and stiffness of all beads of all
-        chains, where the contact after the last bead of a chain has stiffness 0; where each of
-        the C chains begins among the M beads; how many it has
+    given : (chains, first, beads, exponents): (3, M) inverse masses, stiffness and exponents of all
+        beads of all chains, where the contact after the last bead of a chain has stiffness 0;
+        where each of the C chains begins among the M beads; how many it has; `None` if all
+        exponents are 3/2, otherwise anything else
     passed : (COLUMNS, M) first maximum of each bead's velocity and its time, arrival time,
         largest overlap with the next bead, and residence time; the striker's velocity and times
         are left alone
@@ -555,66 +668,48 @@ def follow(lanes, window, limits, given, passed, status, signal, scratch):
     int
         Steps of the window taken.
     """
-    lanes = literally(lanes)
-    w, _, place = scratch
-    slots, behind, _, _ = window
-    chains = given[0]
+    lanes = len(abreast)
+    w, place = scratch
+    slots, behind, _, release_part = window
+    exponents = given[3]
     size = slots * lanes
     candidates = behind * lanes
+    watched = w[candidates - WATCHED * lanes :]
+    clock = watched[CLOCK:]
+    known = w, clock, place
     waiting, active = 0, 0
     for lane in range(lanes):
-        clear_lane(scratch, lane, lanes, window, given)
-        if waiting < len(status):
-            load_chain(scratch, lane, lanes, window, given, waiting)
-            waiting += 1
-            active += 1
+        begun = next_chain(known, lane, lanes, window, given, waiting, len(status))
+        waiting += begun
+        active += begun
 
     steps = 0
     while active > 0 and signal[STOP] == 0:
-        accelerate(w, size, lanes, POSITION, STAGE_0)
+        accelerate(w, size, lanes, POSITION, STAGE_0, exponents)
         note_error(w, candidates, lanes)
+        choose_steps(watched, lanes, release_part)
         for lane in range(lanes):
-            if place[CHAIN, lane] < 0:
+            if clock[WATCH + lane] == 0.0 or place[CHAIN, lane] < 0:
                 continue
-            code = WAITING
-            if may_have_events(w, place, lane, lanes, behind):
-                bead = place[BEAD, lane]
-                code = record_events(scratch, lane, lanes, window, limits, chains, passed)
-                signal[PASSED] += place[BEAD, lane] - bead
-            if code == WAITING:
-                code = choose_step(scratch, lane, lanes, window, chains)
-            if code == WAITING:
-                continue
-            status[place[CHAIN, lane]] = code
-            if waiting < len(status):
-                load_chain(scratch, lane, lanes, window, given, waiting)
-                choose_step(scratch, lane, lanes, window, chains)
-                waiting += 1
-            else:
-                clear_lane(scratch, lane, lanes, window, given)
-                active -= 1
+            bead = place[BEAD, lane]
+            code = attend(known, lane, lanes, window, limits, given, passed)
+            signal[PASSED] += place[BEAD, lane] - bead
+            if code != WAITING:
+                status[place[CHAIN, lane]] = code
+                begun = next_chain(known, lane, lanes, window, given, waiting, len(status))
+                waiting += begun
+                active += begun - 1
+        begin_steps(w, clock, slots, lanes)
         keep_old(w, candidates, lanes)
-        take_step(w, size, lanes)
+        take_step(w, size, lanes, exponents)
         steps += 1
     return steps
 
 
-def scratch_of(lanes: int) -> tuple[Any, Any, Any]:
-    """The window and what each lane knows, for `follow_one` (1) or `follow_many` (LANES)."""
+def scratch_of(abreast: tuple[int, ...]) -> tuple[Any, Any]:
+    """The window and what each lane knows, for `follow`."""
     # Rows begin with a line of the processor's cache: reads across two lines cost a tenth.
     line = 64
     w = np.zeros(END + line // 8)
     w = w[-w.ctypes.data % line // 8 :][:END]
-    return w, np.zeros((CLOCK_SIZE, lanes)), np.zeros((PLACE_SIZE, lanes), np.int64)
-
-
-@compiled
-def follow_one(window, limits, given, passed, status, signal, scratch):
-    """`follow` one chain after the other, as is quickest for a single one."""
-    return follow(1, window, limits, given, passed, status, signal, scratch)
-
-
-@compiled
-def follow_many(window, limits, given, passed, status, signal, scratch):
-    """`follow` LANES chains side by side."""
-    return follow(LANES, window, limits, given, passed, status, signal, scratch)
+    return w, np.zeros((PLACE_SIZE, len(abreast)), np.int64)

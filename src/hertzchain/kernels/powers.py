@@ -1,47 +1,127 @@
-r"""Powers of many numbers at once: the library's power takes one number after the other.
+r"""Vectorised powers of the elements of an array.
 
-With :math:`x = 2^e m`, which can be read from the bits of x,
+With :math:`x = 2^e m`, where e and m follow from the bits of x,
 
 .. math:: x^a = 2^n\, 2^{a e + a \log_2 m - n}, \qquad
           \log_2 m = \frac{2}{\ln 2}\,\mathrm{artanh}\,\frac{m - 1}{m + 1} ,
 
-n the whole number next to the exponent; both functions by their series.  The result is right to a
-few parts in :math:`10^{16}`, and the loops have no branch, so that several numbers are done with
-one instruction.
+where n is the whole number next to the exponent; both functions are evaluated by their series.  The
+relative error is a few :math:`10^{-16}`, and the loops have no branch, so that the compiler can
+vectorise them.
+
+`power` is the same function for one number at a time, to be called in such loops; its error of
+1e-14 is below that of the pulse, and it takes half of the time.
 """
 
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
+from llvmlite import ir
+from numba import njit, types
+from numba.extending import intrinsic
 
-from .compilation import compiled
+from .compilation import CONTRACTED, compiled
 
-# A float64 is 2^(exponent - BIAS) (1 + mantissa), its exponent from bit SHIFT on.
+# A float64 is 2^(exponent - BIAS) (1 + mantissa), where the exponent begins at bit SHIFT.
 SHIFT, BIAS = 52, 1023
 MANTISSA, ONE = (1 << SHIFT) - 1, BIAS << SHIFT
-# Smaller numbers have lost digits; their powers are given as 0.
+# Smaller numbers are subnormal; their powers are set to 0.
 SMALLEST = 1e-300
 ROOT_2 = math.sqrt(2.0)
-# log2 m by odd powers of (m - 1)/(m + 1), and 2^r by powers of r.
+# Series of log2 m in odd powers of (m - 1)/(m + 1), and of 2^r in powers of r.
 LOGARITHM = tuple(2.0 / ((2 * i + 1) * math.log(2.0)) for i in range(12))
 EXPONENTIAL = tuple(math.log(2.0) ** i / math.factorial(i) for i in range(14))
+# A number that pushes the digits of a smaller one behind the point out of a float64; the same with
+# nothing but an exponent of 52.
+ROUNDING, INTEGER = 1.5 * 2.0**52, 0x4330000000000000
+# Smallest and largest exponent of a power of two that all digits are kept of.
+MIN_EXPONENT, MAX_EXPONENT = -1021.0, 1023.0
+# The bits of a number next to the root of 2, from which on the next power of 2 is the nearer one.
+ROOT_BITS = 0x3FE6A09E667F3BCD
+
+
+def _fitted(function: Any, degree: int, low: float, high: float) -> tuple[float, ...]:
+    """Coefficients of the polynomial through a function's values at Chebyshev's points."""
+    fit = np.polynomial.Chebyshev.interpolate(function, degree, [low, high])
+    return tuple(fit.convert(kind=np.polynomial.Polynomial).coef.tolist())
+
+
+def _log2_over_f(square: Any) -> Any:
+    """(log2 m)/f as a function of the square of f = (m - 1)/(m + 1)."""
+    return sum(square**i / (2 * i + 1) for i in range(20)) * 2.0 / math.log(2.0)
+
+
+# Relative errors of 6e-15 and 4e-16.
+SHORT_LOGARITHM = _fitted(_log2_over_f, 6, 0.0, ((ROOT_2 - 1.0) / (ROOT_2 + 1.0)) ** 2)
+SHORT_EXPONENTIAL = _fitted(np.exp2, 10, -0.5, 0.5)
+
+inlined = njit(forceinline=True, **CONTRACTED)
+
+
+@intrinsic
+def _bits_of(_context, _number):
+    """The bits of a float64 as an integer: unlike a view, no obstacle to vector instructions."""
+
+    def generate(_context: Any, builder: Any, _signature: Any, args: Any) -> Any:
+        return builder.bitcast(args[0], ir.IntType(64))
+
+    return types.int64(types.float64), generate
+
+
+@intrinsic
+def _number_of(_context, _bits):
+    """The float64 of these bits."""
+
+    def generate(_context: Any, builder: Any, _signature: Any, args: Any) -> Any:
+        return builder.bitcast(args[0], ir.DoubleType())
+
+    return types.float64(types.int64), generate
+
+
+# Callers omit the first argument, which type checkers would require.
+bits_of: Any = _bits_of
+number_of: Any = _number_of
+
+
+@inlined
+def power(base, exponent):
+    """base^exponent to 1e-14, at most 9e307; 0 unless the base is larger than 1e-300."""
+    positive = base > SMALLEST
+    bits = bits_of(base if positive else 1.0)
+    # Between the roots of 1/2 and 2, and the rest of the exponent as a number.
+    whole = (bits - ROOT_BITS) >> SHIFT
+    m = number_of(bits - (whole << SHIFT))
+    e = number_of((whole + BIAS) | INTEGER) - number_of(INTEGER | BIAS)
+    f = (m - 1.0) / (m + 1.0)
+    q = f * f
+    a0, a1, a2, a3, a4, a5, a6 = SHORT_LOGARITHM
+    log = f * (a0 + q * (a1 + q * (a2 + q * (a3 + q * (a4 + q * (a5 + q * a6))))))
+    total = exponent * (e + log)
+    total = total if total > MIN_EXPONENT else MIN_EXPONENT
+    total = total if total < MAX_EXPONENT else MAX_EXPONENT
+    shifted = total + ROUNDING
+    r = total - (shifted - ROUNDING)
+    b0, b1, b2, b3, b4, b5, b6, b7, b8, b9, b10 = SHORT_EXPONENTIAL
+    high = b5 + r * (b6 + r * (b7 + r * (b8 + r * (b9 + r * b10))))
+    root = b0 + r * (b1 + r * (b2 + r * (b3 + r * (b4 + r * high))))
+    found = number_of(bits_of(root) + (bits_of(shifted) << SHIFT))
+    # NaN stays NaN.
+    return found if positive else 0.0 * base
 
 
 @compiled
 def powers(base, exponent, out, scratch):
-    """Write base^exponent into ``out``; ``scratch`` is (2, len(base)).
-
-    The bases are not negative, the exponent lies between 0 and 16; what is not finite gives nan.
-    """
+    """Write base^exponent (base >= 0, NaN if not finite; 0 <= exponent <= 16) into ``out``."""
     bits = base.view(np.int64)
     mantissa, whole = scratch[0, : len(base)], scratch[1, : len(base)]
     written, exponents = mantissa.view(np.int64), whole.view(np.int64)
     for i in range(len(base)):
         written[i] = (bits[i] & MANTISSA) | ONE
         exponents[i] = (bits[i] >> SHIFT) - BIAS
-    # The upper half of the exponent times a whole number is exact.
+    # The product of the upper half of the exponent and a whole number is exact.
     upper = np.float64(np.float32(exponent))
     lower = exponent - upper
     for i in range(len(base)):
@@ -60,7 +140,7 @@ def powers(base, exponent, out, scratch):
 
 @compiled
 def log2(m):
-    """Logarithm to the base 2 of a number next to 1."""
+    """Logarithm to the base 2 of a number near 1."""
     f = (m - 1.0) / (m + 1.0)
     q = f * f
     a0, a1, a2, a3, a4, a5, a6, a7, a8, a9, a10, a11 = LOGARITHM
@@ -70,7 +150,7 @@ def log2(m):
 
 @compiled
 def exp2(r):
-    """2^r of a number of at most one half."""
+    """2^r for abs(r) <= 1/2."""
     a0, a1, a2, a3, a4, a5, a6, a7, a8, a9, a10, a11, a12, a13 = EXPONENTIAL
     high = a7 + r * (a8 + r * (a9 + r * (a10 + r * (a11 + r * (a12 + r * a13)))))
     return a0 + r * (a1 + r * (a2 + r * (a3 + r * (a4 + r * (a5 + r * (a6 + r * high))))))

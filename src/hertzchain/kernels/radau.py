@@ -1,13 +1,13 @@
-r"""The tables of the implicit method: Radau IIA with five stages, of order 9.
+r"""Tables of the implicit method Radau IIA with five stages, of order 9.
 
 The nodes :math:`c_i` are the zeros of :math:`\frac{d^4}{dc^4} c^4 (c - 1)^5`, the weights
 
 .. math:: a_{ij} = \int_0^{c_i} \ell_j(c)\, dc ,
 
-:math:`\ell_j` the polynomial of degree 4 that is 1 at node j and 0 at the others: E. Hairer,
-G. Wanner, Solving Ordinary Differential Equations II, section IV.5.  The last node is the
-end of the step.  All tables are made from the nodes in rational arithmetic, so that they
-are right to the last digit.
+where :math:`\ell_j` is the polynomial of degree 4 that is 1 at node j and 0 at the other nodes:
+E. Hairer, G. Wanner, Solving Ordinary Differential Equations II, section IV.5.  The last node is
+the end of the step.  All tables are computed from the nodes in rational arithmetic, so that they
+are correctly rounded.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ Polynomial = list[Fraction]
 
 
 def _times(one: Polynomial, other: Polynomial) -> Polynomial:
-    """The product of two polynomials, coefficients by rising power."""
+    """Product of two polynomials, with coefficients of rising powers."""
     product = [Fraction(0)] * (len(one) + len(other) - 1)
     for i, a in enumerate(one):
         for j, b in enumerate(other):
@@ -35,7 +35,7 @@ def _times(one: Polynomial, other: Polynomial) -> Polynomial:
 
 
 def _integral(polynomial: Polynomial) -> Polynomial:
-    """The integral from 0 on."""
+    """Integral from 0."""
     return [Fraction(0), *(c / (i + 1) for i, c in enumerate(polynomial))]
 
 
@@ -44,7 +44,7 @@ def _at(polynomial: Polynomial, x: Fraction) -> Fraction:
 
 
 def _lagrange() -> list[Polynomial]:
-    """For each node, the polynomial that is 1 there and 0 at the others."""
+    """For each node, the polynomial that is 1 there and 0 at the other nodes."""
     nodes = [Fraction(c) for c in NODES]
     basis = []
     for i, here in enumerate(nodes):
@@ -57,7 +57,7 @@ def _lagrange() -> list[Polynomial]:
 
 
 def _dense(polynomial: Polynomial) -> Polynomial:
-    """The same, 0 at 0, in the basis t, t(1-t), t^2(1-t), ... of `dop853_interpolant`."""
+    """Coefficients in the basis t, t(1-t), t^2(1-t), ... of `dop853_interpolant`."""
     rest, coefficients = list(polynomial), [Fraction(0)] * COEFFICIENTS
     basis = [[Fraction(0), Fraction(1)]]
     for row in range(1, COEFFICIENTS):
@@ -71,7 +71,7 @@ def _dense(polynomial: Polynomial) -> Polynomial:
 
 
 def _legendre(degree: int) -> list[Fraction]:
-    """How much each node's value counts in a Legendre coefficient of the interpolating curve."""
+    """Weights of the values at the nodes in a Legendre coefficient of their interpolant."""
     shifted = [Fraction(1)], [Fraction(-1), Fraction(2)]
     polynomials = list(shifted)
     for n in range(1, degree):
@@ -96,5 +96,5 @@ ONE_STAGE = np.ones((1, 1))
 TO_DENSE = np.ascontiguousarray(_floats([_dense(e) for e in _INTEGRALS]).T)
 # Powers of the part of the step (power, stage) that interpolate between the nodes.
 BETWEEN = np.ascontiguousarray(_floats(_lagrange()).T)
-# The last two Legendre coefficients of the rates, as the velocities that they make in the step.
+# The last two Legendre coefficients of the rates, as changes of the velocity within the step.
 LAST, BEFORE_LAST = _floats([[c / (2 * (2 * n + 1)) for c in _legendre(n)] for n in (4, 3)])

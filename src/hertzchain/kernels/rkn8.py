@@ -59,7 +59,7 @@ B_VELOCITY = (
     223 / 7938,
 )
 
-# Velocity of order 8 less velocity of order 6, over the nine stages.
+# Difference between the velocities of order 8 and 6, over the nine stages.
 E_VELOCITY = (
     223 / 7938 - 7987313 / 109941300,
     0.0,

@@ -1,9 +1,9 @@
-r"""The equations of the stages of an implicit step, solved for all contact forces at once.
+"""Solve the equations of the stages of an implicit step for all contact forces.
 
 The unknowns are the contact forces at the stages: velocities and positions there are linear
 in them (`hertzchain.kernels.radau`), and each has to satisfy its law
-(`hertzchain.kernels.stiff_law`).  Newton's method makes of that a system of blocks
-(stage, stage) on three diagonals, as a contact shares its beads with two others.
+(`hertzchain.kernels.stiff_law`).  Each iteration of Newton's method is a block-tridiagonal system
+with blocks (stage, stage), because a contact shares its beads with two others.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ SOLVED, MAX_ITERATIONS = 0.2, 15
 
 @compiled
 def stage_motion(time, h, y, weights, times, setup, contacts, segment, rates):
-    """Velocities and accelerations at the stages, overlaps and closing speeds, by the forces."""
+    """Velocities, accelerations, overlaps and closing speeds at the stages, from the forces."""
     inverse_mass = setup.inverse_mass
     pushing, overlap = contacts.implicit.forces, contacts.implicit.overlaps
     closing = contacts.implicit.closings
@@ -88,10 +88,7 @@ def eliminate(block, stages):
 
 @compiled
 def fill_block(c, h, weights, squared, before, inverse_mass, contacts, block):
-    """The equations of contact c, those of the one before it eliminated.
-
-    ``before`` is that contact's block, by which its change of force follows from this one's.
-    """
+    """Equations of contact c, after elimination of the contact before with its block."""
     own, rest = contacts.implicit.own, contacts.implicit.rest
     by_overlap, by_closing = contacts.implicit.by_overlap, contacts.implicit.by_closing
     beads, stages = len(inverse_mass), len(weights)
@@ -116,7 +113,7 @@ def fill_block(c, h, weights, squared, before, inverse_mass, contacts, block):
 
 @compiled
 def solve_for_change(h, weights, squared, setup, contacts):
-    """Changes of all forces that satisfy the linear equations, written over what was left."""
+    """Changes of all forces that satisfy the linear equations, written over their residuals."""
     rest = contacts.implicit.rest
     blocks, block = contacts.implicit.blocks, contacts.implicit.block
     beads, stages = len(setup.inverse_mass), len(weights)
@@ -139,7 +136,7 @@ def solve_for_change(h, weights, squared, setup, contacts):
 
 @compiled
 def change_forces(step, stages, tolerance, inverse_mass, contacts, scale):
-    """Add the changes to the forces; the largest change of a velocity in a step, in tolerances."""
+    """Add the changes to the forces; returns the largest change of a velocity, in tolerances."""
     pushing, change = contacts.implicit.forces, contacts.implicit.rest
     beads, worst, total = len(inverse_mass), 0.0, 0.0
     for c in range(beads + 1):
@@ -148,7 +145,7 @@ def change_forces(step, stages, tolerance, inverse_mass, contacts, scale):
     for k in range(beads):
         for i in range(stages):
             kick = step * abs(change[k, i] - change[k + 1, i]) * inverse_mass[k]
-            # Keeps what is not a number.
+            # This keeps NaN.
             total += kick
             if kick > worst * tolerance * scale[k]:
                 worst = kick / (tolerance * scale[k])
@@ -158,10 +155,8 @@ def change_forces(step, stages, tolerance, inverse_mass, contacts, scale):
 @compiled
 def solve_stages(time, h, step, y, weights, squared, times, setup, contacts, segment, rtol, rates,
                  ahead, speeds, scale):  # fmt: skip
-    """Newton's method from the forces that are there; returns whether it has converged.
-
-    Changes are measured by the velocities that they make within a whole ``step``.
-    """
+    """Apply Newton's method to the given forces; returns whether it has converged."""
+    # Changes of forces are measured by the velocities that they cause within a whole step.
     inverse_mass, beads, stages = setup.inverse_mass, len(setup.inverse_mass), len(weights)
     last = stages - 1
     for _ in range(MAX_ITERATIONS):

@@ -57,7 +57,7 @@ def take_step(time, y, h, setup, contacts, segment, rtol, stages, trial, y_new, 
     speeds = work[3, len(scale) : 2 * len(scale)]
     if contacts is None:
         try_step(time, y, h, setup, contacts, segment, stages, trial, y_new)
-        velocity_scale(y, speeds, scale)
+        velocity_scale(y, rtol, setup, speeds, scale)
         return error_norm(h, stages, scale, rtol, work[4:]), STEP_STAGES
     wall_speed = wall_motion(time + h, setup, segment)[1]
     if not setup.law.implicit:

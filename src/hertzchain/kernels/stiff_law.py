@@ -1,14 +1,14 @@
-r"""The law of one contact for implicit steps: a force that is no function of the speed at rest.
+r"""The law of one contact for implicit steps, with a force that is not determined at rest.
 
 For :math:`\alpha < 1` the damping :math:`f = \gamma |d'|^\alpha\,\mathrm{sgn}\,d'` has a vertical
-tangent at d' = 0.  There it is taken as d' as a function of f, about the point of its graph at
-which :math:`d' + c f` is that of the iterate, c the compliance of the contact: a contact at rest,
-one that creeps and one that slides converge alike, and nothing is regularised.  A force that may
-not pull, :math:`F = (k d_+^p + f)_+`, is cut off in the same way.
+tangent at d' = 0.  There, d' is treated as a function of f and linearised about the point of its
+graph at which :math:`d' + c f` equals that of the iterate, with the compliance c of the contact.
+Contacts at rest, creeping and sliding contacts then converge equally, without regularisation.  A
+force that may not pull, :math:`F = (k d_+^p + f)_+`, is cut off in the same way.
 
-A contact may creep by less than the rounding of its beads' velocities, or stick from its first
-touch on with an overlap of 1e-40.  So that neither is lost, the sign of d' is that of f where the
-velocities do not tell, and such an overlap is remembered from step to step.
+A contact may creep by less than the rounding of the velocities of its beads, or stick from its
+first touch on with an overlap of 1e-40.  If the velocities do not determine the sign of d', that of
+f is used, and such an overlap is stored from step to step.
 """
 
 from __future__ import annotations
@@ -22,35 +22,35 @@ from .contact_law import LOADED, damping_weight, force, law_of, signed_power
 from .forces import overlap_and_closing
 from .radau import BETWEEN, IMPLICIT_STAGES
 
-# A contact at rest yields by this part of its compliance, at least: between two walls where all
-# contacts are at rest, nothing else tells the force that all of them have in common.
+# Smallest compliance of a contact at rest, relative to that of a free one: if all contacts between
+# two walls are at rest, only this determines their common force.
 MIN_YIELDING = 1e-10
-# Overlaps below this part of the positions are no difference of these.
+# Smaller overlaps, relative to the positions, do not follow from the positions.
 RESOLVED = 1e-12
-# A relative speed, or a push in parts of the momentum over the time since the start, that is as
-# small as this is rounding.
+# A smaller relative speed, or force in units of momentum per time since the start, is a rounding
+# error.
 EVEN = 1e-13
-# Iterations for one contact, of which a few are needed.
+# Largest number of iterations for one contact; a few are sufficient.
 MAX_PROJECTIONS = 40
 
 
 class Implicit(NamedTuple):
-    """Scratch of implicit steps, of every contact and stage."""
+    """Scratch of implicit steps, for each contact and stage."""
 
     forces: Any  # (N + 1, IMPLICIT_STAGES)
-    overlaps: Any  # as all up to ``rest``: what follows from the forces
+    overlaps: Any  # like all arrays up to ``rest``, it follows from the forces
     closings: Any
-    # What multiplies the changes of force, overlap and closing speed in the law, and its remainder.
+    # Factors of the changes of force, overlap and closing speed in the law, and its residual.
     own: Any
     by_overlap: Any
     by_closing: Any
     rest: Any
-    blocks: Any  # (N + 1, IMPLICIT_STAGES, IMPLICIT_STAGES): what elimination leaves of them
+    blocks: Any  # (N + 1, IMPLICIT_STAGES, IMPLICIT_STAGES): after elimination
     block: Any  # (IMPLICIT_STAGES, 2 IMPLICIT_STAGES + 1): that of one contact
 
 
 def new_implicit(contacts: int) -> Implicit:
-    """Scratch for so many contacts."""
+    """Create scratch for a number of contacts."""
     forces, overlaps, closings, own, by_overlap, by_closing, rest = np.zeros(
         (7, contacts, IMPLICIT_STAGES)
     )
@@ -63,11 +63,9 @@ def new_implicit(contacts: int) -> Implicit:
 
 @compiled
 def graph_point(total, compliance, strength, exponent):
-    """The closing speed s and force f = strength |s|^exponent for which s + compliance f is given.
-
-    With s = |total| u^(1/exponent) the equation u^(1/exponent) + ratio u = 1 is convex: from
-    above, Newton's method approaches the solution without overshooting.
-    """
+    """Closing speed s and force f = strength |s|^exponent for a given s + compliance f."""
+    # With s = |total| u^(1/exponent) the equation u^(1/exponent) + ratio u = 1 is convex, so that
+    # Newton's method approaches the solution from above without overshooting.
     size = abs(total)
     if size == 0.0:
         return 0.0, 0.0
@@ -89,7 +87,7 @@ def graph_point(total, compliance, strength, exponent):
 
 @compiled
 def cut_off(total, spring, weight, law):
-    """Whether a force that may not pull is none, where d' + c F is given."""
+    """Whether a force that may not pull is zero, for a given d' + c F."""
     if law.attractive or weight == 0.0:
         return False
     return total < -((spring / weight) ** (1.0 / law.speed_power))
@@ -97,7 +95,7 @@ def cut_off(total, spring, weight, law):
 
 @compiled
 def linearise(c, i, compliance, setup, contacts):
-    """The law of contact c at stage i as own dF - by_overlap dd - by_closing dd' = rest."""
+    """Write the law of contact c at stage i as own dF - by_overlap dd - by_closing dd' = rest."""
     law, damping, stiffness = law_of(c, setup), setup.damping[c], setup.stiffness[c]
     pushing = contacts.implicit.forces[c, i]
     overlap, closing = contacts.implicit.overlaps[c, i], contacts.implicit.closings[c, i]
@@ -110,7 +108,7 @@ def linearise(c, i, compliance, setup, contacts):
     elif law.speed_power < 1.0:
         damped = pushing - spring
         speed, at = graph_point(closing + compliance * damped, compliance, damping, law.speed_power)
-        # How much the speed grows with the force, and how much it would by the compliance.
+        # Derivative of the speed with respect to the force, in units of the compliance.
         yielding = speed / (law.speed_power * at) if at != 0.0 else 0.0
         if damping == 0.0 or yielding > compliance:
             if damping > 0.0:
@@ -125,7 +123,7 @@ def linearise(c, i, compliance, setup, contacts):
         steepness = weight * law.speed_power * abs(closing) ** (law.speed_power - 1.0)
         if overlap > 0.0:
             slope += law.overlap_power * damped / overlap
-        # Stiff or not, all rows are of one size.
+        # All rows are scaled to the same size, whether stiff or not.
         own = 1.0 / (1.0 + compliance * steepness)
         rest = own * (spring + damped - pushing)
         slope, steepness = own * slope, own * steepness
@@ -136,7 +134,7 @@ def linearise(c, i, compliance, setup, contacts):
 
 @compiled
 def size_of(c, y, setup):
-    """What the overlap of contact c is a difference of."""
+    """Size of the positions whose difference is the overlap of contact c."""
     size = abs(setup.gap[c])
     size += abs(y[c - 1]) if c > 0 else 0.0
     return size + abs(y[c]) if c < len(setup.inverse_mass) else size
@@ -144,17 +142,13 @@ def size_of(c, y, setup):
 
 @compiled
 def is_resolved(c, y, overlap, setup):
-    """Whether an overlap is more than rounding may make of the places of its beads."""
+    """Whether an overlap exceeds the rounding of the positions of its beads."""
     return abs(overlap) > RESOLVED * size_of(c, y, setup)
 
 
 @compiled
 def overlap_of(c, y, wall, setup, contacts):
-    """Overlap of contact c where y is given.
-
-    Beads that stick together at their first touch may have an overlap of 1e-40: what it was
-    at the end of the step before is remembered.
-    """
+    """Overlap of contact c in the state y, or that of the last step if it is not resolved."""
     overlap, _ = overlap_and_closing(c, y, len(setup.inverse_mass), setup.gap[c], wall)
     if contacts.mode[c] != LOADED or is_resolved(c, y, overlap, setup):
         return overlap
@@ -163,7 +157,7 @@ def overlap_of(c, y, wall, setup, contacts):
 
 @compiled
 def closes_in(closing, speed, pushing, overlap, stiffness, exponent):
-    """Whether a contact closes in, by the sign of its damping if not by that of its speed."""
+    """Whether a contact closes, from the sign of its speed or else of its damping."""
     if abs(closing) > EVEN * speed:
         return closing > 0.0
     return pushing > force(overlap, stiffness, exponent)
@@ -171,7 +165,7 @@ def closes_in(closing, speed, pushing, overlap, stiffness, exponent):
 
 @compiled
 def between(c, theta, values):
-    """A row of scratch of contact c at the fraction theta of an implicit step."""
+    """Interpolate a row of scratch of contact c at the fraction theta of an implicit step."""
     total = 0.0
     for i in range(IMPLICIT_STAGES):
         weight = 0.0
@@ -183,7 +177,7 @@ def between(c, theta, values):
 
 @compiled
 def force_within(c, theta, implicit):
-    """Force of contact c at the fraction theta of an implicit step; nothing of an explicit one."""
+    """Force of contact c at the fraction theta of an implicit step."""
     if implicit is None:
         return 0.0
     return between(c, theta, implicit.forces)
@@ -191,7 +185,7 @@ def force_within(c, theta, implicit):
 
 @compiled
 def overlap_within(c, theta, y, overlap, setup, implicit):
-    """Overlap of contact c there, where y and the overlap by it are given."""
+    """Overlap of contact c at the fraction theta, given y and the overlap that follows from y."""
     if implicit is None:
         return overlap
     if is_resolved(c, y, overlap, setup):

@@ -1,4 +1,4 @@
-"""How often a wall is touched: a contact that opens and closes again is another touch."""
+"""Count of the touches of walls; a contact that opens and closes again is another touch."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from .state_layout import TOUCHES, TOUCHING
 
 @compiled
 def count_touches(beads, rates, walls):
-    """Count walls that are pressed now and were not before the step."""
+    """Count walls that are touched now and were not before the step."""
     for side in range(2):
         pressed = 1.0 if rates[2 * beads + LEFT_IMPULSE + side] != 0.0 else 0.0
         if pressed > walls[TOUCHING, side]:

@@ -33,8 +33,8 @@ import numpy as np
 from numba import njit
 
 from .compilation import OPTIONS, compiled
-from .contact_law import force
 from .hermite import hermite, slope, value
+from .powers import power
 from .rkn8 import (
     A1,
     A2,
@@ -60,10 +60,10 @@ SLOTS = 256
 MARGIN = 8
 ROW = SLOTS + 2 * MARGIN
 (
-    POSITION, VELOCITY, TRIAL, STIFFNESS, INVERSE_MASS, FORCE, SPEED, SCALE, GRADE, ERROR,
-    NEW_VELOCITY,
+    POSITION, VELOCITY, TRIAL, STIFFNESS, EXPONENT, INVERSE_MASS, FORCE, SPEED, SCALE, GRADE,
+    ERROR, NEW_VELOCITY,
     STAGE_0, STAGE_1, STAGE_2, STAGE_3, STAGE_4, STAGE_5, STAGE_6, STAGE_7, STAGE_8, END,
-) = range(MARGIN, MARGIN + 21 * ROW, ROW)  # fmt: skip
+) = range(MARGIN, MARGIN + 22 * ROW, ROW)  # fmt: skip
 
 # What is known besides the window: times of the chain, since the last crossing and of the next
 # step; velocity of a bead and force of a contact at the last crossing.
@@ -77,7 +77,7 @@ RUNNING, FOLLOWED, WINDOW_FULL, STALLED, BROKEN, STOPPED = range(6)
 # Entries of `signal`, through which other threads stop the kernel and watch it.
 STOP, PASSED = 0, 1
 # Rows of `given`, of every bead, and of `passed`, what is found; 0 = not yet.
-GIVEN_INVERSE_MASS, GIVEN_STIFFNESS = 0, 1
+GIVEN_INVERSE_MASS, GIVEN_STIFFNESS, GIVEN_EXPONENT = 0, 1, 2
 PEAK_VELOCITY, PEAK_TIME, ARRIVAL, PEAK_OVERLAP, RESIDENCE, COLUMNS = range(6)
 
 # Part of the local time scale taken for the first step.
@@ -108,17 +108,30 @@ MIN_STEP, MIN_CREST, ENDLESS = 1e-280, 1e-280, 1e300
 inlined = njit(forceinline=True, **OPTIONS)
 
 
-@compiled
-def force_rate(overlap, closing, stiffness, exponent):
-    """Its rate of change p k d^(p-1) d'."""
+@inlined
+def force(w, i, overlap):
+    """Force k d^p of contact i at an overlap."""
     if overlap <= 0.0:
         return 0.0
-    return exponent * stiffness * overlap ** (exponent - 1.0) * closing
+    if w[EXPONENT + i] == 1.5:
+        return w[STIFFNESS + i] * overlap * math.sqrt(overlap)
+    return w[STIFFNESS + i] * power(overlap, w[EXPONENT + i])
+
+
+@compiled
+def force_rate(w, i, overlap, closing):
+    """Rate of change p F d'/d of the force of contact i."""
+    if overlap <= 0.0:
+        return 0.0
+    return w[EXPONENT + i] * force(w, i, overlap) / overlap * closing
 
 
 @compiled
 def press(w, size, exponent):
-    """Forces of all contacts at the trial positions; those of 3/2 and 2 need no power."""
+    """Forces of all contacts at the trial positions.
+
+    ``exponent`` is 1.5 or 2 if all contacts have it, which need no power, otherwise anything else.
+    """
     if exponent == 1.5:
         for i in range(size):
             d = w[TRIAL + i] - w[TRIAL + i + 1]
@@ -132,7 +145,7 @@ def press(w, size, exponent):
     else:
         for i in range(size):
             d = w[TRIAL + i] - w[TRIAL + i + 1]
-            w[FORCE + 1 + i] = w[STIFFNESS + i] * d**exponent if d > 0.0 else 0.0
+            w[FORCE + 1 + i] = w[STIFFNESS + i] * power(d, w[EXPONENT + i])
 
 
 @inlined
@@ -231,47 +244,46 @@ def error_of_step(w, size, h):
 
 
 @compiled
-def jerk(w, i, exponent, positions, velocities):
+def jerk(w, i, positions, velocities):
     """Rate of change of the acceleration of slot i."""
     x, v = positions + i, velocities + i
     push = 0.0
     if i > 0:
-        push = force_rate(w[x - 1] - w[x], w[v - 1] - w[v], w[STIFFNESS + i - 1], exponent)
-    push -= force_rate(w[x] - w[x + 1], w[v] - w[v + 1], w[STIFFNESS + i], exponent)
+        push = force_rate(w, i - 1, w[x - 1] - w[x], w[v - 1] - w[v])
+    push -= force_rate(w, i, w[x] - w[x + 1], w[v] - w[v + 1])
     return push * w[INVERSE_MASS + i]
 
 
 @compiled
-def motion(w, i, h, exponent):
+def motion(w, i, h):
     """Position of slot i within the step, as a polynomial."""
     return hermite(
         h,
         w[POSITION + i], w[VELOCITY + i], w[STAGE_0 + i],
-        jerk(w, i, exponent, POSITION, VELOCITY),
+        jerk(w, i, POSITION, VELOCITY),
         w[TRIAL + i], w[NEW_VELOCITY + i], w[STAGE_8 + i],
-        jerk(w, i, exponent, TRIAL, NEW_VELOCITY),
+        jerk(w, i, TRIAL, NEW_VELOCITY),
     )  # fmt: skip
 
 
 @compiled
-def net_force(w, i, exponent, motions, s):
+def net_force(w, i, motions, s):
     """Net force on slot i, from where it and its neighbours are within the step."""
     left, here, right = motions
     x = value(here, s)
-    pushed = force(value(left, s) - x, w[STIFFNESS + i - 1], exponent)
-    return pushed - force(x - value(right, s), w[STIFFNESS + i], exponent)
+    return force(w, i - 1, value(left, s) - x) - force(w, i, x - value(right, s))
 
 
 @compiled
-def peak_within(w, i, exponent, motions):
+def peak_within(w, i, motions):
     """Where in the step the net force on slot i first stops being positive; 2 if nowhere."""
     low = 0.0
     for part in range(1, PARTS + 1):
         high = part / PARTS
-        if net_force(w, i, exponent, motions, high) <= 0.0:
+        if net_force(w, i, motions, high) <= 0.0:
             for _ in range(BISECTIONS):
                 middle = 0.5 * (low + high)
-                rising = net_force(w, i, exponent, motions, middle) > 0.0
+                rising = net_force(w, i, motions, middle) > 0.0
                 low, high = (middle, high) if rising else (low, middle)
             return high
         low = high
@@ -317,27 +329,27 @@ def may_cross(w, i):
 
 
 @compiled
-def record_peak(w, i, h, exponent, time, at, passed):
+def record_peak(w, i, h, time, at, passed):
     """Record the velocity maximum of slot i, if it is within the step."""
-    left, here = motion(w, i - 1, h, exponent), motion(w, i, h, exponent)
-    motions = left, here, motion(w, i + 1, h, exponent)
-    part = peak_within(w, i, exponent, motions)
+    left, here = motion(w, i - 1, h), motion(w, i, h)
+    motions = left, here, motion(w, i + 1, h)
+    part = peak_within(w, i, motions)
     if part > 1.0:
         return
     # A bead that has left both neighbours flies on at the velocity of the end of the step.
-    flies = w[STAGE_8 + i] == 0.0 and net_force(w, i, exponent, motions, part) == 0.0
+    flies = w[STAGE_8 + i] == 0.0 and net_force(w, i, motions, part) == 0.0
     passed[PEAK_VELOCITY, at] = w[NEW_VELOCITY + i] if flies else slope(here, part) / h
     passed[PEAK_TIME, at] = time + part * h
 
 
 @compiled
-def record_crossing(w, i, h, exponent, clock, place, at, passed):
+def record_crossing(w, i, h, clock, place, at, passed):
     """Record the largest overlap of contact i, if it is within the step.
 
     The residence is counted from the crossing before, since the difference of two times
     loses its digits where the pulse becomes much faster than it was.
     """
-    here, right = motion(w, i, h, exponent), motion(w, i + 1, h, exponent)
+    here, right = motion(w, i, h), motion(w, i + 1, h)
     part = crossing_within((here, right))
     if part > 1.0:
         return
@@ -349,12 +361,13 @@ def record_crossing(w, i, h, exponent, clock, place, at, passed):
         passed[RESIDENCE, at] = clock[SINCE_CROSSING] + part * h
     place[LAST_CROSSING] = contact
     clock[SINCE_CROSSING] = -part * h
-    clock[CREST] = w[NEW_VELOCITY + i + 1]
-    clock[MAX_FORCE] = force(overlap, w[STIFFNESS + i], exponent)
+    # A light bead may have turned round already, or hardly move.
+    clock[CREST] = max(abs(w[NEW_VELOCITY + i + 1]), abs(w[NEW_VELOCITY + i + 2]))
+    clock[MAX_FORCE] = force(w, i, overlap)
 
 
 @compiled
-def record_events(w, clock, place, h, exponent, passed):
+def record_events(w, clock, place, h, passed):
     """Record the first maxima and largest overlaps of the step."""
     low = place[LOW]
     for i in range(place[WAITING] - low, min(place[SIZE], place[BEADS] - low)):
@@ -365,10 +378,10 @@ def record_events(w, clock, place, h, exponent, passed):
             continue
         at = place[FIRST] + low + i
         if passed[ARRIVAL, at] == 0.0 and may_cross(w, i - 1):
-            record_crossing(w, i - 1, h, exponent, clock, place, at - 1, passed)
+            record_crossing(w, i - 1, h, clock, place, at - 1, passed)
         forward = max(before, after) > least
         if forward and passed[PEAK_TIME, at] == 0.0 and may_peak(w, i):
-            record_peak(w, i, h, exponent, clock[TIME], at, passed)
+            record_peak(w, i, h, clock[TIME], at, passed)
     while place[WAITING] < place[BEADS]:
         at = place[FIRST] + place[WAITING]
         if passed[ARRIVAL, at] == 0.0 or passed[PEAK_TIME, at] == 0.0:
@@ -383,13 +396,14 @@ def load_slot(w, place, given, i):
     inside = bead < place[BEADS]
     at = place[FIRST] + bead
     w[STIFFNESS + i] = given[GIVEN_STIFFNESS, at] if inside else 0.0
+    w[EXPONENT + i] = given[GIVEN_EXPONENT, at] if inside else 1.5
     w[INVERSE_MASS + i] = given[GIVEN_INVERSE_MASS, at] if inside else 0.0
     w[POSITION + i] = 0.0
     w[VELOCITY + i] = 0.0
 
 
 @compiled
-def start(w, clock, place, exponent, given):
+def start(w, clock, place, given):
     """Begin a chain: bead 1 struck, bead 2 waited for."""
     w[:] = 0.0
     clock[:] = 0.0
@@ -399,10 +413,11 @@ def start(w, clock, place, exponent, given):
     w[VELOCITY] = 1.0
     # Compression time of the first two beads, as if they were alone, and their largest force.
     reduced = 1.0 / (w[INVERSE_MASS] + w[INVERSE_MASS + 1])
-    overlap = (0.5 * (exponent + 1.0) * reduced / w[STIFFNESS]) ** (1.0 / (exponent + 1.0))
+    power_of_energy = w[EXPONENT] + 1.0
+    overlap = (0.5 * power_of_energy * reduced / w[STIFFNESS]) ** (1.0 / power_of_energy)
     clock[STEP] = FIRST_STEP * overlap
     clock[CREST] = 1.0
-    clock[MAX_FORCE] = force(overlap, w[STIFFNESS], exponent)
+    clock[MAX_FORCE] = force(w, 0, overlap)
 
 
 @compiled
@@ -425,7 +440,7 @@ def drop(w, place, exponent, given):
     """Move the window by STRIDE beads: slots take over from others, the last are loaded."""
     size = place[SIZE]
     for i in range(size - STRIDE):
-        for row in (POSITION, VELOCITY, STIFFNESS, INVERSE_MASS):
+        for row in (POSITION, VELOCITY, STIFFNESS, EXPONENT, INVERSE_MASS):
             w[row + i] = w[row + i + STRIDE]
     place[LOW] += STRIDE
     for i in range(size - STRIDE, size):
@@ -474,7 +489,7 @@ def advance(scratch, window, exponent, given, passed):
     if not error <= 1.0:
         clock[STEP] = h * (max(SHRINKAGE, change) if error > 1.0 else SHRINKAGE)
         return RUNNING if clock[STEP] > MIN_STEP else BROKEN
-    record_events(w, clock, place, h, exponent, passed)
+    record_events(w, clock, place, h, passed)
     accept(w, size)
     clock[TIME] += h
     clock[SINCE_CROSSING] += h
@@ -501,9 +516,10 @@ def follow(window, given, passed, status, work, signal, scratch):
     window : (beads kept behind the first one that still waits for an event; tolerated error of a
         step, in parts of the speeds around each bead; factor by which that grows from bead to
         bead behind)
-    given : (chains, first, beads, exponents): (2, M) inverse masses and stiffness of all beads of
-        all chains, where the contact after the last bead of a chain has stiffness 0; where each
-        of the C chains begins among the M beads; how many it has; its force law
+    given : (chains, first, beads, exponents): (3, M) inverse masses, stiffness and exponents of all
+        beads of all chains, where the contact after the last bead of a chain has stiffness 0;
+        where each of the C chains begins among the M beads; how many it has; the exponent of its
+        contacts if they have one, otherwise NaN
     passed : (COLUMNS, M) zeros, to become what `hertzchain.kernels.narrow_front.follow` gives,
         except the residences of contacts that do not follow the one before: those stay 0
     status : (C,) what became of each chain
@@ -516,7 +532,7 @@ def follow(window, given, passed, status, work, signal, scratch):
     w, clock, place = scratch
     for index in range(len(status)):
         place[FIRST], place[BEADS] = first[index], beads[index]
-        start(w, clock, place, exponents[index], chains)
+        start(w, clock, place, chains)
         grade(w, place[SIZE], place[WAITING], window[2])
         code = RUNNING
         trials = MAX_STEPS * beads[index]

@@ -58,10 +58,6 @@ def plot_budget(
     ax : matplotlib.axes.Axes, optional
         Axes to draw into.  By default, a new figure is created.
 
-    Returns
-    -------
-    matplotlib.axes.Axes
-
     Raises
     ------
     InputError

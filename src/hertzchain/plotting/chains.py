@@ -23,10 +23,6 @@ def plot_chain(chain: Chain, *, ax: Axes | None = None) -> Axes:
     ax : matplotlib.axes.Axes, optional
         Axes to draw into.  By default, a new figure is created.
 
-    Returns
-    -------
-    matplotlib.axes.Axes
-
     Examples
     --------
     >>> import hertzchain as hc

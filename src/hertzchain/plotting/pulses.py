@@ -33,10 +33,6 @@ def plot_pulses(
     ax : matplotlib.axes.Axes, optional
         Axes to draw into.  By default, a new figure is created.
 
-    Returns
-    -------
-    matplotlib.axes.Axes
-
     Raises
     ------
     InputError

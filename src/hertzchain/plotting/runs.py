@@ -43,10 +43,6 @@ def plot_run(
     ax : matplotlib.axes.Axes, optional
         Axes to draw into.  By default, a new figure is created.
 
-    Returns
-    -------
-    matplotlib.axes.Axes
-
     Raises
     ------
     InputError
@@ -96,7 +92,7 @@ def plot_forces(run: Run, beads: Sequence[int], *, ax: Axes | None = None) -> Ax
     """Plot the force in sensors in beads, and on walls, over time.
 
     If the peak force on a wall is not complete, its curve ends in an open circle, and the legend
-    says so.
+    states it.
 
     Parameters
     ----------
@@ -106,10 +102,6 @@ def plot_forces(run: Run, beads: Sequence[int], *, ax: Axes | None = None) -> Ax
         Numbers of the beads with a sensor; N + 1 is the right wall, 0 the left one.
     ax : matplotlib.axes.Axes, optional
         Axes to draw into.  By default, a new figure is created.
-
-    Returns
-    -------
-    matplotlib.axes.Axes
 
     Raises
     ------

@@ -54,10 +54,6 @@ def plot_sweep(
         (``"loss.coefficient"``).
         The nearest value of the axis is used and shown in the title.
 
-    Returns
-    -------
-    matplotlib.axes.Axes
-
     Raises
     ------
     InputError

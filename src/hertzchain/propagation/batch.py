@@ -5,14 +5,15 @@ The beads of all chains are stored one after the other, with five results per be
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..chain.chain import Chain
-from ..collision import Array, hertz_stiffness
+from ..collision import HERTZ_EXPONENT, Array, hertz_stiffness
 
 Indices = NDArray[np.int64]
 
@@ -28,47 +29,71 @@ STRIKER_COLUMNS = len(STRUCK)
 
 @dataclass(frozen=True, eq=False)
 class Batch:
-    """Concatenated chains.
+    """Concatenated chains, each in units in which its first bead moves with velocity 1.
 
     Attributes
     ----------
-    radii : ndarray, shape (M,)
-        Radii of all beads [scaled].
+    masses, stiffness, exponents : ndarray, shape (M,)
+        Masses of all beads, stiffness and exponents of the contacts ahead of them; the last of
+        each chain has stiffness 0 and the exponent of the one before.
     first, beads : ndarray, shape (C,)
         Index of the first bead and number of beads of each chain.
-    exponents : ndarray, shape (C,)
-        Exponent of each chain's force law.
+    units : ndarray, shape (C, 3), or None
+        Units of velocity, time and length of each chain; all are 1 if there are none.
     """
 
-    radii: Array
+    masses: Array
+    stiffness: Array
+    exponents: Array
     first: Indices
     beads: Indices
-    exponents: Array
+    units: Array | None = None
 
     @classmethod
-    def of(cls, chains: Iterable[Chain]) -> Batch:
+    def of(cls, chains: Sequence[Chain]) -> Batch:
         """Concatenate chains."""
-        listed = list(chains)
-        beads = np.array([chain.beads for chain in listed])
+        beads = np.array([chain.beads for chain in chains])
+        units = [_units(chain) for chain in chains]
+        parts = [_in_units(chain, *own) for chain, own in zip(chains, units, strict=True)]
+        masses, stiffness, exponents = (np.concatenate(each) for each in zip(*parts, strict=True))
+        scales = np.array([(speed, length / speed, length) for length, _, speed in units])
         return cls(
-            radii=np.concatenate([chain.radii for chain in listed]),
-            first=np.cumsum(beads) - beads,
-            beads=beads,
-            exponents=np.array([chain.exponents for chain in listed]),
-        )
+            masses, stiffness, exponents, np.cumsum(beads) - beads, beads,
+            None if np.all(scales == 1.0) else scales,
+        )  # fmt: skip
+
+    @classmethod
+    def of_radii(cls, radii: Array, beads: Indices) -> Batch:
+        """Chains of scaled radii, one after the other."""
+        first = np.cumsum(beads) - beads
+        stiffness = np.zeros(len(radii))
+        stiffness[:-1] = hertz_stiffness(radii[:-1], radii[1:])
+        stiffness[first + beads - 1] = 0.0
+        return cls(radii**3, stiffness, np.full(len(radii), HERTZ_EXPONENT), first, beads)
+
+    @cached_property
+    def chain_exponents(self) -> Array:
+        """Exponent of each chain; NaN if its contacts differ."""
+        least = np.minimum.reduceat(self.exponents, self.first)
+        same = least == np.maximum.reduceat(self.exponents, self.first)
+        return np.where(same, least, np.nan)
 
     def chain(self, index: int) -> Chain:
-        """One of the chains, as a `Chain`."""
+        """One of the chains, as a scaled `Chain` of which only the radii are not its own."""
         start = self.first[index]
-        return Chain(self.radii[start : start + self.beads[index]], float(self.exponents[index]))
+        end = start + self.beads[index]
+        p = self.exponents[start : end - 1]
+        return Chain(
+            np.ones(end - start),
+            p if np.isnan(self.chain_exponents[index]) else float(p[0]),
+            masses=self.masses[start:end],
+            stiffness=self.stiffness[start : end - 1],
+        )
 
+    @cached_property
     def given(self) -> Array:
-        """Inverse masses and contact stiffness of all beads, in the layout of the kernels."""
-        given = np.zeros((2, len(self.radii)))
-        given[0] = self.radii**-3.0
-        given[1, :-1] = hertz_stiffness(self.radii[:-1], self.radii[1:])
-        given[1, self.first + self.beads - 1] = 0.0
-        return given
+        """Inverse masses, contact stiffness and exponents of all beads, for the kernels."""
+        return np.array([1.0 / self.masses, self.stiffness, self.exponents])
 
     def beads_of(self, chains: Indices) -> NDArray[np.bool_]:
         """Mask of the beads that belong to given chains."""
@@ -99,3 +124,30 @@ def difference(found: Array, other: Array, first: Indices) -> Array:
     with np.errstate(divide="ignore", invalid="ignore"):
         relative = np.nan_to_num(np.abs(found / other - 1.0), nan=0.0, posinf=np.inf)
     return np.maximum.reduceat(relative.max(axis=0), first)
+
+
+def _units(chain: Chain) -> tuple[float, float, float]:
+    """Units of length, mass and velocity in which a chain is integrated.
+
+    Those of a scaled chain are kept, except for the velocity, so that its numbers are not rounded.
+    """
+    speed = float(chain.velocities[0])
+    if chain.scaled:
+        return 1.0, 1.0, speed
+    p = chain.exponents
+    power = (p if isinstance(p, float) else float(p[0])) + 1.0
+    mass = float(chain.masses[0])
+    return (mass * speed * speed / float(chain.stiffness[0])) ** (1.0 / power), mass, speed
+
+
+def _in_units(chain: Chain, length: float, mass: float, speed: float) -> tuple[Array, Array, Array]:
+    """Masses, stiffness and exponents of a chain, the last two with an entry after the end."""
+    exponents, stiffness = np.empty(chain.beads), np.zeros(chain.beads)
+    exponents[:-1] = chain.exponents
+    exponents[-1] = exponents[-2]
+    stiffness[:-1] = chain.stiffness
+    if mass == length == speed == 1.0:
+        return chain.masses, stiffness, exponents
+    with np.errstate(over="ignore", under="ignore"):
+        stiffness *= length ** (exponents + 1.0) / (mass * speed * speed)
+    return chain.masses / mass, stiffness, exponents

@@ -130,7 +130,7 @@ def _widen(
         left = work[todo]
         kernel.follow(
             window.window(rtol),
-            (batch.given(), batch.first[todo], batch.beads[todo], batch.exponents[todo]),
+            (batch.given, batch.first[todo], batch.beads[todo], batch.chain_exponents[todo]),
             found, status, left, signal, scratch,
         )  # fmt: skip
         work[todo] = left

@@ -17,9 +17,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..chain.chain import Chain
+from ..chain.feature_support import require_supported
+from ..chain.hertz_range import warn_outside_hertz
 from ..collision import HERTZ_EXPONENT, Array
 from ..errors import InputError, SimulationError, short_repr
-from ..pulse.chain_units import for_any_units, scaled_chain, table_in_si
+from ..pulse.chain_units import warn_outside_hertz_once
 from ..pulse.pulse import Pulse
 from ..pulse.pulse_table import PulseTable
 from ..validation.numbers import number, real_numbers, worker_count
@@ -29,6 +31,13 @@ from .heterogeneous import MAX_RTOL
 from .window_choice import follow
 
 Progress = Callable[[int, int], None]
+
+# Features of a chain, in addition to its radii, that the pulse is computed with.
+SUPPORTED: Final = (
+    "SI units", "masses", "stiffness", "strikers", "velocities", "mixed exponents",
+)  # fmt: skip
+# Those that do not follow from the radii and the exponent of a chain.
+OWN: Final = frozenset(SUPPORTED) - {"SI units"}
 
 DEFAULT_RTOL: Final = 1e-8
 # Below this tolerance, rounding and the treatment of opening contacts would dominate the error.
@@ -41,16 +50,18 @@ SHORT: Final = 20_000
 POLL: Final = 0.1
 
 
-@for_any_units("propagate", alternative="use simulate")
 def propagate(
     chain: Chain, *, rtol: float = DEFAULT_RTOL, progress: Progress | None = None
 ) -> Pulse:
     """Simulate the leading pulse of a chain by integrating the beads around it.
 
+    The beads may have any masses, and the contacts any stiffness and exponents.
+
     Parameters
     ----------
     chain : Chain
-        Chain to simulate.
+        Chain to simulate, scaled or in SI units; at time 0 only bead 1 moves, forwards, and all
+        beads touch.  Losses, walls, drives, gaps and static forces are not supported.
     rtol : float
         Relative tolerance, from 1e-10 to 1e-5.  For chains of a hundred beads, errors of
         velocities and times are at most ten times as large.  For smaller errors, see
@@ -80,6 +91,7 @@ def propagate(
     >>> round(float(hc.propagate(hc.Chain.uniform(60)).velocity[50]), 8)
     0.68163155
     """
+    _require_supported("propagate", chain)
     callback("progress", progress)
     rtol = checked_rtol(rtol)
     batch, signal = Batch.of([chain]), np.zeros(2, np.int64)
@@ -90,6 +102,7 @@ def propagate(
     if passage.reasons:
         raise SimulationError(passage.reasons[0])
     velocity, peak_time, arrival, overlap, residence = passage.columns
+    warn_outside_hertz(chain, overlap[:-1])
     return Pulse(chain, "propagation", velocity, peak_time, arrival, overlap[:-1], residence[:-1])
 
 
@@ -105,8 +118,8 @@ def propagate_many(
     Parameters
     ----------
     chains : iterable of Chain or array_like, or array_like of shape (C, N)
-        Chains, or rows of radii in any unit, each starting with the struck bead.  Rows may
-        differ in length.
+        Chains as for `propagate`, or rows of radii in any unit, each starting with the struck
+        bead.  Rows may differ in length.
     rtol : float
         Relative tolerance, as for `propagate`.
     threads : int, optional
@@ -160,7 +173,27 @@ def propagate_many(
         raise
     finally:
         executor.shutdown(wait=True, cancel_futures=True)
-    return ensemble.table()
+    table = ensemble.table()
+    warn_outside_hertz_once(table)
+    return table
+
+
+def _require_supported(method: str, chain: Chain) -> None:
+    """Raise an error for a chain whose pulse cannot be computed in a window."""
+    require_supported(chain, method, supported=SUPPORTED, alternative="use simulate")
+    moving = np.flatnonzero(chain.velocities)
+    if len(moving) and moving[-1] > 0:
+        raise InputError(
+            f"{method} needs a chain in which only bead 1 moves at time 0, but bead "
+            f"{moving[-1] + 1} has velocity {chain.velocities[moving[-1]]:g}; use simulate "
+            f"(chain: {chain.description})"
+        )
+    if not chain.velocities[0] > 0.0:
+        raise InputError(
+            f"{method} needs a chain whose first bead is struck, but this one "
+            f"{'moves backwards' if len(moving) else 'is at rest'} ({chain.description}): give it "
+            "a velocity > 0"
+        )
 
 
 def rows_of(chains: Iterable[Chain | ArrayLike] | ArrayLike) -> list[Chain | ArrayLike]:
@@ -186,8 +219,8 @@ class _Ensemble:
     beads: NDArray[np.int64]
     exponents: Array
     reasons: dict[int, str]
-    # Chains in SI units; none if they are scaled.
-    si_chains: list[Chain] = field(default_factory=list)
+    # All chains, unless they are rows of radii; None where there is no chain.
+    chains: list[Chain | None] = field(default_factory=list)
     columns: Array = field(init=False)
 
     def __post_init__(self) -> None:
@@ -201,28 +234,28 @@ class _Ensemble:
         rows = [item for item in given if _is_row(item)]
         if len(rows) == len(given) > 0:
             return cls._of_rows(*_pad(rows))
-        found: list[Chain | str] = []
-        lengths = []
-        for item in given:
+        _check_units(given)
+        found: list[Chain | None] = []
+        lengths, reasons = [], {}
+        for row, item in enumerate(given):
+            chain = None
             try:
                 chain = item if isinstance(item, Chain) else Chain.from_radii(item)
-                chain = scaled_chain(chain, "propagate_many", alternative="use simulate")
                 lengths.append(chain.beads)
-                found.append(chain)
+                _require_supported("propagate_many", chain)
             except InputError as error:
-                lengths.append(np.size(item) if isinstance(item, np.ndarray | Sequence) else 0)
-                found.append(str(error))
+                reasons[row] = str(error)
+                if chain is None:
+                    lengths.append(np.size(item) if isinstance(item, np.ndarray | Sequence) else 0)
+            found.append(chain)
         beads = np.array(lengths, np.int64)
         radii = np.full((len(found), int(beads.max(initial=0))), np.nan)
         exponents = np.full(len(found), HERTZ_EXPONENT)
-        reasons = {}
         for row, each in enumerate(found):
-            if isinstance(each, str):
-                reasons[row] = each
-            else:
+            if each is not None:
                 radii[row, : each.beads] = each.radii
-                exponents[row] = each.exponents
-        return cls(radii, beads, exponents, reasons, _in_si(given))
+                exponents[row] = each.exponents if isinstance(each.exponents, float) else np.nan
+        return cls(radii, beads, exponents, reasons, found)
 
     @classmethod
     def _of_rows(cls, rows: NDArray[np.float64], beads: NDArray[np.int64]) -> _Ensemble:
@@ -251,13 +284,9 @@ class _Ensemble:
                 yield rows
 
     def batch(self, rows: NDArray[np.int64]) -> Batch:
-        beads = self.beads[rows]
-        return Batch(
-            radii=self.radii[rows][self._inside(rows)],
-            first=np.cumsum(beads) - beads,
-            beads=beads,
-            exponents=self.exponents[rows],
-        )
+        if self.chains:
+            return Batch.of([chain for row in rows if (chain := self.chains[row]) is not None])
+        return Batch.of_radii(self.radii[rows][self._inside(rows)], self.beads[rows])
 
     def store(self, rows: NDArray[np.int64], passage: PulseData) -> None:
         inside = self._inside(rows)
@@ -274,22 +303,23 @@ class _Ensemble:
 
     def table(self) -> PulseTable:
         velocity, peak_time, arrival, overlap, residence = self.columns
-        table = PulseTable(
+        known = [chain for chain in self.chains if chain is not None]
+        own = any(not chain.scaled or OWN.intersection(chain.features) for chain in known)
+        return PulseTable(
             self.radii, self.beads, self.exponents,
             velocity, peak_time, arrival, overlap[:, :-1], residence[:, :-1], self.reasons,
+            tuple(self.chains) if own else (),
         )  # fmt: skip
-        return table_in_si(self.si_chains, table) if self.si_chains else table
 
 
-def _in_si(given: Sequence[Chain | ArrayLike]) -> list[Chain]:
-    """The given chains if they are in SI units, none if they are scaled."""
-    found = [item for item in given if isinstance(item, Chain) and item.units == "SI"]
-    if found and len(found) < len(given):
+def _check_units(given: Sequence[Chain | ArrayLike]) -> None:
+    """Raise an error for a list in which only some of the chains are in SI units."""
+    in_si = sum(isinstance(item, Chain) and item.units == "SI" for item in given)
+    if 0 < in_si < len(given):
         raise InputError(
-            f"{len(found)} of {len(given)} chains are in SI units and the others are scaled: call "
+            f"{in_si} of {len(given)} chains are in SI units and the others are scaled: call "
             "propagate_many separately for each kind, so that a table has one set of units"
         )
-    return found
 
 
 def _is_row(item: object) -> TypeGuard[NDArray[np.float64]]:
@@ -315,7 +345,7 @@ def _follow_with_progress(
     batch: Batch, rtol: float, signal: NDArray[np.int64], progress: Progress | None
 ) -> PulseData:
     """Integrate in another thread, so that interrupts are handled and progress is reported."""
-    beads = len(batch.radii)
+    beads = len(batch.masses)
     with ThreadPoolExecutor(max_workers=1) as executor:
         future = executor.submit(follow, batch, rtol, signal)
         try:

@@ -10,8 +10,8 @@ windows are tried in turn:
 3. two wider windows, one of them with smaller steps, if the radii grow and shrink by at most
    `MAX_RATE_IN_WINDOW`.  The results must agree;
 4. increasingly wide windows, until two results agree (`hertzchain.propagation.heterogeneous`),
-   for beads that bounce between others or reach their maxima out of order, and for force laws
-   other than Hertz's.
+   for beads that bounce between others or reach their maxima out of order, and for contacts of
+   unlike or extreme exponents.
 
 A window that fails by its own criteria is followed by the next one; if the last one fails, an
 error is raised.
@@ -19,7 +19,9 @@ error is raised.
 
 from __future__ import annotations
 
-from typing import Final
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -35,16 +37,37 @@ from .batch import (
     PulseData,
     difference,
 )  # fmt: skip
+from .geometric_series import LONG, RTOL, continue_series
 from .heterogeneous import follow_heterogeneous
 
-# Number of beads in each window, and number of beads behind the crest.
-NARROW, WIDE, WIDEST = (9, 4), (13, 8), (16, 11)
-CHECKING: Final = (24, 18)
+
+class Windows(NamedTuple):
+    """Number of beads in each window, and number of beads behind the crest."""
+
+    narrow: tuple[int, int]
+    wide: tuple[int, int]
+    widest: tuple[int, int]
+    checking: tuple[int, int]
+
+
+WINDOWS: Final = Windows((9, 4), (13, 8), (16, 11), (24, 18))
+# Where the exponent is lower, more beads move at a time: ten of them where it is 1.2.
+SOFT_WINDOWS: Final = Windows((12, 4), (18, 9), (24, 14), (32, 20))
+SOFT_EXPONENT: Final = 1.4
 # The truncation error of the wide window is below 1e-9; for smaller tolerances use the widest.
 WIDE_RTOL: Final = 3e-9
 # Rates ln(R_k+1/R_k) below which radii shrink, changes of the rate above which it is not monotonic,
 # and changes too large for a taper; a backward linear taper with S = 1 begins with 0.29.
 SHRINKING, TURNING, KINK = -1e-4, 1e-6, 0.35
+# Largest spread of the stiffness of contacts, relative to those of spheres, of a taper and of a
+# nearly uniform chain.
+SPHERES, EVEN_STIFFNESS = 1e-9, 0.05
+# Exponents that the window of few beads supports, and the mark of all others.
+LOWEST_EXPONENT, HIGHEST_EXPONENT, OTHER = 1.15, 3.0, 0.0
+# The mark of a chain that need not be integrated.
+DONE: Final = 100.0
+# Units of the columns: entries of a row of `Batch.units`, which has velocity, time and length.
+UNITS_OF_COLUMNS: Final = [0, 1, 1, 2, 1]
 # Largest rate at which the beads of a chain other than a taper stay in order.
 MAX_RATE_IN_WINDOW: Final = 0.05
 # Growing tapers that begin with a larger ratio of radii use steps shorter by this factor.
@@ -53,57 +76,125 @@ STEEP, STEEP_PART = 1.4, 0.7
 # Step size and release of opening contacts, as fractions of the time per bead and of a step, for
 # a tolerance of 1e-8; the exponents were fitted to the errors measured at 1e-6 to 1e-10.
 STEP_PART, STEP_ORDER, MAX_STEP_PART = 0.15, 6, 0.28
+# Forces of higher exponents change faster: their steps are shorter by (p/1.5) to this power.
+STEP_BY_EXPONENT: Final = -0.45
 RELEASE_PART, RELEASE_ORDER, MAX_RELEASE_PART = 0.1, 4, 0.3
-# Largest estimated error (of order 7) of a step of the fraction 0.15; above it the window fails.
-ESTIMATED_ERROR: Final = 1e-6
+# Largest estimated error (of order 7) of a step of this fraction; above it the window fails.
+ESTIMATED_ERROR, ESTIMATED_PART = 1e-6, 0.15
+# Ratio of masses above which overlaps leave the range of the kernel's approximate square root.
+MAX_MASS_RATIO: Final = 1e12
 
 
 def follow(batch: Batch, rtol: float, signal: Indices) -> PulseData:
     """Integrate the pulse in each chain of a batch, with a window that is wide enough."""
-    columns = np.full((COLUMNS, len(batch.radii)), np.nan)
-    given = batch.given()
-    taper, grows, even = _shapes(batch)
-    hertz = batch.exponents == HERTZ_EXPONENT
-    wide = WIDE if rtol >= WIDE_RTOL else WIDEST
-    parts = (_step_part(rtol), _release_part(rtol))
-
-    steep = (STEEP_PART * parts[0], parts[1])
-    gentle = batch.radii[batch.first + 1] <= STEEP * batch.radii[batch.first]
-    growing = hertz & taper & grows
-    todo = np.concatenate([
-        _attempt(np.flatnonzero(growing & some), NARROW, these, rtol, given, batch, columns, signal)
-        for some, these in ((gentle, parts), (~gentle, steep))
-    ])  # fmt: skip
-    todo = np.union1d(todo, np.flatnonzero(hertz & taper & ~grows))
-    todo = _attempt(todo, wide, parts, rtol, given, batch, columns, signal)
-    uneven = np.union1d(todo[~even[todo]], np.flatnonzero(~(hertz & (taper | even))))
-    todo = np.union1d(todo[even[todo]], np.flatnonzero(hertz & even & ~taper))
-    todo = _attempt_twice(todo, parts, rtol, given, batch, columns, signal)
-    todo = np.union1d(todo, uneven)
-
-    columns[:STRIKER_COLUMNS, batch.first] = STRUCK
+    columns = np.full((COLUMNS, len(batch.masses)), np.nan)
+    continued = np.zeros(len(batch.beads), bool)
+    for index in np.flatnonzero(batch.beads >= LONG):
+        continued[index] = _continue(batch, int(index), rtol, columns, signal)
     reasons: dict[int, str] = {}
-    for smooth in (True, False):
-        some = todo[(taper | even)[todo] == smooth]
-        reasons |= follow_heterogeneous(some, smooth, rtol, batch, columns, signal)
+    if not continued.all():
+        reasons = _follow_others(batch, ~continued, rtol, columns, signal)
+    columns[:STRIKER_COLUMNS, batch.first] = STRUCK
+    if batch.units is not None:
+        columns *= np.repeat(batch.units[:, UNITS_OF_COLUMNS].T, batch.beads, axis=1)
     return PulseData(columns, reasons)
 
 
+def _continue(batch: Batch, index: int, rtol: float, columns: Array, signal: Indices) -> bool:
+    """Compute a long chain if its columns are geometric series."""
+    series = continue_series(batch, index, rtol, lambda head: follow(head, RTOL, signal).columns)
+    if series is None:
+        return False
+    begin = batch.first[index]
+    columns[:, begin : begin + batch.beads[index]] = series
+    return True
+
+
+def _follow_others(
+    batch: Batch, chosen: NDArray[np.bool_], rtol: float, columns: Array, signal: Indices
+) -> dict[int, str]:
+    """Integrate the chosen chains, each with a window that is wide enough."""
+    taper, grows, even = _shapes(batch)
+    laws = np.where(chosen, _laws(batch), DONE)
+    todo = [_chosen(laws == OTHER)]
+    for law in set(laws.tolist()) - {OTHER, DONE}:
+        passage = _Passage(batch, law, rtol, columns, signal)
+        own = laws == law
+        failed = passage.narrow(_chosen(own & taper & grows))
+        failed = passage.wide(_together(failed, _chosen(own & taper & ~grows)))
+        again = _together(failed[even[failed]], _chosen(own & even & ~taper))
+        rest = _chosen(own & ~even & ~taper)
+        todo += [failed[~even[failed]], rest, passage.twice(again)]
+    rest = _together(*todo)
+
+    reasons: dict[int, str] = {}
+    for smooth in (True, False) if len(rest) else ():
+        some = rest[(taper | even)[rest] == smooth]
+        if len(some):
+            reasons |= follow_heterogeneous(some, smooth, rtol, batch, columns, signal)
+    return reasons
+
+
+def _chosen(mask: NDArray[np.bool_]) -> Indices:
+    """Indices at which a mask is set."""
+    return np.nonzero(mask)[0]
+
+
+def _together(*parts: Indices) -> Indices:
+    """Indices of several lists without common ones, in order."""
+    filled = [part for part in parts if len(part)]
+    if len(filled) > 1:
+        return np.sort(np.concatenate(filled))
+    return filled[0] if filled else parts[0]
+
+
 def _shapes(batch: Batch) -> tuple[NDArray[np.bool_], NDArray[np.bool_], NDArray[np.bool_]]:
-    """Masks of tapers, of chains whose radii never shrink, and of nearly uniform chains."""
-    rates = np.append(np.diff(np.log(batch.radii)), 0.0)
-    last = batch.first + batch.beads - 1
+    """Masks of tapers, of chains whose radii never shrink, and of nearly uniform chains.
+
+    The radii are those of spheres of the masses; a chain whose contacts are not those of such
+    spheres, except for a common factor, does not count as a taper.
+    """
+    first, last = batch.first, batch.first + batch.beads - 1
+    logs = np.log(batch.masses) / 3.0
+    rates, turns = np.zeros_like(logs), np.zeros_like(logs)
+    np.subtract(logs[1:], logs[:-1], out=rates[:-1])
     rates[last] = 0.0
-    turns = np.append(np.diff(rates), 0.0)
+    np.subtract(rates[1:], rates[:-1], out=turns[:-1])
     turns[last] = 0.0
     turns[last - 1] = 0.0
-    up = np.maximum.reduceat(turns, batch.first)
-    down = np.minimum.reduceat(turns, batch.first)
+    up, down = np.maximum.reduceat(turns, first), np.minimum.reduceat(turns, first)
     steady = ((up < TURNING) | (down > -TURNING)) & (up < KINK) & (down > -KINK)
-    grows = np.minimum.reduceat(rates, batch.first) > SHRINKING
-    shrinks = np.maximum.reduceat(rates, batch.first) < -SHRINKING
-    even = np.maximum.reduceat(np.abs(rates), batch.first) <= MAX_RATE_IN_WINDOW
-    return steady & (grows | shrinks), grows, even
+    # The rate of the last bead, which has no contact ahead, is that of the one before.
+    rates[last] = rates[last - 1]
+    least, most = np.minimum.reduceat(rates, first), np.maximum.reduceat(rates, first)
+    grows = least > SHRINKING
+    even = np.maximum(most, -least) <= MAX_RATE_IN_WINDOW
+    spread = _spread_of_stiffness(batch, logs, rates, last)
+    taper = steady & (grows | (most < -SHRINKING)) & (spread < SPHERES)
+    return taper, grows, even & (spread < EVEN_STIFFNESS)
+
+
+def _spread_of_stiffness(batch: Batch, logs: Array, rates: Array, last: Indices) -> Array:
+    """Logarithm of the largest ratio of two contacts' stiffness to that of spheres."""
+    # log of [2 R R'/(R + R')]^(1/2), from the logarithm of R and that of R'/R.
+    spheres = 0.5 * (logs + rates - np.log(0.5 + 0.5 * np.exp(rates)))
+    with np.errstate(divide="ignore"):
+        ratio = np.log(batch.stiffness) - spheres
+    ratio[last] = ratio[last - 1]
+    found: Array = np.maximum.reduceat(ratio, batch.first)
+    return found - np.minimum.reduceat(ratio, batch.first)
+
+
+def _laws(batch: Batch) -> Array:
+    """Exponent of each chain that the window of few beads supports, otherwise `OTHER`.
+
+    It is negative for chains with a large range of masses.
+    """
+    p = batch.chain_exponents
+    lightest = np.minimum.reduceat(batch.masses, batch.first)
+    ranging = np.maximum.reduceat(batch.masses, batch.first) > MAX_MASS_RATIO * lightest
+    supported = (p >= LOWEST_EXPONENT) & (p <= HIGHEST_EXPONENT)
+    return np.where(supported, np.where(ranging, -p, p), OTHER)
 
 
 def _step_part(rtol: float) -> float:
@@ -114,64 +205,93 @@ def _release_part(rtol: float) -> float:
     return float(min(MAX_RELEASE_PART, RELEASE_PART * (rtol / 1e-8) ** (1 / RELEASE_ORDER)))
 
 
-def _attempt(
-    todo: Indices,
-    size: tuple[int, int],
-    parts: tuple[float, float],
-    rtol: float,
-    given: Array,
-    batch: Batch,
-    columns: Array,
-    signal: Indices,
-) -> Indices:
-    """Integrate chains with one window; return those for which it failed."""
-    from ..kernels import narrow_front as kernel
+@dataclass(frozen=True, eq=False)
+class _Passage:
+    """Chains of a batch that have one force law, to be integrated with one window or another."""
 
-    if not len(todo) or signal[STOP]:
-        return todo
-    # The motion at the rear of a narrow window must be negligible; wider ones need no check.
-    rear = rtol if size == NARROW else np.inf
-    limits = (rear, 0.1 * rtol, ESTIMATED_ERROR * (parts[0] / STEP_PART) ** 7)
-    window = (*size, *parts)
-    status = np.zeros(len(todo), np.int64)
-    # With few chains, most lanes would be empty.
-    lanes, run = (1, kernel.follow_one) if len(todo) < 3 else (kernel.LANES, kernel.follow_many)
-    run(
-        window,
-        limits,
-        (given, batch.first[todo], batch.beads[todo]),
-        columns,
-        status,
-        signal,
-        kernel.scratch_of(lanes),
-    )
-    return todo[status != kernel.FOLLOWED]
+    batch: Batch
+    law: float
+    rtol: float
+    columns: Array
+    signal: Indices
 
+    @cached_property
+    def parts(self) -> tuple[float, float]:
+        """Step size and release."""
+        shorter = max(1.0, abs(self.law) / HERTZ_EXPONENT) ** STEP_BY_EXPONENT
+        return shorter * _step_part(self.rtol), _release_part(self.rtol)
 
-def _attempt_twice(
-    todo: Indices,
-    parts: tuple[float, float],
-    rtol: float,
-    given: Array,
-    batch: Batch,
-    columns: Array,
-    signal: Indices,
-) -> Indices:
-    """Integrate chains with two windows and step sizes; return those whose results differ.
+    @property
+    def windows(self) -> Windows:
+        return WINDOWS if abs(self.law) >= SOFT_EXPONENT else SOFT_WINDOWS
 
-    Contacts are released much later in the second integration, because a release changes the
-    times of events between it and the opening of the contact.
-    """
-    failed = _attempt(todo, WIDEST, parts, rtol, given, batch, columns, signal)
-    tried = np.setdiff1d(todo, failed)
-    if not len(tried):
-        return todo
-    check = np.full_like(columns, np.nan)
-    finer = (0.8 * parts[0], 0.25 * parts[1])
-    failed = _attempt(tried, CHECKING, finer, rtol, given, batch, check, signal)
-    agree = difference(columns, check, batch.first) <= rtol
-    agreed = np.setdiff1d(tried, failed)
-    agreed = agreed[agree[agreed]]
-    taken = batch.beads_of(agreed)
-    columns[:, taken] = check[:, taken]
-    return np.setdiff1d(todo, agreed)
+    def narrow(self, todo: Indices) -> Indices:
+        """Integrate growing tapers, those that begin with a large ratio of radii by short steps."""
+        if not len(todo):
+            return todo
+        first, size = self.batch.first[todo], self.windows.narrow
+        steep = self.batch.masses[first + 1] > STEEP**3 * self.batch.masses[first]
+        finer = (STEEP_PART * self.parts[0], self.parts[1])
+        if not steep.any():
+            return self.attempt(todo, size, self.parts)
+        failed = self.attempt(todo[~steep], size, self.parts)
+        return _together(failed, self.attempt(todo[steep], size, finer))
+
+    def wide(self, todo: Indices) -> Indices:
+        enough = self.rtol >= WIDE_RTOL
+        size = self.windows.wide if enough else self.windows.widest
+        return self.attempt(todo, size, self.parts)
+
+    def twice(self, todo: Indices) -> Indices:
+        """Integrate chains with two windows and step sizes; return those whose results differ.
+
+        Contacts are released much later in the second integration, because a release changes the
+        times of events between it and the opening of the contact.
+        """
+        if not len(todo):
+            return todo
+        failed = self.attempt(todo, self.windows.widest, self.parts)
+        tried = np.setdiff1d(todo, failed)
+        if not len(tried):
+            return todo
+        check = np.full_like(self.columns, np.nan)
+        finer = (0.8 * self.parts[0], 0.25 * self.parts[1])
+        failed = self.attempt(tried, self.windows.checking, finer, check)
+        agree = difference(self.columns, check, self.batch.first) <= self.rtol
+        agreed = np.setdiff1d(tried, failed)
+        agreed = agreed[agree[agreed]]
+        taken = self.batch.beads_of(agreed)
+        self.columns[:, taken] = check[:, taken]
+        return np.setdiff1d(todo, agreed)
+
+    def attempt(
+        self,
+        todo: Indices,
+        size: tuple[int, int],
+        parts: tuple[float, float],
+        columns: Array | None = None,
+    ) -> Indices:
+        """Integrate chains with one window; return those for which it failed."""
+        from ..kernels import narrow_front as kernel
+
+        if not len(todo) or self.signal[STOP]:
+            return todo
+        batch = self.batch
+        # The motion at the rear of a narrow window must be negligible; wider ones need no check.
+        rear = self.rtol if size == self.windows.narrow else np.inf
+        limits = (rear, 0.1 * self.rtol, ESTIMATED_ERROR * (parts[0] / ESTIMATED_PART) ** 7)
+        status = np.zeros(len(todo), np.int64)
+        # With few chains, most lanes would be empty.
+        lanes = kernel.ALONE if len(todo) < 3 else kernel.ABREAST
+        exponents = None if self.law == HERTZ_EXPONENT else self.law
+        kernel.follow(
+            lanes,
+            (*size, *parts),
+            limits,
+            (batch.given, batch.first[todo], batch.beads[todo], exponents),
+            self.columns if columns is None else columns,
+            status,
+            self.signal,
+            kernel.scratch_of(lanes),
+        )
+        return todo[status != kernel.FOLLOWED]

@@ -1,8 +1,8 @@
 """Conversion of chains and results, so that scaled methods accept chains in any units.
 
-Theories and `hertzchain.propagate` compute in the paper's scaled variables.  `for_any_units` makes
-such a function accept chains in SI units and return results in SI units; it also checks that the
-method supports the chain.
+Theories compute in the paper's scaled variables.  `for_any_units` makes such a function accept
+chains in SI units and return results in SI units; it also checks that the method supports the
+chain.
 """
 
 from __future__ import annotations
@@ -116,25 +116,13 @@ def unit_of(chain: Chain, quantity: str) -> float:
     return 1.0 if chain.units == "scaled" else float(Scales.of(chain).unit(scale))
 
 
-def table_in_si(chains: Sequence[Chain], table: PulseTable) -> PulseTable:
-    """The pulses of chains in SI units, from those of the scaled chains."""
-    followed = np.array([row not in table.reasons for row in range(len(chains))])
-    changes: dict[str, Any] = {}
-    for name in ("radii", "velocity", "peak_time", "arrival", "peak_overlap", "residence"):
-        units = [unit_of(each, name) if good else np.nan
-                 for each, good in zip(chains, followed, strict=True)]  # fmt: skip
-        changes[name] = getattr(table, name) * np.array(units)[:, np.newaxis]
-    found = dataclasses.replace(table, chains=tuple(chains), **changes)
-    _warn_outside_hertz(found, np.flatnonzero(followed).tolist())
-    return found
-
-
-def _warn_outside_hertz(table: PulseTable, rows: list[int]) -> None:
+def warn_outside_hertz_once(table: PulseTable) -> None:
     """Warn once if chains in SI units have exceeded the limits of Hertz's law."""
     exceeded = {}
-    for row in rows:
-        chain = table.chains[row]
-        if chain.materials is not None:
+    for row, chain in enumerate(table.chains):
+        if chain is None or chain.units != "SI" or chain.materials is None:
+            continue
+        if row not in table.reasons:
             overlaps = table.peak_overlap[row, : chain.beads - 1]
             if violations := hertz_range(chain, overlaps).violations:
                 exceeded[row] = violations[0]
@@ -143,6 +131,6 @@ def _warn_outside_hertz(table: PulseTable, rows: list[int]) -> None:
             f"{len(exceeded)} of {len(table)} chains exceed the limits of Hertz's law; in the "
             f"first of them, chain {row}, {violation}",
             ModelRangeWarning,
-            stacklevel=5,
+            stacklevel=3,
         )
         return

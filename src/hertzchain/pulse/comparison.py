@@ -123,10 +123,6 @@ class Comparison:
         first_bead : int
             First bead (or contact) that is considered.
 
-        Returns
-        -------
-        float
-
         Examples
         --------
         >>> import hertzchain as hc
@@ -144,10 +140,6 @@ class Comparison:
         quantity, first_bead
             As for `worst`.
 
-        Returns
-        -------
-        float
-
         Examples
         --------
         >>> import hertzchain as hc
@@ -164,10 +156,6 @@ class Comparison:
         ----------
         quantity, first_bead
             As for `worst`.
-
-        Returns
-        -------
-        int
 
         Examples
         --------

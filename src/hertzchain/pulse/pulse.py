@@ -195,10 +195,6 @@ class Pulse(Frozen):
         quantity : str
             A name in `hertzchain.pulse.quantities.QUANTITIES`.
 
-        Returns
-        -------
-        str
-
         Raises
         ------
         InputError
@@ -330,10 +326,6 @@ class Pulse(Frozen):
         ax : matplotlib.axes.Axes, optional
             Axes to draw into.  By default, a new figure is created.
 
-        Returns
-        -------
-        matplotlib.axes.Axes
-
         Examples
         --------
         >>> import hertzchain as hc
@@ -364,7 +356,9 @@ class Pulse(Frozen):
 def _checked_column(pulse: Pulse, quantity: Quantity, given: ArrayLike) -> Array:
     """Read-only copy of a column, whose values are allowed or explained by a note."""
     name, place = quantity.name, quantity.per
-    values, length = real_numbers(name, given, place).copy(), quantity.count(pulse.chain.beads)
+    plain = type(given) is np.ndarray and given.dtype == float
+    values = (given if plain else real_numbers(name, given, place)).copy()  # type: ignore[union-attr]
+    length = quantity.count(pulse.chain.beads)
     if values.shape != (length,):
         raise InputError(f"{name} of a pulse must have shape ({length},), got {values.shape}")
     good = np.isfinite(values)
@@ -374,7 +368,8 @@ def _checked_column(pulse: Pulse, quantity: Quantity, given: ArrayLike) -> Array
         # Strikers have their velocity from the start.
         first = max(1, pulse.chain.strikers) if quantity.values != "positive" else 0
         good[first:] &= values[first:] > 0.0
-    good |= np.isnan(values) & (name in pulse.notes)
+    if name in pulse.notes:
+        good |= np.isnan(values)
     if not good.all():
         k = int(np.argmin(good))
         allowed = {"nonzero": "finite and not 0", "finite": "finite"}

@@ -42,7 +42,7 @@ class PulseTable(Frozen):
     beads : ndarray of int, shape (C,)
         Number of beads of each chain.
     exponents : ndarray, shape (C,)
-        Exponent of the contact force of each chain.
+        Exponent of the contact force of each chain; NaN if its contacts differ.
     velocity, peak_time, arrival : ndarray, shape (C, N)
         As in `Pulse` [scaled, or SI].
     peak_overlap, residence : ndarray, shape (C, N - 1)
@@ -50,8 +50,9 @@ class PulseTable(Frozen):
     reasons : mapping
         Why a chain failed, by its index; empty if none did.
     chains : tuple of Chain
-        The chains, if they are in SI units, as are radii and columns then.  Empty for scaled
-        chains.
+        The chains, if they are in SI units, as are radii and columns then, or if the masses,
+        stiffness, exponents or impact velocities of some do not follow from the radii; None for a
+        row of radii.  Otherwise empty.
 
     Examples
     --------
@@ -74,7 +75,7 @@ class PulseTable(Frozen):
     peak_overlap: Array
     residence: Array
     reasons: Mapping[int, str]
-    chains: tuple[Chain, ...] = ()
+    chains: tuple[Chain | None, ...] = ()
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "reasons", MappingProxyType(dict(self.reasons)))
@@ -113,11 +114,23 @@ class PulseTable(Frozen):
     def _input(self, name: str) -> Any:
         """An input of the formula of a quantity, with a leading chain axis."""
         if name == "loading_force":
-            stiffness, p = self.stiffness, self.exponents[:, np.newaxis]
+            stiffness, p = self.stiffness, self._contact_exponents
             return lambda overlaps: stiffness * overlaps**p
         if name == "exponents":
-            return self.exponents[:, np.newaxis]
+            return self._contact_exponents
         return getattr(self, name)
+
+    @property
+    def _contact_exponents(self) -> Array:
+        """Exponents of the contacts, shape (C, 1), or (C, N - 1) if those of a chain differ."""
+        found = self.exponents[:, np.newaxis]
+        if any(chain is not None and not isinstance(chain.exponents, float)
+               for chain in self.chains):  # fmt: skip
+            found = np.repeat(found, self.radii.shape[1] - 1, axis=1)
+            for row, chain in enumerate(self.chains):
+                if chain is not None:
+                    found[row, : chain.beads - 1] = chain.exponents
+        return found
 
     @property
     def status(self) -> NDArray[np.str_]:
@@ -134,10 +147,6 @@ class PulseTable(Frozen):
         index : int
             Row, from 0; negative ones count from the end.
 
-        Returns
-        -------
-        Chain
-
         Raises
         ------
         InputError
@@ -150,8 +159,9 @@ class PulseTable(Frozen):
         array([1., 2.])
         """
         row = self._row(index)
-        if self.chains:
-            return self.chains[row]
+        kept = self.chains[row] if self.chains else None
+        if kept is not None:
+            return kept
         return Chain(self.radii[row, : self.beads[row]], float(self.exponents[row]))
 
     def __getitem__(self, index: int) -> Pulse:
@@ -183,14 +193,16 @@ class PulseTable(Frozen):
     @property
     def units(self) -> str:
         """``"SI"`` or ``"scaled"``."""
-        return "SI" if self.chains else "scaled"
+        in_si = any(chain is not None and chain.units == "SI" for chain in self.chains)
+        return "SI" if in_si else "scaled"
 
     def _padded(self, name: str, fewer: int) -> Array:
         """An array of each chain that was followed, as rows filled with NaN."""
         rows = np.full((len(self), self.radii.shape[1] - fewer), np.nan)
         for row, chain in enumerate(self.chains):
             if row not in self.reasons:
-                rows[row, : chain.beads - fewer] = getattr(chain, name)
+                known = self.chain(row) if chain is None else chain
+                rows[row, : known.beads - fewer] = getattr(known, name)
         return rows
 
     def column(self, quantity: str) -> Array | None:
@@ -277,6 +289,6 @@ class PulseTable(Frozen):
 
     def __repr__(self) -> str:
         failed = f", {len(self.reasons)} failed" if self.reasons else ""
-        units = ", SI" if self.chains else ""
+        units = ", SI" if self.units == "SI" else ""
         beads = self.velocity.shape[1]
         return f"PulseTable({len(self)} chains of up to {beads} beads{units}{failed})"

@@ -11,7 +11,7 @@ from dataclasses import KW_ONLY, dataclass
 from types import MappingProxyType
 from typing import Any, Final, Literal
 
-Place = Literal["bead", "contact", "wall", "wave"]
+Place = Literal["bead", "contact", "wall", "wave", "sensor", "run"]
 Values = Literal["positive", "positive after the strikers", "nonzero", "finite"]
 
 
@@ -35,7 +35,8 @@ class Quantity:
     label : str
         Label of an axis, with TeX mathematics.
     per : str
-        ``"bead"``, ``"contact"``, ``"wall"`` or ``"wave"``: the object to which a value belongs.
+        ``"bead"``, ``"contact"``, ``"wall"``, ``"wave"``, ``"sensor"`` or ``"run"``: the object to
+        which a value belongs.
     inputs : tuple of str
         Quantities, and arrays of the chain, from which ``formula`` computes it.
     formula : callable or None
@@ -52,7 +53,8 @@ class Quantity:
     scored : bool
         Whether the scoreboard evaluates theories by it.
     attribute : str
-        Of a quantity of a wall, the attribute of `WallForce` that holds it.
+        Of a quantity of a wall or sensor, the attribute of `WallForce` or `SensorForce` that holds
+        it.
 
     Examples
     --------
@@ -87,10 +89,6 @@ class Quantity:
         beads : int
             Number of beads.
 
-        Returns
-        -------
-        int
-
         Examples
         --------
         >>> QUANTITIES["peak_force"].count(10)
@@ -106,10 +104,6 @@ class Quantity:
         units : str
             ``"SI"`` or ``"scaled"``, the units of the chain.
 
-        Returns
-        -------
-        str
-
         Examples
         --------
         >>> QUANTITIES["energy"].unit_in("SI"), QUANTITIES["energy"].unit_in("scaled")
@@ -124,10 +118,6 @@ class Quantity:
         ----------
         units : str
             ``"SI"`` or ``"scaled"``, the units of the chain.
-
-        Returns
-        -------
-        str
 
         Examples
         --------
@@ -248,6 +238,80 @@ WALL_QUANTITIES: Final = _by_name(
             "wall_impulse", "", "impulse of the right wall in the whole run",
             unit="N s", scale="momentum", label="impulse of the wall", per="wall",
             attribute="impulse",
+        ),
+        Quantity(
+            "wall_duration", "", "impulse of the impact on the right wall over its largest force",
+            unit="s", scale="time", label="duration of the impact on the wall", per="wall",
+            attribute="duration",
+        ),
+    )
+)  # fmt: skip
+
+# Quantities of sensors in beads, which only `simulate` and `simulate_many` give.
+SENSOR_QUANTITIES: Final = _by_name(
+    (
+        Quantity(
+            "sensor_first_maximum", "", "first maximum of the force in the sensor",
+            unit="N", scale="force", label="first maximum of the force", per="sensor",
+            attribute="first_maximum",
+        ),
+        Quantity(
+            "sensor_first_maximum_time", "", "time of that maximum",
+            unit="s", scale="time", label="time of the first maximum", per="sensor",
+            attribute="first_maximum_time",
+        ),
+        Quantity(
+            "sensor_largest_so_far", "", "largest force in the sensor in the run",
+            unit="N", scale="force", label="largest force so far", per="sensor",
+            attribute="largest_so_far",
+        ),
+        Quantity(
+            "sensor_largest_so_far_time", "", "time of the largest force in the sensor",
+            unit="s", scale="time", label="time of the largest force", per="sensor",
+            attribute="largest_so_far_time",
+        ),
+        Quantity(
+            "sensor_impulse", "", "time integral of the force in the sensor in the whole run",
+            unit="N s", scale="momentum", label="impulse in the sensor", per="sensor",
+            values="finite",
+        ),
+    )
+)  # fmt: skip
+
+# The state at the end of a run, which `simulate_many` gives.
+FINAL_QUANTITIES: Final = _by_name(
+    (
+        Quantity(
+            "final_position", "x", "displacement of the bead at the end of the run",
+            unit="m", scale="length", label="displacement $x_k$ at the end", values="finite",
+        ),
+        Quantity(
+            "final_velocity", "v", "velocity of the bead at the end of the run",
+            unit="m/s", scale="velocity", label="velocity $v_k$ at the end", values="finite",
+        ),
+        Quantity(
+            "end_time", "t", "time at the end of the run",
+            unit="s", scale="time", label="time at the end", per="run",
+        ),
+        Quantity(
+            "energy_forward", "", "part of the energy in beads that move towards bead N",
+            unit="1", scale="1", label="part of the energy", per="run", values="finite",
+        ),
+        Quantity(
+            "energy_backward", "", "part of the energy in beads that move away from bead N",
+            unit="1", scale="1", label="part of the energy", per="run", values="finite",
+        ),
+        Quantity(
+            "energy_in_contacts", "", "part of the energy that contacts of two beads store",
+            unit="1", scale="1", label="part of the energy", per="run", values="finite",
+        ),
+        Quantity(
+            "energy_in_walls", "", "part of the energy that contacts with walls store",
+            unit="1", scale="1", label="part of the energy", per="run", values="finite",
+        ),
+        Quantity(
+            "energy_lost", "", "part of the energy that contacts have lost",
+            unit="1", scale="1", label="part of the energy", per="run", values="finite",
         ),
     )
 )  # fmt: skip

@@ -1,22 +1,22 @@
-r"""Where the energy and the momentum of an impact are, and where they came from.
+"""Energy and momentum of a run over time, by location and by origin.
 
-At every time the beads' kinetic energy and momentum are split three ways:
+At every time the kinetic energy and the momentum of the beads have three parts:
 
 leading pulse
     beads that move towards bead N, with the weights of `hertzchain.simulation.leading_pulse`: a
     bead leaves the pulse four rise times after the crest has passed it;
 lagging
-    all else that moves towards bead N;
+    all other beads that move towards bead N;
 scattered back
-    every bead that moves away from it.
+    beads that move away from bead N.
 
-In strong forward tapers (q > 0.05) tail and hump of the pulse are one, and where the leading
-pulse ends is a convention.
+In strong forward tapers (q > 0.05) the crest and the tail of the pulse are not separated, and the
+end of the leading pulse is a convention.
 
-Energy is also stored in contacts and walls, and lost in them; momentum is given to walls.
-What came from outside, beside the strike, is the work and impulse of gravity, of a drive and
-of forces that hold the ends.  Losses, work of the drive and impulses of the walls are
-integrated along with the motion, and all the rest follows from the saved state.
+Energy is also stored in contacts and walls, and lost in them; momentum is transferred to walls.
+In addition to the impact, gravity, a drive and forces that hold the ends supply work and impulse.
+Losses, the work of the drive and the impulses of the walls are integrated along with the motion;
+all other parts follow from the saved states.
 """
 
 from __future__ import annotations
@@ -56,13 +56,13 @@ class Budget:
     times : ndarray, shape (T,)
         Saved times [scaled, or s].
     energy : dict of ndarray, shape (T,)
-        Where the energy is: ``"leading pulse"``, ``"lagging"``, ``"scattered back"``,
+        Energy by location: ``"leading pulse"``, ``"lagging"``, ``"scattered back"``,
         ``"contacts"``, ``"walls"`` (stored in their contacts), ``"lost"`` [scaled, or J].
     momentum : dict of ndarray, shape (T,)
-        Where the momentum is: the same three, ``"left wall"`` and ``"right wall"`` [scaled,
-        or kg m/s].
+        Momentum by location: the same three parts of the beads, ``"left wall"`` and
+        ``"right wall"`` [scaled, or kg m/s].
     energy_given, momentum_given : dict of ndarray, shape (T,)
-        Where they came from: ``"start"``, ``"gravity"``, ``"drive"``, ``"held ends"``.
+        Energy and momentum by origin: ``"start"``, ``"gravity"``, ``"drive"``, ``"held ends"``.
 
     Examples
     --------
@@ -81,7 +81,7 @@ class Budget:
     momentum_given: dict[str, Array]
 
     def residual(self, of: Balanced = "energy") -> Array:
-        """What is there less what was given, in parts of the largest amount in motion.
+        """Sum over locations minus sum over origins, relative to the largest amount in motion.
 
         Parameters
         ----------
@@ -91,12 +91,12 @@ class Budget:
         Returns
         -------
         ndarray, shape (T,)
-            Zero but for errors of the integration.
+            Zero except for integration errors.
 
         Raises
         ------
         InputError
-            For another word.
+            For any other quantity.
 
         Examples
         --------
@@ -117,7 +117,7 @@ class Budget:
         return self.momentum, self.momentum_given
 
     def to_dataframe(self, of: Balanced = "energy") -> pd.DataFrame:
-        """Table with a row per saved time and a column per item.
+        """Convert to a table with one row per saved time and one column per part.
 
         Parameters
         ----------
@@ -127,12 +127,12 @@ class Budget:
         Returns
         -------
         pandas.DataFrame
-            Columns ``("there", ...)`` and ``("given", ...)``.
+            Columns ``("there", ...)``, by location, and ``("given", ...)``, by origin.
 
         Raises
         ------
         InputError
-            For another word.
+            For any other quantity.
 
         Examples
         --------
@@ -155,25 +155,21 @@ class Budget:
         horizon: Horizon | None = None,
         ax: Axes | None = None,
     ) -> Axes:
-        """Draw where it is over time, stacked.
+        """Plot the parts over time, stacked.
 
         Parameters
         ----------
         of : str
             ``"energy"`` or ``"momentum"``.
         horizon : Horizon, optional
-            What `Run.horizon` found; times beyond it are shaded.
+            Result of `Run.horizon`; times beyond it are shaded.
         ax : matplotlib.axes.Axes, optional
-            Axes to draw into; a new figure's if not given.
-
-        Returns
-        -------
-        matplotlib.axes.Axes
+            Axes to draw into; those of a new figure if not given.
 
         Raises
         ------
         InputError
-            For another word.
+            For any other quantity.
 
         Examples
         --------
@@ -236,7 +232,7 @@ def budget_of(
     weights: Array,
     start: tuple[float, float],
 ) -> Budget:
-    """The budget of saved states."""
+    """Compute the budget of saved states."""
     lost, worked, pushed, from_left, to_right = ledger.T
     momenta = chain.masses * velocities
     kinetic = 0.5 * momenta * velocities
@@ -278,14 +274,14 @@ def budget_of(
 
 
 def stored_energy(chain: Chain, times: Array, positions: Array, forces: Array) -> Array:
-    """Energy that each contact can give back, by its law."""
+    """Energy that each contact can return, by its law."""
     overlaps = overlaps_of(chain, times, positions)
     stored = np.zeros_like(overlaps)
     for group in chain.contact_groups:
         overlap, force, contacts = overlaps[:, group.index], forces[:, group.index], group.contacts
         cut_off = not group.law.row(contacts.exponent).attractive
         if cut_off and not steps_are_implicit(chain):
-            # Where the force is cut off, nothing comes back.
+            # A contact whose force is cut off returns no energy.
             overlap = np.where(force > 0.0, overlap, 0.0)
         with np.errstate(divide="ignore", invalid="ignore"):
             energy = group.law.stored_energy(overlap, force, contacts)
@@ -294,7 +290,7 @@ def stored_energy(chain: Chain, times: Array, positions: Array, forces: Array) -
 
 
 def overlaps_of(chain: Chain, times: Array, positions: Array) -> Array:
-    """How deep the bodies at each contact are in one another; negative where they are apart."""
+    """Overlaps of all contacts; negative where the bodies are apart."""
     wall = np.zeros(len(times))
     if chain.drive is not None and chain.drive.of == "displacement":
         wall = chain.drive.value(times)

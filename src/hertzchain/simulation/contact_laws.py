@@ -63,11 +63,12 @@ def _table(groups: Sequence[ContactGroup], rows: Sequence[LawRow]) -> LawTable:
 
 def _checked_for(rows: Sequence[LawRow]) -> int:
     """The kind of law that needs the most of all checks that any of the laws needs."""
+    from ..kernels.compilation import uncompiled
     from ..kernels.contact_law import has_modes
 
     if UNLOADING in {row.kind for row in rows}:
         return UNLOADING
-    return PLASTIC if any(map(has_modes.py_func, rows)) else ELASTIC
+    return PLASTIC if any(map(uncompiled(has_modes), rows)) else ELASTIC
 
 
 def _steps_are_implicit(

@@ -91,10 +91,6 @@ def energy_flux_of(self: Trajectory) -> EnergyFlux:
 
     Use it for strongly disordered chains, in which waves last for a few contacts only.
 
-    Returns
-    -------
-    EnergyFlux
-
     Raises
     ------
     InputError

@@ -46,6 +46,11 @@ def horizon_of(
         return replace(run.known_horizon, within=within)
     if not np.any(run.times > 0.0):
         raise InputError("the run has no saved times to compare: give simulate times of at least 2")
+    if np.isnan(run.rtol):
+        raise InputError(
+            "a run by fixed steps has no horizon: single velocities are not predicted; use method "
+            "'adaptive'"
+        )
     # Energy and momentum at the beginning; equal except for rounding if units were converted.
     if not np.allclose(run.state.start, first_state(run.chain).start, rtol=1e-9, atol=0.0):
         raise InputError(

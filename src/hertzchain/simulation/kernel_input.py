@@ -1,8 +1,4 @@
-"""A chain as the arrays that the compiled equations take.
-
-`kernel_chain` has what acts on the beads, `initial_state` where they are and how they move at
-time 0.
-"""
+"""Conversion of a chain to the arrays of the compiled equations."""
 
 from __future__ import annotations
 
@@ -20,12 +16,12 @@ from .drive_pieces import drive_pieces
 if TYPE_CHECKING:
     from ..kernels.forces import DefaultChain, GeneralChain
 
-# What the loop for default chains supports: any other chain takes the general one.
+# Features that the loop for default chains supports; all other chains use the general loop.
 PLAIN_FEATURES: Final = frozenset({"SI units", "masses", "stiffness", "strikers", "velocities"})
 
 
 def kernel_chain(chain: Chain) -> DefaultChain | GeneralChain:
-    """What acts on the beads of a chain, for the compiled loop."""
+    """Everything that acts on the beads of a chain, for the compiled loop."""
     from ..kernels.driving import MOVING_WALL, NOTHING, PUSH
     from ..kernels.forces import DefaultChain, GeneralChain
 
@@ -41,19 +37,19 @@ def kernel_chain(chain: Chain) -> DefaultChain | GeneralChain:
     except ArithmeticError:
         starts, pieces = np.zeros(1), np.full((1, 1), np.inf)
     if not np.isfinite(pieces).all():
-        raise InputError(f"{chain.drive} cannot be represented: look at the units of its times")
+        raise InputError(f"{chain.drive} cannot be represented: check the units of its times")
     with np.errstate(over="ignore"):
         law, laws, damping = contact_laws(chain)
     if not np.isfinite(damping).all():
         raise InputError(
-            f"the damping by {chain.loss} is too large to be represented: look at its units"
+            f"the damping by {chain.loss} is too large to be represented: check its units"
         )
     return GeneralChain(
         inverse_mass=1.0 / chain.masses,
         stiffness=chain.contact_stiffness,
         exponent=law.exponent,
-        # Positions are counted from equilibrium, where contacts overlap: rounding is then
-        # that of an overlap, not of the length of the chain.
+        # Positions are measured from equilibrium, where contacts overlap.  Rounding errors are
+        # then relative to an overlap, not to the length of the chain.
         gap=static.gaps - static_closing(chain),
         damping=damping,
         law=law,
@@ -74,10 +70,10 @@ def steps_are_implicit(chain: Chain) -> bool:
 
 
 def static_closing(chain: Chain) -> Array:
-    """What each contact, counted with the walls, is closed by the static positions."""
+    """Overlaps of all contacts, walls included, due to the static positions."""
     return -np.diff(np.pad(equilibrium(chain).positions, 1))
 
 
 def initial_state(chain: Chain) -> Array:
-    """Positions, counted from equilibrium, and velocities at time 0."""
+    """Positions, measured from equilibrium, and velocities at time 0."""
     return np.concatenate([np.zeros(chain.beads), chain.velocities])

@@ -30,6 +30,8 @@ from .wall_force import SIDES, Side, WallForce, incomplete_peak, wall_force_of
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
+    from ..fitting.trace_comparison import TraceComparison
+    from ..fitting.traces import Traces
     from .horizon import Horizon
 
 
@@ -57,14 +59,17 @@ class Run(Trajectory):
         Time at which the simulation stopped [scaled, or s].
     energy_drift : float
         Largest error of the energy balance over all steps, relative to the largest kinetic
-        energy.
+        energy or, where it is larger, the energy at the start: of a compressed chain at rest,
+        that of its contacts.
     momentum_drift : float
         Largest error of the momentum balance over all steps, relative to the largest sum of the
         absolute momenta of the beads.
     steps, evaluations : int
         Accepted steps, and evaluations of the force on the whole chain.
     rtol : float
-        Relative tolerance per step.
+        Relative tolerance per step; NaN if the steps were fixed.
+    method : str
+        ``"DOP853"``, or the splitting method of a symplectic run: ``"verlet"`` or ``"forward-4"``.
     state : State
         State from which a longer run resumes.
 
@@ -154,10 +159,6 @@ class Run(Trajectory):
         side : str
             ``"left"`` or ``"right"``.
 
-        Returns
-        -------
-        WallForce
-
         Raises
         ------
         InputError
@@ -196,10 +197,6 @@ class Run(Trajectory):
     def budget(self) -> Budget:
         """Energy and momentum at every saved time, by location and by source.
 
-        Returns
-        -------
-        Budget
-
         Raises
         ------
         InputError
@@ -236,10 +233,6 @@ class Run(Trajectory):
             velocity.
         progress : callable, optional
             Called as ``progress(beads_passed, beads)`` a few times per second.
-
-        Returns
-        -------
-        Horizon
 
         Raises
         ------
@@ -321,10 +314,6 @@ class Run(Trajectory):
         ax : matplotlib.axes.Axes, optional
             Axes to draw into; by default those of a new figure.
 
-        Returns
-        -------
-        matplotlib.axes.Axes
-
         Examples
         --------
         >>> import hertzchain as hc
@@ -344,10 +333,6 @@ class Run(Trajectory):
             Numbers of the beads with a sensor; N + 1 is the right wall, 0 the left one.
         ax : matplotlib.axes.Axes, optional
             Axes to draw into; by default those of a new figure.
-
-        Returns
-        -------
-        matplotlib.axes.Axes
 
         Examples
         --------
@@ -386,6 +371,39 @@ class Run(Trajectory):
         from ..plotting.animation import animate
 
         return animate(self, path, **options)
+
+    def compare(self, traces: Traces, *, time_offset: float | None = None) -> TraceComparison:
+        """Compare the run with measured traces, without any fit.
+
+        Parameters
+        ----------
+        traces : Traces
+            Data of one shot, such as those of `hertzchain.load_traces`.
+        time_offset : float, optional
+            Time of the data at which the run begins [s]; by default, that of the largest
+            cross-correlation.
+
+        Returns
+        -------
+        TraceComparison
+
+        Raises
+        ------
+        InputError
+            If the run is in scaled variables or saved few times, for several shots, or for
+            sensors that the chain does not have.
+
+        Examples
+        --------
+        >>> import hertzchain as hc
+        >>> traces, chain = hc.example_experiment()
+        >>> compared = hc.simulate(hc.load_chain(chain), until=6e-4, times=1201).compare(traces)
+        >>> f"{compared.differences['ball 6']:.1%}"
+        '5.0%'
+        """
+        from ..fitting.trace_comparison import compare_traces
+
+        return compare_traces(self, traces, time_offset=time_offset)
 
     def _require_times(self) -> None:
         if not len(self.times):

@@ -16,7 +16,7 @@ from ..chain.chain import Chain
 from ..collision import Array
 from ..kernels import state_layout
 from .wall_bound import RIGHT
-from .wall_watch import WallWatch
+from .wall_watch import CHECKS, WallWatch
 
 if TYPE_CHECKING:
     from ..kernels.forces import DefaultChain, GeneralChain
@@ -39,13 +39,14 @@ class RunEnd:
         arrays: dict[str, Array],
         equation: DefaultChain | GeneralChain,
         until: float | None,
+        checks: int = CHECKS,
     ) -> None:
         self.chain, self.counts, self.default = chain, arrays["counts"], until is None
         self.until = math.inf if until is None else until
         self.struck = bool(chain.velocities[0] > 0.0) and chain.drive is None
         self.watch: WallWatch | None = None
         if any(chain.wall_stiffness):
-            self.watch = WallWatch(chain, arrays, equation)  # type: ignore[arg-type]
+            self.watch = WallWatch(chain, arrays, equation, checks)  # type: ignore[arg-type]
 
     def goal(self) -> tuple[float, bool]:
         """Time not to step past, and whether to stop earlier when the pulse has left."""

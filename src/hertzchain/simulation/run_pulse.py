@@ -1,4 +1,4 @@
-"""The pulse of a run, from what the compiled loop has recorded between the steps."""
+"""The pulse of a run, from the records of the compiled loop."""
 
 from __future__ import annotations
 
@@ -9,14 +9,14 @@ from ..collision import Array
 from ..pulse.pulse import Pulse
 from .absent import reason, together
 
-# A pulse with more of its momentum behind the crest than this is the front of a tail; a
-# solitary wave has one half.
+# With a larger part of its momentum behind the crest, a pulse is the front of a tail; the part of a
+# solitary wave is one half.
 TAIL = 2.0 / 3.0
 LATE = "before the end of the run"
 
 
 def pulse_of(chain: Chain, peaks: Array, crossings: Array) -> Pulse:
-    """The leading pulse, as far as a run has seen it."""
+    """The leading pulse, as far as it has passed during the run."""
     from ..kernels import state_layout
 
     peaked = peaks[state_layout.PEAK_VELOCITY] != 0.0
@@ -37,7 +37,7 @@ def pulse_of(chain: Chain, peaks: Array, crossings: Array) -> Pulse:
 
 
 def residence_of(chain: Chain, crossings: Array) -> Array:
-    """Times between the crossings of successive contacts; NaN where they have no meaning."""
+    """Times between the crossings of successive contacts; NaN where they are not defined."""
     from ..kernels import state_layout
 
     times, since_last = crossings[state_layout.CROSSING_TIME], crossings[state_layout.RESIDENCE]
@@ -45,14 +45,16 @@ def residence_of(chain: Chain, crossings: Array) -> Array:
     passed = times > 0.0
     residence[~passed | ~np.append(True, passed[:-1])] = np.nan
     residence[_without_residence(chain)] = np.nan
+    # Beads that stick together arrive at once.
+    residence[residence == 0.0] = np.nan
     if chain.drive is not None:
-        # Crests of the drive, not of a pulse that passes from one contact to the next.
-        residence[residence <= 0.0] = np.nan
+        # These are crests of the drive, not of a pulse that moves from contact to contact.
+        residence[residence < 0.0] = np.nan
     return residence
 
 
 def moving_first(chain: Chain) -> int:
-    """How many beads at the front of a chain move forward from the start."""
+    """Number of beads at the front of a chain that move forward from the start."""
     return int(np.argmin(np.append(chain.velocities > 0.0, False)))
 
 
@@ -63,14 +65,14 @@ def _without_residence(chain: Chain) -> slice:
 
 
 def _tailed(chain: Chain, crossings: Array) -> Array:
-    """Contacts at which strong loss has made a shock-like tail of the pulse."""
+    """Contacts at which strong loss has turned the pulse into a shock-like tail."""
     from ..kernels import state_layout
 
     ahead = crossings[state_layout.HANDED_OVER]
     behind = crossings[state_layout.LEADING_MOMENTUM] - ahead
     lossy = not chain.lossless
     tailed = np.asarray(lossy & (ahead > 0.0) & (behind > TAIL / (1.0 - TAIL) * ahead))
-    # Before the end of the chain, beads that would carry a part of the pulse are missing.
+    # Near the end of the chain, beads that would carry a part of the pulse are missing.
     tailed[-2:] = tailed[-3:-2].any()
     return tailed
 
@@ -78,7 +80,7 @@ def _tailed(chain: Chain, crossings: Array) -> Array:
 def _notes(
     chain: Chain, peaked: Array, passed: Array, residence: Array, tailed: Array
 ) -> dict[str, str]:
-    """Why values are absent or mean something else, by the name of the quantity."""
+    """Reasons for values that are missing or have another meaning, by quantity."""
     slow = reason("bead", ~peaked, f"no first maximum of the velocity {LATE}")
     tail = reason(
         "bead",
@@ -98,7 +100,7 @@ def _notes(
     stay = together(
         reason("bead", undefined, why),
         reason("bead", absent & ~seen, f"no arrival there or at the next {LATE}"),
-        reason("bead", absent & seen, "the crest is at the next contact before it is at this one"),
+        reason("bead", absent & seen, "the crest is at the next contact no later than at this one"),
         crests if chain.drive is not None else "",
     )
     notes = dict.fromkeys(("velocity", "momentum", "energy"), together(slow, tail))

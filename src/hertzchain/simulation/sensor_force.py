@@ -71,10 +71,6 @@ def sensor_force_of(self: Trajectory, bead: int) -> SensorForce:
     bead : int
         Number k of the bead, from 1.
 
-    Returns
-    -------
-    SensorForce
-
     Raises
     ------
     InputError

@@ -6,6 +6,7 @@ leading pulse is needed.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from typing import Any, Final
 
@@ -21,11 +22,13 @@ from ..errors import InputError, SimulationError, short_repr
 from ..validation.numbers import number, real_numbers, whole_number
 from ..validation.objects import callback, check_bool, check_type
 from .checked_state import check_state
+from .fixed_steps import FixedLoop, FixedSteps, fixed_steps
 from .kernel_input import kernel_chain
 from .run import Run
 from .run_end import RunEnd, Status
 from .state import State, contacts_of, first_state, same_motion
-from .time_scales import transit_times
+from .time_scales import check_clock, transit_times
+from .wall_watch import CHECKS, FEW_CHECKS
 
 Progress = Callable[[int, int], None]
 
@@ -39,8 +42,8 @@ MIN_STEP_LIMIT: Final = 1_000_000
 BEAD_STEPS_PER_CALL: Final = 1_000_000
 # Smaller accelerations have lost digits, and the steps would shrink indefinitely.
 MIN_ACCELERATION: Final = 1e-290
-# Smallest contact time: steps are parts of it, which must be representable.
-MIN_CONTACT_TIME: Final = 1e-280
+# Default step limit of fixed steps.
+MAX_FIXED_STEPS: Final = 10**12
 
 
 def simulate(
@@ -50,6 +53,9 @@ def simulate(
     times: int | ArrayLike = 400,
     start: State | None = None,
     rtol: float = DEFAULT_RTOL,
+    method: str = "adaptive",
+    step: float | None = None,
+    drift: float | None = None,
     max_steps: int | None = None,
     check: bool = True,
     progress: Progress | None = None,
@@ -83,17 +89,24 @@ def simulate(
         State to resume from, such as ``run.state``; times continue those of the earlier run.  By
         default, the chain starts at time 0.
     rtol : float
-        Relative tolerance per step, 1e-14 .. 1e-6.
+        Relative tolerance per step of the adaptive method, 1e-14 .. 1e-6.
+    method : str
+        ``"adaptive"``, or ``"symplectic"`` for long runs of elastic chains without a drive: fixed
+        steps of a splitting method, ``"verlet"`` or ``"forward-4"``, which can also be chosen.
+        Single velocities are less accurate.
+    step : float, optional
+        Step of the symplectic method [scaled, or s]; by default it follows from ``drift``.
+    drift : float, optional
+        Largest energy drift of a symplectic run, 1e-11 .. 1e-2; by default 1e-5.  Drift and
+        length determine method (velocity Verlet, or a forward method of order 4) and step; a run
+        that exceeds the drift is repeated with shorter steps.  ``run.energy_drift`` is the drift
+        found.
     max_steps : int, optional
         Step limit; by default 2000 per bead, and at least a million.
     check : bool
         Whether to raise an error if the run fails; otherwise check ``run.status``.
     progress : callable, optional
         Called as ``progress(beads_passed, beads)`` a few times per second.
-
-    Returns
-    -------
-    Run
 
     Raises
     ------
@@ -122,9 +135,12 @@ def simulate(
     rtol = checked_rtol(rtol)
     if until is not None:
         until = number("until", until, unit=chain._unit("s"), above=0.0)
+    fixed = fixed_steps(chain, method, step, drift, until)
     usual = max(STEPS_PER_BEAD * chain.beads, MIN_STEP_LIMIT)
+    if fixed is not None:
+        usual = MAX_FIXED_STEPS
     limit = usual if max_steps is None else whole_number("max_steps", max_steps, least=1)
-    _check_clock(chain)
+    check_clock(chain)
     if start is None:
         start = first_state(chain)
     check_type("start", start, State, "run.state is one")
@@ -138,7 +154,11 @@ def simulate(
     frames = _Frames(chain, start.time, until, times)
     if until is None and not isinstance(times, int | np.integer):
         until = float(frames.times[-1])
-    run = _integrate(chain, start, until, frames, rtol, limit, progress)
+    run = _integrate(chain, start, until, frames, rtol, limit, progress, fixed)
+    while fixed is not None and run.energy_drift > fixed.drift:
+        fixed = fixed.shorter(run.energy_drift / fixed.drift)
+        frames = _Frames(chain, start.time, until, times)
+        run = _integrate(chain, start, until, frames, rtol, limit, progress, fixed)
     if check and not run.success:
         raise SimulationError(run.message)
     warn_outside_hertz(chain, run.largest_overlaps)
@@ -194,7 +214,9 @@ class _Frames:
 class _Integration:
     """A state during a run, the compiled loop that advances it, and its scratch arrays."""
 
-    def __init__(self, chain: Chain, start: State, frames: _Frames, rtol: float) -> None:
+    def __init__(
+        self, chain: Chain, start: State, frames: _Frames, rtol: float, fixed: FixedSteps | None
+    ) -> None:
         from ..kernels import full_chain, state_layout
 
         self.kernel: Any = full_chain
@@ -206,7 +228,12 @@ class _Integration:
         self.plain = len(arrays["y"]) == 2 * chain.beads
         self.contacts = contacts_of(arrays, self.equation)
         frames.allocate(len(arrays["y"]), 0 if self.plain else chain.beads + 1)
-        self.frames, self.rtol = frames, rtol
+        self.frames, self.rtol, self.fixed = frames, rtol, fixed
+        self.loop = None if fixed is None else FixedLoop(chain, fixed)
+        if fixed is not None:
+            # Fixed steps are taken for all beads.
+            self.counts[[state_layout.LOW, state_layout.HIGH]] = 0, chain.beads
+            self.clock[[state_layout.STEP, state_layout.IDLE_UNTIL]] = fixed.step, np.inf
         length = len(arrays["y"])
         self.accelerations = np.zeros(chain.beads)
         self.scratch = (
@@ -218,11 +245,13 @@ class _Integration:
     def advance(self, end: tuple[float, bool], steps: int, pause: bool) -> int:
         """Take at most this number of steps; return a code for the reason to stop."""
         arrays, frames = self.state.arrays, self.frames
+        if self.loop is not None:
+            return self.loop.advance(self, end, steps, BEAD_STEPS_PER_CALL, pause)
         code: int = self.kernel.advance(
-            arrays["y"], self.clock, self.counts, self.equation, self.contacts, *end,
-            self.rtol, steps, pause, frames.times, frames.spacing is not None, frames.states,
-            frames.forces, arrays["peaks"], arrays["crossings"], arrays["walls"],
-            self.accelerations, *self.scratch,
+            arrays["y"], self.clock, self.counts, self.equation, self.contacts,
+            arrays["flights"], *end, self.rtol, steps, BEAD_STEPS_PER_CALL, pause, frames.times,
+            frames.spacing is not None, frames.states, frames.forces, arrays["peaks"],
+            arrays["crossings"], arrays["walls"], self.accelerations, *self.scratch,
         )  # fmt: skip
         return code
 
@@ -230,6 +259,23 @@ class _Integration:
     def forces(self) -> Array:
         """Forces in the contacts, including the walls; empty for a default chain."""
         return np.empty(0) if self.contacts is None else np.asarray(self.contacts.last_force)
+
+    @property
+    def drifts(self) -> bool:
+        """Whether energy has drifted more than accepted, so that shorter steps are needed."""
+        if self.fixed is None:
+            return False
+        return self.energy_drift > self.fixed.drift
+
+    @property
+    def energy_drift(self) -> float:
+        """Largest error of the energy balance so far, relative to the largest energy."""
+        from ..kernels import state_layout
+
+        # At rest under static forces, the energy stored in contacts sets the rounding.
+        largest = self.clock[state_layout.ENERGY_UNIT]
+        unit = max(largest, abs(self.clock[state_layout.INITIAL_ENERGY]))
+        return _part(self.clock[state_layout.ENERGY_DRIFT], unit)
 
     @property
     def underflows(self) -> bool:
@@ -250,20 +296,21 @@ def _integrate(
     rtol: float,
     max_steps: int,
     progress: Progress | None,
+    fixed: FixedSteps | None,
 ) -> Run:
     from ..kernels import state_layout
 
-    going = _Integration(chain, start, frames, rtol)
+    going = _Integration(chain, start, frames, rtol, fixed)
     kernel, counts = going.kernel, going.counts
-    end = RunEnd(chain, going.state.arrays, going.equation, until)
-    budget = max(20, BEAD_STEPS_PER_CALL // chain.beads)
+    checks = CHECKS if fixed is None or until is None else FEW_CHECKS
+    end = RunEnd(chain, going.state.arrays, going.equation, until, checks)
     first = int(counts[state_layout.STEPS])
     status: Status | None = None
     # Keep the state before the last, shortened step, so that a longer run resumes bit for bit.
     before_end: State | None = None
     while status is None:
         goal = end.goal() if before_end is None else (end.until, False)
-        steps = min(budget, end.steps, max_steps - int(counts[state_layout.STEPS]) + first)
+        steps = min(end.steps, max_steps - int(counts[state_layout.STEPS]) + first)
         code = going.advance(goal, steps, before_end is None)
         if progress is not None:
             progress(
@@ -275,10 +322,13 @@ def _integrate(
             counts[state_layout.FRAMES] = frames.thin_out(int(counts[state_layout.FRAMES]))
         elif code == kernel.LAST_STEP and goal[0] == until:
             before_end = going.state.copy()
+        elif going.drifts:
+            break
         elif code == kernel.RUNNING and counts[state_layout.STEPS] - first >= max_steps:
             status = "step limit"
         if code in (kernel.RUNNING, kernel.STEP_TOO_SMALL, kernel.PULSE_LOST) and going.underflows:
             status = "underflow"
+    status = status or "step limit"
     return _run(going, before_end or going.state.copy(), status, end.assess(going.forces))
 
 
@@ -299,11 +349,12 @@ def _run(going: _Integration, state: State, status: Status, walls: tuple[Array, 
         velocities=saved[:, beads : 2 * beads],
         status=status,
         end_time=float(clock[state_layout.TIME]),
-        energy_drift=_part(clock[state_layout.ENERGY_DRIFT], clock[state_layout.ENERGY_UNIT]),
+        energy_drift=going.energy_drift,
         momentum_drift=_part(clock[state_layout.MOMENTUM_DRIFT], clock[state_layout.MOMENTUM_UNIT]),
         steps=int(counts[state_layout.STEPS]),
         evaluations=int(counts[state_layout.EVALUATIONS]),
-        rtol=going.rtol,
+        rtol=going.rtol if going.fixed is None else math.nan,
+        method="DOP853" if going.fixed is None else going.fixed.name,
         state=state,
         _forces=None if going.plain else frames.forces[:filled],
         _ledger=ledger,
@@ -320,17 +371,6 @@ def _run(going: _Integration, state: State, status: Status, walls: tuple[Array, 
 def _part(drift: float, unit: float) -> float:
     """A drift relative to its unit; 0 if nothing ever moved."""
     return float(drift / unit) if unit > 0.0 else 0.0
-
-
-def _check_clock(chain: Chain) -> None:
-    """Raise `InputError` if transit times are too short to represent."""
-    times = transit_times(chain)
-    k = int(np.argmin(times))
-    if times[k] < MIN_CONTACT_TIME:
-        raise InputError(
-            f"a pulse would pass contact {k + 1} in {times[k]:g}{' s' * (chain.units == 'SI')}, "
-            "too short a time to represent; check the units of masses, stiffness and velocities"
-        )
 
 
 def _check_end(chain: Chain, until: float | None, times: int | ArrayLike, begin: float) -> None:

@@ -26,14 +26,15 @@ if TYPE_CHECKING:
 ROW_SCALES: Final[Mapping[str, tuple[str, ...]]] = {
     "clock": (
         "time", "time", "time", "velocity", "energy", "momentum", "energy", "momentum", "energy",
-        "momentum",
+        "momentum", "velocity", "time",
     ),
+    "flights": ("length", "time"),
     "peaks": ("time", "velocity"),
     "crossings": ("time", "length", "time", "momentum", "time", "momentum", "energy"),
     "walls": ("time", "force", "momentum", "time", "time", "1", "1"),
     "completion": ("time", "time", "time", "time", "momentum", "1"),
 }  # fmt: skip
-# Units of what is integrated along with the motion.
+# Units of the accumulators, which are integrated along with the motion.
 ACCUMULATOR_SCALES: Final = ("energy", "energy", "momentum", "momentum", "momentum")
 
 
@@ -46,22 +47,22 @@ def _array_scales(state: State) -> Mapping[str, Scale]:
 
 @dataclass(frozen=True, eq=False)
 class State:
-    """The state of a run, exact to the last bit.
+    """The complete state of a run, such as ``run.state``.
 
-    ``run.state`` is one.  `hertzchain.simulate` continues from it with ``start=``; the result is
-    the same as that of a run that was never stopped.
+    With ``start=``, `hertzchain.simulate` continues from it.  The result is equal, bit for bit, to
+    that of an uninterrupted run.
 
     Attributes
     ----------
     chain : Chain
         The chain.
     time : float
-        Time of the state [scaled, or s]: the end of the last step that was not cut short
-        by the end of the run.
+        Time of the state [scaled, or s]: the end of the last step that the end of the run has
+        not shortened.
     positions, velocities : ndarray, shape (N,)
-        Of the beads [scaled, or m and m/s].
+        Positions and velocities of the beads [scaled, or m and m/s].
     arrays : dict of ndarray
-        The complete state, in the arrays of the compiled loop.
+        Arrays of the compiled loop.
 
     Examples
     --------
@@ -117,7 +118,7 @@ class State:
         )
 
     def copy(self) -> State:
-        """The same state in separate arrays.
+        """Copy the state to separate arrays.
 
         Examples
         --------
@@ -129,13 +130,9 @@ class State:
         return replace(self, arrays={name: value.copy() for name, value in self.arrays.items()})
 
     def reversed(self) -> State:
-        """The state with all velocities reversed, at time 0.
+        """Reverse all velocities, at time 0.
 
-        A lossless chain that continues from it returns to its start.
-
-        Returns
-        -------
-        State
+        A lossless chain that continues from the result returns to its initial state.
 
         Raises
         ------
@@ -154,13 +151,13 @@ class State:
         for name in ("loss", "drive"):
             if name in self.chain.features:
                 raise InputError(
-                    f"a chain with {name} does not run backwards: use a chain without it"
+                    f"a run of a chain with {name} cannot be reversed: use a chain without it"
                 )
         return new_state(self.chain, self.arrays["y"][: self.chain.beads], -self.velocities)
 
 
 def new_state(chain: Chain, positions: Array, velocities: Array) -> State:
-    """A state at time 0 with nothing recorded yet."""
+    """A state at time 0 without records."""
     from ..kernels import forces, full_chain, state_layout
 
     beads, equation = chain.beads, kernel_chain(chain)
@@ -171,6 +168,7 @@ def new_state(chain: Chain, positions: Array, velocities: Array) -> State:
         "counts": np.zeros(state_layout.COUNTS_SIZE, np.int64),
         "mode": np.zeros(beads + 1, np.int64),
         "largest": np.zeros(beads + 1),
+        "flights": np.zeros((state_layout.FLIGHT_ROWS, beads)),
         "peaks": np.zeros((2, beads)),
         "crossings": np.zeros((state_layout.CROSSING_ROWS, beads - 1)),
         "walls": np.zeros((state_layout.WALL_ROWS, 2)),
@@ -199,7 +197,9 @@ def first_state(chain: Chain) -> State:
 
 
 def contacts_of(arrays: dict[str, Array], equation: DefaultChain | GeneralChain) -> Contacts | None:
-    """The memory of the contacts, as the kernel takes it."""
+    """The memory of the contacts, as arrays of the kernel."""
+    from ..kernels.compilation import uncompiled
+    from ..kernels.contact_law import has_modes
     from ..kernels.forces import Contacts, DefaultChain
     from ..kernels.stiff_law import new_implicit
 
@@ -209,7 +209,10 @@ def contacts_of(arrays: dict[str, Array], equation: DefaultChain | GeneralChain)
     force, last_force = np.zeros((2, number))
     scratch, powers = np.zeros((3, number)), np.zeros((4, number))
     within = new_implicit(number) if equation.law.implicit else None
-    return Contacts(arrays["mode"], arrays["largest"], force, last_force, scratch, powers, within)
+    search = True if uncompiled(has_modes)(equation.law) else None
+    return Contacts(
+        arrays["mode"], arrays["largest"], force, last_force, scratch, powers, within, search
+    )
 
 
 def same_motion(chain: Chain, other: Chain) -> bool:
@@ -218,7 +221,7 @@ def same_motion(chain: Chain, other: Chain) -> bool:
 
 
 def _arrays_of(part: Any) -> list[Array]:
-    """A part of the kernel's chain; the columns of its table of laws have unlike lengths."""
+    """Arrays of a part of the kernel's chain; those of its table of laws differ in length."""
     if part is None:
         return []
     if isinstance(part, tuple) and np.ndim(part[0]) > 0:

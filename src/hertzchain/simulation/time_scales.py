@@ -3,13 +3,29 @@
 from __future__ import annotations
 
 import math
+from typing import Final
 
 import numpy as np
 
 from ..chain.chain import Chain
 from ..chain.equilibrium import equilibrium
 from ..collision import Array, compression_time, reduced_mass
+from ..errors import InputError
 from .drive_pieces import drive_pieces
+
+# Smallest contact time: steps are parts of it, which must be representable.
+MIN_CONTACT_TIME: Final = 1e-280
+
+
+def check_clock(chain: Chain) -> None:
+    """Raise `InputError` if transit times are too short to represent."""
+    times = transit_times(chain)
+    k = int(np.argmin(times))
+    if times[k] < MIN_CONTACT_TIME:
+        raise InputError(
+            f"a pulse would pass contact {k + 1} in {times[k]:g}{' s' * (chain.units == 'SI')}, "
+            "too short a time to represent; check the units of masses, stiffness and velocities"
+        )
 
 
 def typical_speed(chain: Chain) -> float:
@@ -33,7 +49,7 @@ def typical_speed(chain: Chain) -> float:
 
 
 def _pushed(chain: Chain, force: float) -> float:
-    """Speed of bead 1 with the energy that a force has over the overlap that bears it."""
+    """Speed of bead 1 with the energy of a force times its overlap."""
     overlap = (force / chain.stiffness[0]) ** (1.0 / chain.contact_exponents[1])
     return math.sqrt(force * overlap / chain.masses[0])
 

@@ -45,6 +45,7 @@ class Trajectory:
     steps: int
     evaluations: int
     rtol: float
+    method: str
     state: State
     _forces: Array | None = field(metadata=scale("force"))
     _ledger: Array = field(metadata=scale(ACCUMULATOR_SCALES, axis=1))
@@ -89,13 +90,12 @@ class Trajectory:
         """
         from ..kernels import state_layout
 
-        stiffness = np.array(self.chain.wall_stiffness)
         peak = np.zeros(self.chain.beads + 1)
         peak[[0, -1]] = self._walls[state_layout.WALL_PEAK]
         walls = loading_overlaps(self.chain.contact_groups, peak)[[0, -1]]
         passed = np.concatenate((walls[:1], self._crossings[state_layout.OVERLAP], walls[1:]))
         saved = overlaps_of(self.chain, self.times, self.positions)
-        saved[:, [0, -1]] = np.where(stiffness > 0.0, saved[:, [0, -1]], 0.0)
+        saved = np.where(self.chain.contact_stiffness > 0.0, saved, 0.0)
         return np.asarray(np.maximum(passed, np.max(saved, axis=0, initial=0.0)))
 
     @property

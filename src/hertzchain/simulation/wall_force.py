@@ -1,4 +1,4 @@
-"""The force on a wall: its course, its peak, whether that is complete, and impulses."""
+"""The force on a wall over time, its peak, whether the peak is complete, and impulses."""
 
 from __future__ import annotations
 
@@ -17,9 +17,9 @@ SIDES: Final[tuple[Side, ...]] = ("left", "right")
 class WallForce:
     """The force on one wall.
 
-    The peak is complete when the motion towards the wall has not been able to exceed it for half
-    a transit of the pulse; `hertzchain.simulation.wall_bound` has the equation.  Between two
-    lossless walls a pulse returns for ever, and the peak is that of its first passage.
+    The peak is complete if the bound on later forces has been below it for half a transit of the
+    pulse (`hertzchain.simulation.wall_bound`).  Between two lossless walls the pulse returns again
+    and again, and the peak is that of its first passage.
 
     Attributes
     ----------
@@ -28,27 +28,28 @@ class WallForce:
     times, force : ndarray, shape (T,)
         Force on the wall at the saved times [scaled, or s and N].
     peak, peak_time : float
-        Largest force and its time, found between the steps, not among the saved times; NaN if
+        Largest force and its time, located within the steps, not among the saved times; NaN if
         the peak is not complete.
     complete : bool
-        Whether the peak is complete: no later force exceeds it.
+        Whether the peak is complete, so that no later force exceeds it.
     complete_since : float or None
-        Time from which on it is; `None` if it is not complete.
+        Time at which the peak became complete; `None` if it is not.
     largest_so_far, largest_so_far_time : float
         Largest force of the run and its time, complete or not.
     bound : float
-        Largest force that the motion towards the wall could still make at the end of the run.
+        Largest force that the motion towards the wall at the end of the run can still cause.
     momentum_on_its_way, energy_on_its_way : float
-        Of the motion towards the wall at the end of the run [scaled, or kg m/s and J].
+        Momentum and energy of the motion towards the wall at the end of the run [scaled, or
+        kg m/s and J].
     touches : int
         Number of separate contacts with the wall until ``complete_since``, or so far.
     impulse_of_impact : float
         Impulse on the wall until ``complete_since``; NaN if the peak is not complete.
     first_contact_end, first_contact_impulse : float or None
-        Time at which the first contact had ended, and its impulse; `None` while it lasts, or
-        before.  Against a very stiff wall the first contact is the first of many short ones.
+        End of the first contact, and its impulse; `None` before that.  With a very stiff wall,
+        the first contact is the first of many short ones.
     impulse : float
-        Impulse of the whole run.  It exceeds that of the impact where more beads arrive later,
+        Impulse of the whole run.  It exceeds that of the impact if further beads arrive later,
         as in forward tapers.
     units : str
         ``"scaled"`` or ``"SI"``.
@@ -72,6 +73,11 @@ class WallForce:
     first_contact_impulse: float | None
     impulse: float
     units: str = "scaled"
+
+    @property
+    def duration(self) -> float:
+        """Impulse of the impact over its largest force [scaled, or s]; NaN if incomplete."""
+        return self.impulse_of_impact / self.peak if self.peak else math.nan
 
     def __repr__(self) -> str:
         def at(force: float, time: float) -> str:
@@ -105,7 +111,7 @@ def wall_force_of(
     impulses: Array,
     units: str,
 ) -> WallForce:
-    """The force on one wall from the records of a run."""
+    """Determine the force on one wall from the records of a run."""
     from ..kernels import state_layout
 
     i = SIDES.index(side)
@@ -140,7 +146,7 @@ def wall_force_of(
 
 
 def incomplete_peak(wall: WallForce, end: float, units: tuple[str, str]) -> str:
-    """Why a wall has no peak yet, in a sentence."""
+    """State in a sentence why the peak on a wall is not complete."""
     second, newton = units
     found = f"the {wall.side} wall was not reached before t = {end:.6g}{second}"
     if wall.largest_so_far > 0.0:
@@ -148,7 +154,7 @@ def incomplete_peak(wall: WallForce, end: float, units: tuple[str, str]) -> str:
             f"the peak of the force on the {wall.side} wall is not complete: the largest until "
             f"t = {end:.6g}{second} is {wall.largest_so_far:.6g}{newton}"
         )
-    more = f"the motion towards the wall could still make up to {wall.bound:.6g}{newton}"
+    more = f"the motion towards the wall can still cause up to {wall.bound:.6g}{newton}"
     if wall.bound <= wall.largest_so_far:
         more = "the motion away from the wall may still be reversed"
     return f"{found}, and {more}; simulate for longer"

@@ -33,6 +33,8 @@ if TYPE_CHECKING:
 HELD: Final = 0.5
 MAX_TRANSITS: Final = 10
 CHECKS: Final = 16
+# Checks in each transit of a run by fixed steps to a given time, which may be very long.
+FEW_CHECKS: Final = 2
 # Relative rounding of the bound; part of the peak to which the force on a released wall has fallen.
 ROUNDING, RELEASED = 1e-9, 1e-3
 
@@ -40,12 +42,14 @@ ROUNDING, RELEASED = 1e-9, 1e-3
 class WallWatch:
     """The walls of a chain during a run; ``arrays`` are the arrays of its state."""
 
-    def __init__(self, chain: Chain, arrays: dict[str, Array], equation: GeneralChain) -> None:
+    def __init__(
+        self, chain: Chain, arrays: dict[str, Array], equation: GeneralChain, checks: int = CHECKS
+    ) -> None:
         sides = [side for side, stiffness in enumerate(chain.wall_stiffness) if stiffness > 0.0]
         self.targets = [Target(chain, side, equation) for side in sides]
         self.chain, self.arrays, self.rest = chain, arrays, equilibrium(chain).positions
         self.clock, self.walls = arrays["clock"], arrays["walls"]
-        self.completion = arrays["completion"]
+        self.completion, self.checks = arrays["completion"], checks
 
     @property
     def time(self) -> float:
@@ -113,7 +117,7 @@ class WallWatch:
 
     def _set_due(self) -> None:
         """Set the next check to the first one after the next step."""
-        time, spacing = self.time + float(self.clock[state_layout.STEP]), self.transit / CHECKS
+        time, spacing = self.time + float(self.clock[state_layout.STEP]), self.transit / self.checks
         number = max(0, math.floor((time - self.start) / spacing)) + 1
         self.completion[state_layout.DUE] = max(
             self.start + number * spacing, math.nextafter(time, math.inf)

@@ -121,9 +121,7 @@ class WaveEvent:
 
 def static_forces_of(run: Trajectory) -> Array:
     """Static force of each contact, 0 at ends without a wall."""
-    static = equilibrium(run.chain).forces.copy()
-    static[[0, -1]] *= np.array(run.chain.wall_stiffness) > 0.0
-    return static
+    return np.where(run.chain.contact_stiffness > 0.0, equilibrium(run.chain).forces, 0.0)
 
 
 def largest_force_of(run: Trajectory) -> float:

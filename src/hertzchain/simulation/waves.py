@@ -221,10 +221,6 @@ class Waves:
         contact : int
             Number k of the contact between beads k and k + 1.
 
-        Returns
-        -------
-        Waves
-
         Raises
         ------
         InputError
@@ -252,10 +248,6 @@ class Waves:
         ----------
         contact : int
             Number k of the contact; 0 is the contact with the left wall, N with the right wall.
-
-        Returns
-        -------
-        tuple of WaveEvent
 
         Raises
         ------
@@ -300,10 +292,6 @@ class Waves:
         ----------
         ax : matplotlib.axes.Axes, optional
             Axes to draw into.  By default, a new figure is created.
-
-        Returns
-        -------
-        matplotlib.axes.Axes
 
         Examples
         --------

@@ -42,10 +42,6 @@ def load_beads(path: str | os.PathLike[str], own: Mapping[str, Material] | None 
     own : mapping of str to Material, optional
         Custom materials, by name.
 
-    Returns
-    -------
-    Chain
-
     Raises
     ------
     InputError
@@ -105,10 +101,6 @@ def load_drive(path: str | os.PathLike[str]) -> TableDrive:
     ----------
     path : path-like
         The file; the second column may be ``displacement [um]``, of the left wall.
-
-    Returns
-    -------
-    TableDrive
 
     Raises
     ------

@@ -1,56 +1,53 @@
-"""Chain files: TOML that says what `Chain` and its methods say, and CSV with a row a bead.
+"""Chain files: TOML files with the arguments of `Chain` and its methods, and CSV tables of beads.
 
 A TOML file has a table ``[chain]`` with the beads in one of these forms::
 
-    taper = "backward-exponential"   # or "uniform", which has no rate
+    taper = "backward-exponential"   # or "uniform", without a rate
     rate = 0.05
     beads = 100
 
     radii = [5.0, 4.5, 4.0]          # or one radius and beads
 
-    cell = [1.0, 0.5]                # repeated so often:
+    cell = [1.0, 0.5]                # repeated, here 20 times
     cells = 20
 
     mass_ratio = 0.3428              # a dimer with equal contacts, and beads
 
-    file = "beads.csv"               # a row a bead
+    file = "beads.csv"               # one row per bead
 
-With ``materials`` (one, or one a bead) the chain is in SI units; a taper then needs the
-``radius`` of its first bead, and ``velocity`` is that of the strike.  All other keys are
-fields of `hertzchain.Chain`; tables ``[chain.decorated]``, ``[[chain.with_defects]]``,
-``[chain.with_scatter]`` and ``[[chain.struck_by]]`` are its methods, applied in this order;
-``[chain.left_wall]``, ``[chain.right_wall]``, ``[chain.loss]`` and ``[chain.drive]`` are its
-parts.  Materials of your own are tables ``[materials.NAME]``.
+With ``materials`` (one, or one per bead) the chain is in SI units; a taper then requires the
+``radius`` of its first bead, and ``velocity`` is that of the impact.  All other keys are
+fields of `hertzchain.Chain`.  The tables ``[chain.decorated]``, ``[[chain.with_defects]]``,
+``[chain.with_scatter]``, ``[[chain.struck_by]]`` and ``[[chain.with_contacts]]`` are its methods,
+applied in this order; ``[chain.left_wall]``, ``[chain.right_wall]``, ``[chain.loss]`` and
+``[chain.drive]`` are its parts.  Custom materials are tables ``[materials.NAME]``.
 """
 
 from __future__ import annotations
 
-import dataclasses
 import os
-import tomllib
 from collections.abc import Iterator, Mapping, Sequence
+from numbers import Integral
 from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
 
 from ..chain.chain import Chain
+from ..chain.contact_shapes import Cone, CrossedCylinders, Shape
 from ..chain.drives import Drive, SineBurst, StepDrive, TableDrive
-from ..chain.feature_support import require_chain
 from ..chain.input_checks import checked_beads
 from ..chain.laws import LAWS, Loss
-from ..chain.laws.elastic import Elastic
 from ..chain.materials import RIGID, Material, material
-from ..chain.per_contact import MaterialPairs
 from ..chain.tapers import PARAMETERS, taper_named
 from ..chain.walls import Wall
 from ..errors import InputError
-from ..simulation.state import fingerprint
 from ..validation.numbers import number, real_numbers, whole_number
 from ..validation.objects import file_path, shown_path
 from .bead_tables import load_beads, load_drive
-from .chain_schema import FORMS, check_document, without_units
-from .toml_files import read_toml, toml_key, toml_text
+from .chain_schema import FORMS, without_units
+from .schema_checks import check_document, has_tables
+from .toml_files import read_toml
 
 ARRAYS: Final = ("masses", "stiffness", "velocities", "gaps")
 LATER: Final = ("precompression", "held_by", "gravity")
@@ -58,6 +55,7 @@ LATER: Final = ("precompression", "held_by", "gravity")
 MORE_BEADS: Final = ("decorated", "with_defects", "with_scatter")
 METHODS: Final = (*MORE_BEADS, "struck_by")
 PARTS: Final = ("left_wall", "right_wall", "loss", "drive")
+SHAPES: Final[Mapping[str, type[Shape]]] = {"cone": Cone, "crossed-cylinders": CrossedCylinders}
 DRIVES: Final[Mapping[str, type[Drive]]] = {
     "sine-burst": SineBurst,
     "step": StepDrive,
@@ -71,21 +69,16 @@ def load_chain(path: str | os.PathLike[str]) -> Chain:
     Parameters
     ----------
     path : path-like
-        The file.  TOML: see the top of `hertzchain.store.chain_files`.  CSV (ending ``.csv``): a
-        row a bead, with columns ``radius [mm]`` or ``diameter [mm]``, ``material``,
-        ``mass [g]``, ``velocity [m/s]`` and, between a bead and the next,
-        ``gap [um]`` and ``stiffness [N/m^1.5]``; in any order and unit, or all without
-        units for a scaled chain.
-
-    Returns
-    -------
-    Chain
+        TOML: see `hertzchain.store.chain_files`.  CSV (ending ``.csv``): one row per bead, with
+        columns ``radius [mm]`` or ``diameter [mm]``, ``material``,
+        ``mass [g]``, ``velocity [m/s]`` and, for the contact with the next bead, ``gap [um]`` and
+        ``stiffness [N/m^1.5]``; in any order and unit, or all without units for a scaled chain.
 
     Raises
     ------
     InputError
         If the file is missing or unreadable, a key or column is unknown, missing or
-        contradicts another, or a value is out of range; the file is named.
+        contradicts another, or a value is out of range.  The message names the file.
 
     Examples
     --------
@@ -107,117 +100,14 @@ def load_chain(path: str | os.PathLike[str]) -> Chain:
 
 
 def chain_from(document: Mapping[str, Any], folder: Path = Path()) -> Chain:
-    """The chain that a parsed chain file describes."""
+    """Build the chain that a parsed chain file describes."""
     for problem in check_document(document):
         raise InputError(problem)
     return _ChainFile(document, folder).chain()
 
 
-def chain_as_toml(chain: Chain) -> str:
-    """A chain as a TOML chain file, from which `load_chain` makes the same chain.
-
-    Different materials of one name are given different names.
-
-    Parameters
-    ----------
-    chain : Chain
-        Any chain.
-
-    Returns
-    -------
-    str
-
-    Raises
-    ------
-    InputError
-        If the chain that is read back would move in another way, which is always checked.
-
-    Examples
-    --------
-    >>> print(chain_as_toml(Chain.uniform(2).replace(right_wall=Wall.rigid())))
-    [chain]
-    radii = [1.0, 1.0]
-    right_wall = {rigid = true, gap = 0.0}
-    """
-    require_chain("chain_as_toml", chain)
-    # Those of a scaled chain, which decide nothing, would make it one in SI units.
-    materials = chain.materials or () if chain.units == "SI" else ()
-    names = _names_of_materials(chain, materials)
-    entries = _beads_entries(chain)
-    if materials:
-        entries["materials"] = [names[each] for each in materials]
-    for name, end in (("left_wall", 0), ("right_wall", -1)):
-        wall = getattr(chain, name)
-        if wall is not None:
-            by_pairs = isinstance(chain.exponent, MaterialPairs)
-            p = float(chain.contact_exponents[end]) if by_pairs else wall.exponent
-            entries[name] = _wall_entry(wall, names, p)
-    if chain.loss is not None:
-        entries["loss"] = _loss_entries(chain.loss, names)
-    if chain.drive is not None:
-        kind = next(label for label, cls in DRIVES.items() if type(chain.drive) is cls)
-        entries["drive"] = {"kind": kind} | _fields(chain.drive)
-    lines = ["[chain]", *(f"{name} = {toml_text(value)}" for name, value in entries.items())]
-    for each, name in names.items():
-        lines += ["", f"[materials.{toml_key(name)}]"]
-        lines += [
-            f"{key} = {toml_text(value)}" for key, value in _fields(each).items() if key != "name"
-        ]
-    text = "\n".join(lines)
-    _check_round_trip(chain, text)
-    return text
-
-
-def _beads_entries(chain: Chain) -> dict[str, Any]:
-    """Keys of [chain] that are no tables."""
-    entries: dict[str, Any] = {}
-    if chain.taper is not None and chain.units == "scaled":
-        entries |= {"taper": chain.taper, **dict(chain.taper_parameters), "beads": chain.beads}
-    else:
-        entries["radii"] = chain.radii.tolist()
-    usual = {item.name: item.default for item in dataclasses.fields(chain)}
-    if np.any(chain.exponents != usual["exponent"]):
-        entries["exponent"] = np.asarray(chain.exponents).tolist()
-    for name in ("units", "strikers", *LATER):
-        if (value := getattr(chain, name)) != usual[name]:
-            entries[name] = value
-    return entries | {name: getattr(chain, name).tolist() for name in ARRAYS if name in chain.given}
-
-
-def _names_of_materials(chain: Chain, kinds: Sequence[Material]) -> dict[Material, str]:
-    """A name for each material of beads and walls; no two have the same."""
-    walls = (chain.left_wall, chain.right_wall)
-    used = [*kinds, *(wall.material for wall in walls if wall is not None)]
-    if isinstance(chain.loss, MaterialPairs):
-        used += sorted({each for pair in chain.loss.values for each in pair}, key=str)
-    names: dict[Material, str] = {}
-    taken: set[str] = set()
-    for each in used:
-        if each is None or each == RIGID or each in names:
-            continue
-        name, number = each.name, 2
-        while name in taken:
-            name, number = f"{each.name} ({number})", number + 1
-        names[each] = name
-        taken.add(name)
-    if RIGID in kinds:
-        names[RIGID] = RIGID.name
-    return names
-
-
-def _check_round_trip(chain: Chain, text: str) -> None:
-    """Refuse to hand out a file that does not describe the chain."""
-    try:
-        same = fingerprint(chain_from(tomllib.loads(text))) == fingerprint(chain)
-        reason = "the chain read back moves in another way"
-    except (InputError, tomllib.TOMLDecodeError) as error:
-        same, reason = False, str(error)
-    if not same:
-        raise InputError(f"this chain cannot be written as a chain file: {reason}")
-
-
 class _ChainFile:
-    """A parsed TOML file of the right types, and where the files it names are."""
+    """A parsed TOML file of the right types, and the folder of the files it names."""
 
     def __init__(self, document: Mapping[str, Any], folder: Path) -> None:
         self.table: dict[str, Any] = without_units(document["chain"])
@@ -228,7 +118,7 @@ class _ChainFile:
         }
 
     def chain(self) -> Chain:
-        # Given bead by bead: with the beads, unless these change first.
+        # Lists of one value per bead are set with the beads, unless a method changes these first.
         listed = (*ARRAYS, "exponent") if self._listed("exponent") else ARRAYS
         own: dict[str, Any] = {name: self.table[name] for name in listed if name in self.table}
         changed = any(name in self.table for name in MORE_BEADS)
@@ -244,11 +134,18 @@ class _ChainFile:
             chain = chain.struck_by(**arguments)
         rest: dict[str, Any] = {name: self.table[name] for name in LATER if name in self.table}
         rest |= {name: self._part(name) for name in PARTS if name in self.table}
-        return chain.replace(**rest) if rest else chain
+        chain = chain.replace(**rest) if rest else chain
+        for arguments in self._arguments("with_contacts"):
+            numbers = arguments.pop("contacts", range(1, chain.beads))
+            shape = SHAPES[arguments.pop("shape")](**arguments)
+            one = isinstance(numbers, Integral)
+            chain = chain.with_contacts(dict.fromkeys([numbers] if one else numbers, shape))
+        return chain
 
     def _listed(self, name: str) -> bool:
-        """Whether a key has a value for each contact."""
-        return isinstance(self.table.get(name), list | tuple | np.ndarray)
+        """Whether a key has one value per contact."""
+        value = self.table.get(name)
+        return isinstance(value, list | tuple | np.ndarray) and not has_tables(value)
 
     def _beads(self, own: dict[str, Any]) -> Chain:
         table = self.table
@@ -263,11 +160,11 @@ class _ChainFile:
         keys = {key for more in FORMS.values() for key in more} | set(FORMS)
         self._refuse_beside(form, sorted(keys - {form, *FORMS[form]}))
         one = "exponent" in table and not self._listed("exponent")
-        law = {"exponent": table["exponent"]} if one else {}
+        law = {"exponent": self._exponent()} if one else {}
         if table.get("units") == "scaled" and "materials" in table:
             raise InputError(
                 "[chain] has units = 'scaled' and also materials, which make a chain in SI units: "
-                "leave one out"
+                "omit one"
             )
         if form == "file":
             return self._beads_of_file(law)
@@ -277,7 +174,7 @@ class _ChainFile:
             key = "radius" if "radius" in table else "velocity"
             raise InputError(
                 f"[chain] has {key} but no materials: scaled chains begin with radius 1 and "
-                f"velocity 1; leave {key} out, or give materials"
+                f"velocity 1; omit {key}, or give materials"
             )
         return self._scaled_beads(form, law, own)
 
@@ -347,7 +244,7 @@ class _ChainFile:
         return Chain.from_materials(radii, kinds, beads=count, **fields)
 
     def _repeated(self, radii: Any) -> Any:
-        """The radii, as often as a cell is repeated."""
+        """Repeat the radii of a cell."""
         if self._form != "cell":
             return radii
         cell = real_numbers("radius", radii, "bead", unit="m")
@@ -373,10 +270,15 @@ class _ChainFile:
         entry = dict(self.table[name])
         if name.endswith("wall"):
             if "loss" in entry:
+                if "between" in entry["loss"]:
+                    raise InputError(
+                        f"loss of [chain.{name}] has between, but is the law of one contact: omit "
+                        "between, or use [[chain.loss]]"
+                    )
                 entry["loss"] = _law(entry["loss"])
             if entry.pop("rigid", False):
                 if "material" in entry:
-                    raise InputError(f"[chain.{name}] is rigid and of a material: leave one out")
+                    raise InputError(f"[chain.{name}] is rigid and has a material: omit one")
                 entry["material"] = RIGID
             elif "material" in entry:
                 entry["material"] = self._material(entry["material"])
@@ -384,28 +286,36 @@ class _ChainFile:
         return self._drive(entry)
 
     def _losses(self, given: Any) -> Any:
-        """A law, a list with one for each contact, or a mapping from pairs of materials."""
+        """A law, a list with one law per contact, or a mapping from pairs of materials."""
         if isinstance(given, Mapping) and "between" not in given:
             return _law(given)
         listed = [given] if isinstance(given, Mapping) else given
         if not any("between" in each for each in listed):
             return [_law(each) for each in listed]
-        pairs = {}
-        for entry in map(dict, listed):
-            names = entry.pop("between", [])
-            if len(names) != 2:
-                raise InputError(
-                    "between of [chain.loss] must have two materials, in all of its tables or in "
-                    f"none, got {names!r}"
-                )
-            pairs[tuple(self._material(names))] = _law(entry)
-        return pairs
+        return {self._pair("loss", each): _law(each) for each in listed}
+
+    def _exponent(self) -> Any:
+        """An exponent for all contacts, or a mapping from pairs of materials."""
+        given = self.table["exponent"]
+        if not has_tables(given):
+            return given
+        listed = [given] if isinstance(given, Mapping) else given
+        return {self._pair("exponent", each): each["value"] for each in listed}
+
+    def _pair(self, name: str, entry: Mapping[str, Any]) -> tuple[Material, ...]:
+        names = entry.get("between", [])
+        if len(names) != 2:
+            raise InputError(
+                f"between of [chain.{name}] must have two materials, in all of its tables or in "
+                f"none, got {names!r}"
+            )
+        return tuple(self._material(names))
 
     def _drive(self, entry: dict[str, Any]) -> Drive:
         kind = entry.pop("kind")
         if "file" in entry:
             if len(entry) > 1:
-                raise InputError("[chain.drive] has file and also other keys: leave them out")
+                raise InputError("[chain.drive] has file and also other keys: omit them")
             return load_drive(self.folder / entry["file"])
         for key in ("times", "values") if kind == "table" else ():
             if key not in entry:
@@ -424,56 +334,12 @@ class _ChainFile:
             raise InputError(f"[chain] has no {key}, which goes with {self._form}")
         return self.table[key]
 
-    def _refuse_beside(
-        self, what: str, others: Sequence[str], advice: str = "leave one out"
-    ) -> None:
+    def _refuse_beside(self, what: str, others: Sequence[str], advice: str = "omit one") -> None:
         present = [key for key in others if key in self.table]
         if present:
             raise InputError(f"[chain] has {what} and also {', '.join(present)}: {advice}")
 
 
 def _law(entry: Mapping[str, Any]) -> Loss:
-    return LAWS[entry["law"]](**{key: value for key, value in entry.items() if key != "law"})
-
-
-def _law_entry(law: Loss | None) -> dict[str, Any]:
-    law = Elastic() if law is None else law
-    return {"law": law.name} | _fields(law)
-
-
-def _loss_entries(given: Any, names: Mapping[Material, str]) -> Any:
-    """One table or, if contacts differ, a list of them."""
-    if isinstance(given, MaterialPairs):
-        return [
-            {"between": ([names[each] for each in sorted(pair, key=names.__getitem__)] * 2)[:2]}
-            | _law_entry(law)
-            for pair, law in given.values.items()
-        ]
-    if isinstance(given, tuple):
-        return [_law_entry(law) for law in given]
-    return _law_entry(given)
-
-
-def _wall_entry(wall: Wall, names: Mapping[Material, str], p: float | None) -> dict[str, Any]:
-    """Keys of a wall; its exponent unless it follows from those of the chain."""
-    entry: dict[str, Any] = {}
-    if wall.stiffness is not None:
-        entry["stiffness"] = wall.stiffness
-    elif wall.material == RIGID:
-        entry["rigid"] = True
-    elif wall.material is not None:
-        entry["material"] = names[wall.material]
-    entry["gap"] = wall.gap
-    if p is not None:
-        entry["exponent"] = p
-    return entry if wall.loss is None else entry | {"loss": _law_entry(wall.loss)}
-
-
-def _fields(item: Any) -> dict[str, Any]:
-    """Fields of a part or material that are given, in plain types."""
-    values = {each.name: getattr(item, each.name) for each in dataclasses.fields(item) if each.init}
-    return {
-        name: value.tolist() if isinstance(value, np.ndarray) else value
-        for name, value in values.items()
-        if value is not None
-    }
+    values = {key: value for key, value in entry.items() if key not in ("law", "between")}
+    return LAWS[entry["law"]](**values)

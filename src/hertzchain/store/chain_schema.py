@@ -1,126 +1,25 @@
 """The schema of chain files: every section and key, with type, unit, default and range.
 
-`SECTIONS` is the only description of what a chain file can contain.  Reading, the command line,
+`SECTIONS` is the only description of the content of a chain file.  Reading, the command line,
 sweeps and the documentation use it; an application can generate its controls from
-`chain_schema`.  `check_document` compares a parsed file with it, before anything is built.
+`chain_schema`.  `hertzchain.store.schema_checks` compares a parsed file with it.
 """
 
 from __future__ import annotations
 
 import dataclasses
 import itertools
-import math
-import numbers
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Mapping, Sequence
 from types import MappingProxyType
-from typing import Any, Final, Literal
-
-import numpy as np
+from typing import Any, Final
 
 from ..chain.boundary_checks import HELD_BY
 from ..chain.drives import DRIVEN, WINDOWS
 from ..chain.laws import LAWS
 from ..chain.laws.base import Parameter
 from ..chain.tapers import PARAMETERS, TAPERS, parameter_description
-from ..errors import short_repr, unknown_name_error
-from ..units import UNITS, quantity
-
-Kind = Literal["number", "integer", "boolean", "choice", "text", "material", "file", "law"]
-Per = Literal["", "bead", "contact", "row", "item"]
-
-
-@dataclass(frozen=True)
-class Key:
-    """A key of a section.
-
-    Attributes
-    ----------
-    name : str
-        Name of the key.
-    kind : str
-        ``"number"``, ``"integer"``, ``"boolean"``, ``"choice"``, ``"text"``, ``"material"``
-        (a name), ``"file"`` (a path relative to the chain file) or ``"law"`` (a table such as
-        ``[chain.loss]``).
-    description : str
-        What it is.
-    default : object
-        Its value if it is omitted; `None` if it then follows from other keys.
-    required : bool
-        Whether it must be there.
-    dimension : str
-        A key of `hertzchain.units.UNITS`, if it has a unit in SI chains; then text such as
-        ``"5 mm"`` is understood.  Scaled chains take plain numbers only.  A stiffness is in
-        N/m^p, with the exponent p of the chain.
-    dimension_if_displacement : str
-        Its dimension if the key ``of`` is ``"displacement"``, where that differs.
-    choices : tuple of str
-        What a choice can be.
-    above, least, most, below : float
-        Bounds of a number.
-    per : str
-        ``"bead"``, ``"contact"``, ``"row"`` or ``"item"`` if it is a list, with a value for each.
-    one_for_all : bool
-        Whether one value may be given in place of a list.
-
-    Examples
-    --------
-    >>> Key("gap", "number", "distance", default=0.0, dimension="length").si_unit
-    'm'
-    """
-
-    name: str
-    kind: Kind
-    description: str
-    default: float | bool | str | None = None
-    required: bool = False
-    dimension: str = ""
-    dimension_if_displacement: str = ""
-    choices: tuple[str, ...] = ()
-    above: float = -math.inf
-    least: float = -math.inf
-    most: float = math.inf
-    below: float = math.inf
-    per: Per = ""
-    one_for_all: bool = False
-
-    @property
-    def si_unit(self) -> str:
-        """Unit in SI; empty if it has none."""
-        return UNITS[self.dimension][0] if self.dimension else ""
-
-
-@dataclass(frozen=True)
-class Section:
-    """A table of a chain file.
-
-    Attributes
-    ----------
-    name : str
-        Its name, such as ``"chain.right_wall"``; ``NAME`` stands for any name.
-    description : str
-        What it describes.
-    keys : tuple of Key
-        Its keys.
-    repeated : bool
-        Whether there may be several, as ``[[chain.struck_by]]``.
-    variant_key : str
-        A required key whose value selects further keys; empty if there is none.
-    variants : mapping of str to tuple of Key
-        Further keys, by the value of `variant_key`.
-
-    Examples
-    --------
-    >>> [key.name for key in SECTIONS["chain.loss"].variants["dashpot"]]
-    ['gamma', 'attractive']
-    """
-
-    name: str
-    description: str
-    keys: tuple[Key, ...]
-    repeated: bool = False
-    variant_key: str = ""
-    variants: Mapping[str, tuple[Key, ...]] = field(default_factory=dict)
+from ..units import UNITS
+from .schema_keys import Key, Kind, Section, section_as_dict
 
 
 def _number(name: str, description: str, dimension: str = "", **more: Any) -> Key:
@@ -145,7 +44,7 @@ _WALL: Final = (
     Key("loss", "law", "law of loss of its contact; the chain's if omitted"),
 )
 
-# Forms in which the beads are given: the key that tells the form, and keys that go with it.
+# Forms in which the beads are given: the key that selects the form, and further keys of the form.
 FORMS: Final[Mapping[str, tuple[str, ...]]] = MappingProxyType(
     {
         "taper": (*PARAMETERS, "beads", "radius"),
@@ -165,8 +64,8 @@ _CHAIN: Final = (
             per="bead", one_for_all=True),
     _number("cell", "radii of the beads of one cell", "length", above=0.0, per="bead",
             one_for_all=True),
-    Key("cells", "integer", "how often the cell is repeated", least=1),
-    _number("mass_ratio", "mass of the light beads over that of the heavy ones of a dimer",
+    Key("cells", "integer", "number of repetitions of the cell", least=1),
+    _number("mass_ratio", "mass of the light beads of a dimer over that of the heavy ones",
             above=0.0),
     Key("file", "file", "CSV file with one row per bead"),
     _number("exponent", "exponent of the contact force", default=1.5, above=1.0, most=50.0,
@@ -193,19 +92,19 @@ _CHAIN: Final = (
 
 _DECORATED: Final = (
     _number("ratio", "radius over the geometric mean of the large neighbours", above=0.0),
-    _number("radius", "radius, in place of the ratio", "length", above=0.0),
+    _number("radius", "radius, instead of the ratio", "length", above=0.0),
     Key("between", "integer", "number of small beads between two large ones", default=1, least=1),
     _MATERIAL,
 )
 _DEFECTS: Final = (
     Key("bead", "integer", "number of the bead", required=True, least=1),
-    _number("radius", "its radius", "length", required=True, above=0.0),
+    _number("radius", "radius of the bead", "length", required=True, above=0.0),
     _MATERIAL,
 )
 _SCATTER: Final = (
     Key("seed", "integer", "seed of the random numbers", required=True, least=0),
     _number("relative", "standard deviation of the logarithm of the radius", least=0.0, most=1.0),
-    Key("grade", "integer", "ball grade of ISO 3290-1, in place of relative"),
+    Key("grade", "integer", "ball grade of ISO 3290-1, instead of relative"),
 )
 _STRUCK_BY: Final = (
     _number("velocity", "velocity of the strikers", "velocity", default=1.0),
@@ -219,6 +118,30 @@ _STRUCK_BY: Final = (
 _BETWEEN: Final = Key(
     "between", "material", "the two materials whose contacts have this law", per="item"
 )
+_EXPONENTS: Final = (
+    Key("between", "material", "the two materials of the contacts", required=True, per="item"),
+    _number("value", "exponent of these contacts", required=True, above=1.0, most=50.0),
+)
+_CONTACTS: Final = Key(
+    "contacts", "integer", "numbers of the contacts, 0 and N of walls; all of two beads if omitted",
+    least=0, per="item", one_for_all=True,
+)  # fmt: skip
+_SHAPES: Final[Mapping[str, tuple[Key, ...]]] = MappingProxyType(
+    {
+        "cone": (
+            _number("half_angle", "angle between axis and side, in degrees", required=True,
+                    above=0.0, below=90.0),
+        ),
+        "crossed-cylinders": (
+            _number("radius", "radius of one cylinder; that of the bead if omitted", "length",
+                    above=0.0),
+            _number("other_radius", "radius of the other; that of the other bead if omitted",
+                    "length", above=0.0),
+            _number("angle", "angle between the axes, in degrees", default=90.0, least=1.0,
+                    most=90.0),
+        ),
+    }
+)  # fmt: skip
 
 
 def _law_key(name: str, about: Parameter, default: Any) -> Key:
@@ -269,38 +192,43 @@ _MATERIALS: Final = (
     _number("density", "density", "density", required=True, above=0.0),
     _number("young", "Young's modulus; inf is rigid", "pressure", required=True, above=0.0),
     _number("poisson", "Poisson's ratio", required=True, above=-1.0, below=0.5),
-    _number("yield_strength", "stress in tension at which it yields", "pressure", above=0.0),
-    Key("source", "text", "where the numbers are from", default=""),
+    _number(
+        "yield_strength", "stress in tension at which the material yields", "pressure", above=0.0
+    ),
+    Key("source", "text", "source of the numbers", default=""),
 )
 
 _LISTED: Final = (
-    Section("chain", "the beads, and how they start", _CHAIN),
+    Section("chain", "beads, contacts and initial state", _CHAIN),
     Section("chain.decorated", "small beads between large ones", _DECORATED, repeated=True),
     Section("chain.with_defects", "a bead of another size or material", _DEFECTS, repeated=True),
-    Section("chain.with_scatter", "radii that scatter", _SCATTER, repeated=True),
+    Section("chain.with_scatter", "random deviations of the radii", _SCATTER, repeated=True),
     Section("chain.struck_by", "strikers in front of the chain", _STRUCK_BY, repeated=True),
+    Section("chain.exponent", "the exponent of one pair of materials", _EXPONENTS, repeated=True),
+    Section("chain.with_contacts", "contacts of bodies other than spheres", (_CONTACTS,),
+            repeated=True, variant_key="shape", variants=_SHAPES),
     Section("chain.left_wall", "the wall behind bead 1", _WALL),
     Section("chain.right_wall", "the wall in front of the last bead", _WALL),
     Section("chain.loss", "the law of loss; or one for each contact or pair of materials",
             (_BETWEEN,), repeated=True, variant_key="law", variants=_LAWS),
     Section("chain.drive", "force on bead 1 or motion of the left wall", (), variant_key="kind",
             variants=_DRIVES),
-    Section("materials.NAME", "a material of your own", _MATERIALS),
+    Section("materials.NAME", "a custom material", _MATERIALS),
 )  # fmt: skip
 SECTIONS: Final[Mapping[str, Section]] = MappingProxyType({each.name: each for each in _LISTED})
-# Tables within [chain], in the order in which they are applied.
+# Tables within [chain].
 TABLES: Final = tuple(name.removeprefix("chain.") for name in SECTIONS if name.startswith("chain."))
-# All that [chain] can contain.
-KEYS: Final = (*(key.name for key in _CHAIN), *TABLES)
+# Names of all keys and tables of [chain]; the exponent can be either.
+KEYS: Final = tuple(dict.fromkeys([*(key.name for key in _CHAIN), *TABLES]))
 
 
 def chain_schema() -> dict[str, Any]:
-    """All of the schema in plain types, as JSON can carry them.
+    """Convert the schema to plain types, which JSON supports.
 
     Returns
     -------
     dict
-        ``sections``, ``forms`` and ``units``; bounds that a number does not have are left out.
+        ``sections``, ``forms`` and ``units``; infinite bounds are omitted.
 
     Examples
     --------
@@ -318,210 +246,8 @@ def chain_schema() -> dict[str, Any]:
     }
 
 
-def section_as_dict(section: Section) -> dict[str, Any]:
-    """A section in plain types."""
-    return {
-        "description": section.description,
-        "repeated": section.repeated,
-        "keys": [_key_as_dict(key) for key in section.keys],
-        "variant_key": section.variant_key,
-        "variants": {
-            name: [_key_as_dict(key) for key in keys] for name, keys in section.variants.items()
-        },
-    }
-
-
-def _key_as_dict(key: Key) -> dict[str, Any]:
-    entry = {"unit": key.si_unit, **dataclasses.asdict(key), "choices": list(key.choices)}
-    # JSON has no infinite numbers: a bound that is none is left out.
-    return {
-        name: value
-        for name, value in entry.items()
-        if not (isinstance(value, float) and math.isinf(value))
-    }
-
-
-def check_document(document: Mapping[str, Any], *, complete: bool = True) -> Iterator[str]:
-    """What in a parsed chain file is not as the schema has it: one sentence each.
-
-    Parameters
-    ----------
-    document : mapping
-        Tables ``chain`` and, if there are any, ``materials``.
-    complete : bool
-        Whether required keys must be there; not in a sweep, whose axes may give them.
-
-    Yields
-    ------
-    str
-
-    Examples
-    --------
-    >>> document = {"chain": {"beads": 2.5, "right_wall": {"rigid": "false"}}}
-    >>> [*check_document(document)][1]
-    "rigid of [chain.right_wall] must be true or false, got 'false'"
-    """
-    for name in document:
-        if name not in ("chain", "materials"):
-            yield str(unknown_name_error("table or key", name, ("chain", "materials")))
-    table = document.get("chain")
-    if not isinstance(table, Mapping):
-        yield "a chain file needs a table [chain]"
-        return
-    values = {name: value for name, value in table.items() if name not in TABLES}
-    yield from _check_keys(values, "[chain]", SECTIONS["chain"].keys, KEYS, complete=complete)
-    for name in TABLES:
-        if name in table:
-            yield from _check_tables(table[name], SECTIONS[f"chain.{name}"], complete)
-    materials = document.get("materials", {})
-    if not isinstance(materials, Mapping):
-        yield f"[materials] must be a table of tables, got {short_repr(materials)}"
-        return
-    for name, entry in materials.items():
-        if isinstance(entry, Mapping):
-            keys = SECTIONS["materials.NAME"].keys
-            yield from _check_keys(entry, f"[materials.{name}]", keys, complete=complete)
-        else:
-            yield f"[materials.{name}] must be a table, got {short_repr(entry)}"
-
-
-def _check_tables(entry: Any, section: Section, complete: bool, place: str = "") -> Iterator[str]:
-    """A table or, of what may be repeated, a list of tables."""
-    several = section.repeated and not place and isinstance(entry, list | tuple)
-    place = place or f"[{section.name}]"
-    for table in entry if several else [entry]:
-        if not isinstance(table, Mapping):
-            yield f"{place} must be a table{_example(section)}, got {short_repr(entry)}"
-            return
-        keys, chosen = section.keys, table.get(section.variant_key)
-        if section.variant_key:
-            if chosen is None and not complete:
-                continue
-            if chosen is None:
-                yield f"{place} has no {section.variant_key}: choose from {_names(section)}"
-                continue
-            if not isinstance(chosen, str) or chosen not in section.variants:
-                what = f"{section.variant_key} of {place}"
-                yield str(unknown_name_error(what, chosen, section.variants))
-                continue
-            keys = (*section.keys, *section.variants[chosen])
-        values, known = dict(table), [key.name for key in keys]
-        if section.variant_key:
-            del values[section.variant_key]
-            known.insert(0, section.variant_key)
-        yield from _check_keys(values, place, keys, known, complete=complete)
-
-
-def _names(section: Section) -> str:
-    return ", ".join(section.variants)
-
-
-def _example(section: Section) -> str:
-    """What to write in place of a single value."""
-    examples = {
-        "chain.left_wall": ', such as {rigid = true}, {material = "brass"} or {}',
-        "chain.right_wall": ', such as {rigid = true}, {material = "brass"} or {}',
-        "chain.loss": ', such as {law = "restitution", coefficient = 0.95}',
-        "chain.drive": ', such as {kind = "step", amplitude = 10.0}',
-    }
-    return examples.get(section.name, "")
-
-
-def _check_keys(
-    table: Mapping[str, Any],
-    place: str,
-    keys: Sequence[Key],
-    known: Sequence[str] | None = None,
-    *,
-    complete: bool,
-) -> Iterator[str]:
-    own = {key.name: key for key in keys}
-    for name, value in table.items():
-        if name in own:
-            yield from problems_of(own[name], value, f"{name} of {place}")
-        else:
-            yield str(unknown_name_error(f"key of {place}", name, known or tuple(own)))
-    if complete:
-        for key in keys:
-            if key.required and key.name not in table:
-                yield f"{place} has no {key.name}: {key.description}"
-
-
-def problems_of(key: Key, value: Any, what: str) -> Iterator[str]:
-    """Why a value is not of the type of a key: a sentence, or nothing if it is."""
-    if not key.per:
-        yield from _problem_of_one(key, value, what)
-    elif isinstance(value, Mapping):
-        yield from _problem_of_list_with_unit(key, value, what)
-    elif isinstance(value, list | tuple | np.ndarray):
-        noun = "names" if key.kind == "material" else "numbers"
-        for place, item in enumerate(value, start=1):
-            if isinstance(item, list | tuple | Mapping | np.ndarray):
-                yield f"{what} must be a list of {noun}, got {short_repr(value)}"
-                return
-            yield from _problem_of_one(key, item, f"value {place} of {what}")
-    elif key.one_for_all:
-        yield from _problem_of_one(key, value, what)
-    else:
-        yield f"{what} must be a list, got {short_repr(value)}"
-
-
-# Other kinds than numbers and choices: Python's type, and what to say.
-_TYPES: Final[Mapping[str, tuple[tuple[type, ...], str]]] = MappingProxyType(
-    {
-        "boolean": ((bool, np.bool_), "true or false"),
-        "text": ((str,), "text"),
-        "material": ((str,), "a name"),
-        "file": ((str,), "a path"),
-    }
-)
-
-
-def _problem_of_one(key: Key, value: Any, what: str) -> Iterator[str]:
-    if key.kind == "law":
-        yield from _check_tables(value, SECTIONS["chain.loss"], complete=True, place=what)
-    elif key.kind in _TYPES:
-        types, allowed = _TYPES[key.kind]
-        if not isinstance(value, types) or (value == "" and key.kind != "text"):
-            yield f"{what} must be {allowed}, got {short_repr(value)}"
-    elif key.kind == "choice":
-        if not isinstance(value, str) or value not in key.choices:
-            yield str(unknown_name_error(what, value, key.choices))
-    elif key.kind == "integer":
-        if isinstance(value, bool) or not isinstance(value, numbers.Integral):
-            yield f"{what} must be a whole number, got {short_repr(value)}"
-    elif isinstance(value, str) and key.dimension and quantity(value) is not None:
-        return
-    elif isinstance(value, bool) or not isinstance(value, numbers.Real):
-        units = UNITS[key.dimension] if key.dimension else ()
-        with_unit = f", or text with a unit such as '5 {units[:3][-1]}'" if units else ""
-        yield f"{what} must be a number{with_unit}, got {short_repr(value)}"
-
-
-def _problem_of_list_with_unit(key: Key, value: Mapping[str, Any], what: str) -> Iterator[str]:
-    """``{list = [4, 5], unit = "mm"}``, as axes of sweeps have it."""
-    if not key.dimension:
-        noun = "names" if key.kind == "material" else "numbers"
-        yield f"{what} must be a list of {noun}, got {short_repr(value)}"
-    elif set(value) != {"list", "unit"} or not isinstance(value["list"], list | tuple):
-        yield (
-            f'{what} must be a list, or a table such as {{list = [4, 5], unit = "mm"}}, got '
-            f"{short_repr(value)}"
-        )
-    elif not isinstance(value["unit"], str):
-        yield f"unit of {what} must be text, got {short_repr(value['unit'])}"
-    else:
-        for item in value["list"]:
-            if isinstance(item, bool) or not isinstance(item, numbers.Real):
-                yield (
-                    f"{what} must be a list of plain numbers next to its unit, "
-                    f"got {short_repr(item)}"
-                )
-                return
-
-
 def dimensions_of(path: Sequence[str]) -> set[str]:
-    """Dimensions that the value at a place of [chain] can have; ``""`` if it may have none."""
+    """Dimensions that the value at a path within [chain] can have; ``""`` for a plain number."""
     words = [word for word in path if not word.isdigit()]
     section = SECTIONS["chain"]
     if words and words[0] in TABLES:
@@ -536,7 +262,7 @@ def dimensions_of(path: Sequence[str]) -> set[str]:
 
 
 def without_units(value: Any) -> Any:
-    """Lists with a unit, also within tables, as lists of text; anything else as it is."""
+    """Convert lists with a unit, also within tables, to lists of text."""
     if isinstance(value, Mapping) and set(value) == {"list", "unit"}:
         return [f"{item!r} {value['unit']}" for item in value["list"]]
     if isinstance(value, Mapping):

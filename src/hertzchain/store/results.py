@@ -36,10 +36,6 @@ def pulses_as_json(pulses: Sequence[Pulse]) -> str:
     pulses : sequence of Pulse
         At least one; all of the same chain.
 
-    Returns
-    -------
-    str
-
     Examples
     --------
     >>> import hertzchain as hc
@@ -73,10 +69,6 @@ def chain_as_dict(chain: Chain) -> dict[str, Any]:
     ----------
     chain : Chain
         Any chain.
-
-    Returns
-    -------
-    dict
 
     Examples
     --------
@@ -216,10 +208,6 @@ def load_state(path: str | os.PathLike[str], chain: Chain) -> State:
         The file.
     chain : Chain
         The chain of the saved run.
-
-    Returns
-    -------
-    State
 
     Raises
     ------

@@ -140,10 +140,6 @@ class StoredRun:
         skip_damaged : bool
             Whether to omit damaged files, with a `DamageWarning`.
 
-        Returns
-        -------
-        xarray.Dataset
-
         Raises
         ------
         InputError
@@ -220,10 +216,6 @@ def stream(
         Tolerated error of a step.
     progress : callable, optional
         Called as ``progress(times_saved, times)``.
-
-    Returns
-    -------
-    StoredRun
 
     Raises
     ------

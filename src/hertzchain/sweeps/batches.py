@@ -16,11 +16,18 @@ from ..propagation.propagate import propagate_many
 from ..pulse.notes import notes_in_words
 from ..pulse.pulse import Pulse
 from ..pulse.quantities import QUANTITIES, WALL_QUANTITIES
+from ..simulation.ensemble_input import is_covered
 from ..simulation.run import Run
-from ..simulation.simulate import simulate
+from ..simulation.simulate import DEFAULT_RTOL, simulate
+from ..simulation.simulate_many import simulate_many
 from ..store.sweep_store import DONE, FAILED
 from .methods import OPTIONS, pulse_by, record_warnings
 from .plan import Index, Plan, plan_of
+
+# Quantities of walls that do not depend on the lengths of the steps in which a run ends.
+SIMULATED_TOGETHER = {
+    "wall_peak_force", "wall_peak_time", "wall_largest_so_far", "wall_first_contact_impulse",
+}  # fmt: skip
 
 Stop = Callable[[], bool]
 
@@ -74,6 +81,8 @@ def run_planned(plan: Plan, batch: int, stop: Stop) -> Result:
     for place, method in enumerate(work.plan.specification.methods):
         if method == "propagate" and not work.varied_options:
             work.propagate_together(place)
+        elif method == "simulate" and work.may_simulate_together:
+            work.simulate_together(place)
         else:
             work.one_by_one(place, method)
     work.compute_errors()
@@ -132,6 +141,53 @@ class _Batch:
                 values[rows, place, : found.shape[1]] = found
         for number, reason in table.reasons.items():
             self._fail(rows[number], place, reason)
+
+    @property
+    def may_simulate_together(self) -> bool:
+        """Whether `simulate_many` gives all that is kept, as `simulate` does."""
+        walls = {name for name in self.single if name in WALL_QUANTITIES}
+        return not self.varied_options and walls <= SIMULATED_TOGETHER
+
+    def simulate_together(self, place: int) -> None:
+        """Simulate all chains that the kernel of `simulate_many` covers in one call."""
+        options = self._options("simulate", self.indices[0])
+        rows, chains = [], []
+        for row in range(len(self.indices)):
+            self._check_stop()
+            try:
+                chain = self.chain(row)
+                if is_covered(chain, options.get("until")):
+                    rows.append(row)
+                    chains.append(chain)
+                    continue
+            except InputError as error:
+                self._fail(row, place, error)
+                continue
+            self._one(row, place, "simulate")
+        walls = [name for name in self.single if name in WALL_QUANTITIES]
+        keep = [*(name for name in self.whole if not QUANTITIES[name].estimate), *walls]
+        if not chains or not keep:
+            return
+        table = simulate_many(
+            chains, keep=keep, threads=1, progress=self._check_stop,
+            **{"rtol": DEFAULT_RTOL, **options},
+        )  # fmt: skip
+        for i, row in enumerate(rows):
+            beads = self.beads[row] = chains[i].beads
+            found = {name: values[i] for name, values in table.columns.items()}
+            pulse = [found[name][: QUANTITIES[name].count(beads)] for name in keep
+                     if name in self.whole]  # fmt: skip
+            if i in table.reasons or any(np.isnan(values).any() for values in pulse):
+                # `simulate` has the reasons why values are absent.
+                self._one(row, place, "simulate")
+                continue
+            for name in keep:
+                if name in self.whole:
+                    self.whole[name][row, place, : len(found[name])] = found[name]
+                else:
+                    self.single[name][row, place] = found[name]
+            self.outside_range[row, place] = table.outside_range[i]
+            self.incomplete[row, place] = bool(walls) and not table.complete[i]
 
     def _subject(self, row: int) -> Chain | Array | None:
         """Radii or chain of a point for `propagate_many`; `None` if the chain has features."""

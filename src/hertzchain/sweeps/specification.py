@@ -36,16 +36,11 @@ from ..chain.chain import Chain
 from ..errors import InputError, short_repr, unknown_name_error
 from ..pulse.quantities import QUANTITIES, WALL_QUANTITIES
 from ..representation import short
-from ..store.chain_files import chain_as_toml, chain_from
-from ..store.chain_schema import (
-    KEYS,
-    Key,
-    Section,
-    chain_schema,
-    check_document,
-    section_as_dict,
-    without_units,
-)
+from ..store.chain_as_toml import chain_as_toml
+from ..store.chain_files import chain_from
+from ..store.chain_schema import KEYS, chain_schema, without_units
+from ..store.schema_checks import check_document
+from ..store.schema_keys import Key, Section, section_as_dict
 from ..store.toml_files import read_toml
 from ..validation.json_types import to_json_types
 from ..validation.numbers import whole_number
@@ -139,10 +134,6 @@ class Specification:
 
     def as_json(self) -> str:
         """Convert to JSON text, which is the same for the same sweep.
-
-        Returns
-        -------
-        str
 
         Examples
         --------

@@ -170,10 +170,6 @@ def estimate(specification: Any, *, workers: int | None = None) -> Estimate:
     workers : int, optional
         Number of threads; by default, one per processor.
 
-    Returns
-    -------
-    Estimate
-
     Raises
     ------
     InputError

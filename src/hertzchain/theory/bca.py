@@ -222,10 +222,6 @@ def backward_linear_prefactor(rate: float) -> float:
     rate : float
         Tapering parameter S > 0.
 
-    Returns
-    -------
-    float
-
     Raises
     ------
     InputError
@@ -255,10 +251,6 @@ def forward_linear_momentum_slope(rate: float) -> float:
     ----------
     rate : float
         Tapering parameter, 0 < S < 1.
-
-    Returns
-    -------
-    float
 
     Raises
     ------

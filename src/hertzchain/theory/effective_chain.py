@@ -90,10 +90,6 @@ class EffectiveChain(Frozen):
         It is evaluated as in `hertzchain.bca`, with effective masses and stiffness, in the
         units of the chain.
 
-        Returns
-        -------
-        EffectivePulse
-
         Examples
         --------
         Equal large beads transfer their velocity completely, except at the ends of the chain,
@@ -239,10 +235,6 @@ def effective_chain(chain: Chain, large: Sequence[int] | None = None) -> Effecti
         Numbers of the large beads, counted from 1.  By default they are found from the radii:
         small beads are runs of beads smaller than both neighbours by a factor of more than
         1/0.8.
-
-    Returns
-    -------
-    EffectiveChain
 
     Raises
     ------

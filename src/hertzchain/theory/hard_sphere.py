@@ -134,10 +134,6 @@ def exponential_energy_ratio(q: float, beads: int, *, restitution: float = 1.0) 
     restitution : float
         Coefficient of restitution e, 0 < e <= 1.
 
-    Returns
-    -------
-    float
-
     Raises
     ------
     InputError

@@ -37,10 +37,6 @@ def long_wave_speed_constant(exponent: float = HERTZ_EXPONENT) -> float:
     exponent : float
         Exponent p of the contact force, > 1.
 
-    Returns
-    -------
-    float
-
     Raises
     ------
     InputError

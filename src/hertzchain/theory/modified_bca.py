@@ -325,10 +325,6 @@ def printed_correction(taper: str) -> Correction:
     taper : str
         Name of the taper.
 
-    Returns
-    -------
-    RatioCorrection or PowerLawCorrection
-
     Examples
     --------
     >>> printed_correction("forward-linear")

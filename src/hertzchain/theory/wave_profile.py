@@ -61,10 +61,6 @@ class WaveProfile(Frozen):
         power : float
             Power to which the function is raised.
 
-        Returns
-        -------
-        WaveProfile
-
         Examples
         --------
         >>> x = np.arange(-8, 8) / 8
@@ -88,10 +84,6 @@ class WaveProfile(Frozen):
         tail : callable
             Function of an array of distances that returns the values of the tail before the
             power is taken.
-
-        Returns
-        -------
-        WaveProfile
 
         Examples
         --------

@@ -8,6 +8,7 @@ from functools import partial
 
 from ..chain.chain import Chain
 from ..chain.laws import Loss
+from ..chain.laws.elastic_plastic import ElasticPlastic
 from ..chain.laws.restitution import Restitution
 from ..chain.laws.unloading_ratio import UnloadingRatio
 from ..chain.laws.viscoelastic import Viscoelastic
@@ -18,11 +19,14 @@ from .case import Case
 TSUJI = "Tsuji et al., Powder Technol. 71, 239 (1992)"
 SERIES = "Schwager, Poeschel, PRE 57, 650 (1998)"
 PADE = "Mueller, Poeschel, PRE 84, 021302 (2011)"
+THORNTON = "Thornton, J. Appl. Mech. 64, 383 (1997)"
+# Overlap at which the elastic-plastic beads yield, in scaled variables.
+YIELD_OVERLAP = 0.2
 
 
 def cases() -> list[Case]:
     """Cases of this topic."""
-    return [*_any_speed(), *_viscoelastic()]
+    return [*_any_speed(), *_viscoelastic(), *_elastic_plastic()]
 
 
 def _any_speed() -> Iterator[Case]:
@@ -79,6 +83,25 @@ def _viscoelastic() -> Iterator[Case]:
             "viscoelastic restitution", f"no attraction, B = {b:g}", e, 1e-9, "two integrations",
             partial(_kuwabara, b, False), "computed",
         )  # fmt: skip
+
+
+def _elastic_plastic() -> Iterator[Case]:
+    """Spheres with a yield point, as a function of the speed."""
+    # Two beads of unit mass and stiffness yield at mu v_y^2/2 = 2/5 d_y^(5/2), mu = 1/2.
+    yields_at = math.sqrt(1.6 * YIELD_OVERLAP**2.5)
+    for ratio in (0.5, 2.0, 10.0, 100.0):
+        yield Case(
+            "elastic-plastic restitution", f"at {ratio:g} times the yield speed", _thornton(ratio),
+            1e-11, THORNTON, partial(_restitution, ElasticPlastic(yield_overlap=YIELD_OVERLAP),
+                                    ratio * yields_at),
+        )  # fmt: skip
+
+
+def _thornton(ratio: float) -> float:
+    """Restitution at a ratio of the speed to the yield speed."""
+    u = 1.0 / max(ratio, 1.0)
+    first = math.sqrt(1.2 * math.sqrt(3.0) * (1.0 - u**2 / 6.0))
+    return first * (u / (u + 2.0 * math.sqrt(1.2 - 0.2 * u**2))) ** 0.25
 
 
 def _duration() -> float:

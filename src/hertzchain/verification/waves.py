@@ -36,7 +36,7 @@ def cases() -> list[Case]:
 
 
 def _uniform() -> Iterator[Case]:
-    """A uniform chain, struck by one of its own beads."""
+    """A uniform chain, struck by an identical bead."""
     velocities = {1.25: 0.57733689, 1.5: 0.68163155, 1.75: 0.74714607, 2.0: 0.79433275,
                   2.5: 0.85911287, 3.0: 0.90128004, 4.0: 0.95024781}  # fmt: skip
     speeds = {1.25: 0.9466818312, 1.5: 0.9074700784, 2.0: 0.8552519319, 3.0: 0.8047601163}

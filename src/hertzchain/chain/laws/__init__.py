@@ -1,10 +1,9 @@
 r"""Laws by which contacts lose energy, one file each.
 
-Each law is a frozen dataclass that states what is added to, or replaces, the elastic force
-:math:`F = k\,d^{\,p}` of a contact with overlap :math:`d`, while :math:`d > 0`.  Where a law's
-force would pull the beads together before they part, the field ``attractive`` states whether it
-may: `True` ends the contact where the overlap does, `False` where the force does, after which the
-beads fly apart freely.
+Each law is a frozen dataclass that states which force is added to, or replaces, the elastic force
+:math:`F = k\,d^{\,p}` of a contact with overlap :math:`d`, while :math:`d > 0`.  If the force of a
+law would pull the beads together before they separate, the field ``attractive`` selects the end of
+the contact: with `True` it ends when the overlap is zero, with `False` when the force is zero.
 
 ================  ============================================  ======================
 law               force                                         restitution
@@ -15,12 +14,12 @@ law               force                                         restitution
 `UnloadingRatio`  :math:`(1-w)\,k d^p` if :math:`d' < 0`        :math:`\sqrt{1-w}`
 `VelocityPower`   :math:`k d^p \pm \gamma\,|d'|^\alpha`         depends on speed
 `Dashpot`         :math:`k d^p + \gamma d'`                     rises with speed
-`WaltonBraun`     plastic: unloading to a dent that stays       :math:`\sqrt{K_1/K_2}`
+`WaltonBraun`     plastic: unloading to a permanent dent        :math:`\sqrt{K_1/K_2}`
 `ElasticPlastic`  plastic above a yield pressure                falls above a speed
 ================  ============================================  ======================
 
-A law is in the units of its chain.  To add one, add a file with a class derived from
-`hertzchain.chain.laws.base.Loss`, and its force to `hertzchain.kernels.contact_law`.
+The numbers of a law are in the units of its chain.  To add a law, add a file with a class derived
+from `hertzchain.chain.laws.base.Loss`, and its force to `hertzchain.kernels.contact_law`.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
-r"""What all laws of loss have in common: parameters, elastic curve, stored energy.
+"""Common parts of the laws of loss: parameters, elastic curve, stored energy.
 
-A law is one small frozen dataclass derived from `Loss`, in a file of this package.  Its class
-statement names it for chain files; its fields are made by `parameter`, from which checks, units,
+A law is a frozen dataclass derived from `Loss`, in a file of this package.  Its class statement
+states its name in chain files.  Its fields are created by `parameter`, from which checks, units,
 the schema of chain files and the axes of sweeps follow.
 """
 
@@ -47,7 +47,7 @@ def parameter(
     called: str, description: str, dimension: str = "", *, default: Any = dataclasses.MISSING,
     unit: Scale | None = None, **bounds: float,
 ) -> Any:  # fmt: skip
-    """A field of a law that is a number within bounds; a default of `None` makes it optional."""
+    """Create a field of a law: a number within bounds, optional if its default is `None`."""
     metadata: dict[str, Any] = {"parameter": Parameter(called, description, dimension, bounds)}
     unit = SCALED_UNITS.get(dimension) if unit is None else unit
     if unit is not None:
@@ -56,7 +56,7 @@ def parameter(
 
 
 def may_pull(*, default: bool) -> Any:
-    """The field ``attractive`` of a law whose force can become negative."""
+    """Create the field ``attractive`` of a law whose force can become negative."""
     about = Parameter(
         "attractive", "whether the force may pull before the overlap ends", boolean=True
     )
@@ -65,9 +65,9 @@ def may_pull(*, default: bool) -> Any:
 
 @dataclass(frozen=True, eq=False)
 class ContactArrays:
-    """What a law needs to know of its contacts; each array has one number per contact.
+    """Properties of contacts that laws use; each array has one number per contact.
 
-    The contacts have one exponent.  Effective radii [m] are `None` in scaled chains.  Yield
+    All contacts have the same exponent.  Effective radii [m] are `None` in scaled chains.  Yield
     strengths [Pa], of the softer material, are `None` without materials and infinite if unknown.
     """
 
@@ -78,22 +78,7 @@ class ContactArrays:
     yield_strength: Array | None = None
 
     def only(self, which: Array) -> ContactArrays:
-        """Some of the contacts.
-
-        Parameters
-        ----------
-        which : ndarray
-            Their indices, or a mask.
-
-        Returns
-        -------
-        ContactArrays
-
-        Examples
-        --------
-        >>> ContactArrays(1.5, np.array([1.0, 2.0]), np.ones(2)).only(np.array([1])).stiffness
-        array([2.])
-        """
+        """Select contacts by indices or by a mask."""
         arrays = {name: each[which] for name, each in vars(self).items() if np.ndim(each)}
         return dataclasses.replace(self, **arrays)
 
@@ -149,18 +134,7 @@ class Loss(Part):
 
     @classmethod
     def parameters(cls) -> dict[str, Parameter]:
-        """What the fields of the law are, by name.
-
-        Returns
-        -------
-        dict
-
-        Examples
-        --------
-        >>> import hertzchain as hc
-        >>> hc.Dashpot.parameters()["gamma"].dimension
-        'damping'
-        """
+        """Descriptions of the fields of the law, by name."""
         return {
             item.name: item.metadata["parameter"]
             for item in dataclasses.fields(cls)
@@ -168,200 +142,38 @@ class Loss(Part):
         }
 
     def row(self, exponent: float) -> LawRow:
-        """The kernel's numbers that are the same for all contacts of one exponent.
-
-        Parameters
-        ----------
-        exponent : float
-            Exponent p of the contact force.
-
-        Returns
-        -------
-        LawRow
-
-        Raises
-        ------
-        InputError
-            If the law is not defined for this exponent.
-
-        Examples
-        --------
-        >>> import hertzchain as hc
-        >>> hc.Viscoelastic(0.1).row(1.5).overlap_power
-        0.5
-        """
+        """Numbers of the kernel for contacts of one exponent; `InputError` if it is not allowed."""
         raise NotImplementedError
 
     def strength(self, contacts: ContactArrays) -> Array:
-        """The kernel's number of each contact: its damping, or its overlap at yield.
-
-        Parameters
-        ----------
-        contacts : ContactArrays
-            The contacts.
-
-        Returns
-        -------
-        ndarray
-            0 for a law without such a number.
-
-        Examples
-        --------
-        >>> import hertzchain as hc
-        >>> contacts = hc.Chain.uniform(3).contact_groups[0].contacts
-        >>> hc.Dashpot(2.0).strength(contacts)
-        array([2., 2., 2., 2.])
-        """
+        """Number of the kernel for each contact: its damping, or its overlap at yield; else 0."""
         return np.zeros(len(contacts.stiffness))
 
     def resolved(self, contacts: ContactArrays) -> list[Loss]:
-        """The law of each contact, with numbers in place of what follows from materials.
-
-        Parameters
-        ----------
-        contacts : ContactArrays
-            The contacts.
-
-        Returns
-        -------
-        list of Loss
-
-        Examples
-        --------
-        >>> import hertzchain as hc
-        >>> chain = hc.Chain.from_materials(5e-3, "steel-316", beads=2, loss=hc.ElasticPlastic())
-        >>> law = chain.contact_losses[1].resolved(chain.contact_groups[0].contacts)[1]
-        >>> round(1e9 * law.yield_overlap, 2)
-        59.01
-        """
+        """Law of each contact, with numbers instead of parameters that follow from materials."""
         return [self] * len(contacts.stiffness)
 
     def loading_force(self, overlap: Array, contacts: ContactArrays) -> Array:
-        r"""Force of contacts that are loaded slowly for the first time, :math:`k\,d^{\,p}`.
-
-        Parameters
-        ----------
-        overlap : ndarray
-            Overlaps d; the force of a negative one is 0 [scaled, or m].
-        contacts : ContactArrays
-            The contacts.
-
-        Returns
-        -------
-        ndarray
-
-        Examples
-        --------
-        >>> import hertzchain as hc
-        >>> contacts = hc.Chain.uniform(2).contact_groups[0].contacts.only(np.array([1]))
-        >>> hc.ElasticPlastic(yield_overlap=1.0).loading_force(np.array([4.0]), contacts)
-        array([5.5])
-        """
+        """Forces at overlaps that are reached slowly for the first time; 0 if negative."""
         return np.asarray(contacts.stiffness * np.maximum(overlap, 0.0) ** contacts.exponent)
 
     def loading_overlap(self, force: Array, contacts: ContactArrays) -> Array:
-        r"""Overlap of contacts that carry a force for the first time, :math:`(F/k)^{1/p}`.
-
-        Parameters
-        ----------
-        force : ndarray
-            Forces F >= 0 [scaled, or N].
-        contacts : ContactArrays
-            The contacts.
-
-        Returns
-        -------
-        ndarray
-
-        Examples
-        --------
-        >>> import hertzchain as hc
-        >>> contacts = hc.Chain.uniform(2).contact_groups[0].contacts.only(np.array([1]))
-        >>> hc.Elastic().loading_overlap(np.array([8.0]), contacts)
-        array([4.])
-        """
+        """Overlaps of contacts that carry forces >= 0 for the first time."""
         with np.errstate(divide="ignore", invalid="ignore"):
             return np.asarray((force / contacts.stiffness) ** (1.0 / contacts.exponent))
 
     def stored_energy(self, overlap: Array, force: Array, contacts: ContactArrays) -> Array:
-        r"""Energy that contacts give back, :math:`k\,d^{\,p+1}/(p+1)` if they are elastic.
-
-        The same as `hertzchain.kernels.contact_law.potential`, for saved states, which have
-        overlaps and forces.
-
-        Parameters
-        ----------
-        overlap : ndarray
-            Overlaps d [scaled, or m].
-        force : ndarray
-            Forces, which plastic laws use [scaled, or N].
-        contacts : ContactArrays
-            The contacts, along the last axis.
-
-        Returns
-        -------
-        ndarray
-
-        Examples
-        --------
-        >>> import hertzchain as hc
-        >>> contacts = hc.Chain.uniform(2).contact_groups[0].contacts.only(np.array([1]))
-        >>> hc.WaltonBraun(0.5).stored_energy(np.array([4.0]), np.array([8.0]), contacts)
-        array([6.4])
-        """
+        """Energy that contacts return, as `potential` of `hertzchain.kernels.contact_law`."""
         p = contacts.exponent
         return np.asarray(contacts.stiffness * np.maximum(overlap, 0.0) ** (p + 1.0) / (p + 1.0))
 
     def largest_overlap(self, energy: Array, contacts: ContactArrays) -> Array:
-        """Overlap of the largest force that an energy can make, after any loading.
-
-        Parameters
-        ----------
-        energy : ndarray
-            Energies >= 0 [scaled, or J].
-        contacts : ContactArrays
-            The contacts.
-
-        Returns
-        -------
-        ndarray
-
-        Examples
-        --------
-        >>> import hertzchain as hc
-        >>> contacts = hc.Chain.uniform(2).contact_groups[0].contacts.only(np.array([1]))
-        >>> hc.WaltonBraun(0.5).largest_overlap(np.array([6.4]), contacts)
-        array([4.])
-        """
+        """Overlaps of the largest forces that energies >= 0 can cause, after any loading."""
         p = contacts.exponent
         return np.asarray(((p + 1.0) * energy / contacts.stiffness) ** (1.0 / (p + 1.0)))
 
     def damper(self, contacts: ContactsAtRest) -> Array:
-        """Damping constants for small motions about a static state.
-
-        Parameters
-        ----------
-        contacts : ContactsAtRest
-            The contacts.
-
-        Returns
-        -------
-        ndarray
-            0 without damping.
-
-        Raises
-        ------
-        InputError
-            If no motion is small enough to be linear.
-
-        Examples
-        --------
-        >>> import hertzchain as hc
-        >>> one = np.ones(1)
-        >>> at_rest = ContactsAtRest(1.5, one, one, overlap=one, spring=1.5 * one)
-        >>> hc.Viscoelastic(2.0).damper(at_rest)
-        array([3.])
-        """
+        """Damping constants for small motions; `InputError` if no motion is small enough."""
         return np.zeros(len(contacts.spring))
 
     def restitution(
@@ -384,10 +196,6 @@ class Loss(Part):
         exponent : float
             Exponent p of the contact force.
 
-        Returns
-        -------
-        float
-
         Raises
         ------
         InputError
@@ -409,7 +217,7 @@ class Loss(Part):
         return self._restitution(number("speed", speed, above=0.0), contacts)
 
     def _restitution(self, speed: float, contacts: ContactArrays) -> float:
-        """From the integrated collision, in units of the elastic one."""
+        """Integrate the collision, in units of the elastic one."""
         from scipy.integrate import solve_ivp
 
         p, row = contacts.exponent, self.row(contacts.exponent)

@@ -17,7 +17,7 @@ class Dashpot(Loss, name="dashpot"):
 
     .. math:: F = k\,d^{\,p} + \gamma\,d'
 
-    acting in contact only: A. Rosas, A. H. Romero, V. F. Nesterenko, K. Lindenberg, Phys.
+    during contact only: A. Rosas, A. H. Romero, V. F. Nesterenko, K. Lindenberg, Phys.
     Rev. Lett. 98, 164301 (2007), doi:10.1103/PhysRevLett.98.164301.
 
     Attributes

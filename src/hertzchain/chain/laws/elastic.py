@@ -14,7 +14,7 @@ class Elastic(Loss, name="elastic"):
 
     .. math:: F = k\,d^{\,p}
 
-    The default of a chain; useful for one of its contacts or walls where the others have a loss.
+    The default of a chain; also for single contacts or walls of a chain whose others have a loss.
 
     Examples
     --------

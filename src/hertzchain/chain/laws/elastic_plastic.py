@@ -15,9 +15,9 @@ from ...kernels.law_kinds import YIELDING, LawRow
 from ..materials import FIRST_YIELD
 from .base import ContactArrays, ContactsAtRest, Loss, parameter
 
-# Halvings of an interval of overlaps, until it has only rounding left.
+# Bisections of an interval of overlaps, until its length is comparable with rounding.
 BISECTIONS: Final = 60
-# Part of a force that rounding may take from it.
+# Relative rounding error of a force.
 ROUNDING: Final = 1e-13
 
 
@@ -34,7 +34,7 @@ class ElasticPlastic(Loss, name="elastic-plastic"):
         F = F_y + \pi p_y R\,(d - d_y) \ (d > d_y), \qquad
         d_y = R \left(\frac{\pi p_y}{2 E^*}\right)^2 ,
 
-    R and :math:`E^*` the effective radius and modulus.  Below the largest overlap so far,
+    where R and :math:`E^*` are the effective radius and modulus.  Below the largest overlap so far,
     :math:`d_m` with force :math:`F_m`, the contact unloads and reloads as a Hertz contact of the
     larger radius :math:`R_p`, and opens at the dent :math:`d_p`:
 
@@ -44,8 +44,7 @@ class ElasticPlastic(Loss, name="elastic-plastic"):
         R_p = \frac{4 E^*}{3 F_m} \left(\frac{2 F_m + F_y}{2 \pi p_y}\right)^{3/2}
             = R\,\frac{k\,d_m^{3/2}}{F_m} .
 
-    A collision with the speed v, where :math:`v_y` is the one at which beads first yield, has the
-    restitution (1 for :math:`v \le v_y`)
+    A collision with the speed v has the restitution (1 up to the yield speed :math:`v_y`)
 
     .. math::
 
@@ -59,10 +58,10 @@ class ElasticPlastic(Loss, name="elastic-plastic"):
     Attributes
     ----------
     yield_pressure : float or None
-        Largest pressure that a contact bears, :math:`p_y` > 0 [Pa], in chains in SI units.  If
-        omitted, 1.60 times the yield strength of the softer material, the pressure of first yield
-        (K. L. Johnson, *Contact Mechanics*, Cambridge 1985, Sec. 6.1); fully plastic contacts bear
-        up to 2.8 times the yield strength.
+        Largest pressure in a contact, :math:`p_y` > 0 [Pa], in chains in SI units.  If omitted,
+        1.60 times the yield strength of the softer material, the pressure of first yield
+        (K. L. Johnson, *Contact Mechanics*, Cambridge 1985, Sec. 6.1); the pressure of fully
+        plastic contacts is up to 2.8 times the yield strength.
     yield_overlap : float or None
         Instead, the overlap :math:`d_y` > 0 at which a contact yields [scaled, or m].
 
@@ -77,7 +76,7 @@ class ElasticPlastic(Loss, name="elastic-plastic"):
 
     yields = True
     yield_pressure: float | None = parameter(
-        "yield pressure", "largest pressure that a contact bears", "pressure", default=None,
+        "yield pressure", "largest pressure in a contact", "pressure", default=None,
         above=0.0,
     )  # fmt: skip
     yield_overlap: float | None = parameter(
@@ -88,8 +87,8 @@ class ElasticPlastic(Loss, name="elastic-plastic"):
         super().__post_init__()
         if self.yield_pressure is not None and self.yield_overlap is not None:
             raise InputError(
-                "ElasticPlastic has a yield_pressure or a yield_overlap, not both: the pressure "
-                "decides at which overlap a contact yields"
+                "ElasticPlastic has a yield_pressure or a yield_overlap, not both: the overlap "
+                "at yield follows from the pressure"
             )
 
     def row(self, exponent: float) -> LawRow:
@@ -106,8 +105,8 @@ class ElasticPlastic(Loss, name="elastic-plastic"):
             return np.full(len(contacts.stiffness), self.yield_overlap)
         if contacts.radius is None:
             raise InputError(
-                "ElasticPlastic in a scaled chain needs a yield_overlap: pressures have no meaning "
-                "there; or make a chain in SI units"
+                "ElasticPlastic in a scaled chain needs a yield_overlap, because scaled chains "
+                "have no pressures; alternatively, use a chain in SI units"
             )
         pressure = self._pressures(contacts)
         modulus = 0.75 * contacts.stiffness / np.sqrt(contacts.radius)
@@ -121,8 +120,8 @@ class ElasticPlastic(Loss, name="elastic-plastic"):
         strength = contacts.yield_strength
         if strength is None or not np.isfinite(strength[contacts.stiffness > 0.0]).all():
             raise InputError(
-                "ElasticPlastic() takes the yield strength of the materials, which is not known "
-                "for all contacts here: give ElasticPlastic(yield_pressure=...)"
+                "ElasticPlastic() uses the yield strength of the materials, which is not known "
+                "for all contacts of this chain: give ElasticPlastic(yield_pressure=...)"
             )
         return FIRST_YIELD * strength
 
@@ -145,7 +144,7 @@ class ElasticPlastic(Loss, name="elastic-plastic"):
         return np.where(plastic > first, plastic, super().loading_overlap(force, contacts))
 
     def stored_energy(self, overlap: Array, force: Array, contacts: ContactArrays) -> Array:
-        """By the unloading curve through overlap and force, which tells the largest overlap."""
+        """Use the unloading curve through overlap and force, and thus the largest overlap."""
         k, first = contacts.stiffness, self.strength(contacts)
         d = np.maximum(overlap, 0.0)
         with np.errstate(divide="ignore", invalid="ignore"):
@@ -159,7 +158,7 @@ class ElasticPlastic(Loss, name="elastic-plastic"):
         return np.where(force > 0.0, 0.4 * force * np.where(elastic, d, width), 0.0)
 
     def largest_overlap(self, energy: Array, contacts: ContactArrays) -> Array:
-        """Where unloading gives back the energy: beyond yield, loading needs more of it."""
+        """Find overlaps from which unloading returns the energies; loading needs more energy."""
         k, first = contacts.stiffness, self.strength(contacts)
         elastic = super().largest_overlap(energy, contacts)
 
@@ -173,7 +172,7 @@ class ElasticPlastic(Loss, name="elastic-plastic"):
     def damper(self, contacts: ContactsAtRest) -> Array:
         if np.any(contacts.overlap > self.strength(contacts)):
             raise InputError(
-                "contacts under ElasticPlastic that are pressed together beyond yield close along "
+                "contacts under ElasticPlastic that are compressed beyond yield close along "
                 "one curve and open along a steeper one, so that no motion is small enough to be "
                 "linear: use simulate, loss=None or less precompression"
             )
@@ -201,7 +200,7 @@ def _loading(overlap: Array, k: Array, first: Array) -> Array:
 
 
 def _unloading(overlap: Array, furthest: Array, k: Array, first: Array) -> Array:
-    """Force on the way back from the overlap ``furthest``, which is beyond yield."""
+    """Force during unloading from the overlap ``furthest``, which is beyond yield."""
     peak = _loading(furthest, k, first)
     width = peak / (k * np.sqrt(furthest))
     part = np.maximum(1.0 - (furthest - overlap) / width, 0.0)
@@ -209,7 +208,7 @@ def _unloading(overlap: Array, furthest: Array, k: Array, first: Array) -> Array
 
 
 def _bisected(below: Callable[[Array], Array], low: Array, high: Array) -> Array:
-    """Where a condition that holds at ``low`` ceases to hold, between ``low`` and ``high``."""
+    """Find by bisection where a condition that is true at ``low`` becomes false."""
     low, high = np.broadcast_arrays(low, high)
     for _ in range(BISECTIONS):
         middle = 0.5 * (low + high)

@@ -24,15 +24,15 @@ class Restitution(Loss, name="restitution"):
         \zeta = \frac{-\ln e}{\sqrt{\ln^2 e + \pi^2}}
 
     with :math:`\mu` the reduced mass of the two beads.  In the variable
-    :math:`d^{(p+1)/2}` the collision is a damped linear oscillator, from which e follows
-    exactly, for any p; for p = 3/2 it is Y. Tsuji, T. Tanaka, T. Ishida, Powder Technol.
+    :math:`d^{(p+1)/2}` the collision is a damped linear oscillator, which determines e exactly,
+    for any p; for p = 3/2 the law is that of Y. Tsuji, T. Tanaka, T. Ishida, Powder Technol.
     71, 239 (1992), doi:10.1016/0032-5910(92)88030-L, with the damping that makes e exact.
-    If the force may not pull, the contact ends earlier, at
+    If the force may not pull, the contact ends earlier, with
 
     .. math:: e = e^{-2\varphi\cot\varphi}, \qquad \zeta = \cos\varphi ,
 
-    (hyperbolic for :math:`\zeta > 1`), and :math:`\zeta` is solved from that: e is exact
-    either way.
+    (hyperbolic for :math:`\zeta > 1`), and :math:`\zeta` is the solution of this equation, so
+    that e is exact in both cases.
 
     Attributes
     ----------
@@ -55,28 +55,24 @@ class Restitution(Loss, name="restitution"):
 
     @property
     def damping_ratio(self) -> float:
-        r"""The damping ratio :math:`\zeta` of the equivalent linear oscillator."""
+        r"""Damping ratio :math:`\zeta` of the equivalent linear oscillator."""
         log = -math.log(self.coefficient)
         if self.attractive:
             return log / math.hypot(log, math.pi)
         return _ratio_without_pull(log)
 
     def damping(self, exponent: float = HERTZ_EXPONENT) -> float:
-        r"""The factor c of :math:`\sqrt{\mu k}\,d^{(p-1)/2} d'`.
+        r"""Factor c of :math:`\sqrt{\mu k}\,d^{(p-1)/2} d'`.
 
         Parameters
         ----------
         exponent : float
             Exponent p of the contact force.
 
-        Returns
-        -------
-        float
-
         Raises
         ------
         InputError
-            If the exponent is out of its range.
+            If the exponent is out of range.
 
         Examples
         --------
@@ -101,10 +97,7 @@ class Restitution(Loss, name="restitution"):
 
 
 def _ratio_without_pull(log: float) -> float:
-    """The damping ratio at which ``-ln e`` is as given, if the contact ends with its force.
-
-    ``-ln e`` = 2 phi cot phi rises with cos phi = zeta; it is 2 at zeta = 1.
-    """
+    """Solve -ln e = 2 phi cot phi for zeta = cos phi; the right side rises and is 2 at 1."""
 
     def lost(zeta: float) -> float:
         if zeta < 1.0:

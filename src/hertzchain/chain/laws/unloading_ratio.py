@@ -1,4 +1,4 @@
-"""A force that is smaller while the beads part."""
+"""A force that is smaller while the beads separate."""
 
 from __future__ import annotations
 
@@ -15,18 +15,18 @@ from .base import ContactArrays, ContactsAtRest, Loss, parameter
 
 @dataclass(frozen=True)
 class UnloadingRatio(Loss, name="unloading-ratio"):
-    r"""A force that is smaller while the beads part than while they approach.
+    r"""A force that is smaller while the beads separate than while they approach.
 
     .. math:: F = k\,d^{\,p} \times \begin{cases} 1 & d' \ge 0 \\ 1 - w & d' < 0 \end{cases}
 
-    the w of S. Sen and coworkers: S. Sen, J. Hong, J. Bang, E. Avalos, R. Doney, Phys.
+    with the loss w of S. Sen and coworkers: S. Sen, J. Hong, J. Bang, E. Avalos, R. Doney, Phys.
     Rep. 462, 21 (2008), doi:10.1016/j.physrep.2007.10.007.  A collision returns the part
     1 - w of its energy: :math:`e = \sqrt{1-w}`.
 
     Attributes
     ----------
     ratio : float
-        The part w of the force that is lacking in unloading, 0 <= w < 1.
+        Part w of the force that is missing in unloading, 0 <= w < 1.
 
     Examples
     --------
@@ -48,7 +48,7 @@ class UnloadingRatio(Loss, name="unloading-ratio"):
     def damper(self, contacts: ContactsAtRest) -> Array:
         if self.ratio > 0.0:
             raise InputError(
-                f"the force of {self} jumps where a contact turns from closing to opening, so that "
+                f"the force of {self} is discontinuous when a contact begins to open, so that "
                 "no motion is small enough to be linear: use simulate, or loss=None"
             )
         return super().damper(contacts)

@@ -25,10 +25,11 @@ class Viscoelastic(Loss, name="viscoelastic"):
     Attributes
     ----------
     time : float
-        The material's relaxation time A >= 0 [scaled, or s].
+        Relaxation time A >= 0 of the material [scaled, or s].
     attractive : bool
-        Whether the force may pull before the overlap ends.  By default it may not, as
-        dry beads do not cohere; the series for e in powers of the speed have it pull.
+        Whether the force may pull before the overlap ends.  By default it may not,
+        because dry beads do not cohere; the series for e in powers of the speed assume that it
+        does.
 
     Examples
     --------

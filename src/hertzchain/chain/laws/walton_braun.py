@@ -15,11 +15,10 @@ from .base import ContactArrays, ContactsAtRest, Loss, parameter
 
 @dataclass(frozen=True)
 class WaltonBraun(Loss, name="walton-braun"):
-    r"""Plastic contacts: unloading is steeper, and ends at a dent that stays.
+    r"""Plastic contacts: unloading is steeper, and ends at a permanent dent.
 
-    The law has no yield point: contacts are dented by any force, however small, and the
-    first loading is Hertz' at any force.  `hertzchain.ElasticPlastic` is the law of beads that
-    begin to yield.
+    The law has no yield point: any force dents a contact, and the first loading is always
+    elastic.  `hertzchain.ElasticPlastic` is the law of beads with a yield point.
 
     .. math::
 
@@ -55,7 +54,7 @@ class WaltonBraun(Loss, name="walton-braun"):
         return LawRow(PLASTIC, kept=self.ratio)
 
     def stored_energy(self, overlap: Array, force: Array, contacts: ContactArrays) -> Array:
-        """By the force alone: k e^p with e the overlap that loading would need for it."""
+        """Use only the force k e^p, where e is the overlap of elastic loading with this force."""
         p = contacts.exponent
         needed = self.loading_overlap(force, contacts)
         return np.asarray(self.ratio * force * needed / (p + 1.0))
@@ -67,9 +66,9 @@ class WaltonBraun(Loss, name="walton-braun"):
         if self.ratio < 1.0:
             raise InputError(
                 f"contacts under {self} close along one curve and open along a steeper one, so "
-                "that no motion is small enough to be linear; contacts that were pressed together "
-                f"before move along the steeper one: use loss=None and stiffness / {self.ratio:g}**"
-                f"{contacts.exponent:g}, of walls too"
+                "that no motion is small enough to be linear; contacts that were compressed more "
+                f"before follow the steeper one: use loss=None and stiffness / {self.ratio:g}**"
+                f"{contacts.exponent:g}, also for walls"
             )
         return super().damper(contacts)
 

@@ -1,0 +1,158 @@
+"""The command `fit`: fit a chain and its sensors to measured traces."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from .exit_codes import DONE, FAILED, OUTSIDE_TOLERANCE
+from .options import PICTURES, check_writable, names_from
+from .output import save_figure, show_json
+from .progress import progress_bar
+
+if TYPE_CHECKING:
+    from ..fitting.result import FitResult
+
+
+@click.command()
+@click.argument("files", nargs=-1, required=True, type=click.Path(path_type=Path))
+@click.option(
+    "--free",
+    multiple=True,
+    metavar="NAME",
+    help="Free parameter, such as loss.time or 'gain[*]'; repeatable.  [default: those of the "
+    "table [fit] of the chain file]",
+)
+@click.option(
+    "--prior",
+    "priors",
+    multiple=True,
+    metavar="NAME=VALUE,ERROR",
+    help="Value and standard deviation of a parameter from other measurements, such as "
+    "struck_by.velocity=0.3,0.003; repeatable.",
+)
+@click.option("--starts", type=int, default=4, show_default=True, help="Largest number of starts.")
+@click.option(
+    "--laws", metavar="NAMES", help="Compare laws of loss: all, or names separated by commas."
+)
+@click.option("--defects", is_flag=True, help="Search for the contact where one gap explains most.")
+@click.option(
+    "--sample",
+    type=int,
+    metavar="STEPS",
+    help="Also sample the posterior with emcee (extra: fit), as a check of the errors.",
+)
+@click.option(
+    "--plot",
+    type=click.Path(path_type=Path),
+    metavar="FILE",
+    help="Plot data, fit and residuals to FILE (.png, .svg or .pdf); residuals, correlations and "
+    "the corner plot get names with -residuals, -correlations and -corner.",
+)
+@click.option(
+    "--out", type=click.Path(path_type=Path), metavar="FILE", help="Write the fitted chain (.toml)."
+)
+@click.option("--json", "as_json", is_flag=True, help="Print everything as JSON.")
+def fit(
+    files: tuple[Path, ...], free: tuple[str, ...], priors: tuple[str, ...], starts: int,
+    laws: str | None, defects: bool, sample: int | None, plot: Path | None, out: Path | None,
+    as_json: bool,
+) -> int:  # fmt: skip
+    """Fit a chain and its sensors to measured traces.
+
+    FILES are one or several CSV files of traces, one shot each, and last the chain file.  Columns
+    are, for example, time [us], ball 6 [N], ball 11 [mV], wall [N] and ball 3 velocity [m/s].  The
+    table [fit] of the chain file names free parameters and priors.
+
+    The exit code is 1 if the search does not converge, and 3 if the model does not describe the
+    data within their noise.
+
+    \b
+    Examples:
+      hertzchain fit data.csv experiment.toml
+      hertzchain fit fast.csv slow.csv experiment.toml --plot fit.png --out fitted.toml
+      hertzchain fit data.csv experiment.toml --free stiffness --free loss.time --laws all
+    """
+    import hertzchain
+
+    if len(files) < 2:
+        raise click.UsageError("give at least one CSV file of traces and, last, the chain file")
+    check_writable(plot, "--plot", PICTURES)
+    check_writable(out, "--out", (".toml",))
+    traces = hertzchain.load_traces(*files[:-1])
+    known = dict(_prior(text) for text in priors)
+    settings: dict[str, Any] = {"free": list(free) or None, "priors": known}
+    with _simulations() as progress:
+        result = hertzchain.fit(traces, files[-1], starts=starts, progress=progress, **settings)
+    document = result.as_dict()
+    lines = [result.summary()]
+    if laws is not None:
+        with progress_bar("laws fitted") as progress:
+            compared = hertzchain.compare_losses(
+                traces, files[-1], laws=None if laws == "all" else names_from(laws),
+                progress=progress, **settings,
+            )  # fmt: skip
+        document["comparison"] = compared.as_dict()
+        lines.append(compared.summary())
+    if defects:
+        with progress_bar("contacts tried") as progress:
+            scan = hertzchain.scan_defects(result, progress=progress)
+        document["defects"] = [
+            {"name": name, "value": float(size), "chi2_improvement": float(gained)}
+            for name, size, gained in zip(scan.names, scan.sizes, scan.improvements, strict=True)
+        ]
+        lines.append(repr(scan))
+    posterior = None
+    if sample is not None:
+        with progress_bar("steps of the walkers", rate=True) as progress:
+            posterior = result.sample(sample, progress=progress)
+        document["posterior"] = {"mean": posterior.means, "error": posterior.errors,
+                                 "long_enough": posterior.long_enough}  # fmt: skip
+        lines.append(repr(posterior))
+    if plot is not None:
+        _save_plots(result, posterior, plot)
+    if out is not None:
+        from ..store.writing import write_bytes
+
+        write_bytes(out, result.chain_toml().encode())
+    if as_json:
+        from ..store import results
+
+        show_json({"schema_version": results.SCHEMA_VERSION} | document)
+    else:
+        click.echo("\n\n".join(lines))
+    if not result.converged:
+        return FAILED
+    return DONE if result.describes else OUTSIDE_TOLERANCE
+
+
+@contextmanager
+def _simulations() -> Iterator[Callable[[int, int], None]]:
+    """Progress of a fit, whose number of simulations is not known before."""
+    with progress_bar("simulations") as update:
+        # At least one more simulation follows each.
+        yield lambda done, _: update(done, done + 1)
+
+
+def _prior(text: str) -> tuple[str, tuple[float, float]]:
+    name, _, rest = text.rpartition("=")
+    try:
+        value, error = (float(part) for part in rest.split(","))
+    except ValueError:
+        raise click.UsageError(
+            f"--prior must look like struck_by.velocity=0.3,0.003, got {text!r}"
+        ) from None
+    return name, (value, error)
+
+
+def _save_plots(result: FitResult, posterior: Any, plot: Path) -> None:
+    figures = {"": result.plot(), "-residuals": result.plot_residuals(),
+               "-correlations": result.plot_correlations()}  # fmt: skip
+    if posterior is not None:
+        figures["-corner"] = posterior.plot()
+    for suffix, figure in figures.items():
+        save_figure(figure.axes[0], plot.with_name(f"{plot.stem}{suffix}{plot.suffix}"))

@@ -1,0 +1,1 @@
+"""Fit chains to measured traces: materials, losses and gaps, with errors."""

@@ -1,0 +1,360 @@
+"""Parameters of a chain by name: their values in a chain, and chains with other values."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, Final
+
+import numpy as np
+
+from ..chain.chain import Chain
+from ..chain.laws import Loss
+from ..chain.laws.base import LAWS
+from ..chain.per_contact import MaterialPairs
+from ..chain.walls import Wall
+from ..errors import InputError, unknown_name_error
+from .names import Name
+
+ENDS: Final = ("left_wall", "right_wall")
+
+
+@dataclass(frozen=True)
+class Kind:
+    """Unit, unit in scaled variables, bounds and typical size of a parameter of a chain.
+
+    A parameter of a dimension other than ``"1"`` is fitted in units of the motion, so that a
+    change of stiffness or velocity alone needs no simulation.  A factor is fitted by its
+    logarithm: velocity, stiffness and gains, which can replace each other, then do so along a
+    straight line.  ``step`` is the step of differences in units of the typical size.
+    """
+
+    unit: str = ""
+    scale: str = "1"
+    lower: float = -np.inf
+    upper: float = np.inf
+    typical: float = 1.0
+    step: float = 1e-4
+    factor: bool = False
+
+
+KINDS: Final[Mapping[str, Kind]] = {
+    "stiffness": Kind(lower=1e-3, upper=1e3, factor=True),
+    "exponent": Kind(lower=1.05, upper=4.0, step=3e-5),
+    "struck_by.velocity": Kind("m/s", factor=True),
+    "materials.young": Kind("Pa", lower=1.0, factor=True),
+    "materials.density": Kind("kg/m^3", lower=1e-3, upper=1e6, factor=True),
+    "materials.poisson": Kind(lower=-0.99, upper=0.499, typical=0.3),
+    "radius": Kind("m", lower=1e-9, factor=True),
+    "mass": Kind("kg", lower=1e-15, factor=True),
+    "gap": Kind("m", "length", lower=0.0, typical=0.1, step=1e-2),
+    "precompression": Kind("N", "force", lower=0.0, typical=0.1, step=1e-3),
+    "gravity": Kind("m/s^2", "acceleration", typical=0.1, step=1e-3),
+    "wall.stiffness": Kind("N/m^p", lower=1e-6, factor=True),
+    "wall.exponent": Kind(lower=1.05, upper=4.0, step=3e-5),
+    "wall.gap": Kind("m", "length", lower=0.0, typical=0.1, step=1e-2),
+}
+# Typical value of the parameters of each law in units of the motion; from there a fit starts if
+# the chain has no loss.  The steps of laws that switch are larger: their runs are less smooth.
+TYPICAL: Final[Mapping[type[Loss], Mapping[str, float]]] = {
+    LAWS["viscoelastic"]: {"time": 0.03},
+    LAWS["dashpot"]: {"gamma": 0.015},
+    LAWS["velocity-power"]: {"gamma": 0.01, "alpha": 1.5},
+    LAWS["restitution"]: {"coefficient": 0.97},
+    LAWS["unloading-ratio"]: {"ratio": 0.05},
+    LAWS["walton-braun"]: {"ratio": 0.95},
+    LAWS["elastic-plastic"]: {"yield_overlap": 1.0},
+}
+SWITCHING: Final = tuple(
+    LAWS[name] for name in ("unloading-ratio", "walton-braun", "elastic-plastic")
+)
+SMOOTH_STEP, SWITCHING_STEP = 1e-3, 1e-2
+# Smaller exponents of `VelocityPower` need very short steps.
+MIN_ALPHA: Final = 0.5
+
+
+def known_names(chain: Chain) -> list[str]:
+    """Names of the parameters that a chain has."""
+    names = ["stiffness", "stiffness[8-9]", "gap[8-9]", "mass[8]", "gravity", "precompression"]
+    if isinstance(chain.exponents, float):
+        names.append("exponent")
+    if chain.strikers or chain.velocities[0]:
+        names.append("struck_by.velocity")
+    if chain.materials is not None:
+        names += [f"materials[NAME].{field}" for field in ("young", "poisson", "density")]
+        names.append("radius[8]")
+    for end in ENDS:
+        if getattr(chain, end) is not None:
+            names += [f"{end}.{field}" for field in ("stiffness", "gap", "exponent")]
+    return names + [f"loss.{each}" for each in loss_parameters(chain)]
+
+
+def loss_parameters(chain: Chain) -> dict[str, Loss]:
+    """Numbers of the laws of a chain, each with the first law that has it."""
+    found: dict[str, Loss] = {}
+    for law in chain.contact_losses:
+        for name, about in law.parameters().items():
+            if not about.boolean and getattr(law, name) is not None:
+                found.setdefault(name, law)
+    return found
+
+
+def kind_of(chain: Chain, name: Name) -> Kind:
+    """Kind of a parameter; raises `InputError` if the chain does not have it."""
+    key = name.key
+    for end in ENDS:
+        if key.startswith(f"{end}."):
+            if getattr(chain, end) is None:
+                raise InputError(f"{name} is no parameter of this chain: it has no {end}")
+            key = key.removeprefix(f"{end}.")
+            key = key if key.startswith("loss.") else f"wall.{key}"
+    if key.startswith("loss."):
+        return _loss_kind(chain, name)
+    example = {"materials": "materials[NAME].", "radius": "radius[8]", "mass": "mass[8]"}
+    known = known_names(chain)
+    shown = {each.split("[")[0].split(".")[0] for each in known} | {"wall"}
+    if key not in KINDS or key.split(".")[0] not in shown:
+        raise unknown_name_error("parameter of this chain", str(name), known)
+    if key == "exponent" and "exponent" not in known:
+        raise InputError("the contacts of this chain have several exponents; they cannot be fitted")
+    if key.split(".")[0] in example and not name.item:
+        raise InputError(f"{name} needs an item in brackets, such as {example[key.split('.')[0]]}")
+    return KINDS[key]
+
+
+def _loss_kind(chain: Chain, name: Name) -> Kind:
+    field = name.key.rsplit(".", 1)[1]
+    law = _law_with(chain, name, field)
+    about = law.parameters()[field]
+    metadata: Any = type(law).__dataclass_fields__[field].metadata.get("scale", "1")
+    scale = metadata(law) if callable(metadata) else metadata
+    lower = about.bounds.get("least", about.bounds.get("above", -np.inf))
+    lower = lower + 1e-6 if "above" in about.bounds else lower
+    if field == "alpha":
+        lower = max(lower, MIN_ALPHA)
+    upper = about.bounds.get("most", about.bounds.get("below", np.inf) - 1e-6)
+    typical = TYPICAL[type(law)].get(field, 1.0)
+    if scale == "1" and upper <= 1.0:
+        typical = 0.05  # the part that is lost
+    step = SWITCHING_STEP if isinstance(law, SWITCHING) else SMOOTH_STEP
+    units = {"time": "s", "length": "m", "damping": "kg/s"}
+    unit = units.get(about.dimension, "N (s/m)^alpha" if field == "gamma" else about.dimension)
+    return Kind(unit, scale, lower, upper, typical, step)
+
+
+def _law_with(chain: Chain, name: Name, field: str) -> Loss:
+    """The first law that a name means."""
+    losses = chain.contact_losses
+    if name.key.startswith(ENDS):
+        laws = [losses[0 if name.key.startswith("left") else -1]]
+    elif name.item:
+        laws = [losses[contact_index(chain, name) + 1]]
+    else:
+        laws = [each for each in losses if _has(each, field)]
+    for law in laws:
+        if _has(law, field):
+            return law
+    raise unknown_name_error("parameter of this chain", str(name), known_names(chain))
+
+
+def _has(law: Loss, field: str) -> bool:
+    about = law.parameters().get(field)
+    return about is not None and not about.boolean and getattr(law, field) is not None
+
+
+def contact_index(chain: Chain, name: Name) -> int:
+    """Index of the contact of two balls, such as ``8-9``; ball 0 is the last striker."""
+    try:
+        first, second = (int(part) for part in name.item.split("-"))
+    except ValueError:
+        raise InputError(
+            f"{name} must name two neighbouring balls, such as {Name(name.key, '8-9')}"
+        ) from None
+    index = first + chain.strikers - 1
+    if second != first + 1 or not 0 <= index < chain.beads - 1:
+        raise InputError(
+            f"{name} is no contact of this chain, whose balls are 1 to "
+            f"{chain.beads - chain.strikers}; name two neighbours, such as {Name(name.key, '8-9')}"
+        )
+    return index
+
+
+def bead_index(chain: Chain, name: Name) -> int:
+    """Index of a ball, counted without the strikers."""
+    balls = chain.beads - chain.strikers
+    if not name.item.isdigit() or not 1 <= int(name.item) <= balls:
+        raise InputError(f"{name} is no ball of this chain, whose balls are 1 to {balls}")
+    return int(name.item) + chain.strikers - 1
+
+
+def value_of(chain: Chain, name: Name) -> float:
+    """Value of a parameter in a chain; 1 for factors."""
+    key = name.key
+    if key == "stiffness":
+        if name.item:
+            contact_index(chain, name)
+        return 1.0
+    if key in ("radius", "mass"):
+        return float((chain.radii if key == "radius" else chain.masses)[bead_index(chain, name)])
+    if key == "gap":
+        return float(chain.gaps[contact_index(chain, name)])
+    if key == "struck_by.velocity":
+        return float(np.abs(chain.velocities).max())
+    if key.startswith("materials."):
+        return float(getattr(_material(chain, name), key.split(".")[1]))
+    if key == "exponent":
+        return float(chain.exponents)
+    if key in ("gravity", "precompression"):
+        return float(getattr(chain, key))
+    if ".loss." in key or key.startswith("loss."):
+        field = key.rsplit(".", 1)[1]
+        return float(getattr(_law_with(chain, name, field), field))
+    end, field = key.split(".")
+    side = ENDS.index(end)
+    if field == "stiffness":
+        return chain.wall_stiffness[side]
+    if field == "exponent":
+        return float(chain.contact_exponents[-side])
+    return float(getattr(getattr(chain, end), field))
+
+
+def _material(chain: Chain, name: Name) -> Any:
+    for each in chain.materials or ():
+        if each.name == name.item:
+            return each
+    names = dict.fromkeys(each.name for each in chain.materials or ())
+    raise unknown_name_error("material of this chain", name.item, names)
+
+
+def with_sizes(chain: Chain, values: Mapping[Name, float], reference: float) -> Chain:
+    """The chain with other materials, sizes, stiffness, exponents and velocities.
+
+    ``reference`` is the overlap at which a change of the exponent keeps the force.
+    """
+    changes: dict[str, Any] = {}
+    for field in ("radius", "mass"):
+        chosen = {name: value for name, value in values.items() if name.key == field}
+        if chosen:
+            changes[("radii", "masses")[field == "mass"]] = array = (
+                chain.radii if field == "radius" else chain.masses
+            ).copy()
+            for name, value in chosen.items():
+                array[bead_index(chain, name)] = value
+    materials = {name: value for name, value in values.items() if name.key.startswith("materials.")}
+    if materials:
+        changes["materials"] = _changed_materials(chain, materials)
+    out = chain.replace(**changes) if changes else chain
+    return out.replace(**_forces_and_speeds(out, values, reference))
+
+
+def _changed_materials(chain: Chain, values: Mapping[Name, float]) -> tuple[Any, ...]:
+    assert chain.materials is not None
+    changes: dict[str, dict[str, Any]] = {}
+    for name, value in values.items():
+        changes.setdefault(name.item, {})[name.key.split(".")[1]] = value
+    return tuple(
+        dataclasses.replace(each, **changes[each.name]) if each.name in changes else each
+        for each in chain.materials
+    )
+
+
+def _forces_and_speeds(
+    chain: Chain, values: Mapping[Name, float], reference: float
+) -> dict[str, Any]:
+    stiffness, walls = chain.stiffness.copy(), np.array(chain.wall_stiffness)
+    changes: dict[str, Any] = {}
+    exponents: list[float | None] = [None, None]
+    touched = False
+    for name, value in values.items():
+        if name.key == "stiffness" and name.item:
+            stiffness[contact_index(chain, name)] *= value
+        elif name.key == "stiffness":
+            stiffness, walls = stiffness * value, walls * value
+        elif name.key == "exponent":
+            factor = reference ** (float(chain.exponents) - value)
+            stiffness, walls = stiffness * factor, walls * factor
+            changes["exponent"] = value
+        elif name.key == "struck_by.velocity":
+            fastest = float(np.abs(chain.velocities).max())
+            changes["velocities"] = chain.velocities * (value / fastest)
+            continue
+        elif name.key.endswith("_wall.exponent"):
+            side = ENDS.index(name.key.split(".")[0])
+            walls[side] *= reference ** (float(chain.contact_exponents[-side]) - value)
+            exponents[side] = value
+        elif not name.key.endswith("_wall.stiffness"):
+            continue
+        touched = True
+    for name, value in values.items():
+        if name.key.endswith("_wall.stiffness"):
+            walls[ENDS.index(name.key.split(".")[0])] = value
+    if touched:
+        changes["stiffness"] = stiffness
+        for side, end in enumerate(ENDS):
+            wall: Wall | None = getattr(chain, end)
+            if wall is not None:
+                changes[end] = dataclasses.replace(
+                    wall, stiffness=float(walls[side]), material=None,
+                    exponent=wall.exponent if exponents[side] is None else exponents[side],
+                )  # fmt: skip
+    return changes
+
+
+def with_motion(chain: Chain, values: Mapping[Name, float]) -> Chain:
+    """The chain with other losses, gaps, precompression and gravity."""
+    changes: dict[str, Any] = {}
+    gaps = chain.gaps.copy()
+    laws = list(chain.contact_losses)
+    one = not isinstance(chain.loss, tuple | MaterialPairs)
+    changed_laws = False
+    for name, value in values.items():
+        if name.key == "gap":
+            gaps[contact_index(chain, name)] = value
+            changes["gaps"] = gaps
+        elif name.key in ("precompression", "gravity"):
+            changes[name.key] = value
+        elif name.key.endswith("_wall.gap"):
+            end = name.key.split(".")[0]
+            changes[end] = dataclasses.replace(getattr(chain, end), gap=value)
+        elif "loss." in name.key:
+            field = name.key.rsplit(".", 1)[1]
+            laws = _changed_laws(chain, laws, name, field, value)
+            changed_laws, one = True, one and not name.item and name.key.startswith("loss.")
+    if changed_laws:
+        changes["loss"] = laws[1] if one else laws[1:-1]
+        for end, side in zip(ENDS, (0, -1), strict=True):
+            wall = changes.get(end, getattr(chain, end))
+            if wall is not None and (wall.loss is not None or not one):
+                changes[end] = dataclasses.replace(wall, loss=laws[side])
+    return chain.replace(**changes) if changes else chain
+
+
+def _changed_laws(
+    chain: Chain, laws: list[Loss], name: Name, field: str, value: float
+) -> list[Loss]:
+    """Laws of all contacts with one number changed; laws that were one object stay one."""
+    if name.key.startswith(ENDS):
+        chosen = {0 if name.key.startswith("left") else chain.beads}
+    elif name.item:
+        chosen = {contact_index(chain, name) + 1}
+    else:
+        chosen = {k for k, law in enumerate(laws) if _has(law, field)}
+    made: dict[int, Loss] = {}
+    change: dict[str, Any] = {field: value}
+    out = list(laws)
+    for k in chosen:
+        law = laws[k]
+        if id(law) not in made:
+            made[id(law)] = dataclasses.replace(law, **change)
+        out[k] = made[id(law)]
+    return out
+
+
+def is_motion(name: Name) -> bool:
+    """Whether a parameter belongs to `with_motion`."""
+    return (
+        name.key in ("gap", "precompression", "gravity")
+        or "loss." in name.key
+        or name.key.endswith("_wall.gap")
+    )

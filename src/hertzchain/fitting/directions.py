@@ -1,0 +1,93 @@
+"""Directions in which the data do not fix the parameters, by name."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from ..collision import Array
+from ..representation import short
+
+# Relative error along a direction above which it is reported, and part of the largest singular
+# value below which a direction cannot be distinguished from an exact degeneracy.
+WEAK, EXACT_PART = 1.0, 3e-6
+# Smallest weight of a parameter that is named, relative to the largest.
+MIN_WEIGHT: Final = 0.1
+
+
+@dataclass(frozen=True)
+class WeakDirection:
+    """Parameters that can change together without a change of the predicted signals.
+
+    Attributes
+    ----------
+    weights : dict
+        Relative changes of the parameters, the largest 1.
+    error : float
+        Relative error along the direction from the data only, without priors.
+    exact : bool
+        Whether the data do not depend on it at all.
+    fixed_by : tuple of str
+        Priors that fix it.
+    """
+
+    weights: dict[str, float]
+    error: float
+    exact: bool
+    fixed_by: tuple[str, ...]
+
+    def __str__(self) -> str:
+        names = _grouped(list(self.weights))
+        alone = len(self.weights) == 1
+        how = "the data do not depend on" if self.exact else "the data hardly depend on"
+        text = f"{how} {names}{'' if alone else ' changed together'}"
+        if not alone:
+            ratio = " : ".join(f"{weight:.2g}" for weight in self.weights.values())
+            text += f" (in the ratio {ratio})"
+        if self.fixed_by:
+            priors = f"prior{'s' if len(self.fixed_by) > 1 else ''}"
+            return f"{text}; fixed only by the {priors} of {_grouped(list(self.fixed_by))}"
+        return f"{text}: fix one of them, or give it a prior"
+
+    def __repr__(self) -> str:
+        return short("WeakDirection", str(self))
+
+
+def _grouped(names: list[str]) -> str:
+    """Names in a sentence; several gains are ``all gains``."""
+    gains = [name for name in names if name.startswith("gain[")]
+    if len(gains) > 1:
+        names = [name for name in names if name not in gains] + ["the gains"]
+    return names[0] if len(names) == 1 else f"{', '.join(names[:-1])} and {names[-1]}"
+
+
+def weak_directions(
+    names: Sequence[str], jacobian: Array, sizes: Array, priors: dict[str, float]
+) -> tuple[WeakDirection, ...]:
+    """Weak directions from the derivatives of the data by the parameters.
+
+    ``sizes`` are the sizes to which changes are relative; ``priors`` the standard deviations of
+    the priors, relative to the sizes.
+    """
+    scaled = jacobian * sizes
+    _, singular, rows = np.linalg.svd(scaled, full_matrices=False)
+    found = []
+    for value, row in zip(singular, rows, strict=True):
+        exact = value <= EXACT_PART * singular[0]
+        if not exact and value * WEAK > 1.0:
+            continue
+        row = row / row[np.argmax(np.abs(row))]
+        weights = {
+            name: float(weight)
+            for name, weight in zip(names, row, strict=True)
+            if abs(weight) > MIN_WEIGHT
+        }
+        fixed = tuple(
+            name for name in weights if name in priors and priors[name] < WEAK * abs(weights[name])
+        )
+        error = float(1.0 / value) if value > 0.0 else np.inf
+        found.append(WeakDirection(weights, error, bool(exact), fixed))
+    return tuple(found)

@@ -1,0 +1,51 @@
+"""The synthetic experiment that ships with hertzchain."""
+
+from __future__ import annotations
+
+from importlib.resources import files
+from pathlib import Path
+
+from ..validation.objects import check_choice
+from .trace_files import load_traces
+from .traces import Traces
+
+FILES = {"fast": "fast.csv", "slow": "slow.csv"}
+
+
+def example_experiment(*shots: str) -> tuple[Traces, Path]:
+    """Traces and chain file of a synthetic experiment, for trying out `hertzchain.fit`.
+
+    A row of 20 steel balls of 10 mm diameter in front of a steel wall is struck by an equal ball,
+    at 0.3 m/s (``"fast"``) or 0.1 m/s (``"slow"``).  Sensors are in balls 6, 11 and 16 and in the
+    wall; that in ball 11 has no calibration.  The data were made by SciPy
+    (``tools/example_traces.py``) with a lag, a discharge and crosstalk of the sensors.
+
+    Parameters
+    ----------
+    *shots : str
+        ``"fast"``, ``"slow"`` or both, in the order of the shots; by default ``"fast"``.
+
+    Returns
+    -------
+    traces : Traces
+        The data.
+    chain_file : pathlib.Path
+        The chain file, with a table ``[fit]``.
+
+    Raises
+    ------
+    InputError
+        For another name of a shot.
+
+    Examples
+    --------
+    >>> traces, chain_file = example_experiment()
+    >>> traces.names
+    ('ball 6', 'ball 11', 'ball 16', 'wall')
+    """
+    for each in shots:
+        check_choice("shot of the example", each, FILES)
+    folder = Path(str(files("hertzchain.fitting") / "example"))
+    return load_traces(
+        *(folder / FILES[each] for each in shots or ("fast",))
+    ), folder / "experiment.toml"

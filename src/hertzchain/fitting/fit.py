@@ -1,0 +1,266 @@
+"""Fit a chain and its sensors to measured traces."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Mapping, Sequence
+
+import numpy as np
+
+from ..chain.chain import Chain
+from ..collision import Array
+from ..errors import InputError
+from ..validation.numbers import whole_number
+from ..validation.objects import callback
+from .directions import WeakDirection, weak_directions
+from .goodness import goodness_of
+from .least_squares import Solution, solve
+from .model import Model, make_model
+from .parameters import Parameter, Priors, free_parameters
+from .problem import Problem, differences
+from .result import FitResult
+from .settings import Settings, load_experiment
+from .simulations import Simulator, range_notes
+from .systematics import effects_of
+from .trace_files import load_traces
+from .traces import Traces
+
+Path_ = str | os.PathLike[str]
+TracesLike = Traces | Path_ | Sequence[Path_]
+ChainLike = Chain | Path_ | Sequence[Chain]
+# A bound is reached within this part of a variable.
+AT_BOUND = 1e-6
+# An error above this part of the value is reported.
+LARGE_ERROR = 1.0
+
+
+def fit(
+    traces: TracesLike,
+    chain: ChainLike,
+    *,
+    free: Sequence[str] | None = None,
+    priors: Priors | None = None,
+    start: Mapping[str, float] | None = None,
+    starts: int = 4,
+    progress: Callable[[int, int], None] | None = None,
+) -> FitResult:
+    r"""Fit a chain and its sensors to measured traces.
+
+    Minimises, over the free parameters :math:`\theta`,
+
+    .. math::
+
+        \sum_{i} \frac{[y_i - f_i(\theta)]^2}{\sigma_i^2}
+        + \sum_{j} \frac{(\theta_j - \mu_j)^2}{s_j^2}
+
+    with the samples y and their noise, simulated signals f that pass through the sensor model
+    (`hertzchain.fitting.sensors`), and the priors.  Stiffness, velocity, gains and time offsets
+    need no simulation where the exact scaling symmetry of chains holds
+    (`hertzchain.fitting.symmetry`).
+
+    Parameters
+    ----------
+    traces : Traces, path-like or sequence of path-like
+        The data; paths are read by `hertzchain.load_traces`, one shot per file.
+    chain : Chain, path-like or sequence of Chain
+        The chain with nominal values, in SI units; one for all shots or one for each.  The table
+        ``[fit]`` of a chain file gives ``free``, ``prior`` and ``start``; arguments replace them.
+    free : sequence of str, optional
+        Names of the free parameters.  By default, the stiffness of all contacts (a factor), the
+        striker's velocity, the numbers of the law of loss, the time offset and the gains of sensors
+        without calibration.  Of the chain: ``stiffness``, ``exponent``, ``loss.time``, ...,
+        ``struck_by.velocity``, ``materials[NAME].young``, ``gap[8-9]``, ``stiffness[8-9]``,
+        ``loss[8-9].time``, ``radius[8]``, ``mass[8]``, ``precompression``, ``gravity``,
+        ``right_wall.stiffness``, ...; balls are counted without strikers.  Of the sensors:
+        ``gain[ball 6]``, ``gain[*]`` for each, ``offset[...]``, ``delay[...]``, ``lag``,
+        ``highpass`` (1/time constant), ``crosstalk``.  Of the clock: ``time_offset``.  With
+        several shots, ``NAME@2`` is of the second shot and ``NAME@*`` of each.
+    priors : mapping, optional
+        Value and standard deviation by name, such as ``{"struck_by.velocity": (0.3, 0.003)}``.
+    start : mapping, optional
+        Values from which to start, by name; by default those of the priors or the chain.
+    starts : int
+        Largest number of starts, 1 to 6; more than one only if the first describes the data poorly.
+    progress : callable, optional
+        Called as ``progress(simulations, 0)`` after each simulation.
+
+    Returns
+    -------
+    FitResult
+        Also if the search did not converge: ``result.converged`` and ``result.reason``.
+
+    Raises
+    ------
+    InputError
+        For an unknown parameter or sensor, priors that exclude each other, fewer samples than
+        parameters, or a chain in scaled variables.
+    SimulationError
+        If the chain cannot be simulated with the values from which the fit starts.
+
+    Examples
+    --------
+    Four sensors in a row of 20 steel balls; the data are synthetic:
+
+    >>> import hertzchain as hc
+    >>> traces, chain_file = hc.example_experiment()
+    >>> result = hc.fit(traces, chain_file)
+    >>> result.describes
+    True
+    """
+    data, chains, settings = load_experiment(traces, chain, load_traces)
+    callback("progress", progress)
+    settings = settings.updated(free, priors, start)
+    count = whole_number("starts", starts, least=1, most=6)
+    return fit_with(data, chains, settings, count, progress)
+
+
+def fit_with(
+    data: Traces, chains: Sequence[Chain], settings: Settings, starts: int,
+    progress: Callable[[int, int], None] | None = None,
+) -> FitResult:  # fmt: skip
+    """Fit with checked traces and chains."""
+    parameters = free_parameters(
+        data, chains, settings.free, settings.priors, settings.start, settings.optional
+    )
+    if data.samples <= len(parameters):
+        raise InputError(
+            f"{len(parameters)} parameters cannot be fitted to {data.samples} samples; free fewer"
+        )
+    places = list({signal.name: signal.place for _, signal in data}.values())
+    simulator = Simulator(places, None if progress is None else lambda done: progress(done, 0))
+    problem = Problem(make_model(data, chains, parameters, simulator))
+    return fitted(problem, settings.start, starts)
+
+
+def fitted(problem: Problem, start: Mapping[str, float], starts: int) -> FitResult:
+    """Solve a problem, with times and stiffness aligned unless their start is given."""
+    values = {each.name: _nonzero_loss(problem.model, each) for each in problem.model.parameters}
+    _start_gains(problem, values, start)
+    align = not any(each.startswith(("time_offset", "stiffness")) for each in start)
+    solution = solve(problem, values, starts, align=align)
+    return result_of(problem, solution)
+
+
+def _nonzero_loss(model: Model, parameter: Parameter) -> float:
+    """The start of a parameter; a typical loss if the chain's is zero, where derivatives vanish."""
+    from .symmetry import units_of
+
+    if "loss." not in parameter.name.key or parameter.start != parameter.kind.lower:
+        return parameter.start
+    if parameter.kind.scale == "1":
+        return parameter.start + parameter.kind.typical
+    unit = units_of(model.chains[parameter.shot or 0]).scales.unit(parameter.kind.scale)
+    return parameter.kind.typical * unit
+
+
+def _start_gains(problem: Problem, values: dict, start: Mapping[str, float]) -> None:  # type: ignore[type-arg]
+    """Gains of sensors without calibration start at the ratio of largest signals."""
+    model = problem.model
+    for each in model.parameters:
+        if each.name.key != "gain" or each.prior is not None or str(each.name) in start:
+            continue
+        for index, signal in model.traces:
+            if signal.name == each.name.item and not signal.calibrated:
+                shot = model.traces.shots[index]
+                fitted = model.predict_shot(index, {**values, each.name: 1.0})
+                own = fitted[[s.name for s in shot.signals].index(signal.name)]
+                seen = signal.values[signal.valid]
+                extreme = seen[np.argmax(np.abs(seen))]
+                values[each.name] = float(extreme / own[np.argmax(np.abs(own))])
+                break
+
+
+def result_of(problem: Problem, solution: Solution) -> FitResult:
+    """The result at a solution."""
+    model, variables = problem.model, solution.variables
+    values = model.values(variables)
+    names = tuple(map(str, model.names))
+    count = len(problem.data)
+    good = goodness_of(model.traces, solution.residuals[:count], len(names))
+    low, high = problem.bounds()
+    bound = (variables - low < AT_BOUND * np.maximum(1.0, np.abs(low))) | (
+        high - variables < AT_BOUND * np.maximum(1.0, np.abs(high))
+    )
+    free = ~bound
+    # No simulation is needed.
+    change = differences(lambda u: np.array([*model.values(u).values()]), variables)
+    covariance = _covariance(solution.jacobian, change, free) * good.inflation
+    sigmas = np.sqrt(np.maximum(np.diag(covariance), 0.0))
+    sigmas[bound] = np.inf
+    estimates = np.array([values[name] for name in model.names])
+    sizes = _sizes(model, estimates)
+    physical = solution.jacobian[:count] @ np.linalg.inv(change)
+    priors = {
+        str(each): each.prior[1] / size
+        for each, size in zip(model.parameters, sizes, strict=True)
+        if each.prior is not None
+    }
+    weak = weak_directions(
+        [name for name, ok in zip(names, free, strict=True) if ok],
+        physical[:, free], sizes[free], priors,
+    )  # fmt: skip
+    for each in weak:
+        if each.exact and not each.fixed_by:
+            sigmas[[name in each.weights for name in names]] = np.inf
+    chains = tuple(model.chain(shot, values) for shot in range(len(model.chains)))
+    at_bounds = tuple(name for name, there in zip(names, bound, strict=True) if there)
+    notes = _notes(model, sigmas, sizes, at_bounds, weak)
+    effects = effects_of(problem, values, solution.jacobian, solution.residuals)
+    simulations = model.simulator.count
+    duration = float(model.traces.shots[0].times[-1] - model.traces.shots[0].times[0])
+    notes += range_notes(chains[0], duration)
+    penalty = float(solution.residuals[count:] @ solution.residuals[count:])
+    return FitResult(
+        names, estimates, sigmas, covariance, good, solution.converged, solution.reason, weak,
+        effects, at_bounds, chains, notes, simulations, solution.starts, penalty,
+        problem, variables, solution.jacobian, solution.residuals,
+    )  # fmt: skip
+
+
+def _covariance(jacobian: Array, change: Array, free: Array) -> Array:
+    """Covariance of the values; parameters at a bound are regarded as fixed."""
+    inner = jacobian[:, free]
+    scale = np.linalg.norm(inner, axis=0)
+    scale[scale == 0.0] = 1.0
+    _, singular, rows = np.linalg.svd(inner / scale, full_matrices=False)
+    inverse = (rows.T / np.maximum(singular, 1e-12 * singular[0]) ** 2) @ rows
+    inverse /= np.outer(scale, scale)
+    whole = np.zeros((len(free), len(free)))
+    whole[np.ix_(free, free)] = inverse
+    return np.asarray(change @ whole @ change.T)
+
+
+def _sizes(model: Model, estimates: Array) -> Array:
+    """Sizes to which changes of the parameters are relative."""
+    from .symmetry import units_of
+
+    found = []
+    for each, value in zip(model.parameters, estimates, strict=True):
+        typical = each.kind.typical
+        if each.of_chain and each.kind.scale != "1" and "^" not in each.kind.scale:
+            typical *= units_of(model.chains[each.shot or 0]).scales.unit(each.kind.scale)
+            found.append(max(abs(value), typical))
+        elif each.name.key == "offset":
+            found.append(max(s.sigma for _, s in model.traces if each.name.item in ("", s.name)))
+        else:
+            found.append(abs(value) if each.kind.factor else max(abs(value), typical))
+    return np.array(found)
+
+
+def _notes(
+    model: Model, sigmas: Array, sizes: Array, at_bounds: tuple[str, ...],
+    weak: tuple[WeakDirection, ...],
+) -> tuple[str, ...]:  # fmt: skip
+    """Samples that are not used, bounds, large errors and failed runs, one sentence each."""
+    notes = list(model.traces.notes())
+    notes += [f"{name} is at its bound and has no error" for name in at_bounds]
+    named = {name for each in weak for name in each.weights}
+    for name, sigma, size in zip(map(str, model.names), sigmas, sizes, strict=True):
+        if np.isfinite(sigma) and sigma > LARGE_ERROR * size and name not in named:
+            notes.append(
+                f"the data hardly fix {name}, whose error exceeds its size: fix it, or give it a "
+                "prior"
+            )
+    if model.simulator.failed:
+        notes.append(f"{model.simulator.failed} trial runs failed and were rejected")
+    return tuple(notes)

@@ -1,0 +1,88 @@
+"""Whether residuals are noise: chi-squared, and the effective number of samples."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from ..collision import Array
+from .traces import Traces
+
+# Correlations are summed up to this lag, and while they exceed this many times their error.
+MAX_LAG, SIGNIFICANT = 200, 2.5
+# The model describes the data if chi-squared exceeds its expectation by fewer standard deviations.
+MAX_EXCESS: Final = 4.0
+
+
+@dataclass(frozen=True)
+class Goodness:
+    """Chi-squared of a fit.
+
+    Attributes
+    ----------
+    chi2 : float
+        Sum of the squared residuals of the data over their noise.
+    samples, effective_samples : int, float
+        Number of samples, and of independent ones: residuals of real sensors are correlated.
+    freedom : int
+        Samples minus free parameters.
+    excess : float
+        Deviation of chi-squared from its expectation, in standard deviations, which include the
+        uncertainty of the noise that was estimated from a few samples.
+    """
+
+    chi2: float
+    samples: int
+    effective_samples: float
+    freedom: int
+    excess: float
+
+    @property
+    def describes(self) -> bool:
+        """Whether the residuals are consistent with the noise."""
+        return self.excess < MAX_EXCESS
+
+    @property
+    def inflation(self) -> float:
+        """Samples per independent sample, by which variances are multiplied."""
+        return self.samples / self.effective_samples
+
+
+def goodness_of(traces: Traces, residuals: Array, parameters: int) -> Goodness:
+    """Chi-squared of weighted residuals, signal after signal."""
+    parts, begin = [], 0
+    for _, signal in traces:
+        count = int(signal.valid.sum())
+        parts.append((residuals[begin : begin + count], signal.quiet))
+        begin += count
+    effective = sum(len(part) / correlation_length(part) for part, _ in parts)
+    chi2, count = float(residuals @ residuals), len(residuals)
+    freedom = count - parameters
+    variance = 2.0 / max(effective - parameters, 1.0)
+    # The noise of each signal has an error of its own.
+    variance += sum((len(part) / count) ** 2 * 2.0 / quiet for part, quiet in parts if quiet)
+    excess = (chi2 / max(freedom, 1) - 1.0) / variance**0.5
+    return Goodness(chi2, count, float(effective), freedom, float(excess))
+
+
+def autocorrelation(residuals: Array, lags: int = MAX_LAG) -> Array:
+    """Autocorrelation of residuals from lag 0."""
+    centred = residuals - residuals.mean()
+    size = float(centred @ centred)
+    count = min(lags, len(residuals) - 1)
+    if size == 0.0:
+        return np.ones(1)
+    full = np.correlate(centred, centred, "full")[len(centred) - 1 :]
+    return np.asarray(full[: count + 1] / size)
+
+
+def correlation_length(residuals: Array) -> float:
+    """Samples per independent sample, :math:`1 + 2\\sum\\rho`, at least 1."""
+    if len(residuals) < 8:
+        return 1.0
+    rho = autocorrelation(residuals)[1:]
+    significant = rho > SIGNIFICANT / len(residuals) ** 0.5
+    end = len(rho) if significant.all() else int(np.argmin(significant))
+    return float(1.0 + 2.0 * rho[:end].sum())

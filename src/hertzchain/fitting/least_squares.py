@@ -1,0 +1,99 @@
+"""Least squares from one or several starts; trial runs that fail are rejected steps."""
+
+from __future__ import annotations
+
+import warnings
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from ..collision import Array
+from ..errors import SimulationError
+from .names import Name
+from .problem import Problem
+from .starts import aligned, further_starts
+
+FTOL, XTOL, GTOL = 1e-7, 1e-9, 1e-10
+MAX_EVALUATIONS: Final = 60
+# A fit is good enough to be the last if chi-squared per sample is below this.
+GOOD: Final = 1.3
+# Sums of squares that differ by less than this part are of the same optimum.
+SAME: Final = 1e-3
+
+
+@dataclass(frozen=True, eq=False)
+class Solution:
+    """Best variables found, with residuals and derivatives there.
+
+    Attributes
+    ----------
+    variables, residuals : ndarray
+        Best variables and their weighted residuals, priors last.
+    jacobian : ndarray
+        Derivatives of the residuals.
+    converged : bool
+        Whether the search ended at a minimum.
+    reason : str
+        Why it ended.
+    starts : int
+        Number of starts.
+    """
+
+    variables: Array
+    residuals: Array
+    jacobian: Array
+    converged: bool
+    reason: str
+    starts: int
+
+    @property
+    def cost(self) -> float:
+        """Sum of squares."""
+        return float(self.residuals @ self.residuals)
+
+
+def solve(problem: Problem, values: dict[Name, float], starts: int, *, align: bool) -> Solution:
+    """The best solution of at most this many starts; more than one only if the first is poor."""
+    first = aligned(problem.model, values) if align else dict(values)
+    best = _from(problem, problem.model.variables(first))
+    tried = 1
+    if best.cost > GOOD * len(best.residuals):
+        for start in further_starts(problem.model, first, starts):
+            found = _from(problem, problem.model.variables(start))
+            tried += 1
+            # A second start that ends where the first did has found the best there is.
+            same = abs(found.cost - best.cost) < SAME * best.cost
+            if found.cost < best.cost:
+                best = found
+            if same or best.cost <= GOOD * len(best.residuals):
+                break
+    return Solution(
+        best.variables, best.residuals, best.jacobian, best.converged, best.reason, tried
+    )
+
+
+def _from(problem: Problem, start: Array) -> Solution:
+    from scipy.optimize import least_squares
+
+    low, high = problem.bounds()
+    margin = 1e-9 * np.maximum(1.0, np.abs(start))
+    start = np.clip(start, low + margin, high - margin)
+    if not np.all(np.isfinite(problem.residuals(start))):
+        raise SimulationError(
+            f"the chain cannot be simulated with the values from which the fit starts: "
+            f"{problem.last_failure}"
+        )
+    with warnings.catch_warnings():
+        # Rejected trials have infinite residuals.
+        warnings.simplefilter("ignore", RuntimeWarning)
+        found = least_squares(
+            problem.residuals, start, jac=problem.jacobian, bounds=(low, high), x_scale="jac",
+            ftol=FTOL, xtol=XTOL, gtol=GTOL, max_nfev=MAX_EVALUATIONS,
+        )  # fmt: skip
+    reason = found.message.rstrip(".").replace("`", "")
+    if found.status == 0:
+        reason = f"not converged after {MAX_EVALUATIONS} evaluations"
+        if problem.last_failure:
+            reason += f"; the last trial that failed: {problem.last_failure}"
+    return Solution(found.x, found.fun, found.jac, found.status > 0, reason, 1)

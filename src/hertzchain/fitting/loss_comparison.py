@@ -1,0 +1,347 @@
+"""Which law of loss explains the data: all laws fitted, and what the data can decide."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Any, Final
+
+import numpy as np
+
+from ..chain.chain import Chain
+from ..chain.laws import LAWS, Loss
+from ..collision import Array
+from ..errors import InputError, SimulationError, short_repr, unknown_name_error
+from ..representation import short
+from ..validation.objects import callback, check_list
+from .chain_parameters import TYPICAL
+from .fit import ChainLike, TracesLike, fit_with
+from .names import Name, parse_name
+from .parameters import Priors, default_names
+from .result import FitResult
+from .settings import Settings, load_experiment
+from .symmetry import units_of
+from .trace_files import load_traces
+
+DEFAULT_LAWS: Final = (
+    "elastic", "viscoelastic", "restitution", "dashpot", "velocity-power", "unloading-ratio",
+    "walton-braun",
+)  # fmt: skip
+# Differences of BIC above this decide (odds of more than a hundred).
+DECIDES: Final = 10.0
+# Largest number of starts of each law.
+STARTS: Final = 4
+# Velocities, relative to that of the first shot, at which a further shot is considered.
+FURTHER: Final = (0.25, 0.5, 2.0, 4.0)
+
+
+@dataclass(frozen=True, eq=False)
+class LossFit:
+    """The fit of one law.
+
+    Attributes
+    ----------
+    law : str
+        Name of the law.
+    result : FitResult or None
+        Its fit; `None` if it failed.
+    reason : str
+        Why it failed or did not converge; empty otherwise.
+    bic : float
+        Bayesian information criterion with the effective number of samples of the best fit.
+    """
+
+    law: str
+    result: FitResult | None
+    reason: str = ""
+    bic: float = np.inf
+
+
+@dataclass(frozen=True, eq=False)
+class LossComparison:
+    """Fits of several laws of loss to the same data, the best first.
+
+    Attributes
+    ----------
+    fits : tuple of LossFit
+        In the order of their BIC.
+    further_shots : dict
+        Expected difference in chi-squared of the two best laws in one more shot, by its velocity
+        [m/s]; empty if the data decide.
+    """
+
+    fits: tuple[LossFit, ...]
+    further_shots: Mapping[float, float] = field(default_factory=dict)
+
+    @property
+    def best(self) -> FitResult:
+        """Fit of the best law."""
+        result = self.fits[0].result
+        assert result is not None
+        return result
+
+    @property
+    def undecided(self) -> tuple[str, ...]:
+        """Laws between which the data cannot decide, the best first; only one if they can."""
+        return tuple(each.law for each in self.fits if each.bic - self.fits[0].bic <= DECIDES)
+
+    def summary(self) -> str:
+        """Table of all laws and a sentence on what the data decide.
+
+        Returns
+        -------
+        str
+
+        Examples
+        --------
+        >>> import hertzchain as hc
+        >>> laws = ["viscoelastic", "restitution"]
+        >>> compared = hc.compare_losses(*hc.example_experiment(), laws=laws)
+        >>> print(compared.summary().splitlines()[0])
+        law            delta BIC       chi2  parameters
+        """
+        lines = [f"{'law':<14} {'delta BIC':>9} {'chi2':>10}  parameters"]
+        for each in self.fits:
+            if each.result is None:
+                lines.append(f"{each.law:<14} {'failed':>9} {'':>10}  {each.reason}")
+                continue
+            rows = [f"{name} = {row}" for name, row in each.result.rows() if "loss" in name]
+            lines.append(
+                f"{each.law:<14} {each.bic - self.fits[0].bic:>9.1f} {each.result.chi2:>10.1f}  "
+                f"{', '.join(rows)}".rstrip()
+            )
+        return "\n".join([*lines, self.statement])
+
+    @property
+    def statement(self) -> str:
+        """Sentence on the laws between which the data can and cannot decide."""
+        first = self.fits[0]
+        if not self.best.describes:
+            return (
+                f"none of the laws describes the data; {first.law} comes closest: look at the "
+                "residuals and the warnings of its fit before the laws are compared"
+            )
+        if len(self.undecided) == 1:
+            if len(self.fits) == 1 or self.fits[1].result is None:
+                return f"only {first.law} was fitted"
+            gap = self.fits[1].bic - first.bic
+            return (
+                f"the data decide for {first.law}: the next, {self.fits[1].law}, has a BIC larger "
+                f"by {gap:.0f}"
+            )
+        told = f"the data cannot decide between {_listed(self.undecided)}"
+        if not self.further_shots:
+            return told
+        speed, difference = max(self.further_shots.items(), key=lambda item: item[1])
+        if difference < DECIDES:
+            return (
+                f"{told}, and neither could one more shot at {min(self.further_shots):.2g} to "
+                f"{max(self.further_shots):.2g} m/s; reduce the noise"
+            )
+        return (
+            f"{told}; one more shot at {speed:.2g} m/s would change chi2 between the first two by "
+            f"about {difference:.0f}"
+        )
+
+    def as_dict(self) -> dict[str, Any]:
+        """Plain values for JSON.
+
+        Returns
+        -------
+        dict
+
+        Examples
+        --------
+        >>> import hertzchain as hc
+        >>> compared = hc.compare_losses(*hc.example_experiment(), laws=["elastic"])
+        >>> compared.as_dict()["laws"][0]["law"]
+        'elastic'
+        """
+        return {
+            "laws": [
+                {"law": each.law, "reason": each.reason}
+                | ({} if each.result is None else each.result.as_dict())
+                for each in self.fits
+            ],
+            "undecided": list(self.undecided),
+            "statement": self.statement,
+            "further_shots": {f"{speed:g}": value for speed, value in self.further_shots.items()},
+        }
+
+    def __repr__(self) -> str:
+        return short("LossComparison", f"{len(self.fits)} laws", self.statement)
+
+
+def compare_losses(
+    traces: TracesLike,
+    chain: ChainLike,
+    *,
+    laws: Sequence[str | Loss] | None = None,
+    free: Sequence[str] | None = None,
+    priors: Priors | None = None,
+    start: Mapping[str, float] | None = None,
+    progress: Callable[[int, int], None] | None = None,
+) -> LossComparison:
+    r"""Fit all laws of loss to the same data and compare them by their BIC.
+
+    .. math:: \mathrm{BIC} = \chi^2 + k \ln n
+
+    with the number k of parameters and the effective number n of samples
+    (`FitResult.bic`).  Differences above 10 decide.
+
+    Parameters
+    ----------
+    traces, chain, free, priors, start
+        As for `hertzchain.fit`.  All contacts get the law; names of losses in ``free`` are
+        replaced by the parameters of each law.
+    laws : sequence of str or Loss, optional
+        Names of laws, or laws with the values from which to start.  By default, all laws except
+        `ElasticPlastic`.
+    progress : callable, optional
+        Called as ``progress(done, total)`` after each law.
+
+    Returns
+    -------
+    LossComparison
+
+    Raises
+    ------
+    InputError
+        For an unknown law, and as `hertzchain.fit`.
+    SimulationError
+        If no law can be fitted.
+
+    Examples
+    --------
+    >>> import hertzchain as hc
+    >>> compared = hc.compare_losses(*hc.example_experiment(), laws=["elastic", "viscoelastic"])
+    >>> [each.law for each in compared.fits]
+    ['viscoelastic', 'elastic']
+    """
+    data, chains, settings = load_experiment(traces, chain, load_traces)
+    settings = settings.updated(free, priors, start)
+    callback("progress", progress)
+    wanted = DEFAULT_LAWS if laws is None else check_list("laws", laws, "names of laws")
+    if not wanted:
+        raise InputError("no laws to compare; name some, such as 'viscoelastic'")
+    names = (
+        default_names(data, chains[0])
+        if settings.free is None
+        else check_list("free", settings.free, "names")
+    )
+    kept = [name for name in names if "loss." not in parse_name(name).key]
+    fits = []
+    for done, each in enumerate(wanted, start=1):
+        law = _law(each, chains[0])
+        lossy = [_with_law(one, law) for one in chains]
+        own = [f"loss.{name}" for name, about in law.parameters().items()
+               if not about.boolean and getattr(law, name) is not None]  # fmt: skip
+        known = {n: v for n, v in settings.priors.items() if "loss" not in n or n in own}
+        given = {n: v for n, v in settings.start.items() if "loss" not in n or n in own}
+        try:
+            chosen = Settings(kept + own, known, given, settings.optional)
+            found = fit_with(data, lossy, chosen, STARTS)
+            fits.append(LossFit(law.name, found, "" if found.converged else found.reason))
+        except SimulationError as error:
+            fits.append(LossFit(law.name, None, str(error)))
+        if progress is not None:
+            progress(done, len(wanted))
+    comparison = LossComparison(_ranked(fits))
+    if len(comparison.undecided) < 2:
+        return comparison
+    return replace(comparison, further_shots=_further_shots(comparison))
+
+
+def _ranked(fits: Sequence[LossFit]) -> tuple[LossFit, ...]:
+    """Fits in the order of their BIC, with the correlation of the noise from the closest fit."""
+    good = [each.result for each in fits if each.result is not None]
+    if not good:
+        raise SimulationError(f"no law could be fitted; {fits[0].law}: {fits[0].reason}")
+    inflation = min(good, key=lambda each: each.chi2 + each.penalty).goodness.inflation
+    known = [
+        each if each.result is None else replace(each, bic=each.result.bic(inflation))
+        for each in fits
+    ]
+    return tuple(sorted(known, key=lambda each: each.bic))
+
+
+def _law(given: str | Loss, chain: Chain) -> Loss:
+    """A law with typical values for a chain."""
+    if isinstance(given, Loss):
+        return given
+    if not isinstance(given, str):
+        raise InputError(f"a law must be a name or a Loss, got {short_repr(given)}")
+    if given not in LAWS:
+        raise unknown_name_error("law", given, LAWS)
+    kind = LAWS[given]
+    scales = units_of(chain).scales
+    values = dict(TYPICAL.get(kind, {}))
+    for name in ("alpha", "time", "gamma", "yield_overlap"):
+        if name in values and name != "alpha":
+            unit = {"time": "time", "yield_overlap": "length"}.get(
+                name, f"force/velocity^{values.get('alpha', 1.0)}"
+            )
+            values[name] *= scales.unit(unit)
+    return kind(**values)
+
+
+def _with_law(chain: Chain, law: Loss) -> Chain:
+    """The chain with one law for all contacts."""
+    changes: dict[str, Any] = {"loss": law}
+    for end in ("left_wall", "right_wall"):
+        wall = getattr(chain, end)
+        if wall is not None:
+            changes[end] = replace(wall, loss=None)
+    return chain.replace(**changes)
+
+
+def _further_shots(comparison: LossComparison) -> dict[float, float]:
+    """Expected difference in chi-squared of the two best laws, by the velocity of a shot."""
+    pair = [each.result for each in comparison.fits[:2]]
+    found = {}
+    first = pair[0]
+    assert first is not None
+    speed = float(np.abs(first.chain.velocities).max())
+    for factor in FURTHER:
+        try:
+            signals = [_signals(each, factor) for each in pair if each is not None]
+        except (SimulationError, InputError):
+            continue
+        found[factor * speed] = _difference(*signals)
+    return found
+
+
+def _signals(result: FitResult, factor: float) -> tuple[Array, Array, Array]:
+    """Signals over noise of the first shot at another velocity, and the slopes of time."""
+    model = result.model
+    chain = result.chains[0]
+    struck = chain.replace(velocities=factor * chain.velocities)
+    stretch = units_of(struck).time / units_of(chain).time
+    shot = model.traces.shots[0]
+    values = model.values(result.variables)
+    offset = values.get(Name("time_offset"), values.get(Name("time_offset", shot="1"), 0.0))
+    times = stretch * (shot.times - offset)
+    run = model.simulator.signals(struck, float(times[-1]))
+    names = [place.name for place in model.simulator.places]
+    columns = []
+    for signal in shot.signals:
+        gain = values.get(Name("gain", signal.name), 1.0)
+        column = gain * run.columns[:, names.index(signal.name)] / signal.sigma
+        columns.append(np.interp(times, run.spacing * np.arange(len(column)), column))
+    whole = np.concatenate(columns)
+    slope = np.concatenate([np.gradient(each, times) for each in columns])
+    return whole, slope, np.tile(times, len(columns)) * slope
+
+
+def _difference(first: tuple[Array, ...], second: tuple[Array, ...]) -> float:
+    """Squared difference that velocity, stiffness and time offset cannot absorb."""
+    columns = np.column_stack(first)
+    difference = second[0] - first[0]
+    scale = np.linalg.norm(columns, axis=0)
+    solution = np.linalg.lstsq(columns / scale, difference, rcond=None)[0]
+    rest = difference - (columns / scale) @ solution
+    return float(rest @ rest)
+
+
+def _listed(names: Sequence[str]) -> str:
+    return names[0] if len(names) == 1 else f"{', '.join(names[:-1])} and {names[-1]}"

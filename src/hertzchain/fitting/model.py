@@ -1,0 +1,196 @@
+"""Predicted signals for values of the free parameters, and the variables in which a fit moves.
+
+Parameters with a dimension of motion, such as a relaxation time, are fitted in units of the
+motion (`hertzchain.fitting.symmetry`).  In these variables a change of stiffness or velocity
+needs no simulation where the scaling symmetry holds.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Final
+
+import numpy as np
+
+from ..chain.chain import Chain
+from ..collision import Array
+from .chain_parameters import is_motion, with_motion, with_sizes
+from .names import Name
+from .parameters import Parameter
+from .sensors import Sensor, filtered, sampled, with_crosstalk
+from .simulations import Signals, Simulator
+from .symmetry import Units, units_of
+from .traces import Traces
+
+Values = Mapping[Name, float]
+# Largest logarithm of a factor over its start.
+MAX_LOGARITHM: Final = 20.0
+# Sampled signals that are kept; a step of one gain does not change the others.
+KEPT: Final = 64
+
+
+@dataclass(frozen=True, eq=False)
+class Model:
+    """Signals that chains and sensors predict.
+
+    Attributes
+    ----------
+    traces : Traces
+        The data; only times, places and units are used.
+    chains : tuple of Chain
+        One for each shot, with nominal values.
+    parameters : tuple of Parameter
+        Free parameters.
+    simulator : Simulator
+        Simulates the chains.
+    reference : float
+        Overlap at which a change of the exponent keeps the force [m].
+    """
+
+    traces: Traces
+    chains: tuple[Chain, ...]
+    parameters: tuple[Parameter, ...]
+    simulator: Simulator
+    reference: float
+    _sampled: dict[tuple[object, ...], Array] = field(default_factory=dict, repr=False)
+
+    def values(self, variables: Array, shot: int = 0) -> dict[Name, float]:
+        """Values of the parameters from variables in the units of the motion of a shot."""
+        given: dict[Name, float] = {}
+        for each, variable in zip(self.parameters, variables.tolist(), strict=True):
+            if each.kind.factor:
+                given[each.name] = each.start * math.exp(min(variable, MAX_LOGARITHM))
+            else:
+                given[each.name] = variable * each.kind.typical
+        units: dict[int, Units] = {}
+        for each in self.parameters:
+            if self._moves(each):
+                own = shot if each.shot is None else each.shot
+                if own not in units:
+                    units[own] = units_of(self._sized(own, given))
+                given[each.name] *= self._unit(each, units[own], given)
+        return given
+
+    def variables(self, values: Values, shot: int = 0) -> Array:
+        """Variables in the units of the motion of a shot from the values of the parameters."""
+        out = np.zeros(len(self.parameters))
+        for i, each in enumerate(self.parameters):
+            value = values[each.name]
+            if each.kind.factor:
+                out[i] = math.log(value / each.start)
+                continue
+            out[i] = value / each.kind.typical
+            if self._moves(each):
+                own = shot if each.shot is None else each.shot
+                out[i] /= self._unit(each, units_of(self._sized(own, values)), values)
+        return out
+
+    def bounds_of(self, parameter: Parameter) -> tuple[float, float]:
+        """Bounds of the variable of a parameter."""
+        kind = parameter.kind
+        if kind.factor:
+            ends = [
+                math.log(bound / parameter.start) if 0.0 < bound / parameter.start < np.inf
+                else sign * MAX_LOGARITHM
+                for bound, sign in ((kind.lower, -1.0), (kind.upper, 1.0))
+            ]  # fmt: skip
+            return ends[0], ends[1]
+        if self._moves(parameter):
+            return (0.0 if kind.lower >= 0.0 else -np.inf), np.inf
+        return kind.lower / kind.typical, kind.upper / kind.typical
+
+    @property
+    def names(self) -> tuple[Name, ...]:
+        """Names of the parameters."""
+        return tuple(each.name for each in self.parameters)
+
+    @staticmethod
+    def _moves(parameter: Parameter) -> bool:
+        """Whether the variable is in units of the motion."""
+        return parameter.of_chain and parameter.kind.scale != "1"
+
+    @staticmethod
+    def _unit(parameter: Parameter, units: Units, values: Values) -> float:
+        scale = parameter.kind.scale
+        if scale.startswith("force/velocity^"):
+            key = parameter.name.key.rsplit(".", 1)[0] + ".alpha"
+            for name, value in values.items():
+                if name.key == key and name.item == parameter.name.item:
+                    scale = f"force/velocity^{value!r}"
+        return units.scales.unit(scale)
+
+    def _sized(self, shot: int, values: Values) -> Chain:
+        return with_sizes(self.chains[shot], self._of_shot(shot, values), self.reference)
+
+    @staticmethod
+    def _of_shot(shot: int, values: Values) -> dict[Name, float]:
+        """Values of one shot; its own replace those that shots have in common."""
+        own = str(shot + 1)
+        chosen = {name: value for name, value in values.items() if not name.shot}
+        chosen |= {replace(n, shot=""): v for n, v in values.items() if n.shot == own}
+        return chosen
+
+    def chain(self, shot: int, values: Values) -> Chain:
+        """The chain of a shot."""
+        given = self._of_shot(shot, values)
+        motion = {name: value for name, value in given.items() if is_motion(name)}
+        return with_motion(self._sized(shot, values), motion)
+
+    def needs_simulation(self, values: Values, shot: int) -> bool:
+        """Whether the chain of a shot has not been simulated with these values."""
+        return not self.simulator.knows(self.chain(shot, values))
+
+    def predict(self, values: Values) -> list[list[Array]]:
+        """Signals of each shot at all its times."""
+        return [self.predict_shot(shot, values) for shot in range(len(self.chains))]
+
+    def predict_shot(self, shot: int, values: Values) -> list[Array]:
+        """Signals of one shot at all its times."""
+        given = self._of_shot(shot, values)
+        data = self.traces.shots[shot]
+        times = data.times - given.get(Name("time_offset"), 0.0)
+        sensors = [self._sensor(signal.name, given) for signal in data.signals]
+        last = float(times[-1]) - min(0.0, *(each.delay for each in sensors))
+        run = self.simulator.signals(self.chain(shot, values), max(last, 1e-9))
+        signals = [
+            each.gain * self._seen(run, signal.name, each, times) + each.offset
+            for signal, each in zip(data.signals, sensors, strict=True)
+        ]
+        share = given.get(Name("crosstalk"), 0.0)
+        return with_crosstalk(signals, [signal.unit for signal in data.signals], share)
+
+    def _seen(self, run: Signals, name: str, sensor: Sensor, times: Array) -> Array:
+        """Signal of a sensor before its gain and offset."""
+        key = (run.key, run.spacing, name, replace(sensor, gain=1.0, offset=0.0), times[0],
+               len(times))  # fmt: skip
+        if key not in self._sampled:
+            while len(self._sampled) >= KEPT:
+                del self._sampled[next(iter(self._sampled))]
+            places = [place.name for place in self.simulator.places]
+            column = filtered(run.columns[:, places.index(name)], run.spacing, sensor)
+            self._sampled[key] = sampled(column, run.spacing, times - sensor.delay)
+        return self._sampled[key]
+
+    @staticmethod
+    def _sensor(name: str, given: Values) -> Sensor:
+        constants = {}
+        for key in ("gain", "offset", "delay", "lag", "highpass"):
+            for item in ("", name):
+                if Name(key, item) in given:
+                    constants[key] = given[Name(key, item)]
+        return Sensor(**constants)
+
+
+def make_model(
+    traces: Traces,
+    chains: Sequence[Chain],
+    parameters: Sequence[Parameter],
+    simulator: Simulator,
+) -> Model:
+    """A model of chains that have the places of all sensors; raises `InputError` otherwise."""
+    for shot, signal in traces:
+        signal.place.bead(chains[shot])
+    reference = 0.6 * units_of(chains[0]).scales.length
+    return Model(traces, tuple(chains), tuple(parameters), simulator, reference)

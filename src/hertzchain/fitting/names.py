@@ -1,0 +1,50 @@
+"""Names of parameters, such as ``loss.time``, ``gap[8-9]``, ``gain[ball 6]``, ``loss.time@2``."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from typing import Final
+
+from ..errors import InputError, short_repr
+
+NAME: Final = re.compile(
+    r"(?P<base>[a-z_.]+?)(?:\[(?P<item>[^\]]+)\])?(?:\.(?P<field>[a-z_.]+))?(?:@(?P<shot>\d+|\*))?"
+)
+
+
+@dataclass(frozen=True)
+class Name:
+    """Parts of the name of a parameter.
+
+    Attributes
+    ----------
+    key : str
+        The name without brackets and shot, such as ``"loss.time"``.
+    item : str
+        What is in brackets: a ball, a contact, a material, a sensor; empty for all.
+    shot : str
+        Number of the shot, from 1; ``"*"`` for each; empty if shots have it in common.
+    """
+
+    key: str
+    item: str = ""
+    shot: str = ""
+
+    def __str__(self) -> str:
+        base, *field = self.key.split(".", 1) if self.item else (self.key,)
+        item = f"[{self.item}]" if self.item else ""
+        rest = f".{field[0]}" if field else ""
+        return f"{base}{item}{rest}{f'@{self.shot}' if self.shot else ''}"
+
+
+def parse_name(text: object) -> Name:
+    """Parse a name; raises `InputError` for text of another form."""
+    found = NAME.fullmatch(text) if isinstance(text, str) else None
+    if found is None:
+        raise InputError(
+            f"the name of a parameter must be like 'stiffness', 'loss.time', 'gap[8-9]' or "
+            f"'gain[ball 6]', got {short_repr(text)}"
+        )
+    key = found["base"] + (f".{found['field']}" if found["field"] else "")
+    return Name(key, found["item"] or "", found["shot"] or "")

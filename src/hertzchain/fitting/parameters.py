@@ -1,0 +1,186 @@
+"""Free parameters of a fit, by name: starts, bounds, priors, and names that mean several."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, Final
+
+from ..chain.chain import Chain
+from ..errors import InputError, short_repr, unknown_name_error
+from ..validation.numbers import number, real_numbers
+from ..validation.objects import check_list
+from .chain_parameters import Kind, kind_of, known_names, loss_parameters, value_of
+from .names import Name, parse_name
+from .sensors import COMMON_ONLY, SENSOR_KINDS
+from .traces import Traces
+
+TIME: Final = Kind("s", typical=1e-6, step=1e-2)
+Priors = Mapping[str, tuple[float, float]]
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """A free parameter.
+
+    Attributes
+    ----------
+    name : Name
+        Its name.
+    kind : Kind
+        Unit, bounds and typical size.
+    start : float
+        Value from which a fit starts.
+    prior : tuple of float or None
+        Value and standard deviation from other measurements.
+    """
+
+    name: Name
+    kind: Kind
+    start: float
+    prior: tuple[float, float] | None = None
+
+    def __str__(self) -> str:
+        return str(self.name)
+
+    @property
+    def shot(self) -> int | None:
+        """Index of its shot; `None` if shots have it in common."""
+        return int(self.name.shot) - 1 if self.name.shot else None
+
+    @property
+    def of_chain(self) -> bool:
+        """Whether it belongs to the chain, not to the sensors or the clock."""
+        return self.name.key not in SENSOR_KINDS and self.name.key != "time_offset"
+
+
+def default_names(traces: Traces, chain: Chain) -> list[str]:
+    """Names of the parameters that are free by default."""
+    each_shot = "@*" if len(traces.shots) > 1 else ""
+    names = ["stiffness"]
+    if "struck_by.velocity" in known_names(chain):
+        names.append(f"struck_by.velocity{each_shot}")
+    names += [f"loss.{name}" for name in loss_parameters(chain)]
+    names.append(f"time_offset{each_shot}")
+    voltages = dict.fromkeys(signal.name for _, signal in traces if not signal.calibrated)
+    return names + [f"gain[{name}]" for name in voltages]
+
+
+def free_parameters(
+    traces: Traces,
+    chains: Sequence[Chain],
+    free: Sequence[str] | None,
+    priors: Priors,
+    start: Mapping[str, float],
+    optional: Collection[str] = (),
+) -> list[Parameter]:
+    """Checked parameters; `InputError` for names, priors or starts that do not fit."""
+    asked = default_names(traces, chains[0]) if free is None else check_list("free", free, "names")
+    names: dict[Name, None] = {}
+    for text in asked:
+        for name in expanded(parse_name(text), traces):
+            if name in names:
+                raise InputError(f"parameter {str(name)!r} is free twice; name it once")
+            names[name] = None
+    if not names:
+        raise InputError("no parameter is free; name at least one, such as 'stiffness'")
+    known_priors = _checked_priors(priors, traces, names, optional)
+    starts = {
+        name: number(f"start of {name}", value)
+        for text, value in start.items()
+        for name in expanded(parse_name(text), traces)
+        if name in names or text not in optional
+    }
+    for name in starts:
+        if name not in names:
+            raise unknown_name_error("free parameter", str(name), map(str, names))
+    return [_parameter(name, traces, chains, known_priors.get(name), starts) for name in names]
+
+
+def expanded(name: Name, traces: Traces) -> list[Name]:
+    """The parameters that a name means: one for each shot or sensor where it has a ``*``."""
+    count = len(traces.shots)
+    shots = [name.shot]
+    if name.shot == "*":
+        shots = [str(k) for k in range(1, count + 1)] if count > 1 else [""]
+    elif name.shot and not 1 <= int(name.shot) <= count:
+        raise InputError(f"{name} is of shot {name.shot}, but there are {count} shots")
+    elif name.shot == "1" and count == 1:
+        shots = [""]
+    items = list(traces.names) if name.item == "*" else [name.item]
+    return [Name(name.key, item, shot) for shot in shots for item in items]
+
+
+def _checked_priors(
+    priors: Priors, traces: Traces, names: Mapping[Name, None], optional: Collection[str]
+) -> dict[Name, tuple[float, float]]:
+    if not isinstance(priors, Mapping):
+        raise InputError(
+            "priors must be a mapping such as {'struck_by.velocity': (0.3, 0.003)}, got "
+            f"{short_repr(priors)}"
+        )
+    found: dict[Name, tuple[float, float]] = {}
+    for text, given in priors.items():
+        pair = real_numbers(f"prior of {text}", given).ravel()
+        if len(pair) != 2 or not pair[1] > 0.0 or not math.isfinite(pair.sum()):
+            raise InputError(
+                f"the prior of {text!r} must be a value and its standard deviation > 0, such as "
+                f"(0.3, 0.003), got {short_repr(given)}"
+            )
+        for name in expanded(parse_name(text), traces):
+            if name not in names and text in optional:
+                continue
+            if name not in names:
+                raise InputError(
+                    f"{str(name)!r} has a prior but is not free; add it to free, whose names are "
+                    f"{', '.join(map(str, names))}"
+                )
+            mean, sigma = float(pair[0]), float(pair[1])
+            if name in found and abs(found[name][0] - mean) > 5.0 * (found[name][1] + sigma):
+                raise InputError(
+                    f"two priors of {str(name)!r} exclude each other: {found[name][0]:g} +- "
+                    f"{found[name][1]:g} and {mean:g} +- {sigma:g}; keep one"
+                )
+            found[name] = mean, sigma
+    return found
+
+
+def _parameter(
+    name: Name,
+    traces: Traces,
+    chains: Sequence[Chain],
+    prior: tuple[float, float] | None,
+    starts: Mapping[Name, float],
+) -> Parameter:
+    kind, value = kind_and_value(name, traces, chains)
+    if prior is not None:
+        if not kind.lower - 3.0 * prior[1] <= prior[0] <= kind.upper + 3.0 * prior[1]:
+            raise InputError(
+                f"the prior of {str(name)!r}, {prior[0]:g} +- {prior[1]:g}, and its bounds, "
+                f"{kind.lower:g} to {kind.upper:g}, exclude each other; change the prior"
+            )
+        value = prior[0]
+    value = starts.get(name, value)
+    return Parameter(name, kind, min(max(value, kind.lower), kind.upper), prior)
+
+
+def kind_and_value(name: Name, traces: Traces, chains: Sequence[Chain]) -> tuple[Kind, float]:
+    """Kind of a parameter, and its nominal value."""
+    if name.key == "time_offset":
+        return TIME, 0.0
+    if name.key in SENSOR_KINDS:
+        if name.item and (name.item not in traces.names or name.key in COMMON_ONLY):
+            known = [f"{name.key}[{each}]" for each in traces.names]
+            raise unknown_name_error(
+                "parameter", str(name), known if name.key not in COMMON_ONLY else [name.key]
+            )
+        return SENSOR_KINDS[name.key], 1.0 if name.key == "gain" else 0.0
+    chain = chains[int(name.shot) - 1 if name.shot else 0]
+    try:
+        return kind_of(chain, name), value_of(chain, name)
+    except InputError as error:
+        every: list[Any] = [*known_names(chain), "time_offset", *SENSOR_KINDS]
+        if "unknown parameter" in str(error):
+            raise unknown_name_error("parameter", str(name), every) from None
+        raise

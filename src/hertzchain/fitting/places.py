@@ -1,0 +1,78 @@
+"""Places of sensors: names such as ``ball 6`` or ``wall``, and their signals in a run."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from typing import Final
+
+from ..chain.chain import Chain
+from ..collision import Array
+from ..errors import InputError
+from ..simulation.run import Run
+
+QUANTITIES: Final = ("force", "velocity")
+NAME: Final = re.compile(r"(?:(ball|bead) +([0-9]+)|(?:(left|right) +)?wall)(?: +([a-z]+))?")
+
+
+@dataclass(frozen=True)
+class Place:
+    """Where a sensor is, and what it measures.
+
+    Attributes
+    ----------
+    name : str
+        Such as ``"ball 6"``, ``"bead 7"`` (counted with the strikers), ``"wall"`` or
+        ``"ball 3 velocity"``.
+    body : str
+        ``"ball"``, ``"bead"``, ``"left"`` or ``"right"``.
+    number : int
+        Number of the ball or bead; 0 for a wall.
+    quantity : str
+        ``"force"`` or ``"velocity"``.
+    """
+
+    name: str
+    body: str
+    number: int
+    quantity: str
+
+    def bead(self, chain: Chain) -> int:
+        """Number of the bead in the chain, strikers included; raises `InputError` without it."""
+        if self.body in ("left", "right"):
+            if getattr(chain, f"{self.body}_wall") is None:
+                raise InputError(
+                    f"the traces have a sensor {self.name!r}, but the {self.body} end of the "
+                    f"chain is free; add a {self.body}_wall"
+                )
+            return 0 if self.body == "left" else chain.beads + 1
+        shift = chain.strikers if self.body == "ball" else 0
+        balls = chain.beads - shift
+        if not 1 <= self.number <= balls:
+            raise InputError(
+                f"the traces have a sensor in {self.body} {self.number}, but the chain has "
+                f"{balls} {self.body}s{' behind its strikers' if shift else ''}; change the name "
+                "of the column or the chain"
+            )
+        return self.number + shift
+
+    def signal(self, run: Run) -> Array:
+        """Force [N] or velocity [m/s] at the saved times of a run."""
+        bead = self.bead(run.chain)
+        if self.body in ("left", "right"):
+            return run.forces[:, 0 if self.body == "left" else -1]
+        return run.sensor(bead) if self.quantity == "force" else run.velocity(bead)
+
+
+def place_named(name: str) -> Place:
+    """The place with a name; raises `InputError` for any other text."""
+    text = " ".join(name.lower().split())
+    found = NAME.fullmatch(text)
+    quantity = (found[4] or "force") if found else ""
+    if found is None or quantity not in QUANTITIES or (found[1] is None and quantity != "force"):
+        raise InputError(
+            f"column {name!r} names no sensor; write 'ball 6', 'bead 7', 'wall' or "
+            "'ball 3 velocity', with a unit such as [N]"
+        )
+    body = found[1] or found[3] or "right"
+    return Place(text.removesuffix(" force"), body, int(found[2] or 0), quantity)

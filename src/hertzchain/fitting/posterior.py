@@ -1,0 +1,165 @@
+"""The posterior of a fit, sampled with emcee as a check of the errors."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any, Final
+
+import numpy as np
+
+from ..collision import Array
+from ..errors import InputError, SimulationError
+from ..representation import short
+from ..validation.numbers import whole_number
+from ..validation.objects import callback
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from matplotlib.figure import Figure
+
+    from .result import FitResult
+
+MIN_WALKERS: Final = 16
+# A chain should be longer than this many times its autocorrelation.
+LONG_ENOUGH: Final = 50
+# Part of the steps that is discarded.
+BURN_IN: Final = 0.25
+
+
+@dataclass(frozen=True, eq=False)
+class Posterior:
+    """Samples of the posterior of a fit.
+
+    Attributes
+    ----------
+    names : tuple of str
+        Names of the parameters.
+    samples : ndarray, shape (n, parameters)
+        Values in SI, without the first quarter.
+    acceptance : float
+        Part of the proposals that was accepted.
+    autocorrelation : float
+        Longest autocorrelation time of the walkers, in steps; NaN if it cannot be estimated.
+    steps : int
+        Steps of each walker, with those that are discarded.
+    """
+
+    names: tuple[str, ...]
+    samples: Array = field(repr=False)
+    acceptance: float
+    autocorrelation: float
+    steps: int
+    estimates: Array = field(repr=False)
+
+    @property
+    def means(self) -> dict[str, float]:
+        """Mean of each parameter."""
+        return dict(zip(self.names, self.samples.mean(axis=0).tolist(), strict=True))
+
+    @property
+    def errors(self) -> dict[str, float]:
+        """Standard deviation of each parameter."""
+        return dict(zip(self.names, self.samples.std(axis=0).tolist(), strict=True))
+
+    @property
+    def long_enough(self) -> bool:
+        """Whether the walkers took more than 50 autocorrelation times."""
+        return bool(self.steps > LONG_ENOUGH * self.autocorrelation)
+
+    def to_dataset(self) -> xr.Dataset:
+        """Samples as a dataset over ``sample`` and ``parameter``.
+
+        Returns
+        -------
+        xarray.Dataset
+
+        Examples
+        --------
+        >>> posterior = Posterior(("a",), np.zeros((4, 1)), 0.5, 1.0, 100, np.zeros(1))
+        >>> dict(posterior.to_dataset().sizes)
+        {'sample': 4, 'parameter': 1}
+        """
+        import xarray as xr
+
+        variables = {"value": (("sample", "parameter"), self.samples)}
+        return xr.Dataset(variables, coords={"parameter": list(self.names)})
+
+    def plot(self) -> Figure:
+        """Corner plot: histogram of each parameter and scatter of each pair.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+
+        Examples
+        --------
+        >>> rng = np.random.default_rng(0)
+        >>> samples = rng.normal(size=(100, 2))
+        >>> len(Posterior(("a", "b"), samples, 0.5, 1.0, 100, np.zeros(2)).plot().axes)
+        3
+        """
+        from ..plotting.fits import plot_corner
+
+        return plot_corner(self)
+
+    def __repr__(self) -> str:
+        rows = ", ".join(
+            f"{name} = {self.means[name]:.5g} +- {self.errors[name]:.2g}" for name in self.names
+        )
+        length = ""
+        if not self.long_enough:
+            length = f"only {self.steps} steps, too few for an autocorrelation of "
+            length += f"{self.autocorrelation:.0f} steps: take {LONG_ENOUGH} times that"
+        return short("Posterior", f"{len(self.samples)} samples", length, rows)
+
+
+def sample(
+    result: FitResult, steps: int, seed: int, progress: Callable[[int, int], None] | None
+) -> Posterior:
+    """Sample the posterior from the optimum of a fit; `FitResult.sample` documents it."""
+    steps = whole_number("steps", steps, least=10)
+    seed = whole_number("seed", seed, least=0)
+    callback("progress", progress)
+    try:
+        import emcee
+    except ImportError:
+        raise InputError(
+            "sampling requires emcee, which is not installed: pip install 'hertzchain[fit]'"
+        ) from None
+    problem = result.problem
+    low, high = problem.bounds()
+    inflation = result.goodness.inflation
+
+    def log_probability(variables: Array) -> float:
+        if np.any(variables < low) or np.any(variables > high):
+            return -np.inf
+        try:
+            residuals = problem.residuals(variables)
+        except (SimulationError, InputError):
+            return -np.inf
+        squares = float(residuals @ residuals)
+        return -0.5 * squares / inflation if np.isfinite(squares) else -np.inf
+
+    count = len(result.variables)
+    walkers = max(MIN_WALKERS, 2 * count + 2)
+    random = np.random.default_rng(seed)
+    inverse = np.linalg.pinv(result.jacobian, rcond=1e-10)
+    spread = np.linalg.svd(inverse @ inverse.T)
+    root = spread[0] * np.sqrt(spread[1] * inflation)
+    begin = result.variables + random.normal(size=(walkers, count)) @ root.T
+    begin = np.clip(begin, low + 1e-9, high - 1e-9)
+    sampler: Any = emcee.EnsembleSampler(walkers, count, log_probability)
+    sampler.random_state = np.random.RandomState(seed).get_state()
+    for done, _ in enumerate(sampler.sample(begin, iterations=steps), start=1):
+        if progress is not None:
+            progress(done, steps)
+    kept = sampler.get_chain(discard=int(BURN_IN * steps), flat=True)
+    model = problem.model
+    values = np.array([[*model.values(each).values()] for each in kept])
+    try:
+        length = float(np.max(sampler.get_autocorr_time(tol=0)))
+    except (ValueError, FloatingPointError):
+        length = np.nan
+    accepted = float(np.mean(sampler.acceptance_fraction))
+    return Posterior(result.names, values, accepted, length, steps, result.estimates)

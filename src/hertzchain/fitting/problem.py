@@ -1,0 +1,149 @@
+"""Residuals of a fit and their derivatives by differences with steps that suit the parameters."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import Final
+
+import numpy as np
+
+from ..collision import Array
+from ..errors import InputError, SimulationError
+from .model import Model
+from .names import Name
+
+# Step of differences of functions that need no simulation, relative to variables of order 1.
+SMALL: Final = 1e-6
+
+
+def differences(function: Callable[[Array], Array], variables: Array) -> Array:
+    """Central differences of a function that needs no simulation."""
+    columns = []
+    for j, variable in enumerate(variables):
+        step = SMALL * max(abs(float(variable)), 1.0)
+        ends = []
+        for sign in (1.0, -1.0):
+            moved = variables.copy()
+            moved[j] += sign * step
+            ends.append(function(moved))
+        columns.append((ends[0] - ends[1]) / (2.0 * step))
+    return np.column_stack(columns)
+
+
+@dataclass(eq=False)
+class Problem:
+    """Weighted residuals of data and priors as a function of the variables of a fit."""
+
+    model: Model
+    data: Array = field(init=False)
+    sigma: Array = field(init=False)
+    last_failure: str = ""
+    _latest: tuple[bytes, Array] | None = None
+
+    def __post_init__(self) -> None:
+        pairs = [signal for _, signal in self.model.traces]
+        self.data = np.concatenate([each.values[each.valid] for each in pairs])
+        self.sigma = np.concatenate([np.full(each.valid.sum(), each.sigma) for each in pairs])
+
+    def predicted(self, values: Mapping[Name, float], shot: int | None = None) -> Array:
+        """Predicted samples, those that are valid only; of one shot, or of all."""
+        shots = range(len(self.model.chains)) if shot is None else (shot,)
+        return np.concatenate([
+            signal[about.valid]
+            for each in shots
+            for signal, about in zip(
+                self.model.predict_shot(each, values), self.model.traces.shots[each].signals,
+                strict=True,
+            )
+        ])  # fmt: skip
+
+    def residuals(self, variables: Array) -> Array:
+        """Residuals over their standard deviations, data first; infinite if a run fails."""
+        key = variables.tobytes()
+        if self._latest is not None and self._latest[0] == key:
+            return self._latest[1]
+        values = self.model.values(variables)
+        try:
+            with np.errstate(over="ignore", invalid="ignore"):
+                found = (self.predicted(values) - self.data) / self.sigma
+        except (SimulationError, InputError) as error:
+            self.last_failure = str(error)
+            found = np.full(len(self.data), np.inf)
+        found = np.concatenate((found, self.prior_residuals(values)))
+        self._latest = key, found
+        return found
+
+    def prior_residuals(self, values: Mapping[Name, float]) -> Array:
+        """Deviations from the priors over their standard deviations."""
+        return np.array([
+            (values[each.name] - each.prior[0]) / each.prior[1]
+            for each in self.model.parameters
+            if each.prior is not None
+        ])  # fmt: skip
+
+    def jacobian(self, variables: Array) -> Array:
+        """Derivatives of the residuals by the variables.
+
+        Each shot is differentiated in the units of its own motion, in which stiffness and velocity
+        need no simulation, and the derivatives are converted.
+        """
+        values = self.model.values(variables)
+        rows = []
+        for shot in range(len(self.model.chains)):
+            own = self.model.variables(values, shot)
+            columns = self._shot_jacobian(shot, own)
+            if shot:
+                columns = columns @ self._conversion(variables, shot)
+            rows.append(columns)
+        priors = differences(lambda u: self.prior_residuals(self.model.values(u)), variables)
+        return np.concatenate((*rows, priors))
+
+    def _conversion(self, variables: Array, shot: int) -> Array:
+        """Derivatives of the variables of a shot by those of the fit."""
+        return differences(lambda u: self.model.variables(self.model.values(u), shot), variables)
+
+    def _shot_jacobian(self, shot: int, variables: Array) -> Array:
+        """Derivatives of the residuals of one shot by its own variables."""
+        here = self.predicted(self.model.values(variables, shot), shot)
+        columns = [
+            self._column(shot, variables, here, j)
+            if each.shot in (None, shot) else np.zeros(len(here))
+            for j, each in enumerate(self.model.parameters)
+        ]  # fmt: skip
+        sigma = np.concatenate([
+            np.full(each.valid.sum(), each.sigma) for each in self.model.traces.shots[shot].signals
+        ])  # fmt: skip
+        return np.column_stack(columns) / sigma[:, None]
+
+    def _column(self, shot: int, variables: Array, here: Array, j: int) -> Array:
+        """Derivatives by one variable: central differences if they need no simulation."""
+        step = self.step(j)
+        low, high = self.bounds()
+        ends = {}
+        for sign in (1.0, -1.0):
+            moved = variables.copy()
+            moved[j] += sign * step
+            if low[j] <= moved[j] <= high[j]:
+                ends[sign] = self.model.values(moved, shot)
+        if len(ends) == 2 and not any(
+            self.model.needs_simulation(each, shot) for each in ends.values()
+        ):
+            plus, minus = (self.predicted(each, shot) for each in ends.values())
+            return np.asarray((plus - minus) / (2.0 * step))
+        for sign, each in ends.items():
+            try:
+                return np.asarray(sign * (self.predicted(each, shot) - here) / step)
+            except (SimulationError, InputError) as error:
+                self.last_failure = str(error)
+        return np.zeros(len(here))
+
+    def step(self, j: int) -> float:
+        """Step of a difference."""
+        return self.model.parameters[j].kind.step
+
+    def bounds(self) -> tuple[Array, Array]:
+        """Bounds of the variables."""
+        ends = [self.model.bounds_of(each) for each in self.model.parameters]
+        low, high = zip(*ends, strict=True)
+        return np.array(low), np.array(high)

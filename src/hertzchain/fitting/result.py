@@ -1,0 +1,435 @@
+"""The result of a fit: values, errors, correlations, weak directions, and whether it describes."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ..chain.chain import Chain
+from ..collision import Array
+from ..representation import counted, short
+from ..validation.numbers import number
+from .directions import WeakDirection
+from .goodness import Goodness
+from .model import Model
+from .problem import Problem
+from .systematics import Effect
+from .traces import Traces
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from matplotlib.figure import Figure
+
+    from .posterior import Posterior
+
+# Errors and values of factors, times and lengths are shown in these units.
+SHOWN: Mapping[str, tuple[float, str]] = {"s": (1e6, "us"), "m": (1e6, "um")}
+
+
+@dataclass(frozen=True, eq=False)
+class FitResult:
+    """Parameters of chains and sensors that describe measured traces best.
+
+    Attributes
+    ----------
+    names : tuple of str
+        Names of the free parameters.
+    estimates, sigmas : ndarray
+        Their values and standard errors in SI; factors have no unit.  The error is infinite at a
+        bound, or if the data do not determine the parameter.
+    covariance : ndarray
+        Of the values; correlated residuals are accounted for.
+    goodness : Goodness
+        Chi-squared, effective number of samples, and whether the model describes the data.
+    converged : bool
+        Whether the search ended at a minimum.
+    reason : str
+        Why it ended.
+    weak : tuple of WeakDirection
+        Directions that the data do not fix.
+    effects : tuple of Effect
+        Effects of the sensors that are not included, with what they would move.
+    at_bounds : tuple of str
+        Parameters at a bound, which have no error.
+    chains : tuple of Chain
+        The fitted chain of each shot.
+    notes : tuple of str
+        What else should be known, one sentence each.
+    simulations, starts : int
+        Number of simulations and of starts.
+    """
+
+    names: tuple[str, ...]
+    estimates: Array
+    sigmas: Array
+    covariance: Array
+    goodness: Goodness
+    converged: bool
+    reason: str
+    weak: tuple[WeakDirection, ...]
+    effects: tuple[Effect, ...]
+    at_bounds: tuple[str, ...]
+    chains: tuple[Chain, ...]
+    notes: tuple[str, ...]
+    simulations: int
+    starts: int
+    penalty: float
+    problem: Problem = field(repr=False)
+    variables: Array = field(repr=False)
+    jacobian: Array = field(repr=False)
+    residual_vector: Array = field(repr=False)
+
+    @property
+    def values(self) -> dict[str, float]:
+        """Values by name, in SI."""
+        return dict(zip(self.names, self.estimates.tolist(), strict=True))
+
+    @property
+    def errors(self) -> dict[str, float]:
+        """Standard errors by name, in SI; infinite at a bound or if not determined."""
+        return dict(zip(self.names, self.sigmas.tolist(), strict=True))
+
+    @property
+    def correlation(self) -> Array:
+        """Correlations of the parameters."""
+        scale = np.sqrt(np.diag(self.covariance))
+        scale[scale == 0.0] = 1.0
+        return np.asarray(self.covariance / np.outer(scale, scale))
+
+    @property
+    def chain(self) -> Chain:
+        """The fitted chain, of the first shot."""
+        return self.chains[0]
+
+    @property
+    def model(self) -> Model:
+        """The model with which the traces are predicted."""
+        return self.problem.model
+
+    @property
+    def traces(self) -> Traces:
+        """The data."""
+        return self.model.traces
+
+    @property
+    def chi2(self) -> float:
+        """Sum of the squared residuals of the data over their noise."""
+        return self.goodness.chi2
+
+    def bic(self, inflation: float | None = None) -> float:
+        r"""Bayesian information criterion :math:`\chi^2/s + k \ln(n/s)`, priors included.
+
+        G. Schwarz, Ann. Stat. 6, 461 (1978), doi:10.1214/aos/1176344136; s is the number of samples
+        per independent sample.
+
+        Parameters
+        ----------
+        inflation : float, optional
+            The number s; by default that of this fit.  Fits that are compared need the same,
+            because residuals of a wrong model are correlated.
+
+        Returns
+        -------
+        float
+
+        Examples
+        --------
+        >>> import hertzchain as hc
+        >>> result = hc.fit(*hc.example_experiment(), free=["time_offset"])
+        >>> result.bic() > result.chi2
+        True
+        """
+        s = self.goodness.inflation
+        if inflation is not None:
+            s = number("inflation", inflation, above=0.0)
+        return float(
+            (self.chi2 + self.penalty) / s + len(self.names) * np.log(self.goodness.samples / s)
+        )
+
+    @property
+    def describes(self) -> bool:
+        """Whether the model describes the data within their noise."""
+        return self.goodness.describes
+
+    @cached_property
+    def predicted(self) -> list[list[Array]]:
+        """Fitted signals of each shot and sensor, at all times."""
+        return self.model.predict(self.model.values(self.variables))
+
+    def residuals(self) -> list[tuple[int, str, Array]]:
+        """Shot, sensor, and data minus fit over the noise; NaN where a sample is not used.
+
+        Returns
+        -------
+        list of tuple
+
+        Examples
+        --------
+        >>> import hertzchain as hc
+        >>> result = hc.fit(*hc.example_experiment(), free=["time_offset"])
+        >>> [name for _, name, _ in result.residuals()]
+        ['ball 6', 'ball 11', 'ball 16', 'wall']
+        """
+        found = []
+        for index, shot in enumerate(self.traces.shots):
+            for signal, fitted in zip(shot.signals, self.predicted[index], strict=True):
+                values = np.where(signal.valid, signal.values - fitted, np.nan) / signal.sigma
+                found.append((index + 1, signal.name, values))
+        return found
+
+    def chain_toml(self) -> str:
+        """The fitted chain, of the first shot, as a chain file.
+
+        Returns
+        -------
+        str
+
+        Examples
+        --------
+        >>> import hertzchain as hc
+        >>> hc.fit(*hc.example_experiment(), free=["time_offset"]).chain_toml().splitlines()[0]
+        '[chain]'
+        """
+        from ..store.chain_as_toml import chain_as_toml
+
+        return chain_as_toml(self.chain)
+
+    def summary(self) -> str:
+        """Values with errors, the verdict and all notes, as text.
+
+        Returns
+        -------
+        str
+
+        Examples
+        --------
+        >>> import hertzchain as hc
+        >>> print(hc.fit(*hc.example_experiment(), free=["time_offset"]).summary().splitlines()[0])
+        1 parameter from 2560 samples of 4 sensors
+        """
+        sensors = counted(len(self.traces.names), "sensor")
+        shots = len(self.traces.shots)
+        within = f" in {shots} shots" if shots > 1 else ""
+        parameters = counted(len(self.names), "parameter")
+        lines = [f"{parameters} from {self.goodness.samples} samples of {sensors}{within}"]
+        width = max(map(len, self.names))
+        for name, row in self.rows():
+            lines.append(f"  {name:<{width}}  {row}")
+        return "\n".join([*lines, self.verdict, *self.warnings])
+
+    def rows(self) -> list[tuple[str, str]]:
+        """Name, and value with error and unit, of each parameter.
+
+        Returns
+        -------
+        list of tuple of str
+
+        Examples
+        --------
+        >>> import hertzchain as hc
+        >>> hc.fit(*hc.example_experiment(), free=["time_offset"]).rows()[0][0]
+        'time_offset'
+        """
+        found = []
+        for each, value, sigma in zip(
+            self.model.parameters, self.estimates, self.sigmas, strict=True
+        ):
+            unit = each.kind.unit
+            if each.name.key == "gain" and not _calibrated(self.traces, each.name.item):
+                unit = "V/N"
+            factor, unit = SHOWN.get(unit, (1.0, unit))
+            if str(each) in self.at_bounds:
+                error = "(at its bound)"
+            elif np.isfinite(sigma):
+                error = f"+- {factor * sigma:.2g}"
+            else:
+                error = "(not determined)"
+            shown = _rounded(factor * value, factor * sigma)
+            found.append((str(each), " ".join(filter(None, (shown, error, unit)))))
+        return found
+
+    @property
+    def verdict(self) -> str:
+        """Whether the model describes the data, in a sentence."""
+        good = self.goodness
+        told = (
+            f"chi2 {good.chi2:.1f} for {good.freedom} degrees of freedom "
+            f"({good.effective_samples:.0f} independent samples)"
+        )
+        if not self.converged:
+            return f"{told}: the fit did not converge: {self.reason}"
+        if self.describes:
+            return f"{told}: the model describes the data"
+        return (
+            f"{told}, {good.excess:.0f} standard deviations more than expected: the model does "
+            "not describe the data"
+        )
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """Weak directions, effects of sensors, and notes, one sentence each."""
+        effects = sorted(self.effects, key=lambda each: (-each.present, -each.improvement))
+        told = [each.note for each in effects if each.note]
+        # One effect often looks like another: the strongest is named.
+        if effects and effects[0].present:
+            told = told[:1]
+        return (*(str(each) for each in self.weak), *told, *self.notes)
+
+    def to_dataset(self) -> xr.Dataset:
+        """Labelled dataset: values, errors and correlations over ``parameter``; data and fit.
+
+        Returns
+        -------
+        xarray.Dataset
+
+        Examples
+        --------
+        >>> import hertzchain as hc
+        >>> result = hc.fit(*hc.example_experiment(), free=["time_offset"])
+        >>> sorted(result.to_dataset().data_vars)[:3]
+        ['ball_11', 'ball_11_fit', 'ball_16']
+        """
+        data = self.traces.to_dataset()
+        names = list(data.data_vars)
+        flat = [each for shot in self.predicted for each in shot]
+        for name, fitted in zip(names, flat, strict=True):
+            data[f"{name}_fit"] = (data[name].dims, fitted, data[name].attrs)
+        data = data.assign_coords(parameter=list(self.names), parameter_2=list(self.names))
+        data["value"] = ("parameter", self.estimates)
+        data["error"] = ("parameter", self.sigmas)
+        data["correlation"] = (("parameter", "parameter_2"), self.correlation)
+        return data.assign_attrs(chi2=self.chi2, bic=self.bic(), describes=int(self.describes))
+
+    def as_dict(self) -> dict[str, Any]:
+        """Plain values for JSON: numbers that do not exist are `None`.
+
+        Returns
+        -------
+        dict
+
+        Examples
+        --------
+        >>> import hertzchain as hc
+        >>> hc.fit(*hc.example_experiment(), free=["time_offset"]).as_dict()["converged"]
+        True
+        """
+
+        def plain(value: float) -> float | None:
+            return float(value) if np.isfinite(value) else None
+
+        return {
+            "parameters": {
+                name: {"value": plain(value), "error": plain(error)}
+                for name, value, error in zip(self.names, self.estimates, self.sigmas, strict=True)
+            },
+            "correlation": [[plain(each) for each in row] for row in self.correlation],
+            "chi2": self.chi2, "degrees_of_freedom": self.goodness.freedom,
+            "samples": self.goodness.samples,
+            "effective_samples": self.goodness.effective_samples,
+            "bic": self.bic(), "converged": self.converged, "reason": self.reason,
+            "describes": self.describes, "warnings": list(self.warnings),
+            "simulations": self.simulations,
+        }  # fmt: skip
+
+    def plot(self) -> Figure:
+        """Plot data, fit and residuals of every sensor.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+
+        Examples
+        --------
+        >>> import hertzchain as hc
+        >>> len(hc.fit(*hc.example_experiment(), free=["time_offset"]).plot().axes)
+        8
+        """
+        from ..plotting.fits import plot_fit
+
+        return plot_fit(self)
+
+    def plot_residuals(self) -> Figure:
+        """Plot the distribution and the autocorrelation of the residuals.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+
+        Examples
+        --------
+        >>> import hertzchain as hc
+        >>> len(hc.fit(*hc.example_experiment(), free=["time_offset"]).plot_residuals().axes)
+        2
+        """
+        from ..plotting.fits import plot_fit_residuals
+
+        return plot_fit_residuals(self)
+
+    def plot_correlations(self) -> Figure:
+        """Plot the correlations of the parameters as a map.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+
+        Examples
+        --------
+        >>> import hertzchain as hc
+        >>> len(hc.fit(*hc.example_experiment(), free=["time_offset"]).plot_correlations().axes)
+        2
+        """
+        from ..plotting.fits import plot_correlations
+
+        return plot_correlations(self)
+
+    def sample(self, steps: int = 500, *, seed: int = 0, progress: Any = None) -> Posterior:
+        """Sample the posterior with emcee, as a check of the errors; requires the extra ``fit``.
+
+        Parameters
+        ----------
+        steps : int
+            Steps of each walker; there are twice as many walkers as parameters, at least 16.
+        seed : int
+            Seed of the random numbers.
+        progress : callable, optional
+            Called as ``progress(step, steps)``.
+
+        Returns
+        -------
+        Posterior
+
+        Raises
+        ------
+        InputError
+            If emcee is not installed, or for fewer than 10 steps.
+
+        Examples
+        --------
+        >>> import hertzchain as hc
+        >>> result = hc.fit(*hc.example_experiment(), free=["time_offset"])
+        >>> posterior = result.sample(1000)  # doctest: +SKIP
+        """
+        from .posterior import sample
+
+        return sample(self, steps, seed, progress)
+
+    def __repr__(self) -> str:
+        told = ", ".join(f"{name} = {row}" for name, row in self.rows())
+        more = f"{counted(len(self.warnings), 'warning')}: print(result.summary())"
+        return short("FitResult", told, self.verdict, more if self.warnings else "")
+
+
+def _calibrated(traces: Traces, name: str) -> bool:
+    return all(signal.calibrated for _, signal in traces if not name or signal.name == name)
+
+
+def _rounded(value: float, error: float) -> str:
+    """A value with two digits beyond the first of its error."""
+    if not np.isfinite(error) or error <= 0.0 or value == 0.0:
+        return f"{value:.5g}"
+    digits = int(np.floor(np.log10(abs(value))) - np.floor(np.log10(error))) + 2
+    return f"{value:.{min(max(digits, 3), 12)}g}"

@@ -1,0 +1,108 @@
+"""Settings of a fit: free parameters, priors and starts, from arguments or a chain file."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+from ..chain.chain import Chain
+from ..errors import InputError, short_repr, unknown_name_error
+from ..store.chain_files import chain_from, load_chain
+from ..store.toml_files import read_toml
+from ..validation.objects import file_path, shown_path
+from .traces import Traces
+
+KEYS = ("free", "prior", "start")
+
+
+@dataclass(frozen=True)
+class Settings:
+    """Names of free parameters, priors and starts.
+
+    Attributes
+    ----------
+    free : sequence of str or None
+        Names; `None` for those that are free by default.
+    priors, start : mapping
+        Values by name.
+    optional : frozenset of str
+        Names in priors and start that need not be free: those of a file whose ``free`` an argument
+        replaces.
+    """
+
+    free: Sequence[str] | None = None
+    priors: Mapping[str, Any] = field(default_factory=dict)
+    start: Mapping[str, Any] = field(default_factory=dict)
+    optional: frozenset[str] = frozenset()
+
+    def updated(
+        self, free: Sequence[str] | None, priors: Any, start: Mapping[str, float] | None
+    ) -> Settings:
+        """Settings in which arguments replace what the file gives."""
+        for what, given in (("priors", priors), ("start", start)):
+            if given is not None and not isinstance(given, Mapping):
+                raise InputError(
+                    f"{what} must be a mapping from names of parameters, got {short_repr(given)}"
+                )
+        return Settings(
+            self.free if free is None else free,
+            {**self.priors, **(priors or {})},
+            {**self.start, **(start or {})},
+            frozenset() if free is None
+            else frozenset({*self.priors, *self.start} - {*(priors or {}), *(start or {})}),
+        )  # fmt: skip
+
+
+def load_experiment(
+    traces: Any, chain: Any, load_traces: Callable[..., Traces]
+) -> tuple[Traces, tuple[Chain, ...], Settings]:
+    """Traces, the chain of each shot, and the settings in the chain file."""
+    settings = Settings()
+    if isinstance(chain, str | os.PathLike):
+        chain, settings = load_chain_and_settings(chain)
+    if not isinstance(traces, Traces):
+        paths = [traces] if isinstance(traces, str | os.PathLike) else traces
+        if not isinstance(paths, list | tuple):
+            raise InputError(
+                f"traces must be the result of load_traces or paths of CSV files, got "
+                f"{short_repr(traces)}"
+            )
+        traces = load_traces(*paths)
+    shots = len(traces.shots)
+    chains = (chain,) * shots if isinstance(chain, Chain) else chain
+    if not isinstance(chains, list | tuple) or not all(isinstance(c, Chain) for c in chains):
+        raise InputError(
+            f"chain must be a Chain, a list with one for each shot, or a path, got "
+            f"{short_repr(chain)}"
+        )
+    if len(chains) != shots:
+        raise InputError(f"there are {shots} shots, but {len(chains)} chains; give one for each")
+    for each in chains:
+        if each.scaled:
+            raise InputError(
+                "traces are in SI units, but the chain is in scaled variables; build it with "
+                "Chain.from_materials"
+            )
+    return traces, tuple(chains), settings
+
+
+def load_chain_and_settings(path: str | os.PathLike[str]) -> tuple[Chain, Settings]:
+    """Read a chain file that may have a table ``[fit]``."""
+    file = file_path("chain file", path)
+    if file.suffix.lower() == ".csv":
+        return load_chain(path), Settings()
+    document = read_toml("chain file", path, "give the path of a TOML or CSV file")
+    table = document.pop("fit", {})
+    try:
+        chain = chain_from(document, file.parent)
+        if not isinstance(table, Mapping):
+            raise InputError(f"[fit] must be a table, got {short_repr(table)}")
+        for key in table:
+            if key not in KEYS:
+                raise unknown_name_error("key of [fit]", key, KEYS)
+        settings = Settings().updated(table.get("free"), table.get("prior"), table.get("start"))
+    except InputError as error:
+        raise InputError(f"{shown_path(path)}: {error}") from None
+    return chain, settings

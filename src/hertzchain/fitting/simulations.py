@@ -1,0 +1,132 @@
+"""Simulated signals of chains; chains that move alike are simulated once."""
+
+from __future__ import annotations
+
+import warnings
+from collections import OrderedDict
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from typing import Any, Final, NamedTuple
+
+import numpy as np
+
+from ..chain.chain import Chain
+from ..collision import Array
+from ..errors import InputError, ModelRangeWarning, SimulationError
+from ..simulation.simulate import simulate
+from .places import Place
+from .symmetry import Units, similarity_key, units_of
+
+# Tolerance of trial runs: their traces are accurate to 5e-9 of the peak, enough for differences.
+RTOL: Final = 1e-9
+# Saved times per unit of time; a pulse takes several units to pass a bead.
+PER_UNIT: Final = 32
+MAX_TIMES: Final = 400_000
+# A run is longer than the data by this factor, for chains that move more slowly.
+LONGER: Final = 1.12
+# A trial run that takes this many times the steps of the first run is rejected.
+STEP_FACTOR, MIN_STEPS = 50, 20_000
+KEPT: Final = 96
+
+
+class Signals(NamedTuple):
+    """A key that identifies signals, their spacing in time, and signals (times, places)."""
+
+    key: bytes
+    spacing: float
+    columns: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Simulated:
+    """Signals of a chain on an even grid of times from 0, in SI."""
+
+    units: Units
+    spacing: float
+    columns: Array
+    force: Array
+
+    def scaled_to(self, key: bytes, units: Units) -> Signals:
+        """Signals of a chain that moves alike, in other units."""
+        factor = np.where(
+            self.force, units.force / self.units.force, units.velocity / self.units.velocity
+        )
+        spacing = self.spacing * units.time / self.units.time
+        # Signals of like chains in like units are the same.
+        label = key + np.array([units.force, units.velocity]).tobytes()
+        return Signals(label, spacing, self.columns * factor)
+
+
+@dataclass(eq=False)
+class Simulator:
+    """Simulates chains at places; keeps the latest runs by what moves alike.
+
+    Attributes
+    ----------
+    places : sequence of Place
+        Places of all sensors.
+    progress : callable or None
+        Called with the number of simulations after each.
+    count : int
+        Simulations so far.
+    """
+
+    places: Sequence[Place]
+    progress: Callable[[int], None] | None = None
+    count: int = 0
+    failed: int = 0
+    _steps: int = 0
+    _kept: OrderedDict[bytes, Simulated] = field(default_factory=OrderedDict)
+
+    def signals(self, chain: Chain, duration: float) -> Signals:
+        """Signals of a chain for at least a duration; simulated if necessary."""
+        units = units_of(chain)
+        key = similarity_key(chain, units)
+        found = self._kept.get(key)
+        if found is not None:
+            scaled = found.scaled_to(key, units)
+            if scaled.spacing * (len(scaled.columns) - 1) >= duration:
+                self._kept.move_to_end(key)
+                return scaled
+        found = self._kept[key] = self._simulate(chain, units, LONGER * duration)
+        if len(self._kept) > KEPT:
+            self._kept.popitem(last=False)
+        return found.scaled_to(key, units)
+
+    def knows(self, chain: Chain) -> bool:
+        """Whether a chain that moves alike has been simulated."""
+        return similarity_key(chain, units_of(chain)) in self._kept
+
+    def _simulate(self, chain: Chain, units: Units, duration: float) -> Simulated:
+        spacing = duration / 2000 if units.time == 1.0 else units.time / PER_UNIT
+        count = int(np.ceil(duration / spacing)) + 4
+        if count > MAX_TIMES:
+            raise InputError(
+                f"the traces last {duration:.3g} s, {count / PER_UNIT:.0f} contact times: too long "
+                "to fit; cut them after the pulse and its first echoes"
+            )
+        limit = None if not self._steps else max(MIN_STEPS, STEP_FACTOR * self._steps)
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", ModelRangeWarning)
+            run = simulate(
+                chain, times=spacing * np.arange(count), rtol=RTOL, max_steps=limit, check=False
+            )
+        self.count += 1
+        if self.progress is not None:
+            self.progress(self.count)
+        if not run.success:
+            self.failed += 1
+            raise SimulationError(run.message)
+        self._steps = self._steps or run.steps
+        columns = np.column_stack([place.signal(run) for place in self.places])
+        force = np.array([place.quantity == "force" for place in self.places])
+        return Simulated(units, spacing, columns, force)
+
+
+def range_notes(chain: Chain, duration: float) -> tuple[str, ...]:
+    """Warnings of Hertz's range for one chain, as sentences."""
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always", ModelRangeWarning)
+        simulate(chain, until=duration, times=2, rtol=RTOL, check=False)
+    found: list[Any] = [each.message for each in caught if each.category is ModelRangeWarning]
+    return tuple(str(each) for each in found)

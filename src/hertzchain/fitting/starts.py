@@ -1,0 +1,110 @@
+"""Where a fit starts: time offsets and stiffness by cross-correlation, and further starts."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Final
+
+import numpy as np
+
+from ..collision import Array
+from .model import Model
+from .names import Name
+from .sensors import sampled
+
+# Factors of time that are tried if the stiffness is free, and points of the even grid.
+STRETCHES: Final = tuple(np.exp(np.linspace(-0.3, 0.3, 25)).tolist())
+POINTS: Final = 2048
+# Factors of the losses, and changes of the exponent, in further starts.
+LOSS_FACTORS: Final = (1.0, 0.2, 4.0, 1.0, 1.0, 0.05)
+EXPONENT_SHIFTS: Final = (0.0, 0.0, 0.0, 0.08, -0.08, 0.0)
+
+
+def aligned(model: Model, values: dict[Name, float]) -> dict[Name, float]:
+    """Values with time offsets, and a stiffness, for which the data and the model agree best.
+
+    Parameters with a prior are not changed.
+    """
+    found = dict(values)
+    known = {each.name for each in model.parameters if each.prior is not None}
+    offsets = [name for name in model.names if name.key == "time_offset" and name not in known]
+    stiffness = Name("stiffness")
+    stretch = stiffness in found and stiffness not in known and not model.chains[0].drive
+    if not offsets and not stretch:
+        return found
+    scores = np.zeros(len(STRETCHES) if stretch else 1)
+    factors = STRETCHES if stretch else (1.0,)
+    best: list[list[float]] = []
+    for shot in range(len(model.chains)):
+        score, lags = _correlations(model, values, shot, factors)
+        scores += score
+        best.append(lags)
+    choice = int(np.argmax(scores))
+    for name in offsets:
+        shot = int(name.shot or 1) - 1
+        found[name] = values[name] + best[shot][choice]
+    if stretch:
+        p = float(model.chains[0].contact_exponents[1])
+        found[stiffness] = values[stiffness] * factors[choice] ** -(p + 1.0)
+    return found
+
+
+def _correlations(
+    model: Model, values: dict[Name, float], shot: int, factors: tuple[float, ...]
+) -> tuple[Array, list[float]]:
+    """Explained chi-squared, and the best time offset, for each factor of time."""
+    from scipy.signal import correlate
+
+    data = model.traces.shots[shot]
+    span = float(data.times[-1] - data.times[0])
+    step = span / (POINTS - 1)
+    grid = step * np.arange(POINTS)
+    spacing, columns = _shapes(model, values, shot, span * max(factors))
+    scores, offsets = [], []
+    for factor in factors:
+        total = np.zeros(2 * POINTS - 1)
+        for signal, column in zip(data.signals, columns, strict=True):
+            ok = signal.valid
+            seen = np.interp(data.times[0] + grid, data.times[ok], signal.values[ok])
+            shape = sampled(column, factor * spacing, grid)
+            size = float(shape @ shape)
+            if size > 0.0:
+                product = np.maximum(correlate(seen, shape), 0.0)
+                weight = (ok.sum() / POINTS) / signal.sigma**2
+                total += weight * product**2 / size
+        best = int(np.argmax(total))
+        scores.append(float(total[best]))
+        offsets.append(float(data.times[0]) + step * (best - (POINTS - 1)))
+    return np.array(scores), [each - values.get(Name("time_offset"), 0.0) for each in offsets]
+
+
+def _shapes(
+    model: Model, values: dict[Name, float], shot: int, duration: float
+) -> tuple[float, list[Array]]:
+    """Simulated signals of the sensors of a shot, without the sensor model."""
+    _, spacing, columns = model.simulator.signals(model.chain(shot, values), duration)
+    places = [place.name for place in model.simulator.places]
+    names = [signal.name for signal in model.traces.shots[shot].signals]
+    return spacing, [columns[:, places.index(name)] for name in names]
+
+
+def further_starts(
+    model: Model, values: dict[Name, float], count: int
+) -> Iterator[dict[Name, float]]:
+    """Values with smaller and larger losses and exponents, clipped to their bounds."""
+    if not any("loss." in name.key or name.key == "exponent" for name in model.names):
+        return
+    for factor, shift in list(zip(LOSS_FACTORS, EXPONENT_SHIFTS, strict=True))[1:count]:
+        out = dict(values)
+        for each in model.parameters:
+            if "loss." in each.name.key:
+                share = each.kind.scale == "1" and each.kind.upper <= 1.0
+                high = each.name.key.endswith("coefficient") or (share and each.start > 0.5)
+                value = out[each.name]
+                value = 1.0 - (1.0 - value) * factor if high else value * factor
+            elif each.name.key == "exponent":
+                value = out[each.name] + shift
+            else:
+                continue
+            out[each.name] = min(max(value, each.kind.lower), each.kind.upper)
+        yield out

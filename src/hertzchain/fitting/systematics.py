@@ -1,0 +1,132 @@
+"""Effects of sensors that a fit does not include: would the data show them, and do they matter.
+
+Each effect is added to the linearised fit as one more parameter.  No simulation is needed.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from ..collision import Array
+from .model import Model
+from .names import Name
+from .parameters import Parameter
+from .problem import Problem
+from .sensors import SENSOR_KINDS
+
+EFFECTS: Final = ("lag", "highpass", "crosstalk")
+# An effect is reported as present if chi-squared would fall by more than this.
+PRESENT: Final = 16.0
+# ... and as possible if two of its standard deviations would move a parameter by more than this
+# many of its own.
+MOVES: Final = 1.0
+FACTORS: Final = {"lag": (1e6, "us"), "highpass": (1.0, "/s"), "crosstalk": (100.0, "%")}
+
+
+@dataclass(frozen=True)
+class Effect:
+    """An effect of the sensors that a fit does not include.
+
+    Attributes
+    ----------
+    name : str
+        ``"lag"``, ``"highpass"`` or ``"crosstalk"``.
+    value, error : float
+        Its value and standard deviation, if it were free.
+    improvement : float
+        By how much chi-squared would fall.
+    moved : str
+        The parameter that it would move most.
+    shift : float
+        How far two standard deviations of the effect, beyond its value, would move this parameter,
+        in standard deviations of the parameter.
+    """
+
+    name: str
+    value: float
+    error: float
+    improvement: float
+    moved: str
+    shift: float
+
+    @property
+    def present(self) -> bool:
+        """Whether the data show it."""
+        return self.improvement > PRESENT
+
+    @property
+    def note(self) -> str:
+        """A sentence, or nothing if the effect is excluded or harmless."""
+        factor, unit = FACTORS[self.name]
+        value, error = factor * self.value, factor * self.error
+        if self.present:
+            return (
+                f"the residuals show a {self.name} of {value:.2g} +- {error:.1g} {unit}, which "
+                f"moves {self.moved} by {self.shift:.1f} sigma: add {self.name!r} to the free "
+                "parameters"
+            )
+        if self.shift < MOVES:
+            return ""
+        most = abs(value) + 2.0 * error
+        return (
+            f"a {self.name} of the sensors up to {most:.2g} {unit} cannot be excluded and would "
+            f"move {self.moved} by {self.shift:.1f} sigma: free {self.name!r}, with a prior from "
+            "the data sheet"
+        )
+
+
+def effects_of(
+    problem: Problem, values: Mapping[Name, float], jacobian: Array, residuals: Array
+) -> tuple[Effect, ...]:
+    """All effects that a fit does not include, in the linearised problem at its optimum."""
+    model = problem.model
+    included = {name.key for name in model.names}
+    found = []
+    for key in EFFECTS:
+        neighbours = any(len(shot.signals) > 1 for shot in model.traces.shots)
+        if key in included or (key == "crosstalk" and not neighbours):
+            continue
+        extended = np.concatenate((_derivative(problem, values, key), np.zeros(
+            len(residuals) - len(problem.data))))  # fmt: skip
+        # Sensors in unlike units have no crosstalk.
+        if extended.any():
+            found.append(_effect(key, extended, model, jacobian, residuals))
+    return tuple(found)
+
+
+def _derivative(problem: Problem, values: Mapping[Name, float], key: str) -> Array:
+    """Derivative of the data's residuals by an effect, at none."""
+    kind = SENSOR_KINDS[key]
+    step = kind.step * kind.typical
+    name = Name(key)
+    model = problem.model
+    more = Model(
+        model.traces, model.chains, (*model.parameters, Parameter(name, kind, 0.0)),
+        model.simulator, model.reference,
+    )  # fmt: skip
+    shifted = Problem(more).predicted({**values, name: step})
+    return np.asarray((shifted - problem.predicted(values)) / problem.sigma / step)
+
+
+def _effect(key: str, column: Array, model: Model, jacobian: Array, residuals: Array) -> Effect:
+    inverse = np.linalg.pinv(jacobian, rcond=1e-12)
+    response = inverse @ column
+    rest = column - jacobian @ response
+    size = float(rest @ rest)
+    error = size**-0.5 if size > 0.0 else np.inf
+    value = -float(rest @ residuals) * error**2
+    if SENSOR_KINDS[key].lower == 0.0:
+        value = max(value, 0.0)
+    spread = np.sqrt(np.sum(inverse**2, axis=1))
+    # A parameter that the data do not depend on cannot be moved.
+    spread[spread == 0.0] = np.inf
+    shifts = (abs(value) + 2.0 * error) * np.abs(response) / spread
+    chain = [i for i, each in enumerate(model.parameters) if each.of_chain] or [0]
+    worst = chain[int(np.argmax(shifts[chain]))]
+    return Effect(
+        key, value, error, (value / error) ** 2, str(model.parameters[worst]), float(shifts[worst])
+    )

@@ -1,0 +1,156 @@
+"""Read traces from CSV files."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping, Sequence
+from typing import Final
+
+import numpy as np
+
+from ..collision import Array
+from ..errors import InputError
+from ..store.csv_tables import HEADER, csv_rows
+from ..units import converted
+from ..validation.objects import check_list, file_path, shown_path
+from .places import Place
+from .trace_headers import header_of
+from .traces import Traces, make_shot
+
+MISSING: Final = ("", "nan", "NaN", "NA")
+
+
+def load_traces(
+    *paths: str | os.PathLike[str],
+    sensors: Sequence[str] | None = None,
+    noise: float | Mapping[str, float] | None = None,
+) -> Traces:
+    r"""Read measured traces from CSV files.
+
+    The header of a file is, for example, ``time [us], ball 6 [N], ball 11 [mV], wall [N],
+    ball 3 velocity [m/s]``.  Balls are counted without the strikers (``bead 7`` counts them), and
+    a force in a ball is the mean of the forces on its two halves.  Sampling may be uneven, and
+    empty cells are missing samples.  Saturated samples are recognised and not used.  A column
+    ``shot`` with whole numbers divides a file into shots.
+
+    Parameters
+    ----------
+    *paths : path-like
+        Files; each is a shot, or several with a column ``shot``.
+    sensors : sequence of str, optional
+        Names of the sensors to read, such as ``["ball 6", "wall"]``; by default all.
+    noise : float or mapping, optional
+        Standard deviation of the noise of all sensors, or by name, in N, m/s or V.  By default it
+        is estimated from the samples before the pulse arrives at the first sensor.
+
+    Returns
+    -------
+    Traces
+
+    Raises
+    ------
+    InputError
+        If a file is missing or unreadable, has no column of times, an unknown name or a wrong
+        unit, times that do not increase, no samples before the pulse, or a sensor that is
+        saturated during most of its pulse.  The message names the file.
+
+    Examples
+    --------
+    >>> import hertzchain as hc, tempfile
+    >>> from pathlib import Path
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     file = Path(folder) / "data.csv"
+    ...     _ = file.write_text("time [us],wall [N]\n0,0.0\n1,4.0\n2,0.5\n")
+    ...     hc.load_traces(file, noise=0.1)
+    Traces(1 shot, wall: 3 samples, every 1 us; noise 0.1 N)
+    """
+    if not paths:
+        raise InputError("give load_traces at least one file, such as 'data.csv'")
+    wanted = None if sensors is None else check_list("sensors", sensors, "names such as 'ball 6'")
+    shots = []
+    for path in paths:
+        file = file_path("file of traces", path)
+        try:
+            shots += _shots(csv_rows(file), wanted, noise)
+        except InputError as error:
+            raise InputError(f"{shown_path(path)}: {error}") from None
+    return Traces(tuple(shots))
+
+
+def _shots(
+    rows: list[list[str]], wanted: list[str] | None, noise: float | Mapping[str, float] | None
+) -> list:  # type: ignore[type-arg]
+    if not rows:
+        raise InputError("the file has no header; write time [us], ball 6 [N], ...")
+    header, body = rows[0], rows[1:]
+    for number, row in enumerate(body, start=1):
+        if len(row) != len(header):
+            raise InputError(f"row {number} has {len(row)} cells, the header has {len(header)}")
+    time, shot, columns = _columns(header, wanted)
+    times = _numbers(body, time, header[time])
+    times = _time_factor(header[time]) * times
+    samples = {
+        key: factor * _numbers(body, index, header[index])
+        for key, (index, factor) in columns.items()
+    }
+    labels = np.ones(len(body)) if shot is None else _numbers(body, shot, "shot")
+    if np.isnan(labels).any():
+        raise InputError(f"row {int(np.argmax(np.isnan(labels))) + 1} has no shot")
+    return [
+        make_shot(
+            times[labels == label], {k: v[labels == label] for k, v in samples.items()}, noise
+        )
+        for label in np.unique(labels)
+    ]
+
+
+def _columns(
+    header: list[str], wanted: list[str] | None
+) -> tuple[int, int | None, dict[tuple[Place, str], tuple[int, float]]]:
+    """Column of the times, of the shots if there is one, and of each sensor with its factor."""
+    names = [(HEADER.fullmatch(text) or {"name": text})["name"].lower() for text in header]
+    if names.count("time") != 1:
+        raise InputError(
+            f"there must be one column of times, such as 'time [us]', among {', '.join(header)}"
+        )
+    columns: dict[tuple[Place, str], tuple[int, float]] = {}
+    for index, text in enumerate(header):
+        if names[index] in ("time", "shot"):
+            continue
+        place, unit, factor = header_of(text)
+        if place.name in [known.name for known, _ in columns]:
+            raise InputError(f"there are two columns of {place.name!r}; keep one")
+        columns[place, unit] = index, factor
+    known_names = [place.name for place, _ in columns]
+    for name in wanted or ():
+        if name not in known_names:
+            raise InputError(f"there is no column {name!r}; the file has {', '.join(known_names)}")
+    if wanted is not None:
+        columns = {key: value for key, value in columns.items() if key[0].name in wanted}
+    return names.index("time"), names.index("shot") if "shot" in names else None, columns
+
+
+def _time_factor(text: str) -> float:
+    found = HEADER.fullmatch(text)
+    unit = None if found is None else found["unit"]
+    if not unit:
+        raise InputError("column 'time' has no unit; write time [us]")
+    return converted("column 'time'", 1.0, unit, "s")
+
+
+def _numbers(body: list[list[str]], index: int, name: str) -> Array:
+    try:
+        return np.array(
+            [float(row[index]) if row[index] not in MISSING else np.nan for row in body]
+        )
+    except ValueError:
+        pass
+    for number, row in enumerate(body, start=1):
+        try:
+            float(row[index] if row[index] not in MISSING else "nan")
+        except ValueError:
+            raise InputError(
+                f"row {number} of column {name!r} is {row[index]!r}: it must be a number, or empty "
+                "if the sample is missing"
+            ) from None
+    raise AssertionError

@@ -1,0 +1,30 @@
+"""Headers of columns of traces, such as ``ball 6 [N]``."""
+
+from __future__ import annotations
+
+from ..errors import InputError
+from ..store.csv_tables import HEADER
+from ..units import converted
+from .places import Place, place_named
+
+VOLTS = {"V": 1.0, "mV": 1e-3, "uV": 1e-6, "µV": 1e-6}
+UNITS = {"force": "N", "velocity": "m/s"}
+
+
+def header_of(text: str) -> tuple[Place, str, float]:
+    """Place, unit (``"N"``, ``"m/s"`` or ``"V"``) and factor of a column."""
+    found = HEADER.fullmatch(text) if isinstance(text, str) else None
+    if found is None:
+        raise InputError(f"column {text!r} must have the form 'ball 6 [N]'")
+    place, unit = place_named(found["name"]), (found["unit"] or "").strip()
+    if not unit:
+        raise InputError(
+            f"column {text!r} has no unit; write {place.name} [{UNITS[place.quantity]}]"
+        )
+    if unit in VOLTS:
+        return place, "V", VOLTS[unit]
+    si = UNITS[place.quantity]
+    try:
+        return place, si, converted(f"column {place.name!r}", 1.0, unit, si)
+    except InputError as error:
+        raise InputError(f"{error}, or V or mV for a sensor without calibration") from None

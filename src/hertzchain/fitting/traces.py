@@ -1,0 +1,361 @@
+"""Measured traces: signals of sensors over time, in one or several shots."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..collision import Array
+from ..errors import InputError, short_repr
+from ..frozen import Frozen
+from ..representation import counted, short
+from ..validation.numbers import number, real_numbers
+from ..validation.objects import check_list, check_type
+from .places import Place
+from .quiet import MIN_QUIET, QUIET_PART, digitiser_step, noise_of, onset, saturated
+from .trace_headers import header_of
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from matplotlib.axes import Axes
+
+# Steps between samples that differ by more than this part are uneven.
+EVEN = 1e-3
+
+
+@dataclass(frozen=True, eq=False)
+class Signal(Frozen):
+    """The samples of one sensor in one shot.
+
+    Attributes
+    ----------
+    place : Place
+        Position of the sensor, and its quantity.
+    unit : str
+        ``"N"``, ``"m/s"`` or, without a calibration, ``"V"``.
+    values : ndarray, shape (n,)
+        Samples, in this unit; NaN where one is missing.
+    valid : ndarray of bool, shape (n,)
+        Samples that a fit uses: neither missing nor saturated.
+    noise : float
+        Standard deviation of the noise, in the same unit.
+    quiet : int
+        Samples from which the noise was estimated; 0 if it was given.
+    step : float
+        Step of the digitiser; 0 if the samples are on no grid.
+    """
+
+    place: Place
+    unit: str
+    values: Array = field(repr=False)
+    valid: Array = field(repr=False)
+    noise: float
+    quiet: int
+    step: float
+
+    @property
+    def name(self) -> str:
+        """Name of the place."""
+        return self.place.name
+
+    @property
+    def sigma(self) -> float:
+        """Standard deviation of a sample: its noise, at least that of the digitiser's step."""
+        return max(self.noise, self.step / 12.0**0.5)
+
+    @property
+    def calibrated(self) -> bool:
+        """Whether the signal is in the unit of its quantity."""
+        return self.unit != "V"
+
+
+@dataclass(frozen=True, eq=False)
+class Shot(Frozen):
+    """Signals that were recorded together.
+
+    Attributes
+    ----------
+    times : ndarray, shape (n,)
+        Increasing times [s].
+    signals : tuple of Signal
+        Signals, in the order of the columns.
+    """
+
+    times: Array = field(repr=False)
+    signals: tuple[Signal, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class Traces:
+    """Measured traces; `hertzchain.load_traces` reads them from CSV files.
+
+    Attributes
+    ----------
+    shots : tuple of Shot
+        One for each impact.
+
+    Examples
+    --------
+    >>> times = 1e-6 * np.arange(60)
+    >>> pulse = np.exp(-(((times - 40e-6) / 5e-6) ** 2))
+    >>> Traces.from_arrays(times, {"ball 6 [N]": 30.0 * pulse}, noise=0.1)
+    Traces(1 shot, ball 6: 60 samples, every 1 us; noise 0.1 N)
+    """
+
+    shots: tuple[Shot, ...]
+
+    def __post_init__(self) -> None:
+        shots = check_list("shots", self.shots, "shots")
+        for shot in shots:
+            check_type("shot", shot, Shot, "hc.Traces.from_arrays makes traces from arrays")
+        if not shots:
+            raise InputError("there must be at least one shot, got none")
+        object.__setattr__(self, "shots", tuple(shots))
+
+    @classmethod
+    def from_arrays(
+        cls,
+        times: ArrayLike,
+        signals: Mapping[str, ArrayLike],
+        *,
+        noise: float | Mapping[str, float] | None = None,
+    ) -> Traces:
+        """One shot from arrays.
+
+        Parameters
+        ----------
+        times : array_like, shape (n,)
+            Increasing times [s].
+        signals : mapping
+            Samples by sensor and unit, such as ``"ball 6 [N]"``; NaN where one is missing.
+        noise : float or mapping, optional
+            Standard deviation of the noise of all sensors, or by name, in the unit of the
+            signal.  By default it is estimated from the samples before the pulse arrives.
+
+        Returns
+        -------
+        Traces
+
+        Raises
+        ------
+        InputError
+            If times do not increase, lengths differ, a name or unit is unknown, a signal is
+            constant, saturated where it matters, or has too few samples before the pulse.
+
+        Examples
+        --------
+        >>> times = [0.0, 1e-6, 2e-6, 3e-6]
+        >>> Traces.from_arrays(times, {"wall [kN]": [0.0, 0.01, 0.02, 0.01]}, noise=0.1)
+        Traces(1 shot, wall: 4 samples, every 1 us; noise 0.1 N)
+        """
+        moments = real_numbers("time", times, "sample", unit="s")
+        if not isinstance(signals, Mapping):
+            raise InputError(
+                "signals must be a mapping such as {'ball 6 [N]': samples}, got "
+                f"{short_repr(signals)}"
+            )
+        columns = {}
+        for header, given in signals.items():
+            place, unit, factor = header_of(header)
+            columns[place, unit] = factor * real_numbers(header, given, "sample")
+        return cls((make_shot(moments, columns, noise),))
+
+    def __add__(self, other: Traces) -> Traces:
+        return Traces(self.shots + other.shots)
+
+    def __iter__(self) -> Iterator[tuple[int, Signal]]:
+        """Pairs of the index of the shot and the signal."""
+        for index, shot in enumerate(self.shots):
+            for signal in shot.signals:
+                yield index, signal
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of all sensors."""
+        return tuple(dict.fromkeys(signal.name for _, signal in self))
+
+    @property
+    def samples(self) -> int:
+        """Number of valid samples."""
+        return sum(int(signal.valid.sum()) for _, signal in self)
+
+    def notes(self) -> tuple[str, ...]:
+        """Missing and saturated samples and uneven sampling that were recognised.
+
+        Returns
+        -------
+        tuple of str
+            One sentence each.
+
+        Examples
+        --------
+        >>> Traces.from_arrays([0.0, 1e-6, 3e-6], {"wall [N]": [0, 5, 1]}, noise=0.1).notes()
+        ('shot 1 is sampled unevenly, every 1 to 2 us; nothing is resampled',)
+        """
+        found = []
+        for index, shot in enumerate(self.shots, start=1):
+            steps = np.diff(shot.times)
+            if np.ptp(steps) > EVEN * steps.max():
+                low, high = 1e6 * steps.min(), 1e6 * steps.max()
+                found.append(
+                    f"shot {index} is sampled unevenly, every {low:.3g} to {high:.3g} us; "
+                    "nothing is resampled"
+                )
+            for signal in shot.signals:
+                missing = int(np.isnan(signal.values).sum())
+                flat = int((~signal.valid).sum()) - missing
+                for count, what in ((missing, "missing"), (flat, "saturated")):
+                    if count:
+                        found.append(
+                            f"{counted(count, 'sample')} of {signal.name} in shot {index} "
+                            f"{'is' if count == 1 else 'are'} {what} and not used"
+                        )
+        return tuple(found)
+
+    def to_dataset(self) -> xr.Dataset:
+        """Labelled dataset: one variable per shot and sensor.
+
+        Returns
+        -------
+        xarray.Dataset
+            Variables such as ``ball_6`` (``ball_6_shot_2``) over ``time`` (``time_2``), with units
+            and noise as attributes.
+
+        Examples
+        --------
+        >>> traces = Traces.from_arrays([0.0, 1e-6], {"wall [N]": [0.0, 5.0]}, noise=0.1)
+        >>> traces.to_dataset()["wall"].attrs["units"]
+        'N'
+        """
+        import xarray as xr
+
+        variables: dict[str, Any] = {}
+        coordinates: dict[str, Any] = {}
+        for index, shot in enumerate(self.shots, start=1):
+            time = "time" if index == 1 else f"time_{index}"
+            coordinates[time] = (time, shot.times, {"units": "s"})
+            for signal in shot.signals:
+                name = signal.name.replace(" ", "_") + (f"_shot_{index}" if index > 1 else "")
+                about = {"units": signal.unit, "noise": signal.noise, "digitiser_step": signal.step}
+                variables[name] = (time, np.where(signal.valid, signal.values, np.nan), about)
+        return xr.Dataset(variables, coords=coordinates)
+
+    def plot(self, *, ax: Axes | None = None) -> Axes:
+        """Plot all signals over time; samples that are not used are crossed out.
+
+        Parameters
+        ----------
+        ax : matplotlib.axes.Axes, optional
+            Axes to draw into; by default those of a new figure.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+
+        Examples
+        --------
+        >>> traces = Traces.from_arrays([0.0, 1e-6], {"wall [N]": [0.0, 5.0]}, noise=0.1)
+        >>> traces.plot().get_xlabel()
+        'time [µs]'
+        """
+        from ..plotting.fits import plot_traces
+
+        return plot_traces(self, ax=ax)
+
+    def __repr__(self) -> str:
+        shot = self.shots[0]
+        steps = 1e6 * np.diff(shot.times)
+        noises = ", ".join(dict.fromkeys(f"{signal.noise:.3g} {signal.unit}" for _, signal in self))
+        every = f"{len(shot.times)} samples, every {np.median(steps):.3g} us"
+        about = f"{counted(len(self.shots), 'shot')}, {', '.join(self.names)}"
+        return short("Traces", about, every, f"noise {noises}", *self.notes())
+
+
+def make_shot(
+    times: Array,
+    columns: Mapping[tuple[Place, str], Array],
+    noise: float | Mapping[str, float] | None,
+) -> Shot:
+    """A shot from its samples, with noise and saturation of each signal."""
+    if times.ndim != 1 or len(times) < 2:
+        raise InputError(f"a trace needs at least 2 samples, got {times.size}")
+    if not columns:
+        raise InputError("there is no signal; add a column such as 'ball 6 [N]'")
+    if not np.all(np.isfinite(times)):
+        row = int(np.argmin(np.isfinite(times))) + 1
+        raise InputError(f"the time of sample {row} is missing; each sample needs one")
+    if np.any(np.diff(times) <= 0.0):
+        row = int(np.argmax(np.diff(times) <= 0.0)) + 1
+        raise InputError(
+            f"times must increase, but sample {row + 1} is at {times[row]:g} s and the one before "
+            f"it at {times[row - 1]:g} s; sort the rows, or give each shot its own file"
+        )
+    for (place, _), values in columns.items():
+        _check_values(place, values, len(times))
+    quiet = _quiet_samples(columns.values())
+    return Shot(
+        times, tuple(_signal(*key, values, quiet, noise) for key, values in columns.items())
+    )
+
+
+def _check_values(place: Place, values: Array, count: int) -> None:
+    if values.shape != (count,):
+        raise InputError(f"there are {count} times, but {values.size} samples of {place.name}")
+    if np.isinf(values).any():
+        raise InputError(
+            f"sample {int(np.argmax(np.isinf(values))) + 1} of {place.name} is infinite; leave "
+            "missing samples empty"
+        )
+    seen = values[np.isfinite(values)]
+    if not len(seen) or np.ptp(seen) == 0.0:
+        raise InputError(
+            f"{place.name} has no signal: all {len(seen)} samples are equal; remove the column"
+        )
+
+
+def _quiet_samples(columns: Sequence[Array] | Any) -> int:
+    """Number of samples at the beginning in which no sensor has a signal."""
+    first = [
+        onset(np.where(np.isfinite(values), values, np.nanmedian(values))) for values in columns
+    ]
+    return int(QUIET_PART * min(first))
+
+
+def _signal(
+    place: Place, unit: str, values: Array, quiet: int, noise: float | Mapping[str, float] | None
+) -> Signal:
+    present = np.isfinite(values)
+    step = digitiser_step(values[present])
+    valid = present.copy()
+    valid[present] = ~saturated(values[present], step)
+    high = present & (np.abs(values) > 0.5 * np.nanmax(np.abs(values)))
+    if high.any() and np.count_nonzero(high & ~valid) > 0.5 * np.count_nonzero(high):
+        raise InputError(
+            f"{place.name} is saturated at {np.nanmax(np.abs(values)):.4g} {unit} during most of "
+            "its pulse; record with a larger range, or remove the column"
+        )
+    known = noise.get(place.name) if isinstance(noise, Mapping) else noise
+    used = 0
+    if known is not None:
+        known = number(f"noise of {place.name}", known, above=0.0)
+    else:
+        before = values[:quiet][present[:quiet]]
+        used = len(before)
+        if used < MIN_QUIET:
+            raise InputError(
+                f"the noise of {place.name} cannot be estimated from {used} samples before the "
+                f"pulse arrives: record at least {MIN_QUIET}, or give noise"
+            )
+        known = noise_of(before)
+        if max(known, step) == 0.0:
+            raise InputError(
+                f"the samples of {place.name} before the pulse are all equal, so that its noise "
+                "is unknown; give noise"
+            )
+    for each in (values, valid):
+        each.setflags(write=False)
+    return Signal(place, unit, values, valid, known, used, step)

@@ -1,0 +1,110 @@
+r"""Whether a contact may keep its mode, and by what margin.
+
+The margin of a contact (its overlap, closing speed, force or distance of its force from the bounds
+of a stuck contact) is positive as long as its mode is right, and vanishes where it must change.
+"""
+
+from __future__ import annotations
+
+from .compilation import compiled
+from .contact_law import (
+    LOADED,
+    RELEASED,
+    STUCK,
+    damping_weight,
+    force,
+    is_plastic,
+    law_of,
+    signed_power,
+)
+from .forces import overlap_and_closing
+from .law_kinds import DAMPED
+from .stiff_law import force_within, overlap_within, size_of
+
+# A force within this part of a bound is on it: a contact at rest must not change its mode
+# for rounding.
+EVEN = 1e-13
+# Part of the beads' positions that rounding makes an overlap of.
+ROUNDED = 1e-15
+
+
+@compiled
+def must_switch(overlap, closing, stiffness, damping, mode, largest, held, law, still):
+    """Whether a contact has to leave its mode; relative speeds below ``still`` are none."""
+    if law.kind == DAMPED:
+        pulls = False
+        if not law.attractive and overlap > 0.0:
+            pushing = force(overlap, stiffness, law.exponent)
+            weight = damping_weight(overlap, law)
+            pulls = pushing + damping * weight * signed_power(closing, law.speed_power) < 0.0
+        return overlap < 0.0 or pulls if mode == LOADED else overlap > 0.0 and not pulls
+    if overlap <= 0.0 and mode != STUCK:
+        return False
+    if mode == LOADED:
+        return closing < -still
+    if is_plastic(law):
+        return overlap > largest and closing > still
+    if mode == RELEASED:
+        return closing > still
+    loading = force(overlap, stiffness, law.exponent)
+    return held > (1.0 + EVEN) * loading or held < (1.0 - EVEN) * law.kept * loading
+
+
+@compiled
+def implicit_must_switch(c, y, overlap, pushing, setup, mode):
+    """The same where steps are implicit: a force that may not pull is cut off within the mode."""
+    if mode == LOADED:
+        return pushing <= 0.0 and overlap < 0.0
+    return overlap > ROUNDED * size_of(c, y, setup)
+
+
+@compiled
+def leaves_mode(c, theta, y, wall, setup, contacts, still):
+    """Whether contact c has to leave its mode at the fraction theta of a step, where y is given."""
+    beads = len(setup.inverse_mass)
+    overlap, closing = overlap_and_closing(c, y, beads, setup.gap[c], wall)
+    if setup.law.implicit:
+        pushing = force_within(c, theta, contacts.implicit)
+        if contacts.mode[c] == LOADED:
+            overlap = overlap_within(c, theta, y, overlap, setup, contacts.implicit)
+        return implicit_must_switch(c, y, overlap, pushing, setup, contacts.mode[c])
+    return must_switch(overlap, closing, setup.stiffness[c], setup.damping[c], contacts.mode[c],
+                       contacts.largest[c], contacts.force[c], law_of(c, setup), still)  # fmt: skip
+
+
+@compiled
+def pull_free_force(overlap, closing, stiffness, damping, law):
+    """The force of a damped contact before it is cut off; its overlap where it is open."""
+    if overlap <= 0.0 or law.attractive:
+        return overlap
+    weight = damping * damping_weight(overlap, law)
+    return force(overlap, stiffness, law.exponent) + weight * signed_power(closing, law.speed_power)
+
+
+@compiled
+def margin_of(c, y, wall, setup, contacts):
+    """The margin of contact c in its mode; a stuck contact's force must be known."""
+    law, mode = law_of(c, setup), contacts.mode[c]
+    overlap, closing = overlap_and_closing(c, y, len(setup.inverse_mass), setup.gap[c], wall)
+    stiffness = setup.stiffness[c]
+    if law.kind == DAMPED:
+        pushing = pull_free_force(overlap, closing, stiffness, setup.damping[c], law)
+        return pushing if mode == LOADED else -pushing
+    if mode == STUCK:
+        loading = force(overlap, stiffness, law.exponent)
+        return min(loading - contacts.force[c], contacts.force[c] - law.kept * loading)
+    if mode == RELEASED and is_plastic(law):
+        return contacts.largest[c] - overlap
+    return closing if mode == LOADED else -closing
+
+
+@compiled
+def vanishes_between(first, slope, last, last_slope):
+    """Whether a margin with these values and changes per step at both ends may vanish in a step.
+
+    The tangents at the ends are below a convex curve; where they do not meet, it is searched.
+    """
+    if slope >= 0.0 or last_slope <= 0.0:
+        return False
+    theta = (last - last_slope - first) / (slope - last_slope)
+    return theta <= 0.0 or theta >= 1.0 or first + slope * theta <= 0.0

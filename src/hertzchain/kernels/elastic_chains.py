@@ -1,0 +1,393 @@
+"""Whole elastic chains, several side by side: positions alone, a step of its own for each chain.
+
+`follow` integrates chains of equal length by RKN8(6) (`hertzchain.kernels.rkn8_step`) and keeps no
+trajectories: the first velocity maximum of each bead, the first largest overlap of each contact,
+forces of gauges (the right wall, and sensors), and the final state.  A lane whose step is rejected
+keeps its state; one whose chain has ended takes the next chain.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numba import njit
+
+from .compilation import OPTIONS, compiled
+from .elastic_events import FALL, record_events, record_fall, record_largest
+from .elastic_forces import closing_of, force_of, overlap_of
+from .elastic_layout import (
+    AT_REST,
+    BODY,
+    BY_ITSELF,
+    CROSSED,
+    CROSSINGS,
+    DONE,
+    DUE,
+    END_OF_ROWS,
+    END_TIME,
+    EXPONENT,
+    F0,
+    F8,
+    FINAL_V,
+    FINAL_X,
+    FIRST_END,
+    FIRST_IMPULSE,
+    FIRST_STEP,
+    FORCE,
+    GAUGE_ROWS,
+    GIVEN_AT_REST,
+    GIVEN_BODY,
+    GIVEN_EXPONENT,
+    GIVEN_INVERSE_MASS,
+    GIVEN_NOISE,
+    GIVEN_STIFFNESS,
+    GOOD,
+    IMPACT_IMPULSE,
+    IMPULSE,
+    INVERSE_MASS,
+    LANE_ROWS,
+    LANES,
+    LAST_CROSSING,
+    LEAST_PUSH,
+    LENGTH,
+    MOST,
+    NEW_V,
+    NEW_X,
+    NOISE,
+    NOTHING_MORE,
+    PEAK,
+    PEAKED,
+    PEAKS,
+    PULSE_LEFT,
+    RECORD_PEAK,
+    RECORD_PEAK_TIME,
+    REFUSED,
+    REST,
+    ROW,
+    SINCE,
+    SINCE_CROSSING,
+    START_V,
+    STATUS,
+    STEP,
+    STEP_LIMIT,
+    STEP_TOO_SMALL,
+    STEPS,
+    STIFFNESS,
+    STOP,
+    STRIKERS,
+    TAKEN,
+    TIME,
+    TIME_REACHED,
+    TRANSIT,
+    TRANSIT_LIMIT,
+    TRIED,
+    UNTIL,
+    WALL_COMPLETE,
+    WALL_DONE,
+    WALL_FIRST_END,
+    WALL_FIRST_IMPULSE,
+    WALL_IMPACT_IMPULSE,
+    WALL_SINCE,
+    WATCH_START,
+    WORST,
+    H,
+    V,
+    X,
+)
+from .elastic_walls import (
+    ROUNDING,
+    bound_of,
+    check_wall,
+    close,
+    expired,
+    held,
+    nothing_can_happen,
+    start_watch,
+)
+from .rkn8_step import GROWTH, SAFETY, SHRINKAGE, STAGES, impulse_of, take_step
+from .state_layout import STRIKER_PEAK_TIME
+
+inlined = njit(forceinline=True, **OPTIONS)
+
+MIN_STEP, HALF = 1e-280, 0.5
+# Only beads in free flight take steps longer than this part of the time so far.
+LONG_STEP = 0.1
+
+
+def scratch_for(gauges):
+    """Arrays that `follow` works with."""
+    return (
+        np.zeros(END_OF_ROWS), np.zeros((LANE_ROWS, LANES)), np.zeros((STAGES, gauges, LANES)),
+        np.zeros((LANES, gauges, GAUGE_ROWS)), np.zeros(LANES, np.int64),
+    )  # fmt: skip
+
+
+@compiled
+def load(w, beads, lane, chain, numbers, places, pushes, state, gauges, records):
+    """Put a chain at time 0 into a lane."""
+    for row in range(END_OF_ROWS // ROW):
+        for i in range(beads + 7):
+            w[row * ROW + i * LANES + lane] = 0.0
+    struck = max(int(numbers[STRIKERS]), 1)
+    for c in range(beads + 1):
+        at = c * LANES + lane
+        w[AT_REST + at], w[STIFFNESS + at] = chain[GIVEN_AT_REST, c], chain[GIVEN_STIFFNESS, c]
+        w[EXPONENT + at] = chain[GIVEN_EXPONENT, c]
+    for k in range(beads):
+        at = k * LANES + lane
+        w[V + LANES + at], w[INVERSE_MASS + at] = chain[START_V, k], chain[GIVEN_INVERSE_MASS, k]
+        w[BODY + at], w[NOISE + at] = chain[GIVEN_BODY, k], chain[GIVEN_NOISE, k]
+        left = force_of(w, at, w[AT_REST + at])
+        right = force_of(w, at + LANES, w[AT_REST + at + LANES])
+        w[FORCE + at], w[FORCE + at + LANES] = left, right
+        w[F0 + at] = (left - right) * w[INVERSE_MASS + at] + w[BODY + at]
+        if k < struck:
+            w[PEAKED + at] = 1.0
+            records[RECORD_PEAK_TIME, k] = STRIKER_PEAK_TIME if k > 0 else 0.0
+            records[RECORD_PEAK, k] = chain[START_V, k]
+    # The last bead has no next one to be as fast as.
+    w[CROSSED + (beads - 1) * LANES + lane] = 1.0
+    for row in range(len(state)):
+        state[row, lane] = 0.0
+    state[STEP, lane], state[MOST, lane], state[DUE, lane] = numbers[FIRST_STEP], GROWTH, np.inf
+    state[LAST_CROSSING, lane], state[PEAKS, lane] = -1.0, struck - 1.0
+    for g in range(len(places)):
+        one, two = places[g, 0] * LANES + lane, places[g, 1] * LANES + lane
+        for row in range(gauges.shape[2]):
+            gauges[lane, g, row] = 0.0
+        rest = 0.5 * (w[FORCE + one] + w[FORCE + two])
+        gauges[lane, g, REST] = gauges[lane, g, PEAK] = pushes[0, g, lane] = rest
+
+
+@compiled
+def store(w, beads, lane, chain, status, state, gauges, places, records, summary, readings):
+    """Write the results of a chain that has ended."""
+    for k in range(beads):
+        records[FINAL_X, k] = w[X + (k + 1) * LANES + lane]
+        records[FINAL_V, k] = w[V + (k + 1) * LANES + lane]
+    for g in range(len(places)):
+        for row in range(gauges.shape[2]):
+            readings[g, row] = gauges[lane, g, row]
+    peak, complete = gauges[lane, 0, PEAK], 0.0
+    if peak > 0.0 and held(lane, state):
+        complete = 1.0 * (bound_of(w, beads, lane, chain) <= (1.0 + ROUNDING) * peak)
+    summary[END_TIME], summary[STATUS] = state[TIME, lane], status
+    summary[TAKEN] = state[STEPS, lane]
+    summary[REFUSED] = state[TRIED, lane] - state[STEPS, lane]
+    summary[WALL_FIRST_IMPULSE] = state[FIRST_IMPULSE, lane]
+    summary[WALL_FIRST_END] = state[FIRST_END, lane]
+    summary[WALL_SINCE], summary[WALL_COMPLETE] = state[SINCE, lane], complete
+    summary[WALL_IMPACT_IMPULSE] = state[IMPACT_IMPULSE, lane]
+
+
+@compiled
+def closes_unseen(w, beads, lane, h):
+    """Whether a contact that is open at both ends of a step may have been closed in between."""
+    for c in range(beads + 1):
+        at = c * LANES + lane
+        first = overlap_of(w, at)
+        last = w[AT_REST + at] + (w[NEW_X + at] - w[NEW_X + LANES + at])
+        parting = w[NEW_V + at] - w[NEW_V + LANES + at]
+        open_ends = first <= 0.0 and last <= 0.0 and w[STIFFNESS + at] > 0.0
+        if not open_ends or closing_of(w, at) <= 0.0 or parting >= 0.0:
+            continue
+        sharpest = 0.0
+        for stage in range(F0, F8 + 1, ROW):
+            left = w[stage + at - LANES] if c > 0 else 0.0
+            right = w[stage + at] if c < beads else 0.0
+            sharpest = max(sharpest, abs(left - right))
+        if 0.125 * h * h * sharpest > max(-max(first, last), 1e-14 * abs(w[X + at])):
+            return True
+    return False
+
+
+@compiled
+def new_lengths(rtol, state):
+    """Accept or reject the step of each lane, and write by what its length changes."""
+    for lane in range(LANES):
+        error = state[WORST, lane] / rtol
+        good = error <= 1.0
+        # An eighth root by three square roots; no growth right after a rejected step.
+        change = SAFETY / math.sqrt(math.sqrt(math.sqrt(error + 1e-30)))
+        change = change if change > SHRINKAGE else SHRINKAGE
+        # Where a contact opens or closes, errors fall more slowly with the length than elsewhere.
+        change = change if good or change < HALF else HALF
+        state[WORST, lane] = change if change < state[MOST, lane] else state[MOST, lane]
+        state[MOST, lane] = GROWTH if good else 1.0
+        state[GOOD, lane] = 1.0 if good else 0.0
+        state[TRIED, lane] += 1.0
+        state[STEPS, lane] += state[GOOD, lane]
+
+
+@inlined
+def may_end(lane, beads, until, state):
+    """Whether a chain may end after an accepted step, or its wall is due to be checked."""
+    time = state[TIME, lane]
+    if time >= until or time + state[STEP, lane] >= state[DUE, lane]:
+        return True
+    if state[WATCH_START, lane] > 0.0:
+        return False
+    passed = state[PEAKS, lane] + state[CROSSINGS, lane] == 2.0 * beads - 2.0
+    lone = state[WORST, lane] >= GROWTH or state[LENGTH, lane] > LONG_STEP * time
+    return passed or lone
+
+
+@compiled
+def ending(w, beads, lane, chain, numbers, walled, state, gauges, records):
+    """Why a chain ends after an accepted step; 0 if it does not."""
+    time, impulse = state[TIME, lane], gauges[lane, 0, IMPULSE]
+    by_itself = numbers[BY_ITSELF] != 0.0
+    passed = state[PEAKS, lane] == beads - 1.0 and state[CROSSINGS, lane] == beads - 1.0
+    started = state[WATCH_START, lane] > 0.0
+    closed = started and state[TRANSIT, lane] == 0.0
+    if time >= numbers[UNTIL]:
+        return TIME_REACHED
+    if passed and not started:
+        if by_itself and not walled:
+            return PULSE_LEFT
+        if walled:
+            start_watch(w, beads, lane, state, records)
+            started = True
+    lone = state[WORST, lane] >= GROWTH or state[LENGTH, lane] > LONG_STEP * time
+    if lone and not started and (by_itself or walled):
+        if nothing_can_happen(w, beads, lane):
+            close(lane, state, impulse)
+            closed = True
+    if closed or not walled or not started:
+        return NOTHING_MORE if closed and by_itself else 0
+    if time + state[STEP, lane] < state[DUE, lane] or state[DUE, lane] > numbers[UNTIL]:
+        return 0
+    check_wall(w, beads, lane, chain, state, gauges[lane, 0, PEAK], impulse)
+    if not by_itself:
+        return 0
+    if state[TRANSIT, lane] == 0.0:
+        return NOTHING_MORE
+    if held(lane, state):
+        return WALL_DONE
+    return TRANSIT_LIMIT if expired(lane, state) else 0
+
+
+@compiled
+def read_gauges(w, beads, lane, least_push, places, pushes, state, gauges):
+    """Impulses and largest forces of gauges, and the end of the first contact with the wall."""
+    h = state[LENGTH, lane]
+    for g in range(len(places)):
+        start, end, top = pushes[0, g, lane], pushes[8, g, lane], 0.0
+        for stage in range(2, STAGES):
+            force = pushes[stage, g, lane]
+            top = force if force > top else top
+        if top > 0.0 or start > 0.0:
+            gauges[lane, g, IMPULSE] += impulse_of(h, pushes, g, lane)
+            if top > (1.0 - FALL) * gauges[lane, g, PEAK]:
+                record_largest(w, beads, lane, places[g, 0], places[g, 1], start, end, top, state,
+                               gauges[lane, g])  # fmt: skip
+            if g > 0:
+                record_fall(end, gauges[lane, g])
+        pushes[0, g, lane] = end
+    impulse = gauges[lane, 0, IMPULSE]
+    if state[FIRST_END, lane] == 0.0 and impulse > least_push and pushes[0, 0, lane] == 0.0:
+        if w[NEW_V + beads * LANES + lane] < 0.0:
+            state[FIRST_END, lane] = state[TIME, lane] + h
+            state[FIRST_IMPULSE, lane] = impulse
+
+
+@compiled
+def accept(w, beads, state):
+    """Move the lanes whose step is accepted to its end."""
+    for lane in range(LANES):
+        w[H + lane] = state[GOOD, lane]
+    for i in range(LANES, beads * LANES):
+        w[H + i] = w[H + i - LANES]
+    for i in range(beads * LANES):
+        yes = w[H + i] > 0.0
+        w[X + LANES + i] = w[NEW_X + LANES + i] if yes else w[X + LANES + i]
+        w[V + LANES + i] = w[NEW_V + LANES + i] if yes else w[V + LANES + i]
+        w[F0 + i] = w[F8 + i] if yes else w[F0 + i]
+
+
+@compiled
+def follow(
+    chains, numbers, places, rtol, most_steps, hertz, walled, careful,
+    records, summary, readings, signal, w, state, pushes, gauges, which,
+):  # fmt: skip
+    """Integrate chains of equal length until each has ended, or ``signal`` says stop.
+
+    Parameters
+    ----------
+    chains, numbers : (C, GIVEN_ROWS, N + 1) and (C, NUMBERS), as in `elastic_layout`
+    places : (G, 2) contacts of which each gauge has the mean force; gauge 0 is the right wall
+    rtol, most_steps : tolerance, and limit of the tried steps
+    hertz, walled : whether all exponents are 3/2, and whether chains have a right wall
+    careful : whether open contacts may close and open again within a step
+    records, summary, readings : (C, RECORDS, N), (C, SUMMARY), (C, G, GAUGE_ROWS) results
+    signal : (2,) see `STOP` and `DONE`
+    w, state, pushes, gauges, which : zeros, of the shapes in `scratch_for`
+    """
+    count, beads = len(chains), chains.shape[2] - 1
+    coming, running = 0, 0
+    for lane in range(LANES):
+        which[lane] = -1
+    for lane in range(min(LANES, count)):
+        load(w, beads, lane, chains[coming], numbers[coming], places, pushes, state, gauges,
+             records[coming])  # fmt: skip
+        which[lane] = coming
+        coming += 1
+        running += 1
+    while running > 0 and signal[STOP] == 0:
+        for lane in range(LANES):
+            if which[lane] < 0:
+                w[H + lane] = state[STEP, lane] = state[LENGTH, lane] = 0.0
+                continue
+            left = numbers[which[lane], UNTIL] - state[TIME, lane]
+            w[H + lane] = state[LENGTH, lane] = min(state[STEP, lane], left)
+        for i in range(LANES, beads * LANES):
+            w[H + i] = w[H + i - LANES]
+        events = take_step(w, beads, hertz, rtol, places, pushes, state)
+        new_lengths(rtol, state)
+        if careful:
+            for lane in range(LANES):
+                h = state[LENGTH, lane]
+                if which[lane] >= 0 and state[GOOD, lane] > 0.0:
+                    if closes_unseen(w, beads, lane, h):
+                        state[GOOD, lane], state[WORST, lane] = 0.0, 0.5
+        if events > 0.0:
+            record_events(w, beads, rtol, state, state[GOOD], which, records)
+        for lane in range(LANES):
+            if state[GOOD, lane] > 0.0 and which[lane] >= 0:
+                read_gauges(w, beads, lane, numbers[which[lane], LEAST_PUSH], places, pushes, state,
+                            gauges)  # fmt: skip
+        accept(w, beads, state)
+        for lane in range(LANES):
+            c = which[lane]
+            if c < 0:
+                continue
+            h, status = state[LENGTH, lane], 0
+            if state[GOOD, lane] > 0.0:
+                reached = h < state[STEP, lane]
+                state[TIME, lane] = numbers[c, UNTIL] if reached else state[TIME, lane] + h
+                state[SINCE_CROSSING, lane] += h
+                state[STEP, lane] = h * state[WORST, lane]
+                if may_end(lane, beads, numbers[c, UNTIL], state):
+                    status = ending(w, beads, lane, chains[c], numbers[c], walled, state,
+                                    gauges, records[c])  # fmt: skip
+            else:
+                state[STEP, lane] = h * state[WORST, lane]
+                if not state[STEP, lane] > max(MIN_STEP, 1e-17 * state[TIME, lane]):
+                    status = STEP_TOO_SMALL
+            if status == 0 and state[TRIED, lane] >= most_steps:
+                status = STEP_LIMIT
+            if status == 0:
+                continue
+            store(w, beads, lane, chains[c], status, state, gauges, places, records[c],
+                  summary[c], readings[c])  # fmt: skip
+            signal[DONE] += 1
+            which[lane], running = -1, running - 1
+            for k in range(beads):
+                w[PEAKED + k * LANES + lane] = w[CROSSED + k * LANES + lane] = 1.0
+            if coming < count:
+                load(w, beads, lane, chains[coming], numbers[coming], places, pushes, state,
+                     gauges, records[coming])  # fmt: skip
+                which[lane] = coming
+                coming += 1
+                running += 1

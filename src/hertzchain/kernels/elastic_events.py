@@ -1,0 +1,318 @@
+"""Events of elastic chains within a step: velocity maxima, largest overlaps, largest forces.
+
+Between the ends of a step the motion is Hermite's polynomial of degree 7
+(`hertzchain.kernels.hermite`).
+"""
+
+from __future__ import annotations
+
+from .compilation import compiled
+from .elastic_forces import force_of, force_rate
+from .elastic_layout import (
+    AT_REST,
+    BODY,
+    CROSSED,
+    CROSSINGS,
+    EXPONENT,
+    F0,
+    F8,
+    FLAG,
+    HIGHEST_FALLEN,
+    INVERSE_MASS,
+    KEPT_MAXIMA,
+    LANES,
+    LAST_CROSSING,
+    LENGTH,
+    MAXIMA,
+    MAXIMUM_0,
+    NEW_V,
+    NEW_X,
+    PEAK,
+    PEAK_TIME,
+    PEAKED,
+    PEAKS,
+    RECORD_CROSSING,
+    RECORD_OVERLAP,
+    RECORD_PEAK,
+    RECORD_PEAK_TIME,
+    RECORD_RESIDENCE,
+    REST,
+    SCALE,
+    SINCE_CROSSING,
+    TIME,
+    H,
+    V,
+    X,
+)
+from .hermite import curvature, hermite, slope, third, value
+
+# A speed below this part of those nearby is not reached yet, nor is an overlap below this part of
+# the positions; nor a speed below this many tolerances.
+REACHED, TOLERANCES = 1e-11, 10.0
+# Parts of a step that are searched for the first event; iterations in one part.
+PARTS, ITERATIONS = 8, 60
+CLOSE = 1e-14
+# The force of a sensor has had a maximum when it has fallen by this part of it; maxima below
+# this part of the largest one are not counted.
+FALL, MIN_HEIGHT = 0.1, 0.01
+AT_A_WALL = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+
+
+@compiled
+def motion(w, at):
+    """The polynomial of a bead over the step."""
+    left, right = force_rate(w, at, X, V), force_rate(w, at + LANES, X, V)
+    j0 = (left - right) * w[INVERSE_MASS + at]
+    left, right = force_rate(w, at, NEW_X, NEW_V), force_rate(w, at + LANES, NEW_X,
+                                                                     NEW_V)  # fmt: skip
+    j1 = (left - right) * w[INVERSE_MASS + at]
+    return hermite(
+        w[H + at], w[X + LANES + at], w[V + LANES + at], w[F0 + at], j0,
+        w[NEW_X + LANES + at], w[NEW_V + LANES + at], w[F8 + at], j1,
+    )  # fmt: skip
+
+
+@compiled
+def motion_of_slot(w, beads, slot, lane):
+    """The same of an entry of the positions, where walls are at rest."""
+    if slot == 0 or slot == beads + 1:
+        return AT_A_WALL
+    return motion(w, (slot - 1) * LANES + lane)
+
+
+@compiled
+def acceleration_at(w, at, s, behind, own, ahead):
+    """Acceleration of a bead at the part s of a step, by the forces on it."""
+    here = value(own, s)
+    left = force_of(w, at, w[AT_REST + at] + (value(behind, s) - here))
+    right = force_of(w, at + LANES, w[AT_REST + at + LANES] + (here - value(ahead, s)))
+    return (left - right) * w[INVERSE_MASS + at] + w[BODY + at]
+
+
+@compiled
+def velocity_maximum(w, at, behind, own, ahead):
+    """Where in a step a bead is first pushed no longer; 2 if nowhere."""
+    low, high = 0.0, 2.0
+    for part in range(1, PARTS + 1):
+        s = part / PARTS
+        if acceleration_at(w, at, s, behind, own, ahead) <= 0.0:
+            high = s
+            break
+        low = s
+    if high > 1.0:
+        return high
+    # Where a bead leaves both neighbours, its acceleration vanishes too slowly for Newton's method.
+    leaves = w[F8 + at] == 0.0
+    s = 0.5 * (low + high)
+    for _ in range(ITERATIONS):
+        a = acceleration_at(w, at, s, behind, own, ahead)
+        if a > 0.0:
+            low = s
+        else:
+            high = s
+        # The polynomial's own slope of the acceleration is close enough.
+        new = s - a * w[H + at] ** 2 / third(own, s)
+        if leaves or not low < new < high:
+            new = 0.5 * (low + high)
+        if abs(new - s) < CLOSE:
+            break
+        s = new
+    return s
+
+
+@compiled
+def rest_within(p):
+    """Where in a step a polynomial first stops rising; 2 if nowhere."""
+    low, high = 0.0, 2.0
+    for part in range(1, PARTS + 1):
+        s = part / PARTS
+        if slope(p, s) <= 0.0:
+            high = s
+            break
+        low = s
+    if high > 1.0:
+        return high
+    s = 0.5 * (low + high)
+    for _ in range(ITERATIONS):
+        rate = slope(p, s)
+        if rate > 0.0:
+            low = s
+        else:
+            high = s
+        new = s - rate / curvature(p, s)
+        if not low < new < high:
+            new = 0.5 * (low + high)
+        if abs(new - s) < CLOSE:
+            break
+        s = new
+    return s
+
+
+@compiled
+def difference(p, q):
+    """Difference of two polynomials."""
+    p0, p1, p2, p3, p4, p5, p6, p7 = p
+    q0, q1, q2, q3, q4, q5, q6, q7 = q
+    return p0 - q0, p1 - q1, p2 - q2, p3 - q3, p4 - q4, p5 - q5, p6 - q6, p7 - q7
+
+
+@compiled
+def record_peak(w, beads, k, lane, rtol, state, records):
+    """Record the first velocity maximum of bead k (from 0), if it is within the step."""
+    at = k * LANES + lane
+    before, after = w[V + LANES + at], w[NEW_V + LANES + at]
+    forward = max(before, after)
+    if forward <= max(REACHED, TOLERANCES * rtol) * w[SCALE + at]:
+        return
+    own = motion(w, at)
+    behind = motion_of_slot(w, beads, k, lane)
+    ahead = motion_of_slot(w, beads, k + 2, lane)
+    s = velocity_maximum(w, at, behind, own, ahead)
+    if s > 1.0:
+        return
+    w[PEAKED + at] = 1.0
+    records[RECORD_PEAK_TIME, k] = state[TIME, lane] + s * state[LENGTH, lane]
+    # A bead that has left both neighbours keeps the velocity of the step's end.
+    left = w[F8 + at] == 0.0 and acceleration_at(w, at, s, behind, own, ahead) == 0.0
+    records[RECORD_PEAK, k] = after if left else slope(own, s) / w[H + at]
+    if k > 0:
+        state[PEAKS, lane] += 1.0
+
+
+@compiled
+def record_crossing(w, k, lane, rtol, state, records):
+    """Record when bead k (from 0) and the next one are first as fast as each other."""
+    at = k * LANES + lane
+    here, there = LANES + at, 2 * LANES + at
+    moves = max(abs(w[V + there]), abs(w[NEW_V + there]))
+    if moves <= max(REACHED, TOLERANCES * rtol) * w[SCALE + LANES + at]:
+        return
+    rest, touching = w[AT_REST + LANES + at], False
+    for x in (X, NEW_X):
+        sizes = abs(w[x + here]) + abs(w[x + there])
+        touching = touching or rest + (w[x + here] - w[x + there]) > REACHED * sizes
+    if not touching:
+        return
+    between = difference(motion(w, at), motion(w, at + LANES))
+    s = rest_within(between)
+    if s > 1.0:
+        return
+    after = s * state[LENGTH, lane]
+    w[CROSSED + at] = 1.0
+    records[RECORD_CROSSING, k] = state[TIME, lane] + after
+    records[RECORD_OVERLAP, k] = max(0.0, rest + value(between, s))
+    # Counted from the crossing before, since the difference of two times loses digits.
+    if state[LAST_CROSSING, lane] == k - 1:
+        records[RECORD_RESIDENCE, k] = state[SINCE_CROSSING, lane] + after
+    state[LAST_CROSSING, lane] = k
+    state[SINCE_CROSSING, lane] = -after
+    state[CROSSINGS, lane] += 1.0
+
+
+@compiled
+def record_events(w, beads, rtol, state, good, which, records):
+    """Record the events that are marked, of LANES whose step is accepted."""
+    for lane in range(LANES):
+        if good[lane] == 0.0 or which[lane] < 0:
+            continue
+        own = records[which[lane]]
+        for k in range(beads):
+            mark = w[FLAG + k * LANES + lane]
+            if mark == 1.0 or mark == 3.0:
+                record_peak(w, beads, k, lane, rtol, state, own)
+            if mark >= 2.0:
+                record_crossing(w, k, lane, rtol, state, own)
+
+
+@compiled
+def gauge_at(w, one, two, s, motions):
+    """Force of a gauge and its rate at the part s of a step, by the motions at both contacts."""
+    behind, ahead, next_behind, next_ahead = motions
+    force, rate = 0.0, 0.0
+    overlap = w[AT_REST + one] + (value(behind, s) - value(ahead, s))
+    own = force_of(w, one, overlap)
+    if own > 0.0:
+        force += 0.5 * own
+        rate += w[EXPONENT + one] * own / overlap * (slope(behind, s) - slope(ahead, s))
+    overlap = w[AT_REST + two] + (value(next_behind, s) - value(next_ahead, s))
+    own = force_of(w, two, overlap)
+    if own > 0.0:
+        force += 0.5 * own
+        rate += w[EXPONENT + two] * own / overlap * (slope(next_behind, s) - slope(next_ahead, s))
+    return force, rate
+
+
+@compiled
+def gauge_rate(w, one, two, x, v):
+    """Rate of the force of a gauge at one end of a step."""
+    return force_rate(w, one, x, v) + force_rate(w, two, x, v)
+
+
+@compiled
+def largest_within(w, beads, lane, first, second):
+    """Largest force of a gauge within a step, and where."""
+    one, two = first * LANES + lane, second * LANES + lane
+    motions = (
+        motion_of_slot(w, beads, first, lane),
+        motion_of_slot(w, beads, first + 1, lane),
+        motion_of_slot(w, beads, second, lane),
+        motion_of_slot(w, beads, second + 1, lane),
+    )
+    top, best = -1.0, 0
+    for part in range(PARTS + 1):
+        force, _ = gauge_at(w, one, two, part / PARTS, motions)
+        if force > top:
+            top, best = force, part
+    low, high = max(best - 1, 0) / PARTS, min(best + 1, PARTS) / PARTS
+    for _ in range(ITERATIONS):
+        middle = 0.5 * (low + high)
+        _, rate = gauge_at(w, one, two, middle, motions)
+        if rate > 0.0:
+            low = middle
+        else:
+            high = middle
+        if high - low < CLOSE:
+            break
+    force, _ = gauge_at(w, one, two, high, motions)
+    return force, high
+
+
+@compiled
+def record_largest(w, beads, lane, first, second, start, end, top, state, gauge):
+    """Largest force of a gauge so far; ``top`` is the largest at the stages of the step."""
+    one, two = first * LANES + lane, second * LANES + lane
+    time, h = state[TIME, lane], state[LENGTH, lane]
+    turns = top > max(start, end)
+    if not turns and end > 0.0:
+        turns = gauge_rate(w, one, two, NEW_X, NEW_V) <= 0.0 < gauge_rate(w, one, two, X, V)
+    if turns:
+        force, s = largest_within(w, beads, lane, first, second)
+        if force > gauge[PEAK]:
+            gauge[PEAK], gauge[PEAK_TIME] = force, time + s * h
+    if end > gauge[PEAK]:
+        gauge[PEAK], gauge[PEAK_TIME] = end, time + h
+
+
+@compiled
+def record_fall(end, gauge):
+    """Keep the largest force so far as a maximum once the force has fallen from it."""
+    highest = gauge[PEAK] - gauge[REST]
+    if end - gauge[REST] < (1.0 - FALL) * highest and highest > gauge[HIGHEST_FALLEN]:
+        gauge[HIGHEST_FALLEN] = highest
+        keep_maximum(gauge, highest)
+
+
+@compiled
+def keep_maximum(gauge, highest):
+    """Keep a maximum from which the force has fallen, without those that are now too low."""
+    kept, count = 0, int(gauge[MAXIMA])
+    for i in range(count):
+        if gauge[MAXIMUM_0 + 2 * i] - gauge[REST] > MIN_HEIGHT * highest:
+            gauge[MAXIMUM_0 + 2 * kept] = gauge[MAXIMUM_0 + 2 * i]
+            gauge[MAXIMUM_0 + 2 * kept + 1] = gauge[MAXIMUM_0 + 2 * i + 1]
+            kept += 1
+    if kept < KEPT_MAXIMA:
+        gauge[MAXIMUM_0 + 2 * kept] = gauge[PEAK]
+        gauge[MAXIMUM_0 + 2 * kept + 1] = gauge[PEAK_TIME]
+        kept += 1
+    gauge[MAXIMA] = kept

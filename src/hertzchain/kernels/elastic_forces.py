@@ -1,0 +1,118 @@
+r"""Forces of elastic contacts, of several chains side by side.
+
+.. math:: F_c = k_c \, d_c^{\,p_c} , \qquad d_c = x_c - x_{c+1} + d_c(0)
+
+Exponents may differ from contact to contact.  Overlaps below `LEAST` have no force: the foot of
+a pulse falls off doubly exponentially, through numbers with which the processor is slow.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numba import njit
+
+from .compilation import CONTRACTED
+from .elastic_layout import (
+    AT_REST,
+    BODY,
+    EXPONENT,
+    FORCE,
+    INVERSE_MASS,
+    LANES,
+    NEAR,
+    STIFFNESS,
+    WORK,
+    V,
+    X,
+)
+from .powers import BIAS, MANTISSA, ONE, ROOT_2, SHIFT, exp2, log2
+
+compiled = njit(**CONTRACTED)
+inlined = njit(forceinline=True, **CONTRACTED)
+
+LEAST = 1e-40
+
+
+@compiled
+def raise_overlaps(w, count):
+    """Replace overlaps in the row of forces by forces, by the series of `powers`."""
+    bits = w.view(np.int64)
+    for i in range(count):
+        b = bits[FORCE + i]
+        bits[WORK + i] = (b & MANTISSA) | ONE
+        bits[NEAR + i] = (b >> SHIFT) - BIAS
+    for i in range(count):
+        p, e, m = w[EXPONENT + i], float(bits[NEAR + i]), w[WORK + i]
+        upper = np.float64(np.float32(p))
+        large = m > ROOT_2
+        m, e = 0.5 * m if large else m, e + 1.0 if large else e
+        log = log2(m)
+        n = np.floor(upper * e + p * log + 0.5)
+        w[WORK + i] = exp2((upper * e - n) + ((p - upper) * e + p * log))
+        n = BIAS if n > BIAS else n
+        bits[NEAR + i] = (int(-BIAS if n < -BIAS else n) + BIAS) << SHIFT
+    for i in range(count):
+        push = w[STIFFNESS + i] * (w[WORK + i] * w[NEAR + i])
+        w[FORCE + i] = push if w[FORCE + i] > LEAST else 0.0
+
+
+@compiled
+def general_forces(w, beads, at, out):
+    """Contact forces and accelerations, as `forces`, for any exponents."""
+    size = beads * LANES
+    for i in range(size + LANES):
+        w[FORCE + i] = w[AT_REST + i] + (w[at + i] - w[at + LANES + i])
+    raise_overlaps(w, size + LANES)
+    for i in range(size):
+        net = w[FORCE + i] - w[FORCE + LANES + i]
+        w[out + i] = net * w[INVERSE_MASS + i] + w[BODY + i]
+
+
+@inlined
+def forces(w, beads, at, out, hertz):
+    """Write contact forces at the positions in row ``at``, and accelerations into row ``out``."""
+    if not hertz:
+        general_forces(w, beads, at, out)
+        return
+    size = beads * LANES
+    for i in range(size + LANES):
+        d = w[AT_REST + i] + (w[at + i] - w[at + LANES + i])
+        d = d if d > LEAST else 0.0
+        w[FORCE + i] = w[STIFFNESS + i] * (d * math.sqrt(d))
+    for i in range(size):
+        net = w[FORCE + i] - w[FORCE + LANES + i]
+        w[out + i] = net * w[INVERSE_MASS + i] + w[BODY + i]
+
+
+@compiled
+def force_of(w, at, overlap):
+    """Force of the contact at an entry of the rows, at an overlap."""
+    if not overlap > LEAST:
+        return 0.0
+    if w[EXPONENT + at] == 1.5:
+        return w[STIFFNESS + at] * (overlap * math.sqrt(overlap))
+    return w[STIFFNESS + at] * overlap ** w[EXPONENT + at]
+
+
+@compiled
+def force_rate(w, at, x, v):
+    """Rate of a contact's force, at the positions and velocities in rows x and v."""
+    overlap = w[AT_REST + at] + (w[x + at] - w[x + LANES + at])
+    if not overlap > LEAST:
+        return 0.0
+    closing = w[v + at] - w[v + LANES + at]
+    return w[EXPONENT + at] * force_of(w, at, overlap) / overlap * closing
+
+
+@compiled
+def overlap_of(w, at):
+    """Overlap of a contact now; negative where it is open."""
+    return w[AT_REST + at] + (w[X + at] - w[X + LANES + at])
+
+
+@compiled
+def closing_of(w, at):
+    """Speed at which a contact closes now."""
+    return w[V + at] - w[V + LANES + at]

@@ -1,0 +1,135 @@
+"""When the largest force on the right wall is complete: `hertzchain.simulation.wall_watch`.
+
+These are the same criteria, compiled, for elastic contacts; `hertzchain.simulation.wall_bound` has
+the equation of the bound.
+"""
+
+from __future__ import annotations
+
+from .compilation import compiled
+from .elastic_forces import closing_of, force_of, overlap_of
+from .elastic_layout import (
+    BODY,
+    DUE,
+    EXPONENT,
+    FORCE,
+    IMPACT_IMPULSE,
+    INVERSE_MASS,
+    LANES,
+    RECORD_CROSSING,
+    RECORD_PEAK_TIME,
+    SINCE,
+    STATIC_FORCE,
+    STATIC_OVERLAP,
+    STEP,
+    STIFFNESS,
+    TIME,
+    TRANSIT,
+    WATCH_START,
+    V,
+)
+
+# As in `hertzchain.simulation.wall_watch`.
+HELD, MAX_TRANSITS, CHECKS = 0.5, 10, 16
+ROUNDING, RELEASED = 1e-9, 1e-3
+
+
+@compiled
+def bound_of(w, beads, lane, chain):
+    """Largest force on the right wall that the motion towards it can still cause."""
+    energy, behind = 0.0, 0.0
+    for c in range(beads + 1):
+        at = c * LANES + lane
+        ahead = w[V + LANES + at] if c < beads else 0.0
+        if c < beads and ahead > 0.0:
+            energy += 0.5 * ahead * ahead / w[INVERSE_MASS + at]
+        if w[STIFFNESS + at] > 0.0:
+            d, static = overlap_of(w, at), chain[STATIC_FORCE, c]
+            if behind + ahead > 0.0 or (d < 0.0 and static > 0.0):
+                p, rest = w[EXPONENT + at], chain[STATIC_OVERLAP, c]
+                stored = force_of(w, at, d) * d - force_of(w, at, rest) * rest
+                energy += max(0.0, stored / (p + 1.0) - static * (d - rest))
+        behind = ahead
+    at = beads * LANES + lane
+    p, k = w[EXPONENT + at], w[STIFFNESS + at]
+    depth = ((p + 1.0) * energy / k) ** (1.0 / (p + 1.0)) + chain[STATIC_OVERLAP, beads]
+    return k * depth**p
+
+
+@compiled
+def nothing_can_happen(w, beads, lane):
+    """Whether no contact is closed or closing and no constant force acts."""
+    for k in range(beads):
+        if w[BODY + k * LANES + lane] != 0.0:
+            return False
+    for c in range(beads + 1):
+        at = c * LANES + lane
+        if w[STIFFNESS + at] > 0.0 and (overlap_of(w, at) > 0.0 or closing_of(w, at) > 0.0):
+            return False
+    return True
+
+
+@compiled
+def set_due(lane, state):
+    """Set the next check to the first one after the next step."""
+    time, spacing = state[TIME, lane] + state[STEP, lane], state[TRANSIT, lane] / CHECKS
+    number = max(0.0, (time - state[WATCH_START, lane]) // spacing) + 1.0
+    state[DUE, lane] = state[WATCH_START, lane] + number * spacing
+
+
+@compiled
+def start_watch(w, beads, lane, state, records):
+    """Watch the wall from the end of the first transit on."""
+    transit = 0.0
+    for k in range(beads):
+        transit = max(transit, records[RECORD_PEAK_TIME, k], records[RECORD_CROSSING, k])
+    flight, last = 0.0, beads * LANES + lane
+    if w[STIFFNESS + last] > 0.0 and w[V + last] > 0.0:
+        flight = max(0.0, -overlap_of(w, last)) / w[V + last]
+    state[WATCH_START, lane], state[TRANSIT, lane] = transit + flight, transit
+    set_due(lane, state)
+
+
+@compiled
+def note(lane, state, impulse):
+    """Record that the peak is complete from now on, unless it was before."""
+    if state[SINCE, lane] == 0.0:
+        state[SINCE, lane], state[IMPACT_IMPULSE, lane] = state[TIME, lane], impulse
+
+
+@compiled
+def close(lane, state, impulse):
+    """Record that nothing more can happen, so that the peak is complete."""
+    state[WATCH_START, lane] = state[TIME, lane]
+    state[TRANSIT, lane] = 0.0
+    note(lane, state, impulse)
+
+
+@compiled
+def check_wall(w, beads, lane, chain, state, peak, impulse):
+    """Compare the bound with the largest force so far."""
+    set_due(lane, state)
+    if nothing_can_happen(w, beads, lane):
+        close(lane, state, impulse)
+        return
+    bound = bound_of(w, beads, lane, chain)
+    if peak == 0.0 or bound > (1.0 + ROUNDING) * peak:
+        state[SINCE, lane] = state[IMPACT_IMPULSE, lane] = 0.0
+        return
+    static = chain[STATIC_FORCE, beads]
+    if w[FORCE + beads * LANES + lane] - static <= RELEASED * (peak - static):
+        note(lane, state, impulse)
+
+
+@compiled
+def held(lane, state):
+    """Whether the peak has been complete for half a transit."""
+    since = state[SINCE, lane]
+    return since > 0.0 and state[TIME, lane] - since >= HELD * state[TRANSIT, lane]
+
+
+@compiled
+def expired(lane, state):
+    """Whether ten transits have passed and the bound is not below the peak."""
+    last = state[WATCH_START, lane] + (MAX_TRANSITS - 1) * state[TRANSIT, lane]
+    return state[TIME, lane] >= last and state[SINCE, lane] == 0.0

@@ -1,0 +1,293 @@
+r"""Which contact must leave its mode first within a step, and when.
+
+A contact may leave its mode and be back in it at the end of the step.  By the ends of the step and
+its stages it is decided which contacts are searched; on the interpolant of the step, the margin
+(`hertzchain.kernels.contact_margins`) of those is followed to its first zero, or to its minimum.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from .compilation import compiled
+from .contact_law import LOADED, RELEASED, STUCK, force, has_modes, is_plastic, law_of
+from .contact_margins import leaves_mode, margin_of, must_switch, pull_free_force, vanishes_between
+from .dop853 import STEP_STAGES
+from .dop853_interpolant import state_within, value
+from .driving import wall_motion
+from .events import BISECTIONS, PARTS
+from .forces import LEFT_IMPULSE, PUSHED, derivative, overlap_and_closing
+from .law_kinds import DAMPED, UNLOADING
+from .stepping import interpolate
+
+# A stuck contact is searched whose force comes this near to a bound at a stage, and its stages are
+# looked at where it is this near at an end of the step, in parts of the distance of the bounds.
+NEAR, NEAR_AT_END = 0.05, 0.1
+# The stages that are looked at: those of the highest order, from a quarter of the step on.
+LATE_STAGES = tuple(range(7, STEP_STAGES))
+# A damped force of more than this part of the elastic one is not cut off soon.
+WEAK = 0.5
+# Part of a step in which the slope of a force is found.
+SHORT = 1e-3
+# How often a minimum is narrowed down, to two thirds; it is, where a parabola says that it is less
+# than this part of the least margin found.
+SECTIONS, NEAR_AT_LEAST = 20, 0.5
+
+
+@compiled
+def turned(c, beads, wall_speed, sign, stages, still):
+    """Whether some stage of the step finds contact c opening (sign 1) or closing (-1)."""
+    for j in range(1, STEP_STAGES):
+        left = stages[j, c - 1] if c > 0 else wall_speed
+        right = stages[j, c] if c < beads else 0.0
+        if sign * (left - right) < -still:
+            return True
+    return False
+
+
+@compiled
+def relative_acceleration(c, beads, wall, rates):
+    """Rate of the closing speed of contact c, where the derivative of the state is given."""
+    left = rates[beads + c - 1] if c > 0 else wall[2]
+    return left - rates[beads + c] if c < beads else left
+
+
+@compiled
+def may_turn_twice(sign, h, closing, still_closing, slope, last_slope):
+    """Whether a contact, closing (sign 1) or opening (-1) at both ends, may rest in between."""
+    return vanishes_between(
+        sign * closing, sign * h * slope, sign * still_closing, sign * h * last_slope
+    )
+
+
+@compiled
+def may_be_cut_off(h, mode, before, after, slope, last_slope, stiffness, damping, law):
+    """Whether the force of a damped contact, cut off at neither end or at both, may be within.
+
+    ``before`` and ``after`` are overlap and closing speed at the ends, the slopes those of the
+    speed.
+    """
+    overlap, closing = before
+    last, still_closing = after
+    if min(overlap, last) <= 0.0 or min(closing, still_closing) >= 0.0:
+        return False
+    sign = 1.0 if mode == LOADED else -1.0
+    # Where the beads part, their damping must grow and shrink again.
+    if sign * last_slope <= 0.0 and sign * still_closing <= 0.0:
+        return False
+    first = sign * pull_free_force(overlap, closing, stiffness, damping, law)
+    end = sign * pull_free_force(last, still_closing, stiffness, damping, law)
+    if not law.attractive and first > WEAK * force(overlap, stiffness, law.exponent):
+        if end > WEAK * force(last, stiffness, law.exponent):
+            return False
+    short = SHORT * h
+    soon = sign * pull_free_force(
+        overlap + short * (closing + 0.5 * short * slope), closing + short * slope, stiffness,
+        damping, law,
+    )  # fmt: skip
+    late = sign * pull_free_force(
+        last - short * (still_closing - 0.5 * short * last_slope),
+        still_closing - short * last_slope, stiffness, damping, law,
+    )  # fmt: skip
+    return vanishes_between(first, (soon - first) / SHORT, end, (end - late) / SHORT)
+
+
+@compiled
+def may_come_loose(c, loading, stages, setup, contacts):
+    """Whether the force of stuck contact c is near one of its bounds at a stage of the step.
+
+    At the stages it follows from the force on the left wall and the accelerations of the beads.
+    """
+    kept, beads = law_of(c, setup).kept, len(setup.inverse_mass)
+    least, apart = kept * loading, (1.0 - kept) * loading
+    inner, outer = NEAR_AT_END * apart, NEAR * apart
+    nearest = min(contacts.force[c], contacts.last_force[c]) - least
+    if min(nearest, loading - max(contacts.force[c], contacts.last_force[c])) > inner:
+        return False
+    for j in LATE_STAGES:
+        held = stages[j, 2 * beads + LEFT_IMPULSE] + stages[j, 2 * beads + PUSHED]
+        held -= stages[j, 2 * beads + PUSHED] if c == 0 else 0.0
+        for k in range(c):
+            held += setup.body_force[k] - stages[j, beads + k] / setup.inverse_mass[k]
+        if not least + outer < held < loading - outer:
+            return True
+    return False
+
+
+@compiled
+def may_switch(c, h, y, y_new, stages, setup, contacts, walls, still):
+    """Whether contact c, by what the stages of a step say, must leave its mode within it.
+
+    ``walls`` is the motion of the left wall at both ends of the step.
+    """
+    if setup.law.implicit:
+        return leaves_mode(c, 1.0, y_new, walls[1], setup, contacts, still)
+    law, mode, beads = law_of(c, setup), contacts.mode[c], len(setup.inverse_mass)
+    gap, stiffness, damping = setup.gap[c], setup.stiffness[c], setup.damping[c]
+    before = overlap_and_closing(c, y, beads, gap, walls[0])
+    after = overlap_and_closing(c, y_new, beads, gap, walls[1])
+    remembers = law.kind == UNLOADING or is_plastic(law)
+    if remembers and mode != STUCK and before[0] <= 0.0 and after[0] <= 0.0:
+        # Open at both ends: there is no force whose mode could matter.
+        return False
+    if must_switch(
+        after[0], after[1], stiffness, damping, mode, contacts.largest[c], contacts.force[c], law,
+        still,
+    ):  # fmt: skip
+        return True
+    if mode == STUCK:
+        loading = force(after[0], stiffness, law.exponent)
+        return may_come_loose(c, loading, stages, setup, contacts)
+    if is_plastic(law) and mode == RELEASED:
+        # It may go beyond its largest overlap and come back.
+        return before[1] > still and turned(c, beads, walls[1][1], 1.0, stages, still)
+    slope = relative_acceleration(c, beads, walls[0], stages[0])
+    last_slope = relative_acceleration(c, beads, walls[1], stages[STEP_STAGES])
+    if law.kind == DAMPED:
+        return may_be_cut_off(h, mode, before, after, slope, last_slope, stiffness, damping, law)
+    sign = 1.0 if mode == LOADED else -1.0
+    return turned(c, beads, walls[1][1], sign, stages, still) or may_turn_twice(
+        sign, h, before[1], after[1], slope, last_slope
+    )
+
+
+@compiled
+def closing_until(c, time, y, h, dense, setup, segment, still):
+    """Fraction of the step until which contact c, closing at its start, closes."""
+    beads, low, high = len(setup.inverse_mass), 0.0, 2.0
+    for part in range(1, PARTS + BISECTIONS + 1):
+        if high > 1.0 and part > PARTS:
+            return 1.0
+        theta = part / PARTS if high > 1.0 else 0.5 * (low + high)
+        left = wall_motion(time + theta * h, setup, segment)[1]
+        if c > 0:
+            left = value(beads + c - 1, theta, y, dense)
+        right = value(beads + c, theta, y, dense) if c < beads else 0.0
+        if left - right > still:
+            low = theta
+        else:
+            high = theta
+    return low
+
+
+@compiled
+def state_of_contact(c, theta, time, y, h, dense, setup, contacts, segment, trial, scratch):
+    """The state of the beads of contact c at the fraction theta of the step; returns the wall's.
+
+    A stuck contact's force depends on all beads, that of another one on its own two.
+    """
+    beads = len(setup.inverse_mass)
+    if contacts.mode[c] == STUCK:
+        state_within(theta, y, dense, trial)
+        derivative(time + theta * h, trial, setup, contacts, segment, scratch)
+    for k in range(max(c - 1, 0), min(c + 1, beads)):
+        trial[k] = value(k, theta, y, dense)
+        trial[beads + k] = value(beads + k, theta, y, dense)
+    return wall_motion(time + theta * h, setup, segment)
+
+
+@compiled
+def look_at(c, theta, time, y, h, dense, setup, contacts, segment, still, trial, scratch):
+    """Whether contact c has to leave its mode at the fraction theta of the step, and its margin."""
+    wall = state_of_contact(c, theta, time, y, h, dense, setup, contacts, segment, trial, scratch)
+    leaves = leaves_mode(c, theta, trial, wall, setup, contacts, still)
+    return leaves, margin_of(c, trial, wall, setup, contacts)
+
+
+@compiled
+def dips(left, least, right):
+    """Whether a parabola through a least margin and those beside it comes much nearer to zero."""
+    bend = left - 2.0 * least + right
+    return 0.125 * (right - left) ** 2 > (1.0 - NEAR_AT_LEAST) * least * bend
+
+
+@compiled
+def least_margin(c, low, high, time, y, h, dense, setup, contacts, segment, still, trial, scratch):
+    """Fraction of the step, between two others, at which the margin of contact c is least."""
+    for _ in range(SECTIONS):
+        one, two = (2.0 * low + high) / 3.0, (low + 2.0 * high) / 3.0
+        at_one = look_at(
+            c, one, time, y, h, dense, setup, contacts, segment, still, trial, scratch
+        )[1]
+        at_two = look_at(
+            c, two, time, y, h, dense, setup, contacts, segment, still, trial, scratch
+        )[1]
+        low, high = (low, two) if at_one < at_two else (one, high)
+    return 0.5 * (low + high)
+
+
+@compiled
+def switch_within(c, time, y, h, dense, setup, contacts, segment, still, trial, scratch):
+    """Where in the step contact c first must leave its mode; 2 if nowhere."""
+    low, high, end = 0.0, 2.0, 1.0
+    if is_plastic(law_of(c, setup)) and contacts.mode[c] == RELEASED:
+        end = closing_until(c, time, y, h, dense, setup, segment, still)
+    nearest, least, left, right, before = 0, np.inf, np.inf, np.inf, np.inf
+    for part in range(PARTS + 1):
+        leaves, margin = look_at(
+            c, end * part / PARTS, time, y, h, dense, setup, contacts, segment, still, trial,
+            scratch,
+        )  # fmt: skip
+        if leaves and part > 0:
+            low, high = end * (part - 1) / PARTS, end * part / PARTS
+            break
+        if margin < least:
+            nearest, least, left, right = part, margin, before, np.inf
+        elif part == nearest + 1:
+            right = margin
+        before = margin
+    inside = 0 < nearest < PARTS and dips(left, least, right)
+    if nearest == PARTS and high > 1.0:
+        inside = least > look_at(
+            c, end * (1.0 - SHORT), time, y, h, dense, setup, contacts, segment, still, trial,
+            scratch,
+        )[1]  # fmt: skip
+    if high > 1.0 and not setup.law.implicit and inside:
+        low = end * (nearest - 1) / PARTS
+        theta = least_margin(
+            c, low, end * min(nearest + 1, PARTS) / PARTS, time, y, h, dense, setup, contacts,
+            segment, still, trial, scratch,
+        )  # fmt: skip
+        low = min(low, theta)
+        if look_at(c, theta, time, y, h, dense, setup, contacts, segment, still, trial, scratch)[0]:
+            high = theta
+    if high > 1.0:
+        return 2.0
+    for _ in range(BISECTIONS):
+        theta = 0.5 * (low + high)
+        if look_at(c, theta, time, y, h, dense, setup, contacts, segment, still, trial, scratch)[0]:
+            high = theta
+        else:
+            low = theta
+    return high
+
+
+@compiled
+def first_switch(
+    time, y, h, y_new, stages, dense, setup, contacts, segment, still, trial, scratch, search
+):
+    """The first contact that must leave its mode within the step, and where; -1 if none.
+
+    Returns, too, whether the stages are complete and the coefficients in ``dense`` found.
+    ``search`` is `None` where no contact has modes: numba then compiles nothing of this.
+    """
+    if search is None:
+        return -1, 2.0, False
+    beads = len(setup.inverse_mass)
+    walls = wall_motion(time, setup, segment), wall_motion(time + h, setup, segment)
+    first, earliest, dense_is_found = -1, 2.0, False
+    for c in range(beads + 1):
+        if setup.stiffness[c] == 0.0 or not has_modes(law_of(c, setup)):
+            continue
+        if not may_switch(c, h, y, y_new, stages, setup, contacts, walls, still):
+            continue
+        if not dense_is_found:
+            interpolate(time, y, h, y_new, setup, contacts, segment, stages, dense, trial)
+            dense_is_found = True
+        theta = switch_within(c, time, y, h, dense, setup, contacts, segment, still, trial, scratch)
+        if setup.law.kind == UNLOADING:
+            # The forces of stuck contacts were overwritten.
+            derivative(time + h, y_new, setup, contacts, segment, scratch)
+        if first < 0 or theta < earliest:
+            first, earliest = c, theta
+    return first if earliest <= 1.0 else -1, earliest, dense_is_found

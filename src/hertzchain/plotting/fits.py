@@ -1,0 +1,285 @@
+"""Plot measured traces, fits, residuals, correlations and posteriors."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, Final
+
+import matplotlib.pyplot as plt
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from ..fitting.goodness import autocorrelation
+from .style import COLOURS, figure_style, get_axes
+
+if TYPE_CHECKING:
+    from ..fitting.posterior import Posterior
+    from ..fitting.result import FitResult
+    from ..fitting.trace_comparison import TraceComparison
+    from ..fitting.traces import Signal, Traces
+
+MICRO: Final = 1e6
+# Samples of a posterior that are drawn as points.
+POINTS: Final = 4000
+
+
+def plot_traces(traces: Traces, *, ax: Axes | None = None) -> Axes:
+    """Plot measured signals over time.
+
+    Parameters
+    ----------
+    traces : Traces
+        The data.
+    ax : matplotlib.axes.Axes, optional
+        Axes to draw into.  By default, a new figure is created.
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+
+    Examples
+    --------
+    >>> import hertzchain as hc
+    >>> traces = hc.Traces.from_arrays([0.0, 1e-6], {"wall [N]": [0.0, 5.0]}, noise=0.1)
+    >>> plot_traces(traces).get_ylabel()
+    'signal [N]'
+    """
+    with figure_style():
+        axes = get_axes(ax)
+        for i, (index, signal) in enumerate(traces):
+            times = MICRO * traces.shots[index].times
+            label = signal.name + (f", shot {index + 1}" if len(traces.shots) > 1 else "")
+            colour = COLOURS[i % len(COLOURS)]
+            axes.plot(times, np.where(signal.valid, signal.values, np.nan), color=colour,
+                      label=label)  # fmt: skip
+            unused = ~signal.valid & np.isfinite(signal.values)
+            axes.plot(times[unused], signal.values[unused], "x", color=colour)
+        units = " or ".join(dict.fromkeys(signal.unit for _, signal in traces))
+        axes.set_xlabel("time [µs]")
+        axes.set_ylabel(f"signal [{units}]")
+        axes.margins(x=0.0)
+        axes.legend()
+    return axes
+
+
+def plot_fit(result: FitResult) -> Figure:
+    """Plot data, fit and residuals over noise of every sensor.
+
+    Parameters
+    ----------
+    result : FitResult
+        A fit.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+
+    Examples
+    --------
+    >>> import hertzchain as hc
+    >>> figure = plot_fit(hc.fit(*hc.example_experiment(), free=["time_offset"]))
+    """
+    residuals = result.residuals()
+    shots = result.traces.shots
+    most = max(len(shot.signals) for shot in shots)
+    with figure_style():
+        figure, panels = plt.subplots(
+            2 * len(shots), most, squeeze=False, sharex="row", layout="constrained",
+            figsize=(3.2 * most, 4.0 * len(shots)),
+            gridspec_kw={"height_ratios": [2.2, 1.0] * len(shots)},
+        )  # fmt: skip
+        rest = iter(residuals)
+        for index, shot in enumerate(shots):
+            for column in range(most):
+                upper, lower = panels[2 * index, column], panels[2 * index + 1, column]
+                if column >= len(shot.signals):
+                    upper.remove()
+                    lower.remove()
+                    continue
+                signal = shot.signals[column]
+                _draw_signal(upper, shot.times, signal, result.predicted[index][column])
+                lower.plot(MICRO * shot.times, next(rest)[2], ".", color="0.35", markersize=2.0)
+                lower.axhline(0.0, color="black", linewidth=0.6)
+                lower.set_xlabel("time [µs]")
+                if column == 0:
+                    lower.set_ylabel("residual / noise")
+                    upper.legend()
+                if len(shots) > 1:
+                    upper.set_title(f"{signal.name}, shot {index + 1}")
+    return figure
+
+
+def _draw_signal(axes: Axes, times: Any, signal: Signal, model: Any) -> None:
+    shown = np.where(signal.valid, signal.values, np.nan)
+    axes.plot(MICRO * times, shown, ".", color="0.55", markersize=2.5, label="data")
+    axes.plot(MICRO * times, model, color=COLOURS[2], linewidth=1.0, label="model")
+    unused = ~signal.valid & np.isfinite(signal.values)
+    axes.plot(MICRO * times[unused], signal.values[unused], "x", color="0.55", markersize=3.0)
+    what = "force" if signal.place.quantity == "force" else "velocity"
+    axes.set_ylabel(f"{what} [{signal.unit}]" if signal.calibrated else f"signal [{signal.unit}]")
+    axes.set_title(signal.name)
+    axes.margins(x=0.0)
+
+
+def plot_fit_residuals(result: FitResult) -> Figure:
+    """Plot the distribution and the autocorrelation of the residuals of a fit.
+
+    Parameters
+    ----------
+    result : FitResult
+        A fit.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+
+    Examples
+    --------
+    >>> import hertzchain as hc
+    >>> figure = plot_fit_residuals(hc.fit(*hc.example_experiment(), free=["time_offset"]))
+    """
+    with figure_style():
+        figure, (left, right) = plt.subplots(1, 2, figsize=(8.5, 3.4), layout="constrained")
+        edges = np.linspace(-5.0, 5.0, 41)
+        for i, (shot, name, values) in enumerate(result.residuals()):
+            seen = values[np.isfinite(values)]
+            label = name + (f", shot {shot}" if len(result.traces.shots) > 1 else "")
+            colour = COLOURS[i % len(COLOURS)]
+            left.hist(np.clip(seen, -5.0, 5.0), edges, density=True, histtype="step", color=colour,
+                      label=label)  # fmt: skip
+            rho = autocorrelation(seen, 40)
+            right.plot(np.arange(1, len(rho)), rho[1:], color=colour, linewidth=1.0)
+        grid = np.linspace(-5.0, 5.0, 201)
+        left.plot(grid, np.exp(-0.5 * grid**2) / np.sqrt(2.0 * np.pi), "k--", linewidth=0.9,
+                  label="normal")  # fmt: skip
+        left.set_xlabel("residual / noise")
+        left.set_ylabel("density")
+        left.legend()
+        bound = 2.0 / np.sqrt(result.goodness.samples / max(1, len(result.residuals())))
+        right.axhspan(-bound, bound, color="0.85")
+        right.axhline(0.0, color="black", linewidth=0.6)
+        right.set_xlabel("lag [samples]")
+        right.set_ylabel("autocorrelation")
+    return figure
+
+
+def plot_correlations(result: FitResult) -> Figure:
+    """Plot the correlations of the parameters of a fit as a map.
+
+    Parameters
+    ----------
+    result : FitResult
+        A fit.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+
+    Examples
+    --------
+    >>> import hertzchain as hc
+    >>> figure = plot_correlations(hc.fit(*hc.example_experiment(), free=["time_offset"]))
+    """
+    names, values = result.names, result.correlation
+    with figure_style():
+        side = 2.6 + 0.4 * len(names)
+        figure, axes = plt.subplots(figsize=(side + 0.8, side), layout="constrained")
+        mesh = axes.imshow(values, cmap="RdBu_r", vmin=-1.0, vmax=1.0)
+        places = np.arange(len(names))
+        axes.set_xticks(places, names, rotation=90)
+        axes.set_yticks(places, names)
+        axes.grid(visible=False)
+        if len(names) <= 12:
+            for i, j in np.ndindex(values.shape):
+                axes.text(j, i, f"{values[i, j]:.2f}", ha="center", va="center", fontsize=6.5,
+                          color="white" if abs(values[i, j]) > 0.6 else "black")  # fmt: skip
+        figure.colorbar(mesh, ax=axes, label="correlation", shrink=0.8)
+    return figure
+
+
+def plot_comparison(comparison: TraceComparison) -> Figure:
+    """Plot data over simulation, one panel per sensor.
+
+    Parameters
+    ----------
+    comparison : TraceComparison
+        Data and simulation.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+
+    Examples
+    --------
+    >>> import hertzchain as hc
+    >>> traces, chain = hc.example_experiment()
+    >>> run = hc.simulate(hc.load_chain(chain), until=600e-6, times=1201)
+    >>> figure = plot_comparison(run.compare(traces))
+    """
+    shot = comparison.traces.shots[0]
+    count = len(shot.signals)
+    columns = min(count, 2)
+    rows = -(-count // columns)
+    with figure_style():
+        figure, panels = plt.subplots(
+            rows, columns, squeeze=False, sharex=True, layout="constrained",
+            figsize=(4.2 * columns, 2.5 * rows),
+        )  # fmt: skip
+        for i, axes in enumerate(panels.flat):
+            if i >= count:
+                axes.remove()
+                continue
+            _draw_signal(axes, shot.times, shot.signals[i],
+                         comparison.scales[i] * comparison.signals[i])  # fmt: skip
+            if i >= count - columns:
+                axes.set_xlabel("time [µs]")
+        panels[0, 0].legend()
+    return figure
+
+
+def plot_corner(posterior: Posterior) -> Figure:
+    """Corner plot of a posterior: histogram of each parameter and scatter of each pair.
+
+    Parameters
+    ----------
+    posterior : Posterior
+        Samples.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+
+    Examples
+    --------
+    >>> import hertzchain as hc
+    >>> result = hc.fit(*hc.example_experiment(), free=["time_offset"])
+    >>> figure = plot_corner(result.sample(1000))  # doctest: +SKIP
+    """
+    count = len(posterior.names)
+    drawn = posterior.samples[:: max(1, len(posterior.samples) // POINTS)]
+    with figure_style():
+        figure, panels = plt.subplots(
+            count, count, squeeze=False, figsize=(1.7 * count + 0.6, 1.7 * count + 0.6),
+            layout="constrained",
+        )  # fmt: skip
+        for i, j in np.ndindex(count, count):
+            axes: Any = panels[i, j]
+            if j > i:
+                axes.remove()
+                continue
+            if i == j:
+                axes.hist(posterior.samples[:, i], 40, histtype="step", color=COLOURS[1])
+                axes.axvline(posterior.estimates[i], color=COLOURS[2], linewidth=0.9)
+                axes.set_yticks([])
+            else:
+                axes.plot(drawn[:, j], drawn[:, i], ".", color=COLOURS[1], markersize=1.0,
+                          alpha=0.3, rasterized=True)  # fmt: skip
+                axes.plot(posterior.estimates[j], posterior.estimates[i], "+", color=COLOURS[2])
+            axes.locator_params(nbins=3)
+            axes.tick_params(labelsize=6.5, labelbottom=i == count - 1, labelleft=j == 0 < i)
+            axes.grid(visible=False)
+            if i == count - 1:
+                axes.set_xlabel(posterior.names[j], fontsize=8)
+            if j == 0 and i:
+                axes.set_ylabel(posterior.names[i], fontsize=8)
+    return figure

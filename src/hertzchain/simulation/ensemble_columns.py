@@ -1,0 +1,352 @@
+"""Quantities of the chains of an ensemble, by the elastic kernel or by `simulate`, one by one.
+
+Both give an `Outcome`: columns by the names of the table of quantities, and how the runs ended.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..chain.chain import Chain
+from ..chain.equilibrium import equilibrium
+from ..collision import Array
+from ..errors import InputError
+from ..pulse.quantities import (
+    FINAL_QUANTITIES,
+    QUANTITIES,
+    SENSOR_QUANTITIES,
+    WALL_QUANTITIES,
+    Quantity,
+)
+from .budget import budget_of
+from .ensemble_input import kernel_input
+from .run import Run
+from .run_end import Status
+from .run_message import FAILURES, end_message
+from .run_pulse import pulse_of
+from .sensor_force import MIN_HEIGHT, find_maxima
+from .simulate import MAX_RTOL, MIN_RTOL, simulate
+
+# Quantities of the leading pulse that a simulation gives.
+PULSE_QUANTITIES: Final = {
+    name: each for name, each in QUANTITIES.items() if not each.estimate
+}  # fmt: skip
+KEPT: Final[dict[str, Quantity]] = {
+    **PULSE_QUANTITIES, **WALL_QUANTITIES, **SENSOR_QUANTITIES, **FINAL_QUANTITIES
+}  # fmt: skip
+# Times at which `simulate` saves the force of a sensor, whose maxima are then interpolated.
+SENSOR_TIMES: Final = 4000
+# `simulate` uses a method of its own, with a larger error at the same tolerance.
+TIGHTER: Final = 0.1
+
+STATUS: Final[tuple[Status, ...]] = (
+    "step limit", "pulse left", "time reached", "wall force complete", "transit limit",
+    "nothing more happens", "step limit", "step too small",
+)  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Request:
+    """Quantities, sensors and options that are the same for all chains."""
+
+    keep: tuple[str, ...]
+    sensors: tuple[int, ...]
+    until: float | None
+    rtol: float
+    max_steps: int | None
+
+
+@dataclass(frozen=True, eq=False)
+class Outcome:
+    """Columns of some chains, and how they ended."""
+
+    columns: dict[str, Array]
+    status: Sequence[str]
+    complete: NDArray[np.bool_]
+    overlaps: Array
+    reasons: dict[int, str]
+
+
+def check_member(chain: Chain, request: Request) -> None:
+    """Raise `InputError` if a chain lacks what is asked of it."""
+    if chain.right_wall is None and any(name in WALL_QUANTITIES for name in request.keep):
+        raise InputError("the right end of this chain is free; add a right_wall")
+    beyond = [bead for bead in request.sensors if bead > chain.beads]
+    if beyond:
+        raise InputError(f"there is no bead {beyond[0]} with a sensor among {chain.beads}")
+
+
+def by_kernel(chains: Sequence[Chain], request: Request, signal: NDArray[np.int64]) -> Outcome:
+    """Integrate chains of one kind side by side."""
+    from ..kernels import elastic_chains
+    from ..kernels import elastic_layout as layout
+
+    kernel: Any = elastic_chains
+    given, count, beads = kernel_input(chains, request.until), len(chains), chains[0].beads
+    places = np.array([(beads, beads), *((bead - 1, bead) for bead in request.sensors)])
+    records = np.zeros((count, layout.RECORDS, beads))
+    summary = np.zeros((count, layout.SUMMARY))
+    readings = np.zeros((count, len(places), layout.GAUGE_ROWS))
+    limit = request.max_steps or max(2000 * beads, 1_000_000)
+    kernel.follow(
+        given.chains, given.numbers, places, request.rtol, float(limit), given.hertz,
+        given.walled, given.careful, records, summary, readings, signal,
+        *kernel.scratch_for(len(places)),
+    )  # fmt: skip
+    found = _KernelResults(chains, given.chains, records, summary, readings)
+    return found.outcome(request)
+
+
+class _KernelResults:
+    """Results of the kernel for chains of one kind, as quantities."""
+
+    def __init__(
+        self, chains: Sequence[Chain], given: Array, records: Array, summary: Array, readings: Array
+    ) -> None:
+        from ..kernels import elastic_layout
+
+        self.layout: Any = elastic_layout
+        self.chains, self.given, self.records = chains, given, records
+        self.summary, self.readings = summary, readings
+
+    def outcome(self, request: Request) -> Outcome:
+        """The quantities that are asked for."""
+        layout, keep = self.layout, request.keep
+        found: dict[str, Array] = {}
+        if any(name in PULSE_QUANTITIES for name in keep):
+            found |= self._pulse()
+        if any(name in WALL_QUANTITIES for name in keep):
+            found |= self._wall()
+        if any(name in SENSOR_QUANTITIES for name in keep):
+            found |= self._sensors()
+        if any(name in FINAL_QUANTITIES for name in keep):
+            found |= self._final()
+        status = [STATUS[int(code)] for code in self.summary[:, layout.STATUS]]
+        reasons = {i: self._failure(i, each) for i, each in enumerate(status) if each in FAILURES}
+        complete = self.summary[:, layout.WALL_COMPLETE] > 0.0
+        columns = {name: found[name] for name in keep}
+        return Outcome(columns, status, complete, self._overlaps(), reasons)
+
+    def _failure(self, index: int, status: Any) -> str:
+        layout, chain = self.layout, self.chains[index]
+        peaked = self.records[index, layout.RECORD_PEAK_TIME, 1:] != 0.0
+        passed = self.records[index, layout.RECORD_CROSSING, :-1] > 0.0
+        time, steps = self.summary[index, [layout.END_TIME, layout.TAKEN]]
+        count = 1 + int(np.count_nonzero(peaked & passed))
+        return end_message(chain, status, float(time), int(steps), count)
+
+    def _pulse(self) -> dict[str, Array]:
+        layout, records = self.layout, self.records
+        peak, times = records[:, layout.RECORD_PEAK], records[:, layout.RECORD_PEAK_TIME]
+        crossings = records[:, layout.RECORD_CROSSING, :-1]
+        overlap = np.where(crossings > 0.0, records[:, layout.RECORD_OVERLAP, :-1], np.nan)
+        found = {
+            "velocity": np.where(peak != 0.0, peak, np.nan),
+            "peak_time": np.where(peak != 0.0, np.maximum(times, 0.0), np.nan),
+            "arrival": np.pad(np.where(crossings > 0.0, crossings, np.nan), ((0, 0), (1, 0))),
+            "residence": self._residence(crossings),
+            "peak_overlap": overlap,
+        }
+        found["momentum"] = found["velocity"] / self._inverse_masses
+        found["energy"] = 0.5 * found["momentum"] * found["velocity"]
+        found["peak_force"] = self._force(overlap, slice(1, -1))
+        return found
+
+    @property
+    def _inverse_masses(self) -> Array:
+        masses: Array = self.given[:, self.layout.GIVEN_INVERSE_MASS, :-1]
+        return masses
+
+    def _force(self, overlaps: Array, contacts: Any) -> Array:
+        stiffness = self.given[:, self.layout.GIVEN_STIFFNESS, contacts]
+        exponents = self.given[:, self.layout.GIVEN_EXPONENT, contacts]
+        return np.asarray(stiffness * overlaps**exponents)
+
+    def _residence(self, times: Array) -> Array:
+        """As `hertzchain.simulation.run_pulse.residence_of`, for struck chains."""
+        since = self.records[:, self.layout.RECORD_RESIDENCE, :-1]
+        residence = np.where(since > 0.0, since, np.diff(times, prepend=0.0))
+        passed = times > 0.0
+        behind = np.pad(passed[:, :-1], ((0, 0), (1, 0)), constant_values=True)
+        residence[~passed | ~behind] = np.nan
+        moving = np.pad(self.given[:, self.layout.START_V, :-1] > 0.0, ((0, 0), (0, 1)))
+        first = np.argmin(moving, axis=1)
+        undefined = np.arange(residence.shape[1]) < first[:, np.newaxis]
+        residence[undefined & (first > 1)[:, np.newaxis]] = np.nan
+        return residence
+
+    def _wall(self) -> dict[str, Array]:
+        layout, wall = self.layout, self.readings[:, 0]
+        done = self.summary[:, layout.WALL_COMPLETE] > 0.0
+        peak = np.where(done, wall[:, layout.PEAK], np.nan)
+        impact = np.where(done, self.summary[:, layout.WALL_IMPACT_IMPULSE], np.nan)
+        ended = self.summary[:, layout.WALL_FIRST_END] > 0.0
+        first = self.summary[:, layout.WALL_FIRST_IMPULSE]
+        with np.errstate(divide="ignore", invalid="ignore"):
+            duration = impact / peak
+        return {
+            "wall_peak_force": peak,
+            "wall_peak_time": np.where(done, wall[:, layout.PEAK_TIME], np.nan),
+            "wall_largest_so_far": wall[:, layout.PEAK],
+            "wall_impulse_of_impact": impact,
+            "wall_first_contact_impulse": np.where(ended, first, np.nan),
+            "wall_impulse": wall[:, layout.IMPULSE],
+            "wall_duration": duration,
+        }
+
+    def _sensors(self) -> dict[str, Array]:
+        layout, sensors = self.layout, self.readings[:, 1:]
+        heights = sensors[..., layout.MAXIMUM_0 :: 2] - sensors[..., [layout.REST]]
+        largest = sensors[..., layout.PEAK] - sensors[..., layout.REST]
+        kept = np.arange(layout.KEPT_MAXIMA) < sensors[..., [layout.MAXIMA]]
+        high = kept & (heights > MIN_HEIGHT * largest[..., np.newaxis])
+        at = layout.MAXIMUM_0 + 2 * np.argmax(high, axis=-1)[..., np.newaxis]
+        there = high.any(axis=-1)
+        first, time = (np.take_along_axis(sensors, at + i, axis=-1)[..., 0] for i in (0, 1))
+        return {
+            "sensor_first_maximum": np.where(there, first, np.nan),
+            "sensor_first_maximum_time": np.where(there, time, np.nan),
+            "sensor_largest_so_far": sensors[..., layout.PEAK],
+            "sensor_largest_so_far_time": sensors[..., layout.PEAK_TIME],
+            "sensor_impulse": sensors[..., layout.IMPULSE],
+        }
+
+    def _final(self) -> dict[str, Array]:
+        layout = self.layout
+        moved, velocities = self.records[:, layout.FINAL_X], self.records[:, layout.FINAL_V]
+        overlaps = self.given[:, layout.GIVEN_AT_REST] - np.diff(np.pad(moved, ((0, 0), (1, 1))))
+        overlaps = np.maximum(overlaps, 0.0)
+        exponents = self.given[:, layout.GIVEN_EXPONENT]
+        stored = self._force(overlaps, slice(None)) * overlaps / (exponents + 1.0)
+        kinetic = 0.5 * velocities**2 / self._inverse_masses
+        static = self.given[:, layout.GIVEN_NOISE].any()
+        rest = [equilibrium(chain).positions for chain in self.chains] if static else 0.0
+        return {
+            "final_position": moved + rest,
+            "final_velocity": velocities,
+            "end_time": self.summary[:, layout.END_TIME],
+        } | energy_parts(kinetic, velocities > 0.0, stored, np.zeros(len(moved)))
+
+    def _overlaps(self) -> Array:
+        """Largest overlaps by contact, as in `Trajectory.largest_overlaps`."""
+        layout = self.layout
+        overlaps = np.zeros((len(self.chains), self.given.shape[2]))
+        overlaps[:, 1:-1] = self.records[:, layout.RECORD_OVERLAP, :-1]
+        stiffness = self.given[:, layout.GIVEN_STIFFNESS, -1]
+        with np.errstate(divide="ignore", invalid="ignore"):
+            wall = (self.readings[:, 0, layout.PEAK] / stiffness) ** (
+                1.0 / self.given[:, layout.GIVEN_EXPONENT, -1]
+            )
+        overlaps[:, -1] = np.where(stiffness > 0.0, wall, 0.0)
+        return overlaps
+
+
+def energy_parts(
+    kinetic: Array, forward: Array, stored: Array, lost: Array
+) -> dict[str, Array]:  # fmt: skip
+    """Parts of the energy at the end of runs: kinetic of beads, stored in contacts 0..N, lost."""
+    parts = {
+        "energy_forward": np.where(forward, kinetic, 0.0).sum(axis=-1),
+        "energy_backward": np.where(forward, 0.0, kinetic).sum(axis=-1),
+        "energy_in_contacts": stored[..., 1:-1].sum(axis=-1),
+        "energy_in_walls": stored[..., 0] + stored[..., -1],
+        "energy_lost": np.asarray(lost),
+    }
+    total = np.sum([*parts.values()], axis=0)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return {name: np.asarray(values / total) for name, values in parts.items()}
+
+
+def by_simulate(chain: Chain, request: Request, progress: Callable[[int, int], None]) -> Outcome:
+    """Integrate one chain by `simulate`."""
+    keep = request.keep
+    rtol = min(max(TIGHTER * request.rtol, MIN_RTOL), MAX_RTOL)
+    times = SENSOR_TIMES if any(name in SENSOR_QUANTITIES for name in keep) else 0
+    options: dict[str, Any] = {"rtol": rtol, "progress": progress}
+    run = simulate(
+        chain, until=request.until, times=times, max_steps=request.max_steps, **options
+    )  # fmt: skip
+    found: dict[str, Any] = {}
+    if any(name in PULSE_QUANTITIES for name in keep):
+        pulse = pulse_of(chain, run._peaks, run._crossings)
+        found |= {name: pulse.column(name) for name in PULSE_QUANTITIES}
+    if any(name in WALL_QUANTITIES for name in keep):
+        wall = run._wall_force("right")
+        values = {name: getattr(wall, each.attribute) for name, each in WALL_QUANTITIES.items()}
+        found |= {name: np.nan if each is None else each for name, each in values.items()}
+    if times:
+        found |= _sensors_of(run, request.sensors)
+    if any(name in FINAL_QUANTITIES for name in keep):
+        found |= _final_of(run, options)
+    columns = {name: np.asarray(found[name], float)[np.newaxis] for name in keep}
+    complete = np.array([bool(run._complete[1])])
+    return Outcome(columns, [run.status], complete, run.largest_overlaps[np.newaxis], {})
+
+
+def _sensors_of(run: Run, beads: Sequence[int]) -> dict[str, Array]:
+    """Quantities of sensors, from the saved times and a parabola through each maximum."""
+    rows = []
+    rest = equilibrium(run.chain).forces
+    for bead in beads:
+        force = run.sensor(bead)
+        at_rest = 0.5 * float(rest[bead - 1 : bead + 1].sum())
+        found = find_maxima(bead, run.times, force, at_rest)
+        first = _sharpened(run.times, force, found.first_maximum_time)
+        largest = _sharpened(run.times, force, found.largest_so_far_time)
+        rows.append((*first, *largest, float(np.trapezoid(force, run.times))))
+    return dict(zip(SENSOR_QUANTITIES, np.array(rows).reshape(len(beads), -1).T, strict=True))
+
+
+def _sharpened(times: Array, force: Array, time: float) -> tuple[float, float]:
+    """Height and time of a maximum at a saved time, by the parabola through its neighbours."""
+    if np.isnan(time):
+        return np.nan, np.nan
+    i = int(np.searchsorted(times, time))
+    if not 0 < i < len(times) - 1:
+        return float(force[i]), float(times[i])
+    before, here, after = force[i - 1 : i + 2]
+    bend = before - 2.0 * here + after
+    if not bend < 0.0:
+        return float(here), float(times[i])
+    shift = 0.5 * (before - after) / bend
+    return float(here - 0.25 * (before - after) * shift), float(
+        times[i] + shift * (times[i + 1] - times[i])
+    )
+
+
+def _final_of(run: Run, options: dict[str, Any]) -> dict[str, Any]:
+    """The state at the end of a run, with the forces of that time, from a second run."""
+    end = run.end_time
+    last = simulate(run.chain, until=end, times=[end], **options)
+    budget = budget_of(
+        run.chain, last.times, last.positions, last.velocities, last.forces, last._ledger,
+        np.zeros_like(last.velocities), last.state.start,
+    )  # fmt: skip
+    forward, stored = last.velocities[0] > 0.0, np.zeros(run.chain.beads + 1)
+    stored[1], stored[0] = budget.energy["contacts"][0], budget.energy["walls"][0]
+    kinetic = 0.5 * run.chain.masses * last.velocities[0] ** 2
+    return {
+        "final_position": last.positions[0],
+        "final_velocity": last.velocities[0],
+        "end_time": end,
+    } | energy_parts(kinetic, forward, stored, budget.energy["lost"][0])
+
+
+def empty_columns(keep: Sequence[str], count: int, beads: int, sensors: int) -> dict[str, Array]:
+    """Columns of a table, filled with NaN."""
+    return {name: np.full(shape_of(name, count, beads, sensors), np.nan) for name in keep}
+
+
+def shape_of(name: str, count: int, beads: int, sensors: int) -> tuple[int, ...]:
+    """Shape of a column for ``count`` chains."""
+    per = KEPT[name].per
+    if per == "sensor":
+        return count, sensors
+    if per in ("wall", "run"):
+        return (count,)
+    return count, beads - (per == "contact")

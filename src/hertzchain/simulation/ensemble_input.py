@@ -1,0 +1,111 @@
+"""Chains of an ensemble as the arrays of the elastic kernel, and which chains it covers."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from ..chain.chain import Chain
+from ..chain.equilibrium import equilibrium
+from ..collision import HERTZ_EXPONENT, Array, collision_overlap, compression_time
+from .kernel_input import kernel_chain, static_closing
+from .time_scales import transit_times
+from .wall_bound import RIGHT, Target
+
+# First step in parts of the time in which the pulse passes the first contact, and the smallest
+# impulse of a first contact with the wall in parts of the initial momentum.
+FIRST_PART, LEAST_PART = 1e-3, 1e-6
+# Rounding of static forces, as in `hertzchain.kernels.dop853_step`.
+ROUNDING: Final = 5e-15
+# Overlaps far from 1 would pass through numbers that the kernel regards as no overlap.
+MIN_OVERLAP, MAX_OVERLAP = 1e-15, 1e15
+MAX_EXPONENT: Final = 16.0
+# In longer chains without a right wall `simulate` is faster, because it leaves out beads at rest
+# and in free flight; with a wall, most beads move until the end.
+MAX_BEADS_WITHOUT_WALL: Final = 150
+
+
+def is_covered(chain: Chain, until: float | None) -> bool:
+    """Whether the elastic kernel integrates a chain."""
+    from ..kernels.elastic_layout import MOST_BEADS
+
+    if chain.drive is not None or not chain.velocities[0] > 0.0 or not chain.lossless:
+        return False
+    most = MAX_BEADS_WITHOUT_WALL if chain.right_wall is None else MOST_BEADS
+    if chain.beads > most or (chain.gravity != 0.0 and until is None):
+        return False
+    p = float(chain.contact_exponents.max())
+    mass = chain.masses[0] * chain.masses[1] / (chain.masses[0] + chain.masses[1])
+    with np.errstate(all="ignore"):
+        overlap = collision_overlap(mass, chain.stiffness[0], chain.velocities[0], p)
+    return p <= MAX_EXPONENT and MIN_OVERLAP < float(overlap) < MAX_OVERLAP
+
+
+def kind_of(chain: Chain) -> tuple[int, bool, bool, bool]:
+    """Length, and features that all chains of one call of the kernel share."""
+    hertz = bool((chain.contact_exponents == HERTZ_EXPONENT).all())
+    careful = chain.gravity != 0.0 or chain.precompression > 0.0 or bool(chain.gaps.any())
+    return chain.beads, hertz, chain.right_wall is not None, careful
+
+
+@dataclass(frozen=True, eq=False)
+class KernelInput:
+    """Chains of one kind: ``chains`` and ``numbers`` as in `hertzchain.kernels.elastic_layout`."""
+
+    chains: Array
+    numbers: Array
+    hertz: bool
+    walled: bool
+    careful: bool
+
+
+def kernel_input(chains: Sequence[Chain], until: float | None) -> KernelInput:
+    """Pack chains of one kind for the kernel."""
+    from ..kernels import elastic_layout as layout
+
+    beads, hertz, walled, careful = kind_of(chains[0])
+    given = np.zeros((len(chains), layout.GIVEN_ROWS, beads + 1))
+    numbers = np.zeros((len(chains), layout.NUMBERS))
+    for i, chain in enumerate(chains):
+        rows = given[i]
+        rows[layout.START_V, :beads] = chain.velocities
+        rows[layout.GIVEN_INVERSE_MASS, :beads] = 1.0 / chain.masses
+        rows[layout.GIVEN_STIFFNESS] = chain.contact_stiffness
+        rows[layout.GIVEN_EXPONENT] = chain.contact_exponents
+        if chain.gravity != 0.0 or chain.precompression > 0.0:
+            numbers[i, layout.FIRST_STEP] = _add_static_state(chain, rows)
+        else:
+            rows[layout.GIVEN_AT_REST, 1:beads] = -chain.gaps
+            for wall, c in ((chain.left_wall, 0), (chain.right_wall, beads)):
+                rows[layout.GIVEN_AT_REST, c] = -wall.gap if wall is not None else 0.0
+        numbers[i, layout.STRIKERS] = chain.strikers
+    speeds, masses = given[:, layout.START_V, :beads], given[:, layout.GIVEN_INVERSE_MASS, :beads]
+    times = compression_time(
+        1.0 / (masses[:, 0] + masses[:, 1]), given[:, layout.GIVEN_STIFFNESS, 1], speeds[:, 0],
+        HERTZ_EXPONENT if hertz else given[:, layout.GIVEN_EXPONENT, 1],
+    )  # fmt: skip
+    first = numbers[:, layout.FIRST_STEP]
+    first[:] = FIRST_PART * np.where(first > 0.0, np.minimum(first, times), times)
+    numbers[:, layout.LEAST_PUSH] = LEAST_PART * (np.abs(speeds) / masses).sum(axis=1)
+    numbers[:, layout.UNTIL] = math.inf if until is None else until
+    numbers[:, layout.BY_ITSELF] = until is None
+    return KernelInput(given, numbers, hertz, walled, careful)
+
+
+def _add_static_state(chain: Chain, rows: Array) -> float:
+    """Write what acts on a chain at rest; return the shortest time in which it responds."""
+    from ..kernels import elastic_layout as layout
+
+    static, beads = equilibrium(chain), chain.beads
+    rows[layout.GIVEN_AT_REST] = static_closing(chain) - static.gaps
+    rows[layout.GIVEN_BODY, :beads] = static.body_forces / chain.masses
+    pushing = static.forces[:-1] + static.forces[1:]
+    rows[layout.GIVEN_NOISE, :beads] = ROUNDING * pushing / chain.masses
+    if chain.right_wall is not None:
+        target = Target(chain, RIGHT, kernel_chain(chain))  # type: ignore[arg-type]
+        rows[layout.STATIC_FORCE], rows[layout.STATIC_OVERLAP] = target.forces, target.overlaps
+    return float(transit_times(chain).min())

@@ -1,0 +1,183 @@
+"""Quantities of many simulated chains in one table, with a leading chain axis."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..chain.chain import Chain
+from ..chain.hertz_range import hertz_range
+from ..collision import Array
+from ..frozen import Frozen
+from ..validation.objects import check_choice
+from .ensemble_columns import KEPT
+
+if TYPE_CHECKING:
+    import pandas as pd
+    import xarray as xr
+
+
+@dataclass(frozen=True, eq=False)
+class RunTable(Frozen):
+    """Quantities of C simulated chains; the result of `hertzchain.simulate_many`.
+
+    Chains may differ in length: N is the length of the longest, and rows of shorter chains are
+    filled with NaN, as are rows of chains that failed.
+
+    Attributes
+    ----------
+    chains : tuple of Chain
+        The chains; `None` in place of invalid members.
+    sensors : tuple of int
+        Numbers of the beads with a sensor.
+    columns : mapping of str to ndarray
+        The kept quantities [scaled, or SI]: shape (C, N) per bead, (C, N - 1) per contact,
+        (C, S) per sensor, and (C,) per wall or run.
+    status : ndarray of str, shape (C,)
+        Why each run ended, as `Run.status`, or ``"failed"``.
+    reasons : mapping
+        Why a chain failed, by its index; empty if none did.
+    complete : ndarray of bool, shape (C,)
+        Whether the largest force on the right wall is complete, as `WallForce.complete`; where it
+        is not, ``wall_peak_force`` is NaN.
+
+    Examples
+    --------
+    >>> import hertzchain as hc
+    >>> chains = [hc.Chain.uniform(n).replace(right_wall=hc.Wall()) for n in (10, 20)]
+    >>> table = hc.simulate_many(chains, keep=["wall_peak_force", "velocity"])
+    >>> table
+    RunTable(2 chains of up to 20 beads; wall_peak_force, velocity)
+    >>> table["wall_peak_force"].round(4)
+    array([1.2437, 1.2432])
+    """
+
+    chains: tuple[Chain | None, ...]
+    sensors: tuple[int, ...]
+    columns: Mapping[str, Array]
+    status: NDArray[np.str_]
+    reasons: Mapping[int, str]
+    complete: NDArray[np.bool_]
+    _overlaps: Array = field(repr=False)
+
+    def __post_init__(self) -> None:
+        for name in ("columns", "reasons"):
+            object.__setattr__(self, name, MappingProxyType(dict(getattr(self, name))))
+        for values in (*self.columns.values(), self.status, self.complete, self._overlaps):
+            values.setflags(write=False)
+
+    def __getstate__(self) -> dict[str, Any]:
+        mappings = {"columns": dict(self.columns), "reasons": dict(self.reasons)}
+        return {name: value for name, value in vars(self).items() if name != "outside_range"} | (
+            mappings
+        )
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        super().__setstate__(state)
+        self.__post_init__()
+
+    def __len__(self) -> int:
+        return len(self.chains)
+
+    def __getitem__(self, name: str) -> Array:
+        return self.columns[check_choice("quantity of this table", name, self.columns)]
+
+    @property
+    def beads(self) -> NDArray[np.int64]:
+        """Number of beads of each chain, shape (C,)."""
+        return np.array([0 if each is None else each.beads for each in self.chains], np.int64)
+
+    @property
+    def units(self) -> str:
+        """``"SI"`` or ``"scaled"``."""
+        return next((each.units for each in self.chains if each is not None), "scaled")
+
+    @cached_property
+    def outside_range(self) -> NDArray[np.bool_]:
+        """Whether each chain of materials has left the range of Hertz's law, shape (C,).
+
+        Overlaps are those of the leading pulse and of the right wall.
+        """
+        outside = np.zeros(len(self), bool)
+        for i, chain in enumerate(self.chains):
+            if chain is not None and i not in self.reasons and chain.materials is not None:
+                overlaps = self._overlaps[i, : chain.beads + 1]
+                outside[i] = bool(hertz_range(chain, overlaps).violations)
+        return outside
+
+    def to_dataset(self) -> xr.Dataset:
+        """Labelled dataset with dimensions ``chain``, ``bead``, ``contact`` and ``sensor``.
+
+        Returns
+        -------
+        xarray.Dataset
+            One variable per kept quantity, with unit ("1": scaled) and description; ``status``,
+            ``complete`` and ``beads`` by chain.
+
+        Examples
+        --------
+        >>> import hertzchain as hc
+        >>> table = hc.simulate_many([hc.Chain.uniform(9)], keep=["velocity"])
+        >>> dict(table.to_dataset().sizes)
+        {'chain': 1, 'bead': 9}
+        """
+        import xarray as xr
+
+        variables: dict[str, tuple[Any, ...]] = {}
+        coordinates: dict[str, Any] = {"chain": np.arange(len(self))}
+        for name, values in self.columns.items():
+            quantity, dimensions = KEPT[name], ["chain"]
+            if values.ndim == 2:
+                labels = np.arange(1, values.shape[1] + 1)
+                place = str(quantity.per) if quantity.per != "run" else "bead"
+                coordinates[place] = np.array(self.sensors) if place == "sensor" else labels
+                dimensions.append(place)
+            variables[name] = (dimensions, values, quantity.attributes(self.units))
+        variables["status"] = ("chain", self.status, {"long_name": "end of the run"})
+        variables["complete"] = (
+            "chain", self.complete, {"long_name": "largest force on the right wall is complete"}
+        )  # fmt: skip
+        variables["beads"] = ("chain", self.beads, {"long_name": "number of beads"})
+        return xr.Dataset(variables, coords=coordinates, attrs={"method": "simulation"})
+
+    def to_dataframe(self) -> pd.DataFrame:
+        """Table with one row per chain.
+
+        Returns
+        -------
+        pandas.DataFrame
+            A column per quantity, such as ``"end_time"``, or one per bead, contact or sensor, such
+            as ``"velocity_1"``; also ``"beads"``, ``"status"``, ``"complete"`` and ``"reason"``.
+
+        Examples
+        --------
+        >>> import hertzchain as hc
+        >>> table = hc.simulate_many([hc.Chain.uniform(3)], keep=["arrival"])
+        >>> [*table.to_dataframe().columns[:3]]
+        ['arrival_1', 'arrival_2', 'arrival_3']
+        """
+        import pandas as pd
+
+        found: dict[str, Any] = {}
+        for name, values in self.columns.items():
+            if values.ndim == 1:
+                found[name] = values
+                continue
+            numbers = self.sensors if KEPT[name].per == "sensor" else range(1, values.shape[1] + 1)
+            found |= {f"{name}_{k}": values[:, i] for i, k in enumerate(numbers)}
+        found |= {"beads": self.beads, "status": self.status, "complete": self.complete}
+        found["reason"] = [self.reasons.get(i, "") for i in range(len(self))]
+        return pd.DataFrame(found, index=pd.RangeIndex(len(self), name="chain"))
+
+    def __repr__(self) -> str:
+        longest = int(self.beads.max(initial=0))
+        failed = f", {len(self.reasons)} failed" if self.reasons else ""
+        units = ", SI" if self.units == "SI" else ""
+        names = ", ".join(self.columns)
+        return f"RunTable({len(self)} chains of up to {longest} beads{units}{failed}; {names})"

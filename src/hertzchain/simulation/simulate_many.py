@@ -1,0 +1,279 @@
+"""Simulate many chains and keep only what is asked of each: no trajectories."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..chain.chain import Chain
+from ..chain.feature_support import require_chain
+from ..collision import Array
+from ..errors import InputError, SimulationError
+from ..pulse.quantities import SENSOR_QUANTITIES
+from ..validation.numbers import number, whole_number, worker_count
+from ..validation.objects import callback, check_choice, check_list
+from .ensemble_columns import (
+    KEPT,
+    Outcome,
+    Request,
+    by_kernel,
+    by_simulate,
+    check_member,
+    empty_columns,
+    shape_of,
+)
+from .ensemble_input import is_covered, kind_of
+from .run_table import RunTable
+from .simulate import Progress
+
+DEFAULT_RTOL: Final = 1e-8
+MIN_RTOL, MAX_RTOL = 1e-14, 1e-5
+# Beads of a task: a fraction of a second, and enough to use all lanes of the kernel.
+TASK_BEADS, MIN_TASK = 20_000, 16
+POLL: Final = 0.1
+# Bytes per bead that a task of the kernel uses in addition to the columns.
+SCRATCH: Final = 8 * 20
+
+
+class _Stopped(Exception):
+    """Raised in a run that has to stop."""
+
+
+def simulate_many(
+    chains: Iterable[Chain],
+    *,
+    keep: str | Iterable[str] = ("velocity", "arrival"),
+    sensors: Iterable[int] = (),
+    until: float | None = None,
+    rtol: float = DEFAULT_RTOL,
+    max_steps: int | None = None,
+    threads: int | None = None,
+    progress: Progress | None = None,
+) -> RunTable:
+    r"""Simulate all beads of many chains, and keep of each only what is asked for.
+
+    The equation of motion and the end of each run are those of `hertzchain.simulate`.  Chains
+    without losses and drive whose bead 1 is struck (of at most 150 beads, or with a right wall) are
+    integrated several at a time by the Runge-Kutta-Nyström pair RKN8(6) (J. R. Dormand, M. E. A.
+    El-Mikkawy, P. J. Prince, IMA J. Numer. Anal. 7, 423, 1987) with a step of its own for each;
+    all others one by one by `simulate`, with the same columns.
+
+    Parameters
+    ----------
+    chains : iterable of Chain
+        Chains, all scaled or all in SI units; they may differ in length.
+    keep : str or iterable of str
+        Names of quantities (`hertzchain.pulse.quantities`): of the leading pulse, such as
+        ``"velocity"`` or ``"peak_force"``; of the right wall, such as ``"wall_peak_force"``,
+        ``"wall_impulse_of_impact"`` or ``"wall_duration"``; of sensors, such as
+        ``"sensor_first_maximum"``; and of the end of the run, such as ``"final_velocity"``,
+        ``"end_time"`` or ``"energy_backward"``.
+    sensors : iterable of int
+        Numbers k of beads with a force sensor, which measures :math:`(F_{k-1} + F_k)/2`.
+    until : float, optional
+        Stop time [scaled, or s]; by default each run ends as in `simulate`.
+    rtol : float
+        Relative tolerance per step, 1e-14 .. 1e-5.  Largest forces and velocities of short chains
+        have errors of about this size; where waves from a wall meet, the motion amplifies them.
+        Chains that `simulate` integrates use a tenth of it, at most 1e-6.
+    max_steps : int, optional
+        Step limit of each chain; by default 2000 per bead, and at least a million.
+    threads : int, optional
+        Number of threads.  The default is one per processor.
+    progress : callable, optional
+        Called as ``progress(chains_done, chains)`` a few times per second.
+
+    Returns
+    -------
+    RunTable
+        If a chain fails, its row is NaN and the table states the reason.
+
+    Raises
+    ------
+    InputError
+        If an option is out of range, some chains are scaled and others in SI units, or the table
+        does not fit in memory.
+
+    Examples
+    --------
+    >>> import hertzchain as hc
+    >>> chains = [
+    ...     hc.Chain.tapered("forward-exponential", q, beads=20).replace(right_wall=hc.Wall())
+    ...     for q in (0.01, 0.02, 0.04)
+    ... ]
+    >>> table = hc.simulate_many(chains, keep=["wall_peak_force", "wall_duration"])
+    >>> table["wall_peak_force"].round(3)
+    array([1.187, 1.122, 0.973])
+    """
+    callback("progress", progress)
+    if isinstance(chains, Chain):
+        raise InputError("simulate_many requires a list of chains, got one; use simulate(chain)")
+    given = check_list("chains", chains, "chains")
+    real = [each for each in given if isinstance(each, Chain)]
+    _check_units(real, len(given))
+    if until is not None:
+        unit = real[0]._unit("s") if real else None
+        until = number("until", until, unit=unit, above=0.0)
+    request = Request(
+        _checked_names(keep), _checked_sensors(sensors), until,
+        number("rtol", rtol, least=MIN_RTOL, most=MAX_RTOL),
+        None if max_steps is None else whole_number("max_steps", max_steps, least=1),
+    )  # fmt: skip
+    if not request.sensors and any(name in SENSOR_QUANTITIES for name in request.keep):
+        raise InputError("quantities of sensors need sensors: give the numbers of their beads")
+    ensemble = _Ensemble(given, request)
+    ensemble.run(worker_count("threads", threads), progress)
+    return ensemble.table()
+
+
+def _check_units(chains: Sequence[Chain], count: int) -> None:
+    si = sum(each.units == "SI" for each in chains)
+    if 0 < si < len(chains):
+        raise InputError(
+            f"{si} of {count} chains are in SI units and the others are scaled: call simulate_many "
+            "separately for each kind, so that a table has one set of units"
+        )
+
+
+def _checked_names(keep: str | Iterable[str]) -> tuple[str, ...]:
+    names = [keep] if isinstance(keep, str) else check_list("keep", keep, "names of quantities")
+    if not names:
+        raise InputError("keep must have at least one quantity, such as 'velocity', got none")
+    return tuple(dict.fromkeys(check_choice("quantity", name, KEPT) for name in names))
+
+
+def _checked_sensors(sensors: Iterable[int]) -> tuple[int, ...]:
+    beads = check_list("sensors", sensors, "numbers of beads")
+    return tuple(whole_number("bead with a sensor", bead, least=1) for bead in beads)
+
+
+class _Ensemble:
+    """The chains, and their results so far."""
+
+    def __init__(self, given: Sequence[object], request: Request) -> None:
+        self.request, self.count = request, len(given)
+        self.reasons: dict[int, str] = {}
+        self.chains: list[Chain | None] = [None] * self.count
+        self.together: dict[tuple[int, bool, bool, bool], list[int]] = {}
+        self.alone: list[int] = []
+        for row, chain in enumerate(given):
+            try:
+                require_chain("simulate_many", chain)
+                assert isinstance(chain, Chain)
+                self.chains[row] = chain
+                check_member(chain, request)
+                if is_covered(chain, request.until):
+                    self.together.setdefault(kind_of(chain), []).append(row)
+                else:
+                    self.alone.append(row)
+            except InputError as error:
+                self.reasons[row] = str(error)
+        longest = max((each.beads for each in self.chains if each is not None), default=0)
+        self._check_memory(longest)
+        self.columns = empty_columns(request.keep, self.count, longest, len(request.sensors))
+        self.overlaps = np.zeros((self.count, longest + 1))
+        self.status = np.full(self.count, "failed", dtype="<U24")
+        self.complete = np.zeros(self.count, bool)
+        self.stopping = False
+
+    def _check_memory(self, longest: int) -> None:
+        """Raise `InputError` if the table does not fit in memory."""
+        shapes = [
+            shape_of(name, self.count, longest, len(self.request.sensors))
+            for name in self.request.keep
+        ]
+        needed = 8 * sum(int(np.prod(shape, dtype=float)) for shape in shapes)
+        needed += 8 * self.count * (longest + 1) + SCRATCH * min(self.count, 512) * longest
+        if needed < 2**28:
+            return
+        import psutil
+
+        free = psutil.virtual_memory().available
+        if needed > free:
+            raise InputError(
+                f"the quantities of {self.count} chains of up to {longest} beads need "
+                f"{needed / 2**30:.1f} GiB, but {free / 2**30:.1f} GiB are free; keep fewer "
+                "quantities, or simulate fewer chains at a time"
+            )
+
+    def _tasks(self, threads: int) -> list[list[int]]:
+        """Rows that are integrated together; single rows for `simulate`."""
+        tasks = []
+        for (beads, *_), rows in self.together.items():
+            share = -(-len(rows) // (4 * threads))
+            size = max(MIN_TASK, min(TASK_BEADS // beads, share))
+            tasks += [rows[i : i + size] for i in range(0, len(rows), size)]
+        return tasks + [[row] for row in self.alone]
+
+    def run(self, threads: int, progress: Progress | None) -> None:
+        """Integrate all chains, in threads."""
+        tasks, alone = self._tasks(threads), set(self.alone)
+        signals = [np.zeros(2, np.int64) for _ in tasks]
+        done, executor = len(self.reasons), ThreadPoolExecutor(max_workers=threads)
+        running: dict[Future[Outcome], tuple[list[int], NDArray[np.int64]]] = {}
+        try:
+            for rows, signal in zip(tasks, signals, strict=True):
+                if rows[0] in alone:
+                    future = executor.submit(self._alone, rows[0])
+                else:
+                    future = executor.submit(self._together, rows, signal)
+                running[future] = rows, signal
+            while running:
+                finished, _ = wait(running, timeout=POLL, return_when=FIRST_COMPLETED)
+                for future in finished:
+                    rows, _ = running.pop(future)
+                    self._store(rows, future.result())
+                    done += len(rows)
+                if progress is not None:
+                    ahead = sum(int(signal[1]) for _, signal in running.values())
+                    progress(done + ahead, self.count)
+        except BaseException as error:
+            self.stopping = True
+            for signal in signals:
+                signal[0] = 1
+            error.add_note(f"stopped after {done} of {self.count} chains")
+            raise
+        finally:
+            executor.shutdown(wait=True, cancel_futures=True)
+
+    def _together(self, rows: list[int], signal: NDArray[np.int64]) -> Outcome:
+        members = [self.chains[row] for row in rows]
+        return by_kernel(members, self.request, signal)  # type: ignore[arg-type]
+
+    def _alone(self, row: int) -> Outcome:
+        chain = self.chains[row]
+        assert chain is not None
+        try:
+            return by_simulate(chain, self.request, self._check_stop)
+        except (InputError, SimulationError) as error:
+            nothing: Array = np.zeros((1, chain.beads + 1))
+            return Outcome({}, ["failed"], np.zeros(1, bool), nothing, {0: str(error)})
+
+    def _check_stop(self, *_: int) -> None:
+        if self.stopping:
+            raise _Stopped
+
+    def _store(self, rows: list[int], found: Outcome) -> None:
+        for name, values in found.columns.items():
+            if values.ndim == 1:
+                self.columns[name][rows] = values
+            else:
+                self.columns[name][rows, : values.shape[1]] = values
+        self.overlaps[rows, : found.overlaps.shape[1]] = found.overlaps
+        self.status[rows], self.complete[rows] = found.status, found.complete
+        for index, reason in found.reasons.items():
+            row = rows[index]
+            self.reasons[row], self.status[row], self.complete[row] = reason, "failed", False
+            for values in self.columns.values():
+                values[row] = np.nan
+
+    def table(self) -> RunTable:
+        """The results as a table."""
+        return RunTable(
+            tuple(self.chains), self.request.sensors, self.columns, self.status,
+            dict(sorted(self.reasons.items())), self.complete, self.overlaps,
+        )  # fmt: skip

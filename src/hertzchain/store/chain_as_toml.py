@@ -1,0 +1,170 @@
+"""Writing of chains as TOML chain files."""
+
+from __future__ import annotations
+
+import dataclasses
+import tomllib
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from ..chain.chain import Chain
+from ..chain.feature_support import require_chain
+from ..chain.laws import Loss
+from ..chain.laws.elastic import Elastic
+from ..chain.materials import RIGID, Material
+from ..chain.per_contact import MaterialPairs
+from ..chain.walls import Wall
+from ..errors import InputError
+from ..simulation.state import fingerprint
+from .chain_files import ARRAYS, DRIVES, LATER, chain_from
+from .toml_files import toml_key, toml_text
+
+
+def chain_as_toml(chain: Chain) -> str:
+    """Write a chain as a TOML chain file, which `load_chain` reads as the same chain.
+
+    Different materials of one name are given different names.
+
+    Parameters
+    ----------
+    chain : Chain
+        Any chain.
+
+    Raises
+    ------
+    InputError
+        If the chain read back would move differently, which is always checked.
+
+    Examples
+    --------
+    >>> import hertzchain as hc
+    >>> print(chain_as_toml(hc.Chain.uniform(2).replace(right_wall=hc.Wall.rigid())))
+    [chain]
+    radii = [1.0, 1.0]
+    right_wall = {rigid = true, gap = 0.0}
+    """
+    require_chain("chain_as_toml", chain)
+    # The materials of a scaled chain have no effect, but in a file they would select SI units.
+    materials = chain.materials or () if chain.units == "SI" else ()
+    names = _names_of_materials(chain, materials)
+    entries = _beads_entries(chain, names)
+    if materials:
+        entries["materials"] = [names[each] for each in materials]
+    for name in ("left_wall", "right_wall"):
+        wall = getattr(chain, name)
+        if wall is not None:
+            entries[name] = _wall_entry(wall, names)
+    if chain.loss is not None:
+        entries["loss"] = _loss_entries(chain.loss, names)
+    if chain.drive is not None:
+        kind = next(label for label, cls in DRIVES.items() if type(chain.drive) is cls)
+        entries["drive"] = {"kind": kind} | _fields(chain.drive)
+    lines = ["[chain]", *(f"{name} = {toml_text(value)}" for name, value in entries.items())]
+    for each, name in names.items():
+        lines += ["", f"[materials.{toml_key(name)}]"]
+        lines += [
+            f"{key} = {toml_text(value)}" for key, value in _fields(each).items() if key != "name"
+        ]
+    text = "\n".join(lines)
+    _check_round_trip(chain, text)
+    return text
+
+
+def _beads_entries(chain: Chain, names: Mapping[Material, str]) -> dict[str, Any]:
+    """Keys of [chain] that describe the beads."""
+    entries: dict[str, Any] = {}
+    if chain.taper is not None and chain.units == "scaled":
+        entries |= {"taper": chain.taper, **dict(chain.taper_parameters), "beads": chain.beads}
+    else:
+        entries["radii"] = chain.radii.tolist()
+    usual = {item.name: item.default for item in dataclasses.fields(chain)}
+    if isinstance(chain.exponent, MaterialPairs):
+        entries["exponent"] = [
+            {"between": _pair(pair, names), "value": p} for pair, p in chain.exponent.values.items()
+        ]
+    elif np.any(chain.exponents != usual["exponent"]):
+        entries["exponent"] = np.asarray(chain.exponents).tolist()
+    for name in ("units", "strikers", *LATER):
+        if (value := getattr(chain, name)) != usual[name]:
+            entries[name] = value
+    return entries | {name: getattr(chain, name).tolist() for name in ARRAYS if name in chain.given}
+
+
+def _names_of_materials(chain: Chain, kinds: Sequence[Material]) -> dict[Material, str]:
+    """Different names for the materials of beads, walls and pairs."""
+    walls = (chain.left_wall, chain.right_wall)
+    used = [*kinds, *(wall.material for wall in walls if wall is not None)]
+    for given in (chain.loss, chain.exponent):
+        if isinstance(given, MaterialPairs):
+            used += sorted({each for pair in given.values for each in pair}, key=str)
+    names: dict[Material, str] = {}
+    taken: set[str] = set()
+    for each in used:
+        if each is None or each == RIGID or each in names:
+            continue
+        name, number = each.name, 2
+        while name in taken:
+            name, number = f"{each.name} ({number})", number + 1
+        names[each] = name
+        taken.add(name)
+    if RIGID in kinds:
+        names[RIGID] = RIGID.name
+    return names
+
+
+def _check_round_trip(chain: Chain, text: str) -> None:
+    """Reject a file that does not describe the chain."""
+    try:
+        same = fingerprint(chain_from(tomllib.loads(text))) == fingerprint(chain)
+        reason = "the chain read back moves differently"
+    except (InputError, tomllib.TOMLDecodeError) as error:
+        same, reason = False, str(error)
+    if not same:
+        raise InputError(f"this chain cannot be written as a chain file: {reason}")
+
+
+def _law_entry(law: Loss | None) -> dict[str, Any]:
+    law = Elastic() if law is None else law
+    return {"law": law.name} | _fields(law)
+
+
+def _loss_entries(given: Any, names: Mapping[Material, str]) -> Any:
+    """One table or, if contacts differ, a list of tables."""
+    if isinstance(given, MaterialPairs):
+        return [
+            {"between": _pair(pair, names)} | _law_entry(law) for pair, law in given.values.items()
+        ]
+    if isinstance(given, tuple):
+        return [_law_entry(law) for law in given]
+    return _law_entry(given)
+
+
+def _pair(pair: frozenset[Material], names: Mapping[Material, str]) -> list[str]:
+    found = sorted(names[each] for each in pair)
+    return found if len(found) == 2 else 2 * found
+
+
+def _wall_entry(wall: Wall, names: Mapping[Material, str]) -> dict[str, Any]:
+    entry: dict[str, Any] = {}
+    if wall.stiffness is not None:
+        entry["stiffness"] = wall.stiffness
+    elif wall.material == RIGID:
+        entry["rigid"] = True
+    elif wall.material is not None:
+        entry["material"] = names[wall.material]
+    entry["gap"] = wall.gap
+    if wall.exponent is not None:
+        entry["exponent"] = wall.exponent
+    return entry if wall.loss is None else entry | {"loss": _law_entry(wall.loss)}
+
+
+def _fields(item: Any) -> dict[str, Any]:
+    """Fields of a part or material other than `None`, in plain types."""
+    values = {each.name: getattr(item, each.name) for each in dataclasses.fields(item) if each.init}
+    return {
+        name: value.tolist() if isinstance(value, np.ndarray) else value
+        for name, value in values.items()
+        if value is not None
+    }

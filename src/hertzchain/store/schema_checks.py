@@ -1,0 +1,208 @@
+"""Comparison of a parsed chain file with the schema, before anything is built."""
+
+from __future__ import annotations
+
+import numbers
+from collections.abc import Iterator, Mapping, Sequence
+from types import MappingProxyType
+from typing import Any, Final
+
+import numpy as np
+
+from ..errors import short_repr, unknown_name_error
+from ..units import UNITS, quantity
+from .chain_schema import KEYS, SECTIONS, TABLES
+from .schema_keys import Key, Section
+
+
+def check_document(document: Mapping[str, Any], *, complete: bool = True) -> Iterator[str]:
+    """Compare a parsed chain file with the schema.
+
+    Parameters
+    ----------
+    document : mapping
+        Tables ``chain`` and, optionally, ``materials``.
+    complete : bool
+        Whether required keys must be present; not in a sweep, whose axes may give them.
+
+    Yields
+    ------
+    str
+        One sentence per error.
+
+    Examples
+    --------
+    >>> document = {"chain": {"beads": 2.5, "right_wall": {"rigid": "false"}}}
+    >>> [*check_document(document)][1]
+    "rigid of [chain.right_wall] must be true or false, got 'false'"
+    """
+    for name in document:
+        # `hertzchain.fit` reads [fit].
+        if name not in ("chain", "materials", "fit"):
+            yield str(unknown_name_error("table or key", name, ("chain", "materials", "fit")))
+    table = document.get("chain")
+    if not isinstance(table, Mapping):
+        yield "a chain file needs a table [chain]"
+        return
+    tables = {
+        name: value for name, value in table.items()
+        if name in TABLES and (name != "exponent" or has_tables(value))
+    }  # fmt: skip
+    values = {name: value for name, value in table.items() if name not in tables}
+    yield from _check_keys(values, "[chain]", SECTIONS["chain"].keys, KEYS, complete=complete)
+    for name in TABLES:
+        if name in tables:
+            yield from _check_tables(tables[name], SECTIONS[f"chain.{name}"], complete)
+    materials = document.get("materials", {})
+    if not isinstance(materials, Mapping):
+        yield f"[materials] must be a table of tables, got {short_repr(materials)}"
+        return
+    for name, entry in materials.items():
+        if isinstance(entry, Mapping):
+            keys = SECTIONS["materials.NAME"].keys
+            yield from _check_keys(entry, f"[materials.{name}]", keys, complete=complete)
+        else:
+            yield f"[materials.{name}] must be a table, got {short_repr(entry)}"
+
+
+def has_tables(value: Any) -> bool:
+    """Whether a value is a table or a list that has one."""
+    listed = value if isinstance(value, list | tuple) else [value]
+    return any(isinstance(item, Mapping) for item in listed)
+
+
+def _check_tables(entry: Any, section: Section, complete: bool, place: str = "") -> Iterator[str]:
+    """Check a table or, if the section may be repeated, a list of tables."""
+    several = section.repeated and not place and isinstance(entry, list | tuple)
+    place = place or f"[{section.name}]"
+    for table in entry if several else [entry]:
+        if not isinstance(table, Mapping):
+            yield f"{place} must be a table{_example(section)}, got {short_repr(entry)}"
+            return
+        keys, chosen = section.keys, table.get(section.variant_key)
+        if section.variant_key:
+            if chosen is None and not complete:
+                continue
+            if chosen is None:
+                yield f"{place} has no {section.variant_key}: choose from {_names(section)}"
+                continue
+            if not isinstance(chosen, str) or chosen not in section.variants:
+                what = f"{section.variant_key} of {place}"
+                yield str(unknown_name_error(what, chosen, section.variants))
+                continue
+            keys = (*section.keys, *section.variants[chosen])
+        values, known = dict(table), [key.name for key in keys]
+        if section.variant_key:
+            del values[section.variant_key]
+            known.insert(0, section.variant_key)
+        yield from _check_keys(values, place, keys, known, complete=complete)
+
+
+def _names(section: Section) -> str:
+    return ", ".join(section.variants)
+
+
+def _example(section: Section) -> str:
+    """Tables to suggest instead of a single value."""
+    examples = {
+        "chain.left_wall": ', such as {rigid = true}, {material = "brass"} or {}',
+        "chain.right_wall": ', such as {rigid = true}, {material = "brass"} or {}',
+        "chain.loss": ', such as {law = "restitution", coefficient = 0.95}',
+        "chain.drive": ', such as {kind = "step", amplitude = 10.0}',
+        "chain.exponent": ', such as {between = ["brass", "ptfe"], value = 1.5}',
+        "chain.with_contacts": ', such as {shape = "cone", half_angle = 70.0}',
+    }
+    return examples.get(section.name, "")
+
+
+def _check_keys(
+    table: Mapping[str, Any],
+    place: str,
+    keys: Sequence[Key],
+    known: Sequence[str] | None = None,
+    *,
+    complete: bool,
+) -> Iterator[str]:
+    own = {key.name: key for key in keys}
+    for name, value in table.items():
+        if name in own:
+            yield from problems_of(own[name], value, f"{name} of {place}")
+        else:
+            yield str(unknown_name_error(f"key of {place}", name, known or tuple(own)))
+    if complete:
+        for key in keys:
+            if key.required and key.name not in table:
+                yield f"{place} has no {key.name}: {key.description}"
+
+
+def problems_of(key: Key, value: Any, what: str) -> Iterator[str]:
+    """Describe by a sentence why a value is not of the type of a key."""
+    if not key.per:
+        yield from _problem_of_one(key, value, what)
+    elif isinstance(value, Mapping):
+        yield from _problem_of_list_with_unit(key, value, what)
+    elif isinstance(value, list | tuple | np.ndarray):
+        noun = "names" if key.kind == "material" else "numbers"
+        for place, item in enumerate(value, start=1):
+            if isinstance(item, list | tuple | Mapping | np.ndarray):
+                yield f"{what} must be a list of {noun}, got {short_repr(value)}"
+                return
+            yield from _problem_of_one(key, item, f"value {place} of {what}")
+    elif key.one_for_all:
+        yield from _problem_of_one(key, value, what)
+    else:
+        yield f"{what} must be a list, got {short_repr(value)}"
+
+
+# Kinds other than numbers and choices: Python's types and their description.
+_TYPES: Final[Mapping[str, tuple[tuple[type, ...], str]]] = MappingProxyType(
+    {
+        "boolean": ((bool, np.bool_), "true or false"),
+        "text": ((str,), "text"),
+        "material": ((str,), "a name"),
+        "file": ((str,), "a path"),
+    }
+)
+
+
+def _problem_of_one(key: Key, value: Any, what: str) -> Iterator[str]:
+    if key.kind == "law":
+        yield from _check_tables(value, SECTIONS["chain.loss"], complete=True, place=what)
+    elif key.kind in _TYPES:
+        types, allowed = _TYPES[key.kind]
+        if not isinstance(value, types) or (value == "" and key.kind != "text"):
+            yield f"{what} must be {allowed}, got {short_repr(value)}"
+    elif key.kind == "choice":
+        if not isinstance(value, str) or value not in key.choices:
+            yield str(unknown_name_error(what, value, key.choices))
+    elif key.kind == "integer":
+        if isinstance(value, bool) or not isinstance(value, numbers.Integral):
+            yield f"{what} must be a whole number, got {short_repr(value)}"
+    elif isinstance(value, str) and key.dimension and quantity(value) is not None:
+        return
+    elif isinstance(value, bool) or not isinstance(value, numbers.Real):
+        units = UNITS[key.dimension] if key.dimension else ()
+        with_unit = f", or text with a unit such as '5 {units[:3][-1]}'" if units else ""
+        yield f"{what} must be a number{with_unit}, got {short_repr(value)}"
+
+
+def _problem_of_list_with_unit(key: Key, value: Mapping[str, Any], what: str) -> Iterator[str]:
+    """Check ``{list = [4, 5], unit = "mm"}``."""
+    if not key.dimension:
+        noun = "names" if key.kind == "material" else "numbers"
+        yield f"{what} must be a list of {noun}, got {short_repr(value)}"
+    elif set(value) != {"list", "unit"} or not isinstance(value["list"], list | tuple):
+        yield (
+            f'{what} must be a list, or a table such as {{list = [4, 5], unit = "mm"}}, got '
+            f"{short_repr(value)}"
+        )
+    elif not isinstance(value["unit"], str):
+        yield f"unit of {what} must be text, got {short_repr(value['unit'])}"
+    else:
+        for item in value["list"]:
+            if isinstance(item, bool) or not isinstance(item, numbers.Real):
+                yield (
+                    f"{what} must be a list of plain numbers next to its unit, "
+                    f"got {short_repr(item)}"
+                )
+                return

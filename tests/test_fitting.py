@@ -1,0 +1,509 @@
+"""Fits of synthetic traces, of which the truth is known."""
+
+import json
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+from synthetic_traces import bench, measured
+
+import hertzchain as hc
+from hertzchain.fitting import least_squares
+from hertzchain.fitting.chain_parameters import with_motion, with_sizes
+from hertzchain.fitting.goodness import correlation_length
+from hertzchain.fitting.model import make_model
+from hertzchain.fitting.names import parse_name
+from hertzchain.fitting.parameters import free_parameters
+from hertzchain.fitting.problem import Problem
+from hertzchain.fitting.sensors import Sensor, filtered
+from hertzchain.fitting.simulations import Simulator
+from hertzchain.fitting.symmetry import similarity_key, units_of
+
+# The truth of tools/example_traces.py.
+TRUTH = {
+    "stiffness": 0.96, "struck_by.velocity": 0.2968, "loss.time": 0.62e-6,
+    "time_offset": 71.3e-6, "gain[ball 6]": 1.021, "gain[ball 11]": 0.0483,
+    "gain[ball 16]": 0.984, "gain[wall]": 1.012, "lag": 1.4e-6, "highpass": 1 / 6e-3,
+    "crosstalk": 0.004,
+}  # fmt: skip
+KNOWN = {"struck_by.velocity": (0.3, 0.003), "gain[*]": (1.0, 0.03)}
+NINE = ["stiffness", "exponent", "struck_by.velocity", "loss.time", "time_offset", "gain[*]"]
+LAW = hc.Viscoelastic(0.6e-6)
+# A force that may pull ends with a jump, where differences are of no use.
+SMOOTH = hc.Restitution(0.97, attractive=False)
+
+
+@pytest.fixture(scope="module")
+def example():
+    return hc.fit(*hc.example_experiment())
+
+
+@pytest.fixture(scope="module")
+def traces():
+    return measured(bench(LAW), np.random.default_rng(5))
+
+
+def problem_of(chain, free, traces, priors=None):
+    parameters = free_parameters(traces, [chain], free, priors or {}, {})
+    places = [signal.place for _, signal in traces]
+    return Problem(make_model(traces, [chain], parameters, Simulator(places)))
+
+
+def test_data_of_another_integrator_are_recovered(example):
+    assert example.converged
+    assert example.describes
+    deviations = [(example.values[name] - true) / example.errors[name]
+                  for name, true in TRUTH.items()]  # fmt: skip
+    assert np.abs(deviations).max() < 3.0
+    assert np.mean(np.square(deviations)) < 2.5
+    assert example.simulations <= 25
+
+
+def test_two_shots_share_their_material():
+    result = hc.fit(*hc.example_experiment("fast", "slow"))
+    assert result.describes
+    slow = result.values["struck_by.velocity@2"] - 0.1013
+    assert abs(slow) < 3.0 * result.errors["struck_by.velocity@2"]
+    assert abs(result.values["loss.time"] - 0.62e-6) < 3.0 * result.errors["loss.time"]
+
+
+def test_nine_parameters_take_few_simulations(traces):
+    result = hc.fit(traces, bench(hc.Viscoelastic(0.3e-6)), free=NINE, priors=KNOWN)
+    assert result.simulations <= 25
+    truth = {"stiffness": 1.0, "exponent": 1.5, "loss.time": 0.6e-6, "time_offset": 4.2e-6}
+    for name, true in truth.items():
+        assert abs(result.values[name] - true) < 3.5 * result.errors[name], name
+
+
+def test_speed_and_stiffness_and_gains_scale_together():
+    one, other = bench(hc.Restitution(0.97)), bench(hc.Restitution(0.97), velocity=0.33)
+    stiffness = {parse_name("stiffness"): 1.1**-0.5}
+    other = with_sizes(other, stiffness, 1e-6)
+    assert similarity_key(one, units_of(one)) == similarity_key(other, units_of(other))
+    assert units_of(other).time == pytest.approx(units_of(one).time, rel=1e-12)
+    # A relaxation time, gravity and a gap are scales of their own.
+    heavy = [each.replace(gravity=9.81) for each in (one, other)]
+    first, second = (similarity_key(each, units_of(each)) for each in heavy)
+    assert first != second
+
+
+def test_scaled_signals_are_those_of_a_simulation():
+    places = [signal.place for _, signal in hc.example_experiment()[0]]
+    simulator = Simulator(places)
+    one = bench(hc.Viscoelastic(0.6e-6))
+    simulator.signals(one, 500e-6)
+    factor = units_of(bench(velocity=0.36, factor=1.3)).time / units_of(one).time
+    other = bench(hc.Viscoelastic(0.6e-6 * factor), velocity=0.36, factor=1.3)
+    found = simulator.signals(other, 300e-6)
+    assert simulator.count == 1
+    run = hc.simulate(other, times=found.spacing * np.arange(len(found.columns)), rtol=1e-11)
+    reference = run.sensor(7)
+    assert np.abs(found.columns[:, 0] - reference).max() < 1e-7 * reference.max()
+
+
+@pytest.mark.parametrize(
+    ("chain", "free"),
+    [
+        (bench(LAW, gravity=9.81), ["stiffness", "struck_by.velocity", "loss.time"]),
+        (bench([SMOOTH] * 10 + [LAW] * 10),
+         ["stiffness", "loss.time", "loss[3-4].coefficient", "stiffness[8-9]", "gap[8-9]"]),
+        (bench(LAW, gap=1e-7), ["right_wall.stiffness", "mass[7]", "lag", "highpass"]),
+    ],
+    ids=["gravity", "per contact", "wall and mass"],
+)  # fmt: skip
+def test_derivatives_agree_with_long_differences(chain, free, traces):
+    problem = problem_of(chain, free, traces)
+    start = {each.name: each.start for each in problem.model.parameters}
+    for name in start:
+        if name.key in ("gap", "lag"):
+            start[name] = 1e-6
+        if name.key == "highpass":
+            start[name] = 50.0
+    variables = problem.model.variables(start)
+    columns = problem.jacobian(variables)
+    for j in range(len(variables)):
+        # Fourth order, with steps twenty times as long.
+        step = 20.0 * problem.step(j)
+        if problem.model.parameters[j].name.key == "gap":
+            step = problem.step(j)
+        ends = [problem.residuals(variables + k * step * np.eye(len(variables))[j])
+                for k in (-2, -1, 1, 2)]  # fmt: skip
+        expected = (ends[0] - 8.0 * ends[1] + 8.0 * ends[2] - ends[3]) / (12.0 * step)
+        error = np.linalg.norm(columns[:, j] - expected) / np.linalg.norm(expected)
+        assert error < 0.03, (free[j], error)
+
+
+def test_parameters_of_single_contacts_change_only_them():
+    chain = bench([hc.Restitution(0.97)] * 10 + [LAW] * 10)
+    out = with_motion(chain, {parse_name("loss[3-4].coefficient"): 0.9})
+    changed = [k for k in range(22) if out.contact_losses[k] != chain.contact_losses[k]]
+    assert changed == [4]
+    out = with_motion(chain, {parse_name("loss.time"): 1e-6})
+    assert out.contact_losses[21] == hc.Viscoelastic(1e-6)
+    assert out.contact_losses[1] == hc.Restitution(0.97)
+
+
+def test_filters_solve_their_equations():
+    spacing, lag, rate = 0.5e-6, 3e-6, 400.0
+    times = spacing * np.arange(2000)
+
+    def force(t):
+        return np.exp(-(((t - 2e-4) / 2e-5) ** 2))
+
+    def slopes(t, y):
+        slope = (force(t) - y[0]) / lag
+        return [slope, slope - rate * y[1]]
+
+    exact = solve_ivp(slopes, (0.0, times[-1]), [0.0, 0.0], "LSODA", times, rtol=1e-10, atol=1e-13)
+    found = filtered(force(times), spacing, Sensor(lag=lag, highpass=rate))
+    # The signal is linear between the times of the grid: an error of h^2 F''/12.
+    assert np.abs(found - exact.y[1]).max() < 2.0 * spacing**2 / 2e-5**2 / 6.0
+    # A force at rest stays, however slow the high-pass.
+    assert np.array_equal(
+        filtered(np.full(9, 2.0), spacing, Sensor(highpass=rate)), np.full(9, 2.0)
+    )
+
+
+def test_nothing_calibrated_is_named(traces):
+    result = hc.fit(traces, bench(LAW), free=["stiffness", "struck_by.velocity", "loss.time",
+                                             "time_offset", "gain[*]"])  # fmt: skip
+    assert len(result.weak) == 1
+    weights = result.weak[0].weights
+    assert result.weak[0].exact
+    assert weights["struck_by.velocity"] / weights["stiffness"] == pytest.approx(-2.0, abs=0.01)
+    assert weights["gain[wall]"] / weights["stiffness"] == pytest.approx(2.0, abs=0.01)
+    assert "fix one of them, or give it a prior" in result.summary()
+    assert np.isinf(result.errors["stiffness"])
+    assert np.isfinite(result.errors["loss.time"])
+
+
+def test_large_errors_are_named(traces):
+    # Before the wall is reached, the traces do not depend on its stiffness.
+    shot = traces.shots[0]
+    early = shot.times < 250e-6
+    first = hc.Traces.from_arrays(
+        shot.times[early], {"ball 6 [N]": shot.signals[0].values[early]}, noise=0.1
+    )
+    result = hc.fit(first, bench(LAW), free=["time_offset", "loss.time", "right_wall.stiffness"])
+    assert "right_wall.stiffness" in " ".join(result.warnings)
+
+
+def test_lag_that_is_not_modelled_is_seen_or_warned_of(traces):
+    data, chain = hc.example_experiment()
+    free = ["stiffness", "struck_by.velocity", "loss.time", "time_offset", "exponent", "gain[*]",
+            "highpass", "crosstalk"]  # fmt: skip
+    known = {"struck_by.velocity": (0.3, 0.003)}
+    without = hc.fit(data, hc.load_chain(chain), free=free, priors=known)
+    lag = next(each for each in without.effects if each.name == "lag")
+    assert abs(lag.value - 1.4e-6) < 4.0 * lag.error
+    assert "lag" in without.summary()
+    # Ideal sensors: none of the effects is seen, but a lag cannot be excluded.
+    ideal = hc.fit(traces, bench(LAW), free=NINE, priors=KNOWN)
+    assert not any(each.present for each in ideal.effects)
+    assert "lag of the sensors" in ideal.summary()
+
+
+def test_loss_law_is_identified(traces):
+    compared = hc.compare_losses(
+        traces, bench(), laws=["restitution", "viscoelastic", "elastic"], free=NINE, priors=KNOWN
+    )
+    assert [each.law for each in compared.fits] == ["viscoelastic", "restitution", "elastic"]
+    assert compared.statement.startswith("the data decide for viscoelastic")
+
+
+def test_noise_that_hides_the_law_is_reported():
+    chain = bench(hc.Viscoelastic(0.2e-6), velocity=0.2)
+    noisy = measured(chain, np.random.default_rng(2), noise=1.0)
+    free = ["stiffness", "struck_by.velocity", "loss.time", "time_offset", "exponent"]
+    compared = hc.compare_losses(
+        noisy, chain, laws=["restitution", "viscoelastic"], free=free,
+        priors={"struck_by.velocity": (0.2, 0.002)},
+    )  # fmt: skip
+    assert set(compared.undecided) == {"restitution", "viscoelastic"}
+    assert compared.statement.startswith("the data cannot decide between")
+    assert len(compared.further_shots) == 4
+
+
+def test_hidden_gap_is_found_and_measured():
+    data = measured(bench(LAW, gap=0.3e-6, behind=8), np.random.default_rng(3))
+    free = ["stiffness", "struck_by.velocity", "loss.time", "time_offset", "gain[*]"]
+    ignored = hc.fit(data, bench(LAW), free=free, priors=KNOWN)
+    assert not ignored.describes
+    scan = hc.scan_defects(ignored)
+    assert scan.best == "gap[8-9]"
+    found = scan.fit(candidates=1)
+    assert found.describes
+    assert abs(found.values["gap[8-9]"] - 0.3e-6) < 3.0 * found.errors["gap[8-9]"] < 0.05e-6
+
+
+def test_odd_bead_is_found():
+    radii = np.full(20, 5e-3)
+    radii[11] *= 1.02
+    chain = hc.Chain.from_materials(radii, "steel-52100").struck_by(velocity=0.3)
+    data = measured(chain.replace(right_wall=hc.Wall(), loss=LAW), np.random.default_rng(4))
+    free = ["stiffness", "struck_by.velocity", "loss.time", "time_offset"]
+    nominal = hc.Chain.from_materials(5e-3, "steel-52100", beads=20).struck_by(velocity=0.3)
+    ignored = hc.fit(data, nominal.replace(right_wall=hc.Wall(), loss=LAW), free=free,
+                     priors={"struck_by.velocity": (0.3, 0.003)})  # fmt: skip
+    assert hc.scan_defects(ignored, "bead").best == "radius[12]"
+
+
+def test_random_starts_reach_the_optimum(traces):
+    rng = np.random.default_rng(11)
+    costs = []
+    for _ in range(3):
+        chain = bench(hc.Viscoelastic(np.exp(rng.uniform(-2.5, 1.0)) * 1e-6),
+                      factor=np.exp(rng.uniform(-0.25, 0.25)),
+                      exponent=1.5)  # fmt: skip
+        found = hc.fit(traces, chain, free=NINE, priors=KNOWN)
+        costs.append(found.chi2 + found.penalty)
+    assert np.ptp(costs) < 0.01
+
+
+def test_a_fit_that_does_not_converge_is_returned(traces, monkeypatch):
+    monkeypatch.setattr(least_squares, "MAX_EVALUATIONS", 2)
+    result = hc.fit(traces, bench(hc.Viscoelastic(0.1e-6)), free=NINE, priors=KNOWN, starts=1)
+    assert not result.converged
+    assert "not converged after 2 evaluations" in result.summary()
+
+
+def test_precompression_and_velocity_signals_are_fitted():
+    chain = bench(LAW, precompression=2.0, held_by="force")
+    rng, grid = np.random.default_rng(0), 0.25e-6 * np.arange(1800)
+    run = hc.simulate(chain, times=grid, rtol=1e-11)
+    times = 1e-6 * np.arange(400)
+    columns = {
+        "ball 6 [N]": (run.sensor(7), 0.05), "ball 10 velocity [m/s]": (run.velocity(11), 5e-4),
+    }  # fmt: skip
+    traces = hc.Traces.from_arrays(times, {
+        name: np.interp(times - 20e-6, grid, signal) + rng.normal(0.0, noise, len(times))
+        for name, (signal, noise) in columns.items()
+    })  # fmt: skip
+    nominal = chain.replace(precompression=1.5, loss=hc.Viscoelastic(0.3e-6))
+    free = ["stiffness", "precompression", "loss.time", "time_offset", "struck_by.velocity"]
+    result = hc.fit(traces, nominal, free=free)
+    truth = {"stiffness": 1.0, "precompression": 2.0, "loss.time": 0.6e-6,
+             "struck_by.velocity": 0.3}  # fmt: skip
+    for name, true in truth.items():
+        assert abs(result.values[name] - true) < 3.0 * result.errors[name], name
+        assert result.errors[name] < 0.01 * true
+    assert "nan" not in result.summary()
+
+
+def test_correlated_residuals_count_less():
+    rng = np.random.default_rng(0)
+    white = rng.normal(size=4000)
+    assert correlation_length(white) < 1.2
+    red = np.zeros(4000)
+    for i in range(1, 4000):
+        red[i] = 0.8 * red[i - 1] + white[i]
+    # (1 + rho)/(1 - rho) of a first-order process.
+    assert correlation_length(red) == pytest.approx(9.0, rel=0.25)
+
+
+def test_files_with_shots_gaps_and_saturation(tmp_path):
+    times = np.arange(0.0, 200.0)
+    pulse = 30.0 * np.exp(-(((times - 120.0) / 12.0) ** 2))
+    noise = np.random.default_rng(1).normal(0.0, 0.05, (2, 200))
+    rows = ["shot,time [us],ball 6 [N],ball 3 velocity [mm/s]"]
+    for shot in (1, 2):
+        force = np.minimum(pulse + noise[0], 28.0 if shot == 2 else np.inf)
+        for i, time in enumerate(times):
+            cell = "" if (shot, i) == (1, 50) else f"{force[i]:.4f}"
+            rows.append(
+                f"{shot},{time + (0.5 if i > 100 else 0.0)},{cell},{pulse[i] + noise[1, i]}"
+            )
+    file = tmp_path / "data.csv"
+    file.write_text("\n".join(rows) + "\n")
+    traces = hc.load_traces(file)
+    assert len(traces.shots) == 2
+    assert traces.names == ("ball 6", "ball 3 velocity")
+    first, second = (shot.signals[0] for shot in traces.shots)
+    assert not first.valid[50]
+    assert first.valid.sum() == 199
+    clipped = pulse + noise[0] >= 28.0
+    assert np.array_equal(~second.valid, clipped)
+    assert traces.shots[0].signals[1].values.max() == pytest.approx(0.03, rel=0.02)
+    assert first.noise == pytest.approx(0.05, rel=0.3)
+    notes = " ".join(traces.notes())
+    for words in ("unevenly", "1 sample of ball 6 in shot 1 is missing", "saturated"):
+        assert words in notes
+
+
+HEAD = "time [us],ball 6 [N]\n"
+GOOD = "".join(f"{i},{0.1 * (-1) ** i if i < 60 else 20 - abs(i - 80)}\n" for i in range(100))
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        (HEAD + GOOD[GOOD.index("\n55,") + 1 :], "before the pulse arrives: record at least 20"),
+        ("ball 6 [N]\n1\n", "one column of times"),
+        ("time [us],ball 6 [m]\n0,1\n1,2\n", "'ball 6' must have a unit such as N"),
+        ("time [us],ball 6\n0,1\n1,2\n", "has no unit; write ball 6 [N]"),
+        ("time,ball 6 [N]\n0,1\n1,2\n", "column 'time' has no unit"),
+        ("time [us],force [N]\n0,1\n1,2\n", "names no sensor"),
+        ("time [us],wall velocity [m/s]\n0,1\n1,2\n", "names no sensor"),
+        (HEAD + GOOD + "50,0.1\n", "times must increase"),
+        (HEAD + "".join(f"{i},{0.1 * (-1) ** i if i < 60 else 9.0}\n" for i in range(90)),
+         "is saturated at 9 N during most of its pulse"),
+        (HEAD + "0,1\n1\n", "row 2 has 1 cells, the header has 2"),
+        (HEAD + "0,1\n1,x\n", "row 2 of column 'ball 6 [N]' is 'x'"),
+        (HEAD + "0,1\n1,1\n", "has no signal"),
+        (HEAD + "0,0.0\n" + "".join(f"{i},0.0\n" for i in range(1, 60)) + "60,5\n61,7\n62,5\n",
+         "before the pulse are all equal"),
+        ("time [us],ball 6 [N],ball 6 [kN]\n0,1,1\n1,2,2\n", "two columns of 'ball 6'"),
+        ("", "no header"),
+    ],
+)  # fmt: skip
+def test_bad_files_are_refused_in_one_sentence(text, words, tmp_path):
+    file = tmp_path / "data.csv"
+    file.write_text(text)
+    with pytest.raises(hc.InputError) as caught:
+        hc.load_traces(file)
+    assert words in str(caught.value)
+    assert "\n" not in str(caught.value)
+
+
+def test_missing_columns_are_named(tmp_path):
+    file = tmp_path / "data.csv"
+    file.write_text(HEAD + GOOD)
+    with pytest.raises(hc.InputError, match="no column 'wall'; the file has ball 6"):
+        hc.load_traces(file, sensors=["wall"])
+    assert hc.load_traces(file, sensors=["ball 6"]).names == ("ball 6",)
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"free": ["stifness"]}, "did you mean 'stiffness'"),
+        ({"free": ["loss.coefficient"]}, "unknown parameter 'loss.coefficient'"),
+        ({"free": ["left_wall.gap"]}, "it has no left_wall"),
+        ({"free": ["gap[20-22]"]}, "no contact of this chain"),
+        ({"free": ["radius[31]"]}, "no ball of this chain"),
+        ({"free": ["gain[ball 7]"]}, "unknown parameter 'gain[ball 7]'"),
+        ({"free": ["stiffness", "stiffness"]}, "free twice"),
+        ({"free": []}, "no parameter is free"),
+        ({"free": ["stiffness@3"]}, "there are 1 shots"),
+        ({"free": ["stiffness"], "priors": {"exponent": (1.5, 0.1)}}, "prior but is not free"),
+        ({"free": ["exponent"], "priors": {"exponent": (9.0, 0.1)}}, "exclude each other"),
+        ({"free": ["gain[*]"], "priors": {"gain[*]": (1, 0.01), "gain[wall]": (2, 0.01)}},
+         "exclude each other"),
+        ({"free": ["exponent"], "priors": {"exponent": 1.5}}, "a value and its standard deviation"),
+        ({"start": {"exponent": 1.4}}, "unknown free parameter 'exponent'"),
+        ({"chain": hc.Chain.uniform(20)}, "in scaled variables"),
+        ({"chain": bench(LAW, beads=12)}, "a sensor in ball 16, but the chain has 12 balls"),
+        ({"chain": bench(LAW).replace(right_wall=None)}, "the right end of the chain is free"),
+        ({"starts": 0}, "starts must be a whole number"),
+    ],
+    ids=lambda value: value if isinstance(value, str) else "",
+)  # fmt: skip
+def test_bad_fits_are_refused_in_one_sentence(changes, words, traces):
+    arguments = {"traces": traces, "chain": bench(LAW)} | changes
+    with pytest.raises(hc.InputError) as caught:
+        hc.fit(**arguments)
+    assert words in str(caught.value)
+    assert "\n" not in str(caught.value)
+
+
+def test_fewer_samples_than_parameters_are_refused():
+    few = hc.Traces.from_arrays([0.0, 1e-6, 2e-6], {"wall [N]": [0.0, 1.0, 0.0]}, noise=0.1)
+    with pytest.raises(hc.InputError, match="4 parameters cannot be fitted to 3 samples"):
+        hc.fit(few, bench(LAW), free=["stiffness", "loss.time", "time_offset", "exponent"])
+
+
+def test_runs_are_compared_with_traces():
+    data, chain = hc.example_experiment()
+    run = hc.simulate(hc.load_chain(chain), until=6e-4, times=1201)
+    compared = run.compare(data)
+    assert 0.005 < compared.differences["ball 6"] < 0.06
+    assert len(compared.plot().axes) == 4
+    with pytest.raises(hc.InputError, match="scaled variables"):
+        hc.simulate(hc.Chain.uniform(9)).compare(data)
+
+
+def test_results_can_be_shown_and_written(example, tmp_path):
+    assert len(repr(example).splitlines()) <= 3
+    assert len(repr(example.traces).splitlines()) <= 3
+    file = tmp_path / "fitted.toml"
+    file.write_text(example.chain_toml())
+    assert np.allclose(hc.load_chain(file).stiffness, example.chain.stiffness, rtol=1e-14)
+    data = example.to_dataset()
+    rest = data["ball_6"] - data["ball_6_fit"]
+    assert float((rest**2).mean()) ** 0.5 < 0.13
+    assert float(data["value"].sel(parameter="lag")) == example.values["lag"]
+    json.dumps(example.as_dict(), allow_nan=False)
+    assert np.allclose(np.diag(example.correlation), 1.0)
+    for figure in (example.plot(), example.plot_residuals(), example.plot_correlations()):
+        figure.canvas.draw()
+
+
+def test_sampling_needs_its_extra(example, monkeypatch):
+    monkeypatch.setitem(sys.modules, "emcee", None)
+    with pytest.raises(hc.InputError, match=r"pip install 'hertzchain\[fit\]'"):
+        example.sample(10)
+
+
+def test_posterior_agrees_with_least_squares():
+    pytest.importorskip("emcee")
+    # Without losses, all chains are alike, and no step needs a simulation.
+    data = measured(bench(), np.random.default_rng(6), balls=(6,), duration=200e-6)
+    one = hc.Traces((hc.Traces.from_arrays(
+        data.shots[0].times, {"ball 6 [N]": data.shots[0].signals[0].values}
+    ).shots[0],))  # fmt: skip
+    free = ["stiffness", "struck_by.velocity", "time_offset"]
+    result = hc.fit(one, bench(), free=free, priors={"struck_by.velocity": (0.3, 0.003)})
+    before = result.simulations
+    posterior = result.sample(150, seed=1)
+    assert result.model.simulator.count == before
+    for name in free:
+        shift = abs(posterior.means[name] - result.values[name]) / result.errors[name]
+        assert shift < 0.25
+        assert posterior.errors[name] == pytest.approx(result.errors[name], rel=0.2)
+    assert len(posterior.plot().axes) == 6
+
+
+def command(*arguments):
+    line = [sys.executable, "-m", "hertzchain", "fit", *map(str, arguments)]
+    return subprocess.run(line, capture_output=True, text=True, check=False)
+
+
+def test_command_fits_and_reports(tmp_path):
+    _, chain = hc.example_experiment()
+    done = command(chain.parent / "fast.csv", chain, "--json", "--out", tmp_path / "fitted.toml",
+                   "--plot", tmp_path / "fit.png")  # fmt: skip
+    assert done.returncode == 0, done.stderr
+    document = json.loads(done.stdout)
+    lag = document["parameters"]["lag"]
+    assert abs(lag["value"] - 1.4e-6) < 3.0 * lag["error"]
+    assert {each.name for each in tmp_path.iterdir()} == {
+        "fitted.toml", "fit.png", "fit-residuals.png", "fit-correlations.png"
+    }  # fmt: skip
+
+
+def test_command_reports_a_model_that_does_not_describe_the_data(tmp_path):
+    _, chain = hc.example_experiment()
+    data, plain = chain.parent / "fast.csv", tmp_path / "plain.toml"
+    plain.write_text(chain.read_text().partition("[fit]")[0])
+    done = command(data, plain)
+    assert done.returncode == 3, done.stderr
+    assert "the model does not describe the data" in done.stdout
+    assert "Warning" not in done.stderr
+    done = command(data, chain, "--free", "time_offset", "--prior", "exponent=1.5,0.1")
+    assert done.returncode == 2
+    assert "has a prior but is not free" in done.stderr
+
+
+def test_command_reports_a_fit_that_does_not_converge(monkeypatch):
+    from click.testing import CliRunner
+
+    from hertzchain.cli import cli
+
+    _, chain = hc.example_experiment()
+    monkeypatch.setattr(least_squares, "MAX_EVALUATIONS", 2)
+    arguments = ["fit", str(chain.parent / "fast.csv"), str(chain), "--starts", "1"]
+    done = CliRunner().invoke(cli, arguments, standalone_mode=False)
+    assert done.return_value == 1
+    assert "did not converge" in done.output

@@ -22,6 +22,7 @@ import hertzchain as hc
 from hertzchain.app.about import about, gallery
 from hertzchain.app.documents import chain_of, document_as_toml, document_of_file
 from hertzchain.app.messages import Part
+from hertzchain.app.results import Cancelled, limited
 from hertzchain.app.serve import RunningServer, bind
 from hertzchain.app.warm_up import WarmUp
 
@@ -167,6 +168,18 @@ def test_a_newer_request_cancels_the_older_one(client):
     # A call of the kernel takes a fraction of a second; the whole run takes about ten seconds.
     assert answers[10][1] - began < 2.0
     assert answers[11][0][-1][0]["part"] == "run"
+
+
+def test_the_time_of_compilation_does_not_count(monkeypatch):
+    clock = iter([0.0, 0.0, 19.0, 21.0])
+    monkeypatch.setattr(time, "perf_counter", lambda: next(clock))
+    progress = limited(lambda: False)
+    progress()
+    progress()
+    with pytest.raises(hc.SimulationError, match="longer than 20 s"):
+        progress()
+    with pytest.raises(Cancelled):
+        limited(lambda: True)()
 
 
 def test_a_request_that_arrives_late_is_not_computed(client):

@@ -76,8 +76,9 @@ def _results(request: Request, stop: Stop) -> Iterator[Part]:
     if exact is not None and not request.run:
         return
     began = time.perf_counter()
+    if stop():
+        raise Cancelled
     progress = limited(stop)
-    progress()
     with record_warnings():
         times = saved_times(chain, exact, request.frames, request.clock, progress)
     with record_warnings() as warned:
@@ -181,11 +182,14 @@ def _pulse_part(
 
 def limited(stop: Stop) -> Callable[..., None]:
     """A callback for ``progress`` that ends a run if it is out of date or takes too long."""
-    began = time.perf_counter()
+    began: float | None = None
 
     def progress(*_: int) -> None:
+        nonlocal began
         if stop():
             raise Cancelled
+        # The first call comes after the compilation, which does not count.
+        began = time.perf_counter() if began is None else began
         if time.perf_counter() - began > MAX_SECONDS:
             raise SimulationError(
                 f"this run takes longer than {MAX_SECONDS:g} s, the limit of the app; use "

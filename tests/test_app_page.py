@@ -34,6 +34,8 @@ if not REQUIRED:
 from playwright.sync_api import sync_playwright  # noqa: E402
 
 OPEN_ALL = "for (const each of document.querySelectorAll('details')) each.open = true"
+# Milliseconds to wait for results: the first ones of a chain with new features are compiled.
+COMPILING = 180_000
 SETTLED = "body[data-settled=yes]"
 ARRAY = """([slot, part, name]) => Array.from(hertzchain.results[slot][part].arrays.get(name))"""
 
@@ -74,7 +76,7 @@ class Page:
         tab.on("pageerror", lambda each: self.problems.append(str(each)))
         tab.on("request", lambda each: self.check_request(each.url))
         tab.goto(self.running.address if address is None else address)
-        tab.wait_for_selector(SETTLED)
+        tab.wait_for_selector(SETTLED, timeout=COMPILING)
         return tab
 
     def check_request(self, url):
@@ -84,7 +86,7 @@ class Page:
     def settle(self):
         # The attribute is reset as soon as the request is made, before this is called.
         self.tab.wait_for_timeout(60)
-        self.tab.wait_for_selector(SETTLED)
+        self.tab.wait_for_selector(SETTLED, timeout=COMPILING)
 
     def array(self, part, name, slot="A"):
         return np.array(self.tab.evaluate(ARRAY, [slot, part, name]), float)

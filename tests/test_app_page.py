@@ -194,18 +194,19 @@ def test_a_click_makes_a_sensor(page):
 
 
 def test_every_table_of_the_schema_can_be_added_and_removed(page):
-    tables = [name for name in page.tab.evaluate("hertzchain.schema") if name.startswith("chain.")]
-    assert len(tables) == 8
-    for name in tables:
-        key = name.removeprefix("chain.")
+    groups = page.tab.evaluate("[...document.querySelectorAll('.group')].map(each => each.id)")
+    tables = [name.removeprefix("group-") for name in groups][:-2]
+    assert len(tables) >= 9
+    for key in tables:
         before = page.document()
         page.tab.evaluate(f"document.getElementById('group-{key}').open = true")
         page.tab.click(f"#add-{key}")
         page.settle()
         found = page.document()
         assert set(found["chain"]) - set(before["chain"]) == {key}
-        assert chain_of(found)
-        assert not page.tab.evaluate("hertzchain.results.A.problem"), page.status()
+        problem = page.tab.evaluate("hertzchain.results.A.problem")
+        # Contacts of other bodies require materials.
+        assert (problem != "") == (key == "with_contacts"), problem
         page.tab.click(f"#group-{key} button:has-text('Remove')")
         page.settle()
         assert page.document() == before

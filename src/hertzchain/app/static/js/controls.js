@@ -83,7 +83,10 @@ export class Controls {
     const inForms = new Set(Object.values(forms).flat().concat(Object.keys(forms)));
     const own = new Set(["materials", "velocity", "exponent"]);
     const rest = keys.filter((/** @type {any} */ key) => !inForms.has(key.name) && !own.has(key.name));
-    const tables = Object.keys(this.schema).filter((name) => name.startsWith("chain."));
+    // A key that can be a number or tables, such as the exponent, has controls of the form it has.
+    const tabular = (/** @type {string} */ name) => typeof listed(chain[name])[0] === "object";
+    const tables = Object.keys(this.schema).filter((name) => name.startsWith("chain.")
+      && (tabular(name.slice(6)) || !keys.some((/** @type {any} */ key) => key.name === name.slice(6))));
     this.host.replaceChildren(
       this.beads(keys),
       ...tables.map((name) => this.table(name)),
@@ -108,7 +111,7 @@ export class Controls {
     const fields = shown.map((key) => this.field(["chain"], key, symbols[key.name] ? `${words(key.name)} ${symbols[key.name]}` : undefined));
     const select = this.select("form", "given by", choices.map((name) => [name, FORMS[name] ?? words(name)]), () => form, (name) => this.changeForm(name));
     const material = this.materialField(keys.find((key) => key.name === "materials"));
-    const more = ["velocity", "exponent"].filter((name) => name !== "velocity" || this.si)
+    const more = ["velocity", "exponent"].filter((name) => (name !== "velocity" || this.si) && typeof listed(chain[name])[0] !== "object")
       .map((name) => this.field(["chain"], keys.find((key) => key.name === name), name === "velocity" ? "impact velocity" : undefined));
     return make("fieldset", {}, make("legend", {}, "Beads"), select, ...fields, material, ...more);
   }
@@ -186,8 +189,8 @@ export class Controls {
         (chosen) => this.put(path, this.begin({ keys: section.variants[chosen] }, { [section.variant_key]: chosen }))));
     }
     const keys = section.variant_key ? section.variants[entry[section.variant_key]] ?? [] : section.keys;
-    const between = section.variant_key && entry.between ? section.keys : [];
-    for (const key of [...between, ...keys]) if (key.kind !== "file") fields.push(this.field(path, key));
+    const common = section.variant_key ? section.keys.filter((/** @type {any} */ key) => key.name !== "between" || entry.between) : [];
+    for (const key of [...common, ...keys]) if (key.kind !== "file") fields.push(this.field(path, key));
     return fields;
   }
 

@@ -22,7 +22,7 @@ def bench(loss=None, velocity=0.3, factor=1.0, gap=0.0, behind=8, beads=20, **fi
 def signals(chain, duration, offset, balls=BALLS, spacing=1e-6):
     """Times, and true forces in the balls and on the wall."""
     times = np.arange(0.0, duration, spacing)
-    grid = np.arange(0.0, duration + 60e-6, 0.25e-6)
+    grid = np.arange(0.0, duration + 60e-6, 0.05e-6)
     run = hc.simulate(chain, times=grid, rtol=1e-11)
     columns = [run.sensor(k + chain.strikers) for k in balls] + [run.forces[:, -1]]
     spline = make_interp_spline(grid, np.column_stack(columns), k=3)

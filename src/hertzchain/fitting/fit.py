@@ -12,6 +12,7 @@ from ..collision import Array
 from ..errors import InputError
 from ..validation.numbers import whole_number
 from ..validation.objects import callback
+from .chain_parameters import UNRELIABLE
 from .directions import WeakDirection, weak_directions
 from .goodness import goodness_of
 from .least_squares import Solution, solve
@@ -260,6 +261,13 @@ def _notes(
             notes.append(
                 f"the data hardly fix {name}, whose error exceeds its size: fix it, or give it a "
                 "prior"
+            )
+    for law in {type(each): each for c in model.chains for each in c.contact_losses}.values():
+        if isinstance(law, UNRELIABLE):
+            notes.append(
+                f"the force of the law {law.name} jumps, so that the errors of the chain's "
+                "parameters are too small, in tests often by a factor of ten or more: repeat the "
+                "fit with several shots, and use their scatter"
             )
     if model.simulator.failed:
         notes.append(f"{model.simulator.failed} trial runs failed and were rejected")

@@ -4,17 +4,21 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Final
 
 import numpy as np
 
 from ..collision import Array
 from ..errors import InputError, SimulationError
+from .chain_parameters import JUMPING
 from .model import Model
 from .names import Name
 
 # Step of differences of functions that need no simulation, relative to variables of order 1.
 SMALL: Final = 1e-6
+# Least step of parameters of a chain whose forces jump.
+MIN_JUMPING_STEP: Final = 5e-3
 
 
 def differences(function: Callable[[Array], Array], variables: Array) -> Array:
@@ -119,6 +123,29 @@ class Problem:
     def _column(self, shot: int, variables: Array, here: Array, j: int) -> Array:
         """Derivatives by one variable: central differences if they need no simulation."""
         step = self.step(j)
+        ends = self._ends(shot, variables, j, step)
+        cheap = not any(self.model.needs_simulation(each, shot) for each in ends.values())
+        if not cheap and self.jumps:
+            step = max(step, MIN_JUMPING_STEP)
+            ends = self._ends(shot, variables, j, step)
+        found = {}
+        for sign, each in ends.items():
+            try:
+                found[sign] = self.predicted(each, shot)
+            except (SimulationError, InputError) as error:
+                self.last_failure = str(error)
+            if not (cheap or self.jumps) and found:
+                break
+        if len(found) == 2:
+            return np.asarray((found[1.0] - found[-1.0]) / (2.0 * step))
+        for sign, signal in found.items():
+            return np.asarray(sign * (signal - here) / step)
+        return np.zeros(len(here))
+
+    def _ends(
+        self, shot: int, variables: Array, j: int, step: float
+    ) -> dict[float, dict[Name, float]]:
+        """Values one step above and below, where the bounds allow them."""
         low, high = self.bounds()
         ends = {}
         for sign in (1.0, -1.0):
@@ -126,21 +153,17 @@ class Problem:
             moved[j] += sign * step
             if low[j] <= moved[j] <= high[j]:
                 ends[sign] = self.model.values(moved, shot)
-        if len(ends) == 2 and not any(
-            self.model.needs_simulation(each, shot) for each in ends.values()
-        ):
-            plus, minus = (self.predicted(each, shot) for each in ends.values())
-            return np.asarray((plus - minus) / (2.0 * step))
-        for sign, each in ends.items():
-            try:
-                return np.asarray(sign * (self.predicted(each, shot) - here) / step)
-            except (SimulationError, InputError) as error:
-                self.last_failure = str(error)
-        return np.zeros(len(here))
+        return ends
 
     def step(self, j: int) -> float:
         """Step of a difference."""
         return self.model.parameters[j].kind.step
+
+    @cached_property
+    def jumps(self) -> bool:
+        """Whether forces jump during a contact."""
+        laws = {law for chain in self.model.chains for law in chain.contact_losses}
+        return any(isinstance(law, JUMPING) for law in laws)
 
     def bounds(self) -> tuple[Array, Array]:
         """Bounds of the variables."""

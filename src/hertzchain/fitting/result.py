@@ -140,7 +140,7 @@ class FitResult:
         --------
         >>> import hertzchain as hc
         >>> result = hc.fit(*hc.example_experiment(), free=["time_offset"])
-        >>> result.bic() > result.chi2
+        >>> result.bic(inflation=1.0) > result.chi2
         True
         """
         s = self.goodness.inflation

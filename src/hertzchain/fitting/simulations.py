@@ -14,6 +14,7 @@ from ..chain.chain import Chain
 from ..collision import Array
 from ..errors import InputError, ModelRangeWarning, SimulationError
 from ..simulation.simulate import simulate
+from .chain_parameters import JUMPING
 from .places import Place
 from .symmetry import Units, similarity_key, units_of
 
@@ -21,6 +22,8 @@ from .symmetry import Units, similarity_key, units_of
 RTOL: Final = 1e-9
 # Saved times per unit of time; a pulse takes several units to pass a bead.
 PER_UNIT: Final = 32
+# ... and this many times as many where the force jumps.
+FINER: Final = 8
 MAX_TIMES: Final = 400_000
 # A run is longer than the data by this factor, for chains that move more slowly.
 LONGER: Final = 1.12
@@ -98,7 +101,9 @@ class Simulator:
         return similarity_key(chain, units_of(chain)) in self._kept
 
     def _simulate(self, chain: Chain, units: Units, duration: float) -> Simulated:
-        spacing = duration / 2000 if units.time == 1.0 else units.time / PER_UNIT
+        jumps = any(isinstance(law, JUMPING) for law in chain.contact_losses)
+        part = PER_UNIT * (FINER if jumps else 1)
+        spacing = duration / 2000 if units.time == 1.0 else units.time / part
         count = int(np.ceil(duration / spacing)) + 4
         if count > MAX_TIMES:
             raise InputError(

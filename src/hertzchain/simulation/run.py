@@ -399,7 +399,7 @@ class Run(Trajectory):
         >>> traces, chain = hc.example_experiment()
         >>> compared = hc.simulate(hc.load_chain(chain), until=6e-4, times=1201).compare(traces)
         >>> f"{compared.differences['ball 6']:.1%}"
-        '5.0%'
+        '4.0%'
         """
         from ..fitting.trace_comparison import compare_traces
 

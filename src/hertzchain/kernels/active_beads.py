@@ -44,8 +44,8 @@ QUIET, BEHIND = 1e-60, 3
 NOISE = 0.1
 # Beads remain behind the window until their speeds differ by this many times the ignored speed.
 STAY = 4.0
-# Average number of collisions per bead behind the window, at one time, before all beads are taken
-# back into the window.
+# Average number of collisions per bead behind the window, at one time, after which all beads return
+# to the window.
 MAX_COLLISIONS = 100
 # Beads at rest or in free flight that are kept at each end of the window; number of beads by which
 # the window grows or shrinks.

@@ -21,8 +21,8 @@ Each lane is a separate chain with its own step.  One array with constant offset
 without branches over a row, allow the compiler to process several chains with one instruction.
 
 The method is RKN8(6)9FM (`hertzchain.kernels.rkn8`); its steps are a fixed fraction of the time
-that the pulse takes per bead.  The method would lose its order where the force grows like a power p of
-time: at the impact, and at each contact that opens behind the pulse.  At the impact, the first
+that the pulse takes per bead.  The method would lose its order where the force grows like a power p
+of time: at the impact, and at each contact that opens behind the pulse.  At the impact, the first
 steps are therefore graded; at the opening of a contact, `release` integrates the end of the push in
 closed form.  A chain that does not satisfy the assumptions of the window is rejected with a status
 code.

@@ -70,8 +70,8 @@ def watch_wall(side, time, h, force, given, passed, x, v, a, spring, ends, walls
     """Record the largest force on a wall, its touches and the end of its first contact.
 
     ``given`` is the impulse on the wall so far.  The position, velocity and acceleration of the
-    adjacent bead are positive away from the wall; ``ends`` has these values and the force at the end of
-    the previous step.  ``passed`` states whether the crest has passed.
+    adjacent bead are positive away from the wall; ``ends`` has these values and the force at the
+    end of the previous step.  ``passed`` states whether the crest has passed.
     """
     stiffness, closed_by, exponent = spring
     if stiffness > 0.0:

@@ -162,8 +162,8 @@ def total(w, at, size):
 def estimate(w, beads, rtol, lane):
     """Largest error of each lane, in units of speeds nearby; marks beads and contacts with events.
 
-    Returns the sum of the marks: 1 for a bead whose push has ended, 2 for a contact that has stopped
-    closing.
+    Returns the sum of the marks: 1 for a bead whose push has ended, 2 for a contact that has
+    stopped closing.
     """
     size = beads * LANES
     for i in range(size):

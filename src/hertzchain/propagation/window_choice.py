@@ -226,7 +226,7 @@ class _Passage:
         return WINDOWS if abs(self.law) >= SOFT_EXPONENT else SOFT_WINDOWS
 
     def narrow(self, todo: Indices) -> Indices:
-        """Integrate growing tapers, with shorter steps if they begin with a large ratio of radii."""
+        """Integrate growing tapers; if they begin with a large ratio of radii, by shorter steps."""
         if not len(todo):
             return todo
         first, size = self.batch.first[todo], self.windows.narrow

@@ -1,4 +1,4 @@
-"""Everything that the page needs before the first result: schema, materials, gallery, limits."""
+"""Data of the page before the first result: schema, materials, gallery, limits."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from ..store.chain_schema import chain_schema
 from ..theory.catalogue import THEORIES
 from .documents import DEFAULT, MAX_BEADS, chain_of
 
-# Beads of a picture in the gallery.
+# Number of beads in a picture of the gallery.
 MAX_THUMBNAIL: Final = 40
 
 
@@ -36,7 +36,7 @@ def gallery() -> list[dict[str, Any]]:
 
 
 def about(document: object = None) -> dict[str, Any]:
-    """Description of the program for the page, with the document to begin with."""
+    """Description of the program for the page, with the initial document."""
     return {
         "version": __version__,
         "schema": chain_schema(),

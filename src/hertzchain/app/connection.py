@@ -1,4 +1,4 @@
-"""HTTP connections that cannot be kept without use."""
+"""HTTP connections that are closed if they are idle."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ class Connection(H11Protocol):
     """A connection that is closed if its client is silent, and rejected if there are too many."""
 
     def connection_made(self, transport: Any) -> None:
-        """Start the clock, or reject the connection."""
+        """Start the timer, or reject the connection."""
         self._silence, self._unread = _Clock(self.loop), _Clock(self.loop)
         super().connection_made(transport)
         if len(self.connections) > MAX_CONNECTIONS:
@@ -26,7 +26,7 @@ class Connection(H11Protocol):
             self._silence.start(transport.abort)
 
     def data_received(self, data: bytes) -> None:
-        """Stop the clock when the header of a request is complete."""
+        """Stop the timer when the header of a request is complete."""
         super().data_received(data)
         if self.cycle is None or self.cycle.response_complete:
             self._silence.start(self.transport.abort)
@@ -44,19 +44,19 @@ class Connection(H11Protocol):
         self._unread.start(self.transport.abort)
 
     def resume_writing(self) -> None:
-        """Stop the clock, because the client has read."""
+        """Stop the timer, because the client has read."""
         self._unread.stop()
         super().resume_writing()
 
     def connection_lost(self, exc: Exception | None) -> None:
-        """Stop both clocks."""
+        """Stop both timers."""
         self._silence.stop()
         self._unread.stop()
         super().connection_lost(exc)
 
 
 class _Clock:
-    """Calls a function after a time, unless it is stopped; starting it again changes nothing."""
+    """Calls a function after a time, unless it is stopped; starting it again has no effect."""
 
     def __init__(self, loop: asyncio.AbstractEventLoop) -> None:
         self.loop = loop

@@ -1,4 +1,4 @@
-"""Chain files that the page sends: checked, limited, and written as TOML."""
+"""Checks, limits and TOML text of the chain files that the page sends."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ DEFAULT: Final = {"chain": {"taper": "backward-exponential", "rate": 0.05, "bead
 
 
 def chain_of(document: object) -> Chain:
-    """The chain that a document of the page describes."""
+    """Build the chain that a document of the page describes."""
     if not isinstance(document, Mapping):
         raise InputError("the request has no chain file; reload the page")
     if any(_files(document)):
@@ -73,7 +73,7 @@ def _check_beads(beads: int) -> None:
 
 
 def document_of_toml(text: str) -> dict[str, Any]:
-    """The document of a chain file that the page has opened."""
+    """Parse the text of a chain file that the page has opened."""
     try:
         document = tomllib.loads(text.removeprefix("\ufeff"))
     except (tomllib.TOMLDecodeError, RecursionError, ValueError) as error:
@@ -84,7 +84,7 @@ def document_of_toml(text: str) -> dict[str, Any]:
 
 
 def document_of_file(path: str | os.PathLike[str]) -> dict[str, Any]:
-    """The document of a chain file on disk; data of files to which it refers are included."""
+    """Read a chain file on disk; data of files to which it refers are included."""
     chain = load_chain(path)
     _check_beads(chain.beads)
     if Path(path).suffix.lower() != ".csv":
@@ -95,7 +95,7 @@ def document_of_file(path: str | os.PathLike[str]) -> dict[str, Any]:
 
 
 def document_as_toml(given: object) -> str:
-    """A document as the text of a chain file."""
+    """Write a document as the text of a chain file."""
     chain_of(given)
     document = with_infinity(given)
     lines = ["[chain]"]

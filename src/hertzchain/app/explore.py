@@ -30,7 +30,8 @@ Send = Callable[[Mapping[str, Any], list[bytes]], None]
 def explore(chain: Chain | None = None, *, height: int = 900) -> Any:
     """Show a chain in a notebook, with the controls and views of ``hertzchain app``.
 
-    Results are computed in the kernel of the notebook.  The page needs no network and no port.
+    Results are computed in the kernel of the notebook.  The page requires neither a network nor a
+    port.
 
     Parameters
     ----------
@@ -42,9 +43,9 @@ def explore(chain: Chain | None = None, *, height: int = 900) -> Any:
     Returns
     -------
     anywidget.AnyWidget
-        A widget whose attributes ``chain`` and ``other`` are the chains on the page as it is now;
-        ``other`` is None if there is only one.  ``hertzchain.propagate(widget.chain)`` returns
-        the numbers on the page.
+        A widget whose attributes ``chain`` and ``other`` are the chains that the page shows at
+        present; ``other`` is None if there is only one.  ``hertzchain.propagate(widget.chain)``
+        returns the numbers on the page.
 
     Raises
     ------
@@ -68,7 +69,7 @@ def explore(chain: Chain | None = None, *, height: int = 900) -> Any:
 
 
 class Conversation:
-    """Answers the messages of one page; independent of the notebook."""
+    """Answers to the messages of one page; independent of the notebook."""
 
     def __init__(self, document: object, send: Send) -> None:
         self.documents = {"A": document, "B": None}

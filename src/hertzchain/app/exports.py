@@ -1,4 +1,4 @@
-"""Files that the page offers: chain file, Python script, tables, figures, a page of its own."""
+"""Files that the page offers: chain file, Python script, tables, figures, saved page."""
 
 from __future__ import annotations
 
@@ -109,7 +109,7 @@ def _csv(given: Mapping[str, Any], stop: Stop) -> Export:
 
 
 def _pulses(chain: Chain, stop: Stop) -> tuple[dict[str, Pulse], Run | None]:
-    """The simulated pulse and those of all theories that cover the chain."""
+    """The simulated pulse and those of all theories that support the chain."""
     found: dict[str, Pulse] = {}
     run = None
     try:

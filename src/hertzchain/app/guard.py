@@ -1,4 +1,4 @@
-"""Who may use the server: pages from this server, opened with the token."""
+"""Access control: only pages from this server, opened with the token, may use it."""
 
 from __future__ import annotations
 
@@ -35,13 +35,13 @@ class Guard:
         self.origins = frozenset(f"http://{host}" for host in self.hosts)
 
     def refusal(self, headers: Mapping[str, str], *, api: bool) -> str:
-        """Why a request is rejected; empty if it is accepted."""
+        """Reason why a request is rejected; empty if it is accepted."""
         if headers.get("host", "") not in self.hosts:
             return "unknown host"
         origin = headers.get("origin")
         if origin is not None and origin not in self.origins:
             return "unknown origin"
-        # Following a link to the page is harmless; computing for another site is not.
+        # Other sites may link to the page, but must not start computations.
         if api and headers.get("sec-fetch-site", "none") not in SITES:
             return "request of another site"
         if not self.has_cookie(headers):

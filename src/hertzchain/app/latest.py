@@ -18,7 +18,7 @@ class Latest:
         self._lock = threading.Lock()
 
     def begin(self, session: str, slot: str, number: int) -> Callable[[], bool]:
-        """Register a request; return a function that returns whether it is out of date."""
+        """Register a request; return a function that checks whether it is out of date."""
         key = session, slot
         with self._lock:
             self._newest[key] = max(number, self._newest.get(key, -1))

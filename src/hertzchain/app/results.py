@@ -25,11 +25,11 @@ from .messages import Part, columns_as_int16
 from .requests import Request
 
 MAX_SECONDS: Final = 20.0
-# Theories in compiled code, which are evaluated after the others.
+# Theories with compiled functions, which are evaluated after the others.
 COMPILED: Final = ("local-rate",)
 # The budget of a longer chain takes as long as a draft of its motion.
 MAX_BEADS_OF_DRAFT_BUDGET: Final = 300
-# Extra time after the pulse has left, in parts of its transit: with a wall, and without.
+# Extra time after the pulse has left, in units of its transit: with a wall, and without.
 ECHO: Final = {True: 1.0, False: 0.12}
 # Tolerance of the run that determines how long a pulse takes to pass a chain.
 ROUGH: Final = 1e-6
@@ -109,7 +109,7 @@ def _bead_arrays(chain: Chain) -> dict[str, Array]:
 
 
 class _Theories:
-    """Predictions of theories, and sentences of those that do not cover the chain."""
+    """Predictions of theories, and reasons why others do not support the chain."""
 
     def __init__(self, chain: Chain) -> None:
         self.chain = chain
@@ -150,7 +150,7 @@ def pulse_arrays(name: str, pulse: Pulse) -> dict[str, Array]:
 
 
 def _propagated(chain: Chain) -> tuple[Pulse | None, str]:
-    """The pulse by `propagate`, or why it does not support the chain."""
+    """The pulse by `propagate`, or the reason why it does not support the chain."""
     try:
         return propagate(chain), ""
     except (InputError, SimulationError) as error:
@@ -202,7 +202,7 @@ def limited(stop: Stop) -> Callable[..., None]:
 def saved_times(
     chain: Chain, exact: Pulse | None, frames: int, clock: str, progress: Any = None
 ) -> Array:
-    """Times to save: equally many for each bead that the pulse passes, or equally spaced.
+    """Times to save: the same number for each bead that the pulse passes, or equally spaced.
 
     After the pulse has left, the times continue with the residence times in reverse order, at
     the rate of an echo.
@@ -283,7 +283,7 @@ def _budget_arrays(run: Run) -> dict[str, Any]:
 
 
 def _add_spectrum(chain: Chain, arrays: dict[str, Any]) -> str:
-    """Add the frequencies of small oscillations, or return why there are none."""
+    """Add the frequencies of small oscillations, or return the reason why there are none."""
     try:
         modes = spectrum(chain)
     except InputError as error:

@@ -1,4 +1,4 @@
-"""The page in one HTML file: with its results, to play without Python, or for a notebook."""
+"""The page in one HTML file: with its results, for use without Python, or for a notebook."""
 
 from __future__ import annotations
 

@@ -26,7 +26,7 @@ def bind(port: int) -> socket.socket:
     for each in (*range(port, min(port + MORE_PORTS, 65535) + 1), 0):
         listener = socket.socket(socket.AF_INET, socket.SOCK_STREAM)
         if sys.platform != "win32":
-            # Otherwise a port could not be used for a minute after the last server.
+            # Otherwise a port could not be used again for a minute after a server has stopped.
             listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         try:
             listener.bind(("127.0.0.1", each))

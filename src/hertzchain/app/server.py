@@ -30,7 +30,7 @@ from .warm_up import WarmUp
 MAX_BODY: Final = 300_000
 # Seconds for the body of a request.
 PATIENCE: Final = 10.0
-# Simulations at the same time; further ones wait, and those out of date do not begin.
+# Number of simultaneous simulations; further ones wait, and those out of date are not started.
 WORKERS: Final = 2
 
 
@@ -43,7 +43,7 @@ class RejectedError(Exception):
 
 
 class App:
-    """State of the server: who may use it, what is being computed, what is compiled."""
+    """State of the server: access control, running requests, compiled functions."""
 
     def __init__(self, port: int, document: object = None, warm_up: WarmUp | None = None) -> None:
         self.guard = Guard(port)
@@ -76,7 +76,7 @@ class App:
         return Response(found.content, media_type=found.media_type)
 
     async def about(self, _: HttpRequest) -> Response:
-        """Schema, materials, gallery, and the chain to begin with."""
+        """Schema, materials, gallery, and the initial chain."""
         loop = asyncio.get_running_loop()
         return JSONResponse(finite(await loop.run_in_executor(None, about, self.document)))
 
@@ -185,7 +185,7 @@ def _reject(_: HttpRequest, error: Exception) -> Response:
 
 
 async def _body(request: HttpRequest) -> bytes:
-    """The body of a request, if it is neither long nor slow."""
+    """Read the body of a request; reject it if it is too long or too slow."""
     body = bytearray()
     try:
         async with asyncio.timeout(PATIENCE):

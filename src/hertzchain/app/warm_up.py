@@ -27,8 +27,8 @@ STAGES: Final[tuple[Stage, ...]] = (
 )  # fmt: skip
 
 
-# Stages that must be complete before the message after another one: of a default chain, and of
-# one with further features.
+# Stages that must be complete before the message that follows another one, for default chains and
+# for general chains.
 NEEDED: Final = {"beads": (2, 4), "pulse": (3, 4)}
 POLL: Final = 0.05
 
@@ -42,7 +42,7 @@ class WarmUp:
         self._thread = threading.Thread(target=self._work, daemon=True)
 
     def start(self) -> None:
-        """Begin in a thread that does not keep the process alive."""
+        """Start in a thread that does not keep the process alive."""
         self._thread.start()
 
     def _work(self) -> None:

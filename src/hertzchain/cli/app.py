@@ -1,4 +1,4 @@
-"""The command `app`: a live chain in the browser."""
+"""The command `app`: an interactive chain in the browser."""
 
 from __future__ import annotations
 

@@ -39,7 +39,9 @@ if TYPE_CHECKING:
 @click.option(
     "--laws", metavar="NAMES", help="Compare laws of loss: all, or names separated by commas."
 )
-@click.option("--defects", is_flag=True, help="Search for the contact where one gap explains most.")
+@click.option(
+    "--defects", is_flag=True, help="Search for the gap that explains most of the residuals."
+)
 @click.option(
     "--sample",
     type=int,
@@ -132,7 +134,7 @@ def fit(
 
 @contextmanager
 def _simulations() -> Iterator[Callable[[int, int], None]]:
-    """Progress of a fit, whose number of simulations is not known before."""
+    """Progress of a fit, whose number of simulations is not known in advance."""
     with progress_bar("simulations") as update:
         # At least one more simulation follows each.
         yield lambda done, _: update(done, done + 1)

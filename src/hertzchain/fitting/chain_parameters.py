@@ -25,8 +25,8 @@ class Kind:
     """Unit, unit in scaled variables, bounds and typical size of a parameter of a chain.
 
     A parameter of a dimension other than ``"1"`` is fitted in units of the motion, so that a
-    change of stiffness or velocity alone needs no simulation.  A factor is fitted by its
-    logarithm: velocity, stiffness and gains, which can replace each other, then do so along a
+    change of only stiffness or velocity requires no simulation.  A factor is fitted by its
+    logarithm: velocity, stiffness and gains, which can compensate each other, then do so along a
     straight line.  ``step`` is the step of differences in units of the typical size.
     """
 
@@ -55,8 +55,9 @@ KINDS: Final[Mapping[str, Kind]] = {
     "wall.exponent": Kind(lower=1.05, upper=4.0, step=3e-5),
     "wall.gap": Kind("m", "length", lower=0.0, typical=0.1, step=1e-2),
 }
-# Typical value of the parameters of each law in units of the motion; from there a fit starts if
-# the chain has no loss.  The steps of laws that switch are larger: their runs are less smooth.
+# Typical values of the parameters of each law in units of the motion, from which a fit starts if
+# the chain has no loss.  Laws with switching contacts use larger steps, because their signals are
+# less smooth functions of the parameters.
 TYPICAL: Final[Mapping[type[Loss], Mapping[str, float]]] = {
     LAWS["viscoelastic"]: {"time": 0.03},
     LAWS["dashpot"]: {"gamma": 0.015},
@@ -95,7 +96,7 @@ def known_names(chain: Chain) -> list[str]:
 
 
 def loss_parameters(chain: Chain) -> dict[str, Loss]:
-    """Numbers of the laws of a chain, each with the first law that has it."""
+    """Parameters of the laws of a chain, each with the first law that has it."""
     found: dict[str, Loss] = {}
     for law in chain.contact_losses:
         for name, about in law.parameters().items():
@@ -110,7 +111,7 @@ def kind_of(chain: Chain, name: Name) -> Kind:
     for end in ENDS:
         if key.startswith(f"{end}."):
             if getattr(chain, end) is None:
-                raise InputError(f"{name} is no parameter of this chain: it has no {end}")
+                raise InputError(f"{name} is not a parameter of this chain: it has no {end}")
             key = key.removeprefix(f"{end}.")
             key = key if key.startswith("loss.") else f"wall.{key}"
     if key.startswith("loss."):
@@ -140,7 +141,7 @@ def _loss_kind(chain: Chain, name: Name) -> Kind:
     upper = about.bounds.get("most", about.bounds.get("below", np.inf) - 1e-6)
     typical = TYPICAL[type(law)].get(field, 1.0)
     if scale == "1" and upper <= 1.0:
-        typical = 0.05  # the part that is lost
+        typical = 0.05  # the fraction that is lost
     step = SWITCHING_STEP if isinstance(law, SWITCHING) else SMOOTH_STEP
     units = {"time": "s", "length": "m", "damping": "kg/s"}
     unit = units.get(about.dimension, "N (s/m)^alpha" if field == "gamma" else about.dimension)
@@ -148,7 +149,7 @@ def _loss_kind(chain: Chain, name: Name) -> Kind:
 
 
 def _law_with(chain: Chain, name: Name, field: str) -> Loss:
-    """The first law that a name means."""
+    """The first law to which a name refers."""
     losses = chain.contact_losses
     if name.key.startswith(ENDS):
         laws = [losses[0 if name.key.startswith("left") else -1]]
@@ -178,7 +179,7 @@ def contact_index(chain: Chain, name: Name) -> int:
     index = first + chain.strikers - 1
     if second != first + 1 or not 0 <= index < chain.beads - 1:
         raise InputError(
-            f"{name} is no contact of this chain, whose balls are 1 to "
+            f"{name} is not a contact of this chain, whose balls are 1 to "
             f"{chain.beads - chain.strikers}; name two neighbours, such as {Name(name.key, '8-9')}"
         )
     return index
@@ -188,7 +189,7 @@ def bead_index(chain: Chain, name: Name) -> int:
     """Index of a ball, counted without the strikers."""
     balls = chain.beads - chain.strikers
     if not name.item.isdigit() or not 1 <= int(name.item) <= balls:
-        raise InputError(f"{name} is no ball of this chain, whose balls are 1 to {balls}")
+        raise InputError(f"{name} is not a ball of this chain, whose balls are 1 to {balls}")
     return int(name.item) + chain.strikers - 1
 
 
@@ -234,7 +235,7 @@ def _material(chain: Chain, name: Name) -> Any:
 def with_sizes(chain: Chain, values: Mapping[Name, float], reference: float) -> Chain:
     """The chain with other materials, sizes, stiffness, exponents and velocities.
 
-    ``reference`` is the overlap at which a change of the exponent keeps the force.
+    ``reference`` is the overlap at which the force does not depend on the exponent.
     """
     changes: dict[str, Any] = {}
     for field in ("radius", "mass"):
@@ -337,7 +338,7 @@ def with_motion(chain: Chain, values: Mapping[Name, float]) -> Chain:
 def _changed_laws(
     chain: Chain, laws: list[Loss], name: Name, field: str, value: float
 ) -> list[Loss]:
-    """Laws of all contacts with one number changed; laws that were one object stay one."""
+    """Laws of all contacts with one parameter changed; shared law objects remain shared."""
     if name.key.startswith(ENDS):
         chosen = {0 if name.key.startswith("left") else chain.beads}
     elif name.item:
@@ -356,7 +357,7 @@ def _changed_laws(
 
 
 def is_motion(name: Name) -> bool:
-    """Whether a parameter belongs to `with_motion`."""
+    """Whether `with_motion` sets a parameter."""
     return (
         name.key in ("gap", "precompression", "gravity")
         or "loss." in name.key

@@ -1,4 +1,4 @@
-"""Where one gap, odd bead or loose contact explains most of the residuals."""
+"""Search for the gap, odd bead or loose contact that explains most of the residuals."""
 
 from __future__ import annotations
 
@@ -21,16 +21,16 @@ from .problem import Problem
 from .result import FitResult
 from .symmetry import units_of
 
-# Parameter of each kind of defect, and its trial change: of a gap in units of the motion, of a
-# radius and a stiffness relative to itself.
+# Parameter of each kind of defect, and its trial change: a gap in units of the motion, a relative
+# change of radius or stiffness.
 KINDS: Final = {"gap": ("gap", 0.02), "bead": ("radius", 2e-3), "contact": ("stiffness", 0.02)}
-# Falls of chi-squared that a defect must explain to be reported.
+# Least reduction of chi-squared by a defect that is reported.
 FOUND: Final = 20.0
 
 
 @dataclass(frozen=True, eq=False)
 class DefectScan:
-    """How much of chi-squared a defect at each contact or bead would explain.
+    """Part of chi-squared that a defect at each contact or bead would explain.
 
     Attributes
     ----------
@@ -39,7 +39,7 @@ class DefectScan:
     names : tuple of str
         Parameters of the defects, such as ``"gap[8-9]"``.
     improvements : ndarray
-        By how much chi-squared falls, in the linearised fit.
+        Reduction of chi-squared in the linearised fit.
     sizes : ndarray
         Values of the parameters [SI].
     result : FitResult
@@ -54,26 +54,26 @@ class DefectScan:
 
     @property
     def best(self) -> str:
-        """Name of the defect that explains most."""
+        """Name of the defect that explains the largest part."""
         return self.names[int(np.argmax(self.improvements))]
 
     @property
     def found(self) -> bool:
-        """Whether it explains more than noise would."""
+        """Whether the best defect explains more than noise would."""
         return float(self.improvements.max()) > FOUND
 
     def fit(self, candidates: int = 2) -> FitResult:
-        """Fit the defects that explain most, and return the best fit.
+        """Fit the defects that explain the largest parts, and return the best fit.
 
         Parameters
         ----------
         candidates : int
-            Number of defects to try, each in a fit of its own.
+            Number of defects to try, each in a separate fit.
 
         Returns
         -------
         FitResult
-            With the defect as a further parameter.
+            Fit with the defect as a further parameter.
 
         Raises
         ------
@@ -109,14 +109,14 @@ class DefectScan:
         i = int(np.argmax(self.improvements))
         factor, unit = (1e6, " um") if self.kind == "gap" else (1.0, "")
         rest = float(np.sort(self.improvements)[-2]) if len(self.names) > 1 else 0.0
-        told = (
+        text = (
             f"{self.best} of about {factor * self.sizes[i]:.3g}{unit} lowers chi2 by "
             f"{self.improvements[i]:.0f}"
         )
         other = f"the next by {rest:.0f}"
         if not self.found:
-            told, other = f"no {self.kind} explains more than noise would", ""
-        return short("DefectScan", self.kind, told, other)
+            text, other = f"no {self.kind} explains more than noise would", ""
+        return short("DefectScan", self.kind, text, other)
 
 
 def scan_defects(
@@ -144,7 +144,7 @@ def scan_defects(
     Raises
     ------
     InputError
-        For another kind, or a chain in which it cannot be changed.
+        For another kind, or a chain that cannot have such a defect.
 
     Examples
     --------
@@ -187,7 +187,7 @@ def _with_parameter(model: Model, name: Name, start: float) -> Model:
 
 
 def _explained(result: FitResult, name: Name, inverse: Array) -> tuple[float, float]:
-    """Fall of chi-squared and size of one defect in the linearised fit."""
+    """Reduction of chi-squared and size of one defect in the linearised fit."""
     model, problem = result.model, result.problem
     values = model.values(result.variables)
     trial = KINDS[{"gap": "gap", "radius": "bead", "stiffness": "contact"}[name.key]][1]

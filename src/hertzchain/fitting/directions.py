@@ -1,4 +1,4 @@
-"""Directions in which the data do not fix the parameters, by name."""
+"""Combinations of parameters that the data do not determine, by name."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import numpy as np
 from ..collision import Array
 from ..representation import short
 
-# Relative error along a direction above which it is reported, and part of the largest singular
+# Relative error along a direction above which it is reported; fraction of the largest singular
 # value below which a direction cannot be distinguished from an exact degeneracy.
 WEAK, EXACT_PART = 1.0, 3e-6
 # Smallest weight of a parameter that is named, relative to the largest.
@@ -25,13 +25,13 @@ class WeakDirection:
     Attributes
     ----------
     weights : dict
-        Relative changes of the parameters, the largest 1.
+        Relative changes of the parameters; the largest is 1.
     error : float
         Relative error along the direction from the data only, without priors.
     exact : bool
-        Whether the data do not depend on it at all.
+        Whether the data do not depend on the direction at all.
     fixed_by : tuple of str
-        Priors that fix it.
+        Parameters whose priors fix the direction.
     """
 
     weights: dict[str, float]
@@ -67,7 +67,7 @@ def _grouped(names: list[str]) -> str:
 def weak_directions(
     names: Sequence[str], jacobian: Array, sizes: Array, priors: dict[str, float]
 ) -> tuple[WeakDirection, ...]:
-    """Weak directions from the derivatives of the data by the parameters.
+    """Weak directions from the derivatives of the data with respect to the parameters.
 
     ``sizes`` are the sizes to which changes are relative; ``priors`` the standard deviations of
     the priors, relative to the sizes.

@@ -13,12 +13,12 @@ FILES = {"fast": "fast.csv", "slow": "slow.csv"}
 
 
 def example_experiment(*shots: str) -> tuple[Traces, Path]:
-    """Traces and chain file of a synthetic experiment, for trying out `hertzchain.fit`.
+    """Traces and chain file of a synthetic experiment, an example for `hertzchain.fit`.
 
     A row of 20 steel balls of 10 mm diameter in front of a steel wall is struck by an equal ball,
     at 0.3 m/s (``"fast"``) or 0.1 m/s (``"slow"``).  Sensors are in balls 6, 11 and 16 and in the
-    wall; that in ball 11 has no calibration.  The data were made by SciPy
-    (``tools/example_traces.py``) with a lag, a discharge and crosstalk of the sensors.
+    wall; the one in ball 11 is not calibrated.  The data were computed with SciPy
+    (``tools/example_traces.py``), with lag, discharge and crosstalk of the sensors.
 
     Parameters
     ----------

@@ -29,9 +29,9 @@ from .traces import Traces
 Path_ = str | os.PathLike[str]
 TracesLike = Traces | Path_ | Sequence[Path_]
 ChainLike = Chain | Path_ | Sequence[Chain]
-# A bound is reached within this part of a variable.
+# A parameter is at a bound if its variable is within this relative distance of it.
 AT_BOUND = 1e-6
-# An error above this part of the value is reported.
+# An error above this fraction of the value is reported.
 LARGE_ERROR = 1.0
 
 
@@ -54,9 +54,9 @@ def fit(
         \sum_{i} \frac{[y_i - f_i(\theta)]^2}{\sigma_i^2}
         + \sum_{j} \frac{(\theta_j - \mu_j)^2}{s_j^2}
 
-    with the samples y and their noise, simulated signals f that pass through the sensor model
-    (`hertzchain.fitting.sensors`), and the priors.  Stiffness, velocity, gains and time offsets
-    need no simulation where the exact scaling symmetry of chains holds
+    with the samples y and their noise :math:`\sigma_i`, the simulated signals f after the sensor
+    model (`hertzchain.fitting.sensors`), and the priors.  Changes of stiffness, velocity, gains and
+    time offsets require no simulation if the exact scaling symmetry of chains holds
     (`hertzchain.fitting.symmetry`).
 
     Parameters
@@ -68,7 +68,7 @@ def fit(
         ``[fit]`` of a chain file gives ``free``, ``prior`` and ``start``; arguments replace them.
     free : sequence of str, optional
         Names of the free parameters.  By default, the stiffness of all contacts (a factor), the
-        striker's velocity, the numbers of the law of loss, the time offset and the gains of sensors
+        striker's velocity, the parameters of the loss law, the time offset and the gains of sensors
         without calibration.  Of the chain: ``stiffness``, ``exponent``, ``loss.time``, ...,
         ``struck_by.velocity``, ``materials[NAME].young``, ``gap[8-9]``, ``stiffness[8-9]``,
         ``loss[8-9].time``, ``radius[8]``, ``mass[8]``, ``precompression``, ``gravity``,
@@ -81,14 +81,15 @@ def fit(
     start : mapping, optional
         Values from which to start, by name; by default those of the priors or the chain.
     starts : int
-        Largest number of starts, 1 to 6; more than one only if the first describes the data poorly.
+        Largest number of starts, 1 to 6; more than one is used only if the first fit is poor.
     progress : callable, optional
         Called as ``progress(simulations, 0)`` after each simulation.
 
     Returns
     -------
     FitResult
-        Also if the search did not converge: ``result.converged`` and ``result.reason``.
+        Returned even if the search did not converge; check ``result.converged`` and
+        ``result.reason``.
 
     Raises
     ------
@@ -134,7 +135,7 @@ def fit_with(
 
 
 def fitted(problem: Problem, start: Mapping[str, float], starts: int) -> FitResult:
-    """Solve a problem, with times and stiffness aligned unless their start is given."""
+    """Solve a problem; times and stiffness are aligned first, unless their start is given."""
     values = {each.name: _nonzero_loss(problem.model, each) for each in problem.model.parameters}
     _start_gains(problem, values, start)
     align = not any(each.startswith(("time_offset", "stiffness")) for each in start)
@@ -143,7 +144,7 @@ def fitted(problem: Problem, start: Mapping[str, float], starts: int) -> FitResu
 
 
 def _nonzero_loss(model: Model, parameter: Parameter) -> float:
-    """The start of a parameter; a typical loss if the chain's is zero, where derivatives vanish."""
+    """Start of a parameter; instead of a zero loss, where derivatives vanish, a typical one."""
     from .symmetry import units_of
 
     if "loss." not in parameter.name.key or parameter.start != parameter.kind.lower:
@@ -155,7 +156,7 @@ def _nonzero_loss(model: Model, parameter: Parameter) -> float:
 
 
 def _start_gains(problem: Problem, values: dict, start: Mapping[str, float]) -> None:  # type: ignore[type-arg]
-    """Gains of sensors without calibration start at the ratio of largest signals."""
+    """Start the gains of sensors without calibration at the ratio of largest signals."""
     model = problem.model
     for each in model.parameters:
         if each.name.key != "gain" or each.prior is not None or str(each.name) in start:
@@ -252,7 +253,7 @@ def _notes(
     model: Model, sigmas: Array, sizes: Array, at_bounds: tuple[str, ...],
     weak: tuple[WeakDirection, ...],
 ) -> tuple[str, ...]:  # fmt: skip
-    """Samples that are not used, bounds, large errors and failed runs, one sentence each."""
+    """Notes on unused samples, bounds, large errors and failed runs, one sentence each."""
     notes = list(model.traces.notes())
     notes += [f"{name} is at its bound and has no error" for name in at_bounds]
     named = {name for each in weak for name in each.weights}

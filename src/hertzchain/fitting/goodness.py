@@ -1,4 +1,4 @@
-"""Whether residuals are noise: chi-squared, and the effective number of samples."""
+"""Chi-squared of residuals, and the effective number of samples."""
 
 from __future__ import annotations
 
@@ -29,8 +29,8 @@ class Goodness:
     freedom : int
         Samples minus free parameters.
     excess : float
-        Deviation of chi-squared from its expectation, in standard deviations, which include the
-        uncertainty of the noise that was estimated from a few samples.
+        Deviation of chi-squared from its expectation, in standard deviations, including the
+        uncertainty of a noise that was estimated from a few samples.
     """
 
     chi2: float
@@ -46,7 +46,7 @@ class Goodness:
 
     @property
     def inflation(self) -> float:
-        """Samples per independent sample, by which variances are multiplied."""
+        """Samples per independent sample, the factor of all variances."""
         return self.samples / self.effective_samples
 
 
@@ -61,7 +61,7 @@ def goodness_of(traces: Traces, residuals: Array, parameters: int) -> Goodness:
     chi2, count = float(residuals @ residuals), len(residuals)
     freedom = count - parameters
     variance = 2.0 / max(effective - parameters, 1.0)
-    # The noise of each signal has an error of its own.
+    # The noise of each signal has a separate error.
     variance += sum((len(part) / count) ** 2 * 2.0 / quiet for part, quiet in parts if quiet)
     excess = (chi2 / max(freedom, 1) - 1.0) / variance**0.5
     return Goodness(chi2, count, float(effective), freedom, float(excess))

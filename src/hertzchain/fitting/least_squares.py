@@ -16,9 +16,9 @@ from .starts import aligned, further_starts
 
 FTOL, XTOL, GTOL = 1e-7, 1e-9, 1e-10
 MAX_EVALUATIONS: Final = 60
-# A fit is good enough to be the last if chi-squared per sample is below this.
+# No further start is tried if chi-squared per sample is below this value.
 GOOD: Final = 1.3
-# Sums of squares that differ by less than this part are of the same optimum.
+# Sums of squares whose relative difference is less than this belong to the same optimum.
 SAME: Final = 1e-3
 
 
@@ -29,13 +29,13 @@ class Solution:
     Attributes
     ----------
     variables, residuals : ndarray
-        Best variables and their weighted residuals, priors last.
+        Best variables; weighted residuals, those of the priors last.
     jacobian : ndarray
         Derivatives of the residuals.
     converged : bool
         Whether the search ended at a minimum.
     reason : str
-        Why it ended.
+        Reason for the end of the search.
     starts : int
         Number of starts.
     """
@@ -62,7 +62,7 @@ def solve(problem: Problem, values: dict[Name, float], starts: int, *, align: bo
         for start in further_starts(problem.model, first, starts):
             found = _from(problem, problem.model.variables(start))
             tried += 1
-            # A second start that ends where the first did has found the best there is.
+            # Two starts with the same optimum have probably found the global one.
             same = abs(found.cost - best.cost) < SAME * best.cost
             if found.cost < best.cost:
                 best = found

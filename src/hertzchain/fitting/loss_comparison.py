@@ -1,4 +1,4 @@
-"""Which law of loss explains the data: all laws fitted, and what the data can decide."""
+"""Fits of all loss laws to the same data, and their comparison."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ DEFAULT_LAWS: Final = (
     "elastic", "viscoelastic", "restitution", "dashpot", "velocity-power", "unloading-ratio",
     "walton-braun",
 )  # fmt: skip
-# Differences of BIC above this decide (odds of more than a hundred).
+# Differences of BIC above this value decide (odds of more than a hundred).
 DECIDES: Final = 10.0
 # Largest number of starts of each law.
 STARTS: Final = 4
@@ -59,15 +59,15 @@ class LossFit:
 
 @dataclass(frozen=True, eq=False)
 class LossComparison:
-    """Fits of several laws of loss to the same data, the best first.
+    """Fits of several loss laws to the same data, the best first.
 
     Attributes
     ----------
     fits : tuple of LossFit
         In the order of their BIC.
     further_shots : dict
-        Expected difference in chi-squared of the two best laws in one more shot, by its velocity
-        [m/s]; empty if the data decide.
+        Expected difference in chi-squared of the two best laws in one more shot, for several
+        velocities of this shot [m/s]; empty if the data decide.
     """
 
     fits: tuple[LossFit, ...]
@@ -82,11 +82,11 @@ class LossComparison:
 
     @property
     def undecided(self) -> tuple[str, ...]:
-        """Laws between which the data cannot decide, the best first; only one if they can."""
+        """Laws between which the data cannot decide, the best first; one law if they can."""
         return tuple(each.law for each in self.fits if each.bic - self.fits[0].bic <= DECIDES)
 
     def summary(self) -> str:
-        """Table of all laws and a sentence on what the data decide.
+        """Table of all laws, and `statement`.
 
         Returns
         -------
@@ -118,7 +118,7 @@ class LossComparison:
         first = self.fits[0]
         if not self.best.describes:
             return (
-                f"none of the laws describes the data; {first.law} comes closest: look at the "
+                f"none of the laws describes the data; {first.law} comes closest; check the "
                 "residuals and the warnings of its fit before the laws are compared"
             )
         if len(self.undecided) == 1:
@@ -129,17 +129,17 @@ class LossComparison:
                 f"the data decide for {first.law}: the next, {self.fits[1].law}, has a BIC larger "
                 f"by {gap:.0f}"
             )
-        told = f"the data cannot decide between {_listed(self.undecided)}"
+        text = f"the data cannot decide between {_listed(self.undecided)}"
         if not self.further_shots:
-            return told
+            return text
         speed, difference = max(self.further_shots.items(), key=lambda item: item[1])
         if difference < DECIDES:
             return (
-                f"{told}, and neither could one more shot at {min(self.further_shots):.2g} to "
+                f"{text}, and neither could one more shot at {min(self.further_shots):.2g} to "
                 f"{max(self.further_shots):.2g} m/s; reduce the noise"
             )
         return (
-            f"{told}; one more shot at {speed:.2g} m/s would change chi2 between the first two by "
+            f"{text}; one more shot at {speed:.2g} m/s would change chi2 between the first two by "
             f"about {difference:.0f}"
         )
 
@@ -182,7 +182,7 @@ def compare_losses(
     start: Mapping[str, float] | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> LossComparison:
-    r"""Fit all laws of loss to the same data and compare them by their BIC.
+    r"""Fit all loss laws to the same data and compare them by their BIC.
 
     .. math:: \mathrm{BIC} = \chi^2 + k \ln n
 
@@ -192,8 +192,8 @@ def compare_losses(
     Parameters
     ----------
     traces, chain, free, priors, start
-        As for `hertzchain.fit`.  All contacts get the law; names of losses in ``free`` are
-        replaced by the parameters of each law.
+        As for `hertzchain.fit`.  Each law is assigned to all contacts; names of losses in ``free``
+        are replaced by the parameters of the law.
     laws : sequence of str or Loss, optional
         Names of laws, or laws with the values from which to start.  By default, all laws except
         `ElasticPlastic`.
@@ -253,7 +253,7 @@ def compare_losses(
 
 
 def _ranked(fits: Sequence[LossFit]) -> tuple[LossFit, ...]:
-    """Fits in the order of their BIC, with the correlation of the noise from the closest fit."""
+    """Fits in the order of their BIC, with the correlation of the residuals of the best fit."""
     good = [each.result for each in fits if each.result is not None]
     if not good:
         raise SimulationError(f"no law could be fitted; {fits[0].law}: {fits[0].reason}")
@@ -296,7 +296,7 @@ def _with_law(chain: Chain, law: Loss) -> Chain:
 
 
 def _further_shots(comparison: LossComparison) -> dict[float, float]:
-    """Expected difference in chi-squared of the two best laws, by the velocity of a shot."""
+    """Expected difference in chi-squared of the two best laws, for shots of some velocities."""
     pair = [each.result for each in comparison.fits[:2]]
     found = {}
     first = pair[0]
@@ -312,7 +312,7 @@ def _further_shots(comparison: LossComparison) -> dict[float, float]:
 
 
 def _signals(result: FitResult, factor: float) -> tuple[Array, Array, Array]:
-    """Signals over noise of the first shot at another velocity, and the slopes of time."""
+    """Signals over noise of the first shot at another velocity, and their time derivatives."""
     model = result.model
     chain = result.chains[0]
     struck = chain.replace(velocities=factor * chain.velocities)
@@ -334,7 +334,7 @@ def _signals(result: FitResult, factor: float) -> tuple[Array, Array, Array]:
 
 
 def _difference(first: tuple[Array, ...], second: tuple[Array, ...]) -> float:
-    """Squared difference that velocity, stiffness and time offset cannot absorb."""
+    """Squared difference that velocity, stiffness and time offset cannot compensate."""
     columns = np.column_stack(first)
     difference = second[0] - first[0]
     scale = np.linalg.norm(columns, axis=0)

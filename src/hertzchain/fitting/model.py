@@ -1,8 +1,8 @@
-"""Predicted signals for values of the free parameters, and the variables in which a fit moves.
+"""Predicted signals for values of the free parameters, and the variables of the fit.
 
 Parameters with a dimension of motion, such as a relaxation time, are fitted in units of the
 motion (`hertzchain.fitting.symmetry`).  In these variables a change of stiffness or velocity
-needs no simulation where the scaling symmetry holds.
+requires no simulation if the scaling symmetry holds.
 """
 
 from __future__ import annotations
@@ -25,15 +25,15 @@ from .symmetry import Units, units_of
 from .traces import Traces
 
 Values = Mapping[Name, float]
-# Largest logarithm of a factor over its start.
+# Largest logarithm of the ratio of a factor to its start.
 MAX_LOGARITHM: Final = 20.0
-# Sampled signals that are kept; a step of one gain does not change the others.
+# Number of sampled signals in the cache; a step of one gain does not change the other signals.
 KEPT: Final = 64
 
 
 @dataclass(frozen=True, eq=False)
 class Model:
-    """Signals that chains and sensors predict.
+    """Signals predicted from chains and sensors.
 
     Attributes
     ----------
@@ -46,7 +46,7 @@ class Model:
     simulator : Simulator
         Simulates the chains.
     reference : float
-        Overlap at which a change of the exponent keeps the force [m].
+        Overlap at which the force does not depend on the exponent [m].
     """
 
     traces: Traces
@@ -126,7 +126,7 @@ class Model:
 
     @staticmethod
     def _of_shot(shot: int, values: Values) -> dict[Name, float]:
-        """Values of one shot; its own replace those that shots have in common."""
+        """Values of one shot; values of the shot replace common ones."""
         own = str(shot + 1)
         chosen = {name: value for name, value in values.items() if not name.shot}
         chosen |= {replace(n, shot=""): v for n, v in values.items() if n.shot == own}

@@ -22,9 +22,10 @@ class Name:
     key : str
         The name without brackets and shot, such as ``"loss.time"``.
     item : str
-        What is in brackets: a ball, a contact, a material, a sensor; empty for all.
+        Text in brackets: a ball, a contact, a material, a sensor; empty for all.
     shot : str
-        Number of the shot, from 1; ``"*"`` for each; empty if shots have it in common.
+        Number of the shot, from 1; ``"*"`` for each shot; empty for a parameter that all shots
+        have in common.
     """
 
     key: str

@@ -1,4 +1,4 @@
-"""Free parameters of a fit, by name: starts, bounds, priors, and names that mean several."""
+"""Free parameters of a fit, by name: starts, bounds, priors, and names with wildcards."""
 
 from __future__ import annotations
 
@@ -46,12 +46,12 @@ class Parameter:
 
     @property
     def shot(self) -> int | None:
-        """Index of its shot; `None` if shots have it in common."""
+        """Index of its shot; `None` for a parameter that all shots have in common."""
         return int(self.name.shot) - 1 if self.name.shot else None
 
     @property
     def of_chain(self) -> bool:
-        """Whether it belongs to the chain, not to the sensors or the clock."""
+        """Whether the parameter belongs to the chain, not to the sensors or the clock."""
         return self.name.key not in SENSOR_KINDS and self.name.key != "time_offset"
 
 
@@ -75,7 +75,7 @@ def free_parameters(
     start: Mapping[str, float],
     optional: Collection[str] = (),
 ) -> list[Parameter]:
-    """Checked parameters; `InputError` for names, priors or starts that do not fit."""
+    """Check names, priors and starts, and return the parameters."""
     asked = default_names(traces, chains[0]) if free is None else check_list("free", free, "names")
     names: dict[Name, None] = {}
     for text in asked:
@@ -99,13 +99,13 @@ def free_parameters(
 
 
 def expanded(name: Name, traces: Traces) -> list[Name]:
-    """The parameters that a name means: one for each shot or sensor where it has a ``*``."""
+    """Parameters to which a name refers; ``*`` denotes each shot or sensor."""
     count = len(traces.shots)
     shots = [name.shot]
     if name.shot == "*":
         shots = [str(k) for k in range(1, count + 1)] if count > 1 else [""]
     elif name.shot and not 1 <= int(name.shot) <= count:
-        raise InputError(f"{name} is of shot {name.shot}, but there are {count} shots")
+        raise InputError(f"{name} belongs to shot {name.shot}, but there are {count} shots")
     elif name.shot == "1" and count == 1:
         shots = [""]
     items = list(traces.names) if name.item == "*" else [name.item]

@@ -17,12 +17,12 @@ NAME: Final = re.compile(r"(?:(ball|bead) +([0-9]+)|(?:(left|right) +)?wall)(?: 
 
 @dataclass(frozen=True)
 class Place:
-    """Where a sensor is, and what it measures.
+    """Position of a sensor, and the quantity that it measures.
 
     Attributes
     ----------
     name : str
-        Such as ``"ball 6"``, ``"bead 7"`` (counted with the strikers), ``"wall"`` or
+        Name such as ``"ball 6"``, ``"bead 7"`` (counted with the strikers), ``"wall"`` or
         ``"ball 3 velocity"``.
     body : str
         ``"ball"``, ``"bead"``, ``"left"`` or ``"right"``.

@@ -21,9 +21,9 @@ if TYPE_CHECKING:
     from .result import FitResult
 
 MIN_WALKERS: Final = 16
-# A chain should be longer than this many times its autocorrelation.
+# Smallest number of steps for reliable errors, in autocorrelation times.
 LONG_ENOUGH: Final = 50
-# Part of the steps that is discarded.
+# Fraction of the steps that is discarded.
 BURN_IN: Final = 0.25
 
 
@@ -38,11 +38,11 @@ class Posterior:
     samples : ndarray, shape (n, parameters)
         Values in SI, without the first quarter.
     acceptance : float
-        Part of the proposals that was accepted.
+        Fraction of the proposals that was accepted.
     autocorrelation : float
         Longest autocorrelation time of the walkers, in steps; NaN if it cannot be estimated.
     steps : int
-        Steps of each walker, with those that are discarded.
+        Steps of each walker, including those that are discarded.
     """
 
     names: tuple[str, ...]

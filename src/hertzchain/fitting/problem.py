@@ -1,4 +1,4 @@
-"""Residuals of a fit and their derivatives by differences with steps that suit the parameters."""
+"""Residuals of a fit, and their derivatives by finite differences."""
 
 from __future__ import annotations
 
@@ -15,14 +15,14 @@ from .chain_parameters import JUMPING
 from .model import Model
 from .names import Name
 
-# Step of differences of functions that need no simulation, relative to variables of order 1.
+# Step of differences of functions that require no simulation, for variables of order 1.
 SMALL: Final = 1e-6
 # Least step of parameters of a chain whose forces jump.
 MIN_JUMPING_STEP: Final = 5e-3
 
 
 def differences(function: Callable[[Array], Array], variables: Array) -> Array:
-    """Central differences of a function that needs no simulation."""
+    """Central differences of a function that requires no simulation."""
     columns = []
     for j, variable in enumerate(variables):
         step = SMALL * max(abs(float(variable)), 1.0)
@@ -51,7 +51,7 @@ class Problem:
         self.sigma = np.concatenate([np.full(each.valid.sum(), each.sigma) for each in pairs])
 
     def predicted(self, values: Mapping[Name, float], shot: int | None = None) -> Array:
-        """Predicted samples, those that are valid only; of one shot, or of all."""
+        """Predicted values of the valid samples of one shot, or of all shots."""
         shots = range(len(self.model.chains)) if shot is None else (shot,)
         return np.concatenate([
             signal[about.valid]
@@ -87,10 +87,10 @@ class Problem:
         ])  # fmt: skip
 
     def jacobian(self, variables: Array) -> Array:
-        """Derivatives of the residuals by the variables.
+        """Derivatives of the residuals with respect to the variables.
 
-        Each shot is differentiated in the units of its own motion, in which stiffness and velocity
-        need no simulation, and the derivatives are converted.
+        Each shot is differentiated in the units of its motion, in which changes of stiffness and
+        velocity require no simulation; then the derivatives are converted.
         """
         values = self.model.values(variables)
         rows = []
@@ -104,11 +104,11 @@ class Problem:
         return np.concatenate((*rows, priors))
 
     def _conversion(self, variables: Array, shot: int) -> Array:
-        """Derivatives of the variables of a shot by those of the fit."""
+        """Derivatives of the variables of a shot with respect to those of the fit."""
         return differences(lambda u: self.model.variables(self.model.values(u), shot), variables)
 
     def _shot_jacobian(self, shot: int, variables: Array) -> Array:
-        """Derivatives of the residuals of one shot by its own variables."""
+        """Derivatives of the residuals of one shot with respect to its variables."""
         here = self.predicted(self.model.values(variables, shot), shot)
         columns = [
             self._column(shot, variables, here, j)
@@ -121,7 +121,7 @@ class Problem:
         return np.column_stack(columns) / sigma[:, None]
 
     def _column(self, shot: int, variables: Array, here: Array, j: int) -> Array:
-        """Derivatives by one variable: central differences if they need no simulation."""
+        """Derivatives for one variable: central differences if they require no simulation."""
         step = self.step(j)
         ends = self._ends(shot, variables, j, step)
         cheap = not any(self.model.needs_simulation(each, shot) for each in ends.values())

@@ -8,25 +8,27 @@ import numpy as np
 
 from ..collision import Array
 
-# Fewest samples from which a noise is estimated.
+# Smallest number of samples from which a noise is estimated.
 MIN_QUIET: Final = 20
-# A signal has begun when it differs from its first samples by more than this part of its range
-# and this multiple of its noise, or by the last part of its range.
+# Number of samples at the beginning with which later ones are compared.
 FIRST: Final = 7
-# ... and does so in this many samples in a row.
+# Number of successive samples that must differ from the first ones when a signal has begun.
 IN_A_ROW: Final = 3
+# Least difference: this fraction of the range and this multiple of the noise, or the last fraction
+# of the range.
 ONSET, ONSET_IN_NOISE, CERTAIN = 0.02, 5.0, 0.3
-# Part of the time before the onset that is regarded as quiet: lags and crosstalk begin earlier.
+# Fraction of the time before the onset that is regarded as quiet, because lags and crosstalk begin
+# earlier.
 QUIET_PART: Final = 0.8
-# Equal extreme samples in a row, next to which the signal falls by more than this many steps, are
-# saturated.
+# Samples are saturated if at least this many successive samples have the same extreme value and the
+# signal next to them falls by more than this many steps.
 MIN_FLAT, FALL_IN_STEPS = 3, 2.5
 
 
 def onset(values: Array) -> int:
     """Index of the first sample at which a signal has begun."""
     level, size = float(np.median(values[:FIRST])), float(np.ptp(values))
-    # The median of differences is that of the noise, also next to a pulse.
+    # The median of the differences is determined by the noise even if there is a pulse.
     noise = float(np.median(np.abs(np.diff(values[: MIN_QUIET + 1])))) / (0.6745 * 2.0**0.5)
     threshold = min(max(ONSET * size, ONSET_IN_NOISE * noise), CERTAIN * size)
     begun = np.abs(values - level) > threshold

@@ -1,4 +1,4 @@
-"""The result of a fit: values, errors, correlations, weak directions, and whether it describes."""
+"""The result of a fit: values, errors, correlations, weak directions and quality."""
 
 from __future__ import annotations
 
@@ -39,26 +39,26 @@ class FitResult:
     names : tuple of str
         Names of the free parameters.
     estimates, sigmas : ndarray
-        Their values and standard errors in SI; factors have no unit.  The error is infinite at a
-        bound, or if the data do not determine the parameter.
+        Their values and standard errors in SI units; factors have no unit.  The error is infinite
+        at a bound, or if the data do not determine the parameter.
     covariance : ndarray
-        Of the values; correlated residuals are accounted for.
+        Covariance of the values, which accounts for correlated residuals.
     goodness : Goodness
         Chi-squared, effective number of samples, and whether the model describes the data.
     converged : bool
         Whether the search ended at a minimum.
     reason : str
-        Why it ended.
+        Reason for the end of the search.
     weak : tuple of WeakDirection
-        Directions that the data do not fix.
+        Combinations of parameters that the data do not determine.
     effects : tuple of Effect
-        Effects of the sensors that are not included, with what they would move.
+        Effects of the sensors that the fit does not include, and their influence on the parameters.
     at_bounds : tuple of str
         Parameters at a bound, which have no error.
     chains : tuple of Chain
         The fitted chain of each shot.
     notes : tuple of str
-        What else should be known, one sentence each.
+        Further remarks, one sentence each.
     simulations, starts : int
         Number of simulations and of starts.
     """
@@ -129,8 +129,8 @@ class FitResult:
         Parameters
         ----------
         inflation : float, optional
-            The number s; by default that of this fit.  Fits that are compared need the same,
-            because residuals of a wrong model are correlated.
+            The number s; by default that of this fit.  Fits must be compared with the same
+            number, because residuals of a wrong model are correlated.
 
         Returns
         -------
@@ -256,16 +256,16 @@ class FitResult:
     def verdict(self) -> str:
         """Whether the model describes the data, in a sentence."""
         good = self.goodness
-        told = (
+        text = (
             f"chi2 {good.chi2:.1f} for {good.freedom} degrees of freedom "
             f"({good.effective_samples:.0f} independent samples)"
         )
         if not self.converged:
-            return f"{told}: the fit did not converge: {self.reason}"
+            return f"{text}: the fit did not converge: {self.reason}"
         if self.describes:
-            return f"{told}: the model describes the data"
+            return f"{text}: the model describes the data"
         return (
-            f"{told}, {good.excess:.0f} standard deviations more than expected: the model does "
+            f"{text}, {good.excess:.0f} standard deviations more than expected: the model does "
             "not describe the data"
         )
 
@@ -273,11 +273,11 @@ class FitResult:
     def warnings(self) -> tuple[str, ...]:
         """Weak directions, effects of sensors, and notes, one sentence each."""
         effects = sorted(self.effects, key=lambda each: (-each.present, -each.improvement))
-        told = [each.note for each in effects if each.note]
-        # One effect often looks like another: the strongest is named.
+        found = [each.note for each in effects if each.note]
+        # Effects can be mistaken for each other, so only the strongest is reported.
         if effects and effects[0].present:
-            told = told[:1]
-        return (*(str(each) for each in self.weak), *told, *self.notes)
+            found = found[:1]
+        return (*(str(each) for each in self.weak), *found, *self.notes)
 
     def to_dataset(self) -> xr.Dataset:
         """Labelled dataset: values, errors and correlations over ``parameter``; data and fit.

@@ -5,10 +5,10 @@ The recorded signal of sensor i is
 .. math:: y_i(t) = g_i\,(h * l * s_i)(t - t_0 - d_i) + o_i
           + c\,[y_{i-1}(t) + y_{i+1}(t)]
 
-with the force or velocity s, the lag :math:`\tau_l \dot u + u = s`, the high-pass
+with the force or velocity s, the lag l: :math:`\tau_l \dot u + u = s`, the high-pass h:
 :math:`\dot u + r u = \dot s` (of a charge amplifier with time constant 1/r), and the crosstalk c
 from the neighbouring columns in the same unit.  The high-pass acts on the change of a signal since
-the impact; a force at rest, such as that of a precompressed chain, is kept.
+the impact; a static force, such as that of a precompressed chain, is not filtered.
 """
 
 from __future__ import annotations
@@ -79,7 +79,7 @@ def sampled(signal: Array, spacing: float, times: Array) -> Array:
 
 
 def with_crosstalk(signals: Sequence[Array], units: Sequence[str], share: float) -> list[Array]:
-    """Signals to which a share of the neighbouring columns in the same unit is added."""
+    """Add a fraction of the neighbouring columns in the same unit to each signal."""
     if share == 0.0:
         return list(signals)
     out = []

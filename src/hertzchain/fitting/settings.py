@@ -24,7 +24,7 @@ class Settings:
     Attributes
     ----------
     free : sequence of str or None
-        Names; `None` for those that are free by default.
+        Names; `None` for the default parameters.
     priors, start : mapping
         Values by name.
     optional : frozenset of str
@@ -40,7 +40,7 @@ class Settings:
     def updated(
         self, free: Sequence[str] | None, priors: Any, start: Mapping[str, float] | None
     ) -> Settings:
-        """Settings in which arguments replace what the file gives."""
+        """Settings in which arguments replace those of the file."""
         for what, given in (("priors", priors), ("start", start)):
             if given is not None and not isinstance(given, Mapping):
                 raise InputError(

@@ -1,4 +1,4 @@
-"""Simulated signals of chains; chains that move alike are simulated once."""
+"""Simulated signals of chains; chains with the same scaled motion are simulated once."""
 
 from __future__ import annotations
 
@@ -18,16 +18,17 @@ from .chain_parameters import JUMPING
 from .places import Place
 from .symmetry import Units, similarity_key, units_of
 
-# Tolerance of trial runs: their traces are accurate to 5e-9 of the peak, enough for differences.
+# Tolerance of trial runs.  Their traces are accurate to 5e-9 of the peak, sufficient for finite
+# differences.
 RTOL: Final = 1e-9
 # Saved times per unit of time; a pulse takes several units to pass a bead.
 PER_UNIT: Final = 32
 # ... and this many times as many where the force jumps.
 FINER: Final = 8
 MAX_TIMES: Final = 400_000
-# A run is longer than the data by this factor, for chains that move more slowly.
+# Ratio of the duration of a run to that of the data, so that slower chains need no new run.
 LONGER: Final = 1.12
-# A trial run that takes this many times the steps of the first run is rejected.
+# Step limit of a trial run, as a multiple of the steps of the first run.
 STEP_FACTOR, MIN_STEPS = 50, 20_000
 KEPT: Final = 96
 
@@ -50,19 +51,19 @@ class Simulated:
     force: Array
 
     def scaled_to(self, key: bytes, units: Units) -> Signals:
-        """Signals of a chain that moves alike, in other units."""
+        """Signals of a chain with the same scaled motion, in other units."""
         factor = np.where(
             self.force, units.force / self.units.force, units.velocity / self.units.velocity
         )
         spacing = self.spacing * units.time / self.units.time
-        # Signals of like chains in like units are the same.
+        # In the same units, the signals of such chains are the same.
         label = key + np.array([units.force, units.velocity]).tobytes()
         return Signals(label, spacing, self.columns * factor)
 
 
 @dataclass(eq=False)
 class Simulator:
-    """Simulates chains at places; keeps the latest runs by what moves alike.
+    """Simulates signals at given places, and caches the latest runs by their scaled motion.
 
     Attributes
     ----------
@@ -97,7 +98,7 @@ class Simulator:
         return found.scaled_to(key, units)
 
     def knows(self, chain: Chain) -> bool:
-        """Whether a chain that moves alike has been simulated."""
+        """Whether a chain with the same scaled motion has been simulated."""
         return similarity_key(chain, units_of(chain)) in self._kept
 
     def _simulate(self, chain: Chain, units: Units, duration: float) -> Simulated:

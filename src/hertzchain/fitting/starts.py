@@ -1,4 +1,4 @@
-"""Where a fit starts: time offsets and stiffness by cross-correlation, and further starts."""
+"""Starts of a fit: time offsets and stiffness by cross-correlation, and further starts."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ EXPONENT_SHIFTS: Final = (0.0, 0.0, 0.0, 0.08, -0.08, 0.0)
 
 
 def aligned(model: Model, values: dict[Name, float]) -> dict[Name, float]:
-    """Values with time offsets, and a stiffness, for which the data and the model agree best.
+    """Choose time offsets and a stiffness for which the data and the model agree best.
 
     Parameters with a prior are not changed.
     """
@@ -52,7 +52,7 @@ def aligned(model: Model, values: dict[Name, float]) -> dict[Name, float]:
 def _correlations(
     model: Model, values: dict[Name, float], shot: int, factors: tuple[float, ...]
 ) -> tuple[Array, list[float]]:
-    """Explained chi-squared, and the best time offset, for each factor of time."""
+    """Explained part of chi-squared, and the best time offset, for each factor of time."""
     from scipy.signal import correlate
 
     data = model.traces.shots[shot]

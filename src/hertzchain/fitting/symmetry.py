@@ -1,11 +1,12 @@
-r"""The scaling symmetry of chains: which chains move alike, and in which units.
+r"""The scaling symmetry of chains, and the units in which their motion is the same.
 
 With the mass M of a bead, the largest velocity V and the stiffness k of a contact with exponent
-p, lengths of motion are in units of :math:`L = (M V^2/k)^{1/(p+1)}`, times of :math:`L/V` and
-forces of :math:`M V^2/L`.  Two chains that are equal in these units have the same traces in these
-units.  A change of the stiffness of all contacts, or of the velocity, therefore needs no
-simulation, unless the chain has another scale: gravity, precompression, gaps or losses that are
-held fixed, or contacts of several exponents.  No case is distinguished here: chains are compared.
+p, the natural units of the motion are :math:`L = (M V^2/k)^{1/(p+1)}` for lengths, :math:`L/V` for
+times and :math:`M V^2/L` for forces.  Two chains that are equal in these units have the same traces
+in these units.  A change of the stiffness of all contacts, or of the velocity, therefore requires
+no simulation, unless the chain has another scale: gravity, precompression, gaps or losses that are
+held fixed, or contacts with different exponents.  These cases are found by comparing the chains in
+the natural units.
 """
 
 from __future__ import annotations
@@ -19,9 +20,10 @@ from ..chain.laws import Loss
 from ..chain.scales import Scales
 from ..simulation.state import fingerprint
 
-# Numbers that agree in this many binary digits are regarded as equal.
+# Numbers that agree in this number of binary digits are regarded as equal.
 DIGITS = 35
-# Moves numbers such as 1 away from powers of 2, where rounding would change the exponent.
+# Factor that shifts numbers such as 1 away from powers of 2, where rounding would change the
+# exponent.
 OFF_POWERS = 1.37
 
 
@@ -52,7 +54,7 @@ def units_of(chain: Chain) -> Units:
 
 
 def similarity_key(chain: Chain, units: Units) -> bytes:
-    """The same for chains that move alike."""
+    """Description of a chain that is the same for chains with the same scaled motion."""
     if units.time == 1.0 == units.velocity:
         return fingerprint(chain).encode()
     s, p = units.scales, chain.contact_exponents
@@ -80,7 +82,7 @@ def similarity_key(chain: Chain, units: Units) -> bytes:
 
 
 def _law_numbers(law: Loss, scales: Scales) -> tuple[str, list[float]]:
-    """Kind of a law, and its numbers in units of the motion."""
+    """Kind of a law, and its parameters in units of the motion."""
     values = []
     words = [law.name]
     about = law.parameters()

@@ -1,6 +1,6 @@
-"""Effects of sensors that a fit does not include: would the data show them, and do they matter.
+"""Effects of sensors that a fit does not include, and their influence on the parameters.
 
-Each effect is added to the linearised fit as one more parameter.  No simulation is needed.
+Each effect is added to the linearised fit as one more parameter, without a simulation.
 """
 
 from __future__ import annotations
@@ -19,10 +19,10 @@ from .problem import Problem
 from .sensors import SENSOR_KINDS
 
 EFFECTS: Final = ("lag", "highpass", "crosstalk")
-# An effect is reported as present if chi-squared would fall by more than this.
+# An effect is reported as present if it would reduce chi-squared by more than this.
 PRESENT: Final = 16.0
-# ... and as possible if two of its standard deviations would move a parameter by more than this
-# many of its own.
+# It is reported as possible if two standard deviations of the effect would shift a parameter by
+# more than this number of standard deviations of the parameter.
 MOVES: Final = 1.0
 FACTORS: Final = {"lag": (1e6, "us"), "highpass": (1.0, "/s"), "crosstalk": (100.0, "%")}
 
@@ -36,14 +36,14 @@ class Effect:
     name : str
         ``"lag"``, ``"highpass"`` or ``"crosstalk"``.
     value, error : float
-        Its value and standard deviation, if it were free.
+        Value and standard deviation of the effect if it were free.
     improvement : float
-        By how much chi-squared would fall.
+        Expected reduction of chi-squared.
     moved : str
-        The parameter that it would move most.
+        The parameter that it would shift most.
     shift : float
-        How far two standard deviations of the effect, beyond its value, would move this parameter,
-        in standard deviations of the parameter.
+        Shift of this parameter by two standard deviations of the effect beyond its value, in
+        standard deviations of the parameter.
     """
 
     name: str
@@ -55,12 +55,12 @@ class Effect:
 
     @property
     def present(self) -> bool:
-        """Whether the data show it."""
+        """Whether the data show the effect."""
         return self.improvement > PRESENT
 
     @property
     def note(self) -> str:
-        """A sentence, or nothing if the effect is excluded or harmless."""
+        """A sentence; empty if the effect is excluded or negligible."""
         factor, unit = FACTORS[self.name]
         value, error = factor * self.value, factor * self.error
         if self.present:
@@ -92,14 +92,14 @@ def effects_of(
             continue
         extended = np.concatenate((_derivative(problem, values, key), np.zeros(
             len(residuals) - len(problem.data))))  # fmt: skip
-        # Sensors in unlike units have no crosstalk.
+        # There is no crosstalk between sensors in different units.
         if extended.any():
             found.append(_effect(key, extended, model, jacobian, residuals))
     return tuple(found)
 
 
 def _derivative(problem: Problem, values: Mapping[Name, float], key: str) -> Array:
-    """Derivative of the data's residuals by an effect, at none."""
+    """Derivative of the residuals of the data with respect to an effect that is zero."""
     kind = SENSOR_KINDS[key]
     step = kind.step * kind.typical
     name = Name(key)
@@ -122,7 +122,7 @@ def _effect(key: str, column: Array, model: Model, jacobian: Array, residuals: A
     if SENSOR_KINDS[key].lower == 0.0:
         value = max(value, 0.0)
     spread = np.sqrt(np.sum(inverse**2, axis=1))
-    # A parameter that the data do not depend on cannot be moved.
+    # A parameter that does not affect the data cannot be shifted.
     spread[spread == 0.0] = np.inf
     shifts = (abs(value) + 2.0 * error) * np.abs(response) / spread
     chain = [i for i, each in enumerate(model.parameters) if each.of_chain] or [0]

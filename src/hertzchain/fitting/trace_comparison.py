@@ -1,4 +1,4 @@
-"""Data over a simulation, without any fit."""
+"""Comparison of data with a simulation, without any fit."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ class TraceComparison:
 
     @property
     def differences(self) -> dict[str, float]:
-        """Root mean square of data minus simulation over the largest simulated value, by sensor.
+        """Rms of data minus simulation, relative to the largest simulated value, by sensor.
 
         Uncalibrated sensors are first scaled to the simulation.
         """
@@ -52,7 +52,7 @@ class TraceComparison:
 
     @property
     def scales(self) -> tuple[float, ...]:
-        """Factors that make the simulation most like the data; 1 for calibrated sensors."""
+        """Factors of the simulation that fit the data best; 1 for calibrated sensors."""
         return tuple(map(self._scale, range(len(self.signals))))
 
     def _scale(self, i: int) -> float:
@@ -69,7 +69,7 @@ class TraceComparison:
         return float(np.sqrt(np.mean(rest**2)) / np.abs(model[ok]).max())
 
     def plot(self) -> Figure:
-        """Plot data over simulation, one panel per sensor.
+        """Plot data and simulation, one panel per sensor.
 
         Returns
         -------
@@ -110,7 +110,7 @@ def compare_traces(
         )
     if len(traces.shots) != 1:
         raise InputError(
-            f"there are {len(traces.shots)} shots; compare one run with one: Traces(shots[:1])"
+            f"there are {len(traces.shots)} shots; compare a run with one shot: Traces(shots[:1])"
         )
     shot = traces.shots[0]
     grid = np.linspace(run.times[0], run.times[-1], len(run.times))

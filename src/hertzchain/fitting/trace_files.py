@@ -29,14 +29,14 @@ def load_traces(
 
     The header of a file is, for example, ``time [us], ball 6 [N], ball 11 [mV], wall [N],
     ball 3 velocity [m/s]``.  Balls are counted without the strikers (``bead 7`` counts them), and
-    a force in a ball is the mean of the forces on its two halves.  Sampling may be uneven, and
+    a force in a ball is the mean of the forces on its two sides.  Sampling may be uneven, and
     empty cells are missing samples.  Saturated samples are recognised and not used.  A column
     ``shot`` with whole numbers divides a file into shots.
 
     Parameters
     ----------
     *paths : path-like
-        Files; each is a shot, or several with a column ``shot``.
+        Files, one per shot, or with several shots if they have a column ``shot``.
     sensors : sequence of str, optional
         Names of the sensors to read, such as ``["ball 6", "wall"]``; by default all.
     noise : float or mapping, optional

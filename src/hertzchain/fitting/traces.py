@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.axes import Axes
 
-# Steps between samples that differ by more than this part are uneven.
+# Sampling is uneven if the relative difference of time steps exceeds this value.
 EVEN = 1e-3
 
 
@@ -44,9 +44,9 @@ class Signal(Frozen):
     noise : float
         Standard deviation of the noise, in the same unit.
     quiet : int
-        Samples from which the noise was estimated; 0 if it was given.
+        Number of samples from which the noise was estimated; 0 if it was given.
     step : float
-        Step of the digitiser; 0 if the samples are on no grid.
+        Step of the digitiser; 0 if the samples are not on a grid.
     """
 
     place: Place
@@ -184,7 +184,7 @@ class Traces:
         return sum(int(signal.valid.sum()) for _, signal in self)
 
     def notes(self) -> tuple[str, ...]:
-        """Missing and saturated samples and uneven sampling that were recognised.
+        """Remarks on missing and saturated samples and on uneven sampling.
 
         Returns
         -------

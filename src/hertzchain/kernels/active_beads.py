@@ -1,4 +1,4 @@
-r"""Which beads a step is taken for: those between the ones that fly and the ones that rest.
+r"""Beads to integrate: those between the beads in free flight and the beads at rest.
 
 Ahead of a pulse the beads are at rest; behind it many have separated permanently, or their
 contacts are idle::
@@ -7,18 +7,18 @@ contacts are idle::
       <-o  <-o   <-o  |  o o O O o o o o o o  |  o o o o o o o o
                       |    margin      margin |
 
-A contact is *idle* if its beads separate, or if they approach more slowly than the steps
-resolve, by a part of the tolerance times the largest speed in the window, and the contact stores
-less than the energy of that speed: behind a pulse in equal beads, all motion is of this kind.
+A contact is *idle* if its beads separate.  It is also idle if its beads approach more slowly than
+the steps resolve (a fraction of the tolerance times the largest speed in the window) and the
+contact stores less energy than motion at that speed.  Behind a pulse in equal beads, all contacts
+are idle.
 
-Where nothing is held together by static forces, only the beads of the window are integrated.
-The state stores where and when each bead behind it left, and from then on the bead has a constant
-velocity.  Beads behind the window that meet at less than the resolved speed collide as hard
-spheres, so that energy and momentum are conserved.  A bead is taken back when the contact between
-it and the window is no longer idle, because a pulse returns, or when beads behind the window meet
-at a higher speed or meet a wall.  The window is a chain of its own, with arrays that are parts of
-the chain's, and its ends are part of the state, so that a resumed run is the same as one that never
-stopped.
+If no static forces act, only the beads of the window are integrated.  The state stores where and
+when each bead behind the window left it; from then on the bead has a constant velocity.  Beads
+behind the window that meet at less than the resolved speed collide as hard spheres, so that energy
+and momentum are conserved.  A bead returns to the window when the contact between it and the window
+is no longer idle (because a pulse returns), or when beads behind the window meet at a higher speed
+or meet a wall.  The window is integrated like a separate chain.  Its ends belong to the state, so
+that a resumed run is the same as an uninterrupted one.
 """
 
 from __future__ import annotations
@@ -35,26 +35,29 @@ from .driving import NOTHING
 from .forces import Contacts, DefaultChain, GeneralChain, copy, overlap_and_closing
 from .state_layout import FLIGHT_POSITION, FLIGHT_TIME
 
-# A bead rests that has moved less, and is slower, than this part of those a few beads behind;
-# the foot of a pulse falls off doubly exponentially, so that no digit depends on it.
+# A bead is at rest if its displacement and speed are less than this fraction of those of the few
+# beads behind it.  The foot of a pulse decays doubly exponentially, so that no digit depends on
+# this value.
 QUIET, BEHIND = 1e-60, 3
-# Part of the tolerance times the largest speed that counts as no motion.  Behind a pulse, steps
-# leave differences of speed that are a tenth of it.
+# Fraction of the tolerance times the largest speed below which motion is ignored.  Behind a pulse,
+# steps leave differences of speed of a tenth of this value.
 NOISE = 0.1
-# Beads behind the window stay there until they differ in speed by this many times that speed.
+# Beads remain behind the window until their speeds differ by this many times the ignored speed.
 STAY = 4.0
-# Collisions of a bead behind the window at one time, on average, before all are taken back.
+# Average number of collisions per bead behind the window, at one time, after which all beads return
+# to the window.
 MAX_COLLISIONS = 100
-# Beads kept at both ends of the window that rest or fly, and the number it grows or shrinks by.
+# Beads at rest or in free flight that are kept at each end of the window; number of beads by which
+# the window grows or shrinks.
 MARGIN, STRIDE = 4, 8
 WITHOUT_CACHE: Any = {name: OPTIONS[name] for name in OPTIONS if name != "cache"}
 
 
 @compiled
 def trimmed(setup, contacts):
-    """Whether the window may leave beads out on the left and on the right.
+    """Whether the window may omit beads on the left and on the right.
 
-    Under static forces beads at rest are pushed by what is left of their sum in rounding.
+    Under static forces, beads at rest are pushed by the rounding error of the sum of these forces.
     """
     if contacts is None:
         return True, True
@@ -79,10 +82,10 @@ def moves(y, beads, k):
 
 @compiled
 def unresolved_speed(y, beads, rtol, setup, contacts):
-    """Relative speed that counts as no motion; negative where all motion counts.
+    """Relative speed below which motion is ignored; negative if no motion may be ignored.
 
-    Beads that flew off behind a pulse may be much faster than the pulse, and are not considered.
-    Where steps are implicit, positions do not show the overlaps.
+    Beads in free flight behind a pulse may be much faster than the pulse and are not considered.
+    If steps are implicit, the overlaps cannot be computed from the positions.
     """
     if contacts is not None and setup.law.implicit:
         return -1.0
@@ -102,7 +105,7 @@ def unresolved_speed(y, beads, rtol, setup, contacts):
 def contact_numbers(c, setup, contacts):
     """Stiffness, exponent and largest inverse mass of contact c, and whether it has no modes.
 
-    Contact c joins beads c - 1 and c (0-based); contact 0 is that with the left wall.
+    Contact c joins beads c - 1 and c (0-based); contact 0 is the contact with the left wall.
     """
     lighter = setup.inverse_mass[c]
     if c > 0:
@@ -114,7 +117,7 @@ def contact_numbers(c, setup, contacts):
 
 @compiled
 def idle(overlap, closing, unresolved, numbers):
-    """Whether a contact does nothing that the steps resolve."""
+    """Whether a contact has no effect that the steps resolve."""
     if overlap < 0.0 and closing < 0.0:
         return True
     if unresolved < 0.0 or not closing <= unresolved:
@@ -122,7 +125,7 @@ def idle(overlap, closing, unresolved, numbers):
     stiffness, exponent, lighter, elastic = numbers
     if overlap < 0.0 or (overlap == 0.0 and closing <= 0.0):
         return True
-    # A contact whose mode depends on its history is left only if it is open.
+    # A contact whose mode depends on its history may leave the window only if it is open.
     return elastic and force(overlap, stiffness, exponent) * overlap * lighter <= unresolved**2
 
 
@@ -137,7 +140,7 @@ def idle_overlap(unresolved, numbers):
 
 @compiled
 def idle_time(overlap, closing, unresolved, numbers):
-    """How long a contact behind the window stays idle, where beads have constant velocities."""
+    """Time for which a contact behind the window, between beads of constant velocity, is idle."""
     if closing <= 0.0:
         return np.inf
     if not closing <= unresolved:
@@ -147,7 +150,7 @@ def idle_time(overlap, closing, unresolved, numbers):
 
 @compiled
 def overlap_and_closing_of(c, y, setup, contacts):
-    """Overlap of contact c of the chain ``setup``, not driven, and the speed at which it grows."""
+    """Overlap of contact c of the undriven chain ``setup``, and the speed at which it grows."""
     beads = len(setup.inverse_mass)
     if contacts is None:
         return y[c - 1] - y[c], y[beads + c - 1] - y[beads + c]
@@ -156,7 +159,7 @@ def overlap_and_closing_of(c, y, setup, contacts):
 
 @compiled
 def contact_is_idle(c, y, unresolved, setup, contacts):
-    """Whether contact c of the chain ``setup`` is idle; where there is no wall, it is."""
+    """Whether contact c of the chain ``setup`` is idle; a contact with an absent wall is idle."""
     numbers = contact_numbers(c, setup, contacts)
     if c == 0 and numbers[0] == 0.0:
         return True
@@ -166,7 +169,7 @@ def contact_is_idle(c, y, unresolved, setup, contacts):
 
 @compiled
 def earliest_contact(y, first, last, unresolved, time, setup, contacts):
-    """Time until which contacts ``first`` to ``last`` - 1 stay idle."""
+    """Time until which contacts ``first`` to ``last`` - 1 are idle."""
     earliest = np.inf
     for c in range(first, last):
         numbers = contact_numbers(c, setup, contacts)
@@ -178,9 +181,9 @@ def earliest_contact(y, first, last, unresolved, time, setup, contacts):
 
 @compiled
 def collide_behind(y, low, time, unresolved, setup, contacts, flights):
-    """Hard-sphere collisions of the beads before ``low`` that meet at less than a resolved speed.
+    """Collide beads behind ``low`` that meet at less than the resolved speed, as hard spheres.
 
-    Returns whether all of them are done.
+    Returns whether all collisions could be computed.
     """
     beads, inverse_mass = len(setup.inverse_mass), setup.inverse_mass
     c, left = 1, MAX_COLLISIONS * low
@@ -212,7 +215,7 @@ def leave_behind(y, first, last, time, flights):
 
 @compiled
 def place_behind(y, beads, first, last, time, flights):
-    """Write where beads ``first`` to ``last`` - 1, behind the window, are now."""
+    """Store the present positions of beads ``first`` to ``last`` - 1, behind the window."""
     for k in range(first, last):
         y[k] = flights[FLIGHT_POSITION, k] + (time - flights[FLIGHT_TIME, k]) * y[beads + k]
 
@@ -239,10 +242,10 @@ def bounds(y, setup, contacts, first, all_beads, trim, unresolved):
 def window_too_small(
     time, y_new, low, all_beads, behind, unresolved, flights, setup, contacts, numbers
 ):  # fmt: skip
-    """Whether a step moved what it must not: a bead at the end of the window.
+    """Whether a step moved a bead at an end of the window, which must not move.
 
-    ``behind`` is the velocity of the bead behind the window, ``numbers`` are those of the contact
-    with it.
+    ``behind`` is the velocity of the bead behind the window, ``numbers`` are the
+    `contact_numbers` of the contact with it.
     """
     beads = len(setup.inverse_mass)
     if low > 0:
@@ -254,10 +257,10 @@ def window_too_small(
 
 
 def part_of(setup, contacts, low, high, ends):
-    """The equation of the beads of a window; ``ends`` is scratch, (2, N + 1).
+    """Equation of motion of the beads of a window; ``ends`` is scratch, (2, N + 1).
 
-    In compiled code the one or the other is chosen when the caller is compiled; this is what runs
-    when numba is told to compile nothing (NUMBA_DISABLE_JIT=1).
+    In compiled code the choice is made when the caller is compiled; this body runs only if
+    compilation is disabled (NUMBA_DISABLE_JIT=1).
     """
     if contacts is None:
         return default_part(setup, low, high)
@@ -273,7 +276,7 @@ def _(setup, contacts, low, high, ends):  # noqa: ARG001
 
 @compiled
 def default_part(setup, low, high):
-    """`part_of` a plain chain."""
+    """`part_of` for a default chain."""
     return DefaultChain(
         setup.inverse_mass[low:high], setup.stiffness[low : high - 1], setup.exponent
     )
@@ -281,12 +284,12 @@ def default_part(setup, low, high):
 
 @compiled
 def general_part(setup, low, high, ends):
-    """`part_of` any other chain."""
+    """`part_of` for a general chain."""
     last = high - low
     stiffness, damping = ends[0, : last + 1], ends[1, : last + 1]
     copy(setup.stiffness[low : high + 1], stiffness)
     copy(setup.damping[low : high + 1], damping)
-    # The contacts with beads out of the window are open.
+    # The contacts with beads outside the window are open.
     if low > 0:
         stiffness[0] = damping[0] = 0.0
     if high < len(setup.inverse_mass):
@@ -300,7 +303,7 @@ def general_part(setup, low, high, ends):
 
 @compiled
 def contacts_within(contacts, low, high):
-    """What the contacts of a window remember."""
+    """Modes and history of the contacts of a window."""
     if contacts is None:
         return None
     return Contacts(
@@ -312,7 +315,7 @@ def contacts_within(contacts, low, high):
 
 @compiled
 def take_out(y, all_beads, low, high, near):
-    """Positions, velocities and ledger of the beads of a window."""
+    """Copy the positions and velocities of the beads of a window, and the accumulators."""
     beads = high - low
     copy(y[low:high], near[:beads])
     copy(y[all_beads + low : all_beads + high], near[beads : 2 * beads])
@@ -321,7 +324,7 @@ def take_out(y, all_beads, low, high, near):
 
 @compiled
 def put_back(near, all_beads, low, high, y):
-    """The reverse of `take_out`."""
+    """Copy the state of a window back into that of the chain, the reverse of `take_out`."""
     beads = high - low
     copy(near[:beads], y[low:high])
     copy(near[beads : 2 * beads], y[all_beads + low : all_beads + high])

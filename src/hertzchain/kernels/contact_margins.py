@@ -1,7 +1,7 @@
-r"""Whether a contact may keep its mode, and by what margin.
+r"""Margins by which contacts may keep their modes.
 
 The margin of a contact (its overlap, closing speed, force or distance of its force from the bounds
-of a stuck contact) is positive as long as its mode is right, and vanishes where it must change.
+of a stuck contact) is positive as long as its mode is valid, and zero where the mode must change.
 """
 
 from __future__ import annotations
@@ -21,16 +21,16 @@ from .forces import overlap_and_closing
 from .law_kinds import DAMPED
 from .stiff_law import force_within, overlap_within, size_of
 
-# A force within this part of a bound is on it: a contact at rest must not change its mode
-# for rounding.
+# A force within this fraction of a bound is taken to be at the bound, so that rounding does not
+# change the mode of a contact at rest.
 EVEN = 1e-13
-# Part of the beads' positions that rounding makes an overlap of.
+# Rounding error of an overlap, as a fraction of the positions of its beads.
 ROUNDED = 1e-15
 
 
 @compiled
 def must_switch(overlap, closing, stiffness, damping, mode, largest, held, law, still):
-    """Whether a contact has to leave its mode; relative speeds below ``still`` are none."""
+    """Whether a contact must leave its mode; relative speeds below ``still`` count as zero."""
     if law.kind == DAMPED:
         pulls = False
         if not law.attractive and overlap > 0.0:
@@ -52,7 +52,7 @@ def must_switch(overlap, closing, stiffness, damping, mode, largest, held, law, 
 
 @compiled
 def implicit_must_switch(c, y, overlap, pushing, setup, mode):
-    """The same where steps are implicit: a force that may not pull is cut off within the mode."""
+    """`must_switch` for implicit steps; attraction, if excluded, is cut off within the mode."""
     if mode == LOADED:
         return pushing <= 0.0 and overlap < 0.0
     return overlap > ROUNDED * size_of(c, y, setup)
@@ -60,7 +60,7 @@ def implicit_must_switch(c, y, overlap, pushing, setup, mode):
 
 @compiled
 def leaves_mode(c, theta, y, wall, setup, contacts, still):
-    """Whether contact c has to leave its mode at the fraction theta of a step, where y is given."""
+    """Whether contact c must leave its mode at the fraction theta of a step, in the state y."""
     beads = len(setup.inverse_mass)
     overlap, closing = overlap_and_closing(c, y, beads, setup.gap[c], wall)
     if setup.law.implicit:
@@ -74,7 +74,7 @@ def leaves_mode(c, theta, y, wall, setup, contacts, still):
 
 @compiled
 def pull_free_force(overlap, closing, stiffness, damping, law):
-    """The force of a damped contact before it is cut off; its overlap where it is open."""
+    """Force of a damped contact before it is cut off; its overlap if it is open."""
     if overlap <= 0.0 or law.attractive:
         return overlap
     weight = damping * damping_weight(overlap, law)
@@ -83,7 +83,7 @@ def pull_free_force(overlap, closing, stiffness, damping, law):
 
 @compiled
 def margin_of(c, y, wall, setup, contacts):
-    """The margin of contact c in its mode; a stuck contact's force must be known."""
+    """Margin of contact c in its mode; the force of a stuck contact must be computed before."""
     law, mode = law_of(c, setup), contacts.mode[c]
     overlap, closing = overlap_and_closing(c, y, len(setup.inverse_mass), setup.gap[c], wall)
     stiffness = setup.stiffness[c]
@@ -102,7 +102,8 @@ def margin_of(c, y, wall, setup, contacts):
 def vanishes_between(first, slope, last, last_slope):
     """Whether a margin with these values and changes per step at both ends may vanish in a step.
 
-    The tangents at the ends are below a convex curve; where they do not meet, it is searched.
+    A convex curve lies above the tangents at its ends.  If these do not meet within the step, the
+    margin may vanish.
     """
     if slope >= 0.0 or last_slope <= 0.0:
         return False

@@ -1,8 +1,9 @@
-r"""How contacts change their modes, between two steps.
+r"""Changes of the modes of contacts, between two steps.
 
-The modes (`hertzchain.kernels.contact_law`) are kept within a step, so that the forces are smooth.
-The step ends where a contact must leave its mode (`hertzchain.kernels.mode_search`); here is which
-mode follows, and whether a contact may have closed and opened again within a step, unseen.
+The modes (`hertzchain.kernels.contact_law`) are constant within a step, so that the forces are
+smooth.  The step ends where a contact must leave its mode (`hertzchain.kernels.mode_search`).  This
+module determines the mode that follows, and whether a contact may have closed and opened again
+within a step without being detected.
 """
 
 from __future__ import annotations
@@ -24,20 +25,23 @@ from .driving import MOVING_WALL, reach_of_wall, wall_motion
 from .forces import LOST, derivative, overlap_and_closing
 from .law_kinds import DAMPED, UNLOADING
 
-# What counts as no relative motion, in parts of the fastest motion so far: a contact at rest
-# must not change its mode for rounding.
+# Relative speeds below this fraction of the largest speed so far are taken to be zero, so that
+# rounding does not change the mode of a contact at rest.
 MIN_RELATIVE_SPEED = 1e-14
-# Relative speeds of the last contact of a stack of stuck ones, in those that are none.
+# Largest relative speed at which the last contact of a stack of stuck contacts may stick, in units
+# of the speed that is taken to be zero.
 SETTLED = 1e4
-# An overlap of this part of a wall's way may go unseen: a wall may rest where a bead touches it.
+# Overlaps up to this fraction of the displacement of a wall may remain undetected, because a wall
+# may come to rest where it just touches a bead.
 UNSEEN = 1e-10
 
 
 @compiled
 def first_modes(y, setup, contacts):
-    """Touching counts as closed and rest as loading: what comes next is a push.
+    """Set the first mode of each contact.
 
-    Beads that part from the start on do not hold each other.
+    Beads that touch at rest are in contact and loading, because the next force on them is a push.
+    Beads that separate from the start do not attract each other.
     """
     beads, wall = len(setup.inverse_mass), wall_motion(0.0, setup, 0)
     mode, largest = contacts.mode, contacts.largest
@@ -71,8 +75,8 @@ def sharpest_turn(c, beads, stages):
 def may_close_unseen(time, h, y, y_new, stages, scale, setup, segment, rtol):
     """Whether a contact, open at both ends of a step, may have been closed in between.
 
-    With relative accelerations of at most a, beads come no nearer to each other than at the ends
-    but for a h^2/8.
+    If the relative acceleration is at most a, the distance of the beads within the step is at least
+    the smaller of their distances at its ends, minus a h^2/8.
     """
     beads, drive = len(setup.inverse_mass), setup.drive
     before, after = wall_motion(time, setup, segment), wall_motion(time + h, setup, segment)
@@ -97,13 +101,13 @@ def may_close_unseen(time, h, y, y_new, stages, scale, setup, segment, rtol):
 
 @compiled
 def next_mode(c, overlap, time, y, setup, contacts, segment, scratch):
-    """The mode that follows.  A contact whose two forces both drive it back is stuck."""
+    """The mode that follows.  A contact sticks if both of its forces would reverse its motion."""
     law, mode = law_of(c, setup), contacts.mode[c]
     if law.kind != UNLOADING:
         return RELEASED if mode == LOADED else LOADED
     loading = force(overlap, setup.stiffness[c], law.exponent)
     if mode == STUCK:
-        # It is at one of the bounds: rounding may have put it on either side of that.
+        # The force is at one of its bounds, and rounding may have put it on either side.
         middle = 0.5 * (1.0 + law.kept) * loading
         return LOADED if contacts.force[c] > middle else RELEASED
     contacts.mode[c] = STUCK
@@ -117,9 +121,10 @@ def next_mode(c, overlap, time, y, setup, contacts, segment, scratch):
 
 @compiled
 def close_stack(time, y, still, setup, contacts, segment, scratch):
-    """Let the last contact between two walls stick, too, where all others do and it can bear it.
+    """Let the last contact between two walls stick if all others do and the forces allow it.
 
-    It cannot move any more, and rounding would decide between loading and unloading.
+    The beads of this contact can no longer move; rounding would decide between loading and
+    unloading.
     """
     beads, mode, last = len(setup.inverse_mass), contacts.mode, -1
     for c in range(beads + 1):
@@ -145,9 +150,10 @@ def close_stack(time, y, still, setup, contacts, segment, scratch):
 
 @compiled
 def equalise_velocities(c, wall_speed, y, inverse_mass, mode):
-    """Give the beads that contact c, now stuck, and stuck ones beside it join one velocity.
+    """Give one velocity to the beads joined by contact c, now stuck, and adjacent stuck contacts.
 
-    What little they still moved apart would count as parting or closing when they come loose.
+    Their remaining relative motion would be mistaken for separation or approach when the contacts
+    release.
     """
     beads = len(inverse_mass)
     first, last = c, c
@@ -170,7 +176,7 @@ def equalise_velocities(c, wall_speed, y, inverse_mass, mode):
 
 @compiled
 def forget_unloading(y, wall, setup, contacts, search):
-    """An open contact will load when it closes."""
+    """Set the mode of open contacts to loading, in which they will close."""
     if search is None or setup.law.kind != UNLOADING:
         return
     beads, mode = len(setup.inverse_mass), contacts.mode
@@ -183,9 +189,9 @@ def forget_unloading(y, wall, setup, contacts, search):
 
 @compiled
 def switch(first, time, y, setup, contacts, segment, still, scratch, search):
-    """Give contact ``first`` its next mode, and all others that must change at this moment.
+    """Give contact ``first`` its next mode, and all others that must change at this time.
 
-    A contact that changes alters the forces that stuck contacts on both sides of it have to bear.
+    A contact that changes its mode alters the forces that stuck contacts on both sides must carry.
     Without modes ``search`` is `None`, as for `hertzchain.kernels.mode_search.first_switch`.
     """
     if search is None:
@@ -199,10 +205,10 @@ def switch(first, time, y, setup, contacts, segment, still, scratch, search):
 
 @compiled
 def switch_once(first, time, y, setup, contacts, segment, still, scratch):
-    """Look at each contact once, from the left on; returns whether any changed its mode.
+    """Check each contact once, from left to right; returns whether any changed its mode.
 
-    Without a ``first`` one only those that may stick together are looked at: rounding would have
-    others leave the mode that they have just been given.
+    If ``first`` is negative, only contacts that may stick are checked: rounding would make others
+    leave the mode that they have just entered.
     """
     stiffness, damping, gap = setup.stiffness, setup.damping, setup.gap
     mode, largest = contacts.mode, contacts.largest
@@ -225,7 +231,7 @@ def switch_once(first, time, y, setup, contacts, segment, still, scratch):
             largest[c] = overlap
         mode[c] = next_mode(c, overlap, time, y, setup, contacts, segment, scratch)
         after = potential(overlap, stiffness[c], damping[c], mode[c], largest[c], law)
-        # What a contact still stores when its force is cut off comes to nothing.
+        # The energy that a contact still stores when its force is cut off is lost.
         y[2 * beads + LOST] += before - after
         if mode[c] == STUCK:
             close_stack(time, y, still, setup, contacts, segment, scratch)
@@ -236,7 +242,7 @@ def switch_once(first, time, y, setup, contacts, segment, still, scratch):
 
 @compiled
 def follow_wall(time, y, setup, contacts, segment, still, scratch, search):
-    """Give the contact with the left wall its mode where the wall's speed has jumped."""
+    """Set the mode of the contact with the left wall after a jump of the wall's velocity."""
     if search is None or setup.law.kind != UNLOADING:
         return
     wall = wall_motion(time, setup, segment)

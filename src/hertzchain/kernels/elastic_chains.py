@@ -1,9 +1,9 @@
-"""Whole elastic chains, several side by side: positions alone, a step of its own for each chain.
+"""Integration of all beads of elastic chains, several side by side, each with its own step.
 
-`follow` integrates chains of equal length by RKN8(6) (`hertzchain.kernels.rkn8_step`) and keeps no
-trajectories: the first velocity maximum of each bead, the first largest overlap of each contact,
-forces of gauges (the right wall, and sensors), and the final state.  A lane whose step is rejected
-keeps its state; one whose chain has ended takes the next chain.
+`follow` integrates chains of equal length by RKN8(6) (`hertzchain.kernels.rkn8_step`).  It stores
+no trajectories, only the first velocity maximum of each bead, the first largest overlap of each
+contact, the forces of gauges (the right wall and sensors) and the final state.  A lane whose step
+is rejected keeps its state; a lane whose chain has ended loads the next chain.
 """
 
 from __future__ import annotations
@@ -111,12 +111,12 @@ from .state_layout import STRIKER_PEAK_TIME
 inlined = njit(forceinline=True, **OPTIONS)
 
 MIN_STEP, HALF = 1e-280, 0.5
-# Only beads in free flight take steps longer than this part of the time so far.
+# Steps longer than this fraction of the elapsed time occur only if all beads are in free flight.
 LONG_STEP = 0.1
 
 
 def scratch_for(gauges):
-    """Arrays that `follow` works with."""
+    """Scratch arrays of `follow`."""
     return (
         np.zeros(END_OF_ROWS), np.zeros((LANE_ROWS, LANES)), np.zeros((STAGES, gauges, LANES)),
         np.zeros((LANES, gauges, GAUGE_ROWS)), np.zeros(LANES, np.int64),
@@ -125,7 +125,7 @@ def scratch_for(gauges):
 
 @compiled
 def load(w, beads, lane, chain, numbers, places, pushes, state, gauges, records):
-    """Put a chain at time 0 into a lane."""
+    """Load a chain at time 0 into a lane."""
     for row in range(END_OF_ROWS // ROW):
         for i in range(beads + 7):
             w[row * ROW + i * LANES + lane] = 0.0
@@ -146,7 +146,7 @@ def load(w, beads, lane, chain, numbers, places, pushes, state, gauges, records)
             w[PEAKED + at] = 1.0
             records[RECORD_PEAK_TIME, k] = STRIKER_PEAK_TIME if k > 0 else 0.0
             records[RECORD_PEAK, k] = chain[START_V, k]
-    # The last bead has no next one to be as fast as.
+    # The last bead has no next bead and therefore no crossing.
     w[CROSSED + (beads - 1) * LANES + lane] = 1.0
     for row in range(len(state)):
         state[row, lane] = 0.0
@@ -162,7 +162,7 @@ def load(w, beads, lane, chain, numbers, places, pushes, state, gauges, records)
 
 @compiled
 def store(w, beads, lane, chain, status, state, gauges, places, records, summary, readings):
-    """Write the results of a chain that has ended."""
+    """Store the results of a chain that has ended."""
     for k in range(beads):
         records[FINAL_X, k] = w[X + (k + 1) * LANES + lane]
         records[FINAL_V, k] = w[V + (k + 1) * LANES + lane]
@@ -204,14 +204,14 @@ def closes_unseen(w, beads, lane, h):
 
 @compiled
 def new_lengths(rtol, state):
-    """Accept or reject the step of each lane, and write by what its length changes."""
+    """Accept or reject the step of each lane, and store the factor of its next step."""
     for lane in range(LANES):
         error = state[WORST, lane] / rtol
         good = error <= 1.0
         # An eighth root by three square roots; no growth right after a rejected step.
         change = SAFETY / math.sqrt(math.sqrt(math.sqrt(error + 1e-30)))
         change = change if change > SHRINKAGE else SHRINKAGE
-        # Where a contact opens or closes, errors fall more slowly with the length than elsewhere.
+        # When a contact opens or closes, errors decrease more slowly with the step than elsewhere.
         change = change if good or change < HALF else HALF
         state[WORST, lane] = change if change < state[MOST, lane] else state[MOST, lane]
         state[MOST, lane] = GROWTH if good else 1.0
@@ -222,7 +222,7 @@ def new_lengths(rtol, state):
 
 @inlined
 def may_end(lane, beads, until, state):
-    """Whether a chain may end after an accepted step, or its wall is due to be checked."""
+    """Whether a chain may end after an accepted step, or a check of its wall is due."""
     time = state[TIME, lane]
     if time >= until or time + state[STEP, lane] >= state[DUE, lane]:
         return True
@@ -235,7 +235,7 @@ def may_end(lane, beads, until, state):
 
 @compiled
 def ending(w, beads, lane, chain, numbers, walled, state, gauges, records):
-    """Why a chain ends after an accepted step; 0 if it does not."""
+    """Reason for a chain to end after an accepted step; 0 if it continues."""
     time, impulse = state[TIME, lane], gauges[lane, 0, IMPULSE]
     by_itself = numbers[BY_ITSELF] != 0.0
     passed = state[PEAKS, lane] == beads - 1.0 and state[CROSSINGS, lane] == beads - 1.0
@@ -270,7 +270,7 @@ def ending(w, beads, lane, chain, numbers, walled, state, gauges, records):
 
 @compiled
 def read_gauges(w, beads, lane, least_push, places, pushes, state, gauges):
-    """Impulses and largest forces of gauges, and the end of the first contact with the wall."""
+    """Update impulses and largest forces of gauges, and the end of the first wall contact."""
     h = state[LENGTH, lane]
     for g in range(len(places)):
         start, end, top = pushes[0, g, lane], pushes[8, g, lane], 0.0
@@ -294,7 +294,7 @@ def read_gauges(w, beads, lane, least_push, places, pushes, state, gauges):
 
 @compiled
 def accept(w, beads, state):
-    """Move the lanes whose step is accepted to its end."""
+    """Advance the lanes whose step is accepted."""
     for lane in range(LANES):
         w[H + lane] = state[GOOD, lane]
     for i in range(LANES, beads * LANES):
@@ -311,12 +311,12 @@ def follow(
     chains, numbers, places, rtol, most_steps, hertz, walled, careful,
     records, summary, readings, signal, w, state, pushes, gauges, which,
 ):  # fmt: skip
-    """Integrate chains of equal length until each has ended, or ``signal`` says stop.
+    """Integrate chains of equal length until each has ended, or until ``signal`` requests a stop.
 
     Parameters
     ----------
     chains, numbers : (C, GIVEN_ROWS, N + 1) and (C, NUMBERS), as in `elastic_layout`
-    places : (G, 2) contacts of which each gauge has the mean force; gauge 0 is the right wall
+    places : (G, 2) contacts whose mean force each gauge measures; gauge 0 is the right wall
     rtol, most_steps : tolerance, and limit of the tried steps
     hertz, walled : whether all exponents are 3/2, and whether chains have a right wall
     careful : whether open contacts may close and open again within a step

@@ -1,6 +1,6 @@
 """Events of elastic chains within a step: velocity maxima, largest overlaps, largest forces.
 
-Between the ends of a step the motion is Hermite's polynomial of degree 7
+Within a step the motion is interpolated by a Hermite polynomial of degree 7
 (`hertzchain.kernels.hermite`).
 """
 
@@ -46,21 +46,21 @@ from .elastic_layout import (
 )
 from .hermite import curvature, hermite, slope, third, value
 
-# A speed below this part of those nearby is not reached yet, nor is an overlap below this part of
-# the positions; nor a speed below this many tolerances.
+# The pulse has not reached a bead whose speed is less than this fraction, or this many tolerances,
+# of the speeds nearby; an overlap less than this fraction of the positions is ignored.
 REACHED, TOLERANCES = 1e-11, 10.0
 # Parts of a step that are searched for the first event; iterations in one part.
 PARTS, ITERATIONS = 8, 60
 CLOSE = 1e-14
-# The force of a sensor has had a maximum when it has fallen by this part of it; maxima below
-# this part of the largest one are not counted.
+# The force of a sensor has passed a maximum when it has decreased by this fraction of it; maxima
+# less than this fraction of the largest one are ignored.
 FALL, MIN_HEIGHT = 0.1, 0.01
 AT_A_WALL = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 
 
 @compiled
 def motion(w, at):
-    """The polynomial of a bead over the step."""
+    """Interpolating polynomial of the position of a bead."""
     left, right = force_rate(w, at, X, V), force_rate(w, at + LANES, X, V)
     j0 = (left - right) * w[INVERSE_MASS + at]
     left, right = force_rate(w, at, NEW_X, NEW_V), force_rate(w, at + LANES, NEW_X,
@@ -74,7 +74,7 @@ def motion(w, at):
 
 @compiled
 def motion_of_slot(w, beads, slot, lane):
-    """The same of an entry of the positions, where walls are at rest."""
+    """`motion` of an entry of the positions, of which walls are at rest."""
     if slot == 0 or slot == beads + 1:
         return AT_A_WALL
     return motion(w, (slot - 1) * LANES + lane)
@@ -82,7 +82,7 @@ def motion_of_slot(w, beads, slot, lane):
 
 @compiled
 def acceleration_at(w, at, s, behind, own, ahead):
-    """Acceleration of a bead at the part s of a step, by the forces on it."""
+    """Acceleration of a bead at the fraction s of a step, from the forces on it."""
     here = value(own, s)
     left = force_of(w, at, w[AT_REST + at] + (value(behind, s) - here))
     right = force_of(w, at + LANES, w[AT_REST + at + LANES] + (here - value(ahead, s)))
@@ -91,7 +91,7 @@ def acceleration_at(w, at, s, behind, own, ahead):
 
 @compiled
 def velocity_maximum(w, at, behind, own, ahead):
-    """Where in a step a bead is first pushed no longer; 2 if nowhere."""
+    """Fraction of a step at which a bead is first no longer pushed; 2 if none."""
     low, high = 0.0, 2.0
     for part in range(1, PARTS + 1):
         s = part / PARTS
@@ -110,7 +110,7 @@ def velocity_maximum(w, at, behind, own, ahead):
             low = s
         else:
             high = s
-        # The polynomial's own slope of the acceleration is close enough.
+        # The slope of the acceleration from the polynomial is accurate enough.
         new = s - a * w[H + at] ** 2 / third(own, s)
         if leaves or not low < new < high:
             new = 0.5 * (low + high)
@@ -122,7 +122,7 @@ def velocity_maximum(w, at, behind, own, ahead):
 
 @compiled
 def rest_within(p):
-    """Where in a step a polynomial first stops rising; 2 if nowhere."""
+    """Fraction of a step at which a polynomial first stops rising; 2 if none."""
     low, high = 0.0, 2.0
     for part in range(1, PARTS + 1):
         s = part / PARTS
@@ -181,7 +181,7 @@ def record_peak(w, beads, k, lane, rtol, state, records):
 
 @compiled
 def record_crossing(w, k, lane, rtol, state, records):
-    """Record when bead k (from 0) and the next one are first as fast as each other."""
+    """Record when bead k (from 0) and the next one first have equal velocities."""
     at = k * LANES + lane
     here, there = LANES + at, 2 * LANES + at
     moves = max(abs(w[V + there]), abs(w[NEW_V + there]))
@@ -201,7 +201,7 @@ def record_crossing(w, k, lane, rtol, state, records):
     w[CROSSED + at] = 1.0
     records[RECORD_CROSSING, k] = state[TIME, lane] + after
     records[RECORD_OVERLAP, k] = max(0.0, rest + value(between, s))
-    # Counted from the crossing before, since the difference of two times loses digits.
+    # Counted from the previous crossing, because a difference of two times loses digits.
     if state[LAST_CROSSING, lane] == k - 1:
         records[RECORD_RESIDENCE, k] = state[SINCE_CROSSING, lane] + after
     state[LAST_CROSSING, lane] = k
@@ -211,7 +211,7 @@ def record_crossing(w, k, lane, rtol, state, records):
 
 @compiled
 def record_events(w, beads, rtol, state, good, which, records):
-    """Record the events that are marked, of LANES whose step is accepted."""
+    """Record the marked events of lanes whose step is accepted."""
     for lane in range(LANES):
         if good[lane] == 0.0 or which[lane] < 0:
             continue
@@ -226,7 +226,7 @@ def record_events(w, beads, rtol, state, good, which, records):
 
 @compiled
 def gauge_at(w, one, two, s, motions):
-    """Force of a gauge and its rate at the part s of a step, by the motions at both contacts."""
+    """Force of a gauge and its rate at the fraction s of a step, from the motions of its beads."""
     behind, ahead, next_behind, next_ahead = motions
     force, rate = 0.0, 0.0
     overlap = w[AT_REST + one] + (value(behind, s) - value(ahead, s))
@@ -250,7 +250,7 @@ def gauge_rate(w, one, two, x, v):
 
 @compiled
 def largest_within(w, beads, lane, first, second):
-    """Largest force of a gauge within a step, and where."""
+    """Largest force of a gauge within a step, and the fraction of the step."""
     one, two = first * LANES + lane, second * LANES + lane
     motions = (
         motion_of_slot(w, beads, first, lane),
@@ -279,7 +279,7 @@ def largest_within(w, beads, lane, first, second):
 
 @compiled
 def record_largest(w, beads, lane, first, second, start, end, top, state, gauge):
-    """Largest force of a gauge so far; ``top`` is the largest at the stages of the step."""
+    """Update the largest force of a gauge; ``top`` is the largest at the stages of the step."""
     one, two = first * LANES + lane, second * LANES + lane
     time, h = state[TIME, lane], state[LENGTH, lane]
     turns = top > max(start, end)
@@ -295,7 +295,7 @@ def record_largest(w, beads, lane, first, second, start, end, top, state, gauge)
 
 @compiled
 def record_fall(end, gauge):
-    """Keep the largest force so far as a maximum once the force has fallen from it."""
+    """Store the largest force so far as a maximum once the force has decreased from it."""
     highest = gauge[PEAK] - gauge[REST]
     if end - gauge[REST] < (1.0 - FALL) * highest and highest > gauge[HIGHEST_FALLEN]:
         gauge[HIGHEST_FALLEN] = highest
@@ -304,7 +304,7 @@ def record_fall(end, gauge):
 
 @compiled
 def keep_maximum(gauge, highest):
-    """Keep a maximum from which the force has fallen, without those that are now too low."""
+    """Store the largest force as a maximum, and drop maxima that are now too low."""
     kept, count = 0, int(gauge[MAXIMA])
     for i in range(count):
         if gauge[MAXIMUM_0 + 2 * i] - gauge[REST] > MIN_HEIGHT * highest:

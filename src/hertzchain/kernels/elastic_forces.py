@@ -1,9 +1,9 @@
-r"""Forces of elastic contacts, of several chains side by side.
+r"""Forces of elastic contacts, for several chains side by side.
 
 .. math:: F_c = k_c \, d_c^{\,p_c} , \qquad d_c = x_c - x_{c+1} + d_c(0)
 
-Exponents may differ from contact to contact.  Overlaps below `LEAST` have no force: the foot of
-a pulse falls off doubly exponentially, through numbers with which the processor is slow.
+Exponents may differ between contacts.  Overlaps below `LEAST` give no force: the foot of a pulse
+decays doubly exponentially, and the processor is slow with such small numbers.
 """
 
 from __future__ import annotations
@@ -60,7 +60,7 @@ def raise_overlaps(w, count):
 
 @compiled
 def general_forces(w, beads, at, out):
-    """Contact forces and accelerations, as `forces`, for any exponents."""
+    """`forces` for any exponents."""
     size = beads * LANES
     for i in range(size + LANES):
         w[FORCE + i] = w[AT_REST + i] + (w[at + i] - w[at + LANES + i])
@@ -72,7 +72,7 @@ def general_forces(w, beads, at, out):
 
 @inlined
 def forces(w, beads, at, out, hertz):
-    """Write contact forces at the positions in row ``at``, and accelerations into row ``out``."""
+    """Compute contact forces at the positions in row ``at`` and accelerations in row ``out``."""
     if not hertz:
         general_forces(w, beads, at, out)
         return
@@ -108,11 +108,11 @@ def force_rate(w, at, x, v):
 
 @compiled
 def overlap_of(w, at):
-    """Overlap of a contact now; negative where it is open."""
+    """Present overlap of a contact; negative if it is open."""
     return w[AT_REST + at] + (w[X + at] - w[X + LANES + at])
 
 
 @compiled
 def closing_of(w, at):
-    """Speed at which a contact closes now."""
+    """Present closing speed of a contact."""
     return w[V + at] - w[V + LANES + at]

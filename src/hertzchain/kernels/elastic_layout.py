@@ -1,29 +1,29 @@
-"""Layout of the arrays of the elastic kernel: rows of a chain, of lanes, of forces and of results.
+"""Layout of the arrays of the elastic kernel: rows of chains, lanes, gauges and results.
 
 Several chains are integrated side by side, one per *lane*.  All rows of all lanes are in one flat
-array at constant distances, which shows the compiler that they do not overlap: entry i of
-lane l in row r is ``w[r + i * LANES + l]``.  Positions and velocities have an entry for each
+array with constant offsets, so that the compiler can exclude overlaps between them: entry i
+of lane l in row r is ``w[r + i * LANES + l]``.  Positions and velocities have an entry for each
 wall, the first and the last; other rows begin with bead 1, or with contact 0.
 """
 
 from __future__ import annotations
 
 LANES = 4
-# Five lines of the cache more than a multiple of 4096 bytes, so that rows do not compete for it.
+# Five cache lines more than a multiple of 4096 bytes, so that rows do not compete for cache lines.
 ROW = 8 * (4096 + 5)
 (X, TRIAL, NEW_X, V, NEW_V, FORCE, F0, F1, F2, F3, F4, F5, F6, F7, F8, AT_REST, STIFFNESS,
  EXPONENT, BODY, INVERSE_MASS, H, PEAKED, CROSSED, FLAG, SPEED, NEAR, SCALE, NOISE, WORK,
  END_OF_ROWS) = range(0, 30 * ROW, ROW)  # fmt: skip
-# A step needs up to seven more entries per lane than there are beads.
+# A step uses up to seven entries per lane in addition to the beads.
 MOST_BEADS = ROW // LANES - 7
 
 # Rows of a chain as given: (ROWS, N + 1).  Beads have the first N entries; contacts are numbered
-# with the walls.  Overlaps at rest are those at the start, and negative over a gap; `STATIC_*` are
+# with the walls.  Overlaps at rest are the initial ones, negative across a gap; `STATIC_*` are
 # the forces and overlaps of `hertzchain.simulation.wall_bound`.
 (START_V, GIVEN_INVERSE_MASS, GIVEN_BODY, GIVEN_NOISE, GIVEN_AT_REST, GIVEN_STIFFNESS,
  GIVEN_EXPONENT, STATIC_FORCE, STATIC_OVERLAP, GIVEN_ROWS) = range(10)  # fmt: skip
-# Numbers of a chain: time to stop at, first step, whether it ends by itself, number of strikers,
-# momentum that a first contact with the wall has at least.
+# Scalars of a chain: time to stop at, first step, whether the run ends without that time, number of
+# strikers, least momentum transferred by the first contact with the wall.
 UNTIL, FIRST_STEP, BY_ITSELF, STRIKERS, LEAST_PUSH, NUMBERS = range(6)
 
 # Entries of a lane.
@@ -31,7 +31,8 @@ UNTIL, FIRST_STEP, BY_ITSELF, STRIKERS, LEAST_PUSH, NUMBERS = range(6)
  CROSSINGS, FIRST_IMPULSE, FIRST_END, WATCH_START, TRANSIT, DUE, SINCE, IMPACT_IMPULSE,
  LANE_ROWS) = range(21)  # fmt: skip
 # Entries of a gauge: gauge 0 is the right wall, others are sensors in beads.  Up to four maxima of
-# increasing height are kept, since it is known only at the end which of them is high enough.
+# increasing height are stored, because only the end of the run determines which of them is high
+# enough.
 IMPULSE, PEAK, PEAK_TIME, REST, HIGHEST_FALLEN, MAXIMA, MAXIMUM_0 = range(7)
 KEPT_MAXIMA = 4
 GAUGE_ROWS = MAXIMUM_0 + 2 * KEPT_MAXIMA
@@ -39,11 +40,11 @@ GAUGE_ROWS = MAXIMUM_0 + 2 * KEPT_MAXIMA
 # Rows of results per bead or contact, (RECORDS, N).
 (RECORD_PEAK_TIME, RECORD_PEAK, RECORD_CROSSING, RECORD_OVERLAP, RECORD_RESIDENCE, FINAL_X, FINAL_V,
  RECORDS) = range(8)  # fmt: skip
-# Results of a chain; the last are those of the lane under the same names.
+# Results of a chain; the last ones correspond to entries of the lane with the same names.
 (END_TIME, STATUS, TAKEN, REFUSED, WALL_FIRST_IMPULSE, WALL_FIRST_END, WALL_SINCE,
  WALL_IMPACT_IMPULSE, WALL_COMPLETE, SUMMARY) = range(10)  # fmt: skip
 
-# Why a chain has ended; 0 if it has not.
+# Reasons for the end of a chain; 0 while it is running.
 (PULSE_LEFT, TIME_REACHED, WALL_DONE, TRANSIT_LIMIT, NOTHING_MORE, STEP_LIMIT,
  STEP_TOO_SMALL) = range(1, 8)  # fmt: skip
 

@@ -1,7 +1,7 @@
-"""When the largest force on the right wall is complete: `hertzchain.simulation.wall_watch`.
+"""Criteria for the completeness of the largest force on the right wall, for elastic contacts.
 
-These are the same criteria, compiled, for elastic contacts; `hertzchain.simulation.wall_bound` has
-the equation of the bound.
+These are the compiled criteria of `hertzchain.simulation.wall_watch`;
+`hertzchain.simulation.wall_bound` has the equation of the bound.
 """
 
 from __future__ import annotations
@@ -92,7 +92,7 @@ def start_watch(w, beads, lane, state, records):
 
 @compiled
 def note(lane, state, impulse):
-    """Record that the peak is complete from now on, unless it was before."""
+    """Record that the peak is complete from now on, unless this is already recorded."""
     if state[SINCE, lane] == 0.0:
         state[SINCE, lane], state[IMPACT_IMPULSE, lane] = state[TIME, lane], impulse
 

@@ -1,8 +1,8 @@
-r"""What the eye would pick from the curves, found within the steps.
+r"""Events within the steps: maxima of velocities, overlaps and wall forces.
 
-The first maximum of each bead's velocity, the largest overlap of each contact, the largest
-force on each wall: between two steps, on the method's interpolant
-(`hertzchain.kernels.dop853_interpolant`), by bisection.
+On the interpolant of a step (`hertzchain.kernels.dop853_interpolant`), the first maximum of each
+bead's velocity and the largest overlap of each contact are located by bisection, the largest force
+on each wall by ternary search.
 """
 
 from __future__ import annotations
@@ -38,20 +38,21 @@ from .state_layout import (
 from .stepping import forces_within, interpolate, is_implicit
 from .stiff_law import closes_in, force_within
 
-# A bead slower than this, in parts of the speeds around it, is not reached yet: rounding
-# ahead of the pulse could look like a maximum.
+# The pulse has not reached a bead that is slower than this fraction of the speeds around it;
+# rounding ahead of the pulse could look like a maximum.
 REACHED = 1e-11
-# Nor is one that is slower than this many tolerances in an implicit step: where all contacts are
-# stiff all beads move at once, and what is below the tolerance may have any sign.
+# The same limit for implicit steps, in tolerances: if all contacts are stiff, all beads move
+# simultaneously, and velocities below the tolerance may have any sign.
 TOLERANCES = 1e3
 BISECTIONS = 48
-# Parts of a step that are searched for the first event: a light bead may turn twice in one.
+# Parts of a step that are searched for the first event, because a light bead may reverse its
+# direction twice in a step.
 PARTS = 8
 
 
 @compiled
 def least_speed(rtol, setup, contacts):
-    """Part of the speeds around it that a bead must have to count as reached."""
+    """Fraction of the speeds around it above which a bead has been reached by the pulse."""
     return max(REACHED, TOLERANCES * max(rtol, FINEST)) if is_implicit(setup, contacts) else REACHED
 
 
@@ -73,7 +74,7 @@ def acceleration_within(k, theta, h, y, dense, setup, contacts):
 
 @compiled
 def peak_within(k, h, y, dense, setup, contacts):
-    """Where in the step the net force on bead k first stops being positive; 2 if nowhere."""
+    """Fraction of the step at which the net force on bead k first is not positive; 2 if none."""
     low = 0.0
     for part in range(1, PARTS + 1):
         high = part / PARTS
@@ -89,9 +90,9 @@ def peak_within(k, h, y, dense, setup, contacts):
 
 @compiled
 def closes_at(c, beads, theta, y, dense, setup, contacts):
-    """Whether beads c and c + 1 (0-based) close in on each other at the fraction theta.
+    """Whether beads c and c + 1 (0-based) approach each other at the fraction theta.
 
-    The speed at which a contact creeps may be less than the rounding of the beads' velocities.
+    The speed at which a contact creeps may be less than the rounding error of the velocities.
     """
     if contacts is not None and setup.law.implicit and contacts.mode[c + 1] == LOADED:
         overlap = value(c, theta, y, dense) - value(c + 1, theta, y, dense) - setup.gap[c + 1]
@@ -106,7 +107,7 @@ def closes_at(c, beads, theta, y, dense, setup, contacts):
 
 @compiled
 def crossing_within(c, beads, y, dense, setup, contacts):
-    """Where in the step beads c and c + 1 (0-based) first have equal velocities; 2 if nowhere."""
+    """Fraction of the step at which beads c and c + 1 first have equal velocities; 2 if none."""
     low = 0.0
     for part in range(1, PARTS + 1):
         high = part / PARTS
@@ -122,9 +123,9 @@ def crossing_within(c, beads, y, dense, setup, contacts):
 
 @compiled
 def may_peak(k, beads, stages, implicit):
-    """Whether some stage of the step finds bead k, pushed at its start, no longer pushed.
+    """Whether bead k, pushed at the start of the step, is not pushed at some stage.
 
-    A bead in an implicit step that has had no peak yet was pushed until then.
+    In an implicit step, a bead that has had no peak yet has been pushed up to the step.
     """
     i = beads + k
     if stages[0, i] <= 0.0 and not implicit:
@@ -137,7 +138,7 @@ def may_peak(k, beads, stages, implicit):
 
 @compiled
 def rests(c, stages, setup, contacts):
-    """Whether beads c and c + 1 come to stick together within an implicit step."""
+    """Whether beads c and c + 1 stop approaching each other within an implicit step."""
     if contacts is not None and setup.law.implicit and contacts.mode[c + 1] == LOADED:
         return not closes_throughout(c + 1, setup, contacts.implicit, stages)
     return False
@@ -145,7 +146,7 @@ def rests(c, stages, setup, contacts):
 
 @compiled
 def may_cross(c, stages, setup, contacts):
-    """Whether some stage finds beads c and c + 1, closing at its start, at equal speed."""
+    """Whether beads c and c + 1, approaching at the start, do not approach at some stage."""
     if contacts is not None and setup.law.implicit and contacts.mode[c + 1] == LOADED:
         return not closes_throughout(c + 1, setup, contacts.implicit, stages)
     if stages[0, c] <= stages[0, c + 1]:
@@ -160,8 +161,8 @@ def may_cross(c, stages, setup, contacts):
 def touch(c, y, y_new, setup, contacts):
     """Whether beads c and c + 1 overlap at an end of the step.
 
-    On a bench they may fall together, or come near over a gap; the overlap must be more than
-    rounding makes of their places.
+    In a general chain they may fall together, or approach each other across a gap; the overlap must
+    exceed the rounding error of their positions.
     """
     if contacts is None:
         return True
@@ -175,9 +176,9 @@ def touch(c, y, y_new, setup, contacts):
 
 @compiled
 def record_peaks(h, time, y, y_new, stages, dense, setup, contacts, first, expected, peaks):
-    """First maxima of velocity within the step, of the beads where one is expected.
+    """Record first maxima of velocity within the step, of the beads where one is expected.
 
-    Returns how many, without that of bead 1, for which no run waits.
+    Returns their number without that of bead 1, which no run waits for.
     """
     beads = len(setup.inverse_mass)
     found = 0
@@ -190,7 +191,7 @@ def record_peaks(h, time, y, y_new, stages, dense, setup, contacts, first, expec
         if theta > 1.0:
             continue
         peaks[PEAK_TIME, k] = time + theta * h
-        # A bead that has left both neighbours for good flies on at the step's last velocity.
+        # A bead that has left both neighbours permanently keeps the velocity at the step's end.
         flies = stages[STEP_STAGES, beads + k] == 0.0 and (
             acceleration_within(k, theta, h, y, dense, setup, contacts) == 0.0
         )
@@ -203,7 +204,7 @@ def record_peaks(h, time, y, y_new, stages, dense, setup, contacts, first, expec
 
 @compiled
 def record_jumps(time, y, stages, scale, reached, first, peaks):
-    """First maxima of velocity where an acceleration jumped down, between two steps."""
+    """Record first maxima of velocity where an acceleration jumped down, between two steps."""
     beads = len(scale)
     found = 0
     for k in range(min(first, 1), beads):
@@ -219,10 +220,10 @@ def record_jumps(time, y, stages, scale, reached, first, peaks):
 
 @compiled
 def store_crossing(at, after, overlap, clock, counts, crossings):
-    """Write down a largest overlap of contact ``at``, ``after`` the time of the clock.
+    """Record the largest overlap of contact ``at``, at the time ``after`` that of the clock.
 
-    The residence is counted from the crossing before, since the difference of two times
-    loses its digits where the pulse becomes much faster than it was.
+    The residence time is counted from the previous crossing: a difference of two arrival times
+    would suffer from cancellation where the pulse becomes much faster.
     """
     crossings[CROSSING_TIME, at] = clock[TIME] + after
     crossings[OVERLAP, at] = overlap
@@ -238,7 +239,7 @@ def record_crossings(
     h, clock, counts, y, stages, dense, setup, contacts, first, chain, inverse_mass, expected,
     crossings,
 ):  # fmt: skip
-    """First moments of equal neighbour velocities within the step: largest overlaps.
+    """Record the first times of equal neighbour velocities within the step: largest overlaps.
 
     The window begins with bead ``first``; ``chain``, ``inverse_mass`` and the records are those
     of all beads.
@@ -269,7 +270,7 @@ def record_stops(
     clock, counts, y, stages, dense, scale, reached, setup, contacts, first, chain, inverse_mass,
     crossings,
 ):  # fmt: skip
-    """The same between two steps, where beads that closed in on each other got stuck."""
+    """Record largest overlaps between two steps, of approaching beads that became stuck."""
     beads = len(scale)
     for c in range(beads - 1):
         closed_in = stages[STEP_STAGES, c] > stages[STEP_STAGES, c + 1]
@@ -287,7 +288,7 @@ def record_stops(
 
 @compiled
 def expect_first_peak(y, y_new, stages, scale, reached, implicit, peaks):
-    """Whether bead 1, which was not struck, may be fastest within the step."""
+    """Whether the velocity of bead 1, which was not struck, may have its peak in the step."""
     beads = len(scale)
     forward = max(y[beads], y_new[beads]) > reached * scale[0]
     return forward and peaks[PEAK_VELOCITY, 0] == 0.0 and may_peak(0, beads, stages, implicit)
@@ -303,7 +304,7 @@ def expect_events(
         y, y_new, stages, scale, reached, implicit, peaks
     )
     for k in range(1, beads):
-        # Within the step a bead may turn round.
+        # A bead may reverse its direction within the step.
         before, after = y[beads + k], y_new[beads + k]
         forward = max(before, after) > reached * scale[k]
         peak = forward and peaks[PEAK_TIME, k] == 0.0 and may_peak(k, beads, stages, implicit)
@@ -328,7 +329,7 @@ def record_walls(time, h, y, y_new, stages, dense, walls):
         largest = 0.0
         for j in range(STEP_STAGES + 1):
             largest = max(largest, stages[j, i])
-        # In a step cut very short the slope has lost its digits, and the stages are the peak.
+        # In a step cut very short the slope is lost in rounding; the stages give the peak.
         sharp = 1e-15 * abs(y_new[i]) < 1e-12 * h * largest
         if largest > walls[WALL_PEAK, side] and not sharp:
             walls[WALL_PEAK, side] = largest
@@ -349,10 +350,11 @@ def record_walls(time, h, y, y_new, stages, dense, walls):
 
 @compiled
 def record_wall_ends(time, y, rates, setup, segment, crossings, walls):
-    """Impulse of the first contact with each wall, between two steps, where it has ended.
+    """Record the impulse of the first contact with each wall, between two steps, once it has ended.
 
-    A wall that a bead comes near may have had a push of rounding from the stages of a step.
-    Of the right wall, also when the last bead, passed by the crest, first moves back.
+    The stages of a step may push a wall by rounding when a bead only comes near; such a push is
+    ignored.  For the right wall, also record when the last bead, passed by the crest, first moves
+    back.
     """
     beads = len(setup.inverse_mass)
     back = setup.stiffness[beads] > 0.0 and y[2 * beads - 1] < 0.0
@@ -372,7 +374,7 @@ def record_wall_ends(time, y, rates, setup, segment, crossings, walls):
 
 @compiled
 def wall_pushed(stages):
-    """Whether some stage of the step finds a wall pushed."""
+    """Whether a wall is pushed at some stage of the step."""
     ledger = stages.shape[1] - ACCUMULATORS
     for j in range(STEP_STAGES + 1):
         if stages[j, ledger + LEFT_IMPULSE] != 0.0 or stages[j, ledger + RIGHT_IMPULSE] != 0.0:
@@ -383,9 +385,9 @@ def wall_pushed(stages):
 @compiled
 def save_frames(time, time_new, h, y, dense, first, chain, flights, setup, contacts, segment,
                 counts, frame_times, frames, frame_forces, trial, scratch):  # fmt: skip
-    """States, and forces where they are asked for, at the saved times within the step.
+    """Save states, and forces if requested, at the saved times within the step.
 
-    ``y`` is that of the window, which begins with bead ``first``, ``chain`` that of all beads.
+    ``y`` is the state of the window, which begins with bead ``first``, ``chain`` that of all beads.
     """
     beads = len(setup.inverse_mass)
     all_beads = (len(chain) - (len(y) - 2 * beads)) // 2
@@ -410,7 +412,7 @@ def record_events(
     counts, setup, contacts, segment, stages, dense, scale, reached, expected, frame_times, frames,
     frame_forces, peaks, crossings, walls, trial, scratch,
 ):  # fmt: skip
-    """All that a completed step has to show; its interpolant is made if that is anything."""
+    """Record all events of a completed step, and compute its interpolant only if there are any."""
     frame = counts[FRAMES]
     save = frame < len(frame_times) and frame_times[frame] <= time_new
     event = expect_events(

@@ -28,7 +28,8 @@ from .state_layout import (
     WALL_PEAK_TIME,
 )
 
-# Beads to either side, and part of the fastest bead, in which motion is measured.
+# Motion is compared with the speeds of this many beads on either side, and with this fraction of
+# the largest speed.
 NEIGHBOURS, SLOW = 3, 1e-4
 BISECTIONS = 48
 
@@ -46,7 +47,7 @@ def quintic(h, x0, v0, a0, x1, v1, a1):
 
 @compiled
 def turning_point(c):
-    """Where in a step the first derivative, positive at its start, stops being positive."""
+    """Fraction of a step at which the first derivative, positive at its start, vanishes."""
     low, high = 0.0, 1.0
     for _ in range(BISECTIONS):
         middle = 0.5 * (low + high)
@@ -56,7 +57,7 @@ def turning_point(c):
 
 @compiled
 def inflection(c):
-    """Where in a step the second derivative, positive at its start, stops being positive."""
+    """Fraction of a step at which the second derivative, positive at its start, vanishes."""
     low, high = 0.0, 1.0
     for _ in range(BISECTIONS):
         middle = 0.5 * (low + high)
@@ -66,10 +67,11 @@ def inflection(c):
 
 @inlined
 def watch_wall(side, time, h, force, given, passed, x, v, a, spring, ends, walls):
-    """Largest force on a wall, its touches and its first contact; ``given`` is its impulse so far.
+    """Record the largest force on a wall, its touches and the end of its first contact.
 
-    Position, velocity and acceleration of its bead are those away from the wall; ``ends`` has them
-    and the force at the end of the step before.  ``passed`` is whether the crest has passed.
+    ``given`` is the impulse on the wall so far.  The position, velocity and acceleration of the
+    adjacent bead are positive away from the wall; ``ends`` has these values and the force at the
+    end of the previous step.  ``passed`` states whether the crest has passed.
     """
     stiffness, closed_by, exponent = spring
     if stiffness > 0.0:
@@ -94,7 +96,7 @@ def watch_wall(side, time, h, force, given, passed, x, v, a, spring, ends, walls
 
 @compiled
 def save_frames(time, time_new, h, y, springs, rows, counts, frame_times, frames, frame_forces):
-    """States and forces at the saved times within a step."""
+    """Save states and forces at the saved times within a step."""
     beads = len(rows.velocities)
     frame = counts[FRAMES]
     while frame < len(frame_times) and frame_times[frame] <= time_new:
@@ -137,7 +139,7 @@ def moves(k, rows):
 
 @compiled
 def record_events(h, clock, counts, setup, contacts, springs, rows, peaks, crossings):
-    """First velocity maxima and largest overlaps within a step."""
+    """Record first velocity maxima and largest overlaps within a step."""
     before, v, a = rows.before, rows.velocities, rows.pulls
     beads = len(v)
     for k in range(beads):

@@ -1,13 +1,13 @@
-r"""The whole chain, every bead that moves, by an adaptive Runge-Kutta method of order 8.
+r"""Integration of all moving beads of a chain by an adaptive Runge-Kutta method of order 8.
 
 `advance` takes steps of DOP853 (`hertzchain.kernels.dop853_step`) for the beads that need them
 (`hertzchain.kernels.active_beads`), and locates events within each step
 (`hertzchain.kernels.events`).
 
-Contacts open and close with a force that is not smooth (a power 3/2 of time), and
-so does the strike begin; there the error estimate shortens the steps by itself.
-Where a law's force jumps, has a memory or is cut off, a step ends at the first moment at which
-a contact must change its mode (`hertzchain.kernels.contact_modes`).
+When a contact opens or closes, and when the impact begins, the force is not smooth (a power 3/2 of
+time); the error estimate then shortens the steps.  If the force of a law jumps, depends on history
+or is cut off, the step ends at the first time at which a contact must change its mode
+(`hertzchain.kernels.contact_modes`).
 """
 
 from __future__ import annotations
@@ -75,29 +75,29 @@ from .state_layout import (
 from .stepping import begin, change_of_step, is_implicit, take_step
 from .wall_touches import count_touches
 
-# What `advance` returns, and what only `advance_window` does.
+# Status codes that `advance` returns, and those that only `advance_window` returns.
 RUNNING, PULSE_LEFT, TIME_REACHED, FRAMES_FULL, STEP_TOO_SMALL, PULSE_LOST, LAST_STEP = range(7)
 MOVED, OUTRUN, WOKEN = 7, 8, 9
 
 MIN_STEP = 1e-280
-# A run that waits this long for the pulse to leave waits for ever.
+# A run that has lasted this long without the pulse leaving the chain never ends.
 ENDLESS = 1e300
-# Largest relative difference of two accelerations that are the same but for rounding.
+# Largest relative difference of two accelerations that are equal except for rounding.
 SAME_FALL = 1e-12
-# Part of the time so far that no step takes unless all beads fly freely.
+# Steps longer than this fraction of the elapsed time occur only if all beads are in free flight.
 LONG_STEP = 0.1
-# Steps too short for the clock to notice, in a row, after which the run is given up.
+# Number of successive steps too short to change the time, after which the run is stopped.
 MAX_FROZEN = 100_000
-# Longest step in parts of a force's rise by a cubic: its work on a free bead is of degree 8 in
-# time, which the steps follow but not the interpolant between them.
+# Longest step, as a fraction of the duration of a cubic rise of the drive's force.  The work on a
+# free bead is of degree 8 in time, which the steps integrate exactly but the interpolant does not.
 RISE_PART = 0.125
-# Rows of scratch as long as the state.
+# Rows of scratch, each as long as the state.
 ROWS = STAGES + COEFFICIENTS + 7
 
 
 @compiled
 def nothing_can_happen(y, setup, contacts):
-    """Whether no beads touch and none approach, now or later: from here on all fly freely."""
+    """Whether no beads touch and none approach, now or later: all are in free flight."""
     beads = len(setup.inverse_mass)
     if contacts is None:
         for k in range(beads - 1):
@@ -110,7 +110,7 @@ def nothing_can_happen(y, setup, contacts):
         if setup.stiffness[c] == 0.0:
             continue
         overlap, closing = overlap_and_closing(c, y, beads, setup.gap[c], (0.0, 0.0, 0.0))
-        # What falls freely keeps its distance from what falls beside it, but for rounding.
+        # Beads that fall freely keep their distance, except for rounding.
         behind = setup.body_force[c - 1] * setup.inverse_mass[c - 1] if c > 0 else 0.0
         ahead = setup.body_force[c] * setup.inverse_mass[c] if c < beads else 0.0
         pressing = behind - ahead > SAME_FALL * (abs(behind) + abs(ahead))
@@ -121,7 +121,7 @@ def nothing_can_happen(y, setup, contacts):
 
 @compiled
 def start(y, clock, counts, setup, contacts, first_step):
-    """Clock at zero, contacts in their first modes, and what drift is measured from."""
+    """Set the clock to zero, the contacts to their first modes, and the reference of the drift."""
     clock[:] = 0.0
     counts[:] = 0
     counts[LAST_CROSSING] = -1
@@ -140,11 +140,11 @@ def advance_window(
 ):  # fmt: skip
     """`advance` for the beads of a window, from bead ``low`` on, until the window moves.
 
-    ``y`` is the state of its beads, ``chain`` that of all, with ``inverse_mass``, ``flying`` the
-    energy and momentum of those behind it, ``edge`` the numbers of the contact with them,
-    ``trim`` the result of `trimmed`; ``peaks`` are those of the window, ``crossings`` those of
-    the chain.  ``counts`` has the ends of the window that follows.
-    Returns why it stopped and how many steps it tried.
+    ``y`` is the state of the window; ``chain`` and ``inverse_mass`` are those of all beads.
+    ``flying`` is the energy and momentum of the beads behind the window, ``edge`` the
+    `contact_numbers` of the contact with them, ``trim`` the result of `trimmed`.  ``peaks`` are
+    those of the window, ``crossings`` those of the chain.  ``counts`` receives the ends of the next
+    window.  Returns a status code and the number of steps tried.
     """
     beads = len(setup.inverse_mass)
     all_beads = (len(chain) - (len(y) - 2 * beads)) // 2
@@ -193,7 +193,7 @@ def advance_window(
             contacts, edge,
         ):  # fmt: skip
             return OUTRUN, tried - 1
-        # Only beads in free flight take steps that are so long.
+        # Steps this long occur only if the beads are in free flight.
         lone = (error == 0.0 or h > LONG_STEP * time) and not clock[IDLE_UNTIL] < np.inf
         if stop_when_left and lone and nothing_can_happen(y, setup, contacts):
             return PULSE_LOST, tried
@@ -276,27 +276,27 @@ def advance(
     pause, frame_times, growing, frames, frame_forces, peaks, crossings, walls, accelerations,
     scratch, ends, expected,
 ):  # fmt: skip
-    """Take up to ``budget`` steps, and say why it stopped.
+    """Take up to ``budget`` steps; returns a status code.
 
-    Everything that changes is in the arrays, so a run goes on where it stopped.
+    All variables of the run are in the arrays, so that a further call resumes it.
 
     Parameters
     ----------
-    y : (2N,) or (2N + LEDGER,) state; ``clock`` (CLOCK_SIZE,) and ``counts`` (COUNTS_SIZE,)
-    setup, contacts : what acts on the beads, and what contacts remember
-    flights : (FLIGHT_ROWS, N) where and when the beads behind the window left it
-    until : time not to step past; ``stop_when_left`` ends the run, too, once all is recorded
+    y : (2N,) or (2N + ACCUMULATORS,) state; ``clock`` (CLOCK_SIZE,) and ``counts`` (COUNTS_SIZE,)
+    setup, contacts : parameters of the equation of motion; modes and history of the contacts
+    flights : (FLIGHT_ROWS, N) positions and times at which the beads behind the window left it
+    until : time not to step past; ``stop_when_left`` also ends the run once all events are recorded
     rtol : tolerated error of a step, in units of the speeds around each bead
-    bead_steps : steps times beads of their windows after which it stops, too
-    pause : come back before the step that ``until`` cuts short: the state that a longer
-        run would go on from
+    bead_steps : number of steps times beads in their windows, after which it also stops
+    pause : return before the step that ``until`` would cut short, in the state from which a longer
+        run would continue
     frame_times, frames : (F,) times to save at, and the (F, len(y)) states saved; with
-        ``growing`` the caller is asked for later times before a step would pass the last
-    frame_forces : (F, N + 1) contact forces saved; nothing with a plain chain
+        ``growing`` it returns `FRAMES_FULL` before a step would pass the last of these times
+    frame_forces : (F, N + 1) contact forces saved; not used for a default chain
     peaks, crossings : (2, N), (CROSSING_ROWS, N - 1) as in `hertzchain.kernels.state_layout`;
         time 0 = not yet
     walls : (WALL_ROWS, 2) of the left and the right wall; 0 = not yet
-    accelerations : (N,) those with which the next step would begin
+    accelerations : (N,) accelerations at the start of the next step
     scratch, ends, expected : (ROWS * len(y),), (2, N + 1), (2, N) scratch
     """
     beads = len(setup.inverse_mass)

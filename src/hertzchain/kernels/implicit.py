@@ -1,10 +1,10 @@
 r"""One implicit step, for contacts whose damping is too stiff for explicit ones.
 
-Under :math:`\gamma |d'|^\alpha` with :math:`\alpha < 1` two beads that hardly move against each
-other are held together by a force that is no smooth function of their speed, and under a
-strong dashpot they creep; explicit steps would have to follow the relaxation of both.  Here
-the forces at the stages are solved for (`hertzchain.kernels.stage_equations`), and the steps are as
-long as the motion allows.
+With a damping force :math:`\gamma |d'|^\alpha`, :math:`\alpha < 1`, two beads with a small relative
+speed are held together by a force that is not a smooth function of this speed.  With a strong
+dashpot they creep.  Explicit steps would have to resolve the relaxation of both.  An implicit step
+solves for the forces at its stages (`hertzchain.kernels.stage_equations`) and can be as long as the
+motion allows.
 """
 
 from __future__ import annotations
@@ -32,19 +32,19 @@ from .stiff_law import EVEN, closes_in, is_resolved, overlap_of
 
 TIMES = np.array(NODES)
 END = np.ones(1)
-# A step's tolerance is at least this: rounding of the velocities is amplified by what is stiff.
+# Lower bound of a step's tolerance, because stiff contacts amplify the rounding of velocities.
 FINEST = 1e-11
-# Energies are known this many times less precisely than speeds.
+# Relative tolerance of energies, in units of that of speeds.
 ENERGY = 100.0
-# Part of a step after which the forces that a state has are those that hold its contacts.
+# Length of the very short step that determines the forces of a state, as a fraction of a step.
 SETTLING = 1e-3
-# Weights of the accelerations at the nodes that give the one at the start.
+# Weights of the accelerations at the nodes in the interpolated acceleration at the start.
 AT_START = SETTLING ** np.arange(IMPLICIT_STAGES) @ BETWEEN
 
 
 @compiled
 def ledger_rates(i, time, setup, contacts, segment, rates):
-    """Rates of the ledger at stage i."""
+    """Rates of the accumulators at stage i."""
     beads = len(setup.inverse_mass)
     pushing, overlap = contacts.implicit.forces, contacts.implicit.overlaps
     closing, ledger = contacts.implicit.closings, rates[2 * beads :]
@@ -64,7 +64,7 @@ def ledger_rates(i, time, setup, contacts, segment, rates):
 
 @compiled
 def resolve_overlaps(time, h, y, setup, contacts, segment):
-    """Overlaps that are lost in the rounding of positions, by the speeds of the forces."""
+    """Integrate overlaps smaller than the rounding of positions, from the speeds of the forces."""
     beads, speed = len(setup.inverse_mass), contacts.implicit.rest
     pushing, overlap = contacts.implicit.forces, contacts.implicit.overlaps
     wall = wall_motion(time, setup, segment)
@@ -89,7 +89,7 @@ def resolve_overlaps(time, h, y, setup, contacts, segment):
 def remember_overlaps(contacts, implicit):
     """Keep the overlaps at the end of the step, from which the next one begins.
 
-    Beads that push each other touch: what is negative then is below the tolerance of the step.
+    Beads that push each other touch; a negative overlap is then within the tolerance of the step.
     """
     if implicit is None:
         return
@@ -102,10 +102,10 @@ def remember_overlaps(contacts, implicit):
 
 @compiled
 def forget_rounding(time, setup, contacts, rates):
-    """Pushes that would not change a velocity in all the time that has passed are none.
+    """Remove net forces too small to change a velocity in the whole time that has passed.
 
-    Where contacts stick, beads come to move alike, and the signs of what is left are those of
-    rounding.
+    The beads of contacts that stick acquire the same velocity, and the signs of the remaining
+    forces are then those of rounding errors.
     """
     inverse_mass, beads = setup.inverse_mass, len(setup.inverse_mass)
     pushing, overlap = contacts.implicit.forces, contacts.implicit.overlaps
@@ -125,11 +125,11 @@ def forget_rounding(time, setup, contacts, rates):
 
 @compiled
 def settle(time, y, h, setup, contacts, implicit, segment, rtol, stages, ahead, speeds, scale):
-    """The forces and the derivative that a state has, by a very short implicit step.
+    """Determine the forces and the derivative of a state by a very short implicit step.
 
-    The speed at which a contact creeps may be less than the rounding of the beads' velocities, so
-    that the law does not tell its force.  Depends on the state alone, so that a run that is
-    resumed from it takes the same steps.
+    The speed at which a contact creeps may be less than the rounding error of the velocities; its
+    force then cannot be computed from the law.  The result depends only on the state, so that a
+    resumed run takes the same steps.
     """
     if implicit is None:
         return False
@@ -185,7 +185,7 @@ def try_implicit_step(
         contacts.force[c] = pushing[c, IMPLICIT_STAGES - 1]
     resolve_overlaps(time, h, y, setup, contacts, segment)
     forget_rounding(time + h, setup, contacts, rates)
-    # Whoever looks through the stages of an explicit step finds the end in those that are left.
+    # Functions that search all stages of an explicit step find the last one in the unused rows.
     for row in range(IMPLICIT_STAGES + 1, STEP_STAGES + 1):
         copy(stages[IMPLICIT_STAGES], stages[row])
     return True
@@ -193,9 +193,10 @@ def try_implicit_step(
 
 @compiled
 def error_of_ledger(h, stages, setup, rtol):
-    """How well the energy lost is known, in tolerances of energy.
+    """Estimated error of the energy lost, in tolerances of energy.
 
-    Where a force is cut off beads may fly freely, and only what is lost needs shorter steps.
+    After a force is cut off, beads may be in free flight, and only the energy lost requires shorter
+    steps.
     """
     beads, last, kinetic = len(setup.inverse_mass), 0.0, 0.0
     for k in range(beads):
@@ -210,9 +211,9 @@ def error_of_ledger(h, stages, setup, rtol):
 def implicit_error(h, stages, setup, scale, rtol):
     """Estimated error of an implicit step, in tolerances.
 
-    The next Legendre coefficient of the accelerations, from the last two: as small beside the
-    last as this is beside the one before.  Between the start and the first node a force may have
-    bent unseen: there, the interpolant must lead back to the acceleration at the start.
+    The estimate is the next Legendre coefficient of the accelerations, extrapolated geometrically
+    from the last two.  A force may have changed abruptly between the start and the first node;
+    therefore the interpolant must also reproduce the acceleration at the start.
     """
     beads, rtol = len(scale), max(rtol, FINEST)
     worst, worst_before, bent = error_of_ledger(h, stages, setup, rtol), 0.0, 0.0
@@ -226,7 +227,7 @@ def implicit_error(h, stages, setup, scale, rtol):
             first += AT_START[i] * stages[i + 1, beads + k]
         unit = h / (rtol * scale[k])
         worst, worst_before = max(worst, abs(last) * unit), max(worst_before, abs(before) * unit)
-        # No acceleration at the start is known better than its equations were solved.
+        # The acceleration at the start is only as accurate as the solution of its equations.
         if SETTLING * abs(first) * unit > SOLVED:
             bent = max(bent, 0.5 * NODES[0] * abs(first) * unit)
     if worst_before > worst:
@@ -236,7 +237,7 @@ def implicit_error(h, stages, setup, scale, rtol):
 
 @compiled
 def first_rest(k, beads, stages):
-    """When in the step bead k is first no longer pushed; 2 if at no stage."""
+    """Fraction of the step at which bead k first is not pushed; 2 if it is at all stages."""
     for i in range(IMPLICIT_STAGES):
         if stages[i + 1, beads + k] <= 0.0:
             return NODES[i]
@@ -245,7 +246,7 @@ def first_rest(k, beads, stages):
 
 @compiled
 def closes_throughout(c, setup, implicit, stages):
-    """Whether contact c closes in at all stages."""
+    """Whether the beads of contact c approach each other at all stages."""
     if implicit is None:
         return True
     pushing, overlap = implicit.forces, implicit.overlaps
@@ -260,7 +261,7 @@ def closes_throughout(c, setup, implicit, stages):
 
 @compiled
 def implicit_coefficients(h, stages, dense):
-    """The interpolant of an implicit step, as that of an explicit one."""
+    """Coefficients of the interpolant of an implicit step, in the form of an explicit one."""
     for row in range(len(dense)):
         for i in range(dense.shape[1]):
             total = 0.0

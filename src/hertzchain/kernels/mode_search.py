@@ -1,8 +1,8 @@
-r"""Which contact must leave its mode first within a step, and when.
+r"""Search for the first contact that must leave its mode within a step.
 
-A contact may leave its mode and be back in it at the end of the step.  By the ends of the step and
-its stages it is decided which contacts are searched; on the interpolant of the step, the margin
-(`hertzchain.kernels.contact_margins`) of those is followed to its first zero, or to its minimum.
+A contact may leave its mode and return to it before the end of the step.  The ends and stages of
+the step determine which contacts are searched.  On the interpolant of the step, the first zero or
+the minimum of the margin (`hertzchain.kernels.contact_margins`) of each such contact is located.
 """
 
 from __future__ import annotations
@@ -20,23 +20,24 @@ from .forces import LEFT_IMPULSE, PUSHED, derivative, overlap_and_closing
 from .law_kinds import DAMPED, UNLOADING
 from .stepping import interpolate
 
-# A stuck contact is searched whose force comes this near to a bound at a stage, and its stages are
-# looked at where it is this near at an end of the step, in parts of the distance of the bounds.
+# A stuck contact is searched if its force is this close to a bound at a stage; its stages are
+# checked if it is this close at an end of the step.  Both are fractions of the distance of the
+# bounds.
 NEAR, NEAR_AT_END = 0.05, 0.1
-# The stages that are looked at: those of the highest order, from a quarter of the step on.
+# The stages that are checked: those of the highest order, from a quarter of the step on.
 LATE_STAGES = tuple(range(7, STEP_STAGES))
-# A damped force of more than this part of the elastic one is not cut off soon.
+# A damped force larger than this fraction of the elastic force will not soon be cut off.
 WEAK = 0.5
-# Part of a step in which the slope of a force is found.
+# Fraction of a step over which the slope of a force is estimated.
 SHORT = 1e-3
-# How often a minimum is narrowed down, to two thirds; it is, where a parabola says that it is less
-# than this part of the least margin found.
+# Number of times that the interval of a minimum is reduced to two thirds.  The minimum is located
+# only if a parabola predicts it to be less than this fraction of the least margin found.
 SECTIONS, NEAR_AT_LEAST = 20, 0.5
 
 
 @compiled
 def turned(c, beads, wall_speed, sign, stages, still):
-    """Whether some stage of the step finds contact c opening (sign 1) or closing (-1)."""
+    """Whether contact c is opening (sign 1) or closing (-1) at some stage of the step."""
     for j in range(1, STEP_STAGES):
         left = stages[j, c - 1] if c > 0 else wall_speed
         right = stages[j, c] if c < beads else 0.0
@@ -47,7 +48,7 @@ def turned(c, beads, wall_speed, sign, stages, still):
 
 @compiled
 def relative_acceleration(c, beads, wall, rates):
-    """Rate of the closing speed of contact c, where the derivative of the state is given."""
+    """Rate of change of the closing speed of contact c, from the derivative of the state."""
     left = rates[beads + c - 1] if c > 0 else wall[2]
     return left - rates[beads + c] if c < beads else left
 
@@ -62,17 +63,17 @@ def may_turn_twice(sign, h, closing, still_closing, slope, last_slope):
 
 @compiled
 def may_be_cut_off(h, mode, before, after, slope, last_slope, stiffness, damping, law):
-    """Whether the force of a damped contact, cut off at neither end or at both, may be within.
+    """Whether the force of a damped contact, cut off at neither or both ends, may change within.
 
-    ``before`` and ``after`` are overlap and closing speed at the ends, the slopes those of the
-    speed.
+    ``before`` and ``after`` are overlap and closing speed at the ends; the slopes are those of the
+    closing speed.
     """
     overlap, closing = before
     last, still_closing = after
     if min(overlap, last) <= 0.0 or min(closing, still_closing) >= 0.0:
         return False
     sign = 1.0 if mode == LOADED else -1.0
-    # Where the beads part, their damping must grow and shrink again.
+    # If the beads separate, their damping must first grow and then shrink.
     if sign * last_slope <= 0.0 and sign * still_closing <= 0.0:
         return False
     first = sign * pull_free_force(overlap, closing, stiffness, damping, law)
@@ -96,7 +97,7 @@ def may_be_cut_off(h, mode, before, after, slope, last_slope, stiffness, damping
 def may_come_loose(c, loading, stages, setup, contacts):
     """Whether the force of stuck contact c is near one of its bounds at a stage of the step.
 
-    At the stages it follows from the force on the left wall and the accelerations of the beads.
+    At the stages, the force is computed from the force on the left wall and the accelerations.
     """
     kept, beads = law_of(c, setup).kept, len(setup.inverse_mass)
     least, apart = kept * loading, (1.0 - kept) * loading
@@ -116,7 +117,7 @@ def may_come_loose(c, loading, stages, setup, contacts):
 
 @compiled
 def may_switch(c, h, y, y_new, stages, setup, contacts, walls, still):
-    """Whether contact c, by what the stages of a step say, must leave its mode within it.
+    """Whether, according to the stages of a step, contact c may have to leave its mode in the step.
 
     ``walls`` is the motion of the left wall at both ends of the step.
     """
@@ -128,7 +129,7 @@ def may_switch(c, h, y, y_new, stages, setup, contacts, walls, still):
     after = overlap_and_closing(c, y_new, beads, gap, walls[1])
     remembers = law.kind == UNLOADING or is_plastic(law)
     if remembers and mode != STUCK and before[0] <= 0.0 and after[0] <= 0.0:
-        # Open at both ends: there is no force whose mode could matter.
+        # Open at both ends: without a force, the mode has no effect.
         return False
     if must_switch(
         after[0], after[1], stiffness, damping, mode, contacts.largest[c], contacts.force[c], law,
@@ -139,7 +140,7 @@ def may_switch(c, h, y, y_new, stages, setup, contacts, walls, still):
         loading = force(after[0], stiffness, law.exponent)
         return may_come_loose(c, loading, stages, setup, contacts)
     if is_plastic(law) and mode == RELEASED:
-        # It may go beyond its largest overlap and come back.
+        # The overlap may exceed its largest value so far and decrease again.
         return before[1] > still and turned(c, beads, walls[1][1], 1.0, stages, still)
     slope = relative_acceleration(c, beads, walls[0], stages[0])
     last_slope = relative_acceleration(c, beads, walls[1], stages[STEP_STAGES])
@@ -172,9 +173,9 @@ def closing_until(c, time, y, h, dense, setup, segment, still):
 
 @compiled
 def state_of_contact(c, theta, time, y, h, dense, setup, contacts, segment, trial, scratch):
-    """The state of the beads of contact c at the fraction theta of the step; returns the wall's.
+    """Interpolate the state of the beads of contact c; returns the motion of the left wall.
 
-    A stuck contact's force depends on all beads, that of another one on its own two.
+    The force of a stuck contact depends on all beads, that of any other contact on two.
     """
     beads = len(setup.inverse_mass)
     if contacts.mode[c] == STUCK:
@@ -188,7 +189,7 @@ def state_of_contact(c, theta, time, y, h, dense, setup, contacts, segment, tria
 
 @compiled
 def look_at(c, theta, time, y, h, dense, setup, contacts, segment, still, trial, scratch):
-    """Whether contact c has to leave its mode at the fraction theta of the step, and its margin."""
+    """Whether contact c must leave its mode at the fraction theta of the step, and its margin."""
     wall = state_of_contact(c, theta, time, y, h, dense, setup, contacts, segment, trial, scratch)
     leaves = leaves_mode(c, theta, trial, wall, setup, contacts, still)
     return leaves, margin_of(c, trial, wall, setup, contacts)
@@ -196,7 +197,7 @@ def look_at(c, theta, time, y, h, dense, setup, contacts, segment, still, trial,
 
 @compiled
 def dips(left, least, right):
-    """Whether a parabola through a least margin and those beside it comes much nearer to zero."""
+    """Whether a parabola through the least margin and its neighbours is much closer to zero."""
     bend = left - 2.0 * least + right
     return 0.125 * (right - left) ** 2 > (1.0 - NEAR_AT_LEAST) * least * bend
 
@@ -218,7 +219,7 @@ def least_margin(c, low, high, time, y, h, dense, setup, contacts, segment, stil
 
 @compiled
 def switch_within(c, time, y, h, dense, setup, contacts, segment, still, trial, scratch):
-    """Where in the step contact c first must leave its mode; 2 if nowhere."""
+    """Fraction of the step at which contact c first must leave its mode; 2 if none."""
     low, high, end = 0.0, 2.0, 1.0
     if is_plastic(law_of(c, setup)) and contacts.mode[c] == RELEASED:
         end = closing_until(c, time, y, h, dense, setup, segment, still)
@@ -266,10 +267,10 @@ def switch_within(c, time, y, h, dense, setup, contacts, segment, still, trial, 
 def first_switch(
     time, y, h, y_new, stages, dense, setup, contacts, segment, still, trial, scratch, search
 ):
-    """The first contact that must leave its mode within the step, and where; -1 if none.
+    """Find the first contact that must leave its mode within the step, and when; -1 if none.
 
-    Returns, too, whether the stages are complete and the coefficients in ``dense`` found.
-    ``search`` is `None` where no contact has modes: numba then compiles nothing of this.
+    Also returns whether the stages are complete and the coefficients in ``dense`` are computed.
+    ``search`` is `None` if no contact has modes: numba then omits the search.
     """
     if search is None:
         return -1, 2.0, False

@@ -1,9 +1,8 @@
-r"""Following the front: a few beads around the pulse, several chains side by side.
+r"""Integration of a few beads around the pulse, for several chains side by side.
 
-A pulse lives on a handful of beads.  Ahead of it everything is at rest; behind it
-the contacts open, or grow too weak to matter.  So only a *window* of beads is
-integrated, and moved along by one bead whenever the *candidate*, the bead whose
-velocity is still rising, has passed its maximum::
+A pulse extends over a few beads.  Ahead of it all beads are at rest; behind it the contacts open,
+or their forces become negligible.  Therefore only a *window* of beads is integrated.  It is moved
+by one bead each time the *candidate*, the bead whose velocity is still rising, passes its maximum::
 
       dropped                the window                       not yet reached
       . . . o | o  o  o  o  o  O  o  o  o | o . . .
@@ -11,26 +10,25 @@ velocity is still rising, has passed its maximum::
                 rear            |        front
                                 candidate (p = slots behind it)
 
-Contact ``s`` of the window joins slots ``s`` and ``s + 1``; the last one presses
-against a bead at rest.  All numbers of the window are in one array ``w``, a *row*
-for positions, one for velocities, and so on; in a row, slot ``s`` of lane ``l``
-stands at ``s * lanes + l``::
+Contact ``s`` of the window joins slots ``s`` and ``s + 1``; the last contact joins the last slot
+and a bead at rest.  All numbers of the window are in one array ``w``, with a *row* for positions,
+one for velocities, and so on; in a row, slot ``s`` of lane ``l`` has index ``s * lanes + l``::
 
       w = [ position        | velocity | trial | ... | stage 0 | ... | stage 7 ]
             ^ slot 0: lanes 0..7, slot 1: lanes 0..7, ...
 
-Each lane is a chain of its own, with its own step.  One array with constant
-offsets, and loops without branches over a row, let the compiler work on several
-chains with one instruction.
+Each lane is a separate chain with its own step.  One array with constant offsets, and loops
+without branches over a row, allow the compiler to process several chains with one instruction.
 
-The method is RKN8(6)9FM (`hertzchain.kernels.rkn8`) with steps that are a fixed part of the
-time the pulse takes per bead.  Two things would spoil its order, because there the force
-grows like a power p of time: the strike, where the first steps are graded, and each contact
-that opens behind the pulse, where `release` puts the exact end of the push in its place.
-What the window cannot follow is noticed and reported by a status code, never patched up.
+The method is RKN8(6)9FM (`hertzchain.kernels.rkn8`); its steps are a fixed fraction of the time
+that the pulse takes per bead.  The method would lose its order where the force grows like a power p
+of time: at the impact, and at each contact that opens behind the pulse.  At the impact, the first
+steps are therefore graded; at the opening of a contact, `release` integrates the end of the push in
+closed form.  A chain that does not satisfy the assumptions of the window is rejected with a status
+code.
 
-Forces of Hertz's law need a square root only, `hertz`; other exponents, of which each contact has
-its own, take `hertzchain.kernels.powers.power`.  The kernel is compiled for either kind when it is
+Forces of Hertz's law require only a square root, `hertz`; other exponents, which may differ between
+contacts, use `hertzchain.kernels.powers.power`.  The kernel is compiled for either kind when it is
 first needed.
 """
 
@@ -67,69 +65,71 @@ from .rkn8 import (
 
 LANES = 8
 MAX_SLOTS = 32
-# A row has room for the longest window and, not to map all rows to the same lines of the
-# processor's cache, a little more.
+# Length of a row: the longest window and a few more entries, so that the rows are not mapped to the
+# same lines of the processor's cache.
 ROW = (MAX_SLOTS + 3) * LANES
 (
     POSITION, VELOCITY, TRIAL, STIFFNESS, EXPONENT, INVERSE_MASS, FORCE, STEP, ERROR,
     OLD_POSITION, OLD_VELOCITY, OLD_STAGE_0,
     STAGE_0, STAGE_1, STAGE_2, STAGE_3, STAGE_4, STAGE_5, STAGE_6, STAGE_7, CLOCK, END,
 ) = range(0, 22 * ROW, ROW)  # fmt: skip
-# What each lane knows besides its window: entries of the row CLOCK, LANES for each. Time is counted
-# from the last arrival; ARRIVED and LAST are 1 from the arrival at the candidate on, and if that is
-# the last bead; WATCH is 1 where a step may have brought an event.
+# Scalars of each lane: entries of the row CLOCK, LANES for each. Time is counted from the last
+# arrival. ARRIVED is 1 from the arrival at the candidate on, LAST is 1 if the candidate is the last
+# bead, WATCH is 1 if an event may have occurred in the last step.
 (
     ARRIVAL_TIME, TIME, OLD_STEP, TARGET_STEP, FREE_STEP, MAX_FORCE, ARRIVED, LAST, STEPS,
     NEXT_STEP, WATCH, CLOCK_SIZE,
 ) = range(0, 12 * LANES, LANES)  # fmt: skip
 CHAIN, FIRST, BEAD, BEADS, PLACE_SIZE = range(5)
 
-# What becomes of a chain.
+# Status codes of a chain.
 WAITING, FOLLOWED, OUT_OF_ORDER, REAR_CUT, FRONT_CUT, INACCURATE, STALLED, BROKEN = range(8)
-# Entries of `signal`, through which other threads stop the kernel and watch it.
+# Entries of `signal`, through which other threads stop the kernel and monitor its progress.
 STOP, PASSED = 0, 1
-# What `follow` takes for one chain after the other, and for LANES of them side by side: the type of
-# these tuples makes a compiled version of its own for each.
+# Argument of `follow` for one chain at a time and for LANES chains side by side; because the tuples
+# have different types, a separate version is compiled for each.
 ALONE, ABREAST = (0,), (0,) * LANES
-# Rows of `chains`, what is given of every bead, and of `passed`, what is found.
+# Rows of `chains`, the parameters of every bead, and of `passed`, the results.
 GIVEN_INVERSE_MASS, GIVEN_STIFFNESS, GIVEN_EXPONENT = 0, 1, 2
 PEAK_VELOCITY, PEAK_TIME, ARRIVAL, PEAK_OVERLAP, RESIDENCE, COLUMNS = range(6)
 
-# Part of the local time scale taken for the first step, and its growth from step to step.
+# First step as a fraction of the local time scale, and growth factor of the steps that follow.
 FIRST_STEP, GRADING = 1e-3, 1.4
-# Before a contact opens, steps are at most this part of the time left to it.
+# Before a contact opens, steps are at most this fraction of the time left until it opens.
 APPROACH = 0.5
-# A contact that opens within this part of a step is released though the next bead is about to pass.
+# A contact that opens within this fraction of a step is released even if an arrival is about to
+# occur.
 SOON = 1e-4
 # Contacts behind the candidate that are watched for opening.
 WATCHED = 4
-# A bead much slower than the candidate is the foot of the pulse, where rounding may look
-# like a maximum.
+# Beads slower than this fraction of the candidate's velocity are at the foot of the pulse, where
+# rounding may look like a maximum.
 FOOT = 1e-6
-# Steps a bead may take to pass: ten times what any taper needs.
+# Maximum number of steps per bead: ten times the number that any taper needs.
 MAX_STEPS = 400
 
-# With so many short functions, counting references took longer than the work, and contraction is
-# 5 % of the time. The second kind is for every step.
+# In these short functions, reference counting would take longer than the computation; contraction
+# saves 5% of the time. The second option is for functions called in every step.
 compiled = njit(**CONTRACTED)
 inlined = njit(forceinline=True, **CONTRACTED)
 approximate = njit(forceinline=True, **(CONTRACTED | {"fastmath": True}))
-# Overlaps that are no larger count as none: their powers would be so small that the processor needs
-# a hundred times as long for them.
+# Overlaps up to this value give no force: with smaller numbers, the processor takes a hundred times
+# as long.
 TINY = 1e-36
 
 
 @approximate
 def inverse_root(d):
-    """1/sqrt(d) to some seven digits, one instruction for many numbers."""
+    """1/sqrt(d) to about seven digits, one instruction for many numbers."""
     return np.float64(np.float32(1.0) / np.sqrt(np.float32(d)))
 
 
 @inlined
 def hertz(overlap, stiffness):
-    """Contact force k d^1.5; none without overlap.
+    """Contact force k d^1.5; zero without overlap.
 
-    The root is corrected by a step of third order, which is faster than the processor's root.
+    The approximate root is improved by one iteration of third order, which is faster than the
+    processor's square root.
     """
     d = overlap if overlap > TINY else 0.0
     y = inverse_root(d + TINY)
@@ -159,7 +159,7 @@ def accelerate(w, size, lanes, positions, accelerations, exponents):
 
 @inlined
 def place(w, size, c, weights):
-    """Trial positions of a stage: after the part c of the step."""
+    """Trial positions of a stage, at the fraction c of the step."""
     for i in range(size):
         push, stage = 0.0, STAGE_0 + i
         for weight in weights:
@@ -206,10 +206,10 @@ def take_step(w, size, lanes, exponents):
 
 @inlined
 def keep_old(w, candidates, lanes):
-    """Copy what the interpolation of events needs of the start of the step.
+    """Copy the values at the start of the step that the interpolation of events needs.
 
-    Motions of the candidate, of the two slots behind it and of the one ahead;
-    accelerations of the candidate and of the slot behind it.
+    These are the positions and velocities of the candidate, of the two slots behind it and of the
+    slot ahead, and the accelerations of the candidate and of the slot behind it.
     """
     for i in range(candidates - 2 * lanes, candidates + 2 * lanes):
         w[OLD_POSITION + i] = w[POSITION + i]
@@ -220,10 +220,10 @@ def keep_old(w, candidates, lanes):
 
 @inlined
 def note_error(w, candidates, lanes):
-    """Largest estimated velocity error of the candidates since they became that.
+    """Update the largest estimated velocity error of each candidate.
 
-    To be called with the step's stages 1..7, the old stage 0 and, in stage 0, the
-    accelerations at the end of the step: the ninth stage.
+    Requires stages 1 to 7 of the step, the old stage 0 and, in stage 0, the accelerations at the
+    end of the step (the ninth stage).
     """
     e0, _, e2, e3, e4, e5, e6, e7, e8 = E_VELOCITY
     for i in range(candidates, candidates + lanes):
@@ -265,7 +265,7 @@ def overlap_jerk(w, i, lanes, positions, velocities, exponents):
 
 @compiled
 def largest_overlap(w, i, lanes, h, exponents):
-    """Overlap of contact i where its beads have equal velocities, and where in the step.
+    """Overlap of contact i when its beads have equal velocities, and the fraction of the step.
 
     Newton's method on the slope of the Hermite polynomial of the overlap.
     """
@@ -287,7 +287,7 @@ def largest_overlap(w, i, lanes, h, exponents):
 
 @compiled
 def velocity_maximum(w, i, lanes, h, exponents):
-    """Largest velocity of slot i within the step, and where: zero of the acceleration."""
+    """Largest velocity of slot i within the step, and its fraction (zero of the acceleration)."""
     a0, a1 = w[OLD_STAGE_0 + i], w[STAGE_0 + i]
     c = hermite(
         h,
@@ -303,10 +303,10 @@ def velocity_maximum(w, i, lanes, h, exponents):
 
 @compiled
 def remaining_push(w, i, lanes, left, exponents):
-    r"""How contact i ends: time left, remaining impulse and its first moment.
+    r"""Time left until contact i opens, its remaining impulse and the first moment of its force.
 
-    The overlap is continued as a cubic in time, from its derivatives now, to its zero
-    :math:`\sigma`.  Written in the time :math:`u = 1 - t/\sigma` left, it is
+    The overlap is extrapolated as a cubic in time, from its present derivatives, to its zero
+    :math:`\sigma`.  As a function of :math:`u = 1 - t/\sigma` it is
     :math:`D u (1 + e_1 u + e_2 u^2)`, and with the expansion
 
     .. math:: (1 + e_1 u + e_2 u^2)^p \approx 1 + q_1 u + q_2 u^2 + q_3 u^3
@@ -336,10 +336,10 @@ def remaining_push(w, i, lanes, left, exponents):
 
 @compiled
 def release(w, i, lanes, left, exponents):
-    """Give the bead ahead of contact i the rest of its push at once, and cut the contact.
+    """Transfer the remaining impulse of contact i to the bead ahead, and remove the contact.
 
-    The bead's position is set back by what it would not yet have moved, so that position
-    and velocity are right once the contact would have opened.  Returns the time left.
+    The position of this bead is corrected so that position and velocity are exact from the time
+    at which the contact would have opened.  Returns the time left until then.
     """
     left, impulse, moment = remaining_push(w, i, lanes, left, exponents)
     ahead = i + lanes
@@ -353,7 +353,7 @@ def release(w, i, lanes, left, exponents):
 
 @inlined
 def time_to_opening(w, i, lanes, horizon):
-    """Time after which contact i opens, by a parabola; ``inf`` if not within the horizon."""
+    """Time until contact i opens, by a parabola; ``inf`` if not within the horizon."""
     k = i + lanes
     d0, d1 = w[POSITION + i] - w[POSITION + k], w[VELOCITY + i] - w[VELOCITY + k]
     square = d1 * d1 - 2.0 * d0 * (w[STAGE_0 + i] - w[STAGE_0 + k])
@@ -364,14 +364,14 @@ def time_to_opening(w, i, lanes, horizon):
 
 @compiled
 def time_to_arrival(w, candidate, lanes):
-    """Time until the candidate is as fast as the bead behind it, by a straight line."""
+    """Time until the candidate is as fast as the bead behind it, by linear extrapolation."""
     closing = w[VELOCITY + candidate - lanes] - w[VELOCITY + candidate]
     return closing / (w[STAGE_0 + candidate] - w[STAGE_0 + candidate - lanes])
 
 
 @compiled
 def handle_openings(w, clock, place, lane, lanes, behind, release_part, given):
-    """Release contacts that are opening, and put back those that have; returns the next step."""
+    """Release contacts that are opening, restore those that close again; returns the next step."""
     target = clock[TARGET_STEP + lane]
     step = target
     for back in range(2, WATCHED + 1):
@@ -383,7 +383,8 @@ def handle_openings(w, clock, place, lane, lanes, behind, release_part, given):
                 w[STIFFNESS + i] = given[0][GIVEN_STIFFNESS, place[FIRST, lane] + bead]
         elif 0.0 < left < release_part * target:
             if back == 2 and clock[ARRIVED + lane] == 0.0 and left > SOON * target:
-                # The push would make the bead too fast, and the arrival late, until it has ended.
+                # Until the contact opens, its impulse would make the bead too fast and the arrival
+                # too late.
                 arrival = time_to_arrival(w, behind * lanes + lane, lanes)
                 if 0.0 < arrival < left:
                     step = min(step, 0.5 * (arrival + left))
@@ -396,7 +397,7 @@ def handle_openings(w, clock, place, lane, lanes, behind, release_part, given):
 
 @compiled
 def load_slot(w, i, given, place, lane, bead):
-    """Put a bead at rest into a slot; beyond the ends of the chain, nothing at all."""
+    """Load a bead at rest into a slot; beyond the ends of the chain, leave the slot empty."""
     chains, exponents = given[0], given[3]
     inside = 0 <= bead < place[BEADS, lane]
     at = place[FIRST, lane] + bead
@@ -412,7 +413,7 @@ def load_slot(w, i, given, place, lane, bead):
 
 @compiled
 def load_chain(scratch, lane, lanes, window, given, chain):
-    """Begin a chain in a lane: bead 1 struck, bead 2 the candidate."""
+    """Begin a chain in a lane; bead 1 is struck, bead 2 is the candidate."""
     w, clock, place = scratch
     slots, behind, step_part, _ = window
     _, first, beads, exponents = given
@@ -424,7 +425,7 @@ def load_chain(scratch, lane, lanes, window, given, chain):
         load_slot(w, s * lanes + lane, given, place, lane, s - behind + 1)
     striker = (behind - 1) * lanes + lane
     w[VELOCITY + striker] = 1.0
-    # Compression time of the first two beads, as if they were alone.
+    # Compression time of the first two beads if they were isolated.
     reduced = 1.0 / (w[INVERSE_MASS + striker] + w[INVERSE_MASS + striker + lanes])
     p = 1.5 if exponents is None else w[EXPONENT + striker]
     largest = (0.5 * (p + 1.0) * reduced / w[STIFFNESS + striker]) ** (1.0 / (p + 1.0))
@@ -438,7 +439,7 @@ def load_chain(scratch, lane, lanes, window, given, chain):
 
 @compiled
 def clear_lane(scratch, lane, lanes, window, given):
-    """Leave a lane with nothing in it."""
+    """Empty a lane."""
     w, clock, place = scratch
     place[CHAIN, lane] = -1
     place[BEADS, lane] = 0
@@ -452,7 +453,7 @@ def clear_lane(scratch, lane, lanes, window, given):
 
 @compiled
 def shift_window(w, clock, place, lane, lanes, slots, behind, given):
-    """Move the window by one bead: each slot takes over from the next, the last is loaded."""
+    """Move the window by one bead: each slot is copied from the next, the last is loaded."""
     last = (slots - 1) * lanes + lane
     exponents = given[3]
     for i in range(lane, last, lanes):
@@ -473,7 +474,7 @@ def shift_window(w, clock, place, lane, lanes, slots, behind, given):
 
 @compiled
 def window_status(w, clock, lane, lanes, slots, candidate, limits, exponents):
-    """Whether the window still holds what matters, looked at before it is moved."""
+    """Check the cut-off forces and the error estimate before the window is moved."""
     rear_limit, front_limit, error_limit = limits
     speed = w[VELOCITY + candidate]
     largest = clock[MAX_FORCE + lane]
@@ -491,7 +492,7 @@ def window_status(w, clock, lane, lanes, slots, candidate, limits, exponents):
 
 @inlined
 def opening_step(w, i, lanes, release_part, target):
-    """The step that contact i allows, negative if it must be released or put back first."""
+    """The step that contact i allows, negative if it must be released or restored first."""
     left = time_to_opening(w, i, lanes, 4.0 * target)
     cut = w[STIFFNESS + i] == 0.0
     returned = cut & (w[POSITION + i] <= w[POSITION + i + lanes])
@@ -502,11 +503,11 @@ def opening_step(w, i, lanes, release_part, target):
 
 @inlined
 def choose_steps(watched, lanes, release_part):
-    """The next step of every lane, and whether something may have happened in it.
+    """Choose the next step of every lane; determine whether an event may have occurred in the last.
 
-    Most often nothing has, and all lanes are done with the same instructions: for that,
-    ``watched`` is the window from the last contact that is watched on, with the candidate in a
-    slot that the compiler knows, and the clock at a distance that it knows.
+    In most steps there is no event, and all lanes are processed with the same instructions.  For
+    this purpose ``watched`` begins at the last watched contact, so that the slot of the candidate
+    and the offset of the clock are compile-time constants.
     """
     for lane in range(lanes):
         candidate = WATCHED * lanes + lane
@@ -530,7 +531,7 @@ def choose_steps(watched, lanes, release_part):
 
 @compiled
 def out_of_order(w, candidate, lanes, arrived):
-    """Whether a velocity maximum comes before its turn, at the candidate or ahead of it."""
+    """Whether a velocity maximum occurs too early, at the candidate or ahead of it."""
     if not arrived and w[STAGE_0 + candidate] < 0.0:
         return True
     foot = FOOT * w[VELOCITY + candidate]
@@ -542,7 +543,7 @@ def out_of_order(w, candidate, lanes, arrived):
 
 @compiled
 def record_arrival(w, clock, lane, candidate, lanes, at, step_part, passed, exponents):
-    """Record the largest overlap behind the candidate; time is counted from there."""
+    """Record the largest overlap behind the candidate, and count time from there."""
     contact = candidate - lanes
     h = clock[OLD_STEP + lane]
     overlap, part = largest_overlap(w, contact, lanes, h, exponents)
@@ -559,9 +560,9 @@ def record_arrival(w, clock, lane, candidate, lanes, at, step_part, passed, expo
 
 @compiled
 def record_events(scratch, lane, lanes, window, limits, given, passed):
-    """Record what happened in the last step, and move the window if the candidate has peaked.
+    """Record the events of the last step, and move the window if the candidate has peaked.
 
-    Returns WAITING while the chain goes on, otherwise what became of it.
+    Returns WAITING while the chain continues, otherwise its status code.
     """
     w, clock, place = scratch
     slots, behind, step_part, release_part = window
@@ -604,7 +605,7 @@ def record_events(scratch, lane, lanes, window, limits, given, passed):
 
 @compiled
 def attend(scratch, lane, lanes, window, limits, given, passed):
-    """Record the events of a lane and choose its next step; returns what became of its chain."""
+    """Record the events of a lane and choose its next step; returns the status of its chain."""
     w, clock, place = scratch
     code = record_events(scratch, lane, lanes, window, limits, given, passed)
     if code != WAITING:
@@ -630,7 +631,7 @@ def begin_steps(w, clock, slots, lanes):
 
 @compiled
 def next_chain(scratch, lane, lanes, window, given, waiting, chains):
-    """Fill a lane with the next waiting chain, if there is one; returns how many were begun."""
+    """Fill a lane with the next waiting chain, if there is one; returns the number begun."""
     if waiting == chains:
         clear_lane(scratch, lane, lanes, window, given)
         return 0
@@ -647,21 +648,21 @@ def follow(abreast, window, limits, given, passed, status, signal, scratch):
     Parameters
     ----------
     abreast : ALONE or ABREAST
-    window : (slots, slots behind the candidate, at least WATCHED, step in parts of the time the
-        pulse takes per bead, time before the opening of a contact at which it is released in
-        parts of such a step)
-    limits : (force cut off at the rear, at the front, both in parts of the largest force;
-        estimated error of a step in parts of the velocity), above which the chain is given up
+    window : (slots; slots behind the candidate, at least WATCHED; step as a fraction of the time
+        that the pulse takes per bead; time before the opening of a contact at which it is released,
+        as a fraction of such a step)
+    limits : (force cut off at the rear, at the front, both as fractions of the largest force;
+        estimated error of a step as a fraction of the velocity), above which the chain is rejected
     given : (chains, first, beads, exponents): (3, M) inverse masses, stiffness and exponents of all
         beads of all chains, where the contact after the last bead of a chain has stiffness 0;
-        where each of the C chains begins among the M beads; how many it has; `None` if all
-        exponents are 3/2, otherwise anything else
+        index among the M beads at which each of the C chains begins; its number of beads; `None`
+        if all exponents are 3/2, otherwise any other value
     passed : (COLUMNS, M) first maximum of each bead's velocity and its time, arrival time,
         largest overlap with the next bead, and residence time; the striker's velocity and times
-        are left alone
-    status : (C,) what became of each chain
+        are not changed
+    status : (C,) status code of each chain
     signal : (2,) set entry STOP to end early; entry PASSED counts beads
-    scratch : what `scratch_of` gives
+    scratch : result of `scratch_of`
 
     Returns
     -------
@@ -707,8 +708,8 @@ def follow(abreast, window, limits, given, passed, status, signal, scratch):
 
 
 def scratch_of(abreast: tuple[int, ...]) -> tuple[Any, Any]:
-    """The window and what each lane knows, for `follow`."""
-    # Rows begin with a line of the processor's cache: reads across two lines cost a tenth.
+    """The window and the scalars of each lane, for `follow`."""
+    # Rows are aligned to the lines of the processor's cache: unaligned reads take a tenth longer.
     line = 64
     w = np.zeros(END + line // 8)
     w = w[-w.ctypes.data % line // 8 :][:END]

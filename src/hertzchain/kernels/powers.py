@@ -5,12 +5,12 @@ With :math:`x = 2^e m`, where e and m follow from the bits of x,
 .. math:: x^a = 2^n\, 2^{a e + a \log_2 m - n}, \qquad
           \log_2 m = \frac{2}{\ln 2}\,\mathrm{artanh}\,\frac{m - 1}{m + 1} ,
 
-where n is the whole number next to the exponent; both functions are evaluated by their series.  The
-relative error is a few :math:`10^{-16}`, and the loops have no branch, so that the compiler can
-vectorise them.
+where n is the integer closest to the exponent; both functions are evaluated by their series.  The
+relative error is a few :math:`10^{-16}`, and the loops are free of branches, so that the compiler
+can vectorise them.
 
-`power` is the same function for one number at a time, to be called in such loops; its error of
-1e-14 is below that of the pulse, and it takes half of the time.
+`power` is the same function of one number, to be called in such loops; its error of 1e-14 is less
+than that of the pulse, and it takes half the time.
 """
 
 from __future__ import annotations
@@ -34,17 +34,17 @@ ROOT_2 = math.sqrt(2.0)
 # Series of log2 m in odd powers of (m - 1)/(m + 1), and of 2^r in powers of r.
 LOGARITHM = tuple(2.0 / ((2 * i + 1) * math.log(2.0)) for i in range(12))
 EXPONENTIAL = tuple(math.log(2.0) ** i / math.factorial(i) for i in range(14))
-# A number that pushes the digits of a smaller one behind the point out of a float64; the same with
-# nothing but an exponent of 52.
+# Adding the first number to a smaller one rounds it to an integer; the second one has the bits of
+# 2^52, whose mantissa is 0.
 ROUNDING, INTEGER = 1.5 * 2.0**52, 0x4330000000000000
-# Smallest and largest exponent of a power of two that all digits are kept of.
+# Smallest and largest exponent of a power of two with full precision.
 MIN_EXPONENT, MAX_EXPONENT = -1021.0, 1023.0
-# The bits of a number next to the root of 2, from which on the next power of 2 is the nearer one.
+# Bits of the root of 1/2; mantissas are reduced to the interval from there to the root of 2.
 ROOT_BITS = 0x3FE6A09E667F3BCD
 
 
 def _fitted(function: Any, degree: int, low: float, high: float) -> tuple[float, ...]:
-    """Coefficients of the polynomial through a function's values at Chebyshev's points."""
+    """Coefficients of the polynomial through a function's values at the Chebyshev points."""
     fit = np.polynomial.Chebyshev.interpolate(function, degree, [low, high])
     return tuple(fit.convert(kind=np.polynomial.Polynomial).coef.tolist())
 
@@ -63,7 +63,7 @@ inlined = njit(forceinline=True, **CONTRACTED)
 
 @intrinsic
 def _bits_of(_context, _number):
-    """The bits of a float64 as an integer: unlike a view, no obstacle to vector instructions."""
+    """Bits of a float64 as an integer; unlike a view, this allows vector instructions."""
 
     def generate(_context: Any, builder: Any, _signature: Any, args: Any) -> Any:
         return builder.bitcast(args[0], ir.IntType(64))
@@ -73,7 +73,7 @@ def _bits_of(_context, _number):
 
 @intrinsic
 def _number_of(_context, _bits):
-    """The float64 of these bits."""
+    """The float64 with these bits."""
 
     def generate(_context: Any, builder: Any, _signature: Any, args: Any) -> Any:
         return builder.bitcast(args[0], ir.DoubleType())
@@ -91,7 +91,7 @@ def power(base, exponent):
     """base^exponent to 1e-14, at most 9e307; 0 unless the base is larger than 1e-300."""
     positive = base > SMALLEST
     bits = bits_of(base if positive else 1.0)
-    # Between the roots of 1/2 and 2, and the rest of the exponent as a number.
+    # Mantissa between the roots of 1/2 and 2, and the remaining exponent as a float.
     whole = (bits - ROOT_BITS) >> SHIFT
     m = number_of(bits - (whole << SHIFT))
     e = number_of((whole + BIAS) | INTEGER) - number_of(INTEGER | BIAS)
@@ -121,7 +121,7 @@ def powers(base, exponent, out, scratch):
     for i in range(len(base)):
         written[i] = (bits[i] & MANTISSA) | ONE
         exponents[i] = (bits[i] >> SHIFT) - BIAS
-    # The product of the upper half of the exponent and a whole number is exact.
+    # The product of the upper half of the exponent and an integer is exact.
     upper = np.float64(np.float32(exponent))
     lower = exponent - upper
     for i in range(len(base)):

@@ -1,4 +1,4 @@
-"""One step of RKN8(6) and its error, of several chains side by side.
+"""One step of RKN8(6) and its error, for several chains side by side.
 
 The layout is that of `hertzchain.kernels.elastic_layout`, the method that of
 `hertzchain.kernels.rkn8`.
@@ -65,9 +65,10 @@ inlined = njit(forceinline=True, **CONTRACTED)
 summing = njit(forceinline=True, **(CONTRACTED | {"fastmath": True}))
 
 STAGES = 9
-# Steps: safety, and the bounds of the change of their length.
+# Safety factor, and bounds of the change of the step.
 SAFETY, SHRINKAGE, GROWTH = 0.85, 0.1, 4.0
-# Speeds below this part of the fastest bead in contact are not resolved; smallest scale.
+# Speeds below this fraction of that of the fastest bead in contact are not resolved; smallest
+# scale.
 SLOW, SMALLEST = 1e-4, 1e-290
 # Speeds are those of the fastest bead within this distance.
 NEIGHBOURS = 3
@@ -90,7 +91,7 @@ def place(w, size, c, weights):
 
 @inlined
 def keep(w, places, pushes, stage):
-    """Keep the forces of the gauges at a stage: means of two contacts."""
+    """Store the forces of the gauges, which are means of two contacts, at a stage."""
     for g in range(len(places)):
         a, b = FORCE + places[g, 0] * LANES, FORCE + places[g, 1] * LANES
         for lane in range(LANES):
@@ -159,10 +160,10 @@ def total(w, at, size):
 
 @inlined
 def estimate(w, beads, rtol, lane):
-    """Largest error of each lane, in speeds nearby; marks beads and contacts with an event.
+    """Largest error of each lane, in units of speeds nearby; marks beads and contacts with events.
 
-    Returns how many are marked: 1 for a bead that is pushed no longer, 2 for a contact of two
-    beads that closes no longer.
+    Returns the sum of the marks: 1 for a bead whose push has ended, 2 for a contact that has
+    stopped closing.
     """
     size = beads * LANES
     for i in range(size):

@@ -1,4 +1,4 @@
-"""A step of either kind, explicit or implicit, its error, and what lies between its ends."""
+"""Explicit or implicit steps, their errors and interpolants."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from .implicit import (
 from .radau import IMPLICIT_STAGES
 from .stiff_law import force_within
 
-# How a step's length follows from its error: the power, and bounds of the change.
+# Choice of the next step from the error: exponents, and bounds of the change.
 EXPLICIT_ORDER, IMPLICIT_ORDER = -0.125, -1.0 / 6.0
 SAFETY, SHRINKAGE, GROWTH = 0.9, 0.2, 10.0
 
@@ -38,7 +38,7 @@ def is_implicit(setup, contacts):
 
 @compiled
 def begin(time, y, h, setup, contacts, segment, rtol, stages, work, scale):
-    """The derivative that the next step begins with."""
+    """Compute the derivative at the start of the next step."""
     if contacts is not None and setup.law.implicit:
         speeds = work[3, len(scale) : 2 * len(scale)]
         settle(
@@ -53,7 +53,7 @@ def begin(time, y, h, setup, contacts, segment, rtol, stages, work, scale):
 
 @compiled
 def take_step(time, y, h, setup, contacts, segment, rtol, stages, trial, y_new, work, scale):
-    """One step; its error in tolerances (not a number if there is none), and evaluations."""
+    """Take one step; returns its error in tolerances (NaN if it failed) and evaluations."""
     speeds = work[3, len(scale) : 2 * len(scale)]
     if contacts is None:
         try_step(time, y, h, setup, contacts, segment, stages, trial, y_new)
@@ -74,7 +74,7 @@ def take_step(time, y, h, setup, contacts, segment, rtol, stages, trial, y_new, 
 
 @compiled
 def change_of_step(error, implicit):
-    """What the length of the next step is to be multiplied by."""
+    """Factor from the length of this step to that of the next."""
     if error == 0.0:
         return GROWTH
     order = IMPLICIT_ORDER if implicit else EXPLICIT_ORDER
@@ -83,7 +83,7 @@ def change_of_step(error, implicit):
 
 @compiled
 def interpolate(time, y, h, y_new, setup, contacts, segment, stages, dense, trial):
-    """Coefficients of the interpolant of a step; returns evaluations."""
+    """Compute the coefficients of the interpolant of a step; returns evaluations."""
     if contacts is not None and setup.law.implicit:
         implicit_coefficients(h, stages, dense)
         return 0
@@ -94,7 +94,7 @@ def interpolate(time, y, h, y_new, setup, contacts, segment, stages, dense, tria
 
 @compiled
 def forces_within(theta, time, h, state, setup, contacts, segment, scratch):
-    """Write the contact forces at the fraction theta of a step, where the state is as given."""
+    """Compute the contact forces at the fraction theta of a step, from the state there."""
     if setup.law.implicit:
         for c in range(len(contacts.force)):
             contacts.force[c] = force_within(c, theta, contacts.implicit)

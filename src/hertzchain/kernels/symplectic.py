@@ -4,14 +4,14 @@ A step alternates kicks and drifts,
 
 .. math:: v \to v + c_s h\, a(x + g_s h^2 a(x)), \qquad x \to x + d_s h\, v ,
 
-with the numbers of a `Splitting`, one method after the other in `SPLITTINGS`.  All of them conserve
-phase-space volume; the energy of the kicks without :math:`g_s` only oscillates as long as contacts
-stay closed.  A kick with :math:`g_s \ne 0` uses the gradient of the force, to first order in
-:math:`g_s h^2`: from a power-law force, its slope follows without a further root
-(Chin, Phys. Lett. A 226, 344, 1997).
+with the coefficients of a `Splitting`; `SPLITTINGS` has the available methods.  They conserve
+phase-space volume.  With :math:`g_s = 0` in every kick, the energy error only oscillates as long as
+contacts stay closed.  A kick with :math:`g_s \ne 0` uses the gradient of the force, to first order
+in :math:`g_s h^2` (Chin, Phys. Lett. A 226, 344, 1997); the slope of a power-law force follows from
+the force without a further root.
 
-`take_steps` is the only function that depends on the method; `advance` is to these steps what
-`hertzchain.kernels.full_chain.advance` is to those of DOP853, and records the same events.
+`take_steps` is the only function that depends on the method; `advance` corresponds to
+`hertzchain.kernels.full_chain.advance` for DOP853 and records the same events.
 """
 
 from __future__ import annotations
@@ -64,7 +64,7 @@ SPLITTINGS = {
     ),
 }
 
-# Steps between two looks at energy and momentum.
+# Steps between two evaluations of energy and momentum.
 CHECK = 32
 # Smaller overlaps exert no force: powers of them would be slow to compute.
 TINY = 1e-40
@@ -74,7 +74,7 @@ contracted = njit(**CONTRACTED)
 
 
 class Springs(NamedTuple):
-    """The beads and contacts of a chain, walls included, as the steps take them."""
+    """Beads and contacts of a chain, walls included, in the form that the steps use."""
 
     inverse_mass: Any  # (N,)
     stiffness: Any  # (N + 1,); 0 where there is no wall
@@ -125,7 +125,7 @@ def find_slopes(x, stiffness, closed_by, exponents, same, f, slopes, rows):
 
 @contracted
 def other_forces(x, stiffness, closed_by, exponents, same, f, slopes, rows):
-    """Forces of contacts of any exponents, and their slopes unless these are the same array."""
+    """Forces of contacts with any exponents; also their slopes if ``slopes`` is not ``f``."""
     overlap, power, scratch = rows[0], rows[1], rows[2:]
     for c in range(len(f)):
         d = closed_by[c] + (x[c] - x[c + 1])
@@ -164,7 +164,7 @@ def kick_twice_and_drift(x, v, f, inverse_mass, outside, kick, next_kick, drift)
     """The last kick of a step, the first one of the next, and the drift after it."""
     for i in range(len(v)):
         a = (f[i] - f[i + 1]) * inverse_mass[i] + outside[i]
-        # Not one kick by the sum, so that no digit depends on where a run stops.
+        # Two kicks instead of one by the sum, so that no digit depends on where a run stops.
         w = v[i] + kick * a
         w = w + next_kick * a
         v[i] = w
@@ -175,7 +175,7 @@ def kick_twice_and_drift(x, v, f, inverse_mass, outside, kick, next_kick, drift)
 def take_steps(
     number, h, time, y, kicks, drifts, gradients, springs, rows, ends, walls, passed
 ):  # fmt: skip
-    """Take steps of the method; forces are those at the positions, before and after."""
+    """Take steps of the method; on entry and return, forces are those at the positions."""
     x, v, f, slopes, pulls = rows.positions, rows.velocities, rows.forces, rows.slopes, rows.pulls
     im, outside, stiffness = springs.inverse_mass, springs.outside, springs.stiffness
     closed_by, exponents, same = springs.closed_by, springs.exponents, springs.same
@@ -232,7 +232,7 @@ def accelerations_of(springs, rows, out):
 
 @compiled
 def synchronise(springs, rows, y, accelerations):
-    """Write positions, velocities and accelerations of the beads."""
+    """Copy positions, velocities and accelerations of the beads to the state."""
     beads = len(rows.velocities)
     copy(rows.positions[1 : beads + 1], y[:beads])
     copy(rows.velocities, y[beads : 2 * beads])
@@ -242,7 +242,7 @@ def synchronise(springs, rows, y, accelerations):
 
 @compiled
 def steps_before(stop, time, h, most):
-    """How many whole steps end before a time, at most."""
+    """Number of whole steps that end before a time, but not more than ``most``."""
     number = 0
     while number < most and time + h < stop:
         time += h

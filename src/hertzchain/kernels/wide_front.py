@@ -1,9 +1,9 @@
-r"""Following the front through anything: a wide window whose every contact opens and closes.
+r"""Integration of the front in heterogeneous chains, with a wide window.
 
-Between unequal beads a pulse is scattered.  Light beads rattle between heavy ones, contacts open
-and close all the time, beads reach their maxima out of order, and what is left behind catches up
-again.  So nothing is assumed here about the order of events; the window is wide, and each of its
-beads is watched for its own first maximum and each contact for its own largest overlap::
+Unequal beads scatter a pulse.  Light beads bounce between heavy ones, contacts open and close
+repeatedly, beads reach their maxima out of order, and beads left behind catch up again.  Therefore
+nothing is assumed about the order of events; the window is wide, and the first maximum of each bead
+and the largest overlap of each contact are located independently::
 
       dropped                    the window                     not yet reached
       . . o o | o  o  o  o  o  o  O  o  o  o  o  o  o  o  o | o o . . .
@@ -11,17 +11,18 @@ beads is watched for its own first maximum and each contact for its own largest 
                 rear: ``behind``  |    taken in as they are reached: front
                                   first bead that has not passed all its events
 
-One chain is followed at a time, and the loops without branches over the slots of the window let
-the compiler work on several *slots* with one instruction.  All numbers are in one array ``w``, in
-*rows* with constant offsets; in a row, slot ``s`` is entry ``s``, and contact ``s`` joins slots
+One chain is followed at a time, and the loops without branches over the slots of the window allow
+the compiler to process several *slots* with one instruction.  All numbers are in one array ``w``,
+in *rows* with constant offsets; in a row, slot ``s`` is entry ``s``, and contact ``s`` joins slots
 ``s`` and ``s + 1``.
 
-The method is RKN8(6)9FM (`hertzchain.kernels.rkn8`), its steps are chosen by its error estimate.
-A contact that opens or closes within a step costs it its order: the force begins or ends like a
-power p of time, and the error is :math:`O(h^{p+1})`.  No closed form repairs that where several
-contacts of a bead come and go together, so steps are made to end where the next contact opens or
-closes, and the estimate sees to the rest.  What is left behind matters less for the pulse the
-further back it is: the error tolerated grows from bead to bead (`grade`).
+The method is RKN8(6)9FM (`hertzchain.kernels.rkn8`); its error estimate determines the steps.  If a
+contact opens or closes within a step, the method loses its order, because the force begins or ends
+like a power p of time: the error is :math:`O(h^{p+1})`.  When several contacts of a bead open and
+close together, there is no closed form for the end of the push.  Instead, steps end where the next
+contact is predicted to open or close, and the error estimate accounts for the remaining error.  The
+further a bead is behind, the less it affects the pulse; the tolerated error therefore grows from
+bead to bead (`grade`).
 """
 
 from __future__ import annotations
@@ -56,7 +57,8 @@ from .rkn8 import (
 )
 
 SLOTS = 256
-# Entries for what looks beyond the ends of a row; rows begin with a line of the processor's cache.
+# Entries before and after a row, for reads beyond its ends; rows are aligned to the lines of the
+# processor's cache.
 MARGIN = 8
 ROW = SLOTS + 2 * MARGIN
 (
@@ -65,43 +67,43 @@ ROW = SLOTS + 2 * MARGIN
     STAGE_0, STAGE_1, STAGE_2, STAGE_3, STAGE_4, STAGE_5, STAGE_6, STAGE_7, STAGE_8, END,
 ) = range(MARGIN, MARGIN + 22 * ROW, ROW)  # fmt: skip
 
-# What is known besides the window: times of the chain, since the last crossing and of the next
-# step; velocity of a bead and force of a contact at the last crossing.
+# Scalars of the chain: time, time since the last crossing, next step; velocity of the bead and
+# force of the contact at the last crossing.
 TIME, SINCE_CROSSING, STEP, CREST, MAX_FORCE, CLOCK_SIZE = range(6)
-# The chain's first entry in `given` and its beads; bead in slot 0, slots in use, first bead that
-# still waits for an event, contact that crossed last.
+# The chain's first entry in `given` and its number of beads; bead in slot 0, slots in use, first
+# bead that still waits for an event, contact of the last crossing.
 FIRST, BEADS, LOW, SIZE, WAITING, LAST_CROSSING, PLACE_SIZE = range(7)
 
-# What becomes of a chain.
+# Status codes of a chain.
 RUNNING, FOLLOWED, WINDOW_FULL, STALLED, BROKEN, STOPPED = range(6)
-# Entries of `signal`, through which other threads stop the kernel and watch it.
+# Entries of `signal`, through which other threads stop the kernel and monitor its progress.
 STOP, PASSED = 0, 1
-# Rows of `given`, of every bead, and of `passed`, what is found; 0 = not yet.
+# Rows of `given`, the parameters of every bead, and of `passed`, the results; 0 = not yet.
 GIVEN_INVERSE_MASS, GIVEN_STIFFNESS, GIVEN_EXPONENT = 0, 1, 2
 PEAK_VELOCITY, PEAK_TIME, ARRIVAL, PEAK_OVERLAP, RESIDENCE, COLUMNS = range(6)
 
-# Part of the local time scale taken for the first step.
+# First step, as a fraction of the local time scale.
 FIRST_STEP = 1e-3
-# Most that a step grows or shrinks by; safety of its choice.
+# Bounds of the change of a step, and safety factor of its choice.
 GROWTH, SHRINKAGE, SAFETY = 4.0, 0.1, 0.9
 # Beads behind `waiting` from which on the tolerated error grows from bead to bead.
 UNGRADED = 4
-# Contacts behind `waiting` at whose openings and closings a step ends, if that is no less than
-# this part of it.
+# Number of contacts behind `waiting` whose openings and closings end a step, and shortest such step
+# as a fraction of the one chosen.
 LANDING, MIN_PART = 12, 0.02
-# Beads are taken in while the force on the last ones is more than this part of the largest.
+# Beads are added while the force on the last ones exceeds this fraction of the largest.
 REACHED_FORCE = 1e-15
-# A bead slower than this part of those around it has not been reached: rounding ahead of the
-# pulse could look like a maximum.
+# The pulse has not reached a bead that is slower than this fraction of the speeds around it;
+# rounding ahead of the pulse could look like a maximum.
 REACHED = 1e-11
-# Floor of the speeds that errors are measured in, as a part of the crest's.
+# Lower bound of the speeds that scale the errors, as a fraction of the crest's velocity.
 AT_REST = 1e-9
-# Slots the window moves by, or grows by, at a time.
+# Number of slots by which the window moves or grows.
 STRIDE = 4
 # Parts of a step that are searched for the first event (a light bead may turn twice in one), and
 # bisections of such a part: to 1e-12 of a step.
 PARTS, BISECTIONS = 8, 36
-# Steps per bead after which a chain is given up: ten times what random radii need.
+# Maximum number of steps per bead: ten times the number that random radii need.
 MAX_STEPS = 1000
 MIN_STEP, MIN_CREST, ENDLESS = 1e-280, 1e-280, 1e300
 
@@ -130,7 +132,8 @@ def force_rate(w, i, overlap, closing):
 def press(w, size, exponent):
     """Forces of all contacts at the trial positions.
 
-    ``exponent`` is 1.5 or 2 if all contacts have it, which need no power, otherwise anything else.
+    If all contacts have ``exponent`` 1.5 or 2, no powers are computed; any other value selects
+    their own exponents.
     """
     if exponent == 1.5:
         for i in range(size):
@@ -170,7 +173,7 @@ def weighted(w, i, weights):
 
 @inlined
 def place(w, size, h, c, weights):
-    """Trial positions of a stage: after the part c of the step."""
+    """Trial positions of a stage, at the fraction c of the step."""
     for i in range(size):
         push = weighted(w, i, weights)
         w[TRIAL + i] = w[POSITION + i] + h * (c * w[VELOCITY + i] + h * push)
@@ -211,7 +214,7 @@ def spread(w, size, speeds, wider):
 
 @compiled
 def measure(w, size, crest):
-    """The speeds in which errors are measured: the largest within three beads, graded."""
+    """Compute the speeds that scale the errors: the largest within three beads, graded."""
     for i in range(size):
         w[SPEED + i] = abs(w[VELOCITY + i]) + AT_REST * crest
     spread(w, size, SPEED, SCALE)
@@ -223,7 +226,7 @@ def measure(w, size, crest):
 
 @compiled
 def grade(w, size, waiting, grading):
-    """How much more error is tolerated of the slots behind the waiting one."""
+    """Compute the factors by which the tolerated error grows behind the waiting slot."""
     tolerated = 1.0
     for i in range(size - 1, -1, -1):
         if i < waiting - UNGRADED:
@@ -233,7 +236,7 @@ def grade(w, size, waiting, grading):
 
 @compiled
 def error_of_step(w, size, h):
-    """Largest estimated error of the velocities, in their scales; what is no number is kept."""
+    """Largest estimated error of the velocities, in units of their scales; NaN is kept."""
     for i in range(size):
         w[ERROR + i] = abs(h * weighted(w, i, E_VELOCITY)) / w[SCALE + i]
     worst = 0.0
@@ -268,7 +271,7 @@ def motion(w, i, h):
 
 @compiled
 def net_force(w, i, motions, s):
-    """Net force on slot i, from where it and its neighbours are within the step."""
+    """Net force on slot i within the step, from the positions of the slot and its neighbours."""
     left, here, right = motions
     x = value(here, s)
     return force(w, i - 1, value(left, s) - x) - force(w, i, x - value(right, s))
@@ -276,7 +279,7 @@ def net_force(w, i, motions, s):
 
 @compiled
 def peak_within(w, i, motions):
-    """Where in the step the net force on slot i first stops being positive; 2 if nowhere."""
+    """Fraction of the step at which the net force on slot i first is not positive; 2 if none."""
     low = 0.0
     for part in range(1, PARTS + 1):
         high = part / PARTS
@@ -292,7 +295,7 @@ def peak_within(w, i, motions):
 
 @compiled
 def crossing_within(motions):
-    """Where in the step a slot is first no faster than the next; 2 if nowhere."""
+    """Fraction of the step at which a slot first is not faster than the next; 2 if none."""
     here, right = motions
     low = 0.0
     for part in range(1, PARTS + 1):
@@ -309,7 +312,7 @@ def crossing_within(motions):
 
 @compiled
 def may_peak(w, i):
-    """Whether some stage finds slot i, pushed at the start of the step, no longer pushed."""
+    """Whether slot i, pushed at the start of the step, is not pushed at some stage."""
     if w[STAGE_0 + i] <= 0.0:
         return False
     for stage in range(STAGE_0, END, ROW):
@@ -336,7 +339,7 @@ def record_peak(w, i, h, time, at, passed):
     part = peak_within(w, i, motions)
     if part > 1.0:
         return
-    # A bead that has left both neighbours flies on at the velocity of the end of the step.
+    # A bead that has left both neighbours keeps the velocity at the end of the step.
     flies = w[STAGE_8 + i] == 0.0 and net_force(w, i, motions, part) == 0.0
     passed[PEAK_VELOCITY, at] = w[NEW_VELOCITY + i] if flies else slope(here, part) / h
     passed[PEAK_TIME, at] = time + part * h
@@ -346,8 +349,8 @@ def record_peak(w, i, h, time, at, passed):
 def record_crossing(w, i, h, clock, place, at, passed):
     """Record the largest overlap of contact i, if it is within the step.
 
-    The residence is counted from the crossing before, since the difference of two times
-    loses its digits where the pulse becomes much faster than it was.
+    The residence time is counted from the previous crossing: a difference of two arrival times
+    would suffer from cancellation where the pulse becomes much faster.
     """
     here, right = motion(w, i, h), motion(w, i + 1, h)
     part = crossing_within((here, right))
@@ -361,7 +364,7 @@ def record_crossing(w, i, h, clock, place, at, passed):
         passed[RESIDENCE, at] = clock[SINCE_CROSSING] + part * h
     place[LAST_CROSSING] = contact
     clock[SINCE_CROSSING] = -part * h
-    # A light bead may have turned round already, or hardly move.
+    # A light bead may already have reversed its direction, or hardly move.
     clock[CREST] = max(abs(w[NEW_VELOCITY + i + 1]), abs(w[NEW_VELOCITY + i + 2]))
     clock[MAX_FORCE] = force(w, i, overlap)
 
@@ -371,7 +374,7 @@ def record_events(w, clock, place, h, passed):
     """Record the first maxima and largest overlaps of the step."""
     low = place[LOW]
     for i in range(place[WAITING] - low, min(place[SIZE], place[BEADS] - low)):
-        # Within the step a bead may turn round.
+        # A bead may reverse its direction within the step.
         before, after = w[VELOCITY + i], w[NEW_VELOCITY + i]
         least = REACHED * w[SCALE + i]
         if not max(abs(before), abs(after)) > least:
@@ -391,7 +394,7 @@ def record_events(w, clock, place, h, passed):
 
 @compiled
 def load_slot(w, place, given, i):
-    """Put the bead of slot i there, at rest; beyond the end of the chain, nothing at all."""
+    """Load the bead of slot i, at rest; beyond the end of the chain, leave the slot empty."""
     bead = place[LOW] + i
     inside = bead < place[BEADS]
     at = place[FIRST] + bead
@@ -404,14 +407,14 @@ def load_slot(w, place, given, i):
 
 @compiled
 def start(w, clock, place, given):
-    """Begin a chain: bead 1 struck, bead 2 waited for."""
+    """Begin a chain; bead 1 is struck, bead 2 is the first that waits for an event."""
     w[:] = 0.0
     clock[:] = 0.0
     place[LOW], place[SIZE], place[WAITING], place[LAST_CROSSING] = 0, 2 * STRIDE, 1, -1
     for i in range(place[SIZE]):
         load_slot(w, place, given, i)
     w[VELOCITY] = 1.0
-    # Compression time of the first two beads, as if they were alone, and their largest force.
+    # Compression time and largest force of the first two beads if they were isolated.
     reduced = 1.0 / (w[INVERSE_MASS] + w[INVERSE_MASS + 1])
     power_of_energy = w[EXPONENT] + 1.0
     overlap = (0.5 * power_of_energy * reduced / w[STIFFNESS]) ** (1.0 / power_of_energy)
@@ -437,7 +440,7 @@ def take_in(w, clock, place, given):
 
 @compiled
 def drop(w, place, exponent, given):
-    """Move the window by STRIDE beads: slots take over from others, the last are loaded."""
+    """Move the window by STRIDE beads: slots are copied from later ones, the last are loaded."""
     size = place[SIZE]
     for i in range(size - STRIDE):
         for row in (POSITION, VELOCITY, STIFFNESS, EXPONENT, INVERSE_MASS):
@@ -452,7 +455,7 @@ def drop(w, place, exponent, given):
 
 @compiled
 def step_to_contact(w, size, waiting, h):
-    """The step, cut where the next contact opens or closes, by a parabola."""
+    """The step, shortened to end where the next contact opens or closes, by a parabola."""
     longest = h
     for i in range(max(waiting - LANDING, 0), size - 1):
         overlap = w[POSITION + i] - w[POSITION + i + 1]
@@ -469,7 +472,7 @@ def step_to_contact(w, size, waiting, h):
 
 @compiled
 def accept(w, size):
-    """Go on from the end of the step."""
+    """Make the end of the step the present state."""
     for i in range(size):
         w[POSITION + i] = w[TRIAL + i]
         w[VELOCITY + i] = w[NEW_VELOCITY + i]
@@ -478,7 +481,7 @@ def accept(w, size):
 
 @compiled
 def advance(scratch, window, exponent, given, passed):
-    """Take one step, or find it too long; returns RUNNING or what became of the chain."""
+    """Try one step and accept or shorten it; returns RUNNING or the final status of the chain."""
     w, clock, place = scratch
     behind, tolerance, grading = window
     size, h = place[SIZE], clock[STEP]
@@ -514,19 +517,19 @@ def follow(window, given, passed, status, work, signal, scratch):
     Parameters
     ----------
     window : (beads kept behind the first one that still waits for an event; tolerated error of a
-        step, in parts of the speeds around each bead; factor by which that grows from bead to
-        bead behind)
+        step, in units of the speeds around each bead; factor by which this error grows from bead
+        to bead behind)
     given : (chains, first, beads, exponents): (3, M) inverse masses, stiffness and exponents of all
         beads of all chains, where the contact after the last bead of a chain has stiffness 0;
-        where each of the C chains begins among the M beads; how many it has; the exponent of its
-        contacts if they have one, otherwise NaN
-    passed : (COLUMNS, M) zeros, to become what `hertzchain.kernels.narrow_front.follow` gives,
-        except the residences of contacts that do not follow the one before: those stay 0
-    status : (C,) what became of each chain
-    work : (C,) what is left to each chain of the slots stepped, counted down; without any the
-        chain is given up
+        index among the M beads at which each of the C chains begins; its number of beads; the
+        exponent of its contacts if they share one, otherwise NaN
+    passed : (COLUMNS, M) zeros, filled as by `hertzchain.kernels.narrow_front.follow`, except that
+        the residence time is 0 for a contact that does not cross right after the one before it
+    status : (C,) status code of each chain
+    work : (C,) number of slots times steps left to each chain, counted down to 0; the chain is then
+        rejected
     signal : (2,) set entry STOP to end early; entry PASSED counts beads
-    scratch : what `new_scratch` gives
+    scratch : result of `new_scratch`
     """
     chains, first, beads, exponents = given
     w, clock, place = scratch
@@ -551,7 +554,7 @@ def follow(window, given, passed, status, work, signal, scratch):
 
 
 def new_scratch() -> tuple[Any, Any, Any]:
-    """The window and what is known beside it."""
+    """The window and the scalars of a chain, for `follow`."""
     line = 64
     w = np.zeros(END + line // 8)
     w = w[-w.ctypes.data % line // 8 :][:END]

@@ -198,7 +198,7 @@ def plot_correlations(result: FitResult) -> Figure:
 
 
 def plot_comparison(comparison: TraceComparison) -> Figure:
-    """Plot data over simulation, one panel per sensor.
+    """Plot data and simulation, one panel per sensor.
 
     Parameters
     ----------

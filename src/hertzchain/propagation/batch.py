@@ -34,8 +34,8 @@ class Batch:
     Attributes
     ----------
     masses, stiffness, exponents : ndarray, shape (M,)
-        Masses of all beads, stiffness and exponents of the contacts ahead of them; the last of
-        each chain has stiffness 0 and the exponent of the one before.
+        Masses of all beads, stiffness and exponents of the contacts ahead of them; the entry of
+        the last bead of each chain has stiffness 0 and the exponent of the previous contact.
     first, beads : ndarray, shape (C,)
         Index of the first bead and number of beads of each chain.
     units : ndarray, shape (C, 3), or None
@@ -79,7 +79,7 @@ class Batch:
         return np.where(same, least, np.nan)
 
     def chain(self, index: int) -> Chain:
-        """One of the chains, as a scaled `Chain` of which only the radii are not its own."""
+        """One of the chains, as a scaled `Chain` with its masses and stiffness but radii of 1."""
         start = self.first[index]
         end = start + self.beads[index]
         p = self.exponents[start : end - 1]
@@ -129,7 +129,7 @@ def difference(found: Array, other: Array, first: Indices) -> Array:
 def _units(chain: Chain) -> tuple[float, float, float]:
     """Units of length, mass and velocity in which a chain is integrated.
 
-    Those of a scaled chain are kept, except for the velocity, so that its numbers are not rounded.
+    For a scaled chain, only the unit of velocity is changed, so that its values are not rounded.
     """
     speed = float(chain.velocities[0])
     if chain.scaled:
@@ -141,7 +141,7 @@ def _units(chain: Chain) -> tuple[float, float, float]:
 
 
 def _in_units(chain: Chain, length: float, mass: float, speed: float) -> tuple[Array, Array, Array]:
-    """Masses, stiffness and exponents of a chain, the last two with an entry after the end."""
+    """Masses, stiffness and exponents of a chain, the last two with an entry for the last bead."""
     exponents, stiffness = np.empty(chain.beads), np.zeros(chain.beads)
     exponents[:-1] = chain.exponents
     exponents[-1] = exponents[-2]

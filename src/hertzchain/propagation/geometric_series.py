@@ -1,19 +1,19 @@
-r"""Continue the pulse of a long uniform or exponential chain as geometric series.
+r"""Continue the pulse of a long uniform or exponential chain by geometric series.
 
-Where the masses and the stiffness of a chain grow by the same factors :math:`\mu` and
-:math:`\kappa` from bead to bead, the pulse soon repeats itself on each bead with other units:
-its velocities grow by a factor :math:`\rho`, overlaps and times by those of
-:math:`(m v^2/k)^{1/(p+1)}` and of that over v,
+If the masses and the stiffness of a chain grow by constant factors :math:`\mu` and :math:`\kappa`
+from bead to bead, the pulse converges to a solution that is the same at each bead except for its
+units.  The velocity grows by a factor :math:`\rho` per bead, the overlap :math:`d` like
+:math:`(m v^2/k)^{1/(p+1)}` and times :math:`T` like :math:`d/v`,
 
 .. math::
 
     \frac{d_{k+1}}{d_k} = \left(\frac{\mu \rho^2}{\kappa}\right)^{1/(p+1)}, \qquad
     \frac{T_{k+1}}{T_k} = \frac{1}{\rho} \frac{d_{k+1}}{d_k} .
 
-So only the first `HEAD` beads are integrated.  Those that have the free end ahead are the last
-beads of the long chain, in other units.  In equal beads :math:`\rho` is exactly 1, because momentum
-and energy are conserved.  If the columns of the short chain do not repeat themselves, or
-:math:`\rho` is too uncertain for the length of the chain, the series is not used.
+Therefore a chain of only the first `HEAD` beads is integrated.  Its last beads, near the free end,
+give the last beads of the long chain, in other units.  In equal beads :math:`\rho` is exactly 1,
+because momentum and energy are conserved.  If the columns of the short chain are not geometric
+series, or :math:`\rho` is too uncertain for the length of the chain, the series are not used.
 """
 
 from __future__ import annotations
@@ -26,14 +26,14 @@ import numpy as np
 from ..collision import Array
 from .batch import ARRIVAL, COLUMNS, PEAK_OVERLAP, PEAK_TIME, RESIDENCE, VELOCITY, Batch, Indices
 
-# Beads that are integrated; the last of them that the free end does not influence; beads on which
-# the pulse must repeat itself.
+# Number of beads that are integrated; last bead that the free end does not influence; number of
+# beads on which the columns must be geometric series.
 HEAD, SETTLED, REPEATED = 240, 200, 60
-# Chains from this length on are continued.
+# Least number of beads of a chain that is continued.
 LONG: Final = 600
-# Tolerance of the integration, and largest difference of columns that repeat themselves.
+# Tolerance of the integration, and largest relative deviation from a geometric series.
 RTOL, REPEATING = 1e-10, 1e-9
-# Largest difference of two factors from bead to bead that are equal except for rounding.
+# Largest deviation of the logarithms of masses or stiffness from a geometric series.
 EQUAL: Final = 1e-11
 
 Follow = Callable[[Batch], Array]
@@ -64,7 +64,7 @@ def continue_series(batch: Batch, index: int, rtol: float, follow: Follow) -> Ar
         return None
     overlap = (growth[0] + 2.0 * rate - growth[1]) / (p + 1.0)
     logs = np.array([rate, overlap - rate, overlap - rate, overlap, overlap - rate])
-    # The delay of the maximum after the arrival repeats itself, unlike the times themselves.
+    # The delay of the maximum after the arrival is a geometric series, the times are not.
     head[PEAK_TIME] -= head[ARRIVAL]
     repeated = [VELOCITY, PEAK_TIME, PEAK_OVERLAP, RESIDENCE]
     levels = head[repeated, middle] * np.exp(-logs[repeated, None] * np.arange(REPEATED))
@@ -96,7 +96,7 @@ def _head(batch: Batch, begin: int) -> Batch:
 
 
 def _continued(head: Array, beads: int, logs: Array) -> Array:
-    """Columns of the long chain, by the logarithms of their factors from bead to bead."""
+    """Columns of the long chain, from the logarithms of their factors per bead."""
     columns = np.empty((COLUMNS, beads))
     columns[:, :SETTLED] = head[:, :SETTLED]
     middle, end = slice(SETTLED, beads - (HEAD - SETTLED)), slice(beads - (HEAD - SETTLED), beads)

@@ -1,4 +1,4 @@
-"""Simulate the leading pulse: half a millisecond for a tapered chain of a hundred beads.
+"""Simulate the leading pulse, in half a millisecond for a tapered chain of a hundred beads.
 
 `propagate` simulates one chain, `propagate_many` an ensemble.  Both integrate the same
 equation of motion as `hertzchain.simulate`, but only for the beads around the pulse
@@ -32,11 +32,11 @@ from .window_choice import follow
 
 Progress = Callable[[int, int], None]
 
-# Features of a chain, in addition to its radii, that the pulse is computed with.
+# Features of a chain, in addition to its radii, that are supported.
 SUPPORTED: Final = (
     "SI units", "masses", "stiffness", "strikers", "velocities", "mixed exponents",
 )  # fmt: skip
-# Those that do not follow from the radii and the exponent of a chain.
+# Features that do not follow from the radii and the exponent of a chain.
 OWN: Final = frozenset(SUPPORTED) - {"SI units"}
 
 DEFAULT_RTOL: Final = 1e-8

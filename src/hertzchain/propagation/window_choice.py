@@ -10,11 +10,11 @@ windows are tried in turn:
 3. two wider windows, one of them with smaller steps, if the radii grow and shrink by at most
    `MAX_RATE_IN_WINDOW`.  The results must agree;
 4. increasingly wide windows, until two results agree (`hertzchain.propagation.heterogeneous`),
-   for beads that bounce between others or reach their maxima out of order, and for contacts of
-   unlike or extreme exponents.
+   for beads that bounce between others or reach their maxima out of order, and for contacts with
+   different or extreme exponents.
 
-A window that fails by its own criteria is followed by the next one; if the last one fails, an
-error is raised.
+If a window fails by its own criteria, the next one is tried; if the last one fails, an error is
+raised.
 """
 
 from __future__ import annotations
@@ -51,7 +51,7 @@ class Windows(NamedTuple):
 
 
 WINDOWS: Final = Windows((9, 4), (13, 8), (16, 11), (24, 18))
-# Where the exponent is lower, more beads move at a time: ten of them where it is 1.2.
+# With lower exponents, more beads move at the same time: ten if the exponent is 1.2.
 SOFT_WINDOWS: Final = Windows((12, 4), (18, 9), (24, 14), (32, 20))
 SOFT_EXPONENT: Final = 1.4
 # The truncation error of the wide window is below 1e-9; for smaller tolerances use the widest.
@@ -62,9 +62,9 @@ SHRINKING, TURNING, KINK = -1e-4, 1e-6, 0.35
 # Largest spread of the stiffness of contacts, relative to those of spheres, of a taper and of a
 # nearly uniform chain.
 SPHERES, EVEN_STIFFNESS = 1e-9, 0.05
-# Exponents that the window of few beads supports, and the mark of all others.
+# Range of exponents that the window of few beads supports, and mark of all others.
 LOWEST_EXPONENT, HIGHEST_EXPONENT, OTHER = 1.15, 3.0, 0.0
-# The mark of a chain that need not be integrated.
+# Mark of a chain that need not be integrated.
 DONE: Final = 100.0
 # Units of the columns: entries of a row of `Batch.units`, which has velocity, time and length.
 UNITS_OF_COLUMNS: Final = [0, 1, 1, 2, 1]
@@ -152,7 +152,7 @@ def _shapes(batch: Batch) -> tuple[NDArray[np.bool_], NDArray[np.bool_], NDArray
     """Masks of tapers, of chains whose radii never shrink, and of nearly uniform chains.
 
     The radii are those of spheres of the masses; a chain whose contacts are not those of such
-    spheres, except for a common factor, does not count as a taper.
+    spheres, except for a common factor, is not a taper.
     """
     first, last = batch.first, batch.first + batch.beads - 1
     logs = np.log(batch.masses) / 3.0
@@ -207,7 +207,7 @@ def _release_part(rtol: float) -> float:
 
 @dataclass(frozen=True, eq=False)
 class _Passage:
-    """Chains of a batch that have one force law, to be integrated with one window or another."""
+    """Chains of a batch that have the same force law, and the windows to integrate them with."""
 
     batch: Batch
     law: float
@@ -226,7 +226,7 @@ class _Passage:
         return WINDOWS if abs(self.law) >= SOFT_EXPONENT else SOFT_WINDOWS
 
     def narrow(self, todo: Indices) -> Indices:
-        """Integrate growing tapers, those that begin with a large ratio of radii by short steps."""
+        """Integrate growing tapers; if they begin with a large ratio of radii, by shorter steps."""
         if not len(todo):
             return todo
         first, size = self.batch.first[todo], self.windows.narrow

@@ -1,4 +1,4 @@
-"""The contact laws of a chain in the kernel's terms: a row per law, a number per contact."""
+"""Contact laws of a chain as kernel arrays: one row per law, one number per contact."""
 
 from __future__ import annotations
 
@@ -18,17 +18,18 @@ from .time_scales import typical_speed
 if TYPE_CHECKING:
     from ..kernels.contact_law import Law, LawTable
 
-# Steps are implicit where damping would bring contacts to rest more often than this within the
-# time of a pulse: explicit steps become so short that they take longer.
+# Steps are implicit if damping would bring contacts to rest more often than this within the time
+# of a pulse; so many explicit steps would take longer.
 STIFF: Final = 300.0
-# Beyond, contacts are rigid for any step, and the equations of an implicit one overflow.
+# Above this stiffness, contacts are rigid for any step, and the equations of an implicit step
+# overflow.
 RIGID: Final = 1e250
-# Speeds below this part of the fastest do not matter while a chain at rest is set in motion.
+# Speeds below this fraction of the largest are negligible while a chain at rest is set in motion.
 SLOWEST: Final = 1e-3
 
 
 def contact_laws(chain: Chain) -> tuple[Law, LawTable | None, Array]:
-    """The law of all contacts, a table of laws if they differ, and the damping of each contact."""
+    """Law of all contacts, table of laws if they differ, and damping of each contact."""
     from ..kernels.contact_law import Law
 
     groups = chain.contact_groups
@@ -44,7 +45,7 @@ def contact_laws(chain: Chain) -> tuple[Law, LawTable | None, Array]:
         law = Law(**rows[0]._asdict(), exponent=exponent, implicit=implicit, slowest=slowest)
         return law, None, damping
     if implicit:
-        # Implicit steps have contacts under damping only.
+        # Implicit steps support only damped contacts.
         rows = [row._replace(kind=DAMPED) for row in rows]
     table = _table(groups, rows)
     return Law(_checked_for(rows), exponent, 0.0, 1.0, 1.0, True, implicit, slowest), table, damping
@@ -62,7 +63,7 @@ def _table(groups: Sequence[ContactGroup], rows: Sequence[LawRow]) -> LawTable:
 
 
 def _checked_for(rows: Sequence[LawRow]) -> int:
-    """The kind of law that needs the most of all checks that any of the laws needs."""
+    """Kind of the law that requires the most checks."""
     from ..kernels.compilation import uncompiled
     from ..kernels.contact_law import has_modes
 
@@ -92,7 +93,7 @@ def _steps_are_implicit(
 
 
 def _relaxation(chain: Chain, group: ContactGroup, row: LawRow, damping: Array) -> float:
-    """How often, at most, damping would bring a contact to rest within the time of a pulse."""
+    """Largest number of times that damping would bring a contact to rest within a pulse."""
     there = group.contacts.stiffness > 0.0
     speed = typical_speed(chain)
     if speed == 0.0 or not there.any():

@@ -1,4 +1,4 @@
-"""A drive as pieces of smooth curves, for the compiled loop."""
+"""Piecewise smooth representation of a drive, for the compiled loop."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from ..collision import Array
 def drive_pieces(drive: Drive | None) -> tuple[Array, Array]:
     r"""A drive as pieces of smooth curves.
 
-    Piece j holds from its start :math:`t_j` on and is, with :math:`s = t - t_j`,
+    Piece j begins at :math:`t_j` and is, with :math:`s = t - t_j`,
 
     .. math:: c_0 + c_1 s + c_2 s^2 + c_3 s^3 + \sum_{i=1}^3 a_i \sin \omega_i s .
 
@@ -46,7 +46,7 @@ def drive_pieces(drive: Drive | None) -> tuple[Array, Array]:
 
 
 def _table_pieces(drive: TableDrive) -> tuple[Array, Array]:
-    """Straight lines from 0 on; the first and last value are kept outside the table."""
+    """Straight lines from time 0; outside the table, the first or last value is used."""
     later = drive.times[drive.times > 0.0]
     starts = np.concatenate(([0.0], later))
     values = drive.value(starts)

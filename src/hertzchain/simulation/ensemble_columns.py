@@ -1,6 +1,7 @@
-"""Quantities of the chains of an ensemble, by the elastic kernel or by `simulate`, one by one.
+"""Quantities of the chains of an ensemble, computed by the elastic kernel or by `simulate`.
 
-Both give an `Outcome`: columns by the names of the table of quantities, and how the runs ended.
+Both methods give an `Outcome`: columns with the names of the table of quantities, and the status of
+each run.
 """
 
 from __future__ import annotations
@@ -41,7 +42,7 @@ KEPT: Final[dict[str, Quantity]] = {
 }  # fmt: skip
 # Times at which `simulate` saves the force of a sensor, whose maxima are then interpolated.
 SENSOR_TIMES: Final = 4000
-# `simulate` uses a method of its own, with a larger error at the same tolerance.
+# `simulate` uses another method, with a larger error at the same tolerance.
 TIGHTER: Final = 0.1
 
 STATUS: Final[tuple[Status, ...]] = (
@@ -63,7 +64,7 @@ class Request:
 
 @dataclass(frozen=True, eq=False)
 class Outcome:
-    """Columns of some chains, and how they ended."""
+    """Columns of some chains, and the status of their runs."""
 
     columns: dict[str, Array]
     status: Sequence[str]
@@ -73,7 +74,7 @@ class Outcome:
 
 
 def check_member(chain: Chain, request: Request) -> None:
-    """Raise `InputError` if a chain lacks what is asked of it."""
+    """Raise `InputError` if a chain does not have the wall or the beads of the quantities."""
     if chain.right_wall is None and any(name in WALL_QUANTITIES for name in request.keep):
         raise InputError("the right end of this chain is free; add a right_wall")
     beyond = [bead for bead in request.sensors if bead > chain.beads]
@@ -115,7 +116,7 @@ class _KernelResults:
         self.summary, self.readings = summary, readings
 
     def outcome(self, request: Request) -> Outcome:
-        """The quantities that are asked for."""
+        """The requested quantities."""
         layout, keep = self.layout, request.keep
         found: dict[str, Array] = {}
         if any(name in PULSE_QUANTITIES for name in keep):
@@ -168,7 +169,7 @@ class _KernelResults:
         return np.asarray(stiffness * overlaps**exponents)
 
     def _residence(self, times: Array) -> Array:
-        """As `hertzchain.simulation.run_pulse.residence_of`, for struck chains."""
+        """Residence times as in `hertzchain.simulation.run_pulse`, for struck chains."""
         since = self.records[:, self.layout.RECORD_RESIDENCE, :-1]
         residence = np.where(since > 0.0, since, np.diff(times, prepend=0.0))
         passed = times > 0.0
@@ -320,7 +321,7 @@ def _sharpened(times: Array, force: Array, time: float) -> tuple[float, float]:
 
 
 def _final_of(run: Run, options: dict[str, Any]) -> dict[str, Any]:
-    """The state at the end of a run, with the forces of that time, from a second run."""
+    """The state at the end of a run, with the forces at that time, from a second run."""
     end = run.end_time
     last = simulate(run.chain, until=end, times=[end], **options)
     budget = budget_of(

@@ -1,4 +1,4 @@
-"""Chains of an ensemble as the arrays of the elastic kernel, and which chains it covers."""
+"""Conversion of the chains of an ensemble to arrays of the elastic kernel."""
 
 from __future__ import annotations
 
@@ -16,16 +16,16 @@ from .kernel_input import kernel_chain, static_closing
 from .time_scales import transit_times
 from .wall_bound import RIGHT, Target
 
-# First step in parts of the time in which the pulse passes the first contact, and the smallest
-# impulse of a first contact with the wall in parts of the initial momentum.
+# First step as a fraction of the time in which the pulse passes the first contact; smallest impulse
+# of a first contact with the wall as a fraction of the initial momentum.
 FIRST_PART, LEAST_PART = 1e-3, 1e-6
 # Rounding of static forces, as in `hertzchain.kernels.dop853_step`.
 ROUNDING: Final = 5e-15
-# Overlaps far from 1 would pass through numbers that the kernel regards as no overlap.
+# In units in which overlaps are far from 1, the kernel would ignore overlaps that matter.
 MIN_OVERLAP, MAX_OVERLAP = 1e-15, 1e15
 MAX_EXPONENT: Final = 16.0
-# In longer chains without a right wall `simulate` is faster, because it leaves out beads at rest
-# and in free flight; with a wall, most beads move until the end.
+# For longer chains without a right wall `simulate` is faster, because it omits beads at rest and in
+# free flight; with a wall, most beads move until the end.
 MAX_BEADS_WITHOUT_WALL: Final = 150
 
 
@@ -46,7 +46,7 @@ def is_covered(chain: Chain, until: float | None) -> bool:
 
 
 def kind_of(chain: Chain) -> tuple[int, bool, bool, bool]:
-    """Length, and features that all chains of one call of the kernel share."""
+    """Length and features, which must be the same for all chains of one call of the kernel."""
     hertz = bool((chain.contact_exponents == HERTZ_EXPONENT).all())
     careful = chain.gravity != 0.0 or chain.precompression > 0.0 or bool(chain.gaps.any())
     return chain.beads, hertz, chain.right_wall is not None, careful
@@ -97,7 +97,7 @@ def kernel_input(chains: Sequence[Chain], until: float | None) -> KernelInput:
 
 
 def _add_static_state(chain: Chain, rows: Array) -> float:
-    """Write what acts on a chain at rest; return the shortest time in which it responds."""
+    """Store the static forces on a chain; return the shortest time in which it responds."""
     from ..kernels import elastic_layout as layout
 
     static, beads = equilibrium(chain), chain.beads

@@ -1,4 +1,4 @@
-r"""How far a run can be predicted: a second integration with another tolerance.
+r"""Estimate how long a run is predictable, by a second integration with another tolerance.
 
 Chains between walls are chaotic: rounding and step errors grow exponentially, although energy
 and momentum are conserved to many digits.  The shadow of a run is the same chain integrated with

@@ -5,8 +5,8 @@ Events of neighbouring contacts and of one direction are assigned to each other 
 .. math:: \left(\frac{\Delta t}{h} - 1\right)^2 + \ln^2\frac{J_{k\pm1}}{J_k}
 
 is smallest, where :math:`h = 0.66\,J/F` is the time in which a solitary wave of this duration
-passes from contact to contact; pairs of 4 or more are not linked.  A wave ends where it meets
-another wave or a wall, and a new one begins beyond.
+passes from contact to contact; pairs for which this cost is 4 or more are not linked.  A wave ends
+where it meets another wave or a wall, and a new wave begins beyond.
 """
 
 from __future__ import annotations
@@ -67,8 +67,8 @@ def find_waves(self: Trajectory, *, threshold: float = 0.01, min_contacts: int =
 
     Examples
     --------
-    A striker of four times the mass sends a train of waves, each half as strong as the one
-    before it:
+    A striker of four times the mass generates a train of waves, each about half as strong as the
+    previous one:
 
     >>> import hertzchain as hc
     >>> import numpy as np

@@ -1,4 +1,4 @@
-"""Fixed steps of a splitting method: which one, how long, and the loop that takes them."""
+"""Choice of a splitting method and its fixed step, and the loop that takes the steps."""
 
 from __future__ import annotations
 
@@ -80,7 +80,7 @@ def require_fixed_steps(chain: Chain) -> None:
 
 
 def fastest_frequency(chain: Chain) -> float:
-    """Angular frequency of a contact that stores all energy in motion, the highest there is."""
+    """Highest angular frequency of a contact: that of a contact that stores all energy."""
     masses = chain.masses
     motion = 0.5 * float((masses * chain.velocities**2).sum())
     motion = max(motion, 0.5 * float(masses.max()) * typical_speed(chain) ** 2)
@@ -119,7 +119,7 @@ def fixed_steps(
 def plan(
     chain: Chain, step: float | None, drift: float, length: float | None, names: Sequence[str]
 ) -> FixedSteps:
-    """Choose the cheapest of some methods, with the given step or one for a drift."""
+    """Choose the fastest of some methods, with the given step or the step for a drift."""
     from ..kernels.symplectic import SPLITTINGS
 
     frequency = fastest_frequency(chain)
@@ -147,7 +147,7 @@ def plan(
 
 
 class FixedLoop:
-    """The compiled loop of fixed steps, with the arrays that it takes."""
+    """The compiled loop of fixed steps, with its arguments."""
 
     def __init__(self, chain: Chain, steps: FixedSteps) -> None:
         from ..kernels import symplectic

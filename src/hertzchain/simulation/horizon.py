@@ -22,7 +22,7 @@ class Horizon:
     times : ndarray, shape (T,)
         Saved times of the run [scaled, or s].
     error : ndarray, shape (T,)
-        Estimated error of the velocities up to each time, in parts of the largest velocity.
+        Estimated error of the velocities up to each time, relative to the largest velocity.
     within : float
         Bound of the error.
     rtol, shadow_rtol : float
@@ -51,7 +51,7 @@ class Horizon:
 
     @property
     def message(self) -> str:
-        """The result in a few words."""
+        """Short description of the result."""
         unit = " s" if self.chain.units == "SI" else ""
         part = f"{100.0 * self.within:g}%"
         if np.isfinite(self.time):

@@ -21,7 +21,7 @@ PLAIN_FEATURES: Final = frozenset({"SI units", "masses", "stiffness", "strikers"
 
 
 def kernel_chain(chain: Chain) -> DefaultChain | GeneralChain:
-    """Everything that acts on the beads of a chain, for the compiled loop."""
+    """Parameters of the equation of motion of a chain, for the compiled loop."""
     from ..kernels.driving import MOVING_WALL, NOTHING, PUSH
     from ..kernels.forces import DefaultChain, GeneralChain
 

@@ -50,17 +50,17 @@ class Run(Trajectory):
     velocities : ndarray, shape (T, N)
         Velocities [scaled, or m/s].
     status : str
-        Why the run ended.  Without ``until``: ``"wall force complete"`` or, after ten transits,
-        ``"transit limit"`` (with a right wall), ``"pulse left"`` (without), ``"nothing more
-        happens"`` if all beads are in free flight before.  With it: ``"time reached"``.
+        Reason for the end of the run.  Without ``until``: ``"wall force complete"`` or, after ten
+        transits, ``"transit limit"`` (with a right wall), ``"pulse left"`` (without), ``"nothing
+        more happens"`` if all beads are in free flight before.  With it: ``"time reached"``.
         ``"step limit"``, ``"step too small"`` and ``"underflow"`` are failures, for which
         `simulate` raises an error unless ``check`` is false.
     end_time : float
         Time at which the simulation stopped [scaled, or s].
     energy_drift : float
         Largest error of the energy balance over all steps, relative to the largest kinetic
-        energy or, where it is larger, the energy at the start: of a compressed chain at rest,
-        that of its contacts.
+        energy or to the energy at the start (including that of compressed contacts), whichever is
+        larger.
     momentum_drift : float
         Largest error of the momentum balance over all steps, relative to the largest sum of the
         absolute momenta of the beads.
@@ -130,7 +130,7 @@ class Run(Trajectory):
     def leading_pulse(self) -> LeadingPulse:
         """The leading pulse as a whole: its length, momentum and kinetic energy.
 
-        A `Pulse` has the momentum of single beads; this is that of all beads in the pulse.
+        A `Pulse` has the momentum of single beads, a `LeadingPulse` that of all beads in the pulse.
 
         Returns
         -------

@@ -40,12 +40,12 @@ class RunTable(Frozen):
         The kept quantities [scaled, or SI]: shape (C, N) per bead, (C, N - 1) per contact,
         (C, S) per sensor, and (C,) per wall or run.
     status : ndarray of str, shape (C,)
-        Why each run ended, as `Run.status`, or ``"failed"``.
+        Reason for the end of each run, as `Run.status`, or ``"failed"``.
     reasons : mapping
-        Why a chain failed, by its index; empty if none did.
+        Reasons why chains failed, by their index; empty if none did.
     complete : ndarray of bool, shape (C,)
-        Whether the largest force on the right wall is complete, as `WallForce.complete`; where it
-        is not, ``wall_peak_force`` is NaN.
+        Whether the largest force on the right wall is complete, as `WallForce.complete`; if not,
+        ``wall_peak_force`` is NaN.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""Integrate a chain's equation of motion: every bead, every contact.
+"""Integrate the equation of motion of a chain, for all beads.
 
 `simulate` returns the trajectories as a `Run`.  `hertzchain.propagate` is faster if only the
 leading pulse is needed.
@@ -374,7 +374,7 @@ def _part(drift: float, unit: float) -> float:
 
 
 def _check_end(chain: Chain, until: float | None, times: int | ArrayLike, begin: float) -> None:
-    """Raise `InputError` if ``until`` has passed, or is missing although nothing ends the run."""
+    """Raise `InputError` if ``until`` has passed, or is missing where nothing else ends the run."""
     if until is not None and until <= begin:
         raise InputError(f"the run starts at time {begin:g} and cannot stop at until = {until:g}")
     if until is not None or not isinstance(times, int | np.integer):

@@ -1,4 +1,4 @@
-"""Simulate many chains and keep only what is asked of each: no trajectories."""
+"""Simulate many chains and keep only selected quantities, without trajectories."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ SCRATCH: Final = 8 * 20
 
 
 class _Stopped(Exception):
-    """Raised in a run that has to stop."""
+    """Raised in a run that must stop."""
 
 
 def simulate_many(
@@ -54,13 +54,13 @@ def simulate_many(
     threads: int | None = None,
     progress: Progress | None = None,
 ) -> RunTable:
-    r"""Simulate all beads of many chains, and keep of each only what is asked for.
+    r"""Simulate all beads of many chains and keep only the requested quantities.
 
     The equation of motion and the end of each run are those of `hertzchain.simulate`.  Chains
     without losses and drive whose bead 1 is struck (of at most 150 beads, or with a right wall) are
     integrated several at a time by the Runge-Kutta-Nyström pair RKN8(6) (J. R. Dormand, M. E. A.
-    El-Mikkawy, P. J. Prince, IMA J. Numer. Anal. 7, 423, 1987) with a step of its own for each;
-    all others one by one by `simulate`, with the same columns.
+    El-Mikkawy, P. J. Prince, IMA J. Numer. Anal. 7, 423, 1987), each with its own step.  All other
+    chains are integrated one by one by `simulate`, with the same columns.
 
     Parameters
     ----------
@@ -79,7 +79,7 @@ def simulate_many(
     rtol : float
         Relative tolerance per step, 1e-14 .. 1e-5.  Largest forces and velocities of short chains
         have errors of about this size; where waves from a wall meet, the motion amplifies them.
-        Chains that `simulate` integrates use a tenth of it, at most 1e-6.
+        Chains that `simulate` integrates use a tenth of this tolerance, at most 1e-6.
     max_steps : int, optional
         Step limit of each chain; by default 2000 per bead, and at least a million.
     threads : int, optional

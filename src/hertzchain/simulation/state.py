@@ -57,8 +57,8 @@ class State:
     chain : Chain
         The chain.
     time : float
-        Time of the state [scaled, or s]: the end of the last step that the end of the run has
-        not shortened.
+        Time of the state [scaled, or s]: the end of the last step that was not shortened to end
+        the run.
     positions, velocities : ndarray, shape (N,)
         Positions and velocities of the beads [scaled, or m and m/s].
     arrays : dict of ndarray
@@ -197,7 +197,7 @@ def first_state(chain: Chain) -> State:
 
 
 def contacts_of(arrays: dict[str, Array], equation: DefaultChain | GeneralChain) -> Contacts | None:
-    """The memory of the contacts, as arrays of the kernel."""
+    """Modes and history of the contacts, as arrays of the kernel."""
     from ..kernels.compilation import uncompiled
     from ..kernels.contact_law import has_modes
     from ..kernels.forces import Contacts, DefaultChain

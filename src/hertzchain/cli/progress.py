@@ -37,7 +37,7 @@ def progress_bar(what: str, *, rate: bool = False) -> Iterator[Callable[[int, in
     columns = [TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn()]
     last = TextColumn("{task.fields[pace]}") if rate else TimeElapsedColumn()
     with Progress(*columns, last, console=console, transient=True) as bar:
-        first = "compiling (first use on this machine, may take half a minute)"
+        first = "starting (the first use on a machine compiles)"
         task = bar.add_task(first, total=None, pace="")
 
         def update(done: int, total: int) -> None:

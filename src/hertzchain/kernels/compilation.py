@@ -6,12 +6,16 @@ from typing import Any
 
 from numba import njit
 
+from . import compile_notice
+
 # Reference counting is off (`_nrt`): it would take as long as the forces.
 OPTIONS: dict[str, Any] = {"cache": True, "nogil": True, "error_model": "numpy", "_nrt": False}
 # Fused multiply-add is allowed.
 CONTRACTED: dict[str, Any] = OPTIONS | {"fastmath": {"contract"}}
 
 compiled = njit(**OPTIONS)
+
+compile_notice.install()
 
 
 def uncompiled(function: Any) -> Any:

@@ -1,0 +1,112 @@
+"""One line on standard error for whoever waits for the compiler; the only output of this package.
+
+It is written if standard error is a terminal or the output of a notebook, once per wait, and only
+after half a second of compiling.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import multiprocessing
+import sys
+import threading
+import time
+from collections.abc import Callable
+from typing import Any, Final
+
+from numba.core import event
+
+# Seconds of compiling before the line is written.
+DELAY: Final = 0.5
+# A compilation that begins this many seconds after the previous one is a new wait.
+PAUSE: Final = 1.0
+# Seconds that functions called from Python take to compile, with all that they call, by module.
+USUAL: Final = 10
+SECONDS: Final[dict[str, int]] = {}
+
+
+class CompileNotice(event.Listener):
+    """Listener to numba's events of compilation, which are serial: the compiler has a lock."""
+
+    def __init__(
+        self,
+        write: Callable[[str], None] | None = None,
+        *,
+        delay: float = DELAY,
+        pause: float = PAUSE,
+    ) -> None:
+        self._write, self._delay, self._pause = write or write_line, delay, pause
+        self._lock = threading.Lock()
+        self._depth = 0
+        self._written = False
+        self._spent, self._began, self._ended = 0.0, 0.0, -float("inf")
+        self._timer: threading.Timer | None = None
+
+    def on_start(self, event: Any) -> None:
+        """Start the clock with the outermost function."""
+        module = _module_of(event)
+        if module is None:
+            return
+        with self._lock:
+            self._depth += 1
+            if self._depth > 1:
+                return
+            self._began = time.monotonic()
+            if self._began - self._ended > self._pause:
+                self._spent, self._written = 0.0, False
+            if not self._written:
+                line = f"hertzchain: compiling once, about {SECONDS.get(module, USUAL)} s"
+                wait = max(0.0, self._delay - self._spent)
+                self._timer = threading.Timer(wait, self._show, (line,))
+                self._timer.daemon = True
+                self._timer.start()
+
+    def on_end(self, event: Any) -> None:
+        """Stop the clock."""
+        if _module_of(event) is None:
+            return
+        with self._lock:
+            self._depth -= 1
+            if self._depth > 0:
+                return
+            if self._timer is not None:
+                self._timer.cancel()
+                self._timer = None
+            self._ended = time.monotonic()
+            self._spent += self._ended - self._began
+
+    def _show(self, line: str) -> None:
+        with self._lock:
+            if self._depth == 0 or self._written:
+                return
+            self._written = True
+        self._write(line)
+
+
+def _module_of(event: Any) -> str | None:
+    """Last part of the name of the module of a compiled function; None if it is not ours."""
+    package, _, module = event.data["dispatcher"].py_func.__module__.rpartition(".")
+    return module if package == __package__ else None
+
+
+def write_line(line: str) -> None:
+    """Write a line where a person reads it: not in worker processes, pipes and files."""
+    stream = sys.stderr
+    if multiprocessing.parent_process() is None and _is_read(stream):
+        # The terminal may have been closed.
+        with contextlib.suppress(OSError, ValueError):
+            print(line, file=stream, flush=True)
+
+
+def _is_read(stream: Any) -> bool:
+    """Whether a stream is a terminal or the output of a notebook."""
+    # While rich shows a progress bar, it writes lines to standard error above the bar.
+    shown = getattr(stream, "rich_proxied_file", stream)
+    with contextlib.suppress(AttributeError, ValueError):
+        return shown.isatty() or type(shown).__module__.startswith("ipykernel.")
+    return False
+
+
+def install() -> None:
+    """Listen from now on."""
+    event.register("numba:compile", CompileNotice())

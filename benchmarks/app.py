@@ -2,9 +2,10 @@
 
     python benchmarks/app.py [--chromium PATH] [--samples 40] [--memory SECONDS]
 
-It needs an installed Chromium and the Python package playwright.  "To pixels" is the time from the
-event of a control to the task after the next frame; the browser has no screen.  The server and the
-page share the processors with this script, so idle processors matter: the load is printed.
+The script requires an installed Chromium and the Python package playwright.  "To pixels" is the
+time from the event of a control to the task after the next frame; the browser has no screen.  The
+server and the page share the processors with this script, so the load of the machine is printed,
+too.
 """
 
 from __future__ import annotations
@@ -106,7 +107,7 @@ def drag(page: Page, seconds: float = 2.0) -> float:
 
 
 def server_only(beads: int, samples: int) -> str:
-    """Time of the server alone for a pulse, and for the draft of a run."""
+    """Time of only the server for a pulse, and for the draft of a run."""
     pulses, runs = [], []
     for sample in range(samples):
         rate = (0.05 if beads <= 100 else 0.005) * (1 + 0.01 * (sample % 7))

@@ -4,7 +4,7 @@
     python benchmarks/chart_libraries.py FOLDER/node_modules
 
 An update draws four curves again, as a drag does for each chart, and waits for the layout.  The
-three are measured alternately in one page.
+three libraries are measured alternately in one page.
 """
 
 from __future__ import annotations

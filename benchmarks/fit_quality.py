@@ -94,7 +94,7 @@ def cost(_):
 
 
 def coverage(draws):
-    """Parts of the errors within 1 and 2 sigma, of each law."""
+    """Fractions of the errors within 1 and 2 sigma, for each law."""
     found = {}
     for index, law in enumerate(LAWS):
         scores, misses = [], 0
@@ -131,7 +131,7 @@ def starts(draws):
 
 
 def laws(draws):
-    """How often the true law has the lowest BIC."""
+    """Number of draws in which the true law has the lowest BIC."""
     found = {}
     for law in LAWS:
         first, gaps = 0, []
@@ -148,7 +148,7 @@ def laws(draws):
 
 
 def gaps(draws):
-    """How often a gap of 0.1 to 0.3 um is found at the right contact."""
+    """Number of draws in which a gap of 0.1 to 0.3 um is found at the right contact."""
     scan_right = fit_right = 0
     scores = []
     for seed in range(draws):

@@ -1,9 +1,10 @@
-"""Compare long runs between walls with scripts of users: ``make benchmark``.
+"""Compare long runs between walls with a Verlet script: ``make benchmark``.
 
-Two walls, 100 equal beads, T = 600: the time for a largest energy drift, of `hertzchain.simulate`
-with ``method="symplectic"`` and of velocity Verlet in twenty lines of numba.  Also the time for a
-pulse to pass uniform chains, and how it grows with the number of beads.  Times are the shortest of
-several interleaved runs.  The script prints tables and writes ``benchmark/long_runs.json``.
+The script compares computing times for a given largest energy drift, of 100 equal beads between two
+walls until T = 600: `hertzchain.simulate` with ``method="symplectic"``, and velocity Verlet in
+twenty lines of numba.  It also measures the time for a pulse to pass uniform chains, as a function
+of the number of beads.  Times are the shortest of several interleaved runs.  The script prints
+tables and writes ``benchmark/long_runs.json``.
 """
 
 from __future__ import annotations
@@ -23,7 +24,7 @@ from rich.table import Table
 import hertzchain as hc
 
 BEADS, UNTIL, REPEATS = 100, 600.0, 7
-# Steps of the script whose drift is just below the request, found by halving.
+# Largest energy drifts for which computing times are compared.
 DRIFTS = (1e-5, 1.5e-7)
 
 

@@ -1,4 +1,4 @@
-"""Measure `simulate_many` against `simulate`, one chain after the other: ``make benchmark``.
+"""Compare `simulate_many` with `simulate`, one chain after the other: ``make benchmark``.
 
 The chains are 500 random chains of 20 beads of steel and PTFE in front of a steel wall, as in
 experiments with granular protectors; every run ends when the largest force on the wall is
@@ -21,7 +21,7 @@ from rich.table import Table
 import hertzchain as hc
 
 CHAINS, BEADS, REPEATS, SEED = 500, 20, 5, 7
-# As many of the chains are also integrated by `simulate`, with the tolerance of equal error.
+# This number of chains is also integrated by `simulate`, with the tolerance of equal error.
 ALONE, ALONE_RTOL = 25, 1e-7
 TOLERANCES = (1e-6, 3e-7, 1e-7, 1e-8)
 ERROR, PART = 1e-5, 0.995

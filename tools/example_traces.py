@@ -1,7 +1,7 @@
 """Write the synthetic traces that ship with hertzchain: two impacts on a row of steel balls.
 
-They are made by SciPy's integrator from the equations of motion and of the sensors, without
-hertzchain, and serve the documentation and the tests of `hertzchain.fit`.
+They are computed with SciPy's integrator from the equations of motion and of the sensors, without
+hertzchain, and are used in the documentation and the tests of `hertzchain.fit`.
 
     python tools/example_traces.py src/hertzchain/fitting/example
 """
@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 from scipy.integrate import solve_ivp
 
-# The truth.  The chain file has nominal values: the catalogue's steel, and 0.1 and 0.3 m/s.
+# True values.  The chain file has nominal ones: the catalogue's steel, and 0.1 and 0.3 m/s.
 BALLS, RADIUS, DENSITY, POISSON = 20, 5e-3, 7780.0, 0.3
 YOUNG = 0.96 * 203e9
 RELAXATION = 0.62e-6

@@ -21,7 +21,7 @@ def app(file: Path | None, port: int, no_open: bool) -> None:
 
     The page is served on this computer only, at the printed address, until you press Ctrl-C.
     On the first start after an installation, simulations are compiled, which takes one to two
-    minutes; the page shows theories at once and simulations when they are ready.
+    minutes; the page shows theories immediately and simulations when they are ready.
 
     \b
     Examples:

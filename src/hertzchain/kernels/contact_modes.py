@@ -49,14 +49,14 @@ def first_modes(y, setup, contacts):
         law, stiffness, damping = law_of(c, setup), setup.stiffness[c], setup.damping[c]
         overlap, closing = overlap_and_closing(c, y, beads, setup.gap[c], wall)
         largest[c] = overlap if law.implicit else max(overlap, 0.0)
-        parts = closing < 0.0
+        separates = closing < 0.0
         if law.kind == DAMPED:
-            parts = (overlap == 0.0 and parts) or must_switch(
+            separates = (overlap == 0.0 and separates) or must_switch(
                 overlap, closing, stiffness, damping, LOADED, largest[c], 0.0, law, 0.0
             )
-            parts = parts and has_modes(law)
-        mode[c] = RELEASED if parts else LOADED
-        if law.kind == DAMPED and parts:
+            separates = separates and has_modes(law)
+        mode[c] = RELEASED if separates else LOADED
+        if law.kind == DAMPED and separates:
             y[2 * beads + LOST] += potential(overlap, stiffness, damping, LOADED, largest[c], law)
 
 

@@ -102,8 +102,8 @@ def fastest_nearby(speeds, scale):
 def velocity_scale(y, rtol, setup, speeds, scale):
     """Units of the errors of the velocities of beads."""
     # The unit is the largest speed within a few beads, or a small part of that of the fastest bead
-    # in contact: the motion of beads without contact is exact at any speed.  What is left of a
-    # pulse that has gone is not followed more exactly than it is known.
+    # in contact: the motion of beads without contact is exact at any speed.  Motion that remains
+    # behind a pulse is not integrated more accurately than it is known.
     beads = len(scale)
     velocities = y[beads : 2 * beads]
     for k in range(beads):

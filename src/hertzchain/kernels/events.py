@@ -192,11 +192,11 @@ def record_peaks(h, time, y, y_new, stages, dense, setup, contacts, first, expec
             continue
         peaks[PEAK_TIME, k] = time + theta * h
         # A bead that has left both neighbours permanently keeps the velocity at the step's end.
-        flies = stages[STEP_STAGES, beads + k] == 0.0 and (
+        in_flight = stages[STEP_STAGES, beads + k] == 0.0 and (
             acceleration_within(k, theta, h, y, dense, setup, contacts) == 0.0
         )
         velocity = value(beads + k, theta, y, dense)
-        peaks[PEAK_VELOCITY, k] = y_new[beads + k] if flies else velocity
+        peaks[PEAK_VELOCITY, k] = y_new[beads + k] if in_flight else velocity
         if first + k > 0:
             found += 1
     return found
@@ -323,9 +323,9 @@ def expect_events(
 @compiled
 def record_walls(time, h, y, y_new, stages, dense, walls):
     """Largest force on each wall."""
-    ledger = len(y) - ACCUMULATORS
+    offset = len(y) - ACCUMULATORS
     for side in range(2):
-        i = ledger + LEFT_IMPULSE + side
+        i = offset + LEFT_IMPULSE + side
         largest = 0.0
         for j in range(STEP_STAGES + 1):
             largest = max(largest, stages[j, i])
@@ -375,9 +375,9 @@ def record_wall_ends(time, y, rates, setup, segment, crossings, walls):
 @compiled
 def wall_pushed(stages):
     """Whether a wall is pushed at some stage of the step."""
-    ledger = stages.shape[1] - ACCUMULATORS
+    offset = stages.shape[1] - ACCUMULATORS
     for j in range(STEP_STAGES + 1):
-        if stages[j, ledger + LEFT_IMPULSE] != 0.0 or stages[j, ledger + RIGHT_IMPULSE] != 0.0:
+        if stages[j, offset + LEFT_IMPULSE] != 0.0 or stages[j, offset + RIGHT_IMPULSE] != 0.0:
             return True
     return False
 

@@ -43,23 +43,23 @@ AT_START = SETTLING ** np.arange(IMPLICIT_STAGES) @ BETWEEN
 
 
 @compiled
-def ledger_rates(i, time, setup, contacts, segment, rates):
+def accumulator_rates(i, time, setup, contacts, segment, rates):
     """Rates of the accumulators at stage i."""
     beads = len(setup.inverse_mass)
     pushing, overlap = contacts.implicit.forces, contacts.implicit.overlaps
-    closing, ledger = contacts.implicit.closings, rates[2 * beads :]
+    closing, accumulators = contacts.implicit.closings, rates[2 * beads :]
     lost = 0.0
     for c in range(beads + 1):
         if setup.stiffness[c] > 0.0 and contacts.mode[c] == LOADED:
             spring = force(overlap[c, i], setup.stiffness[c], law_of(c, setup).exponent)
             lost += (pushing[c, i] - spring) * closing[c, i]
-    ledger[LOST] = lost
-    ledger[DRIVEN] = pushing[0, i] * wall_motion(time, setup, segment)[1]
-    ledger[PUSHED] = 0.0
+    accumulators[LOST] = lost
+    accumulators[DRIVEN] = pushing[0, i] * wall_motion(time, setup, segment)[1]
+    accumulators[PUSHED] = 0.0
     if setup.drive == PUSH:
         drive = drive_at(time, setup, segment)[0]
-        ledger[DRIVEN], ledger[PUSHED] = drive * rates[0], drive
-    ledger[LEFT_IMPULSE], ledger[RIGHT_IMPULSE] = pushing[0, i], pushing[beads, i]
+        accumulators[DRIVEN], accumulators[PUSHED] = drive * rates[0], drive
+    accumulators[LEFT_IMPULSE], accumulators[RIGHT_IMPULSE] = pushing[0, i], pushing[beads, i]
 
 
 @compiled
@@ -149,7 +149,7 @@ def settle(time, y, h, setup, contacts, implicit, segment, rtol, stages, ahead, 
         stages[0, k] = y[beads + k]
         stages[0, beads + k] = stages[1, beads + k]
     copy(stages[0, :beads], stages[1, :beads])
-    ledger_rates(0, time, setup, contacts, segment, stages[1])
+    accumulator_rates(0, time, setup, contacts, segment, stages[1])
     copy(stages[1, 2 * beads :], stages[0, 2 * beads :])
     return solved
 
@@ -175,7 +175,7 @@ def try_implicit_step(
                         rates, y_new, speeds, scale):  # fmt: skip
         return False
     for i in range(IMPLICIT_STAGES):
-        ledger_rates(i, time + TIMES[i] * h, setup, contacts, segment, rates[i])
+        accumulator_rates(i, time + TIMES[i] * h, setup, contacts, segment, rates[i])
     for i in range(len(y)):
         gained = 0.0
         for j in range(IMPLICIT_STAGES):
@@ -192,7 +192,7 @@ def try_implicit_step(
 
 
 @compiled
-def error_of_ledger(h, stages, setup, rtol):
+def error_of_losses(h, stages, setup, rtol):
     """Estimated error of the energy lost, in tolerances of energy.
 
     After a force is cut off, beads may be in free flight, and only the energy lost requires shorter
@@ -216,7 +216,7 @@ def implicit_error(h, stages, setup, scale, rtol):
     therefore the interpolant must also reproduce the acceleration at the start.
     """
     beads, rtol = len(scale), max(rtol, FINEST)
-    worst, worst_before, bent = error_of_ledger(h, stages, setup, rtol), 0.0, 0.0
+    worst, worst_before, bent = error_of_losses(h, stages, setup, rtol), 0.0, 0.0
     for k in range(beads):
         if scale[k] == 0.0:
             continue

@@ -1,7 +1,7 @@
 r"""The leading pulse where its crest passes a contact: rise time, momentum and kinetic energy.
 
 The crest is at contact k at the first time :math:`s_k` at which :math:`v_k = v_{k+1}`; until
-then the contact has handed over the momentum
+then the contact has transferred the momentum
 
 .. math:: J_k = \sum_{j>k} m_j v_j(s_k) - \sum_{j>k} m_j v_j(0),
    \qquad \tau_k = \frac{J_k}{F_k(s_k) - F_k(0)} .

@@ -94,7 +94,7 @@ def may_be_cut_off(h, mode, before, after, slope, last_slope, stiffness, damping
 
 
 @compiled
-def may_come_loose(c, loading, stages, setup, contacts):
+def may_release(c, loading, stages, setup, contacts):
     """Whether the force of stuck contact c is near one of its bounds at a stage of the step.
 
     At the stages, the force is computed from the force on the left wall and the accelerations.
@@ -138,7 +138,7 @@ def may_switch(c, h, y, y_new, stages, setup, contacts, walls, still):
         return True
     if mode == STUCK:
         loading = force(after[0], stiffness, law.exponent)
-        return may_come_loose(c, loading, stages, setup, contacts)
+        return may_release(c, loading, stages, setup, contacts)
     if is_plastic(law) and mode == RELEASED:
         # The overlap may exceed its largest value so far and decrease again.
         return before[1] > still and turned(c, beads, walls[1][1], 1.0, stages, still)
@@ -188,7 +188,7 @@ def state_of_contact(c, theta, time, y, h, dense, setup, contacts, segment, tria
 
 
 @compiled
-def look_at(c, theta, time, y, h, dense, setup, contacts, segment, still, trial, scratch):
+def examine(c, theta, time, y, h, dense, setup, contacts, segment, still, trial, scratch):
     """Whether contact c must leave its mode at the fraction theta of the step, and its margin."""
     wall = state_of_contact(c, theta, time, y, h, dense, setup, contacts, segment, trial, scratch)
     leaves = leaves_mode(c, theta, trial, wall, setup, contacts, still)
@@ -207,10 +207,10 @@ def least_margin(c, low, high, time, y, h, dense, setup, contacts, segment, stil
     """Fraction of the step, between two others, at which the margin of contact c is least."""
     for _ in range(SECTIONS):
         one, two = (2.0 * low + high) / 3.0, (low + 2.0 * high) / 3.0
-        at_one = look_at(
+        at_one = examine(
             c, one, time, y, h, dense, setup, contacts, segment, still, trial, scratch
         )[1]
-        at_two = look_at(
+        at_two = examine(
             c, two, time, y, h, dense, setup, contacts, segment, still, trial, scratch
         )[1]
         low, high = (low, two) if at_one < at_two else (one, high)
@@ -225,7 +225,7 @@ def switch_within(c, time, y, h, dense, setup, contacts, segment, still, trial, 
         end = closing_until(c, time, y, h, dense, setup, segment, still)
     nearest, least, left, right, before = 0, np.inf, np.inf, np.inf, np.inf
     for part in range(PARTS + 1):
-        leaves, margin = look_at(
+        leaves, margin = examine(
             c, end * part / PARTS, time, y, h, dense, setup, contacts, segment, still, trial,
             scratch,
         )  # fmt: skip
@@ -239,7 +239,7 @@ def switch_within(c, time, y, h, dense, setup, contacts, segment, still, trial, 
         before = margin
     inside = 0 < nearest < PARTS and dips(left, least, right)
     if nearest == PARTS and high > 1.0:
-        inside = least > look_at(
+        inside = least > examine(
             c, end * (1.0 - SHORT), time, y, h, dense, setup, contacts, segment, still, trial,
             scratch,
         )[1]  # fmt: skip
@@ -250,13 +250,13 @@ def switch_within(c, time, y, h, dense, setup, contacts, segment, still, trial, 
             segment, still, trial, scratch,
         )  # fmt: skip
         low = min(low, theta)
-        if look_at(c, theta, time, y, h, dense, setup, contacts, segment, still, trial, scratch)[0]:
+        if examine(c, theta, time, y, h, dense, setup, contacts, segment, still, trial, scratch)[0]:
             high = theta
     if high > 1.0:
         return 2.0
     for _ in range(BISECTIONS):
         theta = 0.5 * (low + high)
-        if look_at(c, theta, time, y, h, dense, setup, contacts, segment, still, trial, scratch)[0]:
+        if examine(c, theta, time, y, h, dense, setup, contacts, segment, still, trial, scratch)[0]:
             high = theta
         else:
             low = theta

@@ -604,7 +604,7 @@ def record_events(scratch, lane, lanes, window, limits, given, passed):
 
 
 @compiled
-def attend(scratch, lane, lanes, window, limits, given, passed):
+def process_events(scratch, lane, lanes, window, limits, given, passed):
     """Record the events of a lane and choose its next step; returns the status of its chain."""
     w, clock, place = scratch
     code = record_events(scratch, lane, lanes, window, limits, given, passed)
@@ -693,7 +693,7 @@ def follow(abreast, window, limits, given, passed, status, signal, scratch):
             if clock[WATCH + lane] == 0.0 or place[CHAIN, lane] < 0:
                 continue
             bead = place[BEAD, lane]
-            code = attend(known, lane, lanes, window, limits, given, passed)
+            code = process_events(known, lane, lanes, window, limits, given, passed)
             signal[PASSED] += place[BEAD, lane] - bead
             if code != WAITING:
                 status[place[CHAIN, lane]] = code

@@ -195,9 +195,9 @@ def estimate(w, beads, rtol, lane):
         falls = falls | (w[F6 + i] <= 0.0) | (w[F7 + i] <= 0.0) | (w[F8 + i] <= 0.0)
         peaks = (w[F0 + i] > 0.0) & falls & (w[PEAKED + i] == 0.0)
         at = LANES + i
-        parts = (w[V + at] > w[V + LANES + at]) & (w[NEW_V + at] <= w[NEW_V + LANES + at])
-        parts = parts & (w[CROSSED + i] == 0.0)
-        w[FLAG + i] = (1.0 if peaks else 0.0) + (2.0 if parts else 0.0)
+        stops = (w[V + at] > w[V + LANES + at]) & (w[NEW_V + at] <= w[NEW_V + LANES + at])
+        stops = stops & (w[CROSSED + i] == 0.0)
+        w[FLAG + i] = (1.0 if peaks else 0.0) + (2.0 if stops else 0.0)
     largest(w, beads, lane[WORST])
     return total(w, FLAG, size)
 

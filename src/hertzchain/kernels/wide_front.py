@@ -340,8 +340,8 @@ def record_peak(w, i, h, time, at, passed):
     if part > 1.0:
         return
     # A bead that has left both neighbours keeps the velocity at the end of the step.
-    flies = w[STAGE_8 + i] == 0.0 and net_force(w, i, motions, part) == 0.0
-    passed[PEAK_VELOCITY, at] = w[NEW_VELOCITY + i] if flies else slope(here, part) / h
+    in_flight = w[STAGE_8 + i] == 0.0 and net_force(w, i, motions, part) == 0.0
+    passed[PEAK_VELOCITY, at] = w[NEW_VELOCITY + i] if in_flight else slope(here, part) / h
     passed[PEAK_TIME, at] = time + part * h
 
 

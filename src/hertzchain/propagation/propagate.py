@@ -96,12 +96,12 @@ def propagate(
     rtol = checked_rtol(rtol)
     batch, signal = Batch.of([chain]), np.zeros(2, np.int64)
     if chain.beads <= SHORT and progress is None:
-        passage = follow(batch, rtol, signal)
+        data = follow(batch, rtol, signal)
     else:
-        passage = _follow_with_progress(batch, rtol, signal, progress)
-    if passage.reasons:
-        raise SimulationError(passage.reasons[0])
-    velocity, peak_time, arrival, overlap, residence = passage.columns
+        data = _follow_with_progress(batch, rtol, signal, progress)
+    if data.reasons:
+        raise SimulationError(data.reasons[0])
+    velocity, peak_time, arrival, overlap, residence = data.columns
     warn_outside_hertz(chain, overlap[:-1])
     return Pulse(chain, "propagation", velocity, peak_time, arrival, overlap[:-1], residence[:-1])
 
@@ -288,13 +288,13 @@ class _Ensemble:
             return Batch.of([chain for row in rows if (chain := self.chains[row]) is not None])
         return Batch.of_radii(self.radii[rows][self._inside(rows)], self.beads[rows])
 
-    def store(self, rows: NDArray[np.int64], passage: PulseData) -> None:
+    def store(self, rows: NDArray[np.int64], data: PulseData) -> None:
         inside = self._inside(rows)
-        for column, values in zip(self.columns, passage.columns, strict=True):
+        for column, values in zip(self.columns, data.columns, strict=True):
             padded = np.full(inside.shape, np.nan)
             padded[inside] = values
             column[rows] = padded
-        for index, reason in passage.reasons.items():
+        for index, reason in data.reasons.items():
             self.reasons[int(rows[index])] = reason
 
     def _inside(self, rows: NDArray[np.int64]) -> NDArray[np.bool_]:

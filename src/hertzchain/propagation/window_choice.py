@@ -118,13 +118,13 @@ def _follow_others(
     laws = np.where(chosen, _laws(batch), DONE)
     todo = [_chosen(laws == OTHER)]
     for law in set(laws.tolist()) - {OTHER, DONE}:
-        passage = _Passage(batch, law, rtol, columns, signal)
+        group = _LawGroup(batch, law, rtol, columns, signal)
         own = laws == law
-        failed = passage.narrow(_chosen(own & taper & grows))
-        failed = passage.wide(_together(failed, _chosen(own & taper & ~grows)))
+        failed = group.narrow(_chosen(own & taper & grows))
+        failed = group.wide(_together(failed, _chosen(own & taper & ~grows)))
         again = _together(failed[even[failed]], _chosen(own & even & ~taper))
         rest = _chosen(own & ~even & ~taper)
-        todo += [failed[~even[failed]], rest, passage.twice(again)]
+        todo += [failed[~even[failed]], rest, group.twice(again)]
     rest = _together(*todo)
 
     reasons: dict[int, str] = {}
@@ -206,7 +206,7 @@ def _release_part(rtol: float) -> float:
 
 
 @dataclass(frozen=True, eq=False)
-class _Passage:
+class _LawGroup:
     """Chains of a batch that have the same force law, and the windows to integrate them with."""
 
     batch: Batch

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from ..kernels.contact_law import Law, LawTable
 
 # Steps are implicit if damping would bring contacts to rest more often than this within the time
-# of a pulse; so many explicit steps would take longer.
+# of a pulse: explicit steps would then be so short that they take longer.
 STIFF: Final = 300.0
 # Above this stiffness, contacts are rigid for any step, and the equations of an implicit step
 # overflow.

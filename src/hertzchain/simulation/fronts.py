@@ -27,12 +27,13 @@ from .absent import reason, together
 from .run_pulse import moving_first
 from .trajectory import Trajectory
 
-# Part of the maximum that defines a front, and the parts between which the force rises.
+# Fraction of the maximum that defines a front, and the fractions between which the force rises.
 HEIGHT: Final = 0.5
 LOW, HIGH = 0.1, 0.9
-# Saved times from below the rise to above it, at least.
+# Smallest number of saved times from below the rise to above it.
 MIN_TIMES: Final = 4
-# A force is constant if it had at least this part of its last value half of the time ago.
+# A force has become constant if it was at least this fraction of its last value at half of the time
+# since the front.
 SETTLED: Final = 0.9
 
 
@@ -49,7 +50,7 @@ class Fronts:
     heights : ndarray, shape (N - 1,)
         First maximum of :math:`F_k - F_k(0)`, or its last value [scaled, or N].
     notes : dict of str
-        Why a value is NaN, by the name of the attribute.
+        Reasons why values are NaN, by the name of the attribute.
 
     Examples
     --------

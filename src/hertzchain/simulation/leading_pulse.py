@@ -68,7 +68,7 @@ class LeadingPulse:
         Momentum and kinetic energy of the leading pulse when its crest is at contact k
         [scaled, or kg m/s and J].
     notes : dict of str
-        Why a value is NaN, by the name of the attribute.
+        Reasons why values are NaN, by the name of the attribute.
 
     Examples
     --------

@@ -45,7 +45,7 @@ def residence_of(chain: Chain, crossings: Array) -> Array:
     passed = times > 0.0
     residence[~passed | ~np.append(True, passed[:-1])] = np.nan
     residence[_without_residence(chain)] = np.nan
-    # Beads that stick together arrive at once.
+    # Beads that stick together arrive at the same time.
     residence[residence == 0.0] = np.nan
     if chain.drive is not None:
         # These are crests of the drive, not of a pulse that moves from contact to contact.

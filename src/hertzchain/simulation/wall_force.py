@@ -18,8 +18,8 @@ class WallForce:
     """The force on one wall.
 
     The peak is complete if the bound on later forces has been below it for half a transit of the
-    pulse (`hertzchain.simulation.wall_bound`).  Between two lossless walls the pulse returns again
-    and again, and the peak is that of its first passage.
+    pulse (`hertzchain.simulation.wall_bound`).  Between two lossless walls the pulse returns
+    repeatedly, and the peak is that of its first passage.
 
     Attributes
     ----------

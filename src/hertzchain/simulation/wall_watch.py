@@ -28,14 +28,14 @@ from .wall_bound import RIGHT, Approach, Target
 if TYPE_CHECKING:
     from ..kernels.forces import GeneralChain
 
-# In transits: how long the bound must have stayed below the peak, and when to give up; checks in
-# each transit.
+# In transits: time for which the bound must have been below the peak, and limit of the run; number
+# of checks per transit.
 HELD: Final = 0.5
 MAX_TRANSITS: Final = 10
 CHECKS: Final = 16
-# Checks in each transit of a run by fixed steps to a given time, which may be very long.
+# Checks per transit of a run by fixed steps to a given time, which may be very long.
 FEW_CHECKS: Final = 2
-# Relative rounding of the bound; part of the peak to which the force on a released wall has fallen.
+# Relative rounding of the bound; fraction of the peak below which the force has left the wall.
 ROUNDING, RELEASED = 1e-9, 1e-3
 
 

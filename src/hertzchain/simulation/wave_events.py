@@ -33,9 +33,9 @@ from .trajectory import Trajectory
 
 # Saved times within impulse/amplitude, the duration of a wave.
 MIN_SAMPLES: Final = 8.0
-# Part of its height by which a maximum must stand out.
+# Fraction of its height by which a maximum must exceed the minima next to it.
 PROMINENCE: Final = 0.1
-# Waves meet, or a wall reflects one, where |W| is less than this part of the integral of |f v|.
+# Waves meet, or a wall reflects one, if |W| is less than this fraction of the integral of |f v|.
 STANDING: Final = 0.2
 SPLINE_ORDER: Final = 5
 # Bisections of the time between two saved times that give double precision.

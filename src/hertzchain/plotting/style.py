@@ -64,10 +64,10 @@ def svg_and_png(figure: Figure) -> tuple[bytes, bytes]:
     with figure_style():
         dpi = plt.rcParams["savefig.dpi"]
         figure.set_dpi(dpi)
-        FigureCanvasSVG(figure).print_svg(svg, metadata={"Date": None})
+        FigureCanvasSVG(figure).print_svg(svg, metadata={"Date": None})  # type: ignore[no-untyped-call]
         figure.set_layout_engine("none")
         figure.set_dpi(dpi)
-        FigureCanvasAgg(figure).print_png(png)
+        FigureCanvasAgg(figure).print_png(png)  # type: ignore[no-untyped-call]
     return svg.getvalue(), png.getvalue()
 
 

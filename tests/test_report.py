@@ -3,6 +3,8 @@ import json
 import multiprocessing
 import os
 import re
+import threading
+import time
 from html.parser import HTMLParser
 
 import matplotlib.pyplot as plt
@@ -241,3 +243,23 @@ def test_windows_that_were_asked_for_are_said_to_be(tmp_path):
     page = (tmp_path / "report.html").read_text("utf-8")
     assert "were requested" in page
     assert "verdict bad" in page
+
+
+def test_known_values_are_no_longer_computed_after_an_interrupt(monkeypatch):
+    cases = []
+
+    def verify(*, progress):
+        for done in range(100):
+            cases.append(done)
+            time.sleep(0.02)
+            progress(done, 100)
+
+    def interrupt(_done, _chains):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("hertzchain.paper.reproduction.verify", verify)
+    threads = threading.active_count()
+    with pytest.raises(KeyboardInterrupt):
+        reproduce(["figure6", "verification"], progress=interrupt)
+    assert len(cases) < 100
+    assert threading.active_count() == threads

@@ -1,12 +1,21 @@
+import io
 import json
+import multiprocessing
+import os
 import re
+import threading
+import time
 from html.parser import HTMLParser
 
+import matplotlib.pyplot as plt
 import pytest
 
 import hertzchain as hc
-from hertzchain.paper.report import reserved, write_report
+from hertzchain.paper.drawings import Drawing, drawing_pool, drawn
+from hertzchain.paper.report import reserved, write_report, write_reserved
 from hertzchain.paper.reproduction import reproduce
+from hertzchain.plotting.style import figure_bytes, figure_style, svg_and_png
+from hertzchain.sweeps.executors import local_pool
 
 
 @pytest.fixture(scope="module")
@@ -94,6 +103,74 @@ def test_two_reports_have_the_same_figures(folder, tmp_path):
         assert (tmp_path / name).read_bytes() == (folder / name).read_bytes()
 
 
+def figure_files(folder):
+    return {path.name: path.read_bytes() for path in (folder / "figures").iterdir()}
+
+
+def test_figures_drawn_in_processes_are_the_same(tmp_path):
+    parts = ["figure1", "figure3", "figure6", "figure9", "figure13", "errata"]
+    result = reproduce(parts)
+    write_report(result, tmp_path / "alone")
+    done = []
+    with reserved(tmp_path / "both"), local_pool("processes", 1) as pool:
+        write_reserved(
+            result, tmp_path / "both", progress=lambda *counts: done.append(counts), pool=pool
+        )
+    assert done == [(count, 6) for count in range(1, 7)]
+    assert figure_files(tmp_path / "both") == figure_files(tmp_path / "alone")
+    assert len(figure_files(tmp_path / "both")) == 3 * 5 + 2
+
+
+def draw_or_die(text):
+    if multiprocessing.parent_process() is not None:
+        os._exit(1)
+    with figure_style():
+        return plt.figure(label=text)
+
+
+HERE, BESIDE = b'width="144pt"', b'width="216pt"'
+
+
+def draw_where(_):
+    with figure_style():
+        return plt.figure(figsize=(2 if multiprocessing.parent_process() is None else 3, 1))
+
+
+def test_figures_are_drawn_here_if_processes_die():
+    drawings = {f"figure{number}": Drawing(draw_or_die, number) for number in range(5)}
+    with local_pool("processes", 1) as pool:
+        files = dict(drawn(drawings, pool))
+    assert files.keys() == drawings.keys()
+    assert all(png.startswith(b"\x89PNG") for _, png in files.values())
+
+
+def test_processes_draw_beside_this_one():
+    drawings = {str(number): Drawing(draw_where, number) for number in range(30)}
+    with local_pool("processes", 1) as pool:
+        pool.submit(draw_where, 0).result()
+        files = dict(drawn(drawings, pool))
+    sizes = [size for svg, _ in files.values() for size in (HERE, BESIDE) if size in svg]
+    assert len(sizes) == 30
+    assert set(sizes) == {HERE, BESIDE}
+    with drawing_pool(2) as pool:
+        assert pool is None
+    assert all(HERE in svg for _, (svg, _) in drawn(drawings, None))
+
+
+def test_svg_is_that_of_savefig_and_png_has_its_size():
+    def figure():
+        with figure_style():
+            canvas, axes = plt.subplots()
+            axes.loglog([1, 10, 100], [3, 2, 1], label="$q = 0.1$")
+            axes.legend()
+        return canvas
+
+    svg, png = svg_and_png(figure())
+    assert svg == figure_bytes(figure(), "svg")
+    shapes = [plt.imread(io.BytesIO(file)).shape for file in (png, figure_bytes(figure(), "png"))]
+    assert shapes[0] == shapes[1]
+
+
 def test_a_report_replaces_an_earlier_one(tmp_path):
     for part, present in (("figure6", True), ("table3", False)):
         write_report(reproduce([part]), tmp_path)
@@ -166,3 +243,23 @@ def test_windows_that_were_asked_for_are_said_to_be(tmp_path):
     page = (tmp_path / "report.html").read_text("utf-8")
     assert "were requested" in page
     assert "verdict bad" in page
+
+
+def test_known_values_are_no_longer_computed_after_an_interrupt(monkeypatch):
+    cases = []
+
+    def verify(*, progress):
+        for done in range(100):
+            cases.append(done)
+            time.sleep(0.02)
+            progress(done, 100)
+
+    def interrupt(_done, _chains):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("hertzchain.paper.reproduction.verify", verify)
+    threads = threading.active_count()
+    with pytest.raises(KeyboardInterrupt):
+        reproduce(["figure6", "verification"], progress=interrupt)
+    assert len(cases) < 100
+    assert threading.active_count() == threads

@@ -59,6 +59,8 @@ def reproduce(
     """
     from ..calibration import BEADS, beads_in_window
     from ..paper import report, reproduction
+    from ..paper.drawings import drawing_pool
+    from ..paper.published import published_figures
 
     windows = {
         "exponential": window_from("--window-exponential", window_exponential),
@@ -67,11 +69,12 @@ def reproduce(
     parts = reproduction.checked_parts(names_from(only))
     for window in windows.values():
         beads_in_window(window, BEADS)
-    with report.reserved(out):
+    figures = len(parts.intersection(published_figures()))
+    with report.reserved(out), drawing_pool(figures) as pool:
         with progress_bar("chains integrated") as progress:
             result = reproduction.reproduce(parts, windows=windows, progress=progress)  # type: ignore[arg-type]
         with progress_bar("figures drawn") as progress:
-            page = report.write_reserved(result, out, progress=progress)
+            page = report.write_reserved(result, out, progress=progress, pool=pool)
     if as_json:
         show_json(report.verdict(result))
     else:

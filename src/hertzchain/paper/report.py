@@ -21,10 +21,10 @@ import re
 import shutil
 import tempfile
 from collections.abc import Callable, Iterator
+from concurrent.futures import Executor
 from pathlib import Path
 from typing import Any, Final
 
-import matplotlib.pyplot as plt
 from jinja2 import Environment, PackageLoader, select_autoescape
 from markupsafe import Markup, escape
 from matplotlib.figure import Figure as MatplotlibFigure
@@ -34,11 +34,11 @@ from ..errors import InputError
 from ..evaluation.cases import GROUPS
 from ..evaluation.scoreboard import QUANTITIES, Scoreboard, percentage
 from ..plotting.scoreboard import plot_scoreboard
-from ..plotting.style import figure_bytes
 from ..store.file_lock import lock
 from ..store.writing import cannot_write
 from ..verification.case import ORIGINS
 from ..verification.verify import as_dict
+from .drawings import Drawing, drawn
 from .figures import Figure, draw_figure, figure_csv
 from .reproduction import Reproduction
 from .tables import WINDOWS, Table
@@ -96,12 +96,13 @@ def write_reserved(
     out: Path,
     *,
     progress: Callable[[int, int], None] | None = None,
+    pool: Executor | None = None,
 ) -> Path:
-    """Write a report to a folder that is `reserved`."""
+    """Write a report to a folder that is `reserved`; a pool of processes draws figures, too."""
     try:
         with tempfile.TemporaryDirectory(dir=out, prefix=WRITING) as folder:
             fresh = Path(folder)
-            images = _write_figures(reproduction, fresh / "figures", progress)
+            images = _write_figures(reproduction, fresh / "figures", progress, pool)
             _write_pages(reproduction, fresh, images)
             _replace(fresh, out)
     except OSError as error:
@@ -217,28 +218,29 @@ def method(reproduction: Reproduction) -> dict[str, Any]:
 
 
 def _write_figures(
-    reproduction: Reproduction, folder: Path, progress: Callable[[int, int], None] | None
+    reproduction: Reproduction,
+    folder: Path,
+    progress: Callable[[int, int], None] | None,
+    pool: Executor | None,
 ) -> dict[str, str]:
     """Save all figures; return them as data URLs for the page."""
     folder.mkdir()
-    drawings: list[tuple[str, Callable[[], MatplotlibFigure]]] = []
-    for figure in reproduction.figures:
-        name = figure.published.name
-        drawings.append((name, functools.partial(draw_figure, figure)))
-        (folder / f"{name}.csv").write_text(figure_csv(figure), "utf-8")
-    if reproduction.errata:
-        drawings.append(("errata", lambda: draw_formula_errors(reproduction.pulses)))
+    drawings: dict[str, Drawing] = {}
     board = reproduction.scoreboard
     if board is not None:
-        drawings.append(("scoreboard", functools.partial(_draw_scoreboard, board)))
+        # The cases of a scoreboard are functions, which cannot be sent to another process.
+        drawings["scoreboard"] = Drawing(_draw_scoreboard, board, movable=False)
         (folder / "scoreboard.csv").write_text(board.to_dataframe().to_csv(index=False), "utf-8")
+    if reproduction.errata:
+        drawings["errata"] = Drawing(draw_formula_errors, reproduction.pulses)
+    for figure in reproduction.figures:
+        name = figure.published.name
+        drawings[name] = Drawing(draw_figure, figure)
+        (folder / f"{name}.csv").write_text(figure_csv(figure), "utf-8")
     images = {}
-    for done, (name, draw) in enumerate(drawings, start=1):
-        canvas = draw()
-        vector = figure_bytes(canvas, "svg")
+    for done, (name, (vector, pixels)) in enumerate(drawn(drawings, pool), start=1):
         (folder / f"{name}.svg").write_bytes(vector)
-        (folder / f"{name}.png").write_bytes(figure_bytes(canvas, "png"))
-        plt.close(canvas)
+        (folder / f"{name}.png").write_bytes(pixels)
         encoded = base64.b64encode(vector).decode("ascii")
         images[name] = f"data:image/svg+xml;base64,{encoded}"
         if progress is not None:

@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import functools
+import threading
 import time
-from collections.abc import Callable, Collection, Iterable, Mapping
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
+from concurrent.futures import CancelledError, Future, ThreadPoolExecutor
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 
 from ..calibration import BEADS, Window, beads_in_window
@@ -136,7 +139,10 @@ def reproduce(
     if "errata" in parts:
         wanted |= errata_chains()
     drifts: list[tuple[float, float]] = []
-    pulses = integrate_chains(wanted, progress=progress, drifts=drifts)
+    # Most of the time, both are in compiled code, which runs in parallel.
+    with _verifying("verification" in parts) as verified:
+        pulses = integrate_chains(wanted, progress=progress, drifts=drifts)
+        verification = tuple(verified.result())
     return Reproduction(
         tables=tuple(
             reproduce_table(name, pulses, used[published_tables()[name].fit]) for name in tables
@@ -149,8 +155,25 @@ def reproduce(
         scoreboard=scoreboard() if "scoreboard" in parts else None,
         seconds=time.perf_counter() - started,
         windows=used,
-        verification=tuple(verify()) if "verification" in parts else (),
+        verification=verification,
     )
+
+
+@contextmanager
+def _verifying(wanted: bool) -> Iterator[Future[list[Verdict]]]:
+    """Compute known values in another thread, which stops if the block raises an exception."""
+    stopped = threading.Event()
+
+    def stop_if_asked(_done: int, _cases: int) -> None:
+        if stopped.is_set():
+            raise CancelledError
+
+    with ThreadPoolExecutor(max_workers=1) as thread:
+        try:
+            yield thread.submit(lambda: verify(progress=stop_if_asked) if wanted else [])
+        except BaseException:
+            stopped.set()
+            raise
 
 
 def integrate_chains(

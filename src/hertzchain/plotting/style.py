@@ -13,6 +13,8 @@ from typing import TYPE_CHECKING, Final
 import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure
 
 from ..chain.chain import Chain
@@ -51,6 +53,22 @@ def figure_bytes(figure: Figure, kind: str) -> bytes:
     with figure_style():
         figure.savefig(content, format=kind, metadata=undated)
     return content.getvalue()
+
+
+def svg_and_png(figure: Figure) -> tuple[bytes, bytes]:
+    """A figure as SVG and PNG, which share a layout: each is drawn once.
+
+    `Figure.savefig` lays a figure out for each file, and draws it twice for that.
+    """
+    svg, png = io.BytesIO(), io.BytesIO()
+    with figure_style():
+        dpi = plt.rcParams["savefig.dpi"]
+        figure.set_dpi(dpi)
+        FigureCanvasSVG(figure).print_svg(svg, metadata={"Date": None})  # type: ignore[no-untyped-call]
+        figure.set_layout_engine("none")
+        figure.set_dpi(dpi)
+        FigureCanvasAgg(figure).print_png(png)  # type: ignore[no-untyped-call]
+    return svg.getvalue(), png.getvalue()
 
 
 def get_axes(ax: Axes | None, figsize: tuple[float, float] | None = None) -> Axes:

@@ -268,6 +268,16 @@ def test_a_tilted_groove_with_a_free_end_needs_until():
             assert run.steps < 1000
 
 
+@pytest.mark.parametrize("until", [None, 3.0])
+def test_beads_that_separate_from_the_start_never_press_a_wall_behind_them(until):
+    chain = hc.Chain.uniform(3).replace(velocities=[0.5, 0.7, 0.9], left_wall=WALL, gaps=[0.1, 0.0])
+    run = hc.simulate(chain, until=until)
+    assert run.status == ("nothing more happens" if until is None else "time reached")
+    np.testing.assert_array_equal(run.state.velocities, [0.5, 0.7, 0.9])
+    assert run.wall_force("left").complete
+    assert run.wall_force("left").peak == 0.0
+
+
 def test_a_strongly_lossy_random_chain_ends_with_a_run_that_can_be_read():
     rng = np.random.default_rng(91)
     rng.integers(8, 40)

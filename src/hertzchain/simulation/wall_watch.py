@@ -35,6 +35,7 @@ MAX_TRANSITS: Final = 10
 CHECKS: Final = 16
 # Checks per transit of a run by fixed steps to a given time, which may be very long.
 FEW_CHECKS: Final = 2
+SMALLEST: Final = float(np.finfo(float).tiny)
 # Relative rounding of the bound; fraction of the peak below which the force has left the wall.
 ROUNDING, RELEASED = 1e-9, 1e-3
 
@@ -156,7 +157,7 @@ class WallWatch:
         if self.completion[state_layout.SINCE, side] == 0.0:
             impulse = self.arrays["y"][2 * self.chain.beads + LEFT_IMPULSE + side]
             touches = self.walls[state_layout.TOUCHES, side]
-            self.completion[state_layout.SINCE :, side] = self.time, impulse, touches
+            self.completion[state_layout.SINCE :, side] = self._mark, impulse, touches
 
     def close_if_apart(self) -> None:
         """Close if no contact is closed or closing and no force acts on the beads."""
@@ -170,9 +171,14 @@ class WallWatch:
         if not meeting[self.targets[0].contacts].any():
             self.close()
 
+    @property
+    def _mark(self) -> float:
+        """The time, or the smallest number at time 0: 0 means not yet."""
+        return max(self.time, SMALLEST)
+
     def close(self) -> None:
         """Record that nothing more can happen, so that every peak is complete."""
-        self.completion[state_layout.WATCH_START] = self.time
+        self.completion[state_layout.WATCH_START] = self._mark
         self.completion[[state_layout.TRANSIT, state_layout.DUE]] = 0.0
         for target in self.targets:
             self._note(target.side)
@@ -180,7 +186,7 @@ class WallWatch:
     def complete(self, side: int) -> bool:
         """Whether the peak of a wall has been complete for half a transit."""
         since = float(self.completion[state_layout.SINCE, side])
-        return since > 0.0 and self.time - since >= HELD * self.transit
+        return since > 0.0 and self._mark - since >= HELD * self.transit
 
     def approach(self, target: Target, forces: Array) -> Approach:
         """The motion towards a wall now."""

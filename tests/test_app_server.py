@@ -29,6 +29,7 @@ from hertzchain.app.requests import Request
 from hertzchain.app.results import results
 from hertzchain.app.serve import RunningServer, bind
 from hertzchain.app.warm_up import WarmUp
+from hertzchain.warm_start import Stage
 
 TAPER = {"chain": {"taper": "backward-exponential", "rate": 0.05, "beads": 40}}
 WALL = {"chain": {"taper": "uniform", "beads": 20, "right_wall": {"rigid": True}}}
@@ -471,7 +472,10 @@ def test_a_port_that_is_taken_is_replaced_by_the_next():
 def test_theories_are_sent_while_simulations_are_compiled():
     compiled = threading.Event()
     found = RunningServer(0, warm_up=False)
-    stages = (("the simulation", lambda _: compiled.wait(30.0)), ("the law", lambda _: None))
+    stages = (
+        Stage("the simulation", lambda _: compiled.wait(30.0)),
+        Stage("the law", lambda _: None),
+    )
     found.app.warm_up = WarmUp(stages)
     found.start()
     answers = {}

@@ -81,6 +81,7 @@ def test_functions_of_other_packages_are_ignored():
     notice = CompileNotice(lines.append, delay=0.0)
     compile_for(notice, 0.1, "somebody.kernels.narrow_front")
     compile_for(notice, 0.1, "__main__")
+    compile_for(notice, 0.1, None)
     assert lines == []
 
 

@@ -85,7 +85,9 @@ class CompileNotice(event.Listener):
 
 def _module_of(event: Any) -> str | None:
     """Last part of the name of the module of a compiled function; None if it is not ours."""
-    package, _, module = event.data["dispatcher"].py_func.__module__.rpartition(".")
+    # Functions made by `exec` may be without a module.
+    function = getattr(event.data["dispatcher"], "py_func", None)
+    package, _, module = (getattr(function, "__module__", None) or "").rpartition(".")
     return module if package == __package__ else None
 
 

@@ -25,6 +25,7 @@ from hertzchain.app.messages import Part
 from hertzchain.app.results import Cancelled, limited
 from hertzchain.app.serve import RunningServer, bind
 from hertzchain.app.warm_up import WarmUp
+from hertzchain.warm_start import Stage
 
 
 @pytest.fixture(scope="module")
@@ -280,7 +281,10 @@ def test_a_port_that_is_taken_is_replaced_by_the_next():
 def test_theories_are_sent_while_simulations_are_compiled():
     compiled = threading.Event()
     found = RunningServer(0, warm_up=False)
-    stages = (("the simulation", lambda _: compiled.wait(30.0)), ("the law", lambda _: None))
+    stages = (
+        Stage("the simulation", lambda _: compiled.wait(30.0)),
+        Stage("the law", lambda _: None),
+    )
     found.app.warm_up = WarmUp(stages)
     found.start()
     answers = {}

@@ -1,4 +1,3 @@
-import importlib
 import io
 import os
 import pty
@@ -11,7 +10,7 @@ from types import SimpleNamespace
 import pytest
 from numba.core.event import Event, EventStatus
 
-from hertzchain.kernels import compile_notice
+from hertzchain.kernels import compile_notice, forces
 from hertzchain.kernels.compile_notice import CompileNotice, write_line
 
 LINE = "hertzchain: compiling once, about"
@@ -36,16 +35,16 @@ print("done")
 """
 
 
-def events(module="hertzchain.kernels.narrow_front"):
+def events(module, arguments):
     dispatcher = SimpleNamespace(py_func=SimpleNamespace(__module__=module))
     return [
-        Event("numba:compile", status, {"dispatcher": dispatcher})
+        Event("numba:compile", status, {"dispatcher": dispatcher, "args": arguments})
         for status in (EventStatus.START, EventStatus.END)
     ]
 
 
-def compile_for(notice, seconds, module="hertzchain.kernels.narrow_front"):
-    start, end = events(module)
+def compile_for(notice, seconds, module="hertzchain.kernels.narrow_front", arguments=()):
+    start, end = events(module, arguments)
     notice.notify(start)
     # A function that the outer one calls.
     notice.notify(start)
@@ -82,6 +81,7 @@ def test_functions_of_other_packages_are_ignored():
     notice = CompileNotice(lines.append, delay=0.0)
     compile_for(notice, 0.1, "somebody.kernels.narrow_front")
     compile_for(notice, 0.1, "__main__")
+    compile_for(notice, 0.1, None)
     assert lines == []
 
 
@@ -169,6 +169,11 @@ def test_the_line_is_above_a_progress_bar():
     assert re.match(r" 10 s *\r?\n.*chains", after, re.S)
 
 
-def test_every_module_with_an_estimate_exists():
-    for module in compile_notice.SECONDS:
-        importlib.import_module(f"hertzchain.kernels.{module}")
+def test_what_takes_long_is_announced_as_long():
+    lines = []
+    chain = SimpleNamespace(instance_class=forces.GeneralChain)
+    for module, arguments in (("narrow_front", ()), ("full_chain", ()), ("full_chain", (chain,))):
+        notice = CompileNotice(lines.append, delay=0.0)
+        compile_for(notice, 0.1, f"hertzchain.kernels.{module}", arguments)
+    seconds = [int(line.split()[-2]) for line in lines]
+    assert seconds == sorted(set(seconds))

@@ -28,7 +28,13 @@ def everything(tmp_path_factory):
     chain = hc.Chain.uniform(6).replace(right_wall=hc.Wall())
     run = hc.simulate(chain, until=40.0, times=400)
     pulse = hc.bca(hc.Chain.uniform(6))
+    traces, file = hc.example_experiment()
+    fit = hc.fit(traces, file, free=["time_offset"])
+    measured = hc.simulate(hc.load_chain(file), until=6e-4, times=1201)
     found = [
+        traces, fit, hc.scan_defects(fit), measured.compare(traces),
+        hc.LossComparison(fits=()),
+        hc.Posterior(("gain",), np.ones((3, 1)), 0.3, np.nan, 4),
         chain, balls, hc.Chain.tapered("forward-linear", 0.05, beads=5), run, run.state,
         run.budget(), run.wall_force("right"), run.sensor_force(3), run.waves(), run.waves()[0],
         run.waves()[0].events[0], run.velocity_peaks(3), run.fronts(), run.leading_pulse(),

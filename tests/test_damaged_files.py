@@ -11,6 +11,7 @@ import pytest
 import xarray as xr
 
 import hertzchain as hc
+from hertzchain.kernels import state_layout
 from hertzchain.simulation.state import State
 from hertzchain.store import streaming
 from hertzchain.store.sweep_store import SweepStore
@@ -289,7 +290,10 @@ def test_a_state_with_impossible_values_never_reaches_compiled_code(state_file, 
         except hc.InputError:
             refused += 1
             continue
-        assert all(np.isfinite(values).all() for values in found.arrays.values())
+        # The time until which no contact closes may be infinite.
+        clock = found.arrays["clock"]
+        clock = np.where(np.arange(len(clock)) == state_layout.IDLE_UNTIL, np.exp(-clock), clock)
+        assert all(np.isfinite(each).all() for each in (found.arrays | {"clock": clock}).values())
         until = 2.0 * found.time + 1.0
         with np.errstate(all="ignore"):
             run = hc.simulate(found.chain, start=found, until=until, max_steps=300, check=False,

@@ -15,7 +15,7 @@ import warnings
 import numpy as np
 import pint
 import pytest
-from test_input_validation import doors
+from test_input_validation import public_calls
 
 import hertzchain as hc
 from hertzchain.simulation.state import fingerprint
@@ -266,7 +266,7 @@ def test_arguments_of_public_functions(number, tmp_path, monkeypatch):
     rng = random.Random(5)
     public = {
         name: call
-        for name, call in doors(tmp_path).items()
+        for name, call in public_calls(tmp_path).items()
         if not any(part in name for part in SLOW) and call[1]
     }
     for _ in range(number):

@@ -102,5 +102,6 @@ from .theory.spectrum import Spectrum as Spectrum
 from .theory.spectrum import spectrum as spectrum
 from .verification.verify import Verdict as Verdict
 from .verification.verify import verify as verify
+from .warm_start import warm_up as warm_up
 
 __version__: str

@@ -13,7 +13,19 @@ import click
 
 # Modules of this package import only click at the top, so that `--help` is fast; commands import
 # the rest of the library when they run.
-from . import app, calibrate, cite, fit, pulse, reproduce, scoreboard, simulate, sweep, verify
+from . import (
+    app,
+    calibrate,
+    cite,
+    fit,
+    pulse,
+    reproduce,
+    scoreboard,
+    simulate,
+    sweep,
+    verify,
+    warm_up,
+)  # fmt: skip
 from .environment import prepare_environment
 from .exit_codes import BAD_INPUT, DONE, FAILED, INTERRUPTED
 
@@ -31,7 +43,8 @@ def cli() -> None:
 
 for _command in (
     pulse.pulse, simulate.simulate, reproduce.reproduce, calibrate.calibrate,
-    scoreboard.scoreboard, sweep.sweep, fit.fit, verify.verify, app.app, cite.cite,
+    scoreboard.scoreboard, sweep.sweep, fit.fit, verify.verify, app.app, warm_up.warm_up,
+    cite.cite,
 ):  # fmt: skip
     cli.add_command(_command)
 

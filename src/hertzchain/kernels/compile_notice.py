@@ -20,9 +20,9 @@ from numba.core import event
 DELAY: Final = 0.5
 # A compilation that begins this many seconds after the previous one is a new wait.
 PAUSE: Final = 1.0
-# Seconds that functions called from Python take to compile, with all that they call, by module.
+# Seconds in which a module is compiled, or what concerns a named tuple; measured in CPU time.
 USUAL: Final = 10
-SECONDS: Final[dict[str, int]] = {}
+SECONDS: Final = {"full_chain": 15, "GeneralChain": 55}
 
 
 class CompileNotice(event.Listener):
@@ -55,7 +55,7 @@ class CompileNotice(event.Listener):
             if self._began - self._ended > self._pause:
                 self._spent, self._written = 0.0, False
             if not self._written:
-                line = f"hertzchain: compiling once, about {SECONDS.get(module, USUAL)} s"
+                line = f"hertzchain: compiling once, about {_seconds(event, module)} s"
                 wait = max(0.0, self._delay - self._spent)
                 self._timer = threading.Timer(wait, self._show, (line,))
                 self._timer.daemon = True
@@ -85,8 +85,17 @@ class CompileNotice(event.Listener):
 
 def _module_of(event: Any) -> str | None:
     """Last part of the name of the module of a compiled function; None if it is not ours."""
-    package, _, module = event.data["dispatcher"].py_func.__module__.rpartition(".")
+    # Functions made by `exec` may be without a module.
+    function = getattr(event.data["dispatcher"], "py_func", None)
+    package, _, module = (getattr(function, "__module__", None) or "").rpartition(".")
     return module if package == __package__ else None
+
+
+def _seconds(event: Any, module: str) -> int:
+    """Expected time of a compilation, from the function and the types of its arguments."""
+    classes = (getattr(kind, "instance_class", None) for kind in event.data["args"])
+    names = [getattr(each, "__name__", "") for each in classes]
+    return max((SECONDS[name] for name in (module, *names) if name in SECONDS), default=USUAL)
 
 
 def write_line(line: str) -> None:

@@ -296,6 +296,8 @@ class _Ensemble:
             column[rows] = padded
         for index, reason in data.reasons.items():
             self.reasons[int(rows[index])] = reason
+            for column in self.columns:
+                column[rows[index]] = np.nan
 
     def _inside(self, rows: NDArray[np.int64]) -> NDArray[np.bool_]:
         inside: NDArray[np.bool_] = np.arange(self.radii.shape[1]) < self.beads[rows, np.newaxis]

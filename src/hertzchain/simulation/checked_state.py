@@ -25,10 +25,14 @@ def check_state(state: State) -> None:
         raise InputError(f"its arrays are not the arrays of a state: {names}")
     for name, fresh in expected.items():
         _check_layout(name, found[name], fresh)
-        # A value that does not exist yet may be stored as NaN.
-        if fresh.dtype.kind == "f" and not (np.isfinite(found[name]) | ~np.isfinite(fresh)).all():
+        # A value that does not exist yet is stored as in a new state, for example as infinity.
+        if fresh.dtype.kind == "f" and not _finite_or_absent(found[name], fresh).all():
             raise InputError(f"its array {name!r} has values that are not finite")
     _check_numbers(state)
+
+
+def _finite_or_absent(values: Array, fresh: Array) -> Array:
+    return np.asarray(np.isfinite(values) | (values == fresh) | (np.isnan(values) & np.isnan(fresh)))
 
 
 def _check_layout(name: str, found: object, fresh: Array) -> None:

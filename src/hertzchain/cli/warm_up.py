@@ -1,0 +1,29 @@
+"""The command `warm-up`: compile all kernels in advance."""
+
+from __future__ import annotations
+
+import click
+
+from .output import show_json
+from .progress import progress_bar
+
+
+@click.command("warm-up")
+@click.option("--json", "as_json", is_flag=True, help="Print the time as JSON.")
+def warm_up(as_json: bool) -> None:
+    """Compile all kernels now, in two processes side by side, instead of at their first use.
+
+    Once per installation; if everything is compiled already, it takes a few seconds.
+
+    \b
+    Example:
+      hertzchain warm-up
+    """
+    import hertzchain
+
+    with progress_bar("groups of kernels compiled") as progress:
+        seconds = hertzchain.warm_up(progress=progress)
+    if as_json:
+        show_json({"seconds": seconds})
+    else:
+        click.echo(f"All kernels are compiled ({seconds:.1f} s).")

@@ -1,0 +1,175 @@
+"""Compile kernels before they are needed: all of them in two processes, or the first ones here."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import Callable, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from typing import Final, NamedTuple
+
+from .chain.chain import Chain
+from .chain.laws.dashpot import Dashpot
+from .chain.laws.restitution import Restitution
+from .chain.laws.walton_braun import WaltonBraun
+from .chain.walls import Wall
+from .errors import SimulationError
+from .propagation.propagate import propagate, propagate_many
+from .simulation.simulate import simulate
+from .simulation.simulate_many import simulate_many
+from .theory.local_rate import local_rate, local_rate_gradient
+from .validation.numbers import worker_count
+from .validation.objects import callback
+
+
+class Stage(NamedTuple):
+    """Something whose first use compiles kernels; ``general`` if those of general chains."""
+
+    name: str
+    run: Callable[[Chain], object]
+    general: bool = False
+
+
+def _walled(chain: Chain, loss: object) -> object:
+    return simulate(chain.replace(right_wall=Wall(), loss=loss), rtol=1e-6)
+
+
+def _uneven(chain: Chain) -> object:
+    return propagate(Chain.from_radii([*chain.radii, 2.0 * chain.radii[0], *chain.radii]))
+
+
+def _other_exponents(chain: Chain) -> object:
+    other = Chain.from_radii(chain.radii, exponent=2.0)
+    return propagate(other), propagate_many([other] * 4)
+
+
+def _ensembles(chain: Chain) -> object:
+    walled = chain.replace(right_wall=Wall())
+    other = Chain.from_radii(chain.radii, exponent=2.0).replace(right_wall=Wall(stiffness=1.0))
+    return [simulate_many([each] * 4, keep=["wall_peak_force"]) for each in (walled, other)]
+
+
+def _fixed_steps(chain: Chain) -> object:
+    return [simulate(chain, method="symplectic", until=1.0, drift=drift) for drift in (1e-3, 1e-9)]
+
+
+# Those that a page or a notebook needs first, in this order.
+FIRST: Final = (
+    Stage("the simulation of the pulse", propagate),
+    Stage("the local-rate law", local_rate),
+    Stage("the simulation of all beads", lambda chain: simulate(chain, rtol=1e-6)),
+    Stage("walls and losses", lambda chain: _walled(chain, Dashpot(0.1)), general=True),
+    Stage("heterogeneous chains", _uneven),
+)
+STAGES: Final = (
+    *FIRST,
+    Stage("contacts with a memory", lambda chain: _walled(chain, WaltonBraun(0.5)), general=True),
+    Stage("strong damping", lambda chain: _walled(chain, Restitution(0.01)), general=True),
+    Stage("ensembles of pulses", lambda chain: propagate_many([chain] * 4)),
+    Stage("pulses of other exponents", _other_exponents),
+    Stage("ensembles of whole chains", _ensembles),
+    Stage("fixed steps", _fixed_steps),
+    Stage("sensitivities", lambda chain: local_rate_gradient(chain, "velocity", bead=3)),
+)
+BEADS: Final = 12
+Progress = Callable[[int, int], None]
+
+
+def warm_up(*, progress: Progress | None = None) -> float:
+    """Compile all kernels, in two processes side by side.
+
+    Otherwise each function compiles what it needs at its first use. The results are in numba's
+    cache, so that this is needed once per installation; later it takes seconds.
+
+    Parameters
+    ----------
+    progress : callable, optional
+        Called as ``progress(stages_done, stages)``.
+
+    Returns
+    -------
+    float
+        Time that it took [s].
+
+    Raises
+    ------
+    SimulationError
+        If a kernel cannot be compiled.
+
+    Examples
+    --------
+    >>> import hertzchain as hc
+    >>> seconds = hc.warm_up()  # doctest: +SKIP
+    """
+    callback("progress", progress)
+    began, done, lock = time.perf_counter(), 0, threading.Lock()
+
+    def count() -> None:
+        nonlocal done
+        with lock:
+            done += 1
+            if progress is not None:
+                progress(done, len(STAGES))
+
+    # They take equally long, and have few functions in common, which are compiled twice.
+    groups = [
+        [i for i, each in enumerate(STAGES) if each.general is general] for general in (True, False)
+    ]
+    if worker_count("workers", None) > 1:
+        _compile_beside(groups, count)
+    else:
+        for group in groups:
+            compile_stages(group, count)
+    return time.perf_counter() - began
+
+
+def compile_stages(numbers: Sequence[int], count: Callable[[], object]) -> None:
+    """Compile some of the stages in this process."""
+    chain = Chain.tapered("backward-exponential", 0.05, beads=BEADS)
+    for number in numbers:
+        STAGES[number].run(chain)
+        count()
+
+
+# A process of `multiprocessing` would import the script of a caller, which may have no guard.
+PROGRAM: Final = (
+    "import json, sys; path, numbers = json.loads(sys.argv[1]); sys.path[:] = path; "
+    "from hertzchain.warm_start import compile_stages; "
+    "compile_stages(numbers, lambda: print(flush=True))"
+)
+
+
+def _compile_beside(groups: Sequence[Sequence[int]], count: Callable[[], None]) -> None:
+    """Compile each group of stages in a process of its own."""
+    running: list[subprocess.Popen[str]] = []
+    try:
+        for group in groups:
+            command = [sys.executable, "-c", PROGRAM, json.dumps([sys.path, group])]
+            running.append(subprocess.Popen(
+                command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+                text=True,
+            ))  # fmt: skip
+        with ThreadPoolExecutor(len(running)) as threads:
+            failed = [
+                text for text in threads.map(lambda each: _watch(each, count), running) if text
+            ]
+    finally:
+        for process in running:
+            process.kill()
+            process.wait()
+    if failed:
+        raise SimulationError(f"a kernel cannot be compiled: {failed[0]}")
+
+
+def _watch(process: subprocess.Popen[str], count: Callable[[], None]) -> str:
+    """Count the lines that a process writes; returns its last message if it fails."""
+    with process:
+        assert process.stdout is not None
+        assert process.stderr is not None
+        for _ in process.stdout:
+            count()
+        messages = process.stderr.read().strip().splitlines()
+    return "" if process.returncode == 0 else (messages or ["the process was killed"])[-1]

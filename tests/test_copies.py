@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import hertzchain as hc
+from hertzchain.fitting.loss_comparison import LossFit
 from hertzchain.simulation.state import fingerprint
 from hertzchain.store import chain_as_toml as writer
 from hertzchain.store import chain_files
@@ -33,8 +34,8 @@ def everything(tmp_path_factory):
     measured = hc.simulate(hc.load_chain(file), until=6e-4, times=1201)
     found = [
         traces, fit, hc.scan_defects(fit), measured.compare(traces),
-        hc.LossComparison(fits=()),
-        hc.Posterior(("gain",), np.ones((3, 1)), 0.3, np.nan, 4),
+        hc.LossComparison(fits=(LossFit("viscoelastic", fit, bic=1.0),)),
+        hc.Posterior(("gain",), np.ones((3, 1)), 0.3, np.nan, 4, np.ones((1, 2))),
         chain, balls, hc.Chain.tapered("forward-linear", 0.05, beads=5), run, run.state,
         run.budget(), run.wall_force("right"), run.sensor_force(3), run.waves(), run.waves()[0],
         run.waves()[0].events[0], run.velocity_peaks(3), run.fronts(), run.leading_pulse(),

@@ -32,7 +32,9 @@ def check_state(state: State) -> None:
 
 
 def _finite_or_absent(values: Array, fresh: Array) -> Array:
-    return np.asarray(np.isfinite(values) | (values == fresh) | (np.isnan(values) & np.isnan(fresh)))
+    return np.asarray(
+        np.isfinite(values) | (values == fresh) | (np.isnan(values) & np.isnan(fresh))
+    )
 
 
 def _check_layout(name: str, found: object, fresh: Array) -> None:

@@ -244,11 +244,14 @@ def test_a_run_that_cannot_finish_has_failed(run):
     assert "stopped by the step limit" in err
 
 
-def test_interrupt_leaves_with_130():
+def test_interrupt_leaves_with_130(tmp_path):
+    walls = "left_wall = {}\nright_wall = {}\n"
+    (tmp_path / "walls.toml").write_text('[chain]\ntaper = "uniform"\nbeads = 200\n' + walls)
     environment = os.environ | {"PYTHONUNBUFFERED": "1"}
     command = [sys.executable, "-c", "from hertzchain.cli import main; main()"]
     process = subprocess.Popen(
-        [*command, "simulate", "--beads", "20000", "--times", "0"],
+        [*command, "simulate", "walls.toml", "--until", "1e6", "--max-steps", "1000000000"],
+        cwd=tmp_path,
         env=environment,
         stderr=subprocess.PIPE,
         text=True,

@@ -229,6 +229,7 @@ def public_calls(folder):
             hc.animate, run=run, path=folder / "a.gif", frames=2, seconds=1.0, magnify=None
         ),
         "plot_chain": tried(hc.plot_chain, chain=chain, ax=None),
+        "warm_up": tried(hc.warm_up, progress=None),
         "propagate": tried(hc.propagate, chain=chain, rtol=1e-8, progress=None),
         "propagate_many": tried(
             hc.propagate_many, chains=[chain], rtol=1e-8, threads=1, progress=None
@@ -411,7 +412,7 @@ def test_every_public_function_is_called(every_call):
 
 def test_valid_arguments_are_accepted(every_call):
     for name, (function, good) in every_call.items():
-        if not name.startswith(("load_chain", "load_drive", "FitResult.sample")):
+        if not name.startswith(("load_chain", "load_drive", "FitResult.sample", "warm_up")):
             function(**good)
 
 

@@ -220,8 +220,8 @@ def sweep() -> Figure:
 
 def fit_before() -> Figure:
     """Data of the example, and the simulation with nominal values."""
-    traces, bench = hc.example_experiment()
-    return hc.simulate(hc.load_chain(bench), until=600e-6, times=1201).compare(traces).plot()
+    traces, chain_file = hc.example_experiment()
+    return hc.simulate(hc.load_chain(chain_file), until=600e-6, times=1201).compare(traces).plot()
 
 
 def fit_result() -> Figure:

@@ -4,7 +4,7 @@ import warnings
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from scipy_chain import trajectory
 
@@ -215,6 +215,10 @@ def test_the_work_of_a_drive():
     assert budget.energy_given["drive"][-1] == pytest.approx(0.5 * run.positions[-1, 0], rel=1e-11)
 
 
+# A force that is cut off within an implicit step: the energy lost then limits the step.
+@example(
+    [1.5, 1.875, 0.6875], hc.VelocityPower(0.2, alpha=0.2, attractive=False), 0.0625, 0.08203125
+)
 @settings(max_examples=20)
 @given(
     st.lists(st.floats(0.5, 2.0), min_size=3, max_size=10),

@@ -35,7 +35,7 @@ END = np.ones(1)
 # Lower bound of a step's tolerance, because stiff contacts amplify the rounding of velocities.
 FINEST = 1e-11
 # Relative tolerance of energies, in units of that of speeds.
-ENERGY = 100.0
+ENERGY = 10.0
 # Length of the very short step that determines the forces of a state, as a fraction of a step.
 SETTLING = 1e-3
 # Weights of the accelerations at the nodes in the interpolated acceleration at the start.

@@ -21,13 +21,13 @@ from ..collision import HERTZ_EXPONENT
 from ..errors import InputError
 from ..validation.numbers import number, plain_magnitude, real_numbers, whole_number
 from ..validation.objects import check_list
-from . import contact_shapes, modifications
+from . import contact_shapes, modifications, pieces
 from . import strikers as striking
 from .fields import ChainFields
 from .input_checks import checked_beads, checked_radii
 from .materials import Material, MaterialLike, material
 from .static_state import StaticState, static_state
-from .tapers import taper_named
+from .taper_sizes import Sizes, taper_of_sizes
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -118,10 +118,18 @@ class Chain(ChainFields):
     @classmethod
     def tapered(
         cls,
-        taper: str,
+        taper: str | None = None,
         rate: float | None = None,
         *,
         beads: int,
+        first: float | str | None = None,
+        last: float | str | None = None,
+        first_diameter: float | str | None = None,
+        last_diameter: float | str | None = None,
+        ratio: float | None = None,
+        length: float | str | None = None,
+        material: MaterialLike | None = None,
+        velocity: float | str | None = None,
         exponent: float = HERTZ_EXPONENT,
         **parameters: float,
     ) -> Chain:
@@ -136,14 +144,30 @@ class Chain(ChainFields):
         forward-exponential   :math:`(1+q)^{-(k-1)}`        Eq. (21)
         ====================  ============================  =====================
 
+        A taper is given either by its name and rate or by sizes: the first bead and one of
+        ``last``, ``ratio`` and ``length``, which determine direction and rate.
+
         Parameters
         ----------
-        taper : str
-            A name in `TAPERS`.
-        rate : float
+        taper : str, optional
+            A name in `TAPERS`; with sizes ``"exponential"`` (the default) or ``"linear"``.
+        rate : float, optional
             Tapering parameter: S > 0 of a linear, 0 < q < 1 of an exponential taper.
         beads : int
             Number of beads N, at least 2.
+        first, last : float or str, optional
+            Radii of the first and last bead [m; without a material in any one unit, and the first
+            is 1 by default].
+        first_diameter, last_diameter : float or str, optional
+            Their diameters, instead of their radii.
+        ratio : float, optional
+            Radius of the last bead over that of the first.
+        length : float or str, optional
+            Length of the touching beads, the sum of their diameters [as ``first``].
+        material : str or Material, optional
+            Material of all beads; the chain is then in SI units, and ``first`` is required.
+        velocity : float or str, optional
+            Velocity of bead 1 at time 0 [m/s], in a chain of a material; 1 if not given.
         exponent : float
             Exponent p of the contact force, > 1.
         **parameters : float
@@ -152,24 +176,31 @@ class Chain(ChainFields):
         Raises
         ------
         InputError
-            For an unknown taper or parameter, a rate or number of beads out of range, or radii
-            that overflow.
+            For an unknown taper, parameter or material, a rate, size or number of beads out of
+            range, sizes that contradict each other, or radii that overflow.
 
         Examples
         --------
         >>> Chain.tapered("forward-linear", 0.25, beads=4).radii
         array([1.  , 0.75, 0.5 , 0.25])
+        >>> Chain.tapered(ratio=0.25, beads=40)
+        Chain(forward-exponential, q = 0.0361846, 40 beads)
+        >>> Chain.tapered(first="10 mm", last="2.5 mm", beads=40, material="steel-52100")
+        Chain(SI, steel-52100, R = 2.5 .. 10 mm, 40 beads)
         """
         count = checked_beads(beads)
-        kind = taper_named(taper)
-        given = parameters if rate is None else {"rate": rate, **parameters}
-        values = kind.parameters(given, count)
-        return cls(
-            kind.radii_of(count, values),
-            exponent,
-            taper=kind.name,
-            taper_parameters=tuple(values.items()),
+        sizes = Sizes(first, last, first_diameter, last_diameter, ratio, length)
+        kind, values, radii, unit = taper_of_sizes(
+            taper, rate, parameters, count, sizes, si=material is not None
         )
+        if material is not None:
+            fields = {"velocity": velocity, "exponent": exponent}
+            return cls.from_materials(unit * radii, material, **fields)  # type: ignore[arg-type]
+        if velocity is not None:
+            raise InputError(
+                "velocity requires a material: the velocity of the impact is 1 in scaled variables"
+            )
+        return cls(radii, exponent, taper=kind, taper_parameters=tuple(values.items()))
 
     @classmethod
     def uniform(cls, beads: int, *, exponent: float = HERTZ_EXPONENT) -> Chain:
@@ -223,14 +254,15 @@ class Chain(ChainFields):
     @classmethod
     def from_materials(
         cls,
-        radii: ArrayLike,
-        materials: MaterialLike | Sequence[MaterialLike],
+        radii: ArrayLike | None = None,
+        materials: MaterialLike | Sequence[MaterialLike] | None = None,
         *,
+        diameters: ArrayLike | None = None,
         beads: int | None = None,
-        velocity: float | None = None,
+        velocity: float | str | None = None,
         **fields: Any,
     ) -> Chain:
-        r"""A chain in SI units, from radii and materials.
+        r"""A chain in SI units, from radii or diameters and materials.
 
         All contacts are Hertz contacts, also those of different materials:
         `hertzchain.chain.materials.sphere_stiffness`.
@@ -241,6 +273,8 @@ class Chain(ChainFields):
             Radius of each bead [m], struck bead first; or one for all.
         materials : str, Material or sequence of them
             A material or its name in the catalogue, for all beads or for each.
+        diameters : array_like, optional
+            Diameters [m], instead of radii.
         beads : int, optional
             Number of beads, if there is one radius for all.
         velocity : float
@@ -260,8 +294,18 @@ class Chain(ChainFields):
         Chain(SI, steel-52100, R = 5 mm, 20 beads)
         >>> round(float(chain.masses[0]), 9), float(chain.stiffness[0]).__round__(-3)
         (0.004073598, 7435897000.0)
+        >>> Chain.from_materials(diameters="10 mm", materials="steel-52100", beads=20)
+        Chain(SI, steel-52100, R = 5 mm, 20 beads)
         """
-        given = real_numbers("radius", radii, "bead", unit="m")
+        if materials is None or (radii is None) == (diameters is None):
+            raise InputError(
+                "Chain.from_materials needs materials and either radii or diameters, such as "
+                "Chain.from_materials(diameters='10 mm', materials='steel-52100', beads=20)"
+            )
+        if diameters is None:
+            given = real_numbers("radius", radii, "bead", unit="m")
+        else:
+            given = 0.5 * real_numbers("diameter", diameters, "bead", unit="m")
         if given.ndim == 0:
             if beads is None:
                 raise InputError("one radius for all beads needs their number: give beads")
@@ -361,6 +405,10 @@ class Chain(ChainFields):
         return static_state(self)
 
     # Methods that return a modified chain, in separate files.
+    __add__ = pieces.joined
+    __getitem__ = pieces.part
+    __iter__ = None  # a slice of a chain is a chain, but a bead is not
+    reversed = pieces.reversed_beads
     decorated = modifications.decorated
     with_defects = modifications.with_defects
     with_scatter = modifications.with_scatter

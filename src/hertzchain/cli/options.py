@@ -15,28 +15,6 @@ if TYPE_CHECKING:
 PICTURES: Final = (".png", ".svg", ".pdf")
 
 
-def chain_options(command: Callable[..., Any]) -> Callable[..., Any]:
-    """Add the options that describe a chain."""
-    for option in (
-        click.argument("file", required=False, type=click.Path(path_type=Path)),
-        click.option(
-            "--chain",
-            "chain_file",
-            type=click.Path(path_type=Path),
-            metavar="FILE",
-            help="The same as FILE: TOML, or CSV with one row per bead.",
-        ),
-        click.option(
-            "--taper",
-            help="uniform, or backward-/forward- with linear/exponential.  [default: uniform]",
-        ),
-        click.option("--rate", type=float, help="Tapering parameter: S (linear), q (exponential)."),
-        click.option("--beads", type=int, help="Number of beads N.  [default: 100]"),
-    )[::-1]:
-        command = option(command)
-    return command
-
-
 class LateHelp(click.Option):
     """An option whose help is computed when it is shown, because it imports the library."""
 
@@ -48,40 +26,6 @@ class LateHelp(click.Option):
         """Names and help of the option."""
         self.help = self.late_help()
         return super().get_help_record(ctx)
-
-
-def chain_from(
-    file: Path | None,
-    chain_file: Path | None,
-    taper: str | None,
-    rate: float | None,
-    beads: int | None,
-) -> Chain:
-    """The chain that the `chain_options` describe."""
-    from ..chain.chain import Chain
-    from ..chain.tapers import TAPERS
-    from ..store.chain_files import load_chain
-    from ..validation.objects import check_choice
-
-    if file is not None and chain_file is not None:
-        raise click.UsageError("give the chain as FILE or as --chain FILE, not both")
-    file = chain_file if file is None else file
-    if file is not None:
-        if not (taper is None and rate is None and beads is None):
-            raise click.UsageError("give a chain FILE or --taper, --rate and --beads, not both")
-        return load_chain(file)
-    count = 100 if beads is None else beads
-    if taper is None and rate is not None:
-        raise click.UsageError(f"--rate requires --taper: {', '.join(TAPERS)}")
-    if taper is None or taper == "uniform":
-        if rate is not None:
-            raise click.UsageError("--rate cannot be used with a uniform chain")
-        return Chain.uniform(count)
-    check_choice("taper", taper, (*TAPERS, "uniform"))
-    if rate is None:
-        usual = "its S, such as 0.005" if taper.endswith("linear") else "its q, such as 0.05"
-        raise click.UsageError(f"--taper {taper} requires --rate, {usual}")
-    return Chain.tapered(taper, rate, beads=count)
 
 
 def time_from(option: str, text: str | None, chain: Chain) -> float | None:

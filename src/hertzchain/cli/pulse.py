@@ -7,7 +7,8 @@ from pathlib import Path
 import click
 
 from ..pulse.quantities import QUANTITIES
-from .options import PICTURES, LateHelp, chain_from, chain_options, check_writable
+from .chain_options import ChainOptions, chain_from, chain_options
+from .options import PICTURES, LateHelp, check_writable
 from .output import save_figure, show_table
 from .progress import progress_bar
 from .pulse_tables import pulse_table, side_by_side
@@ -50,9 +51,8 @@ def _method_help() -> str:
     help="Also plot the quantity to FILE (.png, .svg or .pdf).",
 )
 def pulse(
-    file: Path | None, chain_file: Path | None, taper: str | None, rate: float | None,
-    beads: int | None, methods: tuple[str, ...], quantity: str, every_bead: bool, as_json: bool,
-    as_csv: bool, plot: Path | None, log: bool,
+    options: ChainOptions, methods: tuple[str, ...], quantity: str, every_bead: bool,
+    as_json: bool, as_csv: bool, plot: Path | None, log: bool,
 ) -> None:  # fmt: skip
     """Compute the leading pulse along a chain by one or several methods.
 
@@ -63,6 +63,7 @@ def pulse(
     Examples:
       hertzchain pulse --taper backward-exponential --rate 0.05 --beads 100
       hertzchain pulse --taper forward-linear --rate 0.009 --method propagate --method bca
+      hertzchain pulse --material steel-52100 --diameter "20 mm:5 mm" --beads 40
       hertzchain pulse chain.toml --csv > pulse.csv
     """
     from ..errors import InputError
@@ -76,7 +77,7 @@ def pulse(
         check_choice("method", method, METHODS)
     check_choice("quantity", quantity, QUANTITIES)
     check_writable(plot, "--plot", PICTURES)
-    chain = chain_from(file, chain_file, taper, rate, beads)
+    chain = chain_from(options)
     with progress_bar("beads passed") as progress:
         pulses = [pulse_by(method, chain, progress) for method in dict.fromkeys(methods)]
     if plot is not None:

@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING
 
 import click
 
-from .options import PICTURES, chain_from, chain_options, check_writable, time_from
+from .chain_options import ChainOptions, chain_from, chain_options
+from .options import PICTURES, check_writable, time_from
 from .output import save_figure, show_json, show_table
 from .progress import progress_bar
 from .stream import check_stream_options, stream_into
@@ -84,8 +85,7 @@ if TYPE_CHECKING:
 )
 @click.option("--json", "as_json", is_flag=True, help="Print the summary as JSON.")
 def simulate(
-    file: Path | None, chain_file: Path | None, taper: str | None, rate: float | None,
-    beads: int | None, until: str | None, times: int, rtol: float, method: str,
+    options: ChainOptions, until: str | None, times: int, rtol: float, method: str,
     step: str | None, drift: float | None, max_steps: int | None, out: Path | None,
     plot: Path | None, sensors: tuple[int, ...], stream: Path | None, budget: bool, waves: bool,
     horizon: bool, as_json: bool,
@@ -103,6 +103,8 @@ def simulate(
     Examples:
       hertzchain simulate --beads 50 --until 60 --out run.nc
       hertzchain simulate --taper forward-exponential --rate 0.05 --beads 60 --plot run.png
+      hertzchain simulate --material steel-52100 --diameter "20 mm:5 mm" --beads 40 \\
+          --speed "1 m/s" --wall same --plot force.png
       hertzchain simulate experiment.toml --until 7e-4 --budget
       hertzchain simulate experiment.toml --until 7e-4 --sensor 6 --sensor 11 --plot forces.png
       hertzchain simulate experiment.toml --until 10 --times 100000 --stream long
@@ -128,7 +130,7 @@ def simulate(
             max_steps=max_steps, method=method if method != "adaptive" else None, step=step,
             drift=drift,
         )  # fmt: skip
-    chain = chain_from(file, chain_file, taper, rate, beads)
+    chain = chain_from(options)
     end = time_from("--until", until, chain)
     for bead in sensors:
         whole_number("--sensor", bead, least=1, most=chain.beads)

@@ -6,7 +6,11 @@ A TOML file has a table ``[chain]`` with the beads in one of these forms::
     rate = 0.05
     beads = 100
 
-    radii = [5.0, 4.5, 4.0]          # or one radius and beads
+    first = 10.0                     # a taper between two radii; or first_diameter and
+    last = 2.5                       # last_diameter; or ratio or length instead of last
+    beads = 40
+
+    radii = [5.0, 4.5, 4.0]          # or diameters; or one value and beads
 
     cell = [1.0, 0.5]                # repeated, here 20 times
     cells = 20
@@ -25,6 +29,7 @@ applied in this order; ``[chain.left_wall]``, ``[chain.right_wall]``, ``[chain.l
 
 from __future__ import annotations
 
+import dataclasses
 import os
 from collections.abc import Iterator, Mapping, Sequence
 from numbers import Integral
@@ -39,6 +44,7 @@ from ..chain.drives import Drive, SineBurst, StepDrive, TableDrive
 from ..chain.input_checks import checked_beads
 from ..chain.laws import LAWS, Loss
 from ..chain.materials import RIGID, Material, material
+from ..chain.taper_sizes import Sizes, si_radii
 from ..chain.tapers import PARAMETERS, taper_named
 from ..chain.walls import Wall
 from ..errors import InputError
@@ -50,6 +56,8 @@ from .schema_checks import check_document, has_tables
 from .toml_files import read_toml
 
 ARRAYS: Final = ("masses", "stiffness", "velocities", "gaps")
+# Keys of a taper of given sizes, which are arguments of `Chain.tapered`.
+SIZE_KEYS: Final = tuple(item.name for item in dataclasses.fields(Sizes))
 LATER: Final = ("precompression", "held_by", "gravity")
 # Methods of a chain that change its beads, in the order in which they are applied.
 MORE_BEADS: Final = ("decorated", "with_defects", "with_scatter")
@@ -154,7 +162,7 @@ class _ChainFile:
             missing = [key for key in ("taper", "beads") if key not in table]
             raise InputError(
                 f"[chain] has no {' and no '.join(missing)}; give taper, rate and beads, or one "
-                f"of {', '.join(list(FORMS)[1:])}"
+                f"of {', '.join(form for form in FORMS if form != 'taper')}"
             )
         form = self._form = present[0]
         keys = {key for more in FORMS.values() for key in more} | set(FORMS)
@@ -192,11 +200,11 @@ class _ChainFile:
 
     def _scaled_beads(self, form: str, law: dict[str, Any], own: dict[str, Any]) -> Chain:
         table = self.table
-        if form == "radii":
-            self._refuse_beside("radii", ["beads"])
-            if table.get("strikers"):
+        if form in ("radii", "diameters"):
+            self._refuse_beside(form, ["beads"])
+            if form == "radii" and table.get("strikers"):
                 return Chain(table["radii"], strikers=table["strikers"], **law, **own)
-            chain = Chain.from_radii(table["radii"], **law)
+            chain = Chain.from_radii(table[form], **law)
         elif form == "cell":
             chain = Chain.periodic(table["cell"], cells=self._needed("cells"), **law)
         elif form == "mass_ratio":
@@ -208,6 +216,9 @@ class _ChainFile:
     def _tapered(self, law: dict[str, Any]) -> Chain:
         table = self.table
         beads = self._needed("beads")
+        if self._form != "taper":
+            given = {name: table[name] for name in SIZE_KEYS if name in table}
+            return Chain.tapered(table.get("taper"), beads=beads, **given, **law)
         if table["taper"] == "uniform":
             self._refuse_beside('taper = "uniform"', list(PARAMETERS))
             return Chain.uniform(beads, **law)
@@ -228,9 +239,15 @@ class _ChainFile:
             raise InputError("[chain] has mass_ratio, a scaled chain, and also materials or SI")
         if "velocity" in table:
             self._refuse_beside("velocity", ["velocities"])
+        radii: Any = None
         if form == "taper":
             first = number("radius", self._needed("radius"), unit="m", above=0.0)
-            radii: Any = first * self._tapered({}).radii
+            radii = first * self._tapered({}).radii
+        elif form in SIZE_KEYS:
+            given = {name: table[name] for name in SIZE_KEYS if name in table}
+            radii = si_radii(table.get("taper"), self._needed("beads"), Sizes(**given))
+        elif form == "diameters":
+            radii = 0.5 * real_numbers("diameter", table[form], "bead", unit="m")
         else:
             radii = table[form]
         if "materials" not in table:
@@ -240,7 +257,7 @@ class _ChainFile:
         fields = law | own | {"velocity": table.get("velocity")}
         if form == "cell":
             return Chain.periodic(radii, cells=self._needed("cells"), materials=kinds, **fields)
-        count = table.get("beads") if form == "radii" else None
+        count = table.get("beads") if form in ("radii", "diameters") else None
         return Chain.from_materials(radii, kinds, beads=count, **fields)
 
     def _repeated(self, radii: Any) -> Any:

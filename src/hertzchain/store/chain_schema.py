@@ -17,6 +17,7 @@ from ..chain.boundary_checks import HELD_BY
 from ..chain.drives import DRIVEN, WINDOWS
 from ..chain.laws import LAWS
 from ..chain.laws.base import Parameter
+from ..chain.taper_sizes import SHAPES
 from ..chain.tapers import PARAMETERS, TAPERS, parameter_description
 from ..units import UNITS
 from .schema_keys import Key, Kind, Section, section_as_dict
@@ -44,11 +45,16 @@ _WALL: Final = (
     Key("loss", "law", "law of loss of its contact; the chain's if omitted"),
 )
 
+# Further keys of a taper that is given by sizes.
+_SIZES: Final = ("ratio", "length", "taper", "beads")
 # Forms in which the beads are given: the key that selects the form, and further keys of the form.
 FORMS: Final[Mapping[str, tuple[str, ...]]] = MappingProxyType(
     {
+        "first": ("last", *_SIZES),
+        "first_diameter": ("last_diameter", *_SIZES),
         "taper": (*PARAMETERS, "beads", "radius"),
         "radii": ("beads",),
+        "diameters": ("beads",),
         "cell": ("cells",),
         "mass_ratio": ("beads",),
         "file": (),
@@ -56,11 +62,21 @@ FORMS: Final[Mapping[str, tuple[str, ...]]] = MappingProxyType(
 )
 
 _CHAIN: Final = (
-    Key("taper", "choice", "name of a taper, or uniform", choices=(*TAPERS, "uniform")),
+    Key("taper", "choice", "name of a taper, or uniform; exponential or linear with sizes",
+        choices=(*TAPERS, "uniform", *SHAPES)),
     *(_number(name, parameter_description(name)) for name in PARAMETERS),
     Key("beads", "integer", "number of beads", least=2),
     _number("radius", "radius of the first bead of a taper", "length", above=0.0),
+    _number("first", "radius of the first bead of a taper of given sizes", "length", above=0.0),
+    _number("last", "radius of its last bead", "length", above=0.0),
+    _number("first_diameter", "diameter of the first bead, instead of its radius", "length",
+            above=0.0),
+    _number("last_diameter", "diameter of the last bead", "length", above=0.0),
+    _number("ratio", "radius of the last bead over that of the first", above=0.0),
+    _number("length", "sum of the diameters", "length", above=0.0),
     _number("radii", "radius of each bead; scaled, in any one unit", "length", above=0.0,
+            per="bead", one_for_all=True),
+    _number("diameters", "diameter of each bead, instead of its radius", "length", above=0.0,
             per="bead", one_for_all=True),
     _number("cell", "radii of the beads of one cell", "length", above=0.0, per="bead",
             one_for_all=True),

@@ -15,7 +15,7 @@ const TITLES = {
   decorated: "Small beads between", with_defects: "Defects", with_scatter: "Random scatter",
 };
 /** @type {Record<string, string>} */
-const FORMS = { taper: "a taper", radii: "their radii", cell: "a repeated cell", mass_ratio: "a dimer of two masses" };
+const FORMS = { taper: "a taper and its rate", first: "end radii", first_diameter: "end diameters", radii: "their radii", diameters: "their diameters", cell: "a repeated cell", mass_ratio: "a dimer of two masses" };
 /** Values with which a new table begins, where its schema has no default.
  * @type {Record<string, any>} */
 const BEGIN = {
@@ -107,7 +107,9 @@ export class Controls {
     const names = [form, ...forms[form]];
     const symbols = this.about.tapers[chain.taper] ?? {};
     const parameters = new Set(Object.values(this.about.tapers).flatMap((/** @type {any} */ each) => Object.keys(each)));
-    const shown = keys.filter((key) => names.includes(key.name) && (!parameters.has(key.name) || form !== "taper" || key.name in symbols) && (key.name !== "radius" || this.si));
+    const shown = keys.filter((key) => names.includes(key.name) && (!parameters.has(key.name) || form !== "taper" || key.name in symbols) && (key.name !== "radius" || this.si))
+      // Of the ways to give the last bead, only the one that is used has a control.
+      .filter((key) => !["last", "last_diameter", "ratio", "length"].includes(key.name) || key.name in chain);
     const fields = shown.map((key) => this.field(["chain"], key, symbols[key.name] ? `${words(key.name)} ${symbols[key.name]}` : undefined));
     const select = this.select("form", "given by", choices.map((name) => [name, FORMS[name] ?? words(name)]), () => form, (name) => this.changeForm(name));
     const material = this.materialField(keys.find((key) => key.name === "materials"));
@@ -122,6 +124,9 @@ export class Controls {
     /** @type {Record<string, any>} */
     const begins = {
       taper: { taper: "backward-exponential", rate: 0.05, beads: 40, ...(si ? { radius: "5 mm" } : {}) },
+      first: si ? { first: "10 mm", last: "2.5 mm", beads: 40 } : { first: 1, last: 0.25, beads: 40 },
+      first_diameter: si ? { first_diameter: "20 mm", last_diameter: "5 mm", beads: 40 } : { first_diameter: 2, last_diameter: 0.5, beads: 40 },
+      diameters: si ? { diameters: ["10 mm", "8 mm", "6 mm", "8 mm", "10 mm"] } : { diameters: [1, 0.8, 0.6, 0.8, 1] },
       radii: si ? { radii: ["5 mm", "4 mm", "3 mm", "4 mm", "5 mm"] } : { radii: [1, 0.8, 0.6, 0.8, 1] },
       cell: { cell: si ? ["5 mm", "3 mm"] : [1, 0.6], cells: 20 },
       mass_ratio: { mass_ratio: 0.3428, beads: 40 },

@@ -1,0 +1,192 @@
+"""Options that describe a chain, and the chain that they describe."""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Callable
+from dataclasses import dataclass, fields
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Final
+
+import click
+
+if TYPE_CHECKING:
+    from ..chain.chain import Chain
+    from ..chain.walls import Wall
+
+OPTIONS: Final = (
+    click.argument("file", required=False, type=click.Path(path_type=Path)),
+    click.option(
+        "--chain",
+        "chain_file",
+        type=click.Path(path_type=Path),
+        metavar="FILE",
+        help="The same as FILE: TOML, or CSV with one row per bead.",
+    ),
+    click.option(
+        "--taper",
+        help="uniform, or backward-/forward- with linear/exponential; with two sizes, linear or "
+        "exponential.  [default: uniform; with two sizes, exponential]",
+    ),
+    click.option("--rate", type=float, help="Tapering parameter: S (linear), q (exponential)."),
+    click.option("--beads", type=int, help="Number of beads N.  [default: 100]"),
+    click.option(
+        "--diameter",
+        metavar="FIRST[:LAST]",
+        help="Diameter of all beads or of the first and last, such as '20 mm:5 mm'.",
+    ),
+    click.option("--radius", metavar="FIRST[:LAST]", help="Radius, instead of the diameter."),
+    click.option(
+        "--material", metavar="NAME", help="Material of the beads, such as steel-52100 (SI units)."
+    ),
+    click.option("--speed", metavar="SPEED", help="Velocity of the impact, such as '1 m/s'."),
+    click.option(
+        "--wall",
+        metavar="NAME",
+        help="Wall at the last bead: same (as the bead), rigid, or a material.",
+    ),
+)
+
+
+@dataclass(frozen=True)
+class ChainOptions:
+    """Values of the options, as given."""
+
+    file: Path | None = None
+    chain_file: Path | None = None
+    taper: str | None = None
+    rate: float | None = None
+    beads: int | None = None
+    diameter: str | None = None
+    radius: str | None = None
+    material: str | None = None
+    speed: str | None = None
+    wall: str | None = None
+
+
+def chain_options(command: Callable[..., Any]) -> Callable[..., Any]:
+    """Add the options that describe a chain; the command gets them as its first argument."""
+
+    @functools.wraps(command)
+    def with_chain(**given: Any) -> Any:
+        own = {each.name: given.pop(each.name) for each in fields(ChainOptions)}
+        return command(ChainOptions(**own), **given)
+
+    for option in OPTIONS[::-1]:
+        with_chain = option(with_chain)
+    return with_chain
+
+
+def chain_from(options: ChainOptions) -> Chain:
+    """The chain that the options describe."""
+    from ..store.chain_files import load_chain
+
+    if options.file is not None and options.chain_file is not None:
+        raise click.UsageError("give the chain as FILE or as --chain FILE, not both")
+    file = options.chain_file if options.file is None else options.file
+    if file is None:
+        chain = _described(options)
+        return chain if options.wall is None else chain.replace(right_wall=_wall(options, chain))
+    beside = [
+        each.name for each in fields(options)
+        if each.name not in ("file", "chain_file") and getattr(options, each.name) is not None
+    ]  # fmt: skip
+    if beside:
+        raise click.UsageError(f"give a chain FILE or --{' and --'.join(beside)}, not both")
+    return load_chain(file)
+
+
+def _described(options: ChainOptions) -> Chain:
+    from ..chain.chain import Chain
+
+    beads = 100 if options.beads is None else options.beads
+    sizes = _sizes(options)
+    if options.material is None and options.speed is not None:
+        raise click.UsageError(
+            "--speed requires --material and --diameter: in scaled variables, the velocity of the "
+            "impact is 1"
+        )
+    if options.material is not None and not sizes:
+        raise click.UsageError(
+            "--material requires the size of the beads, such as --diameter '10 mm'"
+        )
+    kind: dict[str, Any] = {"material": options.material, "velocity": options.speed}
+    if any(name.startswith("last") for name in sizes):
+        if options.rate is not None:
+            raise click.UsageError("two sizes determine the rate of a taper: omit --rate")
+        return Chain.tapered(options.taper, beads=beads, **sizes, **kind)
+    if sizes and options.material is None:
+        raise click.UsageError(
+            "one size of a scaled chain has no meaning, because its first radius is 1: add "
+            "--material, or give two sizes, such as --diameter 20:5"
+        )
+    if options.taper is None or options.taper == "uniform":
+        if options.rate is not None:
+            _refuse_rate(options)
+        if not sizes:
+            return Chain.uniform(beads)
+        return Chain.tapered(beads=beads, ratio=1.0, **sizes, **kind)
+    return _tapered(options.taper, options.rate, beads, sizes | kind)
+
+
+def _refuse_rate(options: ChainOptions) -> None:
+    from ..chain.tapers import TAPERS
+
+    if options.taper is None:
+        raise click.UsageError(f"--rate requires --taper: {', '.join(TAPERS)}")
+    raise click.UsageError("--rate cannot be used with a uniform chain")
+
+
+def _tapered(taper: str, rate: float | None, beads: int, more: dict[str, Any]) -> Chain:
+    from ..chain.chain import Chain
+    from ..chain.taper_sizes import SHAPES
+    from ..chain.tapers import TAPERS
+    from ..validation.objects import check_choice
+
+    if taper in SHAPES:
+        raise click.UsageError(
+            f"--taper {taper} requires two sizes, such as --diameter '20 mm:5 mm'; with --rate, "
+            f"it is {' or '.join(SHAPES[taper])}"
+        )
+    check_choice("taper", taper, (*TAPERS, "uniform"))
+    if rate is None:
+        usual = "its S, such as 0.005" if taper.endswith("linear") else "its q, such as 0.05"
+        raise click.UsageError(f"--taper {taper} requires --rate, {usual}")
+    return Chain.tapered(taper, rate, beads=beads, **more)
+
+
+def _sizes(options: ChainOptions) -> dict[str, Any]:
+    """Arguments of `Chain.tapered` from ``--diameter FIRST:LAST`` or ``--radius FIRST:LAST``."""
+    if options.diameter is not None and options.radius is not None:
+        raise click.UsageError("give --diameter or --radius, not both")
+    option = "--radius" if options.diameter is None else "--diameter"
+    text = options.radius if options.diameter is None else options.diameter
+    if text is None:
+        return {}
+    parts = [part.strip() for part in text.split(":")]
+    if len(parts) > 2 or not all(parts):
+        raise click.UsageError(f"{option} must look like '20 mm' or '20 mm:5 mm', got {text!r}")
+    suffix = "_diameter" if options.radius is None else ""
+    return {f"{end}{suffix}": _plain(part) for end, part in zip(("first", "last"), parts)}  # noqa: B905
+
+
+def _plain(text: str) -> str | float:
+    try:
+        return float(text)
+    except ValueError:
+        return text
+
+
+def _wall(options: ChainOptions, chain: Chain) -> Wall:
+    from ..chain.walls import Wall
+
+    if options.wall == "same":
+        return Wall()
+    if options.wall == "rigid":
+        return Wall.rigid()
+    if chain.scaled:
+        raise click.UsageError(
+            f"--wall {options.wall} requires --material; a scaled chain has the walls same and "
+            "rigid"
+        )
+    return Wall.of(str(options.wall))

@@ -1,5 +1,7 @@
+import matplotlib.pyplot as plt
 import numpy as np
 import pytest
+from matplotlib.animation import FFMpegWriter
 from PIL import Image
 
 import hertzchain as hc
@@ -61,8 +63,10 @@ def test_an_animation_moves(run, tmp_path):
 
 
 def test_bad_requests(run, tmp_path):
-    with pytest.raises(hc.InputError, match=r"end in \.gif"):
-        animate(run, tmp_path / "beads.mp4")
+    with pytest.raises(hc.InputError, match=r"end in \.gif or \.mp4"):
+        animate(run, tmp_path / "beads.avi")
+    with pytest.raises(hc.InputError, match="the folder .* does not exist"):
+        animate(run, tmp_path / "nowhere" / "beads.gif")
     with pytest.raises(hc.InputError, match="bead must be a whole number from 1 to 12, got 99"):
         plot_forces(run, [99])
     with pytest.raises(hc.InputError, match="unknown balance"):
@@ -94,3 +98,52 @@ def test_an_animation_shows_the_wall(tmp_path):
     # The wall is the only grey thing before anything moves but the striker.
     grey = [np.count_nonzero(np.abs(each - 0xBB) < 12) for each in shown]
     assert grey[0] > 3 * grey[1]
+
+
+def test_an_animation_reports_its_progress_and_needs_ffmpeg_for_mp4(run, tmp_path, monkeypatch):
+    drawn = []
+    animate(run, tmp_path / "x.gif", frames=3, progress=lambda *done: drawn.append(done))
+    assert drawn == [(1, 3), (2, 3), (3, 3)]
+    monkeypatch.setattr("matplotlib.rcParams", {**plt.rcParams, "animation.ffmpeg_path": "none"})
+    with pytest.raises(hc.InputError, match="requires the program ffmpeg"):
+        animate(run, tmp_path / "x.mp4", frames=3)
+
+
+@pytest.mark.skipif(not FFMpegWriter.isAvailable(), reason="ffmpeg is not installed")
+def test_an_animation_as_mp4(run, tmp_path):
+    assert b"ftyp" in animate(run, tmp_path / "x.mp4", frames=3).read_bytes()[:16]
+
+
+def legend(axes):
+    return [text.get_text() for text in axes.get_legend().get_texts()]
+
+
+def test_labels_state_what_differs():
+    tapers = [
+        hc.Chain.tapered("forward-exponential", q, beads=n)
+        for q, n in ((0.01, 9), (0.02, 9), (0.02, 12))
+    ]
+    axes = hc.plot_pulses([hc.bca(chain) for chain in tapers])
+    assert legend(axes) == ["q = 0.01, 9 beads", "q = 0.02, 9 beads", "q = 0.02, 12 beads"]
+    assert axes.get_title() == "BCA, forward-exponential"
+    methods = hc.plot_pulses([hc.bca(tapers[0]), hc.propagate(tapers[0])])
+    assert legend(methods) == ["BCA", "propagation"]
+    assert methods.get_title() == "forward-exponential, q = 0.01, 9 beads"
+    alone = hc.plot_pulses([hc.bca(tapers[0])])
+    assert (legend(alone), alone.get_title()) == (["BCA"], methods.get_title())
+    given = hc.plot_pulses([hc.bca(chain) for chain in tapers], labels=["a", "b", "$c"])
+    assert legend(given) == ["a", "b", r"\$c"]
+
+
+def test_residuals_are_relative_differences_from_the_first_pulse():
+    chain = hc.Chain.tapered("backward-exponential", 0.05, beads=30)
+    exact, theory = hc.propagate(chain), hc.bca(chain)
+    upper = hc.plot_pulses([exact, theory], residuals=True)
+    lower = upper.figure.axes[1]
+    expected = 100.0 * (theory.velocity / exact.velocity - 1.0)
+    np.testing.assert_allclose(lower.lines[1].get_ydata(), expected)
+    for options in ({"ax": upper}, {"pulses": [exact]}):
+        with pytest.raises(hc.InputError, match="residuals need at least two pulses"):
+            hc.plot_pulses(**{"pulses": [exact, theory], "residuals": True, **options})
+    with pytest.raises(hc.InputError, match="there must be 2 labels, one per pulse, got 1"):
+        hc.plot_pulses([exact, theory], labels=["one"])

@@ -62,6 +62,13 @@ if TYPE_CHECKING:
     help="Plot velocities or, with --sensor, forces to FILE (.png, .svg or .pdf).",
 )
 @click.option(
+    "--animate",
+    "animation",
+    type=click.Path(path_type=Path),
+    metavar="FILE",
+    help="Write an animation of the beads to FILE (.gif, or .mp4 with ffmpeg).",
+)
+@click.option(
     "--sensor",
     "sensors",
     type=int,
@@ -87,8 +94,8 @@ if TYPE_CHECKING:
 def simulate(
     options: ChainOptions, until: str | None, times: int, rtol: float, method: str,
     step: str | None, drift: float | None, max_steps: int | None, out: Path | None,
-    plot: Path | None, sensors: tuple[int, ...], stream: Path | None, budget: bool, waves: bool,
-    horizon: bool, as_json: bool,
+    plot: Path | None, animation: Path | None, sensors: tuple[int, ...], stream: Path | None,
+    budget: bool, waves: bool, horizon: bool, as_json: bool,
 ) -> None:  # fmt: skip
     """Integrate the whole chain and keep its trajectories.
 
@@ -104,7 +111,7 @@ def simulate(
       hertzchain simulate --beads 50 --until 60 --out run.nc
       hertzchain simulate --taper forward-exponential --rate 0.05 --beads 60 --plot run.png
       hertzchain simulate --material steel-52100 --diameter "20 mm:5 mm" --beads 40 \\
-          --speed "1 m/s" --wall same --plot force.png
+          --speed "0.1 m/s" --wall same --animate impact.gif
       hertzchain simulate experiment.toml --until 7e-4 --budget
       hertzchain simulate experiment.toml --until 7e-4 --sensor 6 --sensor 11 --plot forces.png
       hertzchain simulate experiment.toml --until 10 --times 100000 --stream long
@@ -116,19 +123,20 @@ def simulate(
     from ..validation.numbers import whole_number
 
     check_writable(plot, "--plot", PICTURES)
+    check_writable(animation, "--animate", (".gif", ".mp4"))
     check_writable(out, "--out", (".nc", ".csv"))
     if budget and as_json:
         raise click.UsageError("--budget and --json cannot be combined")
-    if times < 2 and (out or plot or sensors or stream or budget or waves or horizon):
+    if times < 2 and (out or plot or animation or sensors or stream or budget or waves or horizon):
         raise click.UsageError(
-            "--out, --plot, --sensor, --stream, --budget, --waves and --horizon require saved "
-            f"times: --times {times} is too few"
+            "--out, --plot, --animate, --sensor, --stream, --budget, --waves and --horizon require "
+            f"saved times: --times {times} is too few"
         )
     if stream is not None:
         check_stream_options(
-            out=out, plot=plot, sensor=sensors, budget=budget, waves=waves, horizon=horizon,
-            max_steps=max_steps, method=method if method != "adaptive" else None, step=step,
-            drift=drift,
+            out=out, plot=plot, animate=animation, sensor=sensors, budget=budget, waves=waves,
+            horizon=horizon, max_steps=max_steps,
+            method=method if method != "adaptive" else None, step=step, drift=drift,
         )  # fmt: skip
     chain = chain_from(options)
     end = time_from("--until", until, chain)
@@ -153,6 +161,9 @@ def simulate(
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", hertzchain.IncompleteWarning)  # already shown
             save_figure(_drawn(run, sensors, walls), plot)
+    if animation is not None:
+        with progress_bar("frames") as progress:
+            run.animate(animation, progress=progress)
     felt = [run.sensor_force(bead) for bead in sensors]
     _show_run(run, walls, felt, run.waves() if waves else None, as_json)
     if budget:

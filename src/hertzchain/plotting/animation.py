@@ -1,13 +1,18 @@
-"""Animation of the beads as a GIF."""
+"""Animation of the beads, with a clock and a force trace, as GIF or MP4."""
 
 from __future__ import annotations
 
 import io
 import os
+import tempfile
+from collections.abc import Callable, Iterator
 from pathlib import Path
+from typing import TYPE_CHECKING, Any, Final
 
 import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib.animation import FFMpegWriter
+from matplotlib.axes import Axes
 from matplotlib.collections import EllipseCollection
 
 from ..collision import Array
@@ -15,10 +20,17 @@ from ..errors import InputError
 from ..simulation.run import Run
 from ..store.writing import write_bytes
 from ..validation.numbers import number, whole_number
-from ..validation.objects import check_type, file_path
+from ..validation.objects import callback, check_type, file_path
 from .chains import bead_centres, draw_walls
 from .runs import check_times
-from .style import figure_style, literal, time_axis
+from .style import figure_style, literal, set_title, time_axis
+
+if TYPE_CHECKING:
+    from PIL.Image import Image
+
+KINDS: Final = (".gif", ".mp4")
+# Dots per inch of the frames, which are 8 inches wide.
+RESOLUTION: Final = 110
 
 
 def animate(
@@ -28,21 +40,28 @@ def animate(
     frames: int = 120,
     seconds: float = 6.0,
     magnify: float | None = None,
+    progress: Callable[[int, int], object] | None = None,
 ) -> Path:
-    """Write an animation of the beads as a GIF, with magnified motion and speed as colour.
+    """Write an animation of the beads as GIF or MP4.
+
+    The beads move with magnified displacements; their colour is their velocity.  Below, a trace
+    with a marker at the present time shows the force on the right wall or, without one, the
+    largest contact force.
 
     Parameters
     ----------
     run : Run
         A run with saved times; more times give a smoother animation.
     path : path-like
-        File to write, ``.gif``.
+        File to write: ``.gif``, or ``.mp4``, which requires the program ffmpeg.
     frames : int
         Number of frames, at least 2; at most one per saved time is shown.
     seconds : float
         Duration of the animation.
     magnify : float, optional
         Factor on the displacements.  By default the largest displacement becomes two radii.
+    progress : callable, optional
+        Called with the number of frames drawn and their total number.
 
     Returns
     -------
@@ -52,7 +71,8 @@ def animate(
     Raises
     ------
     InputError
-        For another file extension, fewer than two saved times, or a file that cannot be written.
+        For another file extension, fewer than two saved times, a file that cannot be written, or
+        an MP4 without ffmpeg.
 
     Examples
     --------
@@ -63,8 +83,6 @@ def animate(
     ...     file.read_bytes()[:3]
     b'GIF'
     """
-    from PIL import Image
-
     check_type("run", run, Run, "simulate makes one")
     check_times(run)
     target = file_path("animation", path)
@@ -72,54 +90,127 @@ def animate(
     seconds = number("seconds", seconds, above=0.0)
     if magnify is not None:
         magnify = number("magnify", magnify, above=0.0)
-    if target.suffix != ".gif":
-        raise InputError(f"the name of an animation must end in .gif, got {target.name!r}")
+    callback("progress", progress)
+    if target.suffix not in KINDS:
+        raise InputError(f"the name of an animation must end in .gif or .mp4, got {target.name!r}")
+    if target.suffix == ".mp4" and not FFMpegWriter.isAvailable():
+        raise InputError(
+            f"{target.name} requires the program ffmpeg, which was not found: install it, or write "
+            "a .gif"
+        )
+    if not target.parent.is_dir():
+        raise InputError(f"{target} cannot be written: the folder {target.parent} does not exist")
     chosen = np.unique(np.linspace(0, len(run.times) - 1, frames).round().astype(int))
-    moved = run.positions - run.positions[0]
-    largest = float(np.abs(moved).max())
-    factor = magnify or 2.0 * float(run.chain.radii.mean()) / max(largest, np.finfo(float).tiny)
-    images = [Image.open(io.BytesIO(png)) for png in _pictures(run, chosen, factor * moved)]
-    content = io.BytesIO()
-    images[0].convert("P").save(
-        content, format="GIF", save_all=True, append_images=images[1:], loop=0,
-        duration=max(20, round(1000.0 * seconds / len(images))),
-    )  # fmt: skip
-    write_bytes(target, content.getvalue())
+    pictures = []
+    for picture in _pictures(run, chosen, magnify):
+        pictures.append(picture)
+        if progress is not None:
+            progress(len(pictures), len(chosen))
+    write = _gif if target.suffix == ".gif" else _mp4
+    write_bytes(target, write(pictures, seconds))
     return target
 
 
-def _pictures(run: Run, chosen: Array, moved: Array) -> list[bytes]:
-    """One PNG for each chosen time."""
+def _pictures(run: Run, chosen: Array, magnify: float | None) -> Iterator[Image]:
+    """One picture for each chosen time."""
+    from PIL import Image
+
+    moved = run.positions - run.positions[0]
+    largest = float(np.abs(moved).max())
+    factor = magnify or 2.0 * float(run.chain.radii.mean()) / max(largest, np.finfo(float).tiny)
+    unit, _ = time_axis(run.chain)
+    suffix = " µs" if run.chain.units == "SI" else ""
+    with figure_style():
+        figure, (top, below) = plt.subplots(
+            2, figsize=(8.0, 3.0), dpi=RESOLUTION, height_ratios=(1.4, 1.0)
+        )
+        try:
+            beads, centres = _draw_beads(top, run, factor * moved)
+            marker = _draw_force(below, run)
+            set_title(top, literal(run.chain.description))
+            clock = below.text(0.995, 0.97, "", transform=below.transAxes, ha="right", va="top")
+            # The layout of the first frame is kept: the picture must not jump.
+            figure.canvas.draw()
+            figure.set_layout_engine("none")
+            for i in chosen:
+                beads.set_offsets(np.column_stack([centres + factor * moved[i], 0.0 * centres]))
+                beads.set_array(run.velocities[i])
+                marker.set_xdata([unit * run.times[i]] * 2)
+                clock.set_text(f"t = {unit * run.times[i]:.1f}{suffix}")
+                figure.canvas.draw()
+                pixels = np.asarray(figure.canvas.buffer_rgba())  # type: ignore[attr-defined]
+                yield Image.fromarray(pixels[:, :, :3].copy())
+        finally:
+            plt.close(figure)
+
+
+def _draw_beads(axes: Axes, run: Run, moved: Array) -> tuple[EllipseCollection, Array]:
     chain, radii = run.chain, run.chain.radii
     centres = bead_centres(chain)
     fastest = float(np.abs(run.velocities).max())
-    unit = time_axis(chain)[0]
-    suffix = " µs" if chain.units == "SI" else ""
-    pictures = []
-    with figure_style():
-        figure, axes = plt.subplots(figsize=(8.0, 1.5), dpi=110)
-        beads = EllipseCollection(
-            2 * radii, 2 * radii, np.zeros(chain.beads), units="xy", cmap="RdBu_r",
-            offsets=np.column_stack([centres, 0.0 * centres]), offset_transform=axes.transData,
-            edgecolor="black", linewidth=0.4,
-        )  # fmt: skip
-        beads.set_clim(-fastest, fastest)
-        axes.add_collection(beads)
-        low = min(0.0, float((centres + moved - radii).min()))
-        high = max(float(centres[-1] + radii[-1]), float((centres + moved + radii).max()))
-        tall = 1.2 * radii.max()
-        draw_walls(chain, 1.0, tall, axes)
-        axes.set_xlim(low - 0.6 * radii.max(), high + 0.6 * radii.max())
-        axes.set_ylim(-tall, tall)
-        axes.set_aspect("equal")
-        axes.set_axis_off()
-        for i in chosen:
-            beads.set_offsets(np.column_stack([centres + moved[i], 0.0 * centres]))
-            beads.set_array(run.velocities[i])
-            now = f"t = {unit * run.times[i]:.1f}{suffix}"
-            axes.set_title(f"{literal(chain.description)}; {now}", fontsize=8)
-            content = io.BytesIO()
-            figure.savefig(content, format="png")
-            pictures.append(content.getvalue())
-        plt.close(figure)
-    return pictures
+    beads = EllipseCollection(
+        2 * radii, 2 * radii, np.zeros(chain.beads), units="xy", cmap="RdBu_r",
+        offsets=np.column_stack([centres, 0.0 * centres]), offset_transform=axes.transData,
+        edgecolor="black", linewidth=0.4,
+    )  # fmt: skip
+    beads.set_clim(-fastest, fastest)
+    axes.add_collection(beads)
+    low = min(0.0, float((centres + moved - radii).min()))
+    high = max(float(centres[-1] + radii[-1]), float((centres + moved + radii).max()))
+    tall = 1.2 * radii.max()
+    draw_walls(chain, 1.0, tall, axes)
+    axes.set_xlim(low - 0.6 * radii.max(), high + 0.6 * radii.max())
+    axes.set_ylim(-tall, tall)
+    axes.set_aspect("equal")
+    axes.set_axis_off()
+    return beads, centres
+
+
+def _draw_force(axes: Axes, run: Run) -> Any:
+    """The force on the right wall, or the largest contact force; returns the marker of the time."""
+    unit, label = time_axis(run.chain)
+    newton = " [N]" if run.chain.units == "SI" else ""
+    if run.chain.right_wall is not None:
+        values, what = run.force(run.chain.beads), "force on wall"
+    else:
+        values, what = run.forces.max(axis=1), "largest force"
+    axes.plot(unit * run.times, values, color="black", linewidth=0.9)
+    axes.set_xlim(unit * run.times[0], unit * run.times[-1])
+    axes.set_xlabel(label)
+    axes.set_ylabel(what + newton)
+    return axes.axvline(unit * run.times[0], color="#D55E00", linewidth=1.2)
+
+
+def _gif(pictures: list[Image], seconds: float) -> bytes:
+    from PIL import Image
+
+    content = io.BytesIO()
+    # One palette for all frames, so that unchanged pixels do not flicker and compress well.
+    sample = [np.asarray(pictures[i]) for i in range(0, len(pictures), max(1, len(pictures) // 16))]
+    palette = Image.fromarray(np.concatenate(sample)).quantize(255)
+    reduced = [picture.quantize(palette=palette, dither=Image.Dither.NONE) for picture in pictures]
+    reduced[0].save(
+        content, format="GIF", save_all=True, append_images=reduced[1:], loop=0, optimize=True,
+        duration=max(20, round(1000.0 * seconds / len(pictures))),
+    )  # fmt: skip
+    return content.getvalue()
+
+
+def _mp4(pictures: list[Image], seconds: float) -> bytes:
+    with tempfile.TemporaryDirectory() as folder:
+        file = Path(folder) / "animation.mp4"
+        width, height = pictures[0].size
+        figure = plt.figure(figsize=(width / RESOLUTION, height / RESOLUTION), dpi=RESOLUTION)
+        shown = figure.figimage(np.asarray(pictures[0]))
+        writer = FFMpegWriter(
+            fps=max(1, round(len(pictures) / seconds)),
+            extra_args=["-vf", "pad=ceil(iw/2)*2:ceil(ih/2)*2", "-pix_fmt", "yuv420p"],
+        )
+        try:
+            with writer.saving(figure, str(file), RESOLUTION):
+                for picture in pictures:
+                    shown.set_data(np.asarray(picture))
+                    writer.grab_frame()
+        finally:
+            plt.close(figure)
+        return file.read_bytes()

@@ -4,12 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+import matplotlib.pyplot as plt
+import numpy as np
 from matplotlib.axes import Axes
 
+from ..collision import Array
 from ..errors import InputError
 from ..pulse.pulse import Pulse
 from ..pulse.quantities import QUANTITIES
 from ..validation.objects import check_bool, check_choice, check_list, check_type
+from .labels import distinguish
 from .style import COLOURS, MARKERS, figure_style, get_axes, literal, set_title
 
 
@@ -17,10 +21,15 @@ def plot_pulses(
     pulses: Sequence[Pulse],
     quantity: str = "velocity",
     *,
+    labels: Sequence[str] | None = None,
     log: bool = False,
+    residuals: bool = False,
     ax: Axes | None = None,
 ) -> Axes:
-    """Plot one quantity of several pulses against the bead number.
+    r"""Plot one quantity of several pulses against the bead number.
+
+    By default a label states what distinguishes a pulse from the others (its method, taper, rate,
+    number of beads, ...); what all of them share is in the title.
 
     Parameters
     ----------
@@ -28,52 +37,113 @@ def plot_pulses(
         Pulses to compare.
     quantity : str
         Name of the quantity.
+    labels : sequence of str, optional
+        Labels in the legend, one per pulse.
     log : bool
         Whether the y axis is logarithmic.
+    residuals : bool
+        Whether a panel below shows the relative differences from the first pulse,
+        :math:`Q / Q_\mathrm{first} - 1`, at the beads that both have.
     ax : matplotlib.axes.Axes, optional
-        Axes to draw into.  By default, a new figure is created.
+        Axes to draw into, without a panel of residuals.  By default, a new figure is created.
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+        The axes of the quantity; those of the residuals are ``axes.figure.axes[1]``.
 
     Raises
     ------
     InputError
-        If a method does not predict the quantity.
+        If a method does not predict the quantity, the number of labels differs from that of the
+        pulses, or there is nothing to compare with the first pulse.
 
     Examples
     --------
     >>> import hertzchain as hc
-    >>> chain = hc.Chain.uniform(20)
-    >>> axes = plot_pulses([hc.propagate(chain), hc.bca(chain)], "momentum")
-    >>> len(axes.lines)
-    2
+    >>> pulses = [hc.propagate(hc.Chain.tapered(ratio=r, beads=40)) for r in (0.5, 0.25)]
+    >>> axes = plot_pulses(pulses, "momentum", log=True)
+    >>> [text.get_text() for text in axes.get_legend().get_texts()]
+    ['q = 0.0179321', 'q = 0.0361853']
+    >>> axes.get_title()
+    'propagation, forward-exponential, 40 beads'
     """
-    pulses = check_list("pulses", pulses, "pulses")
-    if not pulses:
-        raise InputError("plot_pulses requires at least one pulse")
-    for pulse in pulses:
-        check_type("pulse", pulse, Pulse, "propagate and the theories return one")
-    check_choice("quantity", quantity, QUANTITIES)
-    log = check_bool("log", log)
-    missing = [pulse.method for pulse in pulses if pulse.column(quantity) is None]
-    if missing:
-        raise InputError(f"{missing[0]} does not predict {quantity}")
+    pulses = _checked(pulses, quantity)
+    log, residuals = check_bool("log", log), check_bool("residuals", residuals)
+    names, title = distinguish([_words(pulse) for pulse in pulses])
+    if labels is not None:
+        names = check_list("labels", labels, "labels")
+        if len(names) != len(pulses):
+            raise InputError(f"there must be {len(pulses)} labels, one per pulse, got {len(names)}")
+    if residuals and (ax is not None or len(pulses) < 2):
+        raise InputError(
+            "residuals need at least two pulses and a figure of their own: omit "
+            f"{'residuals' if ax is None else 'ax'}"
+        )
     with figure_style():
-        axes = get_axes(ax)
-        for i, pulse in enumerate(pulses):
-            values = pulse.columns()[quantity]
-            axes.plot(
-                pulse.bead[: len(values)],
-                values,
-                color=COLOURS[i % len(COLOURS)],
-                marker=MARKERS[i % len(MARKERS)],
-                markerfacecolor="none",
-                markevery=max(1, len(values) // 40),
-                linewidth=0.6,
-                label=literal(pulse.method),
-            )
-        axes.set_xlabel(f"{QUANTITIES[quantity].per} $k$")
-        axes.set_ylabel(QUANTITIES[quantity].label_in(pulses[0].chain.units))
+        axes, lower = _axes(ax, residuals=residuals)
+        for i, (pulse, name) in enumerate(zip(pulses, names, strict=True)):
+            _draw(axes, pulse, pulse.columns()[quantity], i, literal(str(name)))
+        row = QUANTITIES[quantity]
+        axes.set_ylabel(row.label_in(pulses[0].chain.units))
         axes.set_yscale("log" if log else "linear")
-        chains = dict.fromkeys(pulse.chain.description for pulse in pulses)
-        set_title(axes, literal("; ".join(chains)))
+        (axes if lower is None else lower).set_xlabel(f"{row.per} $k$")
+        if lower is not None:
+            _draw_residuals(lower, pulses, quantity)
+        set_title(axes, literal(title))
         axes.legend()
     return axes
+
+
+def _checked(pulses: Sequence[Pulse], quantity: str) -> list[Pulse]:
+    checked: list[Pulse] = check_list("pulses", pulses, "pulses")
+    if not checked:
+        raise InputError("plot_pulses requires at least one pulse")
+    for pulse in checked:
+        check_type("pulse", pulse, Pulse, "propagate and the theories return one")
+    check_choice("quantity", quantity, QUANTITIES)
+    missing = [pulse.method for pulse in checked if pulse.column(quantity) is None]
+    if missing:
+        raise InputError(f"{missing[0]} does not predict {quantity}")
+    return checked
+
+
+def _words(pulse: Pulse) -> list[str]:
+    """Method and description of the chain, in parts that can be compared."""
+    return [pulse.method, *pulse.chain.description.split(", ")]
+
+
+def _axes(ax: Axes | None, *, residuals: bool) -> tuple[Axes, Axes | None]:
+    if not residuals:
+        return get_axes(ax), None
+    figure, (upper, lower) = plt.subplots(
+        2, sharex=True, height_ratios=(3, 1.2), figsize=plt.rcParams["figure.figsize"]
+    )
+    figure.align_ylabels()
+    return upper, lower
+
+
+def _draw(axes: Axes, pulse: Pulse, values: Array, i: int, label: str | None) -> None:
+    axes.plot(
+        pulse.bead[: len(values)],
+        values,
+        color=COLOURS[i % len(COLOURS)],
+        marker=MARKERS[i % len(MARKERS)],
+        markerfacecolor="none",
+        # Markers of different pulses at different beads do not hide each other.
+        markevery=(i * max(1, len(values) // 60), max(1, len(values) // 20)),
+        linewidth=0.9,
+        label=label,
+    )
+
+
+def _draw_residuals(axes: Axes, pulses: Sequence[Pulse], quantity: str) -> None:
+    """Relative differences from the first pulse, in percent."""
+    first = pulses[0].columns()[quantity]
+    axes.axhline(0.0, color="0.6", linewidth=0.7)
+    for i, pulse in enumerate(pulses[1:], start=1):
+        other = pulse.columns()[quantity]
+        both = min(len(first), len(other))
+        with np.errstate(divide="ignore", invalid="ignore"):
+            _draw(axes, pulse, 100.0 * (other[:both] / first[:both] - 1.0), i, None)
+    axes.set_ylabel("difference [%]")

@@ -316,26 +316,30 @@ class Pulse(Frozen):
         }
         return pd.DataFrame(columns, index=pd.Index(self.bead, name="bead"))
 
-    def plot(self, quantity: str = "velocity", *, ax: Axes | None = None) -> Axes:
+    def plot(
+        self, quantity: str = "velocity", *, log: bool = False, ax: Axes | None = None
+    ) -> Axes:
         """Plot one quantity against the bead number.
 
         Parameters
         ----------
         quantity : str
             Name of the quantity.
+        log : bool
+            Whether the y axis is logarithmic.
         ax : matplotlib.axes.Axes, optional
             Axes to draw into.  By default, a new figure is created.
 
         Examples
         --------
         >>> import hertzchain as hc
-        >>> axes = hc.bca(hc.Chain.uniform(5)).plot("arrival")
-        >>> axes.get_xlabel()
-        'bead $k$'
+        >>> axes = hc.bca(hc.Chain.uniform(5)).plot("arrival", log=True)
+        >>> axes.get_xlabel(), axes.get_yscale()
+        ('bead $k$', 'log')
         """
         from ..plotting.pulses import plot_pulses
 
-        return plot_pulses([self], quantity, ax=ax)
+        return plot_pulses([self], quantity, log=log, ax=ax)
 
     def __repr__(self) -> str:
         last = measure(self.velocity[-1], "m/s", self.chain.units)

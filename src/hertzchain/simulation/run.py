@@ -353,7 +353,7 @@ class Run(Trajectory):
         path : path-like
             File to write, ``.gif``.
         **options
-            ``frames``, ``seconds`` and ``magnify``, as for `hertzchain.animate`.
+            ``frames``, ``seconds``, ``magnify`` and ``progress``, as for `hertzchain.animate`.
 
         Returns
         -------

@@ -36,8 +36,16 @@ def cli() -> None:
     """Impacts on granular chains: simulate, predict, compare.
 
     \b
-    Example:
+    Examples, to begin with:
+      hertzchain app
+          build a chain in the browser and watch the impact
+      hertzchain simulate --material steel-52100 --diameter "20 mm:8 mm" \\
+              --beads 20 --speed "0.1 m/s" --wall same
+          the force of an impact on a wall
       hertzchain pulse --taper backward-exponential --rate 0.05 --beads 100
+          the leading pulse, bead by bead
+      hertzchain COMMAND --help
+          options and examples of a command
     """
 
 

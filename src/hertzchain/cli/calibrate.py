@@ -44,7 +44,7 @@ def calibrate(
     tapers: tuple[str, ...], rates: str | None, window: str, beads: int, output: Path | None,
     as_json: bool,
 ) -> None:  # fmt: skip
-    """Fit the constants of the modified BCA to the simulation, as in the paper.
+    """Fit the constants of the modified BCA, as in the paper.
 
     Prints each constant with its standard error and the value in the paper, and the error of
     the fitted velocity.

@@ -7,7 +7,7 @@ import click
 
 @click.command()
 def cite() -> None:
-    """Print the references to cite: the paper, the methods and this software.
+    """Print the references to cite: paper, methods and software.
 
     \b
     Example:

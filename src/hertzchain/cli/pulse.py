@@ -54,7 +54,7 @@ def pulse(
     options: ChainOptions, methods: tuple[str, ...], quantity: str, every_bead: bool,
     as_json: bool, as_csv: bool, plot: Path | None, log: bool,
 ) -> None:  # fmt: skip
-    """Compute the leading pulse along a chain by one or several methods.
+    """Compute the leading pulse by one or several methods.
 
     The chain is given by options or by FILE (TOML or CSV).  For a chain in SI units, the pulse
     is computed in the paper's scaled variables and printed in SI units.

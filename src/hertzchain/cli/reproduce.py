@@ -47,7 +47,9 @@ if TYPE_CHECKING:
 def reproduce(
     only: str | None, out: Path, window_exponential: str, window_linear: str, as_json: bool
 ) -> None:
-    """Recompute every table and figure of the paper and compare them with the printed values.
+    """Recompute every table and figure of the paper.
+
+    Numbers are compared with the printed values.
 
     Writes report.html, verdict.json, summary.md and figures/ to the folder.
     Exits with code 3 if anything is outside its tolerance.

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 )
 @click.option("--json", "as_json", is_flag=True, help="Print everything as JSON.")
 def verify(only: str | None, as_json: bool) -> None:
-    """Compute quantities whose exact or published values are known, and compare them.
+    """Compare computed with exact and published values.
 
     The sources are listed below the table, with the origin of each value: derived again,
     computed by other code, or recalled from a paper whose text was not available.  Exits with

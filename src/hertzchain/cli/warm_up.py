@@ -11,7 +11,9 @@ from .progress import progress_bar
 @click.command("warm-up")
 @click.option("--json", "as_json", is_flag=True, help="Print the time as JSON.")
 def warm_up(as_json: bool) -> None:
-    """Compile all kernels now, in two processes side by side, instead of at their first use.
+    """Compile all kernels now instead of at their first use.
+
+    Two processes compile side by side.
 
     Once per installation; if everything is compiled already, it takes a few seconds.
 

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib import colormaps
 from matplotlib.animation import FFMpegWriter
 from matplotlib.axes import Axes
 from matplotlib.collections import EllipseCollection
@@ -30,7 +31,10 @@ if TYPE_CHECKING:
 
 KINDS: Final = (".gif", ".mp4")
 # Dots per inch of the frames, which are 8 inches wide.
-RESOLUTION: Final = 110
+RESOLUTION: Final = 100
+# Colour map of velocities, and colour (red, green, blue) of the marker of the time.
+COLOURS: Final = "RdBu_r"
+MARKER: Final = (213, 94, 0)
 
 
 def animate(
@@ -149,7 +153,7 @@ def _draw_beads(axes: Axes, run: Run, moved: Array) -> tuple[EllipseCollection, 
     centres = bead_centres(chain)
     fastest = float(np.abs(run.velocities).max())
     beads = EllipseCollection(
-        2 * radii, 2 * radii, np.zeros(chain.beads), units="xy", cmap="RdBu_r",
+        2 * radii, 2 * radii, np.zeros(chain.beads), units="xy", cmap=COLOURS,
         offsets=np.column_stack([centres, 0.0 * centres]), offset_transform=axes.transData,
         edgecolor="black", linewidth=0.4,
     )  # fmt: skip
@@ -178,16 +182,19 @@ def _draw_force(axes: Axes, run: Run) -> Any:
     axes.set_xlim(unit * run.times[0], unit * run.times[-1])
     axes.set_xlabel(label)
     axes.set_ylabel(what + newton)
-    return axes.axvline(unit * run.times[0], color="#D55E00", linewidth=1.2)
+    return axes.axvline(unit * run.times[0], color=np.divide(MARKER, 255.0), linewidth=1.2)
 
 
 def _gif(pictures: list[Image], seconds: float) -> bytes:
     from PIL import Image
 
     content = io.BytesIO()
-    # One palette for all frames, so that unchanged pixels do not flicker and compress well.
-    sample = [np.asarray(pictures[i]) for i in range(0, len(pictures), max(1, len(pictures) // 16))]
-    palette = Image.fromarray(np.concatenate(sample)).quantize(255)
+    # One palette for all frames, so that unchanged pixels do not flicker and compress well: greys
+    # for lines and letters, and the colours of velocities.
+    greys = np.repeat(np.linspace(0, 255, 31).astype(np.uint8), 3)
+    colours = (255.0 * colormaps[COLOURS](np.linspace(0.0, 1.0, 96))[:, :3]).astype(np.uint8)
+    palette = Image.new("P", (1, 1))
+    palette.putpalette([*greys.tolist(), *colours.ravel().tolist(), *MARKER])
     reduced = [picture.quantize(palette=palette, dither=Image.Dither.NONE) for picture in pictures]
     reduced[0].save(
         content, format="GIF", save_all=True, append_images=reduced[1:], loop=0, optimize=True,

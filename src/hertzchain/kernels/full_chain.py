@@ -120,6 +120,15 @@ def nothing_can_happen(y, setup, contacts):
 
 
 @compiled
+def largest_speed(so_far, y, beads):
+    """The largest speed so far, including those of a state."""
+    largest = so_far
+    for k in range(beads):
+        largest = max(largest, abs(y[beads + k]))
+    return largest
+
+
+@compiled
 def start(y, clock, counts, setup, contacts, first_step):
     """Set the clock to zero, the contacts to their first modes, and the reference of the drift."""
     clock[:] = 0.0
@@ -201,8 +210,10 @@ def advance_window(
         switching, dense_is_found = -1, False
         if contacts is not None:
             copy(contacts.force, contacts.last_force)
-        still = MIN_RELATIVE_SPEED * clock[FASTEST]
+        still = 0.0
         if contacts is not None:
+            # At the beginning of a motion from rest, the largest speed is that of this step.
+            still = MIN_RELATIVE_SPEED * largest_speed(clock[FASTEST], y_new, beads)
             switching, theta, dense_is_found = first_switch(
                 time, y, h, y_new, stages, dense, setup, contacts, segment, still, trial, scratch,
                 contacts.search,

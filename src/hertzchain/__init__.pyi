@@ -30,6 +30,11 @@ from .chain.scales import Scales as Scales
 from .chain.static_state import StaticState as StaticState
 from .chain.tapers import TAPERS as TAPERS
 from .chain.walls import Wall as Wall
+from .designs import vary as vary
+from .designs.design import design as design
+from .designs.problem import Design as Design
+from .designs.result import DesignResult as DesignResult
+from .designs.scatter import Scatter as Scatter
 from .errors import DamageWarning as DamageWarning
 from .errors import IncompleteWarning as IncompleteWarning
 from .errors import InputError as InputError

@@ -75,10 +75,11 @@ class SizeSpace:
         """The point of a taper between two sizes, which are fractions of the (log) limits."""
         parts = []
         for block in self.blocks:
-            low, high = block.limits
+            low, high = block.ends
             one, other = (low + (high - low) * end for end in (first, last))
             values = np.linspace(one, other, len(block.places))
             sizes = np.exp(values) if block.log else values
+            low, high = block.limits
             parts.append((block.coefficients(sizes) - low) / (high - low))
         return np.clip(np.concatenate(parts), 0.0, 1.0)
 

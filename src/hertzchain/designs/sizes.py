@@ -23,6 +23,9 @@ NOUNS: Final = {"radii": "radius", "masses": "mass", "gaps": "gap"}
 WAYS: Final = ("bead", "spline", "common")
 DIRECTIONS: Final = ("increasing", "decreasing")
 MIN_KNOTS, MAX_KNOTS = 4, 24
+# Coefficients of a spline may exceed the limits by this part of their range, so that the spline can
+# follow a limit; the sizes are clipped.
+WIDER: Final = 0.5
 
 
 @dataclass(frozen=True, repr=False)
@@ -77,7 +80,10 @@ class Sizes:
                 f"and cannot vary: use beads='{chain.strikers + 2}:'"
             )
         matrix, offset = self._matrix(chain, places, np.log if not gaps else np.asarray)
-        return Block(self.field, places, matrix, offset, low, high, not gaps, self.monotone)
+        wider = WIDER if self.by == "spline" else 0.0
+        return Block(
+            self.field, places, matrix, offset, low, high, not gaps, self.monotone, wider
+        )
 
     def _matrix(self, chain: Chain, places: NDArray[np.int64], log: Any) -> tuple[Array, Array]:
         """Matrix from coefficients to (logarithms of) sizes, and the constant part."""
@@ -100,7 +106,8 @@ class Sizes:
         count = len(places)
         if (np.diff(places) != 1).any():
             raise InputError("a spline needs successive beads: use beads='2:20', or by='bead'")
-        anchored = places[0] > 0 and not self.symmetric
+        # A spline of ordered coefficients is monotone only if none of them is given.
+        anchored = places[0] > 0 and not self.symmetric and self.monotone is None
         points = count + anchored
         knots = self.knots or min(MAX_KNOTS, max(MIN_KNOTS, count // 4))
         if knots > points:
@@ -137,6 +144,7 @@ class Block:
     high: float
     log: bool
     monotone: str | None
+    wider: float
 
     @property
     def size(self) -> int:
@@ -144,9 +152,15 @@ class Block:
         return self.matrix.shape[1]
 
     @property
+    def ends(self) -> tuple[float, float]:
+        """Limits of the sizes, as logarithms if ``log``."""
+        return (math.log(self.low), math.log(self.high)) if self.log else (self.low, self.high)
+
+    @property
     def limits(self) -> tuple[float, float]:
         """Limits of each coefficient."""
-        return (math.log(self.low), math.log(self.high)) if self.log else (self.low, self.high)
+        low, high = self.ends
+        return low - self.wider * (high - low), high + self.wider * (high - low)
 
     def _order(self, coefficients: Array) -> NDArray[np.int64]:
         if self.monotone is None:
@@ -156,14 +170,19 @@ class Block:
 
     def sizes(self, coefficients: Array) -> Array:
         """Sizes at the places; a spline of ordered coefficients is monotone."""
-        values = self.offset + self.matrix @ coefficients[self._order(coefficients)]
+        values = self.free(coefficients)
         found = np.exp(values) if self.log else values
-        # Rounding must not leave the limits.
         return np.clip(found, self.low, self.high)
+
+    def free(self, coefficients: Array) -> Array:
+        """Sizes before they are clipped, as logarithms if ``log``."""
+        return np.asarray(self.offset + self.matrix @ coefficients[self._order(coefficients)])
 
     def pull(self, coefficients: Array, slope: Array) -> Array:
         """Derivatives with respect to the coefficients, from those to the sizes of all places."""
-        found = slope[..., self.places]
+        low, high = self.ends
+        free = self.free(coefficients)
+        found = slope[..., self.places] * ((free >= low) & (free <= high))
         if self.log:
             found = found * self.sizes(coefficients)
         back = np.empty((*found.shape[:-1], self.size))

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import warnings
 from dataclasses import dataclass
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 
@@ -24,10 +24,12 @@ from .sizes import Sizes
 LIMIT, LEAST = 1e-3, 1e-12
 # Numbers of coefficients of successive searches, before that of the problem.
 COARSE: Final = (6, 12)
-# Largest change of a coefficient in one search, relative to its range; number of searches.
-BOX, ROUNDS = 0.25, 12
+# Largest change of a coefficient in one search, relative to its range; number of searches with the
+# coefficients of the problem.  The coarse ones are starts for these.
+BOX, ROUNDS = 0.5, 4
 # The searches end when one gains less than this, because the simulation gives the final digits.
-ITERATIONS, LEAST_GAIN, PRECISION = 20, 2e-3, 1e-5
+ITERATIONS, LEAST_GAIN = 60, 1e-3
+PRECISION, COARSE_PRECISION = 1e-5, 1e-4
 STEP: Final = 1e-6
 
 
@@ -104,6 +106,18 @@ class Law:
         here = self.room(x)
         return np.array([(self.room(x + step) - here) for step in np.diag(steps)]) / steps
 
+    def limits(self) -> list[dict[str, Any]]:
+        """Constraints by which all radii are within their limits."""
+        (block,) = self.space.blocks
+        low, high = block.limits
+        rows = block.matrix * (high - low)
+        rest = block.offset + block.matrix.sum(axis=1) * low
+        least, most = block.ends
+        return [
+            {"type": "ineq", "fun": lambda x: rest + rows @ x - least, "jac": lambda x: rows},
+            {"type": "ineq", "fun": lambda x: most - rest - rows @ x, "jac": lambda x: -rows},
+        ]
+
     def excess(self, requirement: Requirement, x: Array) -> float:
         """Relative violation of a constraint on the chain."""
         return float(requirement.excess(requirement.measure.from_chain(self.chain(x), np.nan)))
@@ -126,7 +140,7 @@ def promise(problem: Design) -> Promise:
             )  # fmt: skip
             law = Law(problem, space)
             starts = [space.point(chain) for chain in chains] or _tapers(space)
-            found = [climb(law, start) for start in starts]
+            found = [climb(law, start, coarse=level is not None) for start in starts]
             evaluations += law.evaluations
             best = min(found, key=lambda each: (law.room(each.x) < -1e-3, each.value))
             chains = [law.chain(best.x)]
@@ -141,23 +155,24 @@ def _tapers(space: SizeSpace) -> list[Array]:
     return [space.taper(middle, end) for end in ends]
 
 
-def climb(law: Law, start: Array) -> Promise:
+def climb(law: Law, start: Array, *, coarse: bool) -> Promise:
     """Searches within boxes around the best point so far; ``value`` is the objective of the law."""
     from scipy.optimize import minimize
 
-    constraints = [{"type": "ineq", "fun": law.room, "jac": law.room_slope}]
+    constraints = [{"type": "ineq", "fun": law.room, "jac": law.room_slope}, *law.limits()]
     constraints += [
         {"type": "ineq", "fun": lambda x, r=each: -law.excess(r, x)}
         for each in law.problem.requirements
     ]
     x, box = np.clip(start, 0.0, 1.0), BOX
     value = law.objective(x)[0]
-    for _ in range(ROUNDS):
+    precision = COARSE_PRECISION if coarse else PRECISION
+    for _ in range(1 if coarse else ROUNDS):
         bounds = [*zip(np.maximum(x - box, 0.0), np.minimum(x + box, 1.0), strict=True)]
         try:
             found = minimize(
                 law.objective, x, jac=True, method="SLSQP", bounds=bounds,
-                constraints=constraints, options={"maxiter": ITERATIONS, "ftol": PRECISION},
+                constraints=constraints, options={"maxiter": ITERATIONS, "ftol": precision},
             )  # fmt: skip
             point = np.clip(found.x, 0.0, 1.0)
             gained = value - law.objective(point)[0]

@@ -64,6 +64,9 @@ from .propagation.propagate import propagate_many as propagate_many
 from .pulse.comparison import Comparison as Comparison
 from .pulse.pulse import Pulse as Pulse
 from .pulse.pulse_table import PulseTable as PulseTable
+from .sensitivity.gradient import Gradient as Gradient
+from .sensitivity.gradient import gradient as gradient
+from .sensitivity.gradient import gradients as gradients
 from .simulation.budget import Budget as Budget
 from .simulation.energy_flux import EnergyFlux as EnergyFlux
 from .simulation.fronts import Fronts as Fronts

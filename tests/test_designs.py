@@ -8,6 +8,7 @@ import pytest
 import hertzchain as hc
 from hertzchain.designs.balls import load_balls
 from hertzchain.designs.evolution import Strategy, reflected
+from hertzchain.designs.sensitivity import sensitivity
 from hertzchain.designs.sizes import spline_basis
 from hertzchain.designs.smooth import promise
 from hertzchain.designs.trials import Trials
@@ -26,7 +27,7 @@ def balls(**options):
 @pytest.fixture(scope="module")
 def softest():
     problem = hc.Design(WALLED, minimise="wall_force.peak", vary=[hc.vary.radii(0.5, 1.0)])
-    return hc.design(problem, budget=3000)
+    return hc.design(problem, budget=900)
 
 
 def test_the_peak_force_of_a_design_is_that_of_another_integrator(softest):
@@ -64,7 +65,7 @@ def test_geometric_masses_are_best_for_hard_spheres():
 def test_solitary_waves_of_dimers_are_optima_of_transmission():
     """Jayaprakash et al., Phys. Rev. E 83, 036606 (2011): mass ratios 0.3428 and 0.1548."""
     problem = hc.Design(
-        hc.Chain.dimer(0.5, beads=80), maximise="velocity@79",
+        hc.Chain.dimer(0.5, beads=70), maximise="velocity@61/velocity@21",
         vary=[hc.vary.masses(0.12, 0.6, beads="2::2", by="common")],
     )  # fmt: skip
     found = hc.design(problem)
@@ -128,7 +129,7 @@ def test_constraints_hold_and_are_active():
         WALLED, minimise="wall_force.peak", vary=[hc.vary.radii(0.5, 1.0)],
         subject_to={"length": f">= {limit}", "velocity@5": "<= 1.2"},
     )  # fmt: skip
-    found = hc.design(problem, budget=4000, method="gradient")
+    found = hc.design(problem, budget=700, method="gradient")
     pulse = hc.simulate(found.chain, times=0).pulse()
     assert found.met
     assert 2 * found.chain.radii.sum() >= limit * (1 - 1e-6)
@@ -176,7 +177,7 @@ def test_a_scatter_is_summarised_by_the_worst_samples():
     radii[:, 0] = 1.0
     peaks = [hc.simulate(chain.replace(radii=each), times=0).wall_force().peak for each in radii]
     assert outcome.score == pytest.approx(np.mean(sorted(peaks)[-2:]), rel=1e-6)
-    found = hc.design(problem, budget=3000)
+    found = hc.design(problem, budget=1600)
     assert found.verified.scattered["CVaR90 of wall_force.peak"] > found.value * 0.98
 
 
@@ -185,7 +186,7 @@ def test_a_front_has_only_designs_that_no_other_one_beats():
         hc.Chain.uniform(6), maximise=["velocity@last", "smallest_radius"],
         vary=[hc.vary.radii(0.5, 1.0)],
     )  # fmt: skip
-    found = hc.design(problem, budget=1500, points=4)
+    found = hc.design(problem, budget=1000, points=4)
     speeds = [each.values["velocity@last"] for each in found.front]
     sizes = [each.values["smallest_radius"] for each in found.front]
     assert len(found.front) == 4
@@ -199,8 +200,10 @@ def test_a_curve_of_a_known_chain_is_found_again():
     problem = hc.Design(
         hc.Chain.uniform(5), match={"velocity": curve}, vary=[hc.vary.radii(0.5, 1.2)]
     )
-    found = hc.design(problem, budget=6000)
-    assert found.chain.radii == pytest.approx(chain.radii, rel=1e-3)
+    found = hc.design(problem, budget=1500, method="gradient")
+    # Several chains have the same velocities.
+    again = hc.simulate(found.chain, times=0).pulse().velocity
+    assert again == pytest.approx(curve, rel=1e-6)
 
 
 def test_slopes_are_those_of_finer_differences():
@@ -264,16 +267,12 @@ def test_points_are_reflected_at_the_limits():
     assert reflected(np.array([-0.2, 0.3, 1.1, 2.3])) == pytest.approx([0.2, 0.3, 0.9, 0.3])
 
 
-def test_the_sensitivity_is_that_of_differences(softest):
-    k, step = 4, 1e-3
-    peaks = []
-    for factor in (1 - step, 1 + step):
-        radii = softest.chain.radii.copy()
-        radii[k] *= factor
-        chain = softest.chain.replace(radii=radii)
-        peaks.append(hc.simulate(chain, times=0, rtol=1e-11).wall_force().peak)
-    expected = np.log(peaks[1] / peaks[0]) / np.log((1 + step) / (1 - step))
-    assert softest.sensitivity[k] == pytest.approx(expected, rel=0.05, abs=0.02)
+def test_the_sensitivity_is_the_exact_gradient():
+    chain = hc.Chain.tapered("forward-exponential", 0.05, beads=10).replace(right_wall=hc.Wall())
+    problem = hc.Design(chain, minimise="wall_force.peak", vary=[hc.vary.radii(0.5, 1.0)])
+    value, slope = hc.gradient(chain, "wall_force.peak")
+    expected = slope["radii"] * chain.radii / value
+    assert sensitivity(problem, chain)[1:] == pytest.approx(expected[1:], abs=1e-5)
 
 
 def test_results_are_exported(softest, tmp_path):

@@ -11,6 +11,7 @@ name                                                    meaning
 ``yield_ratio``, ``overlap_ratio``                      largest of `hertzchain.HertzRange`
 ``length``, ``mass``, ``beads``, ``price``,             of the beads after the strikers
 ``smallest_radius``, ``largest_radius``
+``velocity@100/velocity@20``, ...                       ratio of two measures of the leading pulse
 ======================================================  ===========================================
 """
 
@@ -53,9 +54,11 @@ class Measure:
 
     key: str
     bead: int | None = None
+    over: Measure | None = None
 
     def __str__(self) -> str:
-        return self.key if self.bead is None else f"{self.key}@{self.bead or 'last'}"
+        own = self.key if self.bead is None else f"{self.key}@{self.bead or 'last'}"
+        return own if self.over is None else f"{own}/{self.over}"
 
     @property
     def of_chain(self) -> bool:
@@ -65,6 +68,8 @@ class Measure:
     @property
     def unit(self) -> str:
         """Unit of a chain in SI units; ``"1"`` if it has none."""
+        if self.over is not None:
+            return "1"
         if self.key in WALL:
             return WALL[self.key][1]
         if self.key in PULSE:
@@ -79,11 +84,17 @@ class Measure:
     @property
     def columns(self) -> tuple[str, ...]:
         """Columns of a `RunTable` from which it is computed."""
+        if self.over is not None:
+            return (*self._numerator.columns, *self.over.columns)
         if self.key in WALL:
             return (WALL[self.key][0],)
         if self.key in AT_BEAD:
             return (SHARES.get(self.key, self.key),)
         return () if self.of_chain else ("peak_force",)
+
+    @property
+    def _numerator(self) -> Measure:
+        return Measure(self.key, self.bead)
 
     def index(self, beads: int) -> int:
         """Index in an array of a chain with this number of beads."""
@@ -93,6 +104,8 @@ class Measure:
 
     def check(self, chain: Chain) -> None:
         """Raise `InputError` if a chain does not have the measure."""
+        if self.over is not None:
+            self.over.check(chain)
         if self.key in WALL and chain.right_wall is None:
             raise InputError(f"{self} needs a right wall, and the right end of this chain is free")
         if self.key in AT_BEAD and self.index(chain.beads) >= chain.beads - (
@@ -104,6 +117,8 @@ class Measure:
 
     def from_table(self, table: RunTable) -> Array:
         """Values of simulated chains, shape (C,); NaN if a run failed."""
+        if self.over is not None:
+            return self._numerator.from_table(table) / self.over.from_table(table)
         if self.key in WALL:
             return np.array(table[self.columns[0]])
         if self.key in AT_BEAD:
@@ -117,6 +132,8 @@ class Measure:
 
     def from_pulse(self, pulse: Pulse) -> float:
         """Value of a leading pulse, as given by a theory."""
+        if self.over is not None:
+            return self._numerator.from_pulse(pulse) / self.over.from_pulse(pulse)
         values = pulse.column(self.columns[0])
         place = self.index(pulse.chain.beads)
         return float(values[place] / np.max(self._units_of_share([pulse.chain])))
@@ -150,6 +167,23 @@ class Measure:
         }  # fmt: skip
         return float(values[self.key])
 
+    def slope_of_chain(self, chain: Chain, field: str) -> Array:
+        """Derivatives of a measure that needs no simulation, by a field of the chain."""
+        found = np.zeros(len(getattr(chain, field)))
+        first = chain.strikers
+        own = found[first:]
+        if self.key == "length" and field in ("radii", "gaps"):
+            own += 2.0 if field == "radii" else 1.0
+        elif self.key == "mass":
+            if field == "masses":
+                own += 1.0
+            elif field == "radii" and "masses" not in chain.given:
+                own += 3.0 * chain.masses[first:] / chain.radii[first:]
+        elif field == "radii" and self.key in ("smallest_radius", "largest_radius"):
+            radii = chain.radii[first:]
+            own[radii.argmin() if self.key == "smallest_radius" else radii.argmax()] = 1.0
+        return found
+
 
 def parse_measure(text: object) -> Measure:
     """Read a name such as ``wall_force.peak`` or ``velocity@90``."""
@@ -157,6 +191,15 @@ def parse_measure(text: object) -> Measure:
         raise InputError(
             f"a measure must be a name, such as 'wall_force.peak', got {short_repr(text)}"
         )
+    above, slash, below = text.partition("/")
+    if slash:
+        one, other = parse_measure(above), parse_measure(below)
+        if one.key not in AT_BEAD or other.key not in AT_BEAD:
+            raise InputError(
+                f"{text!r} is a ratio, which both parts must be of the leading pulse, such as "
+                "'velocity@100/velocity@20'"
+            )
+        return Measure(one.key, one.bead, other)
     key, at, place = text.removeprefix("pulse.").partition("@")
     if key not in NAMES:
         raise unknown_name_error("measure", text, NAMES)

@@ -81,9 +81,7 @@ class Sizes:
             )
         matrix, offset = self._matrix(chain, places, np.log if not gaps else np.asarray)
         wider = WIDER if self.by == "spline" else 0.0
-        return Block(
-            self.field, places, matrix, offset, low, high, not gaps, self.monotone, wider
-        )
+        return Block(self.field, places, matrix, offset, low, high, not gaps, self.monotone, wider)
 
     def _matrix(self, chain: Chain, places: NDArray[np.int64], log: Any) -> tuple[Array, Array]:
         """Matrix from coefficients to (logarithms of) sizes, and the constant part."""

@@ -114,8 +114,8 @@ class Law:
         rest = block.offset + block.matrix.sum(axis=1) * low
         least, most = block.ends
         return [
-            {"type": "ineq", "fun": lambda x: rest + rows @ x - least, "jac": lambda x: rows},
-            {"type": "ineq", "fun": lambda x: most - rest - rows @ x, "jac": lambda x: -rows},
+            {"type": "ineq", "fun": lambda x: rest + rows @ x - least, "jac": lambda _: rows},
+            {"type": "ineq", "fun": lambda x: most - rest - rows @ x, "jac": lambda _: -rows},
         ]
 
     def excess(self, requirement: Requirement, x: Array) -> float:

@@ -15,6 +15,7 @@ from ..collision import Array
 from ..errors import InputError, InputWarning
 from ..simulation.simulate_many import simulate_many
 from ..store.journal import Journal
+from . import exact
 from .budget import Budget, Clock
 from .models import by_model
 from .problem import Design
@@ -75,6 +76,7 @@ class Trials:
         scatter, beads = self.problem.scatter, self.problem.chain.beads
         self.draws = None if scatter is None else scatter.draws(self.seed, beads)
         self.bad = self._bad_directions()
+        self.exact = exact.covered(self.problem)
 
     def _bad_directions(self) -> Array:
         """For the CVaR of each measure, 1 if large values are bad and -1 if small ones are."""
@@ -108,8 +110,11 @@ class Trials:
         scores[failed] = np.nan
         return [Outcome(*each) for each in zip(points, values, scores, excess, strict=True)]
 
-    def slopes(self, point: Array) -> tuple[Outcome, Array]:
-        """Values at a point, and the derivatives of all measures, shape (M, n)."""
+    def slopes(self, point: Array) -> tuple[Outcome, Array, Array]:
+        """Values at a point, the derivatives of all measures, shape (M, n), and all maxima.
+
+        The maxima of the force on the wall are rows of values and derivatives.
+        """
         count = len(self.measures)
         packed = self._journalled("slopes", [point], lambda: self._slopes(point))
         # The last entry is the cost, in simulations.
@@ -117,14 +122,41 @@ class Trials:
         self.gradients += 1
         (outcome,) = self.outcomes([point], packed[:count, :1].T)
         self._note([outcome])
-        return outcome, packed[:count, 1:]
+        return outcome, packed[:count, 1:], packed[count:-1]
 
     def _slopes(self, point: Array) -> Array:
-        """Values, derivatives and, in the last row, the cost in simulations."""
-        values, slopes, cost = differences(lambda points: self._values(points, STEP_RTOL), point)
+        """Values, derivatives, maxima and, in the last row, the cost in simulations."""
+        found = self._exact_slopes(point) if self.exact else None
+        if found is None:
+            values, slopes, cost = differences(
+                lambda points: self._values(points, STEP_RTOL), point
+            )
+            cost *= 1 if self.draws is None else len(self.draws)
+            found = values, slopes, cost
+        values, slopes, cost = found
         last = np.zeros((1, 1 + len(point)))
-        last[0, 0] = cost * (1 if self.draws is None else len(self.draws))
+        last[0, 0] = cost
         return np.vstack([np.column_stack([values, slopes]), last])
+
+    def _exact_slopes(self, point: Array) -> tuple[Array, Array, int] | None:
+        """Values and exact derivatives; `None` if the simulation has none at this point."""
+        try:
+            if self.draws is None:
+                values, slopes, _ = exact.values_and_slopes(self.problem, point)
+                return values, slopes, exact.COST
+            chain = self.chain_of(point)
+            if chain is None:
+                return None
+            sampled, values = self._sampled(chain)
+            for i, each in enumerate(self.measures):
+                if each.of_chain:
+                    values[i] = each.from_chain(chain, np.nan)
+            slopes, count = exact.scattered_slopes(
+                self.problem, point, self.draws, sampled, self.bad
+            )
+        except exact.NOT_COVERED:
+            return None
+        return values, slopes, len(self.draws) + count * exact.COST
 
     def simulated(self, chains: Sequence[Chain | None], rtol: float) -> Array:
         """Values of all measures of chains, shape (C, M), without summary of a scatter."""
@@ -167,14 +199,20 @@ class Trials:
         if chain is None:
             return np.full(len(self.measures), np.nan)
         try:
-            values = self.simulated(scatter.chains(chain, self.draws), RTOL)
+            return self._sampled(chain)[1]
         except InputError as error:
             self._reject(str(error))
             return np.full(len(self.measures), np.nan)
-        return np.array([
+
+    def _sampled(self, chain: Chain) -> tuple[Array, Array]:
+        """Values of all samples of a scatter, shape (S, M), and their summary."""
+        scatter = self.problem.scatter
+        values = self.simulated(scatter.chains(chain, self.draws), RTOL)
+        summary = np.array([
             column[scatter.worst(column, sign)].mean()
             for column, sign in zip(values.T, self.bad, strict=True)
         ])  # fmt: skip
+        return values, summary
 
     def chain_of(self, point: Any) -> Chain | None:
         """The chain at a point; `None`, and counted, if there is no such chain."""

@@ -114,8 +114,8 @@ def scattered_slopes(
     space, scatter = problem.space, problem.scatter
     assert isinstance(space, SizeSpace)
     chain = space.chain_of(point)
-    chains = scatter.chains(chain, draws)
-    counted = [scatter.worst(column, sign) for column, sign in zip(sampled.T, signs, strict=True)]
+    chains = scatter._chains(chain, draws)
+    counted = [scatter._worst(column, sign) for column, sign in zip(sampled.T, signs, strict=True)]
     wanted = sorted({int(i) for group in counted for i in group})
     by_sample = {}
     for i in wanted:

@@ -51,7 +51,7 @@ def model_at(trials: Trials, point: Array) -> Model:
               zip(problem.requirements, trials.limits, strict=True)]  # fmt: skip
     steep = [r.sign * slopes[i] / (abs(r.limit) or 1.0) for r, i in
              zip(problem.requirements, trials.limits, strict=True)]  # fmt: skip
-    pieces = ((outcome.score, slope),)
+    pieces: tuple[tuple[float, Array], ...] = ((outcome.score, slope),)
     objective = problem.objective
     if objective.single == PEAK and objective.weights[0] > 0.0 and len(maxima):
         weight = float(objective.weights[0])

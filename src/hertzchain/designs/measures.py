@@ -135,6 +135,7 @@ class Measure:
         if self.over is not None:
             return self._numerator.from_pulse(pulse) / self.over.from_pulse(pulse)
         values = pulse.column(self.columns[0])
+        assert values is not None
         place = self.index(pulse.chain.beads)
         return float(values[place] / np.max(self._units_of_share([pulse.chain])))
 

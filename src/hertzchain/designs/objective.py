@@ -65,6 +65,11 @@ def objectives_from(
     if match is not None:
         return (_curve(chain, match),)
     sign, what = (1.0, minimise) if minimise is not None else (-1.0, maximise)
+    if not isinstance(what, str | Mapping | list | tuple):
+        raise InputError(
+            f"the objective must be the name of a measure, such as 'wall_force.peak', got "
+            f"{short_repr(what)}"
+        )
     if isinstance(what, list | tuple):
         if len(what) != 2:
             raise InputError(f"a Pareto front has two objectives, got {len(what)}")

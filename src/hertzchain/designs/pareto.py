@@ -27,13 +27,13 @@ def design_front(trials: Trials, method: str, points: int, finish: Finish) -> De
     if first is None or second is None or first == second:
         raise InputError("a Pareto front needs two different measures")
     share = 1.0 / points
-    ends = [_solve(trials, problem.only(i), method, share, finish) for i in (0, 1)]
+    ends = [_solve(trials, problem._only(i), method, share, finish) for i in (0, 1)]
     sign = float(np.sign(problem.objectives[1].weights[0]))
     values = [end.values[str(second)] for end in ends]
     found = [ends[0]]
     for level in np.linspace(values[0], values[1], points)[1:-1]:
         limit = Requirement(second, float(level), int(sign), problem.chain.units)
-        found.append(_solve(trials, problem.with_limit(limit, 0), method, share, finish))
+        found.append(_solve(trials, problem._with_limit(limit, 0), method, share, finish))
     found.append(ends[1])
     kept = tuple(each for each in found if each.met and not _dominated(each, found, problem))
     return dataclasses.replace(

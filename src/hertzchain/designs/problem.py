@@ -94,7 +94,7 @@ class Design:
         object.__setattr__(self, "requirements", requirements)
         object.__setattr__(self, "scatter", scatter_from(self.scatter))
         if self.scatter is not None:
-            self.scatter.check(chain)
+            self.scatter._check(chain)
         if self.until is not None:
             until = number("until", self.until, unit=chain._unit("s"), above=0.0)
             object.__setattr__(self, "until", until)
@@ -141,14 +141,14 @@ class Design:
         """Whether balls or their order vary."""
         return isinstance(self.space, BallSpace)
 
-    def with_limit(self, requirement: Requirement, first: int) -> Design:
+    def _with_limit(self, requirement: Requirement, first: int) -> Design:
         """One objective of a Pareto front, with a limit on the other."""
         found = dataclasses.replace(self)
         object.__setattr__(found, "objectives", (self.objectives[first],))
         object.__setattr__(found, "requirements", (*self.requirements, requirement))
         return found
 
-    def only(self, index: int) -> Design:
+    def _only(self, index: int) -> Design:
         """The problem with one objective of a Pareto front."""
         found = dataclasses.replace(self)
         object.__setattr__(found, "objectives", (self.objectives[index],))

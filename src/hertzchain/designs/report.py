@@ -20,13 +20,13 @@ if TYPE_CHECKING:
 def summary(result: DesignResult) -> str:
     """Text of several lines."""
     problem, best = result.problem, result.value
-    lines = [f"{_first_upper(str(problem.objective))}: {result.shown(best)} (verified: simulated "
+    lines = [f"{_first_upper(str(problem.objective))}: {result._shown(best)} (verified: simulated "
              f"again at rtol {result.verified.rtol:g})"]  # fmt: skip
     lines += [f"  {text}" for text in _starts(result)]
     for name, found in result.references.items():
         other = result.objective_of(found)
         ratio = best / other if other else math.nan
-        lines.append(f"  {name}: {result.shown(other)}; this design has {ratio:.1%} of it")
+        lines.append(f"  {name}: {result._shown(other)}; this design has {ratio:.1%} of it")
     if result.promise is not None:
         value, error = result.promise
         lines.append(f"  the local-rate law promised {value:.6g} with an estimated error of "
@@ -84,7 +84,7 @@ def _point(result: DesignResult, index: int) -> str:
     found = result.optima[index]
     (block,) = result.problem.space.blocks  # type: ignore[union-attr]
     size = getattr(found.chain, block.field)[block.places[0]]
-    return f"{block.field} {size:.6g}: {result.shown(result.objective_of(found))}"
+    return f"{block.field} {size:.6g}: {result._shown(result.objective_of(found))}"
 
 
 def as_dict(result: DesignResult) -> dict[str, Any]:

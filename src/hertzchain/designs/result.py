@@ -12,6 +12,7 @@ import numpy as np
 from ..chain.chain import Chain
 from ..collision import Array
 from ..representation import counted, measure, short
+from ..validation.objects import check_choice, check_type
 from .ball_choice import BallSpace
 from .bounds import Bound
 from .problem import Design
@@ -99,7 +100,23 @@ class DesignResult:
         return self.objective_of(self.verified)
 
     def objective_of(self, found: Verified) -> float:
-        """Value of the objective of another chain."""
+        """Value of the objective of another chain, such as one of the references.
+
+        Parameters
+        ----------
+        found : Verified
+            A chain and its numbers.
+
+        Examples
+        --------
+        >>> import hertzchain as hc
+        >>> radii = hc.vary.radii(0.5, 1.0, by="common")
+        >>> problem = hc.Design(hc.Chain.uniform(5), maximise="velocity@last", vary=[radii])
+        >>> found = hc.design(problem, budget=200)
+        >>> found.objective_of(found.verified) == found.value
+        True
+        """
+        check_type("found", found, Verified, "give one of the references of this result")
         objective = self.problem.objective
         if objective.single is not None:
             return found.values[str(objective.single)]
@@ -127,24 +144,54 @@ class DesignResult:
         objective = self.problem.objective
         return float(np.sign(objective.weights[0])) if objective.single is not None else 1.0
 
-    def shown(self, value: float) -> str:
+    def _shown(self, value: float) -> str:
         """A value of the objective with its unit."""
         return measure(value, self.unit, "SI" if self.unit else "scaled")
 
     def summary(self) -> str:
-        """Text of several lines: value, comparison, constraints, bounds, parts and remarks."""
+        """Text of several lines: value, comparison, constraints, bounds, parts and remarks.
+
+        Examples
+        --------
+        >>> import hertzchain as hc
+        >>> radii = hc.vary.radii(0.5, 1.0, by="common")
+        >>> problem = hc.Design(hc.Chain.uniform(5), maximise="velocity@last", vary=[radii])
+        >>> found = hc.design(problem, budget=200)
+        >>> print(found.summary().splitlines()[0])
+        Largest velocity@last: 1.793 (verified: simulated again at rtol 1e-11)
+        """
         from .report import summary
 
         return summary(self)
 
     def as_dict(self) -> dict[str, Any]:
-        """Plain types, as written by ``hertzchain design --json``."""
+        """Plain types, as written by ``hertzchain design --json``.
+
+        Examples
+        --------
+        >>> import hertzchain as hc
+        >>> radii = hc.vary.radii(0.5, 1.0, by="common")
+        >>> problem = hc.Design(hc.Chain.uniform(5), maximise="velocity@last", vary=[radii])
+        >>> found = hc.design(problem, budget=200)
+        >>> found.as_dict()["method"]
+        'scan'
+        """
         from .report import as_dict
 
         return as_dict(self)
 
     def to_toml(self) -> str:
-        """Chain file of the chain that was found; `hertzchain.load_chain` reads it."""
+        """Chain file of the chain that was found; `hertzchain.load_chain` reads it.
+
+        Examples
+        --------
+        >>> import hertzchain as hc
+        >>> radii = hc.vary.radii(0.5, 1.0, by="common")
+        >>> problem = hc.Design(hc.Chain.uniform(5), maximise="velocity@last", vary=[radii])
+        >>> found = hc.design(problem, budget=200)
+        >>> found.to_toml().splitlines()[0]
+        '[chain]'
+        """
         from ..store.chain_as_toml import chain_as_toml
 
         return chain_as_toml(self.chain)
@@ -157,6 +204,15 @@ class DesignResult:
         xarray.Dataset
             Radii and masses by ``design`` and ``bead``, and each measure by ``design``: the result,
             its runners-up and the chains to compare with.
+
+        Examples
+        --------
+        >>> import hertzchain as hc
+        >>> radii = hc.vary.radii(0.5, 1.0, by="common")
+        >>> problem = hc.Design(hc.Chain.uniform(5), maximise="velocity@last", vary=[radii])
+        >>> found = hc.design(problem, budget=200)
+        >>> found.to_dataset()["radii"].dims
+        ('design', 'bead')
         """
         from .report import dataset
 
@@ -169,38 +225,44 @@ class DesignResult:
 
         return sensitivity(self.problem, self.chain)
 
-    def plot(self, *, ax: Axes | None = None) -> Axes:
-        """Plot the chain before and after."""
-        from ..plotting.designs import plot_beads
+    def plot(self, kind: str = "beads", *, ax: Axes | None = None) -> Axes:
+        """Plot one view of the result.
 
-        return plot_beads(self, ax=ax)
+        Parameters
+        ----------
+        kind : str
+            ``"beads"`` or ``"forces"``, before and after; ``"history"``, the best objective over
+            the number of simulations; ``"sensitivity"``, of the objective to the radius of each
+            bead; or ``"front"``, of two objectives.
+        ax : matplotlib.axes.Axes, optional
+            Axes to draw into.  By default, a new figure is created.
 
-    def plot_forces(self, *, ax: Axes | None = None) -> Axes:
-        """Plot the force on the wall, or the leading pulse, before and after."""
-        from ..plotting.designs import plot_forces
+        Examples
+        --------
+        >>> import hertzchain as hc
+        >>> radii = hc.vary.radii(0.5, 1.0, by="common")
+        >>> problem = hc.Design(hc.Chain.uniform(5), maximise="velocity@last", vary=[radii])
+        >>> found = hc.design(problem, budget=200)
+        >>> found.plot("history").get_xlabel()
+        'simulations'
+        """
+        from ..plotting import designs
 
-        return plot_forces(self, ax=ax)
-
-    def plot_history(self, *, ax: Axes | None = None) -> Axes:
-        """Plot the best objective over the number of simulations."""
-        from ..plotting.designs import plot_history
-
-        return plot_history(self, ax=ax)
-
-    def plot_sensitivity(self, *, ax: Axes | None = None) -> Axes:
-        """Plot the sensitivity of the objective to the radius of each bead."""
-        from ..plotting.designs import plot_sensitivity
-
-        return plot_sensitivity(self, ax=ax)
-
-    def plot_front(self, *, ax: Axes | None = None) -> Axes:
-        """Plot the Pareto front of two objectives."""
-        from ..plotting.designs import plot_front
-
-        return plot_front(self, ax=ax)
+        check_choice("kind of plot", kind, designs.KINDS)
+        return designs.KINDS[kind](self, ax=ax)
 
     def plot_all(self) -> Figure:
-        """Plot the chain, forces, history and sensitivity in one figure."""
+        """Plot the chain, forces, history and sensitivity in one figure.
+
+        Examples
+        --------
+        >>> import hertzchain as hc
+        >>> radii = hc.vary.radii(0.5, 1.0, by="common")
+        >>> problem = hc.Design(hc.Chain.uniform(5), maximise="velocity@last", vary=[radii])
+        >>> found = hc.design(problem, budget=200)
+        >>> len(found.plot_all().axes)
+        4
+        """
         from ..plotting.designs import plot_design
 
         return plot_design(self)
@@ -214,7 +276,7 @@ class DesignResult:
         state = "constraints met" if self.met else "constraints NOT met"
         return short(
             "DesignResult",
-            f"{self.problem.objective}: {self.shown(self.value)}",
+            f"{self.problem.objective}: {self._shown(self.value)}",
             f"best of {counted(len(self.finals), 'start')}",
             state if self.problem.requirements else "",
             f"{self.runs} simulations",

@@ -66,7 +66,7 @@ class Scatter:
         found = _CVAR.fullmatch(self.measure)
         return 1.0 - int(found[1]) / 100 if found and int(found[1]) > 0 else 0.0
 
-    def check(self, chain: Chain) -> None:
+    def _check(self, chain: Chain) -> None:
         """Raise `InputError` if a chain cannot have the scatter."""
         if self.grade is not None and chain.units != "SI":
             raise InputError("ball grades are tolerances in micrometres: use Chain.from_materials")
@@ -75,12 +75,12 @@ class Scatter:
                 f"a scatter of radii changes {' and '.join(own)}, which this chain gives: omit them"
             )
 
-    def draws(self, seed: int, beads: int, samples: int | None = None) -> Array:
+    def _draws(self, seed: int, beads: int, samples: int | None = None) -> Array:
         """Random numbers, shape (samples, beads): normal, or uniform from -1 to 1 for a grade."""
         rng, shape = np.random.default_rng(seed), (samples or self.samples, beads)
         return rng.standard_normal(shape) if self.grade is None else rng.uniform(-1.0, 1.0, shape)
 
-    def chains(self, chain: Chain, draws: Array) -> list[Chain]:
+    def _chains(self, chain: Chain, draws: Array) -> list[Chain]:
         """The chain with deviations; the unit of length of a scaled chain has none."""
         found = []
         for draw in draws[:, : chain.beads]:
@@ -94,7 +94,7 @@ class Scatter:
             found.append(chain.replace(radii=radii))
         return found
 
-    def worst(self, values: Array, sign: float) -> Any:
+    def _worst(self, values: Array, sign: float) -> Any:
         """Indices of the samples that count, for values of which large (sign 1) are bad."""
         order = np.argsort(sign * values, kind="stable")
         count = max(1, round(self.tail * len(values))) if self.tail else len(values)

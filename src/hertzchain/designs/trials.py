@@ -74,7 +74,7 @@ class Trials:
         self.terms = [self.position[m] for m in self.problem.objective.measures]
         self.limits = [self.position[each.measure] for each in self.problem.requirements]
         scatter, beads = self.problem.scatter, self.problem.chain.beads
-        self.draws = None if scatter is None else scatter.draws(self.seed, beads)
+        self.draws = None if scatter is None else scatter._draws(self.seed, beads)
         self.bad = self._bad_directions()
         self.exact = exact.covered(self.problem)
 
@@ -207,9 +207,9 @@ class Trials:
     def _sampled(self, chain: Chain) -> tuple[Array, Array]:
         """Values of all samples of a scatter, shape (S, M), and their summary."""
         scatter = self.problem.scatter
-        values = self.simulated(scatter.chains(chain, self.draws), RTOL)
+        values = self.simulated(scatter._chains(chain, self.draws), RTOL)
         summary = np.array([
-            column[scatter.worst(column, sign)].mean()
+            column[scatter._worst(column, sign)].mean()
             for column, sign in zip(values.T, self.bad, strict=True)
         ])  # fmt: skip
         return values, summary

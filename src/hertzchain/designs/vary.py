@@ -64,7 +64,14 @@ def masses(
     low: Any, high: Any, *, beads: Beads = "2:", by: str = "bead", knots: int | None = None,
     symmetric: bool = False, monotone: str | None = None,
 ) -> Sizes:  # fmt: skip
-    """Masses between two limits [scaled, or kg], at fixed contacts; arguments as of `radii`.
+    """Masses between two limits, at fixed contacts.
+
+    Parameters
+    ----------
+    low, high : float or str
+        Smallest and largest mass [scaled, or kg].
+    beads, by, knots, symmetric, monotone
+        As for `radii`.
 
     Examples
     --------
@@ -78,7 +85,14 @@ def masses(
 def gaps(
     low: Any, high: Any, *, contacts: Beads = "1:", by: str = "bead", knots: int | None = None
 ) -> Sizes:
-    """Gaps of contacts between two limits [scaled, or m]; arguments as of `radii`.
+    """Gaps of contacts between two limits.
+
+    Parameters
+    ----------
+    low, high : float or str
+        Smallest and largest gap [scaled, or m].
+    contacts, by, knots
+        As for the beads of `radii`.
 
     Examples
     --------

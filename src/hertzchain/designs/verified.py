@@ -12,6 +12,7 @@ from ..chain.chain import Chain
 from ..chain.hertz_range import hertz_range
 from ..collision import Array
 from ..errors import InputError
+from ..simulation.simulate import simulate
 from ..simulation.simulate_many import simulate_many
 from .measures import Measure
 from .problem import Design
@@ -22,6 +23,9 @@ RTOL: Final = 1e-11
 LONGER: Final = 2.0
 # Relative difference from which a later peak is higher.
 SAME: Final = 1e-6
+# Measures at the first maximum of a velocity; saved times; relative difference that is reported.
+PER_VELOCITY: Final = ("velocity", "momentum", "energy", "energy_share", "momentum_share")
+TIMES, LATER, MOST_CHECKED = 2000, 0.01, 10
 # Fresh samples of a scatter.
 FRESH: Final = 400
 
@@ -66,10 +70,33 @@ def verify_chain(problem: Design, chain: Chain, price: float, seed: int) -> Veri
     }
     if not table.reasons and walled and problem.until is None:
         notes += _later_peak(chain, table["wall_peak_force"][0], float(table["end_time"][0]))
+    notes += _later_motion(problem, chain, values)
     if chain.materials is not None and not table.reasons:
         notes += hertz_range(chain, table._overlaps[0, : chain.beads + 1]).violations
     scattered = {} if problem.scatter is None else _scattered(problem, chain, seed)
     return Verified(chain, values, RTOL, tuple(notes), scattered)
+
+
+def _later_motion(problem: Design, chain: Chain, values: dict[str, float]) -> list[str]:
+    """Notes on beads that move faster after the first maximum of their velocity."""
+    beads = {
+        m.index(chain.beads): values[str(m)] for m in problem.measures
+        if m.key in PER_VELOCITY and m.over is None and np.isfinite(values[str(m)])
+    }  # fmt: skip
+    if not beads or len(beads) > MOST_CHECKED:
+        return []
+    run = simulate(chain, times=TIMES, until=problem.until)
+    first = run.pulse().velocity
+    found = []
+    for place in beads:
+        largest = float(run.velocities[:, place].max())
+        if largest > (1.0 + LATER) * float(first[place]):
+            found.append(
+                f"bead {place + 1} moves faster later: its largest velocity in the run is "
+                f"{largest / float(first[place]):.3g} times the first maximum, to which velocity, "
+                "momentum and energy refer"
+            )
+    return found
 
 
 def _later_peak(chain: Chain, peak: float, end: float) -> list[str]:
@@ -84,9 +111,9 @@ def _later_peak(chain: Chain, peak: float, end: float) -> list[str]:
 def _scattered(problem: Design, chain: Chain, seed: int) -> dict[str, float]:
     """Mean, CVaR and worst of the objective with new samples."""
     scatter = problem.scatter
-    draws = scatter.draws(seed + 1_000_003, chain.beads, FRESH)
+    draws = scatter._draws(seed + 1_000_003, chain.beads, FRESH)
     try:
-        chains = scatter.chains(chain, draws)
+        chains = scatter._chains(chain, draws)
     except InputError:
         return {}
     found: dict[str, float] = {}

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import warnings
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Final
 
 import matplotlib.pyplot as plt
@@ -13,6 +14,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Circle, Patch
 
 from ..chain.chain import Chain
+from ..errors import InputError
 from ..simulation.simulate import simulate
 from .style import COLOURS, figure_style, get_axes, time_axis
 
@@ -25,16 +27,7 @@ RTOL: Final = 1e-8
 
 
 def plot_beads(result: DesignResult, *, ax: Axes | None = None) -> Axes:
-    """Plot the beads of the chain that was found, above those of the chain it began with.
-
-    Examples
-    --------
-    >>> import hertzchain as hc
-    >>> chain = hc.Chain.uniform(5)
-    >>> problem = hc.Design(chain, maximise="velocity@last", vary=[hc.vary.radii(0.5, 1.0)])
-    >>> plot_beads(hc.design(problem, budget=200)).get_xlabel()
-    'position'
-    """
+    """Plot the beads of the chain that was found, above those of the chain it began with."""
     with figure_style():
         axes = get_axes(ax)
         chains = {"before": result.problem.chain, "after": result.chain}
@@ -71,16 +64,7 @@ def _draw(axes: Axes, chain: Chain, y: float, factor: float, kinds: dict[str, st
 
 
 def plot_forces(result: DesignResult, *, ax: Axes | None = None) -> Axes:
-    """Plot the force on the wall over time, or without a wall the leading pulse by bead.
-
-    Examples
-    --------
-    >>> import hertzchain as hc
-    >>> chain = hc.Chain.uniform(5)
-    >>> problem = hc.Design(chain, maximise="velocity@last", vary=[hc.vary.radii(0.5, 1.0)])
-    >>> plot_forces(hc.design(problem, budget=200)).get_xlabel()
-    'bead'
-    """
+    """Plot the force on the wall over time, or without a wall the leading pulse by bead."""
     with figure_style(), warnings.catch_warnings():
         warnings.simplefilter("ignore")
         axes = get_axes(ax)
@@ -108,16 +92,7 @@ def plot_forces(result: DesignResult, *, ax: Axes | None = None) -> Axes:
 
 
 def plot_history(result: DesignResult, *, ax: Axes | None = None) -> Axes:
-    """Plot the best objective over the number of simulations.
-
-    Examples
-    --------
-    >>> import hertzchain as hc
-    >>> chain = hc.Chain.uniform(5)
-    >>> problem = hc.Design(chain, maximise="velocity@last", vary=[hc.vary.radii(0.5, 1.0)])
-    >>> plot_history(hc.design(problem, budget=200)).get_xlabel()
-    'simulations'
-    """
+    """Plot the best objective over the number of simulations."""
     with figure_style():
         axes = get_axes(ax)
         runs, scores = result.history.T
@@ -130,16 +105,7 @@ def plot_history(result: DesignResult, *, ax: Axes | None = None) -> Axes:
 
 
 def plot_sensitivity(result: DesignResult, *, ax: Axes | None = None) -> Axes:
-    r"""Plot :math:`\partial \ln V/\partial \ln R_k` of the objective at the result.
-
-    Examples
-    --------
-    >>> import hertzchain as hc
-    >>> chain = hc.Chain.uniform(5)
-    >>> problem = hc.Design(chain, maximise="velocity@last", vary=[hc.vary.radii(0.5, 1.0)])
-    >>> plot_sensitivity(hc.design(problem, budget=200)).get_xlabel()
-    'bead'
-    """
+    r"""Plot :math:`\partial \ln V/\partial \ln R_k` of the objective at the result."""
     with figure_style():
         axes = get_axes(ax)
         values = result.sensitivity
@@ -151,18 +117,10 @@ def plot_sensitivity(result: DesignResult, *, ax: Axes | None = None) -> Axes:
 
 
 def plot_front(result: DesignResult, *, ax: Axes | None = None) -> Axes:
-    """Plot the Pareto front of two objectives.
-
-    Examples
-    --------
-    >>> import hertzchain as hc
-    >>> chain = hc.Chain.uniform(5)
-    >>> problem = hc.Design(
-    ...     chain, maximise=["velocity@last", "length"], vary=[hc.vary.radii(0.5, 1.0)])
-    >>> plot_front(hc.design(problem, budget=500, points=3)).get_xlabel()
-    'length'
-    """
+    """Plot the Pareto front of two objectives."""
     with figure_style():
+        if not result.front:
+            raise InputError("this design has one objective and no front; give two objectives")
         axes = get_axes(ax)
         first, second = (str(each.single) for each in result.problem.objectives)
         points = sorted((each.values[second], each.values[first]) for each in result.front)
@@ -175,16 +133,7 @@ def plot_front(result: DesignResult, *, ax: Axes | None = None) -> Axes:
 
 
 def plot_design(result: DesignResult) -> Figure:
-    """Plot beads, forces, history, and the sensitivity or the Pareto front.
-
-    Examples
-    --------
-    >>> import hertzchain as hc
-    >>> chain = hc.Chain.uniform(5)
-    >>> problem = hc.Design(chain, maximise="velocity@last", vary=[hc.vary.radii(0.5, 1.0)])
-    >>> len(plot_design(hc.design(problem, budget=200)).axes)
-    4
-    """
+    """Plot beads, forces, history, and the sensitivity or the Pareto front."""
     with figure_style():
         figure, axes = plt.subplots(2, 2, figsize=(10.0, 6.4), layout="constrained")
         plot_beads(result, ax=axes[0, 0])
@@ -207,3 +156,9 @@ def _label(result: DesignResult) -> str:
     if single is None:
         return "score"
     return f"{single} [{result.unit}]" if result.unit else str(single)
+
+
+KINDS: Final[dict[str, Callable[..., Axes]]] = {
+    "beads": plot_beads, "forces": plot_forces, "history": plot_history,
+    "sensitivity": plot_sensitivity, "front": plot_front,
+}  # fmt: skip

@@ -234,6 +234,20 @@ def fit_correlations() -> Figure:
     return hc.fit(*hc.example_experiment()).plot_correlations()
 
 
+def design_protector() -> Figure:
+    """The protector of the how-to guide: before and after."""
+    chain = hc.Chain.from_materials(
+        3.175e-3, "steel-52100", beads=13, velocity=1.0, right_wall=hc.Wall.of("steel-52100")
+    )
+    balls = hc.vary.balls(
+        materials=["steel-52100", "ptfe"], diameters=["4.7625 mm", "6.35 mm"], optional=True
+    )
+    problem = hc.Design(
+        chain, minimise="wall_force.peak", vary=[balls], subject_to={"length": "<= 60 mm"}
+    )
+    return hc.design(problem, budget=1500, seed=1).plot_all()
+
+
 def _growth(rate: float) -> float:
     velocity = hc.local_rate(hc.Chain.from_radii(np.exp(rate * np.arange(90)))).velocity
     return float(np.log(velocity[80] / velocity[79]))
@@ -255,6 +269,7 @@ FIGURES: dict[str, Callable[[], Figure]] = {
     "fit-before": fit_before,
     "fit-result": fit_result,
     "fit-correlations": fit_correlations,
+    "design-protector": design_protector,
 }
 
 

@@ -32,6 +32,8 @@ def everything(tmp_path_factory):
     traces, file = hc.example_experiment()
     fit = hc.fit(traces, file, free=["time_offset"])
     measured = hc.simulate(hc.load_chain(file), until=6e-4, times=1201)
+    radii = hc.vary.radii(0.5, 1.0, by="common")
+    problem = hc.Design(hc.Chain.uniform(4), maximise="velocity@last", vary=[radii])
     found = [
         traces, fit, hc.scan_defects(fit), measured.compare(traces),
         hc.LossComparison(fits=(LossFit("viscoelastic", fit, bic=1.0),)),
@@ -55,6 +57,7 @@ def everything(tmp_path_factory):
         hc.InputWarning("e"), hc.effective_chain(hc.Chain.uniform(5).decorated(0.2)).bca(),
         hc.scoreboard(theories=["hard-sphere"]), hc.verify(groups=["restitution"])[0],
         hc.calibrate("backward-linear", rates=(0.5,), beads=30, window=(5, 25)),
+        problem, hc.design(problem, budget=150), hc.Scatter(radius=0.01),
     ]  # fmt: skip
     return {type(item).__name__ + str(place): item for place, item in enumerate(found)}
 

@@ -11,7 +11,8 @@ from hertzchain import Chain
 
 # Classes that users do not create; only their methods are called.
 RESULTS = (
-    "Budget", "Calibration", "DefectScan", "EffectiveChain", "EffectivePulse", "EnergyFlux",
+    "Budget", "Calibration", "DefectScan", "DesignResult", "EffectiveChain",
+    "EffectivePulse", "EnergyFlux",
     "FitResult", "Fronts", "LossComparison", "Posterior", "TraceComparison",
     "HertzRange", "Horizon", "LeadingPulse", "PulseTable", "Reflection", "Run", "RunTable",
     "Scoreboard",
@@ -69,7 +70,22 @@ def public_calls(folder):
     table_of_traces.write_text(
         "time [us],ball 4 [N]\n" + "".join(f"{time},{force}\n" for time, force in rows)
     )
+    radii = hc.vary.radii(0.5, 1.0, by="common")
+    problem = hc.Design(hc.Chain.uniform(4), maximise="velocity@last", vary=[radii])
+    designed = hc.design(problem, budget=150)
     return {
+        "Design": tried(
+            hc.Design, chain=chain, minimise="velocity@last", maximise=None, match=None,
+            vary=[radii], subject_to={"length": "<= 20"}, scatter=None, until=None,
+            model="simulation",
+        ),
+        "Scatter": tried(hc.Scatter, radius=0.01, grade=None, measure="mean", samples=10),
+        "design": tried(
+            hc.design, problem=problem, budget=150, method="auto", seed=0, points=2, store=None,
+            threads=1, progress=None,
+        ),
+        "DesignResult.objective_of": tried(designed.objective_of, found=designed.verified),
+        "DesignResult.plot": tried(designed.plot, kind="history", ax=None),
         "Traces": tried(hc.Traces, shots=traces.shots),
         "Traces.from_arrays": tried(
             hc.Traces.from_arrays, times=moved.times, signals=signal, noise=0.01
@@ -244,6 +260,26 @@ def public_calls(folder):
             max_steps=9999,
             threads=1,
             progress=None,
+        ),
+        "gradient": tried(
+            hc.gradient,
+            chain=chain,
+            quantity="pulse.velocity",
+            to=["radii"],
+            bead=3,
+            until=20.0,
+            rtol=1e-6,
+            max_steps=9999,
+        ),
+        "gradients": tried(
+            hc.gradients,
+            chain=chain,
+            quantities=["pulse.velocity"],
+            to=["radii"],
+            bead=3,
+            until=20.0,
+            rtol=1e-6,
+            max_steps=9999,
         ),
         "RunTable[...]": tried(lambda name: runs[name], name="velocity"),
         "Comparison": tried(hc.Comparison, pulse=pulse, reference=pulse),

@@ -30,6 +30,11 @@ from .chain.scales import Scales as Scales
 from .chain.static_state import StaticState as StaticState
 from .chain.tapers import TAPERS as TAPERS
 from .chain.walls import Wall as Wall
+from .designs import vary as vary
+from .designs.design import design as design
+from .designs.problem import Design as Design
+from .designs.result import DesignResult as DesignResult
+from .designs.scatter import Scatter as Scatter
 from .errors import DamageWarning as DamageWarning
 from .errors import IncompleteWarning as IncompleteWarning
 from .errors import InputError as InputError
@@ -59,6 +64,9 @@ from .propagation.propagate import propagate_many as propagate_many
 from .pulse.comparison import Comparison as Comparison
 from .pulse.pulse import Pulse as Pulse
 from .pulse.pulse_table import PulseTable as PulseTable
+from .sensitivity.gradient import Gradient as Gradient
+from .sensitivity.gradient import gradient as gradient
+from .sensitivity.gradient import gradients as gradients
 from .simulation.budget import Budget as Budget
 from .simulation.energy_flux import EnergyFlux as EnergyFlux
 from .simulation.fronts import Fronts as Fronts

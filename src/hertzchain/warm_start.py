@@ -18,6 +18,7 @@ from .chain.laws.walton_braun import WaltonBraun
 from .chain.walls import Wall
 from .errors import SimulationError
 from .propagation.propagate import propagate, propagate_many
+from .sensitivity.gradient import gradients
 from .simulation.simulate import simulate
 from .simulation.simulate_many import simulate_many
 from .theory.local_rate import local_rate, local_rate_gradient
@@ -56,6 +57,10 @@ def _fixed_steps(chain: Chain) -> object:
     return [simulate(chain, method="symplectic", until=1.0, drift=drift) for drift in (1e-3, 1e-9)]
 
 
+def _gradients(chain: Chain) -> object:
+    return gradients(chain.replace(right_wall=Wall()), ["wall_force.peak", "pulse.velocity@3"])
+
+
 # Those that a page or a notebook needs first, in this order.
 FIRST: Final = (
     Stage("the simulation of the pulse", propagate),
@@ -72,6 +77,7 @@ STAGES: Final = (
     Stage("pulses of other exponents", _other_exponents),
     Stage("ensembles of whole chains", _ensembles),
     Stage("fixed steps", _fixed_steps),
+    Stage("gradients of simulations", _gradients),
     Stage("sensitivities", lambda chain: local_rate_gradient(chain, "velocity", bead=3)),
 )
 BEADS: Final = 12

@@ -17,6 +17,7 @@ from . import (
     app,
     calibrate,
     cite,
+    design,
     fit,
     pulse,
     reproduce,
@@ -51,8 +52,8 @@ def cli() -> None:
 
 for _command in (
     pulse.pulse, simulate.simulate, reproduce.reproduce, calibrate.calibrate,
-    scoreboard.scoreboard, sweep.sweep, fit.fit, verify.verify, app.app, warm_up.warm_up,
-    cite.cite,
+    scoreboard.scoreboard, sweep.sweep, design.design, fit.fit, verify.verify, app.app,
+    warm_up.warm_up, cite.cite,
 ):  # fmt: skip
     cli.add_command(_command)
 

@@ -1,0 +1,102 @@
+"""The command `design`: search for a chain that does what a file requires."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import click
+
+from .exit_codes import DONE, OUTSIDE_TOLERANCE
+from .options import PICTURES, check_writable
+from .output import save_figure, show_json
+from .progress import progress_bar
+
+
+@click.command()
+@click.argument("file", type=click.Path(path_type=Path), metavar="FILE.toml")
+@click.option(
+    "--budget",
+    metavar="SIZE",
+    help="Number of simulations, or a time such as '60 s'.  [default: that of FILE, or 20000]",
+)
+@click.option("--method", metavar="NAME", help="Method of search.  [default: chosen by problem]")
+@click.option("--seed", type=int, help="Seed of the random numbers.  [default: 0]")
+@click.option(
+    "--store",
+    type=click.Path(path_type=Path),
+    metavar="FOLDER",
+    help="Folder of the journal of trials.  [default: the name of FILE with .design]",
+)
+@click.option("--threads", type=int, help="Number of threads.  [default: one per processor]")
+@click.option(
+    "--out", type=click.Path(path_type=Path), metavar="FILE", help="Write the chain found (.toml)."
+)
+@click.option(
+    "--plot",
+    type=click.Path(path_type=Path),
+    metavar="FILE",
+    help="Plot chains, forces, history and sensitivity to FILE (.png, .svg or .pdf).",
+)
+@click.option("--json", "as_json", is_flag=True, help="Print everything as JSON.")
+def design(
+    file: Path, budget: str | None, method: str | None, seed: int | None, store: Path | None,
+    threads: int | None, out: Path | None, plot: Path | None, as_json: bool,
+) -> int:  # fmt: skip
+    """Search for a chain that does what FILE.toml requires, and verify it.
+
+    The file is a chain file with a table [design]: the objective, what may vary, and constraints.
+    All trials are written to a folder.  If the search is interrupted, run the same command again
+    and it resumes.
+
+    Exit codes: 0 done, 2 the file or an option is invalid, 3 the constraints are not met by any
+    chain that was found, 130 interrupted.
+
+    \b
+    Examples:
+      hertzchain design protector.toml
+      hertzchain design protector.toml --budget '60 s' --plot design.png --out protector-chain.toml
+    """
+    import hertzchain
+
+    from ..designs.problem_files import load_design
+
+    check_writable(plot, "--plot", PICTURES)
+    check_writable(out, "--out", (".toml",))
+    problem, options = load_design(file)
+    given = {"budget": budget, "method": method, "seed": seed}
+    options |= {name: value for name, value in given.items() if value is not None}
+    target = Path(f"{file.stem}.design") if store is None else store
+    with progress_bar("simulations" if _counts(options.get("budget")) else "seconds") as progress:
+        try:
+            result = hertzchain.design(
+                problem, store=target, threads=threads, progress=progress, **options
+            )
+        except KeyboardInterrupt:
+            click.echo(f"trials are in {target}; run the same command again to resume", err=True)
+            raise
+    _write(result, out, plot)
+    if as_json:
+        from ..store import results
+
+        show_json({"schema_version": results.SCHEMA_VERSION} | result.as_dict())
+    else:
+        click.echo(result.summary())
+    return DONE if result.met else OUTSIDE_TOLERANCE
+
+
+def _counts(budget: Any) -> bool:
+    """Whether a budget is a number of simulations."""
+    from ..designs.budget import budget_from
+
+    return budget_from(budget).runs < float("inf")
+
+
+def _write(result: Any, out: Path | None, plot: Path | None) -> None:
+    if out is not None:
+        from ..store.writing import write_bytes
+
+        write_bytes(out, result.to_toml().encode())
+    if plot is not None:
+        figure = result.plot_all()
+        save_figure(figure.axes[0], plot)

@@ -1,0 +1,187 @@
+"""Discrete variables of a design: balls of a catalogue, and the order of given beads."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..chain.chain import Chain
+from ..chain.materials import Material, material
+from ..errors import InputError
+from ..representation import short
+from ..validation.numbers import real_numbers
+from ..validation.objects import check_bool, check_list
+from .balls import Ball, load_balls
+from .places import places_from
+
+Choice = NDArray[np.int64]
+# Relative difference of two diameters that are regarded as the same.
+SAME: Final = 1e-3
+
+
+@dataclass(frozen=True, repr=False)
+class BallChoice:
+    """Balls of a catalogue for some places; see `hertzchain.vary.balls`."""
+
+    catalogue: Any
+    materials: Any
+    diameters: Any
+    beads: Any
+    optional: bool
+
+    def __post_init__(self) -> None:
+        check_bool("optional", self.optional)
+        if self.materials is not None:
+            given = [self.materials] if isinstance(self.materials, str | Material) else (
+                check_list("materials", self.materials, "names")
+            )  # fmt: skip
+            object.__setattr__(self, "materials", tuple(map(material, given)))
+        if self.diameters is not None:
+            values = real_numbers("diameter", list(self.diameters), "ball", unit="m")
+            object.__setattr__(self, "diameters", tuple(np.atleast_1d(values).tolist()))
+
+    @property
+    def balls(self) -> tuple[Ball, ...]:
+        """The balls to choose from."""
+        found = load_balls(self.catalogue)
+        if self.materials is not None:
+            found = tuple(each for each in found if each.material in self.materials)
+        if self.diameters is not None:
+            found = tuple(each for each in found if _among(each.diameter, self.diameters))
+        if not found:
+            raise InputError(
+                f"no ball of the catalogue {str(self.catalogue)!r} has these materials and "
+                "diameters; choose others, or omit one of the two"
+            )
+        return found
+
+    def __repr__(self) -> str:
+        kinds = len(self.balls)
+        empty = ", places may be empty" if self.optional else ""
+        return short("BallChoice", f"{kinds} kinds of balls for {self.beads!r}{empty}")
+
+    def space(self, chain: Chain) -> BallSpace:
+        """The choices for a chain."""
+        _check(chain)
+        if chain.units != "SI" or chain.materials is None:
+            raise InputError(
+                "balls of a catalogue have materials: build the chain with Chain.from_materials"
+            )
+        places, balls = places_from(self.beads, chain.beads, "bead"), self.balls
+        if len(balls) + self.optional < 2:
+            raise InputError("there is one kind of balls, which leaves nothing to vary")
+        return BallSpace(chain, places, balls, self.optional, None)
+
+
+@dataclass(frozen=True, repr=False)
+class OrderChoice:
+    """The order of some beads; see `hertzchain.vary.order`."""
+
+    beads: Any
+
+    def __repr__(self) -> str:
+        return short("OrderChoice", f"order of the beads {self.beads!r}")
+
+    def space(self, chain: Chain) -> BallSpace:
+        """The orders for a chain."""
+        _check(chain)
+        places = places_from(self.beads, chain.beads, "bead")
+        kinds = chain.materials or (None,) * chain.beads
+        items = [(float(chain.radii[k]), kinds[k]) for k in places]
+        distinct = list(dict.fromkeys(items))
+        if len(distinct) < 2:
+            raise InputError("all beads that can be exchanged are equal, which leaves no order")
+        if chain.units == "scaled" and chain.strikers in places:
+            raise InputError(
+                f"bead {chain.strikers + 1} has radius 1, the unit of a scaled chain, and cannot "
+                f"be exchanged: use beads='{chain.strikers + 2}:'"
+            )
+        start = np.array([distinct.index(each) for each in items])
+        balls = tuple(Ball(2.0 * radius, kind) for radius, kind in distinct)
+        return BallSpace(chain, places, balls, False, start)
+
+
+def _check(chain: Chain) -> None:
+    own = sorted({"masses", "stiffness", "gaps"} & set(chain.given))
+    if own:
+        raise InputError(
+            f"the {' and '.join(own)} of this chain are given bead by bead, so that its beads "
+            "cannot be exchanged: omit them"
+        )
+
+
+def _among(diameter: float, wanted: tuple[float, ...]) -> bool:
+    return any(abs(diameter - each) <= SAME * each for each in wanted)
+
+
+@dataclass(frozen=True, eq=False)
+class BallSpace:
+    """Choices of a ball for each place; ``start`` fixes the balls, whose order varies."""
+
+    chain: Chain
+    places: NDArray[np.int64]
+    balls: tuple[Ball, ...]
+    optional: bool
+    start: Choice | None
+
+    @property
+    def size(self) -> int:
+        """Number of places."""
+        return len(self.places)
+
+    @property
+    def kinds(self) -> int:
+        """Number of choices of each place; the last one is an empty place if it is allowed."""
+        return len(self.balls) + self.optional
+
+    @property
+    def order(self) -> bool:
+        """Whether the order of fixed balls varies."""
+        return self.start is not None
+
+    @property
+    def count(self) -> float:
+        """Number of all choices."""
+        if self.start is None:
+            return float(self.kinds) ** self.size
+        from math import factorial, prod
+
+        return factorial(self.size) / prod(map(factorial, np.bincount(self.start).tolist()))
+
+    def chain_of(self, choice: Choice) -> Chain:
+        """The chain with these balls; empty places are omitted."""
+        base = self.chain
+        radii, kinds = base.radii.copy(), list(base.materials or ())
+        keep = np.ones(base.beads, bool)
+        for place, item in zip(self.places, choice, strict=True):
+            if item == len(self.balls):
+                keep[place] = False
+                continue
+            radii[place] = self.balls[item].radius
+            if kinds:
+                kinds[place] = self.balls[item].material
+        changes: dict[str, Any] = {"radii": radii[keep]}
+        if kinds:
+            changes["materials"] = tuple(m for m, kept in zip(kinds, keep, strict=True) if kept)
+        if "velocities" in base.given:
+            changes["velocities"] = base.velocities[keep]
+        return base.replace(**changes)
+
+    def price(self, choice: Choice) -> float:
+        """Price of the balls that vary."""
+        return float(sum(self.balls[i].price for i in choice if i < len(self.balls)))
+
+    def parts(self, choice: Choice) -> list[tuple[int, str]]:
+        """Parts list: number and name of each kind of ball."""
+        used = [int(i) for i in choice if i < len(self.balls)]
+        return [(used.count(i), str(self.balls[i])) for i in sorted(set(used))]
+
+    def neat(self, choice: Choice) -> Choice:
+        """The choice with all empty places at the end, so that equal chains are one choice."""
+        if not self.optional:
+            return choice
+        empty = choice == len(self.balls)
+        return np.concatenate([choice[~empty], choice[empty]])

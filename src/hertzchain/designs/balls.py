@@ -1,0 +1,95 @@
+"""Catalogues of real balls: diameters, materials, grades and prices, from CSV files."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass
+from importlib.resources import as_file, files
+from pathlib import Path
+from typing import Final
+
+from ..chain.materials import Material, material
+from ..errors import InputError
+from ..store.csv_tables import csv_rows
+from ..units import converted
+from ..validation.objects import file_path, shown_path
+
+SHIPPED: Final = "bearing-balls"
+COLUMNS: Final = ("diameter", "material", "grade", "price", "name")
+
+
+@dataclass(frozen=True)
+class Ball:
+    """A ball that can be bought; ``diameter`` is in m, ``price`` in any currency or NaN."""
+
+    diameter: float
+    material: Material
+    grade: str = ""
+    price: float = float("nan")
+    name: str = ""
+
+    @property
+    def radius(self) -> float:
+        """Radius [m]."""
+        return 0.5 * self.diameter
+
+    def __str__(self) -> str:
+        grade = f", grade {self.grade}" if self.grade else ""
+        label = f" ({self.name})" if self.name else ""
+        return f"{1e3 * self.diameter:g} mm {self.material.name}{grade}{label}"
+
+
+def load_balls(catalogue: str | os.PathLike[str]) -> tuple[Ball, ...]:
+    """Read a catalogue of balls; ``"bearing-balls"`` is that of hertzchain."""
+    if catalogue == SHIPPED:
+        with as_file(files("hertzchain.designs") / f"{SHIPPED}.csv") as path:
+            return _read(path)
+    path = file_path("catalogue of balls", catalogue)
+    try:
+        return _read(path)
+    except InputError as error:
+        raise InputError(f"catalogue {shown_path(path)!r}: {error}") from None
+
+
+def _read(path: Path) -> tuple[Ball, ...]:
+    rows = csv_rows(path)
+    if len(rows) < 2:
+        raise InputError("it has no balls; give a header, such as diameter [mm],material, and rows")
+    names, units = [], {}
+    for header in rows[0]:
+        name, _, unit = header.partition("[")
+        name = name.strip().lower()
+        if name not in COLUMNS or name in names:
+            raise InputError(
+                f"column {header!r} is unknown or repeated: choose from {', '.join(COLUMNS)}"
+            )
+        names.append(name)
+        units[name] = unit.strip(" ]")
+    for needed in ("diameter", "material"):
+        if needed not in names:
+            raise InputError(f"it has no column {needed}")
+    if not units["diameter"]:
+        raise InputError("column 'diameter' has no unit; write diameter [mm]")
+    return tuple(_ball(i, dict(zip(names, row, strict=False)), units["diameter"], len(rows[0]), row)
+                 for i, row in enumerate(rows[1:], start=1))  # fmt: skip
+
+
+def _ball(row: int, cells: dict[str, str], unit: str, width: int, given: list[str]) -> Ball:
+    if len(given) != width:
+        raise InputError(f"row {row} has {len(given)} cells, the header has {width}")
+
+    def read(name: str) -> float:
+        try:
+            return float(cells[name])
+        except ValueError:
+            raise InputError(f"{name} in row {row} must be a number, got {cells[name]!r}") from None
+
+    diameter = converted(f"diameter in row {row}", read("diameter"), unit, "m")
+    if not 0.0 < diameter < float("inf"):
+        raise InputError(f"diameter in row {row} must be above 0, got {cells['diameter']}")
+    try:
+        kind = material(cells["material"])
+    except InputError as error:
+        raise InputError(f"row {row}: {error}") from None
+    price = read("price") if cells.get("price") else float("nan")
+    return Ball(diameter, kind, cells.get("grade", ""), price, cells.get("name", ""))

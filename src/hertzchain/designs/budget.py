@@ -1,0 +1,58 @@
+"""The budget of a search: a number of simulations, or a time."""
+
+from __future__ import annotations
+
+import math
+import time
+from dataclasses import dataclass
+from typing import Any, Final
+
+from ..errors import InputError
+from ..validation.numbers import has_unit, number, whole_number
+
+DEFAULT: Final = 20_000
+
+
+@dataclass(frozen=True)
+class Budget:
+    """Simulations, or seconds."""
+
+    runs: float = math.inf
+    seconds: float = math.inf
+
+    def used(self, runs: int, seconds: float) -> float:
+        """Part of the budget that is used."""
+        return max(runs / self.runs, seconds / self.seconds)
+
+
+def budget_from(given: Any) -> Budget:
+    """A number of simulations, or a time such as ``"60 s"``."""
+    if given is None:
+        return Budget(runs=DEFAULT)
+    if isinstance(given, str) and not has_unit(given):
+        try:
+            given = int(given)
+        except ValueError:
+            raise InputError(
+                f"the budget must be a number of simulations or a time, such as '60 s', got "
+                f"{given!r}"
+            ) from None
+    if has_unit(given):
+        return Budget(seconds=number("budget", given, unit="s", above=0.0))
+    return Budget(runs=whole_number("budget", given, least=1))
+
+
+class Clock:
+    """Time since the search began, continued from the time that earlier parts used."""
+
+    def __init__(self) -> None:
+        self.begun, self.before = time.monotonic(), 0.0
+
+    def resume(self, seconds: float) -> None:
+        """Continue from a time."""
+        self.begun, self.before = time.monotonic(), seconds
+
+    @property
+    def seconds(self) -> float:
+        """Time used so far."""
+        return self.before + time.monotonic() - self.begun

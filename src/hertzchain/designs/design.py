@@ -1,0 +1,211 @@
+"""Search for a chain that does what a problem requires, and verify it."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+
+from ..errors import InputError
+from ..store.file_lock import lock
+from ..store.journal import Journal
+from ..validation.numbers import whole_number, worker_count
+from ..validation.objects import callback, check_type, file_path
+from .ball_choice import BallSpace
+from .bounds import bounds_of, impossible
+from .budget import Budget, budget_from
+from .methods import Found, method_for, price_of, run_method
+from .pareto import design_front
+from .problem import Design
+from .references import evaluated_references
+from .result import DesignResult
+from .trials import Outcome, Trials
+from .verified import Verified, met, quietly
+
+JOURNAL: Final = "trials.journal"
+RUNNERS_UP: Final = 4
+Progress = Callable[[int, int], None]
+
+
+def design(
+    problem: Design,
+    *,
+    budget: int | str | None = None,
+    method: str = "auto",
+    seed: int = 0,
+    points: int = 9,
+    store: str | os.PathLike[str] | None = None,
+    threads: int | None = None,
+    progress: Progress | None = None,
+) -> DesignResult:
+    """Search for a chain that does what a problem requires, and verify it.
+
+    The result is the best chain that was found, with numbers from a new simulation; local optima
+    are common, so that it is not known to be the best of all chains.
+
+    Parameters
+    ----------
+    problem : Design
+        Chain, objective, variables and constraints.
+    budget : int or str, optional
+        Number of simulations, 20 000 by default, or a time such as ``"60 s"``.  With a number, the
+        result does not depend on the speed of the computer.
+    method : str
+        ``"auto"``, or a method of `hertzchain.designs.methods`.
+    seed : int
+        Seed of the random numbers.
+    points : int
+        Number of points of a Pareto front.
+    store : path-like, optional
+        Folder of a journal of all trials.  A search that was interrupted resumes from it and gives
+        the result that it would have given.
+    threads : int, optional
+        Number of threads.  The default is one per processor.
+    progress : callable, optional
+        Called as ``progress(done, total)`` in simulations, or in seconds.
+
+    Returns
+    -------
+    DesignResult
+        Check ``result.met`` if there are constraints.
+
+    Raises
+    ------
+    InputError
+        If the method cannot solve the problem, the budget is too small for one evaluation, or the
+        store belongs to another problem.
+
+    Notes
+    -----
+    Trial chains that cannot be simulated are rejected and counted.  Derivatives are those of
+    `hertzchain.gradient` where it covers the problem, and central differences of simulations
+    otherwise.
+
+    Examples
+    --------
+    The peak force on a wall behind ten beads of radius 0.5 to 1:
+
+    >>> import hertzchain as hc
+    >>> chain = hc.Chain.uniform(10).replace(right_wall=hc.Wall())
+    >>> problem = hc.Design(chain, minimise="wall_force.peak", vary=[hc.vary.radii(0.5, 1.0)])
+    >>> result = hc.design(problem, budget=2000)
+    >>> result.value < 0.7 * min(map(result.objective_of, result.references.values()))
+    True
+    """
+    check_type("problem", problem, Design, "hc.Design(chain, minimise=..., vary=[...]) is one")
+    callback("progress", progress)
+    limit = budget_from(budget)
+    seed = whole_number("seed", seed, least=0)
+    count = whole_number("points", points, least=2, most=200)
+    chosen = method_for(problem, method, limit.runs)
+    _check_budget(problem, limit)
+    options = f"{problem.identity} {chosen} {limit.runs} {limit.seconds} {seed} {count}"
+    with _journal(store, options) as journal:
+        trials = Trials(problem, limit, journal, seed, worker_count("threads", threads), progress)
+        reason = impossible(problem)
+        if reason is not None:
+            return _result(trials, Found("none"), _given(trials), {}, (reason,))
+        if len(problem.objectives) == 2:
+            return design_front(trials, chosen, count, finish)
+        return finish(trials, run_with_references(trials, chosen, 1.0), ())
+
+
+def _check_budget(problem: Design, limit: Budget) -> None:
+    least = 1 if problem.scatter is None else problem.scatter.samples
+    if limit.runs < least:
+        raise InputError(
+            f"a budget of {limit.runs:g} simulations is too small for one evaluation, which needs "
+            f"{least}"
+        )
+
+
+@contextmanager
+def _journal(store: Any, options: str) -> Iterator[Journal]:
+    from .. import __version__
+
+    if store is None:
+        yield Journal(None, "")
+        return
+    folder = file_path("store", store)
+    if folder.exists() and not folder.is_dir():
+        raise InputError(f"the store {os.fspath(store)!r} is a file; give the name of a folder")
+    with lock(Path(folder) / "lock", store):
+        journal = Journal(Path(folder) / JOURNAL, f"{__version__} {options}")
+        try:
+            yield journal
+        finally:
+            journal.close()
+
+
+def run_with_references(trials: Trials, method: str, end: float) -> Found:
+    """Evaluate the chains to compare with, and search."""
+    trials.references = evaluated_references(trials)
+    return run_method(trials, method, end)
+
+
+def _given(trials: Trials) -> Outcome:
+    """The chain of the problem itself, where nothing can be searched."""
+    space = trials.problem.space
+    if isinstance(space, BallSpace):
+        point: Any = np.zeros(space.size, int) if space.start is None else space.start
+    else:
+        point = space.point(space.chain)
+    return trials.evaluate([point])[0]
+
+
+def finish(trials: Trials, found: Found, notes: tuple[str, ...]) -> DesignResult:
+    """Verify the best trials, and return the best one that keeps its promise."""
+    if not trials.best or not np.isfinite(trials.best[0].values).all():
+        reasons = "; ".join(sorted(trials.reasons)[:2])
+        raise InputError(
+            f"none of {trials.runs} trial chains could be simulated with the required quantities"
+            f"{': ' + reasons if reasons else ''}; allow other sizes or set until"
+        )
+    return _result(trials, found, None, trials.references, notes)
+
+
+def _result(
+    trials: Trials, found: Found, given: Outcome | None, references: dict[str, Outcome],
+    notes: tuple[str, ...],
+) -> DesignResult:  # fmt: skip
+    problem = trials.problem
+    tops = [given] if given is not None else trials.best[: RUNNERS_UP + 1]
+    checked = [(top, _verified(trials, top)) for top in tops if np.isfinite(top.score)]
+    checked.sort(key=lambda pair: _verified_rank(trials, pair))
+    best, verified = checked[0]
+    others = tuple(each for _, each in checked[1:])
+    own = set(problem.requirements) and not met(problem, verified.values)
+    if own and not notes:
+        notes = ("no trial met all constraints; this is the one that violates them least",)
+    promise = found.promise
+    space = problem.space
+    parts = tuple(space.parts(best.x)) if isinstance(space, BallSpace) and not space.order else ()
+    return DesignResult(
+        problem, verified, met(problem, verified.values), best.score,
+        None if promise is None else (promise.value, promise.error),
+        {name: _verified(trials, each) for name, each in references.items()
+         if np.isfinite(each.score)},
+        bounds_of(problem), found.method, np.array(found.finals),
+        tuple(_verified(trials, each) for each in found.optima), others,
+        np.array(trials.history, float).reshape(-1, 2), (), trials.runs, trials.gradients,
+        trials.rejected, trials.journal.seconds, (*notes, *verified.notes), parts,
+    )  # fmt: skip
+
+
+def _verified(trials: Trials, outcome: Outcome) -> Verified:
+    problem = trials.problem
+    chain = problem.space.chain_of(outcome.x)
+    return quietly(problem, chain, price_of(problem, outcome.x), trials.seed)
+
+
+def _verified_rank(trials: Trials, pair: tuple[Outcome, Verified]) -> tuple[float, float]:
+    """Order by verified values; with a scatter, by those of the search, which are summaries."""
+    outcome, verified = pair
+    if trials.problem.scatter is not None:
+        return outcome.rank
+    values = np.array([[verified.values[str(each)] for each in trials.measures]])
+    return trials.outcomes([outcome.x], values)[0].rank

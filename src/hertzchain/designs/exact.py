@@ -1,0 +1,135 @@
+"""Derivatives of the measures of a design by exact gradients of the simulation."""
+
+from __future__ import annotations
+
+import warnings
+from typing import Final
+
+import numpy as np
+
+from ..chain.chain import Chain
+from ..collision import Array
+from ..errors import IncompleteWarning, InputError, SimulationError
+from ..sensitivity.gradient import gradients
+from .measures import PULSE, SHARES, Measure
+from .problem import Design
+from .size_space import SizeSpace
+
+# Tolerance of the runs; the derivatives have errors of about its 0.6th power.
+RTOL: Final = 1e-9
+# Cost of a gradient in simulations, as measured.
+COST: Final = 3
+NAMES: Final = {
+    "wall_force.peak": "wall_force.peak",
+    "wall_force.impulse": "wall_force.impulse_of_impact",
+    "wall_force.duration": "wall_force.duration",
+}
+PEAK: Final = Measure("wall_force.peak")
+
+
+def name_of(measure: Measure, beads: int) -> str | None:
+    """Name of a measure for `hertzchain.gradient`; `None` if it has no exact gradient."""
+    if measure.over is not None:
+        return None
+    if measure.key in (*PULSE, *SHARES):
+        return f"pulse.{SHARES.get(measure.key, measure.key)}@{measure.index(beads) + 1}"
+    return NAMES.get(measure.key)
+
+
+def covered(problem: Design) -> bool:
+    """Whether all measures that need a simulation have exact gradients."""
+    if problem.model != "simulation" or not isinstance(problem.space, SizeSpace):
+        return False
+    chain = problem.chain
+    if chain.drive is not None or not chain.lossless or chain.gravity or chain.precompression:
+        return False
+    shares_vary = any(m.key in SHARES for m in problem.measures) and _start_varies(problem)
+    needed = [m for m in problem.measures if not m.of_chain]
+    known = [name_of(m, chain.beads) is not None for m in needed]
+    return bool(needed) and all(known) and not shares_vary
+
+
+def _start_varies(problem: Design) -> bool:
+    """Whether the masses of beads that move at time 0 vary."""
+    assert isinstance(problem.space, SizeSpace)
+    moving = set(np.flatnonzero(problem.chain.velocities).tolist())
+    return any(
+        moving & set(block.places.tolist()) for block in problem.space.blocks
+        if block.field != "gaps"
+    )  # fmt: skip
+
+
+def slopes_by_field(problem: Design, chain: Chain) -> tuple[Array, dict[str, Array], int]:
+    """Values, and derivatives by field of the chain; NaN for measures that do not exist.
+
+    The rows are those of the measures and, if the force on the wall is one of them, of all maxima
+    of that force; the last number is that of the maxima.
+    """
+    assert isinstance(problem.space, SizeSpace)
+    fields, measures = problem.space.fields, problem.measures
+    names = {i: name_of(m, chain.beads) for i, m in enumerate(measures) if not m.of_chain}
+    asked = [str(name) for name in names.values()]
+    if PEAK in measures:
+        asked.append("wall_force.maxima")
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", IncompleteWarning)
+        found = gradients(chain, asked, to=fields, rtol=RTOL, until=problem.until)
+    maxima = found[len(names) :]
+    count = len(measures) + len(maxima)
+    values = np.full(count, np.nan)
+    slopes = {field: np.zeros((count, len(getattr(chain, field)))) for field in fields}
+    rows = [*names, *range(len(measures), count)]
+    for row, each in zip(rows, found, strict=True):
+        unit = 1.0
+        if row < len(measures):
+            unit = float(np.max(measures[row]._units_of_share([chain])))
+        complete = each.status == "complete"
+        values[row] = each.value / unit if complete else np.nan
+        for field in fields:
+            slopes[field][row] = each[field] / unit
+    for row, measure in enumerate(measures):
+        if measure.of_chain:
+            values[row] = measure.from_chain(chain, np.nan)
+            for field in fields:
+                slopes[field][row] = measure.slope_of_chain(chain, field)
+    return values, slopes, len(maxima)
+
+
+def values_and_slopes(problem: Design, point: Array) -> tuple[Array, Array, int]:
+    """Values and derivatives with respect to the variables, and the number of maxima."""
+    space = problem.space
+    assert isinstance(space, SizeSpace)
+    chain = space.chain_of(point)
+    values, slopes, maxima = slopes_by_field(problem, chain)
+    return values, space.pull(point, slopes), maxima
+
+
+def scattered_slopes(
+    problem: Design, point: Array, draws: Array, sampled: Array, signs: Array
+) -> tuple[Array, int]:
+    """Derivatives of the means or CVaR of all measures, and the number of gradients.
+
+    ``sampled`` has the values of all samples; only those that count need a gradient.
+    """
+    space, scatter = problem.space, problem.scatter
+    assert isinstance(space, SizeSpace)
+    chain = space.chain_of(point)
+    chains = scatter._chains(chain, draws)
+    counted = [scatter._worst(column, sign) for column, sign in zip(sampled.T, signs, strict=True)]
+    wanted = sorted({int(i) for group in counted for i in group})
+    by_sample = {}
+    for i in wanted:
+        _, slopes, _ = slopes_by_field(problem, chains[i])
+        if "radii" in slopes:
+            # A relative deviation multiplies the radius, a grade adds to it.
+            factor = chains[i].radii / chain.radii if scatter.grade is None else 1.0
+            slopes["radii"] = slopes["radii"] * factor
+        by_sample[i] = space.pull(point, slopes)
+    rows = [
+        np.mean([by_sample[int(i)][row] for i in group], axis=0)
+        for row, group in enumerate(counted)
+    ]
+    return np.array(rows), len(wanted)
+
+
+NOT_COVERED: Final = (InputError, SimulationError)

@@ -1,0 +1,159 @@
+"""Search in a space of balls or orders: enumeration, and a genetic search with exchanges."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Iterator
+from typing import Final
+
+import numpy as np
+
+from .ball_choice import BallSpace, Choice
+from .trials import Outcome, Trials
+
+BATCH: Final = 512
+POPULATION, PARENTS = 50, 3
+# Mutations per child; generations without a better choice after which exchanges are tried.
+MUTATIONS, PATIENCE = 1.5, 6
+MOST_ENUMERATED: Final = 1e5
+
+
+def enumerate_all(trials: Trials) -> int:
+    """Try all choices; the number of trials."""
+    space = trials.problem.space
+    assert isinstance(space, BallSpace)
+    count = 0
+    choices = _all_choices(space)
+    while batch := list(itertools.islice(choices, BATCH)):
+        trials.evaluate(batch)
+        count += len(batch)
+    return count
+
+
+def _all_choices(space: BallSpace) -> Iterator[Choice]:
+    if space.start is not None:
+        yield from _orders(sorted(space.start.tolist()))
+        return
+    for items in itertools.product(range(space.kinds), repeat=space.size):
+        choice = np.array(items)
+        if np.array_equal(space.neat(choice), choice):
+            yield choice
+
+
+def _orders(items: list[int]) -> Iterator[Choice]:
+    """All distinct orders, in lexicographic order."""
+    current = np.array(items)
+    while True:
+        yield current.copy()
+        falls = np.flatnonzero(current[:-1] < current[1:])
+        if not len(falls):
+            return
+        i = falls[-1]
+        j = np.flatnonzero(current > current[i])
+        j = j[j > i][-1]
+        current[[i, j]] = current[[j, i]]
+        current[i + 1 :] = current[i + 1 :][::-1]
+
+
+class Population:
+    """Choices that are known, best first, and the moves that make new ones."""
+
+    def __init__(self, trials: Trials, rng: np.random.Generator) -> None:
+        space = trials.problem.space
+        assert isinstance(space, BallSpace)
+        self.trials, self.space, self.rng = trials, space, rng
+        self.known: dict[bytes, Outcome] = {}
+        self.members: list[Outcome] = []
+
+    def try_all(self, choices: list[Choice]) -> bool:
+        """Evaluate the choices that are new; whether the best one is better than before."""
+        new: dict[bytes, Choice] = {}
+        for choice in choices:
+            neat = self.space.neat(choice)
+            if neat.tobytes() not in self.known:
+                new.setdefault(neat.tobytes(), neat)
+        if not new:
+            return False
+        before = self.members[0].rank if self.members else (np.inf, np.inf)
+        for each in self.trials.evaluate(list(new.values())):
+            self.known[each.x.tobytes()] = each
+            self.members.append(each)
+        self.members = sorted(self.members, key=lambda each: each.rank)[:POPULATION]
+        return self.members[0].rank < before
+
+    def random(self) -> Choice:
+        """A random choice."""
+        if self.space.start is not None:
+            return self.rng.permutation(self.space.start)
+        return self.rng.integers(0, self.space.kinds, self.space.size)
+
+    def child(self) -> Choice:
+        """A child of two good choices, with mutations and an occasional exchange."""
+        one, other = (self._parent() for _ in range(2))
+        if self.space.order:
+            return self._order_child(one, other)
+        size = self.space.size
+        found = np.where(self.rng.random(size) < 0.5, one, other)
+        changed = self.rng.random(size) < MUTATIONS / size
+        shift = self.rng.integers(1, self.space.kinds, size)
+        found = np.where(changed, (found + shift) % self.space.kinds, found)
+        return self._exchanged(found) if self.rng.random() < 0.3 else found
+
+    def _parent(self) -> Choice:
+        places = self.rng.integers(0, len(self.members), PARENTS)
+        return np.asarray(self.members[int(places.min())].x)
+
+    def _order_child(self, one: Choice, other: Choice) -> Choice:
+        """Keep the common places; fill all others in the order of one parent."""
+        found = np.where(one == other, one, -1)
+        open_places = np.flatnonzero(found < 0)
+        found[open_places] = self.rng.permutation(one[open_places])
+        for _ in range(1 + self.rng.poisson(0.5)):
+            found = self._exchanged(found)
+        return found
+
+    def _exchanged(self, choice: Choice) -> Choice:
+        i, j = self.rng.integers(0, self.space.size, 2)
+        found = choice.copy()
+        found[[i, j]] = found[[j, i]]
+        return found
+
+    def neighbours(self, choice: Choice) -> list[Choice]:
+        """All choices with one ball replaced, or two exchanged."""
+        found = []
+        if not self.space.order:
+            for place in range(self.space.size):
+                for item in range(self.space.kinds):
+                    if item != choice[place]:
+                        changed = choice.copy()
+                        changed[place] = item
+                        found.append(changed)
+        for i, j in itertools.combinations(range(self.space.size), 2):
+            if choice[i] != choice[j]:
+                changed = choice.copy()
+                changed[[i, j]] = changed[[j, i]]
+                found.append(changed)
+        return found
+
+
+def search(trials: Trials, end: float, seed: int) -> list[float]:
+    """Genetic search with restarts, each completed by exchanges; the score of each start."""
+    rng, finals = np.random.default_rng([seed, 2]), list[float]()
+    known: dict[bytes, Outcome] = {}
+    while trials.used < end:
+        population = Population(trials, rng)
+        population.known = known
+        population.try_all([population.random() for _ in range(POPULATION)])
+        waited, tried = 0, len(known)
+        while trials.used < end and waited < PATIENCE and population.members:
+            better = population.try_all([population.child() for _ in range(POPULATION)])
+            waited = 0 if better else waited + 1
+        while trials.used < end and population.members:
+            near = population.neighbours(np.asarray(population.members[0].x))
+            if not population.try_all(near):
+                break
+        if population.members:
+            finals.append(population.members[0].score)
+        if len(known) == tried or len(known) >= population.space.count:
+            break
+    return finals

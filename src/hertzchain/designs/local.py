@@ -1,0 +1,138 @@
+"""Descent with gradients: a sequence of linear programs within a growing and shrinking box.
+
+Peak forces and CVaR are maxima over many peaks and samples, so that their derivatives jump.  Each
+step minimises the largest of the linear models at recent points (a bundle), so that the descent
+follows the edges between peaks; constraints are linear models, too.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from ..collision import Array
+from .exact import PEAK
+from .trials import Outcome, Trials
+
+FIRST_BOX, LEAST_BOX, LARGEST_BOX = 0.05, 1e-6, 0.3
+# A step is accepted if it gains this part of the gain of the linear models.
+LEAST_SHARE: Final = 0.05
+KEPT: Final = 12
+# A descent ends when this many points together gain less than this fraction.
+STALLED, LEAST_GAIN = 20, 2e-3
+# Weight of violated constraints, in units of the score, while they cannot be met.
+PENALTY: Final = 20.0
+
+
+@dataclass(frozen=True, eq=False)
+class Model:
+    """Linear model of score and constraints at a point; ``pieces`` are those of all maxima."""
+
+    outcome: Outcome
+    slope: Array
+    excess: Array
+    excess_slope: Array
+    pieces: tuple[tuple[float, Array], ...]
+
+    @property
+    def point(self) -> Array:
+        """The point."""
+        return np.asarray(self.outcome.x)
+
+
+def model_at(trials: Trials, point: Array) -> Model:
+    """The linear model at a point."""
+    outcome, slopes, maxima = trials.slopes(point)
+    problem = trials.problem
+    slope = problem.objective.slope(outcome.values[trials.terms]) @ slopes[trials.terms]
+    excess = [float(r.excess(outcome.values[i])) for r, i in
+              zip(problem.requirements, trials.limits, strict=True)]  # fmt: skip
+    steep = [r.sign * slopes[i] / (abs(r.limit) or 1.0) for r, i in
+             zip(problem.requirements, trials.limits, strict=True)]  # fmt: skip
+    pieces: tuple[tuple[float, Array], ...] = ((outcome.score, slope),)
+    objective = problem.objective
+    if objective.single == PEAK and objective.weights[0] > 0.0 and len(maxima):
+        weight = float(objective.weights[0])
+        pieces = tuple((weight * float(row[0]), weight * row[1:]) for row in maxima)
+    return Model(outcome, slope, np.array(excess),
+                 np.array(steep).reshape(len(excess), len(point)), pieces)  # fmt: skip
+
+
+def descend(trials: Trials, start: Array, end: float, *, box: float = FIRST_BOX) -> Outcome:
+    """Descend from a point until the box is very small or a part of the budget is used."""
+    current = model_at(trials, np.clip(start, 0.0, 1.0))
+    bundle, scores = [current], [current.outcome.rank]
+    while trials.used < end and box > LEAST_BOX and np.isfinite(current.outcome.score):
+        if _stalled(scores):
+            break
+        step, expected = _step(current, bundle, box)
+        if not expected > 1e-9 * _merit_scale(current):
+            box *= 0.25
+            continue
+        trial = model_at(trials, np.clip(current.point + step, 0.0, 1.0))
+        if not np.isfinite(trial.slope).all() or not np.isfinite(trial.outcome.score):
+            box *= 0.25
+            continue
+        gain = _merit(current, current) - _merit(trial, current)
+        bundle = [*bundle[-KEPT + 1 :], trial]
+        scores.append(min(scores[-1], trial.outcome.rank))
+        if gain >= LEAST_SHARE * expected:
+            current = trial
+            box = min(LARGEST_BOX, box * (2.0 if gain > 0.5 * expected else 1.0))
+        else:
+            box *= 0.5
+    return current.outcome
+
+
+def _stalled(scores: list[tuple[float, float]]) -> bool:
+    """Whether the best of the latest points gains very little."""
+    if len(scores) <= STALLED:
+        return False
+    (violated, before), (_, now) = scores[-1 - STALLED], scores[-1]
+    return violated == 0.0 and before - now <= LEAST_GAIN * abs(now)
+
+
+def _merit_scale(model: Model) -> float:
+    return abs(model.outcome.score) or 1.0
+
+
+def _merit(model: Model, reference: Model) -> float:
+    """Score with a penalty for violated constraints."""
+    weight = PENALTY * _merit_scale(reference)
+    return model.outcome.score + weight * float(np.maximum(model.excess, 0.0).sum())
+
+
+def _step(current: Model, bundle: list[Model], box: float) -> tuple[Array, float]:
+    """Step that minimises the largest linear model, and its expected gain."""
+    from scipy.optimize import linprog
+
+    n, limits = len(current.point), len(current.excess)
+    scale = _merit_scale(current)
+    # Unknowns: the step, the score t relative to the present one, and the slack of constraints.
+    cost = np.concatenate([np.zeros(n), [1.0], np.full(limits, PENALTY)])
+    rows, right = [], []
+    for each in bundle:
+        shift = current.point - each.point
+        if np.abs(shift).max(initial=0.0) > 4.0 * box:
+            continue
+        for score, slope in each.pieces:
+            offset = score + slope @ shift - current.outcome.score
+            # A model of a function that is not convex must not cut off the present point.
+            offset = min(offset, 0.0)
+            rows.append(np.concatenate([slope / scale, [-1.0], np.zeros(limits)]))
+            right.append(-offset / scale)
+    for i in range(limits):
+        slack = np.zeros(limits)
+        slack[i] = -1.0
+        rows.append(np.concatenate([current.excess_slope[i], [0.0], slack]))
+        right.append(-current.excess[i])
+    low = np.maximum(-box, -current.point)
+    high = np.minimum(box, 1.0 - current.point)
+    bounds = [*zip(low, high, strict=True), (None, None), *[(0.0, None)] * limits]
+    found = linprog(cost, np.array(rows), np.array(right), bounds=bounds, method="highs")
+    if found.x is None:
+        return np.zeros(n), 0.0
+    before = PENALTY * float(np.maximum(current.excess, 0.0).sum())
+    return found.x[:n], scale * (before - float(found.fun))

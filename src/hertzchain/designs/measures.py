@@ -1,0 +1,219 @@
+"""Measures of a design by name: quantities of the simulated motion, and of the chain itself.
+
+======================================================  ===========================================
+name                                                    meaning
+======================================================  ===========================================
+``wall_force.peak``, ``.impulse``, ``.duration``        force on the right wall
+``velocity@k``, ``momentum@k``, ``energy@k``,           leading pulse at bead k, or ``@last``
+``arrival@k``, ``residence@k``, ``peak_force@k``
+``energy_share@k``, ``momentum_share@k``                of the impact's energy or momentum
+``largest_force``                                       of the leading pulse and on the right wall
+``yield_ratio``, ``overlap_ratio``                      largest of `hertzchain.HertzRange`
+``length``, ``mass``, ``beads``, ``price``,             of the beads after the strikers
+``smallest_radius``, ``largest_radius``
+``velocity@100/velocity@20``, ...                       ratio of two measures of the leading pulse
+======================================================  ===========================================
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, Final
+
+import numpy as np
+
+from ..chain.chain import Chain
+from ..chain.hertz_range import hertz_range
+from ..collision import Array
+from ..errors import InputError, short_repr, unknown_name_error
+from ..pulse.pulse import Pulse
+from ..pulse.quantities import QUANTITIES
+from ..simulation.run_table import RunTable
+from ..validation.numbers import whole_number
+
+WALL: Final = {
+    "wall_force.peak": ("wall_peak_force", "N"),
+    "wall_force.impulse": ("wall_impulse_of_impact", "N s"),
+    "wall_force.duration": ("wall_duration", "s"),
+}
+PULSE: Final = ("velocity", "momentum", "energy", "arrival", "residence", "peak_force")
+SHARES: Final = {"energy_share": "energy", "momentum_share": "momentum"}
+RANGE: Final = ("yield_ratio", "overlap_ratio")
+OF_CHAIN: Final = {
+    "length": "m", "mass": "kg", "beads": "1", "price": "1",
+    "smallest_radius": "m", "largest_radius": "m",
+}  # fmt: skip
+AT_BEAD: Final = (*PULSE, *SHARES)
+NAMES: Final = (*WALL, *AT_BEAD, "largest_force", *RANGE, *OF_CHAIN)
+
+
+@dataclass(frozen=True)
+class Measure:
+    """A quantity of a chain and its motion; ``bead`` is 0 for the last one."""
+
+    key: str
+    bead: int | None = None
+    over: Measure | None = None
+
+    def __str__(self) -> str:
+        own = self.key if self.bead is None else f"{self.key}@{self.bead or 'last'}"
+        return own if self.over is None else f"{own}/{self.over}"
+
+    @property
+    def of_chain(self) -> bool:
+        """Whether it needs no simulation."""
+        return self.key in OF_CHAIN
+
+    @property
+    def unit(self) -> str:
+        """Unit of a chain in SI units; ``"1"`` if it has none."""
+        if self.over is not None:
+            return "1"
+        if self.key in WALL:
+            return WALL[self.key][1]
+        if self.key in PULSE:
+            return QUANTITIES[self.key].unit
+        return "N" if self.key == "largest_force" else OF_CHAIN.get(self.key, "1")
+
+    @property
+    def has_kinks(self) -> bool:
+        """Whether it is the largest of several peaks, so that its derivatives jump."""
+        return self.key in ("wall_force.peak", "wall_force.duration", "largest_force", *RANGE)
+
+    @property
+    def columns(self) -> tuple[str, ...]:
+        """Columns of a `RunTable` from which it is computed."""
+        if self.over is not None:
+            return (*self._numerator.columns, *self.over.columns)
+        if self.key in WALL:
+            return (WALL[self.key][0],)
+        if self.key in AT_BEAD:
+            return (SHARES.get(self.key, self.key),)
+        return () if self.of_chain else ("peak_force",)
+
+    @property
+    def _numerator(self) -> Measure:
+        return Measure(self.key, self.bead)
+
+    def index(self, beads: int) -> int:
+        """Index in an array of a chain with this number of beads."""
+        name = SHARES.get(self.key, self.key)
+        count = beads - (QUANTITIES[name].per == "contact")
+        return (self.bead or count) - 1
+
+    def check(self, chain: Chain) -> None:
+        """Raise `InputError` if a chain does not have the measure."""
+        if self.over is not None:
+            self.over.check(chain)
+        if self.key in WALL and chain.right_wall is None:
+            raise InputError(f"{self} needs a right wall, and the right end of this chain is free")
+        if self.key in AT_BEAD and self.index(chain.beads) >= chain.beads - (
+            QUANTITIES[SHARES.get(self.key, self.key)].per == "contact"
+        ):
+            raise InputError(f"{self}: this chain has {chain.beads} beads")
+        if self.key in RANGE and (chain.units != "SI" or chain.materials is None):
+            raise InputError(f"{self} needs a chain with materials; use Chain.from_materials")
+
+    def from_table(self, table: RunTable) -> Array:
+        """Values of simulated chains, shape (C,); NaN if a run failed."""
+        if self.over is not None:
+            return self._numerator.from_table(table) / self.over.from_table(table)
+        if self.key in WALL:
+            return np.array(table[self.columns[0]])
+        if self.key in AT_BEAD:
+            column, counts = table[self.columns[0]], table.beads
+            rows = np.arange(len(table))
+            places = np.array([self.index(max(int(count), 2)) for count in counts])
+            inside = places < column.shape[1]
+            values = np.where(inside, column[rows, np.minimum(places, column.shape[1] - 1)], np.nan)
+            return values / self._units_of_share(table.chains)
+        return np.array([self._worst(table, i) for i in range(len(table))])
+
+    def from_pulse(self, pulse: Pulse) -> float:
+        """Value of a leading pulse, as given by a theory."""
+        if self.over is not None:
+            return self._numerator.from_pulse(pulse) / self.over.from_pulse(pulse)
+        values = pulse.column(self.columns[0])
+        assert values is not None
+        place = self.index(pulse.chain.beads)
+        return float(values[place] / np.max(self._units_of_share([pulse.chain])))
+
+    def _units_of_share(self, chains: Sequence[Chain | None]) -> Any:
+        if self.key not in SHARES:
+            return 1.0
+        power = 2 if self.key == "energy_share" else 1
+        half = 0.5 if power == 2 else 1.0
+        return np.array(
+            [np.nan if c is None else half * float(c.masses @ np.abs(c.velocities) ** power)
+             for c in chains]
+        )  # fmt: skip
+
+    def _worst(self, table: RunTable, i: int) -> float:
+        chain = table.chains[i]
+        if chain is None or i in table.reasons:
+            return float("nan")
+        overlaps = table._overlaps[i, : chain.beads + 1]
+        if self.key == "largest_force":
+            return float(np.max(chain.contact_stiffness * overlaps**chain.contact_exponents))
+        return float(getattr(hertz_range(chain, overlaps), self.key).max())
+
+    def from_chain(self, chain: Chain, price: float) -> float:
+        """Value of a measure that needs no simulation, for the beads after the strikers."""
+        radii, masses = chain.radii[chain.strikers :], chain.masses[chain.strikers :]
+        values = {
+            "length": 2.0 * radii.sum() + chain.gaps[chain.strikers :].sum(),
+            "mass": masses.sum(), "beads": len(radii), "price": price,
+            "smallest_radius": radii.min(), "largest_radius": radii.max(),
+        }  # fmt: skip
+        return float(values[self.key])
+
+    def slope_of_chain(self, chain: Chain, field: str) -> Array:
+        """Derivatives of a measure that needs no simulation, by a field of the chain."""
+        found = np.zeros(len(getattr(chain, field)))
+        first = chain.strikers
+        own = found[first:]
+        if self.key == "length" and field in ("radii", "gaps"):
+            own += 2.0 if field == "radii" else 1.0
+        elif self.key == "mass":
+            if field == "masses":
+                own += 1.0
+            elif field == "radii" and "masses" not in chain.given:
+                own += 3.0 * chain.masses[first:] / chain.radii[first:]
+        elif field == "radii" and self.key in ("smallest_radius", "largest_radius"):
+            radii = chain.radii[first:]
+            own[radii.argmin() if self.key == "smallest_radius" else radii.argmax()] = 1.0
+        return found
+
+
+def parse_measure(text: object) -> Measure:
+    """Read a name such as ``wall_force.peak`` or ``velocity@90``."""
+    if not isinstance(text, str):
+        raise InputError(
+            f"a measure must be a name, such as 'wall_force.peak', got {short_repr(text)}"
+        )
+    above, slash, below = text.partition("/")
+    if slash:
+        one, other = parse_measure(above), parse_measure(below)
+        if one.key not in AT_BEAD or other.key not in AT_BEAD:
+            raise InputError(
+                f"{text!r} is a ratio, which both parts must be of the leading pulse, such as "
+                "'velocity@100/velocity@20'"
+            )
+        return Measure(one.key, one.bead, other)
+    key, at, place = text.removeprefix("pulse.").partition("@")
+    if key not in NAMES:
+        raise unknown_name_error("measure", text, NAMES)
+    if key not in AT_BEAD:
+        if at:
+            raise InputError(f"{key} does not belong to a bead: omit @{place}")
+        return Measure(key)
+    if not at:
+        raise InputError(f"{key} needs a bead: write {key}@20 or {key}@last")
+    if place == "last":
+        return Measure(key, 0)
+    try:
+        bead = int(place)
+    except ValueError:
+        raise InputError(f"the bead of {text!r} must be a number or 'last'") from None
+    return Measure(key, whole_number(f"bead of {text!r}", bead, least=1))

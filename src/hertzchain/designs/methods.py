@@ -1,0 +1,236 @@
+"""Methods of search, and the choice between them.
+
+==============  ===================================================================================
+method          search
+==============  ===================================================================================
+``law``         splines by the local-rate law, then descent with gradients of the simulation
+``scan``        one variable: a grid, and refinement of all local optima
+``hybrid``      evolution strategy and descent from many starts with equal budgets; the best one is
+                polished by descent
+``gradient``    descent from many starts
+``evolution``   evolution strategy
+``enumerate``   all choices of balls, or all orders
+``genetic``     genetic search among choices, completed by exchanges
+==============  ===================================================================================
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Final
+
+import numpy as np
+
+from ..collision import Array
+from ..errors import InputError
+from ..validation.objects import check_choice
+from . import smooth
+from .ball_choice import BallSpace
+from .evolution import evolve
+from .genetic import MOST_ENUMERATED, enumerate_all, search
+from .local import descend
+from .problem import Design
+from .quasi_newton import quasi_newton
+from .scanning import scan
+from .size_space import SizeSpace
+from .trials import Outcome, Trials
+
+METHODS: Final = ("auto", "law", "scan", "hybrid", "gradient", "evolution", "enumerate", "genetic")
+# More variables need more memory and time than these methods can use.
+MOST_VARIABLES: Final = {"hybrid": 500, "evolution": 500, "gradient": 2000}
+# A time budget is regarded as this many simulations per second where a number is needed.
+RUNS_PER_SECOND: Final = 1500
+MIDDLE: Final = 0.5
+# A smooth objective is not searched further if this many descents have the best score.
+AGREEING, AGREE = 4, 1e-9
+
+
+@dataclass(eq=False)
+class Found:
+    """Report of a method in addition to the trials.
+
+    ``finals`` are the scores at the ends of all starts, ``optima`` all local optima of a scan, and
+    ``promise`` the prediction of the law.
+    """
+
+    method: str
+    finals: list[float] = field(default_factory=list)
+    optima: list[Outcome] = field(default_factory=list)
+    promise: smooth.Promise | None = None
+    complete: bool = False
+
+
+def method_for(problem: Design, given: str, budget_runs: float) -> str:
+    """Check the method of a problem, or choose it."""
+    check_choice("method", given, METHODS)
+    space = problem.space
+    discrete = isinstance(space, BallSpace)
+    if given == "auto":
+        if isinstance(space, BallSpace):
+            few = space.count <= min(MOST_ENUMERATED, budget_runs)
+            given = "enumerate" if few else "genetic"
+        elif smooth.covers(problem):
+            given = "law"
+        else:
+            given = "scan" if space.size == 1 else "hybrid"
+    if discrete != (given in ("enumerate", "genetic")):
+        kind = "balls or their order" if discrete else "sizes"
+        raise InputError(f"method {given!r} cannot vary {kind}; omit method")
+    if given == "law" and not smooth.covers(problem):
+        raise InputError(
+            "method 'law' needs one spline of radii, and one quantity of the leading pulse of a "
+            "chain that hc.local_rate accepts; omit method"
+        )
+    if given == "scan" and space.size > 1:
+        raise InputError(f"method 'scan' has one variable, got {space.size}; omit method")
+    most = MOST_VARIABLES.get(given, math.inf)
+    if space.size > most:
+        raise InputError(
+            f"{space.size} variables are too many for method {given!r}, which can use {most}; "
+            "vary splines (by='spline') or fewer beads"
+        )
+    most_choices = 100 * MOST_ENUMERATED
+    if isinstance(space, BallSpace) and given == "enumerate" and space.count > most_choices:
+        raise InputError(
+            f"there are {space.count:.2g} choices, too many to enumerate; use method='genetic'"
+        )
+    return given
+
+
+def run_method(trials: Trials, method: str, end: float) -> Found:
+    """Search with a method until a part of the budget is used."""
+    if trials.problem.scatter is not None and method not in ("enumerate", "genetic", "scan"):
+        return _robust(trials, method, end)
+    return _SEARCHES[method](trials, end)
+
+
+def _law(trials: Trials, end: float) -> Found:
+    promise = smooth.promise(trials.problem)
+    trials.evaluate([promise.x])
+    final = polish(trials, promise.x, end)
+    return Found("law", [final.score], promise=promise)
+
+
+def _scan(trials: Trials, end: float) -> Found:
+    optima = scan(trials, end)
+    return Found("scan", [each.score for each in optima], optima=optima)
+
+
+def _evolution(trials: Trials, end: float) -> Found:
+    return Found("evolution", _evolved(trials, end))
+
+
+def _gradient(trials: Trials, end: float) -> Found:
+    return Found("gradient", _descended(trials, end))
+
+
+def _hybrid(trials: Trials, end: float) -> Found:
+    begin = trials.used
+    finals = _descended(trials, begin + 0.45 * (end - begin))
+    if not _agree(trials, finals):
+        finals += _evolved(trials, begin + 0.85 * (end - begin))
+    if trials.best and np.isfinite(trials.best[0].score):
+        polish(trials, trials.best[0].x, end)
+    return Found("hybrid", finals)
+
+
+def polish(trials: Trials, point: Array, end: float) -> Outcome:
+    """Descend from a good point with a method that follows from the objective."""
+    if trials.problem.has_kinks:
+        return descend(trials, point, end, box=0.02)
+    return quasi_newton(trials, point, end)
+
+
+def _evolved(trials: Trials, end: float) -> list[float]:
+    """Runs of the evolution strategy, whose population follows from the budget; their scores."""
+    rng, size = np.random.default_rng([trials.seed, 1]), trials.problem.space.size
+    total = min(trials.budget.runs, RUNS_PER_SECOND * trials.budget.seconds)
+    share = max(0.0, (end - trials.used) * total)
+    if trials.draws is not None:
+        share /= len(trials.draws)
+    usual = 4 + int(3.0 * math.log(size))
+    population = int(np.clip(share / 150.0, usual, 40 * usual))
+    finals: list[float] = []
+    while trials.used < end:
+        start = np.full(size, MIDDLE) if not finals else rng.random(size)
+        best = evolve(trials, start, end, rng, population=population)
+        if best is not None:
+            finals.append(best.score)
+    return finals
+
+
+def _descended(trials: Trials, end: float) -> list[float]:
+    """Descents from the best points so far and from quasi-random ones; their scores."""
+    starts = _starts(trials)
+    finals: list[float] = []
+    while trials.used < end and not _agree(trials, finals):
+        start = next(starts)
+        search_from = descend if trials.problem.has_kinks else quasi_newton
+        finals.append(search_from(trials, start, end).score)
+    return finals
+
+
+def _agree(trials: Trials, finals: list[float]) -> bool:
+    """Whether the latest descents of a smooth objective have ended at the best score."""
+    latest = finals[-AGREEING:]
+    close = max(latest) - min(finals) <= AGREE * abs(min(finals)) if latest else False
+    return len(latest) == AGREEING and close and not trials.problem.has_kinks
+
+
+def _starts(trials: Trials):  # type: ignore[no-untyped-def]
+    from scipy.stats import qmc
+
+    yield from [each.x for each in trials.best[:1] if np.isfinite(each.score)]
+    sampler = qmc.Sobol(trials.problem.space.size, seed=trials.seed)
+    while True:
+        # Of several points, the best one is a better start than any of them.
+        points = list(sampler.random(16))
+        found = trials.evaluate(points)
+        yield min(found, key=lambda each: each.rank).x
+
+
+def _robust(trials: Trials, method: str, end: float) -> Found:
+    """Search without scatter first, then descend from the best points with scatter."""
+    import dataclasses
+
+    problem = dataclasses.replace(trials.problem, scatter=None)
+    object.__setattr__(problem, "objectives", trials.problem.objectives)
+    object.__setattr__(problem, "requirements", trials.problem.requirements)
+    nominal = dataclasses.replace(trials, problem=problem, best=[], history=[])
+    nominal.clock = trials.clock
+    begin = trials.used
+    chosen = method_for(problem, "auto" if method == "law" else method, math.inf)
+    found = _SEARCHES[chosen](nominal, begin + 0.5 * (end - begin))
+    trials.runs, trials.rejected = nominal.runs, nominal.rejected
+    trials.gradients = nominal.gradients
+    tops = [each.x for each in nominal.best if np.isfinite(each.score)][:4]
+    if tops:
+        trials.evaluate(tops)
+        descend(trials, trials.best[0].x, end)
+    return Found(found.method, found.finals)
+
+
+def _enumerate(trials: Trials, end: float) -> Found:
+    del end
+    enumerate_all(trials)
+    return Found("enumerate", [trials.best[0].score], complete=True)
+
+
+def _genetic(trials: Trials, end: float) -> Found:
+    finals: list[float] = search(trials, end, trials.seed)
+    return Found("genetic", finals)
+
+
+_SEARCHES: Final[dict[str, Callable[[Trials, float], Found]]] = {
+    "law": _law, "scan": _scan, "hybrid": _hybrid, "gradient": _gradient,
+    "evolution": _evolution, "enumerate": _enumerate, "genetic": _genetic,
+}  # fmt: skip
+
+
+def price_of(problem: Design, point: Array) -> float:
+    """Price of the balls at a point; NaN for sizes."""
+    space = problem.space
+    assert isinstance(space, BallSpace | SizeSpace)
+    return space.price(point)

@@ -1,0 +1,44 @@
+"""Places of a chain by number: ``"2:"``, ``"2::2"`` or a list."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import InputError, short_repr
+from ..validation.numbers import whole_number
+from ..validation.objects import check_list
+
+
+def places_from(given: Any, count: int, noun: str) -> NDArray[np.int64]:
+    """Indices, from 0, of beads or contacts; numbers are from 1, both ends included."""
+    if isinstance(given, str):
+        numbers = _range_of(given, count, noun)
+    else:
+        listed = check_list(f"{noun}s", given, "numbers")
+        numbers = [whole_number(f"{noun} that varies", k, least=1, most=count) for k in listed]
+    if not numbers or len(set(numbers)) != len(numbers):
+        reason = "names no" if not numbers else "repeats a"
+        raise InputError(f"{noun}s = {short_repr(given)} {reason} {noun}: there are 1 to {count}")
+    return np.array(sorted(numbers)) - 1
+
+
+def _range_of(text: str, count: int, noun: str) -> list[int]:
+    parts = text.split(":")
+    try:
+        if not 1 <= len(parts) <= 3:
+            raise ValueError
+        first = int(parts[0]) if parts[0] else 1
+        last = (int(parts[1]) if parts[1] else count) if len(parts) > 1 else first
+        step = int(parts[2]) if len(parts) > 2 and parts[2] else 1
+        if step < 1:
+            raise ValueError
+    except ValueError:
+        raise InputError(
+            f"{noun}s must look like '2:', '2:20' or '2::2', got {short_repr(text)}"
+        ) from None
+    if not 1 <= first <= last <= count:
+        raise InputError(f"{noun}s = {text!r} is outside 1 to {count}")
+    return list(range(first, last + 1, step))

@@ -1,0 +1,206 @@
+"""The problem of a design: a chain, an objective, variables, constraints and scatter."""
+
+from __future__ import annotations
+
+import dataclasses
+import hashlib
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+from ..chain.chain import Chain
+from ..errors import InputError, short_repr
+from ..representation import counted, short
+from ..simulation.state import fingerprint
+from ..validation.numbers import number
+from ..validation.objects import check_choice, check_type
+from .ball_choice import BallChoice, BallSpace, OrderChoice
+from .measures import PULSE, SHARES, Measure
+from .models import MODELS
+from .objective import Objective, objectives_from
+from .requirements import Requirement, requirements_from
+from .scatter import scatter_from
+from .size_space import SizeSpace, size_space
+from .sizes import Sizes
+
+Variable = Sizes | BallChoice | OrderChoice
+Space = SizeSpace | BallSpace
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Design:
+    r"""A problem for `hertzchain.design`.
+
+    Attributes
+    ----------
+    chain : Chain
+        The chain with its impact, walls and losses; everything that does not vary is fixed.
+    minimise, maximise : str, mapping or list, optional
+        A measure, such as ``"wall_force.peak"``, ``"velocity@90"``, ``"energy_share@last"`` or
+        ``"arrival@20"`` (`hertzchain.designs.measures`); a mapping from measures to weights, whose
+        weighted sum is the objective; or a list of two measures for a Pareto front.
+    match : mapping, optional
+        A curve instead: values by bead of one quantity, such as ``{"velocity": [...]}``.
+    vary : sequence
+        Variables: results of `hertzchain.vary`.
+    subject_to : mapping
+        Constraints by measure, such as ``{"length": "<= 60 mm", "yield_ratio": "<= 1"}``.
+    scatter : Scatter or mapping, optional
+        Deviations of manufactured beads; objective and constraints are then means or CVaR.
+    until : float, optional
+        Stop time of the simulations [scaled, or s]; by default as in `simulate_many`.
+    model : str
+        ``"simulation"``, or a theory by which trials are evaluated: ``"hard-sphere"``, ``"bca"`` or
+        ``"local-rate"``.  The result is verified by the simulation in any case.
+
+    Raises
+    ------
+    InputError
+        If the chain does not have a measure, variables leave nothing to vary or overlap, or
+        constraints exclude each other.
+
+    Examples
+    --------
+    >>> import hertzchain as hc
+    >>> chain = hc.Chain.uniform(20).replace(right_wall=hc.Wall())
+    >>> hc.Design(chain, minimise="wall_force.peak", vary=[hc.vary.radii(0.5, 1.0)])
+    Design(smallest wall_force.peak: 19 variables; no constraints)
+    """
+
+    chain: Chain
+    minimise: Any = None
+    maximise: Any = None
+    match: Any = None
+    vary: Any = ()
+    subject_to: Any = field(default_factory=dict)
+    scatter: Any = None
+    until: float | None = None
+    model: str = "simulation"
+    objectives: tuple[Objective, ...] = field(init=False)
+    requirements: tuple[Requirement, ...] = field(init=False)
+    space: Space = field(init=False)
+    # Measures of all objectives, which a part of a Pareto problem keeps.
+    reported: tuple[Measure, ...] = field(init=False)
+
+    def __post_init__(self) -> None:
+        check_type("chain", self.chain, Chain)
+        chain = self.chain
+        objectives = objectives_from(chain, self.minimise, self.maximise, self.match)
+        object.__setattr__(self, "objectives", objectives)
+        reported = tuple(m for each in objectives for m in each.measures)
+        object.__setattr__(self, "reported", reported)
+        object.__setattr__(self, "space", _space(chain, self.vary))
+        requirements = requirements_from(self.subject_to, chain)
+        object.__setattr__(self, "requirements", requirements)
+        object.__setattr__(self, "scatter", scatter_from(self.scatter))
+        if self.scatter is not None:
+            self.scatter._check(chain)
+        if self.until is not None:
+            until = number("until", self.until, unit=chain._unit("s"), above=0.0)
+            object.__setattr__(self, "until", until)
+        self._check_prices()
+        self._check_model()
+
+    def _check_model(self) -> None:
+        check_choice("model", self.model, ("simulation", *MODELS))
+        if self.model == "simulation":
+            return
+        for each in self.measures:
+            if not (each.of_chain or each.key in (*PULSE, *SHARES)):
+                raise InputError(f"the model {self.model!r} does not give {each}")
+
+    def _check_prices(self) -> None:
+        used = any(measure.key == "price" for measure in self.measures)
+        space = self.space
+        if used and not (
+            isinstance(space, BallSpace) and all(b.price == b.price for b in space.balls)
+        ):
+            raise InputError(
+                "price needs balls of a catalogue that all have one: vary balls of your "
+                "supplier's CSV file, with a column price"
+            )
+
+    @property
+    def objective(self) -> Objective:
+        """The objective; of a Pareto front, the first one."""
+        return self.objectives[0]
+
+    @property
+    def measures(self) -> tuple[Measure, ...]:
+        """All measures of objectives and constraints, once each."""
+        limited = [each.measure for each in self.requirements]
+        return tuple(dict.fromkeys([*self.reported, *limited]))
+
+    @property
+    def has_kinks(self) -> bool:
+        """Whether derivatives of the objective or a constraint jump."""
+        return self.scatter is not None or any(each.has_kinks for each in self.measures)
+
+    @property
+    def discrete(self) -> bool:
+        """Whether balls or their order vary."""
+        return isinstance(self.space, BallSpace)
+
+    def _with_limit(self, requirement: Requirement, first: int) -> Design:
+        """One objective of a Pareto front, with a limit on the other."""
+        found = dataclasses.replace(self)
+        object.__setattr__(found, "objectives", (self.objectives[first],))
+        object.__setattr__(found, "requirements", (*self.requirements, requirement))
+        return found
+
+    def _only(self, index: int) -> Design:
+        """The problem with one objective of a Pareto front."""
+        found = dataclasses.replace(self)
+        object.__setattr__(found, "objectives", (self.objectives[index],))
+        return found
+
+    @property
+    def identity(self) -> str:
+        """A text that differs for different problems."""
+        parts = [
+            fingerprint(self.chain), repr(self.minimise), repr(self.maximise), repr(self.match),
+            repr([dataclasses.astuple(each) for each in _listed(self.vary)]),
+            repr(dict(self.subject_to)), repr(self.scatter), repr(self.until),
+            self.model,
+        ]  # fmt: skip
+        if isinstance(self.space, BallSpace):
+            parts.append(repr(self.space.balls))
+        return hashlib.sha256("\n".join(map(str, parts)).encode()).hexdigest()[:24]
+
+    def __repr__(self) -> str:
+        limits = "; ".join(map(str, self.requirements)) or "no constraints"
+        size = self.space.size
+        about = " against ".join(map(str, self.objectives))
+        what = f"{size} places" if self.discrete else counted(size, "variable")
+        scatter = "" if self.scatter is None else f"{self.scatter.measure} of scatter"
+        return short("Design", about, what, limits, scatter)
+
+
+def _listed(vary: Any) -> list[Variable]:
+    found = [vary] if isinstance(vary, Variable) else vary
+    if not isinstance(found, Sequence) or isinstance(found, str):
+        raise InputError(
+            f"vary must be a list of variables, such as hc.vary.radii(0.5, 1), got "
+            f"{short_repr(vary)}"
+        )
+    for each in found:
+        if not isinstance(each, Variable):
+            raise InputError(f"vary must have variables of hc.vary, got {short_repr(each)}")
+    return list(found)
+
+
+def _space(chain: Chain, vary: Any) -> Space:
+    given = _listed(vary)
+    if not given:
+        raise InputError("vary has no variables; give at least one, such as hc.vary.radii(0.5, 1)")
+    sizes = [each for each in given if isinstance(each, Sizes)]
+    if len(sizes) == len(given):
+        return size_space(chain, sizes)
+    if len(given) > 1:
+        raise InputError(
+            "balls of a catalogue, or their order, cannot vary together with other variables: "
+            "design one after the other"
+        )
+    (one,) = given
+    assert not isinstance(one, Sizes)
+    return one.space(chain)

@@ -1,0 +1,122 @@
+"""Design files: a chain file with a table ``[design]``.
+
+::
+
+    [chain]                        # as in a chain file
+    radii = 5e-3
+    materials = "steel-304"
+    beads = 12
+    right_wall = {material = "steel-304"}
+
+    [design]
+    minimise = "wall_force.peak"   # or maximise, or match = {velocity = [...]}
+    budget = "60 s"                # also method, seed, points and until
+
+    [[design.vary]]                # radii, masses, gaps, balls or order
+    balls = "bearing-balls"        # or a CSV file
+    materials = ["steel-304", "ptfe"]
+    optional = true
+
+    [design.subject_to]
+    length = "<= 60 mm"
+
+    [design.scatter]
+    radius = 0.01
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any, Final
+
+from ..errors import InputError, short_repr, unknown_name_error
+from ..store.chain_files import chain_from
+from ..store.toml_files import read_toml
+from ..validation.objects import check_bool, file_path, shown_path
+from . import vary as variables
+from .balls import SHIPPED
+from .problem import Design, Variable
+
+PROBLEM: Final = (
+    "minimise",
+    "maximise",
+    "match",
+    "vary",
+    "subject_to",
+    "scatter",
+    "until",
+    "model",
+)
+OPTIONS: Final = ("budget", "method", "seed", "points")
+SIZES: Final = ("radii", "masses", "gaps")
+KINDS: Final = (*SIZES, "balls", "order")
+
+
+def load_design(path: str | os.PathLike[str]) -> tuple[Design, dict[str, Any]]:
+    """Read the problem of a design file, and the options of the search."""
+    file = file_path("design file", path)
+    document = read_toml("design file", path, "give the path of a TOML file")
+    table = document.pop("design", None)
+    try:
+        if not isinstance(table, Mapping):
+            raise InputError("it has no table [design] with the objective")
+        for key in table:
+            if key not in (*PROBLEM, *OPTIONS):
+                raise unknown_name_error("key of [design]", key, (*PROBLEM, *OPTIONS))
+        if "chain" not in document:
+            raise InputError("it has no table [chain]")
+        given = {key: table[key] for key in PROBLEM if key in table}
+        entries = given.pop("vary", [])
+        if isinstance(entries, Mapping):
+            entries = [entries]
+        given["vary"] = [_variable(entry, file.parent) for entry in entries]
+        problem = Design(chain_from(document, file.parent), **given)
+    except InputError as error:
+        raise InputError(f"{shown_path(path)}: {error}") from None
+    return problem, {key: table[key] for key in OPTIONS if key in table}
+
+
+def _variable(entry: Any, folder: Path) -> Variable:
+    """A variable from its table, whose kind is one of its keys."""
+    kinds = [key for key in KINDS if key in entry] if isinstance(entry, Mapping) else []
+    if len(kinds) != 1:
+        raise InputError(
+            f"each table [[design.vary]] has one of {', '.join(KINDS)}, got {short_repr(entry)}"
+        )
+    (kind,), rest = kinds, {key: entry[key] for key in entry if key != kinds[0]}
+    try:
+        if kind in SIZES:
+            return _sizes(kind, entry[kind], rest)
+        if kind == "order":
+            if not check_bool("order", entry[kind]):
+                raise InputError("order must be true: omit the table for a fixed order")
+            return variables.order(**rest)
+        catalogue = entry[kind]
+        if not isinstance(catalogue, str):
+            raise InputError(f"balls must be {SHIPPED!r} or a file, got {short_repr(catalogue)}")
+        place = catalogue if catalogue == SHIPPED else folder / catalogue
+        return variables.balls(place, **rest)
+    except TypeError:
+        known = variables_of(kind)
+        unknown = next(key for key in rest if key not in known)
+        raise unknown_name_error(f"key of {kind} in [[design.vary]]", unknown, known) from None
+
+
+def variables_of(kind: str) -> tuple[str, ...]:
+    """Keys of a table of one kind."""
+    import inspect
+
+    names = inspect.signature(getattr(variables, kind)).parameters
+    return tuple(name for name in names if name not in ("low", "high", "catalogue"))
+
+
+def _sizes(kind: str, limits: Any, rest: dict[str, Any]) -> Variable:
+    if not isinstance(limits, list) or len(limits) != 2:
+        raise InputError(
+            f"{kind} in [[design.vary]] must be the smallest and the largest value, such as "
+            f"[0.5, 1.0], got {short_repr(limits)}"
+        )
+    function: Any = getattr(variables, kind)
+    return function(*limits, **rest)

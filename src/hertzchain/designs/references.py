@@ -1,0 +1,48 @@
+"""Chains with which a design is compared: equal beads, and the best taper or single ball."""
+
+from __future__ import annotations
+
+from typing import Any, Final
+
+import numpy as np
+
+from .ball_choice import BallSpace
+from .problem import Design
+from .size_space import SizeSpace
+from .trials import Outcome, Trials
+
+# Values of each end of the tapers.
+ENDS: Final = 9
+
+
+def reference_points(problem: Design) -> dict[str, list[Any]]:
+    """Points of the chains to compare with, by name."""
+    space = problem.space
+    if isinstance(space, BallSpace):
+        if space.order:
+            return {"given order": [space.start]}
+        same = [np.full(space.size, i) for i in range(len(space.balls))]
+        return {"equal balls": same}
+    levels = np.linspace(0.0, 1.0, ENDS)
+    equal = [space.taper(level, level) for level in levels]
+    tapers = [space.taper(one, other) for one in levels for other in levels if one != other]
+    found = {"equal sizes": equal}
+    if not _single(space):
+        found["taper"] = tapers
+    return found
+
+
+def _single(space: SizeSpace) -> bool:
+    return all(block.size == 1 for block in space.blocks)
+
+
+def evaluated_references(trials: Trials) -> dict[str, Outcome]:
+    """The best chain of each kind: the first rule that a person would try."""
+    points = reference_points(trials.problem)
+    found = {}
+    for name, group in points.items():
+        outcomes = trials.evaluate(group)
+        found[f"best of {len(group)} with {name}" if len(group) > 1 else name] = min(
+            outcomes, key=lambda each: each.rank
+        )
+    return found

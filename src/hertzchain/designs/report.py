@@ -1,0 +1,168 @@
+"""Summary, plain types and dataset of the result of a design."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ..representation import counted
+from ..representation import measure as shown
+from .measures import Measure
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from .result import DesignResult
+
+
+def summary(result: DesignResult) -> str:
+    """Text of several lines."""
+    problem, best = result.problem, result.value
+    lines = [f"{_first_upper(str(problem.objective))}: {result._shown(best)} (verified: simulated "
+             f"again at rtol {result.verified.rtol:g})"]  # fmt: skip
+    lines += [f"  {text}" for text in _starts(result)]
+    for name, found in result.references.items():
+        other = result.objective_of(found)
+        ratio = best / other if other else math.nan
+        lines.append(f"  {name}: {result._shown(other)}; this design has {ratio:.1%} of it")
+    if result.promise is not None:
+        value, error = result.promise
+        lines.append(f"  the local-rate law promised {value:.6g} with an estimated error of "
+                     f"{error:.1g}")  # fmt: skip
+    lines += [_requirement(result, i) for i in range(len(problem.requirements))]
+    lines += [f"  bound: {bound}" for bound in result.bounds]
+    for name, value in result.verified.scattered.items():
+        lines.append(f"  with scatter, 400 new samples: {name} {value:.4g}")
+    if result.parts:
+        lines.append("parts:")
+        lines += [f"  {count} x {name}" for count, name in result.parts]
+    if result.optima:
+        lines.append("local optima:")
+        lines += [f"  {_point(result, i)}" for i in range(len(result.optima))]
+    if result.front:
+        lines.append("Pareto front:")
+        names = [str(each.single) for each in problem.objectives]
+        lines += [
+            "  " + ", ".join(f"{name} {point.values[name]:.5g}" for name in names)
+            for point in result.front
+        ]
+    lines += [f"note: {note}" for note in result.notes]
+    return "\n".join(lines)
+
+
+def _first_upper(text: str) -> str:
+    return text[:1].upper() + text[1:]
+
+
+def _starts(result: DesignResult) -> list[str]:
+    if result.method == "enumerate":
+        return [f"best of all {counted(result.runs, 'simulated choice')}"]
+    work = counted(result.runs, "simulation")
+    if result.gradients:
+        work += f", {counted(result.gradients, 'gradient')}"
+    if result.rejected:
+        work += f", {counted(result.rejected, 'trial')} rejected"
+    starts = counted(len(result.finals), "start")
+    best, median = result.spread
+    spread = f" (best {best:.4g}, median {median:.4g})" if len(result.finals) > 1 else ""
+    return [f"best of {starts}{spread} by method {result.method!r}, in {work} and "
+            f"{result.seconds:.0f} s"]  # fmt: skip
+
+
+def _requirement(result: DesignResult, index: int) -> str:
+    each = result.problem.requirements[index]
+    value = result.values[str(each.measure)]
+    unit = "" if each.measure.unit == "1" else each.measure.unit
+    text = shown(value, unit, each.units).strip()
+    met = each.excess(value) <= 1e-6
+    return f"  {each}: {text}{'' if met else ', NOT met'}"
+
+
+def _point(result: DesignResult, index: int) -> str:
+    found = result.optima[index]
+    (block,) = result.problem.space.blocks  # type: ignore[union-attr]
+    size = getattr(found.chain, block.field)[block.places[0]]
+    return f"{block.field} {size:.6g}: {result._shown(result.objective_of(found))}"
+
+
+def as_dict(result: DesignResult) -> dict[str, Any]:
+    """Plain types; numbers that are not finite are None."""
+    problem = result.problem
+    best, median = result.spread
+    document = {
+        "objective": str(problem.objective),
+        "value": result.value,
+        "unit": result.unit,
+        "values": dict(result.values),
+        "rtol": result.verified.rtol,
+        "constraints_met": result.met,
+        "constraints": [str(each) for each in problem.requirements],
+        "references": {
+            name: result.objective_of(found) for name, found in result.references.items()
+        },
+        "bounds": [str(each) for each in result.bounds],
+        "promise": None if result.promise is None else dict(
+            zip(("value", "error"), result.promise, strict=True)
+        ),
+        "scattered": dict(result.verified.scattered),
+        "method": result.method,
+        "starts": len(result.finals),
+        "best_start": best,
+        "median_start": median,
+        "simulations": result.runs,
+        "gradients": result.gradients,
+        "rejected": result.rejected,
+        "seconds": result.seconds,
+        "radii": result.chain.radii.tolist(),
+        "masses": result.chain.masses.tolist(),
+        "parts": [{"count": count, "ball": name} for count, name in result.parts],
+        "optima": [result.objective_of(each) for each in result.optima],
+        "front": [dict(point.values) for point in result.front],
+        "notes": list(result.notes),
+    }  # fmt: skip
+    return _finite(document)
+
+
+def _finite(value: Any) -> Any:
+    if isinstance(value, dict):
+        return {name: _finite(item) for name, item in value.items()}
+    if isinstance(value, list):
+        return [_finite(item) for item in value]
+    if isinstance(value, float | np.floating):
+        return float(value) if math.isfinite(value) else None
+    return value
+
+
+def dataset(result: DesignResult) -> xr.Dataset:
+    """The result, its runners-up and the chains to compare with."""
+    import xarray as xr
+
+    named = [("result", result.verified)]
+    named += [(f"runner-up {i}", each) for i, each in enumerate(result.runners_up, start=1)]
+    named += [(f"optimum {i}", each) for i, each in enumerate(result.optima, start=1)]
+    named += [(f"front {i}", point.verified) for i, point in enumerate(result.front, start=1)]
+    named += list(result.references.items())
+    most = max(found.chain.beads for _, found in named)
+    data: dict[str, Any] = {}
+    scaled = result.chain.scaled
+    for name, unit in (("radii", "m"), ("masses", "kg")):
+        rows = np.full((len(named), most), np.nan)
+        for row, (_, found) in zip(rows, named, strict=True):
+            values = getattr(found.chain, name)
+            row[: len(values)] = values
+        data[name] = (("design", "bead"), rows, {"units": "1" if scaled else unit})
+    for each in result.problem.measures:
+        column = [found.values[str(each)] for _, found in named]
+        data[_variable(each)] = ("design", column, {"units": "1" if scaled else each.unit})
+    return xr.Dataset(
+        data,
+        {"design": [name for name, _ in named], "bead": np.arange(1, most + 1)},
+        {"objective": str(result.problem.objective), "method": result.method,
+         "simulations": result.runs, "notes": "\n".join(result.notes)},
+    )  # fmt: skip
+
+
+def _variable(each: Measure) -> str:
+    return str(each).replace(".", "_").replace("@", "_at_")

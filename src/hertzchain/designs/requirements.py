@@ -1,0 +1,95 @@
+"""Constraints of a design: a measure and its limit."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, Final
+
+import numpy as np
+
+from ..chain.chain import Chain
+from ..collision import Array
+from ..errors import InputError, short_repr
+from ..representation import measure as shown
+from ..validation.numbers import number
+from .measures import Measure, parse_measure
+
+_FORM: Final = re.compile(r"\s*(<=|>=|≤|≥)\s*(\S.*?)\s*")
+# Relative violation that is regarded as rounding of the simulation.
+TOLERANCE: Final = 1e-6
+
+
+@dataclass(frozen=True)
+class Requirement:
+    """A measure that must be at most, or with sign -1 at least, a limit."""
+
+    measure: Measure
+    limit: float
+    sign: int
+    units: str
+
+    def __str__(self) -> str:
+        unit = self.measure.unit
+        limit = shown(self.limit, "" if unit == "1" else unit, self.units).strip()
+        return f"{self.measure} {'<=' if self.sign > 0 else '>='} {limit}"
+
+    def excess(self, values: Any) -> Any:
+        """Relative amount by which values violate the limit; negative if they meet it."""
+        return self.sign * (np.asarray(values) - self.limit) / (abs(self.limit) or 1.0)
+
+
+def requirements_from(given: object, chain: Chain) -> tuple[Requirement, ...]:
+    """Read constraints such as ``{"length": "<= 60 mm"}``; several may be in a list."""
+    if not isinstance(given, Mapping):
+        raise InputError(
+            f"subject_to must be a mapping, such as {{'length': '<= 60 mm'}}, got "
+            f"{short_repr(given)}"
+        )
+    found = []
+    for name, texts in given.items():
+        measure = parse_measure(name)
+        measure.check(chain)
+        listed = texts if isinstance(texts, list | tuple) else [texts]
+        found += [_requirement(measure, text, chain) for text in listed]
+    _check_consistent(found)
+    return tuple(found)
+
+
+def _requirement(measure: Measure, text: object, chain: Chain) -> Requirement:
+    form = _FORM.fullmatch(text) if isinstance(text, str) else None
+    if form is None:
+        raise InputError(
+            f"the constraint on {measure} must look like '<= 5' or '>= 5', got {short_repr(text)}"
+        )
+    sign = 1 if form[1] in ("<=", "≤") else -1
+    return Requirement(measure, limit_from(str(measure), form[2], measure, chain), sign,
+                       chain.units)  # fmt: skip
+
+
+def limit_from(what: str, text: Any, measure: Measure, chain: Chain) -> float:
+    """Read a number, with the unit of a measure if the chain is in SI units."""
+    try:
+        value: Any = float(text)
+    except (TypeError, ValueError):
+        value = text
+    unit = None if measure.unit == "1" else chain._unit(measure.unit.replace(" ", "*"))
+    return number(f"limit of {what}", value, unit=unit)
+
+
+def _check_consistent(found: list[Requirement]) -> None:
+    for one in found:
+        for other in found:
+            opposite = one.measure == other.measure and one.sign > 0 > other.sign
+            if opposite and one.limit < other.limit:
+                raise InputError(f"the constraints {one} and {other} exclude each other")
+
+
+def violation(requirements: tuple[Requirement, ...], values: Array) -> Array:
+    """Total relative violation of rows of values, shape (C,)."""
+    total = np.zeros(len(values))
+    for i, each in enumerate(requirements):
+        excess = each.excess(values[:, i])
+        total += np.where(excess > TOLERANCE, excess, 0.0)
+    return total

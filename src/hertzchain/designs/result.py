@@ -1,0 +1,283 @@
+"""The result of a design: the chain, its verified numbers, and how they were found."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ..chain.chain import Chain
+from ..collision import Array
+from ..representation import counted, measure, short
+from ..validation.objects import check_choice, check_type
+from .ball_choice import BallSpace
+from .bounds import Bound
+from .problem import Design
+from .verified import Verified
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class DesignResult:
+    """The best chain that was found; the result of `hertzchain.design`.
+
+    Attributes
+    ----------
+    problem : Design
+        The problem.
+    verified : Verified
+        Chain and numbers, from a simulation with tight tolerance that is independent of the search.
+    met : bool
+        Whether the verified numbers meet all constraints.
+    expected : float
+        Objective during the search; with a scatter, its mean or CVaR.
+    promise : tuple of float or None
+        Value and estimated relative error that the local-rate law promised, if it was used.
+    references : mapping of str to Verified
+        Chains to compare with: equal sizes or balls, and the best taper.
+    bounds : tuple of Bound
+        Bounds of the measures from conservation laws, if there are any.
+    method : str
+        The method.
+    finals : ndarray
+        Objectives at the ends of all starts.
+    optima : tuple of Verified
+        All local optima, best first, if one variable was scanned.
+    runners_up : tuple of Verified
+        Further designs, best first.
+    history : ndarray, shape (n, 2)
+        Number of simulations and best objective, at each improvement.
+    front : tuple of DesignResult
+        Points of a Pareto front, if there are two objectives.
+    runs, gradients, rejected : int
+        Numbers of simulations, gradients, and trials that could not be simulated.
+    seconds : float
+        Time used.
+    notes : tuple of str
+        Remarks, one sentence each.
+    """
+
+    problem: Design
+    verified: Verified
+    met: bool
+    expected: float
+    promise: tuple[float, float] | None
+    references: Mapping[str, Verified]
+    bounds: tuple[Bound, ...]
+    method: str
+    finals: Array
+    optima: tuple[Verified, ...]
+    runners_up: tuple[Verified, ...]
+    history: Array
+    front: tuple[DesignResult, ...]
+    runs: int
+    gradients: int
+    rejected: int
+    seconds: float
+    notes: tuple[str, ...]
+    parts: tuple[tuple[int, str], ...] = field(default=())
+
+    @property
+    def chain(self) -> Chain:
+        """The chain that was found."""
+        return self.verified.chain
+
+    @property
+    def values(self) -> dict[str, float]:
+        """Verified values of all measures, by name [scaled, or SI]."""
+        return self.verified.values
+
+    @property
+    def value(self) -> float:
+        """Verified value of the objective: of its measure, or the score of several."""
+        return self.objective_of(self.verified)
+
+    def objective_of(self, found: Verified) -> float:
+        """Value of the objective of another chain, such as one of the references.
+
+        Parameters
+        ----------
+        found : Verified
+            A chain and its numbers.
+
+        Examples
+        --------
+        >>> import hertzchain as hc
+        >>> radii = hc.vary.radii(0.5, 1.0, by="common")
+        >>> problem = hc.Design(hc.Chain.uniform(5), maximise="velocity@last", vary=[radii])
+        >>> found = hc.design(problem, budget=200)
+        >>> found.objective_of(found.verified) == found.value
+        True
+        """
+        check_type("found", found, Verified, "give one of the references of this result")
+        objective = self.problem.objective
+        if objective.single is not None:
+            return found.values[str(objective.single)]
+        row = np.array([[found.values[str(each)] for each in objective.measures]])
+        return float(objective.score(row)[0])
+
+    @property
+    def unit(self) -> str:
+        """Unit of the value; empty in scaled variables."""
+        single = self.problem.objective.single
+        unit = "1" if single is None else single.unit
+        return "" if unit == "1" or self.chain.scaled else unit
+
+    @property
+    def spread(self) -> tuple[float, float]:
+        """Best and median objective of all starts."""
+        finite = self.finals[np.isfinite(self.finals)]
+        sign = self._sign
+        if not len(finite):
+            return np.nan, np.nan
+        return sign * float(finite.min()), sign * float(np.median(finite))
+
+    @property
+    def _sign(self) -> float:
+        objective = self.problem.objective
+        return float(np.sign(objective.weights[0])) if objective.single is not None else 1.0
+
+    def _shown(self, value: float) -> str:
+        """A value of the objective with its unit."""
+        return measure(value, self.unit, "SI" if self.unit else "scaled")
+
+    def summary(self) -> str:
+        """Text of several lines: value, comparison, constraints, bounds, parts and remarks.
+
+        Examples
+        --------
+        >>> import hertzchain as hc
+        >>> radii = hc.vary.radii(0.5, 1.0, by="common")
+        >>> problem = hc.Design(hc.Chain.uniform(5), maximise="velocity@last", vary=[radii])
+        >>> found = hc.design(problem, budget=200)
+        >>> print(found.summary().splitlines()[0])
+        Largest velocity@last: 1.793 (verified: simulated again at rtol 1e-11)
+        """
+        from .report import summary
+
+        return summary(self)
+
+    def as_dict(self) -> dict[str, Any]:
+        """Plain types, as written by ``hertzchain design --json``.
+
+        Examples
+        --------
+        >>> import hertzchain as hc
+        >>> radii = hc.vary.radii(0.5, 1.0, by="common")
+        >>> problem = hc.Design(hc.Chain.uniform(5), maximise="velocity@last", vary=[radii])
+        >>> found = hc.design(problem, budget=200)
+        >>> found.as_dict()["method"]
+        'scan'
+        """
+        from .report import as_dict
+
+        return as_dict(self)
+
+    def to_toml(self) -> str:
+        """Chain file of the chain that was found; `hertzchain.load_chain` reads it.
+
+        Examples
+        --------
+        >>> import hertzchain as hc
+        >>> radii = hc.vary.radii(0.5, 1.0, by="common")
+        >>> problem = hc.Design(hc.Chain.uniform(5), maximise="velocity@last", vary=[radii])
+        >>> found = hc.design(problem, budget=200)
+        >>> found.to_toml().splitlines()[0]
+        '[chain]'
+        """
+        from ..store.chain_as_toml import chain_as_toml
+
+        return chain_as_toml(self.chain)
+
+    def to_dataset(self) -> xr.Dataset:
+        """Labelled dataset of the chains and their measures.
+
+        Returns
+        -------
+        xarray.Dataset
+            Radii and masses by ``design`` and ``bead``, and each measure by ``design``: the result,
+            its runners-up and the chains to compare with.
+
+        Examples
+        --------
+        >>> import hertzchain as hc
+        >>> radii = hc.vary.radii(0.5, 1.0, by="common")
+        >>> problem = hc.Design(hc.Chain.uniform(5), maximise="velocity@last", vary=[radii])
+        >>> found = hc.design(problem, budget=200)
+        >>> found.to_dataset()["radii"].dims
+        ('design', 'bead')
+        """
+        from .report import dataset
+
+        return dataset(self)
+
+    @cached_property
+    def sensitivity(self) -> Array:
+        r"""Derivatives :math:`\partial \ln V/\partial \ln R_k` of the objective, shape (N,)."""
+        from .sensitivity import sensitivity
+
+        return sensitivity(self.problem, self.chain)
+
+    def plot(self, kind: str = "beads", *, ax: Axes | None = None) -> Axes:
+        """Plot one view of the result.
+
+        Parameters
+        ----------
+        kind : str
+            ``"beads"`` or ``"forces"``, before and after; ``"history"``, the best objective over
+            the number of simulations; ``"sensitivity"``, of the objective to the radius of each
+            bead; or ``"front"``, of two objectives.
+        ax : matplotlib.axes.Axes, optional
+            Axes to draw into.  By default, a new figure is created.
+
+        Examples
+        --------
+        >>> import hertzchain as hc
+        >>> radii = hc.vary.radii(0.5, 1.0, by="common")
+        >>> problem = hc.Design(hc.Chain.uniform(5), maximise="velocity@last", vary=[radii])
+        >>> found = hc.design(problem, budget=200)
+        >>> found.plot("history").get_xlabel()
+        'simulations'
+        """
+        from ..plotting import designs
+
+        check_choice("kind of plot", kind, designs.KINDS)
+        return designs.KINDS[kind](self, ax=ax)
+
+    def plot_all(self) -> Figure:
+        """Plot the chain, forces, history and sensitivity in one figure.
+
+        Examples
+        --------
+        >>> import hertzchain as hc
+        >>> radii = hc.vary.radii(0.5, 1.0, by="common")
+        >>> problem = hc.Design(hc.Chain.uniform(5), maximise="velocity@last", vary=[radii])
+        >>> found = hc.design(problem, budget=200)
+        >>> len(found.plot_all().axes)
+        4
+        """
+        from ..plotting.designs import plot_design
+
+        return plot_design(self)
+
+    @property
+    def discrete(self) -> bool:
+        """Whether balls or their order vary."""
+        return isinstance(self.problem.space, BallSpace)
+
+    def __repr__(self) -> str:
+        state = "constraints met" if self.met else "constraints NOT met"
+        return short(
+            "DesignResult",
+            f"{self.problem.objective}: {self._shown(self.value)}",
+            f"best of {counted(len(self.finals), 'start')}",
+            state if self.problem.requirements else "",
+            f"{self.runs} simulations",
+        )

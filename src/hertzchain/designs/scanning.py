@@ -1,0 +1,39 @@
+"""Scan of one variable: a grid, and refinement of every local optimum."""
+
+from __future__ import annotations
+
+from typing import Final
+
+import numpy as np
+
+from .trials import Outcome, Trials
+
+POINTS: Final = 129
+# A refinement ends when its interval is this small.
+WIDTH: Final = 1e-6
+SECTIONS: Final = 8
+
+
+def scan(trials: Trials, end: float) -> list[Outcome]:
+    """All local optima between the limits, best first; the limits themselves may be among them."""
+    grid = np.linspace(0.0, 1.0, POINTS)
+    found = trials.evaluate([np.array([x]) for x in grid])
+    ranks = [each.rank for each in found]
+    optima = []
+    for i in range(POINTS):
+        behind = ranks[i - 1] if i > 0 else (np.inf, np.inf)
+        ahead = ranks[i + 1] if i < POINTS - 1 else (np.inf, np.inf)
+        if ranks[i] < behind and ranks[i] <= ahead and np.isfinite(ranks[i][1]):
+            optima.append(_refined(trials, found[i], 1.0 / (POINTS - 1), end))
+    return sorted(optima, key=lambda each: each.rank)
+
+
+def _refined(trials: Trials, best: Outcome, width: float, end: float) -> Outcome:
+    """Divide the interval around a point again and again, with several trials at a time."""
+    while width > WIDTH and trials.used < end:
+        centre = float(best.x[0])
+        points = np.linspace(max(0.0, centre - width), min(1.0, centre + width), 2 * SECTIONS + 1)
+        new = trials.evaluate([np.array([x]) for x in points])
+        best = min([best, *new], key=lambda each: each.rank)
+        width /= SECTIONS
+    return best

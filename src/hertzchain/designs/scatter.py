@@ -1,0 +1,113 @@
+"""Scatter of manufactured beads, and the measure of risk that a design minimises."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, Final
+
+import numpy as np
+
+from ..chain.chain import Chain
+from ..chain.modifications import BALL_GRADES
+from ..collision import Array
+from ..errors import InputError, short_repr
+from ..validation.numbers import number, whole_number
+from ..validation.objects import check_choice, text
+
+_CVAR: Final = re.compile(r"cvar(\d\d?)")
+
+
+@dataclass(frozen=True)
+class Scatter:
+    r"""Random deviations of the radii of all beads, and how a measure is summarised.
+
+    Attributes
+    ----------
+    radius : float, optional
+        Standard deviation of the logarithm of each radius.
+    grade : int, optional
+        Grade of ISO 3290-1 instead, for chains in SI units; see `Chain.with_scatter`.
+    measure : str
+        ``"mean"``, or ``"cvar90"``: the mean of the worst 10%, with any whole number of percent.
+    samples : int
+        Number of samples, the same for all trial designs.
+
+    Examples
+    --------
+    >>> import hertzchain as hc
+    >>> hc.Scatter(radius=0.01, measure="cvar80")
+    Scatter(radius=0.01, grade=None, measure='cvar80', samples=40)
+    """
+
+    radius: float | None = None
+    grade: int | None = None
+    measure: str = "cvar90"
+    samples: int = 40
+
+    def __post_init__(self) -> None:
+        if (self.radius is None) == (self.grade is None):
+            raise InputError("a scatter has either a relative scatter of the radius or a grade")
+        if self.radius is not None:
+            number("scatter of the radius", self.radius, above=0.0, most=0.3)
+        else:
+            check_choice("ball grade", str(self.grade), map(str, BALL_GRADES))
+        if text("measure of a scatter", self.measure) != "mean" and not self.tail:
+            raise InputError(
+                f"measure of a scatter must be 'mean' or, for example, 'cvar90', got "
+                f"{self.measure!r}"
+            )
+        whole_number("samples of a scatter", self.samples, least=2, most=10_000)
+
+    @property
+    def tail(self) -> float:
+        """Part of the samples in the mean of the worst; 0 for the mean of all."""
+        found = _CVAR.fullmatch(self.measure)
+        return 1.0 - int(found[1]) / 100 if found and int(found[1]) > 0 else 0.0
+
+    def _check(self, chain: Chain) -> None:
+        """Raise `InputError` if a chain cannot have the scatter."""
+        if self.grade is not None and chain.units != "SI":
+            raise InputError("ball grades are tolerances in micrometres: use Chain.from_materials")
+        if own := sorted({"masses", "stiffness"} & set(chain.given)):
+            raise InputError(
+                f"a scatter of radii changes {' and '.join(own)}, which this chain gives: omit them"
+            )
+
+    def _draws(self, seed: int, beads: int, samples: int | None = None) -> Array:
+        """Random numbers, shape (samples, beads): normal, or uniform from -1 to 1 for a grade."""
+        rng, shape = np.random.default_rng(seed), (samples or self.samples, beads)
+        return rng.standard_normal(shape) if self.grade is None else rng.uniform(-1.0, 1.0, shape)
+
+    def _chains(self, chain: Chain, draws: Array) -> list[Chain]:
+        """The chain with deviations; the unit of length of a scaled chain has none."""
+        found = []
+        for draw in draws[:, : chain.beads]:
+            if self.grade is None:
+                assert self.radius is not None
+                radii = chain.radii * np.exp(self.radius * draw)
+            else:
+                radii = chain.radii + 0.25 * BALL_GRADES[self.grade] * draw
+            if chain.units == "scaled":
+                radii[chain.strikers] = 1.0
+            found.append(chain.replace(radii=radii))
+        return found
+
+    def _worst(self, values: Array, sign: float) -> Any:
+        """Indices of the samples that count, for values of which large (sign 1) are bad."""
+        order = np.argsort(sign * values, kind="stable")
+        count = max(1, round(self.tail * len(values))) if self.tail else len(values)
+        return order[len(values) - count :]
+
+
+def scatter_from(given: object) -> Scatter | None:
+    """A scatter, or a mapping of its attributes."""
+    if given is None or isinstance(given, Scatter):
+        return given
+    if not isinstance(given, Mapping):
+        raise InputError(f"scatter must be a Scatter, got {short_repr(given)}")
+    known = ("radius", "grade", "measure", "samples")
+    for name in given:
+        check_choice("attribute of a scatter", name, known)
+    return Scatter(**given)

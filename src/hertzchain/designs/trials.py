@@ -1,0 +1,258 @@
+"""Evaluation of trial designs: simulated together, counted, stored in a journal, compared."""
+
+from __future__ import annotations
+
+import hashlib
+import warnings
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from typing import Any, Final
+
+import numpy as np
+
+from ..chain.chain import Chain
+from ..collision import Array
+from ..errors import InputError, InputWarning
+from ..simulation.simulate_many import simulate_many
+from ..store.journal import Journal
+from . import exact
+from .budget import Budget, Clock
+from .models import by_model
+from .problem import Design
+from .requirements import TOLERANCE, violation
+from .slopes import STEP_RTOL, differences
+
+# Tolerance of trial runs; results are verified with a tighter one.
+RTOL: Final = 1e-5
+KEPT: Final = 12
+
+
+@dataclass(frozen=True, eq=False)
+class Outcome:
+    """A trial design: its point or choice, the values of all measures, score and violation."""
+
+    x: Any
+    values: Array
+    score: float
+    violation: float
+
+    @property
+    def met(self) -> bool:
+        """Whether all constraints are met."""
+        return self.violation <= TOLERANCE
+
+    @property
+    def rank(self) -> tuple[float, float]:
+        """Order of trials: those that meet the constraints by score, then by violation."""
+        if np.isnan(self.score) or np.isnan(self.violation):
+            return np.inf, np.inf
+        return (0.0, self.score) if self.met else (self.violation, self.score)
+
+
+@dataclass(eq=False)
+class Trials:
+    """All trials of a search."""
+
+    problem: Design
+    budget: Budget
+    journal: Journal
+    seed: int
+    threads: int | None = None
+    progress: Callable[[int, int], None] | None = None
+    runs: int = 0
+    rejected: int = 0
+    gradients: int = 0
+    history: list[tuple[int, float]] = field(default_factory=list)
+    best: list[Outcome] = field(default_factory=list)
+    reasons: dict[str, int] = field(default_factory=dict)
+    references: dict[str, Outcome] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        self.clock = Clock()
+        self.measures = self.problem.measures
+        self.position = {measure: i for i, measure in enumerate(self.measures)}
+        self.terms = [self.position[m] for m in self.problem.objective.measures]
+        self.limits = [self.position[each.measure] for each in self.problem.requirements]
+        scatter, beads = self.problem.scatter, self.problem.chain.beads
+        self.draws = None if scatter is None else scatter._draws(self.seed, beads)
+        self.bad = self._bad_directions()
+        self.exact = exact.covered(self.problem)
+
+    def _bad_directions(self) -> Array:
+        """For the CVaR of each measure, 1 if large values are bad and -1 if small ones are."""
+        found = np.ones(len(self.measures))
+        for each, where in zip(self.problem.requirements, self.limits, strict=True):
+            found[where] = each.sign
+        objective = self.problem.objective
+        for weight, where in zip(objective.weights, self.terms, strict=True):
+            if objective.targets is None and weight:
+                found[where] = np.sign(weight)
+        return found
+
+    @property
+    def used(self) -> float:
+        """Part of the budget that is used."""
+        return self.budget.used(self.runs, self.journal.seconds)
+
+    def evaluate(self, points: Sequence[Any]) -> list[Outcome]:
+        """Simulate the chains at several points."""
+        values = self._journalled("values", points, lambda: self._values(points, RTOL))
+        self.runs += len(points) * (1 if self.draws is None else len(self.draws))
+        found = self.outcomes(points, values)
+        self._note(found)
+        return found
+
+    def outcomes(self, points: Sequence[Any], values: Array) -> list[Outcome]:
+        """Scores of values that are known."""
+        scores = self.problem.objective.score(values[:, self.terms])
+        excess = violation(self.problem.requirements, values[:, self.limits])
+        failed = ~np.isfinite(values).all(axis=1)
+        scores[failed] = np.nan
+        return [Outcome(*each) for each in zip(points, values, scores, excess, strict=True)]
+
+    def slopes(self, point: Array) -> tuple[Outcome, Array, Array]:
+        """Values at a point, the derivatives of all measures, shape (M, n), and all maxima.
+
+        The maxima of the force on the wall are rows of values and derivatives.
+        """
+        count = len(self.measures)
+        packed = self._journalled("slopes", [point], lambda: self._slopes(point))
+        # The last entry is the cost, in simulations.
+        self.runs += int(packed[-1, 0])
+        self.gradients += 1
+        (outcome,) = self.outcomes([point], packed[:count, :1].T)
+        self._note([outcome])
+        return outcome, packed[:count, 1:], packed[count:-1]
+
+    def _slopes(self, point: Array) -> Array:
+        """Values, derivatives, maxima and, in the last row, the cost in simulations."""
+        found = self._exact_slopes(point) if self.exact else None
+        if found is None:
+            values, slopes, cost = differences(
+                lambda points: self._values(points, STEP_RTOL), point
+            )
+            cost *= 1 if self.draws is None else len(self.draws)
+            found = values, slopes, cost
+        values, slopes, cost = found
+        last = np.zeros((1, 1 + len(point)))
+        last[0, 0] = cost
+        return np.vstack([np.column_stack([values, slopes]), last])
+
+    def _exact_slopes(self, point: Array) -> tuple[Array, Array, int] | None:
+        """Values and exact derivatives; `None` if the simulation has none at this point."""
+        try:
+            if self.draws is None:
+                values, slopes, _ = exact.values_and_slopes(self.problem, point)
+                return values, slopes, exact.COST
+            chain = self.chain_of(point)
+            if chain is None:
+                return None
+            sampled, values = self._sampled(chain)
+            for i, each in enumerate(self.measures):
+                if each.of_chain:
+                    values[i] = each.from_chain(chain, np.nan)
+            slopes, count = exact.scattered_slopes(
+                self.problem, point, self.draws, sampled, self.bad
+            )
+        except exact.NOT_COVERED:
+            return None
+        return values, slopes, len(self.draws) + count * exact.COST
+
+    def simulated(self, chains: Sequence[Chain | None], rtol: float) -> Array:
+        """Values of all measures of chains, shape (C, M), without summary of a scatter."""
+        names = {name for each in self.measures for name in each.columns}
+        values = np.full((len(chains), len(self.measures)), np.nan)
+        real = [i for i, chain in enumerate(chains) if chain is not None]
+        kept: Any = [chains[i] for i in real]
+        if self.problem.model != "simulation":
+            return by_model(self.problem.model, chains, self.measures, self._reject)
+        if names and kept:
+            table = simulate_many(
+                kept, keep=sorted(names), rtol=rtol, until=self.problem.until,
+                threads=self.threads, progress=self._progress,
+            )  # fmt: skip
+            for reason in table.reasons.values():
+                self._reject(reason)
+            for j, each in enumerate(self.measures):
+                if not each.of_chain:
+                    values[real, j] = each.from_table(table)
+        return values
+
+    def _values(self, points: Sequence[Any], rtol: float) -> Array:
+        chains = [self.chain_of(point) for point in points]
+        if self.draws is None:
+            values = self.simulated(chains, rtol)
+        else:
+            values = np.array([self._summary(chain) for chain in chains])
+        for i, (chain, point) in enumerate(zip(chains, points, strict=True)):
+            price = self.problem.space.price(point)
+            for j, each in enumerate(self.measures):
+                if each.of_chain and chain is not None:
+                    values[i, j] = each.from_chain(chain, price)
+        return values
+
+    def _summary(self, chain: Chain | None) -> Array:
+        """Means or CVaR of the measures of chains with scatter."""
+        scatter = self.problem.scatter
+        assert scatter is not None
+        assert self.draws is not None
+        if chain is None:
+            return np.full(len(self.measures), np.nan)
+        try:
+            return self._sampled(chain)[1]
+        except InputError as error:
+            self._reject(str(error))
+            return np.full(len(self.measures), np.nan)
+
+    def _sampled(self, chain: Chain) -> tuple[Array, Array]:
+        """Values of all samples of a scatter, shape (S, M), and their summary."""
+        scatter = self.problem.scatter
+        values = self.simulated(scatter._chains(chain, self.draws), RTOL)
+        summary = np.array([
+            column[scatter._worst(column, sign)].mean()
+            for column, sign in zip(values.T, self.bad, strict=True)
+        ])  # fmt: skip
+        return values, summary
+
+    def chain_of(self, point: Any) -> Chain | None:
+        """The chain at a point; `None`, and counted, if there is no such chain."""
+        try:
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore", InputWarning)
+                return self.problem.space.chain_of(point)
+        except InputError as error:
+            self._reject(str(error))
+            return None
+
+    def _reject(self, reason: str) -> None:
+        self.rejected += 1
+        self.reasons[reason] = self.reasons.get(reason, 0) + 1
+
+    def _journalled(self, what: str, points: Sequence[Any], compute: Callable[[], Array]) -> Array:
+        joined = b"".join(np.ascontiguousarray(point).tobytes() for point in points)
+        key = hashlib.sha256(what.encode() + joined).hexdigest()[:16]
+        known = self.journal.take(key)
+        if known is None:
+            known = compute()
+            self.journal.add(key, self.clock.seconds, known)
+        elif not self.journal.known:
+            self.clock.resume(self.journal.seconds)
+        self._progress()
+        return known
+
+    def _progress(self, *_: int) -> None:
+        if self.progress is None:
+            return
+        if np.isfinite(self.budget.runs):
+            self.progress(min(self.runs, int(self.budget.runs)), int(self.budget.runs))
+        else:
+            whole = max(1, round(self.budget.seconds))
+            self.progress(min(int(self.clock.seconds), whole), whole)
+
+    def _note(self, found: Sequence[Outcome]) -> None:
+        """Keep the best trials, and the history of the best score."""
+        known = {np.ascontiguousarray(each.x).tobytes(): each for each in [*self.best, *found]}
+        before = self.best[0].rank if self.best else (np.inf, np.inf)
+        self.best = sorted(known.values(), key=lambda each: each.rank)[:KEPT]
+        if self.best[0].rank < before and self.best[0].met:
+            self.history.append((self.runs, self.best[0].score))

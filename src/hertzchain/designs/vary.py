@@ -1,0 +1,153 @@
+"""Variables of a design: `hertzchain.vary`.
+
+>>> import hertzchain as hc
+>>> hc.vary.radii(0.5, 1.0, beads="2:")
+Sizes(radii of '2:' from 0.5 to 1.0, by bead)
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable, Sequence
+from typing import Any
+
+from ..chain.materials import MaterialLike
+from .ball_choice import BallChoice, OrderChoice
+from .sizes import Sizes
+
+Beads = str | Sequence[int]
+
+
+def radii(
+    low: Any, high: Any, *, beads: Beads = "2:", by: str = "bead", knots: int | None = None,
+    symmetric: bool = False, monotone: str | None = None,
+) -> Sizes:  # fmt: skip
+    r"""Radii between two limits.
+
+    .. math:: \ln R_k = \sum_j B_j(k)\, c_j
+
+    with cubic B-splines :math:`B_j` (``by="spline"``), one coefficient per bead (``by="bead"``),
+    or one for all (``by="common"``).
+
+    Parameters
+    ----------
+    low, high : float or str
+        Smallest and largest radius [scaled, or m].
+    beads : str or sequence of int
+        Beads that vary: ``"first:last"`` or ``"first:last:step"``, with both ends included, or a
+        list.  All others are fixed.
+    by : str
+        ``"bead"``, ``"spline"`` or ``"common"``.  A spline begins at the bead behind the first
+        that varies, so that the taper is smooth there.
+    knots : int, optional
+        Number of coefficients of a spline; by default a quarter of the beads, at most 24.
+    symmetric : bool
+        Whether the radii are the same from both ends.
+    monotone : str, optional
+        ``"increasing"`` or ``"decreasing"``.
+
+    Raises
+    ------
+    InputError
+        If limits exclude each other, or an option is unknown.
+
+    Examples
+    --------
+    >>> import hertzchain as hc
+    >>> hc.vary.radii(0.3, 3.0, by="spline", knots=12)
+    Sizes(radii of '2:' from 0.3 to 3.0, by spline with 12 knots)
+    """
+    return Sizes("radii", low, high, beads, by, knots, symmetric, monotone)
+
+
+def masses(
+    low: Any, high: Any, *, beads: Beads = "2:", by: str = "bead", knots: int | None = None,
+    symmetric: bool = False, monotone: str | None = None,
+) -> Sizes:  # fmt: skip
+    """Masses between two limits, at fixed contacts.
+
+    Parameters
+    ----------
+    low, high : float or str
+        Smallest and largest mass [scaled, or kg].
+    beads, by, knots, symmetric, monotone
+        As for `radii`.
+
+    Examples
+    --------
+    >>> import hertzchain as hc
+    >>> hc.vary.masses(0.05, 0.9, beads="2::2", by="common")
+    Sizes(masses of '2::2' from 0.05 to 0.9, by common)
+    """
+    return Sizes("masses", low, high, beads, by, knots, symmetric, monotone)
+
+
+def gaps(
+    low: Any, high: Any, *, contacts: Beads = "1:", by: str = "bead", knots: int | None = None
+) -> Sizes:
+    """Gaps of contacts between two limits.
+
+    Parameters
+    ----------
+    low, high : float or str
+        Smallest and largest gap [scaled, or m].
+    contacts, by, knots
+        As for the beads of `radii`.
+
+    Examples
+    --------
+    >>> import hertzchain as hc
+    >>> hc.vary.gaps(0.0, 0.1)
+    Sizes(gaps of '1:' from 0.0 to 0.1, by bead)
+    """
+    return Sizes("gaps", low, high, contacts, by, knots, False, None)
+
+
+def balls(
+    catalogue: str | os.PathLike[str] = "bearing-balls", *,
+    materials: Iterable[MaterialLike] | None = None, diameters: Iterable[Any] | None = None,
+    beads: Beads = "2:", optional: bool = False,
+) -> BallChoice:  # fmt: skip
+    """Balls of a catalogue, one for each place.
+
+    Parameters
+    ----------
+    catalogue : str or path-like
+        ``"bearing-balls"``, the catalogue of hertzchain, or a CSV file with the columns
+        ``diameter [mm]``, ``material`` and, if known, ``grade`` and ``price``.
+    materials, diameters : iterable, optional
+        Materials and diameters [m, or with a unit] to choose from; by default all.
+    beads : str or sequence of int
+        Places that vary, as in `radii`.
+    optional : bool
+        Whether places may be empty, so that the number of beads varies.
+
+    Raises
+    ------
+    InputError
+        If the catalogue is missing or has unknown materials, or no ball is left.
+
+    Examples
+    --------
+    >>> import hertzchain as hc
+    >>> hc.vary.balls(materials=["steel-304", "ptfe"], diameters=["4.762 mm"])
+    BallChoice(2 kinds of balls for '2:')
+    """
+    return BallChoice(catalogue, materials, diameters, beads, optional)
+
+
+def order(*, beads: Beads = "2:") -> OrderChoice:
+    """Order of the beads that the chain has.
+
+    Parameters
+    ----------
+    beads : str or sequence of int
+        Places whose beads are exchanged, as in `radii`.
+
+    Examples
+    --------
+    >>> import hertzchain as hc
+    >>> hc.vary.order(beads="2:10")
+    OrderChoice(order of the beads '2:10')
+    """
+    return OrderChoice(beads)

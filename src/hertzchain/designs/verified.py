@@ -1,0 +1,155 @@
+"""Verification of a design: simulated again with a tight tolerance and beyond the last contact."""
+
+from __future__ import annotations
+
+import warnings
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from ..chain.chain import Chain
+from ..chain.hertz_range import hertz_range
+from ..collision import Array
+from ..errors import InputError
+from ..simulation.simulate import simulate
+from ..simulation.simulate_many import simulate_many
+from .measures import Measure
+from .problem import Design
+from .requirements import violation
+
+RTOL: Final = 1e-11
+# The run is repeated for this multiple of its duration, to find a later and higher peak.
+LONGER: Final = 2.0
+# Relative difference from which a later peak is higher.
+SAME: Final = 1e-6
+# Measures at the first maximum of a velocity; saved times; relative difference that is reported.
+PER_VELOCITY: Final = ("velocity", "momentum", "energy", "energy_share", "momentum_share")
+TIMES, LATER, MOST_CHECKED = 2000, 0.01, 10
+# Fresh samples of a scatter.
+FRESH: Final = 400
+
+
+@dataclass(frozen=True, eq=False)
+class Verified:
+    """Numbers of a design from a new simulation.
+
+    Attributes
+    ----------
+    chain : Chain
+        The chain.
+    values : dict
+        Values of all measures, by name.
+    rtol : float
+        Relative tolerance of the simulation.
+    notes : tuple of str
+        Limits of Hertz's law that are exceeded, and incomplete or later peaks.
+    scattered : dict
+        With a scatter, the summary of 400 new samples, by measure.
+    """
+
+    chain: Chain
+    values: dict[str, float]
+    rtol: float
+    notes: tuple[str, ...]
+    scattered: dict[str, float]
+
+
+def verify_chain(problem: Design, chain: Chain, price: float, seed: int) -> Verified:
+    """Simulate a chain again."""
+    measures, notes = problem.measures, list[str]()
+    names = sorted({name for each in measures for name in each.columns} | {"end_time"})
+    walled = chain.right_wall is not None
+    names += ["wall_largest_so_far", "wall_peak_force"] if walled else []
+    keep = list(dict.fromkeys(names))
+    table = simulate_many([chain], keep=keep, rtol=RTOL, until=problem.until)
+    notes += table.reasons.values()
+    values = {
+        str(m): m.from_chain(chain, price) if m.of_chain else float(m.from_table(table)[0])
+        for m in measures
+    }
+    if not table.reasons and walled and problem.until is None:
+        notes += _later_peak(chain, table["wall_peak_force"][0], float(table["end_time"][0]))
+    notes += _later_motion(problem, chain, values)
+    if chain.materials is not None and not table.reasons:
+        notes += hertz_range(chain, table._overlaps[0, : chain.beads + 1]).violations
+    scattered = {} if problem.scatter is None else _scattered(problem, chain, seed)
+    return Verified(chain, values, RTOL, tuple(notes), scattered)
+
+
+def _later_motion(problem: Design, chain: Chain, values: dict[str, float]) -> list[str]:
+    """Notes on beads that move faster after the first maximum of their velocity."""
+    beads = {
+        m.index(chain.beads): values[str(m)] for m in problem.measures
+        if m.key in PER_VELOCITY and m.over is None and np.isfinite(values[str(m)])
+    }  # fmt: skip
+    if not beads or len(beads) > MOST_CHECKED:
+        return []
+    run = simulate(chain, times=TIMES, until=problem.until)
+    first = run.pulse().velocity
+    found = []
+    for place in beads:
+        largest = float(run.velocities[:, place].max())
+        if largest > (1.0 + LATER) * float(first[place]):
+            found.append(
+                f"bead {place + 1} moves faster later: its largest velocity in the run is "
+                f"{largest / float(first[place]):.3g} times the first maximum, to which velocity, "
+                "momentum and energy refer"
+            )
+    return found
+
+
+def _later_peak(chain: Chain, peak: float, end: float) -> list[str]:
+    """A note if the force on the wall is larger after the end of the run."""
+    longer = simulate_many([chain], keep=["wall_largest_so_far"], until=LONGER * end, rtol=RTOL)
+    later = float(longer["wall_largest_so_far"][0]) if not longer.reasons else np.nan
+    if np.isfinite(peak) and not later > (1.0 + SAME) * peak:
+        return []
+    return [f"the force on the wall is {later:.6g} in a run of twice the duration"]
+
+
+def _scattered(problem: Design, chain: Chain, seed: int) -> dict[str, float]:
+    """Mean, CVaR and worst of the objective with new samples."""
+    scatter = problem.scatter
+    draws = scatter._draws(seed + 1_000_003, chain.beads, FRESH)
+    try:
+        chains = scatter._chains(chain, draws)
+    except InputError:
+        return {}
+    found: dict[str, float] = {}
+    measures = [m for m in problem.measures if not m.of_chain]
+    if not measures:
+        return found
+    keep = sorted({name for each in measures for name in each.columns})
+    table = simulate_many(chains, keep=keep, until=problem.until)
+    for measure in measures:
+        values = measure.from_table(table)
+        sign = _bad_sign(problem, measure)
+        ordered = np.sort(sign * values)
+        tail = ordered[int(0.9 * len(ordered)) :]
+        found |= {
+            f"mean of {measure}": float(values.mean()),
+            f"CVaR90 of {measure}": sign * float(tail.mean()),
+            f"worst of {measure}": sign * float(ordered[-1]),
+        }
+    return found
+
+
+def _bad_sign(problem: Design, measure: Measure) -> float:
+    objective = problem.objective
+    if objective.targets is None and measure in objective.measures:
+        return float(np.sign(objective.weights[objective.measures.index(measure)])) or 1.0
+    return next((float(r.sign) for r in problem.requirements if r.measure == measure), 1.0)
+
+
+def met(problem: Design, values: dict[str, float]) -> bool:
+    """Whether verified values meet all constraints, apart from rounding."""
+    row: Array = np.array([[values[str(each.measure)] for each in problem.requirements]])
+    return not problem.requirements or bool(violation(problem.requirements, row)[0] == 0.0)
+
+
+def quietly(problem: Design, chain: Chain, price: float, seed: int) -> Verified:
+    """Verification without warnings, which are notes of the result."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        return verify_chain(problem, chain, price, seed)

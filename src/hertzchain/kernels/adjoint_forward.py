@@ -1,0 +1,230 @@
+"""Adaptive integration of one elastic chain that stores what its adjoint needs.
+
+`advance` fills a block of steps: state at the start, length and window of each step, and the
+overlaps at all stages.  Beads ahead of the front are not integrated before motion reaches them.
+"""
+
+from __future__ import annotations
+
+import math
+
+from .adjoint_events import event_function, load_state, locate
+from .adjoint_layout import (
+    ALL_FOUND,
+    AT_REST,
+    AT_STEP,
+    AT_TIME,
+    BASE,
+    BLOCK_FULL,
+    CANDIDATES,
+    CLOSING,
+    F0,
+    F2,
+    F8,
+    FRACTION,
+    GAUGE,
+    HIGH,
+    KIND,
+    LOW,
+    MOST,
+    NEW_V,
+    NEW_X,
+    PLACE,
+    ROW,
+    SCALE,
+    SECOND,
+    STEP,
+    STEP_LIMIT,
+    STEP_TOO_SMALL,
+    STEPS,
+    STIFFNESS,
+    TIME,
+    TIME_REACHED,
+    TRIED,
+    VELOCITY,
+    V,
+    X,
+)
+from .adjoint_step import compiled, error_of, forces, try_step
+from .rkn8_step import GROWTH, SAFETY, SHRINKAGE
+
+MIN_STEP, HALF = 1e-280, 0.5
+# Motion advances by at most this number of beads per step.
+REACH = 9
+# The pulse has not reached a bead whose speed is less than this fraction of the speeds nearby.
+REACHED = 1e-11
+
+
+@compiled
+def closes_unseen(w, low, high, h):
+    """Whether a contact that is open at both ends of a step may have been closed in between."""
+    for c in range(low, high + 1):
+        first = w[AT_REST + c] + (w[X + c] - w[X + c + 1])
+        last = w[AT_REST + c] + (w[NEW_X + c] - w[NEW_X + c + 1])
+        if first > 0.0 or last > 0.0 or w[STIFFNESS + c] == 0.0:
+            continue
+        if w[V + c] <= w[V + c + 1] or w[NEW_V + c] >= w[NEW_V + c + 1]:
+            continue
+        sharpest = 0.0
+        for stage in range(F0, F8 + 1, ROW):
+            left = w[stage + c - 1] if c > low else 0.0
+            right = w[stage + c] if c < high else 0.0
+            sharpest = max(sharpest, abs(left - right))
+        if 0.125 * h * h * sharpest > max(-max(first, last), 1e-14 * abs(w[X + c])):
+            return True
+    return False
+
+
+@compiled
+def happens(w, beads, target, kept, last):
+    """Whether an event may be within the step that has been tried."""
+    kind, first, second = int(target[KIND]), int(target[PLACE]), int(target[SECOND])
+    if kind == VELOCITY:
+        falls = w[F8 + first] <= 0.0
+        for stage in range(F2, F8, ROW):
+            falls = falls or w[stage + first] <= 0.0
+        forward = max(w[V + 1 + first], w[NEW_V + 1 + first])
+        return falls and w[F0 + first] > 0.0 and forward > REACHED * w[SCALE + first]
+    if kind == CLOSING:
+        before, after = w[V + first] - w[V + first + 1], w[NEW_V + first] - w[NEW_V + first + 1]
+        touching = kept[0, first] > 0.0 or last[first] > 0.0
+        moves = max(abs(w[V + first + 1]), abs(w[NEW_V + first + 1]))
+        return touching and before > 0.0 >= after and moves > REACHED * w[SCALE + first]
+    if kept[0, first] == 0.0 and kept[0, second] == 0.0:
+        if last[first] == 0.0 and last[second] == 0.0:
+            return False
+    rate, _ = event_function(w, beads, GAUGE, first, second)
+    if rate > 0.0:
+        return False
+    before = 0.0
+    for c in (first, second):
+        d = w[AT_REST + c] + (w[X + c] - w[X + c + 1])
+        closing = w[V + c] - w[V + c + 1]
+        before += force_slope(w, c, d) * closing
+        # A force that rises from zero has no rate yet.
+        before = 1e-300 if before == 0.0 and d <= 0.0 and last[c] > 0.0 else before
+    return before > 0.0
+
+
+@compiled
+def force_slope(w, c, d):
+    """Derivative of a contact's force by its overlap, up to a factor that is positive."""
+    return w[STIFFNESS + c] * math.sqrt(d) if d > 0.0 else 0.0
+
+
+@compiled
+def find_events(
+    w, events, beads, low, high, h, time, counts, hertz, targets, found, candidates, kept, last,
+    room,
+):  # fmt: skip
+    """Look for events in a step; returns the number of those that are still not found."""
+    n, remaining = counts[STEPS], 0
+    for t in range(len(targets)):
+        kind = int(targets[t, KIND])
+        if kind == GAUGE:
+            if happens(w, beads, targets[t], kept, last):
+                candidates[counts[CANDIDATES], 0] = t
+                candidates[counts[CANDIDATES], 1] = n
+                counts[CANDIDATES] += 1
+            continue
+        if found[t, AT_STEP] >= 0.0:
+            continue
+        remaining += 1
+        if happens(w, beads, targets[t], kept, last):
+            x, v = w[X + 1 : X + 1 + beads], w[V + 1 : V + 1 + beads]
+            load_state(events, beads, low, high, hertz, x, v, room)
+            s = locate(events, beads, low, high, h, hertz, targets[t], room, room[8])
+            if s <= 1.0:
+                found[t, AT_STEP], found[t, FRACTION] = counts[BASE] + n, s
+                found[t, AT_TIME] = time + s * h
+                remaining -= 1
+    return remaining
+
+
+@compiled
+def rear_of(w, low, high, behind):
+    """First bead of the window: some beads behind the crest of the pulse."""
+    crest = low + behind
+    while crest + 1 < high and w[V + 2 + crest] > w[V + 1 + crest]:
+        crest += 1
+    return max(low, crest - behind)
+
+
+@compiled
+def advance(
+    w, events, beads, clock, counts, until, rtol, most_steps, stop_when_found, behind, hertz,
+    careful, resting, targets, found, candidates, positions, velocities, lengths, windows, kept, room, end,
+):  # fmt: skip
+    """Take steps until the block is full or the run ends; returns the reason.
+
+    Parameters
+    ----------
+    w, events : rows of `hertzchain.kernels.adjoint_layout`, of the run and to locate events in
+    clock, counts : entries as in the layout
+    until, rtol, most_steps : end of the run, tolerance, limit of tries
+    stop_when_found : whether to end when all events of beads and contacts are found
+    behind : number of beads kept behind the crest of the pulse; 0 for all
+    hertz, careful : whether all exponents are 3/2; whether open contacts may close within a step
+    resting : whether beads ahead of the front are at rest and not pushed
+    targets, found : (T, TARGET) and (T, FOUND); steps are counted from the start of the run
+    candidates : (C, 2) target and step in the block of maxima of gauges
+    positions, velocities, lengths, windows : (S, N), (S, N), (S,), (S, 2) of the block
+    kept : (S, 8, N + 1) overlaps at the stages; ``room`` (9, N + 1) is scratch
+    end : (N + 1,) overlaps at the end of the last step
+    """
+    counts[STEPS] = counts[CANDIDATES] = 0
+    low, high = counts[LOW], counts[HIGH]
+    for c in range(beads + 1):
+        kept[0, 0, c] = end[c]
+    while True:
+        n = counts[STEPS]
+        if n == len(lengths):
+            return BLOCK_FULL
+        if counts[TRIED] >= most_steps:
+            return STEP_LIMIT
+        h, left = clock[STEP], until - clock[TIME]
+        reaches = h >= left
+        h = left if reaches else h
+        last = kept[n + 1, 0] if n + 1 < len(lengths) else end
+        try_step(w, low, high, h, hertz, kept[n], last)
+        error = error_of(w, low, high, h, rtol) / rtol
+        counts[TRIED] += 1
+        change = SAFETY / math.sqrt(math.sqrt(math.sqrt(error + 1e-30)))
+        change = change if change > SHRINKAGE else SHRINKAGE
+        good = error <= 1.0
+        if good and careful and closes_unseen(w, low, high, h):
+            good, change = False, HALF
+        if not good:
+            clock[STEP], clock[MOST] = h * min(change, HALF), 1.0
+            if not clock[STEP] > max(MIN_STEP, 1e-17 * clock[TIME]):
+                return STEP_TOO_SMALL
+            continue
+        remaining = find_events(
+            w, events, beads, low, high, h, clock[TIME], counts, hertz, targets, found, candidates,
+            kept[n], last, room,
+        )  # fmt: skip
+        for i in range(low, high):
+            positions[n, i], velocities[n, i] = w[X + 1 + i], w[V + 1 + i]
+        lengths[n], windows[n, 0], windows[n, 1] = h, low, high
+        for i in range(low, high):
+            w[X + 1 + i], w[V + 1 + i] = w[NEW_X + 1 + i], w[NEW_V + 1 + i]
+            w[F0 + i] = w[F8 + i]
+        counts[STEPS] = n + 1
+        clock[TIME] = until if reaches else clock[TIME] + h
+        if not reaches:
+            clock[STEP] = h * min(change, clock[MOST])
+        clock[MOST] = GROWTH
+        if resting:
+            while high < beads and w[X + high - REACH + 1] != 0.0:
+                high += 1
+            counts[HIGH] = high
+        if behind > 0:
+            first = low
+            low = rear_of(w, low, high, behind)
+            counts[LOW] = low
+            if low > first:
+                forces(w, low, high, X, F0, hertz, last)
+        if reaches:
+            return TIME_REACHED
+        if stop_when_found and until == math.inf and remaining == 0:
+            return ALL_FOUND

@@ -1,0 +1,32 @@
+"""Layout of the rows of the kernels that integrate one chain and differentiate the integration.
+
+All rows are in one flat array with constant offsets, as in `hertzchain.kernels.elastic_layout`.
+Positions, velocities and `U` have an entry for each wall, the first and the last; other rows begin
+with bead 1, or with contact 0.  Contact c joins entries c and c + 1 of the positions.
+"""
+
+from __future__ import annotations
+
+# Five cache lines more than a multiple of 4096 bytes, so that rows do not compete for cache lines.
+ROW = 4096 + 40
+(X, V, TRIAL, NEW_X, NEW_V, FORCE, F0, F1, F2, F3, F4, F5, F6, F7, F8, AT_REST, STIFFNESS, EXPONENT,
+ INVERSE_MASS, BODY, NOISE, SPEED, NEAR, SCALE, WORK, LX, LV, U, XI0, XI1, XI2, XI3, XI4, XI5, XI6,
+ XI7, TRANSFER, FACTOR, BY_MASS, BY_STIFFNESS, BY_OVERLAP, BY_BODY,
+ END_OF_ROWS) = range(0, 43 * ROW, ROW)  # fmt: skip
+# A step uses up to eight entries in addition to the beads.
+MOST_BEADS = ROW - 40
+
+STAGES = 9
+# Clock of a run, and its counts: steps in the block, window, steps tried.
+TIME, STEP, MOST, CLOCK = range(4)
+STEPS, LOW, HIGH, TRIED, CANDIDATES, BASE, COUNTS = range(7)
+# Reasons to return.
+BLOCK_FULL, TIME_REACHED, ALL_FOUND, STEP_TOO_SMALL, STEP_LIMIT = range(1, 6)
+
+# Kinds of events: first velocity maximum of a bead, first largest overlap of a contact, maximum of
+# the mean force of two contacts.
+VELOCITY, CLOSING, GAUGE = range(3)
+# Columns of a target: kind, bead or contact, second contact; columns of events: number of the
+# step, fraction of the step, time.
+KIND, PLACE, SECOND, TARGET = range(4)
+AT_STEP, FRACTION, AT_TIME, FOUND = range(4)

@@ -1,0 +1,1 @@
+"""Exact derivatives of simulated quantities, by the discrete adjoint of the integration."""

@@ -1,0 +1,115 @@
+"""Maxima and impulses of the forces of walls and sensors in a recorded run."""
+
+from __future__ import annotations
+
+from typing import Any, Final
+
+import numpy as np
+
+from ..chain.equilibrium import equilibrium
+from ..collision import Array
+from ..simulation.sensor_force import FALL, MIN_HEIGHT
+from .record import Record, load_rows
+from .sweep import Place, place_of
+
+# Candidates whose force at a stage exceeds this part of the largest one are located.
+NEAR_TOP: Final = 0.97
+# Maxima lower than this part of the largest one are no peaks of their own.
+LOWEST: Final = 0.5
+# Weights of the stages in an impulse.
+STAGES_OF_IMPULSE: Final = (0, 2, 3, 4, 5, 6, 7)
+
+
+def contacts_of(bead: int) -> tuple[int, int]:
+    """Contacts whose mean force a sensor in a bead measures."""
+    return bead - 1, bead
+
+
+def stage_forces(record: Record, contacts: tuple[int, ...]) -> Array:
+    """Mean force of some contacts at the stages of each step, shape (steps, 8)."""
+    equation = record.equation
+    total: Any = 0.0
+    for c in contacts:
+        p = equation.exponents[c] * (2.0 if equation.hertz else 1.0)
+        kept = np.concatenate([block.kept[:, :, c] for block in record.blocks])
+        total = total + equation.stiffness[c] * kept**p / len(contacts)
+    return np.asarray(total)
+
+
+def impulse(record: Record, contacts: tuple[int, ...]) -> Array:
+    """Impulse of each step, by the weights of the method."""
+    from ..kernels.rkn8 import B_VELOCITY
+
+    forces = stage_forces(record, contacts)
+    lengths = np.concatenate([block.lengths for block in record.blocks])
+    return np.asarray(lengths * (forces @ np.array(B_VELOCITY)))
+
+
+def maxima(record: Record, target: int) -> list[tuple[int, float]]:
+    """Steps with a maximum of a gauge, and the largest force at their stages."""
+    row = record.targets[target].astype(int)
+    contacts = tuple(dict.fromkeys((int(row[1]), int(row[2]))))
+    forces = stage_forces(record, contacts)
+    steps = []
+    for block in record.blocks:
+        own = block.candidates[block.candidates[:, 0] == target, 1]
+        steps += [block.first + int(n) for n in own]
+    tops = []
+    for n in steps:
+        after = forces[n + 1, 0] if n + 1 < len(forces) else 0.0
+        tops.append(float(max(forces[n].max(), after)))
+    return list(zip(steps, tops, strict=True))
+
+
+def locate(record: Record, target: int, step: int) -> Place | None:
+    """State at the maximum of a gauge, or at another event, in a step."""
+    from ..kernels import adjoint_events
+
+    kernel: Any = adjoint_events
+    equation = record.equation
+    block, n = record.block_of(step)
+    low, high = (int(each) for each in block.windows[n])
+    rows, room = load_rows(equation), np.zeros((9, equation.beads + 1))
+    s = kernel.locate_from(
+        rows, equation.beads, low, high, float(block.lengths[n]), equation.hertz,
+        record.targets[target], room, room[8], block.positions[n], block.velocities[n],
+    )  # fmt: skip
+    return place_of(record, equation, step, s, room, rows) if s <= 1.0 else None
+
+
+def largest(record: Record, target: int) -> Place | None:
+    """State at the largest maximum of a gauge."""
+    candidates = maxima(record, target)
+    top = max((force for _, force in candidates), default=0.0)
+    places = [locate(record, target, n) for n, force in candidates if force >= NEAR_TOP * top]
+    found = [place for place in places if place is not None]
+    return max(found, key=lambda place: force_at(record, target, place), default=None)
+
+
+def force_at(record: Record, target: int, place: Place) -> float:
+    """Force of a gauge at a state."""
+    row = record.targets[target].astype(int)
+    forces = record.equation.forces(record.equation.overlaps_at(place.positions))
+    return 0.5 * float(forces[row[1]] + forces[row[2]])
+
+
+def first_maximum(record: Record, bead: int) -> int | None:
+    """Step of the first maximum of a sensor's force, as `SensorForce` defines it."""
+    contacts = contacts_of(bead)
+    target = next(
+        t for t, row in enumerate(record.targets.astype(int).tolist())
+        if row[0] == 2 and tuple(row[1:]) == contacts
+    )  # fmt: skip
+    rest = 0.5 * float(equilibrium(record.equation.chain).forces[list(contacts)].sum())
+    excess = stage_forces(record, contacts)[:, 0] - rest
+    tops = [(n, top - rest) for n, top in maxima(record, target)]
+    highest = max((top for _, top in tops), default=0.0)
+    best = -1.0
+    for i, (n, top) in enumerate(tops):
+        if top <= max(best, MIN_HEIGHT * highest):
+            continue
+        until = next((m for m, other in tops[i + 1 :] if other > top), len(excess))
+        if (excess[n + 1 : until + 1] < (1.0 - FALL) * top).any():
+            return n
+        best = top
+    return None

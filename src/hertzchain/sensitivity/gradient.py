@@ -1,0 +1,259 @@
+"""Values of simulated quantities and their derivatives by the parameters of a chain."""
+
+from __future__ import annotations
+
+import math
+import warnings
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, field
+from types import MappingProxyType
+from typing import Final
+
+import numpy as np
+
+from ..chain.chain import Chain
+from ..collision import Array
+from ..errors import IncompleteWarning, InputError, unknown_name_error
+from ..representation import short
+from ..validation.numbers import number, whole_number
+from ..validation.objects import check_list
+from .accuracy import relative_error
+from .dependence import Missing, Reader
+from .equation import Equation, equation_of
+from .names import Name, parse
+from .parameters import by_fields, checked_parameters
+from .record import run
+from .sweep import sweep
+from .targets import Ending, targets_of
+
+DEFAULT_RTOL: Final = 1e-11
+MIN_RTOL, MAX_RTOL = 1e-14, 1e-5
+
+
+@dataclass(frozen=True, eq=False)
+class Gradient:
+    """Value of a quantity and its derivatives; unpacks as ``value, gradient``.
+
+    ``gradient["radii"]`` is the array of derivatives by the radii.
+
+    Attributes
+    ----------
+    quantity : str
+        Name of the quantity, with its bead, such as ``"pulse.velocity@90"``.
+    value : float
+        Value [scaled, or SI]; NaN if the quantity does not exist in the run.
+    gradient : mapping of str to ndarray
+        Derivatives by the parameters in ``to``, each of the shape of the parameter.
+    error : float
+        Estimated relative error of the derivatives, in units of the largest of an array.
+    status : str
+        ``"complete"``, or why the quantity is incomplete or does not exist.
+    steps : int
+        Number of steps of the integration.
+    """
+
+    quantity: str
+    value: float
+    gradient: Mapping[str, Array] = field(repr=False)
+    error: float
+    status: str
+    steps: int
+
+    def __iter__(self) -> Iterator[float | Mapping[str, Array]]:
+        return iter((self.value, self.gradient))
+
+    def __getitem__(self, name: str) -> Array:
+        if name not in self.gradient:
+            raise unknown_name_error("parameter of this gradient", name, self.gradient)
+        return self.gradient[name]
+
+    def __repr__(self) -> str:
+        names = "derivatives by " + ", ".join(self.gradient)
+        return short(
+            "Gradient", f"{self.quantity} = {self.value:.6g}", names,
+            f"relative error about {self.error:.1g}", self.status,
+        )  # fmt: skip
+
+
+def gradient(
+    chain: Chain,
+    quantity: str,
+    *,
+    to: str | Iterable[str] = ("radii",),
+    bead: int | None = None,
+    until: float | None = None,
+    rtol: float = DEFAULT_RTOL,
+    max_steps: int | None = None,
+) -> Gradient:
+    r"""Value of a simulated quantity and its exact derivatives by parameters of the chain.
+
+    The chain is integrated by the Runge-Kutta-Nyström pair RKN8(6) of `simulate_many` with a step
+    size of its own.  One backward sweep over the stored steps then gives the derivatives by all
+    parameters (the *discrete adjoint*, E. Hairer, S. P. Nørsett, G. Wanner, Solving Ordinary
+    Differential Equations I, Sec. II.6): with
+    :math:`y_{n+1} = \Phi_n(y_n, p)` and a quantity :math:`Q(y_M, p)`,
+
+    .. math::
+
+        \lambda_M = \frac{\partial Q}{\partial y_M}, \qquad
+        \lambda_n = \left(\frac{\partial \Phi_n}{\partial y_n}\right)^{\!T} \lambda_{n+1}, \qquad
+        \frac{dQ}{dp} = \frac{\partial Q}{\partial p}
+            + \sum_n \lambda_{n+1}^T \frac{\partial \Phi_n}{\partial p} .
+
+    At a maximum the derivative of its time does not contribute (envelope theorem).  Derivatives
+    by times follow from the implicit function theorem.
+
+    Parameters
+    ----------
+    chain : Chain
+        A chain without losses and drive.
+    quantity : str
+        ``"pulse."`` and a column of `Pulse`, of a ``bead``; ``"wall_force."`` or
+        ``"left_wall_force."`` and ``peak``, ``peak_time``, ``impulse``, ``impulse_of_impact``,
+        ``first_contact_impulse`` or ``duration``; ``"sensor."`` and ``first_maximum``,
+        ``first_maximum_time``, ``largest``, ``largest_time`` or ``impulse``, of a sensor in a
+        ``bead``; ``"final.velocity"`` or ``"final.position"`` of a ``bead`` at ``until``; or
+        ``"energy."`` and ``kinetic``, ``forward``, ``backward``, ``contacts`` or ``walls``, the
+        energy at ``until``.  ``"pulse.velocity@90"`` includes the bead.
+    to : str or iterable of str
+        Parameters: ``"radii"``, ``"masses"``, ``"stiffness"``, ``"gaps"``, ``"velocities"``,
+        ``"young"``, ``"poisson"``, ``"density"`` (of each bead), ``"left_wall.stiffness"``,
+        ``"right_wall.stiffness"``, ``"left_wall.gap"``, ``"right_wall.gap"``,
+        ``"precompression"`` or ``"gravity"``.  Masses and stiffness follow the radii and materials
+        unless they are given in the chain; the unit of a scaled chain remains fixed when radius
+        1 is varied.
+    bead : int, optional
+        Number k of the bead, from 1.
+    until : float, optional
+        Stop time [scaled, or s].  By default the run ends when the quantity is complete.
+    rtol : float
+        Relative tolerance per step, 1e-14 .. 1e-5.  The error of a gradient is about the
+        0.6th power of it, because the force of a contact rises with an infinite curvature.
+    max_steps : int, optional
+        Step limit; by default 2000 per bead, and at least a million.
+
+    Returns
+    -------
+    Gradient
+
+    Raises
+    ------
+    InputError
+        If the chain does not have the quantity or a parameter, has a loss or a drive, or an
+        argument is out of range.
+    SimulationError
+        If the step limit is reached.
+
+    Warns
+    -----
+    IncompleteWarning
+        If the quantity does not exist in the run or is not complete at its end; ``status``
+        states why.
+
+    Examples
+    --------
+    The peak force on a wall falls most if the bead next to it becomes smaller:
+
+    >>> import hertzchain as hc
+    >>> chain = hc.Chain.tapered("forward-exponential", 0.05, beads=20)
+    >>> chain = chain.replace(right_wall=hc.Wall())
+    >>> value, slope = hc.gradient(chain, "wall_force.peak", to=("radii", "gaps"))
+    >>> round(value, 3), slope["gaps"].shape
+    (0.889, (19,))
+    """
+    if not isinstance(quantity, str):
+        raise InputError("gradient requires the name of one quantity; use gradients for several")
+    found = gradients(
+        chain, [quantity], to=to, bead=bead, until=until, rtol=rtol, max_steps=max_steps
+    )
+    return found[0]
+
+
+def gradients(
+    chain: Chain,
+    quantities: Iterable[str],
+    *,
+    to: str | Iterable[str] = ("radii",),
+    bead: int | None = None,
+    until: float | None = None,
+    rtol: float = DEFAULT_RTOL,
+    max_steps: int | None = None,
+) -> list[Gradient]:
+    """Values of several quantities and their derivatives, from one run.
+
+    Parameters
+    ----------
+    chain, to, bead, until, rtol, max_steps
+        As for `gradient`.
+    quantities : iterable of str
+        Names as for `gradient`.  ``"wall_force.maxima"`` gives several: all maxima of at least
+        half the largest force, the largest first.
+
+    Raises
+    ------
+    InputError, SimulationError
+        In the cases listed for `gradient`.
+
+    Examples
+    --------
+    >>> import hertzchain as hc
+    >>> chain = hc.Chain.uniform(10).replace(right_wall=hc.Wall())
+    >>> for each in hc.gradients(chain, ["wall_force.peak", "pulse.arrival@10"]):
+    ...     print(each.quantity, round(each.value, 3), each["radii"].shape)
+    wall_force.peak 1.244 (10,)
+    pulse.arrival@10 10.91 (10,)
+    """
+    equation = equation_of(chain)
+    if until is not None:
+        until = number("until", until, unit=chain._unit("s"), above=0.0)
+    rtol = number("rtol", rtol, least=MIN_RTOL, most=MAX_RTOL)
+    limit = max(2000 * chain.beads, 1_000_000)
+    limit = limit if max_steps is None else whole_number("max_steps", max_steps, least=1)
+    given = check_list("quantities", quantities, "names of quantities")
+    names = [parse(chain, each, bead, until) for each in given]
+    parameters = checked_parameters(chain, to)
+    targets = targets_of(equation, names)
+    ending = Ending(equation, names, targets)
+    pulses_only = all(name.group == "pulse" for name in names)
+    record = run(
+        equation, targets.array(), math.inf if until is None else until, rtol, limit,
+        (lambda _: False) if until is not None else ending.finished, pulses_only,
+    )  # fmt: skip
+    if until is not None:
+        ending.finished(record)
+    reader = Reader(record, ending, until)
+    found = [each for name in names for each in _read(reader, name, parameters, rtol)]
+    for each in found:
+        if each.status != "complete":
+            warnings.warn(f"{each.quantity}: {each.status}", IncompleteWarning, stacklevel=3)
+    return found
+
+
+def _read(reader: Reader, name: Name, to: tuple[str, ...], rtol: float) -> list[Gradient]:
+    equation: Equation = reader.record.equation
+    steps = reader.record.steps
+    try:
+        read = reader.read(name)
+    except Missing as missing:
+        nothing = {key: _nan_like(equation, key) for key in to}
+        return [
+            Gradient(str(name), math.nan, MappingProxyType(nothing), math.nan, str(missing), steps)
+        ]
+    out = []
+    for each, dependence, note in read:
+        slopes = sweep(reader.record, dependence)
+        arrays = by_fields(equation, slopes, to)
+        for values in arrays.values():
+            values.setflags(write=False)
+        fixed = MappingProxyType(arrays)
+        status = note or "complete"
+        found = Gradient(str(each), dependence.value, fixed, relative_error(rtol), status, steps)
+        out.append(found)
+    return out
+
+
+def _nan_like(equation: Equation, name: str) -> Array:
+    from .sweep import Slopes
+
+    shape = by_fields(equation, Slopes.zero(equation.beads), [name])[name].shape
+    return np.full(shape, math.nan)

@@ -1,0 +1,77 @@
+"""Names of the quantities that have a gradient."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final
+
+from ..chain.chain import Chain
+from ..errors import InputError, unknown_name_error
+from ..pulse.quantities import QUANTITIES
+from ..validation.numbers import whole_number
+
+PULSE: Final = (
+    "velocity", "momentum", "energy", "peak_time", "arrival", "residence", "peak_overlap",
+    "peak_force",
+)  # fmt: skip
+WALL: Final = (
+    "peak", "maxima", "peak_time", "impulse", "first_contact_impulse", "impulse_of_impact",
+    "duration",
+)  # fmt: skip
+SENSOR: Final = ("first_maximum", "first_maximum_time", "largest", "largest_time", "impulse")
+FINAL: Final = ("velocity", "position")
+ENERGY: Final = ("kinetic", "forward", "backward", "contacts", "walls")
+KNOWN: Final = (
+    *(f"pulse.{each}" for each in PULSE),
+    *(f"wall_force.{each}" for each in WALL),
+    *(f"left_wall_force.{each}" for each in WALL),
+    *(f"sensor.{each}" for each in SENSOR),
+    *(f"final.{each}" for each in FINAL),
+    *(f"energy.{each}" for each in ENERGY),
+)
+
+
+@dataclass(frozen=True)
+class Name:
+    """A quantity: group, item, and the bead if the quantity belongs to one."""
+
+    group: str
+    item: str
+    bead: int | None
+
+    def __str__(self) -> str:
+        at = "" if self.bead is None else f"@{self.bead}"
+        return f"{self.group}.{self.item}{at}"
+
+
+def parse(chain: Chain, given: object, bead: int | None, until: float | None) -> Name:
+    """A quantity of a chain; raises `InputError` if the chain does not have it."""
+    text, at, number = given.partition("@") if isinstance(given, str) else (given, "", "")
+    text = f"pulse.{text}" if text in PULSE else text
+    if text not in KNOWN or (at and not number.isdigit()):
+        raise unknown_name_error("quantity", given, KNOWN)
+    group, item = str(text).split(".")
+    at_bead = int(number) if at else bead
+    if group in ("wall_force", "left_wall_force"):
+        side = "right" if group == "wall_force" else "left"
+        if getattr(chain, f"{side}_wall") is None:
+            raise InputError(
+                f"{text} does not exist: the {side} end of this chain is free; use "
+                f"chain.replace({side}_wall=Wall())"
+            )
+        at_bead = None
+    elif group in ("pulse", "sensor", "final"):
+        if at_bead is None:
+            raise InputError(f"{text} belongs to a bead; give bead, or '{text}@{chain.beads}'")
+        most = QUANTITIES[item].count(chain.beads) if group == "pulse" else chain.beads
+        at_bead = whole_number(f"bead of {text}", at_bead, least=1, most=most)
+    else:
+        at_bead = None
+    if until is None and (group in ("final", "energy") or f"{group}.{item}" in NEED_END):
+        raise InputError(f"{text} depends on the end of the run; give until")
+    if until is None and chain.gravity != 0.0 and group != "pulse":
+        raise InputError(f"{text} of a chain under gravity has no natural end; give until")
+    return Name(group, item, at_bead)
+
+
+NEED_END: Final = ("sensor.impulse", "sensor.largest", "sensor.largest_time")

@@ -1,0 +1,133 @@
+"""Derivatives by the fields of a chain, from those by the numbers of its equation of motion."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable, Mapping
+from typing import Final
+
+import numpy as np
+
+from ..chain.chain import Chain
+from ..chain.walls import Wall
+from ..collision import Array
+from ..errors import InputError
+from ..validation.objects import check_choice, check_list
+from .equation import Equation
+from .static_loads import add_static_loads
+from .sweep import Slopes
+
+MATERIAL: Final = ("young", "poisson", "density")
+PARAMETERS: Final = (
+    "radii", "masses", "stiffness", "gaps", "velocities", *MATERIAL, "left_wall.stiffness",
+    "right_wall.stiffness", "left_wall.gap", "right_wall.gap", "precompression", "gravity",
+)  # fmt: skip
+
+
+def checked_parameters(chain: Chain, to: str | Iterable[str]) -> tuple[str, ...]:
+    """Names of parameters that a chain has; raises `InputError` for others."""
+    names = [to] if isinstance(to, str) else check_list("to", to, "names of parameters")
+    if not names:
+        raise InputError("to must have at least one parameter, such as 'radii', got none")
+    for name in names:
+        check_choice("parameter", name, PARAMETERS)
+        if name in MATERIAL and chain.materials is None:
+            raise InputError(
+                f"the chain has no {name}: its beads have no materials; use 'masses' and "
+                "'stiffness', or a chain of Chain.from_materials"
+            )
+        end = name.split(".")[0]
+        if end.endswith("_wall") and getattr(chain, end) is None:
+            raise InputError(f"the chain has no {name}: it has no {end}; add one or omit it")
+        if name == "precompression" and not chain.precompression > 0.0:
+            raise InputError(
+                "a chain without precompression has no derivative to it, because overlaps grow "
+                "as its power 1/p; give a small precompression"
+            )
+        if name == "gravity" and chain.gravity == 0.0:
+            raise InputError(
+                "a chain without gravity has no derivative to it, because static overlaps grow as "
+                "its power 1/p; give a small gravity"
+            )
+    return tuple(dict.fromkeys(names))
+
+
+def by_fields(equation: Equation, slopes: Slopes, to: Iterable[str]) -> dict[str, Array]:
+    """Derivatives by the fields ``to`` of a chain, each with all other given fields fixed."""
+    full, by_load, by_gravity = add_static_loads(equation, slopes)
+    chain = equation.chain
+    found: Mapping[str, Callable[[], Array]] = {
+        "radii": lambda: _by_radii(chain, full),
+        "masses": lambda: full.masses,
+        "stiffness": lambda: full.stiffness[1:-1],
+        "gaps": lambda: -full.overlaps[1:-1],
+        "velocities": lambda: full.velocities,
+        "young": lambda: _by_compliance(chain, full) * [
+            -each.compliance / each.young for each in chain.materials or ()
+        ],
+        "poisson": lambda: _by_compliance(chain, full) * [
+            -2.0 * each.poisson / each.young for each in chain.materials or ()
+        ],
+        "density": lambda: _by_density(chain, full),
+        "left_wall.stiffness": lambda: full.stiffness[0],
+        "right_wall.stiffness": lambda: full.stiffness[-1],
+        "left_wall.gap": lambda: -full.overlaps[0],
+        "right_wall.gap": lambda: -full.overlaps[-1],
+        "precompression": lambda: np.asarray(by_load),
+        "gravity": lambda: np.asarray(by_gravity),
+    }  # fmt: skip
+    return {name: np.array(found[name](), float) for name in to}
+
+
+def _derived(chain: Chain, name: str) -> bool:
+    """Whether masses or stiffness are computed from the radii."""
+    return name not in chain.given
+
+
+def _walls(chain: Chain) -> tuple[tuple[int, int, Wall], ...]:
+    """Bead, contact and wall of the walls whose stiffness follows from the bead."""
+    walls = (0, 0, chain.left_wall), (-1, -1, chain.right_wall)
+    return tuple(
+        (bead, contact, wall) for bead, contact, wall in walls
+        if wall is not None and wall.stiffness is None
+    )  # fmt: skip
+
+
+def _by_radii(chain: Chain, slopes: Slopes) -> Array:
+    radii, out = chain.radii, np.zeros(chain.beads)
+    if _derived(chain, "masses"):
+        out += 3.0 * slopes.masses * chain.masses / radii
+    if _derived(chain, "stiffness"):
+        # k ~ (R S/(R + S))^(1/2): d ln k/d ln R = S/(2 (R + S)).
+        behind, ahead = radii[:-1], radii[1:]
+        share = 0.5 * slopes.stiffness[1:-1] * chain.stiffness / (behind + ahead)
+        out[:-1] += share * ahead / behind
+        out[1:] += share * behind / ahead
+    for bead, contact, _ in _walls(chain):
+        k = chain.contact_stiffness[contact]
+        out[bead] += 0.5 * slopes.stiffness[contact] * k / radii[bead]
+    return out
+
+
+def _by_density(chain: Chain, slopes: Slopes) -> Array:
+    if not _derived(chain, "masses"):
+        return np.zeros(chain.beads)
+    volumes = 4.0 / 3.0 * math.pi * chain.radii**3
+    return np.asarray(slopes.masses * volumes)
+
+
+def _by_compliance(chain: Chain, slopes: Slopes) -> Array:
+    """Derivatives by the compliance of each bead's material: k ~ 1/(C + C')."""
+    assert chain.materials is not None
+    own, out = np.array([each.compliance for each in chain.materials]), np.zeros(chain.beads)
+    if _derived(chain, "stiffness"):
+        share = slopes.stiffness[1:-1] * chain.stiffness / (own[:-1] + own[1:])
+        out[:-1] -= share
+        out[1:] -= share
+    for bead, contact, wall in _walls(chain):
+        by_modulus = slopes.stiffness[contact] * chain.contact_stiffness[contact]
+        # A wall of the bead's own material changes with it.
+        other = own[bead] if wall.material is None else wall.material.compliance
+        factor = 2.0 if wall.material is None else 1.0
+        out[bead] -= factor * by_modulus / (own[bead] + other)
+    return out

@@ -1,0 +1,188 @@
+"""An integration of one chain, with all that its adjoint needs."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..collision import Array
+from ..errors import InputError, SimulationError
+from .equation import Equation
+
+# Numbers in a block of steps, and bounds of its steps.
+BLOCK_SIZE: Final = 2**18
+FEWEST, MOST = 64, 512
+MEMORY_PART: Final = 0.5
+
+
+@dataclass(frozen=True, eq=False)
+class Block:
+    """Steps of a run: state at the start of each, its length, window and overlaps at stages."""
+
+    first: int
+    start: float
+    positions: Array
+    velocities: Array
+    lengths: Array
+    windows: NDArray[np.int64]
+    kept: Array
+    # Target and step within the block of maxima of gauges.
+    candidates: Array
+
+    @property
+    def steps(self) -> int:
+        """Number of steps."""
+        return len(self.lengths)
+
+
+@dataclass(eq=False)
+class Record:
+    """Blocks of a run, and the events found in it."""
+
+    equation: Equation
+    targets: Array
+    found: Array
+    blocks: list[Block] = field(default_factory=list)
+    time: float = 0.0
+    # State and overlaps at the end.
+    positions: Array = field(default_factory=lambda: np.zeros(0))
+    velocities: Array = field(default_factory=lambda: np.zeros(0))
+    end: Array = field(default_factory=lambda: np.zeros(0))
+
+    @property
+    def steps(self) -> int:
+        """Number of steps."""
+        return self.blocks[-1].first + self.blocks[-1].steps if self.blocks else 0
+
+    def block_of(self, step: int) -> tuple[Block, int]:
+        """The block of a step, and the index of the step in it."""
+        for block in reversed(self.blocks):
+            if step >= block.first:
+                return block, step - block.first
+        raise IndexError(step)
+
+    def in_contact(self, contact: int, stage: int = 0) -> Array:
+        """Number kept for a contact's overlap at a stage of each step."""
+        return np.concatenate([block.kept[:, stage, contact] for block in self.blocks])
+
+
+def load_rows(equation: Equation) -> Array:
+    """Rows of the kernels with the parameters of a chain and its state at time 0."""
+    from ..kernels import adjoint_layout as layout
+
+    beads, rows = equation.beads, np.zeros(layout.END_OF_ROWS)
+    for row, values in (
+        (layout.V + 1, equation.velocities),
+        (layout.AT_REST, equation.overlaps),
+        (layout.STIFFNESS, equation.stiffness),
+        (layout.EXPONENT, equation.exponents),
+        (layout.INVERSE_MASS, 1.0 / equation.masses),
+        (layout.BODY, equation.body),
+        (layout.NOISE, equation.noise),
+    ):
+        rows[row : row + len(values)] = values
+    forces = equation.forces(equation.overlaps)
+    rows[layout.FORCE : layout.FORCE + beads + 1] = forces
+    rows[layout.F0 : layout.F0 + beads] = -np.diff(forces) / equation.masses + equation.body
+    return rows
+
+
+def kept_of(equation: Equation, overlaps: Array) -> Array:
+    """The numbers that the kernels keep for overlaps."""
+    closed = np.maximum(overlaps, 0.0)
+    return np.sqrt(closed) if equation.hertz else closed
+
+
+def run(
+    equation: Equation,
+    targets: Array,
+    until: float,
+    rtol: float,
+    most_steps: int,
+    finished: Callable[[Record], bool],
+    stop_when_found: bool = False,
+    behind: int = 0,
+) -> Record:
+    """Integrate a chain until a time, until all events are found, or until ``finished``."""
+    from ..kernels import adjoint_forward
+    from ..kernels import adjoint_layout as layout
+
+    kernel: Any = adjoint_forward
+    beads = equation.beads
+    clock, counts = np.zeros(layout.CLOCK), np.zeros(layout.COUNTS, np.int64)
+    clock[layout.STEP], clock[layout.MOST] = equation.first_step, 4.0
+    counts[layout.HIGH] = beads
+    if equation.resting:
+        moving = np.flatnonzero(equation.velocities)
+        counts[layout.HIGH] = min(beads, (moving[-1] if len(moving) else 0) + 1 + kernel.REACH)
+    found = np.full((len(targets), layout.FOUND), -1.0)
+    record = Record(equation, targets, found)
+    rows, events = load_rows(equation), load_rows(equation)
+    end, room = kept_of(equation, equation.overlaps), np.zeros((9, beads + 1))
+    size = int(np.clip(BLOCK_SIZE // (10 * beads + 8), FEWEST, MOST))
+    status = layout.BLOCK_FULL
+    while status == layout.BLOCK_FULL:
+        _check_memory(record, size)
+        positions, velocities = np.zeros((size, beads)), np.zeros((size, beads))
+        lengths, windows = np.empty(size), np.empty((size, 2), np.int64)
+        kept, candidates = np.zeros((size, 8, beads + 1)), np.empty((size * len(targets), 2))
+        counts[layout.BASE] = record.steps
+        start = clock[layout.TIME]
+        status = kernel.advance(
+            rows, events, beads, clock, counts, until, rtol, most_steps, stop_when_found, behind,
+            equation.hertz, equation.careful, equation.resting, targets, found, candidates,
+            positions, velocities, lengths, windows, kept, room, end,
+        )  # fmt: skip
+        n = int(counts[layout.STEPS])
+        if n:
+            block = Block(
+                record.steps, start, positions[:n], velocities[:n], lengths[:n], windows[:n],
+                kept[:n], candidates[: counts[layout.CANDIDATES]],
+            )  # fmt: skip
+            record.blocks.append(block)
+        record.time = float(clock[layout.TIME])
+        record.positions = rows[layout.X + 1 : layout.X + 1 + beads].copy()
+        record.velocities = rows[layout.V + 1 : layout.V + 1 + beads].copy()
+        if status == layout.BLOCK_FULL and finished(record):
+            break
+    if status in (layout.STEP_TOO_SMALL, layout.STEP_LIMIT):
+        limit = status == layout.STEP_LIMIT
+        reason = f"reached the limit of {most_steps} steps" if limit else "needs too short steps"
+        raise SimulationError(
+            f"the integration for the gradient {reason} at t = {record.time:g}; use a larger rtol "
+            "or a shorter until"
+        )
+    record.end = kept_of(equation, equation.overlaps_at(record.positions))
+    return record
+
+
+def _check_memory(record: Record, size: int) -> None:
+    """Raise `InputError` if the steps stored so far fill the memory."""
+    needed = 8.0 * (record.steps + size) * 10 * record.equation.beads
+    if needed < 2**28:
+        return
+    import psutil
+
+    free = psutil.virtual_memory().available
+    if 8.0 * size * 10 * record.equation.beads > MEMORY_PART * free:
+        raise InputError(
+            f"the {record.steps} steps until t = {record.time:g} of {record.equation.beads} beads "
+            f"need {needed / 2**30:.1f} GiB, and {free / 2**30:.1f} GiB are free; use a larger "
+            "rtol, an earlier until, or fewer beads"
+        )
+
+
+def nothing_can_happen(record: Record) -> bool:
+    """Whether at the end of a record no contact is closed or closing."""
+    equation = record.equation
+    if equation.body.any():
+        return False
+    there = equation.stiffness > 0.0
+    closing = -np.diff(np.pad(record.velocities, 1))
+    closed = equation.overlaps_at(record.positions) > 0.0
+    return not bool((there & (closed | (closing > 0.0))).any()) and math.isfinite(record.time)

@@ -1,0 +1,138 @@
+"""Derivatives of a quantity by all numbers of the equation of motion, by one backward sweep."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from ..collision import Array
+from .equation import Equation
+from .record import Record, load_rows
+
+
+@dataclass(eq=False)
+class Slopes:
+    """Derivatives by the numbers of the equation of motion."""
+
+    masses: Array
+    stiffness: Array
+    overlaps: Array
+    velocities: Array
+    body: Array
+
+    @classmethod
+    def zero(cls, beads: int) -> Slopes:
+        """No dependence."""
+        return cls(*(np.zeros(n) for n in (beads, beads + 1, beads + 1, beads, beads)))
+
+
+@dataclass(eq=False)
+class Place:
+    """A state within a step: its number, length of its part, window, and overlaps at stages."""
+
+    step: int
+    length: float
+    low: int
+    high: int
+    kept: Array
+    time: float
+    positions: Array
+    velocities: Array
+    accelerations: Array
+    # Derivatives of the quantity by this state.
+    by_position: Array
+    by_velocity: Array
+
+
+@dataclass(eq=False)
+class Dependence:
+    """How a quantity depends on states of the run, on impulses and directly on parameters."""
+
+    value: float
+    places: list[Place]
+    direct: Slopes
+    # Weight of each contact in an impulse, and number of steps that it includes.
+    gauge: Array = field(default_factory=lambda: np.zeros(0))
+    last: int = 0
+
+
+def sweep(record: Record, dependence: Dependence) -> Slopes:
+    """Derivatives of a quantity, backward from the last state on which it depends."""
+    from ..kernels import adjoint_layout as layout
+    from ..kernels import adjoint_reverse
+
+    kernel: Any = adjoint_reverse
+    equation, beads = record.equation, record.equation.beads
+    rows, hertz = load_rows(equation), equation.hertz
+    nothing = np.zeros(beads + 1)
+    gauge = dependence.gauge if len(dependence.gauge) else nothing
+
+    def row(at: int, count: int = beads) -> Array:
+        return rows[at : at + count]
+
+    starts: dict[int, list[tuple[Array, Array]]] = {}
+    for place in dependence.places:
+        row(layout.LX)[:], row(layout.LV)[:] = place.by_position, place.by_velocity
+        kernel.reverse_step(
+            rows, place.low, place.high, place.length, hertz, place.kept, nothing, 0.0
+        )
+        state = row(layout.LX).copy(), row(layout.LV).copy()
+        starts.setdefault(place.step, []).append(state)
+    row(layout.LX)[:] = row(layout.LV)[:] = 0.0
+    stops = sorted({*starts, dependence.last, 0}, reverse=True)
+    step = stops[0]
+    for stop in stops:
+        on = 1.0 if stop < dependence.last else 0.0
+        while step > stop:
+            block, _ = record.block_of(step - 1)
+            to = max(stop, block.first)
+            kernel.reverse(
+                rows, step - block.first, to - block.first, block.lengths, block.windows, hertz,
+                block.kept, gauge, on,
+            )  # fmt: skip
+            step = to
+        for by_position, by_velocity in starts.get(stop, []):
+            row(layout.LX)[:] += by_position
+            row(layout.LV)[:] += by_velocity
+    direct = dependence.direct
+    by_velocity = row(layout.LV) + _times_of_entry(record) * row(layout.LX)
+    return Slopes(
+        direct.masses + row(layout.BY_MASS) / equation.masses,
+        direct.stiffness + row(layout.BY_STIFFNESS, beads + 1),
+        direct.overlaps + row(layout.BY_OVERLAP, beads + 1),
+        direct.velocities + by_velocity,
+        direct.body + row(layout.BY_BODY) * equation.masses,
+    )
+
+
+def _times_of_entry(record: Record) -> Array:
+    """Times at which the beads enter the window; until then they are in free flight."""
+    times = np.full(record.equation.beads, record.time)
+    high = 0
+    for block in record.blocks:
+        starts = block.start + np.concatenate(([0.0], np.cumsum(block.lengths)[:-1]))
+        for n in np.flatnonzero(np.diff(block.windows[:, 1], prepend=high)):
+            now = int(block.windows[n, 1])
+            times[high:now] = starts[n]
+            high = now
+    return times
+
+
+def place_of(
+    record: Record, equation: Equation, step: int, fraction: float, room: Array, rows: Array
+) -> Place:
+    """A state found by the kernel, which is in ``rows``."""
+    from ..kernels import adjoint_layout as layout
+
+    block, n = record.block_of(step)
+    low, high = (int(each) for each in block.windows[n])
+    beads, length = equation.beads, fraction * float(block.lengths[n])
+    start = block.start + float(block.lengths[:n].sum())
+    return Place(
+        step, length, low, high, room.copy(), start + length,
+        rows[layout.NEW_X + 1 : layout.NEW_X + 1 + beads].copy(),
+        rows[layout.NEW_V + 1 : layout.NEW_V + 1 + beads].copy(),
+        rows[layout.F8 : layout.F8 + beads].copy(), np.zeros(beads), np.zeros(beads),
+    )  # fmt: skip

@@ -1,0 +1,179 @@
+"""Events that the quantities of a gradient need, and when the run may end."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Final
+
+import numpy as np
+
+from ..chain.equilibrium import equilibrium
+from ..collision import Array
+from .equation import Equation
+from .names import Name
+from .record import Record, nothing_can_happen
+
+# The peak on a wall is complete when the bound of later forces has been below it for this part of
+# the first transit; runs without a complete peak end after this many transits.
+HELD, MAX_TRANSITS = 0.5, 10
+ROUNDING, RELEASED = 1e-9, 1e-3
+LEFT, RIGHT = 0, 1
+SAMPLE: Final = 8
+
+
+@dataclass(eq=False)
+class Targets:
+    """Events by kind and place, each once."""
+
+    rows: list[tuple[int, int, int]] = field(default_factory=list)
+
+    def number(self, kind: int, first: int, second: int | None = None) -> int:
+        """Number of an event, which is added if it is new."""
+        row = kind, first, first if second is None else second
+        if row not in self.rows:
+            self.rows.append(row)
+        return self.rows.index(row)
+
+    def array(self) -> Array:
+        """The events as the kernel expects them."""
+        return np.array(self.rows, float).reshape(-1, 3)
+
+
+def targets_of(equation: Equation, names: list[Name]) -> Targets:
+    """All events that some quantities need."""
+    from ..kernels.adjoint_layout import CLOSING, GAUGE, VELOCITY
+
+    targets = Targets()
+    for name in names:
+        bead = name.bead or 0
+        if name.group == "sensor":
+            targets.number(GAUGE, bead - 1, bead)
+        elif name.group in ("wall_force", "left_wall_force"):
+            wall = equation.beads if name.group == "wall_force" else 0
+            targets.number(GAUGE, wall)
+        elif name.group != "pulse":
+            continue
+        elif name.item in ("velocity", "momentum", "energy", "peak_time"):
+            if is_moving(equation, bead):
+                targets.number(VELOCITY, bead - 1)
+        elif name.item == "arrival" and bead > 1:
+            targets.number(CLOSING, bead - 1)
+        elif name.item in ("residence", "peak_overlap", "peak_force"):
+            targets.number(CLOSING, bead)
+            if name.item == "residence" and bead > 1:
+                targets.number(CLOSING, bead - 1)
+    return targets
+
+
+def is_moving(equation: Equation, bead: int) -> bool:
+    """Whether a bead's velocity has its first maximum after time 0."""
+    return bead > max(1, equation.chain.strikers)
+
+
+@dataclass(eq=False)
+class Ending:
+    """Decides whether a run without a given end may stop."""
+
+    equation: Equation
+    names: list[Name]
+    targets: Targets
+    # Time from which the peak on a wall is complete, by side.
+    since: dict[int, float] = field(default_factory=dict)
+    watched: int = 0
+    exhausted: bool = False
+    # Largest force so far and its time, by side.
+    peak_times: dict[int, float] = field(default_factory=dict)
+    peaks: dict[int, float] = field(default_factory=dict)
+
+    def finished(self, record: Record) -> bool:
+        """Whether all quantities are complete at the end of a block, or never will be."""
+        if nothing_can_happen(record):
+            self.exhausted = True
+            self._watch(record)
+            return True
+        return self._watch(record) and self._events(record) and self._sensors(record)
+
+    def _events(self, record: Record) -> bool:
+        from ..kernels.adjoint_layout import GAUGE
+
+        first = [row[0] != GAUGE for row in self.targets.rows]
+        return bool((record.found[first, 0] >= 0.0).all())
+
+    def _sensors(self, record: Record) -> bool:
+        from .gauges import first_maximum
+
+        return all(
+            first_maximum(record, name.bead or 0) is not None
+            for name in self.names if name.group == "sensor"
+        )  # fmt: skip
+
+    def _sides(self) -> list[int]:
+        sides = {"wall_force": RIGHT, "left_wall_force": LEFT}
+        return sorted({sides[each.group] for each in self.names if each.group in sides})
+
+    def _watch(self, record: Record) -> bool:
+        done = True
+        for side in self._sides():
+            done = self._watch_wall(record, side) and done
+        self.watched = len(record.blocks)
+        return done
+
+    def _watch_wall(self, record: Record, side: int) -> bool:
+        """Update the state of a wall's peak by the new blocks; whether it is complete."""
+        equation, c = self.equation, -1 if side == RIGHT else 0
+        for block in record.blocks[self.watched :]:
+            times = block.start + np.cumsum(block.lengths) - block.lengths
+            stages = self._forces(block.kept[:, :, c], c)
+            highest = stages.max(axis=1)
+            top = np.maximum(np.maximum.accumulate(highest), self.peaks.get(side, 0.0))
+            if top[-1] > self.peaks.get(side, 0.0):
+                self.peaks[side] = float(top[-1])
+                self.peak_times[side] = float(times[np.argmax(highest)])
+            if not top[-1] > 0.0:
+                continue
+            some = slice(None, None, SAMPLE)
+            bounds = bound_of(equation, block.positions[some], block.velocities[some], side)
+            static = float(equilibrium(equation.chain).forces[c])
+            complete = (top[some] > 0.0) & (bounds <= (1.0 + ROUNDING) * top[some])
+            released = stages[some, 0] - static <= RELEASED * (top[some] - static)
+            for time, below, free in zip(times[some], complete, released, strict=True):
+                if not below:
+                    self.since.pop(side, None)
+                elif free:
+                    self.since.setdefault(side, float(time))
+        if self.exhausted:
+            self.since.setdefault(side, record.time)
+        transit = self.peak_times.get(side, 0.0)
+        held = side in self.since and record.time - self.since[side] >= HELD * transit
+        return held or (transit > 0.0 and record.time > MAX_TRANSITS * transit)
+
+    def _forces(self, kept: Array, c: int) -> Array:
+        p = self.equation.exponents[c] * (2.0 if self.equation.hertz else 1.0)
+        return np.asarray(self.equation.stiffness[c] * kept**p)
+
+    def complete(self, side: int, until: float | None) -> bool:
+        """Whether the peak on a wall is complete at the end of the run."""
+        return side in self.since or (until is None and self.exhausted)
+
+
+def bound_of(equation: Equation, positions: Array, velocities: Array, side: int) -> Array:
+    """Largest force that the motion towards a wall can still cause, at several times.
+
+    `hertzchain.simulation.wall_bound` has the equation.
+    """
+    forward = velocities if side == RIGHT else -velocities
+    forces, exponents = equilibrium(equation.chain).forces, equation.exponents
+    k, there = equation.stiffness, equation.stiffness > 0.0
+    rest = np.zeros(len(k))
+    rest[there] = (forces[there] / k[there]) ** (1.0 / exponents[there])
+    energy = (0.5 * equation.masses * np.maximum(forward, 0.0) ** 2).sum(axis=-1)
+    overlaps = equation.overlaps_at(positions)
+    pairs = np.pad(forward, [(0, 0), (1, 1)])
+    moving = there & ((pairs[:, :-1] + pairs[:, 1:] > 0.0) | ((overlaps < 0.0) & (forces > 0.0)))
+    closed = np.maximum(overlaps, 0.0)
+    stored = (equation.forces(overlaps) * closed - forces * rest) / (exponents + 1.0)
+    stored = np.maximum(stored - forces * (overlaps - rest), 0.0)
+    energy = energy + np.where(moving, stored, 0.0).sum(axis=-1)
+    c = -1 if side == RIGHT else 0
+    depth = ((exponents[c] + 1.0) * energy / k[c]) ** (1.0 / (exponents[c] + 1.0)) + rest[c]
+    return np.asarray(k[c] * depth ** exponents[c])

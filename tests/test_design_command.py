@@ -1,0 +1,237 @@
+"""Design files, the command `design`, resumed searches, and invalid problems."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+
+import numpy as np
+import pytest
+
+import hertzchain as hc
+from hertzchain.designs.problem_files import load_design
+
+WALLED = hc.Chain.uniform(8).replace(right_wall=hc.Wall())
+PROBLEM = """
+[chain]
+taper = "uniform"
+beads = 8
+right_wall = {gap = 0.0}
+
+[design]
+minimise = "wall_force.peak"
+budget = 400
+seed = 2
+
+[[design.vary]]
+radii = [0.5, 1.0]
+"""
+
+
+def problem(**options):
+    given = {"minimise": "wall_force.peak", "vary": [hc.vary.radii(0.5, 1.0)]} | options
+    return hc.Design(given.pop("chain", WALLED), **given)
+
+
+def run(*arguments, **options):
+    command = [sys.executable, "-m", "hertzchain", "design", *map(str, arguments)]
+    return subprocess.run(command, capture_output=True, text=True, check=False, **options)
+
+
+@pytest.fixture
+def file(tmp_path):
+    path = tmp_path / "problem.toml"
+    path.write_text(PROBLEM)
+    return path
+
+
+def test_a_design_file_describes_the_problem(file):
+    found, options = load_design(file)
+    assert found.identity == problem().identity
+    assert options == {"budget": 400, "seed": 2}
+
+
+def test_a_search_that_is_cut_off_ten_times_gives_the_same_result(tmp_path):
+    whole = hc.design(problem(), budget=200, store=tmp_path / "whole")
+    content = (tmp_path / "whole" / "trials.journal").read_bytes()
+    lengths = np.random.default_rng(1).integers(1, len(content), 10)
+    for i, length in enumerate(sorted(lengths)):
+        folder = tmp_path / f"cut-{i}"
+        folder.mkdir()
+        (folder / "trials.journal").write_bytes(content[:length])
+        again = hc.design(problem(), budget=200, store=folder)
+        assert again.chain.radii.tolist() == whole.chain.radii.tolist()
+        assert (again.value, again.runs, again.history.tolist()) == (
+            whole.value, whole.runs, whole.history.tolist(),
+        )  # fmt: skip
+
+
+def test_the_result_does_not_depend_on_the_number_of_threads():
+    one, two = (hc.design(problem(), budget=300, threads=n) for n in (1, 2))
+    assert one.chain.radii.tolist() == two.chain.radii.tolist()
+
+
+@pytest.mark.long
+def test_a_search_that_is_killed_ten_times_gives_the_same_result(file, tmp_path):
+    file.write_text(PROBLEM.replace("budget = 400", "budget = 3000"))
+    whole = json.loads(run(file, "--json", "--store", tmp_path / "whole").stdout)
+    command = [sys.executable, "-m", "hertzchain", "design", str(file), "--json", "--store",
+               str(tmp_path / "killed")]  # fmt: skip
+    for delay in np.linspace(1.0, 4.0, 10):
+        process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL)
+        time.sleep(delay)
+        os.kill(process.pid, signal.SIGKILL)
+        process.communicate()
+    again = json.loads(run(*command[4:]).stdout)
+    for key in ("radii", "value", "simulations", "best_start"):
+        assert again[key] == whole[key]
+
+
+def test_another_problem_does_not_use_the_same_store(tmp_path):
+    hc.design(problem(), budget=50, store=tmp_path / "store")
+    with pytest.raises(hc.InputError, match="belongs to another problem"):
+        hc.design(problem(minimise="wall_force.impulse"), budget=50, store=tmp_path / "store")
+
+
+def test_the_command_writes_chain_figure_and_json(file, tmp_path):
+    found = run(file, "--out", "chain.toml", "--plot", "design.png", "--json", cwd=tmp_path)
+    assert found.returncode == 0, found.stderr
+    document = json.loads(found.stdout)
+    chain = hc.load_chain(tmp_path / "chain.toml")
+    assert chain.radii.tolist() == document["radii"]
+    peak = hc.simulate(chain, times=0, rtol=1e-10).wall_force().peak
+    assert document["value"] == pytest.approx(peak, rel=1e-7)
+    assert (tmp_path / "design.png").stat().st_size > 20_000
+    assert (tmp_path / "problem.design" / "trials.journal").exists()
+
+
+def test_constraints_that_cannot_be_met_give_exit_code_3(file):
+    file.write_text(PROBLEM + '[design.subject_to]\n"wall_force.impulse" = "<= 0.5"\n')
+    found = run(file, cwd=file.parent)
+    assert found.returncode == 3
+    assert "cannot be met: wall_force.impulse is at least 1" in found.stdout
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "told"),
+    [
+        ("[[design.vary]]\nradii = [0.5, 1.0]", "", "vary has no variables"),
+        ("radii = [0.5, 1.0]", "radius = [0.5, 1.0]", "has one of radii, masses, gaps"),
+        ("radii = [0.5, 1.0]", "radii = [0.5]", "the smallest and the largest value"),
+        ("radii = [0.5, 1.0]", 'radii = [0.5, 1.0]\nkind = "x"', "unknown key of radii"),
+        ("minimise", "minimize", "unknown key of [design] 'minimize'"),
+        ("right_wall = {gap = 0.0}", "", "needs a right wall"),
+        ("budget = 400", "budget = 0", "budget must be a whole number of at least 1"),
+        ("budget = 400", 'budget = "soon"', "a number of simulations or a time"),
+        ("[design]", "[other]", "has one objective"),
+    ],
+)
+def test_invalid_files_are_explained(file, old, new, told, monkeypatch):
+    file.write_text(PROBLEM.replace(old, new))
+    monkeypatch.chdir(file.parent)
+
+    def search():
+        found, options = load_design(file)
+        hc.design(found, **options)
+
+    with pytest.raises(hc.InputError) as error:
+        search()
+    assert told in str(error.value)
+    assert "\n" not in str(error.value)
+
+
+STEEL = hc.Chain.from_materials(5e-3, "steel-304", beads=6, velocity=1.0)
+
+
+@pytest.mark.parametrize(
+    ("options", "told"),
+    [
+        ({"vary": []}, "vary has no variables"),
+        ({"vary": [hc.vary.radii(1.0, 0.5)]}, "leaves nothing to vary"),
+        ({"vary": [hc.vary.radii(-1.0, 0.5)]}, "smallest radius must be above 0"),
+        ({"vary": [hc.vary.radii(0.5, 1.0), hc.vary.radii(0.6, 1.0)]}, "place 2 varies twice"),
+        ({"vary": [hc.vary.radii(0.5, 1.0, beads="1:")]}, "is the unit of length"),
+        ({"vary": [hc.vary.radii(0.5, 1.0, beads="3:20")]}, "is outside 1 to 8"),
+        ({"vary": [hc.vary.radii(0.5, 1.0, by="spline", knots=30)]}, "too many for 8 beads"),
+        ({"vary": [hc.vary.balls()]}, "build the chain with Chain.from_materials"),
+        ({"vary": [hc.vary.order()]}, "all beads that can be exchanged are equal"),
+        ({"minimise": "wall_force.pek"}, "did you mean 'wall_force.peak'"),
+        ({"minimise": "velocity"}, "needs a bead: write velocity@20"),
+        ({"minimise": "velocity@9"}, "this chain has 8 beads"),
+        ({"maximise": "length"}, "has one objective"),
+        ({"minimise": {"length": 0.0}}, "all weights of the objective are 0"),
+        ({"minimise": "price"}, "price needs balls of a catalogue"),
+        ({"minimise": "yield_ratio"}, "needs a chain with materials"),
+        ({"subject_to": {"length": "< 3"}}, "must look like '<= 5'"),
+        ({"subject_to": {"length": ["<= 3", ">= 4"]}}, "exclude each other"),
+        ({"subject_to": {"length": "<= 3 mm"}}, "scaled variables"),
+        ({"scatter": {"radius": 0.01, "measure": "cvar"}}, "must be 'mean' or"),
+        ({"scatter": {"grade": 10}}, "use Chain.from_materials"),
+        ({"model": "hard-sphere"}, "does not give wall_force.peak"),
+        ({"chain": STEEL, "minimise": "wall_force.peak"}, "needs a right wall"),
+    ],
+)
+def test_invalid_problems_are_explained_in_one_sentence(options, told):
+    with pytest.raises(hc.InputError) as error:
+        problem(**options)
+    assert told in str(error.value)
+    assert "\n" not in str(error.value)
+
+
+@pytest.mark.parametrize(
+    ("options", "told"),
+    [
+        ({"method": "genetic"}, "cannot vary sizes"),
+        ({"method": "law"}, "method 'law' needs one spline"),
+        ({"method": "scan"}, "method 'scan' has one variable, got 7"),
+        ({"budget": 0}, "budget must be a whole number of at least 1"),
+        ({"points": 1}, "points must be a whole number from 2"),
+        ({"seed": -1}, "seed must be a whole number of at least 0"),
+    ],
+)
+def test_invalid_options_are_explained(options, told):
+    with pytest.raises(hc.InputError, match=told):
+        hc.design(problem(), **options)
+
+
+def test_a_budget_below_one_evaluation_of_a_scatter_is_explained():
+    with pytest.raises(hc.InputError, match="too small for one evaluation, which needs 40"):
+        hc.design(problem(scatter={"radius": 0.01}), budget=39)
+
+
+def test_too_many_variables_are_explained():
+    chain = hc.Chain.uniform(600).replace(right_wall=hc.Wall())
+    with pytest.raises(hc.InputError, match="599 variables are too many"):
+        hc.design(problem(chain=chain), budget=10)
+
+
+@pytest.mark.parametrize(
+    ("content", "told"),
+    [
+        ("diameter [mm],material\n4,unobtainium\n", "row 1: unknown material"),
+        ("diameter,material\n4,ptfe\n", "has no unit"),
+        ("diameter [mm]\n4\n", "no column material"),
+        ("diameter [mm],material\n", "has no balls"),
+        ("diameter [mm],material\n-4,ptfe\n", "must be above 0"),
+        ("diameter [mm],material,colour\n4,ptfe,red\n", "unknown or repeated"),
+    ],
+)
+def test_invalid_catalogues_are_explained(tmp_path, content, told):
+    file = tmp_path / "balls.csv"
+    file.write_text(content)
+    with pytest.raises(hc.InputError) as error:
+        problem(chain=STEEL, minimise="velocity@last", vary=[hc.vary.balls(file)])
+    assert told in str(error.value)
+
+
+def test_trials_that_cannot_be_simulated_are_rejected_and_counted():
+    # Masses of radii above 1e102 overflow.
+    given = hc.Design(
+        hc.Chain.uniform(4), minimise="velocity@last", model="hard-sphere",
+        vary=[hc.vary.radii(0.3, 1e120, beads="2:3")],
+    )  # fmt: skip
+    found = hc.design(given, budget=200, method="evolution")
+    assert found.rejected > 0
+    assert "rejected" in found.summary()

@@ -1,0 +1,319 @@
+"""Design of chains: problems, variables, methods of search, and verified results."""
+
+import itertools
+
+import numpy as np
+import pytest
+
+import hertzchain as hc
+from hertzchain.designs.balls import load_balls
+from hertzchain.designs.evolution import Strategy, reflected
+from hertzchain.designs.sensitivity import sensitivity
+from hertzchain.designs.sizes import spline_basis
+from hertzchain.designs.smooth import promise
+from hertzchain.designs.trials import Trials
+
+WALLED = hc.Chain.uniform(10).replace(right_wall=hc.Wall())
+STEEL = hc.Chain.from_materials(
+    2.38e-3, "steel-304", beads=7, velocity=1.0, right_wall=hc.Wall.of("steel-304")
+)
+
+
+def balls(**options):
+    options = {"materials": ["steel-304", "ptfe"], "diameters": ["4.7625 mm"]} | options
+    return hc.vary.balls(**options)
+
+
+@pytest.fixture(scope="module")
+def softest():
+    problem = hc.Design(WALLED, minimise="wall_force.peak", vary=[hc.vary.radii(0.5, 1.0)])
+    return hc.design(problem, budget=500)
+
+
+def test_the_peak_force_of_a_design_is_that_of_another_integrator(softest):
+    run = hc.simulate(softest.chain, rtol=1e-10, times=0)
+    assert softest.value == pytest.approx(run.wall_force().peak, rel=1e-7)
+    assert softest.chain.radii[0] == 1.0
+    assert (softest.chain.radii >= 0.5).all()
+    assert (softest.chain.radii <= 1.0).all()
+
+
+def test_a_design_is_much_better_than_equal_beads_and_tapers(softest):
+    others = [softest.objective_of(each) for each in softest.references.values()]
+    assert len(others) == 2
+    assert softest.value < 0.65 * min(others)
+    # The references are real: equal beads of radius 0.5 behind the striker.
+    equal = hc.Chain(np.r_[1.0, np.full(9, 0.5)], right_wall=hc.Wall())
+    assert hc.simulate(equal, times=0).wall_force().peak >= min(others) * (1 - 1e-6)
+
+
+def test_geometric_masses_are_best_for_hard_spheres():
+    """Closed form: with fixed ends, masses in geometric progression give the fastest last bead."""
+    masses = np.ones(7)
+    masses[-1] = 0.1
+    chain = hc.Chain(np.cbrt(masses), masses=masses, stiffness=np.ones(6))
+    problem = hc.Design(
+        chain, maximise="velocity@last", model="hard-sphere",
+        vary=[hc.vary.masses(0.05, 1.5, beads="2:6")],
+    )  # fmt: skip
+    found = hc.design(problem, method="gradient")
+    assert found.chain.masses == pytest.approx(0.1 ** (np.arange(7) / 6), rel=1e-6)
+    ratio = 0.1 ** (1 / 6)
+    assert -found.expected == pytest.approx((2 / (1 + ratio)) ** 6, rel=1e-10)
+
+
+def test_solitary_waves_of_dimers_are_optima_of_transmission():
+    """Jayaprakash et al., Phys. Rev. E 83, 036606 (2011): mass ratios 0.3428 and 0.1548."""
+    problem = hc.Design(
+        hc.Chain.dimer(0.5, beads=150), maximise="velocity@141/velocity@61",
+        vary=[hc.vary.masses(0.12, 0.6, beads="2::2", by="common")],
+    )  # fmt: skip
+    found = hc.design(problem)
+    ratios = [each.chain.masses[1] for each in found.optima]
+    for published in (0.3428, 0.1548):
+        assert min(abs(ratio - published) for ratio in ratios) < 1e-3
+
+
+def all_peaks():
+    """Peak forces of all sequences of six balls behind the striker, by `simulate`."""
+    steel, ptfe = hc.material("steel-304"), hc.material("ptfe")
+    found = {}
+    for kinds in itertools.product((steel, ptfe), repeat=5):
+        radii = np.r_[2.38e-3, np.full(5, 4.7625e-3 / 2), 2.38e-3]
+        chain = STEEL.replace(radii=radii, materials=(steel, *kinds, steel))
+        found[kinds] = hc.simulate(chain, times=0).wall_force().peak
+    return found
+
+
+@pytest.mark.filterwarnings("ignore::hertzchain.ModelRangeWarning")
+def test_enumeration_and_genetic_search_find_the_best_sequence():
+    peaks = all_peaks()
+    problem = hc.Design(STEEL, minimise="wall_force.peak", vary=[balls(beads="2:6")])
+    for method, budget in (("enumerate", 40), ("genetic", 300)):
+        found = hc.design(problem, method=method, budget=budget)
+        assert found.value == pytest.approx(min(peaks.values()), rel=1e-6)
+        assert found.chain.materials[1:6] == min(peaks, key=peaks.get)
+    assert sum(count for count, _ in found.parts) == 5
+    assert any("Hertz" in note for note in found.notes)
+
+
+def test_all_orders_are_tried_once():
+    chain = hc.Chain.from_radii([1.0, 0.5, 0.5, 0.8, 0.8, 0.8])
+    problem = hc.Design(chain, maximise="velocity@last", vary=[hc.vary.order()])
+    assert problem.space.count == 10
+    found = hc.design(problem)
+    assert found.method == "enumerate"
+    assert sorted(found.chain.radii) == sorted(chain.radii)
+    best = max(
+        hc.simulate(hc.Chain.from_radii([1.0, *order]), times=0).pulse().velocity[-1]
+        for order in set(itertools.permutations(chain.radii[1:]))
+    )
+    assert found.value == pytest.approx(best, rel=1e-6)
+
+
+def test_places_may_be_empty_and_the_length_is_limited():
+    problem = hc.Design(
+        STEEL, minimise="wall_force.peak", vary=[balls(optional=True)],
+        subject_to={"length": "<= 20 mm"},
+    )  # fmt: skip
+    found = hc.design(problem, budget=800)
+    assert found.met
+    assert found.chain.beads == 4
+    assert 2 * found.chain.radii.sum() <= 0.02
+    assert found.chain.velocities.tolist() == [1.0, 0.0, 0.0, 0.0]
+
+
+def test_constraints_hold_and_are_active():
+    limit = 0.95 * 2 * (1 + 9 * 0.75)
+    problem = hc.Design(
+        WALLED, minimise="wall_force.peak", vary=[hc.vary.radii(0.5, 1.0)],
+        subject_to={"length": f">= {limit}", "velocity@5": "<= 1.2"},
+    )  # fmt: skip
+    found = hc.design(problem, budget=400, method="gradient")
+    pulse = hc.simulate(found.chain, times=0).pulse()
+    assert found.met
+    assert 2 * found.chain.radii.sum() >= limit * (1 - 1e-6)
+    assert pulse.velocity[4] <= 1.2 * (1 + 1e-6)
+
+
+def test_an_impossible_impulse_is_reported_with_its_bound():
+    problem = hc.Design(
+        WALLED, minimise="wall_force.peak", vary=[hc.vary.radii(0.5, 1.0)],
+        subject_to={"wall_force.impulse": "<= 0.9"},
+    )  # fmt: skip
+    found = hc.design(problem)
+    assert not found.met
+    assert found.runs == 1
+    assert "at least 1, because the wall must stop the momentum" in found.notes[0]
+    assert found.values["wall_force.impulse"] >= 1.0
+
+
+def test_the_law_keeps_its_promise():
+    problem = hc.Design(
+        hc.Chain.uniform(60), minimise="velocity@50",
+        vary=[hc.vary.radii(0.5, 2.0, by="spline", knots=8)],
+    )  # fmt: skip
+    promised = promise(problem)
+    truth = hc.propagate(problem.space.chain_of(promised.x)).velocity[49]
+    assert promised.error <= 1.1e-3
+    assert truth == pytest.approx(promised.value, rel=3e-3)
+    found = hc.design(problem, budget=300)
+    assert found.method == "law"
+    assert found.value <= truth * (1 + 1e-6)
+
+
+def test_a_scatter_is_summarised_by_the_worst_samples():
+    scatter = hc.Scatter(radius=0.02, measure="cvar80", samples=10)
+    problem = hc.Design(
+        WALLED, minimise="wall_force.peak", vary=[hc.vary.radii(0.5, 1.0)], scatter=scatter
+    )
+    from hertzchain.designs.budget import budget_from
+    from hertzchain.store.journal import Journal
+
+    trials = Trials(problem, budget_from(100), Journal(None, ""), seed=3)
+    (outcome,) = trials.evaluate([np.full(9, 0.4)])
+    chain = problem.space.chain_of(np.full(9, 0.4))
+    radii = chain.radii * np.exp(0.02 * scatter._draws(3, 10))
+    radii[:, 0] = 1.0
+    peaks = [hc.simulate(chain.replace(radii=each), times=0).wall_force().peak for each in radii]
+    assert outcome.score == pytest.approx(np.mean(sorted(peaks)[-2:]), rel=1e-6)
+    found = hc.design(problem, budget=800)
+    assert found.verified.scattered["CVaR90 of wall_force.peak"] > found.value * 0.98
+
+
+def test_a_front_has_only_designs_that_no_other_one_beats():
+    problem = hc.Design(
+        hc.Chain.uniform(6), maximise=["velocity@last", "smallest_radius"],
+        vary=[hc.vary.radii(0.5, 1.0)],
+    )  # fmt: skip
+    found = hc.design(problem, budget=800, points=4)
+    speeds = [each.values["velocity@last"] for each in found.front]
+    sizes = [each.values["smallest_radius"] for each in found.front]
+    assert len(found.front) == 4
+    assert (np.diff(speeds) < 0).all()
+    assert (np.diff(sizes) > 0).all()
+
+
+def test_a_curve_of_a_known_chain_is_found_again():
+    chain = hc.Chain.from_radii([1.0, 0.8, 0.9, 0.7, 0.6])
+    curve = hc.simulate(chain, times=0).pulse().velocity
+    problem = hc.Design(
+        hc.Chain.uniform(5), match={"velocity": curve}, vary=[hc.vary.radii(0.5, 1.2)]
+    )
+    found = hc.design(problem, budget=900, method="gradient")
+    # Several chains have the same velocities.
+    again = hc.simulate(found.chain, times=0).pulse().velocity
+    assert again == pytest.approx(curve, rel=1e-6)
+
+
+def test_slopes_are_those_of_finer_differences():
+    problem = hc.Design(
+        WALLED, minimise="wall_force.impulse", vary=[hc.vary.radii(0.4, 1.5, by="spline", knots=4)]
+    )
+    from hertzchain.designs.budget import budget_from
+    from hertzchain.store.journal import Journal
+
+    trials = Trials(problem, budget_from(100), Journal(None, ""), seed=0)
+    point = np.array([0.5, 0.4, 0.6])
+    _, slopes = trials.slopes(point)
+
+    def impulse(x):
+        run = hc.simulate(problem.space.chain_of(x), rtol=1e-12, times=0)
+        return run.wall_force().impulse_of_impact
+
+    for i, step in enumerate(1e-3 * np.eye(3)):
+        near = [impulse(point + k * step) for k in (-2, -1, 1, 2)]
+        fine = (near[0] - 8 * near[1] + 8 * near[2] - near[3]) / 12e-3
+        assert slopes[0, i] == pytest.approx(fine, rel=1e-4, abs=1e-6)
+
+
+def test_sizes_are_symmetric_or_monotone():
+    rng = np.random.default_rng(0)
+    for by in ("bead", "spline"):
+        options = {"beads": "3:10", "by": by}
+        same = hc.Design(
+            WALLED, minimise="length", vary=[hc.vary.radii(0.5, 2.0, symmetric=True, **options)]
+        ).space
+        down = hc.Design(
+            WALLED,
+            minimise="length",
+            vary=[hc.vary.radii(0.5, 2.0, monotone="decreasing", **options)],
+        ).space
+        for _ in range(5):
+            radii = same.chain_of(rng.random(same.size)).radii[2:]
+            assert radii == pytest.approx(radii[::-1])
+            radii = down.chain_of(rng.random(down.size)).radii[2:]
+            assert (np.diff(radii) <= 1e-12).all()
+
+
+def test_splines_reproduce_constants_and_straight_lines():
+    basis = spline_basis(30, 8)
+    assert basis.sum(axis=1) == pytest.approx(np.ones(30))
+    line = basis @ np.linalg.lstsq(basis, np.arange(30.0), rcond=None)[0]
+    assert line == pytest.approx(np.arange(30.0), abs=1e-9)
+
+
+def test_the_evolution_strategy_finds_the_minimum_of_an_ellipsoid():
+    rng, centre = np.random.default_rng(5), np.linspace(0.3, 0.7, 8)
+    weights = 10.0 ** np.arange(8.0)[::-1]
+    strategy = Strategy(np.full(8, 0.5), 0.3, 16)
+    for _ in range(600):
+        steps, points = strategy.ask(rng)
+        strategy.tell(steps, np.argsort(((points - centre) ** 2 * weights).sum(axis=1)))
+    assert strategy.mean == pytest.approx(centre, abs=1e-5)
+
+
+def test_points_are_reflected_at_the_limits():
+    assert reflected(np.array([-0.2, 0.3, 1.1, 2.3])) == pytest.approx([0.2, 0.3, 0.9, 0.3])
+
+
+def test_the_sensitivity_is_the_exact_gradient():
+    chain = hc.Chain.tapered("forward-exponential", 0.05, beads=10).replace(right_wall=hc.Wall())
+    problem = hc.Design(chain, minimise="wall_force.peak", vary=[hc.vary.radii(0.5, 1.0)])
+    value, slope = hc.gradient(chain, "wall_force.peak")
+    expected = slope["radii"] * chain.radii / value
+    assert sensitivity(problem, chain)[1:] == pytest.approx(expected[1:], abs=1e-5)
+
+
+def test_results_are_exported(softest, tmp_path):
+    data = softest.to_dataset()
+    assert float(data["wall_force_peak"].sel(design="result")) == softest.value
+    assert data["radii"].sel(design="result").values == pytest.approx(softest.chain.radii)
+    file = tmp_path / "found.toml"
+    file.write_text(softest.to_toml())
+    assert hc.load_chain(file).radii.tolist() == softest.chain.radii.tolist()
+    assert softest.as_dict()["value"] == softest.value
+    assert "optimal" not in softest.summary()
+    assert "best of" in softest.summary()
+
+
+def test_figures_show_both_chains(softest):
+    figure = softest.plot_all()
+    assert [axes.get_xlabel() for axes in figure.axes] == [
+        "position", "time $t$", "simulations", "bead"
+    ]  # fmt: skip
+    lines = figure.axes[1].lines
+    assert lines[1].get_ydata().max() == pytest.approx(softest.value, rel=1e-2)
+
+
+def test_the_shipped_catalogue_has_known_sizes():
+    found = load_balls("bearing-balls")
+    # Balls per kg of steel in a maker's table (Technoball): 30500 of 2 mm, 119 of 12.7 mm.
+    for diameter, per_kg in ((2e-3, 30500), (12.7e-3, 119)):
+        ball = next(b for b in found if b.diameter == diameter and b.material.name == "steel-52100")
+        mass = ball.material.density * np.pi / 6 * ball.diameter**3
+        assert 1 / mass == pytest.approx(per_kg, rel=0.02)
+
+
+def test_prices_come_from_a_catalogue_of_the_user(tmp_path):
+    file = tmp_path / "balls.csv"
+    file.write_text("diameter [mm],material,price\n4,steel-304,1.5\n5,ptfe,0.25\n")
+    problem = hc.Design(
+        STEEL, minimise="wall_force.peak", vary=[hc.vary.balls(file)],
+        subject_to={"price": "<= 3"},
+    )  # fmt: skip
+    found = hc.design(problem, budget=64)
+    assert found.met
+    # Only one ball of steel is affordable.
+    assert sum(material.name == "steel-304" for material in found.chain.materials[1:]) <= 1
+    assert found.values["price"] <= 3.0

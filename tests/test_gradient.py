@@ -1,0 +1,323 @@
+"""Derivatives of simulated quantities against long double, closed forms and symmetries."""
+
+import math
+import warnings
+
+import numpy as np
+import pytest
+from long_double_steps import derivative
+
+import hertzchain as hc
+from hertzchain.errors import IncompleteWarning, InputError
+from hertzchain.sensitivity import gradient as module
+
+NUMBERS = "masses", "stiffness", "overlaps", "velocities"
+
+
+@pytest.fixture
+def recorded(monkeypatch):
+    """Records of runs, and derivatives by the numbers of the equation of motion."""
+    kept = {"slopes": []}
+    run, sweep = module.run, module.sweep
+
+    def keep_run(*args):
+        kept["record"] = run(*args)
+        return kept["record"]
+
+    def keep_sweep(record, dependence):
+        slopes = sweep(record, dependence)
+        kept["slopes"].append((dependence, slopes))
+        return slopes
+
+    monkeypatch.setattr(module, "run", keep_run)
+    monkeypatch.setattr(module, "sweep", keep_sweep)
+    return kept
+
+
+def apart(exponent=1.5):
+    """A chain between walls in which no contact is touching, so that forces are smooth."""
+    chain = hc.Chain.from_radii([1.0, 0.7, 1.2, 0.9, 0.8], exponent=exponent)
+    return chain.replace(
+        gaps=[0.02, 0.01, 0.03, 0.015], velocities=[1.0, 0.1, 0.0, -0.05, 0.0],
+        left_wall=hc.Wall(gap=0.1, stiffness=1.2), right_wall=hc.Wall(gap=0.05, stiffness=1.5),
+    )  # fmt: skip
+
+
+READ = {
+    "wall_force.peak": lambda at: at.forces(at.x)[-1],
+    "wall_force.impulse": lambda at: at.impulse[-1],
+    "sensor.impulse@3": lambda at: 0.5 * (at.impulse[2] + at.impulse[3]),
+    "pulse.velocity@4": lambda at: at.v[3],
+    "pulse.energy@3": lambda at: 0.5 * at.masses[2] * at.v[2] ** 2,
+    "pulse.peak_force@2": lambda at: at.forces(at.x)[2],
+    "final.position@2": lambda at: at.x[1],
+    "energy.contacts": lambda at: (
+        at.forces(at.x) * np.maximum(at.overlaps_at(at.x), 0) / (at.exponents + 1)
+    )[1:-1].sum(),
+    "energy.kinetic": lambda at: (0.5 * at.masses * at.v**2).sum(),
+}
+
+
+# Between two walls no peak is ever complete.
+@pytest.mark.filterwarnings("ignore::hertzchain.errors.IncompleteWarning")
+@pytest.mark.parametrize("exponent", [1.5, 2.0])
+def test_derivatives_of_the_steps_in_long_double(recorded, exponent):
+    found = hc.gradients(apart(exponent), [*READ], to="masses", until=25.0, rtol=1e-6)
+    record = recorded["record"]
+    lengths = np.concatenate([block.lengths for block in record.blocks])
+    for each, (dependence, slopes) in zip(found, recorded["slopes"], strict=True):
+        own = lengths
+        if dependence.places:
+            place = dependence.places[0]
+            own = np.append(lengths[: place.step], place.length)
+        for name in NUMBERS:
+            exact = getattr(slopes, name)
+            for index in (0, 2, len(exact) - 1):
+                reference = derivative(record.equation, name, index, own, READ[each.quantity], 1e-8)
+                error = abs(exact[index] - reference) / np.abs(exact).max()
+                assert error < 1e-8, (each.quantity, name, index)
+
+
+def differences(chain, read, change, size):
+    """Central difference of a quantity of `simulate_many` at tight tolerance."""
+    low, high = (read(change(chain, sign * size)) for sign in (-1.0, 1.0))
+    return (high - low) / (2.0 * size)
+
+
+def wall_peak(chain):
+    table = hc.simulate_many([chain], keep=["wall_peak_force"], rtol=1e-13, threads=1)
+    return float(table["wall_peak_force"][0])
+
+
+def radius_changed(k):
+    def change(chain, size):
+        radii = chain.radii.copy()
+        radii[k] += size
+        return chain.replace(radii=radii)
+
+    return change
+
+
+def test_radii_against_differences_of_simulations():
+    chain = hc.Chain.tapered("forward-exponential", 0.04, beads=8).replace(right_wall=hc.Wall())
+    found = hc.gradient(chain, "wall_force.peak")
+    for k in (1, 4, 7):
+        reference = differences(chain, wall_peak, radius_changed(k), 1e-4)
+        assert found["radii"][k] == pytest.approx(reference, abs=3e-5)
+
+
+def test_materials_against_differences_of_simulations():
+    chain = hc.Chain.from_materials(
+        np.full(4, 5e-3), ["steel-316", "ptfe", "steel-316", "ptfe"], velocity=0.5,
+        right_wall=hc.Wall.of("brass"),
+    )  # fmt: skip
+    to = ("young", "poisson", "density", "radii", "right_wall.stiffness")
+    found = hc.gradient(chain, "wall_force.peak", to=to)
+
+    def material_changed(name, k):
+        def change(chain, size):
+            kinds = list(chain.materials)
+            value = getattr(kinds[k], name) * (1.0 + size)
+            kinds[k] = type(kinds[k])(**(vars(kinds[k]) | {name: value}))
+            return chain.replace(materials=tuple(kinds))
+
+        return change
+
+    for name in ("young", "poisson", "density"):
+        for k in (1, 3):
+            reference = differences(chain, wall_peak, material_changed(name, k), 1e-4)
+            typical = np.abs(found[name] * [getattr(m, name) for m in chain.materials]).max()
+            got = found[name][k] * getattr(chain.materials[k], name)
+            assert got == pytest.approx(reference, abs=2e-4 * typical)
+
+
+def test_static_loads_against_differences_of_simulations():
+    chain = hc.Chain.from_radii([1.0, 0.8, 1.1, 0.9, 1.0]).replace(
+        precompression=0.05,
+        held_by="force",
+        gravity=0.01,
+        right_wall=hc.Wall(stiffness=1.4),
+    )
+    to = ("precompression", "gravity", "masses", "stiffness", "right_wall.stiffness")
+    found = hc.gradient(chain, "wall_force.impulse", to=to, until=6.0)
+
+    def read(chain):
+        table = hc.simulate_many(
+            [chain], keep=["wall_impulse"], until=6.0, rtol=1e-13, threads=1
+        )  # fmt: skip
+        return float(table["wall_impulse"][0])
+
+    def with_array(name, k):
+        def change(chain, size):
+            values = np.array(getattr(chain, name))
+            values[k] += size
+            return chain.replace(**{name: values})
+
+        return change
+
+    def with_number(name):
+        return lambda chain, size: chain.replace(**{name: getattr(chain, name) + size})
+
+    changes = [(name, None, with_number(name)) for name in ("precompression", "gravity")]
+    changes += [(name, k, with_array(name, k)) for name in ("masses", "stiffness") for k in (0, 3)]
+    for name, k, change in changes:
+        reference = differences(chain, read, change, 1e-5)
+        got = found[name] if k is None else found[name][k]
+        assert float(got) == pytest.approx(reference, rel=2e-5, abs=2e-6), (name, k)
+
+
+def test_two_beads_have_the_derivatives_of_the_closed_form():
+    chain = hc.Chain.from_radii([1.0, 0.8]).replace(masses=[1.3, 0.6], stiffness=[0.9])
+    m, n, k = 1.3, 0.6, 0.9
+    to = ("masses", "stiffness", "velocities")
+    velocity = hc.gradient(chain, "pulse.velocity@2", to=to)
+    assert velocity.value == pytest.approx(2.0 * m / (m + n), rel=1e-10)
+    assert velocity["masses"] == pytest.approx(
+        [2.0 * n / (m + n) ** 2, -2.0 * m / (m + n) ** 2], rel=1e-5
+    )
+    assert velocity["stiffness"] == pytest.approx([0.0], abs=1e-5)
+    assert velocity["velocities"] == pytest.approx([2.0 * m / (m + n), (n - m) / (m + n)], rel=1e-5)
+
+    # The largest overlap stores the energy of relative motion.
+    reduced = m * n / (m + n)
+    overlap = (1.25 * reduced / k) ** 0.4
+    found = hc.gradient(chain, "pulse.peak_overlap@1", to=to)
+    assert found.value == pytest.approx(overlap, rel=1e-10)
+    by_reduced = 0.4 * overlap / reduced
+    assert found["masses"] == pytest.approx(
+        by_reduced * np.array([n**2, m**2]) / (m + n) ** 2, rel=1e-6
+    )
+    assert found["stiffness"] == pytest.approx([-0.4 * overlap / k], rel=1e-6)
+    assert found["velocities"] == pytest.approx([0.8 * overlap, -0.8 * overlap], rel=1e-6)
+
+
+# Powers of mass, length and time in each quantity.
+UNITS = {
+    "wall_force.peak": (1, 1, -2),
+    "wall_force.peak_time": (0, 0, 1),
+    "wall_force.first_contact_impulse": (1, 1, -1),
+    "wall_force.duration": (0, 0, 1),
+    "pulse.velocity@6": (0, 1, -1),
+    "pulse.momentum@6": (1, 1, -1),
+    "pulse.energy@3": (1, 2, -2),
+    "pulse.peak_time@6": (0, 0, 1),
+    "pulse.arrival@7": (0, 0, 1),
+    "pulse.residence@4": (0, 0, 1),
+    "pulse.peak_overlap@5": (0, 1, 0),
+    "sensor.first_maximum@4": (1, 1, -2),
+    "sensor.first_maximum_time@4": (0, 0, 1),
+}
+
+
+def test_a_change_of_units_changes_a_quantity_by_its_dimension():
+    chain = hc.Chain.from_radii([1.0, 1.2, 0.8, 1.1, 0.9, 1.0, 0.7]).replace(
+        right_wall=hc.Wall(gap=0.05), gaps=[0.0, 0.02, 0.0, 0.01, 0.0, 0.0]
+    )
+    to = ("masses", "stiffness", "gaps", "velocities", "right_wall.stiffness", "right_wall.gap")
+    for each in hc.gradients(chain, [*UNITS], to=to):
+
+        def by(name, values, found=each):
+            return float(np.sum(found[name] * values))
+
+        m = by("masses", chain.masses)
+        k = by("stiffness", chain.stiffness)
+        k += by("right_wall.stiffness", chain.wall_stiffness[1])
+        length = by("gaps", chain.gaps) + by("right_wall.gap", 0.05)
+        v = by("velocities", chain.velocities)
+        # A stiffness is a mass over the root of a length and the square of a time.
+        expected = np.array(UNITS[each.quantity]) * each.value
+        got = m + k, length + v - 0.5 * k, -v - 2.0 * k
+        assert got == pytest.approx(expected, abs=1e-4 * abs(each.value)), each.quantity
+
+
+def test_a_common_velocity_is_added_to_all_beads():
+    chain = hc.Chain.from_radii([1.0, 1.2, 0.8, 1.1, 0.9])
+    found = hc.gradient(chain, "pulse.velocity@4", to="velocities")
+    assert found["velocities"].sum() == pytest.approx(1.0, abs=1e-6)
+    # No external force acts on a free chain.
+    total = hc.gradients(chain, [f"final.velocity@{k}" for k in range(1, 6)], until=9.0,
+                         to=("masses", "velocities"))  # fmt: skip
+    momentum = sum(m * each["velocities"] for m, each in zip(chain.masses, total, strict=True))
+    assert momentum == pytest.approx(chain.masses, abs=1e-9)
+
+
+def test_values_are_those_of_simulations():
+    chain = hc.Chain.from_radii([1.0, 0.9, 1.1, 0.7, 0.8]).replace(right_wall=hc.Wall())
+    names = ("peak", "impulse_of_impact", "first_contact_impulse", "duration", "peak_time")
+    found = hc.gradients(chain, [f"wall_force.{name}" for name in names])
+    wall = hc.simulate(chain, rtol=1e-11).wall_force()
+    for name, each in zip(names, found, strict=True):
+        assert each.status == "complete"
+        assert each.value == pytest.approx(getattr(wall, name), rel=1e-6), name
+    free = hc.Chain.tapered("backward-exponential", 0.05, beads=20)
+    pulse = hc.propagate(free)
+    for name in ("velocity", "momentum", "energy", "arrival", "residence", "peak_force"):
+        value, _ = hc.gradient(free, f"pulse.{name}", bead=12)
+        assert value == pytest.approx(pulse.column(name)[11], rel=1e-8), name
+
+
+def test_both_walls_are_mirror_images():
+    chain = apart()
+    mirrored = chain.replace(
+        radii=chain.radii[::-1] / chain.radii[-1], masses=chain.masses[::-1],
+        stiffness=chain.stiffness[::-1], gaps=chain.gaps[::-1],
+        velocities=-chain.velocities[::-1], left_wall=chain.right_wall, right_wall=chain.left_wall,
+    )  # fmt: skip
+    one = hc.gradient(chain, "wall_force.impulse", to="masses", until=30.0)
+    other = hc.gradient(mirrored, "left_wall_force.impulse", to="masses", until=30.0)
+    assert other.value == pytest.approx(one.value, rel=1e-9)
+    assert other["masses"][::-1] == pytest.approx(one["masses"], abs=5e-5)
+
+
+def test_maxima_include_the_largest_one():
+    chain = hc.Chain.from_radii([1.0, 0.5, 0.9, 0.4, 0.7]).replace(right_wall=hc.Wall())
+    peak, *maxima = hc.gradients(chain, ["wall_force.peak", "wall_force.maxima"])
+    assert maxima[0].value == peak.value
+    assert maxima[0]["radii"] == pytest.approx(peak["radii"], abs=0.0)
+    assert all(0.5 * peak.value <= each.value <= peak.value for each in maxima)
+
+
+def test_quantities_that_do_not_exist_are_nan_with_a_reason():
+    chain = hc.Chain.uniform(10).replace(right_wall=hc.Wall())
+    with pytest.warns(IncompleteWarning, match="has no maximum before the end"):
+        found = hc.gradient(chain, "wall_force.peak", until=3.0)
+    assert math.isnan(found.value)
+    assert np.isnan(found["radii"]).all()
+    with pytest.warns(IncompleteWarning, match="not complete"):
+        found = hc.gradient(chain, "wall_force.peak", until=13.5)
+    assert found.status == "the peak is not complete"
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        assert hc.gradient(chain, "wall_force.peak").status == "complete"
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ({"quantity": "wall_peak"}, "unknown quantity 'wall_peak': choose from"),
+        ({"quantity": "left_wall_force.peak"}, "the left end of this chain is free"),
+        ({"quantity": "pulse.velocity"}, "belongs to a bead"),
+        ({"quantity": "pulse.velocity@9"}, "whole number from 1 to 5, got 9"),
+        ({"quantity": "energy.kinetic"}, "depends on the end of the run; give until"),
+        ({"to": ()}, "to must have at least one parameter"),
+        ({"to": "radius"}, "unknown parameter 'radius'"),
+        ({"to": "young"}, "its beads have no materials"),
+        ({"to": "left_wall.gap"}, "it has no left_wall"),
+        ({"to": "gravity"}, "give a small gravity"),
+        ({"until": -1.0}, "until must be above 0"),
+        ({"rtol": 1.0}, "rtol must be at least 1e-14 and at most 1e-05, got 1"),
+        ({"quantity": ["wall_force.peak"]}, "use gradients for several"),
+        ({"chain": None}, "gradient requires a Chain"),
+        ({"chain": hc.Chain.uniform(3).replace(loss=hc.Restitution(0.9))}, "does not support the"),
+        (
+            {"chain": hc.Chain.uniform(3).replace(drive=hc.StepDrive(1.0))},
+            "does not support a drive",
+        ),
+    ],
+)  # fmt: skip
+def test_invalid_input_is_rejected_in_one_sentence(arguments, message):
+    given = {
+        "chain": hc.Chain.uniform(5).replace(right_wall=hc.Wall()), "quantity": "wall_force.peak",
+    } | arguments  # fmt: skip
+    with pytest.raises(InputError, match=message):
+        hc.gradient(given.pop("chain"), given.pop("quantity"), **given)

@@ -269,6 +269,69 @@ def test_both_walls_are_mirror_images():
     assert other["masses"][::-1] == pytest.approx(one["masses"], abs=5e-5)
 
 
+LOSSES = {
+    "loss.time": hc.Viscoelastic(0.05),
+    "loss.coefficient": hc.Restitution(0.8),
+    "no pull": hc.Restitution(0.8, attractive=False),
+    "time, pulling": hc.Viscoelastic(0.05, attractive=True),
+}
+
+
+def damped(law):
+    return hc.Chain.from_radii([1.0, 0.9, 1.1, 0.8, 0.7]).replace(
+        right_wall=hc.Wall(stiffness=1.3, gap=0.02), loss=law
+    )
+
+
+@pytest.mark.parametrize("law", LOSSES.values(), ids=LOSSES)
+def test_units_of_damped_chains(law):
+    chain, viscous = damped(law), isinstance(law, hc.Viscoelastic)
+    to = ["masses", "stiffness", "velocities", "right_wall.stiffness", "right_wall.gap"]
+    to += ["loss.time"] if viscous else []
+    names = ["wall_force.peak", "pulse.energy@3", "sensor.first_maximum@4"]
+    for each in hc.gradients(chain, names, to=to):
+        m = float(each["masses"] @ chain.masses)
+        k = float(each["stiffness"] @ chain.stiffness) + 1.3 * each["right_wall.stiffness"]
+        v = float(each["velocities"] @ chain.velocities)
+        length = 0.02 * float(each["right_wall.gap"]) + v - 0.5 * k
+        time = -v - 2.0 * k + (0.05 * float(each["loss.time"]) if viscous else 0.0)
+        expected = np.array(UNITS[each.quantity]) * each.value
+        # Units of mass and length do not change the lengths of steps; that of time does.
+        assert (m + k, length) == pytest.approx(expected[:2], abs=2e-11 * abs(each.value))
+        limit = 3e-5 if viscous else 3e-3
+        assert time == pytest.approx(expected[2], abs=limit * abs(each.value))
+
+
+@pytest.mark.parametrize("name", ["loss.time", "loss.coefficient"])
+def test_losses_against_differences_of_simulations(name):
+    chain = damped(LOSSES[name])
+    field = name.removeprefix("loss.")
+
+    def loss_changed(chain, size):
+        return chain.replace(loss=type(chain.loss)(getattr(chain.loss, field) + size))
+
+    found = hc.gradient(chain, "wall_force.peak", to=(name, "radii"))
+    assert found.value == pytest.approx(wall_peak(chain), rel=1e-8)
+    for got, change in ((found[name], loss_changed), (found["radii"][2], radius_changed(2))):
+        reference = differences(chain, wall_peak, change, 1e-4)
+        assert float(got) == pytest.approx(reference, abs=2e-4)
+
+
+@pytest.mark.parametrize("kind", ["forward", "backward", "rough"])
+def test_beads_far_behind_the_pulse_are_not_needed(kind):
+    if kind == "rough":
+        radii = np.random.default_rng(7).uniform(0.8, 1.2, 50)
+        chain = hc.Chain.from_radii(radii)
+    else:
+        chain = hc.Chain.tapered(f"{kind}-exponential", 0.04, beads=50)
+    window = hc.gradient(chain, "pulse.velocity@45")
+    # A wall ahead of the pulse changes nothing before it arrives there, but all beads are kept.
+    whole = hc.gradient(chain.replace(right_wall=hc.Wall(gap=1e3)), "pulse.velocity@45")
+    assert window.value == pytest.approx(whole.value, rel=1e-9)
+    largest = np.abs(whole["radii"]).max()
+    assert window["radii"] == pytest.approx(whole["radii"], abs=window.error * largest)
+
+
 def test_maxima_include_the_largest_one():
     chain = hc.Chain.from_radii([1.0, 0.5, 0.9, 0.4, 0.7]).replace(right_wall=hc.Wall())
     peak, *maxima = hc.gradients(chain, ["wall_force.peak", "wall_force.maxima"])
@@ -308,7 +371,9 @@ def test_quantities_that_do_not_exist_are_nan_with_a_reason():
         ({"rtol": 1.0}, "rtol must be at least 1e-14 and at most 1e-05, got 1"),
         ({"quantity": ["wall_force.peak"]}, "use gradients for several"),
         ({"chain": None}, "gradient requires a Chain"),
-        ({"chain": hc.Chain.uniform(3).replace(loss=hc.Restitution(0.9))}, "does not support the"),
+        ({"chain": hc.Chain.uniform(3).replace(loss=hc.Dashpot(0.1))}, "because its force jumps"),
+        ({"chain": hc.Chain.uniform(3).replace(loss=hc.WaltonBraun(0.5))}, "the largest overlap"),
+        ({"to": "loss.time"}, "no law of its contacts has this parameter"),
         (
             {"chain": hc.Chain.uniform(3).replace(drive=hc.StepDrive(1.0))},
             "does not support a drive",

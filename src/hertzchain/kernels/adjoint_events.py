@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 
+from .adjoint_damped import damped_rate
 from .adjoint_layout import (
     AT_REST,
     CLOSING,
@@ -41,8 +42,19 @@ def accelerations(w, entry, beads):
 
 
 @compiled
-def force_rates(w, c, beads):
-    """First and second derivative of a contact's force with respect to time, at a step's end."""
+def force_rates(w, c, beads, hertz):
+    """First and second derivative of a contact's force with respect to time, at a step's end.
+
+    For damped contacts the second one is unknown, and 0.
+    """
+    if hertz is None:
+        return damped_rate(w, c, beads, NEW_X, NEW_V, F8), 0.0
+    return elastic_rates(w, c, beads)
+
+
+@compiled
+def elastic_rates(w, c, beads):
+    """`force_rates` without damping."""
     d = w[AT_REST + c] + (w[NEW_X + c] - w[NEW_X + c + 1])
     if not d > LEAST:
         return 0.0, 0.0
@@ -54,18 +66,18 @@ def force_rates(w, c, beads):
 
 
 @compiled
-def event_function(w, beads, kind, first, second):
+def event_function(w, beads, kind, first, second, hertz):
     """The function whose fall through zero is the event, and its rate, at the end of a step."""
     if kind == VELOCITY:
-        left, _ = force_rates(w, first, beads)
-        right, _ = force_rates(w, first + 1, beads)
+        left, _ = force_rates(w, first, beads, hertz)
+        right, _ = force_rates(w, first + 1, beads, hertz)
         return w[F8 + first], (left - right) * w[INVERSE_MASS + first]
     if kind == CLOSING:
         bend = accelerations(w, first, beads) - accelerations(w, first + 1, beads)
         return w[NEW_V + first] - w[NEW_V + first + 1], bend
-    rate, bend = force_rates(w, first, beads)
+    rate, bend = force_rates(w, first, beads, hertz)
     if second != first:
-        other, more = force_rates(w, second, beads)
+        other, more = force_rates(w, second, beads, hertz)
         rate, bend = rate + other, bend + more
     return rate, bend
 
@@ -80,7 +92,7 @@ def locate(w, beads, low, high, h, hertz, target, kept, last):
     begin, end = 0.0, 2.0
     for part in range(1 if kind == VELOCITY else PARTS, PARTS + 1):
         try_step(w, low, high, h * part / PARTS, hertz, kept, last)
-        g, rate = event_function(w, beads, kind, first, second)
+        g, rate = event_function(w, beads, kind, first, second, hertz)
         if g <= 0.0:
             end = part / PARTS
             break
@@ -100,7 +112,7 @@ def locate(w, beads, low, high, h, hertz, target, kept, last):
             break
         s = new
         try_step(w, low, high, h * s, hertz, kept, last)
-        g, rate = event_function(w, beads, kind, first, second)
+        g, rate = event_function(w, beads, kind, first, second, hertz)
         if g == 0.0:
             break
     return s

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 
+from .adjoint_damped import damped_rate
 from .adjoint_events import event_function, load_state, locate
 from .adjoint_layout import (
     ALL_FOUND,
@@ -18,6 +19,7 @@ from .adjoint_layout import (
     BLOCK_FULL,
     CANDIDATES,
     CLOSING,
+    EXPONENT,
     F0,
     F2,
     F8,
@@ -76,13 +78,14 @@ def closes_unseen(w, low, high, h):
 
 
 @compiled
-def happens(w, beads, target, kept, last):
+def happens(w, beads, target, kept, last, hertz):
     """Whether an event may be within the step that has been tried."""
     kind, first, second = int(target[KIND]), int(target[PLACE]), int(target[SECOND])
     if kind == VELOCITY:
         falls = w[F8 + first] <= 0.0
-        for stage in range(F2, F8, ROW):
-            falls = falls or w[stage + first] <= 0.0
+        if hertz is not None:
+            for stage in range(F2, F8, ROW):
+                falls = falls or w[stage + first] <= 0.0
         forward = max(w[V + 1 + first], w[NEW_V + 1 + first])
         return falls and w[F0 + first] > 0.0 and forward > REACHED * w[SCALE + first]
     if kind == CLOSING:
@@ -93,23 +96,28 @@ def happens(w, beads, target, kept, last):
     if kept[0, first] == 0.0 and kept[0, second] == 0.0:
         if last[first] == 0.0 and last[second] == 0.0:
             return False
-    rate, _ = event_function(w, beads, GAUGE, first, second)
+    rate, _ = event_function(w, beads, GAUGE, first, second, hertz)
     if rate > 0.0:
         return False
     before = 0.0
     for c in (first, second):
         d = w[AT_REST + c] + (w[X + c] - w[X + c + 1])
         closing = w[V + c] - w[V + c + 1]
-        before += force_slope(w, c, d) * closing
+        before += start_rate(w, c, beads, d, closing, hertz)
         # A force that rises from zero has no rate yet.
         before = 1e-300 if before == 0.0 and d <= 0.0 and last[c] > 0.0 else before
     return before > 0.0
 
 
 @compiled
-def force_slope(w, c, d):
-    """Derivative of a contact's force by its overlap, up to a factor that is positive."""
-    return w[STIFFNESS + c] * math.sqrt(d) if d > 0.0 else 0.0
+def start_rate(w, c, beads, d, closing, hertz):
+    """Rate of a contact's force at the start of a step."""
+    if hertz is None:
+        return damped_rate(w, c, beads, X, V, F0)
+    if not d > 0.0:
+        return 0.0
+    p = w[EXPONENT + c]
+    return p * w[STIFFNESS + c] * d ** (p - 1.0) * closing
 
 
 @compiled
@@ -122,7 +130,7 @@ def find_events(
     for t in range(len(targets)):
         kind = int(targets[t, KIND])
         if kind == GAUGE:
-            if happens(w, beads, targets[t], kept, last):
+            if happens(w, beads, targets[t], kept, last, hertz):
                 candidates[counts[CANDIDATES], 0] = t
                 candidates[counts[CANDIDATES], 1] = n
                 counts[CANDIDATES] += 1
@@ -130,10 +138,10 @@ def find_events(
         if found[t, AT_STEP] >= 0.0:
             continue
         remaining += 1
-        if happens(w, beads, targets[t], kept, last):
+        if happens(w, beads, targets[t], kept, last, hertz):
             x, v = w[X + 1 : X + 1 + beads], w[V + 1 : V + 1 + beads]
             load_state(events, beads, low, high, hertz, x, v, room)
-            s = locate(events, beads, low, high, h, hertz, targets[t], room, room[8])
+            s = locate(events, beads, low, high, h, hertz, targets[t], room, room[len(room) - 1])
             if s <= 1.0:
                 found[t, AT_STEP], found[t, FRACTION] = counts[BASE] + n, s
                 found[t, AT_TIME] = time + s * h
@@ -142,18 +150,22 @@ def find_events(
 
 
 @compiled
-def rear_of(w, low, high, behind):
-    """First bead of the window: some beads behind the crest of the pulse."""
+def rear_of(w, low, high, behind, targets, found):
+    """First bead of the window: some beads behind the crest, or behind the first missing event."""
     crest = low + behind
     while crest + 1 < high and w[V + 2 + crest] > w[V + 1 + crest]:
         crest += 1
+    for t in range(len(targets)):
+        if found[t, AT_STEP] < 0.0:
+            crest = min(crest, int(targets[t, PLACE]))
     return max(low, crest - behind)
 
 
 @compiled
 def advance(
     w, events, beads, clock, counts, until, rtol, most_steps, stop_when_found, behind, hertz,
-    careful, resting, targets, found, candidates, positions, velocities, lengths, windows, kept, room, end,
+    careful, resting, targets, found, candidates, positions, velocities, lengths, windows, kept,
+    room, end,
 ):  # fmt: skip
     """Take steps until the block is full or the run ends; returns the reason.
 
@@ -164,7 +176,8 @@ def advance(
     until, rtol, most_steps : end of the run, tolerance, limit of tries
     stop_when_found : whether to end when all events of beads and contacts are found
     behind : number of beads kept behind the crest of the pulse; 0 for all
-    hertz, careful : whether all exponents are 3/2; whether open contacts may close within a step
+    hertz : whether all exponents are 3/2; None with damping
+    careful : whether open contacts may close within a step
     resting : whether beads ahead of the front are at rest and not pushed
     targets, found : (T, TARGET) and (T, FOUND); steps are counted from the start of the run
     candidates : (C, 2) target and step in the block of maxima of gauges
@@ -187,7 +200,7 @@ def advance(
         h = left if reaches else h
         last = kept[n + 1, 0] if n + 1 < len(lengths) else end
         try_step(w, low, high, h, hertz, kept[n], last)
-        error = error_of(w, low, high, h, rtol) / rtol
+        error = error_of(w, low, high, h, rtol, hertz) / rtol
         counts[TRIED] += 1
         change = SAFETY / math.sqrt(math.sqrt(math.sqrt(error + 1e-30)))
         change = change if change > SHRINKAGE else SHRINKAGE
@@ -219,11 +232,8 @@ def advance(
                 high += 1
             counts[HIGH] = high
         if behind > 0:
-            first = low
-            low = rear_of(w, low, high, behind)
-            counts[LOW] = low
-            if low > first:
-                forces(w, low, high, X, F0, hertz, last)
+            low = counts[LOW] = rear_of(w, low, high, behind, targets, found)
+            forces(w, low, high, X, F0, hertz, last)
         if reaches:
             return TIME_REACHED
         if stop_when_found and until == math.inf and remaining == 0:

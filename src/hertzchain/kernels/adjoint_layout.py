@@ -11,8 +11,12 @@ from __future__ import annotations
 ROW = 4096 + 40
 (X, V, TRIAL, NEW_X, NEW_V, FORCE, F0, F1, F2, F3, F4, F5, F6, F7, F8, AT_REST, STIFFNESS, EXPONENT,
  INVERSE_MASS, BODY, NOISE, SPEED, NEAR, SCALE, WORK, LX, LV, U, XI0, XI1, XI2, XI3, XI4, XI5, XI6,
- XI7, TRANSFER, FACTOR, BY_MASS, BY_STIFFNESS, BY_OVERLAP, BY_BODY,
- END_OF_ROWS) = range(0, 43 * ROW, ROW)  # fmt: skip
+ XI7, TRANSFER, FACTOR, BY_MASS, BY_STIFFNESS, BY_OVERLAP, BY_BODY, END_OF_ROWS,
+ ) = range(0, 43 * ROW, ROW)  # fmt: skip
+# Further rows of damped contacts; those of stages are twelve each.
+(DAMPING, OVERLAP_POWER, PULLS, TRIAL_V, SPARE, BY_DAMPING, STAGE_V,
+ ) = range(END_OF_ROWS, END_OF_ROWS + 7 * ROW, ROW)  # fmt: skip
+STAGE_A, ZX, ZV, END_OF_DAMPED_ROWS = range(STAGE_V + 12 * ROW, STAGE_V + 60 * ROW, 12 * ROW)
 # A step uses up to eight entries in addition to the beads.
 MOST_BEADS = ROW - 40
 

@@ -16,6 +16,7 @@ where J is the derivative of f by the positions; the derivative by a parameter g
 
 from __future__ import annotations
 
+from .adjoint_damped import reverse_damped
 from .adjoint_layout import (
     BY_BODY,
     BY_MASS,
@@ -90,12 +91,8 @@ def gather(w, low, high, h, position, velocity, later, weights):
 
 
 @compiled
-def reverse_step(w, low, high, h, hertz, kept, gauge, on):
-    """Derivatives by the state at the start of a step from those by the state at its end.
-
-    ``gauge`` has the weight of each contact in an impulse that is part of the quantity, ``on`` is 1
-    if the impulse includes this step and else 0.
-    """
+def reverse_elastic(w, low, high, h, hertz, kept, gauge, on):
+    """`reverse_step` without damping."""
     last = XI0 + 7 * ROW
     size = on * h
     gather(w, low, high, h, 0.0, D7, last, (0.0,))
@@ -122,6 +119,19 @@ def reverse_step(w, low, high, h, hertz, kept, gauge, on):
         delayed = C1 * x1 + C2 * x2 + C3 * x3 + C4 * x4 + C5 * x5 + C6 * x6 + C7 * x7
         w[LV + i] += h * (w[LX + i] + delayed)
         w[LX + i] += x0 + x1 + x2 + x3 + x4 + x5 + x6 + x7
+
+
+@compiled
+def reverse_step(w, low, high, h, hertz, kept, gauge, on):
+    """Derivatives by the state at the start of a step from those by the state at its end.
+
+    ``gauge`` has the weight of each contact in an impulse that is part of the quantity, ``on`` is 1
+    if the impulse includes this step and else 0.
+    """
+    if hertz is None:
+        reverse_damped(w, low, high, h, kept, gauge, on)
+    else:
+        reverse_elastic(w, low, high, h, hertz, kept, gauge, on)
 
 
 @compiled

@@ -11,6 +11,7 @@ import math
 
 from numba import njit
 
+from .adjoint_damped import damped_errors, damped_forces, damped_step
 from .adjoint_layout import (
     AT_REST,
     BODY,
@@ -32,6 +33,7 @@ from .adjoint_layout import (
     NOISE,
     ROW,
     SCALE,
+    SPARE,
     SPEED,
     STIFFNESS,
     TRIAL,
@@ -74,7 +76,19 @@ maximal = njit(forceinline=True, **(CONTRACTED | {"fastmath": True}))
 
 @inlined
 def forces(w, low, high, at, out, hertz, kept):
-    """Accelerations of the beads of a window at the positions in row ``at``, in row ``out``."""
+    """Accelerations of the beads of a window at the positions in row ``at``, in row ``out``.
+
+    ``hertz`` is None if contacts are damped; velocities are then those of row V.
+    """
+    if hertz is None:
+        damped_forces(w, low, high, at, V, out, kept, w[SPARE : SPARE + ROW])
+    else:
+        elastic_forces(w, low, high, at, out, hertz, kept)
+
+
+@inlined
+def elastic_forces(w, low, high, at, out, hertz, kept):
+    """`forces` without damping."""
     if hertz:
         for c in range(low, high + 1):
             d = w[AT_REST + c] + (w[at + c] - w[at + c + 1])
@@ -107,22 +121,22 @@ def place(w, low, high, h, c, weights):
 
 
 @compiled
-def try_step(w, low, high, h, hertz, kept, last):
-    """Stages 1 to 8 of a step from row F0 on; ``last`` receives the overlaps at its end."""
+def elastic_step(w, low, high, h, hertz, kept, last):
+    """`try_step` without damping."""
     place(w, low, high, h, C1, A1)
-    forces(w, low, high, TRIAL, F1, hertz, kept[1])
+    elastic_forces(w, low, high, TRIAL, F1, hertz, kept[1])
     place(w, low, high, h, C2, A2)
-    forces(w, low, high, TRIAL, F2, hertz, kept[2])
+    elastic_forces(w, low, high, TRIAL, F2, hertz, kept[2])
     place(w, low, high, h, C3, A3)
-    forces(w, low, high, TRIAL, F3, hertz, kept[3])
+    elastic_forces(w, low, high, TRIAL, F3, hertz, kept[3])
     place(w, low, high, h, C4, A4)
-    forces(w, low, high, TRIAL, F4, hertz, kept[4])
+    elastic_forces(w, low, high, TRIAL, F4, hertz, kept[4])
     place(w, low, high, h, C5, A5)
-    forces(w, low, high, TRIAL, F5, hertz, kept[5])
+    elastic_forces(w, low, high, TRIAL, F5, hertz, kept[5])
     place(w, low, high, h, C6, A6)
-    forces(w, low, high, TRIAL, F6, hertz, kept[6])
+    elastic_forces(w, low, high, TRIAL, F6, hertz, kept[6])
     place(w, low, high, h, C7, A7)
-    forces(w, low, high, TRIAL, F7, hertz, kept[7])
+    elastic_forces(w, low, high, TRIAL, F7, hertz, kept[7])
     for i in range(low, high):
         at = 1 + i
         push = B0 * w[F0 + i] + B2 * w[F2 + i] + B3 * w[F3 + i]
@@ -131,7 +145,16 @@ def try_step(w, low, high, h, hertz, kept, last):
         change += V3 * (w[F3 + i] + w[F5 + i]) + V4 * w[F4 + i]
         w[NEW_X + at] = w[X + at] + h * (w[V + at] + h * push)
         w[NEW_V + at] = w[V + at] + h * change
-    forces(w, low, high, NEW_X, F8, hertz, last)
+    elastic_forces(w, low, high, NEW_X, F8, hertz, last)
+
+
+@compiled
+def try_step(w, low, high, h, hertz, kept, last):
+    """Stages of a step from row F0 on; ``last`` receives the overlaps at its end."""
+    if hertz is None:
+        damped_step(w, low, high, h, kept, last)
+    else:
+        elastic_step(w, low, high, h, hertz, kept, last)
 
 
 @maximal
@@ -143,8 +166,17 @@ def largest(w, at, low, high):
     return top
 
 
+@inlined
+def elastic_errors(w, low, high, h):
+    """Error of each bead in units of its scale, in the row WORK."""
+    for i in range(low, high):
+        error = E0 * w[F0 + i] + E2 * w[F2 + i] + E3 * w[F3 + i] + E4 * w[F4 + i]
+        error += E5 * w[F5 + i] + E6 * w[F6 + i] + E7 * w[F7 + i] + E8 * w[F8 + i]
+        w[WORK + i] = abs(h * error) / w[SCALE + i]
+
+
 @compiled
-def error_of(w, low, high, h, rtol):
+def error_of(w, low, high, h, rtol, hertz):
     """Largest error of a step, in units of speeds nearby."""
     own, after = SPEED + NEIGHBOURS, NEAR + NEIGHBOURS + 1
     for i in range(low, high):
@@ -159,7 +191,6 @@ def error_of(w, low, high, h, rtol):
         a, b, c = w[SPEED + i], w[SPEED + i + 1], w[SPEED + i + 2]
         a = a if a > b else b
         w[NEAR + i] = a if a > c else c
-    total = 0.0
     for i in range(low, high):
         a, b, c = w[NEAR + i], w[after + i], w[own + i]
         a = a if a > b else b
@@ -168,9 +199,11 @@ def error_of(w, low, high, h, rtol):
         a = a if a > b else b
         a = a if a > c else c
         w[SCALE + i] = a
-        error = E0 * w[F0 + i] + E2 * w[F2 + i] + E3 * w[F3 + i] + E4 * w[F4 + i]
-        error += E5 * w[F5 + i] + E6 * w[F6 + i] + E7 * w[F7 + i] + E8 * w[F8 + i]
-        w[WORK + i] = abs(h * error) / a
+    if hertz is None:
+        damped_errors(w, low, high, h, SCALE)
+    else:
+        elastic_errors(w, low, high, h)
+    total = 0.0
     for i in range(low, high):
         total += w[WORK + i]
     if not total < math.inf:

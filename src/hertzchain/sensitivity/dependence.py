@@ -11,6 +11,7 @@ import numpy as np
 from ..collision import Array
 from .gauges import (
     LOWEST,
+    contact_forces,
     contacts_of,
     first_maximum,
     impulse,
@@ -168,9 +169,32 @@ class Reader:
 
     def _gauge(self, place: Place, contacts: tuple[int, ...]) -> Dependence:
         """Mean force of contacts at a state."""
-        direct = self._zero()
-        value = sum(self._add_force(place, direct, c, 1.0 / len(contacts)) for c in contacts)
+        direct, weight = self._zero(), 1.0 / len(contacts)
+        value = 0.0
+        pushing = contact_forces(self._equation, place.positions, place.velocities)
+        for c in contacts:
+            if pushing[c] != 0.0:
+                value += self._add_force(place, direct, c, weight)
+                value += self._add_damping(place, direct, c, weight)
         return Dependence(value, [place], direct)
+
+    def _add_damping(self, place: Place, direct: Slopes, c: int, weight: float) -> float:
+        """Add the dependence on the damping force of a contact; return it times the weight."""
+        equation = self._equation
+        if equation.hertz is not None:
+            return 0.0
+        overlap = float(equation.overlaps_at(place.positions)[c])
+        closing = float(-np.diff(np.pad(place.velocities, 1))[c])
+        q, g = float(equation.overlap_powers[c]), float(equation.damping[c])
+        power = weight * overlap**q
+        by_overlap = q * g * power / overlap * closing
+        for i, sign in ((c - 1, 1.0), (c, -1.0)):
+            if 0 <= i < equation.beads:
+                place.by_position[i] += sign * by_overlap
+                place.by_velocity[i] += sign * g * power
+        direct.overlaps[c] += by_overlap
+        direct.damping[c] += power * closing
+        return g * power * closing
 
     def _gauge_time(self, place: Place, contacts: tuple[int, ...]) -> Dependence:
         """Time at which the mean force of contacts has a maximum."""
@@ -330,7 +354,7 @@ def _combined(value: float, *terms: tuple[Dependence, float]) -> Dependence:
     direct = Slopes.zero(len(terms[0][0].direct.masses))
     places, gauge, last = [], np.zeros(0), 0
     for term, weight in terms:
-        for field in ("masses", "stiffness", "overlaps", "velocities", "body"):
+        for field in ("masses", "stiffness", "overlaps", "velocities", "body", "damping"):
             getattr(direct, field)[:] += weight * getattr(term.direct, field)
         for place in term.places:
             place.by_position *= weight

@@ -10,6 +10,13 @@ import numpy as np
 from ..chain.chain import Chain
 from ..chain.equilibrium import equilibrium
 from ..chain.feature_support import require_chain
+from ..chain.laws import Loss
+from ..chain.laws.dashpot import Dashpot
+from ..chain.laws.elastic import Elastic
+from ..chain.laws.restitution import Restitution
+from ..chain.laws.unloading_ratio import UnloadingRatio
+from ..chain.laws.velocity_power import VelocityPower
+from ..chain.laws.viscoelastic import Viscoelastic
 from ..collision import HERTZ_EXPONENT, Array
 from ..errors import InputError
 from ..simulation.kernel_input import static_closing
@@ -20,6 +27,11 @@ METHOD: Final = "gradient"
 FIRST_PART: Final = 1e-3
 # Rounding of static forces, as in `hertzchain.kernels.dop853_step`.
 ROUNDING: Final = 5e-15
+
+# Beads behind the crest of a leading pulse that are integrated, also in rough chains: with 12, the
+# change of a gradient is less than its error.  Pulses of smaller exponents are longer.
+BEHIND: Final = 16
+NARROW: Final = 1.4
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,18 +49,59 @@ class Equation:
     body: Array
     noise: Array
     first_step: float
-    hertz: bool
+    # Rough time in which a pulse passes the chain and comes back.
+    passage: float
+    # Whether all exponents are 3/2; None if contacts are damped.
+    hertz: bool | None
     careful: bool
     resting: bool
+    # Damping g d^q d' of each contact, and whether it may pull.
+    damping: Array
+    overlap_powers: Array
+    pulls: Array
+
+    @property
+    def stages(self) -> int:
+        """Number of stages of a step."""
+        return 8 if self.hertz is not None else 12
+
+    @property
+    def weights(self) -> Array:
+        """Weights of the stages in an impulse."""
+        from ..kernels import dop853, rkn8
+
+        return np.array(rkn8.B_VELOCITY if self.hertz is not None else dop853.B)
 
     @property
     def beads(self) -> int:
         """Number of beads."""
         return len(self.masses)
 
+    @property
+    def behind(self) -> int:
+        """Number of beads that are integrated behind the crest of a leading pulse; 0 for all."""
+        chain = self.chain
+        ends = chain.left_wall is None and chain.right_wall is None
+        struck = not chain.velocities[max(1, chain.strikers) :].any()
+        if not (ends and struck and self.resting and not chain.gaps.any()):
+            return 0
+        if self.hertz is None:
+            return 0
+        return BEHIND if chain.contact_exponents.min() >= NARROW else 2 * BEHIND
+
     def forces(self, overlaps: Array) -> Array:
         """Forces of all contacts, at overlaps in the last axis."""
         return np.asarray(self.stiffness * np.maximum(overlaps, 0.0) ** self.exponents)
+
+    def kept_forces(self, kept: Array, c: int) -> Array:
+        """Forces of a contact at the stages of steps, from the numbers kept, (steps, stages)."""
+        if self.hertz is None:
+            d, closing = kept[:, : self.stages, c], kept[:, self.stages :, c]
+            damped = self.damping[c] * d ** self.overlap_powers[c] * closing
+            force = self.stiffness[c] * d ** self.exponents[c] + damped
+            return np.where((d > 0.0) & ((force > 0.0) | (self.pulls[c] > 0.0)), force, 0.0)
+        p = self.exponents[c] * (2.0 if self.hertz else 1.0)
+        return np.asarray(self.stiffness[c] * kept[:, :, c] ** p)
 
     def overlaps_at(self, positions: Array) -> Array:
         """Overlaps of all contacts, at positions in the last axis."""
@@ -61,6 +114,9 @@ def equation_of(chain: Chain) -> Equation:
     _check(chain)
     static = equilibrium(chain)
     loaded = chain.gravity != 0.0 or chain.precompression > 0.0
+    damping, powers, pulls = _damping(chain)
+    hertz = None if damping.any() else bool((chain.contact_exponents == HERTZ_EXPONENT).all())
+    times = transit_times(chain)
     pushing = static.forces[:-1] + static.forces[1:]
     return Equation(
         chain,
@@ -71,12 +127,16 @@ def equation_of(chain: Chain) -> Equation:
         chain.velocities,
         static.body_forces / chain.masses,
         ROUNDING * pushing / chain.masses,
-        FIRST_PART * float(transit_times(chain).min()),
-        bool((chain.contact_exponents == HERTZ_EXPONENT).all()),
+        FIRST_PART * float(times.min()),
+        2.0 * float(times.sum()),
+        hertz,
         loaded or bool(chain.gaps.any()) or any(
             wall is not None and wall.gap > 0.0 for wall in (chain.left_wall, chain.right_wall)
         ),
         not loaded,
+        damping,
+        powers,
+        pulls,
     )  # fmt: skip
 
 
@@ -89,14 +149,35 @@ def _check(chain: Chain) -> None:
             "gradient does not support a drive; use chain.replace(drive=None, velocities=...), or "
             "differences of simulate"
         )
-    if not chain.lossless:
-        law = next(each for each in chain.contact_losses if type(each).__name__ != "Elastic")
-        raise InputError(
-            f"gradient does not support the loss {law}; use chain.replace(loss=None), or "
-            "differences of simulate_many"
-        )
+    for law in chain.contact_losses:
+        _check_law(law)
     if chain.beads > MOST_BEADS:
         raise InputError(
             f"gradient supports chains of at most {MOST_BEADS} beads, got {chain.beads}; shorten "
             "the chain"
         )
+
+
+def _check_law(law: Loss) -> None:
+    """Raise an error for a law whose force jumps, or remembers its past."""
+    if isinstance(law, Elastic | Viscoelastic | Restitution):
+        return
+    jumps = isinstance(law, Dashpot | VelocityPower | UnloadingRatio)
+    reason = "its force jumps" if jumps else "its force depends on the largest overlap so far"
+    raise InputError(
+        f"gradient does not support the loss {law}, because {reason}; use Viscoelastic or "
+        "Restitution, or differences of simulate_many"
+    )
+
+
+def _damping(chain: Chain) -> tuple[Array, Array, Array]:
+    """Strength and overlap power of the damping of each contact, and whether it may pull."""
+    strength, powers = np.zeros(chain.beads + 1), np.ones(chain.beads + 1)
+    pulls = np.ones(chain.beads + 1)
+    for group in chain.contact_groups:
+        row = group.law.row(group.contacts.exponent)
+        there = group.contacts.stiffness > 0.0
+        strength[group.index] = np.where(there, group.law.strength(group.contacts), 0.0)
+        powers[group.index], pulls[group.index] = row.overlap_power, float(row.attractive)
+    powers[strength == 0.0] = 1.0
+    return strength, powers, pulls

@@ -9,15 +9,14 @@ import numpy as np
 from ..chain.equilibrium import equilibrium
 from ..collision import Array
 from ..simulation.sensor_force import FALL, MIN_HEIGHT
-from .record import Record, load_rows
+from .equation import Equation
+from .record import Record, load_rows, room_for
 from .sweep import Place, place_of
 
 # Candidates whose force at a stage exceeds this part of the largest one are located.
 NEAR_TOP: Final = 0.97
 # Maxima lower than this part of the largest one are no peaks of their own.
 LOWEST: Final = 0.5
-# Weights of the stages in an impulse.
-STAGES_OF_IMPULSE: Final = (0, 2, 3, 4, 5, 6, 7)
 
 
 def contacts_of(bead: int) -> tuple[int, int]:
@@ -30,19 +29,16 @@ def stage_forces(record: Record, contacts: tuple[int, ...]) -> Array:
     equation = record.equation
     total: Any = 0.0
     for c in contacts:
-        p = equation.exponents[c] * (2.0 if equation.hertz else 1.0)
-        kept = np.concatenate([block.kept[:, :, c] for block in record.blocks])
-        total = total + equation.stiffness[c] * kept**p / len(contacts)
+        parts = [equation.kept_forces(block.kept, c) for block in record.blocks]
+        total = total + np.concatenate(parts) / len(contacts)
     return np.asarray(total)
 
 
 def impulse(record: Record, contacts: tuple[int, ...]) -> Array:
     """Impulse of each step, by the weights of the method."""
-    from ..kernels.rkn8 import B_VELOCITY
-
     forces = stage_forces(record, contacts)
     lengths = np.concatenate([block.lengths for block in record.blocks])
-    return np.asarray(lengths * (forces @ np.array(B_VELOCITY)))
+    return np.asarray(lengths * (forces @ record.equation.weights))
 
 
 def maxima(record: Record, target: int) -> list[tuple[int, float]]:
@@ -69,10 +65,10 @@ def locate(record: Record, target: int, step: int) -> Place | None:
     equation = record.equation
     block, n = record.block_of(step)
     low, high = (int(each) for each in block.windows[n])
-    rows, room = load_rows(equation), np.zeros((9, equation.beads + 1))
+    rows, room = load_rows(equation), room_for(equation)
     s = kernel.locate_from(
         rows, equation.beads, low, high, float(block.lengths[n]), equation.hertz,
-        record.targets[target], room, room[8], block.positions[n], block.velocities[n],
+        record.targets[target], room, room[-1], block.positions[n], block.velocities[n],
     )  # fmt: skip
     return place_of(record, equation, step, s, room, rows) if s <= 1.0 else None
 
@@ -86,10 +82,22 @@ def largest(record: Record, target: int) -> Place | None:
     return max(found, key=lambda place: force_at(record, target, place), default=None)
 
 
+def contact_forces(equation: Equation, positions: Array, velocities: Array) -> Array:
+    """Forces of all contacts at a state."""
+    overlaps = equation.overlaps_at(positions)
+    forces = equation.forces(overlaps)
+    if equation.hertz is None:
+        closed = np.maximum(overlaps, 0.0)
+        closing = -np.diff(np.pad(velocities, 1))
+        forces = forces + equation.damping * closed**equation.overlap_powers * closing
+        forces = np.where((forces > 0.0) | (equation.pulls > 0.0), forces, 0.0)
+    return forces
+
+
 def force_at(record: Record, target: int, place: Place) -> float:
     """Force of a gauge at a state."""
     row = record.targets[target].astype(int)
-    forces = record.equation.forces(record.equation.overlaps_at(place.positions))
+    forces = contact_forces(record.equation, place.positions, place.velocities)
     return 0.5 * float(forces[row[1]] + forces[row[2]])
 
 

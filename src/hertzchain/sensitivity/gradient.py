@@ -6,14 +6,14 @@ import math
 import warnings
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
-from types import MappingProxyType
-from typing import Final
+from typing import Any
 
 import numpy as np
 
 from ..chain.chain import Chain
 from ..collision import Array
 from ..errors import IncompleteWarning, InputError, unknown_name_error
+from ..frozen import Frozen
 from ..representation import short
 from ..validation.numbers import number, whole_number
 from ..validation.objects import check_list
@@ -26,12 +26,12 @@ from .record import run
 from .sweep import sweep
 from .targets import Ending, targets_of
 
-DEFAULT_RTOL: Final = 1e-11
+DEFAULT_RTOL, DAMPED_RTOL = 1e-10, 1e-13
 MIN_RTOL, MAX_RTOL = 1e-14, 1e-5
 
 
 @dataclass(frozen=True, eq=False)
-class Gradient:
+class Gradient(Frozen):
     """Value of a quantity and its derivatives; unpacks as ``value, gradient``.
 
     ``gradient["radii"]`` is the array of derivatives by the radii.
@@ -59,6 +59,11 @@ class Gradient:
     status: str
     steps: int
 
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        super().__setstate__(state)
+        for values in self.gradient.values():
+            values.setflags(write=False)
+
     def __iter__(self) -> Iterator[float | Mapping[str, Array]]:
         return iter((self.value, self.gradient))
 
@@ -82,15 +87,15 @@ def gradient(
     to: str | Iterable[str] = ("radii",),
     bead: int | None = None,
     until: float | None = None,
-    rtol: float = DEFAULT_RTOL,
+    rtol: float | None = None,
     max_steps: int | None = None,
 ) -> Gradient:
     r"""Value of a simulated quantity and its exact derivatives by parameters of the chain.
 
     The chain is integrated by the Runge-Kutta-Nyström pair RKN8(6) of `simulate_many` with a step
-    size of its own.  One backward sweep over the stored steps then gives the derivatives by all
-    parameters (the *discrete adjoint*, E. Hairer, S. P. Nørsett, G. Wanner, Solving Ordinary
-    Differential Equations I, Sec. II.6): with
+    size of its own; with damping, by DOP853.  One backward sweep over the stored steps then gives
+    the derivatives by all parameters (the *discrete adjoint*, E. Hairer, S. P. Nørsett, G. Wanner,
+    Solving Ordinary Differential Equations I, Sec. II.6): with
     :math:`y_{n+1} = \Phi_n(y_n, p)` and a quantity :math:`Q(y_M, p)`,
 
     .. math::
@@ -106,7 +111,8 @@ def gradient(
     Parameters
     ----------
     chain : Chain
-        A chain without losses and drive.
+        A chain without drive, elastic or with the loss `Viscoelastic` or `Restitution`.  The
+        forces of other losses jump or depend on the past.
     quantity : str
         ``"pulse."`` and a column of `Pulse`, of a ``bead``; ``"wall_force."`` or
         ``"left_wall_force."`` and ``peak``, ``peak_time``, ``impulse``, ``impulse_of_impact``,
@@ -119,16 +125,17 @@ def gradient(
         Parameters: ``"radii"``, ``"masses"``, ``"stiffness"``, ``"gaps"``, ``"velocities"``,
         ``"young"``, ``"poisson"``, ``"density"`` (of each bead), ``"left_wall.stiffness"``,
         ``"right_wall.stiffness"``, ``"left_wall.gap"``, ``"right_wall.gap"``,
-        ``"precompression"`` or ``"gravity"``.  Masses and stiffness follow the radii and materials
-        unless they are given in the chain; the unit of a scaled chain remains fixed when radius
-        1 is varied.
+        ``"precompression"``, ``"gravity"``, ``"loss.time"`` or ``"loss.coefficient"``.  Masses and
+        stiffness follow the radii and materials unless they are given in the chain; the unit of a
+        scaled chain remains fixed when radius 1 is varied.
     bead : int, optional
         Number k of the bead, from 1.
     until : float, optional
         Stop time [scaled, or s].  By default the run ends when the quantity is complete.
-    rtol : float
-        Relative tolerance per step, 1e-14 .. 1e-5.  The error of a gradient is about the
-        0.6th power of it, because the force of a contact rises with an infinite curvature.
+    rtol : float, optional
+        Relative tolerance per step, 1e-14 .. 1e-5; by default 1e-10, and 1e-13 with damping.  The
+        error of a gradient is about its 0.6th power for Hertz contacts, because their force rises
+        with an infinite curvature, and its third or fifth root with damping.
     max_steps : int, optional
         Step limit; by default 2000 per bead, and at least a million.
 
@@ -139,7 +146,7 @@ def gradient(
     Raises
     ------
     InputError
-        If the chain does not have the quantity or a parameter, has a loss or a drive, or an
+        If the chain does not have the quantity or a parameter, has another loss or a drive, or an
         argument is out of range.
     SimulationError
         If the step limit is reached.
@@ -176,7 +183,7 @@ def gradients(
     to: str | Iterable[str] = ("radii",),
     bead: int | None = None,
     until: float | None = None,
-    rtol: float = DEFAULT_RTOL,
+    rtol: float | None = None,
     max_steps: int | None = None,
 ) -> list[Gradient]:
     """Values of several quantities and their derivatives, from one run.
@@ -206,6 +213,8 @@ def gradients(
     equation = equation_of(chain)
     if until is not None:
         until = number("until", until, unit=chain._unit("s"), above=0.0)
+    if rtol is None:
+        rtol = DEFAULT_RTOL if equation.hertz is not None else DAMPED_RTOL
     rtol = number("rtol", rtol, least=MIN_RTOL, most=MAX_RTOL)
     limit = max(2000 * chain.beads, 1_000_000)
     limit = limit if max_steps is None else whole_number("max_steps", max_steps, least=1)
@@ -218,6 +227,7 @@ def gradients(
     record = run(
         equation, targets.array(), math.inf if until is None else until, rtol, limit,
         (lambda _: False) if until is not None else ending.finished, pulses_only,
+        equation.behind if pulses_only and until is None else 0,
     )  # fmt: skip
     if until is not None:
         ending.finished(record)
@@ -236,18 +246,17 @@ def _read(reader: Reader, name: Name, to: tuple[str, ...], rtol: float) -> list[
         read = reader.read(name)
     except Missing as missing:
         nothing = {key: _nan_like(equation, key) for key in to}
-        return [
-            Gradient(str(name), math.nan, MappingProxyType(nothing), math.nan, str(missing), steps)
-        ]
+        return [Gradient(str(name), math.nan, nothing, math.nan, str(missing), steps)]
     out = []
     for each, dependence, note in read:
         slopes = sweep(reader.record, dependence)
         arrays = by_fields(equation, slopes, to)
         for values in arrays.values():
             values.setflags(write=False)
-        fixed = MappingProxyType(arrays)
         status = note or "complete"
-        found = Gradient(str(each), dependence.value, fixed, relative_error(rtol), status, steps)
+        found = Gradient(
+            str(each), dependence.value, arrays, relative_error(equation, rtol), status, steps
+        )
         out.append(found)
     return out
 

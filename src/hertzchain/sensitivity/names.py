@@ -71,7 +71,17 @@ def parse(chain: Chain, given: object, bead: int | None, until: float | None) ->
         raise InputError(f"{text} depends on the end of the run; give until")
     if until is None and chain.gravity != 0.0 and group != "pulse":
         raise InputError(f"{text} of a chain under gravity has no natural end; give until")
+    if not chain.lossless and f"{group}.{item}" in NOT_DAMPED:
+        raise InputError(
+            f"{text} has no gradient in a chain with losses, only in elastic chains; use a force, "
+            "a velocity or an arrival"
+        )
     return Name(group, item, at_bead)
 
 
 NEED_END: Final = ("sensor.impulse", "sensor.largest", "sensor.largest_time")
+# Times of maxima need rates of forces; the stored energy depends on whether a contact pushes.
+NOT_DAMPED: Final = (
+    "pulse.peak_time", "wall_force.peak_time", "left_wall_force.peak_time",
+    "sensor.first_maximum_time", "sensor.largest_time", "energy.contacts", "energy.walls",
+)  # fmt: skip

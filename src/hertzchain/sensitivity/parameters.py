@@ -9,10 +9,12 @@ from typing import Final
 import numpy as np
 
 from ..chain.chain import Chain
+from ..chain.laws import Loss
 from ..chain.walls import Wall
 from ..collision import Array
 from ..errors import InputError
 from ..validation.objects import check_choice, check_list
+from .damping import add_damping, by_law
 from .equation import Equation
 from .static_loads import add_static_loads
 from .sweep import Slopes
@@ -21,6 +23,7 @@ MATERIAL: Final = ("young", "poisson", "density")
 PARAMETERS: Final = (
     "radii", "masses", "stiffness", "gaps", "velocities", *MATERIAL, "left_wall.stiffness",
     "right_wall.stiffness", "left_wall.gap", "right_wall.gap", "precompression", "gravity",
+    "loss.time", "loss.coefficient",
 )  # fmt: skip
 
 
@@ -39,6 +42,8 @@ def checked_parameters(chain: Chain, to: str | Iterable[str]) -> tuple[str, ...]
         end = name.split(".")[0]
         if end.endswith("_wall") and getattr(chain, end) is None:
             raise InputError(f"the chain has no {name}: it has no {end}; add one or omit it")
+        if name.startswith("loss.") and not any(_has(law, name) for law in chain.contact_losses):
+            raise InputError(f"the chain has no {name}: no law of its contacts has this parameter")
         if name == "precompression" and not chain.precompression > 0.0:
             raise InputError(
                 "a chain without precompression has no derivative to it, because overlaps grow "
@@ -54,8 +59,9 @@ def checked_parameters(chain: Chain, to: str | Iterable[str]) -> tuple[str, ...]
 
 def by_fields(equation: Equation, slopes: Slopes, to: Iterable[str]) -> dict[str, Array]:
     """Derivatives by the fields ``to`` of a chain, each with all other given fields fixed."""
-    full, by_load, by_gravity = add_static_loads(equation, slopes)
     chain = equation.chain
+    damped = slopes if equation.hertz is not None else add_damping(equation, slopes)
+    full, by_load, by_gravity = add_static_loads(equation, damped)
     found: Mapping[str, Callable[[], Array]] = {
         "radii": lambda: _by_radii(chain, full),
         "masses": lambda: full.masses,
@@ -75,8 +81,14 @@ def by_fields(equation: Equation, slopes: Slopes, to: Iterable[str]) -> dict[str
         "right_wall.gap": lambda: -full.overlaps[-1],
         "precompression": lambda: np.asarray(by_load),
         "gravity": lambda: np.asarray(by_gravity),
+        "loss.time": lambda: by_law(equation, slopes, "time"),
+        "loss.coefficient": lambda: by_law(equation, slopes, "coefficient"),
     }  # fmt: skip
     return {name: np.array(found[name](), float) for name in to}
+
+
+def _has(law: Loss, name: str) -> bool:
+    return name.removeprefix("loss.") in law.parameters()
 
 
 def _derived(chain: Chain, name: str) -> bool:

@@ -49,10 +49,9 @@ class Record:
     found: Array
     blocks: list[Block] = field(default_factory=list)
     time: float = 0.0
-    # State and overlaps at the end.
+    # State at the end.
     positions: Array = field(default_factory=lambda: np.zeros(0))
     velocities: Array = field(default_factory=lambda: np.zeros(0))
-    end: Array = field(default_factory=lambda: np.zeros(0))
 
     @property
     def steps(self) -> int:
@@ -75,7 +74,9 @@ def load_rows(equation: Equation) -> Array:
     """Rows of the kernels with the parameters of a chain and its state at time 0."""
     from ..kernels import adjoint_layout as layout
 
-    beads, rows = equation.beads, np.zeros(layout.END_OF_ROWS)
+    damped = equation.hertz is None
+    size = layout.END_OF_DAMPED_ROWS if damped else layout.END_OF_ROWS
+    beads, rows = equation.beads, np.zeros(size)
     for row, values in (
         (layout.V + 1, equation.velocities),
         (layout.AT_REST, equation.overlaps),
@@ -86,6 +87,13 @@ def load_rows(equation: Equation) -> Array:
         (layout.NOISE, equation.noise),
     ):
         rows[row : row + len(values)] = values
+    if damped:
+        for row, values in (
+            (layout.DAMPING, equation.damping),
+            (layout.OVERLAP_POWER, equation.overlap_powers),
+            (layout.PULLS, equation.pulls),
+        ):
+            rows[row : row + len(values)] = values
     forces = equation.forces(equation.overlaps)
     rows[layout.FORCE : layout.FORCE + beads + 1] = forces
     rows[layout.F0 : layout.F0 + beads] = -np.diff(forces) / equation.masses + equation.body
@@ -96,6 +104,12 @@ def kept_of(equation: Equation, overlaps: Array) -> Array:
     """The numbers that the kernels keep for overlaps."""
     closed = np.maximum(overlaps, 0.0)
     return np.sqrt(closed) if equation.hertz else closed
+
+
+def room_for(equation: Equation) -> Array:
+    """Room for the numbers kept in one step, and for the overlaps at its end."""
+    numbers = equation.stages * (2 if equation.hertz is None else 1)
+    return np.zeros((numbers + 1, equation.beads + 1))
 
 
 def run(
@@ -123,22 +137,28 @@ def run(
     found = np.full((len(targets), layout.FOUND), -1.0)
     record = Record(equation, targets, found)
     rows, events = load_rows(equation), load_rows(equation)
-    end, room = kept_of(equation, equation.overlaps), np.zeros((9, beads + 1))
-    size = int(np.clip(BLOCK_SIZE // (10 * beads + 8), FEWEST, MOST))
+    end, room = kept_of(equation, equation.overlaps), room_for(equation)
+    size, numbers = int(np.clip(BLOCK_SIZE // (10 * beads + 8), FEWEST, MOST)), len(room) - 1
     status = layout.BLOCK_FULL
+    # Without a stop, beads in free flight would reach infinity within a block.
+    stop = equation.passage if math.isinf(until) and not stop_when_found else until
     while status == layout.BLOCK_FULL:
         _check_memory(record, size)
         positions, velocities = np.zeros((size, beads)), np.zeros((size, beads))
         lengths, windows = np.empty(size), np.empty((size, 2), np.int64)
-        kept, candidates = np.zeros((size, 8, beads + 1)), np.empty((size * len(targets), 2))
+        kept, candidates = np.zeros((size, numbers, beads + 1)), np.empty((size * len(targets), 2))
         counts[layout.BASE] = record.steps
         start = clock[layout.TIME]
         status = kernel.advance(
-            rows, events, beads, clock, counts, until, rtol, most_steps, stop_when_found, behind,
+            rows, events, beads, clock, counts, stop, rtol, most_steps, stop_when_found, behind,
             equation.hertz, equation.careful, equation.resting, targets, found, candidates,
             positions, velocities, lengths, windows, kept, room, end,
         )  # fmt: skip
+        if status == layout.TIME_REACHED and stop < until:
+            stop, status = 2.0 * stop, layout.BLOCK_FULL
         n = int(counts[layout.STEPS])
+        if n < size:
+            end[:] = kept[n, 0]
         if n:
             block = Block(
                 record.steps, start, positions[:n], velocities[:n], lengths[:n], windows[:n],
@@ -151,14 +171,16 @@ def run(
         if status == layout.BLOCK_FULL and finished(record):
             break
     if status in (layout.STEP_TOO_SMALL, layout.STEP_LIMIT):
-        limit = status == layout.STEP_LIMIT
-        reason = f"reached the limit of {most_steps} steps" if limit else "needs too short steps"
-        raise SimulationError(
-            f"the integration for the gradient {reason} at t = {record.time:g}; use a larger rtol "
-            "or a shorter until"
-        )
-    record.end = kept_of(equation, equation.overlaps_at(record.positions))
+        raise _failure(status == layout.STEP_LIMIT, most_steps, record.time)
     return record
+
+
+def _failure(limit: bool, most_steps: int, time: float) -> SimulationError:
+    reason = f"reached the limit of {most_steps} steps" if limit else "needs too short steps"
+    return SimulationError(
+        f"the integration for the gradient {reason} at t = {time:g}; use a larger rtol or a "
+        "shorter until"
+    )
 
 
 def _check_memory(record: Record, size: int) -> None:
@@ -183,6 +205,7 @@ def nothing_can_happen(record: Record) -> bool:
     if equation.body.any():
         return False
     there = equation.stiffness > 0.0
-    closing = -np.diff(np.pad(record.velocities, 1))
-    closed = equation.overlaps_at(record.positions) > 0.0
+    with np.errstate(all="ignore"):
+        closing = -np.diff(np.pad(record.velocities, 1))
+        closed = equation.overlaps_at(record.positions) > 0.0
     return not bool((there & (closed | (closing > 0.0))).any()) and math.isfinite(record.time)

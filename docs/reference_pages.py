@@ -72,14 +72,16 @@ def members(item: type) -> list[str]:
 
 def context() -> dict[str, object]:
     """Variables of the templates in ``_templates/autosummary``."""
-    listed = {}
+    listed, summaries = {}, {}
     for page in sorted(REFERENCE.glob("*.md")):
         for module, name in entries(page):
             item = getattr(importlib.import_module(module), name)
             if inspect.isclass(item):
                 listed[f"{module}.{name}"] = members(item)
+                summaries[f"{module}.{name}"] = (inspect.getdoc(item) or "").splitlines()[0]
     return {
         "documented_members": listed,
+        "summaries": summaries,
         "made_by_functions": sorted(MADE_BY_FUNCTIONS),
         "definitions": DEFINITIONS,
     }

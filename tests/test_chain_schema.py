@@ -1,5 +1,6 @@
 """The schema of chain files agrees with the functions and classes of the package."""
 
+import re
 import inspect
 import itertools
 import json
@@ -167,3 +168,17 @@ def test_dimensions_by_path():
     assert dimensions_of(("drive", "amplitude")) == {"force", "length"}
     assert dimensions_of(("loss", "gamma")) == {"", "damping"}
     assert dimensions_of(("no", "such")) == {""}
+
+
+def test_the_reference_lists_every_key():
+    import schema_tables
+
+    page = schema_tables.chain_file_page()
+    for name, section in chain_schema()["sections"].items():
+        assert re.search(rf"^## `\[+{re.escape(name)}\]+`$", page, re.M)
+        for keys in (section["keys"], *section.get("variants", {}).values()):
+            for key in keys:
+                (row, *_) = re.findall(rf"^\| `{key['name']}` \| .*{re.escape(key['description'])} \|$",
+                                       page, re.M)  # fmt: skip
+                assert f"| {key['unit']} |" in row
+                assert ("| required |" in row) == key["required"]

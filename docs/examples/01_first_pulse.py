@@ -52,7 +52,7 @@ pulse_speed = np.array([each.pulse().speed[20] for each in runs])
 force = np.array([each.pulse().peak_force[20] for each in runs])
 exponent = np.polyfit(np.log(force), np.log(pulse_speed), 1)[0]
 
-figure, axes = plt.subplots()
+figure, axes = plt.subplots(figsize=(8.0, 4.0))
 axes.loglog(force, pulse_speed, "o", label="simulation")
 axes.loglog(force, pulse_speed[0] * (force / force[0]) ** (1 / 6), label="sixth root")
 axes.set_title("A stronger pulse is faster")

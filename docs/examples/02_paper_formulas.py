@@ -7,6 +7,7 @@ for each family of tapers.  How well do they describe the simulation if they are
 and can they be corrected?
 """
 
+# sphinx_gallery_thumbnail_number = 2
 import matplotlib.pyplot as plt
 import numpy as np
 

@@ -7,6 +7,9 @@ The row may be 200 mm long, and its balls must not be smaller than 4 mm.  Which 
 bought?
 """
 
+# sphinx_gallery_thumbnail_number = 2
+import textwrap
+
 import matplotlib.pyplot as plt
 import numpy as np
 
@@ -64,7 +67,7 @@ first, last = np.meshgrid(np.linspace(4e-3, 10e-3, 13), np.linspace(SMALLEST, 10
 plain = [taper(a, b) for a, b in zip(first.flat, last.flat)]
 force = peak_forces([row(radii) for radii in plain])
 
-figure, axes = plt.subplots(figsize=(5.6, 4.2))
+figure, axes = plt.subplots(figsize=(8.0, 4.2))
 shape = first.shape
 shown = axes.pcolormesh(2e3 * first, 2e3 * last, force.reshape(shape), shading="nearest")
 axes.set_title("Peak force on the wall for simple tapers of 200 mm")
@@ -129,4 +132,4 @@ print(f"design                    {found[2]:6.1f} N, {1e3 * mass(rounded):.0f} g
       f"{2e3 * rounded.sum():.0f} mm")  # fmt: skip
 print(f"with balls of grade 100   {scattered.min():.1f} to {scattered.max():.1f} N in 100 lots")
 print("parts, in order, steel 52100:")
-print("  " + ", ".join(f"{2e3 * radius:g}" for radius in rounded) + " mm")
+print(textwrap.fill(", ".join(f"{2e3 * radius:g}" for radius in rounded) + " mm", 72))

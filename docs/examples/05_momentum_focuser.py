@@ -7,6 +7,7 @@ in between are chosen well, the last one receives more momentum than the striker
 light balls recoil.  How should their radii grow?
 """
 
+# sphinx_gallery_thumbnail_number = 2
 import matplotlib.pyplot as plt
 import numpy as np
 from scipy.optimize import minimize
@@ -32,7 +33,7 @@ def radii_of(rates):
 
 momentum, by_radius = hc.local_rate_gradient(hc.Chain.from_radii(radii_of(begin)), "momentum",
                                              bead=15)  # fmt: skip
-figure, axes = plt.subplots()
+figure, axes = plt.subplots(figsize=(8.0, 4.0))
 axes.bar(np.arange(1, N + 1), by_radius)
 axes.set_title("Sensitivity of the momentum of ball 15 to each radius")
 axes.set_xlabel("bead $j$")

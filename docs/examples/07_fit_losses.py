@@ -35,7 +35,7 @@ compared = hc.compare_losses(
 names = [each.law for each in compared.fits]
 scores = [each.bic - compared.fits[0].bic for each in compared.fits]
 
-figure, axes = plt.subplots(figsize=(5.4, 2.6))
+figure, axes = plt.subplots(figsize=(8.0, 2.6))
 axes.barh(names[::-1], [max(score, 1.0) for score in scores[::-1]])
 axes.set_xscale("log")
 axes.axvline(10, color="0.4", linestyle="--", linewidth=0.9)

@@ -31,7 +31,7 @@ down = (decay[inner] < decay[:-2]) & (decay[inner] < decay[2:]) & (decay[inner] 
 up = (decay[inner] > decay[:-2]) & (decay[inner] > decay[2:]) & (decay[inner] > 1e-6)
 passing, stopping = ratios[inner][down], ratios[inner][up]
 
-figure, axes = plt.subplots(figsize=(7.2, 3.8))
+figure, axes = plt.subplots(figsize=(8.0, 3.8))
 axes.loglog(ratios, np.maximum(decay, 1e-9))
 axes.plot(passing, np.maximum(decay[inner][down], 1e-9), "^", label="passes")
 axes.plot(stopping, decay[inner][up], "v", label="is scattered")

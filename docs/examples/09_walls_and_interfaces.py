@@ -26,7 +26,7 @@ walls = [hc.Chain.uniform(30).replace(right_wall=hc.Wall(stiffness=value)) for v
 peak = hc.simulate_many(walls, keep=["wall_peak_force"])["wall_peak_force"]
 chain_force = hc.propagate(hc.Chain.uniform(30)).peak_force[20]
 
-figure, axes = plt.subplots(figsize=(6.4, 3.8))
+figure, axes = plt.subplots(figsize=(8.0, 3.8))
 axes.semilogx(stiffness, peak / chain_force)
 axes.axvline(np.sqrt(2), color="0.5", linestyle="--", linewidth=0.9)
 axes.annotate("same material", (np.sqrt(2), 0.5), xytext=(5, 0), textcoords="offset points")
@@ -69,7 +69,7 @@ with warnings.catch_warnings():
 reflected = np.array([each.reflected_energy for each in found])
 transmitted = np.array([each.transmitted_energy for each in found])
 
-figure, axes = plt.subplots(figsize=(6.4, 3.8))
+figure, axes = plt.subplots(figsize=(8.0, 3.8))
 axes.plot(radii, transmitted, "o-", label="transmitted")
 axes.plot(radii, reflected, "s-", label="reflected")
 axes.set_title("Energy at an interface")

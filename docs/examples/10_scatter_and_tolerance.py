@@ -35,7 +35,7 @@ for scatter in scatters:
     rows = [experiment(balls.with_scatter(seed, relative=scatter)) for seed in range(300)]
     forces.append(hc.simulate_many(rows, keep=["wall_peak_force"])["wall_peak_force"])
 
-figure, axes = plt.subplots(figsize=(6.4, 3.8))
+figure, axes = plt.subplots(figsize=(8.0, 3.8))
 axes.boxplot(
     [each / nominal for each in forces], whis=(5, 95), showfliers=False,
     tick_labels=[f"{scatter:.1%}" for scatter in scatters],

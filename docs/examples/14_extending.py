@@ -52,7 +52,7 @@ print(mine.compare(exact))
 # %%
 # The assumption holds for all beads but the first and the last.
 
-figure, axes = plt.subplots(figsize=(6.4, 3.8))
+figure, axes = plt.subplots(figsize=(8.0, 3.8))
 for pulse, style in ((exact, "-"), (bca, "--"), (mine, ":")):
     axes.semilogy(pulse.bead, pulse.velocity, style, label=pulse.method)
 axes.set_title("A theory of your own, compared with the simulation")
@@ -75,7 +75,7 @@ def participation(run):
     return energy.sum(axis=1) ** 2 / (energy**2).sum(axis=1)
 
 
-figure, axes = plt.subplots(figsize=(6.4, 3.8))
+figure, axes = plt.subplots(figsize=(8.0, 3.8))
 shared = {}
 for name, each in {
     "growing beads": chain,

@@ -103,7 +103,7 @@ def draw_figures(_: Any) -> None:
     import figures
 
     folder = HERE / "_generated"
-    digest = package_digest(HERE / "figures.py")
+    digest = package_digest(HERE / "figures.py", HERE / "page_figures.py")
     names = [folder / f"{name}.svg" for name in figures.FIGURES]
     stamp = folder / "digest.txt"
     if not (all(map(Path.exists, names)) and stamp.exists() and stamp.read_text() == digest):

@@ -35,10 +35,10 @@ momentum, by_radius = hc.local_rate_gradient(hc.Chain.from_radii(radii_of(begin)
                                              bead=15)  # fmt: skip
 figure, axes = plt.subplots(figsize=(8.0, 4.0))
 axes.bar(np.arange(1, N + 1), by_radius)
+axes.set_xticks([1, 5, 10, 15, 20])
 axes.set_title("Sensitivity of the momentum of ball 15 to each radius")
 axes.set_xlabel("bead $j$")
 axes.set_ylabel(r"$\partial\ln P_{15} / \partial\ln R_j$")
-axes.set_xticks([1, 5, 10, 15, 20])
 
 # %%
 # The law has no free end, so the last ball requires the simulation.  ``propagate_many`` computes

@@ -69,6 +69,8 @@ for panel, dataset, title in zip(
 # Compute shares with ``--shard i/n``, merge them, and run the sweep again on the result: it
 # computes only the missing points.  :doc:`/how-to/sweeps` has scripts for SLURM, dask and MPI.
 
-least = complete.wall_peak_force.squeeze().argmin(...)
+force = complete.wall_peak_force.squeeze()
+least = force.isel(force.argmin(...))
 print(f"the merged and resumed sweep equals that of one process: {same}")
-print({name: float(complete[name][place]) for name, place in least.items()})
+print(f"smallest force of {force.size} chains: {least:.3f}, at rate {least.rate:g} and wall "
+      f"stiffness {least.stiffness:g}")  # fmt: skip

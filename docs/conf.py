@@ -81,7 +81,7 @@ html_theme_options = {
     "show_prev_next": False,
     "footer_start": ["copyright"],
     "footer_end": ["sphinx-version"],
-    "pygments_light_style": "friendly",
+    "pygments_light_style": "a11y-high-contrast-light",
 }
 # Without its menu, MathJax loads no further files.
 mathjax3_config = {"options": {"enableMenu": False}, "svg": {"scale": 0.92}}

@@ -71,6 +71,8 @@ html_title = f"hertzchain {version}"
 html_static_path = ["_static"]
 html_css_files = ["custom.css"]
 html_copy_source = False
+# The index of modules lists internal ones; the pages of the reference have summary tables.
+html_domain_indices = False
 html_show_sourcelink = False
 html_sidebars = {"**": ["nav.html"]}
 html_theme_options = {

@@ -26,8 +26,8 @@ nominal = hc.simulate_many([experiment(balls)], keep=["wall_peak_force"])["wall_
 # Scatter of the radii
 # --------------------
 #
-# For each scatter, 300 rows of balls are drawn and simulated.  The mean force decreases with
-# the square of the scatter, because disorder scatters energy out of the pulse.
+# For each scatter, 300 rows of balls are drawn and simulated.  The median force decreases
+# roughly with the square of the scatter, because disorder scatters energy out of the pulse.
 
 scatters = np.array([0.001, 0.003, 0.01, 0.02, 0.05, 0.1])
 forces = []
@@ -62,8 +62,8 @@ for grade in (10, 28, 100, 200):
 # Gaps
 # ----
 #
-# A gap is more dangerous, because the balls overlap by much less than a micrometre.  Here one
-# contact in the middle is open.
+# A gap between two balls hardly changes the peak force, but it delays the pulse, because the balls
+# overlap by little more than a micrometre.  Here one contact in the middle is open.
 
 gaps = np.array([0.0, 0.1, 0.2, 0.5, 1.0, 2.0, 5.0])
 gapped = []

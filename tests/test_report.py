@@ -12,6 +12,7 @@ import pytest
 
 import hertzchain as hc
 from hertzchain.paper.drawings import Drawing, drawing_pool, drawn
+from hertzchain.paper.mathml import plain, typeset
 from hertzchain.paper.report import reserved, write_report, write_reserved
 from hertzchain.paper.reproduction import reproduce
 from hertzchain.plotting.style import figure_bytes, figure_style, svg_and_png
@@ -63,6 +64,36 @@ def test_the_page_opens_with_the_verdict(folder):
     assert "as printed" in opening
 
 
+def test_the_summary_is_a_table_and_formulas_are_mathml(folder):
+    page = (folder / "report.html").read_text("utf-8")
+    rows = re.findall(r'<th scope="row"><a href="#(\w+)">', page)
+    assert rows == ["tables", "figures", "errata", "scoreboard"]
+    assert all(f'id="{row}"' in page for row in rows)
+    opening = page[: page.index("<nav ")]
+    assert re.findall(r'aria-label="([^"]*tolerance)"', opening) == ["within tolerance"] * 4
+    body = page[page.index("</style>") :]
+    assert "$" not in body
+    assert not re.search(r"[A-Za-z]\^[\w(]|\w_\d", re.sub(r"<[^>]*>", " ", body))
+
+
+def test_formulas_are_converted_to_mathml():
+    assert typeset("a < b") == "a &lt; b"
+    assert typeset("in $c_0 q^x$ units") == (
+        "in <math><mrow><msub><mi>c</mi><mn>0</mn></msub><msup><mi>q</mi><mi>x</mi></msup></mrow>"
+        "</math> units"
+    )
+    assert typeset("E_90 of v^u") == f"{typeset('$E_90$')} of {typeset('$v^u$')}"
+    # The parentheses of an exponent are not shown, others are.
+    assert typeset("$(1+S)^(-3/2)$") == (
+        "<math><mrow><msup><mrow><mo>(</mo><mrow><mn>1</mn><mo>+</mo><mi>S</mi></mrow><mo>)</mo>"
+        "</mrow><mrow><mo>−</mo><mn>3</mn><mo>/</mo><mn>2</mn></mrow></msup></mrow></math>"
+    )
+    for formula in ("$(1+S$", "$k^(3/2$", "$1+S)$"):
+        with pytest.raises(ValueError, match="unmatched parenthesis"):
+            typeset(formula)
+    assert plain("in $c_0 q^x$ units") == "in c_0 q^x units"
+
+
 def test_verdict_is_plain_versioned_data(folder):
     verdict = json.loads((folder / "verdict.json").read_text("utf-8"))
     assert verdict["schema_version"] == 1
@@ -71,6 +102,7 @@ def test_verdict_is_plain_versioned_data(folder):
     assert verdict["tables"]["table2"]["window"] == [5, 80]
     assert verdict["figures"]["figure6"]["holds"] is True
     assert len(verdict["errata"]) == 17
+    assert "$" not in json.dumps(verdict["errata"])
     assert verdict["method"]["energy_drift"] < 1e-10
     rows = {row["name"]: row["theories"] for row in verdict["scoreboard"]["rows"]}
     assert rows["waist"]["bca"]["errors"]["velocity"]["from_10"]["worst"] > 0.4
@@ -80,7 +112,7 @@ def test_verdict_is_plain_versioned_data(folder):
 def test_the_scoreboard_is_in_page_and_summary(folder):
     page = (folder / "report.html").read_text("utf-8")
     assert '<h2 id="scoreboard">' in page
-    verdict = page[: page.index("<nav>")]
+    verdict = page[: page.index("<nav ")]
     assert "On 13 smooth tapers that no theory was fitted to" in verdict
     (row,) = re.findall('<td class="text">waist</td>(.*)', page)
     (line,) = re.findall(r"^\| waist \|(.*)\|$", (folder / "summary.md").read_text("utf-8"), re.M)

@@ -109,9 +109,9 @@ def _velocity_formulas_misprinted(pulses: Pulses) -> list[Erratum]:
     return [
         Erratum(
             place="Eqs. (38), (39), (42): backward exponential velocity",
-            printed=f"c_be = {backward.c0:g} q^{backward.x:g}",
+            printed=f"$c_be = {backward.c0:g} q^{backward.x:g}$",
             follows=(
-                f"c_be = {forward.c0:g} q^(-{forward.x:g}): the pair (c0, x) was apparently "
+                f"$c_be = {forward.c0:g} q^(-{forward.x:g})$: the pair $(c_0, x)$ was apparently "
                 "exchanged with that of the forward taper, and x lost its sign."
             ),
             evidence=_formula_evidence("backward-exponential", pulses),
@@ -119,17 +119,17 @@ def _velocity_formulas_misprinted(pulses: Pulses) -> list[Erratum]:
         ),
         Erratum(
             place="Eqs. (40), (44): forward exponential velocity",
-            printed=f"c_fe = {forward.c0:g} q^{forward.x:g}",
-            follows=f"c_fe = {backward.c0:g} q^{backward.x:g}: the other half of this exchange.",
+            printed=f"$c_fe = {forward.c0:g} q^{forward.x:g}$",
+            follows=f"$c_fe = {backward.c0:g} q^{backward.x:g}$: the other half of this exchange.",
             evidence=_formula_evidence("forward-exponential", pulses),
             inference=True,
         ),
         Erratum(
             place="Eqs. (31), (41): backward linear velocity",
-            printed="v_bl = (2/3) k^(-3/2), for every S",
+            printed="$v_bl = (2/3) k^(-3/2)$, for every S",
             follows=(
-                "v_bl = (2/3) a^u k^(-3/2): Eqs. (28) to (30) contain a prefactor a^u that depends "
-                f"on S, {backward_linear_prefactor(0.1):.4g} at S = 0.1 and "
+                "$v_bl = (2/3) a^u k^(-3/2)$: Eqs. (28) to (30) contain a prefactor a^u that "
+                f"depends on S, {backward_linear_prefactor(0.1):.4g} at S = 0.1 and "
                 f"{backward_linear_prefactor(0.9):.3g} at S = 0.9. The power law holds only for "
                 "k ≫ 1/S, far from k = 5 at S = 0.1; the exact product of the BCA, which "
                 "according to the paper is plotted, is valid for every k."
@@ -138,8 +138,8 @@ def _velocity_formulas_misprinted(pulses: Pulses) -> list[Erratum]:
         ),
         Erratum(
             place="Eq. (43): forward linear velocity",
-            printed="v_fl = 0.680 [1 - k/(1+1/S)]^(+3/2)",
-            follows="the exponent is -3/2, as in Eq. (22) and Sec. 5.3.1: the velocity grows.",
+            printed="$v_fl = 0.680 [1 - k/(1+1/S)]^(+3/2)$",
+            follows="the exponent is $-3/2$, as in Eq. (22) and Sec. 5.3.1: the velocity grows.",
             evidence=_formula_evidence("forward-linear", pulses),
         ),
     ]
@@ -151,8 +151,8 @@ def _ratio_upside_down(pulses: Pulses) -> Erratum:
     slopes = np.polyfit(pulse.bead[4:80], np.array([ratio, 1.0 / ratio]).T[4:80], 1)[0]
     return Erratum(
         place="Eq. (34) compared with Eqs. (39), (42), (44)",
-        printed="v / v^u = c + d k, with d > 0 and |α - α^u| in the exponent before it",
-        follows="v^u / v = c + d k: the final formulas divide, α - α^u is negative, and d is "
+        printed="$v / v^u = c + d k$, with $d > 0$ and $|α - α^u|$ in the exponent before it",
+        follows="$v^u / v = c + d k$: the final formulas divide, $α - α^u$ is negative, and d is "
         "positive only in this form.",
         evidence=(
             ("slope of v/v^u, forward q = 0.06, k = 5..80", f"{slopes[0]:+.4f}"),
@@ -170,8 +170,8 @@ def _expansion_not_small(pulses: Pulses) -> Erratum:
         what = f"|α - α^u| k at k = 80, {taper}, q = {rate:g}"
         evidence.append((what, f"{80.0 * abs(exact - theory):.2f}"))
     return Erratum(
-        place="Above Eq. (34): the condition |α - α^u| k ≪ 1",
-        printed="“we assume |α - α^u| k ≪ 1”, for the straight line c + d k",
+        place="Above Eq. (34): the condition $|α - α^u| k ≪ 1$",
+        printed="“we assume $|α - α^u| k ≪ 1$”, for the straight line $c + d k$",
         follows="the condition is not satisfied at the end of the forward chains shown.",
         evidence=tuple(evidence),
     )
@@ -181,7 +181,7 @@ def _wrong_limit() -> Erratum:
     limit = float(1.0 / propagate(Chain.uniform(60)).velocity[49])
     printed, small = published_correction("backward-exponential"), 1e-6
     return Erratum(
-        place="Eq. (35): c(q) = c0 q^x",
+        place="Eq. (35): $c(q) = c_0 q^x$",
         printed="a power law with x ≠ 0",
         follows=(
             "the power law cannot hold for q → 0, where it tends to 0 or infinity: c must tend to "
@@ -204,11 +204,11 @@ def _prefactor_of_forward_linear() -> Erratum:
     same = sum(round(value, printed.decimals) == printed.value for value, printed in pairs)
     return Erratum(
         place="Eqs. (22), (24) and the column “Binary” of Table 3",
-        printed="v^u = [1 - k/(1+1/S)]^(-3/2), which is (1+S)^(3/2) at k = 1; “all the BCA data "
-        "… was obtained using the full analytic predictions” (Sec. 3.1)",
+        printed="$v^u = [1 - k/(1+1/S)]^(-3/2)$, which is $(1+S)^(3/2)$ at k = 1; “all the BCA "
+        "data … was obtained using the full analytic predictions” (Sec. 3.1)",
         follows=(
-            "v_1 = 1 requires a factor (1+S)^(-3/2). Without it the slope of Eq. (24), which is "
-            "printed in Table 3, exceeds that of the exact product by a factor (1+S)^(3/2)."
+            "$v_1 = 1$ requires a factor $(1+S)^(-3/2)$. Without it the slope of Eq. (24), which "
+            "is printed in Table 3, exceeds that of the exact product by a factor $(1+S)^(3/2)$."
         ),
         evidence=(
             ("slope at S = 0.01, Eq. (24)", f"{forward_linear_momentum_slope(0.01):.5f}"),
@@ -234,7 +234,7 @@ def _table_of_another_taper() -> Erratum:
     return Erratum(
         place="Table 3: header and caption",
         printed="header q, caption “forward exponentially tapered chains”",
-        follows="S and “linearly”: the column “Binary” is -(3/2) S (1+S)².",
+        follows="S and “linearly”: the column “Binary” is $-(3/2) S (1+S)^2$.",
         evidence=(
             ("column “Binary” read as a linear taper", matches(linear)),
             ("column “Binary” read as an exponential taper", matches(exponential)),
@@ -250,7 +250,7 @@ def _velocity_decreases(pulses: Pulses) -> Erratum:
         evidence.append((what, f"{v[89] / v[9]:.3g}"))
     return Erratum(
         place="Secs. 5.1.1 and 5.2: backward tapers",
-        printed="“the velocity of the granules increases as”, and k^(-3/2) in Eq. (28); “the "
+        printed="“the velocity of the granules increases as”, and $k^(-3/2)$ in Eq. (28); “the "
         "velocity increases exponentially”",
         follows="the velocity decreases, as stated in Sec. 3.",
         evidence=tuple(evidence),
@@ -342,16 +342,16 @@ def _slips() -> list[Erratum]:
         ),
         Erratum(
             place="Eq. (3)",
-            printed="R_k = R′_k / R_1",
-            follows="R_k = R′_k / R′_1, with the unscaled first radius; otherwise the equation is "
-            "circular.",
+            printed="$R_k = R′_k / R_1$",
+            follows="$R_k = R′_k / R′_1$, with the unscaled first radius; otherwise the equation "
+            "is circular.",
             evidence=(),
         ),
         Erratum(
             place="Below Eq. (3): the constant α",
-            printed="α = M_1 V_1² / [a R′_1^(n+1/2)], where n is not defined",
-            follows="n = 5/2, the exponent of the Hertz potential: only then does the unit of "
-            "length R′_1 α^(2/5) remove all constants from Eq. (4).",
+            printed="$α = M_1 V_1^2 / [a R′_1^(n+1/2)]$, where n is not defined",
+            follows="$n = 5/2$, the exponent of the Hertz potential: only then does the unit of "
+            "length $R′_1 α^(2/5)$ remove all constants from Eq. (4).",
             evidence=(),
         ),
     ]

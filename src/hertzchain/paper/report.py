@@ -26,7 +26,6 @@ from pathlib import Path
 from typing import Any, Final
 
 from jinja2 import Environment, PackageLoader, select_autoescape
-from markupsafe import Markup, escape
 from matplotlib.figure import Figure as MatplotlibFigure
 
 from ..chain.tapers import rate_symbol
@@ -40,6 +39,7 @@ from ..verification.case import ORIGINS
 from ..verification.verify import as_dict
 from .drawings import Drawing, drawn
 from .figures import Figure, draw_figure, figure_csv
+from .mathml import plain, typeset
 from .reproduction import Reproduction
 from .tables import WINDOWS, Table
 from .velocity_formulas import draw_formula_errors
@@ -186,9 +186,9 @@ def verdict(reproduction: Reproduction) -> dict[str, Any]:
         },
         "errata": [
             {
-                "place": erratum.place,
-                "printed": erratum.printed,
-                "follows": erratum.follows,
+                "place": plain(erratum.place),
+                "printed": plain(erratum.printed),
+                "follows": plain(erratum.follows),
                 "inference": erratum.inference,
                 "evidence": dict(erratum.evidence),
             }
@@ -264,7 +264,8 @@ def _templates() -> Environment:
         lstrip_blocks=True,
     )
     environment.filters["describe"] = _measured
-    environment.filters["typeset"] = _typeset
+    environment.filters["typeset"] = typeset
+    environment.filters["plain"] = plain
     return environment
 
 
@@ -306,14 +307,6 @@ def _rows(table: Table) -> list[list[Any]]:
     for entry in table.entries:
         by_rate.setdefault(entry.rate, []).append(entry)
     return list(by_rate.values())
-
-
-def _typeset(formula: str) -> Markup:
-    """Convert a_b, a^b and a^(b) in a line of text to subscripts and superscripts."""
-    text = str(escape(formula))
-    text = re.sub(r"(?<=[\w′])_(\w+)", r"<sub>\1</sub>", text)
-    text = re.sub(r"\^\(([^()]+)\)|\^(-?[\w.]+\w)", r"<sup>\1\2</sup>", text)
-    return Markup(text)
 
 
 def _measured(figure: Figure) -> str:

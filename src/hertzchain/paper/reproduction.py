@@ -69,6 +69,11 @@ class Reproduction:
     @functools.cached_property
     def verdict(self) -> str:
         """Summary of the outcome in a few sentences."""
+        return " ".join(sentence for _, sentence, _ in self.summary)
+
+    @functools.cached_property
+    def summary(self) -> tuple[tuple[str, str, bool], ...]:
+        """Part, outcome in one sentence, and whether it is within its tolerance."""
         parts = []
         if self.tables:
             exact = sum(entry.units == 0 for table in self.tables for entry in table.entries)
@@ -77,31 +82,33 @@ class Reproduction:
                 if any(table.published.name == "table1" for table in self.tables)
                 else ""
             )
-            parts.append(
+            sentence = (
                 f"{self.agreeing_entries} of {self.entries} table entries agree with the paper to "
                 f"within one unit of the last printed digit{seven_decimals}; {exact} match every "
                 "digit."
             )
+            parts.append(("tables", sentence, self.agreeing_entries == self.entries))
         if self.figures:
-            parts.append(
-                f"{self.holding_statements} of {len(self.figures)} figures pass their checks."
-            )
+            count = len(self.figures)
+            sentence = f"{self.holding_statements} of {count} figures pass their checks."
+            parts.append(("figures", sentence, self.holding_statements == count))
         if self.errata:
             printed, corrected = printed_and_corrected_errors(self.pulses)
-            parts.append(
+            sentence = (
                 f"{len(self.errata)} errata are listed: the paper's four velocity formulas differ "
                 f"from the simulation by up to {printed:.0%} as printed and by up to "
                 f"{corrected:.0%} as corrected (for linear tapers, using the exact BCA product)."
             )
+            parts.append(("errata", sentence, True))
         if self.scoreboard is not None:
-            parts.append(_best_theory(self.scoreboard))
+            parts.append(("scoreboard", _best_theory(self.scoreboard), True))
         if self.verification:
-            agreeing = sum(verdict.agrees for verdict in self.verification)
-            parts.append(
-                f"Beyond the paper, {agreeing} of {len(self.verification)} exact or published "
-                "values are reproduced."
+            agreeing, count = sum(each.agrees for each in self.verification), len(self.verification)
+            sentence = (
+                f"Beyond the paper, {agreeing} of {count} exact or published values are reproduced."
             )
-        return " ".join(parts)
+            parts.append(("verification", sentence, agreeing == count))
+        return tuple(parts)
 
 
 def checked_parts(only: Collection[str] | None) -> set[str]:

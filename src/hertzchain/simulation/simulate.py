@@ -60,16 +60,16 @@ def simulate(
     check: bool = True,
     progress: Progress | None = None,
 ) -> Run:
-    r"""Integrate the equation of motion of a chain, Eq. (4) of the paper and beyond.
+    r"""Integrate the equation of motion of all beads of a chain.
 
     .. math:: m_k \ddot x_k = F_{k-1} - F_k + X_k
 
-    with the contact forces of the loss law (`hertzchain.chain.laws`), including those of the
-    walls, and the sum :math:`X_k` of the external forces on bead k: its weight, the drive, and the
-    force that holds an end of the chain.  The method is the Runge-Kutta pair DOP853 (order 8,
-    adaptive), applied to every bead; the error of a step is measured, bead by bead, relative to
-    the speeds within three beads.  If the force of a law is discontinuous or depends on history,
-    the time of the change is located and the step ends there.
+    This is Eq. (4) of the paper with the contact forces of the loss law (`hertzchain.chain.laws`),
+    including those of the walls, and the sum :math:`X_k` of the external forces on bead k: its
+    weight, the drive, and the force that holds an end of the chain.  The method is the Runge-Kutta
+    pair DOP853 (order 8, adaptive), applied to every bead; the error of a step is measured, bead by
+    bead, relative to the speeds within three beads.  If the force of a law is discontinuous or
+    depends on history, the time of the change is located and the step ends there.
 
     Parameters
     ----------

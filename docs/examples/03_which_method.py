@@ -1,0 +1,99 @@
+"""
+Which method is accurate enough, and how long does it take?
+===========================================================
+
+``simulate`` integrates all beads, ``propagate`` only those around the pulse, and ``local_rate``,
+``bca`` and ``modified_bca`` are theories.  Which of them do you need?
+"""
+
+import time
+
+import matplotlib.pyplot as plt
+import numpy as np
+
+import hertzchain as hc
+
+plt.style.use("hertzchain.plotting.hertzchain")
+
+# %%
+# Compare all methods on one smooth taper.  The reference is ``simulate``, with a relative error of
+# 1e-13 per step.
+
+chain = hc.Chain.tapered("backward-exponential", 0.05, beads=100)
+methods = {
+    "simulate": lambda chain: hc.simulate(chain, times=0).pulse(),
+    "propagate": hc.propagate,
+    "local_rate": hc.local_rate,
+    "modified_bca": hc.modified_bca,
+    "bca": hc.bca,
+}
+
+
+def best_time(function, chain, repetitions=5):
+    """Shortest time of several calls, after a first one, which may compile."""
+    function(chain)
+    times = []
+    for _ in range(repetitions):
+        began = time.perf_counter()
+        function(chain)
+        times.append(time.perf_counter() - began)
+    return min(times)
+
+
+seconds = {name: best_time(function, chain) for name, function in methods.items()}
+pulses = {name: function(chain) for name, function in methods.items()}
+exact = pulses["simulate"].velocity
+inner = slice(4, 97)
+
+figure, (left, right) = plt.subplots(1, 2, figsize=(9.6, 3.8))
+for number, (name, pulse) in enumerate(pulses.items()):
+    colour = f"C{number}"
+    left.semilogy(np.arange(1, 101), pulse.velocity, color=colour, label=name)
+    if name != "simulate":
+        error = abs(pulse.velocity / exact - 1)[inner]
+        right.semilogy(np.arange(5, 98), error, color=colour, label=name)
+left.set_title("Velocity of the pulse")
+left.set_xlabel("bead $k$")
+left.set_ylabel("velocity")
+right.set_title("Relative error of the velocity")
+right.set_xlabel("bead $k$")
+left.legend()
+
+# %%
+# With a random variation of its radii by 5%, the chain is not smooth.  The local-rate law warns
+# that it is outside its range, and its result is useless there.
+
+import warnings
+
+rough = hc.Chain.from_radii(chain.radii * np.exp(0.05 * np.random.default_rng(1).normal(size=100)))
+reference = hc.propagate(rough)
+with warnings.catch_warnings(record=True) as raised:
+    warnings.simplefilter("always")
+    law = hc.local_rate(rough)
+print(raised[0].message if raised else "no warning")
+print(f"largest error of local_rate: {law.compare(reference).worst('velocity'):.1%}")
+print(f"largest error of bca:        {hc.bca(rough).compare(reference).worst('velocity'):.1%}")
+
+# %%
+# Only ``simulate`` supports walls, losses, gaps and drives.  All other functions raise an error
+# that names the unsupported feature:
+
+try:
+    hc.propagate(chain.replace(right_wall=hc.Wall()))
+except hc.InputError as error:
+    print(error)
+
+# %%
+# Answer
+# ------
+#
+# Use ``simulate`` for forces on walls, losses and anything behind the pulse, ``propagate`` for the
+# pulse itself, and ``local_rate`` for smooth tapers if you need derivatives or millions of
+# chains.  The BCA is for estimates of times only.  :doc:`/how-to/which_function` has the complete
+# table.
+
+print(f"{'method':14}{'time':>12}{'largest error, beads 5 to 97':>32}")
+for name, pulse in pulses.items():
+    error = abs(pulse.velocity / exact - 1)[inner].max()
+    shown = "reference" if name == "simulate" else f"{error:.1e}"
+    print(f"{name:14}{1e3 * seconds[name]:9.3f} ms{shown:>32}")

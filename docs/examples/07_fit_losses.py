@@ -1,0 +1,55 @@
+"""
+Which loss law describes the data, and how large is the loss?
+=============================================================
+
+A pulse in real balls decays.  The traces of four force sensors contain enough information to
+determine the loss law, its constant and its error, and even a hidden gap.
+"""
+
+import matplotlib.pyplot as plt
+
+import hertzchain as hc
+
+plt.style.use("hertzchain.plotting.hertzchain")
+traces, chain_file = hc.example_experiment()
+
+# %%
+# The chain file names the free parameters and the measurements that serve as priors.  ``fit`` finds
+# the values and their standard errors.
+
+result = hc.fit(traces, chain_file)
+print(result.summary())
+
+# %%
+# Always look at the residuals.  Here they look like noise, so the model describes the data.
+
+result.plot()
+
+# %%
+# A fit always returns numbers, also for the wrong law.  ``compare_losses`` fits several laws to the
+# same data; a difference of the BIC by more than 10 decides.
+
+compared = hc.compare_losses(
+    traces, chain_file, laws=["viscoelastic", "restitution", "dashpot", "elastic"]
+)
+names = [each.law for each in compared.fits]
+scores = [each.bic - compared.fits[0].bic for each in compared.fits]
+
+figure, axes = plt.subplots(figsize=(8.0, 2.6))
+axes.barh(names[::-1], [max(score, 1.0) for score in scores[::-1]])
+axes.set_xscale("log")
+axes.axvline(10, color="0.4", linestyle="--", linewidth=0.9)
+axes.set_title("Difference of the BIC from the best law")
+axes.set_xlabel("difference; the dashed line is 10")
+
+# %%
+# Answer
+# ------
+#
+# The data were computed with a viscoelastic loss with a relaxation time of 0.62 µs and a stiffness
+# of 0.96 of the nominal one.
+
+print(compared.statement)
+for name in ("loss.time", "stiffness"):
+    row = dict(result.rows())[name]
+    print(f"{name:10} {row}")

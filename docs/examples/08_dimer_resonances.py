@@ -1,0 +1,62 @@
+r"""
+Which dimers stop a pulse, and which let it pass?
+=================================================
+
+In a *dimer*, heavy and light beads alternate.  For some mass ratios the pulse passes like in a
+uniform chain, for others it decays within a few beads.  Which mass ratios are these?
+"""
+
+import matplotlib.pyplot as plt
+import numpy as np
+
+import hertzchain as hc
+
+plt.style.use("hertzchain.plotting.hertzchain")
+
+# %%
+# Follow the pulse along 120 beads for 300 mass ratios.  All contacts have the same stiffness.
+
+ratios = np.geomspace(0.03, 0.99, 300)
+table = hc.propagate_many([hc.Chain.dimer(ratio, beads=121) for ratio in ratios], rtol=1e-10)
+heavy = table.velocity[:, ::2]
+decay = np.log(heavy[:, 20] / heavy[:, 55]) / 35
+
+# %%
+# The decay per cell, from heavy bead 41 to heavy bead 111, has sharp minima.  There, the light bead
+# makes a whole number of oscillations between its neighbours while the pulse passes, and it keeps
+# no energy.
+
+inner = slice(1, -1)
+down = (decay[inner] < decay[:-2]) & (decay[inner] < decay[2:]) & (decay[inner] < 1e-3)
+up = (decay[inner] > decay[:-2]) & (decay[inner] > decay[2:]) & (decay[inner] > 1e-6)
+passing, stopping = ratios[inner][down], ratios[inner][up]
+
+figure, axes = plt.subplots(figsize=(8.0, 3.8))
+axes.loglog(ratios, np.maximum(decay, 1e-9))
+axes.plot(passing, np.maximum(decay[inner][down], 1e-9), "^", label="passes")
+axes.plot(stopping, decay[inner][up], "v", label="is scattered")
+axes.set_title("Decay of the velocity of a pulse in dimers")
+axes.set_xlabel("mass of a light bead over that of a heavy bead")
+axes.set_ylabel("decay per cell")
+axes.set_xticks([0.03, 0.1, 0.3, 1.0], ["0.03", "0.1", "0.3", "1"])
+axes.legend(loc="upper left")
+
+# %%
+# Maps of the force show the difference.  In the second one, the pulse leaves a train of small
+# oscillations behind, which takes its energy.
+
+figure, panels = plt.subplots(1, 2, figsize=(9.6, 3.6), sharey=True)
+for axes, ratio, title in zip(
+    panels, (passing[-1], stopping[-1]), ("passes", "is scattered"), strict=True
+):
+    run = hc.simulate(hc.Chain.dimer(ratio, beads=61), until=60.0, times=1200)
+    run.plot("force", ax=axes)
+    axes.set_title(f"mass ratio {ratio:.3f}: the pulse {title}")
+
+# %%
+# Answer
+# ------
+
+print("the pulse passes at mass ratios        ", ", ".join(f"{x:.3f}" for x in passing[::-1]))
+print("and is scattered most strongly at      ", ", ".join(f"{x:.3f}" for x in stopping[::-1]))
+print(f"at {stopping[-1]:.3f}, the velocity decreases by {1 - np.exp(-decay.max()):.1%} per cell")

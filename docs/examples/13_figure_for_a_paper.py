@@ -1,0 +1,101 @@
+"""
+How do you draw a figure that a journal prints?
+===============================================
+
+A journal asks for vector graphics of a column's width, text of at least 7 points, and colours
+that remain different in grey.  What is needed for that?
+"""
+
+import tempfile
+from pathlib import Path
+
+import matplotlib.pyplot as plt
+import numpy as np
+
+import hertzchain as hc
+
+# %%
+# The style
+# ---------
+#
+# Every plot of hertzchain has a parameter ``ax`` for axes of your own figure.  The style sheet
+# ``hertzchain.plotting.hertzchain`` has small text, thin lines and no frames.  Set the figure to
+# its final size; do not scale it later.
+
+plt.style.use("hertzchain.plotting.hertzchain")
+plt.rcParams.update({"font.size": 8, "axes.labelsize": 8, "legend.fontsize": 7.5,
+                     "axes.titlesize": 8})  # fmt: skip
+COLUMN = 3.375  # width of a column in inches
+
+chain = hc.Chain.tapered("forward-linear", 0.015, beads=40)
+run = hc.simulate(chain, times=800)
+exact, bca, law = hc.propagate(chain), hc.bca(chain), hc.local_rate(chain)
+
+# %%
+# Compare curves and their difference
+# -----------------------------------
+#
+# Markers that lie on top of each other hide the result.  Draw the simulation as a line, theories
+# as dashed lines, and add a panel with the ratio.  Different dashes remain visible in grey.
+
+figure, (top, middle, bottom) = plt.subplots(
+    3, 1, figsize=(COLUMN, 3.9), height_ratios=[0.5, 2, 1.2]
+)
+hc.plot_chain(chain, ax=top)
+top.set_axis_off()
+top.set_title("")
+k = exact.bead
+for pulse, label, dashes in (
+    (exact, "simulation", "-"), (bca, "BCA", "--"), (law, "local-rate law", ":"),
+):  # fmt: skip
+    middle.semilogy(k, pulse.velocity, dashes, color="black" if dashes == "-" else None,
+                    linewidth=2.2 if dashes == ":" else 1.0, label=label)  # fmt: skip
+    if dashes != "-":
+        bottom.plot(k, pulse.velocity / exact.velocity, dashes,
+                    color=middle.lines[-1].get_color())  # fmt: skip
+bottom.axhline(1.0, color="black", linewidth=0.7)
+bottom.set_ylim(0.9, 1.7)
+middle.set_ylabel("velocity $v_k$")
+middle.tick_params(labelbottom=False)
+middle.legend()
+bottom.set_ylabel("theory /\nsimulation")
+bottom.set_xlabel("bead $k$")
+figure.align_ylabels()
+
+# %%
+# A map
+# -----
+#
+# A map has thousands of cells.  With ``rasterized=True`` only the map becomes an image; axes and
+# text remain vector graphics.
+
+figure_map, axes = plt.subplots(figsize=(COLUMN, 2.4))
+shown = axes.pcolormesh(
+    run.times, np.arange(1, chain.beads + 1), run.velocities.T, shading="nearest",
+    rasterized=True, cmap="magma_r", vmin=0,
+)  # fmt: skip
+axes.set_xlabel("time $t$")
+axes.set_ylabel("bead $k$")
+axes.set_title("Velocity of every bead")
+figure_map.colorbar(shown, label="velocity $v_k(t)$")
+
+# %%
+# Files
+# -----
+
+folder = Path(tempfile.mkdtemp())
+figure.savefig(folder / "velocity.pdf", metadata={"CreationDate": None})
+figure_map.savefig(folder / "map.pdf", dpi=300, metadata={"CreationDate": None})
+
+# %%
+# Answer
+# ------
+#
+# Use the style sheet, the final size, lines with different dashes, a panel with the ratio, and
+# rasterised maps in PDF files.
+
+smallest = min(text.get_fontsize() for text in figure.findobj(plt.Text) if text.get_text())
+width, height = figure.get_size_inches()
+print(f"velocity.pdf: {width:.2f} by {height:.2f} inches, {smallest:.1f} points or larger, "
+      f"{(folder / 'velocity.pdf').stat().st_size / 1024:.0f} kB")  # fmt: skip
+print(f"map.pdf: {(folder / 'map.pdf').stat().st_size / 1024:.0f} kB")

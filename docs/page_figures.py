@@ -1,0 +1,192 @@
+"""Figures of how-to guides and explanations that show what their pages describe."""
+
+from collections.abc import Callable
+from typing import Final
+
+import matplotlib.pyplot as plt
+import numpy as np
+from matplotlib.figure import Figure
+
+import hertzchain as hc
+from hertzchain.plotting.style import COLOURS, figure_style
+from hertzchain.theory import long_wave_velocity, sen_manciu_velocity
+
+
+def _rows(chains: dict[str, hc.Chain], height: float) -> Figure:
+    """Draw chains below each other, with their titles."""
+    with figure_style():
+        canvas, rows = plt.subplots(len(chains), 1, figsize=(8.0, height))
+        for axes, (title, chain) in zip(rows, chains.items(), strict=True):
+            hc.plot_chain(chain, ax=axes)
+            axes.set_title("")
+            axes.set_title(title, loc="left")
+            axes.set_axis_off()
+    return canvas
+
+
+def real_chains() -> Figure:
+    """Kinds of real chains."""
+    balls = hc.Chain.from_materials(5e-3, "steel-52100", beads=16)
+    experiment = hc.Chain.from_materials([5e-3, 5e-3, 4.75e-3, 4.5e-3, 4e-3], "steel-52100")
+    taper = hc.Chain.tapered("forward-linear", 0.05, beads=8)
+    return _rows(
+        {
+            "the experiment in a file: a PTFE striker, five steel balls, a wall":
+                experiment.struck_by(radius=4e-3, material="ptfe").replace(right_wall=hc.Wall()),
+            "a repeated cell": hc.Chain.periodic(
+                [9.5e-3, 4.8e-3], cells=7, materials=["steel-316", "ptfe"]
+            ),
+            "small beads between those of a taper": taper.decorated(0.4, between=2),
+            "a different bead": balls.with_defects({6: 3e-3}, material="brass"),
+            "random radii": balls.with_scatter(4, relative=0.15),
+        },
+        5.2,
+    )  # fmt: skip
+
+
+def chain_files() -> Figure:
+    """Chains of the first examples of chain files."""
+    return _rows(
+        {
+            "taper = \"forward-linear\", rate = 0.006, the first 30 of 60 beads":
+                hc.Chain.tapered("forward-linear", 0.006, beads=30),
+            "radii = [5.0, 1.5, 5.0, 1.5, 5.0, 1.5, 5.0]":
+                hc.Chain.from_radii([5.0, 1.5, 5.0, 1.5, 5.0, 1.5, 5.0]),
+            "taper = \"uniform\", the first 12 of 100 beads": hc.Chain.uniform(12),
+        },
+        3.2,
+    )  # fmt: skip
+
+
+def many_chains() -> Figure:
+    """Momentum in random chains, and the sensitivity of a force to all radii."""
+    radii = np.exp(0.05 * np.random.default_rng(1).standard_normal((2000, 40)))
+    table = hc.propagate_many(radii)
+    momentum = (table.radii**3 * table.velocity)[:, 29]
+    same = hc.propagate(hc.Chain.uniform(40)).momentum[29]
+    chain = hc.Chain.tapered("forward-linear", 0.005, beads=40)
+    gradient = hc.local_rate_gradient(chain, "peak_force", bead=30)[1]
+    with figure_style():
+        canvas, (left, right) = plt.subplots(1, 2, figsize=(9.6, 3.4))
+        left.hist(momentum, bins=60, color=COLOURS[5])
+        left.axvline(same, color=COLOURS[0], linewidth=1.2, label="equal beads")
+        left.axvline(np.median(momentum), color=COLOURS[2], linestyle="--", label="median")
+        left.set_xlabel("momentum of bead 30")
+        left.set_ylabel("number of chains")
+        left.legend()
+        right.bar(np.arange(2, 41), gradient[1:], color=COLOURS[1])
+        right.set_xlabel("bead $j$, from 2")
+        right.set_ylabel(r"$\partial\ln F_{30} / \partial\ln R_j$")
+    return canvas
+
+
+def closed_forms() -> Figure:
+    """The solitary wave and its approximations: profile and tail."""
+    wave = hc.solitary_wave()
+    distance = np.linspace(-3.0, 3.0, 601)
+    profiles = {
+        "exact": (wave.velocity(distance), COLOURS[0], "-"),
+        "long-wave theory": (long_wave_velocity(distance), COLOURS[1], "--"),
+        "Sen and Manciu": (sen_manciu_velocity(distance), COLOURS[2], ":"),
+    }
+    with figure_style():
+        canvas, (left, right) = plt.subplots(1, 2, figsize=(9.6, 3.6))
+        for label, (profile, colour, dashes) in profiles.items():
+            width = 2.2 if dashes == ":" else 1.1
+            left.plot(distance, profile, dashes, color=colour, linewidth=width, label=label)
+        far = np.linspace(0.0, 7.0, 141)
+        for label, function in {"exact": wave.velocity, "long-wave theory": long_wave_velocity,
+                                "Sen and Manciu": sen_manciu_velocity}.items():  # fmt: skip
+            values = function(far)
+            shown = values > 0.0
+            colour, dashes = profiles[label][1:]
+            right.semilogy(far[shown], values[shown], dashes, color=colour)
+        left.set_xlabel(r"distance from the crest $\xi$ [beads]")
+        left.set_ylabel("velocity, relative to the crest")
+        left.legend()
+        right.set_xlabel(r"distance from the crest $\xi$ [beads]")
+        right.set_ylim(1e-40, 3.0)
+    return canvas
+
+
+def theory() -> Figure:
+    """Velocity and arrival time of the BCA, relative to the simulation."""
+    tapers = {"backward-exponential": 0.05, "forward-exponential": 0.05,
+              "backward-linear": 0.5, "forward-linear": 0.009}  # fmt: skip
+    with figure_style():
+        canvas, (left, right) = plt.subplots(1, 2, figsize=(9.6, 3.6))
+        for number, (taper, rate) in enumerate(tapers.items()):
+            chain = hc.Chain.tapered(taper, rate, beads=100)
+            comparison = hc.bca(chain).compare(hc.propagate(chain))
+            bead = np.arange(2, 98)
+            dashes = ("-", "--", "-.", ":")[number]
+            for axes, quantity in ((left, "velocity"), (right, "arrival")):
+                error = 100.0 * comparison.errors(quantity)[1:97]
+                axes.plot(bead, error, dashes, color=COLOURS[number], label=f"{taper}, {rate:g}")
+        left.set_ylabel("error of the velocity [%]")
+        right.set_ylabel("error of the arrival time [%]")
+        right.legend(loc="lower right")
+        for axes in (left, right):
+            axes.set_xlabel("bead $k$")
+            axes.axhline(0.0, color="0.6", linewidth=0.7)
+    return canvas
+
+
+def numerics() -> Figure:
+    """Error of the velocity maxima as a function of the tolerance."""
+    chain = hc.Chain.tapered("backward-exponential", 0.05, beads=60)
+    best = hc.simulate(chain, times=0, rtol=1e-14).pulse().velocity[1:-1]
+    tolerances = np.logspace(-13, -6, 15)
+    errors, steps = [], []
+    for tolerance in tolerances:
+        run = hc.simulate(chain, times=0, rtol=tolerance)
+        errors.append(np.abs(run.pulse().velocity[1:-1] / best - 1.0).max())
+        steps.append(run.steps)
+    with figure_style():
+        canvas, (left, right) = plt.subplots(1, 2, figsize=(9.6, 3.4))
+        left.loglog(tolerances, errors, "o-", color=COLOURS[1])
+        left.loglog(tolerances, tolerances, "--", color="0.5", linewidth=0.8)
+        left.annotate("error = rtol", (1e-7, 1e-7), xytext=(6, -12), textcoords="offset points",
+                      color="0.35")  # fmt: skip
+        left.set_ylabel("largest error of a velocity")
+        right.loglog(tolerances, steps, "o-", color=COLOURS[2])
+        right.set_ylabel("steps")
+        for axes in (left, right):
+            axes.set_xlabel("tolerance per step, rtol")
+    return canvas
+
+
+def propagation() -> Figure:
+    """Velocities around the crest of a pulse: most beads do not move noticeably."""
+    chains = {
+        "backward-exponential, q = 0.05": hc.Chain.tapered("backward-exponential", 0.05, beads=80),
+        "uniform": hc.Chain.uniform(80),
+        "forward-exponential, q = 0.05": hc.Chain.tapered("forward-exponential", 0.05, beads=80),
+    }
+    with figure_style():
+        canvas, axes = plt.subplots(figsize=(7.6, 3.6))
+        for number, (label, chain) in enumerate(chains.items()):
+            time = float(hc.propagate(chain).peak_time[39])
+            velocity = hc.simulate(chain, until=time, times=[time]).velocities[-1]
+            moved = np.abs(velocity) / np.abs(velocity[39])
+            shown = moved > 0.0
+            place = np.arange(-39, 41)
+            axes.semilogy(place[shown], moved[shown], "ox+"[number], color=COLOURS[number + 1],
+                          label=label)  # fmt: skip
+        axes.set_xlabel("beads ahead of the crest")
+        axes.set_ylabel("speed, relative to the crest")
+        axes.set_ylim(1e-12, 4.0)
+        axes.set_xlim(-39.5, 12.0)
+        axes.legend(loc="lower left")
+    return canvas
+
+
+PAGE_FIGURES: Final[dict[str, Callable[[], Figure]]] = {
+    "real-chains": real_chains,
+    "chain-files": chain_files,
+    "many-chains": many_chains,
+    "closed-forms": closed_forms,
+    "theory": theory,
+    "numerics": numerics,
+    "propagation": propagation,
+}

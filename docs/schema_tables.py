@@ -1,0 +1,71 @@
+"""Tables of all keys of chain files, generated from the schema with which files are checked."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
+
+from hertzchain.store.chain_schema import chain_schema
+
+Keys = Sequence[Mapping[str, Any]]
+PER = {"bead": "one per bead", "contact": "one per contact", "row": "one per row", "item": "list"}
+
+
+def chain_file_page() -> str:
+    """Return a page in Markdown with one section for each table of a chain file."""
+    return "\n".join([
+        "# Keys of chain files",
+        "",
+        "[Chain files and output](../how-to/chain_files.md) explains how to write a chain file. "
+        "This page lists every table and key. It is generated from the schema with which files "
+        "are checked, `hertzchain.store.chain_schema`. Units are those of chains with materials, "
+        'where text with a unit, such as `"5 mm"`, is also accepted; scaled chains accept plain '
+        "numbers. An empty default means that the value follows from other keys.",
+        "",
+        *_sections(),
+    ])  # fmt: skip
+
+
+def _sections() -> Iterator[str]:
+    for name, section in chain_schema()["sections"].items():
+        brackets = f"[[{name}]]" if section["repeated"] else f"[{name}]"
+        yield from (f"## `{brackets}`", "", f"{_capitalised(section['description'])}.", "")
+        if section["keys"]:
+            yield from _table(section["keys"])
+        for value, keys in section.get("variants", {}).items():
+            chosen = f'With `{section["variant_key"]} = "{value}"`'
+            if keys:
+                yield from (f"{chosen}:", "")
+                yield from _table(keys)
+            else:
+                yield from (f"{chosen} there are no further keys.", "")
+
+
+def _table(keys: Keys) -> Iterator[str]:
+    yield "| key | value | unit | default | meaning |"
+    yield "|---|---|---|---|---|"
+    for key in keys:
+        cells = f"`{key['name']}`", _value(key), key["unit"], _default(key), key["description"]
+        yield f"| {' | '.join(cells)} |"
+    yield ""
+
+
+def _value(key: Mapping[str, Any]) -> str:
+    """Type, choices, bounds and length of a value."""
+    kind = ", ".join(f"`{choice}`" for choice in key["choices"]) or key["kind"]
+    symbols = {"above": ">", "least": "≥", "most": "≤", "below": "<"}
+    bounds = [f"{symbol} {key[name]:g}" for name, symbol in symbols.items() if name in key]
+    several = [PER[key["per"]] + (", or one for all" if key["one_for_all"] else "")
+               for _ in range(bool(key["per"]))]  # fmt: skip
+    return "; ".join([kind, *bounds, *several])
+
+
+def _default(key: Mapping[str, Any]) -> str:
+    if key["required"]:
+        return "required"
+    default = key["default"]
+    if default is None:
+        return ""
+    return f"`{str(default).lower() if isinstance(default, bool) else default}`"
+
+
+def _capitalised(text: str) -> str:
+    return text[:1].upper() + text[1:]

@@ -357,6 +357,18 @@ def test_the_stages_of_the_compilation_are_those_that_messages_need():
     WarmUp(()).wait("beads", general=True, stop=lambda: False)
 
 
+@pytest.mark.filterwarnings("ignore::pytest.PytestUnhandledThreadExceptionWarning")
+def test_a_stage_that_fails_does_not_stop_requests():
+    def fail(_):
+        raise RuntimeError("no compiler")
+
+    warm_up = WarmUp((Stage("the simulation", fail), Stage("the law", fail)))
+    warm_up.start()
+    began = time.monotonic()
+    warm_up.wait("beads", general=True, stop=lambda: time.monotonic() > began + 20.0)
+    assert warm_up.pending() == []
+
+
 def test_the_page_receives_the_schema():
     text = json.dumps(about(TAPER), allow_nan=False)
     found = json.loads(text)

@@ -39,11 +39,13 @@ class WarmUp:
         from ..warm_start import BEADS
 
         chain = Chain.tapered("backward-exponential", 0.05, beads=BEADS)
-        for stage in self._known():
-            try:
+        try:
+            for stage in self._known():
                 stage.run(chain)
-            finally:
                 self._done += 1
+        finally:
+            # If a stage fails, a request reports the error instead of waiting.
+            self._done = len(self._known())
 
     def pending(self) -> list[str]:
         """Names of kernels that are not compiled yet, in order."""

@@ -241,6 +241,14 @@ def test_samples_next_to_jumps_are_found():
     jumping = smooth - 0.5 * (grid > 100e-6) + 0.5 * (grid > 200.9e-6)
     found = np.flatnonzero(next_to_jumps(times, jumping, spacing, 0.01))
     assert found.tolist() == [98, 99, 100, 101, 199, 200, 201, 202]
+    # Two jumps within two intervals of the grid.
+    double = smooth + 0.3 * (grid > 100e-6) + 0.3 * (grid > 100.1e-6)
+    assert np.flatnonzero(next_to_jumps(times, double, spacing, 0.01)).tolist() == [
+        98,
+        99,
+        100,
+        101,
+    ]
     # There is a jump of 0.005, less than the limit.
     assert not next_to_jumps(times, smooth + 0.005 * (grid > 1e-4), spacing, 0.01).any()
 

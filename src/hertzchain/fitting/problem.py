@@ -20,8 +20,8 @@ SMALL: Final = 1e-6
 # Least step of parameters of a chain whose forces jump, before the samples next to jumps are known:
 # a difference must move the jumps by a sample.
 MIN_JUMPING_STEP: Final = 5e-3
-# Smallest jump that matters, as a fraction of the noise.
-MIN_JUMP: Final = 0.2
+# Smallest jump that matters, as a fraction of the noise: differences divide it by the small step.
+MIN_JUMP: Final = 0.01
 
 
 def differences(function: Callable[[Array], Array], variables: Array) -> Array:
@@ -58,20 +58,40 @@ class Problem:
         self.skipped = np.zeros(len(self.data), bool)
 
     def skip_next_to_jumps(self, variables: Array, *, more: bool) -> bool:
-        """Skip the samples next to jumps, only or in addition; return whether this is a change."""
+        """Skip the samples next to jumps, only or in addition; return whether this is a change.
+
+        These are the jumps at the variables and at the ends of the differences there, because a
+        small change of a parameter can add a jump or move it by several samples.
+        """
         values = self.model.values(variables)
-        found = np.concatenate([
-            mask[signal.valid]
-            for shot, data in enumerate(self.model.traces.shots)
-            for mask, signal in zip(
-                self.model.next_to_jumps(shot, values, MIN_JUMP), data.signals, strict=True
-            )
-        ])  # fmt: skip
+        shots = range(len(self.model.chains))
+        found = np.concatenate([self._next_to_jumps(shot, values) for shot in shots])
         if more:
             found |= self.skipped
         changed = not self.smooth or bool((found != self.skipped).any())
         self.skipped, self.smooth, self._latest = found, True, None
         return changed
+
+    def _next_to_jumps(self, shot: int, values: Mapping[Name, float]) -> Array:
+        """Mask of the valid samples of a shot next to jumps, also at the ends of differences."""
+        own = self.model.variables(values, shot)
+        signals = self.model.traces.shots[shot].signals
+        mask = np.zeros(sum(int(each.valid.sum()) for each in signals), bool)
+        points = [values]
+        for j, each in enumerate(self.model.parameters):
+            if each.shot in (None, shot):
+                ends = list(self._ends(shot, own, j, self.step(j)).values())
+                cheap = not any(self.model.needs_simulation(end, shot) for end in ends)
+                points += ends if cheap else ends[:1]
+        for point in points:
+            try:
+                parts = self.model.next_to_jumps(shot, point, MIN_JUMP)
+            except (SimulationError, InputError) as error:
+                self.last_failure = str(error)
+                continue
+            pairs = zip(parts, signals, strict=True)
+            mask |= np.concatenate([part[signal.valid] for part, signal in pairs])
+        return mask
 
     def predicted(self, values: Mapping[Name, float], shot: int | None = None) -> Array:
         """Predicted values of the valid samples of one shot, or of all shots."""

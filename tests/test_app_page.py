@@ -466,6 +466,22 @@ def test_nothing_overflows(browser, running, width):
         page.tab.evaluate(action)
         page.settle()
         assert page.tab.evaluate("document.documentElement.scrollWidth") <= width
+    # On a phone, the controls are next to the chain that they change.
+    tops = [page.tab.locator(each).bounding_box()["y"] for each in ("#lane-A", "#controls", "#map")]
+    if width == 400:
+        assert tops == sorted(tops)
+    page.context.close()
+    assert page.problems == []
+
+
+def test_forced_colours_keep_states_and_legends(browser, running):
+    page = Page(browser, running, forced_colors="active")
+    colours = page.tab.evaluate("""() => {
+      const of = (each) => getComputedStyle(each).backgroundColor;
+      const all = (what) => [...document.querySelectorAll(what)].map(of);
+      return [all("#sensor, #open-share"), all("#legend-budget .swatch")];
+    }""")
+    assert [len(set(each)) == len(each) > 1 for each in colours] == [True, True], colours
     page.context.close()
     assert page.problems == []
 

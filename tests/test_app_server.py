@@ -19,6 +19,7 @@ import pytest
 from app_client import STEEL, TAPER, WALL, Client, computed, unpacked
 
 import hertzchain as hc
+from hertzchain.app import library
 from hertzchain.app.about import about, gallery
 from hertzchain.app.documents import chain_of, document_as_toml, document_of_file
 from hertzchain.app.messages import Part
@@ -311,13 +312,61 @@ def test_theories_are_sent_while_simulations_are_compiled():
     found.stop()
 
 
+def test_the_page_is_served_before_the_library_is_imported(monkeypatch):
+    code = (
+        "import sys; import hertzchain.app.serve;"
+        "print([name for name in ('numpy', 'numba', 'scipy') if name in sys.modules])"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "[]"
+    imported = threading.Event()
+
+    def load():
+        assert imported.wait(30.0)
+        library.LOADED.set()
+
+    monkeypatch.setattr(library, "LOADED", threading.Event())
+    monkeypatch.setattr(library, "load", load)
+    found = RunningServer(0, TAPER)
+    found.start()
+    try:
+        answers = []
+        thread = threading.Thread(
+            target=lambda: answers.append(Client(found).ask("GET", "/api/about").status)
+        )
+        thread.start()
+        response = Client(found).ask("GET", "/")
+        assert response.status == 200
+        assert found.app.warm_up.pending() == ["the library"]
+        assert thread.is_alive()
+        imported.set()
+        thread.join(30.0)
+        assert answers == [200]
+    finally:
+        imported.set()
+        found.stop()
+
+
 def test_the_stages_of_the_compilation_are_those_that_messages_need():
+    library.load()
     warm_up = WarmUp()
     assert len(warm_up.pending()) == 5
     began = time.monotonic()
     warm_up.wait("beads", general=True, stop=lambda: time.monotonic() > began + 0.2)
     assert time.monotonic() > began + 0.2
     WarmUp(()).wait("beads", general=True, stop=lambda: False)
+
+
+@pytest.mark.filterwarnings("ignore::pytest.PytestUnhandledThreadExceptionWarning")
+def test_a_stage_that_fails_does_not_stop_requests():
+    def fail(_):
+        raise RuntimeError("no compiler")
+
+    warm_up = WarmUp((Stage("the simulation", fail), Stage("the law", fail)))
+    warm_up.start()
+    began = time.monotonic()
+    warm_up.wait("beads", general=True, stop=lambda: time.monotonic() > began + 20.0)
+    assert warm_up.pending() == []
 
 
 def test_the_page_receives_the_schema():

@@ -1,5 +1,6 @@
 """Fits of synthetic traces, of which the truth is known."""
 
+import dataclasses
 import json
 import subprocess
 import sys
@@ -13,6 +14,7 @@ import hertzchain as hc
 from hertzchain.fitting import least_squares
 from hertzchain.fitting.chain_parameters import with_motion, with_sizes
 from hertzchain.fitting.goodness import correlation_length
+from hertzchain.fitting.jumps import next_to_jumps
 from hertzchain.fitting.model import make_model
 from hertzchain.fitting.names import parse_name
 from hertzchain.fitting.parameters import free_parameters
@@ -110,8 +112,10 @@ def test_scaled_signals_are_those_of_a_simulation():
         (bench([SMOOTH] * 10 + [LAW] * 10),
          ["stiffness", "loss.time", "loss[3-4].coefficient", "stiffness[8-9]", "gap[8-9]"]),
         (bench(LAW, gap=1e-7), ["right_wall.stiffness", "mass[7]", "lag", "highpass"]),
+        (bench(hc.UnloadingRatio(0.06)), ["stiffness", "exponent", "loss.ratio"]),
+        (bench(hc.VelocityPower(25.0, 1.8)), ["exponent", "loss.gamma", "loss.alpha"]),
     ],
-    ids=["gravity", "per contact", "wall and mass"],
+    ids=["gravity", "per contact", "wall and mass", "jumps in unloading", "jumps at the end"],
 )  # fmt: skip
 def test_derivatives_agree_with_long_differences(chain, free, traces):
     problem = problem_of(chain, free, traces)
@@ -122,11 +126,13 @@ def test_derivatives_agree_with_long_differences(chain, free, traces):
         if name.key == "highpass":
             start[name] = 50.0
     variables = problem.model.variables(start)
+    if problem.jumps:
+        problem.skip_next_to_jumps(variables, more=False)
     columns = problem.jacobian(variables)
     for j in range(len(variables)):
         # Fourth order, with steps twenty times as long.
         step = 20.0 * problem.step(j)
-        if problem.model.parameters[j].name.key == "gap":
+        if problem.model.parameters[j].name.key == "gap" or problem.jumps:
             step = problem.step(j)
         ends = [problem.residuals(variables + k * step * np.eye(len(variables))[j])
                 for k in (-2, -1, 1, 2)]  # fmt: skip
@@ -224,6 +230,49 @@ def test_noise_that_hides_the_law_is_reported():
     assert set(compared.undecided) == {"restitution", "viscoelastic"}
     assert compared.statement.startswith("the data cannot decide between")
     assert len(compared.further_shots) == 4
+
+
+def test_samples_next_to_jumps_are_found():
+    spacing = 0.125e-6
+    grid = spacing * np.arange(3000)
+    smooth = 30.0 * np.sin(np.pi * grid / 60e-6) ** 2
+    times = 1e-6 * np.arange(300) + 0.3e-6
+    assert not next_to_jumps(times, smooth, spacing, 0.01).any()
+    jumping = smooth - 0.5 * (grid > 100e-6) + 0.5 * (grid > 200.9e-6)
+    found = np.flatnonzero(next_to_jumps(times, jumping, spacing, 0.01))
+    assert found.tolist() == [98, 99, 100, 101, 199, 200, 201, 202]
+    # Two jumps within two intervals of the grid.
+    double = smooth + 0.3 * (grid > 100e-6) + 0.3 * (grid > 100.1e-6)
+    assert np.flatnonzero(next_to_jumps(times, double, spacing, 0.01)).tolist() == [
+        98,
+        99,
+        100,
+        101,
+    ]
+    # There is a jump of 0.005, less than the limit.
+    assert not next_to_jumps(times, smooth + 0.005 * (grid > 1e-4), spacing, 0.01).any()
+
+
+@pytest.mark.parametrize("law", [hc.UnloadingRatio(0.05), hc.VelocityPower(25.0, 1.8)])
+def test_errors_of_laws_whose_force_jumps_are_not_too_small(law):
+    squares = []
+    for seed in range(3):
+        rng = np.random.default_rng(seed)
+        offset = rng.uniform(0.0, 30e-6)
+        traces = measured(bench(law, factor=1.03), rng, offset=offset)
+        free = ["stiffness", "exponent", "time_offset"]
+        free += [f"loss.{name}" for name in law.parameters() if name != "attractive"]
+        start = dataclasses.replace(law, **{free[3][5:]: 0.7 * getattr(law, free[3][5:])})
+        result = hc.fit(traces, bench(start), free=free)
+        assert result.converged
+        assert result.describes
+        truth = {"stiffness": 1.03, "exponent": 1.5, "time_offset": offset}
+        truth |= {name: getattr(law, name[5:]) for name in free[3:]}
+        squares += [
+            ((result.values[name] - truth[name]) / result.errors[name]) ** 2 for name in truth
+        ]
+    # Mean of at least twelve squares of expectation 1; errors ten times too small give 100.
+    assert np.mean(squares) < 3.0
 
 
 def test_hidden_gap_is_found_and_measured():

@@ -1,7 +1,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 
-import { STEPS, parsed, plain, positionOf, powers, prefixed, rangeOf, short, ticks, valueAt, valued } from "../../src/hertzchain/app/static/js/numbers.js";
+import { STEPS, parsed, percent, plain, positionOf, powers, prefixed, rangeOf, short, ticks, valueAt, valued } from "../../src/hertzchain/app/static/js/numbers.js";
 
 test("short numbers keep their size and sign", () => {
   assert.equal(short(0), "0");
@@ -9,6 +9,10 @@ test("short numbers keep their size and sign", () => {
   assert.equal(short(123456), "1.23e5");
   assert.equal(short(0.000012345), "1.23e−5");
   assert.equal(short(NaN), "–");
+});
+
+test("percentages of theories have decimals instead of powers", () => {
+  assert.deepEqual([10, 0.001, 0.0001, -0.0005, 0.00001].map(percent), ["10%", "0.001%", "0.0001%", "−0.0005%", "1e−5%"]);
 });
 
 test("ticks are round, within the ends and equally spaced", () => {

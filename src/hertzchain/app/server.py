@@ -1,4 +1,8 @@
-"""The server of the app: the page, streams of results, and files to save."""
+"""The server of the app: the page, streams of results, and files to save.
+
+The page is served before the modules of the library are imported; `hertzchain.app.library` imports
+them in the background, and only functions that answer import them here.
+"""
 
 from __future__ import annotations
 
@@ -7,7 +11,7 @@ import json
 import threading
 from collections.abc import AsyncIterator, Callable
 from concurrent.futures import ThreadPoolExecutor
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 from starlette.applications import Starlette
 from starlette.requests import Request as HttpRequest
@@ -16,16 +20,14 @@ from starlette.routing import Route
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from ..errors import InputError, SimulationError
-from .about import about
-from .documents import document_of_toml
-from .exports import export
+from . import library
 from .guard import HEADERS, Guard
 from .latest import Latest
-from .messages import Part, finite
-from .requests import Request
-from .results import Cancelled, results
 from .static_files import static_files
 from .warm_up import WarmUp
+
+if TYPE_CHECKING:
+    from .requests import Request
 
 MAX_BODY: Final = 300_000
 # Seconds for the body of a request.
@@ -77,12 +79,19 @@ class App:
 
     async def about(self, _: HttpRequest) -> Response:
         """Schema, materials, gallery, and the initial chain."""
+        await _loaded()
+        from .about import about
+        from .messages import finite
+
         loop = asyncio.get_running_loop()
         return JSONResponse(finite(await loop.run_in_executor(None, about, self.document)))
 
     async def chain(self, request: HttpRequest) -> Response:
         """The document of a chain file that the page has opened."""
         body = await _body(request)
+        await _loaded()
+        from .documents import document_of_toml
+
         try:
             document = document_of_toml(body.decode())
         except UnicodeDecodeError:
@@ -94,6 +103,10 @@ class App:
     async def export(self, request: HttpRequest) -> Response:
         """A file to save."""
         given = await _json(request)
+        await _loaded()
+        from .exports import export
+        from .results import Cancelled
+
         work = asyncio.get_running_loop().run_in_executor(
             self.pool, export, given, self.closing.is_set
         )
@@ -110,8 +123,12 @@ class App:
 
     async def results(self, request: HttpRequest) -> Response:
         """A stream of binary messages with the results of a chain."""
+        given = await _json(request)
+        await _loaded()
+        from .requests import Request
+
         try:
-            wanted = Request.of(await _json(request))
+            wanted = Request.of(given)
         except InputError as error:
             raise RejectedError(400, str(error)) from None
         out_of_date = self.latest.begin(wanted.session, wanted.slot, wanted.number)
@@ -127,6 +144,9 @@ class App:
         self, wanted: Request, stop: Callable[[], bool], put: Callable[[bytes], None]
     ) -> None:
         """Compute the messages in a thread."""
+        from .messages import Part
+        from .results import results
+
         if stop():
             put(Part({"part": "cancelled", **wanted.identity}).pack())
             return
@@ -145,6 +165,8 @@ class App:
                 return
 
     def _put_status(self, wanted: Request, put: Callable[[bytes], None]) -> None:
+        from .messages import Part
+
         status = {"part": "status", **wanted.identity, "pending": self.warm_up.pending()}
         put(Part(status).pack())
 
@@ -182,6 +204,12 @@ class App:
 def _reject(_: HttpRequest, error: Exception) -> Response:
     assert isinstance(error, RejectedError)
     return PlainTextResponse(str(error), error.status, {"connection": "close"})
+
+
+async def _loaded() -> None:
+    """Wait until the library is imported, without blocking other requests."""
+    if not library.LOADED.is_set():
+        await asyncio.get_running_loop().run_in_executor(None, library.load)
 
 
 async def _body(request: HttpRequest) -> bytes:

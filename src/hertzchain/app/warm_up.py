@@ -5,10 +5,12 @@ from __future__ import annotations
 import threading
 import time
 from collections.abc import Callable
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
-from ..chain.chain import Chain
-from ..warm_start import BEADS, FIRST, Stage
+from . import library
+
+if TYPE_CHECKING:
+    from ..warm_start import Stage
 
 # Stages that must be complete before the message that follows another one, for default chains and
 # for general chains.
@@ -17,9 +19,12 @@ POLL: Final = 0.05
 
 
 class WarmUp:
-    """Progress of the compilation, which numba's cache reduces to seconds after the first time."""
+    """Progress of the compilation, which numba's cache reduces to seconds after the first time.
 
-    def __init__(self, stages: tuple[Stage, ...] = FIRST) -> None:
+    Without stages, those of `hertzchain.warm_start` are compiled.
+    """
+
+    def __init__(self, stages: tuple[Stage, ...] | None = None) -> None:
         self._stages = stages
         self._done = 0
         self._thread = threading.Thread(target=self._work, daemon=True)
@@ -29,22 +34,37 @@ class WarmUp:
         self._thread.start()
 
     def _work(self) -> None:
+        library.load()
+        from ..chain.chain import Chain
+        from ..warm_start import BEADS
+
         chain = Chain.tapered("backward-exponential", 0.05, beads=BEADS)
-        for stage in self._stages:
-            try:
+        try:
+            for stage in self._known():
                 stage.run(chain)
-            finally:
                 self._done += 1
+        finally:
+            # If a stage fails, a request reports the error instead of waiting.
+            self._done = len(self._known())
 
     def pending(self) -> list[str]:
         """Names of kernels that are not compiled yet, in order."""
-        return [stage.name for stage in self._stages[self._done :]]
+        if self._stages is None and not library.LOADED.is_set():
+            return ["the library"]
+        return [stage.name for stage in self._known()[self._done :]]
+
+    def _known(self) -> tuple[Stage, ...]:
+        if self._stages is None:
+            from ..warm_start import FIRST
+
+            self._stages = FIRST
+        return self._stages
 
     def wait(self, part: str, *, general: bool, stop: Callable[[], bool]) -> None:
         """Wait for the kernels that the message after ``part`` needs, or until ``stop()`` is true.
 
         Otherwise threads of requests that are out of date would wait for the compiler.
         """
-        needed = min(NEEDED.get(part, (0, 0))[general], len(self._stages))
-        while self._done < needed and not stop():
+        needed = NEEDED.get(part, (0, 0))[general]
+        while self._done < needed and self.pending() and not stop():
             time.sleep(POLL)

@@ -29,10 +29,13 @@ def app(file: Path | None, port: int, no_open: bool) -> None:
       hertzchain app experiment.toml --port 9000
       hertzchain app --no-open
     """
-    from ..app.documents import document_of_file
     from ..app.serve import RunningServer, open_browser
 
-    document = None if file is None else document_of_file(file)
+    document = None
+    if file is not None:
+        from ..app.documents import document_of_file
+
+        document = document_of_file(file)
     server = RunningServer(port, document)
     if port not in (0, server.port):
         click.echo(f"port {port} is taken; using {server.port}", err=True)

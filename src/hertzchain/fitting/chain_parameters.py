@@ -71,10 +71,8 @@ SWITCHING: Final = tuple(
     LAWS[name] for name in ("unloading-ratio", "walton-braun", "elastic-plastic")
 )
 SMOOTH_STEP, SWITCHING_STEP = 1e-3, 2e-2
-# Forces that jump when a contact begins to unload: a difference must move the jumps by a sample.
-JUMPING: Final = (LAWS["unloading-ratio"],)
-# Laws for which errors from derivatives were found too small, because forces jump.
-UNRELIABLE: Final = (LAWS["unloading-ratio"], LAWS["velocity-power"])
+# Laws whose force jumps when a contact closes, begins to unload or opens.
+JUMPING: Final = tuple(LAWS[name] for name in ("unloading-ratio", "dashpot", "velocity-power"))
 # Smaller exponents of `VelocityPower` need very short steps.
 MIN_ALPHA: Final = 0.5
 

@@ -199,6 +199,7 @@ def _explained(result: FitResult, name: Name, inverse: Array) -> tuple[float, fl
     except SimulationError:
         return 0.0, nominal
     difference = (shifted - problem.predicted(values)) / problem.sigma / (trial * unit)
+    difference[problem.skipped] = 0.0
     column = np.concatenate((difference, np.zeros(len(result.residual_vector) - len(difference))))
     rest = column - result.jacobian @ (inverse @ column)
     along, size = -float(rest @ result.residual_vector), float(rest @ rest)

@@ -10,9 +10,9 @@ import numpy as np
 from ..chain.chain import Chain
 from ..collision import Array
 from ..errors import InputError
+from ..representation import counted
 from ..validation.numbers import whole_number
 from ..validation.objects import callback
-from .chain_parameters import UNRELIABLE
 from .directions import WeakDirection, weak_directions
 from .goodness import goodness_of
 from .least_squares import Solution, solve
@@ -178,7 +178,7 @@ def result_of(problem: Problem, solution: Solution) -> FitResult:
     values = model.values(variables)
     names = tuple(map(str, model.names))
     count = len(problem.data)
-    good = goodness_of(model.traces, solution.residuals[:count], len(names))
+    good = goodness_of(model.traces, solution.residuals[:count], ~problem.skipped, len(names))
     low, high = problem.bounds()
     bound = (variables - low < AT_BOUND * np.maximum(1.0, np.abs(low))) | (
         high - variables < AT_BOUND * np.maximum(1.0, np.abs(high))
@@ -207,6 +207,11 @@ def result_of(problem: Problem, solution: Solution) -> FitResult:
     chains = tuple(model.chain(shot, values) for shot in range(len(model.chains)))
     at_bounds = tuple(name for name, there in zip(names, bound, strict=True) if there)
     notes = _notes(model, sigmas, sizes, at_bounds, weak)
+    if good.skipped:
+        notes += (
+            f"{counted(good.skipped, 'sample')} next to jumps of the force "
+            f"{'is' if good.skipped == 1 else 'are'} not used",
+        )
     effects = effects_of(problem, values, solution.jacobian, solution.residuals)
     simulations = model.simulator.count
     duration = float(model.traces.shots[0].times[-1] - model.traces.shots[0].times[0])
@@ -262,13 +267,6 @@ def _notes(
             notes.append(
                 f"the data hardly fix {name}, whose error exceeds its size: fix it, or give it a "
                 "prior"
-            )
-    for law in {type(each): each for c in model.chains for each in c.contact_losses}.values():
-        if isinstance(law, UNRELIABLE):
-            notes.append(
-                f"the force of the law {law.name} jumps, so that the errors of the chain's "
-                "parameters are too small, in tests often by a factor of ten or more: repeat the "
-                "fit with several shots, and use their scatter"
             )
     if model.simulator.failed:
         notes.append(f"{model.simulator.failed} trial runs failed and were rejected")

@@ -26,6 +26,8 @@ class Goodness:
         Sum of the squared residuals of the data over their noise.
     samples, effective_samples : int, float
         Number of samples, and of independent ones: residuals of real sensors are correlated.
+    skipped : int
+        Number of valid samples that are not used, because they are next to a jump of the force.
     freedom : int
         Samples minus free parameters.
     excess : float
@@ -36,6 +38,7 @@ class Goodness:
     chi2: float
     samples: int
     effective_samples: float
+    skipped: int
     freedom: int
     excess: float
 
@@ -50,21 +53,23 @@ class Goodness:
         return self.samples / self.effective_samples
 
 
-def goodness_of(traces: Traces, residuals: Array, parameters: int) -> Goodness:
-    """Chi-squared of weighted residuals, signal after signal."""
+def goodness_of(traces: Traces, residuals: Array, used: Array, parameters: int) -> Goodness:
+    """Chi-squared of the weighted residuals that are used, signal after signal."""
     parts, begin = [], 0
     for _, signal in traces:
         count = int(signal.valid.sum())
-        parts.append((residuals[begin : begin + count], signal.quiet))
+        own = slice(begin, begin + count)
+        parts.append((residuals[own][used[own]], signal.quiet))
         begin += count
     effective = sum(len(part) / correlation_length(part) for part, _ in parts)
+    residuals = residuals[used]
     chi2, count = float(residuals @ residuals), len(residuals)
     freedom = count - parameters
     variance = 2.0 / max(effective - parameters, 1.0)
     # The noise of each signal has a separate error.
     variance += sum((len(part) / count) ** 2 * 2.0 / quiet for part, quiet in parts if quiet)
     excess = (chi2 / max(freedom, 1) - 1.0) / variance**0.5
-    return Goodness(chi2, count, float(effective), freedom, float(excess))
+    return Goodness(chi2, count, float(effective), int(np.sum(~used)), freedom, float(excess))
 
 
 def autocorrelation(residuals: Array, lags: int = MAX_LAG) -> Array:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import warnings
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
@@ -15,6 +15,10 @@ from .problem import Problem
 from .starts import aligned, further_starts
 
 FTOL, XTOL, GTOL = 1e-7, 1e-9, 1e-10
+# Tolerance before the samples next to jumps are known, when chi-squared is not smooth.
+ROUGH_FTOL: Final = 1e-3
+# Largest number of searches without the samples next to jumps.
+MAX_ROUNDS: Final = 8
 MAX_EVALUATIONS: Final = 60
 # No further start is tried if chi-squared per sample is below this value.
 GOOD: Final = 1.3
@@ -68,9 +72,19 @@ def solve(problem: Problem, values: dict[Name, float], starts: int, *, align: bo
                 best = found
             if same or best.cost <= GOOD * len(best.residuals):
                 break
-    return Solution(
-        best.variables, best.residuals, best.jacobian, best.converged, best.reason, tried
-    )
+    if problem.jumps:
+        best = _without_jumps(problem, best)
+    return replace(best, starts=tried)
+
+
+def _without_jumps(problem: Problem, best: Solution) -> Solution:
+    """The solution without the samples next to jumps, which move with the solution."""
+    for tried in range(MAX_ROUNDS):
+        # From the third round, the samples next to earlier jumps remain unused: the rounds end.
+        if not problem.skip_next_to_jumps(best.variables, more=tried > 1):
+            break
+        best = _from(problem, best.variables)
+    return best
 
 
 def _from(problem: Problem, start: Array) -> Solution:
@@ -84,12 +98,13 @@ def _from(problem: Problem, start: Array) -> Solution:
             f"the chain cannot be simulated with the values from which the fit starts: "
             f"{problem.last_failure}"
         )
+    ftol = ROUGH_FTOL if problem.jumps and not problem.smooth else FTOL
     with warnings.catch_warnings():
         # Rejected trials have infinite residuals.
         warnings.simplefilter("ignore", RuntimeWarning)
         found = least_squares(
             problem.residuals, start, jac=problem.jacobian, bounds=(low, high), x_scale="jac",
-            ftol=FTOL, xtol=XTOL, gtol=GTOL, max_nfev=MAX_EVALUATIONS,
+            ftol=ftol, xtol=XTOL, gtol=GTOL, max_nfev=MAX_EVALUATIONS,
         )  # fmt: skip
     reason = found.message.rstrip(".").replace("`", "")
     if found.status == 0:

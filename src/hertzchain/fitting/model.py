@@ -17,6 +17,7 @@ import numpy as np
 from ..chain.chain import Chain
 from ..collision import Array
 from .chain_parameters import is_motion, with_motion, with_sizes
+from .jumps import next_to_jumps
 from .names import Name
 from .parameters import Parameter
 from .sensors import Sensor, filtered, sampled, with_crosstalk
@@ -160,6 +161,21 @@ class Model:
         ]
         share = given.get(Name("crosstalk"), 0.0)
         return with_crosstalk(signals, [signal.unit for signal in data.signals], share)
+
+    def next_to_jumps(self, shot: int, values: Values, least: float) -> list[Array]:
+        """Samples of each signal next to jumps by more than a fraction of its noise."""
+        given = self._of_shot(shot, values)
+        data = self.traces.shots[shot]
+        times = data.times - given.get(Name("time_offset"), 0.0)
+        run = self.simulator.signals(self.chain(shot, values), float(times[-1]))
+        places = [place.name for place in self.simulator.places]
+        found = []
+        for signal in data.signals:
+            sensor = self._sensor(signal.name, given)
+            column = sensor.gain * run.columns[:, places.index(signal.name)]
+            least_jump = least * signal.sigma
+            found.append(next_to_jumps(times - sensor.delay, column, run.spacing, least_jump))
+        return found
 
     def _seen(self, run: Signals, name: str, sensor: Sensor, times: Array) -> Array:
         """Signal of a sensor before its gain and offset."""

@@ -17,8 +17,11 @@ from .names import Name
 
 # Step of differences of functions that require no simulation, for variables of order 1.
 SMALL: Final = 1e-6
-# Least step of parameters of a chain whose forces jump.
+# Least step of parameters of a chain whose forces jump, before the samples next to jumps are known:
+# a difference must move the jumps by a sample.
 MIN_JUMPING_STEP: Final = 5e-3
+# Smallest jump that matters, as a fraction of the noise: differences divide it by the small step.
+MIN_JUMP: Final = 0.01
 
 
 def differences(function: Callable[[Array], Array], variables: Array) -> Array:
@@ -43,12 +46,52 @@ class Problem:
     data: Array = field(init=False)
     sigma: Array = field(init=False)
     last_failure: str = ""
+    # Samples that are not used because they are next to a jump, once these have been determined.
+    skipped: Array = field(init=False)
+    smooth: bool = False
     _latest: tuple[bytes, Array] | None = None
 
     def __post_init__(self) -> None:
         pairs = [signal for _, signal in self.model.traces]
         self.data = np.concatenate([each.values[each.valid] for each in pairs])
         self.sigma = np.concatenate([np.full(each.valid.sum(), each.sigma) for each in pairs])
+        self.skipped = np.zeros(len(self.data), bool)
+
+    def skip_next_to_jumps(self, variables: Array, *, more: bool) -> bool:
+        """Skip the samples next to jumps, only or in addition; return whether this is a change.
+
+        These are the jumps at the variables and at the ends of the differences there, because a
+        small change of a parameter can add a jump or move it by several samples.
+        """
+        values = self.model.values(variables)
+        shots = range(len(self.model.chains))
+        found = np.concatenate([self._next_to_jumps(shot, values) for shot in shots])
+        if more:
+            found |= self.skipped
+        changed = not self.smooth or bool((found != self.skipped).any())
+        self.skipped, self.smooth, self._latest = found, True, None
+        return changed
+
+    def _next_to_jumps(self, shot: int, values: Mapping[Name, float]) -> Array:
+        """Mask of the valid samples of a shot next to jumps, also at the ends of differences."""
+        own = self.model.variables(values, shot)
+        signals = self.model.traces.shots[shot].signals
+        mask = np.zeros(sum(int(each.valid.sum()) for each in signals), bool)
+        points = [values]
+        for j, each in enumerate(self.model.parameters):
+            if each.shot in (None, shot):
+                ends = list(self._ends(shot, own, j, self.step(j)).values())
+                cheap = not any(self.model.needs_simulation(end, shot) for end in ends)
+                points += ends if cheap else ends[:1]
+        for point in points:
+            try:
+                parts = self.model.next_to_jumps(shot, point, MIN_JUMP)
+            except (SimulationError, InputError) as error:
+                self.last_failure = str(error)
+                continue
+            pairs = zip(parts, signals, strict=True)
+            mask |= np.concatenate([part[signal.valid] for part, signal in pairs])
+        return mask
 
     def predicted(self, values: Mapping[Name, float], shot: int | None = None) -> Array:
         """Predicted values of the valid samples of one shot, or of all shots."""
@@ -74,6 +117,7 @@ class Problem:
         except (SimulationError, InputError) as error:
             self.last_failure = str(error)
             found = np.full(len(self.data), np.inf)
+        found[self.skipped] = 0.0
         found = np.concatenate((found, self.prior_residuals(values)))
         self._latest = key, found
         return found
@@ -100,6 +144,7 @@ class Problem:
             if shot:
                 columns = columns @ self._conversion(variables, shot)
             rows.append(columns)
+        rows = [np.where(self.skipped[:, None], 0.0, np.concatenate(rows))]
         priors = differences(lambda u: self.prior_residuals(self.model.values(u)), variables)
         return np.concatenate((*rows, priors))
 
@@ -125,7 +170,8 @@ class Problem:
         step = self.step(j)
         ends = self._ends(shot, variables, j, step)
         cheap = not any(self.model.needs_simulation(each, shot) for each in ends.values())
-        if not cheap and self.jumps:
+        rough = self.jumps and not self.smooth
+        if not cheap and rough:
             step = max(step, MIN_JUMPING_STEP)
             ends = self._ends(shot, variables, j, step)
         found = {}
@@ -134,7 +180,7 @@ class Problem:
                 found[sign] = self.predicted(each, shot)
             except (SimulationError, InputError) as error:
                 self.last_failure = str(error)
-            if not (cheap or self.jumps) and found:
+            if not (cheap or rough) and found:
                 break
         if len(found) == 2:
             return np.asarray((found[1.0] - found[-1.0]) / (2.0 * step))

@@ -124,7 +124,8 @@ class FitResult:
         r"""Bayesian information criterion :math:`\chi^2/s + k \ln(n/s)`, priors included.
 
         G. Schwarz, Ann. Stat. 6, 461 (1978), doi:10.1214/aos/1176344136; s is the number of samples
-        per independent sample.
+        per independent sample.  Samples next to jumps of the force, which are not used, contribute
+        1 each, their expectation.
 
         Parameters
         ----------
@@ -146,9 +147,10 @@ class FitResult:
         s = self.goodness.inflation
         if inflation is not None:
             s = number("inflation", inflation, above=0.0)
-        return float(
-            (self.chi2 + self.penalty) / s + len(self.names) * np.log(self.goodness.samples / s)
-        )
+        good = self.goodness
+        total = good.samples + good.skipped
+        chi2 = self.chi2 + good.skipped + self.penalty
+        return float(chi2 / s + len(self.names) * np.log(total / s))
 
     @property
     def describes(self) -> bool:
@@ -175,9 +177,14 @@ class FitResult:
         ['ball 6', 'ball 11', 'ball 16', 'wall']
         """
         found = []
+        skipped = self.problem.skipped
         for index, shot in enumerate(self.traces.shots):
             for signal, fitted in zip(shot.signals, self.predicted[index], strict=True):
-                values = np.where(signal.valid, signal.values - fitted, np.nan) / signal.sigma
+                count = int(signal.valid.sum())
+                used = signal.valid.copy()
+                used[signal.valid] = ~skipped[:count]
+                skipped = skipped[count:]
+                values = np.where(used, signal.values - fitted, np.nan) / signal.sigma
                 found.append((index + 1, signal.name, values))
         return found
 

@@ -24,7 +24,7 @@ RTOL: Final = 1e-9
 # Saved times per unit of time; a pulse takes several units to pass a bead.
 PER_UNIT: Final = 32
 # ... and this many times as many where the force jumps.
-FINER: Final = 8
+FINER: Final = 2
 MAX_TIMES: Final = 400_000
 # Ratio of the duration of a run to that of the data, so that slower chains need no new run.
 LONGER: Final = 1.12

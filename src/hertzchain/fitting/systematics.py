@@ -109,7 +109,8 @@ def _derivative(problem: Problem, values: Mapping[Name, float], key: str) -> Arr
         model.simulator, model.reference,
     )  # fmt: skip
     shifted = Problem(more).predicted({**values, name: step})
-    return np.asarray((shifted - problem.predicted(values)) / problem.sigma / step)
+    change = (shifted - problem.predicted(values)) / problem.sigma / step
+    return np.where(problem.skipped, 0.0, change)
 
 
 def _effect(key: str, column: Array, model: Model, jacobian: Array, residuals: Array) -> Effect:

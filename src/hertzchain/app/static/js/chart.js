@@ -1,7 +1,7 @@
 // @ts-check
 /** Line charts and stacked areas as SVG: sharp at any zoom, readable by assistive software. */
 
-import { powers, short, ticks } from "./numbers.js";
+import { percent, powers, short, ticks } from "./numbers.js";
 
 /** @typedef {{name: string, label: string, x: ArrayLike<number>, y: ArrayLike<number>, base?: ArrayLike<number>,
  *   points?: boolean, note?: string}} Series */
@@ -109,7 +109,7 @@ export class Chart {
     for (const y of marks) {
       const at = Math.round(this.py(y)) + 0.5;
       items.push(svg("line", { class: y === 0 ? "axis" : "grid", x1: LEFT, x2: right, y1: at, y2: at }));
-      items.push(svg("text", { x: LEFT - 6, y: at + 3.5, "text-anchor": "end" }, short(y) + (axes.percent ? "%" : "")));
+      items.push(svg("text", { x: LEFT - 6, y: at + 3.5, "text-anchor": "end" }, axes.percent ? percent(y) : short(y)));
     }
     const across = axes.xTicks ?? ticks(this.x[0], this.x[1], (right - LEFT) / 70).map((x) => ({ at: x, text: short(x) }));
     for (const { at, text } of across) {

@@ -12,7 +12,7 @@ import { at, changed, listed } from "./state.js";
  * @type {Record<string, string>} */
 const TITLES = {
   struck_by: "Strikers", left_wall: "Left wall", right_wall: "Right wall", loss: "Loss in contacts", drive: "Drive",
-  decorated: "Small beads between", with_defects: "Defects", with_scatter: "Random scatter",
+  decorated: "Small beads between", with_defects: "Defects", with_scatter: "Random scatter", with_contacts: "Shapes of contacts",
 };
 /** @type {Record<string, string>} */
 const FORMS = { taper: "a taper and its rate", first: "end radii", first_diameter: "end diameters", radii: "their radii", diameters: "their diameters", cell: "a repeated cell", mass_ratio: "a dimer of two masses" };

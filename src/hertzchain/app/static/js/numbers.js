@@ -55,6 +55,12 @@ export function short(value, digits = 4) {
   return String(+value.toPrecision(digits)).replace("-", "−");
 }
 
+/** A percentage, with decimals down to 0.0001%. @param {number} value */
+export function percent(value) {
+  const size = Math.abs(value);
+  return (size >= 1e-4 && size < 1e-3 ? value.toFixed(4).replace("-", "−") : short(value)) + "%";
+}
+
 /** Text for a number field: the shortest text that is the same number to 12 digits.
  * @param {number} value */
 export function plain(value) {

@@ -195,7 +195,8 @@ export class Stage {
 
   /** @param {CanvasRenderingContext2D} pen @param {number} W @param {number} H @param {Float64Array} speeds */
   drawProfile(pen, W, H, speeds) {
-    const base = H * 0.27, tall = H * 0.21, count = this.radii.length;
+    // The profile ends below its caption.
+    const base = H * 0.27, tall = Math.min(H * 0.21, base - 15), count = this.radii.length;
     pen.strokeStyle = COLOURS.line;
     pen.lineWidth = 1;
     pen.beginPath();

@@ -319,6 +319,7 @@ def public_calls(folder):
             rtol=1e-13,
             progress=None,
         ),
+        "attenuation": tried(hc.attenuation, chain=chain, velocity=1.0),
         "bca": tried(hc.bca, chain=chain, restitution=1.0),
         "effective_chain": tried(hc.effective_chain, chain=small, large=None),
         "hard_sphere": tried(hc.hard_sphere, chain=chain, restitution=1.0),

@@ -88,6 +88,7 @@ from .store.sweep_export import export_sweep as export_sweep
 from .sweeps.sweep import merge_sweeps as merge_sweeps
 from .sweeps.sweep import open_sweep as open_sweep
 from .sweeps.sweep import sweep as sweep
+from .theory.attenuation import attenuation as attenuation
 from .theory.bca import bca as bca
 from .theory.effective_chain import EffectiveChain as EffectiveChain
 from .theory.effective_chain import EffectivePulse as EffectivePulse

@@ -84,3 +84,13 @@ def test_si_units_and_error_estimate():
 def test_other_jumps_are_rejected(radii, message):
     with pytest.raises(hc.InputError, match=message):
         hc.piecewise_local_rate(hc.Chain.from_radii(radii))
+
+
+def test_fast_changes_next_to_a_jump_are_announced():
+    radii = np.where(K >= FIRST, 0.5, 1.0) * np.exp(0.2 * np.sin(K / 10))
+    chain = hc.Chain.from_radii(radii)
+    with pytest.warns(hc.ModelRangeWarning, match="jump of the radius at contact 41") as raised:
+        law = hc.piecewise_local_rate(chain)
+    assert raised[0].filename == __file__
+    errors = np.abs(law.compare(hc.propagate(chain)).errors("velocity"))
+    assert (errors <= law.velocity_error)[FIRST + 20 : -3].all()

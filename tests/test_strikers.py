@@ -108,3 +108,12 @@ def test_energy_of_the_train():
 def test_light_strikers_create_no_train():
     with pytest.raises(hc.InputError, match="one wave"):
         hc.striker_train(0.5)
+
+
+def test_fast_changes_at_a_heavy_striker_are_announced():
+    chain = hc.Chain.from_radii(1 + 0.1 * K).struck_by(radius=1.9)
+    with pytest.warns(hc.ModelRangeWarning, match="effect of the striker") as raised:
+        law = hc.local_rate(chain)
+    assert raised[0].filename == __file__
+    errors = np.abs(law.compare(hc.propagate(chain)).errors("velocity"))
+    assert (errors <= law.velocity_error)[:-3].all()

@@ -10,6 +10,7 @@ from __future__ import annotations
 import dataclasses
 import itertools
 import math
+import warnings
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Final
@@ -18,7 +19,7 @@ import numpy as np
 
 from ..chain.chain import Chain
 from ..collision import Array
-from ..errors import InputError
+from ..errors import InputError, ModelRangeWarning
 from ..pulse.chain_units import for_any_units
 from ..pulse.pulse import Pulse
 from .local_rate import local_rate
@@ -31,6 +32,8 @@ SMALLEST_JUMP: Final = 0.03
 MIN_DISTANCE, NEIGHBOURS = 8, 25
 # Weights of these rates, per contact; those after a step to smaller beads decrease more slowly.
 SHORT, LONG, MORE = 0.55, 0.6, 0.3
+# Weights of a longer mean, which estimates the error, and estimate from which a warning is issued.
+LONGER, DOUBTFUL = 0.85, 0.01
 # Largest errors of the transmitted velocity in checks with one jump.
 JUMP_ERROR: Final = 0.005
 TOLERANCE: Final = 1e-9
@@ -45,11 +48,19 @@ class Jump:
     odd: bool
     before: float
     after: float
+    # The rate after it, over a longer distance.
+    later: float
 
     def effect(self) -> Array:
         """Changes of ln v and ln d, and ratios of T, shape (3, contacts)."""
         kind = "odd" if self.odd else "step"
         return jump_effect(kind, (self.before, self.after), self.log_ratio)
+
+    def error(self) -> float:
+        """Estimated error of the transmitted velocity: the change by a change of the rates."""
+        later = min(max(self.later, RATES[0]), RATES[-1])
+        other = dataclasses.replace(self, after=later).effect()
+        return JUMP_ERROR + abs(float(other[0, -1] - self.effect()[0, -1]))
 
 
 @for_any_units(METHOD, alternative="use simulate")
@@ -74,7 +85,7 @@ def piecewise_local_rate(chain: Chain) -> Pulse:
     Returns
     -------
     Pulse
-        As of `local_rate`.  Beyond a jump, ``velocity_error`` includes 0.5% for it.
+        As of `local_rate`.  Beyond a jump, ``velocity_error`` includes at least 0.5% for it.
 
     Raises
     ------
@@ -85,7 +96,8 @@ def piecewise_local_rate(chain: Chain) -> Pulse:
     Warns
     -----
     ModelRangeWarning
-        As `local_rate`, for the chain without its jumps.
+        As `local_rate`, for the chain without its jumps; or if rates next to a jump change so fast
+        that the estimated error of the transmitted velocity exceeds 1%.
 
     Examples
     --------
@@ -135,7 +147,7 @@ def find_jumps(rates: Array) -> list[Jump]:
             # Behind a step to smaller beads, the pulse settles slowly.
             after = _weighted(ahead, LONG - MORE * size)
             size = rates[k] - 0.5 * (before + after)
-        found.append(Jump(k, float(size), odd, before, after))
+        found.append(Jump(k, float(size), odd, before, after, _weighted(ahead, LONGER)))
     return found
 
 
@@ -187,7 +199,16 @@ def _joined(chain: Chain, smooth: Pulse, jumps: list[Jump], sizes: Array) -> Pul
             growth[contact] += effect[0]
             overlap[contact] += effect[1]
             time[contact] *= effect[2]
-        error[max(jump.contact - 1, 1) :] += JUMP_ERROR**2
+        doubt = jump.error()
+        error[max(jump.contact - 1, 1) :] += doubt**2
+        if doubt > DOUBTFUL:
+            warnings.warn(
+                f"the rates next to the jump of the radius at contact {jump.contact + 1} change so "
+                f"fast that the transmitted velocity has an estimated error of {doubt:.1%}; use "
+                "propagate",
+                ModelRangeWarning,
+                stacklevel=4,
+            )
     residence = smooth.residence * time
     velocity = smooth.velocity.copy()
     velocity[1:] *= np.exp(growth)

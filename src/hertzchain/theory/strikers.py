@@ -35,6 +35,8 @@ CONTACTS: Final = 40
 # Weights of the rates after the impact, per bead, for heavy and light strikers.
 MEMORY: Final = {True: 0.72, False: 0.5}
 REMEMBERED: Final = 12
+# Error of the table between its nodes, and estimated error from which a warning is issued.
+TABLE_ERROR, DOUBTFUL = 2e-4, 0.01
 # Relative difference of masses that agree, from conversion of units.
 ROUNDING: Final = 1e-9
 
@@ -147,15 +149,23 @@ def striker_effect(striker: Striker) -> tuple[Array, float]:
             f"the effect of the striker is tabulated for rates from {RATES[0]:g} to {RATES[-1]:g},"
             f" but that of the first beads is {mean:.3g}; use propagate",
             ModelRangeWarning,
-            stacklevel=5,
+            stacklevel=6,
         )
     first = float(np.clip(rates[0], RATES[0], RATES[-1]))
     found = _interpolated(*at, float(np.clip(mean, RATES[0], RATES[-1])))
     other = _interpolated(*at, first)
-    change = np.abs(found[0] - other[0]).max()
+    error = float(np.abs(found[0] - other[0]).max()) + TABLE_ERROR * min(
+        1.0, abs(at[0]) + abs(at[1])
+    )
+    if error > DOUBTFUL:
+        warnings.warn(
+            f"the rates of the first beads change so fast that the effect of the striker has an "
+            f"estimated error of {error:.1%}; use propagate",
+            ModelRangeWarning,
+            stacklevel=6,
+        )
     contacts = len(rates)
-    kept = found[:, np.minimum(np.arange(contacts), CONTACTS - 1)]
-    return kept, float(change)
+    return found[:, np.minimum(np.arange(contacts), CONTACTS - 1)], error
 
 
 def _interpolated(log_mass: float, log_stiffness: float, rate: float) -> Array:

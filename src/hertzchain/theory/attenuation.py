@@ -8,6 +8,7 @@ over the profile of the wave.  A wave of energy :math:`E = E_1 m v^2` therefore 
 from __future__ import annotations
 
 import dataclasses
+import functools
 import warnings
 from typing import Final
 
@@ -121,7 +122,7 @@ def _dissipated(group: ContactGroup, wave: SolitaryWave, mass: float, v: Array) 
     largest = (force / k) ** (1 / p)
     if row.kind == DAMPED:
         a, b = row.overlap_power, row.speed_power
-        shape = damping_integral(wave, a, b)
+        shape = damping_integral(p, a, b)
         return np.asarray(strength[0] * largest**a * v ** (b + 1) * shape / speed)
     first = np.minimum(largest, strength[0]) if row.kind == YIELDING else largest
     loading = k * first ** (p + 1) / (p + 1)
@@ -135,11 +136,13 @@ def _dissipated(group: ContactGroup, wave: SolitaryWave, mass: float, v: Array) 
     return np.asarray(np.where(lost > 0.0, lost, 0.0))
 
 
-def damping_integral(wave: SolitaryWave, overlap_power: float, speed_power: float) -> float:
+@functools.lru_cache(maxsize=64)
+def damping_integral(exponent: float, overlap_power: float, speed_power: float) -> float:
     r"""Integral of :math:`f^a |w(\xi+\frac12) - w(\xi-\frac12)|^{b+1}` over the wave.
 
     The overlap f and the velocity w are one at their crests.
     """
+    wave = solitary_wave(exponent)
     # The integrand is smooth at the crest only for integer b, but always as a function of u.
     nodes, weights = np.polynomial.legendre.leggauss(POINTS)
     u, power = 0.5 * (1.0 + nodes), 4

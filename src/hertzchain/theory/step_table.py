@@ -10,6 +10,7 @@ from typing import Final
 import numpy as np
 
 from ..collision import Array
+from .table_weights import spline_weights
 
 # Rates on both sides, and logarithms of the ratio of radii.
 RATES: Final = (-0.06, -0.03, -0.012, 0.0, 0.012, 0.03, 0.06)
@@ -31,9 +32,7 @@ def step_table() -> dict[str, Array]:
 
 def jump_effect(kind: str, rates: tuple[float, float], log_ratio: float) -> Array:
     """Effect of a ``"step"`` or an ``"odd"`` bead between two rates, shape (3, contacts)."""
-    from scipy.interpolate import CubicSpline
-
     values = step_table()[kind]
-    for rate in rates:
-        values = CubicSpline(RATES, values)(rate)
-    return np.asarray(CubicSpline(LOG_RATIOS, values)(log_ratio))
+    for nodes, x in ((RATES, rates[0]), (RATES, rates[1]), (LOG_RATIOS, log_ratio)):
+        values = np.tensordot(spline_weights(nodes, x), values, axes=1)
+    return np.asarray(values)

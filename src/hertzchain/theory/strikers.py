@@ -23,6 +23,7 @@ from ..collision import Array, hertz_stiffness
 from ..errors import InputError, ModelRangeWarning
 from ..pulse.pulse import Pulse
 from .striker_table import striker_table
+from .table_weights import spline_weights
 
 # Features of chains with another striker.
 FEATURES: Final = ("masses", "stiffness", "velocities", "strikers")
@@ -170,9 +171,7 @@ def striker_effect(striker: Striker) -> tuple[Array, float]:
 
 def _interpolated(log_mass: float, log_stiffness: float, rate: float) -> Array:
     """Effect of a striker on an exponential chain, shape (3, contacts)."""
-    from scipy.interpolate import CubicSpline
-
     values = striker_table()["effect"]
     for nodes, x in ((RATES, rate), (LOG_MASSES, log_mass), (LOG_STIFFNESS, log_stiffness)):
-        values = CubicSpline(nodes, values)(x)
+        values = np.tensordot(spline_weights(nodes, x), values, axes=1)
     return np.asarray(values)

@@ -20,17 +20,18 @@ from ..theory.attenuation import attenuation
 from ..theory.solitary_wave import solitary_wave
 from .case import Case, shared
 
-# Law of a small number x, and coefficient of -d ln v/dk for p = 3/2 and 2.
+# Law of a small number x (zeta, w, 1 - K1/K2, A or gamma), and coefficient of -d ln v/dk for
+# p = 3/2 and 2.
 LAWS: Final[dict[str, tuple[Callable[[float], Loss], float, float]]] = {
-    "Restitution, of zeta": (
+    "Restitution": (
         lambda x: Restitution(math.exp(-math.pi * x / math.sqrt(1.0 - x * x))),
         0.7013581944, 1.0439164429,
     ),
-    "UnloadingRatio, of w": (UnloadingRatio, 0.1911102755, 0.2250865131),
-    "WaltonBraun, of 1 - K1/K2": (lambda x: WaltonBraun(1.0 - x), 0.1911102755, 0.2250865131),
-    "Viscoelastic, of A V": (Viscoelastic, 0.6262739552, 1.0786181163),
-    "Dashpot, of gamma/(m V)": (Dashpot, 0.4803381761, 0.7179053434),
-    "VelocityPower 1.81, of gamma v^0.81/(m V)": (
+    "UnloadingRatio": (UnloadingRatio, 0.1911102755, 0.2250865131),
+    "WaltonBraun": (lambda x: WaltonBraun(1.0 - x), 0.1911102755, 0.2250865131),
+    "Viscoelastic": (Viscoelastic, 0.6262739552, 1.0786181163),
+    "Dashpot": (Dashpot, 0.4803381761, 0.7179053434),
+    "VelocityPower, 1.81": (
         lambda x: VelocityPower(x, 1.81), 0.3297389122, 0.5531975846,
     ),
 }  # fmt: skip
@@ -52,7 +53,7 @@ def _coefficients() -> Iterator[Case]:
                 "integrals over the iterated wave", partial(_closed_form, name, p), "computed",
             )  # fmt: skip
             yield Case(
-                "attenuation", f"the same, simulated: {name}, p = {p:g}", value, 5e-6 * value,
+                "attenuation", f"{name}, p = {p:g}, simulated", value, 5e-6 * value,
                 "integrals over the iterated wave", partial(_simulated, name, p), "computed",
             )  # fmt: skip
 
@@ -74,11 +75,14 @@ def _simulated(name: str, p: float) -> float:
 
 
 def _variable(name: str, loss: float, p: float, v: float) -> float:
-    """The small number of which a law has the coefficient."""
+    """The number that the coefficient multiplies: zeta, w, A V, gamma/(m V), gamma v^.81/(m V)."""
     speed = solitary_wave(p).speed_constant * v ** ((p - 1.0) / (p + 1.0))
-    if "V)" not in name:
-        return loss * (speed if "A V" in name else 1.0)
-    return loss * (v**0.81 if "1.81" in name else 1.0) / speed
+    factors = {
+        "Viscoelastic": speed,
+        "Dashpot": 1.0 / speed,
+        "VelocityPower, 1.81": v**0.81 / speed,
+    }
+    return loss * factors.get(name, 1.0)
 
 
 @shared

@@ -59,8 +59,9 @@ def test_dataset_counts_beads_from_one(pulses):
     assert float(dataset.velocity.sel(bead=1)) == 1.0
     assert float(dataset.peak_force.sel(contact=19)) == pulses[0].peak_force[18]
     assert dataset.velocity.attrs["units"] == "1"
-    # Only a theory has an estimate of its error.
-    assert set(QUANTITIES) - set(dataset) == {"velocity_error"}
+    # Only theories have estimates of errors and of the spread over lots.
+    missing = {"velocity_error", "velocity_spread", "arrival_spread", "peak_force_spread"}
+    assert set(QUANTITIES) - set(dataset) == missing
 
 
 def test_dataframe_and_html(pulses):

@@ -96,7 +96,9 @@ from .store.sweep_export import export_sweep as export_sweep
 from .sweeps.sweep import merge_sweeps as merge_sweeps
 from .sweeps.sweep import open_sweep as open_sweep
 from .sweeps.sweep import sweep as sweep
+from .theory.attenuation import attenuation as attenuation
 from .theory.bca import bca as bca
+from .theory.disorder import disorder as disorder
 from .theory.effective_chain import EffectiveChain as EffectiveChain
 from .theory.effective_chain import EffectivePulse as EffectivePulse
 from .theory.effective_chain import effective_chain as effective_chain
@@ -104,10 +106,12 @@ from .theory.hard_sphere import hard_sphere as hard_sphere
 from .theory.local_rate import local_rate as local_rate
 from .theory.local_rate import local_rate_gradient as local_rate_gradient
 from .theory.modified_bca import modified_bca as modified_bca
+from .theory.piecewise import piecewise_local_rate as piecewise_local_rate
 from .theory.solitary_wave import SolitaryWave as SolitaryWave
 from .theory.solitary_wave import solitary_wave as solitary_wave
 from .theory.spectrum import Spectrum as Spectrum
 from .theory.spectrum import spectrum as spectrum
+from .theory.striker_train import striker_train as striker_train
 from .verification.verify import Verdict as Verdict
 from .verification.verify import verify as verify
 from .warm_start import warm_up as warm_up

@@ -45,7 +45,14 @@ def for_any_units(
         @functools.wraps(function)
         def convert(chain: Chain, *args: Any, **options: Any) -> Any:
             scaled = scaled_chain(chain, method, supported, alternative)
-            pulse = function(scaled, *args, **options)
+            try:
+                pulse = function(scaled, *args, **options)
+            except InputError as error:
+                if scaled.description not in str(error):
+                    raise
+                # Messages name the chain as it was given.
+                given = str(error).replace(scaled.description, chain.description)
+                raise InputError(given) from None
             if scaled is chain:
                 return pulse
             pulse = in_units_of(chain, pulse)

@@ -218,7 +218,7 @@ def _warn_of_restitution(theory: Pulse, other: Pulse) -> None:
             f"{theory.method} assumes at every bead the loss of a collision of two beads, but in a "
             f"chain each contact is unloaded only in part. With {other.chain.loss}, the pulse "
             "decays less: at the same coefficient of restitution, the decay exponent is 1.2 to 3.4 "
-            "times smaller",
+            "times smaller. For a small loss in equal beads, use attenuation",
             ModelRangeWarning,
             stacklevel=5,
         )

@@ -64,6 +64,9 @@ class Pulse(Frozen):
         the residence time may be negative; among several strikers it is not defined.
     velocity_error : ndarray, shape (N,), or None
         Estimated relative error of each velocity, if the method estimates it; 0 for bead 1.
+    velocity_spread, arrival_spread : ndarray, shape (N,), or None
+    peak_force_spread : ndarray, shape (N - 1,), or None
+        Standard deviations of the logarithms over lots of beads that scatter, by `disorder`.
     notes : dict of str
         For each quantity with missing values, where it is NaN and why; also where a quantity has
         another meaning than usual.  A column without a note has no NaN.
@@ -87,6 +90,9 @@ class Pulse(Frozen):
     peak_overlap: Array | None = None
     residence: Array | None = None
     velocity_error: Array | None = None
+    velocity_spread: Array | None = None
+    arrival_spread: Array | None = None
+    peak_force_spread: Array | None = None
     notes: Mapping[str, str] = field(default_factory=dict)
     restitution: float = 1.0
 

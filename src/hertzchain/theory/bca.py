@@ -46,7 +46,8 @@ def bca(chain: Chain, *, restitution: float = 1.0) -> Pulse:
     has transmitted the pulse, and its beads collide more slowly than the impact.  At the same
     e, `simulate` gives 0.29 to 0.85 times this theory's decay rate per bead, depending on the
     law (see the table in the explanation "Closed forms").  A coefficient measured in a drop
-    test therefore overestimates the loss, in the exponent, by a factor of 1.2 to 3.4.
+    test therefore overestimates the loss, in the exponent, by a factor of 1.2 to 3.4.  For small
+    losses in equal beads, `attenuation` is exact.
 
     Parameters
     ----------

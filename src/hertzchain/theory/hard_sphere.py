@@ -43,7 +43,8 @@ def hard_sphere(chain: Chain, *, restitution: float = 1.0) -> Pulse:
         Velocity, momentum and energy.  The elastic loss per bead is that of the BCA; it is
         too small, especially in forward tapers.  The loss due to restitution is too large:
         in the exponent, it is 1.2 to 3.4 times that of a chain with a loss law of the same e
-        (see `bca`).
+        (see `bca`); for small losses in equal beads,
+        `attenuation` is exact.
 
     Raises
     ------

@@ -25,6 +25,8 @@ from ..pulse.pulse import Pulse
 from ..pulse.quantities import QUANTITIES
 from ..validation.numbers import whole_number
 from ..validation.objects import check_choice
+from .strikers import FEATURES as STRIKERS
+from .strikers import struck_pulse
 from .universal_functions import (
     MIN_BEADS,
     UniversalFunctions,
@@ -39,7 +41,7 @@ METHOD, ALTERNATIVE = "the local-rate law", "use simulate"
 DOUBTFUL: Final = 0.02
 
 
-@for_any_units(METHOD, alternative=ALTERNATIVE)
+@for_any_units(METHOD, supported=STRIKERS, alternative=ALTERNATIVE)
 def local_rate(chain: Chain) -> Pulse:
     r"""Leading pulse of a chain of any taper by the local-rate law.
 
@@ -60,8 +62,9 @@ def local_rate(chain: Chain) -> Pulse:
     Parameters
     ----------
     chain : Chain
-        A chain of at least nine beads.  The ratio of neighbouring radii may be from 0.85 to 3
-        and must change slowly: if radii alternate or scatter from bead to bead, even a little,
+        A chain of at least nine beads, struck by its first bead or by another body
+        (`Chain.struck_by`).  The ratio of neighbouring radii may be from 0.85 to 3 and must change
+        slowly: if radii alternate or scatter from bead to bead, even a little,
         the law is wrong and the estimated error too small (see Notes).
 
     Returns
@@ -99,6 +102,8 @@ def local_rate(chain: Chain) -> Pulse:
     """
     from ..kernels import local_rate as kernel
 
+    if chain.features:
+        return struck_pulse(chain, METHOD, local_rate)
     functions, of = _checked_functions(chain), powers(chain.exponents)
     by_bead, by_contact = np.empty((3, chain.beads)), np.empty((2, chain.beads - 1))
     wanted = of["residence"], of["peak_overlap"]

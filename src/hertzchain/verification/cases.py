@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from . import collisions, ends, linear_waves, tapers, unequal_beads, waves
+from . import attenuation, collisions, ends, linear_waves, tapers, unequal_beads, waves
 from .case import Case
 
 
@@ -10,5 +10,5 @@ def cases() -> list[Case]:
     """All cases, by group."""
     return [
         *waves.cases(), *ends.cases(), *unequal_beads.cases(), *tapers.cases(),
-        *linear_waves.cases(), *collisions.cases(),
+        *linear_waves.cases(), *collisions.cases(), *attenuation.cases(),
     ]  # fmt: skip

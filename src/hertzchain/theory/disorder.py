@@ -1,0 +1,186 @@
+r"""The disorder law: the leading pulse of a chain whose beads scatter, mean and spread over lots.
+
+Deviations of the beads from their nominal radii reflect a part of the pulse, so that it decays by
+:math:`d\ln v/dk = -c\,\sigma^2` more than in the nominal chain.  The deviation of a single lot
+from this mean comes from the beads near the impact and from those that the pulse has just reached,
+so that the spread does not grow along the chain.
+"""
+
+from __future__ import annotations
+
+from typing import Final
+
+import numpy as np
+
+from ..chain.chain import Chain
+from ..collision import Array
+from ..errors import InputError
+from ..pulse.chain_units import in_units_of, scaled_chain
+from ..pulse.pulse import Pulse
+from ..validation.numbers import number
+from .disorder_law import END, RATES, SCATTERS, START, DisorderTables, disorder_tables
+from .local_rate import local_rate
+
+METHOD: Final = "the disorder law"
+# Largest scatter of moduli, for which the second order was checked.
+MAX_MODULUS_SCATTER: Final = 0.1
+MIN_BEADS: Final = START + END + 2
+
+
+def disorder(chain: Chain, scatter: float = 0.0, *, modulus_scatter: float = 0.0) -> Pulse:
+    r"""Leading pulse of a lot of beads that scatter about a nominal chain: mean and spread.
+
+    .. math::
+
+        \overline{\ln v_k} = \ln v_k^{(0)} - \sigma^2 \sum_{j<k} c(s_j, \sigma), \qquad
+        \operatorname{var} \ln v_k = \sigma^2 \left[V_{\mathrm{start}}(s_1) + V(s_k)\right]
+
+    with the velocity :math:`v_k^{(0)}` of the nominal chain by `local_rate`, and functions of the
+    rates :math:`s_k = \ln(R_{k+1}/R_k)` that were tabulated from ensembles of simulated pulses.  In
+    nearly equal beads, c depends on the scatter: the attenuation has no term of second order.
+    The law is not in the paper; it is derived in the explanation "Disorder".
+
+    Parameters
+    ----------
+    chain : Chain
+        The nominal chain: at least ten spheres of one material, equal or tapered, with rates
+        from -0.1 to 0.1.
+    scatter : float
+        Standard deviation :math:`\sigma` of ln R of all beads, independent and normally
+        distributed, up to 0.03.
+    modulus_scatter : float
+        The same for the moduli E of the beads, up to 0.1; at least one scatter must be above 0.
+
+    Returns
+    -------
+    Pulse
+        Geometric means over lots: velocity, arrival, residence time and, in terms of the
+        nominal stiffness, peak overlap and force; and the standard deviations of the logarithms,
+        ``velocity_spread``, ``arrival_spread`` and ``peak_force_spread``.  The impact velocity
+        does not scatter.
+
+    Raises
+    ------
+    InputError
+        If a scatter or rate is out of range, or `local_rate` does not support the chain.
+
+    Examples
+    --------
+    Balls whose radii scatter by 1%; a lot is within 1.8% of the mean, in two of three cases:
+
+    >>> import hertzchain as hc
+    >>> chain = hc.Chain.uniform(110)
+    >>> pulse = disorder(chain, scatter=0.01)
+    >>> loss = 1 - pulse.velocity[99] / hc.local_rate(chain).velocity[99]
+    >>> f"{loss:.1%}, +-{pulse.velocity_spread[99]:.1%}"
+    '0.7%, +-1.8%'
+    """
+    scatters = {
+        "radii": number("scatter", scatter, least=0.0, most=SCATTERS[-1]),
+        "moduli": number("modulus_scatter", modulus_scatter, least=0.0, most=MAX_MODULUS_SCATTER),
+    }
+    if not any(scatters.values()):
+        raise InputError("disorder requires a scatter or modulus_scatter above 0; for none, use "
+                         "local_rate")  # fmt: skip
+    scaled = scaled_chain(chain, METHOD, alternative="use propagate_many")
+    rates = _checked_rates(scaled)
+    clean = local_rate(scaled)
+    assert clean.residence is not None
+    assert clean.peak_overlap is not None
+    shift, jitter = np.zeros((3, scaled.beads - 1)), np.zeros(scaled.beads - 1)
+    for name, sigma in scatters.items():
+        if sigma:
+            tables = disorder_tables()[name]
+            shift += sigma**2 * _mean_shift(tables, sigma, rates)
+            jitter += sigma**2 * tables.variance("time", rates)
+    loss = np.concatenate(([0.0], np.cumsum(shift[0])))
+    velocity = clean.velocity * np.exp(-loss)
+    residence = clean.residence * np.exp(shift[2] + 0.2 * loss[:-1])
+    # Arrival times are sums, in which deviations of single residence times average out.
+    arrival = np.concatenate(([0.0], np.cumsum(residence * np.exp(0.5 * jitter))))
+    spread = _spread(scatters, rates, residence)
+    pulse = Pulse(
+        chain=scaled,
+        method=f"disorder law, {_description(scatters)}",
+        velocity=velocity,
+        arrival=arrival,
+        peak_overlap=clean.peak_overlap * np.exp((shift[1] - 1.2 * loss[:-1]) / 1.5),
+        residence=residence,
+        velocity_error=clean.velocity_error,
+        velocity_spread=spread[0],
+        arrival_spread=spread[1],
+        peak_force_spread=spread[2],
+    )
+    if chain is scaled:
+        return pulse
+    return in_units_of(chain, pulse)
+
+
+def _checked_rates(chain: Chain) -> Array:
+    if chain.exponents != 1.5:
+        raise InputError(
+            f"{METHOD} has tables for Hertz contacts (exponent 1.5) only, got "
+            f"{chain.exponents:g}; use propagate_many with Chain.with_scatter"
+        )
+    if chain.beads < MIN_BEADS:
+        raise InputError(
+            f"{METHOD} requires at least {MIN_BEADS} beads, got {chain.beads}; use propagate_many"
+        )
+    rates = np.diff(np.log(chain.radii))
+    outside = (rates < RATES[0]) | (rates > RATES[-1])
+    if outside.any():
+        k = int(np.argmax(outside))
+        raise InputError(
+            f"{METHOD} has tables for rates ln(R_k+1/R_k) from {RATES[0]:g} to {RATES[-1]:g}, but "
+            f"that of contact {k + 1} is {rates[k]:.3g}; use propagate_many with "
+            "Chain.with_scatter"
+        )
+    return rates
+
+
+def _stages(contacts: int) -> np.ndarray[tuple[int], np.dtype[np.int64]]:
+    """Index of the stage of each contact."""
+    stages = np.full(contacts, START)
+    stages[:START] = np.arange(START)
+    stages[contacts - END :] = START + 1 + np.arange(END)
+    return stages
+
+
+def _mean_shift(tables: DisorderTables, sigma: float, rates: Array) -> Array:
+    """Loss of ln v by each contact, offsets of ln F and ln T, over the squared scatter."""
+    contacts = len(rates)
+    found = tables.mean(sigma, rates)
+    return np.asarray(found[np.arange(contacts), :, _stages(contacts)].T)
+
+
+def _spread(
+    scatters: dict[str, float], rates: Array, residence: Array
+) -> tuple[Array, Array, Array]:
+    """Standard deviations of ln v and ln t of the beads and ln F of the contacts."""
+    contacts = len(rates)
+    velocity, force = np.zeros(contacts + 1), np.zeros(contacts)
+    arrival = np.zeros(contacts + 1)
+    for name, sigma in scatters.items():
+        tables, square = disorder_tables()[name], sigma**2
+        start = tables.variance("velocity", rates[:1])[0, START]
+        velocity[1:] += square * _along(tables.variance("velocity", rates), start)
+        force += square * _along(
+            tables.variance("force", rates), tables.variance("force", rates[:1])[0, START]
+        )
+        delays = np.cumsum(tables.variance("delay", rates) * residence**2)
+        arrival[1:] += square * (0.04 * start + delays / np.cumsum(residence) ** 2)
+    return np.sqrt(velocity), np.sqrt(arrival), np.sqrt(force)
+
+
+def _along(table: Array, start: float) -> Array:
+    """Variance at each contact, from the columns of the tables at the contact's rate."""
+    contacts = len(table)
+    stages = _stages(contacts)
+    late = stages >= START
+    found = table[np.arange(contacts), stages + late]
+    return np.asarray(found + np.where(late, start, 0.0))
+
+
+def _description(scatters: dict[str, float]) -> str:
+    shown = (f"{100 * sigma:g}% scatter of {name}" for name, sigma in scatters.items() if sigma)
+    return " and ".join(shown)

@@ -1,0 +1,99 @@
+"""Closed-form attenuation by loss, against simulations and energy balances."""
+
+import numpy as np
+import pytest
+
+import hertzchain as hc
+
+WAVE = hc.solitary_wave()
+LAWS = {
+    "restitution": lambda x: hc.Restitution(1 - x, attractive=False),
+    "unloading ratio": hc.UnloadingRatio,
+    "Walton-Braun": lambda x: hc.WaltonBraun(1 - x),
+    "viscoelastic": hc.Viscoelastic,
+    "dashpot": hc.Dashpot,
+    "cubic": lambda x: hc.VelocityPower(x, alpha=3.0),
+}
+
+
+def lost_in_one_contact(law, beads=50, contact=30):
+    """Energy that a wave loses in the only contact with a loss, and its peak velocity before."""
+    losses = [None] * (beads - 1)
+    losses[contact - 1] = law
+    before = hc.simulate(hc.Chain.uniform(beads), times=0).pulse().velocity[contact - 1]
+    run = hc.simulate(hc.Chain.uniform(beads).replace(loss=losses), until=46.0, times=[46.0])
+    return float(run.budget().energy["lost"][0]), float(before)
+
+
+@pytest.mark.parametrize("shortfall", [0.004, 0.016])
+def test_contacts_that_just_yield(shortfall):
+    """The contact yields at an overlap that is slightly less than that of the wave."""
+    overlap = WAVE.peak_force(0.68163155) ** (2 / 3)
+    law = hc.ElasticPlastic(yield_overlap=overlap * (1 - shortfall))
+    lost, v = lost_in_one_contact(law)
+    decay = hc.attenuation(hc.Chain.uniform(3).replace(loss=law), v)
+    # The energy of the budget is accurate to 6e-9.
+    assert 2 * WAVE.energy(v) * float(decay) == pytest.approx(lost, rel=1e-3, abs=6e-9)
+    assert float(hc.attenuation(hc.Chain.uniform(3).replace(loss=law), 0.9 * v)) == 0.0
+
+
+@pytest.mark.parametrize("law", LAWS.values(), ids=LAWS)
+def test_one_contact_loses_as_much_as_the_formula_states(law):
+    """Ratio of the energies, extrapolated from two losses to none."""
+    ratios = []
+    for loss in (2e-3, 4e-3):
+        lost, v = lost_in_one_contact(law(loss))
+        decay = hc.attenuation(hc.Chain.uniform(3).replace(loss=law(loss)), v)
+        ratios.append(lost / (2 * WAVE.energy(v) * float(decay)))
+    assert 2 * ratios[0] - ratios[1] == pytest.approx(1.0, abs=2e-4)
+
+
+def test_two_sensors_give_the_relaxation_time():
+    """v^(-1/5) grows linearly with A in viscoelastic beads."""
+    a = 2e-4
+    v = hc.simulate(hc.Chain.uniform(70).replace(loss=hc.Viscoelastic(a)), times=0).pulse().velocity
+    coefficient = float(hc.attenuation(hc.Chain.uniform(2).replace(loss=hc.Viscoelastic(a)), 1.0))
+    growth = (v[59] ** -0.2 - v[19] ** -0.2) / 40
+    assert growth == pytest.approx(coefficient / 5, rel=1.5e-3)
+
+
+def test_units_and_impact_make_no_difference():
+    law = hc.Viscoelastic(2e-7)
+    steel = hc.Chain.from_materials(5e-3, "steel-52100", beads=9, velocity=0.3).replace(loss=law)
+    scales = hc.Scales.of(steel)
+    scaled = scales.to_scaled(steel)
+    expected = hc.attenuation(scaled, 0.2 / 0.3)
+    assert hc.attenuation(steel, 0.2) == pytest.approx(expected, rel=1e-12)
+    struck = hc.Chain.from_materials(5e-3, "steel-52100", beads=9).struck_by(mass=0.05, radius=0.02)
+    assert hc.attenuation(struck.replace(loss=law), 0.2) == pytest.approx(expected, rel=1e-12)
+    walled = steel.replace(right_wall=hc.Wall(loss=hc.Dashpot(1.0)))
+    assert hc.attenuation(walled, 0.2) == pytest.approx(expected, rel=1e-12)
+
+
+def test_arrays_and_elastic_beads():
+    chain = hc.Chain.uniform(4)
+    assert hc.attenuation(chain, [[0.1, 1.0]]).tolist() == [[0.0, 0.0]]
+    both = hc.attenuation(chain.replace(loss=hc.Dashpot(1e-4)), [0.1, 0.2])
+    np.testing.assert_allclose(both[0] / both[1], 2**0.2, rtol=1e-12)
+
+
+@pytest.mark.parametrize(("chain", "message"), [
+    (hc.Chain.tapered("backward-linear", 0.1, beads=9), "equal beads"),
+    (hc.Chain.uniform(3).replace(stiffness=[1.0, 2.0]), "equal contacts"),
+    (hc.Chain.uniform(3).replace(precompression=1.0, held_by="force"), "precompression"),
+    (hc.Chain.uniform(3).replace(loss=[hc.Dashpot(0.1), None]), "one law of loss"),
+])  # fmt: skip
+def test_other_chains_are_rejected(chain, message):
+    with pytest.raises(hc.InputError, match=message):
+        hc.attenuation(chain, 1.0)
+
+
+@pytest.mark.parametrize("velocity", [0.0, -1.0, [1.0, float("nan")]])
+def test_velocities_must_be_positive(velocity):
+    with pytest.raises(hc.InputError, match="velocity of a wave"):
+        hc.attenuation(hc.Chain.uniform(3), velocity)
+
+
+def test_a_large_loss_is_announced():
+    with pytest.warns(hc.ModelRangeWarning, match="first order"):
+        hc.attenuation(hc.Chain.uniform(3).replace(loss=hc.Restitution(0.8)), 1.0)

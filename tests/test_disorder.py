@@ -1,0 +1,140 @@
+"""The disorder law against ensembles of simulated pulses."""
+
+import numpy as np
+import pytest
+
+import hertzchain as hc
+
+BEADS, BEAD = 106, 100
+TAPERS = {
+    "uniform": np.ones(BEADS),
+    "exponential": np.exp(0.04 * np.arange(BEADS)),
+    "linear": 1 - 0.006 * np.arange(BEADS),
+    "sine": np.exp(0.15 * np.sin(np.arange(BEADS) / 10)),
+}
+
+
+def logarithms(table, at=BEAD - 1):
+    """Logarithms of velocity, arrival time and next force, in units of the nominal R_1 = 1."""
+    force = np.log(table.stiffness[:, at]) + 1.5 * np.log(table.peak_overlap[:, at])
+    return np.stack([np.log(table.velocity[:, at]), np.log(table.arrival[:, at]), force])
+
+
+def effect(radii, x, moduli=False):
+    """Change of these logarithms by deviations x of ln R or ln E, shape (3, lots)."""
+    chain = hc.Chain.from_radii(radii)
+    clean = logarithms(hc.propagate_many([chain], threads=1))
+    if not moduli:
+        table = hc.propagate_many(radii * np.exp(x), rtol=1e-7, threads=1)
+        size = x[:, 0] * np.array([[0.0], [1.0], [2.0]])
+        return logarithms(table) + size - clean
+    soft = np.exp(-x)
+    factors = 2.0 / (soft[:, :-1] + soft[:, 1:])
+    chains = [chain.replace(stiffness=chain.stiffness * each) for each in factors]
+    return logarithms(hc.propagate_many(chains, rtol=1e-7, threads=1)) - clean
+
+
+def lots(scatter, count, seed):
+    """Pairs of lots with opposite deviations, so that the first degree has no mean."""
+    x = scatter * np.random.default_rng(seed).standard_normal((count // 2, BEADS))
+    return np.concatenate((x, -x))
+
+
+def predicted(radii, at=BEAD - 1, **scatter):
+    """Mean change of the logarithms, and standard deviations, by the law."""
+    chain = hc.Chain.from_radii(radii)
+    law, clean = hc.disorder(chain, **scatter), hc.local_rate(chain)
+    force = np.log(law.peak_force[at] / clean.peak_force[at])
+    mean = (
+        np.log(law.velocity[at] / clean.velocity[at]),
+        np.log(law.arrival[at] / clean.arrival[at]),
+    )
+    spread = law.velocity_spread[at], law.arrival_spread[at], law.peak_force_spread[at]
+    return np.array([*mean, force]), np.array(spread)
+
+
+def check(radii, scatter, count, *, mean_error, spread_error, seed=3):
+    found = effect(radii, lots(scatter, count, seed))
+    mean, spread = predicted(radii, scatter=scatter)
+    np.testing.assert_allclose(found.mean(axis=1)[[0, 2]], mean[[0, 2]], rtol=mean_error)
+    np.testing.assert_allclose(found.std(axis=1), spread, rtol=spread_error)
+    return found
+
+
+@pytest.mark.parametrize("taper", TAPERS)
+def test_mean_and_spread_of_an_ensemble(taper):
+    # The standard errors of 600 chains are 1.2% and 3%.
+    check(TAPERS[taper], 0.003, 600, mean_error=0.06, spread_error=0.12)
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("scatter", [0.001, 0.003, 0.01])
+@pytest.mark.parametrize("taper", TAPERS)
+def test_mean_and_spread_of_ten_thousand_chains(taper, scatter):
+    check(TAPERS[taper], scatter, 10_000, mean_error=0.05, spread_error=0.05)
+
+
+def test_scatter_of_moduli():
+    found = effect(TAPERS["uniform"], lots(0.03, 600, 4), moduli=True)
+    mean, spread = predicted(TAPERS["uniform"], modulus_scatter=0.03)
+    np.testing.assert_allclose(found.std(axis=1), spread, rtol=0.12)
+    # Fifty times less than scatter of radii; the ensemble has a standard error of 5%.
+    assert found.mean(axis=1)[0] == pytest.approx(mean[0], rel=0.25)
+
+
+def test_both_scatters_add():
+    chain = hc.Chain.uniform(50)
+    radii, moduli = hc.disorder(chain, 0.01), hc.disorder(chain, modulus_scatter=0.05)
+    both, clean = hc.disorder(chain, 0.01, modulus_scatter=0.05), hc.local_rate(chain)
+    np.testing.assert_allclose(
+        both.velocity * clean.velocity, radii.velocity * moduli.velocity, rtol=1e-12
+    )
+    square = radii.velocity_spread**2 + moduli.velocity_spread**2
+    np.testing.assert_allclose(both.velocity_spread**2, square, rtol=1e-12)
+
+
+def test_early_beads_and_the_last_one():
+    x = lots(0.01, 1000, 5)
+    chain = hc.Chain.uniform(40)
+    table = hc.propagate_many(np.exp(x[:, :40]), rtol=1e-7, threads=1)
+    law = hc.disorder(chain, 0.01)
+    found = np.log(table.velocity)
+    for bead in (2, 3, 5, 9, 39, 40):
+        spread = float(found[:, bead - 1].std())
+        assert spread == pytest.approx(law.velocity_spread[bead - 1], rel=0.1)
+        mean = float(np.exp(found[:, bead - 1].mean()))
+        assert law.velocity[bead - 1] == pytest.approx(mean, abs=3e-4)
+    assert law.velocity_spread[0] == law.arrival_spread[0] == 0.0
+
+
+def test_the_spread_does_not_grow():
+    spread = hc.disorder(hc.Chain.uniform(200), 0.002).velocity_spread
+    np.testing.assert_allclose(spread[10:-2], spread[10], rtol=1e-9)
+
+
+def test_si_units():
+    chain = hc.Chain.from_materials(5e-3, "steel-52100", beads=30, velocity=0.2)
+    real, scaled = hc.disorder(chain, 0.005), hc.disorder(hc.Chain.uniform(30), 0.005)
+    scales = hc.Scales.of(chain)
+    np.testing.assert_allclose(real.velocity, 0.2 * scaled.velocity, rtol=1e-12)
+    np.testing.assert_allclose(real.arrival, scales.time * scaled.arrival, rtol=1e-12)
+    np.testing.assert_array_equal(real.velocity_spread, scaled.velocity_spread)
+    dataset = real.to_xarray()
+    assert dataset.velocity_spread.units == "1"
+    assert dataset.peak_force_spread.dims == ("contact",)
+
+
+@pytest.mark.parametrize(("chain", "options", "message"), [
+    (hc.Chain.uniform(20), {}, "scatter or modulus_scatter above 0"),
+    (hc.Chain.uniform(20), {"scatter": 0.04}, "at most 0.03"),
+    (hc.Chain.uniform(20), {"scatter": -0.01}, "at least 0"),
+    (hc.Chain.uniform(20), {"modulus_scatter": 0.2}, "at most 0.1"),
+    (hc.Chain.uniform(8), {"scatter": 0.01}, "at least 10 beads"),
+    (hc.Chain.uniform(20, exponent=2.0), {"scatter": 0.01}, "exponent 1.5"),
+    (hc.Chain.tapered("backward-exponential", 0.2, beads=20), {"scatter": 0.01}, "contact 1"),
+    (hc.Chain.uniform(20).replace(precompression=1.0, held_by="force"), {"scatter": 0.01},
+     "precompression"),
+])  # fmt: skip
+def test_other_arguments_are_rejected(chain, options, message):
+    with pytest.raises(hc.InputError, match=message):
+        hc.disorder(chain, **options)

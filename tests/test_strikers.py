@@ -1,0 +1,119 @@
+"""Strikers of other masses, contacts and velocities in the local-rate law, and their trains."""
+
+import numpy as np
+import pytest
+
+import hertzchain as hc
+
+K = np.arange(90)
+TAPERS = {
+    "uniform": np.ones(90),
+    "exponential": np.exp(-0.03 * K),
+    "linear": 1 + 0.02 * K,
+    "sine": np.exp(0.2 * np.sin(K / 10)),
+}
+
+
+def errors(chain, quantity):
+    return np.abs(hc.local_rate(chain).compare(hc.propagate(chain)).errors(quantity))
+
+
+@pytest.mark.parametrize("taper", TAPERS)
+@pytest.mark.parametrize("size", [0.65, 1.3, 1.9])
+def test_spheres_of_other_sizes(taper, size):
+    """Mass ratios 0.27, 2.2 and 6.9; the contact follows from the radius."""
+    chain = hc.Chain.from_radii(TAPERS[taper]).struck_by(radius=size)
+    assert errors(chain, "velocity")[1:-3].max() < 4e-3
+    assert errors(chain, "arrival")[1:].max() < 1e-3
+    assert errors(chain, "peak_force")[:-3].max() < 5e-3
+
+
+def test_any_contact_of_the_striker():
+    for stiffness in (0.55, 1.8):
+        chain = hc.Chain.uniform(60).struck_by(mass=3.0, stiffness=stiffness)
+        assert errors(chain, "velocity")[1:-3].max() < 2e-3
+        assert errors(chain, "peak_force")[:-3].max() < 2e-3
+
+
+def test_the_factor_is_constant_far_from_the_striker():
+    chain = hc.Chain.uniform(80)
+    ratio = hc.local_rate(chain.struck_by(mass=4.0, radius=1.0)).velocity[1:]
+    ratio = ratio / hc.local_rate(hc.Chain.uniform(81)).velocity[1:]
+    assert np.ptp(ratio[41:]) < 1e-12
+    # By two integrations, as in `hertzchain verify --only strikers`.
+    assert ratio[45] * 0.68163155 == pytest.approx(1.21314076, rel=2e-4)
+
+
+def test_an_equal_striker_makes_no_difference():
+    plain = hc.local_rate(hc.Chain.uniform(30))
+    struck = hc.local_rate(hc.Chain.uniform(29).struck_by())
+    for name in ("velocity", "arrival", "peak_force"):
+        np.testing.assert_allclose(struck.column(name), plain.column(name), rtol=1e-7)
+
+
+def test_velocity_and_units():
+    slow = hc.Chain.uniform(30).struck_by(mass=2.0, velocity=0.3)
+    fast = hc.Chain.uniform(30).struck_by(mass=2.0)
+    for name, power in (("velocity", 1.0), ("arrival", -0.2), ("peak_force", 1.2)):
+        ratio = hc.local_rate(slow).column(name)[5] / hc.local_rate(fast).column(name)[5]
+        assert ratio == pytest.approx(0.3**power, rel=1e-12)
+    balls = hc.Chain.from_materials(5e-3, "steel-52100", beads=40)
+    real = balls.struck_by(radius=8e-3, velocity=0.2)
+    assert errors(real, "velocity")[1:-3].max() < 1e-3
+    assert errors(real, "arrival")[1:].max() < 1e-3
+    assert errors(real, "peak_force")[:-3].max() < 1e-3
+
+
+@pytest.mark.parametrize(("chain", "message"), [
+    (hc.Chain.uniform(30).struck_by(mass=20.0, radius=1.0), "mass of the striker must be 0.1"),
+    (hc.Chain.uniform(30).struck_by(mass=2.0, stiffness=4.0), "stiffness of its contact"),
+    (hc.Chain.uniform(30).struck_by(count=2), "strikers"),
+    (hc.Chain.uniform(30).struck_by(gap=0.1), "gaps"),
+    (hc.Chain.uniform(30).struck_by(velocity=-1.0), "moves forwards"),
+    (hc.Chain.dimer(0.5, beads=30), "does not support masses"),
+    (hc.Chain.uniform(30, exponent=2.0).struck_by(mass=2.0, stiffness=1.0), "exponent 1.5"),
+])  # fmt: skip
+def test_other_strikers_are_rejected(chain, message):
+    with pytest.raises(hc.InputError, match=message):
+        hc.local_rate(chain)
+
+
+def test_rates_beyond_the_table_are_announced():
+    chain = hc.Chain.from_radii(np.exp(0.2 * np.arange(20))).struck_by(radius=1.5)
+    with pytest.warns(hc.ModelRangeWarning, match="effect of the striker"):
+        hc.local_rate(chain)
+
+
+@pytest.mark.parametrize("mass", [2.7, 5.5])
+def test_the_train_of_a_heavy_striker(mass):
+    """Velocity maxima of bead 100, between the masses of the table."""
+    chain = hc.Chain.uniform(330).struck_by(mass=mass, radius=1.0)
+    run = hc.simulate(chain, until=330.0, times=4000, rtol=1e-9)
+    v = run.velocity(101)
+    peaks = v[1:-1][(v[1:-1] > v[:-2]) & (v[1:-1] >= v[2:]) & (v[1:-1] > 0.05 * v.max())]
+    law = hc.striker_train(mass)
+    waves = min(len(law), len(peaks))
+    assert waves >= 3
+    np.testing.assert_allclose(law[:waves], peaks[:waves], rtol=0.01)
+    np.testing.assert_allclose(hc.striker_train(mass, 2.0), 2.0 * law, rtol=1e-14)
+
+
+def test_energy_of_the_train():
+    """Almost all energy of the striker is in its waves."""
+    energy = hc.solitary_wave().energy_constant
+    parts = [energy * (hc.striker_train(m) ** 2).sum() / (0.5 * m) for m in (1.25, 2.0, 4.0, 8.0)]
+    assert all(0.985 < part < 1.0 for part in parts)
+
+
+def test_light_strikers_create_no_train():
+    with pytest.raises(hc.InputError, match="one wave"):
+        hc.striker_train(0.5)
+
+
+def test_fast_changes_at_a_heavy_striker_are_announced():
+    chain = hc.Chain.from_radii(1 + 0.1 * K).struck_by(radius=1.9)
+    with pytest.warns(hc.ModelRangeWarning, match="effect of the striker") as raised:
+        law = hc.local_rate(chain)
+    assert raised[0].filename == __file__
+    errors = np.abs(law.compare(hc.propagate(chain)).errors("velocity"))
+    assert (errors <= law.velocity_error)[:-3].all()

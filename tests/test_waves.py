@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import hertzchain as hc
-from hertzchain.simulation.budget import stored_energy
+from hertzchain.simulation.budget import overlaps_of, stored_energy
 from hertzchain.simulation.wave_events import events_at
 
 # Two equal pulses that meet head on see each other as a wall of this stiffness (images).
@@ -230,7 +230,8 @@ def test_net_flux_is_the_change_of_energy_beyond_each_contact(seed):
     run = hc.simulate(chain.replace(right_wall=hc.Wall()), until=80.0, times=4000)
     flux = run.energy_flux()
     kinetic = 0.5 * chain.masses * run.velocities**2
-    stored = stored_energy(run.chain, run.times, run.positions, run.forces)
+    overlaps = overlaps_of(run.chain, run.times, run.positions)
+    stored = stored_energy(run.chain, overlaps, run.forces)
     beyond = [
         kinetic[:, k:].sum(axis=1) + stored[:, k + 1 :].sum(axis=1) + 0.5 * stored[:, k]
         for k in range(1, chain.beads)

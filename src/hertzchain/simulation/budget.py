@@ -22,7 +22,7 @@ all other parts follow from the saved states.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Final, Literal
+from typing import TYPE_CHECKING, Final, Literal
 
 import numpy as np
 
@@ -236,7 +236,7 @@ def budget_of(
     lost, worked, pushed, from_left, to_right = ledger.T
     momenta = chain.masses * velocities
     kinetic = 0.5 * momenta * velocities
-    stored = stored_energy(chain, times, positions, forces)
+    stored = stored_energy(chain, overlaps_of(chain, times, positions), forces)
     forwards = velocities > 0.0
     parts = {
         "leading pulse": weights,
@@ -273,9 +273,8 @@ def budget_of(
     )
 
 
-def stored_energy(chain: Chain, times: Array, positions: Array, forces: Array) -> Array:
-    """Energy that each contact can return, by its law."""
-    overlaps = overlaps_of(chain, times, positions)
+def stored_energy(chain: Chain, overlaps: Array, forces: Array) -> Array:
+    """Energy that each contact can return, by its law, from arrays of shape (T, N + 1)."""
     stored = np.zeros_like(overlaps)
     for group in chain.contact_groups:
         overlap, force, contacts = overlaps[:, group.index], forces[:, group.index], group.contacts
@@ -291,8 +290,8 @@ def stored_energy(chain: Chain, times: Array, positions: Array, forces: Array) -
 
 def overlaps_of(chain: Chain, times: Array, positions: Array) -> Array:
     """Overlaps of all contacts; negative where the bodies are apart."""
-    wall = np.zeros(len(times))
+    bounds = np.zeros((len(times), chain.beads + 2))
+    bounds[:, 1:-1] = positions
     if chain.drive is not None and chain.drive.of == "displacement":
-        wall = chain.drive.value(times)
-    bounds: Any = (wall[:, np.newaxis], positions, np.zeros((len(times), 1)))
-    return np.asarray(-np.diff(np.hstack(bounds), axis=1) - equilibrium(chain).gaps)
+        bounds[:, 0] = chain.drive.value(times)
+    return np.asarray(bounds[:, :-1] - bounds[:, 1:] - equilibrium(chain).gaps)

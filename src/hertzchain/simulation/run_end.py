@@ -116,9 +116,9 @@ class RunEnd:
         approaches, complete = np.full((3, 2), np.nan), np.zeros(2, bool)
         if self.watch is None:
             return approaches, complete
-        self.watch.close_if_apart()
-        for target in self.watch.targets:
-            found, side = self.watch.approach(target, forces), target.side
+        approaching = self.watch.approaches(forces)
+        for target, found in zip(self.watch.targets, approaching, strict=True):
+            side = target.side
             approaches[:, side] = found.momentum, found.energy, found.bound
             complete[side] = self.watch.complete(side) and self.watch.bounded(side, found)
         return approaches, complete

@@ -33,7 +33,6 @@ from ..chain.contact_groups import loading_overlaps
 from ..chain.equilibrium import equilibrium
 from ..collision import Array
 from ..kernels.law_kinds import DAMPED
-from .budget import overlaps_of, stored_energy
 
 if TYPE_CHECKING:
     from ..kernels.forces import GeneralChain
@@ -87,11 +86,9 @@ class Target:
         rounding = 1e-12 * float(np.abs(pushes).sum())
         return np.where(self.exists & (forces > rounding), forces, 0.0)
 
-    def approach(self, time: float, positions: Array, velocities: Array, forces: Array) -> Approach:
-        """The motion towards the wall."""
-        at = np.array([time]), positions[np.newaxis]
-        overlaps = self._seen(overlaps_of(self.chain, *at)[0])
-        stored = self._seen(stored_energy(self.chain, *at, forces[np.newaxis])[0])
+    def approach(self, overlaps: Array, stored: Array, velocities: Array) -> Approach:
+        """The motion towards the wall, with the energies that the contacts store."""
+        overlaps, stored = self._seen(overlaps), self._seen(stored)
         velocity = self.towards * self._seen(velocities)
         padded = np.concatenate(([0.0], velocity, [0.0]))
         will_fall = (overlaps < 0.0) & (self.forces > 0.0)

@@ -21,7 +21,7 @@ from ..chain.chain import Chain
 from ..chain.equilibrium import equilibrium
 from ..collision import Array
 from ..kernels import state_layout
-from .budget import overlaps_of
+from .budget import overlaps_of, stored_energy
 from .time_scales import transit_times
 from .wall_bound import RIGHT, Approach, Target
 
@@ -133,12 +133,14 @@ class WallWatch:
     def check(self, forces: Array) -> None:
         """Compare the bound of each wall with its peak so far."""
         self._set_due()
-        self.close_if_apart()
+        overlaps = self._overlaps()
+        self.close_if_apart(overlaps)
         if self.closed:
             return
+        stored = self._stored(overlaps, forces)
         for target in self.targets:
             side, peak = target.side, float(self.walls[state_layout.WALL_PEAK, target.side])
-            if peak == 0.0 or not self.bounded(side, self.approach(target, forces)):
+            if peak == 0.0 or not self.bounded(side, self.approach(target, overlaps, stored)):
                 self.completion[state_layout.SINCE :, side] = 0.0
                 continue
             static, force = float(target.forces[-1]), float(forces[-1 if side == RIGHT else 0])
@@ -159,7 +161,7 @@ class WallWatch:
             touches = self.walls[state_layout.TOUCHES, side]
             self.completion[state_layout.SINCE :, side] = self._mark, impulse, touches
 
-    def close_if_apart(self) -> None:
+    def close_if_apart(self, overlaps: Array) -> None:
         """Close if no contact is closed or closing and no force acts on the beads."""
         driven = self.chain.drive is not None and self.time < self.chain.drive.end
         if self.closed or driven or equilibrium(self.chain).body_forces.any():
@@ -167,7 +169,7 @@ class WallWatch:
         beads = self.chain.beads
         velocities = self.arrays["y"][beads : 2 * beads]
         padded = np.concatenate(([0.0], velocities, [0.0]))
-        meeting = (self._overlaps() > 0.0) | (padded[:-1] > padded[1:])
+        meeting = (overlaps > 0.0) | (padded[:-1] > padded[1:])
         if not meeting[self.targets[0].contacts].any():
             self.close()
 
@@ -188,8 +190,17 @@ class WallWatch:
         since = float(self.completion[state_layout.SINCE, side])
         return since > 0.0 and self._mark - since >= HELD * self.transit
 
-    def approach(self, target: Target, forces: Array) -> Approach:
+    def approaches(self, forces: Array) -> list[Approach]:
+        """The motion towards each wall now; close if there is none."""
+        overlaps = self._overlaps()
+        self.close_if_apart(overlaps)
+        stored = self._stored(overlaps, forces)
+        return [self.approach(target, overlaps, stored) for target in self.targets]
+
+    def approach(self, target: Target, overlaps: Array, stored: Array) -> Approach:
         """The motion towards a wall now."""
-        y, beads = self.arrays["y"], self.chain.beads
-        positions, velocities = y[:beads] + self.rest, y[beads : 2 * beads]
-        return target.approach(self.time, positions, velocities, forces)
+        beads = self.chain.beads
+        return target.approach(overlaps, stored, self.arrays["y"][beads : 2 * beads])
+
+    def _stored(self, overlaps: Array, forces: Array) -> Array:
+        return stored_energy(self.chain, overlaps[np.newaxis], forces[np.newaxis])[0]

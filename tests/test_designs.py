@@ -215,7 +215,7 @@ def test_slopes_are_those_of_finer_differences():
 
     trials = Trials(problem, budget_from(100), Journal(None, ""), seed=0)
     point = np.array([0.5, 0.4, 0.6])
-    _, slopes = trials.slopes(point)
+    _, slopes, _ = trials.slopes(point)
 
     def impulse(x):
         run = hc.simulate(problem.space.chain_of(x), rtol=1e-12, times=0)

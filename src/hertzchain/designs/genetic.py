@@ -14,7 +14,7 @@ from .trials import Outcome, Trials
 BATCH: Final = 512
 POPULATION, PARENTS = 50, 3
 # Mutations per child; generations without a better choice after which exchanges are tried.
-MUTATIONS, PATIENCE = 1.5, 6
+MUTATIONS, PATIENCE = 1.5, 15
 MOST_ENUMERATED: Final = 1e5
 
 

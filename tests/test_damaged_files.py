@@ -267,7 +267,8 @@ def tampered(state, rng):
         number = rng.choice(numbers if values.dtype.kind == "f" else numbers[:7])
         values.flat[rng.randrange(values.size)] = number
     elif how == 3:
-        arrays[name] = values.astype(rng.choice(["f4", "i4", "c16", "U5", "u8"]))
+        with np.errstate(invalid="ignore", over="ignore"):
+            arrays[name] = values.astype(rng.choice(["f4", "i4", "c16", "U5", "u8"]))
     elif how == 4:
         arrays[name] = rng.choice([values[..., :-1], values[..., None], values[:0], values.sum()])
     else:

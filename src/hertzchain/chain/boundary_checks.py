@@ -49,7 +49,13 @@ def check_laws(laws: Iterable[Loss], groups: Sequence[ContactGroup], *, scaled: 
             _check_units("loss", law, scaled=scaled, exponent=HERTZ_EXPONENT)
     for group in groups:
         group.law.row(group.contacts.exponent)
-        group.law.strength(group.contacts)
+        with np.errstate(over="ignore", under="ignore"):
+            strength = group.law.strength(group.contacts)
+        if np.isinf(strength[group.contacts.stiffness > 0.0]).any():
+            raise InputError(
+                f"{group.law} with the stiffness of these contacts gives an infinite force; check "
+                "the units of its parameters"
+            )
 
 
 def _check_units(name: str, part: Part, *, scaled: bool, exponent: float) -> None:

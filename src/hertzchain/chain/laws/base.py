@@ -194,7 +194,7 @@ class Loss(Part):
         stiffness : float
             Stiffness of the contact [scaled, or N/m^p].
         exponent : float
-            Exponent p of the contact force.
+            Exponent p of the contact force, 1 < p <= 50.
 
         Raises
         ------
@@ -210,7 +210,7 @@ class Loss(Part):
         0.7562
         """
         contacts = ContactArrays(
-            number("exponent of the contact force", exponent, above=1.0),
+            number("exponent of the contact force", exponent, above=1.0, most=50.0),
             np.array([number("stiffness", stiffness, above=0.0)]),
             np.array([number("reduced mass", reduced_mass, above=0.0)]),
         )

@@ -51,11 +51,13 @@ def first_modes(y, setup, contacts):
         largest[c] = overlap if law.implicit else max(overlap, 0.0)
         separates = closing < 0.0
         if law.kind == DAMPED:
-            # Implicit steps cut off a pull without a change of the mode.
-            cut_off = not law.implicit and must_switch(
+            leaves = must_switch(
                 overlap, closing, stiffness, damping, LOADED, largest[c], 0.0, law, 0.0
             )
-            separates = (overlap == 0.0 and separates) or cut_off
+            if law.implicit and overlap > 0.0:
+                # Implicit steps cut off a pull without a change of the mode.
+                leaves = False
+            separates = (overlap == 0.0 and separates) or leaves
             separates = separates and has_modes(law)
         mode[c] = RELEASED if separates else LOADED
         if law.kind == DAMPED and separates:

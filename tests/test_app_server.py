@@ -357,8 +357,10 @@ def test_the_stages_of_the_compilation_are_those_that_messages_need():
     WarmUp(()).wait("beads", general=True, stop=lambda: False)
 
 
-@pytest.mark.filterwarnings("ignore::pytest.PytestUnhandledThreadExceptionWarning")
-def test_a_stage_that_fails_does_not_stop_requests():
+def test_a_stage_that_fails_does_not_stop_requests(monkeypatch):
+    seen = []
+    monkeypatch.setattr(threading, "excepthook", seen.append)
+
     def fail(_):
         raise RuntimeError("no compiler")
 
@@ -367,6 +369,9 @@ def test_a_stage_that_fails_does_not_stop_requests():
     began = time.monotonic()
     warm_up.wait("beads", general=True, stop=lambda: time.monotonic() > began + 20.0)
     assert warm_up.pending() == []
+    while not seen and time.monotonic() < began + 20.0:
+        time.sleep(0.01)
+    assert [str(each.exc_value) for each in seen] == ["no compiler"]
 
 
 def test_the_page_receives_the_schema():

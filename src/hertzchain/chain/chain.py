@@ -184,7 +184,7 @@ class Chain(ChainFields):
         >>> Chain.tapered("forward-linear", 0.25, beads=4).radii
         array([1.  , 0.75, 0.5 , 0.25])
         >>> Chain.tapered(ratio=0.25, beads=40)
-        Chain(forward-exponential, q = 0.0361846, 40 beads)
+        Chain(forward-exponential, q = 0.0361853, 40 beads)
         >>> Chain.tapered(first="10 mm", last="2.5 mm", beads=40, material="steel-52100")
         Chain(SI, steel-52100, R = 2.5 .. 10 mm, 40 beads)
         """

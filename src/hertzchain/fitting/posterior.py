@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
+import psutil
 
 from ..collision import Array
 from ..errors import InputError, SimulationError
@@ -143,6 +144,7 @@ def sample(
 
     count = len(result.variables)
     walkers = max(MIN_WALKERS, 2 * count + 2)
+    _check_memory(steps, walkers, count)
     random = np.random.default_rng(seed)
     inverse = np.linalg.pinv(result.jacobian, rcond=1e-10)
     spread = np.linalg.svd(inverse @ inverse.T)
@@ -163,3 +165,13 @@ def sample(
         length = np.nan
     accepted = float(np.mean(sampler.acceptance_fraction))
     return Posterior(result.names, values, accepted, length, steps, result.estimates)
+
+
+def _check_memory(steps: int, walkers: int, count: int) -> None:
+    """Reject more samples than fit in memory."""
+    free, needed = psutil.virtual_memory().available, 8 * steps * walkers * (count + 1)
+    if needed > free:
+        raise InputError(
+            f"{steps} steps of {walkers} walkers do not fit in memory: {free / 2**30:.1f} GiB are "
+            f"free, enough for {free // (8 * walkers * (count + 1))} steps; use fewer"
+        )

@@ -64,7 +64,7 @@ def plot_pulses(
     >>> pulses = [hc.propagate(hc.Chain.tapered(ratio=r, beads=40)) for r in (0.5, 0.25)]
     >>> axes = plot_pulses(pulses, "momentum", log=True)
     >>> [text.get_text() for text in axes.get_legend().get_texts()]
-    ['q = 0.0179321', 'q = 0.0361853']
+    ['q = 0.0179319', 'q = 0.0361853']
     >>> axes.get_title()
     'propagation, forward-exponential, 40 beads'
     """

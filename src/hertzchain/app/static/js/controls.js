@@ -124,9 +124,9 @@ export class Controls {
     /** @type {Record<string, any>} */
     const begins = {
       taper: { taper: "backward-exponential", rate: 0.05, beads: 40, ...(si ? { radius: "5 mm" } : {}) },
-      first: si ? { first: "10 mm", last: "2.5 mm", beads: 40 } : { first: 1, last: 0.25, beads: 40 },
-      first_diameter: si ? { first_diameter: "20 mm", last_diameter: "5 mm", beads: 40 } : { first_diameter: 2, last_diameter: 0.5, beads: 40 },
-      diameters: si ? { diameters: ["10 mm", "8 mm", "6 mm", "8 mm", "10 mm"] } : { diameters: [1, 0.8, 0.6, 0.8, 1] },
+      first: { first: si ? "9 mm" : 1, last: si ? "3 mm" : 0.3, beads: 40 },
+      first_diameter: { first_diameter: si ? "18 mm" : 2, last_diameter: si ? "6 mm" : 0.6, beads: 40 },
+      diameters: { diameters: si ? ["9 mm", "6 mm", "9 mm"] : [1, 0.7, 1] },
       radii: si ? { radii: ["5 mm", "4 mm", "3 mm", "4 mm", "5 mm"] } : { radii: [1, 0.8, 0.6, 0.8, 1] },
       cell: { cell: si ? ["5 mm", "3 mm"] : [1, 0.6], cells: 20 },
       mass_ratio: { mass_ratio: 0.3428, beads: 40 },

@@ -388,6 +388,14 @@ def trajectory(chain, times, units=None, rtol=1e-12):
     )
 
 
+def wall_peak(chain, end, count=20_001):
+    """Largest force on the right wall until ``end``, by a parabola through three saved times."""
+    forces = trajectory(chain, np.linspace(0.0, end, count)).forces[:, -1]
+    k = int(np.argmax(forces[1:-1])) + 1
+    before, here, after = forces[k - 1 : k + 2]
+    return here + (after - before) ** 2 / (8.0 * (2.0 * here - before - after))
+
+
 def _advance(contacts, t, y, end, rtol, at, saved):
     """Integrate piece by piece to ``end``, where the drive has a kink or the run stops."""
     for _ in range(MOST_SWITCHES):

@@ -1,17 +1,21 @@
 """Design of chains: problems, variables, methods of search, and verified results."""
 
 import itertools
+import re
 
 import numpy as np
 import pytest
+from scipy_chain import trajectory, wall_peak
 
 import hertzchain as hc
 from hertzchain.designs.balls import load_balls
 from hertzchain.designs.evolution import Strategy, reflected
+from hertzchain.designs.exact import covered, values_and_slopes
 from hertzchain.designs.sensitivity import sensitivity
 from hertzchain.designs.sizes import spline_basis
 from hertzchain.designs.smooth import promise
 from hertzchain.designs.trials import Trials
+from hertzchain.designs.verified import quietly
 
 WALLED = hc.Chain.uniform(10).replace(right_wall=hc.Wall())
 STEEL = hc.Chain.from_materials(
@@ -31,8 +35,7 @@ def softest():
 
 
 def test_the_peak_force_of_a_design_is_that_of_another_integrator(softest):
-    run = hc.simulate(softest.chain, rtol=1e-10, times=0)
-    assert softest.value == pytest.approx(run.wall_force().peak, rel=1e-7)
+    assert softest.value == pytest.approx(wall_peak(softest.chain, 40.0), rel=1e-7)
     assert softest.chain.radii[0] == 1.0
     assert (softest.chain.radii >= 0.5).all()
     assert (softest.chain.radii <= 1.0).all()
@@ -273,6 +276,79 @@ def test_the_sensitivity_is_the_exact_gradient():
     value, slope = hc.gradient(chain, "wall_force.peak")
     expected = slope["radii"] * chain.radii / value
     assert sensitivity(problem, chain)[1:] == pytest.approx(expected[1:], abs=1e-5)
+
+
+def difference_quotient(chain, quantity, place):
+    """Derivative by a radius, from runs of another integrator; the error is of fourth order."""
+    radii, step = chain.radii, 1e-3 * chain.radii[place]
+    near = []
+    for k in (-2, -1, 1, 2):
+        changed = chain.replace(radii=radii + k * step * np.eye(chain.beads)[place])
+        near.append(quantity(hc.simulate(changed, times=0, rtol=1e-11)))
+    return (near[0] - 8 * near[1] + 8 * near[2] - near[3]) / (12 * step)
+
+
+@pytest.mark.parametrize("loss", [hc.Viscoelastic(0.05), hc.Restitution(0.9)])
+def test_slopes_of_damped_chains_are_exact(loss):
+    damped = hc.Chain.uniform(8).replace(right_wall=hc.Wall(), loss=loss)
+    given = hc.Design(
+        damped, minimise="wall_force.peak", vary=[hc.vary.radii(0.5, 1.0)],
+        subject_to={"energy@5": "<= 0.4"},
+    )  # fmt: skip
+    assert covered(given)
+    point = np.linspace(0.9, 0.2, 7)
+    chain = given.space.chain_of(point)
+    values, slopes, maxima = values_and_slopes(given, point)
+    assert maxima >= 1
+    to_x = chain.radii[1:] * np.log(2.0)
+    for row, quantity in enumerate(
+        (lambda run: run.wall_force().peak, lambda run: run.pulse().energy[4])
+    ):
+        assert values[row] == pytest.approx(
+            quantity(hc.simulate(chain, times=0, rtol=1e-11)), rel=1e-7
+        )
+        expected = np.array([difference_quotient(chain, quantity, k) for k in range(1, 8)]) * to_x
+        assert slopes[row] == pytest.approx(expected, abs=2e-3 * np.abs(expected).max())
+
+
+def test_losses_without_derivatives_are_not_covered():
+    for loss in (hc.Dashpot(0.1), hc.UnloadingRatio(0.2), hc.WaltonBraun(0.8)):
+        chain = WALLED.replace(loss=loss)
+        given = hc.Design(chain, minimise="wall_force.peak", vary=[hc.vary.radii(0.5, 1.0)])
+        assert not covered(given)
+
+
+def test_a_damped_design_needs_few_simulations():
+    """Central differences need 2 * 9 + 1 simulations for the slopes at each point."""
+    damped = WALLED.replace(loss=hc.Viscoelastic(0.05))
+    problem = hc.Design(damped, minimise="wall_force.peak", vary=[hc.vary.radii(0.5, 1.0)])
+    found = hc.design(problem, budget=300, method="gradient")
+    assert found.gradients > 300 / 19
+    best = min(found.objective_of(each) for each in found.references.values())
+    assert found.value < 0.8 * best
+    assert found.value == pytest.approx(wall_peak(found.chain, 40.0), rel=1e-6)
+
+
+def test_a_later_and_larger_maximum_is_reported():
+    """The first maximum of a velocity may be a small precursor."""
+    problem = hc.Design(
+        hc.Chain.uniform(14), minimise="velocity@11", vary=[hc.vary.radii(0.3, 3.0)]
+    )
+    found = hc.design(problem, budget=150, method="gradient")
+    end = hc.simulate(found.chain, times=0).end_time
+    speed = trajectory(found.chain, np.linspace(0.0, end, 20_001)).velocities[:, 10]
+    falling = (np.diff(speed) < 0.0) & (speed[1:] > 1e-3)
+    first = speed[np.flatnonzero(falling)[0]]
+    assert found.value == pytest.approx(first, rel=1e-3)
+    assert speed.max() > 1.1 * first
+    (note,) = (each for each in found.notes if "moves faster later" in each)
+    assert f"a first maximum of {found.value:.4g}," in note
+    reached = float(re.search("reaches ([0-9.]+) in the run", note)[1])
+    assert reached == pytest.approx(speed.max(), rel=1e-3)
+    assert note in found.summary()
+    # The pulse of equal beads has no precursor.
+    verified = quietly(problem, problem.chain, np.nan, 0)
+    assert verified.notes == ()
 
 
 def test_results_are_exported(softest, tmp_path):

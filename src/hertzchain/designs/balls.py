@@ -20,7 +20,7 @@ COLUMNS: Final = ("diameter", "material", "grade", "price", "name")
 
 @dataclass(frozen=True)
 class Ball:
-    """A ball that can be bought; ``diameter`` is in m, ``price`` in any currency or NaN."""
+    """A ball of a catalogue; ``diameter`` is in m, ``price`` in any currency or NaN."""
 
     diameter: float
     material: Material

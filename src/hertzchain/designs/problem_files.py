@@ -49,6 +49,7 @@ PROBLEM: Final = (
     "until",
     "model",
 )
+TABLES: Final = ("chain", "materials", "fit", "design")
 OPTIONS: Final = ("budget", "method", "seed", "points")
 SIZES: Final = ("radii", "masses", "gaps")
 KINDS: Final = (*SIZES, "balls", "order")
@@ -65,6 +66,9 @@ def load_design(path: str | os.PathLike[str]) -> tuple[Design, dict[str, Any]]:
         for key in table:
             if key not in (*PROBLEM, *OPTIONS):
                 raise unknown_name_error("key of [design]", key, (*PROBLEM, *OPTIONS))
+        for key in document:
+            if key not in TABLES:
+                raise unknown_name_error("table of a design file", key, TABLES)
         if "chain" not in document:
             raise InputError("it has no table [chain]")
         given = {key: table[key] for key in PROBLEM if key in table}

@@ -12,6 +12,7 @@ from ..chain.chain import Chain
 from ..chain.hertz_range import hertz_range
 from ..collision import Array
 from ..errors import InputError
+from ..representation import measure as shown
 from ..simulation.simulate import simulate
 from ..simulation.simulate_many import simulate_many
 from .measures import Measure
@@ -78,7 +79,7 @@ def verify_chain(problem: Design, chain: Chain, price: float, seed: int) -> Veri
 
 
 def _later_motion(problem: Design, chain: Chain, values: dict[str, float]) -> list[str]:
-    """Notes on beads that move faster after the first maximum of their velocity."""
+    """Notes on beads with a larger maximum of their velocity after the first one."""
     beads = {
         m.index(chain.beads): values[str(m)] for m in problem.measures
         if m.key in PER_VELOCITY and m.over is None and np.isfinite(values[str(m)])
@@ -89,14 +90,20 @@ def _later_motion(problem: Design, chain: Chain, values: dict[str, float]) -> li
     first = run.pulse().velocity
     found = []
     for place in beads:
-        largest = float(run.velocities[:, place].max())
-        if largest > (1.0 + LATER) * float(first[place]):
+        largest, peak = float(run.velocities[:, place].max()), float(first[place])
+        if largest > (1.0 + LATER) * peak:
+            later, earlier = (_speed(chain, each) for each in (largest, peak))
             found.append(
-                f"bead {place + 1} moves faster later: its largest velocity in the run is "
-                f"{largest / float(first[place]):.3g} times the first maximum, to which velocity, "
-                "momentum and energy refer"
+                f"bead {place + 1} moves faster later: its velocity has a first maximum of "
+                f"{earlier}, to which velocity, momentum and energy refer, and reaches {later} in "
+                f"the run, {largest / peak:.3g} times as much"
             )
     return found
+
+
+def _speed(chain: Chain, value: float) -> str:
+    """A velocity with its unit."""
+    return shown(value, "m/s" if chain.units == "SI" else "", chain.units)
 
 
 def _later_peak(chain: Chain, peak: float, end: float) -> list[str]:

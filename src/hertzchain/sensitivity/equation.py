@@ -140,6 +140,15 @@ def equation_of(chain: Chain) -> Equation:
     )  # fmt: skip
 
 
+def has_gradient(chain: Chain) -> bool:
+    """Whether quantities of a chain have exact derivatives."""
+    try:
+        _check(chain)
+    except InputError:
+        return False
+    return True
+
+
 def _check(chain: Chain) -> None:
     from ..kernels.adjoint_layout import MOST_BEADS
 

@@ -117,6 +117,7 @@ def outcome(call):
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", hc.InputWarning)
         warnings.simplefilter("ignore", hc.ModelRangeWarning)
+        warnings.simplefilter("ignore", hc.IncompleteWarning)
         try:
             return call()
         except hc.InputError as error:

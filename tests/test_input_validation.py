@@ -11,7 +11,7 @@ from hertzchain import Chain
 
 # Classes that users do not create; only their methods are called.
 RESULTS = (
-    "Budget", "Calibration", "DefectScan", "DesignResult", "EffectiveChain",
+    "Budget", "Calibration", "DefectScan", "DesignResult", "EffectiveChain", "Gradient",
     "EffectivePulse", "EnergyFlux",
     "FitResult", "Fronts", "LossComparison", "Posterior", "TraceComparison",
     "HertzRange", "Horizon", "LeadingPulse", "PulseTable", "Reflection", "Run", "RunTable",

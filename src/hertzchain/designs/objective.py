@@ -73,6 +73,12 @@ def objectives_from(
     if isinstance(what, list | tuple):
         if len(what) != 2:
             raise InputError(f"a Pareto front has two objectives, got {len(what)}")
+        for name in what:
+            if not isinstance(name, str):
+                raise InputError(
+                    "each objective of a Pareto front must be the name of a measure, such as "
+                    f"'wall_force.peak', got {short_repr(name)}"
+                )
         return tuple(_of({name: 1.0}, sign, chain) for name in what)
     return (_of(what if isinstance(what, Mapping) else {what: 1.0}, sign, chain),)
 

@@ -83,7 +83,7 @@ export class Controls {
     const inForms = new Set(Object.values(forms).flat().concat(Object.keys(forms)));
     const own = new Set(["materials", "velocity", "exponent"]);
     const rest = keys.filter((/** @type {any} */ key) => !inForms.has(key.name) && !own.has(key.name));
-    // A key that can be a number or tables, such as the exponent, has controls of the form it has.
+    // The exponent can be a number or tables.
     const tabular = (/** @type {string} */ name) => typeof listed(chain[name])[0] === "object";
     const tables = Object.keys(this.schema).filter((name) => name.startsWith("chain.")
       && (tabular(name.slice(6)) || !keys.some((/** @type {any} */ key) => key.name === name.slice(6))));
@@ -108,8 +108,8 @@ export class Controls {
     const symbols = this.about.tapers[chain.taper] ?? {};
     const parameters = new Set(Object.values(this.about.tapers).flatMap((/** @type {any} */ each) => Object.keys(each)));
     const shown = keys.filter((key) => names.includes(key.name) && (!parameters.has(key.name) || form !== "taper" || key.name in symbols) && (key.name !== "radius" || this.si))
-      // Of the ways to give the last bead, only the one that is used has a control.
-      .filter((key) => !["last", "last_diameter", "ratio", "length"].includes(key.name) || key.name in chain);
+      // The last bead has one control.
+      .filter((key) => !/^(last|ratio|length)/.test(key.name) || key.name in chain);
     const fields = shown.map((key) => this.field(["chain"], key, symbols[key.name] ? `${words(key.name)} ${symbols[key.name]}` : undefined));
     const select = this.select("form", "given by", choices.map((name) => [name, FORMS[name] ?? words(name)]), () => form, (name) => this.changeForm(name));
     const material = this.materialField(keys.find((key) => key.name === "materials"));
@@ -125,8 +125,8 @@ export class Controls {
     const begins = {
       taper: { taper: "backward-exponential", rate: 0.05, beads: 40, ...(si ? { radius: "5 mm" } : {}) },
       first: { first: si ? "9 mm" : 1, last: si ? "3 mm" : 0.3, beads: 40 },
-      first_diameter: { first_diameter: si ? "18 mm" : 2, last_diameter: si ? "6 mm" : 0.6, beads: 40 },
-      diameters: { diameters: si ? ["9 mm", "6 mm", "9 mm"] : [1, 0.7, 1] },
+      first_diameter: { first_diameter: si ? "9 mm" : 1, last_diameter: si ? "3 mm" : 0.3, beads: 40 },
+      diameters: { diameters: si ? ["9 mm", "6 mm"] : [1, 0.7] },
       radii: si ? { radii: ["5 mm", "4 mm", "3 mm", "4 mm", "5 mm"] } : { radii: [1, 0.8, 0.6, 0.8, 1] },
       cell: { cell: si ? ["5 mm", "3 mm"] : [1, 0.6], cells: 20 },
       mass_ratio: { mass_ratio: 0.3428, beads: 40 },
@@ -177,7 +177,7 @@ export class Controls {
   group(name, title, used, children) {
     const details = /** @type {HTMLDetailsElement} */ (make("details", { className: "group", id: `group-${name}` }, make("summary", {}, title, ...(used ? [make("span", { className: "used", title: "used" }, "●")] : [])), ...children));
     details.open = this.opened.has(name) || (used && !this.opened.has(`-${name}`));
-    // Not the event "toggle", which also follows from the line above.
+    // Not "toggle", which follows from the line above.
     details.firstElementChild?.addEventListener("click", () => {
       this.opened.delete(details.open ? name : `-${name}`);
       this.opened.add(details.open ? `-${name}` : name);

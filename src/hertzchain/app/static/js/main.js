@@ -76,7 +76,7 @@ function say(text, bad = false) {
   $("status").classList.toggle("bad", bad);
 }
 
-// State ------------------------------------------------------------------------------------------
+// State
 
 function snapshot() {
   return JSON.stringify({ A: state.A, B: state.B, sensors: state.view.sensors });
@@ -196,7 +196,7 @@ function moveWall(gap, moving) {
   change(changed(document, ["chain", "right_wall", "gap"], inMillimetres(gap)), moving, "chain.right_wall.gap");
 }
 
-// Requests ---------------------------------------------------------------------------------------
+// Requests
 
 /** Ask for results with the next frame: a draft during a drag, the exact ones when it has settled.
  * @param {Slot[]} slots @param {boolean} moving */
@@ -265,7 +265,7 @@ function problem(slot) {
   else if (message) say(`${message.charAt(0).toUpperCase()}${message.slice(1)}; energy is conserved to ${found.run.header.energy_drift.toExponential(0)}.`, !found.run.header.success);
 }
 
-// Drawing ----------------------------------------------------------------------------------------
+// Drawing
 
 function wake() {
   if (awake) return;
@@ -383,7 +383,7 @@ function keepAddress() {
   written = location.hash;
 }
 
-// Events -----------------------------------------------------------------------------------------
+// Events
 
 function compare() {
   history.note(snapshot(), false);

@@ -11,6 +11,7 @@ import hertzchain as hc
 from hertzchain.designs.balls import load_balls
 from hertzchain.designs.evolution import Strategy, reflected
 from hertzchain.designs.exact import covered, values_and_slopes
+from hertzchain.designs.methods import method_for
 from hertzchain.designs.sensitivity import sensitivity
 from hertzchain.designs.sizes import spline_basis
 from hertzchain.designs.smooth import promise
@@ -309,6 +310,17 @@ def test_slopes_of_damped_chains_are_exact(loss):
         )
         expected = np.array([difference_quotient(chain, quantity, k) for k in range(1, 8)]) * to_x
         assert slopes[row] == pytest.approx(expected, abs=2e-3 * np.abs(expected).max())
+
+
+def test_descents_are_the_default_if_their_derivatives_are_exact():
+    for chain, sizes, expected in (
+        (WALLED, hc.vary.radii(0.5, 1.0), "gradient"),
+        (WALLED, hc.vary.gaps(0.0, 0.1), "hybrid"),
+        (WALLED.replace(loss=hc.Restitution(0.9)), hc.vary.radii(0.5, 1.0), "gradient"),
+        (WALLED.replace(loss=hc.Dashpot(0.1)), hc.vary.radii(0.5, 1.0), "hybrid"),
+    ):
+        given = hc.Design(chain, minimise="wall_force.peak", vary=[sizes])
+        assert method_for(given, "auto", 1e4) == expected
 
 
 def test_losses_without_derivatives_are_not_covered():

@@ -29,6 +29,7 @@ from ..validation.objects import check_choice
 from . import smooth
 from .ball_choice import BallSpace
 from .evolution import evolve
+from .exact import covered
 from .genetic import MOST_ENUMERATED, enumerate_all, search
 from .local import descend
 from .problem import Design
@@ -74,7 +75,7 @@ def method_for(problem: Design, given: str, budget_runs: float) -> str:
         elif smooth.covers(problem):
             given = "law"
         else:
-            given = "scan" if space.size == 1 else "hybrid"
+            given = "scan" if space.size == 1 else _for_sizes(problem)
     if discrete != (given in ("enumerate", "genetic")):
         kind = "balls or their order" if discrete else "sizes"
         raise InputError(f"method {given!r} cannot vary {kind}; omit method")
@@ -97,6 +98,18 @@ def method_for(problem: Design, given: str, budget_runs: float) -> str:
             f"there are {space.count:.2g} choices, too many to enumerate; use method='genetic'"
         )
     return given
+
+
+def _for_sizes(problem: Design) -> str:
+    """Descents alone if their derivatives are exact.
+
+    At equal processor time they end as low as with an evolution strategy for the force on a wall
+    behind 20 beads, and 4% to 5% lower behind 60.  At gaps that just close, derivatives jump.
+    """
+    space = problem.space
+    smooth_sizes = isinstance(space, SizeSpace) and "gaps" not in space.fields
+    few = space.size <= MOST_VARIABLES["hybrid"]
+    return "gradient" if smooth_sizes and few and covered(problem) else "hybrid"
 
 
 def run_method(trials: Trials, method: str, end: float) -> Found:

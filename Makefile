@@ -7,15 +7,15 @@ BIN := .venv/bin
 reproduce: .venv/installed
 	$(BIN)/hertzchain reproduce
 
-# Kernels are compiled before the tests, because both processes of pytest would compile them.
+# Kernels are compiled first, because both processes of pytest would compile them.
 test: .venv/installed-test style
 	$(BIN)/ruff format --check src tests docs benchmarks tools
 	$(BIN)/ruff check src tests docs benchmarks tools
 	$(BIN)/mypy
 	$(BIN)/lint-imports
+	$(BIN)/hertzchain warm-up
 	$(BIN)/python -m sphinx -W --keep-going -q -b html docs docs/_build/html
 	$(BIN)/python tools/check_pages.py docs/_build/html
-	$(BIN)/hertzchain warm-up
 	$(BIN)/pytest -q -n 2 --dist loadfile --no-loadscope-reorder
 
 # Tests that take minutes: hundreds of random chains compared with SciPy and with each other,

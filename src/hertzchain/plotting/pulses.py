@@ -29,7 +29,7 @@ def plot_pulses(
     r"""Plot one quantity of several pulses against the bead number.
 
     By default a label states what distinguishes a pulse from the others (its method, taper, rate,
-    number of beads, ...); what all of them share is in the title.
+    number of beads, ...); the title has the parts that all of them share.
 
     Parameters
     ----------

@@ -21,19 +21,6 @@ from hertzchain.plotting.sweeps import plot_sweep
 from hertzchain.theory.universal_functions import bca_growth
 
 
-def first_page() -> Figure:
-    """A trajectory, and its leading pulse compared with two theories."""
-    chain = hc.Chain.tapered("forward-linear", 0.006, beads=60)
-    run = hc.simulate(chain, times=600)
-    with figure_style():
-        canvas, (left, right) = plt.subplots(1, 2, figsize=(10.0, 3.8))
-        run.plot(ax=left)
-        plot_pulses([run.pulse(), hc.bca(chain), hc.modified_bca(chain)], "momentum", ax=right)
-        right.set_ylim(0.0, 1.05)
-        right.set_title("leading pulse")
-    return canvas
-
-
 def first_pulse() -> Figure:
     """Plot of the tutorial."""
     chain = hc.Chain.tapered("backward-exponential", 0.05, beads=60)
@@ -255,7 +242,6 @@ def _growth(rate: float) -> float:
 
 
 FIGURES: dict[str, Callable[[], Figure]] = {
-    "first-page": first_page,
     "force-trace": force_trace,
     "budget": budget,
     "first-pulse": first_pulse,

@@ -3,7 +3,7 @@
 import pytest
 
 # Notebooks are executed by the build of the documentation, and so are the files made from them.
-collect_ignore = ["docs/examples", "docs/gallery", "docs/conf.py"]
+collect_ignore = ["docs/examples", "docs/gallery", "docs/_build", "docs/conf.py"]
 
 
 @pytest.fixture(autouse=True)

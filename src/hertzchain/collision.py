@@ -29,6 +29,8 @@ HERTZ_EXPONENT = 1.5
 
 def _floats(values: ArrayLike) -> Array:
     """Convert to floats; quantities and masked arrays are rejected."""
+    if type(values) is np.ndarray and values.dtype == float:
+        return values
     # NumPy would drop the unit of a quantity and the mask of a masked array.
     if hasattr(values, "magnitude") or np.ma.is_masked(values):
         raise InputError(f"contact formulas require plain numbers, got {short_repr(values)}")

@@ -34,7 +34,7 @@ PARTS: Final = (
 def check_part(name: str, part: object, *, scaled: bool, exponent: float) -> None:
     """Check the type of a wall, loss or drive, and the units of its numbers."""
     kind, allowed, advice = next(row[1:] for row in PARTS if row[0] == name)
-    if part is not None and not isinstance(part, kind):
+    if not isinstance(part, kind):
         raise InputError(f"{name} must be {allowed} or None, got {short_repr(part)}; {advice}")
     if isinstance(part, Part) and part.with_units:
         _check_units(name, part, scaled=scaled, exponent=exponent)

@@ -124,6 +124,8 @@ class ChainFields(Frozen):
     def _check_parts(self) -> None:
         for name, *_ in PARTS:
             part, p = getattr(self, name), HERTZ_EXPONENT
+            if part is None:
+                continue
             if isinstance(part, Wall) and part.with_units:
                 p = float(self.contact_exponents[0 if name == "left_wall" else -1])
             check_part(name, part, scaled=self.scaled, exponent=p)
@@ -274,14 +276,15 @@ class ChainFields(Frozen):
         """
         # In SI units it follows from the materials, even if other contacts have given stiffness.
         hertz = "stiffness" not in self.given or self.materials is not None
-        exponents = self.contact_exponents
         left, right = (
-            wall_stiffness(
+            0.0
+            if wall is None
+            else wall_stiffness(
                 wall,
                 float(self.radii[bead]),
                 None if self.materials is None else self.materials[bead],
                 scaled=self.scaled,
-                hertz=hertz and exponents[bead] == HERTZ_EXPONENT,
+                hertz=hertz and self.contact_exponents[bead] == HERTZ_EXPONENT,
             )
             for wall, bead in ((self.left_wall, 0), (self.right_wall, -1))
         )

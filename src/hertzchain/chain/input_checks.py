@@ -48,7 +48,6 @@ def checked_radii(radii: ArrayLike) -> Array:
     if values.ndim != 1 or len(values) < 2:
         raise InputError(f"radii must be a list of at least two numbers, got {short_repr(radii)}")
     checked_beads(len(values))
-    values = values.copy()
     good = (values > 0.0) & (values < math.inf)
     if not good.all():
         k = int(np.argmin(good))

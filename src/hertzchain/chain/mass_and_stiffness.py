@@ -55,16 +55,14 @@ def contact_stiffness(
 
 
 def wall_stiffness(
-    wall: Wall | None, radius: float, material: Material | None, *, scaled: bool, hertz: bool
+    wall: Wall, radius: float, material: Material | None, *, scaled: bool, hertz: bool
 ) -> float:
-    r"""Stiffness of the contact of a bead with a flat wall; 0 without a wall.
+    r"""Stiffness of the contact of a bead with a flat wall.
 
     In scaled variables it is :math:`\sqrt{2R}` for a wall of the bead's own material and twice as
     much for a rigid wall.  The argument ``hertz`` states whether all other contacts are Hertz
     contacts, so that the stiffness can be computed from the material.
     """
-    if wall is None:
-        return 0.0
     if wall.stiffness is not None:
         return wall.stiffness
     if not hertz:

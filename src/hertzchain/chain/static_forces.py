@@ -31,10 +31,10 @@ class Loads(NamedTuple):
 def static_forces(loads: Loads) -> Array:
     """Static force of each contact, walls included, shape (N + 1,)."""
     forces = np.zeros(len(loads.masses) + 1)
-    first = loads.strikers
-    weights = np.abs(loads.gravity) * loads.masses[first:]
     if not (loads.precompression > 0.0 or _rests_on_wall(loads)):
         return forces
+    first = loads.strikers
+    weights = np.abs(loads.gravity) * loads.masses[first:]
     from_top = weights if loads.gravity >= 0.0 else weights[::-1]
     carried = loads.precompression + np.concatenate(([0.0], np.cumsum(from_top)))
     forces[first:] = carried if loads.gravity >= 0.0 else carried[::-1]

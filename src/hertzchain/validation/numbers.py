@@ -43,7 +43,7 @@ def has_unit(value: Any) -> bool:
 
 def plain_magnitude(what: str, value: Any, unit: str | None, depth: int = 0) -> Any:
     """Convert a value with a unit to plain numbers; return any other value unchanged."""
-    if type(value) in (float, int):
+    if type(value) in (float, int) or (type(value) is np.ndarray and value.dtype.kind in "iuf"):
         return value
     if isinstance(value, str):
         found = quantity(value)
@@ -116,7 +116,8 @@ def number(
     hint: str = "",
 ) -> float:
     """Check that a value is a finite number within its bounds."""
-    given = real_number(what, plain_magnitude(what, value, unit))
+    plain = plain_magnitude(what, value, unit)
+    given = plain if type(plain) is float else real_number(what, plain)
     if above < given < below and least <= given <= most and math.isfinite(given):
         return given
     bounds = [

@@ -1,5 +1,6 @@
 """A client of the app's server, which reads messages independently of `hertzchain.app`."""
 
+import contextlib
 import http.client
 import json
 import math
@@ -9,6 +10,7 @@ import numpy as np
 
 from hertzchain.app.requests import Request
 from hertzchain.app.results import results
+from hertzchain.app.serve import RunningServer
 
 TAPER = {"chain": {"taper": "backward-exponential", "rate": 0.05, "beads": 40}}
 WALL = {"chain": {"taper": "uniform", "beads": 20, "right_wall": {"rigid": True}}}
@@ -43,6 +45,19 @@ def computed(document, **more):
     request = Request.of({"session": "test", "number": 0, "document": document, **more})
     found = unpacked(b"".join(part.pack() for part in results(request, lambda: False)))
     return {header["part"]: (header, arrays) for header, arrays in found}
+
+
+@contextlib.contextmanager
+def serving(document=None):
+    """A server that runs until the end of a ``with`` block."""
+    found = RunningServer(0, document, warm_up=False)
+    thread = found.start()
+    try:
+        yield found
+    finally:
+        found.stop()
+        thread.join(5.0)
+    assert not thread.is_alive()
 
 
 class Client:

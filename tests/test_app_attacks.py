@@ -5,20 +5,15 @@ import socket
 import time
 
 import pytest
-from app_client import TAPER, Client
+from app_client import TAPER, Client, serving
 
 from hertzchain.app import connection, server
-from hertzchain.app.serve import RunningServer
 
 
 @pytest.fixture(scope="module")
 def running():
-    found = RunningServer(0, TAPER, warm_up=False)
-    thread = found.start()
-    yield found
-    found.stop()
-    thread.join(5.0)
-    assert not thread.is_alive()
+    with serving(TAPER) as found:
+        yield found
 
 
 @pytest.fixture
@@ -120,9 +115,7 @@ def test_the_server_is_not_reachable_from_outside(running):
 def test_silent_and_slow_clients_are_dropped(monkeypatch):
     monkeypatch.setattr(connection, "PATIENCE", 0.4)
     monkeypatch.setattr(server, "PATIENCE", 0.4)
-    found = RunningServer(0, warm_up=False)
-    found.start()
-    try:
+    with serving() as found:
         client = Client(found)
         head = (f"POST /api/results HTTP/1.1\r\nHost: {client.host}\r\nCookie: {client.cookie}\r\n"
                 "Content-Type: application/json\r\nContent-Length: 1000\r\n")  # fmt: skip
@@ -136,21 +129,15 @@ def test_silent_and_slow_clients_are_dropped(monkeypatch):
                 assert time.monotonic() - began < 4.0
                 assert answer == b"" or b"408" in answer
         assert client.ask("GET", "/").status == 200
-    finally:
-        found.stop()
 
 
 def test_many_connections_leave_the_server_usable(monkeypatch):
     monkeypatch.setattr(connection, "PATIENCE", 1.0)
-    found = RunningServer(0, warm_up=False)
-    found.start()
-    links = [socket.create_connection(("127.0.0.1", found.port), timeout=5.0) for _ in range(200)]
-    try:
+    with serving() as found, contextlib.ExitStack() as links:
+        for _ in range(200):
+            link = socket.create_connection(("127.0.0.1", found.port), timeout=5.0)
+            links.enter_context(link)
         time.sleep(0.3)
         assert len(found.server.server_state.connections) <= connection.MAX_CONNECTIONS
         time.sleep(1.5)
         assert Client(found).ask("GET", "/").status == 200
-    finally:
-        for link in links:
-            link.close()
-        found.stop()

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from app_client import serving
 
 import hertzchain as hc
 from hertzchain.app.about import about, gallery
@@ -42,11 +43,8 @@ ARRAY = """([slot, part, name]) => Array.from(hertzchain.results[slot][part].arr
 
 @pytest.fixture(scope="module")
 def running():
-    found = RunningServer(0, warm_up=False)
-    thread = found.start()
-    yield found
-    found.stop()
-    thread.join(5.0)
+    with serving() as found:
+        yield found
 
 
 @pytest.fixture(scope="module")

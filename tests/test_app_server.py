@@ -16,7 +16,7 @@ import tomllib
 
 import numpy as np
 import pytest
-from app_client import STEEL, TAPER, WALL, Client, computed, unpacked
+from app_client import STEEL, TAPER, WALL, Client, computed, serving, unpacked
 
 import hertzchain as hc
 from hertzchain.app import library
@@ -31,12 +31,8 @@ from hertzchain.warm_start import Stage
 
 @pytest.fixture(scope="module")
 def running():
-    found = RunningServer(0, TAPER, warm_up=False)
-    thread = found.start()
-    yield found
-    found.stop()
-    thread.join(5.0)
-    assert not thread.is_alive()
+    with serving(TAPER) as found:
+        yield found
 
 
 @pytest.fixture

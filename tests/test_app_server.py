@@ -19,7 +19,7 @@ import pytest
 from app_client import STEEL, TAPER, WALL, Client, computed, serving, unpacked
 
 import hertzchain as hc
-from hertzchain.app import library
+from hertzchain.app import background_import
 from hertzchain.app.about import about, gallery
 from hertzchain.app.documents import chain_of, document_as_toml, document_of_file
 from hertzchain.app.messages import Part
@@ -319,10 +319,10 @@ def test_the_page_is_served_before_the_library_is_imported(monkeypatch):
 
     def load():
         assert imported.wait(30.0)
-        library.LOADED.set()
+        background_import.LOADED.set()
 
-    monkeypatch.setattr(library, "LOADED", threading.Event())
-    monkeypatch.setattr(library, "load", load)
+    monkeypatch.setattr(background_import, "LOADED", threading.Event())
+    monkeypatch.setattr(background_import, "load", load)
     found = RunningServer(0, TAPER)
     found.start()
     try:
@@ -344,7 +344,7 @@ def test_the_page_is_served_before_the_library_is_imported(monkeypatch):
 
 
 def test_the_stages_of_the_compilation_are_those_that_messages_need():
-    library.load()
+    background_import.load()
     warm_up = WarmUp()
     assert len(warm_up.pending()) == 5
     began = time.monotonic()

@@ -10,11 +10,11 @@ from scipy_chain import trajectory, wall_peak
 import hertzchain as hc
 from hertzchain.designs.balls import load_balls
 from hertzchain.designs.evolution import Strategy, reflected
-from hertzchain.designs.exact import covered, values_and_slopes
+from hertzchain.designs.exact_gradients import covered, values_and_slopes
 from hertzchain.designs.methods import method_for
 from hertzchain.designs.sensitivity import sensitivity
 from hertzchain.designs.sizes import spline_basis
-from hertzchain.designs.smooth import promise
+from hertzchain.designs.smooth_tapers import promise
 from hertzchain.designs.trials import Trials
 from hertzchain.designs.verified import quietly
 
@@ -171,7 +171,7 @@ def test_a_scatter_is_summarised_by_the_worst_samples():
     problem = hc.Design(
         WALLED, minimise="wall_force.peak", vary=[hc.vary.radii(0.5, 1.0)], scatter=scatter
     )
-    from hertzchain.designs.budget import budget_from
+    from hertzchain.designs.search_budget import budget_from
     from hertzchain.store.journal import Journal
 
     trials = Trials(problem, budget_from(100), Journal(None, ""), seed=3)
@@ -214,7 +214,7 @@ def test_slopes_are_those_of_finer_differences():
     problem = hc.Design(
         WALLED, minimise="wall_force.impulse", vary=[hc.vary.radii(0.4, 1.5, by="spline", knots=4)]
     )
-    from hertzchain.designs.budget import budget_from
+    from hertzchain.designs.search_budget import budget_from
     from hertzchain.store.journal import Journal
 
     trials = Trials(problem, budget_from(100), Journal(None, ""), seed=0)

@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 import hertzchain as hc
-from hertzchain.theory.disorder_law import END, MEANS, RATES, SCATTERS, SPREADS, START
+from hertzchain.theory.disorder_table import END, MEANS, RATES, SCATTERS, SPREADS, START
 
 BEADS = 84
 # Scatter of moduli, of which the mean is of second order, and step of first derivatives.

@@ -1,7 +1,7 @@
 """The server of the app: the page, streams of results, and files to save.
 
-The page is served before the modules of the library are imported; `hertzchain.app.library` imports
-them in the background, and only functions that answer import them here.
+The page is served before the modules of the library are imported:
+`hertzchain.app.background_import` imports them, and only functions that answer import them here.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from starlette.routing import Route
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from ..errors import InputError, SimulationError
-from . import library
+from . import background_import
 from .guard import HEADERS, Guard
 from .latest import Latest
 from .static_files import static_files
@@ -208,8 +208,8 @@ def _reject(_: HttpRequest, error: Exception) -> Response:
 
 async def _loaded() -> None:
     """Wait until the library is imported, without blocking other requests."""
-    if not library.LOADED.is_set():
-        await asyncio.get_running_loop().run_in_executor(None, library.load)
+    if not background_import.LOADED.is_set():
+        await asyncio.get_running_loop().run_in_executor(None, background_import.load)
 
 
 async def _body(request: HttpRequest) -> bytes:

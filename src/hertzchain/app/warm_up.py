@@ -7,7 +7,7 @@ import time
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Final
 
-from . import library
+from . import background_import
 
 if TYPE_CHECKING:
     from ..warm_start import Stage
@@ -34,7 +34,7 @@ class WarmUp:
         self._thread.start()
 
     def _work(self) -> None:
-        library.load()
+        background_import.load()
         from ..chain.chain import Chain
         from ..warm_start import BEADS
 
@@ -49,7 +49,7 @@ class WarmUp:
 
     def pending(self) -> list[str]:
         """Names of kernels that are not compiled yet, in order."""
-        if self._stages is None and not library.LOADED.is_set():
+        if self._stages is None and not background_import.LOADED.is_set():
             return ["the library"]
         return [stage.name for stage in self._known()[self._done :]]
 

@@ -87,7 +87,7 @@ def design(
 
 def _counts(budget: Any) -> bool:
     """Whether a budget is a number of simulations."""
-    from ..designs.budget import budget_from
+    from ..designs.search_budget import budget_from
 
     return budget_from(budget).runs < float("inf")
 

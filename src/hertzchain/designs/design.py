@@ -17,12 +17,12 @@ from ..validation.numbers import whole_number, worker_count
 from ..validation.objects import callback, check_type, file_path
 from .ball_choice import BallSpace
 from .bounds import bounds_of, impossible
-from .budget import Budget, budget_from
 from .methods import Found, method_for, price_of, run_method
 from .pareto import design_front
 from .problem import Design
-from .references import evaluated_references
+from .reference_chains import evaluated_references
 from .result import DesignResult
+from .search_budget import Budget, budget_from
 from .trials import Outcome, Trials
 from .verified import Verified, met, quietly
 

@@ -26,12 +26,12 @@ import numpy as np
 from ..collision import Array
 from ..errors import InputError
 from ..validation.objects import check_choice
-from . import smooth
+from . import smooth_tapers
 from .ball_choice import BallSpace
+from .bundle_descent import descend
 from .evolution import evolve
-from .exact import covered
+from .exact_gradients import covered
 from .genetic import MOST_ENUMERATED, enumerate_all, search
-from .local import descend
 from .problem import Design
 from .quasi_newton import quasi_newton
 from .scanning import scan
@@ -59,7 +59,7 @@ class Found:
     method: str
     finals: list[float] = field(default_factory=list)
     optima: list[Outcome] = field(default_factory=list)
-    promise: smooth.Promise | None = None
+    promise: smooth_tapers.Promise | None = None
     complete: bool = False
 
 
@@ -72,14 +72,14 @@ def method_for(problem: Design, given: str, budget_runs: float) -> str:
         if isinstance(space, BallSpace):
             few = space.count <= min(MOST_ENUMERATED, budget_runs)
             given = "enumerate" if few else "genetic"
-        elif smooth.covers(problem):
+        elif smooth_tapers.covers(problem):
             given = "law"
         else:
             given = "scan" if space.size == 1 else _for_sizes(problem)
     if discrete != (given in ("enumerate", "genetic")):
         kind = "balls or their order" if discrete else "sizes"
         raise InputError(f"method {given!r} cannot vary {kind}; omit method")
-    if given == "law" and not smooth.covers(problem):
+    if given == "law" and not smooth_tapers.covers(problem):
         raise InputError(
             "method 'law' needs one spline of radii, and one quantity of the leading pulse of a "
             "chain that hc.local_rate accepts; omit method"
@@ -120,7 +120,7 @@ def run_method(trials: Trials, method: str, end: float) -> Found:
 
 
 def _law(trials: Trials, end: float) -> Found:
-    promise = smooth.promise(trials.problem)
+    promise = smooth_tapers.promise(trials.problem)
     trials.evaluate([promise.x])
     final = polish(trials, promise.x, end)
     return Found("law", [final.score], promise=promise)

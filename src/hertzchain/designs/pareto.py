@@ -10,7 +10,7 @@ import numpy as np
 
 from ..errors import InputError
 from .methods import Found, method_for, run_method
-from .references import evaluated_references
+from .reference_chains import evaluated_references
 from .requirements import Requirement
 from .trials import Trials
 

@@ -7,7 +7,7 @@ from typing import Any, Final
 import numpy as np
 
 from ..collision import Array
-from .local import Model, model_at
+from .bundle_descent import Model, model_at
 from .trials import Outcome, Trials
 
 # Largest change of a variable in one search; a longer step can leave the range and not return.

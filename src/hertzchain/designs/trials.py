@@ -15,12 +15,12 @@ from ..collision import Array
 from ..errors import InputError, InputWarning
 from ..simulation.simulate_many import simulate_many
 from ..store.journal import Journal
-from . import exact
-from .budget import Budget, Clock
+from . import exact_gradients
+from .finite_differences import STEP_RTOL, differences
 from .models import by_model
 from .problem import Design
 from .requirements import TOLERANCE, violation
-from .slopes import STEP_RTOL, differences
+from .search_budget import Budget, Clock
 
 # Tolerance of trial runs; results are verified with a tighter one.
 RTOL: Final = 1e-5
@@ -76,7 +76,7 @@ class Trials:
         scatter, beads = self.problem.scatter, self.problem.chain.beads
         self.draws = None if scatter is None else scatter._draws(self.seed, beads)
         self.bad = self._bad_directions()
-        self.exact = exact.covered(self.problem)
+        self.exact = exact_gradients.covered(self.problem)
 
     def _bad_directions(self) -> Array:
         """For the CVaR of each measure, 1 if large values are bad and -1 if small ones are."""
@@ -142,8 +142,8 @@ class Trials:
         """Values and exact derivatives; `None` if the simulation has none at this point."""
         try:
             if self.draws is None:
-                values, slopes, _ = exact.values_and_slopes(self.problem, point)
-                return values, slopes, exact.COST
+                values, slopes, _ = exact_gradients.values_and_slopes(self.problem, point)
+                return values, slopes, exact_gradients.COST
             chain = self.chain_of(point)
             if chain is None:
                 return None
@@ -151,12 +151,12 @@ class Trials:
             for i, each in enumerate(self.measures):
                 if each.of_chain:
                     values[i] = each.from_chain(chain, np.nan)
-            slopes, count = exact.scattered_slopes(
+            slopes, count = exact_gradients.scattered_slopes(
                 self.problem, point, self.draws, sampled, self.bad
             )
-        except exact.NOT_COVERED:
+        except exact_gradients.NOT_COVERED:
             return None
-        return values, slopes, len(self.draws) + count * exact.COST
+        return values, slopes, len(self.draws) + count * exact_gradients.COST
 
     def simulated(self, chains: Sequence[Chain | None], rtol: float) -> Array:
         """Values of all measures of chains, shape (C, M), without summary of a scatter."""

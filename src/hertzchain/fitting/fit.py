@@ -13,7 +13,6 @@ from ..errors import InputError
 from ..representation import counted
 from ..validation.numbers import whole_number
 from ..validation.objects import callback
-from .directions import WeakDirection, weak_directions
 from .goodness import goodness_of
 from .least_squares import Solution, solve
 from .model import Model, make_model
@@ -25,6 +24,7 @@ from .simulations import Simulator, range_notes
 from .systematics import effects_of
 from .trace_files import load_traces
 from .traces import Traces
+from .weak_directions import WeakDirection, weak_directions
 
 Path_ = str | os.PathLike[str]
 TracesLike = Traces | Path_ | Sequence[Path_]

@@ -13,12 +13,12 @@ from ..chain.chain import Chain
 from ..collision import Array
 from ..representation import counted, short
 from ..validation.numbers import number
-from .directions import WeakDirection
 from .goodness import Goodness
 from .model import Model
 from .problem import Problem
 from .systematics import Effect
 from .traces import Traces
+from .weak_directions import WeakDirection
 
 if TYPE_CHECKING:
     import xarray as xr

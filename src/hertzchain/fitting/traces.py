@@ -15,8 +15,8 @@ from ..frozen import Frozen
 from ..representation import counted, short
 from ..validation.numbers import number, real_numbers
 from ..validation.objects import check_list, check_type
+from .noise import MIN_QUIET, QUIET_PART, digitiser_step, noise_of, onset, saturated
 from .places import Place
-from .quiet import MIN_QUIET, QUIET_PART, digitiser_step, noise_of, onset, saturated
 from .trace_headers import header_of
 
 if TYPE_CHECKING:

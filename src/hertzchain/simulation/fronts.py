@@ -23,7 +23,7 @@ from ..chain.scales import scale
 from ..collision import Array
 from ..errors import InputError
 from ..representation import measure, short
-from .absent import reason, together
+from .missing_values import reason, together
 from .run_pulse import moving_first
 from .trajectory import Trajectory
 

@@ -43,7 +43,7 @@ from ..collision import Array
 from ..errors import InputError
 from ..representation import measure, short
 from ..validation.numbers import real_numbers
-from .absent import reason, together
+from .missing_values import reason, together
 
 
 @dataclass(frozen=True, eq=False)

@@ -7,7 +7,7 @@ import numpy as np
 from ..chain.chain import Chain
 from ..collision import Array
 from ..pulse.pulse import Pulse
-from .absent import reason, together
+from .missing_values import reason, together
 
 # With a larger part of its momentum behind the crest, a pulse is the front of a tail; the part of a
 # solitary wave is one half.

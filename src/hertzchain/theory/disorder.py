@@ -18,7 +18,7 @@ from ..errors import InputError
 from ..pulse.chain_units import in_units_of, scaled_chain
 from ..pulse.pulse import Pulse
 from ..validation.numbers import number
-from .disorder_law import END, RATES, SCATTERS, START, DisorderTables, disorder_tables
+from .disorder_table import END, RATES, SCATTERS, START, DisorderTables, disorder_tables
 from .local_rate import local_rate
 
 METHOD: Final = "the disorder law"

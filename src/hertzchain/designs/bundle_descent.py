@@ -13,7 +13,7 @@ from typing import Final
 import numpy as np
 
 from ..collision import Array
-from .exact import PEAK
+from .exact_gradients import PEAK
 from .trials import Outcome, Trials
 
 FIRST_BOX, LEAST_BOX, LARGEST_BOX = 0.05, 1e-6, 0.3

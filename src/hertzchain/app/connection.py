@@ -18,7 +18,7 @@ class Connection(H11Protocol):
 
     def connection_made(self, transport: Any) -> None:
         """Start the timer, or reject the connection."""
-        self._silence, self._unread = _Clock(self.loop), _Clock(self.loop)
+        self._silence, self._unread = _Timer(self.loop), _Timer(self.loop)
         super().connection_made(transport)
         if len(self.connections) > MAX_CONNECTIONS:
             transport.abort()
@@ -55,18 +55,18 @@ class Connection(H11Protocol):
         super().connection_lost(exc)
 
 
-class _Clock:
+class _Timer:
     """Calls a function after a time, unless it is stopped; starting it again has no effect."""
 
     def __init__(self, loop: asyncio.AbstractEventLoop) -> None:
         self.loop = loop
-        self.timer: asyncio.TimerHandle | None = None
+        self.handle: asyncio.TimerHandle | None = None
 
     def start(self, action: Callable[[], None]) -> None:
-        if self.timer is None:
-            self.timer = self.loop.call_later(PATIENCE, action)
+        if self.handle is None:
+            self.handle = self.loop.call_later(PATIENCE, action)
 
     def stop(self) -> None:
-        if self.timer is not None:
-            self.timer.cancel()
-        self.timer = None
+        if self.handle is not None:
+            self.handle.cancel()
+        self.handle = None

@@ -16,12 +16,12 @@ from ..collision import Array
 from .exact_gradients import PEAK
 from .trials import Outcome, Trials
 
-FIRST_BOX, LEAST_BOX, LARGEST_BOX = 0.05, 1e-6, 0.3
+FIRST_BOX, MIN_BOX, MAX_BOX = 0.05, 1e-6, 0.3
 # A step is accepted if it gains this part of the gain of the linear models.
-LEAST_SHARE: Final = 0.05
+MIN_SHARE: Final = 0.05
 KEPT: Final = 12
 # A descent ends when this many points together gain less than this fraction.
-STALLED, LEAST_GAIN = 20, 2e-3
+STALLED, MIN_GAIN = 20, 2e-3
 # Weight of violated constraints, in units of the score, while they cannot be met.
 PENALTY: Final = 20.0
 
@@ -64,7 +64,7 @@ def descend(trials: Trials, start: Array, end: float, *, box: float = FIRST_BOX)
     """Descend from a point until the box is very small or a part of the budget is used."""
     current = model_at(trials, np.clip(start, 0.0, 1.0))
     bundle, scores = [current], [current.outcome.rank]
-    while trials.used < end and box > LEAST_BOX and np.isfinite(current.outcome.score):
+    while trials.used < end and box > MIN_BOX and np.isfinite(current.outcome.score):
         if _stalled(scores):
             break
         step, expected = _step(current, bundle, box)
@@ -78,9 +78,9 @@ def descend(trials: Trials, start: Array, end: float, *, box: float = FIRST_BOX)
         gain = _merit(current, current) - _merit(trial, current)
         bundle = [*bundle[-KEPT + 1 :], trial]
         scores.append(min(scores[-1], trial.outcome.rank))
-        if gain >= LEAST_SHARE * expected:
+        if gain >= MIN_SHARE * expected:
             current = trial
-            box = min(LARGEST_BOX, box * (2.0 if gain > 0.5 * expected else 1.0))
+            box = min(MAX_BOX, box * (2.0 if gain > 0.5 * expected else 1.0))
         else:
             box *= 0.5
     return current.outcome
@@ -91,7 +91,7 @@ def _stalled(scores: list[tuple[float, float]]) -> bool:
     if len(scores) <= STALLED:
         return False
     (violated, before), (_, now) = scores[-1 - STALLED], scores[-1]
-    return violated == 0.0 and before - now <= LEAST_GAIN * abs(now)
+    return violated == 0.0 and before - now <= MIN_GAIN * abs(now)
 
 
 def _merit_scale(model: Model) -> float:

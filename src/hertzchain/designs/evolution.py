@@ -17,7 +17,7 @@ from .trials import Outcome, Trials
 SIGMA: Final = 0.3
 # A run ends when the best score of this many generations has changed by less than this fraction,
 # or its step is smaller than this.
-STALLED, LEAST_GAIN, LEAST_STEP = 20, 1e-5, 1e-6
+STALLED, MIN_GAIN, MIN_STEP = 20, 1e-5, 1e-6
 
 
 class Strategy:
@@ -93,10 +93,10 @@ def evolve(
         top = found[order[0]]
         best = top if best is None or top.rank < best.rank else best
         bests.append(best.score)
-        if strategy.sigma * strategy.lengths.max() < LEAST_STEP:
+        if strategy.sigma * strategy.lengths.max() < MIN_STEP:
             break
         if len(bests) > STALLED + 10 * len(start) // size and best.met:
             gain = bests[-1 - STALLED] - bests[-1]
-            if not gain > LEAST_GAIN * abs(bests[-1]):
+            if not gain > MIN_GAIN * abs(bests[-1]):
                 break
     return best

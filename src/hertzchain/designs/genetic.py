@@ -15,7 +15,7 @@ BATCH: Final = 512
 POPULATION, PARENTS = 50, 3
 # Mutations per child; generations without a better choice after which exchanges are tried.
 MUTATIONS, PATIENCE = 1.5, 15
-MOST_ENUMERATED: Final = 1e5
+MAX_ENUMERATED: Final = 1e5
 
 
 def enumerate_all(trials: Trials) -> int:

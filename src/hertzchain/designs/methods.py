@@ -31,7 +31,7 @@ from .ball_choice import BallSpace
 from .bundle_descent import descend
 from .evolution import evolve
 from .exact_gradients import covered
-from .genetic import MOST_ENUMERATED, enumerate_all, search
+from .genetic import MAX_ENUMERATED, enumerate_all, search
 from .problem import Design
 from .quasi_newton import quasi_newton
 from .scanning import scan
@@ -40,7 +40,7 @@ from .trials import Outcome, Trials
 
 METHODS: Final = ("auto", "law", "scan", "hybrid", "gradient", "evolution", "enumerate", "genetic")
 # More variables need more memory and time than these methods can use.
-MOST_VARIABLES: Final = {"hybrid": 500, "evolution": 500, "gradient": 2000}
+MAX_VARIABLES: Final = {"hybrid": 500, "evolution": 500, "gradient": 2000}
 # A time budget is regarded as this many simulations per second where a number is needed.
 RUNS_PER_SECOND: Final = 1500
 MIDDLE: Final = 0.5
@@ -70,7 +70,7 @@ def method_for(problem: Design, given: str, budget_runs: float) -> str:
     discrete = isinstance(space, BallSpace)
     if given == "auto":
         if isinstance(space, BallSpace):
-            few = space.count <= min(MOST_ENUMERATED, budget_runs)
+            few = space.count <= min(MAX_ENUMERATED, budget_runs)
             given = "enumerate" if few else "genetic"
         elif smooth_tapers.covers(problem):
             given = "law"
@@ -86,13 +86,13 @@ def method_for(problem: Design, given: str, budget_runs: float) -> str:
         )
     if given == "scan" and space.size > 1:
         raise InputError(f"method 'scan' has one variable, got {space.size}; omit method")
-    most = MOST_VARIABLES.get(given, math.inf)
+    most = MAX_VARIABLES.get(given, math.inf)
     if space.size > most:
         raise InputError(
             f"{space.size} variables are too many for method {given!r}, which can use {most}; "
             "vary splines (by='spline') or fewer beads"
         )
-    most_choices = 100 * MOST_ENUMERATED
+    most_choices = 100 * MAX_ENUMERATED
     if isinstance(space, BallSpace) and given == "enumerate" and space.count > most_choices:
         raise InputError(
             f"there are {space.count:.2g} choices, too many to enumerate; use method='genetic'"
@@ -108,7 +108,7 @@ def _for_sizes(problem: Design) -> str:
     """
     space = problem.space
     smooth_sizes = isinstance(space, SizeSpace) and "gaps" not in space.fields
-    few = space.size <= MOST_VARIABLES["hybrid"]
+    few = space.size <= MAX_VARIABLES["hybrid"]
     return "gradient" if smooth_sizes and few and covered(problem) else "hybrid"
 
 

@@ -21,14 +21,14 @@ from .size_space import SizeSpace, size_space
 from .sizes import Sizes
 
 # Largest estimated error of the law in a design; smallest estimate that can be distinguished.
-LIMIT, LEAST = 1e-3, 1e-12
+LIMIT, MIN_ESTIMATE = 1e-3, 1e-12
 # Numbers of coefficients of successive searches, before that of the problem.
 COARSE: Final = (6, 12)
 # Largest change of a coefficient in one search, relative to its range; number of searches with the
 # coefficients of the problem.  The coarse ones are starts for these.
 BOX, ROUNDS = 0.5, 4
 # The searches end when one gains less than this, because the simulation gives the final digits.
-ITERATIONS, LEAST_GAIN = 60, 1e-3
+ITERATIONS, MIN_GAIN = 60, 1e-3
 PRECISION, COARSE_PRECISION = 1e-5, 1e-4
 STEP: Final = 1e-6
 
@@ -98,7 +98,7 @@ class Law:
         worst = float(error[: self.bead].max()) if self.bead > 1 else 0.0
         if not np.isfinite(worst):
             return -10.0
-        return float(np.log(LIMIT) - np.log(worst + LEAST))
+        return float(np.log(LIMIT) - np.log(worst + MIN_ESTIMATE))
 
     def room_slope(self, x: Array) -> Array:
         """Differences of the estimate."""
@@ -182,7 +182,7 @@ def climb(law: Law, start: Array, *, coarse: bool) -> Promise:
         if inside and (gained > 0.0 or law.room(x) < -1e-2):
             moved = np.abs(point - x).max()
             x, value = point, value - gained
-            if moved < 0.9 * box and gained < LEAST_GAIN:
+            if moved < 0.9 * box and gained < MIN_GAIN:
                 break
         else:
             box *= 0.3

@@ -26,7 +26,7 @@ LONGER: Final = 2.0
 SAME: Final = 1e-6
 # Measures at the first maximum of a velocity; saved times; relative difference that is reported.
 PER_VELOCITY: Final = ("velocity", "momentum", "energy", "energy_share", "momentum_share")
-TIMES, LATER, MOST_CHECKED = 2000, 0.01, 10
+TIMES, LATER, MAX_CHECKED = 2000, 0.01, 10
 # Fresh samples of a scatter.
 FRESH: Final = 400
 
@@ -84,7 +84,7 @@ def _later_motion(problem: Design, chain: Chain, values: dict[str, float]) -> li
         m.index(chain.beads): values[str(m)] for m in problem.measures
         if m.key in PER_VELOCITY and m.over is None and np.isfinite(values[str(m)])
     }  # fmt: skip
-    if not beads or len(beads) > MOST_CHECKED:
+    if not beads or len(beads) > MAX_CHECKED:
         return []
     run = simulate(chain, times=TIMES, until=problem.until)
     first = run.pulse().velocity

@@ -25,7 +25,7 @@ from .drawing import (
 # Ratio of the largest and smallest velocity from which the axis is logarithmic.
 LOG_RANGE: Final = 30.0
 # Errors below this part of the largest are not drawn.
-SMALLEST: Final = 1e-4
+MIN_SHOWN: Final = 1e-4
 # Quantities of which a comparison draws the errors.
 DRAWN: Final = ("velocity", "arrival", "residence", "peak_force")
 
@@ -67,7 +67,7 @@ def comparison_html(comparison: Comparison) -> str:
         if name in DRAWN and (errors > 0.0).any():
             colour = COLOURS[len(curves)]
             places = np.arange(2.0, len(errors) + 2.0)
-            seen = np.where(errors >= SMALLEST * np.nanmax(errors), 100.0 * errors, np.nan)
+            seen = np.where(errors >= MIN_SHOWN * np.nanmax(errors), 100.0 * errors, np.nan)
             curves.append(Curve(places, seen, name, colour))
     parts = []
     if curves:

@@ -19,7 +19,7 @@ from ..validation.numbers import worker_count
 
 # Figures drawn in the time in which a process starts.
 FEW: Final = 3
-MOST_PROCESSES: Final = 4
+MAX_PROCESSES: Final = 4
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,7 +45,7 @@ def drawing_pool(figures: int) -> Iterator[Executor | None]:
 
     They start in the background, and import what they need while other things are computed.
     """
-    others = min(worker_count("workers", None), MOST_PROCESSES) - 1 if figures > FEW else 0
+    others = min(worker_count("workers", None), MAX_PROCESSES) - 1 if figures > FEW else 0
     with ExitStack() as stack:
         pool = None
         if others > 0:

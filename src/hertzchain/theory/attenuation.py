@@ -29,7 +29,7 @@ SUPPORTED: Final = (
     "right wall", "drive", "loss", "mixed losses",
 )  # fmt: skip
 # Decay per bead above which the first order in the loss has an error of more than 1 to 10%.
-LARGEST_DECAY: Final = 0.01
+MAX_DECAY: Final = 0.01
 # Relative difference of equal beads, from rounding.
 ROUNDING: Final = 1e-9
 # Points of an integral over half the wave, which is then exact to 1e-12.
@@ -101,10 +101,10 @@ def attenuation(chain: Chain, velocity: ArrayLike) -> Array:
     speeds = v.reshape(-1)
     energy = wave.energy_constant * mass * speeds**2
     decay = _dissipated(group, wave, mass, speeds) / (2.0 * energy)
-    if decay.size and not decay.max() <= LARGEST_DECAY:
+    if decay.size and not decay.max() <= MAX_DECAY:
         warnings.warn(
             f"the decay by {group.law} is {decay.max():.2g} per bead: attenuation is of first "
-            f"order in the loss, and its error exceeds 1 to 10% above {LARGEST_DECAY:g}; use "
+            f"order in the loss, and its error exceeds 1 to 10% above {MAX_DECAY:g}; use "
             "simulate",
             ModelRangeWarning,
             stacklevel=2,

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from .exit_codes import DONE, FAILED, OUTSIDE_TOLERANCE
-from .options import PICTURES, check_writable, names_from
+from .options import PICTURES, check_writable, names_from, with_width
 from .output import save_figure, show_json
 from .progress import progress_bar
 
@@ -59,6 +59,7 @@ if TYPE_CHECKING:
     "--out", type=click.Path(path_type=Path), metavar="FILE", help="Write the fitted chain (.toml)."
 )
 @click.option("--json", "as_json", is_flag=True, help="Print everything as JSON.")
+@with_width("plot")
 def fit(
     files: tuple[Path, ...], free: tuple[str, ...], priors: tuple[str, ...], starts: int,
     laws: str | None, defects: bool, sample: int | None, plot: Path | None, out: Path | None,

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import click
 
 from .chain_options import ChainOptions, chain_from, chain_options
-from .options import PICTURES, check_writable, time_from
+from .options import PICTURES, check_writable, time_from, with_width
 from .output import save_figure, show_json, show_table
 from .progress import progress_bar
 from .stream import check_stream_options, stream_into
@@ -91,6 +91,7 @@ if TYPE_CHECKING:
     "--horizon", is_flag=True, help="Print how long the run is predictable (integrates it twice)."
 )
 @click.option("--json", "as_json", is_flag=True, help="Print the summary as JSON.")
+@with_width("plot")
 def simulate(
     options: ChainOptions, until: str | None, times: int, rtol: float, method: str,
     step: str | None, drift: float | None, max_steps: int | None, out: Path | None,

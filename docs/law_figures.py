@@ -36,7 +36,7 @@ def steps() -> Figure:
         axes.set_yscale("log")
         axes.set_xlabel("bead $k$")
         axes.set_ylabel("velocity $v_k$")
-        axes.legend(loc="lower left", ncols=4)
+        axes.legend(loc="lower left", ncols=2)
     return canvas
 
 
@@ -51,7 +51,7 @@ def strikers() -> Figure:
         left.set_xlabel("bead $k$")
         left.set_ylabel("velocity $v_k$")
         left.set_xlim(0.0, 45.0)
-        left.legend()
+        left.legend(loc="center right", bbox_to_anchor=(1.0, 0.6))
         wave = hc.solitary_wave()
         momentum, energy = wave.momentum_constant, wave.energy_constant
         particle = momentum**2 / (2.0 * energy)
@@ -128,7 +128,7 @@ def gradients() -> Figure:
             changed = hc.Chain.from_radii(radii).replace(right_wall=hc.Wall())
             forces.append(hc.simulate(changed).wall_force().peak)
         differences.append((forces[1] - forces[0]) / (2e-4 * chain.radii[k - 1]))
-    contact, steps_of_gap = 10, np.logspace(-8, -2, 13)
+    contact, steps_of_gap = 10, np.logspace(-6, -3, 7)
     errors = []
     for step in steps_of_gap:
         gaps = np.zeros(19)
@@ -145,7 +145,7 @@ def gradients() -> Figure:
         left.set_xticks(range(2, 21, 3))
         left.legend()
         right.loglog(steps_of_gap, errors, "o-", color=COLOURS[2])
-        right.loglog(steps_of_gap, errors[6] * np.sqrt(steps_of_gap / steps_of_gap[6]), "--",
+        right.loglog(steps_of_gap, errors[2] * np.sqrt(steps_of_gap / steps_of_gap[2]), "--",
                      color="0.5", label=r"proportional to $\sqrt{\varepsilon}$")  # fmt: skip
         right.set_xlabel(rf"gap $\varepsilon$ at contact {contact}")
         right.set_ylabel("relative deviation of the quotient")
@@ -161,6 +161,7 @@ def extend() -> Figure:
     with figure_style():
         canvas, panels = plt.subplot_mosaic("aaa;bcd", figsize=(9.6, 4.4), height_ratios=(1.0, 2.4))
         hc.plot_chain(chain, ax=panels["a"])
+        panels["a"].set_title("")
         panels["a"].set_title("a taper: a power law of 30 beads", loc="left")
         panels["a"].set_axis_off()
         panels["b"].plot(exact.bead, exact.velocity, color=COLOURS[0], label="simulation")

@@ -154,7 +154,7 @@ def gradients() -> Figure:
 
 
 def extend() -> Figure:
-    """What the recipes of the page add: a taper, a theory, a loss law and a plot."""
+    """Results of the recipes of the page: a taper, a theory, a loss law and a plot."""
     chain = hc.Chain.from_radii((1.0 + np.arange(30) / 10.0) ** -0.5)
     exact = hc.propagate(chain)
     run = hc.simulate(hc.Chain.uniform(10), times=np.linspace(0.0, 20.0, 400))

@@ -156,7 +156,7 @@ scattered = peak_forces([row(balls.with_scatter(seed, grade=100).radii) for seed
 # Answer
 # ------
 #
-# Buy the smallest balls, and a few slightly larger ones between them, which scatter the waves.
+# Buy the smallest balls, and some slightly larger ones between them, which scatter the waves.
 # Rounding to sizes that are sold makes more difference than the tolerance of the balls.  The search
 # has found a good row, but not necessarily the best one that exists: it ends at a local optimum.
 

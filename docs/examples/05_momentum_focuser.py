@@ -82,9 +82,8 @@ for axes in (left, right):
 # ------
 #
 # Let the radii grow by about the same factor from ball to ball.  An exponential taper is already
-# close to the optimum; a smaller first step and a larger last one improve it a
-# little.  Because of the conservation
-# of energy, the momentum cannot exceed the square root of the mass ratio, here 8.
+# close to the optimum; a smaller first step and a larger last one improve it a little.  Because of
+# the conservation of energy, the momentum cannot exceed the square root of the mass ratio, here 8.
 
 print(f"{'limit by energy conservation':36}{LAST**1.5:6.2f}")
 for name, value in momentum.items():

@@ -44,7 +44,7 @@ def design(
     file: Path, budget: str | None, method: str | None, seed: int | None, store: Path | None,
     threads: int | None, out: Path | None, plot: Path | None, as_json: bool,
 ) -> int:  # fmt: skip
-    """Search for a chain that does what FILE.toml requires, and verify it.
+    """Search for the chain that best meets an objective.
 
     The file is a chain file with a table [design]: the objective, what may vary, and constraints.
     All trials are written to a folder.  If the search is interrupted, run the same command again

@@ -82,7 +82,8 @@ def with_width(parameter: str) -> Callable[[Callable[..., Any]], Callable[..., A
             "--width",
             metavar="WIDTH",
             help="Draw the figure for a journal: 'single column' (86 mm wide), 'double column' "
-            "(178 mm), a length such as '120 mm', or a number of inches.  It has no title then.",
+            "(178 mm), a length such as '120 mm', or a number of inches.  The figure then has no "
+            "title.",
         )
         @functools.wraps(command)
         def with_option(*arguments: Any, width: str | None, **options: Any) -> Any:

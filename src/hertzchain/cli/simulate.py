@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 @click.option(
     "--until",
     metavar="TIME",
-    help="Stop time, such as 2e-3 or, in SI units, 2ms.  [default: when the largest force on the "
+    help="Stop time, such as 2e-3 or, in SI units, 2ms.  [default: when the peak force on the "
     "right wall is complete, at most 10 transits of the pulse; without a right wall, when the "
     "pulse has left the chain]",
 )
@@ -74,8 +74,8 @@ if TYPE_CHECKING:
     type=int,
     multiple=True,
     metavar="BEAD",
-    help="Print the first maximum and the largest value so far of the force in a sensor in this "
-    "bead; repeatable.",
+    help="Print the first maximum and the largest value of the force in a sensor in this bead; "
+    "repeatable.",
 )
 @click.option(
     "--stream",
@@ -88,7 +88,7 @@ if TYPE_CHECKING:
     "--waves", is_flag=True, help="Print the travelling waves: pulses, trains and reflections."
 )
 @click.option(
-    "--horizon", is_flag=True, help="Print how long the run is predictable (integrates it twice)."
+    "--horizon", is_flag=True, help="Print how long the run is predictable (takes twice as long)."
 )
 @click.option("--json", "as_json", is_flag=True, help="Print the summary as JSON.")
 @with_width("plot")

@@ -119,7 +119,7 @@ def run(
 @_skip_damaged
 @click.option("--json", "as_json", is_flag=True, help="Print the status as JSON.")
 def status(store: Path, skip_damaged: bool, as_json: bool) -> int:
-    """Check all files; show the progress of a sweep, running or not, and why points failed."""
+    """Check all files of a store; show the progress of the sweep and why points failed."""
     from ..store.sweep_store import SweepStore
 
     opened = SweepStore(store, skip_damaged=skip_damaged)

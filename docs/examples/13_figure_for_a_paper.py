@@ -41,26 +41,25 @@ with hc.figure_style("single column"):
     figure, (top, middle, bottom) = plt.subplots(
         3, 1, figsize=(COLUMN, 3.9), height_ratios=[0.5, 2, 1.2]
     )
-hc.plot_chain(chain, ax=top)
-top.set_axis_off()
-top.set_title("")
-k = exact.bead
-for pulse, label, dashes in (
-    (exact, "simulation", "-"), (bca, "BCA", "--"), (law, "local-rate law", ":"),
-):  # fmt: skip
-    middle.semilogy(k, pulse.velocity, dashes, color="black" if dashes == "-" else None,
-                    linewidth=2.2 if dashes == ":" else 1.0, label=label)  # fmt: skip
-    if dashes != "-":
-        bottom.plot(k, pulse.velocity / exact.velocity, dashes,
-                    color=middle.lines[-1].get_color())  # fmt: skip
-bottom.axhline(1.0, color="black", linewidth=0.7)
-bottom.set_ylim(0.9, 1.7)
-middle.set_ylabel("velocity $v_k$")
-middle.tick_params(labelbottom=False)
-middle.legend()
-bottom.set_ylabel("theory /\nsimulation")
-bottom.set_xlabel("bead $k$")
-figure.align_ylabels()
+    hc.plot_chain(chain, ax=top)
+    top.set_axis_off()
+    k = exact.bead
+    for pulse, label, dashes in (
+        (exact, "simulation", "-"), (bca, "BCA", "--"), (law, "local-rate law", ":"),
+    ):  # fmt: skip
+        middle.semilogy(k, pulse.velocity, dashes, color="black" if dashes == "-" else None,
+                        linewidth=2.2 if dashes == ":" else 1.0, label=label)  # fmt: skip
+        if dashes != "-":
+            bottom.plot(k, pulse.velocity / exact.velocity, dashes,
+                        color=middle.lines[-1].get_color())  # fmt: skip
+    bottom.axhline(1.0, color="black", linewidth=0.7)
+    bottom.set_ylim(0.9, 1.7)
+    middle.set_ylabel("velocity $v_k$")
+    middle.tick_params(labelbottom=False)
+    middle.legend()
+    bottom.set_ylabel("theory /\nsimulation")
+    bottom.set_xlabel("bead $k$")
+    figure.align_ylabels()
 
 # %%
 # A map
@@ -71,13 +70,13 @@ figure.align_ylabels()
 
 with hc.figure_style("single column"):
     figure_map, axes = plt.subplots(figsize=(COLUMN, 2.4))
-shown = axes.pcolormesh(
-    run.times, np.arange(1, chain.beads + 1), run.velocities.T, shading="nearest",
-    rasterized=True, cmap="magma_r", vmin=0,
-)  # fmt: skip
-axes.set_xlabel("time $t$")
-axes.set_ylabel("bead $k$")
-figure_map.colorbar(shown, label="velocity $v_k(t)$")
+    shown = axes.pcolormesh(
+        run.times, np.arange(1, chain.beads + 1), run.velocities.T, shading="nearest",
+        rasterized=True, cmap="magma_r", vmin=0,
+    )  # fmt: skip
+    axes.set_xlabel("time $t$")
+    axes.set_ylabel("bead $k$")
+    figure_map.colorbar(shown, label="velocity $v_k(t)$")
 
 # %%
 # Files

@@ -70,6 +70,9 @@ def may_be_cut_off(h, mode, before, after, slope, last_slope, stiffness, damping
     """
     overlap, closing = before
     last, still_closing = after
+    if mode != LOADED and overlap <= 0.0 < last:
+        # The contact has closed and pushed, although its force is cut off again at the end.
+        return True
     if min(overlap, last) <= 0.0 or min(closing, still_closing) >= 0.0:
         return False
     sign = 1.0 if mode == LOADED else -1.0

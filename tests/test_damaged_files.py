@@ -186,6 +186,24 @@ def test_a_damaged_store_is_rejected_or_its_rest_is_right(damaged_store, seeds):
         folder.restore()
 
 
+def test_a_store_with_any_bit_flipped_in_its_description_is_rejected(damaged_store):
+    folder = damaged_store[0]
+    file = folder.folder / "zarr.json"
+    content = folder.contents[file]
+    # Every bit after the attributes, and some of theirs.
+    last = content.rindex(b"zarr_format") - 10
+    places = [*range(0, last, 30), *range(last, len(content))]
+    accepted = []
+    for place in places:
+        for bit in range(8) if place >= last else (place % 8,):
+            changed = bytearray(content)
+            changed[place] ^= 1 << bit
+            file.write_bytes(changed)
+            if opened(folder.folder) is not None:
+                accepted.append((place, bit))
+    assert not accepted
+
+
 @pytest.fixture(scope="module")
 def streamed_run(tmp_path_factory):
     patch = pytest.MonkeyPatch()

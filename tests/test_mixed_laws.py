@@ -502,3 +502,27 @@ def test_shapes_at_walls_and_invalid_ones():
             chain.with_contacts(shapes)
     with pytest.raises(InputError, match="follows from materials"):
         Chain.uniform(3).with_contacts(hc.Cone(60.0))
+
+
+@pytest.mark.parametrize("alpha", [2.0, 3.0, 10.0])
+def test_restitution_vanishes_with_strong_damping(alpha):
+    """As gamma^(-1/(alpha - 2 p/(p + 1))), the speed at which damping and elastic force are equal
+    in a collision of this speed."""
+    power = 1.0 / (alpha - 3.0 / 2.5)
+    gamma = 10.0 ** min(6.0 / power, 30.0)
+    found = [hc.VelocityPower(by * gamma, alpha).restitution(1.0) for by in (1.0, 100.0)]
+    assert found[1] / found[0] == pytest.approx(100.0**-power, rel=1e-3)
+    assert hc.VelocityPower(1e300, alpha).restitution(1.0) == 0.0
+
+
+@pytest.mark.parametrize("attractive", [True, False])
+@pytest.mark.parametrize("gamma", [1e9, 1e150, 1e300])
+def test_restitution_of_the_strongest_dashpots_is_zero(gamma, attractive):
+    law = hc.Dashpot(gamma, attractive)
+    assert law.restitution(1.0) == pytest.approx(0.0, abs=1e-14)
+    assert law.restitution(1.0, stiffness=1e-300) == pytest.approx(0.0, abs=1e-14)
+
+
+def test_restitution_beyond_floating_point_numbers_is_refused():
+    with pytest.raises(hc.InputError, match="outside the range of floating-point numbers"):
+        hc.Dashpot(1.0).restitution(1e200, reduced_mass=1e300)

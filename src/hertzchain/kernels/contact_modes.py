@@ -94,8 +94,8 @@ def may_close_unseen(time, h, y, y_new, stages, scale, setup, segment, rtol):
         sharpest, unseen = 0.0, rtol * h * scale[min(c, beads - 1)]
         if c == 0 and drive == MOVING_WALL:
             way, sharpest = reach_of_wall(time + h, setup, segment)
-            unseen = UNSEEN * way
-        elif closing <= 0.0 or still_closing >= 0.0:
+            unseen = max(unseen, UNSEEN * way)
+        if sharpest == 0.0 and (closing <= 0.0 or still_closing >= 0.0):
             continue
         sharpest += sharpest_turn(c, beads, stages)
         if 0.125 * h * h * sharpest > max(-max(first, last), unseen):

@@ -15,6 +15,8 @@ from .compilation import compiled
 from .dop853 import STEP_STAGES, D
 
 COEFFICIENTS = 7
+# Fraction of a step over which the change of a slope is estimated.
+SHORT = 1e-3
 
 
 @compiled
@@ -66,6 +68,24 @@ def slope(i, theta, h, dense):
         else:
             result, rate = result * (1.0 - theta), rate * (1.0 - theta) - result
     return rate / h
+
+
+@compiled
+def attainable_slope(i, h, dense):
+    """Upper bound of the rate of change of component i within the step, if it falls at the end.
+
+    A concave curve lies below the tangents at its ends.  A rate that rises at the end has its
+    maximum there or in a later step.
+    """
+    first, last = slope(i, 0.0, h, dense), slope(i, 1.0, h, dense)
+    fall = (last - slope(i, 1.0 - SHORT, h, dense)) / SHORT
+    if fall >= 0.0:
+        return last
+    rise = (slope(i, SHORT, h, dense) - first) / SHORT
+    theta = (last - fall - first) / (rise - fall)
+    if rise <= 0.0 or not 0.0 < theta < 1.0:
+        return last - fall
+    return first + rise * theta
 
 
 @compiled

@@ -11,7 +11,7 @@ from .active_beads import place_behind, put_back
 from .compilation import compiled
 from .contact_law import LOADED, force, law_of
 from .dop853 import STEP_STAGES
-from .dop853_interpolant import slope, state_within, value
+from .dop853_interpolant import attainable_slope, slope, state_within, value
 from .driving import wall_motion
 from .forces import ACCUMULATORS, LEFT_IMPULSE, RIGHT_IMPULSE, copy, overlap_and_closing
 from .implicit import FINEST, closes_throughout, first_rest
@@ -329,12 +329,14 @@ def record_walls(time, h, y, y_new, stages, dense, walls):
         largest = 0.0
         for j in range(STEP_STAGES + 1):
             largest = max(largest, stages[j, i])
+        peak = walls[WALL_PEAK, side]
         # In a step cut very short the slope is lost in rounding; the stages give the peak.
         sharp = 1e-15 * abs(y_new[i]) < 1e-12 * h * largest
-        if largest > walls[WALL_PEAK, side] and not sharp:
+        if not sharp and largest > peak:
             walls[WALL_PEAK, side] = largest
             walls[WALL_PEAK_TIME, side] = time + h
-        elif largest > walls[WALL_PEAK, side]:
+        # The maximum may lie between the stages.
+        elif sharp and (largest > peak or attainable_slope(i, h, dense) > peak):
             low, high = 0.0, 1.0
             for _ in range(BISECTIONS):
                 one, two = (2.0 * low + high) / 3.0, (low + 2.0 * high) / 3.0
@@ -343,7 +345,7 @@ def record_walls(time, h, y, y_new, stages, dense, walls):
                 else:
                     high = two
             top = slope(i, 0.5 * (low + high), h, dense)
-            if top > walls[WALL_PEAK, side]:
+            if top > peak:
                 walls[WALL_PEAK, side] = top
                 walls[WALL_PEAK_TIME, side] = time + 0.5 * (low + high) * h
 

@@ -24,8 +24,9 @@ from .stepping import interpolate
 # checked if it is this close at an end of the step.  Both are fractions of the distance of the
 # bounds.
 NEAR, NEAR_AT_END = 0.05, 0.1
-# The stages that are checked: those of the highest order, from a quarter of the step on.
-LATE_STAGES = tuple(range(7, STEP_STAGES))
+# The stages that are checked, in the order of their times: both ends, and those of the highest
+# order, from a quarter of the step on.
+LATE_STAGES = (0, 7, 9, 8, 10, STEP_STAGES)
 # A damped force larger than this fraction of the elastic force will not soon be cut off.
 WEAK = 0.5
 # Fraction of a step over which the slope of a force is estimated.
@@ -70,6 +71,9 @@ def may_be_cut_off(h, mode, before, after, slope, last_slope, stiffness, damping
     """
     overlap, closing = before
     last, still_closing = after
+    if mode != LOADED and overlap <= 0.0 < last:
+        # The contact has closed and pushed, although its force is cut off again at the end.
+        return True
     if min(overlap, last) <= 0.0 or min(closing, still_closing) >= 0.0:
         return False
     sign = 1.0 if mode == LOADED else -1.0
@@ -95,9 +99,10 @@ def may_be_cut_off(h, mode, before, after, slope, last_slope, stiffness, damping
 
 @compiled
 def may_release(c, loading, stages, setup, contacts):
-    """Whether the force of stuck contact c is near one of its bounds at a stage of the step.
+    """Whether the force of stuck contact c may go beyond one of its bounds and return.
 
-    At the stages, the force is computed from the force on the left wall and the accelerations.
+    It is then near the bound at a stage and, as the bounds are constant, rises and falls.  At the
+    stages, the force is computed from the force on the left wall and the accelerations.
     """
     kept, beads = law_of(c, setup).kept, len(setup.inverse_mass)
     least, apart = kept * loading, (1.0 - kept) * loading
@@ -105,14 +110,17 @@ def may_release(c, loading, stages, setup, contacts):
     nearest = min(contacts.force[c], contacts.last_force[c]) - least
     if min(nearest, loading - max(contacts.force[c], contacts.last_force[c])) > inner:
         return False
+    near, rises, falls, before = False, False, False, 0.0
     for j in LATE_STAGES:
         held = stages[j, 2 * beads + LEFT_IMPULSE] + stages[j, 2 * beads + PUSHED]
         held -= stages[j, 2 * beads + PUSHED] if c == 0 else 0.0
         for k in range(c):
             held += setup.body_force[k] - stages[j, beads + k] / setup.inverse_mass[k]
-        if not least + outer < held < loading - outer:
-            return True
-    return False
+        near = near or not least + outer < held < loading - outer
+        rises = rises or (j > 0 and held > before)
+        falls = falls or (j > 0 and held < before)
+        before = held
+    return near and rises and falls
 
 
 @compiled

@@ -21,7 +21,7 @@ from .implicit import (
     try_implicit_step,
 )
 from .radau import IMPLICIT_STAGES
-from .stiff_law import force_within
+from .stiff_law import sliding_force_within
 
 # Choice of the next step from the error: exponents, and bounds of the change.
 EXPLICIT_ORDER, IMPLICIT_ORDER = -0.125, -1.0 / 6.0
@@ -96,7 +96,10 @@ def interpolate(time, y, h, y_new, setup, contacts, segment, stages, dense, tria
 def forces_within(theta, time, h, state, setup, contacts, segment, scratch):
     """Compute the contact forces at the fraction theta of a step, from the state there."""
     if setup.law.implicit:
+        wall = wall_motion(time + theta * h, setup, segment)
         for c in range(len(contacts.force)):
-            contacts.force[c] = force_within(c, theta, contacts.implicit)
+            contacts.force[c] = sliding_force_within(
+                c, theta, h, state, wall, setup, contacts, contacts.implicit
+            )
     else:
         derivative(time + theta * h, state, setup, contacts, segment, scratch)

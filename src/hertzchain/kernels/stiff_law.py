@@ -30,6 +30,8 @@ RESOLVED = 1e-12
 # A smaller relative speed, or force in units of momentum per time since the start, is a rounding
 # error.
 EVEN = 1e-13
+# Smallest fraction of a step at which the error of an interpolated velocity is not mere rounding.
+AT_START = 1e-5
 # Largest number of iterations for one contact; a few are sufficient.
 MAX_PROJECTIONS = 40
 
@@ -181,6 +183,33 @@ def force_within(c, theta, implicit):
     if implicit is None:
         return 0.0
     return between(c, theta, implicit.forces)
+
+
+@compiled
+def sliding_force_within(c, theta, h, y, wall, setup, contacts, implicit):
+    """Force of contact c at the fraction theta of an implicit step, in the interpolated state y.
+
+    The interpolated force of a short step may be wrong by the tolerance of velocities times mass
+    per step.  The point on the graph of the law is taken at which :math:`d' + c f` is as
+    interpolated: the law determines the force of a contact that slides, the interpolant that of a
+    contact at rest.  With c = theta h / m, both have the same error.
+    """
+    if implicit is None:
+        return 0.0
+    pushing, law = between(c, theta, implicit.forces), law_of(c, setup)
+    if contacts.mode[c] != LOADED or law.speed_power >= 1.0 or setup.damping[c] == 0.0:
+        return pushing
+    beads = len(setup.inverse_mass)
+    overlap, closing = overlap_and_closing(c, y, beads, setup.gap[c], wall)
+    overlap = overlap_within(c, theta, y, overlap, setup, implicit)
+    spring, damping = force(overlap, setup.stiffness[c], law.exponent), setup.damping[c]
+    compliance = setup.inverse_mass[c - 1] if c > 0 else 0.0
+    compliance += setup.inverse_mass[c] if c < beads else 0.0
+    compliance *= h * max(theta, AT_START)
+    if cut_off(closing + compliance * pushing, spring, damping, law):
+        return 0.0
+    total = closing + compliance * (pushing - spring)
+    return spring + graph_point(total, compliance, damping, law.speed_power)[1]
 
 
 @compiled

@@ -33,6 +33,9 @@ STATUS: Final = "status"
 # Attributes of the group: digests of the files that belong to no batch; digest of the attributes.
 FILES, SEAL = "files", "seal"
 GROUP_FILE: Final = "zarr.json"
+# Its keys (zarr itself does not miss the format), and one that zarr may add.
+GROUP_KEYS: Final = {"attributes", "node_type", "zarr_format"}
+CONSOLIDATED: Final = "consolidated_metadata"
 # Advice for a damaged file that belongs to no batch.
 RESTORE: Final = "restore it from a copy, or move the store away and sweep again"
 # Names that zarr gives to files: descriptions, chunks, and temporary files of both.
@@ -117,7 +120,8 @@ def check_layout(folder: Path, attributes: Mapping[str, Any]) -> None:
             f"version reads {SCHEMA!r}: use the other version, or sweep again into another store"
         )
     others = {key: value for key, value in attributes.items() if key != SEAL}
-    if _seal(others) != attributes.get(SEAL):
+    keys = json.loads((folder / GROUP_FILE).read_bytes()).keys() - {CONSOLIDATED}
+    if _seal(others) != attributes.get(SEAL) or keys != GROUP_KEYS:
         raise DamagedFileError(folder / GROUP_FILE, "is not as it was written", folder, RESTORE)
     for relative, digest in others[FILES].items():
         file = folder / relative

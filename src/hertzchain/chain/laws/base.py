@@ -17,6 +17,7 @@ from typing import Any, ClassVar, Final
 import numpy as np
 
 from ...collision import Array, collision_overlap, compression_time
+from ...errors import InputError
 from ...kernels.law_kinds import LawRow
 from ...units import UNITS
 from ...validation.numbers import number
@@ -26,6 +27,8 @@ from ..scales import Scale, scale
 
 # Every law by its name in chain files.
 LAWS: Final[dict[str, type[Loss]]] = {}
+# A smaller speed after a collision, relative to that before, is taken to be zero.
+NO_SPEED: Final = 1e-14
 # Units of dimensions in scaled variables; a pressure has none.
 SCALED_UNITS: Final[Mapping[str, str]] = MappingProxyType(
     {"time": "time", "length": "length", "damping": "force/velocity"}
@@ -222,10 +225,18 @@ class Loss(Part):
 
         p, row = contacts.exponent, self.row(contacts.exponent)
         mass, k = float(contacts.reduced_mass[0]), float(contacts.stiffness[0])
-        length = float(collision_overlap(mass, k, speed, p))
-        time = float(compression_time(mass, k, speed, p)) * speed / length
-        damping = float(self.strength(contacts)[0]) * length ** (row.overlap_power + 1.0)
-        damping *= speed ** (row.speed_power - 2.0) / mass
+        with np.errstate(all="ignore"):
+            length = collision_overlap(mass, k, speed, p)
+            time = float(compression_time(mass, k, speed, p) * speed / length)
+            strength = self.strength(contacts)[0] * length ** (row.overlap_power + 1.0)
+            damping = float(strength * np.float64(speed) ** (row.speed_power - 2.0) / mass)
+        if not (0.0 < time < math.inf and damping >= 0.0):
+            raise InputError(
+                f"a collision with reduced mass {mass:g}, stiffness {k:g} and speed {speed:g} is "
+                "outside the range of floating-point numbers; use other units"
+            )
+        if _stops(damping, row.speed_power):
+            return 0.0
 
         def force(d: float, closing: float) -> float:
             d = max(d, 0.0)
@@ -240,6 +251,16 @@ class Loss(Part):
         ended.terminal = True  # type: ignore[attr-defined]
         found = solve_ivp(
             lambda _, y: (y[1], -force(y[0], y[1])), (0.0, 1e6 * time), (0.0, 1.0),
-            method="LSODA", events=ended, rtol=1e-11, atol=1e-14,
+            method="LSODA", events=ended, rtol=1e-11, atol=NO_SPEED,
         )  # fmt: skip
         return max(0.0, -float(found.y[1, -1]))
+
+
+def _stops(damping: float, speed_power: float) -> bool:
+    """Whether beads that collide at speed 1 lose all of it except for less than the tolerance.
+
+    They stop after a small part of the elastic overlap and separate at a speed that is at most of
+    the order of damping^(-1/(speed_power - 1)), and of damping^-2 if the power is less than one.
+    """
+    decay = 2.0 if speed_power < 1.0 else 1.0 / max(speed_power - 1.0, 1.0)
+    return damping**-decay < NO_SPEED if damping > 1.0 else False

@@ -8,6 +8,8 @@ from typing import Final
 import numpy as np
 
 from ..chain.chain import Chain
+from ..chain.laws.dashpot import Dashpot
+from ..chain.laws.velocity_power import VelocityPower
 from ..collision import Array
 from ..errors import IncompleteWarning, InputError, SimulationError
 from ..sensitivity.equation import has_gradient
@@ -45,6 +47,10 @@ def covered(problem: Design) -> bool:
         return False
     chain = problem.chain
     if chain.gravity or chain.precompression or not has_gradient(chain):
+        return False
+    # Their forces can be largest at a jump, where they have no derivative.
+    jumps = any(isinstance(law, Dashpot | VelocityPower) for law in chain.contact_losses)
+    if jumps and any(m.has_kinks for m in problem.measures):
         return False
     shares_vary = any(m.key in SHARES for m in problem.measures) and _start_varies(problem)
     needed = [m for m in problem.measures if not m.of_chain]

@@ -153,3 +153,17 @@ def test_a_pulse_that_is_much_slower_than_what_flew_off_is_kept(rtol):
     pulse = hc.simulate(chain, times=0, rtol=rtol).pulse()
     assert exact.velocity[-2] < 1e-8
     assert abs(pulse.velocity / exact.velocity - 1.0)[1:].max() < 1e3 * rtol
+
+
+@pytest.mark.parametrize("beads", [8, 12, 13, 20, 100])
+@pytest.mark.parametrize("moving", [{}, {"b1": -1.0}, {"b1": -1.0, "last": 2.0}, {"last": 1e-3}])
+def test_beads_that_never_touch_move_uniformly(beads, moving):
+    velocities = np.zeros(beads)
+    for name, velocity in moving.items():
+        velocities[{"b1": 0, "last": -1}[name]] = velocity
+    chain = hc.Chain.uniform(beads).replace(velocities=velocities)
+    run = hc.simulate(chain, until=20.0, times=5)
+    assert abs(run.positions - run.times[:, None] * velocities).max() < 1e-13
+    assert not run.forces.any()
+    longer = hc.simulate(chain, start=run.state, until=30.0)
+    assert abs(longer.positions[-1] - 30.0 * velocities).max() < 1e-13

@@ -235,6 +235,9 @@ def bounds(y, setup, contacts, first, all_beads, trim, unresolved):
         while last > 0 and not moves(y, beads, last):
             last -= 1
         high = (first + last + MARGIN + STRIDE) // STRIDE * STRIDE
+    # If no bead will ever touch another, all are in free flight or at rest, but one step is needed.
+    if low >= high:
+        low = max(0, high - STRIDE)
     return low, min(high, all_beads)
 
 

@@ -45,29 +45,8 @@ from .compilation import CONTRACTED
 from .elastic_forces import LEAST
 from .powers import power
 from .rkn8 import A1, A2, A3, A4, A5, A6, A7, C1, C2, C3, C4, C5, C6, C7
-from .rkn8_step import (
-    B0,
-    B2,
-    B3,
-    B4,
-    B5,
-    B6,
-    E0,
-    E2,
-    E3,
-    E4,
-    E5,
-    E6,
-    E7,
-    E8,
-    NEIGHBOURS,
-    SLOW,
-    SMALLEST,
-    V0,
-    V2,
-    V3,
-    V4,
-)
+from .rkn8_stages import B0, B2, B3, B4, B5, B6, E0, E2, E3, E4, E5, E6, E7, E8, V0, V2, V3, V4
+from .rkn8_step import NEIGHBOURS, SLOW, SMALLEST
 
 compiled = njit(**CONTRACTED)
 inlined = njit(forceinline=True, **CONTRACTED)

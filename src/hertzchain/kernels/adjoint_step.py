@@ -44,30 +44,8 @@ from .adjoint_layout import (
 from .compilation import CONTRACTED
 from .elastic_forces import LEAST
 from .powers import power
-from .rkn8 import A1, A2, A3, A4, A5, A6, A7, C1, C2, C3, C4, C5, C6, C7
-from .rkn8_step import (
-    B0,
-    B2,
-    B3,
-    B4,
-    B5,
-    B6,
-    E0,
-    E2,
-    E3,
-    E4,
-    E5,
-    E6,
-    E7,
-    E8,
-    NEIGHBOURS,
-    SLOW,
-    SMALLEST,
-    V0,
-    V2,
-    V3,
-    V4,
-)
+from .rkn8_stages import Rows, step_on
+from .rkn8_step import NEIGHBOURS, SLOW, SMALLEST
 
 compiled = njit(**CONTRACTED)
 inlined = njit(forceinline=True, **CONTRACTED)
@@ -109,42 +87,22 @@ def elastic_forces(w, low, high, at, out, hertz, kept):
 
 
 @inlined
-def place(w, low, high, h, c, weights):
-    """Positions at a stage."""
-    for i in range(low, high):
-        push, stage = 0.0, F0 + i
-        for weight in weights:
-            push += weight * w[stage]
-            stage += ROW
-        at = 1 + i
-        w[TRIAL + at] = w[X + at] + h * (c * w[V + at] + h * push)
+def accelerate(w, low, high, out, stage, hertz, kept):
+    """Accelerations at a stage."""
+    elastic_forces(w, low, high, TRIAL, out, hertz, kept[stage])
+
+
+# Positions and velocities begin with an entry for the left wall.
+take_step, velocity_error = step_on(
+    Rows(X + 1, V + 1, TRIAL + 1, NEW_X + 1, NEW_V + 1, (F0, F1, F2, F3, F4, F5, F6, F7)),
+    accelerate,
+)
 
 
 @compiled
 def elastic_step(w, low, high, h, hertz, kept, last):
     """`try_step` without damping."""
-    place(w, low, high, h, C1, A1)
-    elastic_forces(w, low, high, TRIAL, F1, hertz, kept[1])
-    place(w, low, high, h, C2, A2)
-    elastic_forces(w, low, high, TRIAL, F2, hertz, kept[2])
-    place(w, low, high, h, C3, A3)
-    elastic_forces(w, low, high, TRIAL, F3, hertz, kept[3])
-    place(w, low, high, h, C4, A4)
-    elastic_forces(w, low, high, TRIAL, F4, hertz, kept[4])
-    place(w, low, high, h, C5, A5)
-    elastic_forces(w, low, high, TRIAL, F5, hertz, kept[5])
-    place(w, low, high, h, C6, A6)
-    elastic_forces(w, low, high, TRIAL, F6, hertz, kept[6])
-    place(w, low, high, h, C7, A7)
-    elastic_forces(w, low, high, TRIAL, F7, hertz, kept[7])
-    for i in range(low, high):
-        at = 1 + i
-        push = B0 * w[F0 + i] + B2 * w[F2 + i] + B3 * w[F3 + i]
-        push += B4 * w[F4 + i] + B5 * w[F5 + i] + B6 * w[F6 + i]
-        change = V0 * (w[F0 + i] + w[F7 + i]) + V2 * (w[F2 + i] + w[F6 + i])
-        change += V3 * (w[F3 + i] + w[F5 + i]) + V4 * w[F4 + i]
-        w[NEW_X + at] = w[X + at] + h * (w[V + at] + h * push)
-        w[NEW_V + at] = w[V + at] + h * change
+    take_step(w, low, high, h, hertz, kept)
     elastic_forces(w, low, high, NEW_X, F8, hertz, last)
 
 
@@ -170,8 +128,7 @@ def largest(w, at, low, high):
 def elastic_errors(w, low, high, h):
     """Error of each bead in units of its scale, in the row WORK."""
     for i in range(low, high):
-        error = E0 * w[F0 + i] + E2 * w[F2 + i] + E3 * w[F3 + i] + E4 * w[F4 + i]
-        error += E5 * w[F5 + i] + E6 * w[F6 + i] + E7 * w[F7 + i] + E8 * w[F8 + i]
+        error = velocity_error(w, i, F0, F8)
         w[WORK + i] = abs(h * error) / w[SCALE + i]
 
 

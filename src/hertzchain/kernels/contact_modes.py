@@ -8,6 +8,8 @@ within a step without being detected.
 
 from __future__ import annotations
 
+import numpy as np
+
 from .compilation import compiled
 from .contact_law import (
     LOADED,
@@ -34,6 +36,8 @@ SETTLED = 1e4
 # Overlaps up to this fraction of the displacement of a wall may remain undetected, because a wall
 # may come to rest where it just touches a bead.
 UNSEEN = 1e-10
+# In place of a contact, for `switch`.  For the literal -1, numba would compile another version.
+ANY = np.int64(-1)
 
 
 @compiled
@@ -204,7 +208,7 @@ def switch(first, time, y, setup, contacts, segment, still, scratch, search):
     for _ in range(len(setup.inverse_mass) + 1):
         if not changed or setup.law.kind != UNLOADING:
             return
-        changed = switch_once(-1, time, y, setup, contacts, segment, still, scratch)
+        changed = switch_once(ANY, time, y, setup, contacts, segment, still, scratch)
 
 
 @compiled
@@ -254,4 +258,4 @@ def follow_wall(time, y, setup, contacts, segment, still, scratch, search):
     if law_of(0, setup).kind == UNLOADING and abs(closing) > still:
         contacts.mode[0] = LOADED if closing > 0.0 else RELEASED
         derivative(time, y, setup, contacts, segment, scratch)
-        switch(-1, time, y, setup, contacts, segment, still, scratch, search)
+        switch(ANY, time, y, setup, contacts, segment, still, scratch, search)

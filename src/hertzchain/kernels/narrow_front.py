@@ -43,25 +43,7 @@ from numba import njit
 from .compilation import CONTRACTED
 from .hermite import curvature, hermite, slope, third, value
 from .powers import power
-from .rkn8 import (
-    A1,
-    A2,
-    A3,
-    A4,
-    A5,
-    A6,
-    A7,
-    B_POSITION,
-    B_VELOCITY,
-    C1,
-    C2,
-    C3,
-    C4,
-    C5,
-    C6,
-    C7,
-    E_VELOCITY,
-)
+from .rkn8_stages import Rows, step_on
 
 LANES = 8
 MAX_SLOTS = 32
@@ -158,50 +140,24 @@ def accelerate(w, size, lanes, positions, accelerations, exponents):
 
 
 @inlined
-def place(w, size, c, weights):
-    """Trial positions of a stage, at the fraction c of the step."""
-    for i in range(size):
-        push, stage = 0.0, STAGE_0 + i
-        for weight in weights:
-            push += weight * w[stage]
-            stage += ROW
-        h = w[STEP + i]
-        w[TRIAL + i] = w[POSITION + i] + h * (c * w[VELOCITY + i] + h * push)
+def accelerate_stage(w, low, high, out, stage, lanes, exponents):  # noqa: ARG001
+    """Accelerations at a stage."""
+    accelerate(w, high, lanes, TRIAL, out, exponents)
 
 
-@inlined
-def complete_step(w, size):
-    """Positions and velocities at the end of the step (B is symmetric in the velocities)."""
-    b0, _, b2, b3, b4, b5, b6 = B_POSITION
-    v0, _, v2, v3, v4, _, _, _ = B_VELOCITY
-    for i in range(size):
-        h = w[STEP + i]
-        push = b0 * w[STAGE_0 + i] + b2 * w[STAGE_2 + i] + b3 * w[STAGE_3 + i]
-        push += b4 * w[STAGE_4 + i] + b5 * w[STAGE_5 + i] + b6 * w[STAGE_6 + i]
-        change = v0 * (w[STAGE_0 + i] + w[STAGE_7 + i]) + v2 * (w[STAGE_2 + i] + w[STAGE_6 + i])
-        change += v3 * (w[STAGE_3 + i] + w[STAGE_5 + i]) + v4 * w[STAGE_4 + i]
-        w[POSITION + i] += h * (w[VELOCITY + i] + h * push)
-        w[VELOCITY + i] += h * change
+try_step, velocity_error = step_on(
+    Rows(
+        POSITION, VELOCITY, TRIAL, POSITION, VELOCITY,
+        (STAGE_0, STAGE_1, STAGE_2, STAGE_3, STAGE_4, STAGE_5, STAGE_6, STAGE_7), STEP,
+    ),
+    accelerate_stage,
+)  # fmt: skip
 
 
 @inlined
 def take_step(w, size, lanes, exponents):
     """One step of order 8 in every lane; stage 0 must hold the accelerations at its start."""
-    place(w, size, C1, A1)
-    accelerate(w, size, lanes, TRIAL, STAGE_1, exponents)
-    place(w, size, C2, A2)
-    accelerate(w, size, lanes, TRIAL, STAGE_2, exponents)
-    place(w, size, C3, A3)
-    accelerate(w, size, lanes, TRIAL, STAGE_3, exponents)
-    place(w, size, C4, A4)
-    accelerate(w, size, lanes, TRIAL, STAGE_4, exponents)
-    place(w, size, C5, A5)
-    accelerate(w, size, lanes, TRIAL, STAGE_5, exponents)
-    place(w, size, C6, A6)
-    accelerate(w, size, lanes, TRIAL, STAGE_6, exponents)
-    place(w, size, C7, A7)
-    accelerate(w, size, lanes, TRIAL, STAGE_7, exponents)
-    complete_step(w, size)
+    try_step(w, 0, size, None, lanes, exponents)
 
 
 @inlined
@@ -225,11 +181,8 @@ def note_error(w, candidates, lanes):
     Requires stages 1 to 7 of the step, the old stage 0 and, in stage 0, the accelerations at the
     end of the step (the ninth stage).
     """
-    e0, _, e2, e3, e4, e5, e6, e7, e8 = E_VELOCITY
     for i in range(candidates, candidates + lanes):
-        error = e0 * w[OLD_STAGE_0 + i] + e2 * w[STAGE_2 + i] + e3 * w[STAGE_3 + i]
-        error += e4 * w[STAGE_4 + i] + e5 * w[STAGE_5 + i] + e6 * w[STAGE_6 + i]
-        error += e7 * w[STAGE_7 + i] + e8 * w[STAGE_0 + i]
+        error = velocity_error(w, i, OLD_STAGE_0, STAGE_0)
         error = abs(w[STEP + i] * error)
         w[ERROR + i] = error if error > w[ERROR + i] else w[ERROR + i]
 

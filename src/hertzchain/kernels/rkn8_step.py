@@ -30,7 +30,6 @@ from .elastic_layout import (
     NEW_X,
     NOISE,
     PEAKED,
-    ROW,
     SCALE,
     SPEED,
     TRIAL,
@@ -40,25 +39,7 @@ from .elastic_layout import (
     V,
     X,
 )
-from .rkn8 import (
-    A1,
-    A2,
-    A3,
-    A4,
-    A5,
-    A6,
-    A7,
-    B_POSITION,
-    B_VELOCITY,
-    C1,
-    C2,
-    C3,
-    C4,
-    C5,
-    C6,
-    C7,
-    E_VELOCITY,
-)
+from .rkn8_stages import V0, V2, V3, V4, Rows, step_on
 
 compiled = njit(**CONTRACTED)
 inlined = njit(forceinline=True, **CONTRACTED)
@@ -72,21 +53,6 @@ SAFETY, SHRINKAGE, GROWTH = 0.85, 0.1, 4.0
 SLOW, SMALLEST = 1e-4, 1e-290
 # Speeds are those of the fastest bead within this distance.
 NEIGHBOURS = 3
-B0, _, B2, B3, B4, B5, B6 = B_POSITION
-V0, _, V2, V3, V4, _, _, _ = B_VELOCITY
-E0, _, E2, E3, E4, E5, E6, E7, E8 = E_VELOCITY
-
-
-@inlined
-def place(w, size, c, weights):
-    """Positions at a stage."""
-    for i in range(size):
-        push, stage = 0.0, F0 + i
-        for weight in weights:
-            push += weight * w[stage]
-            stage += ROW
-        h, at = w[H + i], LANES + i
-        w[TRIAL + at] = w[X + at] + h * (c * w[V + at] + h * push)
 
 
 @inlined
@@ -99,37 +65,26 @@ def keep(w, places, pushes, stage):
 
 
 @inlined
+def accelerate(w, low, high, out, stage, hertz, gauges):  # noqa: ARG001
+    """Accelerations at a stage, and the forces of the gauges, which ignore stage 1."""
+    forces(w, high // LANES, TRIAL, out, hertz)
+    if stage > 1:
+        keep(w, gauges[0], gauges[1], stage)
+
+
+place_and_press, velocity_error = step_on(
+    Rows(
+        X + LANES, V + LANES, TRIAL + LANES, NEW_X + LANES, NEW_V + LANES,
+        (F0, F1, F2, F3, F4, F5, F6, F7), H,
+    ),
+    accelerate,
+)  # fmt: skip
+
+
+@inlined
 def try_step(w, beads, hertz, places, pushes):
     """Positions, velocities and accelerations at the end of a step of each lane."""
-    size = beads * LANES
-    place(w, size, C1, A1)
-    forces(w, beads, TRIAL, F1, hertz)
-    place(w, size, C2, A2)
-    forces(w, beads, TRIAL, F2, hertz)
-    keep(w, places, pushes, 2)
-    place(w, size, C3, A3)
-    forces(w, beads, TRIAL, F3, hertz)
-    keep(w, places, pushes, 3)
-    place(w, size, C4, A4)
-    forces(w, beads, TRIAL, F4, hertz)
-    keep(w, places, pushes, 4)
-    place(w, size, C5, A5)
-    forces(w, beads, TRIAL, F5, hertz)
-    keep(w, places, pushes, 5)
-    place(w, size, C6, A6)
-    forces(w, beads, TRIAL, F6, hertz)
-    keep(w, places, pushes, 6)
-    place(w, size, C7, A7)
-    forces(w, beads, TRIAL, F7, hertz)
-    keep(w, places, pushes, 7)
-    for i in range(size):
-        h, at = w[H + i], LANES + i
-        push = B0 * w[F0 + i] + B2 * w[F2 + i] + B3 * w[F3 + i]
-        push += B4 * w[F4 + i] + B5 * w[F5 + i] + B6 * w[F6 + i]
-        change = V0 * (w[F0 + i] + w[F7 + i]) + V2 * (w[F2 + i] + w[F6 + i])
-        change += V3 * (w[F3 + i] + w[F5 + i]) + V4 * w[F4 + i]
-        w[NEW_X + at] = w[X + at] + h * (w[V + at] + h * push)
-        w[NEW_V + at] = w[V + at] + h * change
+    place_and_press(w, 0, beads * LANES, None, hertz, (places, pushes))
     forces(w, beads, NEW_X, F8, hertz)
     keep(w, places, pushes, 8)
 
@@ -187,9 +142,7 @@ def estimate(w, beads, rtol, lane):
         a = a if a > b else b
         a = a if a > c else c
         w[SCALE + i] = a
-        error = E0 * w[F0 + i] + E2 * w[F2 + i] + E3 * w[F3 + i] + E4 * w[F4 + i]
-        error += E5 * w[F5 + i] + E6 * w[F6 + i] + E7 * w[F7 + i] + E8 * w[F8 + i]
-        w[WORK + i] = abs(w[H + i] * error) / a
+        w[WORK + i] = abs(w[H + i] * velocity_error(w, i, F0, F8)) / a
     for i in range(size):
         falls = (w[F2 + i] <= 0.0) | (w[F3 + i] <= 0.0) | (w[F4 + i] <= 0.0) | (w[F5 + i] <= 0.0)
         falls = falls | (w[F6 + i] <= 0.0) | (w[F7 + i] <= 0.0) | (w[F8 + i] <= 0.0)

@@ -36,25 +36,7 @@ from numba import njit
 from .compilation import OPTIONS, compiled
 from .hermite import hermite, slope, value
 from .powers import power
-from .rkn8 import (
-    A1,
-    A2,
-    A3,
-    A4,
-    A5,
-    A6,
-    A7,
-    B_POSITION,
-    B_VELOCITY,
-    C1,
-    C2,
-    C3,
-    C4,
-    C5,
-    C6,
-    C7,
-    E_VELOCITY,
-)
+from .rkn8_stages import Rows, step_on
 
 SLOTS = 256
 # Entries before and after a row, for reads beyond its ends; rows are aligned to the lines of the
@@ -161,45 +143,24 @@ def accelerate(w, size, exponent, accelerations):
 
 
 @inlined
-def weighted(w, i, weights):
-    """Weighted sum of the first stages of slot i."""
-    total = 0.0
-    stage = STAGE_0 + i
-    for weight in weights:
-        total += weight * w[stage]
-        stage += ROW
-    return total
+def accelerate_stage(w, low, high, out, stage, exponent, nothing):  # noqa: ARG001
+    """Accelerations at a stage."""
+    accelerate(w, high, exponent, out)
 
 
-@inlined
-def place(w, size, h, c, weights):
-    """Trial positions of a stage, at the fraction c of the step."""
-    for i in range(size):
-        push = weighted(w, i, weights)
-        w[TRIAL + i] = w[POSITION + i] + h * (c * w[VELOCITY + i] + h * push)
+take_step, velocity_error = step_on(
+    Rows(
+        POSITION, VELOCITY, TRIAL, TRIAL, NEW_VELOCITY,
+        (STAGE_0, STAGE_1, STAGE_2, STAGE_3, STAGE_4, STAGE_5, STAGE_6, STAGE_7),
+    ),
+    accelerate_stage,
+)  # fmt: skip
 
 
 @inlined
 def try_step(w, size, h, exponent):
     """One step of order 8; stage 0 must hold the accelerations at its start."""
-    place(w, size, h, C1, A1)
-    accelerate(w, size, exponent, STAGE_1)
-    place(w, size, h, C2, A2)
-    accelerate(w, size, exponent, STAGE_2)
-    place(w, size, h, C3, A3)
-    accelerate(w, size, exponent, STAGE_3)
-    place(w, size, h, C4, A4)
-    accelerate(w, size, exponent, STAGE_4)
-    place(w, size, h, C5, A5)
-    accelerate(w, size, exponent, STAGE_5)
-    place(w, size, h, C6, A6)
-    accelerate(w, size, exponent, STAGE_6)
-    place(w, size, h, C7, A7)
-    accelerate(w, size, exponent, STAGE_7)
-    for i in range(size):
-        push = weighted(w, i, B_POSITION)
-        w[TRIAL + i] = w[POSITION + i] + h * (w[VELOCITY + i] + h * push)
-        w[NEW_VELOCITY + i] = w[VELOCITY + i] + h * weighted(w, i, B_VELOCITY)
+    take_step(w, 0, size, h, exponent, None)
     accelerate(w, size, exponent, STAGE_8)
 
 
@@ -238,7 +199,7 @@ def grade(w, size, waiting, grading):
 def error_of_step(w, size, h):
     """Largest estimated error of the velocities, in units of their scales; NaN is kept."""
     for i in range(size):
-        w[ERROR + i] = abs(h * weighted(w, i, E_VELOCITY)) / w[SCALE + i]
+        w[ERROR + i] = abs(h * velocity_error(w, i, STAGE_0, STAGE_8)) / w[SCALE + i]
     worst = 0.0
     for i in range(size):
         if not w[ERROR + i] <= worst:

@@ -46,7 +46,8 @@ def kernel_chain(chain: Chain) -> DefaultChain | GeneralChain:
         )
     return GeneralChain(
         inverse_mass=1.0 / chain.masses,
-        stiffness=chain.contact_stiffness,
+        # Numba compiles another version for arrays that are read-only.
+        stiffness=np.array(chain.contact_stiffness),
         exponent=law.exponent,
         # Positions are measured from equilibrium, where contacts overlap.  Rounding errors are
         # then relative to an overlap, not to the length of the chain.
@@ -54,10 +55,10 @@ def kernel_chain(chain: Chain) -> DefaultChain | GeneralChain:
         damping=damping,
         law=law,
         laws=laws,
-        body_force=static.body_forces,
+        body_force=np.array(static.body_forces),
         drive=drive,
-        piece_starts=starts,
-        pieces=pieces,
+        piece_starts=np.array(starts),
+        pieces=np.array(pieces),
     )
 
 

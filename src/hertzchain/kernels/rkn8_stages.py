@@ -1,0 +1,116 @@
+"""The stages of a step of RKN8(6) and its error, for kernels with rows in one flat array.
+
+`step_on` returns both functions for one layout of the rows.  Their offsets are constants of these
+functions, so that the compiler can exclude overlaps between rows and use vectors.  Kernels differ
+in their forces, in the number of chains side by side and in whether each of these has its own step.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+from numba import njit
+
+from .compilation import CONTRACTED
+from .rkn8 import (
+    A1,
+    A2,
+    A3,
+    A4,
+    A5,
+    A6,
+    A7,
+    B_POSITION,
+    B_VELOCITY,
+    C1,
+    C2,
+    C3,
+    C4,
+    C5,
+    C6,
+    C7,
+    E_VELOCITY,
+)
+
+# The functions are parts of cached ones, and need no cache.
+inlined = njit(forceinline=True, **(CONTRACTED | {"cache": False}))
+
+B0, _, B2, B3, B4, B5, B6 = B_POSITION
+V0, _, V2, V3, V4, _, _, _ = B_VELOCITY
+E0, _, E2, E3, E4, E5, E6, E7, E8 = E_VELOCITY
+
+
+class Rows(NamedTuple):
+    """Offsets of rows: entry i of each belongs to the same bead, or to that of one chain."""
+
+    position: int
+    velocity: int
+    trial: int
+    # Those at the end of the step, which may be those at its start.
+    new_position: int
+    new_velocity: int
+    # Accelerations at stages 0 to 7, at equal distances.
+    stages: tuple[int, ...]
+    # Length of the step of each entry, unless all have one.
+    step: int = 0
+
+
+def step_on(rows: Rows, accelerate: Any) -> tuple[Any, Any]:
+    """Functions ``try_step(w, low, high, h, a, b)`` and ``error(w, i, first, last)``.
+
+    The first one takes a step of length ``h``, or `None` for the row of lengths, of the entries
+    from ``low`` to ``high``.  It requires the accelerations of stage 0 and calls
+    ``accelerate(w, low, high, out, stage, a, b)`` to compute, from the trial positions, those of
+    the other stages in the row ``out``.  The second one returns the error of a velocity, divided by
+    the length of the step, from its accelerations at the stages and at both ends, which are in the
+    rows ``first`` and ``last``.
+    """
+    x, v, trial, new_x, new_v, _, lengths = rows
+    s0, s1, s2, s3, s4, s5, s6, s7 = rows.stages
+    distance = s1 - s0
+
+    @inlined
+    def place(w, low, high, h, c, weights):
+        """Positions at a stage."""
+        for i in range(low, high):
+            push, stage = 0.0, s0 + i
+            for weight in weights:
+                push += weight * w[stage]
+                stage += distance
+            step = w[lengths + i] if h is None else h
+            w[trial + i] = w[x + i] + step * (c * w[v + i] + step * push)
+
+    @inlined
+    def try_step(w, low, high, h, a, b):
+        """Stages of a step, and positions and velocities at its end."""
+        place(w, low, high, h, C1, A1)
+        accelerate(w, low, high, s1, 1, a, b)
+        place(w, low, high, h, C2, A2)
+        accelerate(w, low, high, s2, 2, a, b)
+        place(w, low, high, h, C3, A3)
+        accelerate(w, low, high, s3, 3, a, b)
+        place(w, low, high, h, C4, A4)
+        accelerate(w, low, high, s4, 4, a, b)
+        place(w, low, high, h, C5, A5)
+        accelerate(w, low, high, s5, 5, a, b)
+        place(w, low, high, h, C6, A6)
+        accelerate(w, low, high, s6, 6, a, b)
+        place(w, low, high, h, C7, A7)
+        accelerate(w, low, high, s7, 7, a, b)
+        for i in range(low, high):
+            push = B0 * w[s0 + i] + B2 * w[s2 + i] + B3 * w[s3 + i]
+            push += B4 * w[s4 + i] + B5 * w[s5 + i] + B6 * w[s6 + i]
+            change = V0 * (w[s0 + i] + w[s7 + i]) + V2 * (w[s2 + i] + w[s6 + i])
+            change += V3 * (w[s3 + i] + w[s5 + i]) + V4 * w[s4 + i]
+            step = w[lengths + i] if h is None else h
+            w[new_x + i] = w[x + i] + step * (w[v + i] + step * push)
+            w[new_v + i] = w[v + i] + step * change
+
+    @inlined
+    def error(w, i, first, last):
+        """Error of the velocity of an entry, divided by the length of the step."""
+        error = E0 * w[first + i] + E2 * w[s2 + i] + E3 * w[s3 + i] + E4 * w[s4 + i]
+        error += E5 * w[s5 + i] + E6 * w[s6 + i] + E7 * w[s7 + i] + E8 * w[last + i]
+        return error
+
+    return try_step, error

@@ -317,6 +317,8 @@ def write_parts(contacts, slow, fast, doubts, parts):
         parts[k, 4], parts[k, 5], parts[k, 6] = np.sqrt(fourth), third, slowly
         parts[k, 7], parts[k, 8] = np.sqrt(mixed), faded
         at_end = contacts - k <= END
-        parts[k, 9] = step * step if at_end else 0.0
+        # Near the free end of steep forward tapers, the state has kinks.
+        steep = 1.0 + 100.0 * (max(-0.1 - slow[k], 0.0) / 0.03) ** 2
+        parts[k, 9] = step * step * steep if at_end else 0.0
         parts[k, 10] = size if at_end else 0.0
         parts[k, 11] = np.exp(-0.25 * contacts) * abs(slow[k]) if at_end else 0.0

@@ -1,7 +1,9 @@
 """The local-rate law, compared with the simulation, published rates and finite differences."""
 
+import runpy
 import warnings
 from functools import partial
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -19,6 +21,7 @@ from hertzchain.theory.universal_functions import (
     universal_functions,
 )
 
+ROOT = Path(__file__).parents[1]
 # Rates sigma of velocity per bead of long exponential chains, physics-notes section 3.
 PUBLISHED_RATES = {
     ("backward-exponential", 0.01): -0.01522016,
@@ -96,6 +99,73 @@ def test_the_last_beads_of_the_papers_tapers():
         comparison = hc.local_rate(chain).compare(hc.propagate(chain))
         assert comparison.worst("velocity", first_bead=97) < 1e-3
         assert comparison.worst("peak_force", first_bead=97) < 1e-3
+
+
+@pytest.mark.parametrize(
+    ("scatter", "must"), [(0.001, 2e-4), (0.003, 5e-4), (0.01, 5e-3), (0.02, 0.02)]
+)
+def test_scattered_beads(scatter, must):
+    # Measured: median of the largest error 6e-5, 2e-4, 3e-3 and 0.013.
+    errors = []
+    for seed in range(20):
+        chain = hc.Chain.uniform(100).with_scatter(seed, relative=scatter)
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", ModelRangeWarning)
+            errors.append(hc.local_rate(chain).compare(hc.propagate(chain)).worst("velocity"))
+    assert np.median(errors) < must
+
+
+@pytest.mark.parametrize(("ratio", "must"), [(0.99, 0.003), (0.97, 0.02)])
+def test_alternating_beads(ratio, must):
+    chain = hc.Chain.from_radii(np.resize([1.0, ratio], 100))
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", ModelRangeWarning)
+        comparison = hc.local_rate(chain).compare(hc.propagate(chain))
+    assert comparison.worst("velocity") < must
+
+
+@pytest.mark.parametrize("odd", [0.5, 0.9, 1.1, 2.0])
+def test_one_odd_bead_is_announced(odd):
+    # Errors of 0.9% and more at a ratio of 2 have been without a warning.
+    radii = np.ones(64)
+    radii[31] = odd
+    chain = hc.Chain.from_radii(radii)
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        error = hc.local_rate(chain).compare(hc.propagate(chain)).worst("velocity")
+    assert caught or error < 0.01
+    assert caught or abs(odd - 1.0) < 0.2
+
+
+def test_no_error_above_one_per_cent_is_without_a_warning():
+    script = runpy.run_path(str(ROOT / "benchmarks" / "local_rate_accuracy.py"))
+    chains = script["random_chains"](3, seed=20)
+    results = [script["evaluate"](rates) for _, rates in chains]
+    quiet = [found["errors"].max() for found in results if not found["warned"]]
+    assert len(quiet) > len(chains) / 3
+    assert max(quiet) < 0.01
+
+
+@pytest.mark.parametrize(("scatter", "must"), [(0.0, 0.03), (0.003, 0.12)])
+def test_gradient_of_the_last_bead_is_that_of_the_simulation(scatter, must):
+    # Measured: 0.9% and 6%; the last two beads were wrong by a half.
+    chain = hc.Chain.uniform(40).with_scatter(2, relative=scatter)
+    logs, step = np.log(chain.radii), 2e-4
+    moved = [logs + sign * step * row for row in np.eye(40) for sign in (1.0, -1.0)]
+    table = hc.propagate_many([hc.Chain.from_radii(np.exp(row)) for row in moved], rtol=1e-10)
+    ends = np.log([table[i].velocity[-1] for i in range(len(moved))]).reshape(-1, 2)
+    true = (ends[:, 0] - ends[:, 1]) / (2.0 * step)
+    _, gradient = hc.local_rate_gradient(chain, bead=40)
+    # The first radius is the unit of length.
+    assert np.abs(gradient - true)[1:].max() < must * np.abs(true).max()
+
+
+def test_smooth_tapers_have_no_fast_changes():
+    # Cubic polynomials of the bead number, also near both ends.
+    k = np.linspace(-1.0, 1.0, 30)
+    rates = 0.02 * k - 0.03 * k**2 + 0.01 * k**3 - 0.01
+    chain = hc.Chain.from_radii(np.exp(np.concatenate([[0.0], np.cumsum(rates)])))
+    np.testing.assert_allclose(solve(chain, universal_functions(1.5)).slow, rates, atol=1e-13)
 
 
 def test_another_force_law():
@@ -176,8 +246,6 @@ def test_every_stage_has_an_anchor_and_only_what_can_occur_a_response():
     np.testing.assert_array_equal(matrices, np.swapaxes(matrices, 3, 5))
     before_the_strike = [1 + i for i, name in enumerate(INPUTS) if "before" in name]
     assert not matrices[STAGES.index("start 1"), :, :, before_the_strike].any()
-    beyond_the_end = [1 + i for i, name in enumerate(INPUTS) if "s[k+" in name]
-    assert not matrices[STAGES.index("end 1"), :, :, beyond_the_end].any()
 
 
 @pytest.mark.parametrize(
@@ -225,7 +293,9 @@ def test_a_step_of_the_radii_is_announced():
     radii = np.where(np.arange(60) < 30, 1.0, 1.3)
     with pytest.warns(ModelRangeWarning, match=r"from bead \d+ on"):
         pulse = hc.local_rate(hc.Chain.from_radii(radii))
-    assert pulse.velocity_error[20] < 1e-3 < 0.1 < pulse.velocity_error[40]
+    error = np.abs(pulse.compare(hc.propagate(pulse.chain)).errors("velocity"))
+    assert pulse.velocity_error[20] < 1e-3 < 0.05 < pulse.velocity_error[40]
+    assert error[40] < pulse.velocity_error[40]
 
 
 def test_the_gradient_warns_as_the_law_does():
@@ -237,9 +307,10 @@ def test_the_gradient_warns_as_the_law_does():
 def test_the_gradient_warns_only_of_the_chain_up_to_the_bead():
     chain = hc.Chain.from_radii(np.where(np.arange(60) < 30, 1.0, 1.3))
     _, gradient = hc.local_rate_gradient(chain, bead=20)
-    # A velocity does not depend on radii more than two beads ahead.
-    assert gradient[21] != 0.0
-    assert not gradient[22:].any()
+    # The slow rates depend on the radii up to seven beads ahead, the velocity hardly.
+    assert abs(gradient[20]) > 0.1
+    assert np.abs(gradient[22:]).max() < 0.01
+    assert not gradient[27:].any()
     with pytest.warns(ModelRangeWarning, match=r"from bead \d+ on .* at bead 40;"):
         hc.local_rate_gradient(chain, bead=40)
     with pytest.warns(ModelRangeWarning, match=r"from bead \d+ on .* at the end;"):

@@ -1,12 +1,16 @@
 """Training data of the local-rate law, and the origin of its tables."""
 
+import dataclasses
+
 import numpy as np
 import pytest
-from training import response_fit, rollout, training_chains
-from training.table_writer import write_tables
+from training import error_fit, response_fit, responses, rollout, second_degree, training_chains
+from training.table_writer import write_error, write_fast, write_tables
 
+import hertzchain as hc
 from hertzchain.evaluation.unseen_tapers import unseen_radii
 from hertzchain.theory import universal_functions as tables
+from hertzchain.theory.local_rate import solve
 from hertzchain.theory.universal_functions import INPUTS, STAGES, WITHIN, universal_functions
 
 
@@ -15,7 +19,7 @@ def test_no_unseen_taper_is_among_the_inputs():
     inputs = np.concatenate(
         [
             training_chains.exponential_rates(),
-            training_chains.ramp_rates(training_chains.NODES),
+            training_chains.ramp_rates(training_chains.COARSE_NODES),
             training_chains.double_ramp_rates(random, training_chains.DOUBLE_RAMPS),
         ]
     )
@@ -30,7 +34,7 @@ def test_inputs_are_exponential_chains_and_ramps_alone():
     exponential = training_chains.exponential_rates()
     assert np.all(exponential == exponential[:, :1])
     for rates, most in (
-        (training_chains.ramp_rates(training_chains.NODES[::2]), 2),
+        (training_chains.ramp_rates(training_chains.COARSE_NODES[::2]), 2),
         (training_chains.double_ramp_rates(np.random.default_rng(1), 300), 5),
     ):
         slopes = np.diff(rates, axis=1).round(9)
@@ -129,12 +133,94 @@ def test_tables_are_read_as_they_were_written(tmp_path):
         )
     )
     response = random.normal(size=(len(STAGES), len(tables.TERMS), len(response_fit.KNOTS) + 2, 3))
-    write_tables(tmp_path / "p3", anchors, response, np.array([1e-5, 2e-3, 3e-3, 4.0]))
+    places = responses.PLACES
+    measured = {
+        "places": places,
+        "single": random.normal(size=(len(places), 10, 33)),
+        "end": random.normal(size=(len(places), 5, 36)),
+        "end_slopes": random.normal(size=(len(places), 5, 3)),
+    }
+    second = random.normal(size=(len(second_degree.KNOTS) + 2, 84))
+    error = np.geomspace(1e-5, 5.0, 12)
+    write_tables(tmp_path / "p3", anchors, response)
+    write_fast(tmp_path / "p3", measured, second_degree.KNOTS, second)
+    write_error(tmp_path / "p3", error)
     read = tables.read_tables(tmp_path / "p3", 3.0)
     np.testing.assert_allclose(read.nodes, training_chains.NODES)
-    np.testing.assert_allclose(read.error, [1e-5, 2e-3, 3e-3, 4.0])
+    np.testing.assert_allclose(read.error, error, rtol=5e-3)
+    fast = tables.fast_tables(**measured, knots=second_degree.KNOTS, second=second)
     expected = tables.assemble(
-        3.0, training_chains.NODES, anchors.values, response_fit.KNOTS, response, read.error
+        3.0, training_chains.NODES, anchors.values, response_fit.KNOTS, response, fast, error
     )
-    np.testing.assert_allclose(read.anchors, expected.anchors, atol=1e-2)
+    # Values between nodes that are close together: the anchors are written with nine decimals.
+    np.testing.assert_allclose(read.anchors[:, :, 9:], expected.anchors[:, :, 9:], atol=2e-9)
     np.testing.assert_allclose(read.response, expected.response, rtol=1e-3, atol=1e-1)
+    for name in ("single", "end", "second"):
+        # Single precision; the last coefficients are values.
+        found, true = getattr(read.fast, name), getattr(fast, name)
+        np.testing.assert_allclose(found[..., 3, :], true[..., 3, :], rtol=1e-5, atol=1e-6)
+
+
+def test_responses_between_the_ends_are_those_of_the_simulation():
+    """One odd rate of 1e-5 in chains whose rates are no places of the tables."""
+    functions = universal_functions(1.5)
+    for rate in (-0.0331, 0.0042, 0.0567):
+        contacts, odd, size = 90, 44, 1e-5
+        change = size * (np.arange(contacts) == odd)
+        found = training_chains.states_of([rate + change, rate - change], 1.5)
+        true = (found[0] - found[1]) / (2.0 * size)
+        place = np.searchsorted(functions.fast.places, rate) - 1
+        x = rate - functions.fast.places[place]
+        single = np.array([x**3, x**2, x, 1.0]) @ functions.fast.single[WITHIN, place]
+        expected = single.reshape(3, -1)
+        for i, offset in enumerate(range(-8, 3)):
+            np.testing.assert_allclose(expected[:, i], true[odd - offset], atol=3e-4)
+
+
+def test_responses_add_up_to_the_change_of_an_exponential_chain():
+    """All rates in sight of the first contacts changed together: a change of the rate."""
+    step, rate = 1e-4, 0.02
+    states, response = responses.respond(rate, 30, range(7), 1.5)
+    moved = training_chains.states_of([np.full(30, rate + h) for h in (step, -step)], 1.5)
+    slope = (moved[0] - moved[1]) / (2.0 * step)
+    np.testing.assert_allclose(response[0], slope, atol=1e-4)
+    alone = np.array([response[i] - response[i + 1] for i in range(6)])
+    # The first four contacts see six rates.
+    np.testing.assert_allclose(alone.sum(axis=0)[:4], slope[:4], atol=1e-4)
+    assert np.abs(states[0, 0]) > 0.0
+
+
+def test_products_that_were_put_in_are_found():
+    random = np.random.default_rng(8)
+    put_in = universal_functions(1.5)
+    nothing = put_in.fast._replace(second=np.zeros_like(put_in.fast.second))
+    unfitted = dataclasses.replace(put_in, fast=nothing)
+    rates = training_chains.random_rates(random, 260, 63, smooth=False)
+    rates = [row for row in rates if np.abs(np.diff(row)).max() < 0.05]
+    chains = [hc.Chain.from_radii(np.exp(np.append(0.0, np.cumsum(row)))) for row in rates]
+    made_up = [solve(chain, put_in).states for chain in chains]
+    before = [solve(chain, unfitted).states for chain in chains]
+    second = tables.cubic_pieces(second_degree.KNOTS, second_degree.fit(unfitted, rates, made_up))
+    fitted = dataclasses.replace(unfitted, fast=nothing._replace(second=second))
+    after = [solve(chain, fitted).states for chain in chains]
+    missed = [np.abs(a - b).mean() for a, b in zip(after, made_up, strict=True)]
+    without = [np.abs(a - b).mean() for a, b in zip(before, made_up, strict=True)]
+    assert np.mean(missed) < 0.1 * np.mean(without)
+
+
+def test_the_estimate_exceeds_the_fraction_of_errors_that_is_required():
+    random = np.random.default_rng(9)
+    parts = np.exp(random.normal(size=(20_000, 2)) - 5.0)
+    errors = np.abs(random.normal(size=20_000)) * (parts @ [0.3, 2.0])
+    constants = error_fit.quantile_fit(parts, errors)
+    assert np.mean(errors <= parts @ constants) == pytest.approx(error_fit.COVERED, abs=0.01)
+    # The quantile of a normal distribution.
+    np.testing.assert_allclose(constants, 2.33 * np.array([0.3, 2.0]), rtol=0.3)
+
+
+def test_random_chains_stay_within_their_range():
+    for smooth in (True, False):
+        rates = training_chains.random_rates(np.random.default_rng(3), 100, 30, smooth=smooth)
+        assert all(len(row) == 30 for row in rates)
+        assert min(row.min() for row in rates) > training_chains.LOWEST_RANDOM
+        assert max(abs(row.sum()) for row in rates) < training_chains.LONGEST

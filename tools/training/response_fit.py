@@ -9,7 +9,6 @@ from scipy.interpolate import BSpline, CubicSpline
 
 from hertzchain.collision import Array
 from hertzchain.theory.universal_functions import (
-    END,
     INPUTS,
     PAIRS,
     REFERENCES,
@@ -29,14 +28,14 @@ KNOTS: Final = np.array(
 )
 # Unit of the deviations in the fits, which penalise large coefficients.
 UNIT: Final = 0.1
-RIDGES: Final = {"start": 1e-4, "within": 1e-3, "end": 1e-2}
+RIDGES: Final = {"start": 1e-4, "within": 1e-3}
 
 
 class Anchors:
     """State of each stage on an exponential chain, as a function of its rate."""
 
     def __init__(self, exponential: Sample) -> None:
-        at = [*range(START), BEADS // 2 + 12, *range(-END, 0)]
+        at = [*range(START), BEADS // 2 + 12]
         self.values = exponential.states[:, at]
         self.values[..., 0] -= bca_growth(NODES)[:, None]
         self.spline = CubicSpline(NODES, self.values)
@@ -71,9 +70,8 @@ def inputs(anchors: Anchors, stage: int, rates: Array, contact: int, before: Arr
     found = np.zeros((len(rates), len(INPUTS)))
     if before is not None:
         found[:, :3] = before - anchors(REFERENCES[stage], rates[:, contact - 1])
-    # Differences beyond the struck bead or the free end are 0.
-    ahead = 2 if stage <= WITHIN else 0
-    for column, last in enumerate(range(contact - 1, contact + ahead + 1), start=len(STATE)):
+    # Differences beyond the struck bead are 0.
+    for column, last in enumerate(range(contact - 1, contact + 3), start=len(STATE)):
         if last >= 1:
             found[:, column] = rates[:, last] - rates[:, last - 1]
     return found / UNIT

@@ -4,6 +4,9 @@ from __future__ import annotations
 
 import csv
 from pathlib import Path
+from typing import Final
+
+import numpy as np
 
 from hertzchain import __version__
 from hertzchain.collision import Array
@@ -12,9 +15,15 @@ from hertzchain.theory.universal_functions import STAGES, STATE, TERMS
 from .response_fit import KNOTS, Anchors
 from .training_chains import NODES, RTOLS
 
+# Terms of the estimated error, in the order of `hertzchain.kernels.fast_changes.write_parts`.
+PARTS: Final = [
+    "one", "deviations, start", "deviations, others", "third degree", "a^4", "a^3", "b^3",
+    "a^2 b^2", "fading", "end b^2", "end a^2", "end, short",
+]  # fmt: skip
 
-def write_tables(folder: Path, anchors: Anchors, found: Array, error: Array) -> None:
-    """Write the three tables of an exponent."""
+
+def write_tables(folder: Path, anchors: Anchors, found: Array) -> None:
+    """Write the tables of slow changes of an exponent."""
     folder.mkdir(parents=True, exist_ok=True)
     names = [f"{stage} {name}" for stage in STAGES for name in STATE]
     rows = anchors.values.reshape(len(NODES), -1)
@@ -39,10 +48,27 @@ def write_tables(folder: Path, anchors: Anchors, found: Array, error: Array) -> 
         ["stage", "state", "term", *(f"c{n}" for n in range(1, found.shape[2] + 1))],
         listed,
     )
+
+
+def write_fast(folder: Path, measured: dict[str, Array], knots: Array, second: Array) -> None:
+    """Write the tables of fast changes of an exponent."""
+    np.savez_compressed(
+        folder / "fast.npz",
+        places=measured["places"],
+        single=measured["single"].astype(np.float32),
+        end=measured["end"].astype(np.float32),
+        end_slopes=measured["end_slopes"].astype(np.float32),
+        knots=knots,
+        second=second.astype(np.float32),
+    )
+
+
+def write_error(folder: Path, error: Array) -> None:
+    """Write the constants of the estimated error of an exponent."""
     _write(
         folder / "error.csv",
-        "Constants of the estimated error of velocity, found on ramps that were not fitted.",
-        ["one", "deviations, start", "deviations, others", "third degree"],
+        "Constants of the estimated error of velocity, found on random chains not used in the fit.",
+        PARTS,
         [[f"{value:.3g}" for value in error]],
     )
 

@@ -15,15 +15,23 @@ from hertzchain.propagation.propagate import propagate_many
 from hertzchain.theory.universal_functions import state
 
 # Below the lowest rate, pulses in forward tapers have several maxima; above the highest, the BCA
-# differs by a constant.  Nodes of the tables of exponential chains are dense where these curve.
+# differs by a constant.  Nodes of the tables of exponential chains are dense where these curve,
+# above all around 0, where the state has a term |s|^(5/2).
 LOWEST: Final = -0.165
 HIGHEST: Final = 1.1
-NODES: Final = np.unique(
+COARSE_NODES: Final = np.unique(
     np.round([*np.linspace(LOWEST, 0.15, 43), *np.linspace(0.15, HIGHEST, 30)], 4)
 )
+NEAR_ZERO: Final = (0.0005, 0.001, 0.002, 0.0035, 0.005)
+NODES: Final = np.union1d(COARSE_NODES, [*NEAR_ZERO, *np.negative(NEAR_ZERO)])
 BEADS: Final = 64
-# The strongest backward ramps amplify rounding errors and require the second tolerance.
+# The strongest backward ramps amplify rounding errors and require the second tolerance; random
+# chains are simulated with the smallest one that is possible.
 RTOLS: Final = (1e-8, 1e-7)
+FINE_RTOLS: Final = (1e-10, 1e-9, *RTOLS)
+# Range of random rates, and largest logarithm of the ratio of the last to the first radius.
+LOWEST_RANDOM: Final = -0.15
+LONGEST: Final = 12.0
 # Changes of the rate along a ramp, numbers of contacts over which it changes, and contacts
 # (counted from 0) at which the change begins.
 CHANGES: Final = (0.005, 0.02, 0.05, 0.1, 0.2, 0.4)
@@ -101,30 +109,87 @@ def double_ramp_rates(random: np.random.Generator, count: int) -> Array:
     return np.array(ramps)
 
 
-def truncate_ramps(rates: Array, random: np.random.Generator) -> list[Array]:
-    """Rates of ramps that end while they change, or soon after."""
-    changing = np.diff(rates, axis=1) != 0.0
-    first = np.argmax(changing, axis=1)
-    last = changing.shape[1] - np.argmax(changing[:, ::-1], axis=1)
-    lengths = np.clip(random.integers(first + 1, last + 4), 9, rates.shape[1])
-    return [row[:length] for row, length in zip(rates, lengths, strict=True)]
+def random_rates(
+    random: np.random.Generator, count: int, contacts: int, *, smooth: bool
+) -> list[Array]:
+    """Rates of random chains: slow changes, ramps and kinks, also near both ends.
+
+    Unless smooth, chains also have random, periodic or single odd radii.
+    """
+    k = np.arange(contacts)
+    found: list[Array] = []
+    while len(found) < count:
+        near_zero = random.random() < 0.4
+        base = 0.02 * random.normal() if near_zero else random.uniform(-0.13, 0.2)
+        rates = np.full(contacts, base)
+        if random.random() < 0.15:
+            # Radii grow like a power of the distance, which begins with large rates.
+            rates = random.uniform(0.3, 1.5) * np.log1p(1.0 / (k + _size(random, 0.7, 20.0)))
+        chosen = random.random(5) < (
+            (0.7, 0.6, 0.0, 0.0, 0.0) if smooth else (0.5, 0.4, 0.5, 0.25, 0.15)
+        )
+        if chosen[0]:
+            period = _size(random, 50.0 if smooth else 8.0, 200.0)
+            rates += (
+                _sign(random)
+                * _size(random, 0.003, 0.08)
+                * np.sin(2.0 * np.pi * (k / period + random.random()))
+            )
+        if chosen[1]:
+            for _ in range(random.integers(1, 4)):
+                length = random.choice((9, 20, 40) if smooth else (1, 1, 2, 4, 9, 20))
+                position = (k - random.integers(-5, contacts)) / length
+                change = _sign(random) * _size(random, 0.003, 0.1)
+                rates += change * np.clip(position, 0.0, 1.0)
+        if chosen[2]:
+            rates += np.diff(_size(random, 5e-4, 0.02) * random.normal(size=contacts + 1))
+        if chosen[3]:
+            # Bead by bead, or every third to fifth bead is odd.
+            odd = np.arange(contacts + 1) % random.choice((2, 2, 2, 3, 4, 5)) == 0
+            rates += _sign(random) * _size(random, 1e-3, 0.08) * np.diff(odd.astype(float))
+        if chosen[4]:
+            odd = random.random(contacts + 1) < random.choice((1.0, 3.0)) / contacts
+            rates += _sign(random) * _size(random, 3e-3, 0.1) * np.diff(odd.astype(float))
+        gentle = (
+            rates.min() > LOWEST_RANDOM and rates.max() < HIGHEST and abs(rates.sum()) < LONGEST
+        )
+        if chosen.any() and gentle:
+            found.append(rates)
+    return found
 
 
-def follow(rates: Array | list[Array], exponent: float, last: int = BEADS) -> Sample:
+def _size(random: np.random.Generator, low: float, high: float) -> float:
+    """A number whose logarithm is uniform."""
+    return float(np.exp(random.uniform(np.log(low), np.log(high))))
+
+
+def _sign(random: np.random.Generator) -> int:
+    return int(random.choice((-1, 1)))
+
+
+def follow(rates: Array, exponent: float) -> Sample:
     """Simulate chains with given rates, without those for which the simulation fails."""
+    found = states_of(list(rates), exponent, RTOLS)
+    followed = [index for index, states in enumerate(found) if states is not None]
+    return Sample(rates[followed], np.array([found[index] for index in followed]))
+
+
+def states_of(
+    rates: Sequence[Array], exponent: float, rtols: tuple[float, ...] = FINE_RTOLS
+) -> list[Array | None]:
+    """Simulated states of chains with given rates, for the smallest tolerance that is possible."""
     radii = [np.exp(np.concatenate([[0.0], np.cumsum(row)])) for row in rates]
     chains = [Chain.from_radii(row, exponent=exponent) for row in radii]
-    found: dict[int, Array] = {}
-    for rtol in RTOLS:
-        left = [index for index in range(len(chains)) if index not in found]
+    found: list[Array | None] = [None] * len(chains)
+    for rtol in rtols:
+        left = [index for index in range(len(chains)) if found[index] is None]
+        if not left:
+            break
         table = propagate_many([chains[index] for index in left], rtol=rtol)
         for row, index in enumerate(left):
             if row not in table.reasons:
-                found[index] = state(table[row])[-last:]
-    if len(found) < 0.99 * len(chains):
-        raise SimulationError(f"{len(chains) - len(found)} of {len(chains)} chains failed")
-    followed = sorted(found)
-    return Sample(
-        np.array([rates[index][-last:] for index in followed]),
-        np.array([found[index] for index in followed]),
-    )
+                found[index] = state(table[row])
+    failed = sum(states is None for states in found)
+    if failed > 0.01 * len(chains):
+        raise SimulationError(f"{failed} of {len(chains)} chains failed")
+    return found

@@ -11,9 +11,10 @@ this contact consists of three dimensionless numbers of order one:
 
 These are the logarithms of the velocity ratio, and of the peak force and residence time made
 dimensionless with the mass and velocity of bead k and the stiffness of contact k.  Contacts
-are divided into *stages*: those after the impact, those within the chain, and those before the
-free end.  For each stage, `tools/training` determines the state on an exponential chain as a
-function of its rate, and the response to differences between rates.
+are divided into *stages*: those after the impact, and those within the chain.  For each stage,
+`tools/training` determines the state on an exponential chain as a function of its rate, and the
+response to differences between rates.  Further tables contain the response to fast changes of the
+rate, and the effect of the free end on the last contacts.
 """
 
 from __future__ import annotations
@@ -26,7 +27,7 @@ from dataclasses import dataclass
 from importlib import resources
 from itertools import combinations_with_replacement
 from pathlib import Path
-from typing import Final
+from typing import Final, NamedTuple
 
 import numpy as np
 
@@ -36,13 +37,12 @@ from ..errors import InputError
 from ..pulse.pulse import Pulse
 
 STATE: Final = ("growth", "force", "time")
-# Numbers of contacts that depend on the impact (the first ones) and on the free end (the last).
+# Number of contacts that depend on the impact.
 START: Final = 4
-END: Final = 3
-STAGES: Final = ("start 1", "start 2", "start 3", "start 4", "within", "end 3", "end 2", "end 1")
+STAGES: Final = ("start 1", "start 2", "start 3", "start 4", "within")
 WITHIN: Final = START
 # Stage whose anchor is subtracted from the previous state; the first stage has no previous one.
-REFERENCES: Final = (0, 0, 1, 2, WITHIN, WITHIN, 5, 6)
+REFERENCES: Final = (0, 0, 1, 2, WITHIN)
 # Inputs of the response: the deviation of the previous state from that of an exponential chain,
 # and the differences between the rates of five neighbouring contacts.
 INPUTS: Final = (
@@ -55,7 +55,34 @@ INPUTS: Final = (
 # The response is of second order: it contains all inputs and all products of two inputs.
 PAIRS: Final = tuple(combinations_with_replacement(range(len(INPUTS)), 2))
 TERMS: Final = INPUTS + tuple(f"({INPUTS[i]})({INPUTS[j]})" for i, j in PAIRS)
-MIN_BEADS: Final = START + END + 2
+MIN_BEADS: Final = 9
+
+
+class FastTables(NamedTuple):
+    """Responses to fast changes and to the free end, as piecewise cubic polynomials.
+
+    See `hertzchain.kernels.fast_changes`.
+
+    Attributes
+    ----------
+    places : ndarray, shape (n + 1,)
+        Ends of the intervals of ``single`` and ``end``.
+    single : ndarray, shape (10, n, 4, 33)
+        Response G of each stage (four after the impact, within, five before the free end):
+        coefficients of the powers 3 to 0, each for the three components at eleven offsets.
+    end : ndarray, shape (5, n, 4, 36)
+        Effect of the free end: state on an exponential chain, and response H, less those within.
+    knots : ndarray, shape (K + 1,)
+        Ends of the intervals of ``second``.
+    second : ndarray, shape (K, 4, 84)
+        Coefficients A of the products of two fast changes.
+    """
+
+    places: Array
+    single: Array
+    end: Array
+    knots: Array
+    second: Array
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,7 +105,9 @@ class UniversalFunctions:
         Polynomials, as for the anchors, of the symmetric matrices :math:`A(s)` of the response
         :math:`y^T A y`, where y consists of 1 and the `INPUTS`.  For each power, the rows of the
         three components are stored next to each other, as an array of shape (8, 3, 8).
-    error : ndarray, shape (4,)
+    fast : FastTables
+        Responses to fast changes and to the free end.
+    error : ndarray, shape (12,)
         Constants of the error estimate; see `hertzchain.theory.local_rate.Solution`.
     """
 
@@ -87,6 +116,7 @@ class UniversalFunctions:
     anchors: Array
     knots: Array
     response: Array
+    fast: FastTables
     error: Array
 
     @property
@@ -163,7 +193,13 @@ def tables(exponent: float) -> Path:
 
 
 def assemble(
-    exponent: float, nodes: Array, values: Array, knots: Array, coefficients: Array, error: Array
+    exponent: float,
+    nodes: Array,
+    values: Array,
+    knots: Array,
+    coefficients: Array,
+    fast: FastTables,
+    error: Array,
 ) -> UniversalFunctions:
     """Build universal functions from the numbers in their tables."""
     from scipy.interpolate import CubicSpline
@@ -178,7 +214,36 @@ def assemble(
         anchors=np.ascontiguousarray(anchors),
         knots=knots,
         response=_matrices(pieces),
+        fast=fast,
         error=error,
+    )
+
+
+def fast_tables(
+    places: Array, single: Array, end: Array, end_slopes: Array, knots: Array, second: Array
+) -> FastTables:
+    """Build the tables of fast changes.
+
+    Values at the places are ``single`` (n + 1, 10, 33), ``end`` (n + 1, 5, 36) and ``end_slopes``,
+    the derivatives of those of exponential chains, (n + 1, 5, 3).  ``second`` (K + 3, 84) are
+    coefficients of B-splines.
+    """
+    from scipy.interpolate import Akima1DInterpolator, CubicHermiteSpline, CubicSpline
+
+    # Near the free end of steep forward tapers, functions of the rate have kinks: there,
+    # interpolation must be local.
+    pieces = CubicSpline(places, single).c
+    pieces[:, :, WITHIN + 1 :] = Akima1DInterpolator(places, single[:, WITHIN + 1 :]).c
+    of_end = Akima1DInterpolator(places, end).c
+    # The first number of each component is the state on an exponential chain.
+    each = slice(None, None, end.shape[2] // len(STATE))
+    of_end[..., each] = CubicHermiteSpline(places, end[..., each], end_slopes).c
+    return FastTables(
+        places=places,
+        single=np.ascontiguousarray(np.transpose(pieces, (2, 1, 0, 3))),
+        end=np.ascontiguousarray(np.transpose(of_end, (2, 1, 0, 3))),
+        knots=knots,
+        second=np.ascontiguousarray(cubic_pieces(knots, second)),
     )
 
 
@@ -217,9 +282,12 @@ def read_tables(folder: Path, exponent: float) -> UniversalFunctions:
     nodes, columns = _numbers(folder / "exponential.csv")
     values = columns.reshape(len(nodes), len(STAGES), len(STATE))
     knots, coefficients = _response(folder / "response.csv")
+    with np.load(folder / "fast.npz") as stored:
+        names = "places", "single", "end", "end_slopes", "knots", "second"
+        fast = fast_tables(*(stored[name].astype(float) for name in names))
     first, others = _numbers(folder / "error.csv")
     error = np.concatenate([first, others[0]])
-    return assemble(exponent, nodes, values, knots, coefficients, error)
+    return assemble(exponent, nodes, values, knots, coefficients, fast, error)
 
 
 def _rows(file: Path) -> Iterator[list[str]]:

@@ -1,0 +1,324 @@
+r"""Response of the local-rate law to fast changes of the rate, and to the free end.
+
+The rates are divided into slow rates q, by local cubic polynomials, and the rest e (which
+vanishes in strong backward tapers).  To the states
+on a chain of the slow rates, this module adds
+
+.. math::
+
+    \Delta z_k = \sum_o G_o(q_k)\,e_{k+o}
+        + g_k \sum_{i\le j} A_{ij}(q_k)\,e_{k+i}\,e_{k+j}
+        + z^*_\text{end}(q_k) - z^*(q_k) + \sum_o H_o(q_k)\,(q_{k+o} - q_{k+o-1}),
+    \qquad
+    g_k = \frac{(4q_k^2 + \rho_k^2)^{1/4}}{(1 + \rho_k^2/\rho_0^2)^{5/4}},
+
+where :math:`\rho_k` is the root mean square of the fast changes near the contact.  G is the
+response of the simulated state to a small change of one rate, and H its difference between a
+contact near the free end and one within the chain.  The terms of the end apply to the last
+contacts only.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+
+STATES = 3
+# Contacts with separate functions after the impact and before the free end.
+START, END = 4, 5
+WITHIN = START
+STAGES = START + 1 + END
+# Offsets o of the rates to which a contact responds.
+BEHIND, AHEAD = 8, 2
+TAPS = BEHIND + 1 + AHEAD
+# Fast changes in products: those from offset -4 to 2.
+NEAR = BEHIND - 4
+FACTORS = TAPS - NEAR
+PRODUCTS = FACTORS * (FACTORS + 1) // 2
+# Offsets -2 to 1 determine the size of fast changes.
+FIRST, LAST = BEHIND - 2, BEHIND + 2
+# Square of the size beyond which products grow no more.
+LARGE = 0.06**2
+TINY = 1e-12
+# Half the number of rates of a local polynomial, besides the central one.
+HALF = 4
+# Rate beyond which changes are treated as slow.
+BACKWARD = 0.15
+
+# Sums may be evaluated in any order, so that the compiler can vectorise them.
+compiled = njit(cache=True, nogil=True, error_model="numpy", fastmath={"reassoc", "contract"})
+
+
+def local_cubics() -> np.ndarray:
+    """Weights (5, 9) of the slow rate of a contact with 0 to 4 contacts behind it."""
+    found = np.zeros((HALF + 1, 2 * HALF + 1))
+    for behind in range(HALF + 1):
+        offsets = np.arange(-behind, HALF + 1)
+        weight = (1.0 - (offsets / (HALF + 1.0)) ** 2) ** 2
+        powers = np.vander(offsets / HALF, 4, increasing=True)
+        normal = powers.T @ (weight[:, None] * powers)
+        found[behind, HALF - behind :] = np.linalg.solve(normal, (weight[:, None] * powers).T)[0]
+    return found
+
+
+CUBICS = local_cubics()
+
+
+@compiled
+def interval_of(rate, ends, guess):
+    """Interval that contains a rate (or the nearest one), and the distance from its left end."""
+    # The search begins at the interval of the contact before, whose rate is usually close.
+    clipped = min(max(rate, ends[0]), ends[-1])
+    interval = guess
+    while interval > 0 and clipped < ends[interval]:
+        interval -= 1
+    while interval < len(ends) - 2 and clipped >= ends[interval + 1]:
+        interval += 1
+    return interval, clipped - ends[interval]
+
+
+@compiled
+def fitted_rate(rates, k):
+    """Value of the local cubic polynomial at a contact."""
+    behind, ahead = min(k, HALF), min(len(rates) - 1 - k, HALF)
+    total = 0.0
+    if ahead < HALF:
+        for o in range(-HALF, ahead + 1):
+            total += CUBICS[ahead, HALF - o] * rates[k + o]
+    else:
+        for o in range(-behind, HALF + 1):
+            total += CUBICS[behind, HALF + o] * rates[k + o]
+    return total
+
+
+@compiled
+def share(rate):
+    """Part of the deviation from the polynomial that is fast, and its derivative."""
+    # In strong backward tapers, the memory is so short that no change is fast.
+    ratio = max(rate, 0.0) / BACKWARD
+    value = 1.0 / (1.0 + ratio**4)
+    return value, -4.0 * ratio**3 * value * value / BACKWARD
+
+
+@compiled
+def smooth(rates, slow, fast):
+    """Divide the first rates of a chain of at least eight contacts."""
+    # fast: BEHIND zeros, the fast changes, AHEAD zeros
+    fast[:] = 0.0
+    for k in range(len(slow)):
+        fitted = fitted_rate(rates, k)
+        change = share(fitted)[0] * (rates[k] - fitted)
+        slow[k], fast[BEHIND + k] = rates[k] - change, change
+
+
+@compiled
+def from_smooth(rates, to_slow, to_fast, to_rates):
+    """Add derivatives with respect to the rates to ``to_rates``."""
+    contacts = len(to_rates)
+    for k in range(len(to_slow)):
+        behind, ahead = min(k, HALF), min(contacts - 1 - k, HALF)
+        fitted = fitted_rate(rates, k)
+        part, slope = share(fitted)
+        difference = to_slow[k] - to_fast[BEHIND + k]
+        to_rates[k] += to_slow[k] - part * difference
+        change = (part - slope * (rates[k] - fitted)) * difference
+        if ahead < HALF:
+            for o in range(-HALF, ahead + 1):
+                to_rates[k + o] += CUBICS[ahead, HALF - o] * change
+        else:
+            for o in range(-behind, HALF + 1):
+                to_rates[k + o] += CUBICS[behind, HALF + o] * change
+
+
+@compiled
+def stage_of(contact, contacts):
+    """Stage of a contact, from 0: those before the free end come last."""
+    left = contacts - contact
+    return STAGES - left if left <= END else min(contact, START)
+
+
+@compiled
+def size_of(around):
+    """Mean square of the fast changes next to a contact."""
+    total = 0.0
+    for i in range(FIRST, LAST):
+        total += around[i] * around[i]
+    return total / (LAST - FIRST)
+
+
+@compiled
+def gain(rate, size):
+    """Factor g of the products, and its derivatives with respect to rate and mean square."""
+    sum_of = 4.0 * rate * rate + size + TINY
+    limit = 1.0 + size / LARGE
+    value = np.sqrt(np.sqrt(sum_of / limit)) / limit
+    return value, value * 2.0 * rate / sum_of, value * (0.25 / sum_of - 1.25 / (LARGE * limit))
+
+
+@compiled
+def multiply(around, products):
+    """Write all products of two fast changes."""
+    n = 0
+    for i in range(NEAR, TAPS):
+        for j in range(i, TAPS):
+            products[n] = around[i] * around[j]
+            n += 1
+
+
+@compiled
+def polynomials(pieces, x, values):
+    """Evaluate cubic polynomials (4, n) of x."""
+    for i in range(len(values)):
+        a, b, c = pieces[0, i], pieces[1, i], pieces[2, i]
+        values[i] = ((a * x + b) * x + c) * x + pieces[3, i]
+
+
+@compiled
+def combine(pieces, weights, x, inside, values, slopes):
+    """Evaluate weighted sums of three cubic polynomials, and their derivatives, side by side."""
+    # pieces (4, 3 n), weights (3,), values and slopes (n,); slopes are zero outside the tables
+    n = len(values)
+    first, second, third = weights[0], weights[1], weights[2]
+    for i in range(n):
+        a = first * pieces[0, i] + second * pieces[0, n + i] + third * pieces[0, 2 * n + i]
+        b = first * pieces[1, i] + second * pieces[1, n + i] + third * pieces[1, 2 * n + i]
+        c = first * pieces[2, i] + second * pieces[2, n + i] + third * pieces[2, 2 * n + i]
+        d = first * pieces[3, i] + second * pieces[3, n + i] + third * pieces[3, 2 * n + i]
+        values[i] = ((a * x + b) * x + c) * x + d
+        slopes[i] = (3.0 * a * x + 2.0 * b) * x + c if inside else 0.0
+
+
+@compiled
+def steps_of(slow, k, steps):
+    """Write 1, and the differences of the slow rates at offsets from a contact."""
+    steps[0] = 1.0
+    for i in range(TAPS):
+        m = k + i - BEHIND
+        steps[1 + i] = slow[m] - slow[m - 1] if 1 <= m < len(slow) else 0.0
+
+
+@compiled
+def dot(values, factors):
+    """Sum of products."""
+    total = 0.0
+    for n in range(len(factors)):
+        total += values[n] * factors[n]
+    return total
+
+
+# Arguments:
+# contacts: number of contacts of the chain
+# slow, fast: results of `smooth`, up to two contacts ahead of the last one followed
+# tables: `hertzchain.theory.universal_functions.FastTables`
+# states: (followed, 3), to which the response is added
+@compiled
+def add_response(contacts, slow, fast, tables, states):
+    """Add the response to fast changes and to the free end."""
+    single, bends = np.empty(STATES * TAPS), np.empty(STATES * PRODUCTS)
+    ends, steps = np.empty(STATES * (1 + TAPS)), np.empty(1 + TAPS)
+    products = np.empty(PRODUCTS)
+    place, knot = 0, 0
+    for k in range(len(states)):
+        q, stage, around = slow[k], stage_of(k, contacts), fast[k : k + TAPS]
+        place, x = interval_of(q, tables.places, place)
+        polynomials(tables.single[stage, place], x, single)
+        knot, distance = interval_of(q, tables.knots, knot)
+        polynomials(tables.second[knot], distance, bends)
+        multiply(around, products)
+        g, _, _ = gain(q, size_of(around))
+        for i in range(STATES):
+            first = dot(single[i * TAPS : (i + 1) * TAPS], around)
+            second = dot(bends[i * PRODUCTS : (i + 1) * PRODUCTS], products)
+            states[k, i] += first + g * second
+        if stage > WITHIN:
+            polynomials(tables.end[stage - WITHIN - 1, place], x, ends)
+            steps_of(slow, k, steps)
+            for i in range(STATES):
+                states[k, i] += dot(ends[i * (1 + TAPS) : (i + 1) * (1 + TAPS)], steps)
+
+
+# Arguments: as above, and
+# seeds: (followed, 3), derivatives with respect to the states
+# to_slow, to_fast: as long as slow and fast; results are added
+@compiled
+def from_response(contacts, slow, fast, tables, seeds, to_slow, to_fast):
+    """Add derivatives with respect to both parts of the rates."""
+    single, single_slopes = np.empty(TAPS), np.empty(TAPS)
+    bends, bend_slopes = np.empty(PRODUCTS), np.empty(PRODUCTS)
+    ends, end_slopes = np.empty(1 + TAPS), np.empty(1 + TAPS)
+    steps, products = np.empty(1 + TAPS), np.empty(PRODUCTS)
+    place, knot = 0, 0
+    for k in range(len(seeds)):
+        q, stage, around = slow[k], stage_of(k, contacts), fast[k : k + TAPS]
+        place, x = interval_of(q, tables.places, place)
+        inside = tables.places[0] <= q <= tables.places[-1]
+        combine(tables.single[stage, place], seeds[k], x, inside, single, single_slopes)
+        knot, distance = interval_of(q, tables.knots, knot)
+        within = tables.knots[0] <= q <= tables.knots[-1]
+        combine(tables.second[knot], seeds[k], distance, within, bends, bend_slopes)
+        multiply(around, products)
+        g, by_rate, by_size = gain(q, size_of(around))
+        to_gain = dot(bends, products)
+        to_slow[k] += dot(single_slopes, around) + g * dot(bend_slopes, products)
+        to_slow[k] += to_gain * by_rate
+        to_around = to_fast[k : k + TAPS]
+        for n in range(TAPS):
+            to_around[n] += single[n]
+        from_products(around, g, bends, to_gain * by_size, to_around)
+        if stage > WITHIN:
+            pieces = tables.end[stage - WITHIN - 1, place]
+            combine(pieces, seeds[k], x, inside, ends, end_slopes)
+            steps_of(slow, k, steps)
+            to_slow[k] += dot(end_slopes, steps)
+            for n in range(max(0, 1 + BEHIND - k), min(TAPS, len(slow) - k + BEHIND)):
+                to_slow[k + n - BEHIND] += ends[1 + n]
+                to_slow[k + n - BEHIND - 1] -= ends[1 + n]
+
+
+@compiled
+def from_products(around, g, to_products, to_size, to_around):
+    """Add derivatives with respect to the fast changes around a contact."""
+    n = 0
+    for i in range(NEAR, TAPS):
+        for j in range(i, TAPS):
+            to_around[i] += g * to_products[n] * around[j]
+            to_around[j] += g * to_products[n] * around[i]
+            n += 1
+    for i in range(FIRST, LAST):
+        to_around[i] += to_size * 2.0 * around[i] / (LAST - FIRST)
+
+
+# Terms of the estimated error: those of the slow rates, and of fast changes and the free end.
+SLOW_PARTS, PARTS = 4, 12
+
+
+# doubts: (followed, 4), of `hertzchain.kernels.local_rate.forward`
+# parts: (followed, 12), result: these, and with the size a of fast changes and the change b of
+#   the slow rate: root of the sum of a^4, sums of a^3 and a^5, root of the sum of a^2 b^2; the
+#   same sum of a^2 + b^2 fading along the chain; b^2, a^2 and the shortness of the chain near its
+#   free end
+@compiled
+def write_parts(contacts, slow, fast, doubts, parts):
+    """Write the terms of the estimated error of the velocity behind each contact."""
+    fourth, third, slowly, mixed, faded = 0.0, 0.0, 0.0, 0.0, 0.0
+    for k in range(len(parts)):
+        size = size_of(fast[k : k + TAPS])
+        root = np.sqrt(size)
+        step = slow[k] - slow[k - 1] if k > 0 else 0.0
+        fourth += size * size
+        third += size * root
+        slowly += abs(step) ** 3
+        # In strong backward tapers, the pulse forgets at once.
+        memory = 1.0 / (1.0 + (max(slow[k], 0.0) / 0.1) ** 4)
+        mixed += size * step * step * memory
+        faded = 0.75 * faded + (size + step * step) * memory
+        for i in range(SLOW_PARTS):
+            parts[k, i] = doubts[k, i]
+        parts[k, 4], parts[k, 5], parts[k, 6] = np.sqrt(fourth), third, slowly
+        parts[k, 7], parts[k, 8] = np.sqrt(mixed), faded
+        at_end = contacts - k <= END
+        # Near the free end of steep forward tapers, the state has kinks.
+        steep = 1.0 + 100.0 * (max(-0.1 - slow[k], 0.0) / 0.03) ** 2
+        parts[k, 9] = step * step * steep if at_end else 0.0
+        parts[k, 10] = size if at_end else 0.0
+        parts[k, 11] = np.exp(-0.25 * contacts) * abs(slow[k]) if at_end else 0.0

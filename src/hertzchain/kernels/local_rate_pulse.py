@@ -1,0 +1,186 @@
+"""Pulses by the local-rate law, and derivatives of their quantities."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from .fast_changes import (
+    AHEAD,
+    BEHIND,
+    PARTS,
+    SLOW_PARTS,
+    STATES,
+    add_response,
+    compiled,
+    from_response,
+    from_smooth,
+    smooth,
+    write_parts,
+)
+from .local_rate import FORM, backward, forward
+
+
+@compiled
+def logarithms(radii):
+    """Logarithms of the radii, and the rates of the contacts."""
+    logs = np.log(radii)
+    return logs, logs[1:] - logs[:-1]
+
+
+@compiled
+def any_outside(rates, ends):
+    """Whether a rate lies outside the tables."""
+    for rate in rates:
+        if not ends[0] <= rate <= ends[-1]:
+            return True
+    return False
+
+
+@compiled
+def log_stiffness(radii, contact):
+    """Logarithm of a contact's stiffness, see `hertzchain.collision.hertz_stiffness`."""
+    left, right = radii[contact], radii[contact + 1]
+    return 0.5 * np.log(2.0 * left * (right / (left + right)))
+
+
+@compiled
+def log_of_bead(powers, log_radius, log_velocity):
+    """Logarithm of m^a v^b of a bead, given those of its radius and velocity."""
+    return powers[0] * 3.0 * log_radius + powers[1] * log_velocity
+
+
+@compiled
+def log_of_contact(powers, stiffness, state):
+    """Logarithm of r^c e^(d phi + e tau) of a contact, given that of its stiffness r."""
+    return powers[2] * stiffness + powers[3] * state[1] + powers[4] * state[2]
+
+
+@compiled
+def estimated_error(contact, parts, constants, lost):
+    """Estimated relative error of the velocity behind a contact."""
+    # Beyond a state that has diverged, the error is unknown.
+    error = 1.0 if contact >= lost else 0.0
+    for i in range(PARTS):
+        error += constants[i] * parts[contact, i]
+    return error
+
+
+@compiled
+def divide(rates, followed):
+    """Slow and fast parts of the rates, up to two contacts ahead of the last one followed."""
+    known = min(len(rates), followed + AHEAD)
+    slow, fast = np.empty(known), np.empty(BEHIND + known + AHEAD)
+    smooth(rates, slow, fast)
+    return slow, fast
+
+
+# slow_tables: nodes, anchors, knots and response, for `forward`; fast_tables: for `add_response`
+# states: (followed, 3), result; slopes, to_inputs: see `forward`, or empty
+# parts: (followed, 12), result, see `write_parts`
+@compiled
+def evaluate(
+    contacts, slow, fast, slow_tables, fast_tables, states, slopes, to_inputs, parts
+):  # fmt: skip
+    """Compute states of contacts; returns the first that diverges, or else their number."""
+    nodes, anchors, knots, response = slow_tables
+    doubts = np.empty((len(states), SLOW_PARTS))
+    lost = forward(
+        slow, len(states), nodes, anchors, knots, response, states, slopes, to_inputs, doubts
+    )
+    add_response(contacts, slow, fast, fast_tables, states)
+    write_parts(contacts, slow, fast, doubts, parts)
+    return lost
+
+
+@compiled
+def pulse(
+    radii, slow_tables, fast_tables, constants, of_time, of_overlap, by_bead, by_contact
+):  # fmt: skip
+    """Evaluate the law; returns the largest estimated error, infinite if a rate is outside."""
+    # slow_tables, fast_tables: as for `evaluate`; constants: (12,), of the estimated error
+    # of_time, of_overlap: powers (a, b, c, d, e) of residence times and overlaps
+    # by_bead (3, N): result: velocities, their estimated errors, arrivals
+    # by_contact (2, N - 1): result: residence times, overlaps
+    logs, rates = logarithms(radii)
+    contacts = len(rates)
+    slow, fast = divide(rates, contacts)
+    states, parts = np.empty((contacts, STATES)), np.empty((contacts, PARTS))
+    slopes, to_inputs = np.empty((0, STATES, 2)), np.empty((0, STATES, FORM))
+    lost = evaluate(
+        contacts, slow, fast, slow_tables, fast_tables, states, slopes, to_inputs, parts
+    )
+    velocity, error, arrival = by_bead[0], by_bead[1], by_bead[2]
+    residence, overlap = by_contact[0], by_contact[1]
+    velocity[0], error[0], arrival[0] = 1.0, 0.0, 0.0
+    log_velocity = 0.0
+    for k in range(contacts):
+        stiffness, z = log_stiffness(radii, k), states[k]
+        of_bead = log_of_bead(of_time, logs[k], log_velocity)
+        residence[k] = np.exp(of_bead + log_of_contact(of_time, stiffness, z))
+        of_bead = log_of_bead(of_overlap, logs[k], log_velocity)
+        overlap[k] = np.exp(of_bead + log_of_contact(of_overlap, stiffness, z))
+        log_velocity += states[k, 0]
+        velocity[k + 1] = np.exp(log_velocity)
+        error[k + 1] = estimated_error(k, parts, constants, lost)
+        arrival[k + 1] = arrival[k] + residence[k]
+    return np.inf if any_outside(rates, slow_tables[0]) else np.max(error)
+
+
+@compiled
+def gradient(
+    radii, slow_tables, fast_tables, constants, powers, begin, end, followed, found
+):  # fmt: skip
+    """Sum of a quantity over beads, and its error; writes derivatives of ln(sum) to ``found``."""
+    # powers: (a, b, c, d, e) of the quantity; begin, end: the beads, from 0, the last excluded
+    # followed: number of contacts on which the quantity depends
+    # found: (N,), derivatives with respect to the logarithms of the radii
+    logs, rates = logarithms(radii)
+    slow, fast = divide(rates, followed)
+    states, parts = np.empty((followed, STATES)), np.empty((followed, PARTS))
+    slopes, to_inputs = np.empty((followed, STATES, 2)), np.empty((followed, STATES, FORM))
+    lost = evaluate(
+        len(rates), slow, fast, slow_tables, fast_tables, states, slopes, to_inputs, parts
+    )
+    weights = np.empty(end - begin)
+    log_velocity = states[:begin, 0].sum()
+    for k in range(begin, end):
+        log_part = log_of_bead(powers, logs[k], log_velocity)
+        if k < followed:
+            log_part += log_of_contact(powers, log_stiffness(radii, k), states[k])
+            log_velocity += states[k, 0]
+        weights[k - begin] = np.exp(log_part)
+    total = weights.sum()
+    seeds, to_rates = np.zeros((followed, STATES)), np.zeros(len(rates))
+    seed_states(radii, begin, weights / total, powers, seeds, found)
+    to_slow, to_fast = np.zeros(len(slow)), np.zeros(len(fast))
+    from_response(len(rates), slow, fast, fast_tables, seeds, to_slow, to_fast)
+    backward(slopes, to_inputs, seeds, to_slow)
+    from_smooth(rates, to_slow, to_fast, to_rates)
+    found[1:] += to_rates
+    found[:-1] -= to_rates
+    error = 0.0
+    for k in range(followed):
+        error = max(error, estimated_error(k, parts, constants, lost))
+    return total, np.inf if any_outside(rates[:followed], slow_tables[0]) else error
+
+
+@compiled
+def seed_states(radii, begin, weights, powers, seeds, found):
+    """Derivatives of weighted logarithms of a quantity with respect to states, and radii."""
+    followed = len(seeds)
+    found[:] = 0.0
+    to_velocity = 0.0
+    for k in range(begin + len(weights) - 1, -1, -1):
+        # A velocity is the product of the growth at all contacts before.
+        if k < followed:
+            seeds[k, 0] = to_velocity
+        if k < begin:
+            continue
+        weight = weights[k - begin]
+        to_velocity += weight * powers[1]
+        found[k] += weight * powers[0] * 3.0
+        if k < followed:
+            seeds[k, 1], seeds[k, 2] = weight * powers[3], weight * powers[4]
+            half = 0.5 * weight * powers[2] / (radii[k] + radii[k + 1])
+            found[k] += half * radii[k + 1]
+            found[k + 1] += half * radii[k]

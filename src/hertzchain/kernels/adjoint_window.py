@@ -17,12 +17,6 @@ from .adjoint_layout import (
     BLOCK_FULL,
     CUT_OFF,
     F0,
-    F2,
-    F3,
-    F4,
-    F5,
-    F6,
-    F7,
     F8,
     FORCE,
     HIGH,
@@ -41,8 +35,8 @@ from .adjoint_layout import (
     V,
     X,
 )
-from .adjoint_step import compiled, forces, try_step
-from .rkn8_step import E0, E2, E3, E4, E5, E6, E7, E8, GROWTH, SAFETY, SHRINKAGE
+from .adjoint_step import compiled, forces, try_step, velocity_error
+from .rkn8_step import GROWTH, SAFETY, SHRINKAGE
 
 # Entries of the settings: beads behind the crest, the same if the contact there is open, beads
 # ahead of it, beads behind it whose errors count, largest forces cut off at the rear and at the
@@ -63,9 +57,7 @@ def window_error(w, first, high, h, speed):
     """Largest error of a step from bead ``first`` on, in units of a speed."""
     top = 0.0
     for i in range(first, high):
-        error = E0 * w[F0 + i] + E2 * w[F2 + i] + E3 * w[F3 + i] + E4 * w[F4 + i]
-        error += E5 * w[F5 + i] + E6 * w[F6 + i] + E7 * w[F7 + i] + E8 * w[F8 + i]
-        top = max(top, abs(error))
+        top = max(top, abs(velocity_error(w, i, F0, F8)))
     return abs(h) * top / speed
 
 

@@ -97,13 +97,12 @@ export class Stage {
   down(event) {
     const { offsetX: x, offsetY: y } = event;
     const { bead, rim } = this.hit(x, y);
+    if (bead < 0 && !this.atWall(x)) return;
+    this.canvas.setPointerCapture(event.pointerId);
     if (bead < 0) {
-      if (!this.atWall(x)) return;
-      this.canvas.setPointerCapture(event.pointerId);
       this.drag = { wall: true, x, gap: this.wallGap, moved: false };
       return;
     }
-    this.canvas.setPointerCapture(event.pointerId);
     const reach = Math.max(4, Math.hypot(x - this.px(this.centres[bead]), y - this.middle));
     this.drag = { bead, rim, reach, radius: this.radii[bead], look: { ...this.look }, moved: false, x, y };
     this.on.select(bead + 1);
@@ -191,12 +190,8 @@ export class Stage {
   drawProfile(pen, W, H, speeds) {
     // The profile ends below its caption.
     const base = H * 0.27, tall = Math.min(H * 0.21, base - 15), count = this.radii.length;
-    pen.strokeStyle = COLOURS.line;
-    pen.lineWidth = 1;
-    pen.beginPath();
-    pen.moveTo(0, base + 0.5);
-    pen.lineTo(W, base + 0.5);
-    pen.stroke();
+    pen.fillStyle = COLOURS.line;
+    pen.fillRect(0, base, W, 1);
     pen.fillStyle = COLOURS.soft;
     pen.font = "11px system-ui, sans-serif";
     pen.textAlign = "left";
@@ -265,10 +260,8 @@ export class Stage {
       if (r > 7) {
         pen.beginPath();
         pen.arc(x - 0.33 * r, y - 0.36 * r, 0.19 * r, 0, 6.2832);
-        pen.fillStyle = "#fff";
-        pen.globalAlpha = 0.28;
+        pen.fillStyle = "#ffffff47";
         pen.fill();
-        pen.globalAlpha = 1;
       }
     }
   }
@@ -320,7 +313,12 @@ export class Stage {
     pen.stroke();
     pen.fillStyle = COLOURS.accent;
     pen.font = "600 12px system-ui, sans-serif";
-    const below = this.sensors.includes(this.bead) ? 24 : 15;
-    pen.fillText(`bead ${this.bead}`, Math.max(28, Math.min(W - 28, x)), Math.min(H - 3, y + Math.max(r, 4) + below));
+    const below = this.sensors.includes(this.bead) ? 24 : 15, at = Math.max(28, Math.min(W - 28, x));
+    const text = `bead ${this.bead}`, base = Math.min(H - 3, y + Math.max(r, 4) + below);
+    // A wall may be behind the text.
+    pen.strokeStyle = COLOURS.card;
+    pen.lineWidth = 4;
+    pen.strokeText(text, at, base);
+    pen.fillText(text, at, base);
   }
 }

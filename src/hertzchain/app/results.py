@@ -33,6 +33,10 @@ MAX_BEADS_OF_DRAFT_BUDGET: Final = 300
 ECHO: Final = {True: 1.0, False: 0.12}
 # The run that is shown lasts at least until this multiple of the time of the peak on the wall.
 END_AFTER_PEAK: Final = 1.05
+# Saved times in each of the two intervals next to the maximum of the force in a sensor.
+NEAR_MAXIMA: Final = 65
+# A run of more beads is not repeated for the sake of its sensors.
+MAX_BEADS_OF_REPETITION: Final = 300
 # Tolerance of the run that determines how long a pulse takes to pass a chain.
 ROUGH: Final = 1e-6
 
@@ -83,12 +87,13 @@ def _results(request: Request, stop: Stop) -> Iterator[Part]:
     progress = limited(stop)
     with record_warnings() as warned:
         run, whole = motion(chain, exact, request, progress)
+        sensed = _sensor_run(run, request, progress)
         if exact is None:
             pulse = _pulse_of(run)
             note = refusal if pulse is None else ""
             yield _pulse_part(request, pulse, compiled, [], began, note)
         if request.run:
-            yield _run_part(run, whole, request, warned, time.perf_counter() - began)
+            yield _run_part(run, whole, sensed, request, warned, time.perf_counter() - began)
 
 
 def _description(chain: Chain) -> dict[str, Any]:
@@ -227,6 +232,31 @@ def motion(
     return run, whole
 
 
+def _sensors(chain: Chain, request: Request) -> list[int]:
+    return [bead for bead in request.sensors if bead <= chain.beads]
+
+
+def _sensor_run(run: Run, request: Request, progress: Callable[..., None]) -> Run:
+    """The same run with many saved times near the maxima of the forces in sensors."""
+    beads = _sensors(run.chain, request)
+    if request.draft or not beads or not run.success or run.chain.beads > MAX_BEADS_OF_REPETITION:
+        return run
+    with record_warnings():
+        found = [run.sensor_force(bead) for bead in beads]
+    near = np.array([(each.first_maximum_time, each.largest_so_far_time) for each in found])
+    after = np.searchsorted(run.times, near[np.isfinite(near)])
+    # Equal intervals are divided once, so that no two times differ by rounding only.
+    intervals = np.clip(np.unique((after - 1, after)), 0, len(run.times) - 2)
+    fine = [
+        np.linspace(run.times[j], run.times[j + 1], NEAR_MAXIMA)[1:-1] for j in np.unique(intervals)
+    ]
+    times = np.sort(np.concatenate((run.times, *fine)))
+    try:
+        return simulate(run.chain, times=times, rtol=request.rtol, check=False, progress=progress)
+    except SimulationError:
+        return run  # It takes too long.
+
+
 def saved_times(
     chain: Chain, exact: Pulse | None, frames: int, clock: str, progress: Any = None,
     end: float = 0.0,
@@ -273,17 +303,17 @@ def _rough_arrivals(chain: Chain, progress: Any) -> tuple[Array, float]:
 
 
 def _run_part(
-    run: Run, whole: Run, request: Request, warned: list[Warning], took: float
-) -> Part:  # fmt: skip
+    run: Run, whole: Run, sensed: Run, request: Request, warned: list[Warning], took: float
+) -> Part:
     began, chain = time.perf_counter(), run.chain
     arrays: dict[str, Any] = {"times": run.times}
     arrays |= columns_as_int16("velocities", run.velocities)
     arrays |= columns_as_int16("forces", run.forces)
-    sensors = [bead for bead in request.sensors if bead <= chain.beads]
+    sensors = _sensors(chain, request)
     peaks: dict[str, Any] = {}
     for bead in sensors:
-        sensor = run.sensor_force(bead)
-        arrays[f"force.{bead}"] = sensor.force
+        arrays[f"force.{bead}"] = run.sensor(bead)
+        sensor = sensed.sensor_force(bead)
         peaks[str(bead)] = {
             "first": sensor.first_maximum, "time": sensor.first_maximum_time,
             "largest": sensor.largest_so_far, "largest_time": sensor.largest_so_far_time,

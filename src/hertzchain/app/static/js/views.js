@@ -208,7 +208,7 @@ export class Views {
       const [factor, shown] = own.si ? prefixed(largest(same), unit) : [1, ""];
       return [inUnit(label, shown), short(a * factor), short(b * factor), short(b / a)];
     });
-    replace($("legend-error"), [table(["", "A", "B", "B / A"], rows)]);
+    replace($("legend-error"), [table(["chain", "A", "B", "B / A"], rows)]);
   }
 
   /** Frequencies of small oscillations. @param {Results} own */

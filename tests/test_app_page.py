@@ -13,7 +13,7 @@ from app_client import serving
 
 import hertzchain as hc
 from hertzchain.app.about import about, gallery
-from hertzchain.app.documents import chain_of
+from hertzchain.app.documents import chain_of, document_as_toml
 from hertzchain.app.explore import Conversation
 from hertzchain.app.messages import finite
 from hertzchain.app.saved_page import embedded_page
@@ -38,6 +38,7 @@ OPEN_ALL = "for (const each of document.querySelectorAll('details')) each.open =
 # Milliseconds to wait for results: the first ones of a chain with new features are compiled.
 COMPILING = 180_000
 SETTLED = "body[data-settled=yes]"
+MATERIAL = "[id='c-chain.materials']"
 ARRAY = """([slot, part, name]) => Array.from(hertzchain.results[slot][part].arrays.get(name))"""
 
 
@@ -301,6 +302,96 @@ def test_two_chains_are_computed_and_compared(page):
     page.tab.click("#compare")
     page.settle()
     assert page.document("B") is None
+
+
+STEEL_BALLS = (
+    "first_diameter=20+mm&last_diameter={}+mm&beads=20&materials=steel-52100&velocity=0.1+m/s&"
+    "right_wall.rigid=false"
+)
+# Time and force of the top of each curve of the force on the right wall, in pixels, own one first;
+# and the positions and texts of the ticks of the time axis.
+TOPS = """() => {
+  const tops = [...document.querySelectorAll('#chart-force path.wall-right')].map((path) =>
+    path.getAttribute('d').slice(1).split('L').map((each) => each.split(' ').map(Number)).sort((a, b) => a[1] - b[1])[0]);
+  const texts = [...document.querySelectorAll('#chart-force text[text-anchor=middle]:not(.label)')];
+  return [tops, texts.map((each) => [Number(each.getAttribute('x')), Number(each.textContent)])];
+}"""  # noqa: E501
+
+
+@pytest.mark.parametrize("clock", ["beads", "time"])
+def test_both_chains_are_drawn_at_their_true_times(page, clock):
+    own, other = STEEL_BALLS.format(8), STEEL_BALLS.format(14)
+    second = "&".join(f"b.{each}" for each in other.split("&"))
+    view = f"&~clock={clock}&~errors=difference&~sensors=[10]&~bead=10"
+    page.tab.goto(f"{page.origin}#{own}&{second}{view}")
+    page.settle()
+    walls = [
+        hc.simulate(chain_of(page.document(slot)), times=0, rtol=1e-9).wall_force() for slot in "AB"
+    ]
+    for slot, order in (("A", (0, 1)), ("B", (1, 0))):
+        page.tab.click(f"#tab-{slot}")
+        page.tab.wait_for_timeout(100)
+        tops, ticks = page.tab.evaluate(TOPS)
+        places, times = np.transpose(ticks)
+        assert len(times) >= 3
+        assert np.allclose(np.diff(times), times[1] - times[0], rtol=1e-9)
+        slope, start = np.polyfit(times, places, 1)
+        for (x, _), n in zip(tops, order, strict=True):
+            # Coordinates are rounded to a tenth of a pixel.
+            assert (x - start) / slope == pytest.approx(1e3 * walls[n].peak_time, abs=0.1 / slope)
+        legend = page.tab.text_content("#legend-force")
+        assert f"right wall: peak {walls[order[0]].peak:.4g} N" in legend
+        assert f"at {1e3 * walls[order[0]].peak_time:.4g} ms" in legend
+        # The cursor is at the time of the clock, and both chains are shown at that time.
+        page.tab.evaluate("document.getElementById('time').value = 400")
+        page.tab.dispatch_event("#time", "input")
+        page.tab.wait_for_timeout(100)
+        shown = float(page.tab.text_content("#clockface").split()[2])
+        cursor = float(page.tab.get_attribute("#chart-force line.cursor", "x1"))
+        assert (cursor - start) / slope == pytest.approx(shown, abs=0.5 / slope)
+        rows = page.tab.locator("#legend-error tr").all_inner_texts()
+        (peak,) = [each.split("\t") for each in rows if each.startswith("right wall, peak")]
+        a, b = (wall.peak for wall in walls)
+        assert peak[1:] == [f"{a:.4g}", f"{b:.4g}", f"{b / a:.4g}"]
+
+
+@pytest.mark.parametrize(
+    ("form", "sizes"), [("first_diameter", (5e-3, 1.5e-3)), ("first", (5e-3, 1.5e-3))]
+)
+def test_sizes_and_material_can_be_chosen_in_either_order(page, form, sizes):
+    found = []
+    for order in ((form, "steel-52100"), ("steel-52100", form)):
+        page.tab.goto("about:blank")
+        page.tab.goto(f"{page.origin}#taper=uniform&beads=20")
+        page.tab.wait_for_selector(SETTLED, timeout=COMPILING)
+        for each in order:
+            page.tab.select_option("[id='c-form']" if each == form else MATERIAL, each)
+            page.settle()
+        # Tapers of given sizes are exponential unless something else is chosen.
+        assert page.tab.input_value("[id='c-chain.taper']") == "exponential"
+        found.append(page.document()["chain"])
+        radii = chain_of(page.document()).radii
+        assert radii[[0, -1]] == pytest.approx(sizes)
+        assert np.allclose(radii[1:] / radii[:-1], radii[1] / radii[0])
+    assert found[0] == found[1]
+    page.tab.select_option("[id='c-chain.taper']", "linear")
+    page.settle()
+    radii = chain_of(page.document()).radii
+    assert np.allclose(np.diff(radii), radii[1] - radii[0])
+    page.tab.select_option(MATERIAL, "")
+    page.settle()
+    assert chain_of(page.document()).radii == pytest.approx(radii / radii[0])
+
+
+def test_numbers_are_stored_with_their_unit(page):
+    page.tab.select_option(MATERIAL, "steel-52100")
+    page.settle()
+    page.tab.fill("[id='c-chain.velocity']", "0.1")
+    page.tab.keyboard.press("Tab")
+    page.settle()
+    assert page.document()["chain"]["velocity"] == "0.1 m/s"
+    assert 'velocity = "0.1 m/s"' in document_as_toml(page.document())
+    assert chain_of(page.document()).velocities[0] == 0.1
 
 
 def test_two_tabs_do_not_disturb_each_other(page):

@@ -77,6 +77,50 @@ def test_runs_are_those_of_the_library():
     assert np.array_equal(pulse["exact.velocity"], run.pulse().velocity)
 
 
+def steep(rate, beads):
+    wall = {"rigid": True}
+    taper = {"taper": "forward-exponential", "rate": rate, "beads": beads, "right_wall": wall}
+    return {"chain": taper}
+
+
+@pytest.mark.parametrize("clock", ["beads", "time"])
+@pytest.mark.parametrize("document", [WALL, steep(0.03, 60), steep(0.1, 40)], ids=str)
+def test_the_peak_on_a_wall_is_complete_and_shown(document, clock):
+    wall = hc.simulate(chain_of(document), times=0, rtol=1e-9).wall_force()
+    header, arrays = computed(document, frames=320, clock=clock)["run"]
+    peak = header["peaks"]["right"]
+    assert (peak["first"], peak["time"]) == (wall.peak, wall.peak_time)
+    assert arrays["times"].size == 320
+    assert arrays["times"][-1] > wall.peak_time
+
+
+LOSS = {"law": "restitution", "coefficient": 0.8}
+LOSSY = {"chain": {**STEEL["chain"], "loss": LOSS}}
+
+
+@pytest.mark.parametrize("clock", ["beads", "time"])
+@pytest.mark.parametrize("document", [WALL, STEEL, LOSSY], ids=["wall", "SI", "loss"])
+def test_maxima_in_sensors_do_not_depend_on_the_clock(document, clock):
+    peaks = computed(document, frames=320, clock=clock, sensors=[3, 10])["run"][0]["peaks"]
+    chain = chain_of(document)
+    end = hc.simulate(chain, times=0, rtol=1e-9).end_time
+    run = hc.simulate(chain, times=np.linspace(0.0, end, 40_001), rtol=1e-9)
+    for bead in (3, 10):
+        sensor = run.sensor_force(bead)
+        assert peaks[str(bead)]["first"] == pytest.approx(sensor.first_maximum, rel=2e-6)
+
+
+def test_drafts_and_endless_drives_have_the_largest_force_so_far():
+    peak = computed(steep(0.1, 40), frames=60, draft=True, rtol=1e-6)["run"][0]["peaks"]["right"]
+    assert peak["first"] is None
+    assert peak["largest"] > 0.0
+    burst = {"kind": "step", "of": "force", "amplitude": 0.1}
+    driven = {"chain": {"taper": "uniform", "beads": 10, "drive": burst, "right_wall": {}}}
+    peak = computed(driven, frames=60)["run"][0]["peaks"]["right"]
+    assert peak["first"] is None
+    assert peak["largest"] > 0.0
+
+
 def test_times_show_each_bead_equally_long():
     times = computed(TAPER, frames=200)["run"][1]["times"]
     arrival = hc.propagate(chain_of(TAPER)).arrival

@@ -1,7 +1,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 
-import { STEPS, parsed, percent, plain, positionOf, powers, prefixed, rangeOf, short, ticks, valueAt, valued } from "../../src/hertzchain/app/static/js/numbers.js";
+import { STEPS, parsed, percent, placeAt, plain, positionOf, powers, prefixed, rangeOf, short, ticks, timeAt, valueAt, valued } from "../../src/hertzchain/app/static/js/numbers.js";
 
 test("short numbers keep their size and sign", () => {
   assert.equal(short(0), "0");
@@ -44,7 +44,8 @@ test("values with units keep their decimal digits", () => {
   assert.deepEqual(parsed(undefined, "mm"), { number: null, unit: "mm" });
   assert.equal(parsed("inf", "mm").number, Infinity);
   assert.equal(valued(9.3, "mm"), "9.3 mm");
-  assert.equal(valued(9.3, "m/s"), 9.3);
+  assert.equal(valued(0.1, "m/s"), "0.1 m/s");
+  assert.equal(valued(0.1, ""), 0.1);
   assert.equal(valued(Infinity, "mm"), "inf");
   assert.equal(plain(0.1 + 0.2), "0.3");
 });
@@ -77,4 +78,11 @@ test("a slider includes the present value, and depends on the taper", () => {
   const speed = { name: "velocity", kind: "number", dimension: "velocity", unit: "m/s" };
   assert.equal(rangeOf(speed, true, 50, { unit: "mm/s" }).high, 1000 * rangeOf(speed, true, 0.05, { unit: "m/s" }).high);
   assert.equal(rangeOf({ name: "bead", kind: "integer", least: 1 }, false, 3, { beads: 30 }).high, 30);
+});
+
+test("places of the animation are converted to times and back", () => {
+  const times = [0, 1, 3, 7, 15]; // Each bead takes twice as long as the one before.
+  assert.deepEqual([0, 0.25, 0.375, 1].map((u) => timeAt(times, u)), [0, 1, 2, 15]);
+  assert.deepEqual([-1, 0, 2, 15, 99].map((time) => placeAt(times, time)), [0, 0, 0.375, 1, 1]);
+  for (let u = 0; u <= 1; u += 0.0625) assert.equal(placeAt(times, timeAt(times, u)), u);
 });

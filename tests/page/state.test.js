@@ -1,7 +1,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 
-import { listOf } from "../../src/hertzchain/app/static/js/controls.js";
+import { listOf, resized } from "../../src/hertzchain/app/static/js/controls.js";
 import { History, VIEW, changed, copy, fromLink, toLink, withRadius } from "../../src/hertzchain/app/static/js/state.js";
 
 const TAPER = { chain: { taper: "backward-exponential", rate: 0.05, beads: 40 } };
@@ -64,4 +64,13 @@ test("lists are read with numbers and units", () => {
   assert.equal(listOf(" 5 mm ", key), "5 mm");
   assert.equal(listOf("", key), undefined);
   assert.equal(listOf("a, b", { kind: "text" }), "a, b");
+});
+
+test("sizes are the same, whether a material or the sizes are chosen first", () => {
+  assert.deepEqual(resized({ first_diameter: 1, last_diameter: 0.3, beads: 40 }, true), { first_diameter: "10 mm", last_diameter: "3 mm", beads: 40 });
+  assert.deepEqual(resized({ first: 20, last: 8 }, true), { first: "5 mm", last: "2 mm" });
+  assert.deepEqual(resized({ diameters: [1, 0.7] }, true), { diameters: ["10 mm", "7 mm"] });
+  assert.deepEqual(resized({ first: "20 mm", last: "0.8 cm" }, false), { first: 1, last: 0.4 });
+  assert.deepEqual(resized({ cell: ["5 mm", 0.003], cells: 20 }, false), { cell: [1, 0.6], cells: 20 });
+  assert.deepEqual(resized({ taper: "uniform", beads: 9 }, true), { taper: "uniform", beads: 9 });
 });

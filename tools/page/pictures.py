@@ -15,11 +15,13 @@ from hertzchain.app.serve import RunningServer
 
 FOLDER = Path(__file__).parents[2] / "docs/app"
 SETTLED = "body[data-settled=yes]"
+# Milliseconds; new features are compiled.
+TIMEOUT = 300_000
 # Name, colours, width and height of the window, example of the gallery, and place of the clock.
 PICTURES = (
-    ("taper", "light", 1440, 900, None, 0.55),
-    ("striker-and-wall", "dark", 1440, 900, "Heavy steel striker and a wall", 0.62),
-    ("shock-absorber", "light", 1440, 960, "Shock absorber", 0.47),
+    ("taper", "light", 1440, 1150, None, 0.55),
+    ("striker-and-wall", "dark", 1440, 1120, "Heavy steel striker and a wall", 0.62),
+    ("shock-absorber", "light", 1440, 1300, "Shock absorber", 0.47),
     ("phone", "light", 400, 800, "A defect", 0.6),
 )
 GO_TO = """place => {
@@ -40,8 +42,9 @@ def main() -> None:
         for name, scheme, width, height, example, place in PICTURES:
             size = {"width": width, "height": height}
             page = browser.new_page(viewport=size, color_scheme=scheme, reduced_motion="reduce")
+            page.set_default_timeout(TIMEOUT)
             page.goto(server.address)
-            page.wait_for_selector(SETTLED, timeout=300_000)
+            page.wait_for_selector(SETTLED)
             if example is not None:
                 page.click("#open-examples")
                 page.click(f"button[aria-label='Open {example}']")

@@ -22,7 +22,7 @@ from ..validation.numbers import number
 from ..validation.objects import check_choice
 from .documents import chain_of, document_as_toml
 from .requests import Request
-from .results import Stop, limited, results, saved_times
+from .results import Stop, limited, motion, results
 from .saved_page import saved_page
 
 FORMATS: Final[Mapping[str, str]] = {
@@ -32,6 +32,8 @@ FORMATS: Final[Mapping[str, str]] = {
 }
 FIGURES: Final = ("chain", "pulse", "map", "forces", "budget")
 FRAMES: Final = 400
+# A figure ends a little after the time at which the peak on the wall is known to be complete.
+PAST_THE_END: Final = 1.01
 
 # Matplotlib's list of open figures belongs to the whole process.
 _figures = threading.Lock()
@@ -76,7 +78,10 @@ def _python(given: Mapping[str, Any], _: Stop) -> Export:
     until = "" if end is None else f"until={number('until', end, above=0.0)!r}, "
     lines += [f"run = hc.simulate(chain, {until}rtol=1e-9)"]
     exact = "hc.propagate(chain)" if _supported(chain) else "run.pulse()"
-    lines += [f"pulse = {exact}", "print(pulse)", ""]
+    lines += [f"pulse = {exact}", "print(pulse)"]
+    lines += ["print(run.wall_force())"] if chain.right_wall is not None and not until else []
+    lines += [f"print(run.sensor_force({k}))" for k in _sensors(chain, given.get("sensors"))]
+    lines += [""]
     return Export("chain.py", "text/x-python", "\n".join(lines).encode())
 
 
@@ -125,10 +130,15 @@ def _pulses(chain: Chain, stop: Stop) -> tuple[dict[str, Pulse], Run | None]:
     return found, run
 
 
-def _run(chain: Chain, exact: Pulse | None, stop: Stop, clock: str = "time") -> Run:
+def _run(chain: Chain, exact: Pulse | None, stop: Stop) -> Run:
+    """The run of the page at equally spaced times, until the peak on the wall is complete."""
+    request = Request("figure", "A", 0, None, frames=FRAMES, clock="time")
     progress = limited(stop)
-    times = saved_times(chain, exact, FRAMES, clock, progress)
-    return simulate(chain, times=times, rtol=1e-9, check=False, progress=progress)
+    run, whole = motion(chain, exact, request, progress)
+    if whole is run:
+        return run
+    times = np.linspace(0.0, PAST_THE_END * whole.end_time, FRAMES)
+    return simulate(chain, times=times, rtol=request.rtol, check=False, progress=progress)
 
 
 def _figure(given: Mapping[str, Any], stop: Stop) -> Export:
@@ -181,11 +191,16 @@ def _draw(
 
 def _places(chain: Chain, sensors: Any) -> list[int]:
     """Beads with a sensor and walls, as `plot_forces` numbers them; at least one."""
-    beads = sensors if isinstance(sensors, list) else []
-    places = [k for k in beads if type(k) is int and 1 <= k <= chain.beads]
+    places = _sensors(chain, sensors)
     places += [0] if chain.left_wall is not None else []
     places += [chain.beads + 1] if chain.right_wall is not None else []
     return places or [chain.beads // 2]
+
+
+def _sensors(chain: Chain, sensors: Any) -> list[int]:
+    """Beads of the chain with a sensor."""
+    beads = sensors if isinstance(sensors, list) else []
+    return [k for k in beads if type(k) is int and 1 <= k <= chain.beads]
 
 
 def _page(given: Mapping[str, Any], stop: Stop) -> Export:

@@ -31,6 +31,12 @@ COMPILED: Final = ("local-rate",)
 MAX_BEADS_OF_DRAFT_BUDGET: Final = 300
 # Extra time after the pulse has left, in units of its transit: with a wall, and without.
 ECHO: Final = {True: 1.0, False: 0.12}
+# The run that is shown lasts at least until this multiple of the time of the peak on the wall.
+END_AFTER_PEAK: Final = 1.05
+# Saved times in each of the two intervals next to the maximum of the force in a sensor.
+NEAR_MAXIMA: Final = 65
+# A run of more beads is not repeated for the sake of its sensors.
+MAX_BEADS_OF_REPETITION: Final = 300
 # Tolerance of the run that determines how long a pulse takes to pass a chain.
 ROUGH: Final = 1e-6
 
@@ -79,16 +85,15 @@ def _results(request: Request, stop: Stop) -> Iterator[Part]:
     if stop():
         raise Cancelled
     progress = limited(stop)
-    with record_warnings():
-        times = saved_times(chain, exact, request.frames, request.clock, progress)
     with record_warnings() as warned:
-        run = simulate(chain, times=times, rtol=request.rtol, check=False, progress=progress)
+        run, whole = motion(chain, exact, request, progress)
+        sensed = _sensor_run(run, request, progress)
         if exact is None:
             pulse = _pulse_of(run)
             note = refusal if pulse is None else ""
             yield _pulse_part(request, pulse, compiled, [], began, note)
         if request.run:
-            yield _run_part(run, request, warned, time.perf_counter() - began)
+            yield _run_part(run, whole, sensed, request, warned, time.perf_counter() - began)
 
 
 def _description(chain: Chain) -> dict[str, Any]:
@@ -199,18 +204,74 @@ def limited(stop: Stop) -> Callable[..., None]:
     return progress
 
 
+def motion(
+    chain: Chain, exact: Pulse | None, request: Request, progress: Callable[..., None]
+) -> tuple[Run, Run]:
+    """The run that is shown, and the same run continued until the peak on the wall is complete.
+
+    The run that is shown includes this peak.  Drafts are not continued.
+    """
+    options: dict[str, Any] = {"rtol": request.rtol, "check": False, "progress": progress}
+    with record_warnings():
+        times = saved_times(chain, exact, request.frames, request.clock, progress)
+    run = simulate(chain, times=times, **options)
+    if request.draft or chain.right_wall is None or not run.success:
+        return run, run
+    if run._wall_force("right").complete:
+        return run, run
+    try:
+        whole = simulate(chain, start=run.state, times=0, **options)
+    except (InputError, SimulationError):
+        # Nothing ends this run, for example because its drive does not end, or it takes too long.
+        return run, run
+    later = END_AFTER_PEAK * whole._wall_force("right").largest_so_far_time
+    if later > times[-1]:
+        with record_warnings():
+            times = saved_times(chain, exact, request.frames, request.clock, progress, later)
+        run = simulate(chain, times=times, **options)
+    return run, whole
+
+
+def _sensors(chain: Chain, request: Request) -> list[int]:
+    return [bead for bead in request.sensors if bead <= chain.beads]
+
+
+def _sensor_run(run: Run, request: Request, progress: Callable[..., None]) -> Run:
+    """The same run with many saved times near the maxima of the forces in sensors."""
+    beads = _sensors(run.chain, request)
+    if request.draft or not beads or not run.success or run.chain.beads > MAX_BEADS_OF_REPETITION:
+        return run
+    with record_warnings():
+        found = [run.sensor_force(bead) for bead in beads]
+    near = np.array([(each.first_maximum_time, each.largest_so_far_time) for each in found])
+    after = np.searchsorted(run.times, near[np.isfinite(near)])
+    # Equal intervals are divided once, so that no two times differ by rounding only.
+    intervals = np.clip(np.unique((after - 1, after)), 0, len(run.times) - 2)
+    fine = [
+        np.linspace(run.times[j], run.times[j + 1], NEAR_MAXIMA)[1:-1] for j in np.unique(intervals)
+    ]
+    times = np.sort(np.concatenate((run.times, *fine)))
+    try:
+        return simulate(run.chain, times=times, rtol=request.rtol, check=False, progress=progress)
+    except SimulationError:
+        return run  # It takes too long.
+
+
 def saved_times(
-    chain: Chain, exact: Pulse | None, frames: int, clock: str, progress: Any = None
-) -> Array:
+    chain: Chain, exact: Pulse | None, frames: int, clock: str, progress: Any = None,
+    end: float = 0.0,
+) -> Array:  # fmt: skip
     """Times to save: the same number for each bead that the pulse passes, or equally spaced.
 
     After the pulse has left, the times continue with the residence times in reverse order, at
-    the rate of an echo.
+    the rate of an echo, and at least until ``end``.
     """
+    least = end
     if exact is not None and exact.arrival is not None:
-        arrival, end = exact.arrival, 0.0
+        arrival = exact.arrival
     else:
-        arrival, end = _rough_arrivals(chain, progress)
+        arrival, rough_end = _rough_arrivals(chain, progress)
+        end = max(end, rough_end)
     echo = ECHO[chain.right_wall is not None]
     known = np.isfinite(arrival)
     arrival = np.maximum.accumulate(arrival[known])
@@ -220,9 +281,11 @@ def saved_times(
     if clock == "time":
         return np.linspace(0.0, max(arrival[-1] * (1.0 + echo), end), frames)
     steps = np.diff(arrival)[::-1]
-    later = arrival[-1] + np.cumsum(np.concatenate((steps, steps[::-1])))
-    whole = np.concatenate((arrival, later))
-    beads_passed = np.linspace(0.0, (len(arrival) - 1) * (1.0 + echo), frames)
+    back_and_forth = np.concatenate((steps, steps[::-1]))
+    echoes = 1 + int(max(least - arrival[-1], 0.0) / back_and_forth.sum())
+    whole = np.concatenate((arrival, arrival[-1] + np.cumsum(np.tile(back_and_forth, echoes))))
+    last = max((len(arrival) - 1) * (1.0 + echo), float(np.searchsorted(whole, least)))
+    beads_passed = np.linspace(0.0, last, frames)
     return np.unique(np.interp(beads_passed, np.arange(len(whole)), whole))
 
 
@@ -239,23 +302,31 @@ def _rough_arrivals(chain: Chain, progress: Any) -> tuple[Array, float]:
     return arrival, rough.end_time
 
 
-def _run_part(run: Run, request: Request, warned: list[Warning], took: float) -> Part:
+def _run_part(
+    run: Run, whole: Run, sensed: Run, request: Request, warned: list[Warning], took: float
+) -> Part:
     began, chain = time.perf_counter(), run.chain
     arrays: dict[str, Any] = {"times": run.times}
     arrays |= columns_as_int16("velocities", run.velocities)
     arrays |= columns_as_int16("forces", run.forces)
-    sensors = [bead for bead in request.sensors if bead <= chain.beads]
+    sensors = _sensors(chain, request)
     peaks: dict[str, Any] = {}
     for bead in sensors:
-        sensor = run.sensor_force(bead)
-        arrays[f"force.{bead}"] = sensor.force
-        peaks[str(bead)] = {"first": sensor.first_maximum, "largest": sensor.largest_so_far}
+        arrays[f"force.{bead}"] = run.sensor(bead)
+        sensor = sensed.sensor_force(bead)
+        peaks[str(bead)] = {
+            "first": sensor.first_maximum, "time": sensor.first_maximum_time,
+            "largest": sensor.largest_so_far, "largest_time": sensor.largest_so_far_time,
+        }  # fmt: skip
     for side, contact in (("left", 0), ("right", -1)):
         if f"{side} wall" in chain.features:
-            wall = run._wall_force(side)  # type: ignore[arg-type]  # without its warning
+            # Without its warning.
+            wall = whole._wall_force(side)  # type: ignore[arg-type]
             arrays[f"force.{side}"] = run.forces[:, contact]
-            peaks[side] = {"first": wall.peak, "largest": wall.largest_so_far,
-                           "impulse": wall.impulse}  # fmt: skip
+            peaks[side] = {
+                "first": wall.peak, "time": wall.peak_time, "largest": wall.largest_so_far,
+                "largest_time": wall.largest_so_far_time, "impulse": wall.impulse,
+            }  # fmt: skip
     if not request.draft or chain.beads <= MAX_BEADS_OF_DRAFT_BUDGET:
         arrays |= _budget_arrays(run)
     modes = "" if request.draft else _add_spectrum(chain, arrays)

@@ -5,8 +5,8 @@ import { percent, powers, short, ticks } from "./numbers.js";
 
 /** @typedef {{name: string, label: string, x: ArrayLike<number>, y: ArrayLike<number>, base?: ArrayLike<number>,
  *   points?: boolean, note?: string}} Series */
-/** @typedef {{xLabel: string, yLabel: string, log?: boolean, xTicks?: {at: number, text: string}[],
- *   zero?: boolean, percent?: boolean, message?: string, most?: number}} Axes */
+/** @typedef {{xLabel: string, yLabel: string, log?: boolean, zero?: boolean,
+ *   percent?: boolean, message?: string, most?: number}} Axes */
 
 const SVG = "http://www.w3.org/2000/svg";
 /** Values below this part of the largest are cut off on logarithmic axes. */
@@ -42,8 +42,7 @@ export class Chart {
     const picked = (/** @type {PointerEvent} */ event) => {
       if (event.buttons & 1) pick(this.x[0] + ((event.offsetX - LEFT) / (this.W - LEFT - RIGHT)) * (this.x[1] - this.x[0]));
     };
-    host.addEventListener("pointerdown", picked);
-    host.addEventListener("pointermove", picked);
+    host.onpointerdown = host.onpointermove = picked;
   }
 
   /** @param {number} x */
@@ -111,11 +110,10 @@ export class Chart {
       items.push(svg("line", { class: y === 0 ? "axis" : "grid", x1: LEFT, x2: right, y1: at, y2: at }));
       items.push(svg("text", { x: LEFT - 6, y: at + 3.5, "text-anchor": "end" }, axes.percent ? percent(y) : short(y)));
     }
-    const across = axes.xTicks ?? ticks(this.x[0], this.x[1], (right - LEFT) / 70).map((x) => ({ at: x, text: short(x) }));
-    for (const { at, text } of across) {
+    for (const at of ticks(this.x[0], this.x[1], (right - LEFT) / 50)) {
       const x = this.px(at);
       items.push(svg("line", { class: "tick", x1: x, x2: x, y1: bottom, y2: bottom + 4 }));
-      items.push(svg("text", { x, y: bottom + 15, "text-anchor": "middle" }, text));
+      items.push(svg("text", { x, y: bottom + 15, "text-anchor": "middle" }, short(at)));
     }
     items.push(svg("line", { class: "axis", x1: LEFT, x2: right, y1: bottom + 0.5, y2: bottom + 0.5 }));
     items.push(svg("text", { x: (LEFT + right) / 2, y: this.H - 3, "text-anchor": "middle", class: "label" }, axes.xLabel));

@@ -52,3 +52,16 @@ export function stepOf(value) {
   const i = 256 + Math.round(255 * value);
   return i < 0 ? 0 : i > 511 ? 511 : i;
 }
+
+/** A canvas, cleared and with as many pixels as the screen has. @param {HTMLCanvasElement} canvas */
+export function penOf(canvas) {
+  const ratio = devicePixelRatio || 1, W = canvas.clientWidth, H = canvas.clientHeight;
+  if (canvas.width !== Math.round(W * ratio) || canvas.height !== Math.round(H * ratio)) {
+    canvas.width = Math.round(W * ratio);
+    canvas.height = Math.round(H * ratio);
+  }
+  const pen = /** @type {CanvasRenderingContext2D} */ (canvas.getContext("2d"));
+  pen.setTransform(ratio, 0, 0, ratio, 0, 0);
+  pen.clearRect(0, 0, W, H);
+  return { pen, W, H };
+}

@@ -24,7 +24,10 @@ const BEGIN = {
 /** @type {Record<string, string>} */
 const BEGIN_SI = { radius: "20 mm", amplitude: "10 N", frequency: "5 kHz", time: "10 µs" };
 
-/** @param {string} tag @param {Record<string, any>} [properties] @param {...(Node | string)} children */
+/** @param {string} id @returns {any} */
+export const $ = (id) => document.getElementById(id);
+
+/** @param {string} tag @param {Record<string, any>} [properties] @param {...(Node | string)} children @returns {any} */
 export function make(tag, properties = {}, ...children) {
   const element = document.createElement(tag);
   for (const [name, value] of Object.entries(properties)) {
@@ -36,7 +39,32 @@ export function make(tag, properties = {}, ...children) {
 }
 
 /** @param {string} name */
-const words = (name) => name.replaceAll("_", " ");
+const words = (name) => name.replace(/[_-]/g, " ");
+
+/** @param {string[]} names @returns {[string, string][]} */
+const choicesOf = (names) => names.map((each) => [each, words(each)]);
+
+/** @param {string} text @param {() => void} onclick @param {Record<string, string>} [more] */
+const button = (text, onclick, more) => make("button", { type: "button", className: "small", onclick, ...more }, text);
+
+/** @param {string} text */
+const hint = (text) => make("p", { className: "hint" }, text);
+
+/** Keys of sizes of beads. */
+const SIZES = ["first", "first_diameter", "radii", "diameters", "cell", "last", "last_diameter", "length"];
+
+/** A chain whose first bead has a radius of 5 mm, or has the size 1 in a scaled chain.
+ * @param {Record<string, any>} chain @param {boolean} si */
+export function resized(chain, si) {
+  const result = { ...chain }, names = SIZES.filter((name) => name in chain);
+  const metres = (/** @type {any} */ each) => { const { number, unit } = parsed(each, "m"); return (number ?? 1) * (FACTORS[unit] ?? 1); };
+  const first = metres(listed(chain[names[0]])[0]), own = /diameter/.test(names[0]) ? 10 : 5;
+  for (const name of names) {
+    const sizes = listed(chain[name]).map((each) => { const size = +(metres(each) / first).toPrecision(6); return si ? valued(size * own, "mm") : size; });
+    result[name] = Array.isArray(chain[name]) ? sizes : sizes[0];
+  }
+  return result;
+}
 
 export class Controls {
   /** @param {HTMLElement} host @param {any} about @param {Change} change */
@@ -55,8 +83,12 @@ export class Controls {
     this.last = "";
   }
 
+  get chain() {
+    return this.document.chain;
+  }
+
   get si() {
-    return this.document.chain.materials !== undefined || this.document.chain.units === "SI";
+    return this.chain.materials !== undefined || this.chain.units === "SI";
   }
 
   /** Show a document; elements are rebuilt only if other controls are needed. @param {Document} document */
@@ -78,7 +110,7 @@ export class Controls {
     const focused = /** @type {HTMLElement | null} */ (document.activeElement)?.id;
     const top = this.host.scrollTop;
     this.updates = [];
-    const chain = this.document.chain, forms = this.about.schema.forms;
+    const chain = this.chain, forms = this.about.schema.forms;
     const keys = this.schema.chain.keys;
     const inForms = new Set(Object.values(forms).flat().concat(Object.keys(forms)));
     const own = new Set(["materials", "velocity", "exponent"]);
@@ -101,7 +133,7 @@ export class Controls {
 
   /** @param {any[]} keys */
   beads(keys) {
-    const chain = this.document.chain, forms = this.about.schema.forms;
+    const chain = this.chain, forms = this.about.schema.forms;
     const form = Object.keys(forms).find((name) => name in chain) ?? "taper";
     const choices = Object.keys(forms).filter((name) => name !== "file");
     const names = [form, ...forms[form]];
@@ -124,58 +156,53 @@ export class Controls {
     /** @type {Record<string, any>} */
     const begins = {
       taper: { taper: "backward-exponential", rate: 0.05, beads: 40, ...(si ? { radius: "5 mm" } : {}) },
-      first: { first: si ? "9 mm" : 1, last: si ? "3 mm" : 0.3, beads: 40 },
-      first_diameter: { first_diameter: si ? "9 mm" : 1, last_diameter: si ? "3 mm" : 0.3, beads: 40 },
-      diameters: { diameters: si ? ["9 mm", "6 mm"] : [1, 0.7] },
-      radii: si ? { radii: ["5 mm", "4 mm", "3 mm", "4 mm", "5 mm"] } : { radii: [1, 0.8, 0.6, 0.8, 1] },
-      cell: { cell: si ? ["5 mm", "3 mm"] : [1, 0.6], cells: 20 },
+      first: { first: 1, last: 0.3, beads: 40 },
+      first_diameter: { first_diameter: 1, last_diameter: 0.3, beads: 40 },
+      diameters: { diameters: [1, 0.7] },
+      radii: { radii: [1, 0.8, 0.6, 0.8, 1] },
+      cell: { cell: [1, 0.6], cells: 20 },
       mass_ratio: { mass_ratio: 0.3428, beads: 40 },
     };
     const forms = this.about.schema.forms, dropped = new Set(Object.values(forms).flat().concat(Object.keys(forms)));
     const kept = Object.fromEntries(Object.entries(chain).filter(([name]) => !dropped.has(name) && !(form === "mass_ratio" && ["materials", "velocity", "units"].includes(name))));
-    this.change({ ...this.document, chain: { ...begins[form], ...kept } }, false, "form");
+    this.change({ ...this.document, chain: { ...(si ? resized(begins[form], si) : begins[form]), ...kept } }, false, "form");
   }
 
   /** A table of the schema: on or off, or several. @param {string} name */
   table(name) {
-    const key = name.replace("chain.", ""), section = this.schema[name];
-    const present = this.document.chain[key] !== undefined;
-    const entries = listed(this.document.chain[key]), several = section.repeated && key !== "loss";
-    const path = (/** @type {number} */ i) => /** @type {Path} */ (Array.isArray(this.document.chain[key]) ? ["chain", key, i] : ["chain", key]);
+    const key = name.replace("chain.", ""), section = this.schema[name], title = TITLES[key] ?? words(key);
+    const present = this.chain[key] !== undefined;
+    const entries = listed(this.chain[key]), several = section.repeated && key !== "loss";
+    const path = (/** @type {number} */ i) => /** @type {Path} */ (Array.isArray(this.chain[key]) ? ["chain", key, i] : ["chain", key]);
     const items = entries.map((entry, i) => {
       const fields = this.tableFields(section, path(i), entry);
-      const remove = make("button", { type: "button", className: "small", onclick: () => this.remove(key, i) }, "Remove");
-      remove.setAttribute("aria-label", `Remove ${TITLES[key] ?? words(key)}${entries.length > 1 ? ` ${i + 1}` : ""}`);
-      return make("div", { className: "entry" }, ...fields, remove);
+      const label = `Remove ${title}${entries.length > 1 ? ` ${i + 1}` : ""}`;
+      return make("div", { className: "entry" }, ...fields, button("Remove", () => this.remove(key, i), { "aria-label": label }));
     });
-    const add = make("button", { type: "button", className: "small", onclick: () => this.add(key, section) }, present ? "Add another" : "Add");
-    add.setAttribute("aria-label", `${present ? "Add another" : "Add"}: ${TITLES[key] ?? words(key)}`);
-    add.id = `add-${key}`;
-    const group = this.group(key, TITLES[key] ?? words(key), present, [make("p", { className: "hint" }, section.description), ...items, ...(present && !several ? [] : [add])]);
-    return group;
+    const what = present ? "Add another" : "Add", add = button(what, () => this.add(key, section), { id: `add-${key}`, "aria-label": `${what}: ${title}` });
+    return this.group(key, title, present, [hint(section.description), ...items, ...(present && !several ? [] : [add])]);
   }
 
   /** Materials that are described in the chain file. */
   ownMaterials() {
     const own = Object.keys(this.document.materials ?? {}), section = this.schema["materials.NAME"];
     const entries = own.map((name) => {
-      const remove = make("button", { type: "button", className: "small", "aria-label": `Remove material ${name}`, onclick: () => this.put(["materials", name], undefined) }, "Remove");
-      return make("div", { className: "entry" }, make("p", { className: "hint" }, name), ...this.tableFields(section, ["materials", name], this.document.materials[name]), remove);
+      const remove = button("Remove", () => this.put(["materials", name], undefined), { "aria-label": `Remove material ${name}` });
+      return make("div", { className: "entry" }, hint(name), ...this.tableFields(section, ["materials", name], this.document.materials[name]), remove);
     });
-    const add = make("button", { type: "button", className: "small", id: "add-material", onclick: () => {
+    const what = own.length ? "Add another" : "Add", add = button(what, () => {
       let number = 1;
       while (own.includes(`material ${number}`)) number++;
       this.opened.add("materials");
       // A soft polymer, which can be seen next to steel.
-      this.put(["materials", `material ${number}`], { density: 1200, young: "2 GPa", poisson: 0.35 });
-    } }, own.length ? "Add another" : "Add");
-    add.setAttribute("aria-label", `${own.length ? "Add another" : "Add"}: own material`);
-    return this.group("materials", "Own materials", own.length > 0, [make("p", { className: "hint" }, section.description), ...entries, add]);
+      this.put(["materials", `material ${number}`], { density: "1200 kg/m^3", young: "2 GPa", poisson: 0.35 });
+    }, { id: "add-material", "aria-label": `${what}: own material` });
+    return this.group("materials", "Own materials", own.length > 0, [hint(section.description), ...entries, add]);
   }
 
   /** @param {string} name @param {string} title @param {boolean} used @param {Node[]} children */
   group(name, title, used, children) {
-    const details = /** @type {HTMLDetailsElement} */ (make("details", { className: "group", id: `group-${name}` }, make("summary", {}, title, ...(used ? [make("span", { className: "used", title: "used" }, "●")] : [])), ...children));
+    const details = make("details", { className: "group", id: `group-${name}` }, make("summary", {}, title, ...(used ? [make("span", { className: "used", title: "used" }, "●")] : [])), ...children);
     details.open = this.opened.has(name) || (used && !this.opened.has(`-${name}`));
     // Not "toggle", which follows from the line above.
     details.firstElementChild?.addEventListener("click", () => {
@@ -189,8 +216,7 @@ export class Controls {
   tableFields(section, path, entry) {
     const fields = [];
     if (section.variant_key) {
-      const choices = Object.keys(section.variants).map((each) => /** @type {[string, string]} */ ([each, words(each).replaceAll("-", " ")]));
-      fields.push(this.select(path.join("."), section.variant_key, choices, () => at(this.document, path)?.[section.variant_key],
+      fields.push(this.select(path.join("."), section.variant_key, choicesOf(Object.keys(section.variants)), () => at(this.document, path)?.[section.variant_key],
         (chosen) => this.put(path, this.begin({ keys: section.variants[chosen] }, { [section.variant_key]: chosen }))));
     }
     const keys = section.variant_key ? section.variants[entry[section.variant_key]] ?? [] : section.keys;
@@ -205,14 +231,15 @@ export class Controls {
       if (key.per === "row") table[key.name] = this.rows(key);
       if (!key.required && !(key.name in BEGIN && key.name === "relative") && !(key.name === "ratio")) continue;
       const si = this.si ? BEGIN_SI[key.name] ?? (key.dimension ? BEGIN_SI[key.dimension] : undefined) : undefined;
-      table[key.name] = si ?? BEGIN[key.name] ?? (key.kind === "boolean" ? false : key.choices?.[0] ?? this.inside(key));
+      table[key.name] = si ?? BEGIN[key.name] ?? (key.kind === "boolean" ? false : key.choices?.[0] ?? valued(this.inside(key), this.unitOf(key)));
     }
     return table;
   }
 
   /** A triangle of force or displacement, for a drive that is a table. @param {any} key */
   rows(key) {
-    return key.name === "times" ? [0, 0.5, 1].map((each) => each * (this.si ? 1e-4 : 10)) : [0, this.si ? 10 : 0.1, 0];
+    if (this.si) return key.name === "times" ? ["0 µs", "50 µs", "100 µs"] : ["0 N", "10 N", "0 N"];
+    return key.name === "times" ? [0, 5, 10] : [0, 0.1, 0];
   }
 
   /** A number that a key allows. @param {any} key */
@@ -226,14 +253,14 @@ export class Controls {
     const variant = section.variant_key ? Object.keys(section.variants)[key === "loss" ? 1 : 0] : "";
     const keys = variant ? section.variants[variant] : section.keys;
     const entry = this.begin({ keys }, variant ? { [section.variant_key]: variant } : {});
-    const before = listed(this.document.chain[key]);
+    const before = listed(this.chain[key]);
     this.opened.add(key);
     this.put(["chain", key], section.repeated && key !== "loss" ? [...before, entry] : entry);
   }
 
   /** @param {string} key @param {number} i */
   remove(key, i) {
-    const left = listed(this.document.chain[key]).filter((_, place) => place !== i);
+    const left = listed(this.chain[key]).filter((_, place) => place !== i);
     this.put(["chain", key], left.length ? left : undefined);
   }
 
@@ -249,9 +276,11 @@ export class Controls {
     if (key.kind === "law") return this.lawField(place, key);
     if (key.kind === "boolean") return this.checkField(place, key, label);
     if (key.kind === "choice") {
-      const choices = key.choices.map((/** @type {string} */ each) => [each, words(each).replaceAll("-", " ")]);
-      return this.select(place.join("."), label, key.required || key.name === "taper" ? choices : [["", key.default ?? "automatic"], ...choices],
-        () => at(this.document, place) ?? "", (chosen) => this.chooseKey(place, key, chosen), key.description);
+      // Tapers of given sizes have other names, and a default.
+      const taper = key.name === "taper", sized = !this.chain.rate && /"first/.test(JSON.stringify(this.chain));
+      const choices = choicesOf(taper ? key.choices.filter((/** @type {string} */ each) => sized === /^(exponential|linear)$/.test(each)) : key.choices);
+      return this.select(place.join("."), label, key.required || taper ? choices : [["", key.default ?? "automatic"], ...choices],
+        () => at(this.document, place) ?? (taper ? "exponential" : ""), (chosen) => this.chooseKey(place, key, chosen), key.description);
     }
     if (key.kind === "material") return this.materialOf(place, key);
     const list = Array.isArray(at(this.document, place)), single = key.one_for_all && key.default !== null && !list;
@@ -262,7 +291,7 @@ export class Controls {
   /** @param {Path} place @param {any} key @param {string} chosen */
   chooseKey(place, key, chosen) {
     if (key.name !== "taper") return this.put(place, chosen || undefined);
-    const chain = { ...this.document.chain, taper: chosen }, beads = chain.beads ?? 40;
+    const chain = { ...this.chain, taper: chosen }, beads = chain.beads ?? 40;
     for (const each of Object.values(this.about.tapers)) for (const name of Object.keys(/** @type {any} */ (each))) delete chain[name];
     for (const name of Object.keys(this.about.tapers[chosen] ?? {})) {
       chain[name] = chosen === "forward-linear" ? +(0.65 / (beads - 1)).toPrecision(2) : chosen.endsWith("linear") ? 0.2 : 0.05;
@@ -274,21 +303,21 @@ export class Controls {
   /** @param {string} id @param {string} label @param {[string, string][]} choices @param {() => string} read
    * @param {(chosen: string) => void} write @param {string} [title] */
   select(id, label, choices, read, write, title = "") {
-    const select = /** @type {HTMLSelectElement} */ (make("select", { id: `c-${id}`, title }, ...choices.map(([value, text]) => make("option", { value }, text))));
-    select.addEventListener("change", () => write(select.value));
+    const select = make("select", { id: `c-${id}`, title }, ...choices.map(([value, text]) => make("option", { value }, text)));
+    select.onchange = () => write(select.value);
     this.updates.push(() => { select.value = read(); });
     return make("div", { className: "row choice" }, make("label", { for: select.id }, label), select);
   }
 
   /** @param {Path} place @param {any} key @param {string} label */
   checkField(place, key, label) {
-    const box = /** @type {HTMLInputElement} */ (make("input", { type: "checkbox", id: `c-${place.join(".")}` }));
-    box.addEventListener("change", () => this.put(place, box.checked));
+    const box = make("input", { type: "checkbox", id: `c-${place.join(".")}` });
+    box.onchange = () => this.put(place, box.checked);
     this.updates.push(() => { box.checked = at(this.document, place) ?? key.default ?? false; });
     return make("div", { className: "row choice" }, make("label", { for: box.id, title: key.description }, label), box);
   }
 
-  /** Unit in which a key is shown. @param {any} key @param {any} value */
+  /** Unit in which a key is shown. @param {any} key @param {any} [value] */
   unitOf(key, value) {
     if (!key.dimension || (!this.si && !["density", "pressure"].includes(key.dimension))) return "";
     const own = parsed(value, "").unit;
@@ -297,22 +326,23 @@ export class Controls {
 
   /** Slider and exact number. @param {Path} place @param {any} key @param {string} label */
   numberField(place, key, label) {
+    if (key.dimension_if_displacement && at(this.document, [...place.slice(0, -1), "of"]) === "displacement") key = { ...key, dimension: "length" };
     const id = `c-${place.join(".")}`, read = () => at(this.document, place);
-    const box = /** @type {HTMLInputElement} */ (make("input", { type: "number", id, step: "any", placeholder: key.default === null || key.default === undefined ? "auto" : plain(Number(key.default) || 0) }));
-    const slider = /** @type {HTMLInputElement} */ (make("input", { type: "range", min: "0", max: String(STEPS), step: "1", "aria-label": `${label}, slider` }));
+    const box = make("input", { type: "number", id, step: "any", placeholder: key.default === null || key.default === undefined ? "auto" : plain(Number(key.default) || 0) });
+    const slider = make("input", { type: "range", min: "0", max: String(STEPS), step: "1", "aria-label": `${label}, slider` });
     const unit = make("span", { className: "unit" });
     const clear = make("button", { type: "button", className: "clear", title: `Use the default for ${label}`, "aria-label": `Use the default for ${label}`, onclick: () => this.put(place, undefined) }, "×");
     const rangeNow = () => {
-      const value = read(), unit = this.unitOf(key, value), chain = this.document.chain;
+      const value = read(), unit = this.unitOf(key, value), chain = this.chain;
       return rangeOf(key, this.si, parsed(value, unit).number, { beads: chain.beads, taper: chain.taper, unit });
     };
     let range = rangeNow();
     const write = (/** @type {number} */ value, /** @type {boolean} */ moving) => this.put(place, valued(value, this.unitOf(key, read())), moving);
-    slider.addEventListener("pointerdown", () => { range = rangeNow(); });
-    slider.addEventListener("input", () => write(valueAt(Number(slider.value), range), true));
-    slider.addEventListener("change", () => write(valueAt(Number(slider.value), range), false));
-    box.addEventListener("input", () => { if (box.value !== "" && box.validity.valid) write(Number(box.value), true); });
-    box.addEventListener("change", () => (box.value === "" ? this.put(place, undefined) : write(Number(box.value), false)));
+    slider.onpointerdown = () => { range = rangeNow(); };
+    slider.oninput = () => write(valueAt(Number(slider.value), range), true);
+    slider.onchange = () => write(valueAt(Number(slider.value), range), false);
+    box.oninput = () => { if (box.value !== "" && box.validity.valid) write(Number(box.value), true); };
+    box.onchange = () => (box.value === "" ? this.put(place, undefined) : write(Number(box.value), false));
     this.updates.push(() => {
       const value = read(), shown = parsed(value, this.unitOf(key, value));
       if (document.activeElement !== slider) range = rangeNow();
@@ -329,8 +359,8 @@ export class Controls {
 
   /** A list, or one value for all. @param {Path} place @param {any} key @param {string} label */
   listField(place, key, label) {
-    const box = /** @type {HTMLInputElement} */ (make("input", { type: "text", id: `c-${place.join(".")}`, placeholder: key.default ?? (key.per ? `one per ${key.per}` : ""), spellcheck: false }));
-    box.addEventListener("change", () => this.put(place, listOf(box.value, key)));
+    const box = make("input", { type: "text", id: `c-${place.join(".")}`, placeholder: key.default ?? (key.per ? `one per ${key.per}` : ""), spellcheck: false });
+    box.onchange = () => this.put(place, listOf(box.value, key));
     this.updates.push(() => {
       const value = at(this.document, place);
       if (document.activeElement !== box) box.value = value === undefined ? "" : Array.isArray(value) ? value.join(", ") : String(value);
@@ -341,7 +371,7 @@ export class Controls {
   /** @param {any} key */
   materialField(key) {
     const own = Object.keys(this.document.materials ?? {}), names = [...this.about.materials, ...own];
-    const value = this.document.chain.materials, several = Array.isArray(value);
+    const value = this.chain.materials, several = Array.isArray(value);
     const choices = /** @type {[string, string][]} */ ([["", "scaled, no material"], ...names.map((each) => [each, each]), ...(several ? [["several", "several"]] : [])]);
     const select = this.select("chain.materials", "material", choices, () => (several ? "several" : at(this.document, ["chain", "materials"]) ?? ""), (chosen) => this.changeMaterial(chosen), key.description);
     return several ? make("div", {}, select, this.listField(["chain", "materials"], key, "of each bead")) : select;
@@ -351,12 +381,12 @@ export class Controls {
    * @param {string} chosen */
   changeMaterial(chosen) {
     if (chosen === "several") return;
-    const chain = { ...this.document.chain };
+    let chain = { ...this.chain };
     this.last = "chain.materials";
     if (chosen) {
       if (!this.si) {
         for (const name of Object.keys(chain)) if (this.isTable(name)) delete chain[name];
-        if ("radii" in chain || "cell" in chain) for (const name of ["radii", "cell"]) if (name in chain) chain[name] = listed(chain[name]).map((each) => `${plain(each * 5)} mm`);
+        chain = resized(chain, true);
         if ("mass_ratio" in chain) Object.assign(chain, { taper: "uniform" }), delete chain.mass_ratio;
         if ("taper" in chain) chain.radius = "5 mm";
         chain.velocity = "1 m/s";
@@ -364,7 +394,7 @@ export class Controls {
       chain.materials = chosen;
     } else {
       for (const name of ["materials", "radius", "velocity", "units"]) delete chain[name];
-      for (const name of ["radii", "cell"]) if (name in chain) chain[name] = scaled(listed(chain[name]));
+      chain = resized(chain, false);
       for (const name of Object.keys(chain)) if (this.isTable(name) || (typeof chain[name] === "string" && /^[\d.]/.test(chain[name]))) delete chain[name];
     }
     this.change({ ...this.document, chain }, false, this.last);
@@ -372,8 +402,8 @@ export class Controls {
 
   /** Whether a key is a table with quantities that have units. @param {string} name */
   isTable(name) {
-    const section = this.schema[`chain.${name}`];
-    return section !== undefined && JSON.stringify(this.document.chain[name]).length > 2 && JSON.stringify(section).includes('"dimension":"');
+    const section = this.schema[`chain.${name}`], entries = listed(this.chain[name]);
+    return section && [section.keys, ...Object.values(section.variants ?? {})].flat().some((/** @type {any} */ key) => (key.dimension || key.kind === "law") && entries.some((each) => each?.[key.name] !== undefined));
   }
 
   /** @param {Path} place @param {any} key */
@@ -388,9 +418,8 @@ export class Controls {
   /** A law within a table. @param {Path} place @param {any} key */
   lawField(place, key) {
     const section = this.schema["chain.loss"], entry = at(this.document, place);
-    if (entry) return make("div", { className: "entry" }, ...this.tableFields(section, place, entry), make("button", { type: "button", className: "small", onclick: () => this.put(place, undefined) }, "Use the chain’s loss"));
-    const names = Object.keys(section.variants).map((each) => /** @type {[string, string]} */ ([each, words(each).replaceAll("-", " ")]));
-    return this.select(place.join("."), words(key.name), [["", "the chain’s"], ...names], () => "",
+    if (entry) return make("div", { className: "entry" }, ...this.tableFields(section, place, entry), button("Use the chain’s loss", () => this.put(place, undefined)));
+    return this.select(place.join("."), words(key.name), [["", "the chain’s"], ...choicesOf(Object.keys(section.variants))], () => "",
       (chosen) => chosen && this.put(place, this.begin({ keys: section.variants[chosen] }, { law: chosen })), key.description);
   }
 
@@ -417,10 +446,4 @@ export function listOf(text, key) {
     .map((each) => (key.kind === "number" && each !== "" && Number.isFinite(Number(each)) ? Number(each) : each));
   if (!items.length) return undefined;
   return items.length === 1 && key.one_for_all ? items[0] : key.kind === "text" ? text : items;
-}
-
-/** Radii in units of the first. @param {any[]} radii */
-function scaled(radii) {
-  const values = radii.map((each) => { const { number, unit } = parsed(each, "m"); return (number ?? 1) * (FACTORS[unit] ?? 1); });
-  return values.map((each) => +(each / values[0]).toPrecision(6));
 }

@@ -1,6 +1,7 @@
 // @ts-check
 /** Events of the page: its choices, buttons and keys. */
 
+import { $ } from "./controls.js";
 import { fromLink } from "./state.js";
 
 /** @typedef {import("./state.js").State} State */
@@ -11,8 +12,6 @@ import { fromLink } from "./state.js";
  *   radiusOf: (bead: number) => number, resize: (bead: number, radius: number, moving: boolean) => void,
  *   beads: () => number, redraw: (...what: Part[]) => void, open: (next: State) => void}} App */
 
-/** @param {string} id @returns {any} */
-const $ = (id) => document.getElementById(id);
 
 /** @param {App} app */
 export function listen(app) {
@@ -23,28 +22,28 @@ export function listen(app) {
   /** @type {[string, keyof import("./state.js").View, boolean?][]} */
   const selects = [["quantity", "quantity"], ["camera", "camera"], ["map-of", "map"], ["map-scale", "scale"], ["budget-of", "budget"], ["errors", "errors"], ["clock", "clock", true]];
   for (const [id, name, again] of selects) {
-    $(id).addEventListener("change", () => {
+    $(id).onchange = () => {
       view({ [name]: $(id).value });
       if (again) app.request();
-    });
+    };
   }
-  $("speed").addEventListener("change", () => view({ speed: Number($("speed").value) }));
-  $("log").addEventListener("change", () => view({ log: $("log").checked }));
-  $("bead").addEventListener("change", () => app.select(Math.max(1, Math.min(app.beads(), Math.round(Number($("bead").value)) || 1))));
-  $("sensor").addEventListener("click", () => app.toggleSensor(state.view.bead));
-  $("play").addEventListener("click", () => app.play());
-  $("time").addEventListener("input", () => app.goTo(Number($("time").value) / 1000));
-  $("undo").addEventListener("click", app.undo);
-  $("redo").addEventListener("click", app.redo);
-  $("compare").addEventListener("click", app.compare);
-  for (const slot of /** @type {const} */ (["A", "B"])) $(`tab-${slot}`).addEventListener("click", () => app.activate(slot));
-  $("theme").addEventListener("click", () => {
+  $("speed").onchange = () => view({ speed: Number($("speed").value) });
+  $("log").onchange = () => view({ log: $("log").checked });
+  $("bead").onchange = () => app.select(Math.max(1, Math.min(app.beads(), Math.round(Number($("bead").value)) || 1)));
+  $("sensor").onclick = () => app.toggleSensor(state.view.bead);
+  $("play").onclick = () => app.play();
+  $("time").oninput = () => app.goTo(Number($("time").value) / 1000);
+  $("undo").onclick = app.undo;
+  $("redo").onclick = app.redo;
+  $("compare").onclick = app.compare;
+  for (const slot of /** @type {const} */ (["A", "B"])) $(`tab-${slot}`).onclick = () => app.activate(slot);
+  $("theme").onclick = () => {
     const root = document.documentElement, dark = root.dataset.theme ? root.dataset.theme === "dark" : matchMedia("(prefers-color-scheme: dark)").matches;
     root.dataset.theme = dark ? "light" : "dark";
     app.repaint();
-  });
+  };
   matchMedia("(prefers-color-scheme: dark)").addEventListener("change", app.repaint);
-  $("table-details").addEventListener("toggle", () => app.redraw("table"));
+  $("table-details").ontoggle = () => app.redraw("table");
   const sizes = new ResizeObserver(() => app.redraw("pulse", "times"));
   for (const plot of document.querySelectorAll(".plot")) sizes.observe(plot);
   addEventListener("hashchange", () => {

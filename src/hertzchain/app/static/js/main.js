@@ -2,12 +2,12 @@
 /** The page: state, requests, drawing. */
 
 import { readColours } from "./colour.js";
-import { Controls } from "./controls.js";
+import { $, Controls } from "./controls.js";
 import { listen } from "./events.js";
 import { host, stored } from "./host.js";
 import { Link } from "./link.js";
 import { SpaceTime } from "./map.js";
-import { gapOf, inMillimetres } from "./numbers.js";
+import { gapOf, inMillimetres, placeAt, timeAt } from "./numbers.js";
 import { Results } from "./results.js";
 import { fillDialogs } from "./share.js";
 import { Stage } from "./stage.js";
@@ -16,8 +16,6 @@ import { Views, showClock } from "./views.js";
 
 /** @typedef {import("./state.js").Slot} Slot */
 
-/** @param {string} id @returns {any} */
-const $ = (id) => document.getElementById(id);
 /** @type {Slot[]} */
 const SLOTS = ["A", "B"];
 /** Seconds that a run takes at speed 1. */
@@ -45,10 +43,10 @@ const moved = { A: false, B: false };
 const controls = new Controls($("controls-body"), about, (document, moving, path) => change(document, moving, path));
 const views = new Views(about, {
   bead: (bead) => select(Math.max(1, Math.min(own().beads.header?.beads ?? 1, bead))),
-  u: (place) => goTo(place),
+  time: (time) => goToTime(time),
   hide: (name) => view({ hidden: state.view.hidden.includes(name) ? state.view.hidden.filter((each) => each !== name) : [...state.view.hidden, name] }),
 });
-const map = new SpaceTime($("map"), (bead, place) => { select(bead); goTo(place); });
+const map = new SpaceTime($("map"), (bead, time) => { select(bead); goToTime(time); });
 /** @param {Slot} slot */
 const stageOf = (slot) => new Stage($(`stage-${slot}`), {
   select: (bead) => { activate(slot); select(bead); },
@@ -152,6 +150,7 @@ function showView() {
 /** @param {Slot} slot */
 function activate(slot) {
   if (slot === state.active || !state[slot]) return;
+  u = placeOf(slot);
   state.active = slot;
   showAll();
 }
@@ -273,14 +272,10 @@ function wake() {
   requestAnimationFrame(tick);
 }
 
-/** Frame of a chain at the place of the clock. @param {Slot} slot */
-function frameOf(slot) {
-  const motion = results[slot].motion;
-  if (!motion) return 0;
-  const first = results.A.motion;
-  if (slot === "A" || state.view.clock === "beads" || !first) return u * (motion.count - 1);
-  const time = first.times[Math.round(u * (first.count - 1))], found = motion.times.findIndex((each) => each >= time);
-  return found < 0 ? motion.count - 1 : found;
+/** Place of a chain in its animation: both chains are shown at the same time. @param {Slot} slot */
+function placeOf(slot) {
+  const place = Math.min(1, u), mine = own().motion, { motion, si } = results[slot];
+  return mine && motion && slot !== state.active && si === own().si ? placeAt(motion.times, timeAt(mine.times, place)) : place;
 }
 
 /** @param {number} now */
@@ -297,12 +292,15 @@ function tick(now) {
     const shown = waiting.splice(0);
     setTimeout(() => {
       for (const record of shown) record.shown = performance.now();
-      const done = SLOTS.every((slot) => !state[slot] || ((results[slot].settled || results[slot].problem) && !links[slot].busy));
-      document.body.dataset.settled = done && !moved.A && !moved.B && !asked ? "yes" : "no";
-      if (document.body.dataset.settled === "no") wakeLater();
+      wakeLater();
     });
   }
   if (playing && results.A.motion) wake();
+}
+
+/** Whether the last results are shown. */
+function settled() {
+  return !moved.A && !moved.B && !asked && SLOTS.every((slot) => !state[slot] || ((results[slot].settled || results[slot].problem) && !links[slot].busy));
 }
 
 let later = 0;
@@ -310,26 +308,24 @@ let later = 0;
 function wakeLater() {
   clearTimeout(later);
   later = setTimeout(() => {
-    const done = SLOTS.every((slot) => !state[slot] || ((results[slot].settled || results[slot].problem) && !links[slot].busy));
-    if (done && !moved.A && !moved.B && !asked) document.body.dataset.settled = "yes";
+    if (settled()) document.body.dataset.settled = "yes";
     else wakeLater();
   }, 30);
 }
 
 function draw() {
-  const found = own(), place = Math.min(1, u), frame = Math.min(1, u) * ((found.motion?.count ?? 1) - 1);
+  const found = own(), time = found.motion ? timeAt(found.motion.times, u) : 0;
   for (const slot of SLOTS) {
     if (!state[slot] || !results[slot].ready) continue;
-    const at = place === u ? frameOf(slot) : (results[slot].motion?.count ?? 1) - 1;
-    const time = results[slot].motion?.times[Math.round(at)] ?? 0;
-    stages[slot].draw(at, results[slot].front(time));
+    const { motion } = results[slot], place = placeOf(slot);
+    stages[slot].draw(place * ((motion?.count ?? 1) - 1), results[slot].front(motion ? timeAt(motion.times, place) : 0));
   }
   if (dirty.map && found.motion) {
     map.paint(found.motion, /** @type {any} */ (state.view.map), state.view.scale);
     dirty.map = false;
   }
   const axis = found.motion ? views.timeAxis(found) : { factor: 1, label: "" };
-  map.draw(frame, state.view.bead, axis);
+  map.draw(time, state.view.bead, axis);
   if (dirty.pulse) {
     views.drawPulse(state, found, other());
     showTitles();
@@ -341,8 +337,8 @@ function draw() {
   }
   if (dirty.table && $("table-details").open) views.drawTable(state, found);
   dirty.table = false;
-  views.cursor(state.view.bead, place);
-  showClock(found.motion?.times[Math.round(frame)], axis, Math.min(1, u), playing);
+  views.cursor(state.view.bead, time);
+  showClock(found.motion ? time : undefined, axis, Math.min(1, u), playing);
 }
 
 function showTitles() {
@@ -372,6 +368,12 @@ function play(on) {
 function goTo(place) {
   u = Math.max(0, Math.min(1, place));
   play(false);
+}
+
+/** @param {number} time */
+function goToTime(time) {
+  const { motion } = own();
+  if (motion) goTo(placeAt(motion.times, time));
 }
 
 function keepAddress() {
@@ -432,7 +434,7 @@ function start() {
     document: () => state[state.active],
     request: () => ({
       sensors: state.view.sensors, quantity: state.view.quantity, clock: state.view.clock, frames: 320,
-      until: own().motion?.times.at(-1), other: state.B ? state[state.active === "A" ? "B" : "A"] : undefined,
+      until: own().run.header?.peaks.right?.first ? undefined : own().motion?.times.at(-1), other: state.B ? state[state.active === "A" ? "B" : "A"] : undefined,
       view: { view: state.view, B: state.B && state[state.active === "A" ? "B" : "A"] },
     }),
     opened: (document) => { controls.last = ""; change(document, false); },

@@ -113,7 +113,26 @@ export function parsed(value, unit) {
  * @param {number} number @param {string} unit @returns {number | string} */
 export function valued(number, unit) {
   if (number === Infinity) return "inf";
-  return unit && (FACTORS[unit] ?? 1) !== 1 ? `${plain(number)} ${unit}` : number;
+  return unit ? `${plain(number)} ${unit}` : number;
+}
+
+/** Time at a place of the animation, 0 .. 1. @param {ArrayLike<number>} times @param {number} u */
+export function timeAt(times, u) {
+  const at = Math.min(1, Math.max(0, u)) * (times.length - 1), i = Math.floor(at);
+  return times[i] + (at > i ? (at - i) * (times[i + 1] - times[i]) : 0);
+}
+
+/** Place of a time in the animation, 0 .. 1. @param {ArrayLike<number>} times @param {number} time */
+export function placeAt(times, time) {
+  let low = 0, high = times.length - 1;
+  if (!(time > times[0])) return 0;
+  if (time >= times[high]) return 1;
+  while (high - low > 1) {
+    const half = (low + high) >> 1;
+    if (times[half] <= time) low = half;
+    else high = half;
+  }
+  return (low + (time - times[low]) / (times[high] - times[low])) / (times.length - 1);
 }
 
 /** A length in metres as text with three digits, as after a drag. @param {number} length */

@@ -2,18 +2,16 @@
 /** Dialogs: examples, and what can be shared or saved. */
 
 import { svg } from "./chart.js";
-import { make } from "./controls.js";
+import { $, make } from "./controls.js";
 import { host } from "./host.js";
 
 /** @typedef {{open: (example: any, slot: "A" | "B") => void, document: () => any, request: () => any, opened: (document: any) => void,
  *   say: (text: string, bad?: boolean) => void, link: () => string}} Handlers */
 
-/** @param {string} id @returns {any} */
-const $ = (id) => document.getElementById(id);
 
 /** Offer a file to save. @param {string} name @param {Blob} blob */
 function offer(name, blob) {
-  const link = /** @type {HTMLAnchorElement} */ (make("a", { href: URL.createObjectURL(blob), download: name }));
+  const link = make("a", { href: URL.createObjectURL(blob), download: name });
   link.click();
   setTimeout(() => URL.revokeObjectURL(link.href), 10000);
 }
@@ -40,15 +38,15 @@ export function fillDialogs(about, on) {
     };
     return make("li", { className: "example" }, picture(example.radii), make("h3", {}, example.title), make("p", {}, example.look_for),
       make("div", { className: "actions" },
-        make("button", { type: "button", className: "primary", "aria-label": `Open ${example.title}`, onclick: () => choose("A") }, "Open"),
-        make("button", { type: "button", "aria-label": `Open as chain B: ${example.title}`, onclick: () => choose("B") }, "Open as chain B")));
+        make("button", { className: "primary", "aria-label": `Open ${example.title}`, onclick: () => choose("A") }, "Open"),
+        make("button", { "aria-label": `Open as chain B: ${example.title}`, onclick: () => choose("B") }, "Open as chain B")));
   }));
   for (const [button, dialog] of [["open-examples", examples], ["open-share", share], ["open-help", $("help")]]) {
-    $(button).addEventListener("click", () => /** @type {any} */ (dialog).showModal());
+    $(button).onclick = () => /** @type {any} */ (dialog).showModal();
   }
   for (const close of document.querySelectorAll("dialog .close")) close.addEventListener("click", () => close.closest("dialog")?.close());
 
-  $("copy-link").addEventListener("click", async () => {
+  $("copy-link").onclick = async () => {
     try {
       await navigator.clipboard.writeText(on.link());
       on.say("Link copied. It opens this chain in any running `hertzchain app`.");
@@ -56,9 +54,9 @@ export function fillDialogs(about, on) {
       on.say("The browser does not allow copying; copy the address of the page.", true);
     }
     share.close();
-  });
-  $("open-file").addEventListener("click", () => $("file").click());
-  $("file").addEventListener("change", async () => {
+  };
+  $("open-file").onclick = () => $("file").click();
+  $("file").onchange = async () => {
     const file = $("file").files[0];
     $("file").value = "";
     if (!file) return;
@@ -68,7 +66,7 @@ export function fillDialogs(about, on) {
     } catch (error) {
       on.say(/** @type {Error} */ (error).message, true);
     }
-  });
+  };
   for (const button of document.querySelectorAll("[data-export]")) {
     button.addEventListener("click", async () => {
       const kind = /** @type {HTMLElement} */ (button).dataset.export;

@@ -1,10 +1,11 @@
 // @ts-check
 /** The beads, to scale, with the pulse in them. */
 
-import { COLOURS, STEPS, stepOf } from "./colour.js";
+import { COLOURS, STEPS, penOf, stepOf } from "./colour.js";
 
 /** @typedef {{count: number, beads: number, times: Float64Array, velocities: Int16Array, speeds: Float64Array,
  *   forces: Int16Array, strengths: Float64Array}} Motion */
+/** @typedef {CanvasRenderingContext2D} Pen */
 /** @typedef {{select: (bead: number) => void, sensor: (bead: number) => void,
  *   resize: (bead: number, radius: number, moving: boolean) => void,
  *   wall: (gap: number, moving: boolean) => void}} Handlers */
@@ -39,10 +40,10 @@ export class Stage {
     this.look = { x: 0, scale: 1 };
     /** @type {any} */
     this.drag = null;
-    canvas.addEventListener("pointerdown", (event) => this.down(event));
-    canvas.addEventListener("pointermove", (event) => this.move(event));
-    canvas.addEventListener("pointerup", () => this.up());
-    canvas.addEventListener("pointercancel", () => this.up());
+    canvas.onpointerdown = (event) => this.down(event);
+    canvas.onpointermove = (event) => this.move(event);
+    canvas.onpointerup = () => this.up();
+    canvas.onpointercancel = () => this.up();
   }
 
   /** @param {Float64Array} radii @param {Float64Array} centres @param {any} header @param {number} wallGap */
@@ -164,14 +165,7 @@ export class Stage {
 
   /** Draw everything at a frame, which may have a fraction. @param {number} frame @param {number} front */
   draw(frame, front) {
-    const canvas = this.canvas, ratio = devicePixelRatio || 1, W = canvas.clientWidth, H = canvas.clientHeight;
-    if (canvas.width !== Math.round(W * ratio) || canvas.height !== Math.round(H * ratio)) {
-      canvas.width = Math.round(W * ratio);
-      canvas.height = Math.round(H * ratio);
-    }
-    const pen = /** @type {CanvasRenderingContext2D} */ (canvas.getContext("2d"));
-    pen.setTransform(ratio, 0, 0, ratio, 0, 0);
-    pen.clearRect(0, 0, W, H);
+    const { pen, W, H } = penOf(this.canvas);
     if (!this.radii.length) return;
     this.aim(front);
     const i = this.motion ? Math.min(this.motion.count - 1, Math.max(0, Math.floor(frame))) : 0, u = frame - i;
@@ -192,7 +186,7 @@ export class Stage {
     this.drawLabels(pen, W, H);
   }
 
-  /** @param {CanvasRenderingContext2D} pen @param {number} W @param {number} H @param {Float64Array} speeds */
+  /** @param {Pen} pen @param {number} W @param {number} H @param {Float64Array} speeds */
   drawProfile(pen, W, H, speeds) {
     // The profile ends below its caption.
     const base = H * 0.27, tall = Math.min(H * 0.21, base - 15), count = this.radii.length;
@@ -226,7 +220,7 @@ export class Stage {
     }
   }
 
-  /** @param {CanvasRenderingContext2D} pen @param {number} H */
+  /** @param {Pen} pen @param {number} H */
   drawWalls(pen, H) {
     const y = this.middle, half = Math.min(0.32 * H, H - y - 4);
     for (const side of this.walls) {
@@ -247,7 +241,7 @@ export class Stage {
     }
   }
 
-  /** @param {CanvasRenderingContext2D} pen @param {number} W @param {number} H @param {Float64Array} speeds */
+  /** @param {Pen} pen @param {number} W @param {number} H @param {Float64Array} speeds */
   drawBeads(pen, W, H, speeds) {
     const y = this.middle, scale = this.look.scale;
     for (let k = 0; k < this.radii.length; k++) {
@@ -272,7 +266,7 @@ export class Stage {
     }
   }
 
-  /** Forces of the contacts, as bars across them. @param {CanvasRenderingContext2D} pen
+  /** Forces of the contacts, as bars across them. @param {Pen} pen
    * @param {number} W @param {number} i @param {number} u */
   drawForces(pen, W, i, u) {
     const m = /** @type {Motion} */ (this.motion), y = this.middle, columns = m.beads + 1;
@@ -296,7 +290,7 @@ export class Stage {
     pen.globalAlpha = 1;
   }
 
-  /** @param {CanvasRenderingContext2D} pen @param {number} W @param {number} H */
+  /** @param {Pen} pen @param {number} W @param {number} H */
   drawLabels(pen, W, H) {
     const y = this.middle;
     pen.textAlign = "center";

@@ -2,16 +2,14 @@
 /** Charts and the table of a chain's results, linked by one cursor. */
 
 import { Chart, svg } from "./chart.js";
-import { make } from "./controls.js";
-import { prefixed, short } from "./numbers.js";
+import { $, make } from "./controls.js";
+import { placeAt, prefixed, short } from "./numbers.js";
 import { title } from "./results.js";
 
 /** @typedef {import("./results.js").Results} Results */
 /** @typedef {import("./chart.js").Series} Series */
 /** @typedef {import("./state.js").State} State */
 
-/** @param {string} id @returns {any} */
-const $ = (id) => document.getElementById(id);
 const MAX_ROWS = 2000;
 
 /** @param {number} count @param {number} [first] */
@@ -32,14 +30,17 @@ function largest(values) {
 }
 
 export class Views {
-  /** @param {any} about @param {{bead: (bead: number) => void, u: (u: number) => void, hide: (name: string) => void}} on */
+  /** @param {any} about @param {{bead: (bead: number) => void, time: (time: number) => void, hide: (name: string) => void}} on */
   constructor(about, on) {
     this.about = about;
     this.on = on;
     this.pulse = new Chart($("chart-pulse"), (x) => on.bead(Math.round(x)));
     this.error = new Chart($("chart-error"), (x) => on.bead(Math.round(x)));
-    this.budget = new Chart($("chart-budget"), on.u);
-    this.force = new Chart($("chart-force"), on.u);
+    /** Factor of the unit of times. */
+    this.factor = 1;
+    const picked = (/** @type {number} */ x) => on.time(x / this.factor);
+    this.budget = new Chart($("chart-budget"), picked);
+    this.force = new Chart($("chart-force"), picked);
     this.modes = new Chart($("chart-modes"), () => {});
   }
 
@@ -62,7 +63,7 @@ export class Views {
     const series = shown.map((name) => line(name, title(name), own.theory(name, quantity), factor));
     if (compared && other?.si === own.si && !hidden.includes("other")) series.unshift(line("other", "other chain", compared, factor));
     if (exact && !hidden.includes("exact")) series.unshift(line("exact", "simulation", exact, factor));
-    const label = `${info.description}${unit ? ` [${unit}]` : ""}`;
+    const label = inUnit(info.description, unit);
     const message = series.length ? "" : this.reason(own, quantity);
     this.pulse.draw(series, { xLabel: info.per === "contact" ? "contact k" : "bead k", yLabel: label, log: state.view.log, message },
       `${label} along the chain: ${summary(series)}`);
@@ -82,7 +83,7 @@ export class Views {
     const { quantity, hidden } = state.view, exact = own.exact(quantity);
     const label = "error relative to the simulation";
     if (state.view.errors === "difference") {
-      replace($("legend-error"), []);
+      if (!other) replace($("legend-error"), []);
       const theirs = other?.exact(quantity);
       const common = other && other.si === own.si && exact && theirs;
       const series = common ? [difference("other", "other chain", theirs, exact)] : [];
@@ -103,7 +104,7 @@ export class Views {
   legend(own, other, quantity, hidden) {
     const exact = own.exact(quantity);
     const entry = (/** @type {string} */ name, /** @type {string} */ text, /** @type {string} */ note) => {
-      const button = make("button", { type: "button", title: note, "aria-pressed": String(!hidden.includes(name)), onclick: () => this.on.hide(name) }, sample(name), text);
+      const button = make("button", { title: note, "aria-pressed": String(!hidden.includes(name)), onclick: () => this.on.hide(name) }, sample(name), text);
       button.dataset.curve = name;
       return button;
     };
@@ -138,60 +139,76 @@ export class Views {
       for (const chart of [this.budget, this.force]) chart.draw([], { xLabel: "time", yLabel: "", message }, message);
       return;
     }
-    const u = Float64Array.from(motion.times, (_, i) => i / (motion.count - 1)), axis = this.timeAxis(own);
-    this.drawBudget(state, own, u, axis);
-    this.drawForces(own, other, u, axis);
+    const axis = this.timeAxis(own), x = times(motion.times, axis.factor);
+    this.factor = axis.factor;
+    this.drawBudget(state, own, x, axis.label);
+    this.drawForces(own, other, axis);
+    this.drawNumbers(state, own, other);
     this.drawModes(own);
   }
 
-  /** Ticks at equal frames, with their times. @param {Results} own */
+  /** Unit of times. @param {Results} own */
   timeAxis(own) {
-    const motion = /** @type {import("./stage.js").Motion} */ (own.motion), last = motion.count - 1;
-    const [factor, unit] = own.si ? prefixed(motion.times[last], "s") : [1, ""];
-    const xTicks = [0, 0.2, 0.4, 0.6, 0.8, 1].map((each) => ({ at: each, text: short(motion.times[Math.round(each * last)] * factor, 3) }));
-    return { factor, label: `time${unit ? ` [${unit}]` : ""}`, xTicks };
+    const [factor, unit] = own.si && own.motion ? prefixed(own.motion.times[own.motion.count - 1], "s") : [1, ""];
+    return { factor, unit, label: inUnit("time", unit) };
   }
 
-  /** @param {State} state @param {Results} own @param {Float64Array} u @param {any} axis */
-  drawBudget(state, own, u, axis) {
+  /** @param {State} state @param {Results} own @param {ArrayLike<number>} x @param {string} xLabel */
+  drawBudget(state, own, x, xLabel) {
     const of = state.view.budget, arrays = own.run.arrays, prefix = `${of}.`;
     const names = [...arrays.keys()].filter((name) => name.startsWith(prefix)).map((name) => name.slice(prefix.length));
     if (!names.length) return; // Drafts of long chains have none: keep the last one.
     const unit = own.si ? (of === "energy" ? "J" : "kg m/s") : "";
     const total = Math.max(...names.map((name) => largest(arrays.get(prefix + name))));
     const [factor, shown] = prefixed(total, unit);
-    const above = new Float64Array(u.length), below = new Float64Array(u.length);
+    const count = x.length, above = new Float64Array(count), below = new Float64Array(count);
     const series = names.map((name) => {
-      const values = arrays.get(prefix + name), y = new Float64Array(u.length), base = new Float64Array(u.length);
-      for (let i = 0; i < u.length; i++) {
+      const values = arrays.get(prefix + name), y = new Float64Array(count), base = new Float64Array(count);
+      for (let i = 0; i < count; i++) {
         const side = values[i] < 0 ? below : above;
         base[i] = side[i];
         side[i] += values[i] * factor;
         y[i] = side[i];
       }
-      return { name: `part ${name.replaceAll(" ", "-")}`, label: name, x: u, y, base };
+      return { name: `part ${name.replaceAll(" ", "-")}`, label: name, x, y, base };
     });
-    this.budget.draw(series, { xLabel: axis.label, yLabel: `${of}${shown ? ` [${shown}]` : ""}`, xTicks: axis.xTicks }, `${of} by location: ${names.join(", ")}`);
+    this.budget.draw(series, { xLabel, yLabel: inUnit(of, shown) }, `${of} by location: ${names.join(", ")}`);
     replace($("legend-budget"), names.map((name) => make("span", { className: "key" }, make("i", { className: `swatch part ${name.replaceAll(" ", "-")}` }), name)));
   }
 
-  /** @param {Results} own @param {Results | null} other @param {Float64Array} u @param {any} axis */
-  drawForces(own, other, u, axis) {
+  /** Forces of both chains at their times. @param {Results} own @param {Results | null} other @param {any} axis */
+  drawForces(own, other, axis) {
     const traces = forcesOf(own), theirs = other?.motion && other.si === own.si ? forcesOf(other) : [];
-    const most = Math.max(...[...traces, ...theirs].map((each) => largest(each.values)), 0);
-    const [factor, unit] = own.si ? prefixed(most, "N") : [1, ""];
-    const series = traces.map((each) => ({ name: each.name, label: each.label, x: u, y: times(each.values, factor) }));
-    for (const each of theirs) {
-      const count = each.values.length;
-      series.push({ name: `${each.name} faint`, label: `other chain, ${each.label}`, x: Float64Array.from({ length: count }, (_, i) => i / (count - 1)), y: times(each.values, factor) });
-    }
+    const [factor, unit] = own.si ? prefixed(Math.max(...[...traces, ...theirs].map((each) => each.peak.force), 0), "N") : [1, ""];
+    const series = [...traces, ...theirs].map((each, i) => {
+      const x = [...each.times], y = [...each.values], { force, time } = each.peak, next = Math.ceil(placeAt(x, time) * (x.length - 1));
+      // Saved times may be on both sides of a short peak.
+      x.splice(next, 0, time);
+      y.splice(next, 0, force);
+      const [faint, label] = i < traces.length ? ["", each.label] : [" faint", `other chain, ${each.label}`];
+      return { name: each.name + faint, label, x: times(x, axis.factor), y: times(y, factor) };
+    });
     const message = series.length ? "" : "Click a bead for a sensor, or add a wall.";
-    this.force.draw(series, { xLabel: axis.label, yLabel: `force${unit ? ` [${unit}]` : ""}`, xTicks: axis.xTicks, message }, `Forces: ${summary(series)}`);
-    const peaks = own.run.header.peaks;
-    replace($("legend-force"), traces.map((each) => {
-      const peak = peaks[each.key], text = peak.first !== null ? `${each.side ? "peak" : "first maximum"} ${short(peak.first * factor)}` : `largest so far ${short((peak.largest ?? 0) * factor)}`;
-      return key(each.name, `${each.label}: ${text}${unit ? ` ${unit}` : ""}`);
-    }));
+    this.force.draw(series, { xLabel: axis.label, yLabel: inUnit("force", unit), message }, `Forces: ${summary(series)}`);
+    replace($("legend-force"), traces.map(({ name, label, peak: { what, force, time } }) => key(name, `${label}: ${what} ${short(force * factor)} ${unit} at ${short(time * axis.factor)} ${axis.unit}`)));
+  }
+
+  /** Main numbers of both chains, and their ratios. @param {State} state @param {Results} own @param {Results | null} other */
+  drawNumbers(state, own, other) {
+    if (state.view.errors !== "difference" || !own.run.header || !other?.run.header || own.si !== other.si) return;
+    /** @type {Map<string, any[]>} */
+    const found = new Map();
+    (state.active === "A" ? [own, other] : [other, own]).forEach((chain, i) => {
+      const numbers = forcesOf(chain).flatMap(({ label, peak }) => [[`${label}, ${peak.what}`, "N", peak.force], [`${label}, time`, "s", peak.time]]);
+      numbers.push(["velocity of the last bead", "m/s", chain.exact("velocity")?.at(-1)], ["arrival there", "s", chain.exact("arrival")?.at(-1)]);
+      for (const [label, unit, value] of numbers) found.set(label, Object.assign(found.get(label) ?? [unit, NaN, NaN], { [i + 1]: value ?? NaN }));
+    });
+    const rows = [...found].map(([label, [unit, a, b]]) => {
+      const same = [...found.values()].flatMap(([each, ...values]) => (each === unit ? values.filter(Number.isFinite) : []));
+      const [factor, shown] = own.si ? prefixed(largest(same), unit) : [1, ""];
+      return [inUnit(label, shown), short(a * factor), short(b * factor), short(b / a)];
+    });
+    replace($("legend-error"), [table(["chain", "A", "B", "B / A"], rows)]);
   }
 
   /** Frequencies of small oscillations. @param {Results} own */
@@ -200,33 +217,38 @@ export class Views {
     if (own.run.header.draft && !frequencies && !message) return;
     const [factor, unit] = frequencies && own.si ? prefixed(largest(frequencies), "Hz") : [1, ""];
     const series = frequencies ? [{ name: "modes", label: "modes", x: range(frequencies.length), y: times(frequencies, factor), points: true }] : [];
-    this.modes.draw(series, { xLabel: "mode", yLabel: `frequency${unit ? ` [${unit}]` : ""}`, message: frequencies ? "" : `No spectrum: ${message}.`.replace(/\.\.$/, ".") }, frequencies ? `Spectrum: ${summary(series)}` : "No spectrum");
+    this.modes.draw(series, { xLabel: "mode", yLabel: inUnit("frequency", unit), message: frequencies ? "" : `No spectrum: ${message}.`.replace(/\.\.$/, ".") }, frequencies ? `Spectrum: ${summary(series)}` : "No spectrum");
   }
 
-  /** @param {number} bead @param {number} u */
-  cursor(bead, u) {
+  /** @param {number} bead @param {number} time */
+  cursor(bead, time) {
     this.pulse.cursor(bead || null);
     this.error.cursor(bead || null);
-    this.budget.cursor(u);
-    this.force.cursor(u);
+    this.budget.cursor(time * this.factor);
+    this.force.cursor(time * this.factor);
   }
 
   /** @param {State} state @param {Results} own */
   drawTable(state, own) {
     if (!own.ready) return;
     const { quantity } = state.view, info = this.about.quantities[quantity];
-    const unit = (/** @type {string} */ text) => (own.si && text !== "1" ? ` [${text}]` : "");
-    const columns = /** @type {[string, any][]} */ ([[`radius${unit("m")}`, own.beads.arrays.get("radii")], [`mass${unit("kg")}`, own.beads.arrays.get("masses")],
-      ...["velocity", "arrival", "residence", "peak_force"].map((name) => [`${name.replace("_", " ")}${unit(this.about.quantities[name].unit)}`, own.exact(name)]),
-      ...own.theories.map(([name]) => [`${quantity.replace("_", " ")}, ${title(name)}${unit(info.unit)}`, own.theory(name, quantity)])]).filter(([, values]) => values);
-    const head = make("tr", {}, ...["bead", ...columns.map(([name]) => name)].map((text) => make("th", { scope: "col" }, text)));
-    const rows = Array.from({ length: Math.min(own.beads.header.beads, MAX_ROWS) }, (_, k) => {
-      const row = make("tr", { className: k + 1 === state.view.bead ? "chosen" : "" }, make("th", { scope: "row" }, String(k + 1)));
-      for (const [, values] of columns) row.append(make("td", {}, k < values.length && Number.isFinite(values[k]) ? String(+values[k].toPrecision(7)) : ""));
-      return row;
-    });
-    $("table").replaceChildren(make("table", {}, make("thead", {}, head), make("tbody", {}, ...rows)));
+    const of = (/** @type {string} */ name, /** @type {string} */ unit) => inUnit(name.replace("_", " "), own.si && unit !== "1" ? unit : "");
+    const columns = /** @type {[string, any][]} */ ([[of("radius", "m"), own.beads.arrays.get("radii")], [of("mass", "kg"), own.beads.arrays.get("masses")],
+      ...["velocity", "arrival", "residence", "peak_force"].map((name) => [of(name, this.about.quantities[name].unit), own.exact(name)]),
+      ...own.theories.map(([name]) => [of(`${quantity}, ${title(name)}`, info.unit), own.theory(name, quantity)])]).filter(([, values]) => values);
+    const rows = Array.from({ length: Math.min(own.beads.header.beads, MAX_ROWS) }, (_, k) => [String(k + 1),
+      ...columns.map(([, values]) => (k < values.length && Number.isFinite(values[k]) ? String(+values[k].toPrecision(7)) : ""))]);
+    $("table").replaceChildren(table(["bead", ...columns.map(([name]) => name)], rows, state.view.bead - 1));
   }
+}
+
+/** @param {string} text @param {string} unit */
+const inUnit = (text, unit) => (unit ? `${text} [${unit}]` : text);
+
+/** @param {string[]} head @param {string[][]} rows @param {number} [chosen] row, from 0 */
+function table(head, rows, chosen) {
+  const body = rows.map(([first, ...rest], i) => make("tr", { className: i === chosen ? "chosen" : "" }, make("th", { scope: "row" }, first), ...rest.map((text) => make("td", {}, text))));
+  return make("table", {}, make("thead", {}, make("tr", {}, ...head.map((text) => make("th", { scope: "col" }, text)))), make("tbody", {}, ...body));
 }
 
 /** A piece of a curve. @param {string} name */
@@ -269,14 +291,15 @@ function difference(name, label, values, reference, absolute = false) {
   return { name, label, x: range(count), y };
 }
 
-/** @param {Results} results */
+/** Forces on sensors and walls with their peaks. @param {Results} results */
 function forcesOf(results) {
-  const sensors = results.run.header.sensors, found = [];
+  const { sensors, peaks } = results.run.header, found = [];
   for (const [key, values] of results.run.arrays) {
     const name = key.startsWith("force.") ? key.slice(6) : "";
     if (!name) continue;
-    const side = name === "left" || name === "right";
-    found.push({ key: name, side, values, name: side ? `wall-${name}` : `sensor${sensors.indexOf(Number(name))}`, label: side ? `${name} wall` : `sensor in bead ${name}` });
+    const side = name === "left" || name === "right", { first, time, largest, largest_time } = peaks[name];
+    const peak = first === null ? { what: "largest so far", force: largest ?? 0, time: largest_time ?? 0 } : { what: side ? "peak" : "first maximum", force: first, time };
+    found.push({ peak, times: results.run.arrays.get("times"), values, name: side ? `wall-${name}` : `sensor${sensors.indexOf(Number(name))}`, label: side ? `${name} wall` : `sensor in bead ${name}` });
   }
   return found;
 }

@@ -60,7 +60,7 @@ class HertzRange:
     Examples
     --------
     >>> import hertzchain as hc
-    >>> print(hertz_range(hc.Chain.from_materials(5e-3, "steel-52100", beads=20)))
+    >>> print(hc.hertz_range(hc.Chain.from_materials(5e-3, "steel-52100", beads=20)))
     overlap / radius  0.0041 at contact 1 (limit 0.01)
     pressure / yield  1.4 at contact 1 (limit 1)
     speed / sound  0.0002 (limit 0.01)
@@ -146,7 +146,7 @@ def hertz_range(chain: Chain, overlaps: ArrayLike | None = None) -> HertzRange:
     >>> import hertzchain as hc
     >>> for name, speed in (("steel-52100", 0.43), ("steel-304", 0.0015)):
     ...     chain = hc.Chain.from_materials(5e-3, name, beads=2, velocity=speed)
-    ...     print(name, hertz_range(chain).yield_ratio.max().round(2))
+    ...     print(name, hc.hertz_range(chain).yield_ratio.max().round(2))
     steel-52100 1.0
     steel-304 1.0
     """
@@ -192,6 +192,7 @@ def warn_outside_hertz(chain: Chain, overlaps: ArrayLike) -> None:
     Examples
     --------
     >>> import hertzchain as hc
+    >>> from hertzchain.chain.hertz_range import warn_outside_hertz
     >>> warn_outside_hertz(hc.Chain.uniform(3), [0.1, 0.1])
     """
     if chain.units == "SI" and chain.materials is not None:

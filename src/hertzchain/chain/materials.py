@@ -58,7 +58,8 @@ class Material:
     --------
     A custom material:
 
-    >>> Material("my steel", density=7850.0, young=210e9, poisson=0.29)
+    >>> import hertzchain as hc
+    >>> hc.Material("my steel", density=7850.0, young=210e9, poisson=0.29)
     Material(my steel: 7850 kg/m^3, E = 210 GPa, nu = 0.29)
     """
 
@@ -141,7 +142,8 @@ def material(name: MaterialLike) -> Material:
 
     Examples
     --------
-    >>> material("steel-52100").density
+    >>> import hertzchain as hc
+    >>> hc.material("steel-52100").density
     7780.0
     """
     if isinstance(name, Material):
@@ -170,7 +172,9 @@ def contact_modulus(one: Material, other: Material) -> float:
 
     Examples
     --------
-    >>> steel = material("steel-52100")
+    >>> import hertzchain as hc
+    >>> from hertzchain.chain.materials import contact_modulus
+    >>> steel = hc.material("steel-52100")
     >>> round(contact_modulus(steel, steel) / 1e9, 2)
     111.54
     """
@@ -201,7 +205,10 @@ def sphere_stiffness(radius: ArrayLike, next_radius: ArrayLike, modulus: ArrayLi
 
     Examples
     --------
-    >>> steel = material("steel-52100")
+    >>> import hertzchain as hc
+    >>> from hertzchain.chain.materials import contact_modulus
+    >>> from hertzchain.chain.materials import sphere_stiffness
+    >>> steel = hc.material("steel-52100")
     >>> modulus = contact_modulus(steel, steel)
     >>> round(float(sphere_stiffness(5e-3, 5e-3, modulus)) / 1e9, 6)
     7.435897

@@ -51,7 +51,7 @@ def plot_run(
     Examples
     --------
     >>> import hertzchain as hc
-    >>> plot_run(hc.simulate(hc.Chain.uniform(9))).get_xlabel()
+    >>> hc.plotting.plot_run(hc.simulate(hc.Chain.uniform(9))).get_xlabel()
     'time $t$'
     """
     if len(run.times) < 2:
@@ -112,7 +112,7 @@ def plot_forces(run: Run, beads: Sequence[int], *, ax: Axes | None = None) -> Ax
     --------
     >>> import hertzchain as hc
     >>> chain = hc.Chain.uniform(20).replace(right_wall=hc.Wall())
-    >>> axes = plot_forces(hc.simulate(chain), [5, 10, 21])
+    >>> axes = hc.plotting.plot_forces(hc.simulate(chain), [5, 10, 21])
     >>> [text.get_text() for text in axes.get_legend().get_texts()]
     ['bead 5', 'bead 10', 'right wall']
     """

@@ -38,7 +38,9 @@ def figure_style() -> Iterator[None]:
 
     Examples
     --------
-    >>> with figure_style():
+    >>> import hertzchain as hc
+    >>> from matplotlib import pyplot as plt
+    >>> with hc.plotting.figure_style():
     ...     figure, axes = plt.subplots()
     """
     style = resources.files("hertzchain.plotting").joinpath("hertzchain.mplstyle")

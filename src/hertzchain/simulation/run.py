@@ -295,6 +295,7 @@ class Run(Trajectory):
         Examples
         --------
         >>> import hertzchain as hc, tempfile
+        >>> from pathlib import Path
         >>> with tempfile.TemporaryDirectory() as folder:
         ...     hc.simulate(hc.Chain.uniform(3), times=10).save(Path(folder) / "run.csv")
         """
@@ -363,6 +364,7 @@ class Run(Trajectory):
         Examples
         --------
         >>> import hertzchain as hc, tempfile
+        >>> from pathlib import Path
         >>> with tempfile.TemporaryDirectory() as folder:
         ...     run = hc.simulate(hc.Chain.uniform(9), until=12.0, times=20)
         ...     run.animate(Path(folder) / "beads.gif", frames=5).name

@@ -48,6 +48,7 @@ def plain_magnitude(what: str, value: Any, unit: str | None, depth: int = 0) -> 
     if isinstance(value, str):
         found = quantity(value)
         if found is None:
+            _reject_bare_number(what, value, unit)
             return value
         return converted(what, *found, _unit_for(what, value, unit))
     if isinstance(value, np.ndarray) and value.dtype.kind in "UTO":
@@ -75,6 +76,21 @@ def plain_magnitude(what: str, value: Any, unit: str | None, depth: int = 0) -> 
         raise InputError(f"{what} must be convertible to {unit}: {error}") from None
     _reject_masked(what, plain)
     return plain
+
+
+def _reject_bare_number(what: str, text: str, unit: str | None) -> None:
+    """Reject text that is a number without the unit that text must have."""
+    try:
+        float(text)
+    except ValueError:
+        return
+    if unit in (None, "", SCALED):
+        raise InputError(f"{what} {text!r} is text; give the number {text.strip()} without quotes")
+    shown = str(unit).replace("**", "^")
+    raise InputError(
+        f"{what} {text!r} has no unit; write '{text.strip()} {shown}' or another unit, or a number "
+        "without quotes in SI units"
+    )
 
 
 def _is_quantity(value: Any) -> bool:

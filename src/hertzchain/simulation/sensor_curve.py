@@ -25,39 +25,42 @@ Curve = Callable[[Array], Array]
 def maximum_near(run: Trajectory, bead: int, force: Array, i: int) -> tuple[float, float, float]:
     """Height and time of the maximum next to saved time i, and a bound of the error of its height.
 
-    The bound is twice the change if only every second saved time is used.  It is many times the
-    error, except at a jump of the force.
+    The bound is twice the change if only every second saved time is used, many times the error of a
+    smooth force.  A force with losses may have a corner, which a spline exceeds.
     """
     if not 0 < i < len(force) - 1:
         return float(force[i]), float(run.times[i]), 0.0
     around = np.arange(max(i - NEIGHBOURS, 0), min(i + NEIGHBOURS + 1, len(force)))
-    height, time = _top(run, bead, force, around, i)
-    coarse, _ = _top(run, bead, force, around[(around - i) % 2 == 1], i)
-    return height, time, 2.0 * abs(height - coarse)
+    height, time, elastic = _top(run, bead, force, around, i)
+    coarse, *_ = _top(run, bead, force, around[(around - i) % 2 == 1], i)
+    corner = 0.0 if elastic else abs(height - float(force[i]))
+    return height, time, max(2.0 * abs(height - coarse), corner)
 
 
-def _top(run: Trajectory, bead: int, force: Array, used: Array, i: int) -> tuple[float, float]:
-    """Maximum of the force between the neighbours of saved time i, from the given samples."""
-    curve = _curve(run, bead, force, used)
+def _top(
+    run: Trajectory, bead: int, force: Array, used: Array, i: int
+) -> tuple[float, float, bool]:
+    """Maximum of the force between the neighbours of saved time i, and whether it is elastic."""
+    curve, elastic = _curve(run, bead, force, used)
     low, high = run.times[i - 1], run.times[i + 1]
     for _ in range(REFINEMENTS):
         points = np.linspace(low, high, POINTS)
         values = curve(points)
         j = int(np.argmax(values))
         low, high = points[max(j - 1, 0)], points[min(j + 1, POINTS - 1)]
-    return float(values[j]), float(points[j])
+    return float(values[j]), float(points[j]), elastic
 
 
-def _curve(run: Trajectory, bead: int, force: Array, used: Array) -> Curve:
+def _curve(run: Trajectory, bead: int, force: Array, used: Array) -> tuple[Curve, bool]:
     """The force by the law of elastic contacts if that is the law, else by a spline."""
     from scipy.interpolate import CubicSpline
 
     sides = [_elastic_force(run, contact, used) for contact in (bead - 1, bead)]
     if all(side is not None for side in sides):
-        return lambda t: 0.5 * sum(side(t) for side in sides)  # type: ignore[misc]
+        return lambda t: 0.5 * sum(side(t) for side in sides), True  # type: ignore[misc]
     if len(used) < 4:
-        return lambda t: np.interp(t, run.times[used], force[used])
-    return CubicSpline(run.times[used], force[used])
+        return lambda t: np.interp(t, run.times[used], force[used]), False
+    return CubicSpline(run.times[used], force[used]), False
 
 
 def _elastic_force(run: Trajectory, contact: int, used: Array) -> Curve | None:

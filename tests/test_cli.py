@@ -27,6 +27,7 @@ def run(monkeypatch, capsys):
         with pytest.raises(SystemExit) as stopped:
             cli.main()
         out, err = capsys.readouterr()
+        err = re.sub("hertzchain: compiling once, about .* s\n", "", err)
         return stopped.value.code, out, err
 
     return call
@@ -577,3 +578,12 @@ def test_sweeps_count_incomplete_peaks(run, tmp_path):
     assert (code, told in out) == (0, True)
     assert told in run("sweep", "status", store)[1]
     assert json.loads(run("sweep", "status", store, "--json")[1])["incomplete"] == 1
+
+
+def test_a_dry_run_states_what_the_estimate_does_not_contain(run, tmp_path):
+    file = tmp_path / "sweep.toml"
+    file.write_text('[chain]\ntaper = "uniform"\n[axes]\nbeads = [20, 40]\n')
+    code, out, _ = run("sweep", file, "--dry-run")
+    assert code == 0
+    assert re.search(r"at most \d+ bytes of values, and 10 to 200 kB of metadata, on disk", out)
+    assert "without starting and compiling" in out

@@ -86,13 +86,14 @@ def test_ways_to_write_powers_and_products():
         ("mm", "must be a number, got 'mm'"),
         ("5 furlong", "unknown unit of gap 'furlong': choose from m, cm, mm"),
         ("5 kg", "gap must have a unit such as m, cm, mm.* got 'kg'"),
+        ("20 mu", "unknown unit of gap 'mu'; did you mean 'um'"),
         ("5 mm/", "unknown unit"),
         ("5 mm^", "unknown unit"),
         ("5 m^1000", "unknown unit"),
         ("5 %", "unknown unit of gap '%'"),
         ("nan mm", "must be a number"),
-        ("1e999 mm", "must be at least 0 and finite, got inf"),
-        ("-1 mm", "must be at least 0, got -0.001"),
+        ("1e999 mm", "must be at least 0 and finite, got '1e999 mm'"),
+        ("-1 mm", "must be at least 0, got '-1 mm'"),
     ],
 )
 def test_an_invalid_length_is_rejected(text, said):

@@ -87,8 +87,9 @@ class HertzRange:
             found.append(
                 f"the pressure at {_place(at, self)} is {self.yield_ratio[at]:.3g} times the "
                 f"pressure at first yield{besides}; expect plastic dents and smaller forces than "
-                "those of Hertz's law: reduce the velocity, or use loss=ElasticPlastic(), which "
-                "yields, or Restitution with a coefficient measured at this speed"
+                "those of Hertz's law: reduce the velocity, or use a loss that yields "
+                "(loss=ElasticPlastic(), in a chain file [chain.loss] with law = "
+                "'elastic-plastic'), or Restitution with a coefficient measured at this speed"
             )
         if self.speed_ratio > MAX_SPEED_RATIO:
             found.append(

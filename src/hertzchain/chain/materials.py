@@ -29,6 +29,14 @@ MIN_DENSITY, MAX_DENSITY = 1e-3, 1e6
 # Largest pressure of a contact over the yield strength when its softer body first yields.
 FIRST_YIELD: Final = 1.60
 
+# Names that users give to materials of the catalogue.
+OTHER_NAMES: Final = {
+    "teflon": "'ptfe'", "stainless": "'steel-304' or 'steel-316'",
+    "stainless steel": "'steel-304' or 'steel-316'", "bearing steel": "'steel-52100'",
+    "chrome steel": "'steel-52100'", "100cr6": "'steel-52100'", "aluminum": "'aluminium'",
+    "plexiglass": "'acrylic'", "pmma": "'acrylic'",     "wc": "'tungsten-carbide'",
+}  # fmt: skip
+
 
 @dataclass(frozen=True)
 class Material:
@@ -150,6 +158,9 @@ def material(name: MaterialLike) -> Material:
         return name
     known = catalogue()
     if not isinstance(name, str) or name not in known:
+        meant = OTHER_NAMES.get(name.lower().replace("-", " ")) if isinstance(name, str) else None
+        if meant is not None:
+            raise InputError(f"unknown material {name!r}; did you mean {meant}?")
         raise InputError(
             f"{unknown_name_error('material', name, known)}; define a custom material with "
             "Material(name, density=, young=, poisson=), or [materials.NAME] in a chain file"

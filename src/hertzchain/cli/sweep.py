@@ -37,7 +37,7 @@ class _Sweep(click.Group):
         return super().parse_args(ctx, args)
 
 
-# What an estimate does not contain; disks store files in blocks.
+# Not contained in an estimate; disks store files in blocks.
 METADATA: Final = "10 to 200 kB of metadata"
 START: Final = "starting and compiling (seconds to minutes)"
 

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import math
-import warnings
 from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from ..chain.equilibrium import equilibrium
 from ..collision import Array
-from ..errors import IncompleteWarning, InputError
+from ..errors import IncompleteWarning, InputError, warn_user
 from ..representation import measure, short
 from .sensor_curve import maximum_near
 from .trajectory import Trajectory
@@ -107,18 +106,18 @@ def sensor_force_of(self: Trajectory, bead: int) -> SensorForce:
     """
     found = sensor_maxima(self, bead)
     if math.isnan(found.first_maximum):
-        warnings.warn(
+        warn_user(
             f"the force in bead {bead} had no maximum before t = {self.times[-1]:g}; simulate "
             "for longer, or save more times",
-            IncompleteWarning, stacklevel=2,
-        )  # fmt: skip
+            IncompleteWarning,
+        )
     if found.error > COARSE * found.largest_so_far:
-        warnings.warn(
+        warn_user(
             f"the largest force in bead {bead} is known to "
             f"{measure(found.error, 'N', self.chain.units)} from {len(self.times)} saved times; "
             "save more times",
-            IncompleteWarning, stacklevel=2,
-        )  # fmt: skip
+            IncompleteWarning,
+        )
     return found
 
 

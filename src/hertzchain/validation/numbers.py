@@ -26,6 +26,8 @@ from ..units import converted, quantity
 MAX_INDEX: Final = 2**63 - 1
 # Takes the place of the unit for a variable of a scaled chain, which must have none.
 SCALED: Final = "scaled"
+# Names of arguments with one value for each bead or contact.
+PLURALS: Final = {"gap": "gaps", "mass": "masses", "velocity": "velocities"}
 # Largest number of dimensions of an array.
 MAX_DEPTH: Final = 32
 
@@ -144,7 +146,13 @@ def number(
     if not (bounds and math.isfinite(given)):
         bounds.append("finite")
     allowed = " and ".join(bounds)
-    raise InputError(f"{what} must be {allowed}, got {given:g}{'; ' + hint if hint else ''}")
+    typed = _as_typed(value, given)
+    raise InputError(f"{what} must be {allowed}, got {typed}{'; ' + hint if hint else ''}")
+
+
+def _as_typed(value: Any, given: float) -> str:
+    """A number for a message; text is shown as it was typed."""
+    return repr(value) if isinstance(value, str) else f"{given:g}"
 
 
 def whole_number(what: str, value: object, *, least: int, most: int | None = None) -> int:
@@ -178,7 +186,8 @@ def per_bead_array(
         values = np.full(length, values)
     if values.shape != (length,):
         raise InputError(
-            f"there must be {length} numbers for the {what}, one for each {place}, "
+            f"there must be {length} numbers for the {PLURALS.get(what, what)}, one for each "
+            f"{place}, "
             f"got {values.size if values.ndim == 1 else f'shape {values.shape}'}"
         )
     checked = values.copy()
@@ -192,7 +201,11 @@ def per_bead_array(
         allowed = f"finite and above {above:g}"
     if not good.all():
         k = int(np.argmin(good))
-        raise InputError(f"{what} of {place} {k + 1} is {checked[k]:g}: it must be {allowed}")
+        typed = given if isinstance(given, str) else None
+        typed = given[k] if isinstance(given, list | tuple) else typed
+        raise InputError(
+            f"{what} of {place} {k + 1} is {_as_typed(typed, checked[k])}: it must be {allowed}"
+        )
     checked.setflags(write=False)
     return checked
 

@@ -19,7 +19,7 @@ BALLS = hc.Chain.from_materials(4e-3, "steel-52100", beads=6, velocity=0.1)
         (lambda: hc.Wall(gap="-20 um"), "got '-20 um'"),
         (
             lambda: hc.simulate(BALLS.replace(velocities=[-0.1, 0, 0, 0, 0, 0])),
-            "bead 1 moves away from the chain .velocity -0.1., so there is no impact; give a positive velocity",
+            "bead 1 moves away from the chain .velocity -0.1., so there is no impact; give",
         ),
     ],
 )
@@ -32,7 +32,7 @@ def test_a_misspelt_function_is_suggested():
     with pytest.raises(AttributeError, match="did you mean 'simulate'"):
         _ = hc.Simulate
     with pytest.raises(AttributeError, match="propagate"):
-        _ = hc.propogate
+        _ = hc.propagates
     with pytest.raises(AttributeError) as raised:
         _ = hc.something_else
     assert "did you mean" not in str(raised.value)

@@ -117,7 +117,7 @@ def quantity(text: str) -> tuple[str, str] | None:
 
 
 def _is_number(text: str) -> bool:
-    """Whether the text is a number alone, such as "1e-3", of which "e-3" is no unit."""
+    """Whether the text is a number alone, such as "1e-3", not 1 and the unit "e-3"."""
     try:
         float(text)
     except ValueError:

@@ -124,7 +124,9 @@ def plot_forces(run: Run, beads: Sequence[int], *, ax: Axes | None = None) -> Ax
     walls: dict[int, Side] = {0: "left", run.chain.beads + 1: "right"}
     with figure_style():
         axes = get_axes(ax)
-        for i, k in enumerate(numbers):
+        # Curves of several runs in the same axes have different colours.
+        drawn = len(axes.lines)
+        for i, k in enumerate(numbers, drawn):
             wall = run.wall_force(walls[k]) if k in walls else None
             cut_off = wall is not None and not wall.complete
             axes.plot(

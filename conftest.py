@@ -7,6 +7,13 @@ collect_ignore = ["docs/examples", "docs/gallery", "docs/_build", "docs/conf.py"
 
 
 @pytest.fixture(autouse=True)
+def _examples_can_be_pasted(request):
+    """Examples see no name of their module, so that they import what they use."""
+    if isinstance(request.node, pytest.DoctestItem):
+        request.node.dtest.globs.clear()
+
+
+@pytest.fixture(autouse=True)
 def _close_figures():
     yield
     from matplotlib import pyplot as plt

@@ -1,4 +1,10 @@
-"""The public functions: those that `hertzchain` exports or the API reference documents."""
+"""The public functions: those that `hertzchain` exports or the API reference documents.
+
+Examples see no names of their module (``conftest.py``), so that readers can paste them:
+
+>>> "inspect" in globals()
+False
+"""
 
 import inspect
 from importlib import import_module
@@ -25,11 +31,22 @@ def _overrides(item, name):
     return sum(name in vars(base) for base in item.__mro__) > 1
 
 
+def public_objects():
+    """Everything that `hertzchain` exports or the API reference documents."""
+    pages = [item for page in PAGES for item in documented(DOCS / "reference" / page)]
+    return [*map(hc.__getattr__, hc.__all__), *pages]
+
+
+def public_classes():
+    """Classes of the package by name, ``hertzchain.chain.walls.Wall``."""
+    classes = filter(inspect.isclass, public_objects())
+    return {f"{c.__module__}.{c.__qualname__}": c for c in classes if "hertz" in c.__module__}
+
+
 def public_functions():
     """Functions and methods by name, ``hertzchain.theory.bca.bca`` or ``...Pulse.compare``."""
     found = {}
-    pages = [item for page in PAGES for item in documented(DOCS / "reference" / page)]
-    for item in [*map(hc.__getattr__, hc.__all__), *pages]:
+    for item in public_objects():
         if inspect.isfunction(item):
             found[f"{item.__module__}.{item.__qualname__}"] = item
         elif inspect.isclass(item) and item.__module__.startswith("hertzchain"):

@@ -282,7 +282,7 @@ SI = 'radii = 5e-3\nbeads = 3\nmaterials = "brass"\n'
         (SI + "[materials.mine]\ndensity = 1.0\nyoung = 1.0", r"\[materials.mine\] has no poisson"),
         (U + "gaps = [0, -1]", "gap of contact 2 is -1"),
         (U + "precompression = 1", "left end .* is free"),
-        (U + "masses = [1, 2]", "3 numbers for the mass"),
+        (U + "masses = [1, 2]", "3 numbers for the masses"),
     ],
 )  # fmt: skip
 def test_errors_of_chain_files_state_the_problem(tmp_path, text, said):

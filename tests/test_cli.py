@@ -27,6 +27,7 @@ def run(monkeypatch, capsys):
         with pytest.raises(SystemExit) as stopped:
             cli.main()
         out, err = capsys.readouterr()
+        err = re.sub("hertzchain: compiling once, about .* s\n", "", err)
         return stopped.value.code, out, err
 
     return call
@@ -456,7 +457,7 @@ def test_simulate_prints_what_walls_and_sensors_felt(run, tmp_path):
     for name, value in document["walls"][0].items():
         assert value == getattr(wall, name)
     assert {"peak", "complete", "largest_so_far", "bound"} < document["walls"][0].keys()
-    assert document["sensors"][0]["largest_so_far"] == felt.sensor(2).max()
+    assert document["sensors"][0]["largest_so_far"] == felt.sensor_force(2).largest_so_far
     assert document["sensors"][0]["bead"] == 2
 
 
@@ -589,3 +590,12 @@ def test_sweeps_count_incomplete_peaks(run, tmp_path):
     assert (code, told in out) == (0, True)
     assert told in run("sweep", "status", store)[1]
     assert json.loads(run("sweep", "status", store, "--json")[1])["incomplete"] == 1
+
+
+def test_a_dry_run_states_what_the_estimate_does_not_contain(run, tmp_path):
+    file = tmp_path / "sweep.toml"
+    file.write_text('[chain]\ntaper = "uniform"\n[axes]\nbeads = [20, 40]\n')
+    code, out, _ = run("sweep", file, "--dry-run")
+    assert code == 0
+    assert re.search(r"at most \d+ bytes of values, and 10 to 200 kB of metadata, on disk", out)
+    assert "without starting and compiling" in out

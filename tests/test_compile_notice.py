@@ -153,6 +153,26 @@ def test_a_terminal_shows_the_line_once_and_a_pipe_shows_nothing():
     assert (piped.stdout, piped.stderr) == ("done\n", "")
 
 
+def test_the_command_line_writes_the_line_to_a_pipe():
+    """Batch jobs and logs of CI have no terminal."""
+    program = COMPILE.replace("kernel(1), kernel(1.0), kernel(1j)", "with_progress()")
+    program = (
+        "from hertzchain.cli.progress import progress_bar\n"
+        "def with_progress():\n"
+        "    with progress_bar('chains') as progress:\n"
+        "        kernel(1), kernel(1.0)\n"
+    ) + program
+    piped = subprocess.run(
+        [sys.executable, "-c", program], capture_output=True, text=True, check=True
+    )
+    assert piped.stdout == "done\n"
+    assert re.fullmatch(rf"{LINE} \d+ s\n", piped.stderr)
+    _, shown = on_terminal(sys.executable, "-c", program)
+    assert "0/?" not in shown
+    assert shown.count("about") == 1
+    assert shown.rpartition(" s\r\n")[2].count("hertzchain: compiling once") >= 1
+
+
 def test_the_line_is_above_a_progress_bar():
     program = (
         "import sys, time; from hertzchain.cli.progress import progress_bar\n"

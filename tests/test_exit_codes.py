@@ -2,6 +2,7 @@
 
 import contextlib
 import os
+import re
 import resource
 import subprocess
 import sys
@@ -40,7 +41,9 @@ def run(monkeypatch, capsys, tmp_path):
         monkeypatch.setattr(sys, "argv", ["hertzchain", *map(str, arguments)])
         with pytest.raises(SystemExit) as stopped:
             cli.main()
-        return stopped.value.code, *capsys.readouterr()
+        out, err = capsys.readouterr()
+        err = re.sub("hertzchain: compiling once, about .* s\n", "", err)
+        return stopped.value.code, out, err
 
     return call
 

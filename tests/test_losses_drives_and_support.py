@@ -166,8 +166,8 @@ def test_theories_take_masses_and_contacts_of_any_kind():
     ("build", "said"),
     [
         (lambda: CHAIN.replace(gaps=[0.0, -0.1, 0.0]), "gap of contact 2 is -0.1: .* at least 0"),
-        (lambda: CHAIN.replace(gaps=[0.0, 0.1]), "3 numbers for the gap, one for each contact"),
-        (lambda: CHAIN.replace(masses=[1, 2, 3]), "4 numbers for the mass, .* each bead, got 3"),
+        (lambda: CHAIN.replace(gaps=[0.0, 0.1]), "3 numbers for the gaps, one for each contact"),
+        (lambda: CHAIN.replace(masses=[1, 2, 3]), "4 numbers for the masses, .* each bead, got 3"),
         (lambda: CHAIN.replace(masses=[1, 2, 3, 0]), "mass of bead 4 is 0: .* above 0"),
         (lambda: CHAIN.replace(stiffness=[1, "k", 1]), "stiffness of contact 2 is 'k'"),
         (lambda: CHAIN.replace(velocities=[1, 0, math.nan, 0]), "velocity of bead 3 is nan"),

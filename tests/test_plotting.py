@@ -17,6 +17,22 @@ def run():
     return hc.simulate(chain.replace(right_wall=hc.Wall()), until=40.0, times=200)
 
 
+def test_forces_of_several_runs_in_the_same_axes_have_different_colours():
+    run = hc.simulate(hc.Chain.uniform(9))
+    axes = plot_forces(run, [3])
+    plot_forces(run, [3], ax=axes)
+    assert len({line.get_color() for line in axes.lines}) == 2
+
+
+def test_warnings_of_plots_name_the_line_of_the_caller():
+    chain = hc.Chain.uniform(20).replace(right_wall=hc.Wall())
+    run = hc.simulate(chain, until=12.0)
+    for call in (lambda: plot_forces(run, [21]), lambda: run.plot_forces([21]), run.wall_force):
+        with pytest.warns(hc.IncompleteWarning) as seen:
+            call()
+        assert [each.filename for each in seen] == [__file__]
+
+
 def test_traces_are_the_sensors(run):
     axes = plot_forces(run, [4, 13])
     np.testing.assert_array_equal(axes.lines[0].get_ydata(), run.sensor(4))

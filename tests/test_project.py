@@ -1,5 +1,6 @@
 """Import times, public docstrings, tracked files and versions of the project."""
 
+import doctest
 import inspect
 import os
 import re
@@ -9,7 +10,7 @@ from pathlib import Path
 
 import count_lines
 import pytest
-from documented import entries, public_functions
+from documented import entries, public_classes, public_functions
 from numpydoc.docscrape import FunctionDoc
 
 import hertzchain as hc
@@ -87,6 +88,7 @@ def test_pages_import_documented_packages_only():
 
 
 FUNCTIONS = public_functions()
+PUBLIC = FUNCTIONS | public_classes()
 
 
 @pytest.mark.parametrize("name", FUNCTIONS)
@@ -101,6 +103,13 @@ def test_public_functions_are_documented(name):
     arguments = set(inspect.signature(FUNCTIONS[name]).parameters) - {"self", "cls"}
     assert arguments == described
     assert documentation["Examples"], f"{name} has no example"
+
+
+@pytest.mark.parametrize("name", PUBLIC)
+def test_public_examples_begin_with_the_import(name):
+    examples = doctest.DocTestParser().get_examples(inspect.getdoc(PUBLIC[name]))
+    if examples:  # They run in an empty namespace, see conftest.py.
+        assert examples[0].source.startswith("import hertzchain as hc")
 
 
 def tracked_files():

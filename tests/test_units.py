@@ -80,17 +80,20 @@ def test_ways_to_write_powers_and_products():
 @pytest.mark.parametrize(
     ("text", "said"),
     [
-        ("5", "must be a number, got '5'"),
+        ("5", "gap '5' has no unit; write '5 m' or another unit"),
+        ("9.81", "gap '9.81' has no unit; write '9.81 m'"),
+        ("1e-3", "gap '1e-3' has no unit; write '1e-3 m'"),
         ("mm", "must be a number, got 'mm'"),
         ("5 furlong", "unknown unit of gap 'furlong': choose from m, cm, mm"),
         ("5 kg", "gap must have a unit such as m, cm, mm.* got 'kg'"),
+        ("20 mu", "unknown unit of gap 'mu'; did you mean 'um'"),
         ("5 mm/", "unknown unit"),
         ("5 mm^", "unknown unit"),
         ("5 m^1000", "unknown unit"),
         ("5 %", "unknown unit of gap '%'"),
         ("nan mm", "must be a number"),
-        ("1e999 mm", "must be at least 0 and finite, got inf"),
-        ("-1 mm", "must be at least 0, got -0.001"),
+        ("1e999 mm", "must be at least 0 and finite, got '1e999 mm'"),
+        ("-1 mm", "must be at least 0, got '-1 mm'"),
     ],
 )
 def test_an_invalid_length_is_rejected(text, said):

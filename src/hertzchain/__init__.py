@@ -13,4 +13,16 @@ import lazy_loader
 __version__ = "0.1.0"
 
 # Names are listed in __init__.pyi and loaded on first use.
-__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
+_load, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
+
+
+def __getattr__(name: str) -> object:
+    if name not in __all__ and not name.startswith("_"):
+        import difflib
+
+        lower = {each.lower(): each for each in __all__}
+        if near := difflib.get_close_matches(name.lower(), lower, n=1, cutoff=0.75):
+            raise AttributeError(
+                f"module 'hertzchain' has no attribute {name!r}; did you mean {lower[near[0]]!r}?"
+            )
+    return _load(name)

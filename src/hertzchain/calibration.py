@@ -66,7 +66,8 @@ class Calibration:
 
     Examples
     --------
-    >>> result = calibrate("forward-linear", rates=(0.001, 0.005), beads=60, window=(5, 50))
+    >>> import hertzchain as hc
+    >>> result = hc.calibrate("forward-linear", rates=(0.001, 0.005), beads=60, window=(5, 50))
     >>> result.worst_error < 0.1
     True
     """
@@ -126,7 +127,8 @@ class Calibration:
 
         Examples
         --------
-        >>> result = calibrate("backward-linear", rates=(0.5,), beads=30, window=(5, 25))
+        >>> import hertzchain as hc
+        >>> result = hc.calibrate("backward-linear", rates=(0.5,), beads=30, window=(5, 25))
         >>> list(result.as_dict()["constants"]["ratio"])
         ['value', 'standard_error', 'printed']
         """
@@ -189,7 +191,8 @@ def calibrate(
 
     Examples
     --------
-    >>> result = calibrate("backward-linear", rates=(0.5,), beads=30, window=(5, 25))
+    >>> import hertzchain as hc
+    >>> result = hc.calibrate("backward-linear", rates=(0.5,), beads=30, window=(5, 25))
     >>> round(result.correction.ratio, 1)
     0.7
     """
@@ -284,7 +287,9 @@ def calibrated_toml(calibrations: Sequence[Calibration]) -> str:
 
     Examples
     --------
-    >>> result = calibrate("backward-linear", rates=(0.5,), beads=30, window=(5, 25))
+    >>> import hertzchain as hc
+    >>> from hertzchain.calibration import calibrated_toml
+    >>> result = hc.calibrate("backward-linear", rates=(0.5,), beads=30, window=(5, 25))
     >>> print(calibrated_toml([result]).splitlines()[3])
     [corrections.backward-linear]
     """

@@ -69,7 +69,8 @@ def hertz_stiffness(radius: ArrayLike, next_radius: ArrayLike) -> Array:
 
     Examples
     --------
-    >>> float(hertz_stiffness(1.0, 1.0))
+    >>> import hertzchain as hc
+    >>> float(hc.collision.hertz_stiffness(1.0, 1.0))
     1.0
     """
     left, right = _floats(radius), _floats(next_radius)
@@ -102,7 +103,8 @@ def velocity_transfer(mass: ArrayLike, next_mass: ArrayLike, restitution: float 
     --------
     Equal beads exchange their velocities:
 
-    >>> float(velocity_transfer(1.0, 1.0))
+    >>> import hertzchain as hc
+    >>> float(hc.collision.velocity_transfer(1.0, 1.0))
     1.0
     """
     return (1.0 + _floats(restitution)) / (1.0 + _floats(next_mass) / _floats(mass))
@@ -129,7 +131,8 @@ def collision_cascade(masses: ArrayLike, restitution: float = 1.0) -> Array:
 
     Examples
     --------
-    >>> collision_cascade([1.0, 1.0, 3.0])
+    >>> import hertzchain as hc
+    >>> hc.collision.collision_cascade([1.0, 1.0, 3.0])
     array([1. , 1. , 0.5])
     """
     m = _floats(masses)
@@ -151,7 +154,8 @@ def reduced_mass(mass: ArrayLike, next_mass: ArrayLike) -> Array:
 
     Examples
     --------
-    >>> float(reduced_mass(1.0, 1.0))
+    >>> import hertzchain as hc
+    >>> float(hc.collision.reduced_mass(1.0, 1.0))
     0.5
     """
     left, right = _floats(mass), _floats(next_mass)
@@ -189,7 +193,8 @@ def collision_overlap(
 
     Examples
     --------
-    >>> round(float(collision_overlap(0.5, 1.0, 1.0)), 6)
+    >>> import hertzchain as hc
+    >>> round(float(hc.collision.collision_overlap(0.5, 1.0, 1.0)), 6)
     0.828614
     """
     exponent = _exponents(exponent)
@@ -230,8 +235,9 @@ def compression_time(
     --------
     Twice :math:`I_{3/2}` is the constant 2.943275 of Hertz's contact time:
 
-    >>> overlap = collision_overlap(0.5, 1.0, 1.0)
-    >>> round(float(2 * compression_time(0.5, 1.0, 1.0) / overlap), 6)
+    >>> import hertzchain as hc
+    >>> overlap = hc.collision.collision_overlap(0.5, 1.0, 1.0)
+    >>> round(float(2 * hc.collision.compression_time(0.5, 1.0, 1.0) / overlap), 6)
     2.943275
     """
     s = 1.0 / (_exponents(exponent) + 1.0)

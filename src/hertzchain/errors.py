@@ -19,6 +19,8 @@ from __future__ import annotations
 
 import difflib
 import numbers
+import sys
+import warnings
 from collections.abc import Iterable
 from typing import Final
 
@@ -53,6 +55,14 @@ class InputWarning(UserWarning):
 
 class DamageWarning(UserWarning):
     """Corrupted files of a store or a streamed run were skipped, as requested."""
+
+
+def warn_user(message: str, category: type[Warning]) -> None:
+    """Warn at the line that called this package."""
+    level, frame = 1, sys._getframe()
+    while frame.f_back and frame.f_globals.get("__name__", "").partition(".")[0] == "hertzchain":
+        level, frame = level + 1, frame.f_back
+    warnings.warn(message, category, stacklevel=level)
 
 
 def short_repr(value: object) -> str:

@@ -50,9 +50,14 @@ UNITS: Final[Mapping[str, tuple[str, ...]]] = MappingProxyType(
         "damping": ("kg/s", "g/s"),
     }
 )
+# Units written in other ways.
+MEANT: Final = {
+    "mu": "um", "micron": "um", "microns": "um", "mum": "um", "sec": "s", "msec": "ms",
+    "usec": "us", "inch": "in",
+}  # fmt: skip
 _FACTOR: Final = re.compile(r"([*/·]?)\s*([A-Za-zµ]+)\s*(?:(?:\^|\*\*)\s*([+-]?\d+(?:\.\d*)?))?\s*")
 _QUANTITY: Final = re.compile(
-    r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*([A-Za-zµμ°%1/][^\[\]{}()=,;]*?)\s*"
+    r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*((?:[A-Za-zµμ°%/]|1\s*/)[^\[\]{}()=,;]*?)\s*"
 )
 
 
@@ -89,6 +94,8 @@ def converted(what: str, number: str | float, unit: str, si: str) -> float:
     given, target = _parse(unit), _parse(si)
     assert target is not None, si
     choices = _choices(target) or (si.replace("**", "^"),)
+    if given is None and unit.strip() in MEANT:
+        raise InputError(f"unknown unit of {what} {unit!r}; did you mean {MEANT[unit.strip()]!r}?")
     if given is None:
         raise unknown_name_error(f"unit of {what}", unit, choices)
     if given.powers != target.powers:
@@ -106,7 +113,16 @@ def converted(what: str, number: str | float, unit: str, si: str) -> float:
 def quantity(text: str) -> tuple[str, str] | None:
     """Split text such as ``"5 mm"`` into number and unit; return `None` for any other text."""
     found = _QUANTITY.fullmatch(text) if len(text) < 100 else None
-    return None if found is None else (found[1], found[2])
+    return None if found is None or _is_number(text) else (found[1], found[2])
+
+
+def _is_number(text: str) -> bool:
+    """Whether the text is a number alone, such as "1e-3", not 1 and the unit "e-3"."""
+    try:
+        float(text)
+    except ValueError:
+        return False
+    return True
 
 
 def _choices(unit: Unit) -> tuple[str, ...]:

@@ -105,12 +105,12 @@ class Chain(ChainFields):
 
     Examples
     --------
-    >>> chain = Chain.tapered("backward-exponential", 0.05, beads=100)
+    >>> import hertzchain as hc
+    >>> chain = hc.Chain.tapered("backward-exponential", 0.05, beads=100)
     >>> chain
     Chain(backward-exponential, q = 0.05, 100 beads)
     >>> chain.radii[:3].round(4)
     array([1.    , 1.0526, 1.108 ])
-    >>> import hertzchain as hc
     >>> chain.replace(right_wall=hc.Wall(), gravity=0.01)
     Chain(backward-exponential, q = 0.05, 100 beads, gravity, right wall)
     """
@@ -181,11 +181,12 @@ class Chain(ChainFields):
 
         Examples
         --------
-        >>> Chain.tapered("forward-linear", 0.25, beads=4).radii
+        >>> import hertzchain as hc
+        >>> hc.Chain.tapered("forward-linear", 0.25, beads=4).radii
         array([1.  , 0.75, 0.5 , 0.25])
-        >>> Chain.tapered(ratio=0.25, beads=40)
+        >>> hc.Chain.tapered(ratio=0.25, beads=40)
         Chain(forward-exponential, q = 0.0361853, 40 beads)
-        >>> Chain.tapered(first="10 mm", last="2.5 mm", beads=40, material="steel-52100")
+        >>> hc.Chain.tapered(first="10 mm", last="2.5 mm", beads=40, material="steel-52100")
         Chain(SI, steel-52100, R = 2.5 .. 10 mm, 40 beads)
         """
         count = checked_beads(beads)
@@ -220,7 +221,8 @@ class Chain(ChainFields):
 
         Examples
         --------
-        >>> Chain.uniform(20)
+        >>> import hertzchain as hc
+        >>> hc.Chain.uniform(20)
         Chain(uniform, 20 beads)
         """
         return cls(np.ones(checked_beads(beads)), exponent)
@@ -244,7 +246,8 @@ class Chain(ChainFields):
 
         Examples
         --------
-        >>> Chain.from_radii([5.0, 2.5, 5.0]).masses
+        >>> import hertzchain as hc
+        >>> hc.Chain.from_radii([5.0, 2.5, 5.0]).masses
         array([1.   , 0.125, 1.   ])
         """
         given = checked_radii(plain_magnitude("radius", radii, "m"))
@@ -289,12 +292,13 @@ class Chain(ChainFields):
 
         Examples
         --------
-        >>> chain = Chain.from_materials(5e-3, "steel-52100", beads=20)
+        >>> import hertzchain as hc
+        >>> chain = hc.Chain.from_materials(5e-3, "steel-52100", beads=20)
         >>> chain
         Chain(SI, steel-52100, R = 5 mm, 20 beads)
         >>> round(float(chain.masses[0]), 9), float(chain.stiffness[0]).__round__(-3)
         (0.004073598, 7435897000.0)
-        >>> Chain.from_materials(diameters="10 mm", materials="steel-52100", beads=20)
+        >>> hc.Chain.from_materials(diameters="10 mm", materials="steel-52100", beads=20)
         Chain(SI, steel-52100, R = 5 mm, 20 beads)
         """
         if materials is None or (radii is None) == (diameters is None):
@@ -350,9 +354,10 @@ class Chain(ChainFields):
 
         Examples
         --------
-        >>> Chain.periodic([5.0, 2.5, 2.5], cells=2).radii
+        >>> import hertzchain as hc
+        >>> hc.Chain.periodic([5.0, 2.5, 2.5], cells=2).radii
         array([1. , 0.5, 0.5, 1. , 0.5, 0.5])
-        >>> Chain.periodic([9.5e-3, 9.5e-3], cells=20, materials=["steel-316", "ptfe"])
+        >>> hc.Chain.periodic([9.5e-3, 9.5e-3], cells=20, materials=["steel-316", "ptfe"])
         Chain(SI, steel-316 and ptfe, R = 9.5 mm, 40 beads)
         """
         cells = whole_number("cells", cells, least=1)
@@ -391,7 +396,8 @@ class Chain(ChainFields):
 
         Examples
         --------
-        >>> Chain.dimer(0.125, beads=4).masses
+        >>> import hertzchain as hc
+        >>> hc.Chain.dimer(0.125, beads=4).masses
         array([1.   , 0.125, 1.   , 0.125])
         """
         count = checked_beads(beads)

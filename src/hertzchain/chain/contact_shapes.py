@@ -62,7 +62,8 @@ class CrossedCylinders:
     --------
     Cylinders of 5 mm radius, at right angles and at 30 degrees:
 
-    >>> crossed = CrossedCylinders(5e-3), CrossedCylinders(5e-3, angle=30.0)
+    >>> import hertzchain as hc
+    >>> crossed = hc.CrossedCylinders(5e-3), hc.CrossedCylinders(5e-3, angle=30.0)
     >>> [round(each.stiffness(100e9) / 1e9, 3) for each in crossed]
     [9.428, 15.231]
     """
@@ -100,7 +101,8 @@ class CrossedCylinders:
 
         Examples
         --------
-        >>> round(CrossedCylinders(5e-3).stiffness(100e9) / 1e9, 3)
+        >>> import hertzchain as hc
+        >>> round(hc.CrossedCylinders(5e-3).stiffness(100e9) / 1e9, 3)
         9.428
         """
         modulus = number("effective modulus", modulus, unit="Pa", above=0.0)
@@ -136,7 +138,8 @@ class Cone:
 
     Examples
     --------
-    >>> round(Cone(70.3).stiffness(100e9) / 1e9, 2)
+    >>> import hertzchain as hc
+    >>> round(hc.Cone(70.3).stiffness(100e9) / 1e9, 2)
     177.8
     """
 
@@ -164,7 +167,8 @@ class Cone:
 
         Examples
         --------
-        >>> round(Cone(45.0).stiffness(100e9) / 1e9, 2)
+        >>> import hertzchain as hc
+        >>> round(hc.Cone(45.0).stiffness(100e9) / 1e9, 2)
         63.66
         """
         modulus = number("effective modulus", modulus, unit="Pa", above=0.0)

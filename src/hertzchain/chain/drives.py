@@ -55,7 +55,8 @@ class SineBurst(Part):
     --------
     Half a sine, like the blow of a hammer:
 
-    >>> blow = SineBurst(100.0, 5e3, cycles=0.5, window="none")
+    >>> import hertzchain as hc
+    >>> blow = hc.SineBurst(100.0, 5e3, cycles=0.5, window="none")
     >>> blow.value([0.0, 5e-5, 1e-3]).round(9)
     array([  0., 100.,   0.])
     """
@@ -102,7 +103,8 @@ class SineBurst(Part):
 
         Examples
         --------
-        >>> round(float(SineBurst(1.0, 1.0, cycles=1.0).value(0.25)), 6)
+        >>> import hertzchain as hc
+        >>> round(float(hc.SineBurst(1.0, 1.0, cycles=1.0).value(0.25)), 6)
         0.5
         """
         periods = self.frequency * _saved_times(times)
@@ -129,7 +131,8 @@ class StepDrive(Part):
 
     Examples
     --------
-    >>> StepDrive(2.0, rise=1.0).value([-1.0, 0.5, 9.0])
+    >>> import hertzchain as hc
+    >>> hc.StepDrive(2.0, rise=1.0).value([-1.0, 0.5, 9.0])
     array([0., 1., 2.])
     """
 
@@ -169,7 +172,8 @@ class StepDrive(Part):
 
         Examples
         --------
-        >>> float(StepDrive(3.0).value(1.0))
+        >>> import hertzchain as hc
+        >>> float(hc.StepDrive(3.0).value(1.0))
         3.0
         """
         t = _saved_times(times)
@@ -194,7 +198,8 @@ class TableDrive(Part):
 
     Examples
     --------
-    >>> TableDrive([0.0, 1.0, 2.0], [0.0, 5.0, 0.0]).value([0.5, 3.0])
+    >>> import hertzchain as hc
+    >>> hc.TableDrive([0.0, 1.0, 2.0], [0.0, 5.0, 0.0]).value([0.5, 3.0])
     array([2.5, 0. ])
     """
 
@@ -243,7 +248,8 @@ class TableDrive(Part):
 
         Examples
         --------
-        >>> float(TableDrive([0.0, 1.0], [0.0, 1.0]).value(0.25))
+        >>> import hertzchain as hc
+        >>> float(hc.TableDrive([0.0, 1.0], [0.0, 1.0]).value(0.25))
         0.25
         """
         return np.asarray(np.interp(_saved_times(times), self.times, self.values))

@@ -27,7 +27,7 @@ def equilibrium(chain: Chain) -> StaticState:
 
     >>> import hertzchain as hc
     >>> chain = hc.Chain.uniform(4).replace(precompression=8.0, held_by="force")
-    >>> equilibrium(chain).positions.round(9)
+    >>> hc.equilibrium(chain).positions.round(9)
     array([12.,  8.,  4.,  0.])
     """
     require_chain("equilibrium", chain)

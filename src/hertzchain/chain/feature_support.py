@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Sequence
 
 from ..errors import InputError, short_repr
@@ -13,6 +14,11 @@ COUNTABLE = ("left wall", "right wall", "drive", "loss")
 
 def require_chain(method: str, chain: object) -> None:
     """Raise an error for anything but a chain."""
+    if isinstance(chain, str | os.PathLike):
+        raise InputError(
+            f"{method} requires a Chain, got {short_repr(chain)}; "
+            f"hc.load_chain({os.fspath(chain)!r}) reads one from a file"
+        )
     if not isinstance(chain, Chain):
         raise InputError(
             f"{method} requires a Chain, got {short_repr(chain)}; Chain.from_radii builds one "

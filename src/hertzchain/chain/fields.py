@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-import warnings
 from dataclasses import KW_ONLY, dataclass, field
 from functools import cached_property
 from typing import Any, Final, Literal, Self, get_args
@@ -12,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..collision import HERTZ_EXPONENT, Array
-from ..errors import InputError, InputWarning, unknown_name_error
+from ..errors import InputError, InputWarning, unknown_name_error, warn_user
 from ..frozen import Frozen
 from ..representation import short
 from ..validation.numbers import (
@@ -144,11 +143,10 @@ class ChainFields(Frozen):
             )
         if self.units == "SI" and self.radii.max() > LARGE_RADIUS:
             k = int(np.argmax(self.radii))
-            warnings.warn(
+            warn_user(
                 f"bead {k + 1} has a radius of {self.radii[k]:g} m; radii are in metres, so divide "
                 "by 1000 if these are millimetres",
                 InputWarning,
-                stacklevel=4,
             )
 
     def _check_taper(self) -> None:
@@ -205,6 +203,13 @@ class ChainFields(Frozen):
             unit = self._unit("m")
             gaps = per_bead_array("gap", self.gaps, self.beads - 1, "contact", unit=unit, least=0.0)
         self._set("gaps", _read_only(gaps))
+        length = 2.0 * float(self.radii.sum())
+        if self.units == "SI" and gaps.max() > length:
+            warn_user(
+                f"gap {int(np.argmax(gaps)) + 1} is {gaps.max():g} m, but the beads are only "
+                f"{length:.3g} m long in total; gaps are in metres, so check their unit",
+                InputWarning,
+            )
         gravity = number("gravity", self.gravity, unit=self._unit("m/s**2"))
         self._set("gravity", gravity)
         force = number("precompression", self.precompression, unit=self._unit("N"), least=0.0,

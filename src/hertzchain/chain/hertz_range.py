@@ -60,7 +60,7 @@ class HertzRange:
     Examples
     --------
     >>> import hertzchain as hc
-    >>> print(hertz_range(hc.Chain.from_materials(5e-3, "steel-52100", beads=20)))
+    >>> print(hc.hertz_range(hc.Chain.from_materials(5e-3, "steel-52100", beads=20)))
     overlap / radius  0.0041 at contact 1 (limit 0.01)
     pressure / yield  1.4 at contact 1 (limit 1)
     speed / sound  0.0002 (limit 0.01)
@@ -87,8 +87,9 @@ class HertzRange:
             found.append(
                 f"the pressure at {_place(at, self)} is {self.yield_ratio[at]:.3g} times the "
                 f"pressure at first yield{besides}; expect plastic dents and smaller forces than "
-                "those of Hertz's law: reduce the velocity, or use loss=ElasticPlastic(), which "
-                "yields, or Restitution with a coefficient measured at this speed"
+                "those of Hertz's law: reduce the velocity, or use a loss that yields "
+                "(loss=ElasticPlastic(), in a chain file [chain.loss] with law = "
+                "'elastic-plastic'), or Restitution with a coefficient measured at this speed"
             )
         if self.speed_ratio > MAX_SPEED_RATIO:
             found.append(
@@ -146,7 +147,7 @@ def hertz_range(chain: Chain, overlaps: ArrayLike | None = None) -> HertzRange:
     >>> import hertzchain as hc
     >>> for name, speed in (("steel-52100", 0.43), ("steel-304", 0.0015)):
     ...     chain = hc.Chain.from_materials(5e-3, name, beads=2, velocity=speed)
-    ...     print(name, hertz_range(chain).yield_ratio.max().round(2))
+    ...     print(name, hc.hertz_range(chain).yield_ratio.max().round(2))
     steel-52100 1.0
     steel-304 1.0
     """
@@ -192,6 +193,7 @@ def warn_outside_hertz(chain: Chain, overlaps: ArrayLike) -> None:
     Examples
     --------
     >>> import hertzchain as hc
+    >>> from hertzchain.chain.hertz_range import warn_outside_hertz
     >>> warn_outside_hertz(hc.Chain.uniform(3), [0.1, 0.1])
     """
     if chain.units == "SI" and chain.materials is not None:

@@ -29,6 +29,14 @@ MIN_DENSITY, MAX_DENSITY = 1e-3, 1e6
 # Largest pressure of a contact over the yield strength when its softer body first yields.
 FIRST_YIELD: Final = 1.60
 
+# Names that users give to materials of the catalogue.
+OTHER_NAMES: Final = {
+    "teflon": "'ptfe'", "stainless": "'steel-304' or 'steel-316'",
+    "stainless steel": "'steel-304' or 'steel-316'", "bearing steel": "'steel-52100'",
+    "chrome steel": "'steel-52100'", "100cr6": "'steel-52100'", "aluminum": "'aluminium'",
+    "plexiglass": "'acrylic'", "pmma": "'acrylic'",     "wc": "'tungsten-carbide'",
+}  # fmt: skip
+
 
 @dataclass(frozen=True)
 class Material:
@@ -58,7 +66,8 @@ class Material:
     --------
     A custom material:
 
-    >>> Material("my steel", density=7850.0, young=210e9, poisson=0.29)
+    >>> import hertzchain as hc
+    >>> hc.Material("my steel", density=7850.0, young=210e9, poisson=0.29)
     Material(my steel: 7850 kg/m^3, E = 210 GPa, nu = 0.29)
     """
 
@@ -141,13 +150,17 @@ def material(name: MaterialLike) -> Material:
 
     Examples
     --------
-    >>> material("steel-52100").density
+    >>> import hertzchain as hc
+    >>> hc.material("steel-52100").density
     7780.0
     """
     if isinstance(name, Material):
         return name
     known = catalogue()
     if not isinstance(name, str) or name not in known:
+        meant = OTHER_NAMES.get(name.lower().replace("-", " ")) if isinstance(name, str) else None
+        if meant is not None:
+            raise InputError(f"unknown material {name!r}; did you mean {meant}?")
         raise InputError(
             f"{unknown_name_error('material', name, known)}; define a custom material with "
             "Material(name, density=, young=, poisson=), or [materials.NAME] in a chain file"
@@ -170,7 +183,9 @@ def contact_modulus(one: Material, other: Material) -> float:
 
     Examples
     --------
-    >>> steel = material("steel-52100")
+    >>> import hertzchain as hc
+    >>> from hertzchain.chain.materials import contact_modulus
+    >>> steel = hc.material("steel-52100")
     >>> round(contact_modulus(steel, steel) / 1e9, 2)
     111.54
     """
@@ -201,7 +216,10 @@ def sphere_stiffness(radius: ArrayLike, next_radius: ArrayLike, modulus: ArrayLi
 
     Examples
     --------
-    >>> steel = material("steel-52100")
+    >>> import hertzchain as hc
+    >>> from hertzchain.chain.materials import contact_modulus
+    >>> from hertzchain.chain.materials import sphere_stiffness
+    >>> steel = hc.material("steel-52100")
     >>> modulus = contact_modulus(steel, steel)
     >>> round(float(sphere_stiffness(5e-3, 5e-3, modulus)) / 1e9, 6)
     7.435897

@@ -74,7 +74,7 @@ class Scales:
 
     >>> import hertzchain as hc
     >>> chain = hc.Chain.from_materials(5e-3, "steel-52100", beads=20)
-    >>> scales = Scales.of(chain)
+    >>> scales = hc.Scales.of(chain)
     >>> round(scales.length * 1e6, 5), round(scales.force, 2)
     (12.45828, 326.98)
     """
@@ -127,7 +127,7 @@ class Scales:
         --------
         >>> import hertzchain as hc
         >>> chain = hc.Chain.from_materials(5e-3, "steel-52100", beads=20, velocity=2.0)
-        >>> Scales.of(chain).velocity
+        >>> hc.Scales.of(chain).velocity
         2.0
         """
         from .conversion import scales_of
@@ -184,7 +184,8 @@ class Scales:
 
         Examples
         --------
-        >>> Scales(radius=1.0, mass=1.0, velocity=2.0, length=6.0).unit("1/time")
+        >>> import hertzchain as hc
+        >>> hc.Scales(radius=1.0, mass=1.0, velocity=2.0, length=6.0).unit("1/time")
         0.3333333333333333
         """
         product = f"*{text('scale', scale)}"
@@ -221,7 +222,7 @@ class Scales:
         Examples
         --------
         >>> import hertzchain as hc
-        >>> scales = Scales(radius=5e-3, mass=4e-3, velocity=1.0, length=12e-6)
+        >>> scales = hc.Scales(radius=5e-3, mass=4e-3, velocity=1.0, length=12e-6)
         >>> pulse = scales.to_si(hc.bca(hc.Chain.uniform(20)))
         >>> float(pulse.peak_time is None), round(float(pulse.arrival[1] * 1e6), 3)
         (1.0, 14.633)
@@ -254,7 +255,7 @@ class Scales:
         --------
         >>> import hertzchain as hc
         >>> chain = hc.Chain.from_materials([5e-3, 2.5e-3, 5e-3], "steel-52100")
-        >>> Scales.of(chain).to_scaled(chain).masses
+        >>> hc.Scales.of(chain).to_scaled(chain).masses
         array([1.   , 0.125, 1.   ])
         """
         from .conversion import converted

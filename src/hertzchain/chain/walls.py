@@ -46,9 +46,10 @@ class Wall(Part):
 
     Examples
     --------
-    >>> Wall(gap=0.1)
+    >>> import hertzchain as hc
+    >>> hc.Wall(gap=0.1)
     Wall(own material, gap = 0.1)
-    >>> Wall.of("steel-52100")
+    >>> hc.Wall.of("steel-52100")
     Wall(steel-52100)
     """
 
@@ -99,7 +100,8 @@ class Wall(Part):
 
         Examples
         --------
-        >>> Wall.of("steel-52100").material.poisson
+        >>> import hertzchain as hc
+        >>> hc.Wall.of("steel-52100").material.poisson
         0.3
         """
         return cls(material=material(name), gap=gap)
@@ -120,7 +122,8 @@ class Wall(Part):
 
         Examples
         --------
-        >>> Wall.rigid()
+        >>> import hertzchain as hc
+        >>> hc.Wall.rigid()
         Wall(rigid)
         """
         return cls(material=RIGID, gap=gap)

@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+import multiprocessing
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from datetime import timedelta
-from typing import Final
+from typing import TYPE_CHECKING, Any, Final
 
 import click
+
+if TYPE_CHECKING:
+    from rich.progress import ProgressColumn
 
 # Interval between lines of progress if stderr is not a terminal.
 SECONDS_PER_LINE: Final = 5.0
@@ -23,7 +27,6 @@ def progress_bar(what: str, *, rate: bool = False) -> Iterator[Callable[[int, in
     from rich.console import Console
     from rich.progress import (
         BarColumn,
-        MofNCompleteColumn,
         Progress,
         TextColumn,
         TimeElapsedColumn,
@@ -31,20 +34,49 @@ def progress_bar(what: str, *, rate: bool = False) -> Iterator[Callable[[int, in
 
     console = Console(stderr=True)
     pace = _Pace() if rate else None
+    announce_compilation()
     if not console.is_terminal:
         yield _lines_of_progress(what, pace)
         return
-    columns = [TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn()]
+    columns = [TextColumn("{task.description}"), BarColumn(), _count_column()]
     last = TextColumn("{task.fields[pace]}") if rate else TimeElapsedColumn()
     with Progress(*columns, last, console=console, transient=True) as bar:
-        first = "starting (the first use on a machine compiles)"
-        task = bar.add_task(first, total=None, pace="")
+        task = bar.add_task("starting", total=None, pace="")
+        announce_compilation(lambda line: bar.update(task, description=line.partition(", ")[0]))
 
         def update(done: int, total: int) -> None:
             told = pace.text(done, total) if pace else ""
             bar.update(task, description=what, completed=done, total=total, pace=told)
 
-        yield update
+        try:
+            yield update
+        finally:
+            announce_compilation()
+
+
+def announce_compilation(also: Callable[[str], None] | None = None) -> None:
+    """Write a line to stderr, also in a pipe or file, whenever functions are being compiled."""
+    from ..kernels.compile_notice import send_to
+
+    def write(line: str) -> None:
+        if multiprocessing.parent_process() is None:
+            click.echo(line, err=True)
+            if also is not None:
+                also(line)
+
+    send_to(write)
+
+
+def _count_column() -> ProgressColumn:
+    """The column ``3/10``, which is empty before the first result."""
+    from rich.progress import MofNCompleteColumn
+    from rich.text import Text
+
+    class Count(MofNCompleteColumn):
+        def render(self, task: Any) -> Text:
+            return Text("") if task.total is None else super().render(task)
+
+    return Count()
 
 
 class _Pace:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import warnings
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
 import click
 
@@ -23,6 +23,8 @@ if TYPE_CHECKING:
     from ..simulation.wall_force import WallForce
     from ..simulation.waves import Waves
 
+USUAL_TIMES: Final = 400
+
 
 @click.command()
 @chain_options
@@ -33,7 +35,11 @@ if TYPE_CHECKING:
     "right wall is complete, at most 10 transits of the pulse; without a right wall, when the "
     "pulse has left the chain]",
 )
-@click.option("--times", type=int, default=400, show_default=True, help="Number of saved times.")
+@click.option(
+    "--times",
+    type=int,
+    help="Number of saved times.  [default: 400; with --sensor and without --out, 4000]",
+)
 @click.option(
     "--rtol", type=float, default=1e-13, show_default=True, help="Relative tolerance per step."
 )
@@ -93,7 +99,7 @@ if TYPE_CHECKING:
 @click.option("--json", "as_json", is_flag=True, help="Print the summary as JSON.")
 @with_width("plot")
 def simulate(
-    options: ChainOptions, until: str | None, times: int, rtol: float, method: str,
+    options: ChainOptions, until: str | None, times: int | None, rtol: float, method: str,
     step: str | None, drift: float | None, max_steps: int | None, out: Path | None,
     plot: Path | None, animation: Path | None, sensors: tuple[int, ...], stream: Path | None,
     budget: bool, waves: bool, horizon: bool, as_json: bool,
@@ -120,6 +126,7 @@ def simulate(
     """
     import hertzchain
 
+    from ..simulation.sensor_force import MANY_TIMES
     from ..store.results import save_run
     from ..validation.numbers import whole_number
 
@@ -128,6 +135,8 @@ def simulate(
     check_writable(out, "--out", (".nc", ".csv"))
     if budget and as_json:
         raise click.UsageError("--budget and --json cannot be combined")
+    if times is None:
+        times = MANY_TIMES if sensors and out is None else USUAL_TIMES
     if times < 2 and (out or plot or animation or sensors or stream or budget or waves or horizon):
         raise click.UsageError(
             "--out, --plot, --animate, --sensor, --stream, --budget, --waves and --horizon require "
@@ -258,13 +267,18 @@ def _wall_line(wall: WallForce, newton: str, second: str, impulse: str) -> str:
 
 
 def _sensor_line(sensor: SensorForce, newton: str, second: str) -> str:
+    from ..simulation.sensor_force import SHOWN
+
     first = "no maximum yet"
     if not math.isnan(sensor.first_maximum):
         first = (
             f"first maximum {sensor.first_maximum:.6g}{newton} at t = "
             f"{sensor.first_maximum_time:.6g}{second}"
         )
+    error = ""
+    if sensor.error > SHOWN * sensor.largest_so_far:
+        error = f" (+- {sensor.error:.2g}{newton}, from {len(sensor.times)} saved times)"
     return (
         f"sensor in bead {sensor.bead}: {first}; largest so far {sensor.largest_so_far:.6g}"
-        f"{newton} at t = {sensor.largest_so_far_time:.6g}{second}"
+        f"{newton} at t = {sensor.largest_so_far_time:.6g}{second}{error}"
     )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from contextlib import ExitStack
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Final
 
 import click
 
@@ -35,6 +35,11 @@ class _Sweep(click.Group):
         if args and args[0].startswith("-") and args[0] not in (*options, "-h", "--help"):
             args = ["run", *args]
         return super().parse_args(ctx, args)
+
+
+# Not contained in an estimate; disks store files in blocks.
+METADATA: Final = "10 to 200 kB of metadata"
+START: Final = "starting and compiling (seconds to minutes)"
 
 
 @click.group(cls=_Sweep)
@@ -244,8 +249,8 @@ def _show_estimate(specification: Path, workers: int | None, as_json: bool) -> N
     from rich.filesize import decimal
 
     click.echo(f"{found.points} points in {found.batches} batches")
-    click.echo(f"at most {decimal(found.bytes_on_disk)} on disk")
-    click.echo(f"about {_duration(found.seconds)} on this machine")
+    click.echo(f"at most {decimal(found.bytes_on_disk)} of values, and {METADATA}, on disk")
+    click.echo(f"about {_duration(found.seconds)} of computing, without {START}, on this machine")
 
 
 def _show_outcome(opened: SweepStore, part: tuple[int, int] | None, as_json: bool) -> int:

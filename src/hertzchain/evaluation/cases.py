@@ -49,7 +49,8 @@ class Case:
 
     Examples
     --------
-    >>> Case("equal", "equal", "smooth", Chain.uniform(30)).last_bead
+    >>> import hertzchain as hc
+    >>> hc.evaluation.Case("equal", "equal", "smooth", hc.Chain.uniform(30)).last_bead
     27
     """
 
@@ -86,7 +87,8 @@ def paper_cases() -> list[Case]:
 
     Examples
     --------
-    >>> print(paper_cases()[0].name, "|", paper_cases()[-1].family)
+    >>> import hertzchain as hc
+    >>> print(hc.evaluation.paper_cases()[0].name, "|", hc.evaluation.paper_cases()[-1].family)
     backward-linear, S = 0.1 | forward-exponential, q = 0.08..0.12
     """
     found = []
@@ -114,7 +116,8 @@ def unseen_cases() -> list[Case]:
 
     Examples
     --------
-    >>> len(unseen_cases())
+    >>> import hertzchain as hc
+    >>> len(hc.evaluation.unseen_cases())
     20
     """
     found = [

@@ -38,7 +38,8 @@ def scoreboard(
 
     Examples
     --------
-    >>> scoreboard(theories=["bca", "modified-bca"])
+    >>> import hertzchain as hc
+    >>> hc.scoreboard(theories=["bca", "modified-bca"])
     Scoreboard(2 theories on 52 chains)
     """
     callback("progress", progress)
@@ -76,7 +77,8 @@ def evaluate(
     Examples
     --------
     >>> import hertzchain as hc
-    >>> case = Case("equal", "equal", "smooth", Chain.uniform(30))
+    >>> from hertzchain.evaluation.evaluate import evaluate
+    >>> case = hc.evaluation.Case("equal", "equal", "smooth", hc.Chain.uniform(30))
     >>> evaluate([case], [hc.propagate(case.chain)]).theories[0]
     'bca'
     """

@@ -58,9 +58,9 @@ class Scoreboard:
 
     Examples
     --------
-    >>> from hertzchain.evaluation.evaluate import scoreboard
-    >>> board = scoreboard(theories=["bca"])
-    >>> board.cases[0].name, percentage(board.worst("velocity")[0, 0])
+    >>> import hertzchain as hc
+    >>> board = hc.scoreboard(theories=["bca"])
+    >>> board.cases[0].name, hc.evaluation.percentage(board.worst("velocity")[0, 0])
     ('backward-linear, S = 0.1', '49')
     """
 
@@ -98,8 +98,9 @@ class Scoreboard:
 
         Examples
         --------
-        >>> from hertzchain.evaluation.evaluate import scoreboard
-        >>> board = scoreboard(theories=["hard-sphere"])
+        >>> import hertzchain as hc
+        >>> import numpy as np
+        >>> board = hc.scoreboard(theories=["hard-sphere"])
         >>> bool(np.isnan(board.worst("arrival")).all())
         True
         """
@@ -120,8 +121,8 @@ class Scoreboard:
 
         Examples
         --------
-        >>> from hertzchain.evaluation.evaluate import scoreboard
-        >>> board = scoreboard(theories=["bca"])
+        >>> import hertzchain as hc
+        >>> board = hc.scoreboard(theories=["bca"])
         >>> bool((board.rms("energy") < board.worst("energy")).all())
         True
         """
@@ -159,8 +160,8 @@ class Scoreboard:
 
         Examples
         --------
-        >>> from hertzchain.evaluation.evaluate import scoreboard
-        >>> covered, ratio = scoreboard(theories=["local-rate"]).coverage("local-rate", "smooth")
+        >>> import hertzchain as hc
+        >>> covered, ratio = hc.scoreboard(theories=["local-rate"]).coverage("local-rate", "smooth")
         >>> covered > 0.9
         True
         """
@@ -213,8 +214,8 @@ class Scoreboard:
 
         Examples
         --------
-        >>> from hertzchain.evaluation.evaluate import scoreboard
-        >>> table = scoreboard().table("velocity", by="group")
+        >>> import hertzchain as hc
+        >>> table = hc.scoreboard().table("velocity", by="group")
         >>> table.loc["smooth", "two-thirds-bca"] < table.loc["smooth", "bca"]
         np.True_
         """
@@ -243,8 +244,8 @@ class Scoreboard:
 
         Examples
         --------
-        >>> from hertzchain.evaluation.evaluate import scoreboard
-        >>> outside = scoreboard(theories=["modified-bca"]).outside()
+        >>> import hertzchain as hc
+        >>> outside = hc.scoreboard(theories=["modified-bca"]).outside()
         >>> outside.index[outside["modified-bca"]][0]
         'backward-linear, S = 1'
         """
@@ -268,8 +269,8 @@ class Scoreboard:
 
         Examples
         --------
-        >>> from hertzchain.evaluation.evaluate import scoreboard
-        >>> scoreboard(theories=["bca"]).rows("family")["backward-linear, S = 0.1..0.9"]
+        >>> import hertzchain as hc
+        >>> hc.scoreboard(theories=["bca"]).rows("family")["backward-linear, S = 0.1..0.9"]
         [0, 1, 2, 3, 4]
         """
         check_choice("row", by, get_args(Row))
@@ -288,8 +289,8 @@ class Scoreboard:
 
         Examples
         --------
-        >>> from hertzchain.evaluation.evaluate import scoreboard
-        >>> errors = scoreboard().to_xarray()
+        >>> import hertzchain as hc
+        >>> errors = hc.scoreboard().to_xarray()
         >>> round(float(errors.velocity.sel(theory="bca", case="bump", bead=20)), 2)
         0.47
         """
@@ -325,8 +326,8 @@ class Scoreboard:
 
         Examples
         --------
-        >>> from hertzchain.evaluation.evaluate import scoreboard
-        >>> rows = scoreboard(theories=["bca"]).to_dataframe()
+        >>> import hertzchain as hc
+        >>> rows = hc.scoreboard(theories=["bca"]).to_dataframe()
         >>> len(rows), rows.worst.isna().sum().item()
         (520, 0)
         """
@@ -361,8 +362,8 @@ class Scoreboard:
 
         Examples
         --------
-        >>> from hertzchain.evaluation.evaluate import scoreboard
-        >>> (first, *_) = scoreboard(theories=["bca"]).as_dict()["rows"]
+        >>> import hertzchain as hc
+        >>> (first, *_) = hc.scoreboard(theories=["bca"]).as_dict()["rows"]
         >>> list(first["theories"]["bca"]["errors"]["arrival"])
         ['from_2', 'from_10']
         """
@@ -420,7 +421,9 @@ def percentage(error: float) -> str:
 
     Examples
     --------
-    >>> [percentage(error) for error in (26.517, 0.5312, 0.0718, 0.00123, float("nan"))]
+    >>> import hertzchain as hc
+    >>> errors = 26.517, 0.5312, 0.0718, 0.00123, float("nan")
+    >>> [hc.evaluation.percentage(error) for error in errors]
     ['2652', '53', '7.2', '0.12', '–']
     """
     if np.isnan(error):

@@ -111,8 +111,9 @@ def unseen_radii(beads: int = 100) -> dict[str, Array]:
 
     Examples
     --------
-    >>> radii = unseen_radii()
-    >>> len(radii), sum(is_smooth(chain) for chain in radii.values())
+    >>> import hertzchain as hc
+    >>> radii = hc.evaluation.unseen_radii()
+    >>> len(radii), sum(hc.evaluation.is_smooth(chain) for chain in radii.values())
     (20, 13)
     """
     k = np.arange(1.0, beads + 1.0)
@@ -129,8 +130,10 @@ def is_smooth(radii: Array) -> bool:
 
     Examples
     --------
-    >>> is_smooth(1.05 ** np.arange(9)), is_smooth(np.array([1.0, 1.0, 1.01]))
-    (True, False)
+    >>> import hertzchain as hc
+    >>> import numpy as np
+    >>> [hc.evaluation.is_smooth(R) for R in (1.05 ** np.arange(9), np.array([1.0, 1.0, 1.01]))]
+    [True, False]
     """
     rates = np.diff(np.log(radii))
     gentle = bool(np.all(np.abs(rates) <= MAX_LOCAL_RATE))

@@ -39,7 +39,8 @@ def example_experiment(*shots: str) -> tuple[Traces, Path]:
 
     Examples
     --------
-    >>> traces, chain_file = example_experiment()
+    >>> import hertzchain as hc
+    >>> traces, chain_file = hc.example_experiment()
     >>> traces.names
     ('ball 6', 'ball 11', 'ball 16', 'wall')
     """

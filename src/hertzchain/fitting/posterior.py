@@ -77,7 +77,9 @@ class Posterior:
 
         Examples
         --------
-        >>> posterior = Posterior(("a",), np.zeros((4, 1)), 0.5, 1.0, 100, np.zeros(1))
+        >>> import hertzchain as hc
+        >>> import numpy as np
+        >>> posterior = hc.Posterior(("a",), np.zeros((4, 1)), 0.5, 1.0, 100, np.zeros(1))
         >>> dict(posterior.to_dataset().sizes)
         {'sample': 4, 'parameter': 1}
         """
@@ -95,9 +97,11 @@ class Posterior:
 
         Examples
         --------
+        >>> import hertzchain as hc
+        >>> import numpy as np
         >>> rng = np.random.default_rng(0)
         >>> samples = rng.normal(size=(100, 2))
-        >>> len(Posterior(("a", "b"), samples, 0.5, 1.0, 100, np.zeros(2)).plot().axes)
+        >>> len(hc.Posterior(("a", "b"), samples, 0.5, 1.0, 100, np.zeros(2)).plot().axes)
         3
         """
         from ..plotting.fits import plot_corner

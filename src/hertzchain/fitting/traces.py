@@ -100,9 +100,11 @@ class Traces:
 
     Examples
     --------
+    >>> import hertzchain as hc
+    >>> import numpy as np
     >>> times = 1e-6 * np.arange(60)
     >>> pulse = np.exp(-(((times - 40e-6) / 5e-6) ** 2))
-    >>> Traces.from_arrays(times, {"ball 6 [N]": 30.0 * pulse}, noise=0.1)
+    >>> hc.Traces.from_arrays(times, {"ball 6 [N]": 30.0 * pulse}, noise=0.1)
     Traces(1 shot, ball 6: 60 samples, every 1 us; noise 0.1 N)
     """
 
@@ -148,8 +150,9 @@ class Traces:
 
         Examples
         --------
+        >>> import hertzchain as hc
         >>> times = [0.0, 1e-6, 2e-6, 3e-6]
-        >>> Traces.from_arrays(times, {"wall [kN]": [0.0, 0.01, 0.02, 0.01]}, noise=0.1)
+        >>> hc.Traces.from_arrays(times, {"wall [kN]": [0.0, 0.01, 0.02, 0.01]}, noise=0.1)
         Traces(1 shot, wall: 4 samples, every 1 us; noise 0.1 N)
         """
         moments = real_numbers("time", times, "sample", unit="s")
@@ -193,7 +196,8 @@ class Traces:
 
         Examples
         --------
-        >>> Traces.from_arrays([0.0, 1e-6, 3e-6], {"wall [N]": [0, 5, 1]}, noise=0.1).notes()
+        >>> import hertzchain as hc
+        >>> hc.Traces.from_arrays([0.0, 1e-6, 3e-6], {"wall [N]": [0, 5, 1]}, noise=0.1).notes()
         ('shot 1 is sampled unevenly, every 1 to 2 us; nothing is resampled',)
         """
         found = []
@@ -227,7 +231,8 @@ class Traces:
 
         Examples
         --------
-        >>> traces = Traces.from_arrays([0.0, 1e-6], {"wall [N]": [0.0, 5.0]}, noise=0.1)
+        >>> import hertzchain as hc
+        >>> traces = hc.Traces.from_arrays([0.0, 1e-6], {"wall [N]": [0.0, 5.0]}, noise=0.1)
         >>> traces.to_dataset()["wall"].attrs["units"]
         'N'
         """
@@ -258,7 +263,8 @@ class Traces:
 
         Examples
         --------
-        >>> traces = Traces.from_arrays([0.0, 1e-6], {"wall [N]": [0.0, 5.0]}, noise=0.1)
+        >>> import hertzchain as hc
+        >>> traces = hc.Traces.from_arrays([0.0, 1e-6], {"wall [N]": [0.0, 5.0]}, noise=0.1)
         >>> traces.plot().get_xlabel()
         'time [µs]'
         """

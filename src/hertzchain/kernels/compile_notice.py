@@ -1,7 +1,7 @@
 """One line on standard error for whoever waits for the compiler; the only output of this package.
 
-It is written if standard error is a terminal or the output of a notebook, once per wait, and only
-after half a second of compiling.
+It is written if standard error is a terminal or the output of a notebook, and always by the
+command line, once per wait, and only after half a second of compiling.
 """
 
 from __future__ import annotations
@@ -25,6 +25,10 @@ USUAL: Final = 10
 SECONDS: Final = {"full_chain": 15, "GeneralChain": 55}
 
 
+# What is called with the line instead of `write_line`; the command line sets it.
+_writers: list[Callable[[str], None]] = []
+
+
 class CompileNotice(event.Listener):
     """Listener to numba's events of compilation, which are serial: the compiler has a lock."""
 
@@ -35,7 +39,7 @@ class CompileNotice(event.Listener):
         delay: float = DELAY,
         pause: float = PAUSE,
     ) -> None:
-        self._write, self._delay, self._pause = write or write_line, delay, pause
+        self._write, self._delay, self._pause = write or _write_current, delay, pause
         self._lock = threading.Lock()
         self._depth = 0
         self._written = False
@@ -96,6 +100,15 @@ def _seconds(event: Any, module: str) -> int:
     classes = (getattr(kind, "instance_class", None) for kind in event.data["args"])
     names = [getattr(each, "__name__", "") for each in classes]
     return max((SECONDS[name] for name in (module, *names) if name in SECONDS), default=USUAL)
+
+
+def send_to(write: Callable[[str], None] | None) -> None:
+    """Call this with the line from now on; with None, `write_line`."""
+    _writers[:] = [] if write is None else [write]
+
+
+def _write_current(line: str) -> None:
+    (_writers or [write_line])[-1](line)
 
 
 def write_line(line: str) -> None:

@@ -21,6 +21,8 @@ class Printed:
 
     Examples
     --------
+    >>> import hertzchain as hc
+    >>> from hertzchain.paper.published import Printed
     >>> Printed("-0.00160").value, Printed("-0.00160").decimals
     (-0.0016, 5)
     """

@@ -32,6 +32,9 @@ class Entry:
 
     Examples
     --------
+    >>> import hertzchain as hc
+    >>> from hertzchain.paper.tables import Entry
+    >>> from hertzchain.paper.tables import Printed
     >>> entry = Entry("table1", "backward-exponential", "numerical", 0.01,
     ...               Printed("0.01491"), 0.014913)
     >>> entry.units, entry.verdict

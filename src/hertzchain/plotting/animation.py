@@ -81,9 +81,10 @@ def animate(
     Examples
     --------
     >>> import hertzchain as hc, tempfile
+    >>> from pathlib import Path
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     run = hc.simulate(hc.Chain.uniform(9), until=12.0, times=20)
-    ...     file = animate(run, Path(folder) / "beads.gif", frames=5)
+    ...     file = hc.animate(run, Path(folder) / "beads.gif", frames=5)
     ...     file.read_bytes()[:3]
     b'GIF'
     """

@@ -66,7 +66,7 @@ def plot_budget(
     Examples
     --------
     >>> import hertzchain as hc
-    >>> axes = plot_budget(hc.simulate(hc.Chain.uniform(9)).budget(), "momentum")
+    >>> axes = hc.plotting.plot_budget(hc.simulate(hc.Chain.uniform(9)).budget(), "momentum")
     >>> axes.get_ylabel()
     'momentum'
     """

@@ -26,7 +26,7 @@ def plot_chain(chain: Chain, *, ax: Axes | None = None) -> Axes:
     Examples
     --------
     >>> import hertzchain as hc
-    >>> axes = plot_chain(hc.Chain.tapered("forward-linear", 0.05, beads=15))
+    >>> axes = hc.plot_chain(hc.Chain.tapered("forward-linear", 0.05, beads=15))
     >>> len(axes.collections)
     1
     """

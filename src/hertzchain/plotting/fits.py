@@ -41,6 +41,7 @@ def plot_traces(traces: Traces, *, ax: Axes | None = None) -> Axes:
     Examples
     --------
     >>> import hertzchain as hc
+    >>> from hertzchain.plotting.fits import plot_traces
     >>> traces = hc.Traces.from_arrays([0.0, 1e-6], {"wall [N]": [0.0, 5.0]}, noise=0.1)
     >>> plot_traces(traces).get_ylabel()
     'signal [N]'
@@ -78,6 +79,7 @@ def plot_fit(result: FitResult) -> Figure:
     Examples
     --------
     >>> import hertzchain as hc
+    >>> from hertzchain.plotting.fits import plot_fit
     >>> figure = plot_fit(hc.fit(*hc.example_experiment(), free=["time_offset"]))
     """
     residuals = result.residuals()
@@ -137,6 +139,7 @@ def plot_fit_residuals(result: FitResult) -> Figure:
     Examples
     --------
     >>> import hertzchain as hc
+    >>> from hertzchain.plotting.fits import plot_fit_residuals
     >>> figure = plot_fit_residuals(hc.fit(*hc.example_experiment(), free=["time_offset"]))
     """
     with figure_style():
@@ -181,6 +184,7 @@ def plot_correlations(result: FitResult) -> Figure:
     Examples
     --------
     >>> import hertzchain as hc
+    >>> from hertzchain.plotting.fits import plot_correlations
     >>> figure = plot_correlations(hc.fit(*hc.example_experiment(), free=["time_offset"]))
     """
     names, values = result.names, result.correlation
@@ -215,6 +219,7 @@ def plot_comparison(comparison: TraceComparison) -> Figure:
     Examples
     --------
     >>> import hertzchain as hc
+    >>> from hertzchain.plotting.fits import plot_comparison
     >>> traces, chain = hc.example_experiment()
     >>> run = hc.simulate(hc.load_chain(chain), until=600e-6, times=1201)
     >>> figure = plot_comparison(run.compare(traces))
@@ -255,6 +260,7 @@ def plot_corner(posterior: Posterior) -> Figure:
     Examples
     --------
     >>> import hertzchain as hc
+    >>> from hertzchain.plotting.fits import plot_corner
     >>> result = hc.fit(*hc.example_experiment(), free=["time_offset"])
     >>> figure = plot_corner(result.sample(1000))  # doctest: +SKIP
     """

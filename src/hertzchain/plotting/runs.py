@@ -51,7 +51,7 @@ def plot_run(
     Examples
     --------
     >>> import hertzchain as hc
-    >>> plot_run(hc.simulate(hc.Chain.uniform(9))).get_xlabel()
+    >>> hc.plotting.plot_run(hc.simulate(hc.Chain.uniform(9))).get_xlabel()
     'time $t$'
     """
     if len(run.times) < 2:
@@ -112,7 +112,7 @@ def plot_forces(run: Run, beads: Sequence[int], *, ax: Axes | None = None) -> Ax
     --------
     >>> import hertzchain as hc
     >>> chain = hc.Chain.uniform(20).replace(right_wall=hc.Wall())
-    >>> axes = plot_forces(hc.simulate(chain), [5, 10, 21])
+    >>> axes = hc.plotting.plot_forces(hc.simulate(chain), [5, 10, 21])
     >>> [text.get_text() for text in axes.get_legend().get_texts()]
     ['bead 5', 'bead 10', 'right wall']
     """
@@ -124,7 +124,9 @@ def plot_forces(run: Run, beads: Sequence[int], *, ax: Axes | None = None) -> Ax
     walls: dict[int, Side] = {0: "left", run.chain.beads + 1: "right"}
     with figure_style():
         axes = get_axes(ax)
-        for i, k in enumerate(numbers):
+        # Curves of several runs in the same axes have different colours.
+        drawn = len(axes.lines)
+        for i, k in enumerate(numbers, drawn):
             wall = run.wall_force(walls[k]) if k in walls else None
             cut_off = wall is not None and not wall.complete
             axes.plot(

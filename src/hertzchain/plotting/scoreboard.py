@@ -39,8 +39,8 @@ def plot_scoreboard(
 
     Examples
     --------
-    >>> from hertzchain.evaluation.evaluate import scoreboard
-    >>> plot_scoreboard(scoreboard(theories=["bca"])).get_xscale()
+    >>> import hertzchain as hc
+    >>> hc.plotting.plot_scoreboard(hc.scoreboard(theories=["bca"])).get_xscale()
     'log'
     """
     errors = board.table(quantity, first_bead=first_bead, statistic=statistic)

@@ -55,7 +55,7 @@ def figure_style(width: str | float | None = None) -> Iterator[None]:
     Examples
     --------
     >>> import hertzchain as hc
-    >>> with figure_style("single column"):
+    >>> with hc.figure_style("single column"):
     ...     axes = hc.propagate(hc.Chain.uniform(20)).plot()
     >>> (25.4 * axes.figure.get_size_inches()).round(1)
     array([86. , 61.9])

@@ -68,7 +68,7 @@ def plot_sweep(
     ...     "axes": {"rate": [0.02, 0.04, 0.06], "beads": [20, 30]},
     ...     "sweep": {"keep": ["momentum"], "at": "last"},
     ... })
-    >>> plot_sweep(found).get_ylabel()
+    >>> hc.plot_sweep(found).get_ylabel()
     'beads'
     """
     log = check_bool("log", log)

@@ -26,7 +26,7 @@ def plot_waves(waves: Waves, *, ax: Axes | None = None) -> Axes:
     Examples
     --------
     >>> import hertzchain as hc
-    >>> axes = plot_waves(hc.simulate(hc.Chain.uniform(30), until=30.0).waves())
+    >>> axes = hc.plotting.plot_waves(hc.simulate(hc.Chain.uniform(30), until=30.0).waves())
     >>> [text.get_text() for text in axes.get_legend().get_texts()]
     ['to the right']
     """

@@ -320,7 +320,11 @@ class Pulse(Frozen):
             name: pd.Series(values, index=self.bead[: len(values)])
             for name, values in self.columns().items()
         }
-        return pd.DataFrame(columns, index=pd.Index(self.bead, name="bead"))
+        table = pd.DataFrame(columns, index=pd.Index(self.bead, name="bead"))
+        table.attrs["units"] = {
+            name: QUANTITIES[name].attributes(self.chain.units)["units"] for name in columns
+        }
+        return table
 
     def plot(
         self, quantity: str = "velocity", *, log: bool = False, ax: Axes | None = None

@@ -58,6 +58,8 @@ class Quantity:
 
     Examples
     --------
+    >>> import hertzchain as hc
+    >>> from hertzchain.pulse.quantities import QUANTITIES
     >>> QUANTITIES["peak_force"].description
     'largest force on the next bead'
     """
@@ -91,6 +93,8 @@ class Quantity:
 
         Examples
         --------
+        >>> import hertzchain as hc
+        >>> from hertzchain.pulse.quantities import QUANTITIES
         >>> QUANTITIES["peak_force"].count(10)
         9
         """
@@ -106,6 +110,8 @@ class Quantity:
 
         Examples
         --------
+        >>> import hertzchain as hc
+        >>> from hertzchain.pulse.quantities import QUANTITIES
         >>> QUANTITIES["energy"].unit_in("SI"), QUANTITIES["energy"].unit_in("scaled")
         ('J', '1')
         """
@@ -121,6 +127,8 @@ class Quantity:
 
         Examples
         --------
+        >>> import hertzchain as hc
+        >>> from hertzchain.pulse.quantities import QUANTITIES
         >>> QUANTITIES["peak_force"].label_in("SI")
         'largest force $F_k$ [N]'
         """
@@ -142,6 +150,8 @@ class Quantity:
 
         Examples
         --------
+        >>> import hertzchain as hc
+        >>> from hertzchain.pulse.quantities import QUANTITIES
         >>> QUANTITIES["arrival"].attributes("SI")["units"]
         's'
         """

@@ -30,7 +30,7 @@ from .run import Run
 from .run_end import Status
 from .run_message import FAILURES, end_message
 from .run_pulse import pulse_of
-from .sensor_force import MIN_HEIGHT, find_maxima
+from .sensor_force import MANY_TIMES, MIN_HEIGHT, sensor_maxima
 from .simulate import MAX_RTOL, MIN_RTOL, simulate
 
 # Quantities of the leading pulse that a simulation gives.
@@ -40,8 +40,6 @@ PULSE_QUANTITIES: Final = {
 KEPT: Final[dict[str, Quantity]] = {
     **PULSE_QUANTITIES, **WALL_QUANTITIES, **SENSOR_QUANTITIES, **FINAL_QUANTITIES
 }  # fmt: skip
-# Times at which `simulate` saves the force of a sensor, whose maxima are then interpolated.
-SENSOR_TIMES: Final = 4000
 # `simulate` uses another method, with a larger error at the same tolerance.
 TIGHTER: Final = 0.1
 
@@ -267,7 +265,7 @@ def by_simulate(chain: Chain, request: Request, progress: Callable[[int, int], N
     """Integrate one chain by `simulate`."""
     keep = request.keep
     rtol = min(max(TIGHTER * request.rtol, MIN_RTOL), MAX_RTOL)
-    times = SENSOR_TIMES if any(name in SENSOR_QUANTITIES for name in keep) else 0
+    times = MANY_TIMES if any(name in SENSOR_QUANTITIES for name in keep) else 0
     options: dict[str, Any] = {"rtol": rtol, "progress": progress}
     run = simulate(
         chain, until=request.until, times=times, max_steps=request.max_steps, **options
@@ -290,34 +288,14 @@ def by_simulate(chain: Chain, request: Request, progress: Callable[[int, int], N
 
 
 def _sensors_of(run: Run, beads: Sequence[int]) -> dict[str, Array]:
-    """Quantities of sensors, from the saved times and a parabola through each maximum."""
+    """Quantities of sensors."""
     rows = []
-    rest = equilibrium(run.chain).forces
     for bead in beads:
-        force = run.sensor(bead)
-        at_rest = 0.5 * float(rest[bead - 1 : bead + 1].sum())
-        found = find_maxima(bead, run.times, force, at_rest)
-        first = _sharpened(run.times, force, found.first_maximum_time)
-        largest = _sharpened(run.times, force, found.largest_so_far_time)
-        rows.append((*first, *largest, float(np.trapezoid(force, run.times))))
+        found = sensor_maxima(run, bead)
+        first = found.first_maximum, found.first_maximum_time
+        largest = found.largest_so_far, found.largest_so_far_time
+        rows.append((*first, *largest, float(np.trapezoid(found.force, run.times))))
     return dict(zip(SENSOR_QUANTITIES, np.array(rows).reshape(len(beads), -1).T, strict=True))
-
-
-def _sharpened(times: Array, force: Array, time: float) -> tuple[float, float]:
-    """Height and time of a maximum at a saved time, by the parabola through its neighbours."""
-    if np.isnan(time):
-        return np.nan, np.nan
-    i = int(np.searchsorted(times, time))
-    if not 0 < i < len(times) - 1:
-        return float(force[i]), float(times[i])
-    before, here, after = force[i - 1 : i + 2]
-    bend = before - 2.0 * here + after
-    if not bend < 0.0:
-        return float(here), float(times[i])
-    shift = 0.5 * (before - after) / bend
-    return float(here - 0.25 * (before - after) * shift), float(
-        times[i] + shift * (times[i + 1] - times[i])
-    )
 
 
 def _final_of(run: Run, options: dict[str, Any]) -> dict[str, Any]:

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import os
-import warnings
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
-from ..errors import IncompleteWarning, InputError, SimulationError
+from ..errors import IncompleteWarning, InputError, SimulationError, warn_user
 from ..pulse.pulse import Pulse
 from ..representation import short
 from ..validation.objects import check_choice
@@ -181,7 +180,7 @@ class Run(Trajectory):
         if not wall.complete:
             units = (" s", " N") if self.chain.units == "SI" else ("", "")
             reason = incomplete_peak(wall, self.end_time, units)
-            warnings.warn(reason, IncompleteWarning, stacklevel=2)
+            warn_user(reason, IncompleteWarning)
         return wall
 
     def _wall_force(self, side: Side) -> WallForce:
@@ -295,6 +294,7 @@ class Run(Trajectory):
         Examples
         --------
         >>> import hertzchain as hc, tempfile
+        >>> from pathlib import Path
         >>> with tempfile.TemporaryDirectory() as folder:
         ...     hc.simulate(hc.Chain.uniform(3), times=10).save(Path(folder) / "run.csv")
         """
@@ -363,6 +363,7 @@ class Run(Trajectory):
         Examples
         --------
         >>> import hertzchain as hc, tempfile
+        >>> from pathlib import Path
         >>> with tempfile.TemporaryDirectory() as folder:
         ...     run = hc.simulate(hc.Chain.uniform(9), until=12.0, times=20)
         ...     run.animate(Path(folder) / "beads.gif", frames=5).name

@@ -3,20 +3,26 @@
 from __future__ import annotations
 
 import math
-import warnings
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from ..chain.equilibrium import equilibrium
 from ..collision import Array
-from ..errors import IncompleteWarning, InputError
+from ..errors import IncompleteWarning, InputError, warn_user
 from ..representation import measure, short
+from .sensor_curve import maximum_near
 from .trajectory import Trajectory
 
 # The first maximum is above this part of the largest force, and the force falls by that part of
 # the maximum before it rises again; both are counted from the force at rest.
 MIN_HEIGHT, FALL = 0.01, 0.1
+# Saved times that are enough for sensors in contacts with losses.
+MANY_TIMES = 4000
+# Part of the largest force by which saved times that are too few may change it.
+COARSE = 1e-2
+# Part above which an error is shown.
+SHOWN = 1e-4
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,12 +36,15 @@ class SensorForce:
     times, force : ndarray, shape (T,)
         Force at the saved times [scaled, or s and N].
     first_maximum, first_maximum_time : float
-        The first maximum at the saved times and its time: above 1% of the largest force, and
-        followed by a fall of at least 10%, both counted from the force at rest.  NaN if there is
-        none yet.
+        The first maximum and its time: above 1% of the largest force, and followed by a fall of
+        at least 10%, both counted from the force at rest.  NaN if there is none yet.
     largest_so_far, largest_so_far_time : float
-        Largest force at the saved times and its time.  Waves that follow the first one, or return
-        from a wall, may exceed it later.
+        Largest force and its time.  Waves that follow the first one, or return from a wall, may
+        exceed it later.
+    error : float
+        Bound of the error of both maxima [scaled, or N], because they lie between saved times.
+        In elastic chains, overlaps are quintic there and the error is usually negligible;
+        contacts with losses or a drive require more saved times.
     units : str
         ``"scaled"`` or ``"SI"``.
     """
@@ -48,10 +57,13 @@ class SensorForce:
     largest_so_far: float
     largest_so_far_time: float
     units: str = "scaled"
+    error: float = 0.0
 
     def __repr__(self) -> str:
+        known = f" +- {measure(self.error, 'N', self.units)}"
+        known *= self.error > SHOWN * abs(self.largest_so_far)
         first, largest = (
-            f"{measure(force, 'N', self.units)} at t = {measure(time, 's', self.units)}"
+            f"{measure(force, 'N', self.units)}{known} at t = {measure(time, 's', self.units)}"
             for force, time in (
                 (self.first_maximum, self.first_maximum_time),
                 (self.largest_so_far, self.largest_so_far_time),
@@ -79,7 +91,8 @@ def sensor_force_of(self: Trajectory, bead: int) -> SensorForce:
     Warns
     -----
     IncompleteWarning
-        If the force has had no maximum yet; ``first_maximum`` is then NaN.
+        If the force has had no maximum yet; ``first_maximum`` is then NaN.  Also if saved times
+        are so few that the largest force is uncertain by more than 1%.
 
     Examples
     --------
@@ -91,18 +104,40 @@ def sensor_force_of(self: Trajectory, bead: int) -> SensorForce:
     >>> sensor.first_maximum_time < 15.0 and sensor.largest_so_far >= sensor.first_maximum
     True
     """
-    force = self.sensor(bead)
-    if not len(self.times):
-        raise InputError("the run has no saved times; give simulate times of at least 2")
-    at_rest = 0.5 * float(equilibrium(self.chain).forces[bead - 1 : bead + 1].sum())
-    found = find_maxima(bead, self.times, force, at_rest, self.chain.units)
+    found = sensor_maxima(self, bead)
     if math.isnan(found.first_maximum):
-        warnings.warn(
+        warn_user(
             f"the force in bead {bead} had no maximum before t = {self.times[-1]:g}; simulate "
             "for longer, or save more times",
-            IncompleteWarning, stacklevel=2,
-        )  # fmt: skip
+            IncompleteWarning,
+        )
+    if found.error > COARSE * found.largest_so_far:
+        warn_user(
+            f"the largest force in bead {bead} is known to "
+            f"{measure(found.error, 'N', self.chain.units)} from {len(self.times)} saved times; "
+            "save more times",
+            IncompleteWarning,
+        )
     return found
+
+
+def sensor_maxima(run: Trajectory, bead: int) -> SensorForce:
+    """As `sensor_force_of`, without warnings."""
+    force = run.sensor(bead)
+    if not len(run.times):
+        raise InputError("the run has no saved times; give simulate times of at least 2")
+    at_rest = 0.5 * float(equilibrium(run.chain).forces[bead - 1 : bead + 1].sum())
+    found = find_maxima(bead, run.times, force, at_rest, run.chain.units)
+    places = [found.first_maximum_time, found.largest_so_far_time]
+    near = [np.searchsorted(found.times, time) for time in places if not math.isnan(time)]
+    tops = [maximum_near(run, found.bead, found.force, int(i)) for i in near]
+    first, first_time, _ = tops[0] if len(tops) == 2 else (math.nan,) * 3
+    # A maximum elsewhere may be larger between saved times.
+    largest, largest_time, _ = max(tops)
+    return replace(
+        found, first_maximum=first, first_maximum_time=first_time, largest_so_far=largest,
+        largest_so_far_time=largest_time, error=max(top[2] for top in tops),
+    )  # fmt: skip
 
 
 def find_maxima(

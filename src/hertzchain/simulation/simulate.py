@@ -379,6 +379,11 @@ def _check_end(chain: Chain, until: float | None, times: int | ArrayLike, begin:
         raise InputError(f"the run starts at time {begin:g} and cannot stop at until = {until:g}")
     if until is not None or not isinstance(times, int | np.integer):
         return
+    if chain.drive is None and chain.velocities[0] < 0.0 and not chain.velocities[1:].any():
+        raise InputError(
+            f"bead 1 moves away from the chain (velocity {chain.velocities[0]:g}), so there is no "
+            "impact; give a positive velocity, or until"
+        )
     if chain.drive is None and not chain.velocities[0] > 0.0:
         raise InputError("bead 1 of this chain is not struck, so no pulse ends the run; give until")
     if chain.drive is not None and chain.right_wall is None:

@@ -50,6 +50,8 @@ def load_beads(path: str | os.PathLike[str], own: Mapping[str, Material] | None 
 
     Examples
     --------
+    >>> import hertzchain as hc
+    >>> from hertzchain.store.bead_tables import load_beads
     >>> import tempfile
     >>> from pathlib import Path
     >>> with tempfile.TemporaryDirectory() as folder:
@@ -110,12 +112,13 @@ def load_drive(path: str | os.PathLike[str]) -> TableDrive:
 
     Examples
     --------
+    >>> import hertzchain as hc
     >>> import tempfile
     >>> from pathlib import Path
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     file = Path(folder) / "hammer.csv"
     ...     _ = file.write_text("time [us],force [N]\n0,0\n10,80\n30,0\n")
-    ...     load_drive(file)
+    ...     hc.load_drive(file)
     TableDrive(3 times, 0 to 3e-05, of='force')
     """
     file = file_path("table of a drive", path)

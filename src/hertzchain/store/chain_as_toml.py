@@ -40,7 +40,7 @@ def chain_as_toml(chain: Chain) -> str:
     Examples
     --------
     >>> import hertzchain as hc
-    >>> print(chain_as_toml(hc.Chain.uniform(2).replace(right_wall=hc.Wall.rigid())))
+    >>> print(hc.chain_as_toml(hc.Chain.uniform(2).replace(right_wall=hc.Wall.rigid())))
     [chain]
     radii = [1.0, 1.0]
     right_wall = {rigid = true, gap = 0.0}

@@ -90,11 +90,13 @@ def load_chain(path: str | os.PathLike[str]) -> Chain:
 
     Examples
     --------
+    >>> import hertzchain as hc
+    >>> from pathlib import Path
     >>> import tempfile
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     file = Path(folder) / "chain.toml"
     ...     _ = file.write_text('[chain]\ntaper = "uniform"\nbeads = 20\n')
-    ...     load_chain(file)
+    ...     hc.load_chain(file)
     Chain(uniform, 20 beads)
     """
     file = file_path("chain file", path)

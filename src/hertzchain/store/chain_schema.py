@@ -248,6 +248,8 @@ def chain_schema() -> dict[str, Any]:
 
     Examples
     --------
+    >>> import hertzchain as hc
+    >>> from hertzchain.store.chain_schema import chain_schema
     >>> wall = chain_schema()["sections"]["chain.right_wall"]
     >>> [key["name"] for key in wall["keys"]]
     ['material', 'rigid', 'stiffness', 'gap', 'exponent', 'loss']

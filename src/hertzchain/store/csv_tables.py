@@ -34,6 +34,8 @@ class Column:
 
     Examples
     --------
+    >>> import hertzchain as hc
+    >>> from hertzchain.store.csv_tables import Column
     >>> Column("length")
     Column(dimension='length', between_rows=False)
     """

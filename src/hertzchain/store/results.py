@@ -39,6 +39,8 @@ def pulses_as_json(pulses: Sequence[Pulse]) -> str:
     Examples
     --------
     >>> import hertzchain as hc
+    >>> import json
+    >>> from hertzchain.store.results import pulses_as_json
     >>> document = json.loads(pulses_as_json([hc.bca(hc.Chain.uniform(3))]))
     >>> document["schema_version"], document["pulses"][0]["velocity"]
     (1, [1.0, 1.0, 1.0])
@@ -72,7 +74,9 @@ def chain_as_dict(chain: Chain) -> dict[str, Any]:
 
     Examples
     --------
-    >>> chain_as_dict(Chain.uniform(2))["radii"]
+    >>> import hertzchain as hc
+    >>> from hertzchain.store.results import chain_as_dict
+    >>> chain_as_dict(hc.Chain.uniform(2))["radii"]
     [1.0, 1.0]
     """
     return {
@@ -107,6 +111,7 @@ def pulses_as_csv(pulses: Sequence[Pulse]) -> str:
     Examples
     --------
     >>> import hertzchain as hc
+    >>> from hertzchain.store.results import pulses_as_csv
     >>> print(pulses_as_csv([hc.bca(hc.Chain.uniform(2))]).splitlines()[0])
     method,bead,radius,velocity,momentum,energy,arrival,residence,peak_overlap,peak_force
     """
@@ -144,7 +149,7 @@ def save_run(run: Run, path: str | os.PathLike[str]) -> None:
     >>> import hertzchain as hc, tempfile
     >>> from pathlib import Path
     >>> with tempfile.TemporaryDirectory() as folder:
-    ...     save_run(hc.simulate(hc.Chain.uniform(3), times=10), Path(folder) / "run.csv")
+    ...     hc.save_run(hc.simulate(hc.Chain.uniform(3), times=10), Path(folder) / "run.csv")
     """
     check_type("run", run, Run, "simulate makes one")
     if not len(run.times):
@@ -186,8 +191,9 @@ def save_state(state: State, path: str | os.PathLike[str]) -> None:
     >>> from pathlib import Path
     >>> chain = hc.Chain.uniform(5)
     >>> with tempfile.TemporaryDirectory() as folder:
-    ...     save_state(hc.simulate(chain, until=2.0).state, Path(folder) / "run.npz")
-    ...     later = hc.simulate(chain, start=load_state(Path(folder) / "run.npz", chain), until=4.0)
+    ...     file = Path(folder) / "run.npz"
+    ...     hc.save_state(hc.simulate(chain, until=2.0).state, file)
+    ...     later = hc.simulate(chain, start=hc.load_state(file, chain), until=4.0)
     """
     check_type("state", state, State, "run.state is one")
     target = file_path("state file", path)

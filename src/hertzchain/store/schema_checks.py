@@ -32,6 +32,8 @@ def check_document(document: Mapping[str, Any], *, complete: bool = True) -> Ite
 
     Examples
     --------
+    >>> import hertzchain as hc
+    >>> from hertzchain.store.schema_checks import check_document
     >>> document = {"chain": {"beads": 2.5, "right_wall": {"rigid": "false"}}}
     >>> [*check_document(document)][1]
     "rigid of [chain.right_wall] must be true or false, got 'false'"

@@ -49,6 +49,8 @@ class Key:
 
     Examples
     --------
+    >>> import hertzchain as hc
+    >>> from hertzchain.store.schema_keys import Key
     >>> Key("gap", "number", "distance", default=0.0, dimension="length").si_unit
     'm'
     """
@@ -95,6 +97,9 @@ class Section:
 
     Examples
     --------
+    >>> import hertzchain as hc
+    >>> from hertzchain.store.schema_keys import Section
+    >>> from hertzchain.store.schema_keys import Key
     >>> Section("chain.end", "an end", (Key("gap", "number", "distance"),)).keys[0].name
     'gap'
     """

@@ -81,6 +81,7 @@ class StoredRun:
     Examples
     --------
     >>> import hertzchain as hc, tempfile
+    >>> import numpy as np
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     stored = hc.stream(hc.Chain.uniform(5), folder, times=np.linspace(0, 9, 10))
     ...     float(stored.load(start=4.0).velocity.sel(bead=1)[0].round(6))

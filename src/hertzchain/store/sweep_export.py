@@ -43,9 +43,10 @@ def export_sweep(dataset: xr.Dataset, path: str | os.PathLike[str]) -> None:
     Examples
     --------
     >>> import hertzchain as hc, tempfile
+    >>> from pathlib import Path
     >>> spec = {"chain": {"taper": "uniform"}, "axes": {"beads": [9]}, "sweep": {"at": "last"}}
     >>> with tempfile.TemporaryDirectory() as folder:
-    ...     export_sweep(hc.sweep(spec), Path(folder) / "sweep.csv")
+    ...     hc.export_sweep(hc.sweep(spec), Path(folder) / "sweep.csv")
     ...     print((Path(folder) / "sweep.csv").read_text().splitlines()[0])
     beads,approach,velocity,reason,status
     """

@@ -61,6 +61,8 @@ class Variable:
 
     Examples
     --------
+    >>> import hertzchain as hc
+    >>> from hertzchain.store.sweep_layout import Variable
     >>> Variable(("rate",), (3,), (3,), "f8", {"units": "1"}).dimensions
     ('rate',)
     """

@@ -49,6 +49,8 @@ class Axis:
 
     Examples
     --------
+    >>> import hertzchain as hc
+    >>> from hertzchain.sweeps.axes import Axis
     >>> axis = Axis(("rate",), {"linspace": [0.02, 0.1, 5]})
     >>> [round(value, 2) for value in axis.values], axis.name
     ([0.02, 0.04, 0.06, 0.08, 0.1], 'rate')
@@ -158,6 +160,8 @@ class Axis:
 
         Examples
         --------
+        >>> import hertzchain as hc
+        >>> from hertzchain.sweeps.axes import Axis
         >>> Axis(("beads",), [20, 40]).coordinate()
         array([20, 40])
         """
@@ -177,6 +181,8 @@ class Axis:
 
         Examples
         --------
+        >>> import hertzchain as hc
+        >>> from hertzchain.sweeps.axes import Axis
         >>> Axis(("rate",), [0.1, 0.2, 0.1]).duplicate()
         0.1
         """

@@ -60,6 +60,8 @@ def local_pool(kind: str = "threads", workers: int | None = None) -> Iterator[Ex
 
     Examples
     --------
+    >>> import hertzchain as hc
+    >>> from hertzchain.sweeps.executors import local_pool
     >>> with local_pool(workers=2) as pool:
     ...     pool.submit(abs, -1).result()
     1
@@ -138,10 +140,12 @@ def dask_pool(address: str, *, workers: int = 1) -> Iterator[Executor]:
 
     Examples
     --------
+    >>> import hertzchain as hc
+    >>> from hertzchain.sweeps.executors import dask_pool
     >>> try:
     ...     with dask_pool("no address"):
     ...         pass
-    ... except InputError as error:
+    ... except hc.InputError as error:
     ...     print(error)
     a scheduler's address looks like tcp://127.0.0.1:8786, got 'no address'
     """

@@ -70,6 +70,7 @@ def pulse_by(method: str, chain: Chain, progress: Progress | None = None, **opti
     Examples
     --------
     >>> import hertzchain as hc
+    >>> from hertzchain.sweeps.methods import pulse_by
     >>> chain = hc.Chain.from_materials(5e-3, "steel-52100", beads=20, velocity=0.1)
     >>> pulse_by("bca", chain).unit("velocity")
     'm/s'

@@ -69,6 +69,8 @@ class Plan:
 
     Examples
     --------
+    >>> import hertzchain as hc
+    >>> from hertzchain.sweeps.plan import Plan
     >>> from hertzchain.sweeps.specification import read_specification
     >>> axes = {"rate": [0.02, 0.04], "beads": [10, 20, 30]}
     >>> chain = {"taper": "forward-exponential"}

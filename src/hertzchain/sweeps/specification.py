@@ -103,6 +103,7 @@ class Specification:
 
     Examples
     --------
+    >>> import hertzchain as hc
     >>> from hertzchain.sweeps.specification import read_specification
     >>> spec = read_specification({"chain": {"taper": "uniform"}, "axes": {"beads": [20, 40]}})
     >>> spec.methods, len(spec.axes[0])
@@ -137,6 +138,7 @@ class Specification:
 
         Examples
         --------
+        >>> import hertzchain as hc
         >>> from hertzchain.sweeps.specification import read_specification
         >>> spec = read_specification({"chain": {"taper": "uniform"}, "axes": {"beads": [20]}})
         >>> spec.as_json()[:42]
@@ -211,6 +213,8 @@ def specification_schema() -> dict[str, Any]:
 
     Examples
     --------
+    >>> import hertzchain as hc
+    >>> from hertzchain.sweeps.specification import specification_schema
     >>> found = specification_schema()["sections"]
     >>> found["sweep"]["keys"][0]["choices"], "chain.loss" in found
     (['product', 'zip'], True)

@@ -177,6 +177,8 @@ def estimate(specification: Any, *, workers: int | None = None) -> Estimate:
 
     Examples
     --------
+    >>> import hertzchain as hc
+    >>> from hertzchain.sweeps.sweep import estimate
     >>> estimate({"chain": {"taper": "uniform"}, "axes": {"beads": [20, 40, 60]}}).points
     3
     """
@@ -230,6 +232,7 @@ def merge_sweeps(
     Examples
     --------
     >>> import hertzchain as hc, tempfile
+    >>> from pathlib import Path
     >>> axes = {"beads": list(range(10, 50))}
     >>> spec = {"chain": {"taper": "uniform"}, "axes": axes, "sweep": {"at": "last"}}
     >>> with tempfile.TemporaryDirectory() as folder:
@@ -287,6 +290,7 @@ def open_sweep(store: str | os.PathLike[str], *, skip_damaged: bool = False) -> 
     Examples
     --------
     >>> import hertzchain as hc, tempfile
+    >>> from pathlib import Path
     >>> spec = {"chain": {"taper": "uniform"}, "axes": {"beads": [20, 40]}}
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     _ = hc.sweep(spec, Path(folder) / "sweep")

@@ -88,7 +88,7 @@ def attenuation(chain: Chain, velocity: ArrayLike) -> Array:
 
     >>> import hertzchain as hc
     >>> chain = hc.Chain.uniform(100).replace(loss=hc.Restitution(0.99))
-    >>> round(float(attenuation(chain, velocity=0.6816)), 6)
+    >>> round(float(hc.attenuation(chain, velocity=0.6816)), 6)
     0.002244
     """
     group = _equal_contacts(chain)

@@ -145,7 +145,8 @@ def bca_velocity_closed_form(taper: str, rate: float, beads: int) -> Array:
 
     Examples
     --------
-    >>> bca_velocity_closed_form("backward-linear", 1.0, 3).round(6)
+    >>> import hertzchain as hc
+    >>> hc.theory.bca_velocity_closed_form("backward-linear", 1.0, 3).round(6)
     array([1.      , 0.222222, 0.101587])
     """
     k = np.arange(1, Chain.tapered(taper, rate, beads=beads).beads + 1)
@@ -194,7 +195,8 @@ def exponential_rates(taper: str, rate: float) -> dict[str, float]:
     --------
     First entries of tables 1 and 2 of the paper:
 
-    >>> rates = exponential_rates("backward-exponential", 0.01)
+    >>> import hertzchain as hc
+    >>> rates = hc.theory.exponential_rates("backward-exponential", 0.01)
     >>> round(rates["momentum"], 5), round(rates["energy"], 5)
     (0.01496, -0.00023)
     """
@@ -230,7 +232,8 @@ def backward_linear_prefactor(rate: float) -> float:
 
     Examples
     --------
-    >>> round(backward_linear_prefactor(0.1), 6)
+    >>> import hertzchain as hc
+    >>> round(hc.theory.backward_linear_prefactor(0.1), 6)
     28.262858
     """
     from scipy.special import loggamma
@@ -260,7 +263,8 @@ def forward_linear_momentum_slope(rate: float) -> float:
 
     Examples
     --------
-    >>> round(forward_linear_momentum_slope(0.01), 4)
+    >>> import hertzchain as hc
+    >>> round(hc.theory.forward_linear_momentum_slope(0.01), 4)
     -0.0153
     """
     check_taper("forward-linear", rate)

@@ -70,7 +70,7 @@ def disorder(chain: Chain, scatter: float = 0.0, *, modulus_scatter: float = 0.0
 
     >>> import hertzchain as hc
     >>> chain = hc.Chain.uniform(110)
-    >>> pulse = disorder(chain, scatter=0.01)
+    >>> pulse = hc.disorder(chain, scatter=0.01)
     >>> loss = 1 - pulse.velocity[99] / hc.local_rate(chain).velocity[99]
     >>> f"{loss:.1%}, +-{pulse.velocity_spread[99]:.1%}"
     '0.7%, +-1.8%'

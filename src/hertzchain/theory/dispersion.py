@@ -51,7 +51,8 @@ def linear_stiffness(stiffness: ArrayLike, force: float, exponent: float = HERTZ
     --------
     A Hertz contact with unit overlap has K = 1.5:
 
-    >>> float(linear_stiffness(1.0, 1.0))
+    >>> import hertzchain as hc
+    >>> float(hc.theory.linear_stiffness(1.0, 1.0))
     1.5
     """
     k = _checked_positive("stiffness", stiffness)
@@ -87,7 +88,9 @@ def dispersion_uniform(wave_number: ArrayLike, *, mass: float = 1.0, spring: flo
 
     Examples
     --------
-    >>> float(dispersion_uniform(np.pi))
+    >>> import hertzchain as hc
+    >>> import numpy as np
+    >>> float(hc.theory.dispersion_uniform(np.pi))
     2.0
     """
     scale = _checked_positive("spring", spring) / _checked_positive("mass", mass)
@@ -124,7 +127,9 @@ def dispersion_diatomic(
 
     Examples
     --------
-    >>> acoustic, optical = dispersion_diatomic(np.pi, other_mass=0.25)
+    >>> import hertzchain as hc
+    >>> import numpy as np
+    >>> acoustic, optical = hc.theory.dispersion_diatomic(np.pi, other_mass=0.25)
     >>> (float(acoustic) ** 2, float(optical) ** 2)
     (2.0, 8.0)
     """
@@ -164,7 +169,8 @@ def band_edges(*, mass: float = 1.0, other_mass: float, spring: float = 1.0) -> 
 
     Examples
     --------
-    >>> band_edges(other_mass=0.5).round(6)
+    >>> import hertzchain as hc
+    >>> hc.theory.band_edges(other_mass=0.5).round(6)
     array([0.      , 1.414214, 2.      , 2.44949 ])
     """
     a, b = _checked_positive("mass", mass), _checked_positive("other_mass", other_mass)
@@ -212,7 +218,7 @@ def modes(
     Two free beads have :math:`\omega = \sqrt{2K/m}` with K = 1.5:
 
     >>> import hertzchain as hc
-    >>> frequencies, shapes = modes(hc.Chain.uniform(2), 1.0)
+    >>> frequencies, shapes = hc.theory.modes(hc.Chain.uniform(2), 1.0)
     >>> frequencies.round(6)
     array([0.      , 1.732051])
     """
@@ -268,7 +274,8 @@ def spring_modes(
     --------
     One mass between two walls:
 
-    >>> spring_modes([2.0], [], (1.0, 1.0))[0]
+    >>> import hertzchain as hc
+    >>> hc.theory.spring_modes([2.0], [], (1.0, 1.0))[0]
     array([1.])
     """
     m, k = _checked_positive("masses", masses), _checked_positive("springs", springs)

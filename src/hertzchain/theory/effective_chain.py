@@ -254,7 +254,7 @@ def effective_chain(chain: Chain, large: Sequence[int] | None = None) -> Effecti
 
     >>> import hertzchain as hc
     >>> decorated = hc.Chain.uniform(2).decorated(0.25)
-    >>> float(effective_chain(decorated).stiffness[0] / decorated.stiffness[0]).__round__(6)
+    >>> float(hc.effective_chain(decorated).stiffness[0] / decorated.stiffness[0]).__round__(6)
     0.353553
     """
     require_supported(

@@ -103,7 +103,8 @@ def hard_sphere_energy_ratio(chain: Chain, *, restitution: float = 1.0) -> float
     Twenty spheres, each 5% smaller than the previous one:
 
     >>> import hertzchain as hc
-    >>> ratio = hard_sphere_energy_ratio(hc.Chain.from_radii(0.95 ** np.arange(20)))
+    >>> import numpy as np
+    >>> ratio = hc.theory.hard_sphere_energy_ratio(hc.Chain.from_radii(0.95 ** np.arange(20)))
     >>> round(ratio, 6)
     0.893718
     """
@@ -142,7 +143,8 @@ def exponential_energy_ratio(q: float, beads: int, *, restitution: float = 1.0) 
 
     Examples
     --------
-    >>> round(exponential_energy_ratio(0.05, 20), 6)
+    >>> import hertzchain as hc
+    >>> round(hc.theory.exponential_energy_ratio(0.05, 20), 6)
     0.893718
     """
     e = number("restitution", restitution, above=0.0, most=1.0)
@@ -181,7 +183,8 @@ def restitution_from_unloading(loss: float) -> float:
 
     Examples
     --------
-    >>> round(restitution_from_unloading(0.19), 12)
+    >>> import hertzchain as hc
+    >>> round(hc.theory.restitution_from_unloading(0.19), 12)
     0.9
     """
     if not 0.0 <= loss < 1.0:

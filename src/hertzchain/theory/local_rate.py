@@ -169,7 +169,7 @@ def local_rate_gradient(
 
     >>> import hertzchain as hc
     >>> chain = hc.Chain.tapered("forward-linear", 0.01, beads=50)
-    >>> momentum, gradient = local_rate_gradient(chain, "momentum", bead=50)
+    >>> momentum, gradient = hc.local_rate_gradient(chain, "momentum", bead=50)
     >>> round(float(gradient.sum()), 9)
     3.0
     """

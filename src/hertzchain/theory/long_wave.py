@@ -44,7 +44,8 @@ def long_wave_speed_constant(exponent: float = HERTZ_EXPONENT) -> float:
 
     Examples
     --------
-    >>> round(long_wave_speed_constant(), 6)
+    >>> import hertzchain as hc
+    >>> round(hc.theory.long_wave_speed_constant(), 6)
     0.91461
     """
     p = _checked_exponent(exponent)
@@ -82,7 +83,8 @@ def long_wave_velocity(distance: ArrayLike, exponent: float = HERTZ_EXPONENT) ->
 
     Examples
     --------
-    >>> long_wave_velocity([0.0, 1.0, 2.5]).round(4)
+    >>> import hertzchain as hc
+    >>> hc.theory.long_wave_velocity([0.0, 1.0, 2.5]).round(4)
     array([1.    , 0.4232, 0.    ])
     """
     p = _checked_exponent(exponent)
@@ -120,8 +122,8 @@ def sen_manciu_coefficients(wave: SolitaryWave) -> tuple[float, float, float]:
     --------
     The values commonly quoted for p = 3/2 are 2.39536, 0.268529 and 0.0061347:
 
-    >>> from hertzchain.theory.solitary_wave import solitary_wave
-    >>> [round(c, 4) for c in sen_manciu_coefficients(solitary_wave())]
+    >>> import hertzchain as hc
+    >>> [round(c, 4) for c in hc.theory.sen_manciu_coefficients(hc.solitary_wave())]
     [2.3953, 0.2684, 0.0062]
     """
     check_type("wave", wave, SolitaryWave, "use hc.solitary_wave()")
@@ -155,7 +157,8 @@ def sen_manciu_velocity(
     --------
     The exact wave has the velocity 0.32625 at this distance:
 
-    >>> round(float(sen_manciu_velocity(1.0)), 5)
+    >>> import hertzchain as hc
+    >>> round(float(hc.theory.sen_manciu_velocity(1.0)), 5)
     0.32687
     """
     c1, c3, c5 = coefficients
@@ -206,7 +209,8 @@ def precompressed_speed(force_ratio: ArrayLike, exponent: float = HERTZ_EXPONENT
     --------
     At f = 2, the exact wave has 1.0453 times the sound speed:
 
-    >>> precompressed_speed([1.0, 2.0]).round(4)
+    >>> import hertzchain as hc
+    >>> hc.theory.precompressed_speed([1.0, 2.0]).round(4)
     array([1.    , 1.0449])
     """
     p, f = _checked_exponent(exponent), real_numbers("force ratio", force_ratio)

@@ -45,7 +45,10 @@ class RatioCorrection:
 
     Examples
     --------
-    >>> RatioCorrection(2 / 3).velocity(np.array([1.0, 0.9]), None, np.array([1, 2])).round(2)
+    >>> import hertzchain as hc
+    >>> import numpy as np
+    >>> correction = hc.theory.RatioCorrection(2 / 3)
+    >>> correction.velocity(np.array([1.0, 0.9]), None, np.array([1, 2])).round(2)
     array([0.67, 0.6 ])
     """
 
@@ -71,7 +74,9 @@ class RatioCorrection:
 
         Examples
         --------
-        >>> RatioCorrection(2 / 3).velocity(np.array([3.0]), None, np.array([1])).round(3)
+        >>> import hertzchain as hc
+        >>> import numpy as np
+        >>> hc.theory.RatioCorrection(2 / 3).velocity(np.array([3.0]), None, np.array([1])).round(3)
         array([2.])
         """
         return self.ratio * unmodified
@@ -93,7 +98,9 @@ class PowerLawCorrection:
 
     Examples
     --------
-    >>> correction = PowerLawCorrection(c0=1.64, x=0.0259, d0=0.211, y=1.83)
+    >>> import hertzchain as hc
+    >>> import numpy as np
+    >>> correction = hc.theory.PowerLawCorrection(c0=1.64, x=0.0259, d0=0.211, y=1.83)
     >>> correction.velocity(np.array([1.0]), 0.05, np.array([20])).round(3)
     array([0.65])
     """
@@ -128,7 +135,9 @@ class PowerLawCorrection:
 
         Examples
         --------
-        >>> correction = PowerLawCorrection(c0=1.0, x=0.0, d0=0.5, y=0.0)
+        >>> import hertzchain as hc
+        >>> import numpy as np
+        >>> correction = hc.theory.PowerLawCorrection(c0=1.0, x=0.0, d0=0.5, y=0.0)
         >>> correction.velocity(np.array([3.0]), 0.05, np.array([1])).round(3)
         array([2.])
         """
@@ -271,7 +280,7 @@ def two_thirds_bca(chain: Chain) -> Pulse:
     Examples
     --------
     >>> import hertzchain as hc
-    >>> two_thirds_bca(hc.Chain.uniform(3)).velocity.round(4)
+    >>> hc.theory.two_thirds_bca(hc.Chain.uniform(3)).velocity.round(4)
     array([1.    , 0.6667, 0.6667])
     """
     ratio = RatioCorrection(PRINTED_RATIO["backward-linear"])
@@ -299,7 +308,9 @@ def printed_velocity(taper: str, rate: float, k: Array) -> Array:
 
     Examples
     --------
-    >>> printed_velocity("backward-linear", 0.5, np.array([4.0])).round(6)
+    >>> import hertzchain as hc
+    >>> import numpy as np
+    >>> hc.theory.printed_velocity("backward-linear", 0.5, np.array([4.0])).round(6)
     array([0.083333])
     """
     check_choice("taper", taper, PAPER_TAPERS)
@@ -327,7 +338,8 @@ def printed_correction(taper: str) -> Correction:
 
     Examples
     --------
-    >>> printed_correction("forward-linear")
+    >>> import hertzchain as hc
+    >>> hc.theory.printed_correction("forward-linear")
     RatioCorrection(ratio=0.68)
     """
     if rate_symbol(taper) == "S":

@@ -105,7 +105,7 @@ def piecewise_local_rate(chain: Chain) -> Pulse:
 
     >>> import hertzchain as hc
     >>> chain = hc.Chain.from_radii([1.0] * 40 + [2.0] * 60)
-    >>> pulse = piecewise_local_rate(chain)
+    >>> pulse = hc.piecewise_local_rate(chain)
     >>> round(float(pulse.velocity[89] / pulse.velocity[29]), 4)
     0.2439
     """

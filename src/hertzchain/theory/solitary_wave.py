@@ -63,7 +63,8 @@ class SolitaryWave:
 
     Examples
     --------
-    >>> wave = solitary_wave()
+    >>> import hertzchain as hc
+    >>> wave = hc.solitary_wave()
     >>> wave
     SolitaryWave(p = 1.5, C = 0.9074700784)
 
@@ -107,7 +108,8 @@ class SolitaryWave:
         --------
         In steel beads of radius 5 mm, struck at 1 m/s, the speed is 674.659 m/s:
 
-        >>> speed = solitary_wave().speed(0.681631548571, mass=4.073598e-3, stiffness=7.435897e9)
+        >>> import hertzchain as hc
+        >>> speed = hc.solitary_wave().speed(0.681631548571, mass=4.073598e-3, stiffness=7.435897e9)
         >>> round(speed * 0.010, 3)
         674.659
         """
@@ -133,7 +135,8 @@ class SolitaryWave:
         It is larger than the momentum of the impact, 1, because beads behind the wave move
         backwards:
 
-        >>> round(solitary_wave().momentum(0.681631548571), 9)
+        >>> import hertzchain as hc
+        >>> round(hc.solitary_wave().momentum(0.681631548571), 9)
         1.138305089
         """
         v, m, _ = _checked_wave(velocity, mass, 1.0)
@@ -156,7 +159,8 @@ class SolitaryWave:
         --------
         The wave carries 99.366% of the impact energy, 1/2:
 
-        >>> round(2 * solitary_wave().energy(0.681631548571), 9)
+        >>> import hertzchain as hc
+        >>> round(2 * hc.solitary_wave().energy(0.681631548571), 9)
         0.993661008
         """
         v, m, _ = _checked_wave(velocity, mass, 1.0)
@@ -177,7 +181,8 @@ class SolitaryWave:
 
         Examples
         --------
-        >>> round(solitary_wave().peak_force(0.681631548571), 9)
+        >>> import hertzchain as hc
+        >>> round(hc.solitary_wave().peak_force(0.681631548571), 9)
         0.639554232
         """
         v, m, k = _checked_wave(velocity, mass, stiffness)
@@ -221,8 +226,9 @@ def solitary_wave(exponent: float = HERTZ_EXPONENT) -> SolitaryWave:
     --------
     The constant C of the speed, for Hertz contacts and for p = 2:
 
-    >>> round(solitary_wave().speed_constant, 10), round(solitary_wave(2.0).speed_constant, 10)
-    (0.9074700784, 0.8552519319)
+    >>> import hertzchain as hc
+    >>> [round(hc.solitary_wave(p).speed_constant, 10) for p in (1.5, 2.0)]
+    [0.9074700784, 0.8552519319]
     """
     return _solved(_checked_exponent(exponent))
 

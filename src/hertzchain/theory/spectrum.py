@@ -143,9 +143,9 @@ class Spectrum(Frozen):
         :math:`\omega^2 = 3/2` and 9/2.  At :math:`\omega^2 = 3` the driven bead does not move:
 
         >>> import hertzchain as hc
+        >>> import numpy as np
         >>> wall = hc.Wall(stiffness=1.0)
-        >>> held = hc.Chain.uniform(2).replace(
-        ...     precompression=1.0, left_wall=wall, right_wall=wall)
+        >>> held = hc.Chain.uniform(2).replace(precompression=1, left_wall=wall, right_wall=wall)
         >>> found = hc.spectrum(held)
         >>> [float(found.transfer(np.sqrt(3) / (2 * np.pi), k).real.round(6)) for k in (1, 2)]
         [0.0, -0.666667]
@@ -192,6 +192,7 @@ class Spectrum(Frozen):
         cut-off frequency, no force is transmitted:
 
         >>> import hertzchain as hc
+        >>> import numpy as np
         >>> held = hc.Chain.uniform(9).replace(
         ...     precompression=1.0, held_by="force", right_wall=hc.Wall())
         >>> np.abs(hc.spectrum(held).transfer_force([0.0, 2.0], 9)).round(6)
@@ -228,6 +229,7 @@ class Spectrum(Frozen):
         Examples
         --------
         >>> import hertzchain as hc
+        >>> import numpy as np
         >>> held = hc.Chain.uniform(9).replace(precompression=1.0, held_by="force")
         >>> hc.spectrum(held).bands(np.pi).round(6)  # sqrt(6)/2 pi
         array([0.389848])

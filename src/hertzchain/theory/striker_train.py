@@ -55,7 +55,8 @@ def striker_train(mass_ratio: float, velocity: float = 1.0) -> Array:
 
     Examples
     --------
-    >>> striker_train(4.0).round(3)
+    >>> import hertzchain as hc
+    >>> hc.striker_train(4.0).round(3)
     array([1.213, 0.55 , 0.266, 0.132, 0.068])
     """
     mu = number("mass_ratio of a striker", mass_ratio, least=MASS_RATIOS[0], most=MASS_RATIOS[-1],

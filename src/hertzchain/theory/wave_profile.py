@@ -63,6 +63,9 @@ class WaveProfile(Frozen):
 
         Examples
         --------
+        >>> import hertzchain as hc
+        >>> import numpy as np
+        >>> from hertzchain.theory.wave_profile import WaveProfile
         >>> x = np.arange(-8, 8) / 8
         >>> float(WaveProfile.from_samples(0.5 + 0.5 * np.cos(np.pi * x), 1.0)(0.5).round(12))
         0.5
@@ -87,6 +90,9 @@ class WaveProfile(Frozen):
 
         Examples
         --------
+        >>> import hertzchain as hc
+        >>> from hertzchain.theory.wave_profile import WaveProfile
+        >>> import numpy as np
         >>> core = WaveProfile.from_samples(np.ones(16), 1.0)
         >>> core.with_tail(1.0, lambda x: np.exp(1.0 - x))([0.5, 3.0]).round(4)
         array([1.    , 0.1353])

@@ -26,6 +26,8 @@ from ..units import converted, quantity
 MAX_INDEX: Final = 2**63 - 1
 # Takes the place of the unit for a variable of a scaled chain, which must have none.
 SCALED: Final = "scaled"
+# Names of arguments with one value for each bead or contact.
+PLURALS: Final = {"gap": "gaps", "mass": "masses", "velocity": "velocities"}
 # Largest number of dimensions of an array.
 MAX_DEPTH: Final = 32
 
@@ -48,6 +50,7 @@ def plain_magnitude(what: str, value: Any, unit: str | None, depth: int = 0) -> 
     if isinstance(value, str):
         found = quantity(value)
         if found is None:
+            _reject_bare_number(what, value, unit)
             return value
         return converted(what, *found, _unit_for(what, value, unit))
     if isinstance(value, np.ndarray) and value.dtype.kind in "UTO":
@@ -75,6 +78,21 @@ def plain_magnitude(what: str, value: Any, unit: str | None, depth: int = 0) -> 
         raise InputError(f"{what} must be convertible to {unit}: {error}") from None
     _reject_masked(what, plain)
     return plain
+
+
+def _reject_bare_number(what: str, text: str, unit: str | None) -> None:
+    """Reject text that is a number without the unit that text must have."""
+    try:
+        float(text)
+    except ValueError:
+        return
+    if unit in (None, "", SCALED):
+        raise InputError(f"{what} {text!r} is text; give the number {text.strip()} without quotes")
+    shown = str(unit).replace("**", "^")
+    raise InputError(
+        f"{what} {text!r} has no unit; write '{text.strip()} {shown}' or another unit, or a number "
+        "without quotes in SI units"
+    )
 
 
 def _is_quantity(value: Any) -> bool:
@@ -129,7 +147,13 @@ def number(
     if not (bounds and math.isfinite(given)):
         bounds.append("finite")
     allowed = " and ".join(bounds)
-    raise InputError(f"{what} must be {allowed}, got {given:g}{'; ' + hint if hint else ''}")
+    typed = _as_typed(value, given)
+    raise InputError(f"{what} must be {allowed}, got {typed}{'; ' + hint if hint else ''}")
+
+
+def _as_typed(value: Any, given: float) -> str:
+    """A number for a message; text is shown as it was typed."""
+    return repr(value) if isinstance(value, str) else f"{given:g}"
 
 
 def whole_number(what: str, value: object, *, least: int, most: int | None = None) -> int:
@@ -163,7 +187,8 @@ def per_bead_array(
         values = np.full(length, values)
     if values.shape != (length,):
         raise InputError(
-            f"there must be {length} numbers for the {what}, one for each {place}, "
+            f"there must be {length} numbers for the {PLURALS.get(what, what)}, one for each "
+            f"{place}, "
             f"got {values.size if values.ndim == 1 else f'shape {values.shape}'}"
         )
     checked = values.copy()
@@ -177,7 +202,11 @@ def per_bead_array(
         allowed = f"finite and above {above:g}"
     if not good.all():
         k = int(np.argmin(good))
-        raise InputError(f"{what} of {place} {k + 1} is {checked[k]:g}: it must be {allowed}")
+        typed = given if isinstance(given, str) else None
+        typed = given[k] if isinstance(given, list | tuple) else typed
+        raise InputError(
+            f"{what} of {place} {k + 1} is {_as_typed(typed, checked[k])}: it must be {allowed}"
+        )
     checked.setflags(write=False)
     return checked
 

@@ -34,7 +34,9 @@ class Verdict:
 
     Examples
     --------
-    >>> verdict = Verdict(Case("a group", "one", 1.0, 0.1, "by definition", lambda: 1.05), 1.05)
+    >>> import hertzchain as hc
+    >>> from hertzchain.verification.case import Case
+    >>> verdict = hc.Verdict(Case("a group", "one", 1.0, 0.1, "by definition", lambda: 1.05), 1.05)
     >>> verdict.agrees, round(verdict.difference, 2)
     (True, 0.05)
     """
@@ -83,7 +85,8 @@ def verify(
 
     Examples
     --------
-    >>> all(verdict.agrees for verdict in verify(["restitution"]))
+    >>> import hertzchain as hc
+    >>> all(verdict.agrees for verdict in hc.verify(["restitution"]))
     True
     """
     every = cases()
@@ -120,7 +123,9 @@ def as_dict(verdicts: Sequence[Verdict]) -> dict[str, object]:
 
     Examples
     --------
-    >>> as_dict(verify(["restitution"]))["agreeing"]
+    >>> import hertzchain as hc
+    >>> from hertzchain.verification.verify import as_dict
+    >>> as_dict(hc.verify(["restitution"]))["agreeing"]
     17
     """
     return {

@@ -29,7 +29,8 @@ class Dashpot(Loss, name="dashpot"):
 
     Examples
     --------
-    >>> Dashpot(6.0)
+    >>> import hertzchain as hc
+    >>> hc.Dashpot(6.0)
     Dashpot(gamma=6.0, attractive=True)
     """
 

@@ -19,7 +19,7 @@ class Elastic(Loss, name="elastic"):
     Examples
     --------
     >>> import hertzchain as hc
-    >>> hc.Wall(loss=Elastic())
+    >>> hc.Wall(loss=hc.Elastic())
     Wall(own material, loss = Elastic())
     """
 

@@ -69,7 +69,7 @@ class ElasticPlastic(Loss, name="elastic-plastic"):
     --------
     >>> import hertzchain as hc
     >>> chain = hc.Chain.from_materials(5e-3, "steel-316", beads=2, velocity=0.1)
-    >>> after = hc.simulate(chain.replace(loss=ElasticPlastic()), until=1e-3).velocities[-1]
+    >>> after = hc.simulate(chain.replace(loss=hc.ElasticPlastic()), until=1e-3).velocities[-1]
     >>> round(float(after[1] - after[0]) / 0.1, 3)
     0.415
     """

@@ -43,7 +43,8 @@ class Restitution(Loss, name="restitution"):
 
     Examples
     --------
-    >>> law = Restitution(0.9)
+    >>> import hertzchain as hc
+    >>> law = hc.Restitution(0.9)
     >>> round(law.damping(), 6)
     0.07495
     """
@@ -76,7 +77,8 @@ class Restitution(Loss, name="restitution"):
 
         Examples
         --------
-        >>> Restitution(1.0).damping()
+        >>> import hertzchain as hc
+        >>> hc.Restitution(1.0).damping()
         0.0
         """
         return math.sqrt(2.0 * (checked_exponent(exponent) + 1.0)) * self.damping_ratio

@@ -30,7 +30,8 @@ class UnloadingRatio(Loss, name="unloading-ratio"):
 
     Examples
     --------
-    >>> UnloadingRatio(0.1)
+    >>> import hertzchain as hc
+    >>> hc.UnloadingRatio(0.1)
     UnloadingRatio(ratio=0.1)
     """
 

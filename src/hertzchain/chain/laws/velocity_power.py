@@ -33,7 +33,8 @@ class VelocityPower(Loss, name="velocity-power"):
 
     Examples
     --------
-    >>> VelocityPower(0.1, alpha=1.81)
+    >>> import hertzchain as hc
+    >>> hc.VelocityPower(0.1, alpha=1.81)
     VelocityPower(gamma=0.1, alpha=1.81, attractive=True)
     """
 

@@ -33,7 +33,8 @@ class Viscoelastic(Loss, name="viscoelastic"):
 
     Examples
     --------
-    >>> Viscoelastic(1e-6)
+    >>> import hertzchain as hc
+    >>> hc.Viscoelastic(1e-6)
     Viscoelastic(time=1e-06, attractive=False)
     """
 

@@ -41,7 +41,8 @@ class WaltonBraun(Loss, name="walton-braun"):
 
     Examples
     --------
-    >>> WaltonBraun(0.81)
+    >>> import hertzchain as hc
+    >>> hc.WaltonBraun(0.81)
     WaltonBraun(ratio=0.81)
     """
 

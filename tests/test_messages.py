@@ -1,0 +1,50 @@
+"""Messages about names and values that readers of the documentation are likely to try."""
+
+import pytest
+
+import hertzchain as hc
+
+BALLS = hc.Chain.from_materials(4e-3, "steel-52100", beads=6, velocity=0.1)
+
+
+@pytest.mark.parametrize(
+    ("call", "said"),
+    [
+        (lambda: hc.material("teflon"), "did you mean 'ptfe'"),
+        (lambda: hc.material("Stainless steel"), "did you mean 'steel-304' or 'steel-316'"),
+        (lambda: hc.simulate("chain.toml"), r"hc.load_chain\('chain.toml'\) reads one"),
+        (lambda: BALLS.replace(gravity="9.81"), "'9.81' has no unit; write '9.81 m/s"),
+        (lambda: BALLS.replace(gaps=[0.0, 1e-6]), "there must be 5 numbers for the gaps"),
+        (lambda: BALLS.replace(gaps="-20 um"), "gap of contact 1 is '-20 um'"),
+        (lambda: hc.Wall(gap="-20 um"), "got '-20 um'"),
+        (
+            lambda: hc.simulate(BALLS.replace(velocities=[-0.1, 0, 0, 0, 0, 0])),
+            "bead 1 moves away from the chain .velocity -0.1., so there is no impact; give",
+        ),
+    ],
+)
+def test_a_message_names_what_was_typed_and_what_to_do(call, said):
+    with pytest.raises(hc.InputError, match=said):
+        call()
+
+
+def test_a_misspelt_function_is_suggested():
+    with pytest.raises(AttributeError, match="did you mean 'simulate'"):
+        _ = hc.Simulate
+    with pytest.raises(AttributeError, match="propagate"):
+        _ = hc.propagates
+    with pytest.raises(AttributeError) as raised:
+        _ = hc.something_else
+    assert "did you mean" not in str(raised.value)
+
+
+def test_gaps_longer_than_the_chain_are_questioned():
+    with pytest.warns(hc.InputWarning, match="gap 2 is 20 m, but the beads are only 0.048 m long"):
+        BALLS.replace(gaps=[0.0, 20.0, 0.0, 0.0, 0.0])
+    BALLS.replace(gaps=[0.0, 0.04, 0.0, 0.0, 0.0])
+
+
+def test_tables_of_pulses_have_units():
+    units = hc.bca(BALLS).to_dataframe().attrs["units"]
+    assert (units["velocity"], units["peak_force"]) == ("m/s", "N")
+    assert set(hc.bca(hc.Chain.uniform(5)).to_dataframe().attrs["units"].values()) == {"1"}

@@ -105,7 +105,8 @@ def draw_figures(_: Any) -> None:
     import figures
 
     folder = HERE / "_generated"
-    digest = package_digest(HERE / "figures.py", HERE / "page_figures.py")
+    sources = [HERE / f"{name}.py" for name in ("figures", "page_figures", "law_figures")]
+    digest = package_digest(*sources, HERE / "explanation" / "against_others.md")
     names = [folder / f"{name}.svg" for name in figures.FIGURES]
     stamp = folder / "digest.txt"
     if not (all(map(Path.exists, names)) and stamp.exists() and stamp.read_text() == digest):

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import matplotlib.pyplot as plt
 import numpy as np
+from law_figures import LAW_FIGURES
 from matplotlib.figure import Figure
 from page_figures import PAGE_FIGURES
 
@@ -54,7 +55,7 @@ def budget() -> Figure:
             for axes in (left, right)
             for handle, label in zip(*axes.get_legend_handles_labels(), strict=True)
         }
-        shown["given in total"] = shown.pop("given in total")
+        shown["total input"] = shown.pop("total input")
         left.get_legend().remove()
         right.legend(shown.values(), shown.keys(), loc="center left", bbox_to_anchor=(1.0, 0.5))
     return canvas
@@ -258,6 +259,7 @@ FIGURES: dict[str, Callable[[], Figure]] = {
     "fit-correlations": fit_correlations,
     "design-protector": design_protector,
     **PAGE_FIGURES,
+    **LAW_FIGURES,
 }
 
 

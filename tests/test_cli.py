@@ -98,6 +98,18 @@ def test_pulse_from_a_file_with_a_plot(run, tmp_path):
     assert (tmp_path / "pulse.png").read_bytes().startswith(b"\x89PNG")
 
 
+def test_figures_have_the_width_of_a_journal(run, tmp_path):
+    options = ("pulse", "--beads", 5, "--method", "bca")
+    file = tmp_path / "pulse.svg"
+    for width, points in (("single column", "243.7"), ("3.5", "252"), ("120 mm", "340.1")):
+        assert run(*options, "--plot", file, "--width", width)[0] == 0
+        assert f'width="{points}' in file.read_text()
+    code, _, err = run(*options, "--plot", file, "--width", "86")
+    assert (code, err.count("for mm, give '86 mm'")) == (2, 1)
+    code, _, err = run(*options, "--width", "86 mm")
+    assert (code, err.count("add --plot FILE")) == (2, 1)
+
+
 def test_simulate(run, tmp_path):
     code, out, err = run(
         "simulate", "--beads", 10, "--until", 5, "--out", tmp_path / "run.csv",

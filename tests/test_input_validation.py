@@ -41,6 +41,12 @@ def tried(function, /, **good):
     return function, good
 
 
+def styled(width):
+    """Enter the block, where the width is checked."""
+    with hc.figure_style(width):
+        pass
+
+
 def public_calls(folder):
     """Public functions with valid arguments, by name."""
     chain, tapered = Chain.uniform(9), Chain.tapered("forward-linear", 0.005, beads=30)
@@ -259,6 +265,7 @@ def public_calls(folder):
             hc.animate, run=run, path=folder / "a.gif", frames=2, seconds=1.0, magnify=None
         ),
         "plot_chain": tried(hc.plot_chain, chain=chain, ax=None),
+        "figure_style": tried(styled, width="120 mm"),
         "warm_up": tried(hc.warm_up, progress=None),
         "propagate": tried(hc.propagate, chain=chain, rtol=1e-8, progress=None),
         "propagate_many": tried(

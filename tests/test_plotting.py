@@ -53,6 +53,43 @@ def test_the_chain_is_to_scale():
     assert len(radii) == 3
 
 
+@pytest.mark.parametrize(
+    ("width", "inches"),
+    [("single column", 86 / 25.4), ("double column", 178 / 25.4), ("120 mm", 120 / 25.4), (4, 4)],
+)
+def test_figures_have_the_width_of_a_journal_and_readable_text(run, width, inches, tmp_path):
+    with hc.figure_style(width):
+        for axes in (
+            run.pulse().plot(),
+            run.plot(),
+            plot_forces(run, [4, 13]),
+            plot_chain(run.chain),
+        ):
+            assert axes.figure.get_size_inches()[0] == pytest.approx(inches)
+            assert axes.get_title() == ""
+            axes.figure.savefig(tmp_path / "figure.png")
+            with Image.open(tmp_path / "figure.png") as picture:
+                assert picture.width == pytest.approx(300 * inches, abs=1.0)
+            sizes = {text.get_fontsize() for text in axes.findobj(plt.Text) if text.get_text()}
+            assert min(sizes) >= 7.0
+            # The layout must leave most of the figure to the axes.
+            assert axes.get_position().width > 0.6
+    # Outside of the block, figures have their usual size and a title.
+    axes = run.pulse().plot()
+    assert axes.figure.get_size_inches()[0] == pytest.approx(5.4)
+    assert axes.get_title()
+
+
+@pytest.mark.parametrize("width", ["wide", "3 kg", 86, 0.0, "5 mm", None])
+def test_widths_are_lengths(width):
+    if width is None:  # the usual size
+        with hc.figure_style(width):
+            assert plt.figure().get_figwidth() == pytest.approx(5.4)
+        return
+    with pytest.raises(hc.InputError, match="width"), hc.figure_style(width):
+        pass
+
+
 def test_an_animation_moves(run, tmp_path):
     file = animate(run, tmp_path / "beads.gif", frames=6)
     with Image.open(file) as pictures:

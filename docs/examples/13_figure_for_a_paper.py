@@ -18,49 +18,48 @@ import hertzchain as hc
 # The style
 # ---------
 #
-# Every plot of hertzchain has a parameter ``ax`` for axes of your own figure.  The style sheet
-# ``hertzchain.plotting.hertzchain`` has small text, thin lines and no frames.  Set the figure to
-# its final size; do not scale it later.
-
-plt.style.use("hertzchain.plotting.hertzchain")
-plt.rcParams.update({"font.size": 8, "axes.labelsize": 8, "legend.fontsize": 7.5,
-                     "axes.titlesize": 8})  # fmt: skip
-COLUMN = 3.375  # width of a column in inches
+# Inside a block of :obj:`~hertzchain.figure_style`, figures have the width of a column, text of 7
+# or 8 points, and no title, because the caption describes them.  Do not scale the figure later.
+# On the command line, the option ``--width "single column"`` does the same.
 
 chain = hc.Chain.tapered("forward-linear", 0.015, beads=40)
 run = hc.simulate(chain, times=800)
 exact, bca, law = hc.propagate(chain), hc.bca(chain), hc.local_rate(chain)
+with hc.figure_style("single column"):
+    hc.plot_pulses([exact, bca, law], log=True, residuals=True)
 
 # %%
-# Compare curves and their difference
-# -----------------------------------
+# Your own arrangement
+# --------------------
 #
-# Markers that lie on top of each other hide the result.  Draw the simulation as a line, theories
-# as dashed lines, and add a panel with the ratio.  Different dashes remain visible in grey.
+# Every plot of hertzchain has a parameter ``ax`` for axes of your own figure.  Here the chain is
+# above the velocities, and the lowest panel shows the ratio.  Curves with different dashes remain
+# distinguishable in grey.
 
-figure, (top, middle, bottom) = plt.subplots(
-    3, 1, figsize=(COLUMN, 3.9), height_ratios=[0.5, 2, 1.2]
-)
-hc.plot_chain(chain, ax=top)
-top.set_axis_off()
-top.set_title("")
-k = exact.bead
-for pulse, label, dashes in (
-    (exact, "simulation", "-"), (bca, "BCA", "--"), (law, "local-rate law", ":"),
-):  # fmt: skip
-    middle.semilogy(k, pulse.velocity, dashes, color="black" if dashes == "-" else None,
-                    linewidth=2.2 if dashes == ":" else 1.0, label=label)  # fmt: skip
-    if dashes != "-":
-        bottom.plot(k, pulse.velocity / exact.velocity, dashes,
-                    color=middle.lines[-1].get_color())  # fmt: skip
-bottom.axhline(1.0, color="black", linewidth=0.7)
-bottom.set_ylim(0.9, 1.7)
-middle.set_ylabel("velocity $v_k$")
-middle.tick_params(labelbottom=False)
-middle.legend()
-bottom.set_ylabel("theory /\nsimulation")
-bottom.set_xlabel("bead $k$")
-figure.align_ylabels()
+COLUMN = 86 / 25.4  # inches
+with hc.figure_style("single column"):
+    figure, (top, middle, bottom) = plt.subplots(
+        3, 1, figsize=(COLUMN, 3.9), height_ratios=[0.5, 2, 1.2]
+    )
+    hc.plot_chain(chain, ax=top)
+    top.set_axis_off()
+    k = exact.bead
+    for pulse, label, dashes in (
+        (exact, "simulation", "-"), (bca, "BCA", "--"), (law, "local-rate law", ":"),
+    ):  # fmt: skip
+        middle.semilogy(k, pulse.velocity, dashes, color="black" if dashes == "-" else None,
+                        linewidth=2.2 if dashes == ":" else 1.0, label=label)  # fmt: skip
+        if dashes != "-":
+            bottom.plot(k, pulse.velocity / exact.velocity, dashes,
+                        color=middle.lines[-1].get_color())  # fmt: skip
+    bottom.axhline(1.0, color="black", linewidth=0.7)
+    bottom.set_ylim(0.9, 1.7)
+    middle.set_ylabel("velocity $v_k$")
+    middle.tick_params(labelbottom=False)
+    middle.legend()
+    bottom.set_ylabel("theory /\nsimulation")
+    bottom.set_xlabel("bead $k$")
+    figure.align_ylabels()
 
 # %%
 # A map
@@ -69,15 +68,15 @@ figure.align_ylabels()
 # A map has thousands of cells.  With ``rasterized=True`` only the map becomes an image; axes and
 # text remain vector graphics.
 
-figure_map, axes = plt.subplots(figsize=(COLUMN, 2.4))
-shown = axes.pcolormesh(
-    run.times, np.arange(1, chain.beads + 1), run.velocities.T, shading="nearest",
-    rasterized=True, cmap="magma_r", vmin=0,
-)  # fmt: skip
-axes.set_xlabel("time $t$")
-axes.set_ylabel("bead $k$")
-axes.set_title("Velocity of every bead")
-figure_map.colorbar(shown, label="velocity $v_k(t)$")
+with hc.figure_style("single column"):
+    figure_map, axes = plt.subplots(figsize=(COLUMN, 2.4))
+    shown = axes.pcolormesh(
+        run.times, np.arange(1, chain.beads + 1), run.velocities.T, shading="nearest",
+        rasterized=True, cmap="magma_r", vmin=0,
+    )  # fmt: skip
+    axes.set_xlabel("time $t$")
+    axes.set_ylabel("bead $k$")
+    figure_map.colorbar(shown, label="velocity $v_k(t)$")
 
 # %%
 # Files
@@ -91,8 +90,8 @@ figure_map.savefig(folder / "map.pdf", dpi=300, metadata={"CreationDate": None})
 # Answer
 # ------
 #
-# Use the style sheet, the final size, lines with different dashes, a panel with the ratio, and
-# rasterised maps in PDF files.
+# Use the style with the width of the column, lines with different dashes, a panel with the ratio or
+# the difference, and rasterised maps in PDF files.
 
 smallest = min(text.get_fontsize() for text in figure.findobj(plt.Text) if text.get_text())
 width, height = figure.get_size_inches()

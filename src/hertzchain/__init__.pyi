@@ -58,6 +58,7 @@ from .fitting.traces import Traces as Traces
 from .plotting.animation import animate as animate
 from .plotting.chains import plot_chain as plot_chain
 from .plotting.pulses import plot_pulses as plot_pulses
+from .plotting.style import figure_style as figure_style
 from .plotting.sweeps import plot_sweep as plot_sweep
 from .propagation.propagate import propagate as propagate
 from .propagation.propagate import propagate_many as propagate_many

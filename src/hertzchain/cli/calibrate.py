@@ -32,7 +32,9 @@ if TYPE_CHECKING:
 @click.option(
     "--window", metavar="FIRST:LAST", default="5:80", show_default=True, help="Beads to fit."
 )
-@click.option("--beads", type=int, default=100, show_default=True, help="Beads in each chain.")
+@click.option(
+    "--beads", type=int, default=100, show_default=True, help="Number of beads in each chain."
+)
 @click.option(
     "--output",
     type=click.Path(path_type=Path),

@@ -8,7 +8,7 @@ from typing import Any
 import click
 
 from .exit_codes import DONE, OUTSIDE_TOLERANCE
-from .options import PICTURES, check_writable
+from .options import PICTURES, check_writable, with_width
 from .output import save_figure, show_json
 from .progress import progress_bar
 
@@ -39,11 +39,12 @@ from .progress import progress_bar
     help="Plot chains, forces, history and sensitivity to FILE (.png, .svg or .pdf).",
 )
 @click.option("--json", "as_json", is_flag=True, help="Print everything as JSON.")
+@with_width("plot")
 def design(
     file: Path, budget: str | None, method: str | None, seed: int | None, store: Path | None,
     threads: int | None, out: Path | None, plot: Path | None, as_json: bool,
 ) -> int:  # fmt: skip
-    """Search for a chain that does what FILE.toml requires, and verify it.
+    """Search for the chain that best meets an objective.
 
     The file is a chain file with a table [design]: the objective, what may vary, and constraints.
     All trials are written to a folder.  If the search is interrupted, run the same command again

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from .exit_codes import DONE, FAILED, OUTSIDE_TOLERANCE
-from .options import PICTURES, check_writable, names_from
+from .options import PICTURES, check_writable, names_from, with_width
 from .output import save_figure, show_json
 from .progress import progress_bar
 
@@ -35,9 +35,11 @@ if TYPE_CHECKING:
     help="Value and standard deviation of a parameter from other measurements, such as "
     "struck_by.velocity=0.3,0.003; repeatable.",
 )
-@click.option("--starts", type=int, default=4, show_default=True, help="Largest number of starts.")
 @click.option(
-    "--laws", metavar="NAMES", help="Compare laws of loss: all, or names separated by commas."
+    "--starts", type=int, default=4, show_default=True, help="Largest number of starting points."
+)
+@click.option(
+    "--laws", metavar="NAMES", help="Compare loss laws: all, or names separated by commas."
 )
 @click.option(
     "--defects", is_flag=True, help="Search for the gap that explains most of the residuals."
@@ -59,6 +61,7 @@ if TYPE_CHECKING:
     "--out", type=click.Path(path_type=Path), metavar="FILE", help="Write the fitted chain (.toml)."
 )
 @click.option("--json", "as_json", is_flag=True, help="Print everything as JSON.")
+@with_width("plot")
 def fit(
     files: tuple[Path, ...], free: tuple[str, ...], priors: tuple[str, ...], starts: int,
     laws: str | None, defects: bool, sample: int | None, plot: Path | None, out: Path | None,
@@ -66,7 +69,7 @@ def fit(
 ) -> int:  # fmt: skip
     """Fit a chain and its sensors to measured traces.
 
-    FILES are one or several CSV files of traces, one shot each, and last the chain file.  Columns
+    FILES are one or several CSV files of traces, one per shot, followed by the chain file.  Columns
     are, for example, time [us], ball 6 [N], ball 11 [mV], wall [N] and ball 3 velocity [m/s].  The
     table [fit] of the chain file names free parameters and priors.
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
@@ -71,3 +72,34 @@ def check_writable(path: Path | None, option: str, endings: tuple[str, ...]) -> 
         raise click.UsageError(f"{option} {path} must end in {' or '.join(endings)}")
     if not path.parent.is_dir():
         raise click.UsageError(f"{option} {path}: the folder {path.parent} does not exist")
+
+
+def with_width(parameter: str) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
+    """Add the option ``--width`` to a command whose figure is written to this parameter."""
+
+    def decorate(command: Callable[..., Any]) -> Callable[..., Any]:
+        @click.option(
+            "--width",
+            metavar="WIDTH",
+            help="Draw the figure for a journal: 'single column' (86 mm wide), 'double column' "
+            "(178 mm), a length such as '120 mm', or a number of inches.  The figure then has no "
+            "title.",
+        )
+        @functools.wraps(command)
+        def with_option(*arguments: Any, width: str | None, **options: Any) -> Any:
+            if width is None:
+                return command(*arguments, **options)
+            if not options[parameter]:
+                raise click.UsageError(f"--width requires a figure; add --{parameter} FILE")
+            from ..plotting.style import figure_style
+
+            try:
+                chosen: float | str = float(width)
+            except ValueError:
+                chosen = width
+            with figure_style(chosen):
+                return command(*arguments, **options)
+
+        return with_option
+
+    return decorate

@@ -8,7 +8,7 @@ import click
 
 from ..pulse.quantities import QUANTITIES
 from .chain_options import ChainOptions, chain_from, chain_options
-from .options import PICTURES, LateHelp, check_writable
+from .options import PICTURES, LateHelp, check_writable, with_width
 from .output import save_figure, show_table
 from .progress import progress_bar
 from .pulse_tables import pulse_table, side_by_side
@@ -50,6 +50,7 @@ def _method_help() -> str:
     metavar="FILE",
     help="Also plot the quantity to FILE (.png, .svg or .pdf).",
 )
+@with_width("plot")
 def pulse(
     options: ChainOptions, methods: tuple[str, ...], quantity: str, every_bead: bool,
     as_json: bool, as_csv: bool, plot: Path | None, log: bool,

@@ -49,10 +49,10 @@ def reproduce(
 ) -> None:
     """Recompute every table and figure of the paper.
 
-    Numbers are compared with the printed values.
+    The results are compared with the numbers printed in the paper.
 
-    Writes report.html, verdict.json, summary.md and figures/ to the folder.
-    Exits with code 3 if anything is outside its tolerance.
+    The command writes report.html, verdict.json, summary.md and figures/ to a folder.  It exits
+    with code 3 if anything is outside its tolerance.
 
     \b
     Examples:

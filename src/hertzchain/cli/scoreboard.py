@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from ..pulse.quantities import QUANTITIES
-from .options import PICTURES, check_writable
+from .options import PICTURES, check_writable, with_width
 from .output import save_figure, show_json, show_table
 from .progress import progress_bar
 
@@ -41,6 +41,7 @@ if TYPE_CHECKING:
 @click.option(
     "--json", "as_json", is_flag=True, help="Print all quantities, from beads 2 and 10 on, as JSON."
 )
+@with_width("figure")
 def scoreboard(
     quantity: str, first_bead: int, rms: bool, every_chain: bool, figure: Path | None,
     as_json: bool,

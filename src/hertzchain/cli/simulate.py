@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import click
 
 from .chain_options import ChainOptions, chain_from, chain_options
-from .options import PICTURES, check_writable, time_from
+from .options import PICTURES, check_writable, time_from, with_width
 from .output import save_figure, show_json, show_table
 from .progress import progress_bar
 from .stream import check_stream_options, stream_into
@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 @click.option(
     "--until",
     metavar="TIME",
-    help="Stop time, such as 2e-3 or, in SI units, 2ms.  [default: when the largest force on the "
+    help="Stop time, such as 2e-3 or, in SI units, 2ms.  [default: when the peak force on the "
     "right wall is complete, at most 10 transits of the pulse; without a right wall, when the "
     "pulse has left the chain]",
 )
@@ -74,8 +74,8 @@ if TYPE_CHECKING:
     type=int,
     multiple=True,
     metavar="BEAD",
-    help="Print the first maximum and the largest value so far of the force in a sensor in this "
-    "bead; repeatable.",
+    help="Print the first maximum and the largest value of the force in a sensor in this bead; "
+    "repeatable.",
 )
 @click.option(
     "--stream",
@@ -88,9 +88,10 @@ if TYPE_CHECKING:
     "--waves", is_flag=True, help="Print the travelling waves: pulses, trains and reflections."
 )
 @click.option(
-    "--horizon", is_flag=True, help="Print how long the run is predictable (integrates it twice)."
+    "--horizon", is_flag=True, help="Print how long the run is predictable (takes twice as long)."
 )
 @click.option("--json", "as_json", is_flag=True, help="Print the summary as JSON.")
+@with_width("plot")
 def simulate(
     options: ChainOptions, until: str | None, times: int, rtol: float, method: str,
     step: str | None, drift: float | None, max_steps: int | None, out: Path | None,

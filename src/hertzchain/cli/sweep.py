@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from .exit_codes import DONE, FAILED
-from .options import PICTURES, check_writable
+from .options import PICTURES, check_writable, with_width
 from .output import save_figure, show_json
 from .progress import progress_bar
 
@@ -119,7 +119,7 @@ def run(
 @_skip_damaged
 @click.option("--json", "as_json", is_flag=True, help="Print the status as JSON.")
 def status(store: Path, skip_damaged: bool, as_json: bool) -> int:
-    """Check all files; show the progress of a sweep, running or not, and why points failed."""
+    """Check all files of a store; show the progress of the sweep and why points failed."""
     from ..store.sweep_store import SweepStore
 
     opened = SweepStore(store, skip_damaged=skip_damaged)
@@ -178,6 +178,7 @@ def merge(into: Path, stores: tuple[Path, ...], skip_damaged: bool) -> int:
 )
 @click.option("--log", is_flag=True, help="Use a logarithmic scale for the quantity.")
 @_skip_damaged
+@with_width("file")
 def plot(
     store: Path, file: Path, quantity: str | None, at: tuple[str, ...], level: tuple[float, ...],
     log: bool, skip_damaged: bool,

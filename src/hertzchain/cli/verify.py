@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 def verify(only: str | None, as_json: bool) -> None:
     """Compare computed with exact and published values.
 
-    The sources are listed below the table, with the origin of each value: derived again,
+    The sources are listed below the table, with the origin of each value: derived,
     computed by other code, or recalled from a paper whose text was not available.  Exits with
     code 3 if any value is outside its tolerance.
 

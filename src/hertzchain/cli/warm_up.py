@@ -13,9 +13,8 @@ from .progress import progress_bar
 def warm_up(as_json: bool) -> None:
     """Compile all kernels now instead of at their first use.
 
-    Two processes compile side by side.
-
-    Once per installation; if everything is compiled already, it takes a few seconds.
+    This is required once per installation and uses two processes.  If everything is already
+    compiled, the command takes a few seconds.
 
     \b
     Example:

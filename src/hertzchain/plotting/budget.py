@@ -94,7 +94,7 @@ def plot_budget(
                 base += part
             axes.fill_between([], [], [], facecolor=colour, hatch=hatch, edgecolor="white",
                               label=name)  # fmt: skip
-        axes.plot(times, total, color="black", linewidth=1.0, label="given in total")
+        axes.plot(times, total, color="black", linewidth=1.0, label="total input")
         quantity, unit = TICK[of]
         axes.set_ylabel(quantity)
         if budget.chain.units == "SI":

@@ -47,7 +47,7 @@ def plot_chain(chain: Chain, *, ax: Axes | None = None) -> Axes:
         axes.set_aspect("equal")
         axes.set_xlim(low - 0.7 * radii.max(), high + 0.7 * radii.max())
         axes.set_ylim(-tall, tall)
-        axes.set_xlabel(f"place [{unit}]")
+        axes.set_xlabel(f"position [{unit}]")
         axes.set_yticks([])
         axes.spines["left"].set_visible(False)  # it would look like a wall
         set_title(axes, literal(chain.description))

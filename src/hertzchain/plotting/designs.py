@@ -17,6 +17,7 @@ from ..chain.chain import Chain
 from ..errors import InputError
 from ..simulation.simulate import simulate
 from .style import COLOURS, figure_style, get_axes, time_axis
+from .widths import figure_size
 
 if TYPE_CHECKING:
     from ..designs.result import DesignResult
@@ -82,7 +83,7 @@ def plot_forces(result: DesignResult, *, ax: Axes | None = None) -> Axes:
             axes.set_xlabel(axis)
         si = result.chain.units == "SI"
         if result.chain.right_wall is None:
-            axes.set_xlabel("bead")
+            axes.set_xlabel("bead $k$")
             axes.set_ylabel("velocity $v_k$" + (" [m/s]" if si else ""))
         else:
             axes.set_ylabel("force on the wall" + (" [N]" if si else ""))
@@ -111,8 +112,8 @@ def plot_sensitivity(result: DesignResult, *, ax: Axes | None = None) -> Axes:
         values = result.sensitivity
         axes.bar(np.arange(1, len(values) + 1), values, color=COLOURS[3])
         axes.axhline(0.0, color="black", linewidth=0.8)
-        axes.set_xlabel("bead")
-        axes.set_ylabel("change [%] per 1% of the radius")
+        axes.set_xlabel("bead $k$")
+        axes.set_ylabel("change [%] per 1% of radius $R_k$")
     return axes
 
 
@@ -135,7 +136,7 @@ def plot_front(result: DesignResult, *, ax: Axes | None = None) -> Axes:
 def plot_design(result: DesignResult) -> Figure:
     """Plot beads, forces, history, and the sensitivity or the Pareto front."""
     with figure_style():
-        figure, axes = plt.subplots(2, 2, figsize=(10.0, 6.4), layout="constrained")
+        figure, axes = plt.subplots(2, 2, figsize=figure_size(10.0, 6.4), layout="constrained")
         plot_beads(result, ax=axes[0, 0])
         plot_forces(result, ax=axes[0, 1])
         plot_history(result, ax=axes[1, 0])
@@ -144,7 +145,7 @@ def plot_design(result: DesignResult) -> Figure:
             plot_front(result, ax=last)
         elif "masses" in result.chain.given:
             last.bar(np.arange(1, result.chain.beads + 1), result.chain.masses, color=COLOURS[3])
-            last.set_xlabel("bead")
+            last.set_xlabel("bead $k$")
             last.set_ylabel("mass $m_k$")
         else:
             plot_sensitivity(result, ax=last)

@@ -11,6 +11,7 @@ from matplotlib.figure import Figure
 
 from ..fitting.goodness import autocorrelation
 from .style import COLOURS, figure_style, get_axes
+from .widths import figure_size
 
 if TYPE_CHECKING:
     from ..fitting.posterior import Posterior
@@ -85,7 +86,7 @@ def plot_fit(result: FitResult) -> Figure:
     with figure_style():
         figure, panels = plt.subplots(
             2 * len(shots), most, squeeze=False, sharex="row", layout="constrained",
-            figsize=(3.2 * most, 4.0 * len(shots)),
+            figsize=figure_size(3.2 * most, 4.0 * len(shots)),
             gridspec_kw={"height_ratios": [2.2, 1.0] * len(shots)},
         )  # fmt: skip
         rest = iter(residuals)
@@ -139,7 +140,9 @@ def plot_fit_residuals(result: FitResult) -> Figure:
     >>> figure = plot_fit_residuals(hc.fit(*hc.example_experiment(), free=["time_offset"]))
     """
     with figure_style():
-        figure, (left, right) = plt.subplots(1, 2, figsize=(8.5, 3.4), layout="constrained")
+        figure, (left, right) = plt.subplots(
+            1, 2, figsize=figure_size(8.5, 3.4), layout="constrained"
+        )
         edges = np.linspace(-5.0, 5.0, 41)
         for i, (shot, name, values) in enumerate(result.residuals()):
             seen = values[np.isfinite(values)]
@@ -183,7 +186,7 @@ def plot_correlations(result: FitResult) -> Figure:
     names, values = result.names, result.correlation
     with figure_style():
         side = 2.6 + 0.4 * len(names)
-        figure, axes = plt.subplots(figsize=(side + 0.8, side), layout="constrained")
+        figure, axes = plt.subplots(figsize=figure_size(side + 0.8, side), layout="constrained")
         mesh = axes.imshow(values, cmap="RdBu_r", vmin=-1.0, vmax=1.0)
         places = np.arange(len(names))
         axes.set_xticks(places, names, rotation=90)
@@ -223,7 +226,7 @@ def plot_comparison(comparison: TraceComparison) -> Figure:
     with figure_style():
         figure, panels = plt.subplots(
             rows, columns, squeeze=False, sharex=True, layout="constrained",
-            figsize=(4.2 * columns, 2.5 * rows),
+            figsize=figure_size(4.2 * columns, 2.5 * rows),
         )  # fmt: skip
         for i, axes in enumerate(panels.flat):
             if i >= count:
@@ -259,7 +262,7 @@ def plot_corner(posterior: Posterior) -> Figure:
     drawn = posterior.samples[:: max(1, len(posterior.samples) // POINTS)]
     with figure_style():
         figure, panels = plt.subplots(
-            count, count, squeeze=False, figsize=(1.7 * count + 0.6, 1.7 * count + 0.6),
+            count, count, squeeze=False, figsize=figure_size(1.7 * count + 0.6, 1.7 * count + 0.6),
             layout="constrained",
         )  # fmt: skip
         for i, j in np.ndindex(count, count):

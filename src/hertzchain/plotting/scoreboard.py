@@ -9,6 +9,7 @@ from matplotlib.axes import Axes
 from ..evaluation.cases import GROUPS
 from ..evaluation.scoreboard import Scoreboard, Statistic
 from .style import COLOURS, MARKERS, figure_style
+from .widths import figure_size
 
 
 def plot_scoreboard(
@@ -46,7 +47,8 @@ def plot_scoreboard(
     outside = board.outside()
     heights, headings = _scoreboard_rows(board)
     with figure_style():
-        axes = ax if ax is not None else plt.subplots(figsize=(8.0, 0.23 * max(heights) + 1.1))[1]
+        size = figure_size(8.0, 0.23 * max(heights) + 1.1)
+        axes = ax if ax is not None else plt.subplots(figsize=size)[1]
         for t, theory in enumerate(board.theories):
             if errors[theory].isna().all():
                 continue

@@ -19,6 +19,7 @@ from matplotlib.figure import Figure
 
 from ..chain.chain import Chain
 from ..validation.objects import check_type
+from .widths import figure_size, journal_settings, journal_width, width_in_inches
 
 if TYPE_CHECKING:
     from ..simulation.horizon import Horizon
@@ -33,17 +34,45 @@ INCHES_PER_LETTER: Final = 0.07
 
 
 @contextmanager
-def figure_style() -> Iterator[None]:
+def figure_style(width: str | float | None = None) -> Iterator[None]:
     """Apply hertzchain's Matplotlib style to the figures created inside a ``with`` block.
+
+    With a width, figures have this width, text of 7 or 8 points, and no titles, because a caption
+    describes them; print them without scaling.  Plotting functions of hertzchain that are called
+    inside the block keep these settings.
+
+    Parameters
+    ----------
+    width : str or float, optional
+        ``"single column"`` (86 mm), ``"double column"`` (178 mm), a length such as ``"120 mm"``,
+        or a number of inches from 1 to 20.  By default, figures are 5.4 inches wide.
+
+    Raises
+    ------
+    InputError
+        If the width is no length, or outside this range.
 
     Examples
     --------
-    >>> with figure_style():
-    ...     figure, axes = plt.subplots()
+    >>> import hertzchain as hc
+    >>> with figure_style("single column"):
+    ...     axes = hc.propagate(hc.Chain.uniform(20)).plot()
+    >>> (25.4 * axes.figure.get_size_inches()).round(1)
+    array([86. , 61.9])
     """
     style = resources.files("hertzchain.plotting").joinpath("hertzchain.mplstyle")
-    with resources.as_file(style) as path, plt.style.context(path):
-        yield
+    inches = journal_width.get() if width is None else width_in_inches(width)
+    settings = {} if inches is None else journal_settings(inches)
+    outer = journal_width.set(inches)
+    try:
+        with (
+            resources.as_file(style) as path,
+            plt.style.context(path),
+            plt.rc_context(settings),  # type: ignore[arg-type]
+        ):
+            yield
+    finally:
+        journal_width.reset(outer)
 
 
 def figure_bytes(figure: Figure, kind: str) -> bytes:
@@ -74,7 +103,7 @@ def svg_and_png(figure: Figure) -> tuple[bytes, bytes]:
 def get_axes(ax: Axes | None, figsize: tuple[float, float] | None = None) -> Axes:
     """Return the given axes, or those of a new figure."""
     if ax is None:
-        return plt.subplots(figsize=figsize)[1]
+        return plt.subplots(figsize=None if figsize is None else figure_size(*figsize))[1]
     check_type("ax", ax, Axes, "plt.subplots()[1] is one")
     return ax
 
@@ -85,7 +114,9 @@ def literal(text: str) -> str:
 
 
 def set_title(axes: Axes, text: str) -> None:
-    """Set a title, broken into lines that fit inside the figure."""
+    """Set a title, broken into lines that fit inside the figure; none at the width of a journal."""
+    if journal_width.get() is not None:
+        return
     inches = axes.get_window_extent().width / axes.figure.dpi
     whole = re.sub("(?<![,;]) ", "\u00a0", text)
     lines = textwrap.wrap(whole, max(20, int(inches / INCHES_PER_LETTER)), break_long_words=False)

@@ -1,0 +1,225 @@
+"""Figures of the pages on laws of the pulse, on gradients, on extensions and on other programs."""
+
+import re
+from collections.abc import Callable
+from pathlib import Path
+from typing import Final
+
+import matplotlib.pyplot as plt
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from scipy.integrate import solve_ivp
+
+import hertzchain as hc
+from hertzchain.plotting.style import COLOURS, MARKERS, figure_style
+
+PAGES: Final = Path(__file__).parent
+
+
+def _law_and_simulation(axes: Axes, law: hc.Pulse, exact: hc.Pulse, i: int, label: str) -> None:
+    """Velocities by a law as a line, and by simulation as symbols."""
+    shown = slice(None, len(exact.bead) - 3)
+    axes.plot(law.bead[shown], law.velocity[shown], color=COLOURS[i], label=label)
+    axes.plot(exact.bead[shown], exact.velocity[shown], MARKERS[i], color=COLOURS[i],
+              markerfacecolor="none", markevery=(3 * i, 12))  # fmt: skip
+
+
+def steps() -> Figure:
+    """Velocities in chains with one step of the radius."""
+    with figure_style():
+        canvas, axes = plt.subplots(figsize=(7.0, 3.6))
+        for i, factor in enumerate((0.5, 0.8, 1.25, 2.0)):
+            chain = hc.Chain.from_radii(np.where(np.arange(100) >= 40, factor, 1.0))
+            law, exact = hc.piecewise_local_rate(chain), hc.propagate(chain)
+            _law_and_simulation(axes, law, exact, i, f"$f = {factor:g}$")
+        axes.set_yscale("log")
+        axes.set_xlabel("bead $k$")
+        axes.set_ylabel("velocity $v_k$")
+        axes.legend(loc="lower left", ncols=2)
+    return canvas
+
+
+def strikers() -> Figure:
+    """Velocities behind strikers of several masses, and the waves of heavy ones."""
+    with figure_style():
+        canvas, (left, right) = plt.subplots(1, 2, figsize=(9.6, 3.6))
+        for i, mass in enumerate((0.25, 1.0, 4.0)):
+            chain = hc.Chain.uniform(80).struck_by(mass=mass, radius=1.0)
+            law, exact = hc.local_rate(chain), hc.propagate(chain)
+            _law_and_simulation(left, law, exact, i, rf"$\mu = {mass:g}$")
+        left.set_xlabel("bead $k$")
+        left.set_ylabel("velocity $v_k$")
+        left.set_xlim(0.0, 45.0)
+        left.legend(loc="center right", bbox_to_anchor=(1.0, 0.6))
+        wave = hc.solitary_wave()
+        momentum, energy = wave.momentum_constant, wave.energy_constant
+        particle = momentum**2 / (2.0 * energy)
+        for i, mass in enumerate((2.0, 4.0, 8.0), start=3):
+            train = hc.striker_train(mass)
+            number = np.arange(1, len(train) + 1)
+            first = momentum / (2.0 * energy) * 2.0 * mass / (mass + particle)
+            formula = first * ((mass - particle) / (mass + particle)) ** (number - 1)
+            right.semilogy(number, formula, color=COLOURS[i], linewidth=0.8)
+            right.semilogy(number, train, MARKERS[i], color=COLOURS[i], label=rf"$\mu = {mass:g}$")
+        right.set_xlabel("wave $n$ of the train")
+        right.set_ylabel("peak velocity")
+        right.set_xticks(range(1, 11))
+        right.legend()
+    return canvas
+
+
+def disorder() -> Figure:
+    """Velocities in chains with random radii: single chains, and the law of their mean."""
+    chain, scatter = hc.Chain.uniform(110), 0.01
+    table = hc.propagate_many([chain.with_scatter(seed, relative=scatter) for seed in range(100)])
+    law = hc.disorder(chain, scatter)
+    spread = law.velocity_spread
+    assert spread is not None
+    with figure_style():
+        canvas, axes = plt.subplots(figsize=(7.0, 3.6))
+        shown = slice(5, 105)
+        axes.plot(law.bead[shown], table.velocity[:, shown].T, color="0.75", linewidth=0.5)
+        axes.plot([], [], color="0.75", label="100 random chains")
+        for sign, label in ((-1.0, "law, mean ± standard deviation"), (1.0, None)):
+            axes.plot(law.bead[shown], (law.velocity * np.exp(sign * spread))[shown], "--",
+                      color=COLOURS[1], label=label)  # fmt: skip
+        axes.plot(law.bead[shown], law.velocity[shown], color=COLOURS[1], linewidth=1.6)
+        axes.axhline(hc.propagate(chain).velocity[80], color="black", linestyle=":",
+                     label="equal beads")  # fmt: skip
+        axes.set_xlabel("bead $k$")
+        axes.set_ylabel("velocity $v_k$")
+        axes.legend(loc="lower left")
+    return canvas
+
+
+def attenuation() -> Figure:
+    """Velocities along equal beads with a small loss, by the closed form and by simulation."""
+    laws = (hc.Restitution(0.99), hc.Viscoelastic(2e-3), hc.Dashpot(2e-3))
+    with figure_style():
+        canvas, axes = plt.subplots(figsize=(7.0, 3.6))
+        for i, law in enumerate(laws):
+            chain = hc.Chain.uniform(100).replace(loss=law)
+            velocity = hc.simulate(chain, times=0).pulse().velocity
+            theory = [velocity[9]]
+            for _ in range(10, 95):
+                theory.append(theory[-1] * np.exp(-hc.attenuation(chain, theory[-1])))
+            bead = np.arange(10, 96)
+            axes.plot(bead, theory, color=COLOURS[i], label=type(law).__name__)
+            axes.plot(bead, velocity[9:95], MARKERS[i], color=COLOURS[i], markerfacecolor="none",
+                      markevery=(3 * i, 8))  # fmt: skip
+        axes.set_xlabel("bead $k$")
+        axes.set_ylabel("velocity $v_k$")
+        axes.legend()
+    return canvas
+
+
+def gradients() -> Figure:
+    """Gradients of a force on a wall, compared with differences of simulations."""
+    chain = hc.Chain.tapered("forward-exponential", 0.05, beads=20).replace(right_wall=hc.Wall())
+    peak, slope = hc.gradient(chain, "wall_force.peak", to=("radii", "gaps"))
+    beads = np.arange(2, 21)
+    differences = []
+    for k in beads:
+        forces = []
+        for sign in (-1.0, 1.0):
+            radii = chain.radii.copy()
+            radii[k - 1] *= 1.0 + sign * 1e-4
+            changed = hc.Chain.from_radii(radii).replace(right_wall=hc.Wall())
+            forces.append(hc.simulate(changed).wall_force().peak)
+        differences.append((forces[1] - forces[0]) / (2e-4 * chain.radii[k - 1]))
+    contact, steps_of_gap = 10, np.logspace(-6, -3, 7)
+    errors = []
+    for step in steps_of_gap:
+        gaps = np.zeros(19)
+        gaps[contact - 1] = step
+        change = hc.simulate(chain.replace(gaps=gaps)).wall_force().peak - peak
+        errors.append(abs(change / step / slope["gaps"][contact - 1] - 1.0))
+    with figure_style():
+        canvas, (left, right) = plt.subplots(1, 2, figsize=(9.6, 3.4))
+        left.plot(beads, slope["radii"][1:], "o", color=COLOURS[1], markerfacecolor="none",
+                  markersize=7, label="gradient")  # fmt: skip
+        left.plot(beads, differences, "x", color=COLOURS[2], label="central differences")
+        left.set_xlabel("bead $k$")
+        left.set_ylabel(r"$\partial F/\partial R_k$")
+        left.set_xticks(range(2, 21, 3))
+        left.legend()
+        right.loglog(steps_of_gap, errors, "o-", color=COLOURS[2])
+        right.loglog(steps_of_gap, errors[2] * np.sqrt(steps_of_gap / steps_of_gap[2]), "--",
+                     color="0.5", label=r"proportional to $\sqrt{\varepsilon}$")  # fmt: skip
+        right.set_xlabel(rf"gap $\varepsilon$ at contact {contact}")
+        right.set_ylabel("relative deviation of the quotient")
+        right.legend()
+    return canvas
+
+
+def extend() -> Figure:
+    """Results of the recipes of the page: a taper, a theory, a loss law and a plot."""
+    chain = hc.Chain.from_radii((1.0 + np.arange(30) / 10.0) ** -0.5)
+    exact = hc.propagate(chain)
+    run = hc.simulate(hc.Chain.uniform(10), times=np.linspace(0.0, 20.0, 400))
+    with figure_style():
+        canvas, panels = plt.subplot_mosaic("aaa;bcd", figsize=(9.6, 4.4), height_ratios=(1.0, 2.4))
+        hc.plot_chain(chain, ax=panels["a"])
+        panels["a"].set_title("")
+        panels["a"].set_title("a taper: a power law of 30 beads", loc="left")
+        panels["a"].set_axis_off()
+        panels["b"].plot(exact.bead, exact.velocity, color=COLOURS[0], label="simulation")
+        panels["b"].plot(exact.bead, chain.masses**-0.5, "--", color=COLOURS[1],
+                         label="energy kept")  # fmt: skip
+        panels["b"].set(title="a theory", xlabel="bead $k$", ylabel="velocity $v_k$")
+        for i, gamma in enumerate((0.0, 0.2, 1.0)):
+            overlap, force = _collision(gamma)
+            panels["c"].plot(overlap, force, color=COLOURS[i], label=rf"$\gamma = {gamma:g}$")
+        panels["c"].set(title="a loss law", xlabel="overlap $d$", ylabel="force $F$")
+        panels["d"].plot(run.positions[:, 4], run.velocities[:, 4], color=COLOURS[3])
+        panels["d"].set(title="a plot", xlabel="$x_5$", ylabel="$v_5$")
+        for name in "bc":
+            panels[name].legend()
+    return canvas
+
+
+def _collision(gamma: float) -> tuple[np.ndarray, np.ndarray]:
+    """Overlap and force of two equal beads that collide, with F = d^(3/2) + gamma d d'."""
+
+    def force(overlap: np.ndarray, rate: np.ndarray) -> np.ndarray:
+        return np.maximum(overlap, 0.0) ** 1.5 + gamma * np.maximum(overlap, 0.0) * rate
+
+    def separated(_: float, state: np.ndarray) -> float:
+        return float(state[0])
+
+    separated.terminal, separated.direction = True, -1.0  # type: ignore[attr-defined]
+    solution = solve_ivp(lambda _, s: [s[1], -2.0 * force(s[0], s[1])], (0.0, 20.0), [1e-12, 1.0],
+                         events=separated, rtol=1e-9, atol=1e-12, max_step=0.02)  # fmt: skip
+    return solution.y[0], force(*solution.y)
+
+
+def against_others() -> Figure:
+    """Error and time of each program, from the table of the page."""
+    page = (PAGES / "explanation" / "against_others.md").read_text("utf-8")
+    rows = re.findall(r"^\| (.+?) \| (\de-\d+) \| (\d+) \|$", page, re.M)
+    assert len(rows) == 8
+    kinds = {"`propagate`": "hertzchain, propagate", "`simulate`": "hertzchain, simulate",
+             "SciPy": "SciPy DOP853", "Verlet": "Verlet script", "LAMMPS": "LAMMPS"}  # fmt: skip
+    with figure_style():
+        canvas, axes = plt.subplots(figsize=(6.4, 3.8))
+        for i, (key, name) in enumerate(kinds.items()):
+            times, errors = np.array(
+                [(float(time), float(error)) for row, error, time in rows if key in row]
+            ).T
+            axes.loglog(times, errors, MARKERS[i] + "-", color=COLOURS[i], markersize=6, label=name)
+        axes.set_xlabel("computing time, relative to propagate")
+        axes.set_ylabel("largest error of a velocity")
+        axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
+    return canvas
+
+
+LAW_FIGURES: Final[dict[str, Callable[[], Figure]]] = {
+    "steps": steps,
+    "strikers": strikers,
+    "disorder": disorder,
+    "attenuation": attenuation,
+    "gradients": gradients,
+    "extend": extend,
+    "against-others": against_others,
+}

@@ -117,10 +117,13 @@ class DesignResult:
         True
         """
         check_type("found", found, Verified, "give one of the references of this result")
+        return self._objective(found.values)
+
+    def _objective(self, values: Mapping[str, float]) -> float:
         objective = self.problem.objective
         if objective.single is not None:
-            return found.values[str(objective.single)]
-        row = np.array([[found.values[str(each)] for each in objective.measures]])
+            return values[str(objective.single)]
+        row = np.array([[values[str(each)] for each in objective.measures]])
         return float(objective.score(row)[0])
 
     @property

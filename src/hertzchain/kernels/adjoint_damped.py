@@ -2,8 +2,22 @@ r"""Steps of a chain with damped contacts, and their discrete adjoint.
 
 .. math:: F_c = k_c d_c^{p_c} + g_c d_c^{q_c} d_c' ,
 
-which is not negative unless a contact may pull; q > 0, so that no force jumps.  The method is
-DOP853.  For each stage, overlaps and closing speeds of all contacts are kept, in this order.
+which is not negative unless a contact may pull.  For q < 1 the damping has an infinite slope at
+touch, and for q = 0 it jumps; steps that cross such a point would have wrong derivatives.  But it
+is the rate of the impulse :math:`J_c = g_c d_c^{q_c+1}/(q_c+1)`.  The state therefore consists of
+the positions and of
+
+.. math::
+
+    u_i = v_i - (J_{i-1} - J_i)/m_i, \qquad
+    m_i u_i' = P_{i-1} - P_i, \qquad P_c = F_c - J_c' ,
+
+where P is the elastic force, and the derivatives of both equations are continuous, or jump without
+an impulse for q = 0.  Impulses of forces are the integrals of P, and the changes of J.  Where the
+force is cut off, :math:`P = -J'` until the end of the step; the contact is then *released*: its
+impulse is taken out of u, so that P = F until it opens.
+
+The method is DOP853.
 """
 
 from __future__ import annotations
@@ -22,18 +36,27 @@ from .adjoint_layout import (
     BY_OVERLAP,
     BY_STIFFNESS,
     DAMPING,
+    END_A,
     EXPONENT,
     F0,
     F8,
     FACTOR,
     FORCE,
+    IMPULSE,
     INVERSE_MASS,
+    KEPT_CLOSINGS,
+    KEPT_RELEASED,
+    KEPT_SWITCHES,
     LV,
     LX,
+    NEW_P,
     NEW_V,
     NEW_X,
     OVERLAP_POWER,
     PULLS,
+    PUSH,
+    RATE,
+    RELEASED,
     ROW,
     SPARE,
     STAGE_A,
@@ -41,10 +64,12 @@ from .adjoint_layout import (
     STIFFNESS,
     TRANSFER,
     TRIAL,
+    TRIAL_P,
     TRIAL_V,
     WORK,
     ZV,
     ZX,
+    P,
     U,
     V,
     X,
@@ -54,11 +79,21 @@ from .dop853 import E3, E5, STEP_STAGES, A, B
 from .elastic_forces import LEAST
 from .powers import power
 
+# Part of a step that may follow the release of a contact in it.
+AFTER_RELEASE = 0.01
+
 compiled = njit(**CONTRACTED)
 inlined = njit(forceinline=True, **CONTRACTED)
 
 WEIGHTS = np.ascontiguousarray(A[:STEP_STAGES, :STEP_STAGES])
 STEP_WEIGHTS, THIRD, FIFTH = np.array(B), np.array(E3), np.array(E5)
+
+
+@inlined
+def overlap_of(w, c, at):
+    """Overlap of a contact, 0 if it is open."""
+    d = w[AT_REST + c] + (w[at + c] - w[at + c + 1])
+    return d if d > LEAST else 0.0
 
 
 @inlined
@@ -71,18 +106,91 @@ def parts_of(w, c, d, closing):
     return raised, weight, force, acts
 
 
+@inlined
+def impulse_of(w, c, d):
+    """Impulse of the damping since a contact closed; 0 if it is released."""
+    whole = w[DAMPING + c] * d * power(d, w[OVERLAP_POWER + c]) / (w[OVERLAP_POWER + c] + 1.0)
+    return (1.0 - w[RELEASED + c]) * whole
+
+
 @compiled
 def damped_forces(w, low, high, at, moving, out, overlaps, closings):
     """Accelerations in row ``out`` at the positions and velocities in two rows."""
     for c in range(low, high + 1):
-        d = w[AT_REST + c] + (w[at + c] - w[at + c + 1])
-        d = d if d > LEAST else 0.0
+        d = overlap_of(w, c, at)
         closing = w[moving + c] - w[moving + c + 1]
         overlaps[c], closings[c] = d, closing
         _, _, force, acts = parts_of(w, c, d, closing)
         w[FORCE + c] = force if acts else 0.0
     for i in range(low, high):
         w[out + i] = (w[FORCE + i] - w[FORCE + i + 1]) * w[INVERSE_MASS + i] + w[BODY + i]
+
+
+@compiled
+def rates_of(w, low, high, at, reduced, moving, out, overlaps, closings):
+    """Velocities in row ``moving`` and rates of u in row ``out``, from positions and u."""
+    for c in range(low, high + 1):
+        overlaps[c] = overlap_of(w, c, at)
+        w[IMPULSE + c] = impulse_of(w, c, overlaps[c])
+    for i in range(low, high):
+        change = (w[IMPULSE + i] - w[IMPULSE + i + 1]) * w[INVERSE_MASS + i]
+        w[moving + 1 + i] = w[reduced + 1 + i] + change
+    for c in range(low, high + 1):
+        d, closing = overlaps[c], w[moving + c] - w[moving + c + 1]
+        closings[c] = closing
+        raised, weight, force, acts = parts_of(w, c, d, closing)
+        elastic, taken = w[STIFFNESS + c] * raised, w[DAMPING + c] * weight * closing
+        free = w[RELEASED + c] > 0.0
+        with_impulse = elastic if acts else -taken
+        w[PUSH + c] = (force if acts else 0.0) if free else with_impulse
+        w[FORCE + c] = force if acts else 0.0
+    for i in range(low, high):
+        w[out + i] = (w[PUSH + i] - w[PUSH + i + 1]) * w[INVERSE_MASS + i] + w[BODY + i]
+
+
+@compiled
+def set_reduced(w, low, high):
+    """Row P, the u of the state, from positions and velocities."""
+    for c in range(low, high + 1):
+        w[IMPULSE + c] = impulse_of(w, c, overlap_of(w, c, X))
+    for i in range(low, high):
+        change = (w[IMPULSE + i] - w[IMPULSE + i + 1]) * w[INVERSE_MASS + i]
+        w[P + 1 + i] = w[V + 1 + i] - change
+
+
+@compiled
+def release(w, low, high, switches):
+    """Release contacts whose force is cut off, and join others again; then set row P."""
+    for c in range(low, high + 1):
+        d = overlap_of(w, c, X)
+        _, _, _, acts = parts_of(w, c, d, w[V + c] - w[V + c + 1])
+        free = 1.0 if d > 0.0 and not acts else 0.0
+        switches[c] = (free - w[RELEASED + c]) * d
+        w[RELEASED + c] = free
+    set_reduced(w, low, high)
+
+
+@compiled
+def part_before_release(w, low, high):
+    """Fraction of a step after which a contact is released; 2 if none is, or only at its end.
+
+    There the rates have a kink, and a step across it could have a small error only by chance.  When
+    the contact opens, P has an infinite slope; a step must end between the two.
+    """
+    part = 2.0
+    for c in range(low, high + 1):
+        if w[PULLS + c] > 0.0 or w[RELEASED + c] > 0.0:
+            continue
+        _, _, first, acts = parts_of(w, c, overlap_of(w, c, X), w[V + c] - w[V + c + 1])
+        if not acts:
+            continue
+        d = overlap_of(w, c, NEW_X)
+        _, _, last, _ = parts_of(w, c, d, w[NEW_V + c] - w[NEW_V + c + 1])
+        if d == 0.0:
+            part = min(part, 0.5)
+        elif -last > AFTER_RELEASE * (first - last):
+            part = min(part, max(0.1, first / (first - last) * (1.0 + 0.5 * AFTER_RELEASE)))
+    return part
 
 
 @compiled
@@ -102,33 +210,44 @@ def add_up(w, low, high, h, at, stages, weights, count, out):
 @compiled
 def damped_step(w, low, high, h, kept, last):
     """All stages of a step; ``last`` receives the overlaps at its end."""
-    damped_forces(w, low, high, X, V, STAGE_A, kept[0], kept[STEP_STAGES])
-    for i in range(low, high):
-        w[STAGE_V + i], w[F0 + i] = w[V + 1 + i], w[STAGE_A + i]
-    for s in range(1, STEP_STAGES):
+    for s in range(STEP_STAGES):
         add_up(w, low, high, h, X, STAGE_V, WEIGHTS[s], s, TRIAL)
-        add_up(w, low, high, h, V, STAGE_A, WEIGHTS[s], s, TRIAL_V)
+        add_up(w, low, high, h, P, STAGE_A, WEIGHTS[s], s, TRIAL_P)
+        rates_of(w, low, high, TRIAL, TRIAL_P, TRIAL_V, STAGE_A + s * ROW, kept[s],
+                 kept[KEPT_CLOSINGS + s])  # fmt: skip
         for i in range(low, high):
             w[STAGE_V + s * ROW + i] = w[TRIAL_V + 1 + i]
-        damped_forces(w, low, high, TRIAL, TRIAL_V, STAGE_A + s * ROW, kept[s],
-                      kept[STEP_STAGES + s])  # fmt: skip
+        if s == 0:
+            for i in range(low, high):
+                w[F0 + i] = (w[FORCE + i] - w[FORCE + i + 1]) * w[INVERSE_MASS + i] + w[BODY + i]
+    for c in range(low, high + 1):
+        kept[KEPT_RELEASED, c], kept[KEPT_SWITCHES, c] = w[RELEASED + c], 0.0
     add_up(w, low, high, h, X, STAGE_V, STEP_WEIGHTS, STEP_STAGES, NEW_X)
-    add_up(w, low, high, h, V, STAGE_A, STEP_WEIGHTS, STEP_STAGES, NEW_V)
-    damped_forces(w, low, high, NEW_X, NEW_V, F8, last, w[SPARE : SPARE + ROW])
+    add_up(w, low, high, h, P, STAGE_A, STEP_WEIGHTS, STEP_STAGES, NEW_P)
+    rates_of(w, low, high, NEW_X, NEW_P, NEW_V, END_A, last, w[SPARE : SPARE + ROW])
+    for i in range(low, high):
+        w[F8 + i] = (w[FORCE + i] - w[FORCE + i + 1]) * w[INVERSE_MASS + i] + w[BODY + i]
+
+
+@inlined
+def estimated_error(w, i, stages, at_end):
+    """Error of a step in the sum of rates of one bead, by the formula of DOP853."""
+    third, fifth = THIRD[STEP_STAGES] * w[at_end + i], FIFTH[STEP_STAGES] * w[at_end + i]
+    for s in range(STEP_STAGES):
+        rate = w[stages + s * ROW + i]
+        third += THIRD[s] * rate
+        fifth += FIFTH[s] * rate
+    size = math.sqrt(fifth * fifth + 0.01 * third * third)
+    return fifth * fifth / size if size > 0.0 else 0.0
 
 
 @compiled
 def damped_errors(w, low, high, h, scale):
-    """Error of each bead in units of its scale, in the row WORK."""
+    """Error of each bead in units of its scale, in the row WORK; positions times RATE."""
     for i in range(low, high):
-        third = THIRD[STEP_STAGES] * w[F8 + i]
-        fifth = FIFTH[STEP_STAGES] * w[F8 + i]
-        for s in range(STEP_STAGES):
-            a = w[STAGE_A + s * ROW + i]
-            third += THIRD[s] * a
-            fifth += FIFTH[s] * a
-        size = math.sqrt(fifth * fifth + 0.01 * third * third)
-        w[WORK + i] = abs(h) * fifth * fifth / (size * w[scale + i]) if size > 0.0 else 0.0
+        change = estimated_error(w, i, STAGE_A, END_A)
+        moved = w[RATE + i] * estimated_error(w, i, STAGE_V, NEW_V + 1)
+        w[WORK + i] = abs(h) * max(change, moved) / w[scale + i]
 
 
 @compiled
@@ -150,31 +269,52 @@ def damped_rate(w, c, beads, at, moving, accelerations):
 
 
 @compiled
-def derive_damped(w, low, high, by_place, by_speed, overlaps, closings, gauge, weight):
-    """The rows of a stage from the row U, as `hertzchain.kernels.adjoint_reverse.derive`.
+def derive_forces(w, low, high, overlaps, closings, gauge, weight):
+    """Derivatives by overlaps in TRANSFER and by closing speeds in SPARE, from the row U.
 
-    ``by_speed`` already has the derivatives through the positions.
+    Adds to those by stiffness and damping; FACTOR receives the forces P.
     """
     w[U + low] = w[U + high + 1] = 0.0
     for c in range(low, high + 1):
         d, closing = overlaps[c], closings[c]
         raised, weighted, force, acts = parts_of(w, c, d, closing)
-        share = w[U + c + 1] - w[U + c] + weight * gauge[c]
-        share = share if acts else 0.0
         inverse = 1.0 / (d if d > 0.0 else 1.0)
-        damping = w[DAMPING + c] * weighted
-        slope = w[EXPONENT + c] * w[STIFFNESS + c] * raised * inverse
-        slope += w[OVERLAP_POWER + c] * damping * inverse * closing
-        w[TRANSFER + c], w[SPARE + c] = share * slope, share * damping
-        w[FACTOR + c] = force if acts else 0.0
-        w[BY_OVERLAP + c] += share * slope
-        w[BY_STIFFNESS + c] += share * raised
-        w[BY_DAMPING + c] += share * weighted * closing
+        taken = w[DAMPING + c] * weighted
+        elastic = w[STIFFNESS + c] * raised
+        slope = w[EXPONENT + c] * elastic * inverse
+        bend = w[OVERLAP_POWER + c] * taken * inverse * closing
+        acting, joined = (1.0 if acts else 0.0), 1.0 - w[RELEASED + c]
+        share = w[U + c + 1] - w[U + c] + weight * gauge[c]
+        whole = acting * share
+        damped = whole - joined * share
+        w[TRANSFER + c] = whole * slope + damped * bend
+        w[SPARE + c] = damped * taken
+        w[FACTOR + c] = acting * force - joined * taken * closing
+        w[BY_STIFFNESS + c] += whole * raised
+        w[BY_DAMPING + c] += damped * weighted * closing
+
+
+@compiled
+def derive_damped(w, low, high, by_place, by_reduced, overlaps, closings, gauge, weight):
+    """The rows of a stage from the row U; ``by_reduced`` has the derivatives by velocities."""
+    derive_forces(w, low, high, overlaps, closings, gauge, weight)
     for i in range(low, high):
-        w[by_place + i] = w[TRANSFER + i + 1] - w[TRANSFER + i]
-        w[by_speed + i] += w[SPARE + i + 1] - w[SPARE + i]
         w[BY_MASS + i] -= w[U + 1 + i] * (w[FACTOR + i] - w[FACTOR + i + 1])
         w[BY_BODY + i] += w[U + 1 + i]
+        w[by_reduced + i] += w[SPARE + i + 1] - w[SPARE + i]
+        w[U + 1 + i] = w[by_reduced + i] * w[INVERSE_MASS + i]
+    for c in range(low, high + 1):
+        d, q = overlaps[c], w[OVERLAP_POWER + c]
+        weighted = power(d, q)
+        joined = 1.0 - w[RELEASED + c]
+        share = joined * (w[U + c + 1] - w[U + c])
+        w[IMPULSE + c] = joined * w[DAMPING + c] * d * weighted / (q + 1.0)
+        w[TRANSFER + c] += share * w[DAMPING + c] * weighted
+        w[BY_DAMPING + c] += share * d * weighted / (q + 1.0)
+        w[BY_OVERLAP + c] += w[TRANSFER + c]
+    for i in range(low, high):
+        w[BY_MASS + i] -= w[U + 1 + i] * (w[IMPULSE + i] - w[IMPULSE + i + 1])
+        w[by_place + i] = w[TRANSFER + i + 1] - w[TRANSFER + i]
 
 
 @compiled
@@ -192,15 +332,42 @@ def gather_damped(w, low, high, h, s, state, stages, out):
 
 
 @compiled
+def reverse_switches(w, low, high, switches, gauge, on):
+    """Derivatives before contacts are released, whose impulses then leave u, or joined again."""
+    for i in range(low, high):
+        w[U + 1 + i] = w[LV + i] * w[INVERSE_MASS + i]
+    w[U + low] = w[U + high + 1] = 0.0
+    for c in range(low, high + 1):
+        if switches[c] == 0.0:
+            continue
+        d, q, sign = abs(switches[c]), w[OVERLAP_POWER + c], math.copysign(1.0, switches[c])
+        weighted = sign * power(d, q)
+        share = w[U + c + 1] - w[U + c] + on * gauge[c]
+        impulse = w[DAMPING + c] * d * weighted / (q + 1.0)
+        by_overlap = share * w[DAMPING + c] * weighted
+        w[BY_OVERLAP + c] += by_overlap
+        w[BY_DAMPING + c] += share * d * weighted / (q + 1.0)
+        if c > low:
+            w[LX + c - 1] += by_overlap
+            w[BY_MASS + c - 1] += w[U + c] * impulse
+        if c < high:
+            w[LX + c] -= by_overlap
+            w[BY_MASS + c] -= w[U + c + 1] * impulse
+
+
+@compiled
 def reverse_damped(w, low, high, h, kept, gauge, on):
     """Derivatives by the state at the start of a step from those by the state at its end."""
+    reverse_switches(w, low, high, kept[KEPT_SWITCHES], gauge, on)
+    for c in range(low, high + 1):
+        w[RELEASED + c] = kept[KEPT_RELEASED, c]
     for s in range(STEP_STAGES - 1, -1, -1):
-        by_place, by_speed = ZX + s * ROW, ZV + s * ROW
-        gather_damped(w, low, high, h, s, LX, ZX, by_speed)
+        by_place, by_reduced = ZX + s * ROW, ZV + s * ROW
+        gather_damped(w, low, high, h, s, LX, ZX, by_reduced)
         gather_damped(w, low, high, h, s, LV, ZV, WORK)
         for i in range(low, high):
             w[U + 1 + i] = w[WORK + i] * w[INVERSE_MASS + i]
-        derive_damped(w, low, high, by_place, by_speed, kept[s], kept[STEP_STAGES + s], gauge,
+        derive_damped(w, low, high, by_place, by_reduced, kept[s], kept[KEPT_CLOSINGS + s], gauge,
                       on * h * STEP_WEIGHTS[s])  # fmt: skip
     for s in range(STEP_STAGES):
         for i in range(low, high):

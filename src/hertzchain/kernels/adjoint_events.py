@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 
-from .adjoint_damped import damped_rate
+from .adjoint_damped import damped_rate, set_reduced
 from .adjoint_layout import (
     AT_REST,
     CLOSING,
@@ -127,9 +127,11 @@ def locate_from(w, beads, low, high, h, hertz, target, kept, last, x, v):
 
 @compiled
 def load_state(w, beads, low, high, hertz, x, v, kept):
-    """Put a state into the rows, with its accelerations."""
+    """Put a state into the rows, with its accelerations; damped contacts are released or not."""
     for i in range(beads):
         w[X + 1 + i] = w[TRIAL + 1 + i] = w[NEW_X + 1 + i] = x[i]
         w[V + 1 + i] = w[NEW_V + 1 + i] = v[i]
         w[F0 + i] = w[F8 + i] = 0.0
     forces(w, low, high, X, F0, hertz, kept[0])
+    if hertz is None:
+        set_reduced(w, low, high)

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 
-from .adjoint_damped import damped_rate
+from .adjoint_damped import damped_rate, part_before_release, release
 from .adjoint_events import event_function, load_state, locate
 from .adjoint_layout import (
     ALL_FOUND,
@@ -26,12 +26,14 @@ from .adjoint_layout import (
     FRACTION,
     GAUGE,
     HIGH,
+    KEPT_SWITCHES,
     KIND,
     LOW,
     MOST,
     NEW_V,
     NEW_X,
     PLACE,
+    RELEASED,
     ROW,
     SCALE,
     SECOND,
@@ -58,7 +60,7 @@ REACHED = 1e-11
 
 
 @compiled
-def closes_unseen(w, low, high, h):
+def closes_unseen(w, low, high, h, hertz):
     """Whether a contact that is open at both ends of a step may have been closed in between."""
     for c in range(low, high + 1):
         first = w[AT_REST + c] + (w[X + c] - w[X + c + 1])
@@ -68,6 +70,9 @@ def closes_unseen(w, low, high, h):
         if w[V + c] <= w[V + c + 1] or w[NEW_V + c] >= w[NEW_V + c + 1]:
             continue
         sharpest = 0.0
+        if hertz is None:
+            # Stages of damped steps are in other rows.
+            sharpest = (w[V + c] - w[V + c + 1] - (w[NEW_V + c] - w[NEW_V + c + 1])) / h
         for stage in range(F0, F8 + 1, ROW):
             left = w[stage + c - 1] if c > low else 0.0
             right = w[stage + c] if c < high else 0.0
@@ -75,6 +80,14 @@ def closes_unseen(w, low, high, h):
         if 0.125 * h * h * sharpest > max(-max(first, last), 1e-14 * abs(w[X + c])):
             return True
     return False
+
+
+@compiled
+def part_to_repeat(w, low, high, h, hertz, careful):
+    """Fraction with which a step must be repeated; 2 if it may be accepted."""
+    if careful and closes_unseen(w, low, high, h, hertz):
+        return HALF
+    return part_before_release(w, low, high) if hertz is None else 2.0
 
 
 @compiled
@@ -140,6 +153,9 @@ def find_events(
         remaining += 1
         if happens(w, beads, targets[t], kept, last, hertz):
             x, v = w[X + 1 : X + 1 + beads], w[V + 1 : V + 1 + beads]
+            if hertz is None:
+                for c in range(low, high + 1):
+                    events[RELEASED + c] = w[RELEASED + c]
             load_state(events, beads, low, high, hertz, x, v, room)
             s = locate(events, beads, low, high, h, hertz, targets[t], room, room[len(room) - 1])
             if s <= 1.0:
@@ -182,7 +198,8 @@ def advance(
     targets, found : (T, TARGET) and (T, FOUND); steps are counted from the start of the run
     candidates : (C, 2) target and step in the block of maxima of gauges
     positions, velocities, lengths, windows : (S, N), (S, N), (S,), (S, 2) of the block
-    kept : (S, 8, N + 1) overlaps at the stages; ``room`` (9, N + 1) is scratch
+    kept : (S, 8, N + 1) overlaps at the stages, or as the layout states for damped contacts;
+        ``room`` (9, N + 1) is scratch
     end : (N + 1,) overlaps at the end of the last step
     """
     counts[STEPS] = counts[CANDIDATES] = 0
@@ -204,11 +221,9 @@ def advance(
         counts[TRIED] += 1
         change = SAFETY / math.sqrt(math.sqrt(math.sqrt(error + 1e-30)))
         change = change if change > SHRINKAGE else SHRINKAGE
-        good = error <= 1.0
-        if good and careful and closes_unseen(w, low, high, h):
-            good, change = False, HALF
-        if not good:
-            clock[STEP], clock[MOST] = h * min(change, HALF), 1.0
+        part = part_to_repeat(w, low, high, h, hertz, careful) if error <= 1.0 else 0.0
+        if part < 1.0:
+            clock[STEP], clock[MOST] = h * (part if part > 0.0 else min(change, HALF)), 1.0
             if not clock[STEP] > max(MIN_STEP, 1e-17 * clock[TIME]):
                 return STEP_TOO_SMALL
             continue
@@ -222,6 +237,8 @@ def advance(
         for i in range(low, high):
             w[X + 1 + i], w[V + 1 + i] = w[NEW_X + 1 + i], w[NEW_V + 1 + i]
             w[F0 + i] = w[F8 + i]
+        if hertz is None:
+            release(w, low, high, kept[n, KEPT_SWITCHES])
         counts[STEPS] = n + 1
         clock[TIME] = until if reaches else clock[TIME] + h
         if not reaches:

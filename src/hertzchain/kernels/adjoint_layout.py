@@ -14,18 +14,22 @@ ROW = 4096 + 40
  XI7, TRANSFER, FACTOR, BY_MASS, BY_STIFFNESS, BY_OVERLAP, BY_BODY, END_OF_ROWS,
  ) = range(0, 43 * ROW, ROW)  # fmt: skip
 # Further rows of damped contacts; those of stages are twelve each.
-(DAMPING, OVERLAP_POWER, PULLS, TRIAL_V, SPARE, BY_DAMPING, STAGE_V,
- ) = range(END_OF_ROWS, END_OF_ROWS + 7 * ROW, ROW)  # fmt: skip
+(DAMPING, OVERLAP_POWER, PULLS, RELEASED, RATE, P, NEW_P, TRIAL_P, TRIAL_V, IMPULSE, PUSH, END_A,
+ SPARE, BY_DAMPING, STAGE_V,
+ ) = range(END_OF_ROWS, END_OF_ROWS + 15 * ROW, ROW)  # fmt: skip
 STAGE_A, ZX, ZV, END_OF_DAMPED_ROWS = range(STAGE_V + 12 * ROW, STAGE_V + 60 * ROW, 12 * ROW)
 # A step uses up to eight entries in addition to the beads.
 MOST_BEADS = ROW - 40
 
 STAGES = 9
+# Numbers kept in a step with damping: overlaps and closing speeds at twelve stages, the contacts
+# that are released, and those released (their overlap) or joined again (minus it) at its end.
+KEPT_CLOSINGS, KEPT_RELEASED, KEPT_SWITCHES, KEPT_DAMPED = 12, 24, 25, 26
 # Clock of a run, and its counts: steps in the block, window, steps tried.
 TIME, STEP, MOST, CLOCK = range(4)
 STEPS, LOW, HIGH, TRIED, CANDIDATES, BASE, COUNTS = range(7)
 # Reasons to return.
-BLOCK_FULL, TIME_REACHED, ALL_FOUND, STEP_TOO_SMALL, STEP_LIMIT = range(1, 6)
+BLOCK_FULL, TIME_REACHED, ALL_FOUND, STEP_TOO_SMALL, STEP_LIMIT, CUT_OFF = range(1, 7)
 
 # Kinds of events: first velocity maximum of a bead, first largest overlap of a contact, maximum of
 # the mean force of two contacts.

@@ -11,6 +11,8 @@ import numpy as np
 from ..collision import Array
 from .gauges import (
     LOWEST,
+    Missing,
+    check_smooth,
     contact_forces,
     contacts_of,
     first_maximum,
@@ -27,10 +29,6 @@ from .targets import LEFT, RIGHT, Ending, is_moving
 
 # Smallest impulse of a first contact with a wall as a fraction of the momentum at time 0.
 LEAST_PART = 1e-6
-
-
-class Missing(Exception):
-    """The quantity does not exist in this run; the text states why."""
 
 
 @dataclass(eq=False)
@@ -103,6 +101,7 @@ class Reader:
         mass = float(equation.masses[i])
         if is_moving(equation, i + 1):
             place = self._event(VELOCITY, i, f"the velocity of bead {i + 1} has no maximum")
+            check_smooth(equation, place, (i, i + 1), in_velocity=True)
             speed, places = float(place.velocities[i]), [place]
             if name.item == "peak_time":
                 return self._time_of_rest(place, i)
@@ -172,6 +171,7 @@ class Reader:
         direct, weight = self._zero(), 1.0 / len(contacts)
         value = 0.0
         pushing = contact_forces(self._equation, place.positions, place.velocities)
+        check_smooth(self._equation, place, contacts)
         for c in contacts:
             if pushing[c] != 0.0:
                 value += self._add_force(place, direct, c, weight)
@@ -314,12 +314,18 @@ class Reader:
 
     def _final(self, name: Name) -> Dependence:
         """A quantity of the state at the end of the run."""
+        from ..kernels.adjoint_layout import KEPT_SWITCHES
+
         record, equation = self.record, self._equation
         direct, beads = self._zero(), equation.beads
         block, n = record.block_of(record.steps - 1)
         low, high = (int(each) for each in block.windows[n])
+        kept = block.kept[n].copy()
+        if equation.hertz is None:
+            # Contacts that are released at the end change no velocity.
+            kept[KEPT_SWITCHES] = 0.0
         place = Place(
-            record.steps - 1, float(block.lengths[n]), low, high, block.kept[n], record.time,
+            record.steps - 1, float(block.lengths[n]), low, high, kept, record.time,
             record.positions, record.velocities, np.zeros(beads), np.zeros(beads), np.zeros(beads),
         )  # fmt: skip
         i = (name.bead or 1) - 1

@@ -73,6 +73,11 @@ class Equation:
         return np.array(rkn8.B_VELOCITY if self.hertz is not None else dop853.B)
 
     @property
+    def rate(self) -> float:
+        """Rate of the fastest contact, by which errors of positions become those of velocities."""
+        return FIRST_PART / self.first_step
+
+    @property
     def beads(self) -> int:
         """Number of beads."""
         return len(self.masses)
@@ -96,12 +101,27 @@ class Equation:
     def kept_forces(self, kept: Array, c: int) -> Array:
         """Forces of a contact at the stages of steps, from the numbers kept, (steps, stages)."""
         if self.hertz is None:
-            d, closing = kept[:, : self.stages, c], kept[:, self.stages :, c]
+            d, closing = kept[:, : self.stages, c], kept[:, self.stages : 2 * self.stages, c]
             damped = self.damping[c] * d ** self.overlap_powers[c] * closing
             force = self.stiffness[c] * d ** self.exponents[c] + damped
             return np.where((d > 0.0) & ((force > 0.0) | (self.pulls[c] > 0.0)), force, 0.0)
         p = self.exponents[c] * (2.0 if self.hertz else 1.0)
         return np.asarray(self.stiffness[c] * kept[:, :, c] ** p)
+
+    def kept_impulses(self, kept: Array, lengths: Array, c: int, after: float) -> Array:
+        """Impulse of a contact in each step, (steps,); ``after`` is the overlap at the end."""
+        from ..kernels.adjoint_layout import KEPT_RELEASED
+
+        forces = self.kept_forces(kept, c)
+        if self.hertz is not None:
+            return np.asarray(lengths * (forces @ self.weights))
+        # The impulse of the damping of joined contacts is known at both ends of a step.
+        d, closing = kept[:, : self.stages, c], kept[:, self.stages : 2 * self.stages, c]
+        q, joined = self.overlap_powers[c], 1.0 - kept[:, KEPT_RELEASED, c]
+        damped = self.damping[c] * np.where(d > 0.0, d**q, 0.0) * closing
+        ends = self.damping[c] * np.append(d[:, 0], after) ** (q + 1.0) / (q + 1.0)
+        rest = lengths * ((forces - joined[:, np.newaxis] * damped) @ self.weights)
+        return np.asarray(rest + joined * np.diff(ends))
 
     def overlaps_at(self, positions: Array) -> Array:
         """Overlaps of all contacts, at positions in the last axis."""
@@ -168,14 +188,19 @@ def _check(chain: Chain) -> None:
 
 
 def _check_law(law: Loss) -> None:
-    """Raise an error for a law whose force jumps, or remembers its past."""
-    if isinstance(law, Elastic | Viscoelastic | Restitution):
+    """Raise an error for a law whose force is not linear in the closing speed."""
+    if isinstance(law, Elastic | Viscoelastic | Restitution | Dashpot):
         return
-    jumps = isinstance(law, Dashpot | VelocityPower | UnloadingRatio)
-    reason = "its force jumps" if jumps else "its force depends on the largest overlap so far"
+    if isinstance(law, VelocityPower) and law.alpha == 1.0:
+        return
+    reason = "its force depends on the largest overlap so far"
+    if isinstance(law, UnloadingRatio):
+        reason = "its force jumps when a contact begins to open"
+    elif isinstance(law, VelocityPower):
+        reason = "its force is not linear in the relative velocity"
     raise InputError(
-        f"gradient does not support the loss {law}, because {reason}; use Viscoelastic or "
-        "Restitution, or differences of simulate_many"
+        f"gradient does not support the loss {law}, because {reason}; use Viscoelastic, "
+        "Restitution or Dashpot, or differences of simulate_many"
     )
 
 

@@ -13,10 +13,17 @@ from .equation import Equation
 from .record import Record, load_rows, room_for
 from .sweep import Place, place_of
 
+# The rate of a force at its maximum is smaller than this part of its terms, and the maximum is at
+# most this part lower than the forces at stages.
+SMOOTH, HEIGHT = 1e-4, 1e-3
 # Candidates whose force at a stage exceeds this part of the largest one are located.
 NEAR_TOP: Final = 0.97
 # Maxima lower than this part of the largest one are no peaks of their own.
 LOWEST: Final = 0.5
+
+
+class Missing(Exception):
+    """The quantity does not exist in this run; the text states why."""
 
 
 def contacts_of(bead: int) -> tuple[int, int]:
@@ -35,10 +42,14 @@ def stage_forces(record: Record, contacts: tuple[int, ...]) -> Array:
 
 
 def impulse(record: Record, contacts: tuple[int, ...]) -> Array:
-    """Impulse of each step, by the weights of the method."""
-    forces = stage_forces(record, contacts)
+    """Impulse of the mean force of some contacts in each step, by the weights of the method."""
+    equation, total = record.equation, np.zeros(record.steps)
+    kept = np.concatenate([block.kept for block in record.blocks])
     lengths = np.concatenate([block.lengths for block in record.blocks])
-    return np.asarray(lengths * (forces @ record.equation.weights))
+    after = np.maximum(equation.overlaps_at(record.positions), 0.0)
+    for c in contacts:
+        total += equation.kept_impulses(kept, lengths, c, after[c]) / len(contacts)
+    return total
 
 
 def maxima(record: Record, target: int) -> list[tuple[int, float]]:
@@ -60,12 +71,15 @@ def maxima(record: Record, target: int) -> list[tuple[int, float]]:
 def locate(record: Record, target: int, step: int) -> Place | None:
     """State at the maximum of a gauge, or at another event, in a step."""
     from ..kernels import adjoint_events
+    from ..kernels.adjoint_layout import KEPT_RELEASED, RELEASED
 
     kernel: Any = adjoint_events
     equation = record.equation
     block, n = record.block_of(step)
     low, high = (int(each) for each in block.windows[n])
     rows, room = load_rows(equation), room_for(equation)
+    if equation.hertz is None:
+        rows[RELEASED : RELEASED + equation.beads + 1] = block.kept[n, KEPT_RELEASED]
     s = kernel.locate_from(
         rows, equation.beads, low, high, float(block.lengths[n]), equation.hertz,
         record.targets[target], room, room[-1], block.positions[n], block.velocities[n],
@@ -79,7 +93,42 @@ def largest(record: Record, target: int) -> Place | None:
     top = max((force for _, force in candidates), default=0.0)
     places = [locate(record, target, n) for n, force in candidates if force >= NEAR_TOP * top]
     found = [place for place in places if place is not None]
-    return max(found, key=lambda place: force_at(record, target, place), default=None)
+    best = max(found, key=lambda place: force_at(record, target, place), default=None)
+    if best is None or record.equation.hertz is not None:
+        return best
+    if force_at(record, target, best) < (1.0 - HEIGHT) * top:
+        raise Missing(JUMPS)
+    return best
+
+
+JUMPS: Final = (
+    "it is largest where a force jumps, because a contact closes or opens, and has no exact "
+    "derivatives there; use differences of simulate_many"
+)
+
+
+def check_smooth(
+    equation: Equation, place: Place, contacts: tuple[int, ...], *, in_velocity: bool = False
+) -> None:
+    """Raise `Missing` if the force of contacts, or a bead's velocity, has a kink as its maximum."""
+    if equation.hertz is not None:
+        return
+    forces = contact_forces(equation, place.positions, place.velocities)
+    if in_velocity:
+        terms = forces[list(contacts)] * [1.0, -1.0]
+        weight = equation.masses[contacts[0]] * equation.body[contacts[0]]
+        terms = np.append(terms, weight)
+    else:
+        closed = [c for c in contacts if forces[c] != 0.0]
+        d = equation.overlaps_at(place.positions)[closed]
+        closing, bend = (-np.diff(np.pad(each, 1))[closed]
+                         for each in (place.velocities, place.accelerations))  # fmt: skip
+        p, q = equation.exponents[closed], equation.overlap_powers[closed]
+        damping = equation.damping[closed] * d**q
+        slope = p * equation.stiffness[closed] * d ** (p - 1.0) + q * damping / d * closing
+        terms = np.concatenate((slope * closing, damping * bend))
+    if not abs(terms.sum()) < SMOOTH * np.abs(terms).sum():
+        raise Missing(JUMPS)
 
 
 def contact_forces(equation: Equation, positions: Array, velocities: Array) -> Array:
@@ -90,7 +139,8 @@ def contact_forces(equation: Equation, positions: Array, velocities: Array) -> A
         closed = np.maximum(overlaps, 0.0)
         closing = -np.diff(np.pad(velocities, 1))
         forces = forces + equation.damping * closed**equation.overlap_powers * closing
-        forces = np.where((forces > 0.0) | (equation.pulls > 0.0), forces, 0.0)
+        pushes = (closed > 0.0) & ((forces > 0.0) | (equation.pulls > 0.0))
+        forces = np.where(pushes, forces, 0.0)
     return forces
 
 

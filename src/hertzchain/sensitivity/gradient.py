@@ -18,15 +18,17 @@ from ..representation import short
 from ..validation.numbers import number, whole_number
 from ..validation.objects import check_list
 from .accuracy import relative_error
-from .dependence import Missing, Reader
+from .dependence import Reader
 from .equation import Equation, equation_of
+from .gauges import Missing
 from .names import Name, parse
 from .parameters import by_fields, checked_parameters
 from .record import run
 from .sweep import sweep
 from .targets import Ending, targets_of
+from .window import follow_pulse
 
-DEFAULT_RTOL, DAMPED_RTOL = 1e-10, 1e-13
+DEFAULT_RTOL, WINDOW_RTOL, DAMPED_RTOL = 1e-10, 1e-9, 1e-12
 MIN_RTOL, MAX_RTOL = 1e-14, 1e-5
 
 
@@ -111,8 +113,9 @@ def gradient(
     Parameters
     ----------
     chain : Chain
-        A chain without drive, elastic or with the loss `Viscoelastic` or `Restitution`.  The
-        forces of other losses jump or depend on the past.
+        A chain without drive, elastic or with the loss `Viscoelastic`, `Restitution` or `Dashpot`.
+        The forces of other losses jump when a contact begins to open, are not linear in the closing
+        speed, or depend on the past.
     quantity : str
         ``"pulse."`` and a column of `Pulse`, of a ``bead``; ``"wall_force."`` or
         ``"left_wall_force."`` and ``peak``, ``peak_time``, ``impulse``, ``impulse_of_impact``,
@@ -125,7 +128,8 @@ def gradient(
         Parameters: ``"radii"``, ``"masses"``, ``"stiffness"``, ``"gaps"``, ``"velocities"``,
         ``"young"``, ``"poisson"``, ``"density"`` (of each bead), ``"left_wall.stiffness"``,
         ``"right_wall.stiffness"``, ``"left_wall.gap"``, ``"right_wall.gap"``,
-        ``"precompression"``, ``"gravity"``, ``"loss.time"`` or ``"loss.coefficient"``.  Masses and
+        ``"precompression"``, ``"gravity"``, ``"loss.time"``, ``"loss.coefficient"`` or
+        ``"loss.gamma"``.  Masses and
         stiffness follow the radii and materials unless they are given in the chain; the unit of a
         scaled chain remains fixed when radius 1 is varied.
     bead : int, optional
@@ -133,9 +137,11 @@ def gradient(
     until : float, optional
         Stop time [scaled, or s].  By default the run ends when the quantity is complete.
     rtol : float, optional
-        Relative tolerance per step, 1e-14 .. 1e-5; by default 1e-10, and 1e-13 with damping.  The
+        Relative tolerance per step, 1e-14 .. 1e-5; by default 1e-10, 1e-12 with damping, and
+        1e-9 for the leading pulse in a free chain whose neighbours differ little, because only
+        the beads around this pulse are then integrated.  The
         error of a gradient is about its 0.6th power for Hertz contacts, because their force rises
-        with an infinite curvature, and its third or fifth root with damping.
+        with an infinite curvature, and about its root with damping.
     max_steps : int, optional
         Step limit; by default 2000 per bead, and at least a million.
 
@@ -213,9 +219,8 @@ def gradients(
     equation = equation_of(chain)
     if until is not None:
         until = number("until", until, unit=chain._unit("s"), above=0.0)
-    if rtol is None:
-        rtol = DEFAULT_RTOL if equation.hertz is not None else DAMPED_RTOL
-    rtol = number("rtol", rtol, least=MIN_RTOL, most=MAX_RTOL)
+    if rtol is not None:
+        rtol = number("rtol", rtol, least=MIN_RTOL, most=MAX_RTOL)
     limit = max(2000 * chain.beads, 1_000_000)
     limit = limit if max_steps is None else whole_number("max_steps", max_steps, least=1)
     given = check_list("quantities", quantities, "names of quantities")
@@ -224,11 +229,17 @@ def gradients(
     targets = targets_of(equation, names)
     ending = Ending(equation, names, targets)
     pulses_only = all(name.group == "pulse" for name in names)
-    record = run(
-        equation, targets.array(), math.inf if until is None else until, rtol, limit,
-        (lambda _: False) if until is not None else ending.finished, pulses_only,
-        equation.behind if pulses_only and until is None else 0,
-    )  # fmt: skip
+    of_pulse = pulses_only and until is None
+    record = follow_pulse(equation, targets.array(), rtol or WINDOW_RTOL) if of_pulse else None
+    if record is not None:
+        rtol = rtol or WINDOW_RTOL
+    else:
+        rtol = rtol or (DEFAULT_RTOL if equation.hertz is not None else DAMPED_RTOL)
+        record = run(
+            equation, targets.array(), math.inf if until is None else until, rtol, limit,
+            (lambda _: False) if until is not None else ending.finished, pulses_only,
+            equation.behind if of_pulse else 0,
+        )  # fmt: skip
     if until is not None:
         ending.finished(record)
     reader = Reader(record, ending, until)
@@ -255,7 +266,7 @@ def _read(reader: Reader, name: Name, to: tuple[str, ...], rtol: float) -> list[
             values.setflags(write=False)
         status = note or "complete"
         found = Gradient(
-            str(each), dependence.value, arrays, relative_error(equation, rtol), status, steps
+            str(each), dependence.value, arrays, relative_error(equation, rtol, each), status, steps
         )
         out.append(found)
     return out

@@ -23,7 +23,7 @@ MATERIAL: Final = ("young", "poisson", "density")
 PARAMETERS: Final = (
     "radii", "masses", "stiffness", "gaps", "velocities", *MATERIAL, "left_wall.stiffness",
     "right_wall.stiffness", "left_wall.gap", "right_wall.gap", "precompression", "gravity",
-    "loss.time", "loss.coefficient",
+    "loss.time", "loss.coefficient", "loss.gamma",
 )  # fmt: skip
 
 
@@ -83,6 +83,7 @@ def by_fields(equation: Equation, slopes: Slopes, to: Iterable[str]) -> dict[str
         "gravity": lambda: np.asarray(by_gravity),
         "loss.time": lambda: by_law(equation, slopes, "time"),
         "loss.coefficient": lambda: by_law(equation, slopes, "coefficient"),
+        "loss.gamma": lambda: by_law(equation, slopes, "gamma"),
     }  # fmt: skip
     return {name: np.array(found[name](), float) for name in to}
 

@@ -65,6 +65,17 @@ class Record:
                 return block, step - block.first
         raise IndexError(step)
 
+    def state_after(self, steps: int) -> tuple[Array, Array]:
+        """Positions after some steps, and which damped contacts are released there."""
+        from ..kernels.adjoint_layout import KEPT_RELEASED, KEPT_SWITCHES
+
+        block, n = self.block_of(steps - 1)
+        released = block.kept[n, KEPT_RELEASED] + np.sign(block.kept[n, KEPT_SWITCHES])
+        if steps == self.steps:
+            return self.positions, released
+        block, n = self.block_of(steps)
+        return block.positions[n], released
+
     def in_contact(self, contact: int, stage: int = 0) -> Array:
         """Number kept for a contact's overlap at a stage of each step."""
         return np.concatenate([block.kept[:, stage, contact] for block in self.blocks])
@@ -72,6 +83,7 @@ class Record:
 
 def load_rows(equation: Equation) -> Array:
     """Rows of the kernels with the parameters of a chain and its state at time 0."""
+    from ..kernels import adjoint_damped
     from ..kernels import adjoint_layout as layout
 
     damped = equation.hertz is None
@@ -92,11 +104,14 @@ def load_rows(equation: Equation) -> Array:
             (layout.DAMPING, equation.damping),
             (layout.OVERLAP_POWER, equation.overlap_powers),
             (layout.PULLS, equation.pulls),
+            (layout.RATE, np.full(beads, equation.rate)),
         ):
             rows[row : row + len(values)] = values
     forces = equation.forces(equation.overlaps)
     rows[layout.FORCE : layout.FORCE + beads + 1] = forces
     rows[layout.F0 : layout.F0 + beads] = -np.diff(forces) / equation.masses + equation.body
+    if damped:
+        adjoint_damped.release(rows, 0, beads, np.zeros(beads + 1))
     return rows
 
 
@@ -108,7 +123,9 @@ def kept_of(equation: Equation, overlaps: Array) -> Array:
 
 def room_for(equation: Equation) -> Array:
     """Room for the numbers kept in one step, and for the overlaps at its end."""
-    numbers = equation.stages * (2 if equation.hertz is None else 1)
+    from ..kernels.adjoint_layout import KEPT_DAMPED
+
+    numbers = equation.stages if equation.hertz is not None else KEPT_DAMPED
     return np.zeros((numbers + 1, equation.beads + 1))
 
 

@@ -23,10 +23,35 @@ class Slopes:
     body: Array
     damping: Array
 
+    def copy(self) -> Slopes:
+        """Independent slopes of the same values."""
+        return Slopes(*(each.copy() for each in vars(self).values()))
+
     @classmethod
     def zero(cls, beads: int) -> Slopes:
         """No dependence."""
         return cls(*(np.zeros(n) for n in (beads, beads + 1, beads + 1, beads, beads, beads + 1)))
+
+    def add_impulses(
+        self, equation: Equation, positions: Array, released: Array, by_velocity: Array,
+        gauge: Array, sign: float,
+    ) -> Array:  # fmt: skip
+        """Add derivatives through the impulses of the damping; return those by the positions.
+
+        The kernels integrate the velocities less (``sign`` -1) these impulses over the masses.
+        Impulses of contacts contain them with the weights ``gauge``.
+        """
+        d = np.maximum(equation.overlaps_at(positions), 0.0)
+        per_mass = by_velocity / equation.masses
+        share = sign * (np.diff(np.pad(per_mass, 1)) + gauge) * (d > 0.0) * (1.0 - released)
+        powers = equation.overlap_powers + 1.0
+        weight = d**powers / powers
+        impulses = equation.damping * weight * (1.0 - released)
+        by_overlap = share * equation.damping * d**equation.overlap_powers
+        self.overlaps += by_overlap
+        self.damping += share * weight
+        self.masses += sign * per_mass / equation.masses * np.diff(impulses)
+        return np.diff(by_overlap)
 
 
 @dataclass(eq=False)
@@ -67,7 +92,8 @@ def sweep(record: Record, dependence: Dependence) -> Slopes:
     kernel: Any = adjoint_reverse
     equation, beads = record.equation, record.equation.beads
     rows, hertz = load_rows(equation), equation.hertz
-    nothing = np.zeros(beads + 1)
+    nothing, direct = np.zeros(beads + 1), dependence.direct.copy()
+    damped = hertz is None
     gauge = dependence.gauge if len(dependence.gauge) else nothing
 
     def row(at: int, count: int = beads) -> Array:
@@ -76,6 +102,11 @@ def sweep(record: Record, dependence: Dependence) -> Slopes:
     starts: dict[int, list[tuple[Array, Array]]] = {}
     for place in dependence.places:
         row(layout.LX)[:], row(layout.LV)[:] = place.by_position, place.by_velocity
+        if damped:
+            row(layout.LX)[:] += direct.add_impulses(
+                equation, place.positions, place.kept[layout.KEPT_RELEASED], place.by_velocity,
+                nothing, 1.0,
+            )  # fmt: skip
         kernel.reverse_step(
             rows, place.low, place.high, place.length, hertz, place.kept, nothing, 0.0
         )
@@ -94,10 +125,17 @@ def sweep(record: Record, dependence: Dependence) -> Slopes:
                 block.kept, gauge, on,
             )  # fmt: skip
             step = to
+        if damped and stop == dependence.last > 0:
+            row(layout.LX)[:] += direct.add_impulses(
+                equation, *record.state_after(stop), np.zeros(beads), gauge, 1.0
+            )
         for by_position, by_velocity in starts.get(stop, []):
             row(layout.LX)[:] += by_position
             row(layout.LV)[:] += by_velocity
-    direct = dependence.direct
+    if damped and record.steps:
+        released = record.blocks[0].kept[0, layout.KEPT_RELEASED]
+        own = gauge if dependence.last else nothing
+        direct.add_impulses(equation, np.zeros(beads), released, row(layout.LV), own, -1.0)
     by_velocity = row(layout.LV) + _times_of_entry(record) * row(layout.LX)
     return Slopes(
         direct.masses + row(layout.BY_MASS) / equation.masses,
@@ -105,7 +143,7 @@ def sweep(record: Record, dependence: Dependence) -> Slopes:
         direct.overlaps + row(layout.BY_OVERLAP, beads + 1),
         direct.velocities + by_velocity,
         direct.body + row(layout.BY_BODY) * equation.masses,
-        direct.damping + (row(layout.BY_DAMPING, beads + 1) if hertz is None else 0.0),
+        direct.damping + (row(layout.BY_DAMPING, beads + 1) if damped else 0.0),
     )
 
 

@@ -50,7 +50,7 @@ def figure_style(width: str | float | None = None) -> Iterator[None]:
     Raises
     ------
     InputError
-        If the width is no length, or outside this range.
+        If the width is not a length, or outside this range.
 
     Examples
     --------

@@ -142,7 +142,7 @@ def test_constraints_hold_and_are_active():
 
 def protector():
     """Balls of steel and PTFE in which later waves load contacts more than the leading pulse."""
-    kinds = "steel ptfe steel steel steel steel ptfe ptfe ptfe ptfe".split()
+    kinds = ["steel", "ptfe", "steel", "steel", "steel", "steel", "ptfe", "ptfe", "ptfe", "ptfe"]
     large = np.array([1, 0, 1, 1, 1, 0, 1, 0, 0, 0], bool)
     names = {"steel": "steel-52100", "ptfe": "ptfe"}
     return hc.Chain.from_materials(

@@ -40,7 +40,7 @@ WALL: Final = {
 }
 PULSE: Final = ("velocity", "momentum", "energy", "arrival", "residence", "peak_force")
 SHARES: Final = {"energy_share": "energy", "momentum_share": "momentum"}
-RANGE: Final = ("yield_ratio", "overlap_ratio")
+RANGE: Final[tuple[str, ...]] = ("yield_ratio", "overlap_ratio")
 OF_CHAIN: Final = {
     "length": "m", "mass": "kg", "beads": "1", "price": "1",
     "smallest_radius": "m", "largest_radius": "m",

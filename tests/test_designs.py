@@ -256,6 +256,25 @@ def test_a_scatter_is_summarised_by_the_worst_samples():
     assert found.verified.scattered["CVaR90 of wall_force.peak"] > found.value * 0.98
 
 
+def test_the_projectile_can_be_left_out_of_the_scatter_of_a_design():
+    """By bead 1 alone the spread of the force is larger than by all others."""
+    row = hc.Chain.from_materials(
+        2.38e-3, "steel-304", beads=7, velocity=0.01, right_wall=hc.Wall.of("steel-304")
+    )
+    spread = {}
+    for beads in (None, "2:", [1]):
+        scatter = hc.Scatter(radius=0.01, beads=beads)
+        chains = scatter._chains(row, scatter._draws(5, 7, 200))
+        spread[str(beads)] = np.std(hc.simulate_many(chains, keep="wall_peak_force")[
+            "wall_peak_force"])  # fmt: skip
+        kept = [chain.radii[0] == row.radii[0] for chain in chains]
+        assert all(kept) if beads == "2:" else not any(kept)
+    assert spread["None"] > 1.3 * spread["2:"]
+    with pytest.raises(hc.InputError, match="outside 1 to 7"):
+        hc.Design(row, minimise="wall_force.peak", vary=[hc.vary.radii("2 mm", "3 mm")],
+                  scatter={"radius": 0.01, "beads": "2:9"})  # fmt: skip
+
+
 def test_a_front_has_only_designs_that_no_other_one_beats():
     problem = hc.Design(
         hc.Chain.uniform(6), maximise=["velocity@last", "smallest_radius"],

@@ -161,7 +161,7 @@ class DesignResult:
         >>> problem = hc.Design(hc.Chain.uniform(5), maximise="velocity@last", vary=[radii])
         >>> found = hc.design(problem, budget=200)
         >>> print(found.summary().splitlines()[0])
-        Largest velocity@last: 1.969 (verified: simulated again at rtol 1e-11)
+        Largest velocity@last: 1.969
         """
         from .report import summary
 

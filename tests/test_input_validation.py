@@ -292,6 +292,7 @@ def public_calls(folder):
             rtol=1e-6,
             max_steps=9999,
         ),
+        "Gradient.relative": tried(hc.gradient(chain, "pulse.velocity@3").relative, name="radii"),
         "gradients": tried(
             hc.gradients,
             chain=chain,

@@ -224,16 +224,18 @@ def fit_correlations() -> Figure:
 
 
 def design_protector() -> Figure:
-    """The protector of the how-to guide: before and after."""
+    """The shock absorber of the how-to guide: before and after."""
     chain = hc.Chain.from_materials(
-        3.175e-3, "steel-52100", beads=13, velocity=1.0, right_wall=hc.Wall.of("steel-52100")
+        3.175e-3, "steel-52100", beads=9, velocity=0.3, right_wall=hc.Wall.of("steel-52100")
     )
     balls = hc.vary.balls(
-        materials=["steel-52100", "ptfe"], diameters=["4.7625 mm", "6.35 mm"], optional=True
-    )
+        materials=["steel-52100"], diameters=["3 mm", "4 mm", "5 mm", "6.35 mm", "8 mm"],
+        optional=True,
+    )  # fmt: skip
     problem = hc.Design(
-        chain, minimise="wall_force.peak", vary=[balls], subject_to={"length": "<= 60 mm"}
-    )
+        chain, minimise="wall_force.peak", vary=[balls],
+        subject_to={"length": "<= 60 mm", "yield_ratio": "<= 1"},
+    )  # fmt: skip
     return hc.design(problem, budget=1500, seed=1).plot_all()
 
 

@@ -82,6 +82,24 @@ def test_relative_scatter_has_its_standard_deviation():
     assert np.log(radii).std() == pytest.approx(0.2, abs=0.004)
 
 
+def test_beads_can_be_left_out_of_the_scatter(tmp_path):
+    chain = Chain.from_materials(5e-3, "steel-52100", beads=6)
+    everywhere = chain.with_scatter(3, relative=0.02).radii
+    some = chain.with_scatter(3, relative=0.02, beads="2:4").radii
+    np.testing.assert_array_equal(some[1:4], everywhere[1:4])
+    np.testing.assert_array_equal(some[[0, 4, 5]], chain.radii[[0, 4, 5]])
+    listed = chain.with_scatter(3, relative=0.02, beads=[4, 2, 3]).radii
+    np.testing.assert_array_equal(listed, some)
+    file = tmp_path / "lot.toml"
+    file.write_text(
+        '[chain]\nradii = 5e-3\nmaterials = "steel-52100"\nbeads = 6\n'
+        '[chain.with_scatter]\nseed = 3\nrelative = 0.02\nbeads = "2:4"\n'
+    )
+    np.testing.assert_array_equal(hc.load_chain(file).radii, some)
+    with pytest.raises(InputError, match="is outside 1 to 6"):
+        chain.with_scatter(3, relative=0.02, beads="2:7")
+
+
 def test_a_striker_is_a_bead_in_front():
     chain = Chain.uniform(3).struck_by(radius=2.0, velocity=0.5)
     np.testing.assert_array_equal(chain.masses, [8, 1, 1, 1])

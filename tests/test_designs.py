@@ -140,6 +140,77 @@ def test_constraints_hold_and_are_active():
     assert pulse.velocity[4] <= 1.2 * (1 + 1e-6)
 
 
+def protector():
+    """Balls of steel and PTFE in which later waves load contacts more than the leading pulse."""
+    kinds = ["steel", "ptfe", "steel", "steel", "steel", "steel", "ptfe", "ptfe", "ptfe", "ptfe"]
+    large = np.array([1, 0, 1, 1, 1, 0, 1, 0, 0, 0], bool)
+    names = {"steel": "steel-52100", "ptfe": "ptfe"}
+    return hc.Chain.from_materials(
+        np.where(large, 3.175e-3, 2.38125e-3), [names[kind] for kind in kinds], velocity=1.0,
+        right_wall=hc.Wall.of("steel-52100"),
+    )  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def soft_row():
+    chain = protector()
+    problem = hc.Design(chain, minimise="wall_force.peak", vary=[hc.vary.order()],
+                        subject_to={"yield_ratio": "<= 1"})  # fmt: skip
+    return quietly(problem, chain, np.nan, 0)
+
+
+@pytest.mark.filterwarnings("ignore::hertzchain.ModelRangeWarning")
+def test_limits_of_hertz_are_those_of_the_whole_run(soft_row):
+    chain = soft_row.chain
+    run = hc.simulate(chain)
+    notes = hc.hertz_range(chain, run.largest_overlaps).violations
+    assert len(notes) == 2
+    assert set(notes) <= set(soft_row.notes)
+    # Another integrator, saved so finely that maxima between times do not matter.
+    motion = trajectory(chain, np.linspace(0.0, run.end_time, 20_001))
+    overlaps = -np.diff(np.pad(motion.displacements, ((0, 0), (0, 1))), axis=1)
+    overlaps = overlaps.max(axis=0, initial=0.0)
+    expected = hc.hertz_range(chain, np.r_[0.0, overlaps]).yield_ratio.max()
+    assert soft_row.values["yield_ratio"] == pytest.approx(expected, rel=1e-5)
+    leading = hc.hertz_range(chain, run.pulse().peak_overlap).yield_ratio.max()
+    assert leading < 0.95 * expected
+
+
+@pytest.mark.filterwarnings("ignore::hertzchain.ModelRangeWarning")
+def test_the_force_with_contacts_that_yield_is_reported_where_elastic_ones_leave_their_range(
+    soft_row,
+):
+    dented = soft_row.chain.replace(loss=hc.ElasticPlastic())
+    peak = hc.simulate(dented, rtol=1e-10).wall_force().peak
+    assert soft_row.yielding["wall_force.peak"] == pytest.approx(peak, rel=1e-5)
+    assert peak < 0.5 * soft_row.values["wall_force.peak"]
+
+
+@pytest.mark.filterwarnings("ignore::hertzchain.ModelRangeWarning")
+def test_if_no_chain_meets_the_constraints_the_sum_of_violations_is_smallest():
+    problem = hc.Design(
+        STEEL, minimise="wall_force.peak",
+        vary=[balls(diameters=["4.7625 mm", "6.35 mm"], optional=True, beads="2:5")],
+        subject_to={"length": ["<= 31 mm", ">= 28 mm"], "yield_ratio": "<= 1"},
+    )  # fmt: skip
+    rows = {}
+    for choice in itertools.product(range(5), repeat=4):
+        chain = problem.space.chain_of(np.array(choice))
+        if chain in rows:
+            continue
+        run, length = hc.simulate(chain), 2.0 * chain.radii.sum()
+        ratio = hc.hertz_range(chain, run.largest_overlaps).yield_ratio.max()
+        total = max(0.0, length / 31e-3 - 1.0) + max(0.0, 1.0 - length / 28e-3)
+        rows[chain] = total + max(0.0, ratio - 1.0), run.wall_force().peak
+    least = min(rows.values())
+    for method, budget in (("enumerate", 1000), ("genetic", 900)):
+        found = hc.design(problem, method=method, budget=budget)
+        assert not found.met
+        assert found.value == pytest.approx(least[1], rel=1e-5)
+        first = found.summary().splitlines()[0]
+        assert first.startswith("No chain meets the constraints; the trial that violates them")
+
+
 def test_an_impossible_impulse_is_reported_with_its_bound():
     problem = hc.Design(
         WALLED, minimise="wall_force.peak", vary=[hc.vary.radii(0.5, 1.0)],
@@ -183,6 +254,25 @@ def test_a_scatter_is_summarised_by_the_worst_samples():
     assert outcome.score == pytest.approx(np.mean(sorted(peaks)[-2:]), rel=1e-6)
     found = hc.design(problem, budget=800)
     assert found.verified.scattered["CVaR90 of wall_force.peak"] > found.value * 0.98
+
+
+def test_the_projectile_can_be_left_out_of_the_scatter_of_a_design():
+    """By bead 1 alone the spread of the force is larger than by all others."""
+    row = hc.Chain.from_materials(
+        2.38e-3, "steel-304", beads=7, velocity=0.01, right_wall=hc.Wall.of("steel-304")
+    )
+    spread = {}
+    for beads in (None, "2:", [1]):
+        scatter = hc.Scatter(radius=0.01, beads=beads)
+        chains = scatter._chains(row, scatter._draws(5, 7, 200))
+        spread[str(beads)] = np.std(hc.simulate_many(chains, keep="wall_peak_force")[
+            "wall_peak_force"])  # fmt: skip
+        kept = [chain.radii[0] == row.radii[0] for chain in chains]
+        assert all(kept) if beads == "2:" else not any(kept)
+    assert spread["None"] > 1.3 * spread["2:"]
+    with pytest.raises(hc.InputError, match="outside 1 to 7"):
+        hc.Design(row, minimise="wall_force.peak", vary=[hc.vary.radii("2 mm", "3 mm")],
+                  scatter={"radius": 0.01, "beads": "2:9"})  # fmt: skip
 
 
 def test_a_front_has_only_designs_that_no_other_one_beats():

@@ -231,6 +231,19 @@ def test_chains_with_losses_and_drives_have_the_same_columns():
     assert table.units == "SI"
 
 
+def test_largest_overlaps_are_those_of_the_whole_run():
+    """References: runs of `simulate` with finely saved times, and the same call by `simulate`."""
+    chains = [WALLED[0], WALLED[1], WALLED[2].replace(loss=hc.Restitution(0.8))]
+    table = hc.simulate_many(chains, keep=["largest_overlap", "peak_overlap"], rtol=1e-10)
+    for i, chain in enumerate(chains):
+        fine = hc.simulate(chain, times=8000, rtol=1e-12).largest_overlaps
+        own = table["largest_overlap"][i, : chain.beads - 1]
+        assert own == pytest.approx(fine[1:-1], rel=1e-6)
+        assert table._overlaps[i, chain.beads] == pytest.approx(fine[-1], rel=1e-6)
+    # Where the wave from the wall meets the pulse, contacts are loaded more than before.
+    assert np.nanmax(table["largest_overlap"] / table["peak_overlap"]) > 1.01
+
+
 def test_lossy_chains_without_loss_agree_with_the_kernel(monkeypatch):
     """The two ways to integrate give the same numbers for the same chains."""
     keep = [*PULSE, "wall_peak_force", "wall_peak_time", *SENSOR_QUANTITIES]

@@ -503,3 +503,36 @@ def test_invalid_input_is_rejected_in_one_sentence(arguments, message):
     } | arguments  # fmt: skip
     with pytest.raises(InputError, match=message):
         hc.gradient(given.pop("chain"), given.pop("quantity"), **given)
+
+
+def test_relative_derivatives_of_a_homogeneous_chain_are_powers():
+    """Closed form: the force of Hertz's law scales as v^(6/5) E^(2/5) rho^(3/5) R^2."""
+    chain = hc.Chain.from_materials(
+        [3e-3, 2e-3, 2.5e-3, 1e-3], "steel-304", velocity=0.1, right_wall=hc.Wall()
+    )
+    names = ("velocities", "young", "density", "radii")
+    found = hc.gradient(chain, "wall_force.peak", to=names)
+    sums = [found.relative(name).sum() for name in names]
+    assert sums == pytest.approx([1.2, 0.4, 0.6, 2.0], abs=2e-5)
+    assert found.units == {
+        "velocities": "N/(m/s)", "young": "N/Pa", "density": "N/(kg/m^3)", "radii": "N/m",
+    }  # fmt: skip
+    assert "N: derivatives by velocities [N/(m/s)], young [N/Pa]" in " ".join(repr(found).split())
+    with pytest.raises(hc.InputError, match="unknown parameter of this gradient 'gaps'"):
+        found.relative("gaps")
+
+
+def test_the_bead_that_matters_most_depends_on_the_choice_of_derivative():
+    chain = hc.Chain.tapered("forward-exponential", 0.05, beads=20).replace(right_wall=hc.Wall())
+    found = hc.gradient(chain, "wall_force.peak")
+    assert np.abs(found["radii"]).argmax() == 19
+    assert np.abs(found.relative()).argmax() == 0
+    # The last radius 1% larger and smaller, by another method of integration.
+    forces = []
+    for factor in (0.99, 1.01):
+        radii = chain.radii.copy()
+        radii[19] *= factor
+        run = hc.simulate(chain.replace(radii=radii), times=0, rtol=1e-11)
+        forces.append(run.wall_force().peak)
+    change = np.log(forces[1] / forces[0]) / np.log(1.01 / 0.99)
+    assert found.relative()[19] == pytest.approx(change, rel=1e-3)

@@ -21,6 +21,7 @@ from hertzchain.kernels import forces, state_layout
 from hertzchain.pulse.quantities import (
     BEAD_QUANTITIES,
     FINAL_QUANTITIES,
+    LARGEST_QUANTITIES,
     QUANTITIES,
     RUN_QUANTITIES,
     SENSOR_QUANTITIES,
@@ -35,6 +36,7 @@ ROWS = [
     *QUANTITIES.values(), *WALL_QUANTITIES.values(), *RUN_QUANTITIES.values(),
     *WAVE_QUANTITIES.values(), *BEAD_QUANTITIES.values(), TIME,
     *SENSOR_QUANTITIES.values(), *FINAL_QUANTITIES.values(),
+    *LARGEST_QUANTITIES.values(),
 ]  # fmt: skip
 SCALES = hc.Scales(radius=5e-3, mass=4e-3, velocity=0.7, length=11e-6)
 # Its unit of force, M V^2 / L.

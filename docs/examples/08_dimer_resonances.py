@@ -1,9 +1,9 @@
 r"""
-Which dimers stop a pulse, and which let it pass?
-=================================================
+Which dimers weaken a pulse, and which let it pass?
+===================================================
 
 In a *dimer*, heavy and light beads alternate.  For some mass ratios the pulse passes like in a
-uniform chain, for others it decays within a few beads.  Which mass ratios are these?
+uniform chain, for others it becomes weaker from cell to cell.  Which mass ratios are these?
 """
 
 import matplotlib.pyplot as plt
@@ -31,10 +31,32 @@ down = (decay[inner] < decay[:-2]) & (decay[inner] < decay[2:]) & (decay[inner] 
 up = (decay[inner] > decay[:-2]) & (decay[inner] > decay[2:]) & (decay[inner] > 1e-6)
 passing, stopping = ratios[inner][down], ratios[inner][up]
 
+# %%
+# The grid of 300 ratios does not hit the minima, which are narrow.  Refine each of them between its
+# two neighbours, five times with 21 ratios that surround the best one more closely.
+
+
+def decays(some):
+    """Decay per cell for several mass ratios."""
+    pulses = hc.propagate_many([hc.Chain.dimer(ratio, beads=121) for ratio in some], rtol=1e-10)
+    crests = pulses.velocity[:, ::2]
+    return np.log(crests[:, 20] / crests[:, 55]) / 35
+
+
+lowest = []
+for i, ratio in enumerate(passing):
+    width = ratio * (ratios[1] / ratios[0] - 1.0)
+    for _ in range(5):
+        near = np.linspace(ratio - width, ratio + width, 21)
+        found = decays(near)
+        ratio, width = near[found.argmin()], 0.2 * width
+    passing[i] = ratio
+    lowest.append(found.min())
+
 figure, axes = plt.subplots(figsize=(8.0, 3.8))
 axes.loglog(ratios, np.maximum(decay, 1e-9))
-axes.plot(passing, np.maximum(decay[inner][down], 1e-9), "^", label="passes")
-axes.plot(stopping, decay[inner][up], "v", label="is scattered")
+axes.plot(passing, np.maximum(lowest, 1e-9), "^", label="passes")
+axes.plot(stopping, decay[inner][up], "v", label="is weakened most")
 axes.set_title("Decay of the velocity of a pulse in dimers")
 axes.set_xlabel("mass of a light bead over that of a heavy bead")
 axes.set_ylabel("decay per cell")
@@ -47,7 +69,7 @@ axes.legend(loc="upper left")
 
 figure, panels = plt.subplots(1, 2, figsize=(9.6, 3.6), sharey=True)
 for axes, ratio, title in zip(
-    panels, (passing[-1], stopping[-1]), ("passes", "is scattered"), strict=True
+    panels, (passing[-1], stopping[-1]), ("passes", "is weakened"), strict=True
 ):
     run = hc.simulate(hc.Chain.dimer(ratio, beads=61), until=60.0, times=1200)
     run.plot("force", ax=axes)
@@ -57,6 +79,11 @@ for axes, ratio, title in zip(
 # Answer
 # ------
 
-print("the pulse passes at mass ratios        ", ", ".join(f"{x:.3f}" for x in passing[::-1]))
-print("and is scattered most strongly at      ", ", ".join(f"{x:.3f}" for x in stopping[::-1]))
-print(f"at {stopping[-1]:.3f}, the velocity decreases by {1 - np.exp(-decay.max()):.1%} per cell")
+print("the pulse passes at mass ratios   ", ", ".join(f"{x:.4f}" for x in passing[::-1]))
+print("with a decay per cell of          ", ", ".join(f"{x:.0e}" for x in lowest[::-1]))
+print("and is weakened most at           ", ", ".join(f"{x:.3f}" for x in stopping[::-1]))
+worst = ratios[decay.argmax()]
+print(f"at {worst:.3f}, the velocity decreases by {1 - np.exp(-decay.max()):.1%} per cell")
+weakened = heavy[decay.argmax()] / heavy[decay.argmax(), 0]
+for cell in (1, 5, 10, 20, 40):
+    print(f"  after {cell:2} cells: {weakened[cell]:.2f} of the velocity of the struck bead")

@@ -16,6 +16,7 @@ from .fields import ChainFields
 from .input_checks import checked_beads
 from .materials import Material, MaterialLike
 from .materials import material as material_named
+from .places import places_from
 
 C = TypeVar("C", bound=ChainFields)
 
@@ -126,8 +127,11 @@ def with_scatter(
     *,
     relative: float | None = None,
     grade: int | None = None,
+    beads: Any = None,
 ) -> C:
     """Return the chain with random deviations of the radii, like those of real balls.
+
+    Bead 1 often is the projectile, whose size changes the impact itself: ``beads="2:"`` keeps it.
 
     Parameters
     ----------
@@ -139,6 +143,9 @@ def with_scatter(
         Grade of ISO 3290-1 (3 to 200), instead of a relative deviation, for chains in SI
         units.  Diameters are distributed uniformly over the variation that the grade allows
         within a lot, 5 um for grade 100.
+    beads : str or list of int, optional
+        Beads that deviate, such as ``"2:"`` or ``[3, 4]``; all by default.  The deviation of a bead
+        does not depend on this choice.
 
     Raises
     ------
@@ -151,6 +158,8 @@ def with_scatter(
     >>> import hertzchain as hc
     >>> hc.Chain.uniform(4).with_scatter(1, relative=0.1).radii.round(3)
     array([1.   , 1.049, 0.998, 0.848])
+    >>> hc.Chain.uniform(4).with_scatter(1, relative=0.1, beads="3:").radii.round(3)
+    array([1.   , 1.   , 1.034, 0.878])
     """
     if grade is not None and self.units != "SI":
         raise InputError(
@@ -160,6 +169,9 @@ def with_scatter(
         rng = whole_number("seed of a scatter", rng, least=0)
     chance = np.random.default_rng(rng)
     row = _scatter(self.radii, chance, relative=relative, grade=grade)
+    if beads is not None:
+        kept = np.delete(np.arange(self.beads), places_from(beads, self.beads, "bead"))
+        row[kept] = self.radii[kept]
     return _with_beads(self, "with_scatter", row, self.materials)
 
 

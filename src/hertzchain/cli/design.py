@@ -20,7 +20,12 @@ from .progress import progress_bar
     metavar="SIZE",
     help="Number of simulations, or a time such as '60 s'.  [default: that of FILE, or 20000]",
 )
-@click.option("--method", metavar="NAME", help="Method of search.  [default: chosen by problem]")
+@click.option(
+    "--method",
+    metavar="NAME",
+    help="Method of search: law, scan, hybrid, gradient or evolution for sizes; "
+    "enumerate or genetic for balls and their order.  [default: chosen by problem]",
+)
 @click.option("--seed", type=int, help="Seed of the random numbers.  [default: 0]")
 @click.option(
     "--store",
@@ -55,8 +60,8 @@ def design(
 
     \b
     Examples:
-      hertzchain design protector.toml
-      hertzchain design protector.toml --budget '60 s' --plot design.png --out protector-chain.toml
+      hertzchain design absorber.toml
+      hertzchain design absorber.toml --budget '60 s' --plot design.png --out absorber-chain.toml
     """
     import hertzchain
 

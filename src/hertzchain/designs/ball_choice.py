@@ -10,12 +10,12 @@ from numpy.typing import NDArray
 
 from ..chain.chain import Chain
 from ..chain.materials import Material, material
+from ..chain.places import places_from
 from ..errors import InputError
 from ..representation import short
 from ..validation.numbers import real_numbers
 from ..validation.objects import check_bool, check_list
 from .balls import Ball, load_balls
-from .places import places_from
 
 Choice = NDArray[np.int64]
 # Relative difference of two diameters that are regarded as the same.

@@ -7,8 +7,9 @@ name                                                    meaning
 ``velocity@k``, ``momentum@k``, ``energy@k``,           leading pulse at bead k, or ``@last``
 ``arrival@k``, ``residence@k``, ``peak_force@k``
 ``energy_share@k``, ``momentum_share@k``                of the impact's energy or momentum
-``largest_force``                                       of the leading pulse and on the right wall
-``yield_ratio``, ``overlap_ratio``                      largest of `hertzchain.HertzRange`
+``largest_force``                                       of all contacts and walls in the whole run
+``yield_ratio``, ``overlap_ratio``                      largest of `hertzchain.HertzRange` in the
+                                                        whole run
 ``length``, ``mass``, ``beads``, ``price``,             of the beads after the strikers
 ``smallest_radius``, ``largest_radius``
 ``velocity@100/velocity@20``, ...                       ratio of two measures of the leading pulse
@@ -39,7 +40,7 @@ WALL: Final = {
 }
 PULSE: Final = ("velocity", "momentum", "energy", "arrival", "residence", "peak_force")
 SHARES: Final = {"energy_share": "energy", "momentum_share": "momentum"}
-RANGE: Final = ("yield_ratio", "overlap_ratio")
+RANGE: Final[tuple[str, ...]] = ("yield_ratio", "overlap_ratio")
 OF_CHAIN: Final = {
     "length": "m", "mass": "kg", "beads": "1", "price": "1",
     "smallest_radius": "m", "largest_radius": "m",
@@ -90,7 +91,7 @@ class Measure:
             return (WALL[self.key][0],)
         if self.key in AT_BEAD:
             return (SHARES.get(self.key, self.key),)
-        return () if self.of_chain else ("peak_force",)
+        return () if self.of_chain else ("largest_overlap",)
 
     @property
     def _numerator(self) -> Measure:

@@ -13,6 +13,8 @@ from .trials import Outcome, Trials
 
 # Values of each end of the tapers.
 ENDS: Final = 9
+# Number of rows of equal balls, of all lengths and balls.
+MAX_EQUAL: Final = 200
 
 
 def reference_points(problem: Design) -> dict[str, list[Any]]:
@@ -21,8 +23,7 @@ def reference_points(problem: Design) -> dict[str, list[Any]]:
     if isinstance(space, BallSpace):
         if space.order:
             return {"given order": [space.start]}
-        same = [np.full(space.size, i) for i in range(len(space.balls))]
-        return {"equal balls": same}
+        return {"equal balls": _equal_balls(space)}
     levels = np.linspace(0.0, 1.0, ENDS)
     equal = [space.taper(level, level) for level in levels]
     tapers = [space.taper(one, other) for one in levels for other in levels if one != other]
@@ -30,6 +31,19 @@ def reference_points(problem: Design) -> dict[str, list[Any]]:
     if not _single(space):
         found["taper"] = tapers
     return found
+
+
+def _equal_balls(space: BallSpace) -> list[Any]:
+    """Rows of equal balls, of every length if places may be empty."""
+    lengths = np.array([space.size])
+    if space.optional:
+        count = min(space.size, max(1, MAX_EQUAL // len(space.balls)))
+        lengths = np.unique(np.linspace(1, space.size, count).round().astype(int))
+    empty = len(space.balls)
+    return [
+        np.where(np.arange(space.size) < length, ball, empty)
+        for ball in range(len(space.balls)) for length in lengths
+    ]  # fmt: skip
 
 
 def _single(space: SizeSpace) -> bool:

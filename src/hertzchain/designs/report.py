@@ -10,6 +10,7 @@ import numpy as np
 from ..representation import counted
 from ..representation import measure as shown
 from .measures import Measure
+from .verified import Verified, met
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -20,13 +21,14 @@ if TYPE_CHECKING:
 def summary(result: DesignResult) -> str:
     """Text of several lines."""
     problem, best = result.problem, result.value
-    lines = [f"{_first_upper(str(problem.objective))}: {result._shown(best)} (verified: simulated "
-             f"again at rtol {result.verified.rtol:g})"]  # fmt: skip
+    lines = [*_heading(result)]
     lines += [f"  {text}" for text in _starts(result)]
     for name, found in result.references.items():
         other = result.objective_of(found)
         ratio = best / other if other else math.nan
-        lines.append(f"  {name}: {result._shown(other)}; this design has {ratio:.1%} of it")
+        unmet = "" if met(problem, found.values) else ", which does NOT meet the constraints"
+        lines.append(f"  {name}: {result._shown(other)}{unmet}; this design has {ratio:.1%} of it"
+                     f"{_yielding(result, found)}")  # fmt: skip
     if result.promise is not None:
         value, error = result.promise
         lines.append(f"  the local-rate law promised {value:.6g} with an estimated error of "
@@ -50,6 +52,36 @@ def summary(result: DesignResult) -> str:
         ]
     lines += [f"note: {note}" for note in result.notes]
     return "\n".join(lines)
+
+
+def _heading(result: DesignResult) -> list[str]:
+    """The value, and what its verification covers."""
+    problem, found = result.problem, result.verified
+    value = result._shown(result.value)
+    first = f"{_first_upper(str(problem.objective))}: {value}"
+    if not result.met:
+        first = ("No chain meets the constraints; the trial that violates them least has "
+                 f"{problem.objective.single or 'the score'} {value.strip()}")  # fmt: skip
+    limits = found.hertz_range
+    if limits is None:
+        kept = ""
+    elif limits.violations:
+        kept = "; the range of Hertz's law was NOT kept (see the notes)"
+    else:
+        kept = "; the range of Hertz's law was kept"
+    lines = [first, f"  verified: the integration was repeated at rtol {found.rtol:g}{kept}"]
+    if found.yielding:
+        lines.append(f"  the same chain with contacts that yield, loss=ElasticPlastic(): "
+                     f"{_yielding_value(result, found)}")  # fmt: skip
+    return lines
+
+
+def _yielding_value(result: DesignResult, found: Verified) -> str:
+    return result._shown(result._objective(found.yielding)).strip()
+
+
+def _yielding(result: DesignResult, found: Verified) -> str:
+    return f" ({_yielding_value(result, found)} with contacts that yield)" if found.yielding else ""
 
 
 def _first_upper(text: str) -> str:
@@ -97,6 +129,9 @@ def as_dict(result: DesignResult) -> dict[str, Any]:
         "unit": result.unit,
         "values": dict(result.values),
         "rtol": result.verified.rtol,
+        "hertz_range_kept": result.verified.hertz_range is None
+        or not result.verified.hertz_range.violations,
+        "with_yielding_contacts": dict(result.verified.yielding),
         "constraints_met": result.met,
         "constraints": [str(each) for each in problem.requirements],
         "references": {

@@ -11,6 +11,7 @@ import numpy as np
 
 from ..chain.chain import Chain
 from ..chain.modifications import BALL_GRADES
+from ..chain.places import places_from
 from ..collision import Array
 from ..errors import InputError, short_repr
 from ..validation.numbers import number, whole_number
@@ -33,18 +34,21 @@ class Scatter:
         ``"mean"``, or ``"cvar90"``: the mean of the worst 10%, with any whole number of percent.
     samples : int
         Number of samples, the same for all trial designs.
+    beads : str or list of int, optional
+        Beads that deviate, such as ``"2:"``; all by default, with the projectile (bead 1).
 
     Examples
     --------
     >>> import hertzchain as hc
     >>> hc.Scatter(radius=0.01, measure="cvar80")
-    Scatter(radius=0.01, grade=None, measure='cvar80', samples=40)
+    Scatter(radius=0.01, grade=None, measure='cvar80', samples=40, beads=None)
     """
 
     radius: float | None = None
     grade: int | None = None
     measure: str = "cvar90"
     samples: int = 40
+    beads: Any = None
 
     def __post_init__(self) -> None:
         if (self.radius is None) == (self.grade is None):
@@ -59,6 +63,8 @@ class Scatter:
                 f"{self.measure!r}"
             )
         whole_number("samples of a scatter", self.samples, least=2, most=10_000)
+        if isinstance(self.beads, list):
+            object.__setattr__(self, "beads", tuple(self.beads))
 
     @property
     def tail(self) -> float:
@@ -70,6 +76,8 @@ class Scatter:
         """Raise `InputError` if a chain cannot have the scatter."""
         if self.grade is not None and chain.units != "SI":
             raise InputError("ball grades are tolerances in micrometres: use Chain.from_materials")
+        if self.beads is not None:
+            places_from(self.beads, chain.beads, "bead")
         if own := sorted({"masses", "stiffness"} & set(chain.given)):
             raise InputError(
                 f"a scatter of radii changes {' and '.join(own)}, which this chain gives: omit them"
@@ -82,8 +90,12 @@ class Scatter:
 
     def _chains(self, chain: Chain, draws: Array) -> list[Chain]:
         """The chain with deviations; the unit of length of a scaled chain has none."""
-        found = []
-        for draw in draws[:, : chain.beads]:
+        found, draws = [], draws[:, : chain.beads].copy()
+        if self.beads is not None:
+            fixed = np.ones(chain.beads, bool)
+            fixed[places_from(self.beads, chain.beads, "bead")] = False
+            draws[:, fixed] = 0.0
+        for draw in draws:
             if self.grade is None:
                 assert self.radius is not None
                 radii = chain.radii * np.exp(self.radius * draw)
@@ -107,7 +119,7 @@ def scatter_from(given: object) -> Scatter | None:
         return given
     if not isinstance(given, Mapping):
         raise InputError(f"scatter must be a Scatter, got {short_repr(given)}")
-    known = ("radius", "grade", "measure", "samples")
+    known = ("radius", "grade", "measure", "samples", "beads")
     for name in given:
         check_choice("attribute of a scatter", name, known)
     return Scatter(**given)

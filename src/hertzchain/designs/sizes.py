@@ -11,12 +11,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..chain.chain import Chain
+from ..chain.places import places_from
 from ..collision import Array
 from ..errors import InputError
 from ..representation import short
 from ..validation.numbers import number, whole_number
 from ..validation.objects import check_choice
-from .places import places_from
 
 UNITS: Final = {"radii": "m", "masses": "kg", "gaps": "m"}
 NOUNS: Final = {"radii": "radius", "masses": "mass", "gaps": "gap"}

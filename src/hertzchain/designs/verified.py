@@ -3,19 +3,20 @@
 from __future__ import annotations
 
 import warnings
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Final
 
 import numpy as np
 
 from ..chain.chain import Chain
-from ..chain.hertz_range import hertz_range
+from ..chain.hertz_range import HertzRange, hertz_range
+from ..chain.laws.elastic_plastic import ElasticPlastic
 from ..collision import Array
 from ..errors import InputError
 from ..representation import measure as shown
 from ..simulation.simulate import simulate
 from ..simulation.simulate_many import simulate_many
-from .measures import Measure
+from .measures import OF_CHAIN, RANGE, Measure
 from .problem import Design
 from .requirements import violation
 
@@ -27,6 +28,8 @@ SAME: Final = 1e-6
 # Measures at the first maximum of a velocity; saved times; relative difference that is reported.
 PER_VELOCITY: Final = ("velocity", "momentum", "energy", "energy_share", "momentum_share")
 TIMES, LATER, MAX_CHECKED = 2000, 0.01, 10
+# Measures that are computed from overlaps by the elastic law.
+NOT_YIELDING: Final = ("largest_force", *RANGE)
 # Fresh samples of a scatter.
 FRESH: Final = 400
 
@@ -47,6 +50,11 @@ class Verified:
         Limits of Hertz's law that are exceeded, and incomplete or later peaks.
     scattered : dict
         With a scatter, the summary of 400 new samples, by measure.
+    hertz_range : HertzRange or None
+        Limits of Hertz's law in the whole run, of a chain with materials.
+    yielding : dict
+        Values of the measures with `ElasticPlastic` contacts, if elastic contacts exceed the
+        pressure at first yield and the yield strengths of the materials are known.
     """
 
     chain: Chain
@@ -54,12 +62,15 @@ class Verified:
     rtol: float
     notes: tuple[str, ...]
     scattered: dict[str, float]
+    hertz_range: HertzRange | None = None
+    yielding: dict[str, float] = field(default_factory=dict)
 
 
 def verify_chain(problem: Design, chain: Chain, price: float, seed: int) -> Verified:
     """Simulate a chain again."""
     measures, notes = problem.measures, list[str]()
-    names = sorted({name for each in measures for name in each.columns} | {"end_time"})
+    names = sorted({name for each in measures for name in each.columns})
+    names += ["end_time", "largest_overlap"]
     walled = chain.right_wall is not None
     names += ["wall_largest_so_far", "wall_peak_force"] if walled else []
     keep = list(dict.fromkeys(names))
@@ -72,10 +83,36 @@ def verify_chain(problem: Design, chain: Chain, price: float, seed: int) -> Veri
     if not table.reasons and walled and problem.until is None:
         notes += _later_peak(chain, table["wall_peak_force"][0], float(table["end_time"][0]))
     notes += _later_motion(problem, chain, values)
-    if chain.materials is not None and not table.reasons:
-        notes += hertz_range(chain, table._overlaps[0, : chain.beads + 1]).violations
+    limits = None
+    if chain.materials is not None and chain.units == "SI" and not table.reasons:
+        limits = hertz_range(chain, table._overlaps[0, : chain.beads + 1])
+        notes += limits.violations
+    yields = limits is not None and limits.yield_ratio.max() > 1.0
+    yielding = _with_yielding_contacts(problem, chain, values) if yields else {}
     scattered = {} if problem.scatter is None else _scattered(problem, chain, seed)
-    return Verified(chain, values, RTOL, tuple(notes), scattered)
+    return Verified(chain, values, RTOL, tuple(notes), scattered, limits, yielding)
+
+
+def _with_yielding_contacts(
+    problem: Design, chain: Chain, values: dict[str, float]
+) -> dict[str, float]:
+    """Values with `ElasticPlastic` contacts; none if they do not apply to the chain."""
+    measures = problem.measures
+    if not chain.lossless or any(m.key in NOT_YIELDING for m in problem.objective.measures):
+        return {}
+    measures = tuple(m for m in measures if not m.of_chain and m.key not in NOT_YIELDING)
+    try:
+        dented = chain.replace(loss=ElasticPlastic())
+    except InputError:
+        return {}
+    names = sorted({name for each in measures for name in each.columns})
+    if not names:
+        return {}
+    table = simulate_many([dented], keep=names, until=problem.until)
+    if table.reasons:
+        return {}
+    of_chain = {name: value for name, value in values.items() if name in OF_CHAIN}
+    return of_chain | {str(m): float(m.from_table(table)[0]) for m in measures}
 
 
 def _later_motion(problem: Design, chain: Chain, values: dict[str, float]) -> list[str]:

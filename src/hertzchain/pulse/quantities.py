@@ -342,6 +342,16 @@ FINAL_QUANTITIES: Final = _by_name(
     )
 )  # fmt: skip
 
+# The largest values in the whole run, which `simulate_many` gives.
+LARGEST_QUANTITIES: Final = _by_name(
+    (
+        Quantity(
+            "largest_overlap", "d", "largest overlap of the contact in the whole run",
+            unit="m", scale="length", label="largest overlap $d_k$", per="contact", values="finite",
+        ),
+    )
+)  # fmt: skip
+
 # Quantities that a run saves at each time.
 RUN_QUANTITIES: Final = _by_name(
     (

@@ -24,6 +24,7 @@ from .gauges import Missing
 from .names import Name, parse
 from .parameters import by_fields, checked_parameters
 from .record import run
+from .relative import per_unit, unit_of_parameter, unit_of_quantity, value_of_parameter
 from .sweep import sweep
 from .targets import Ending, targets_of
 from .window import follow_pulse
@@ -52,6 +53,12 @@ class Gradient(Frozen):
         ``"complete"``, or why the quantity is incomplete or does not exist.
     steps : int
         Number of steps of the integration.
+    unit : str
+        Unit of the value; empty in a scaled chain.
+    units : mapping of str to str
+        Units of the derivatives, such as ``"N/m"``; empty in a scaled chain.
+    parameters : mapping of str to ndarray
+        Values of the parameters [scaled, or SI].
     """
 
     quantity: str
@@ -60,10 +67,13 @@ class Gradient(Frozen):
     error: float
     status: str
     steps: int
+    unit: str = field(default="", repr=False)
+    units: Mapping[str, str] = field(default_factory=dict, repr=False)
+    parameters: Mapping[str, Array] = field(default_factory=dict, repr=False)
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         super().__setstate__(state)
-        for values in self.gradient.values():
+        for values in (*self.gradient.values(), *self.parameters.values()):
             values.setflags(write=False)
 
     def __iter__(self) -> Iterator[float | Mapping[str, Array]]:
@@ -74,10 +84,47 @@ class Gradient(Frozen):
             raise unknown_name_error("parameter of this gradient", name, self.gradient)
         return self.gradient[name]
 
+    def relative(self, name: str = "radii") -> Array:
+        r"""Logarithmic derivatives :math:`\partial \ln Q/\partial \ln x`, without dimension.
+
+        They state by how many percent the quantity changes if a parameter grows by 1%.  Compare
+        these if you ask which bead matters most: absolute derivatives favour small beads.
+
+        Parameters
+        ----------
+        name : str
+            One of the parameters of this gradient.
+
+        Returns
+        -------
+        ndarray
+            Of the shape of the parameter; 0 where it is 0.
+
+        Raises
+        ------
+        InputError
+            If the gradient does not have the parameter, or the value of the quantity is 0.
+
+        Examples
+        --------
+        >>> import hertzchain as hc
+        >>> found = hc.gradient(hc.Chain.uniform(3), "pulse.energy@3", to="velocities")
+        >>> found.relative("velocities").round(6)
+        array([2., 0., 0.])
+        """
+        slopes = self[name]
+        if self.value == 0.0:
+            raise InputError(
+                f"{self.quantity} is 0 and has no relative derivatives; use the absolute ones"
+            )
+        return np.asarray(slopes * self.parameters[name] / self.value)
+
     def __repr__(self) -> str:
-        names = "derivatives by " + ", ".join(self.gradient)
+        units = {name: f" [{unit}]" if unit else "" for name, unit in self.units.items()}
+        names = "derivatives by " + ", ".join(f"{name}{units[name]}" for name in self.gradient)
+        value = f"{self.value:.6g}" + (f" {self.unit}" if self.unit not in ("", "1") else "")
         return short(
-            "Gradient", f"{self.quantity} = {self.value:.6g}", names,
+            "Gradient", f"{self.quantity} = {value}", names,
             f"relative error about {self.error:.1g}", self.status,
         )  # fmt: skip
 
@@ -252,12 +299,17 @@ def gradients(
 
 def _read(reader: Reader, name: Name, to: tuple[str, ...], rtol: float) -> list[Gradient]:
     equation: Equation = reader.record.equation
-    steps = reader.record.steps
+    steps, chain = reader.record.steps, equation.chain
+    unit = unit_of_quantity(chain, name)
+    units = {key: per_unit(unit, unit_of_parameter(chain, key)) for key in to}
+    own = {key: value_of_parameter(chain, key) for key in to}
     try:
         read = reader.read(name)
     except Missing as missing:
         nothing = {key: _nan_like(equation, key) for key in to}
-        return [Gradient(str(name), math.nan, nothing, math.nan, str(missing), steps)]
+        return [
+            Gradient(str(name), math.nan, nothing, math.nan, str(missing), steps, unit, units, own)
+        ]
     out = []
     for each, dependence, note in read:
         slopes = sweep(reader.record, dependence)
@@ -266,8 +318,9 @@ def _read(reader: Reader, name: Name, to: tuple[str, ...], rtol: float) -> list[
             values.setflags(write=False)
         status = note or "complete"
         found = Gradient(
-            str(each), dependence.value, arrays, relative_error(equation, rtol, each), status, steps
-        )
+            str(each), dependence.value, arrays, relative_error(equation, rtol, each), status,
+            steps, unit, units, own,
+        )  # fmt: skip
         out.append(found)
     return out
 

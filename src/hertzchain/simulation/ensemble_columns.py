@@ -19,6 +19,7 @@ from ..collision import Array
 from ..errors import InputError
 from ..pulse.quantities import (
     FINAL_QUANTITIES,
+    LARGEST_QUANTITIES,
     QUANTITIES,
     SENSOR_QUANTITIES,
     WALL_QUANTITIES,
@@ -38,8 +39,11 @@ PULSE_QUANTITIES: Final = {
     name: each for name, each in QUANTITIES.items() if not each.estimate
 }  # fmt: skip
 KEPT: Final[dict[str, Quantity]] = {
-    **PULSE_QUANTITIES, **WALL_QUANTITIES, **SENSOR_QUANTITIES, **FINAL_QUANTITIES
+    **PULSE_QUANTITIES, **WALL_QUANTITIES, **SENSOR_QUANTITIES, **FINAL_QUANTITIES,
+    **LARGEST_QUANTITIES,
 }  # fmt: skip
+# Times at which `simulate` saves the overlaps, between which maxima are interpolated.
+OVERLAP_TIMES: Final = 1000
 # `simulate` uses another method, with a larger error at the same tolerance.
 TIGHTER: Final = 0.1
 
@@ -58,6 +62,11 @@ class Request:
     until: float | None
     rtol: float
     max_steps: int | None
+
+    @property
+    def whole_run(self) -> bool:
+        """Whether overlaps after the leading pulse count."""
+        return any(name in LARGEST_QUANTITIES for name in self.keep)
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,7 +96,9 @@ def by_kernel(chains: Sequence[Chain], request: Request, signal: NDArray[np.int6
 
     kernel: Any = elastic_chains
     given, count, beads = kernel_input(chains, request.until), len(chains), chains[0].beads
-    places = np.array([(beads, beads), *((bead - 1, bead) for bead in request.sensors)])
+    sensors = [(bead - 1, bead) for bead in request.sensors]
+    contacts = [(contact, contact) for contact in range(beads)] if request.whole_run else []
+    places = np.array([(beads, beads), *sensors, *contacts])
     records = np.zeros((count, layout.RECORDS, beads))
     summary = np.zeros((count, layout.SUMMARY))
     readings = np.zeros((count, len(places), layout.GAUGE_ROWS))
@@ -122,14 +133,16 @@ class _KernelResults:
         if any(name in WALL_QUANTITIES for name in keep):
             found |= self._wall()
         if any(name in SENSOR_QUANTITIES for name in keep):
-            found |= self._sensors()
+            found |= self._sensors(len(request.sensors))
+        overlaps = self._overlaps(request)
+        found["largest_overlap"] = overlaps[:, 1:-1]
         if any(name in FINAL_QUANTITIES for name in keep):
             found |= self._final()
         status = [STATUS[int(code)] for code in self.summary[:, layout.STATUS]]
         reasons = {i: self._failure(i, each) for i, each in enumerate(status) if each in FAILURES}
         complete = self.summary[:, layout.WALL_COMPLETE] > 0.0
         columns = {name: found[name] for name in keep}
-        return Outcome(columns, status, complete, self._overlaps(), reasons)
+        return Outcome(columns, status, complete, overlaps, reasons)
 
     def _failure(self, index: int, status: Any) -> str:
         layout, chain = self.layout, self.chains[index]
@@ -198,8 +211,8 @@ class _KernelResults:
             "wall_duration": duration,
         }
 
-    def _sensors(self) -> dict[str, Array]:
-        layout, sensors = self.layout, self.readings[:, 1:]
+    def _sensors(self, count: int) -> dict[str, Array]:
+        layout, sensors = self.layout, self.readings[:, 1 : 1 + count]
         heights = sensors[..., layout.MAXIMUM_0 :: 2] - sensors[..., [layout.REST]]
         largest = sensors[..., layout.PEAK] - sensors[..., layout.REST]
         kept = np.arange(layout.KEPT_MAXIMA) < sensors[..., [layout.MAXIMA]]
@@ -231,18 +244,25 @@ class _KernelResults:
             "end_time": self.summary[:, layout.END_TIME],
         } | energy_parts(kinetic, velocities > 0.0, stored, np.zeros(len(moved)))
 
-    def _overlaps(self) -> Array:
-        """Largest overlaps by contact, as in `Trajectory.largest_overlaps`."""
+    def _overlaps(self, request: Request) -> Array:
+        """Largest overlaps by contact: of the whole run, or of the leading pulse and the wall."""
         layout = self.layout
         overlaps = np.zeros((len(self.chains), self.given.shape[2]))
-        overlaps[:, 1:-1] = self.records[:, layout.RECORD_OVERLAP, :-1]
-        stiffness = self.given[:, layout.GIVEN_STIFFNESS, -1]
-        with np.errstate(divide="ignore", invalid="ignore"):
-            wall = (self.readings[:, 0, layout.PEAK] / stiffness) ** (
-                1.0 / self.given[:, layout.GIVEN_EXPONENT, -1]
-            )
-        overlaps[:, -1] = np.where(stiffness > 0.0, wall, 0.0)
+        overlaps[:, -1:] = self._overlaps_at(self.readings[:, :1, layout.PEAK], slice(-1, None))
+        if request.whole_run:
+            peaks = self.readings[:, 1 + len(request.sensors) :, layout.PEAK]
+            overlaps[:, :-1] = self._overlaps_at(peaks, slice(0, -1))
+        else:
+            overlaps[:, 1:-1] = self.records[:, layout.RECORD_OVERLAP, :-1]
         return overlaps
+
+    def _overlaps_at(self, forces: Array, contacts: slice) -> Array:
+        """Overlaps that cause forces; 0 where there is no contact."""
+        stiffness = self.given[:, self.layout.GIVEN_STIFFNESS, contacts]
+        exponents = self.given[:, self.layout.GIVEN_EXPONENT, contacts]
+        with np.errstate(divide="ignore", invalid="ignore"):
+            found = (forces / stiffness) ** (1.0 / exponents)
+        return np.where(stiffness > 0.0, found, 0.0)
 
 
 def energy_parts(
@@ -266,6 +286,7 @@ def by_simulate(chain: Chain, request: Request, progress: Callable[[int, int], N
     keep = request.keep
     rtol = min(max(TIGHTER * request.rtol, MIN_RTOL), MAX_RTOL)
     times = MANY_TIMES if any(name in SENSOR_QUANTITIES for name in keep) else 0
+    times = max(times, OVERLAP_TIMES) if request.whole_run else times
     options: dict[str, Any] = {"rtol": rtol, "progress": progress}
     run = simulate(
         chain, until=request.until, times=times, max_steps=request.max_steps, **options
@@ -278,10 +299,11 @@ def by_simulate(chain: Chain, request: Request, progress: Callable[[int, int], N
         wall = run._wall_force("right")
         values = {name: getattr(wall, each.attribute) for name, each in WALL_QUANTITIES.items()}
         found |= {name: np.nan if each is None else each for name, each in values.items()}
-    if times:
+    if any(name in SENSOR_QUANTITIES for name in keep):
         found |= _sensors_of(run, request.sensors)
     if any(name in FINAL_QUANTITIES for name in keep):
         found |= _final_of(run, options)
+    found["largest_overlap"] = run.largest_overlaps[1:-1]
     columns = {name: np.asarray(found[name], float)[np.newaxis] for name in keep}
     complete = np.array([bool(run._complete[1])])
     return Outcome(columns, [run.status], complete, run.largest_overlaps[np.newaxis], {})

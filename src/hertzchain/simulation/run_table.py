@@ -102,7 +102,8 @@ class RunTable(Frozen):
     def outside_range(self) -> NDArray[np.bool_]:
         """Whether each chain of materials has left the range of Hertz's law, shape (C,).
 
-        Overlaps are those of the leading pulse and of the right wall.
+        Overlaps are those of the leading pulse and of the right wall; of the whole run, if
+        ``"largest_overlap"`` is kept.
         """
         outside = np.zeros(len(self), bool)
         for i, chain in enumerate(self.chains):

@@ -70,8 +70,8 @@ def simulate_many(
         Names of quantities (`hertzchain.pulse.quantities`): of the leading pulse, such as
         ``"velocity"`` or ``"peak_force"``; of the right wall, such as ``"wall_peak_force"``,
         ``"wall_impulse_of_impact"`` or ``"wall_duration"``; of sensors, such as
-        ``"sensor_first_maximum"``; and of the end of the run, such as ``"final_velocity"``,
-        ``"end_time"`` or ``"energy_backward"``.
+        ``"sensor_first_maximum"``; of the end of the run, such as ``"final_velocity"``,
+        ``"end_time"`` or ``"energy_backward"``; and ``"largest_overlap"`` of the whole run.
     sensors : iterable of int
         Numbers k of beads with a force sensor, which measures :math:`(F_{k-1} + F_k)/2`.
     until : float, optional

@@ -74,7 +74,8 @@ class Trajectory:
         """Largest overlap of each contact, shape (N + 1,) [scaled, or m].
 
         Numbered with the walls, as `forces`.  For the leading pulse and the walls it is found
-        between the steps, for later waves among the saved times.  For a wall it is the overlap
+        between the steps, for later waves between the saved times, by cubic Hermite
+        interpolation.  For a wall it is the overlap
         :math:`(F/k)^{1/p}` that its largest force :math:`F` causes without losses.
 
         Examples
@@ -94,9 +95,11 @@ class Trajectory:
         peak[[0, -1]] = self._walls[state_layout.WALL_PEAK]
         walls = loading_overlaps(self.chain.contact_groups, peak)[[0, -1]]
         passed = np.concatenate((walls[:1], self._crossings[state_layout.OVERLAP], walls[1:]))
-        saved = overlaps_of(self.chain, self.times, self.positions)
+        saved = _largest_between(
+            self.times, overlaps_of(self.chain, self.times, self.positions), self.velocities
+        )
         saved = np.where(self.chain.contact_stiffness > 0.0, saved, 0.0)
-        return np.asarray(np.maximum(passed, np.max(saved, axis=0, initial=0.0)))
+        return np.asarray(np.maximum(passed, saved))
 
     @property
     def success(self) -> bool:
@@ -306,3 +309,27 @@ class Trajectory:
             for name in ("time", *columns)
         }
         return table
+
+
+def _largest_between(times: Array, overlaps: Array, velocities: Array) -> Array:
+    """Largest overlaps by contact, by cubic Hermite interpolation between the saved times.
+
+    A moving wall adds to the rate of contact 0 and is not regarded; walls have their own record.
+    """
+    found = np.max(overlaps, axis=0, initial=0.0)
+    if len(times) < 2:
+        return found
+    rates = -np.diff(np.pad(velocities, ((0, 0), (1, 1))), axis=1)
+    turns = (rates[:-1] > 0.0) & (rates[1:] < 0.0) & (np.minimum(overlaps[:-1], overlaps[1:]) > 0.0)
+    turns[:, [0, -1]] = False
+    rows, contacts = np.nonzero(turns)
+    h, low = np.diff(times)[rows], overlaps[rows, contacts]
+    c1, end = h * rates[rows, contacts], h * rates[rows + 1, contacts]
+    rise = overlaps[rows + 1, contacts] - low
+    c2, c3 = 3.0 * rise - 2.0 * c1 - end, c1 + end - 2.0 * rise
+    root = np.sqrt(np.maximum(c2 * c2 - 3.0 * c1 * c3, 0.0))
+    # Both forms are the zero of the rate from above; each is exact for one sign of c2.
+    with np.errstate(divide="ignore", invalid="ignore"):
+        s = np.where(c2 > 0.0, -(c2 + root) / (3.0 * c3), c1 / (root - c2))
+    np.maximum.at(found, contacts, low + s * (c1 + s * (c2 + s * c3)))
+    return found

@@ -121,6 +121,7 @@ _SCATTER: Final = (
     Key("seed", "integer", "seed of the random numbers", required=True, least=0),
     _number("relative", "standard deviation of the logarithm of the radius", least=0.0, most=1.0),
     Key("grade", "integer", "ball grade of ISO 3290-1, instead of relative"),
+    Key("beads", "text", "beads that deviate, such as 2:; all if omitted"),
 )
 _STRUCK_BY: Final = (
     _number("velocity", "velocity of the strikers", "velocity", default=1.0),

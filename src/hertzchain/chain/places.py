@@ -18,7 +18,7 @@ def places_from(given: Any, count: int, noun: str) -> NDArray[np.int64]:
         numbers = _range_of(given, count, noun)
     else:
         listed = check_list(f"{noun}s", given, "numbers")
-        numbers = [whole_number(f"{noun} that varies", k, least=1, most=count) for k in listed]
+        numbers = [whole_number(f"{noun} number", k, least=1, most=count) for k in listed]
     if not numbers or len(set(numbers)) != len(numbers):
         reason = "names no" if not numbers else "repeats a"
         raise InputError(f"{noun}s = {short_repr(given)} {reason} {noun}: there are 1 to {count}")

@@ -7,6 +7,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 from law_figures import LAW_FIGURES
 from matplotlib.figure import Figure
+from matplotlib.patches import Patch
 from page_figures import PAGE_FIGURES
 
 import hertzchain as hc
@@ -73,6 +74,7 @@ def waves() -> Figure:
         right.set_xlim(left.get_xlim())
         for axes in (left, right):
             axes.set_title("")
+        right.set_ylabel("")
     return canvas
 
 
@@ -201,6 +203,9 @@ def sweep() -> Figure:
                 place = found.rate, found.beads, error
                 axes.contour(*place, levels=[0.01], colors="white", linewidths=1.5)
                 axes.contourf(*place, levels=[0.01, np.inf], colors="none", hatches=["//"])
+                beyond = Patch(facecolor="white", edgecolor="black", hatch="//",
+                               label="error of the local-rate law above 1%")  # fmt: skip
+                axes.legend(handles=[beyond], loc="lower left", fontsize=8, frameon=True)
             axes.set_xlabel("$S$" if taper.endswith("linear") else "$q$")
             axes.set_ylabel("beads $N$")
             axes.set_title(taper)

@@ -31,6 +31,17 @@ def first_pulse() -> Figure:
     return canvas
 
 
+def first_force() -> Figure:
+    """Forces in steel balls and on a wall, as in the first tutorial."""
+    balls = hc.Chain.from_materials("6 mm", "steel-52100", beads=12)
+    chain = balls.struck_by(velocity="0.1 m/s").replace(right_wall=hc.Wall())
+    run = hc.simulate(chain, times=400)
+    with figure_style():
+        canvas, axes = plt.subplots(figsize=(7.0, 3.6))
+        run.plot_forces([4, 7, 10, 14], ax=axes)
+    return canvas
+
+
 def force_trace() -> Figure:
     """Forces at sensors in a chain of steel balls in front of a wall."""
     chain = hc.Chain.from_materials(5e-3, "steel-52100", beads=20)
@@ -248,6 +259,7 @@ def _growth(rate: float) -> float:
 
 
 FIGURES: dict[str, Callable[[], Figure]] = {
+    "first-force": first_force,
     "force-trace": force_trace,
     "budget": budget,
     "first-pulse": first_pulse,

@@ -33,8 +33,8 @@ with hc.figure_style("single column"):
 # --------------------
 #
 # Every plot of hertzchain has a parameter ``ax`` for axes of your own figure.  Here the chain is
-# above the velocities.  The lowest panel shows the errors on a logarithmic axis, because they differ
-# by orders of magnitude.  Curves with different dashes remain distinguishable in grey.
+# above the velocities.  The lowest panel shows the errors on a logarithmic axis, because they
+# differ by orders of magnitude.  Curves with different dashes remain distinguishable in grey.
 
 COLUMN = 86 / 25.4  # inches
 with hc.figure_style("single column"):

@@ -7,6 +7,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 from law_figures import LAW_FIGURES
 from matplotlib.figure import Figure
+from matplotlib.patches import Patch
 from page_figures import PAGE_FIGURES
 
 import hertzchain as hc
@@ -27,6 +28,17 @@ def first_pulse() -> Figure:
     chain = hc.Chain.tapered("backward-exponential", 0.05, beads=60)
     canvas = plot_pulses([hc.propagate(chain), hc.bca(chain)]).figure
     assert isinstance(canvas, Figure)
+    return canvas
+
+
+def first_force() -> Figure:
+    """Forces in steel balls and on a wall, as in the first tutorial."""
+    balls = hc.Chain.from_materials("6 mm", "steel-52100", beads=12)
+    chain = balls.struck_by(velocity="0.1 m/s").replace(right_wall=hc.Wall())
+    run = hc.simulate(chain, times=400)
+    with figure_style():
+        canvas, axes = plt.subplots(figsize=(7.0, 3.6))
+        run.plot_forces([4, 7, 10, 14], ax=axes)
     return canvas
 
 
@@ -73,6 +85,7 @@ def waves() -> Figure:
         right.set_xlim(left.get_xlim())
         for axes in (left, right):
             axes.set_title("")
+        right.set_ylabel("")
     return canvas
 
 
@@ -201,6 +214,9 @@ def sweep() -> Figure:
                 place = found.rate, found.beads, error
                 axes.contour(*place, levels=[0.01], colors="white", linewidths=1.5)
                 axes.contourf(*place, levels=[0.01, np.inf], colors="none", hatches=["//"])
+                beyond = Patch(facecolor="white", edgecolor="black", hatch="//",
+                               label="error of the local-rate law above 1%")  # fmt: skip
+                axes.legend(handles=[beyond], loc="lower left", fontsize=8, frameon=True)
             axes.set_xlabel("$S$" if taper.endswith("linear") else "$q$")
             axes.set_ylabel("beads $N$")
             axes.set_title(taper)
@@ -245,6 +261,7 @@ def _growth(rate: float) -> float:
 
 
 FIGURES: dict[str, Callable[[], Figure]] = {
+    "first-force": first_force,
     "force-trace": force_trace,
     "budget": budget,
     "first-pulse": first_pulse,

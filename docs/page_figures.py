@@ -8,6 +8,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 import hertzchain as hc
+from hertzchain.plotting.chains import scale_bar
 from hertzchain.plotting.style import COLOURS, figure_style
 from hertzchain.theory import long_wave_velocity, sen_manciu_velocity
 
@@ -18,6 +19,7 @@ def _rows(chains: dict[str, hc.Chain], height: float) -> Figure:
         canvas, rows = plt.subplots(len(chains), 1, figsize=(8.0, height))
         for axes, (title, chain) in zip(rows, chains.items(), strict=True):
             hc.plot_chain(chain, ax=axes)
+            scale_bar(chain, axes)
             axes.set_title("")
             axes.set_title(title, loc="left")
             axes.set_axis_off()
@@ -31,7 +33,7 @@ def real_chains() -> Figure:
     taper = hc.Chain.tapered("forward-linear", 0.05, beads=8)
     return _rows(
         {
-            "the experiment in a file: a PTFE striker, five steel balls, a wall":
+            "a PTFE striker, five steel balls, a wall":
                 experiment.struck_by(radius=4e-3, material="ptfe").replace(right_wall=hc.Wall()),
             "a repeated cell": hc.Chain.periodic(
                 [9.5e-3, 4.8e-3], cells=7, materials=["steel-316", "ptfe"]
@@ -40,7 +42,7 @@ def real_chains() -> Figure:
             "a different bead": balls.with_defects({6: 3e-3}, material="brass"),
             "random radii": balls.with_scatter(4, relative=0.15),
         },
-        5.2,
+        6.0,
     )  # fmt: skip
 
 
@@ -54,7 +56,7 @@ def chain_files() -> Figure:
                 hc.Chain.from_radii([5.0, 1.5, 5.0, 1.5, 5.0, 1.5, 5.0]),
             "taper = \"uniform\", the first 12 of 100 beads": hc.Chain.uniform(12),
         },
-        3.2,
+        4.2,
     )  # fmt: skip
 
 
@@ -122,7 +124,13 @@ def theory() -> Figure:
             dashes = ("-", "--", "-.", ":")[number]
             for axes, quantity in ((left, "velocity"), (right, "arrival")):
                 error = 100.0 * comparison.errors(quantity)[1:97]
-                axes.plot(bead, error, dashes, color=COLOURS[number], label=f"{taper}, {rate:g}")
+                axes.plot(
+                    bead,
+                    error,
+                    dashes,
+                    color=COLOURS[number],
+                    label=f"{taper}, ${'S' if 'linear' in taper else 'q'} = {rate:g}$",
+                )
         left.set_ylabel("error of the velocity [%]")
         right.set_ylabel("error of the arrival time [%]")
         right.legend(loc="lower right")

@@ -58,6 +58,7 @@ left.set_ylabel("velocity")
 right.set_title("Relative error of the velocity")
 right.set_xlabel("bead $k$")
 left.legend()
+right.legend()
 
 # %%
 # With a random variation of its radii by 5%, the chain is not smooth.  The local-rate law warns

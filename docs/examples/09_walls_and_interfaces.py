@@ -2,8 +2,8 @@
 How much of a pulse does a wall or an interface reflect?
 ========================================================
 
-A pulse reaches a wall, or a place where the beads change.  Part of its energy continues, part
-returns.  How does this depend on the stiffness of the wall and on the size of the beads?
+A pulse reaches a wall, or a place where the beads change.  A fraction of its energy continues,
+the rest returns.  How does this depend on the stiffness of the wall and on the size of the beads?
 """
 
 import matplotlib.pyplot as plt
@@ -74,7 +74,7 @@ axes.plot(radii, transmitted, "o-", label="transmitted")
 axes.plot(radii, reflected, "s-", label="reflected")
 axes.set_title("Energy at an interface")
 axes.set_xlabel("radius of the second half")
-axes.set_ylabel("part of the energy of the pulse")
+axes.set_ylabel("fraction of the incident energy")
 axes.legend()
 
 # %%

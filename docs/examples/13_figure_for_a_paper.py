@@ -33,8 +33,8 @@ with hc.figure_style("single column"):
 # --------------------
 #
 # Every plot of hertzchain has a parameter ``ax`` for axes of your own figure.  Here the chain is
-# above the velocities, and the lowest panel shows the ratio.  Curves with different dashes remain
-# distinguishable in grey.
+# above the velocities.  The lowest panel shows the errors on a logarithmic axis, because they
+# differ by orders of magnitude.  Curves with different dashes remain distinguishable in grey.
 
 COLUMN = 86 / 25.4  # inches
 with hc.figure_style("single column"):
@@ -50,14 +50,16 @@ with hc.figure_style("single column"):
         middle.semilogy(k, pulse.velocity, dashes, color="black" if dashes == "-" else None,
                         linewidth=2.2 if dashes == ":" else 1.0, label=label)  # fmt: skip
         if dashes != "-":
-            bottom.plot(k, pulse.velocity / exact.velocity, dashes,
-                        color=middle.lines[-1].get_color())  # fmt: skip
-    bottom.axhline(1.0, color="black", linewidth=0.7)
-    bottom.set_ylim(0.9, 1.7)
+            error = abs(pulse.velocity / exact.velocity - 1.0)
+            bottom.semilogy(k[1:-3], error[1:-3], dashes,
+                            color=middle.lines[-1].get_color())  # fmt: skip
+    bottom.set_yticks([1e-6, 1e-4, 1e-2, 1.0])
+    bottom.minorticks_off()
+    bottom.set_xlim(middle.get_xlim())
     middle.set_ylabel("velocity $v_k$")
     middle.tick_params(labelbottom=False)
     middle.legend()
-    bottom.set_ylabel("theory /\nsimulation")
+    bottom.set_ylabel("relative\nerror")
     bottom.set_xlabel("bead $k$")
     figure.align_ylabels()
 
@@ -90,8 +92,8 @@ figure_map.savefig(folder / "map.pdf", dpi=300, metadata={"CreationDate": None})
 # Answer
 # ------
 #
-# Use the style with the width of the column, lines with different dashes, a panel with the ratio or
-# the difference, and rasterised maps in PDF files.
+# Use the style with the width of the column, lines with different dashes, a panel with the errors,
+# and rasterised maps in PDF files.
 
 smallest = min(text.get_fontsize() for text in figure.findobj(plt.Text) if text.get_text())
 width, height = figure.get_size_inches()

@@ -24,7 +24,7 @@ from ..validation.numbers import number, whole_number
 from ..validation.objects import callback, check_type, file_path
 from .chains import bead_centres, draw_walls
 from .runs import check_times
-from .style import figure_style, literal, set_title, time_axis
+from .style import chain_title, figure_style, set_title, time_axis
 
 if TYPE_CHECKING:
     from PIL.Image import Image
@@ -132,7 +132,7 @@ def _pictures(run: Run, chosen: Array, magnify: float | None) -> Iterator[Image]
         try:
             beads, centres = _draw_beads(top, run, factor * moved)
             marker = _draw_force(below, run)
-            set_title(top, literal(run.chain.description))
+            set_title(top, chain_title(run.chain))
             clock = below.text(0.995, 0.97, "", transform=below.transAxes, ha="right", va="top")
             # The layout of the first frame is kept: the picture must not jump.
             figure.canvas.draw()

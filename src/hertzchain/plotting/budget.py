@@ -14,9 +14,9 @@ from ..simulation.budget import BALANCED, Balanced, Budget
 from ..simulation.horizon import Horizon
 from ..validation.objects import check_choice, check_type
 from .style import (
+    chain_title,
     figure_style,
     get_axes,
-    literal,
     mark_horizon,
     set_title,
     time_axis,
@@ -28,7 +28,7 @@ PARTS: Final[dict[str, tuple[str, str]]] = {
     "lagging": ("#56B4E9", ""),
     "scattered back": ("#E69F00", "//"),
     "contacts": ("#D9D9D9", ""),
-    "walls": ("#666666", ""),
+    "walls": ("#CC79A7", ""),
     "left wall": ("#999999", "\\\\"),
     "right wall": ("#666666", ""),
     "lost": ("#D55E00", ".."),
@@ -95,6 +95,11 @@ def plot_budget(
             axes.fill_between([], [], [], facecolor=colour, hatch=hatch, edgecolor="white",
                               label=name)  # fmt: skip
         axes.plot(times, total, color="black", linewidth=1.0, label="total input")
+        if np.any(below < 0.0):
+            axes.axhline(0.0, color="black", linewidth=0.6)
+            for height, text in ((0.98, "+ forward"), (0.02, "− backward")):
+                axes.text(0.015, height, text, transform=axes.transAxes, fontsize=8.5,
+                          va="top" if height > 0.5 else "bottom")  # fmt: skip
         quantity, unit = TICK[of]
         axes.set_ylabel(quantity)
         if budget.chain.units == "SI":
@@ -103,7 +108,7 @@ def plot_budget(
             axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value / scale:g}"))
             axes.set_ylabel(f"{quantity} [{prefix}{unit}]")
         axes.set_xlabel(label)
-        set_title(axes, literal(budget.chain.description))
+        set_title(axes, chain_title(budget.chain))
         axes.margins(x=0.0)
         mark_horizon(axes, horizon)
         axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))

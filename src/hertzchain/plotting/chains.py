@@ -2,19 +2,36 @@
 
 from __future__ import annotations
 
+import zlib
+from collections.abc import Sequence
+from typing import Any, Final
+
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import PatchCollection
-from matplotlib.patches import Circle
+from matplotlib.patches import Circle, Patch
 
 from ..chain.chain import Chain
 from ..chain.feature_support import require_chain
 from ..collision import Array
-from .style import figure_style, get_axes, literal, set_title
+from .style import chain_title, figure_style, get_axes, literal, set_title
+
+# Colours of the materials of the package, and those from which other materials receive one.
+MATERIALS: Final = {
+    "steel-52100": "#A9C3DC", "steel-304": "#C3D3E3", "steel-316": "#8FB2D1", "brass": "#EBCB6B",
+    "bronze": "#CFA15A", "aluminium": "#D9DDE0", "titanium": "#B5B0C8",
+    "tungsten-carbide": "#808890", "silicon-nitride": "#9DB8A6", "alumina": "#F4F1E8",
+    "glass": "#BFE6E2", "ptfe": "#F2B48C", "nylon": "#F3DDE9", "polycarbonate": "#D8C0E8",
+    "acrylic": "#E6F0B8", "rubber": "#6E6660",
+}  # fmt: skip
+OTHERS: Final = ("#D3E8DC", "#F7C6C6", "#C9D66B", "#E0A8D0", "#8FD0B0", "#FBEFC9")
+UNKNOWN: Final = "#DDE6EE"
 
 
 def plot_chain(chain: Chain, *, ax: Axes | None = None) -> Axes:
     """Draw a chain to scale: beads, gaps and walls.
+
+    Each material has the same colour in every figure; a legend names them if there are several.
 
     Parameters
     ----------
@@ -36,11 +53,7 @@ def plot_chain(chain: Chain, *, ax: Axes | None = None) -> Axes:
     centres = bead_centres(chain) * factor
     with figure_style():
         axes = get_axes(ax, figsize=(7.0, 1.6))
-        circles = [Circle((x, 0.0), r) for x, r in zip(centres, radii, strict=True)]
-        face = _face_colours(chain)
-        axes.add_collection(
-            PatchCollection(circles, facecolor=face, edgecolor="black", linewidth=0.4)
-        )
+        draw_beads(chain, factor, axes)
         low, high = centres[0] - radii[0], centres[-1] + radii[-1]
         tall = 1.15 * radii.max()
         draw_walls(chain, factor, tall, axes)
@@ -50,7 +63,8 @@ def plot_chain(chain: Chain, *, ax: Axes | None = None) -> Axes:
         axes.set_xlabel(f"position [{unit}]")
         axes.set_yticks([])
         axes.spines["left"].set_visible(False)  # it would look like a wall
-        set_title(axes, literal(chain.description))
+        set_title(axes, chain_title(chain))
+        material_legend([chain], axes, loc="center left", bbox_to_anchor=(1.0, 0.5))
     return axes
 
 
@@ -72,9 +86,49 @@ def bead_centres(chain: Chain) -> Array:
     return np.asarray(chain.radii[0] + np.concatenate(([0.0], apart)))
 
 
-def _face_colours(chain: Chain) -> list[str]:
-    """A colour for each material, light enough for black edges."""
-    kinds = chain.materials or (None,)
-    tints = ("#DDE6EE", "#F0D9C0", "#D3E8DC", "#F3DDE9", "#E8E8E8", "#FBEFC9")
-    tint = {kind: tints[i % len(tints)] for i, kind in enumerate(dict.fromkeys(kinds))}
-    return [tint[kind] for kind in kinds]
+def material_colour(name: str | None) -> str:
+    """Colour of a material, the same in every figure and light enough for black edges."""
+    if name is None:
+        return UNKNOWN
+    return MATERIALS.get(name) or OTHERS[zlib.crc32(name.encode()) % len(OTHERS)]
+
+
+def material_names(chain: Chain) -> list[str | None]:
+    """Name of the material of each bead."""
+    if chain.materials is None:
+        return [None] * chain.beads
+    return [material.name for material in chain.materials]
+
+
+def draw_beads(chain: Chain, factor: float, axes: Axes, *, height: float = 0.0) -> None:
+    """Draw the beads in the colours of their materials, with the first at its radius."""
+    centres = factor * bead_centres(chain)
+    circles = [Circle((x, height), r) for x, r in zip(centres, factor * chain.radii, strict=True)]
+    faces = [material_colour(name) for name in material_names(chain)]
+    axes.add_collection(PatchCollection(circles, facecolor=faces, edgecolor="black", linewidth=0.4))
+
+
+def material_legend(chains: Sequence[Chain], axes: Axes, **options: Any) -> None:
+    """Add a legend of the materials, if there is more than one."""
+    names = dict.fromkeys(name for chain in chains for name in material_names(chain))
+    if len(names) > 1:
+        handles = [
+            Patch(facecolor=material_colour(name), edgecolor="black", linewidth=0.4,
+                  label=literal(name or "no material"))
+            for name in names
+        ]  # fmt: skip
+        axes.legend(handles=handles, handlelength=1.0, **options)
+
+
+def scale_bar(chain: Chain, axes: Axes) -> None:
+    """Draw a bar with its length below the chain, for axes that are switched off."""
+    factor, unit = (1e3, " mm") if chain.units == "SI" else (1.0, " $R_1$")
+    largest = factor * chain.radii.max()
+    power = 10.0 ** np.floor(np.log10(2.0 * largest))
+    length = power * max(step for step in (1.0, 2.0, 5.0) if step * power <= 2.0 * largest)
+    begin, height = factor * bead_centres(chain)[0] - factor * chain.radii[0], -1.35 * largest
+    axes.plot([begin, begin + length], [height] * 2, color="black", linewidth=2.0,
+              solid_capstyle="butt")  # fmt: skip
+    axes.annotate(f"{length:g}{unit}", (begin + length, height), xytext=(4, 0),
+                  textcoords="offset points", va="center", fontsize=8)  # fmt: skip
+    axes.set_ylim(bottom=1.4 * height)

@@ -9,13 +9,11 @@ from typing import TYPE_CHECKING, Final
 import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.collections import PatchCollection
 from matplotlib.figure import Figure
-from matplotlib.patches import Circle, Patch
 
-from ..chain.chain import Chain
 from ..errors import InputError
 from ..simulation.simulate import simulate
+from .chains import bead_centres, draw_beads, material_legend
 from .style import COLOURS, figure_style, get_axes, time_axis
 from .widths import figure_size
 
@@ -33,35 +31,23 @@ def plot_beads(result: DesignResult, *, ax: Axes | None = None) -> Axes:
         axes = get_axes(ax)
         chains = {"before": result.problem.chain, "after": result.chain}
         factor, unit = (1e3, " [mm]") if result.chain.units == "SI" else (1.0, "")
-        kinds: dict[str, str] = {}
         height = -2.4 * factor * max(chain.radii.max() for chain in chains.values())
         for row, (name, chain) in enumerate(chains.items()):
-            _draw(axes, chain, row * height, factor, kinds)
+            draw_beads(chain, factor, axes, height=row * height)
+            if chain.right_wall is not None:
+                end = factor * (bead_centres(chain)[-1] + chain.radii[-1])
+                largest = factor * chain.radii.max()
+                axes.plot([end] * 2, [row * height - largest, row * height + largest],
+                          color="black", linewidth=3.0)  # fmt: skip
             axes.text(-0.01, row * height, f"{name} ", ha="right", va="center",
                       transform=axes.get_yaxis_transform())  # fmt: skip
         axes.set_aspect("equal")
         axes.autoscale_view()
         axes.set_yticks([])
         axes.set_xlabel(f"position{unit}")
-        if len(kinds) > 1:
-            handles = [Patch(color=colour, label=name) for name, colour in kinds.items()]
-            axes.legend(handles=handles, fontsize=8, loc="upper center",
-                        bbox_to_anchor=(0.5, 1.3), ncols=len(kinds))  # fmt: skip
+        material_legend([*chains.values()], axes, fontsize=8, loc="upper center",
+                        bbox_to_anchor=(0.5, 1.3), ncols=3)  # fmt: skip
     return axes
-
-
-def _draw(axes: Axes, chain: Chain, y: float, factor: float, kinds: dict[str, str]) -> None:
-    """Draw the beads of a chain side by side, coloured by material, and a wall."""
-    ends = factor * (np.cumsum(2.0 * chain.radii) + np.concatenate([[0.0], np.cumsum(chain.gaps)]))
-    names = [""] * chain.beads if chain.materials is None else [m.name for m in chain.materials]
-    for end, radius, name in zip(ends, factor * chain.radii, names, strict=True):
-        colour = kinds.setdefault(name, COLOURS[1 + len(kinds) % (len(COLOURS) - 1)])
-        bead = Circle((end - radius, y), radius)
-        axes.add_collection(PatchCollection([bead], facecolor=colour, edgecolor="black",
-                                            linewidth=0.4, alpha=0.75))  # fmt: skip
-    if chain.right_wall is not None:
-        largest = factor * chain.radii.max()
-        axes.plot([ends[-1]] * 2, [y - largest, y + largest], color="black", linewidth=3.0)
 
 
 def plot_forces(result: DesignResult, *, ax: Axes | None = None) -> Axes:

@@ -22,6 +22,8 @@ if TYPE_CHECKING:
 MICRO: Final = 1e6
 # Samples of a posterior that are drawn as points.
 POINTS: Final = 4000
+# Samples of a crest that are worth an inset.
+CREST: Final = 5
 
 
 def plot_traces(traces: Traces, *, ax: Axes | None = None) -> Axes:
@@ -87,11 +89,13 @@ def plot_fit(result: FitResult) -> Figure:
     most = max(len(shot.signals) for shot in shots)
     with figure_style():
         figure, panels = plt.subplots(
-            2 * len(shots), most, squeeze=False, sharex="row", layout="constrained",
+            2 * len(shots), most, squeeze=False, layout="constrained",
             figsize=figure_size(3.2 * most, 4.0 * len(shots)),
             gridspec_kw={"height_ratios": [2.2, 1.0] * len(shots)},
         )  # fmt: skip
         rest = iter(residuals)
+        largest = max(float(np.nanmax(np.abs(values))) for _, _, values in residuals)
+        limit = 1.1 * max(4.0, largest)
         for index, shot in enumerate(shots):
             for column in range(most):
                 upper, lower = panels[2 * index, column], panels[2 * index + 1, column]
@@ -100,13 +104,17 @@ def plot_fit(result: FitResult) -> Figure:
                     lower.remove()
                     continue
                 signal = shot.signals[column]
-                _draw_signal(upper, shot.times, signal, result.predicted[index][column])
+                model = result.predicted[index][column]
+                _draw_signal(upper, shot.times, signal, model)
+                left = _draw_crest(upper, shot.times, signal, model)
                 lower.plot(MICRO * shot.times, next(rest)[2], ".", color="0.35", markersize=2.0)
                 lower.axhline(0.0, color="black", linewidth=0.6)
+                lower.set_ylim(-limit, limit)
+                lower.set_xlim(upper.get_xlim())
                 lower.set_xlabel("time [µs]")
                 if column == 0:
                     lower.set_ylabel("residual / noise")
-                    upper.legend()
+                    upper.legend(loc="center", bbox_to_anchor=(left + 0.2, 0.32))
                 if len(shots) > 1:
                     upper.set_title(f"{signal.name}, shot {index + 1}")
     return figure
@@ -114,14 +122,39 @@ def plot_fit(result: FitResult) -> Figure:
 
 def _draw_signal(axes: Axes, times: Any, signal: Signal, model: Any) -> None:
     shown = np.where(signal.valid, signal.values, np.nan)
-    axes.plot(MICRO * times, shown, ".", color="0.55", markersize=2.5, label="data")
-    axes.plot(MICRO * times, model, color=COLOURS[2], linewidth=1.0, label="model")
+    _draw_data_and_model(axes, MICRO * times, shown, model)
     unused = ~signal.valid & np.isfinite(signal.values)
     axes.plot(MICRO * times[unused], signal.values[unused], "x", color="0.55", markersize=3.0)
     what = "force" if signal.place.quantity == "force" else "velocity"
     axes.set_ylabel(f"{what} [{signal.unit}]" if signal.calibrated else f"signal [{signal.unit}]")
     axes.set_title(signal.name)
     axes.margins(x=0.0)
+
+
+def _draw_data_and_model(axes: Axes, times: Any, data: Any, model: Any) -> None:
+    axes.plot(times, data, "o", color="0.6", markersize=2.2, markeredgewidth=0.0, label="data")
+    axes.plot(times, model, color=COLOURS[2], linewidth=0.6, label="model")
+
+
+def _draw_crest(axes: Axes, times: Any, signal: Signal, model: Any) -> float:
+    """Enlarge the crest of the signal in an inset beside it; returns its left edge."""
+    crest = int(np.argmax(np.where(signal.valid, signal.values, -np.inf)))
+    high = np.abs(model - model[0]) > 0.7 * abs(model[crest] - model[0])
+    begin, end = crest, crest
+    while begin > 0 and high[begin - 1]:
+        begin -= 1
+    while end < len(times) - 1 and high[end + 1]:
+        end += 1
+    left = 0.58 if crest < 0.5 * len(times) else 0.03
+    if end - begin < CREST:
+        return left
+    shown = slice(begin, end + 1)
+    inset = axes.inset_axes((left, 0.48, 0.4, 0.46))
+    _draw_data_and_model(inset, MICRO * times[shown], signal.values[shown], model[shown])
+    inset.set_xticks([])
+    inset.set_yticks([])
+    inset.set_title("crest", fontsize=7, pad=2.0)
+    return left
 
 
 def plot_fit_residuals(result: FitResult) -> Figure:

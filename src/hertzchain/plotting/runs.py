@@ -17,9 +17,9 @@ from ..validation.numbers import whole_number
 from ..validation.objects import check_choice, check_list
 from .style import (
     COLOURS,
+    chain_title,
     figure_style,
     get_axes,
-    literal,
     mark_horizon,
     set_title,
     time_axis,
@@ -27,6 +27,8 @@ from .style import (
 
 # Added to the legend of a wall whose force may still exceed the plotted values.
 CUT_OFF = " (peak not complete)"
+# Velocities that are less negative, relative to the largest, need no colours of their own.
+NO_RETURN = 0.01
 
 
 def plot_run(
@@ -58,7 +60,7 @@ def plot_run(
         raise InputError(f"a map needs at least 2 saved times, the run has {len(run.times)}")
     check_choice("quantity of a map", quantity, ("velocity", "force"))
     real = run.chain.units == "SI"
-    # White is at rest, red forwards, blue backwards.
+    # White is at rest, red forwards, blue backwards; without backward motion, a scale from 0.
     values, low, colours = run.velocities, -1.0, "RdBu_r"
     numbers = np.arange(1, run.chain.beads + 1)
     if quantity == "force":
@@ -69,6 +71,8 @@ def plot_run(
     with figure_style():
         axes = get_axes(ax)
         largest = float(np.abs(values).max())
+        if low < 0.0 and values.min() > -NO_RETURN * largest:
+            low, colours = 0.0, "Reds"
         mesh = axes.pcolormesh(
             run.times * (1e6 if real else 1.0),
             numbers,
@@ -84,7 +88,7 @@ def plot_run(
         axes.set_ylabel(f"{drawn.per} $k$")
         axes.yaxis.set_major_locator(MaxNLocator(integer=True))
         mark_horizon(axes, run.known_horizon)
-        set_title(axes, literal(run.chain.description))
+        set_title(axes, chain_title(run.chain))
     return axes
 
 
@@ -142,7 +146,7 @@ def plot_forces(run: Run, beads: Sequence[int], *, ax: Axes | None = None) -> Ax
             )
         axes.set_xlabel(label)
         axes.set_ylabel("force [N]" if run.chain.units == "SI" else "force $F$")
-        set_title(axes, literal(run.chain.description))
+        set_title(axes, chain_title(run.chain))
         axes.margins(x=0.0)
         mark_horizon(axes, run.known_horizon)
         axes.legend()

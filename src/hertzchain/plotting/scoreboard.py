@@ -11,6 +11,9 @@ from ..evaluation.scoreboard import Scoreboard, Statistic
 from .style import COLOURS, MARKERS, figure_style
 from .widths import figure_size
 
+# Vertical distance between the symbols of two theories, in rows.
+DODGE = 0.09
+
 
 def plot_scoreboard(
     board: Scoreboard,
@@ -47,26 +50,28 @@ def plot_scoreboard(
     outside = board.outside()
     heights, headings = _scoreboard_rows(board)
     with figure_style():
-        size = figure_size(8.0, 0.23 * max(heights) + 1.1)
+        size = figure_size(8.0, 0.28 * max(heights) + 1.1)
         axes = ax if ax is not None else plt.subplots(figsize=size)[1]
         for t, theory in enumerate(board.theories):
             if errors[theory].isna().all():
                 continue
+            # Theories with equal errors are drawn below each other.
+            raised = np.array(heights) + DODGE * (t - 0.5 * (len(board.theories) - 1))
             for warned, strength in ((False, 1.0), (True, 0.35)):
                 rows = outside[theory].to_numpy() == warned
                 axes.plot(
                     100.0 * errors[theory].to_numpy()[rows],
-                    np.array(heights)[rows],
+                    raised[rows],
                     MARKERS[t % len(MARKERS)],
                     color=COLOURS[t % len(COLOURS)],
                     markerfacecolor="none",
                     markeredgewidth=1.3,
-                    markersize=6.5,
+                    markersize=7.5,
                     alpha=strength,
                     label=None if warned else theory,
                 )
         if (outside & errors.notna()).to_numpy().any():
-            axes.plot([], [], "o", color="0.7", markerfacecolor="none", markersize=6.5,
+            axes.plot([], [], "o", color="0.7", markerfacecolor="none", markersize=7.5,
                       label="pale: outside the range of the theory")  # fmt: skip
         axes.set_xscale("log")
         axes.xaxis.set_major_formatter(lambda percent, _: f"{percent:g} %")

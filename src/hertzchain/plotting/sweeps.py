@@ -84,7 +84,7 @@ def plot_sweep(
     with figure_style():
         axes = ax if ax is not None else plt.subplots()[1]
         if len(along) == 1:
-            _curves(drawn, axes, log=log)
+            _curves(drawn, _outside(dataset, drawn, at), axes, log=log)
         else:
             _map(drawn, axes, log=log, levels=levels)
         caption = [literal(str(dataset.attrs.get("title", "")))]
@@ -120,6 +120,16 @@ def _selected(dataset: xr.Dataset, quantity: str | None, at: Mapping[str, Any]) 
     return values.squeeze(drop=False).sortby([name for name in numbers if values.sizes[name] > 1])
 
 
+def _outside(dataset: xr.Dataset, drawn: xr.DataArray, at: Mapping[str, Any]) -> xr.DataArray:
+    """Whether a theory was outside its range, for each plotted value."""
+    if "outside_range" not in dataset or "approach" not in drawn.coords:
+        return drawn.isnull() & False
+    flags = dataset["outside_range"]
+    known = {*flags.dims, *(flags[name].attrs.get("long_name") for name in flags.dims)}
+    chosen = {name: value for name, value in at.items() if name in known}
+    return _selected(dataset, "outside_range", chosen).astype(bool).broadcast_like(drawn)
+
+
 def _index(coordinate: xr.DataArray, name: str, value: Any) -> int:
     """Index of a value: exact for text and whole numbers, the nearest for other numbers."""
     there = coordinate.to_numpy()
@@ -151,31 +161,45 @@ def _undrawable(drawn: xr.DataArray, at: Mapping[str, Any]) -> str:
     return f"{drawn.name} has no remaining axis to plot along{hint}"
 
 
-def _curves(drawn: xr.DataArray, axes: Axes, *, log: bool) -> None:
+def _curves(drawn: xr.DataArray, outside: xr.DataArray, axes: Axes, *, log: bool) -> None:
     along = next(name for name in drawn.dims if name != "approach")
-    curves = (
-        [drawn.sel(approach=name) for name in drawn.approach.values]
-        if "approach" in drawn.dims
-        else [drawn]
-    )
-    if log:
-        # The error of the reference is 0, which a logarithmic scale cannot show.
-        curves = [curve for curve in curves if (curve > 0.0).any()]
-    for i, curve in enumerate(curves):
+    names = drawn.approach.values if "approach" in drawn.dims else [None]
+    marked = False
+    for i, name in enumerate(names):
+        chosen = {} if name is None else {"approach": name}
+        curve, flags = drawn.sel(chosen), outside.sel(chosen)
+        if log and len(names) > 1 and not (curve > 0.0).any():
+            # The error of the reference is 0, which a logarithmic scale cannot show.
+            continue
+        colour, places = COLOURS[i % len(COLOURS)], _places(curve[along])
         axes.plot(
-            _places(curve[along]),
+            places,
             curve,
-            color=COLOURS[i % len(COLOURS)],
+            color=colour,
+            linestyle="-" if _ordered(curve[along]) else "none",
             marker=MARKERS[i % len(MARKERS)],
             markerfacecolor="none",
             markevery=max(1, curve.size // 40),
             label=str(curve.approach.item()) if "approach" in curve.coords else None,
         )
+        if flags.any():
+            axes.plot(places[flags.values], curve[flags.values], "o", color=colour, alpha=0.3,
+                      markersize=9.0, markeredgecolor="none")  # fmt: skip
+            marked = True
+    if marked:
+        axes.plot([], [], "o", color="0.6", alpha=0.5, markersize=9.0, markeredgecolor="none",
+                  label="outside the range of the theory")  # fmt: skip
     axes.set_ylabel(_quantity_label(drawn))
     axes.set_yscale("log" if log else "linear")
     _set_axis(axes, "x", drawn[along])
-    if "approach" in drawn.dims:
+    if marked or "approach" in drawn.dims:
         axes.legend()
+
+
+def _ordered(coordinate: xr.DataArray) -> bool:
+    """Whether a line between neighbouring values has a meaning: not for names and seeds."""
+    words = f"{coordinate.name} {coordinate.attrs.get('long_name', '')}"
+    return coordinate.dtype.kind in "if" and "seed" not in words
 
 
 def _map(drawn: xr.DataArray, axes: Axes, *, log: bool, levels: list[float] | None) -> None:

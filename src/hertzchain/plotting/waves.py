@@ -6,7 +6,7 @@ from matplotlib.axes import Axes
 from matplotlib.ticker import MaxNLocator
 
 from ..simulation.waves import DIRECTIONS, Waves
-from .style import COLOURS, figure_style, get_axes, set_title, time_axis
+from .style import COLOURS, chain_title, figure_style, get_axes, set_title, time_axis
 
 LINES = {1: (COLOURS[1], "-"), -1: (COLOURS[2], "--")}
 
@@ -46,7 +46,7 @@ def plot_waves(waves: Waves, *, ax: Axes | None = None) -> Axes:
         axes.set_xlabel(label)
         axes.set_ylabel("contact $k$")
         axes.yaxis.set_major_locator(MaxNLocator(integer=True))
-        set_title(axes, waves.chain.description)
+        set_title(axes, chain_title(waves.chain))
         if len(waves):
             axes.legend()
     return axes

@@ -41,6 +41,8 @@ def board():
     return scoreboard(theories=["local-rate"])
 
 
+# The steepest chain is outside the range of the law at its last beads.
+@pytest.mark.filterwarnings("ignore::hertzchain.errors.ModelRangeWarning")
 @pytest.mark.parametrize(("taper", "q"), PUBLISHED_RATES)
 def test_growth_on_exponential_chains_is_the_exact_rate(taper, q):
     velocity = hc.local_rate(hc.Chain.tapered(taper, q, beads=90)).velocity
@@ -135,6 +137,18 @@ def test_one_odd_bead_is_announced(odd):
         error = hc.local_rate(chain).compare(hc.propagate(chain)).worst("velocity")
     assert caught or error < 0.01
     assert caught or abs(odd - 1.0) < 0.2
+
+
+@pytest.mark.parametrize("rate", [-0.1295, -0.1315, -0.1335])
+@pytest.mark.parametrize("contacts", [14, 99])
+def test_the_lost_maximum_of_the_last_bead_but_one_is_announced(rate, contacts):
+    # Errors of up to 22% have been without a warning.
+    chain = hc.Chain.from_radii(np.exp(rate * np.arange(contacts + 1)))
+    with pytest.warns(ModelRangeWarning):
+        law = hc.local_rate(chain)
+    error = np.abs(law.compare(hc.propagate(chain)).errors("velocity"))
+    assert law.velocity_error[-2] >= error[-2]
+    assert error[-2] > 0.01
 
 
 def test_no_error_above_one_per_cent_is_without_a_warning():

@@ -18,8 +18,10 @@ from hertzchain.theory.universal_functions import UniversalFunctions
 COVERED: Final = 0.98
 # Errors of the reference, and larger ones than can be estimated.
 SMALLEST, LARGEST = 3e-7, 0.3
-# Errors by changes of the rate at the free end concern few beads: their term is enlarged.
-SAFETY: Final = np.where(np.arange(PARTS) == 9, 1.5, 1.0)
+# Errors by changes of the rate at the free end, and errors of short chains, concern few beads:
+# their terms are enlarged.
+SAFETY: Final = np.ones(PARTS)
+SAFETY[9], SAFETY[11] = 1.5, 2.0
 
 
 def quantile_fit(parts: Array, errors: Array) -> Array:

@@ -184,6 +184,38 @@ def test_sensors_see_the_forces_around_them():
     np.testing.assert_allclose(acceleration[1:-1], net[1:-1], atol=6e-3)
 
 
+def test_balls_are_counted_without_the_strikers():
+    chain = hc.Chain.uniform(9).struck_by(count=2).replace(right_wall=hc.Wall())
+    run = hc.simulate(chain, until=12.0)
+    mean = (run.force(5) + run.force(6)) / 2
+    for name in ("ball 4", " Ball  4", "bead 6", 6):
+        np.testing.assert_array_equal(run.sensor(name), mean)
+        np.testing.assert_array_equal(run.velocity(name), run.velocities[:, 5])
+        np.testing.assert_array_equal(run.position(name), run.positions[:, 5])
+        found = run.sensor_force(name)
+        assert found.bead == 6
+        assert found.largest_so_far == pytest.approx(mean.max(), rel=1e-3)
+    with pytest.raises(hc.InputError, match="9 balls behind its strikers, no ball 10"):
+        run.sensor_force("ball 10")
+    with pytest.raises(hc.InputError, match="a name such as 'ball 11' .* got 'wall'"):
+        run.sensor("wall")
+
+
+def test_overlaps_are_those_of_the_forces():
+    chain = hc.Chain.uniform(9).replace(
+        left_wall=hc.Wall(), right_wall=hc.Wall(gap=0.05), gaps=[0.1] + [0.0] * 7
+    )
+    run = hc.simulate(chain, until=20.0, times=400)
+    for k in range(10):
+        overlap = run.overlap(k)
+        assert overlap.min() < 0.0
+        assert overlap.max() > 0.0 or k == 0
+        law = chain.contact_stiffness[k] * np.maximum(overlap, 0.0) ** 1.5
+        np.testing.assert_allclose(run.force(k), law, rtol=1e-9, atol=1e-14)
+    with pytest.raises(hc.InputError, match="contact 0 has no overlap: this end"):
+        hc.simulate(hc.Chain.uniform(3)).overlap(0)
+
+
 @pytest.mark.parametrize(
     "drive",
     [

@@ -336,6 +336,8 @@ def public_calls(folder):
         "Budget.to_dataframe": tried(budget.to_dataframe, of="energy"),
         "Budget.plot": tried(budget.plot, of="energy", horizon=None, ax=None),
         "Run.force": tried(run.force, contact=1),
+        "Run.overlap": tried(run.overlap, contact=1),
+        "Run.position": tried(run.position, bead=1),
         "Run.sensor": tried(run.sensor, bead=1),
         "Run.sensor_force": tried(run.sensor_force, bead=1),
         "Run.velocity": tried(run.velocity, bead=1),

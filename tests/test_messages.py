@@ -48,3 +48,18 @@ def test_tables_of_pulses_have_units():
     units = hc.bca(BALLS).to_dataframe().attrs["units"]
     assert (units["velocity"], units["peak_force"]) == ("m/s", "N")
     assert set(hc.bca(hc.Chain.uniform(5)).to_dataframe().attrs["units"].values()) == {"1"}
+
+
+@pytest.mark.parametrize(
+    ("table", "message"),
+    [
+        ("right_wall", r"did you mean \[chain.right_wall\]\?"),
+        ("loss", r"did you mean \[chain.loss\]\?"),
+        ("design", r"\[design\] is run by 'hertzchain design FILE'"),
+    ],
+)
+def test_tables_at_the_top_of_a_chain_file(tmp_path, table, message):
+    path = tmp_path / "chain.toml"
+    path.write_text(f"[chain]\nbeads = 5\n\n[{table}]\n")
+    with pytest.raises(hc.InputError, match=message):
+        hc.load_chain(path)

@@ -6,6 +6,7 @@ import re
 from dataclasses import dataclass
 from typing import Final
 
+from ..chain.bead_names import numbered_bead
 from ..chain.chain import Chain
 from ..collision import Array
 from ..errors import InputError
@@ -46,15 +47,13 @@ class Place:
                     f"chain is free; add a {self.body}_wall"
                 )
             return 0 if self.body == "left" else chain.beads + 1
-        shift = chain.strikers if self.body == "ball" else 0
-        balls = chain.beads - shift
-        if not 1 <= self.number <= balls:
+        try:
+            return numbered_bead(chain, self.body, self.number)
+        except InputError as error:
             raise InputError(
-                f"the traces have a sensor in {self.body} {self.number}, but the chain has "
-                f"{balls} {self.body}s{' behind its strikers' if shift else ''}; change the name "
-                "of the column or the chain"
-            )
-        return self.number + shift
+                f"the traces have a sensor in {self.body} {self.number}, but {error}; change the "
+                "name of the column or the chain"
+            ) from None
 
     def signal(self, run: Run) -> Array:
         """Force [N] or velocity [m/s] at the saved times of a run."""

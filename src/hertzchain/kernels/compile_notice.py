@@ -25,7 +25,7 @@ USUAL: Final = 10
 SECONDS: Final = {"full_chain": 15, "GeneralChain": 55}
 
 
-# What is called with the line instead of `write_line`; the command line sets it.
+# Function called with the line instead of `write_line`; set by the command line.
 _writers: list[Callable[[str], None]] = []
 
 

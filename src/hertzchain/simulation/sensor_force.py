@@ -7,6 +7,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from ..chain.bead_names import bead_number
 from ..chain.equilibrium import equilibrium
 from ..collision import Array
 from ..errors import IncompleteWarning, InputError, warn_user
@@ -75,13 +76,14 @@ class SensorForce:
         return short("SensorForce", f"bead {self.bead}", *facts)
 
 
-def sensor_force_of(self: Trajectory, bead: int) -> SensorForce:
+def sensor_force_of(self: Trajectory, bead: int | str) -> SensorForce:
     """Force in a sensor in a bead, with its first maximum and its largest value so far.
 
     Parameters
     ----------
-    bead : int
-        Number k of the bead, from 1.
+    bead : int or str
+        Number k of the bead, from 1, strikers included; or a name as in traces: ``"ball 11"``,
+        counted without the strikers, is bead 12 of a chain with one striker.
 
     Raises
     ------
@@ -104,6 +106,7 @@ def sensor_force_of(self: Trajectory, bead: int) -> SensorForce:
     >>> sensor.first_maximum_time < 15.0 and sensor.largest_so_far >= sensor.first_maximum
     True
     """
+    bead = bead_number(self.chain, bead)
     found = sensor_maxima(self, bead)
     if math.isnan(found.first_maximum):
         warn_user(

@@ -13,11 +13,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from .. import __version__
+from ..chain.bead_names import bead_number
 from ..chain.chain import Chain
 from ..chain.contact_groups import loading_overlaps
 from ..chain.equilibrium import equilibrium
 from ..chain.scales import scale
 from ..collision import Array
+from ..errors import InputError
 from ..pulse.quantities import BEAD_QUANTITIES, RUN_QUANTITIES, TIME
 from ..validation.numbers import whole_number
 from .budget import overlaps_of
@@ -154,13 +156,70 @@ class Trajectory:
         """
         return self.forces[:, whole_number("contact", contact, least=0, most=self.chain.beads)]
 
-    def velocity(self, bead: int) -> Array:
+    def overlap(self, contact: int) -> Array:
+        """Overlap of one contact at the saved times; negative where the bodies are apart.
+
+        Parameters
+        ----------
+        contact : int
+            Number of the contact, as in `force`.
+
+        Returns
+        -------
+        ndarray, shape (T,)
+            Overlap, static overlaps included [scaled, or m].
+
+        Raises
+        ------
+        InputError
+            If there is no such contact, or if it belongs to a free end.
+
+        Examples
+        --------
+        >>> import hertzchain as hc
+        >>> run = hc.simulate(hc.Chain.uniform(30), until=20.0)
+        >>> bool(0.73 < run.overlap(10).max() < 0.75)
+        True
+        """
+        k = whole_number("contact", contact, least=0, most=self.chain.beads)
+        if self.chain.contact_stiffness[k] == 0.0:
+            raise InputError(f"contact {k} has no overlap: this end of the chain is free")
+        return overlaps_of(self.chain, self.times, self.positions)[:, k]
+
+    def position(self, bead: int | str) -> Array:
+        """Displacement of one bead at the saved times from where the beads touched.
+
+        Parameters
+        ----------
+        bead : int or str
+            Number of the bead or name, as in `sensor`.
+
+        Returns
+        -------
+        ndarray, shape (T,)
+            [scaled, or m]
+
+        Raises
+        ------
+        InputError
+            If there is no such bead.
+
+        Examples
+        --------
+        >>> import hertzchain as hc
+        >>> run = hc.simulate(hc.Chain.uniform(5), until=1.0)
+        >>> bool((run.position(1) - run.position(2) == run.overlap(1)).all())
+        True
+        """
+        return self.positions[:, bead_number(self.chain, bead) - 1]
+
+    def velocity(self, bead: int | str) -> Array:
         """Velocity of one bead at the saved times.
 
         Parameters
         ----------
-        bead : int
-            Number k of the bead, from 1.
+        bead : int or str
+            Number of the bead or name, as in `sensor`.
 
         Returns
         -------
@@ -178,9 +237,9 @@ class Trajectory:
         >>> float(hc.simulate(hc.Chain.uniform(5), until=1.0).velocity(1)[0])
         1.0
         """
-        return self.velocities[:, whole_number("bead", bead, least=1, most=self.chain.beads) - 1]
+        return self.velocities[:, bead_number(self.chain, bead) - 1]
 
-    def sensor(self, bead: int) -> Array:
+    def sensor(self, bead: int | str) -> Array:
         r"""Signal of a force sensor embedded in a bead: :math:`(F_{k-1} + F_k)/2`.
 
         The usual sensor is a thin piezoelectric disc between the two halves of a bead; it
@@ -188,8 +247,9 @@ class Trajectory:
 
         Parameters
         ----------
-        bead : int
-            Number k of the bead, from 1.
+        bead : int or str
+            Number k of the bead, from 1, strikers included; or a name as in traces: ``"ball 11"``,
+            counted without the strikers, is bead 12 of a chain with one striker.
 
         Returns
         -------
@@ -207,8 +267,14 @@ class Trajectory:
         >>> run = hc.simulate(hc.Chain.uniform(30), until=20.0)
         >>> bool(run.sensor(10).max() < run.force(10).max())
         True
+
+        The sixth ball behind a striker is bead 7:
+
+        >>> run = hc.simulate(hc.Chain.uniform(9).struck_by(), until=5.0)
+        >>> bool((run.sensor("ball 6") == run.sensor(7)).all())
+        True
         """
-        k = whole_number("bead", bead, least=1, most=self.chain.beads)
+        k = bead_number(self.chain, bead)
         return 0.5 * (self.forces[:, k - 1] + self.forces[:, k])
 
     def open_contacts(self) -> Array:

@@ -40,7 +40,11 @@ def check_document(document: Mapping[str, Any], *, complete: bool = True) -> Ite
     """
     for name in document:
         # `hertzchain.fit` reads [fit].
-        if name not in ("chain", "materials", "fit"):
+        if name == "design":
+            yield "a file with a table [design] is run by 'hertzchain design FILE'"
+        elif name in TABLES:
+            yield f"unknown table or key {name!r}; did you mean [chain.{name}]?"
+        elif name not in ("chain", "materials", "fit"):
             yield str(unknown_name_error("table or key", name, ("chain", "materials", "fit")))
     table = document.get("chain")
     if not isinstance(table, Mapping):

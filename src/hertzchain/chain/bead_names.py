@@ -1,0 +1,37 @@
+"""Names of beads: ``ball 11`` is counted without the strikers, ``bead 12`` with them."""
+
+from __future__ import annotations
+
+import re
+from typing import Final
+
+from ..errors import InputError, short_repr
+from ..validation.numbers import whole_number
+from .chain import Chain
+
+NAME: Final = re.compile(r"(ball|bead) +([0-9]{1,9})")
+
+
+def bead_number(chain: Chain, bead: int | str) -> int:
+    """Number of a bead, strikers included, from that number or a name such as ``"ball 11"``."""
+    if not isinstance(bead, str):
+        return whole_number("bead", bead, least=1, most=chain.beads)
+    found = NAME.fullmatch(" ".join(bead.lower().split()))
+    if found is None:
+        raise InputError(
+            f"bead must be a whole number or a name such as 'ball 11' (without the strikers) or "
+            f"'bead 12' (with them), got {short_repr(bead)}"
+        )
+    return numbered_bead(chain, found[1], int(found[2]))
+
+
+def numbered_bead(chain: Chain, body: str, number: int) -> int:
+    """Number of a bead, strikers included, from that of a ``"ball"`` or ``"bead"``."""
+    shift = chain.strikers if body == "ball" else 0
+    count = chain.beads - shift
+    if not 1 <= number <= count:
+        raise InputError(
+            f"the chain has {count} {body}s{' behind its strikers' if shift else ''}, "
+            f"no {body} {number}"
+        )
+    return number + shift

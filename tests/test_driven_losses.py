@@ -105,3 +105,11 @@ def test_a_burst_that_leaves_a_bead_at_rest(seed, options):
     run, motion = hc.simulate(case.chain, times=times), trajectory(case.chain, times, case.units)
     assert run.steps < 1000
     np.testing.assert_allclose(run.velocities, motion.velocities, rtol=0, atol=1e-9)
+
+
+def test_a_table_that_ends_at_an_enormous_time_is_a_constant_force():
+    chain = hc.Chain.uniform(5).replace(velocities=np.zeros(5), loss=hc.Viscoelastic(0.1))
+    table = chain.replace(drive=hc.TableDrive([0.0, 1e150], [0.1, 0.1], of="force"))
+    step = chain.replace(drive=hc.StepDrive(0.1, of="force"))
+    ends = [hc.simulate(each, until=5.0, times=2).positions[-1] for each in (table, step)]
+    assert abs(ends[0] - ends[1]).max() < 1e-9

@@ -57,7 +57,7 @@ def _check_numbers(state: State) -> None:
     most[[state_layout.PEAKS, state_layout.CROSSINGS]] = beads - 1
     least[state_layout.LAST_CROSSING], most[state_layout.LAST_CROSSING] = -1, beads - 2
     most[state_layout.SEGMENT] = len(pieces) - 1
-    most[state_layout.LOW] = counts[state_layout.HIGH] - 1
+    most[state_layout.LOW] = max(counts[state_layout.HIGH], 0) - 1
     least[state_layout.HIGH], most[state_layout.HIGH] = 1, beads
     most[state_layout.LEFT_BY_PULSE] = beads - 1
     for place in np.flatnonzero((counts < least) | (counts > most)):

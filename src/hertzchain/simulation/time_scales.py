@@ -37,13 +37,14 @@ def typical_speed(chain: Chain) -> float:
         static = equilibrium(chain)
         return _pushed(chain, float(max(static.forces.max(), np.abs(static.body_forces).sum())))
     starts, pieces = drive_pieces(chain.drive)
-    lengths, powers = np.append(np.diff(starts), 0.0)[:, np.newaxis], np.arange(4)
-    cubics, sines, rates = np.abs(pieces[:, :4]), np.abs(pieces[:, 4::2]), np.abs(pieces[:, 5::2])
+    length = np.append(np.diff(starts), 0.0)
+    cubic, sines, rates = np.abs(pieces[:, :4]).T, np.abs(pieces[:, 4::2]), np.abs(pieces[:, 5::2])
     if chain.drive.of == "displacement":
-        slopes = (powers[1:] * cubics[:, 1:] * lengths ** powers[:3]).sum(axis=1)
+        slopes = cubic[1] + length * (2.0 * cubic[2] + length * 3.0 * cubic[3])
         return max(fastest, float((slopes + (sines * rates).sum(axis=1)).max()))
     # A force gives a free bead an impulse, and one in a chain an overlap.
-    size = float(((cubics * lengths**powers).sum(axis=1) + sines.sum(axis=1)).max())
+    sizes = cubic[0] + length * (cubic[1] + length * (cubic[2] + length * cubic[3]))
+    size = float((sizes + sines.sum(axis=1)).max())
     time = float(transit_times(chain).min())
     return max(fastest, min(size * time / chain.masses[0], _pushed(chain, size)))
 

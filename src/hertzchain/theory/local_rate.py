@@ -280,8 +280,8 @@ def _warn_outside(
         k = int(np.argmax(~(error <= DOUBTFUL)))
         place = "the end" if bead == chain.beads else f"bead {bead}"
         reason = (
-            "the radii change too abruptly. The estimated velocity error exceeds "
-            f"{DOUBTFUL:.0%} from bead {k + 2} on and is {error[bead - 2]:.1%} at {place}"
+            f"the estimated velocity error exceeds {DOUBTFUL:.0%} first at bead {k + 2} and is "
+            f"{error[bead - 2]:.1%} at {place}"
         )
     warnings.warn(
         f"local_rate is unreliable for this chain ({chain.description}): {reason}; use propagate",

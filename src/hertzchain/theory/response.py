@@ -50,18 +50,20 @@ class Response(Frozen):
         r"""Complex amplitude of a bead's displacement, for a drive of amplitude one."""
         moved = self._at_source(drive, source)
         for c in range(source, bead):
-            moved = moved * _share(self.links[c], self.inertia[c] + self.ahead[c + 1])
+            share = _share(self.links[c], self.inertia[c] + self.ahead[c + 1])
+            moved = _times(moved, share)
         for c in range(source - 1, bead - 1, -1):
-            moved = moved * _share(self.links[c], self.inertia[c - 1] + self.behind[c - 1])
+            share = _share(self.links[c], self.inertia[c - 1] + self.behind[c - 1])
+            moved = _times(moved, share)
         return moved.reshape(self.omega.shape)
 
     def force(self, contact: int, drive: Driven, source: int) -> Complex:
         """Complex amplitude of a contact force, positive in compression."""
         if contact >= source:
             moved = self.displacement(contact, drive, source)
-            return moved * self.ahead[contact].reshape(self.omega.shape)
+            return _times(moved, self.ahead[contact].reshape(self.omega.shape))
         moved = self.displacement(contact + 1, drive, source)
-        return -moved * self.behind[contact].reshape(self.omega.shape)
+        return -_times(moved, self.behind[contact].reshape(self.omega.shape))
 
     def _at_source(self, drive: Driven, source: int) -> Complex:
         if drive == "displacement":
@@ -69,6 +71,11 @@ class Response(Frozen):
         resistance = self.inertia[source - 1] + self.ahead[source] + self.behind[source - 1]
         found = np.full(resistance.shape, complex(math.inf))
         return np.divide(1.0, resistance, out=found, where=resistance != 0.0)
+
+
+def _times(moved: Complex, factor: Complex) -> Complex:
+    """The product; at a resonance without loss, where the motion is infinite, it stays so."""
+    return np.multiply(moved, factor, out=moved.copy(), where=np.isfinite(moved))
 
 
 def _in_series(link: Complex, rest: Complex) -> Complex:

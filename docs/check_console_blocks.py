@@ -37,8 +37,9 @@ def failures(page: Path) -> Iterator[str]:
             done = subprocess.run(
                 line, shell=True, cwd=folder, env=environment, capture_output=True, text=True
             )
-            # On a slow machine there are progress lines, which are not shown on the page.
-            progress = r"^[\w ]+: \d+ of \d+(, .* to go)?\n"
+            # On a slow machine there are lines about progress and the compiler, which are not shown
+            # on the page.
+            progress = r"^([\w ]+: \d+ of \d+(, .* to go)?|hertzchain: compiling once.*)\n"
             got = done.stdout + re.sub(progress, "", done.stderr, flags=re.M)
             if not doctest.OutputChecker().check_output(expected, got, FLAGS):
                 yield f"$ {line}\nexpected:\n{expected}\ngot:\n{got}"

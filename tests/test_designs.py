@@ -468,7 +468,7 @@ def test_results_are_exported(softest, tmp_path):
 def test_figures_show_both_chains(softest):
     figure = softest.plot_all()
     assert [axes.get_xlabel() for axes in figure.axes] == [
-        "position", "time $t$", "simulations", "bead"
+        "position", "time $t$", "simulations", "bead $k$"
     ]  # fmt: skip
     lines = figure.axes[1].lines
     assert lines[1].get_ydata().max() == pytest.approx(softest.value, rel=1e-2)

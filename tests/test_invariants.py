@@ -16,7 +16,11 @@ from hertzchain.simulation.state import fingerprint
 
 # Rounding, amplified by the collisions of a run; measured on 300 chains of each check: 2e-8.
 SAME = 1e-7
-pytestmark = pytest.mark.filterwarnings("ignore::hertzchain.ModelRangeWarning")
+pytestmark = [
+    pytest.mark.filterwarnings("ignore::hertzchain.ModelRangeWarning"),
+    # Of gaps that nothing crosses.
+    pytest.mark.filterwarnings("ignore:gap .* but the beads are only:hertzchain.InputWarning"),
+]
 ZERO_LOSSES = [
     hc.Restitution(1.0),
     hc.Restitution(1.0, attractive=False),

@@ -80,7 +80,7 @@ class Gradient(Frozen):
         return iter((self.value, self.gradient))
 
     def __getitem__(self, name: str) -> Array:
-        if name not in self.gradient:
+        if not isinstance(name, str) or name not in self.gradient:
             raise unknown_name_error("parameter of this gradient", name, self.gradient)
         return self.gradient[name]
 

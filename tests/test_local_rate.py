@@ -305,7 +305,7 @@ def test_beyond_the_largest_rate_the_trend_is_that_of_the_bca():
 
 def test_a_step_of_the_radii_is_announced():
     radii = np.where(np.arange(60) < 30, 1.0, 1.3)
-    with pytest.warns(ModelRangeWarning, match=r"from bead \d+ on"):
+    with pytest.warns(ModelRangeWarning, match=r"first at bead \d+"):
         pulse = hc.local_rate(hc.Chain.from_radii(radii))
     error = np.abs(pulse.compare(hc.propagate(pulse.chain)).errors("velocity"))
     assert pulse.velocity_error[20] < 1e-3 < 0.05 < pulse.velocity_error[40]
@@ -325,9 +325,9 @@ def test_the_gradient_warns_only_of_the_chain_up_to_the_bead():
     assert abs(gradient[20]) > 0.1
     assert np.abs(gradient[22:]).max() < 0.01
     assert not gradient[27:].any()
-    with pytest.warns(ModelRangeWarning, match=r"from bead \d+ on .* at bead 40;"):
+    with pytest.warns(ModelRangeWarning, match=r"first at bead \d+ .* at bead 40;"):
         hc.local_rate_gradient(chain, bead=40)
-    with pytest.warns(ModelRangeWarning, match=r"from bead \d+ on .* at the end;"):
+    with pytest.warns(ModelRangeWarning, match=r"first at bead \d+ .* at the end;"):
         hc.local_rate_gradient(chain, bead=60)
 
 

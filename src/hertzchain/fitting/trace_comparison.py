@@ -122,6 +122,11 @@ def compare_traces(
         time_offset = _best_offset(shot, columns, spacing)
     moments = shot.times - time_offset - run.times[0]
     inside = moments <= grid[-1] - grid[0]
+    if not inside.any():
+        raise InputError(
+            f"with time_offset = {time_offset:g} s, the run ends before the first sample of the "
+            "traces; give another one, or simulate for longer"
+        )
     signals = []
     for column in columns:
         values = np.full(len(moments), np.nan)

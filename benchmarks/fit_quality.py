@@ -148,12 +148,12 @@ def laws(draws):
 
 
 def gaps(draws):
-    """Number of draws in which a gap of 0.1 to 0.3 um is found at the right contact."""
+    """Number of draws in which a gap of 0.1 to 0.8 um is found at the right contact."""
     scan_right = fit_right = 0
     scores = []
     for seed in range(draws):
         rng = np.random.default_rng(3000 + seed)
-        behind, gap = int(rng.integers(1, 19)), float(rng.uniform(0.1e-6, 0.3e-6))
+        behind, gap = int(rng.integers(1, 19)), float(0.1e-6 * 8.0 ** rng.uniform())
         traces, _, priors = draw("viscoelastic", 3000 + seed, gap=gap, behind=behind)
         free = [*[name for name in NINE if name != "exponent"], "loss.time"]
         ignored = hc.fit(traces, bench(START["viscoelastic"]), free=free, priors=priors)

@@ -287,6 +287,41 @@ def test_hidden_gap_is_found_and_measured():
     assert abs(found.values["gap[8-9]"] - 0.3e-6) < 3.0 * found.errors["gap[8-9]"] < 0.05e-6
 
 
+def test_gap_as_large_as_the_overlaps_is_found_among_all_contacts():
+    # With the stiffness free, chi-squared of the neighbours falls more in the linearised fit.
+    balls = hc.Chain.from_materials(5e-3, "steel-52100", beads=15).struck_by(velocity=0.2)
+    balls = balls.replace(right_wall=hc.Wall())
+    gaps = np.zeros(15)
+    gaps[8] = 0.4e-6
+    times = np.arange(0.0, 450e-6, 1e-6)
+    run = hc.simulate(balls.replace(gaps=gaps), until=times[-1], times=times)
+    rng = np.random.default_rng(5)
+    columns = {
+        name: np.concatenate((np.zeros(40), force[:-40])) + 0.1 * rng.standard_normal(len(times))
+        for name, force in (
+            ("ball 5 [N]", run.sensor_force("ball 5").force),
+            ("ball 12 [N]", run.sensor_force("ball 12").force),
+            ("wall [N]", run.forces[:, -1]),
+        )
+    }
+    ignored = hc.fit(
+        hc.Traces.from_arrays(times, columns), balls, free=["stiffness", "time_offset"]
+    )
+    scan = hc.scan_defects(ignored)
+    found = scan.fit()
+    assert abs(found.values["gap[8-9]"] - 0.4e-6) < 3.0 * found.errors["gap[8-9]"] < 0.05e-6
+    assert abs(found.values["stiffness"] - 1.0) < 3.0 * found.errors["stiffness"]
+    assert found.describes
+    # A gap at the wrong contact lowers chi-squared so much that the noise, of which 40 samples are
+    # known, could explain the rest; but the residuals are correlated and the noise is not.
+    only = np.array(scan.names) == "gap[7-8]"
+    wrong = dataclasses.replace(scan, improvements=only.astype(float)).fit(candidates=1)
+    assert "gap[7-8]" in wrong.names
+    assert wrong.goodness.excess < 4.0 < wrong.goodness.correlation
+    assert not wrong.describes
+    assert "successive residuals are correlated" in wrong.verdict
+
+
 def test_odd_bead_is_found():
     radii = np.full(20, 5e-3)
     radii[11] *= 1.02

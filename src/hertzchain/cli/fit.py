@@ -42,7 +42,9 @@ if TYPE_CHECKING:
     "--laws", metavar="NAMES", help="Compare loss laws: all, or names separated by commas."
 )
 @click.option(
-    "--defects", is_flag=True, help="Search for the gap that explains most of the residuals."
+    "--defects",
+    is_flag=True,
+    help="Search for the gap that explains most of the residuals, and fit it.",
 )
 @click.option(
     "--sample",
@@ -111,6 +113,11 @@ def fit(
             for name, size, gained in zip(scan.names, scan.sizes, scan.improvements, strict=True)
         ]
         lines.append(repr(scan))
+        if scan.found:
+            with progress_bar("defects fitted") as progress:
+                with_defect = scan.fit(progress=progress)
+            document["fit_with_defect"] = with_defect.as_dict()
+            lines.append(with_defect.summary())
     posterior = None
     if sample is not None:
         with progress_bar("steps of the walkers", rate=True) as progress:

@@ -21,9 +21,13 @@ from .problem import Problem
 from .result import FitResult
 from .symmetry import units_of
 
-# Parameter of each kind of defect, and its trial change: a gap in units of the motion, a relative
-# change of radius or stiffness.
-KINDS: Final = {"gap": ("gap", 0.02), "bead": ("radius", 2e-3), "contact": ("stiffness", 0.02)}
+# Parameter of each kind of defect, and its trial sizes: for a gap in units of the motion, otherwise
+# the relative change of a radius or stiffness.  A gap as large as the overlaps is a large change.
+KINDS: Final = {
+    "gap": ("gap", tuple(0.02 * 2.0**power for power in range(7))),
+    "bead": ("radius", (2e-3,)),
+    "contact": ("stiffness", (0.02,)),
+}
 # Least reduction of chi-squared by a defect that is reported.
 FOUND: Final = 20.0
 
@@ -39,7 +43,7 @@ class DefectScan:
     names : tuple of str
         Parameters of the defects, such as ``"gap[8-9]"``.
     improvements : ndarray
-        Reduction of chi-squared in the linearised fit.
+        Estimated reduction of chi-squared, in which the other parameters adjust linearly.
     sizes : ndarray
         Values of the parameters [SI].
     result : FitResult
@@ -62,13 +66,19 @@ class DefectScan:
         """Whether the best defect explains more than noise would."""
         return float(self.improvements.max()) > FOUND
 
-    def fit(self, candidates: int = 2) -> FitResult:
-        """Fit the defects that explain the largest parts, and return the best fit.
+    def fit(
+        self, candidates: int | None = None, *, progress: Callable[[int, int], None] | None = None
+    ) -> FitResult:
+        """Fit the defects, each in a separate fit, and return the best fit.
 
         Parameters
         ----------
-        candidates : int
-            Number of defects to try, each in a separate fit.
+        candidates : int, optional
+            Number of defects to try, in the order of the parts that they explain; by default, all
+            of them.  The first is often, but not always, the right one: a defect also changes the
+            other parameters, which the scan takes into account only to first order.
+        progress : callable, optional
+            Called as ``progress(done, total)`` after each fit.
 
         Returns
         -------
@@ -86,10 +96,16 @@ class DefectScan:
         >>> scan = hc.scan_defects(hc.fit(*hc.example_experiment(), free=["time_offset"]))
         >>> fitted = scan.fit(candidates=1)  # doctest: +SKIP
         """
-        count = whole_number("candidates", candidates, least=1, most=len(self.names))
+        callback("progress", progress)
+        total = len(self.names)
+        count = total if candidates is None else whole_number(
+            "candidates", candidates, least=1, most=total
+        )  # fmt: skip
         tried = []
         model = self.result.model
-        for i in np.argsort(-self.improvements)[:count]:
+        for done, i in enumerate(np.argsort(-self.improvements, kind="stable")[:count]):
+            if progress is not None and done:
+                progress(done, count)
             name = _name(self.kind, self.result, int(i))
             more = _with_parameter(model, name, float(self.sizes[i]))
             start = {**self.result.values, str(name): float(self.sizes[i])}
@@ -101,6 +117,8 @@ class DefectScan:
                 tried.append(fitted(Problem(more), start, 1))
             except SimulationError:
                 continue
+        if progress is not None:
+            progress(count, count)
         if not tried:
             raise SimulationError("no chain with one of the defects can be simulated")
         return min(tried, key=lambda each: each.chi2 + each.penalty)
@@ -124,8 +142,8 @@ def scan_defects(
 ) -> DefectScan:
     """Find the contact or bead where one defect explains most of the residuals of a fit.
 
-    Each defect is added to the linearised fit: one simulation per contact or bead, in which all
-    other parameters adjust.
+    Each defect is added to the fit, with seven sizes of a gap or one change of a bead or contact.
+    All other parameters adjust linearly.
 
     Parameters
     ----------
@@ -187,23 +205,37 @@ def _with_parameter(model: Model, name: Name, start: float) -> Model:
 
 
 def _explained(result: FitResult, name: Name, inverse: Array) -> tuple[float, float]:
-    """Reduction of chi-squared and size of one defect in the linearised fit."""
+    """Reduction of chi-squared by one defect, and its size there."""
     model, problem = result.model, result.problem
     values = model.values(result.variables)
-    trial = KINDS[{"gap": "gap", "radius": "bead", "stiffness": "contact"}[name.key]][1]
+    sizes = next(sizes for key, sizes in KINDS.values() if key == name.key)
     _, nominal = kind_and_value(name, model.traces, model.chains)
     unit = units_of(result.chain).scales.length if name.key == "gap" else nominal
-    changed = _with_parameter(model, name, nominal)
-    try:
-        shifted = Problem(changed).predicted({**values, name: nominal + trial * unit})
-    except SimulationError:
-        return 0.0, nominal
-    difference = (shifted - problem.predicted(values)) / problem.sigma / (trial * unit)
-    difference[problem.skipped] = 0.0
-    column = np.concatenate((difference, np.zeros(len(result.residual_vector) - len(difference))))
-    rest = column - result.jacobian @ (inverse @ column)
-    along, size = -float(rest @ result.residual_vector), float(rest @ rest)
-    change = along / size if size > 0.0 else 0.0
-    if name.key == "gap" and nominal + change < 0.0:
-        return 0.0, nominal
-    return along * change, nominal + change
+    changed = Problem(_with_parameter(model, name, nominal))
+
+    def unexplained(residuals: Array) -> Array:
+        return np.asarray(residuals - result.jacobian @ (inverse @ residuals))
+
+    def residuals_at(size: float) -> Array:
+        predicted = changed.predicted({**values, name: size})
+        found = (predicted - problem.data) / problem.sigma
+        found[problem.skipped] = 0.0
+        return np.concatenate((found, result.residual_vector[len(found) :]))
+
+    last, rest = nominal, unexplained(result.residual_vector)
+    chi2, best = float(rest @ rest), (0.0, nominal)
+    for trial in sizes:
+        size = nominal + trial * unit
+        try:
+            rest_there = unexplained(residuals_at(size))
+        except SimulationError:
+            break
+        # Between two sizes, the residuals are nearly linear.
+        step = rest_there - rest
+        part = -float(rest @ step) / max(float(step @ step), np.finfo(float).tiny)
+        if name.key == "gap":
+            part = min(max(part, 0.0), 1.0)
+        there = rest + part * step
+        best = max(best, (chi2 - float(there @ there), last + part * (size - last)))
+        last, rest = size, rest_there
+    return best

@@ -8,7 +8,7 @@ from typing import Final
 import numpy as np
 
 from ..collision import Array
-from .traces import Traces
+from .traces import Signal, Traces
 
 # Correlations are summed up to this lag, and while they exceed this many times their error.
 MAX_LAG, SIGNIFICANT = 200, 2.5
@@ -33,6 +33,10 @@ class Goodness:
     excess : float
         Deviation of chi-squared from its expectation, in standard deviations, including the
         uncertainty of a noise that was estimated from a few samples.
+    correlation : float
+        Correlation of successive residuals, in standard deviations, of the signals whose noise is
+        not correlated before the pulse begins.  A model that misses something leaves residuals that
+        change slowly, even where the noise is hardly known.
     """
 
     chi2: float
@@ -41,11 +45,12 @@ class Goodness:
     skipped: int
     freedom: int
     excess: float
+    correlation: float
 
     @property
     def describes(self) -> bool:
         """Whether the residuals are consistent with the noise."""
-        return self.excess < MAX_EXCESS
+        return max(self.excess, self.correlation) < MAX_EXCESS
 
     @property
     def inflation(self) -> float:
@@ -69,7 +74,29 @@ def goodness_of(traces: Traces, residuals: Array, used: Array, parameters: int) 
     # The noise of each signal has a separate error.
     variance += sum((len(part) / count) ** 2 * 2.0 / quiet for part, quiet in parts if quiet)
     excess = (chi2 / max(freedom, 1) - 1.0) / variance**0.5
-    return Goodness(chi2, count, float(effective), int(np.sum(~used)), freedom, float(excess))
+    return Goodness(
+        chi2, count, float(effective), int(np.sum(~used)), freedom, float(excess),
+        _correlation(traces, [part for part, _ in parts]),
+    )  # fmt: skip
+
+
+def _correlation(traces: Traces, residuals: list[Array]) -> float:
+    """Correlation of successive residuals in standard deviations, where the noise has none."""
+    total, count = 0.0, 0
+    for (_, signal), part in zip(traces, residuals, strict=True):
+        if _has_white_noise(signal) and len(part) > signal.quiet:
+            total += len(part) * float(autocorrelation(part, 1)[-1])
+            count += len(part)
+    return float(total / count**0.5) if count else 0.0
+
+
+def _has_white_noise(signal: Signal) -> bool:
+    """Whether the samples before the pulse are known not to be correlated."""
+    quiet = signal.values[: signal.quiet]
+    quiet = quiet[np.isfinite(quiet)]
+    if not len(quiet) or np.ptp(quiet) == 0.0 or signal.sigma > signal.noise:
+        return False
+    return float(autocorrelation(quiet, 1)[-1]) < SIGNIFICANT / len(quiet) ** 0.5
 
 
 def autocorrelation(residuals: Array, lags: int = MAX_LAG) -> Array:

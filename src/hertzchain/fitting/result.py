@@ -271,10 +271,14 @@ class FitResult:
             return f"{text}: the fit did not converge: {self.reason}"
         if self.describes:
             return f"{text}: the model describes the data"
-        return (
-            f"{text}, {good.excess:.0f} standard deviations more than expected: the model does "
-            "not describe the data"
-        )
+        if good.excess < good.correlation:
+            reason = (
+                f"; successive residuals are correlated ({good.correlation:.0f} standard "
+                "deviations) although the noise before the pulse is not"
+            )
+        else:
+            reason = f", {good.excess:.0f} standard deviations more than expected"
+        return f"{text}{reason}: the model does not describe the data"
 
     @property
     def warnings(self) -> tuple[str, ...]:

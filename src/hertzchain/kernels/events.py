@@ -23,6 +23,7 @@ from .state_layout import (
     FIRST_END,
     FIRST_IMPULSE,
     FRAMES,
+    LARGEST_OVERLAP,
     LAST_CROSSING,
     OVERLAP,
     PEAK_TIME,
@@ -227,6 +228,7 @@ def store_crossing(at, after, overlap, clock, counts, crossings):
     """
     crossings[CROSSING_TIME, at] = clock[TIME] + after
     crossings[OVERLAP, at] = overlap
+    crossings[LARGEST_OVERLAP, at] = max(crossings[LARGEST_OVERLAP, at], overlap)
     if counts[LAST_CROSSING] == at - 1:
         crossings[RESIDENCE, at] = clock[SINCE_CROSSING] + after
     counts[LAST_CROSSING] = at
@@ -266,6 +268,40 @@ def record_crossings(
 
 
 @compiled
+def may_exceed(c, h, y, y_new, setup, contacts, largest):
+    """Whether the overlap of beads c and c + 1 may have a maximum above the largest so far.
+
+    A parabola between the ends of the step rises above them by at most half of the margin.
+    """
+    beads = len(setup.inverse_mass)
+    before, after = y[beads + c] - y[beads + c + 1], y_new[beads + c] - y_new[beads + c + 1]
+    if not before > 0.0 or after > 0.0:
+        return False
+    overlap = max(y[c] - y[c + 1], y_new[c] - y_new[c + 1])
+    if contacts is not None:
+        overlap -= setup.gap[c + 1]
+    return overlap + 0.25 * h * (before - after) > largest
+
+
+@compiled
+def record_largest_overlaps(y, y_new, dense, setup, contacts, first, expected, crossings):
+    """Record maxima of overlaps that exceed the largest so far, of any wave."""
+    beads = len(setup.inverse_mass)
+    for c in range(beads - 1):
+        if not expected[c]:
+            continue
+        theta = crossing_within(c, beads, y, dense, setup, contacts)
+        if theta > 1.0:
+            overlap = y_new[c] - y_new[c + 1]
+        else:
+            overlap = value(c, theta, y, dense) - value(c + 1, theta, y, dense)
+        if contacts is not None:
+            overlap -= setup.gap[c + 1]
+        at = first + c
+        crossings[LARGEST_OVERLAP, at] = max(crossings[LARGEST_OVERLAP, at], overlap)
+
+
+@compiled
 def record_stops(
     clock, counts, y, stages, dense, scale, reached, setup, contacts, first, chain, inverse_mass,
     crossings,
@@ -296,9 +332,9 @@ def expect_first_peak(y, y_new, stages, scale, reached, implicit, peaks):
 
 @compiled
 def expect_events(
-    y, y_new, stages, scale, reached, setup, contacts, first, peaks, crossings, expected
+    h, y, y_new, stages, scale, reached, setup, contacts, first, peaks, crossings, expected
 ):
-    """Mark the beads and contacts whose first peak or crossing may lie within the step."""
+    """Mark the beads and contacts with a first peak, a crossing or a largest overlap to come."""
     beads, implicit = len(scale), is_implicit(setup, contacts)
     anything = expected[0, 0] = first == 0 and expect_first_peak(
         y, y_new, stages, scale, reached, implicit, peaks
@@ -316,7 +352,10 @@ def expect_events(
         )
         expected[0, k] = peak
         expected[1, k - 1] = crossing
-        anything = anything or peak or crossing
+        so_far = crossings[LARGEST_OVERLAP, first + k - 1]
+        larger = may_exceed(k - 1, h, y, y_new, setup, contacts, so_far)
+        expected[2, k - 1] = larger
+        anything = anything or peak or crossing or larger
     return anything
 
 
@@ -418,7 +457,7 @@ def record_events(
     frame = counts[FRAMES]
     save = frame < len(frame_times) and frame_times[frame] <= time_new
     event = expect_events(
-        y, y_new, stages, scale, reached, setup, contacts, first, peaks, crossings, expected
+        h, y, y_new, stages, scale, reached, setup, contacts, first, peaks, crossings, expected
     )
     walled = contacts is not None and wall_pushed(stages)
     if (save or event or walled) and not dense_is_found:
@@ -433,6 +472,7 @@ def record_events(
             h, clock, counts, y, stages, dense, setup, contacts, first, chain, inverse_mass,
             expected[1], crossings,
         )  # fmt: skip
+        record_largest_overlaps(y, y_new, dense, setup, contacts, first, expected[2], crossings)
     if walled:
         record_walls(time, h, y, y_new, stages, dense, walls)
     if save:

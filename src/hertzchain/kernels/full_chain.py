@@ -308,7 +308,7 @@ def advance(
         time 0 = not yet
     walls : (WALL_ROWS, 2) of the left and the right wall; 0 = not yet
     accelerations : (N,) accelerations at the start of the next step
-    scratch, ends, expected : (ROWS * len(y),), (2, N + 1), (2, N) scratch
+    scratch, ends, expected : (ROWS * len(y),), (2, N + 1), (3, N) scratch
     """
     beads = len(setup.inverse_mass)
     trim = trimmed(setup, contacts)

@@ -20,9 +20,10 @@ LOW, HIGH, LEFT_BY_PULSE, COUNTS_SIZE = range(9, 13)
 FLIGHT_POSITION, FLIGHT_TIME, FLIGHT_ROWS = range(3)
 # Rows of `peaks`, of `crossings` and of `walls`; `TOUCHING` is 1 while a bead touches the wall.
 PEAK_TIME, PEAK_VELOCITY = 0, 1
+# `OVERLAP` is the one at the crossing, `LARGEST_OVERLAP` the largest of all waves so far.
 # `HANDED_OVER` begins with minus the momentum of the beads ahead, and is complete at the crossing.
 CROSSING_TIME, OVERLAP, RESIDENCE, HANDED_OVER, RISE_TIME = range(5)
-LEADING_MOMENTUM, LEADING_ENERGY, CROSSING_ROWS = range(5, 8)
+LEADING_MOMENTUM, LEADING_ENERGY, LARGEST_OVERLAP, CROSSING_ROWS = range(5, 9)
 WALL_PEAK_TIME, WALL_PEAK, FIRST_IMPULSE, FIRST_END, TURNED_BACK = range(5)
 TOUCHES, TOUCHING, WALL_ROWS = range(5, 8)
 # Rows of `completion`, written between calls of the compiled loop: start of the watch on a wall,

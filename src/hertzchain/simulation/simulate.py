@@ -239,7 +239,7 @@ class _Integration:
         self.scratch = (
             np.zeros(full_chain.ROWS * length),
             np.empty((2, chain.beads + 1)),
-            np.zeros((2, chain.beads), np.bool_),
+            np.zeros((3, chain.beads), np.bool_),
         )
 
     def advance(self, end: tuple[float, bool], steps: int, pause: bool) -> int:

@@ -30,7 +30,9 @@ ROW_SCALES: Final[Mapping[str, tuple[str, ...]]] = {
     ),
     "flights": ("length", "time"),
     "peaks": ("time", "velocity"),
-    "crossings": ("time", "length", "time", "momentum", "time", "momentum", "energy"),
+    "crossings": (
+        "time", "length", "time", "momentum", "time", "momentum", "energy", "length",
+    ),
     "walls": ("time", "force", "momentum", "time", "time", "1", "1"),
     "completion": ("time", "time", "time", "time", "momentum", "1"),
 }  # fmt: skip

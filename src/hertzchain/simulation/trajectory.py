@@ -75,10 +75,10 @@ class Trajectory:
     def largest_overlaps(self) -> Array:
         """Largest overlap of each contact, shape (N + 1,) [scaled, or m].
 
-        Numbered with the walls, as `forces`.  For the leading pulse and the walls it is found
-        between the steps, for later waves between the saved times, by cubic Hermite
-        interpolation.  For a wall it is the overlap
-        :math:`(F/k)^{1/p}` that its largest force :math:`F` causes without losses.
+        Numbered with the walls, as `forces`.  It is found within the steps; with the methods of
+        fixed steps, for waves after the leading pulse, between the saved times, by cubic Hermite
+        interpolation.  For a wall it is the overlap :math:`(F/k)^{1/p}` that its largest force
+        :math:`F` causes without losses.
 
         Examples
         --------
@@ -96,10 +96,14 @@ class Trajectory:
         peak = np.zeros(self.chain.beads + 1)
         peak[[0, -1]] = self._walls[state_layout.WALL_PEAK]
         walls = loading_overlaps(self.chain.contact_groups, peak)[[0, -1]]
-        passed = np.concatenate((walls[:1], self._crossings[state_layout.OVERLAP], walls[1:]))
+        found = self._crossings[state_layout.LARGEST_OVERLAP]
+        passed = np.concatenate((walls[:1], found, walls[1:]))
         saved = _largest_between(
             self.times, overlaps_of(self.chain, self.times, self.positions), self.velocities
         )
+        end = self.state.arrays["y"][np.newaxis, : self.chain.beads]
+        at_end = overlaps_of(self.chain, np.array([self.end_time]), end)[0, 1:-1]
+        saved[1:-1] = np.maximum(saved[1:-1], at_end)
         saved = np.where(self.chain.contact_stiffness > 0.0, saved, 0.0)
         return np.asarray(np.maximum(passed, saved))
 

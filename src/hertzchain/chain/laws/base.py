@@ -135,6 +135,11 @@ class Loss(Part):
         dimension = self.parameters()[name].dimension
         return UNITS[dimension][0] if dimension else None
 
+    @property
+    def relaxation_time(self) -> float:
+        """Time that must be much shorter than a contact [scaled, or s]; 0 if the law has none."""
+        return 0.0
+
     @classmethod
     def parameters(cls) -> dict[str, Parameter]:
         """Descriptions of the fields of the law, by name."""

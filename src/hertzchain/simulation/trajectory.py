@@ -397,5 +397,8 @@ def _largest_between(times: Array, overlaps: Array, velocities: Array) -> Array:
     # Both forms are the zero of the rate from above; each is exact for one sign of c2.
     with np.errstate(divide="ignore", invalid="ignore"):
         s = np.where(c2 > 0.0, -(c2 + root) / (3.0 * c3), c1 / (root - c2))
+    # Squares of the numbers at the foot of a pulse may underflow, and rounding errors of the rise
+    # may contradict the rates.
+    s = np.nan_to_num(np.clip(s, 0.0, 1.0))
     np.maximum.at(found, contacts, low + s * (c1 + s * (c2 + s * c3)))
     return found

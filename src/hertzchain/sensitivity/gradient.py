@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import warnings
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any
@@ -12,7 +11,7 @@ import numpy as np
 
 from ..chain.chain import Chain
 from ..collision import Array
-from ..errors import IncompleteWarning, InputError, unknown_name_error
+from ..errors import IncompleteWarning, InputError, unknown_name_error, warn_user
 from ..frozen import Frozen
 from ..representation import short
 from ..validation.numbers import number, whole_number
@@ -293,7 +292,7 @@ def gradients(
     found = [each for name in names for each in _read(reader, name, parameters, rtol)]
     for each in found:
         if each.status != "complete":
-            warnings.warn(f"{each.quantity}: {each.status}", IncompleteWarning, stacklevel=3)
+            warn_user(f"{each.quantity}: {each.status}", IncompleteWarning)
     return found
 
 

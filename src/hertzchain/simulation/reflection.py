@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import warnings
 from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 
 from ..chain.chain import Chain
-from ..errors import InputError, InputWarning, SimulationError
+from ..errors import InputError, InputWarning, SimulationError, warn_user
 from ..representation import counted, measure
 from ..validation.numbers import number, whole_number
 from .trajectory import Trajectory
@@ -268,4 +267,4 @@ def _warn_of_balance(found: Reflection) -> None:
         )
     else:
         return
-    warnings.warn(reason, InputWarning, stacklevel=3)
+    warn_user(reason, InputWarning)

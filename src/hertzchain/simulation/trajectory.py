@@ -187,22 +187,7 @@ class Trajectory:
         return overlaps_of(self.chain, self.times, self.positions)[:, k]
 
     def position(self, bead: int | str) -> Array:
-        """Displacement of one bead at the saved times from where the beads touched.
-
-        Parameters
-        ----------
-        bead : int or str
-            Number of the bead or name, as in `sensor`.
-
-        Returns
-        -------
-        ndarray, shape (T,)
-            [scaled, or m]
-
-        Raises
-        ------
-        InputError
-            If there is no such bead.
+        """Displacement of one bead from where the beads touched, as `velocity` [scaled, or m].
 
         Examples
         --------
@@ -219,7 +204,7 @@ class Trajectory:
         Parameters
         ----------
         bead : int or str
-            Number of the bead or name, as in `sensor`.
+            Number or name of the bead, as in `sensor`.
 
         Returns
         -------

@@ -279,7 +279,7 @@ class ChainFields(Frozen):
         In scaled variables it is :math:`\sqrt{2R}` for a flat wall of the bead's own material and
         twice as much for a rigid wall.
         """
-        # In SI units it follows from the materials, even if other contacts have given stiffness.
+        # In SI units it follows from the materials, also if other contacts have a given stiffness.
         hertz = "stiffness" not in self.given or self.materials is not None
         left, right = (
             0.0

@@ -21,12 +21,12 @@ from .wave_events import (
     require_resolved,
 )
 
-# Events above this part of the largest force are counted.
+# Events above this fraction of the largest force are counted.
 THRESHOLD: Final = 0.01
-# Waves below this part of the incident energy need not be resolved, and do not end the count
+# Waves below this fraction of the incident energy need not be resolved, and do not end the count
 # when they enter from outside.
 WEAK: Final = 0.01
-# Part of the incident energy that may be missing from the balance, or still between the contacts.
+# Fraction of the incident energy that may be missing, or still be between the contacts.
 MISSING: Final = 0.05
 
 

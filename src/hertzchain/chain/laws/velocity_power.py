@@ -45,7 +45,7 @@ class VelocityPower(Loss, name="velocity-power"):
     attractive: bool = may_pull(default=True)
 
     def __post_init__(self) -> None:
-        # The unit of gamma depends on it.
+        # The unit of gamma depends on alpha.
         self._check("alpha")
         super().__post_init__()
 

@@ -281,8 +281,7 @@ FIGURES: dict[str, Callable[[], Figure]] = {
     "fit-result": fit_result,
     "fit-correlations": fit_correlations,
     "design-protector": design_protector,
-    **PAGE_FIGURES,
-    **LAW_FIGURES,
+    **{draw.__name__.replace("_", "-"): draw for draw in (*PAGE_FIGURES, *LAW_FIGURES)},
 }
 
 

@@ -1,7 +1,6 @@
 """Figures of the pages on laws of the pulse, on gradients, on extensions and on other programs."""
 
 import re
-from collections.abc import Callable
 from pathlib import Path
 from typing import Final
 
@@ -214,12 +213,6 @@ def against_others() -> Figure:
     return canvas
 
 
-LAW_FIGURES: Final[dict[str, Callable[[], Figure]]] = {
-    "steps": steps,
-    "strikers": strikers,
-    "disorder": disorder,
-    "attenuation": attenuation,
-    "gradients": gradients,
-    "extend": extend,
-    "against-others": against_others,
-}
+LAW_FIGURES: Final = (
+    steps, strikers, disorder, attenuation, gradients, extend, against_others,
+)  # fmt: skip

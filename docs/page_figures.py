@@ -1,6 +1,5 @@
 """Figures of how-to guides and explanations that show what their pages describe."""
 
-from collections.abc import Callable
 from typing import Final
 
 import matplotlib.pyplot as plt
@@ -189,12 +188,6 @@ def propagation() -> Figure:
     return canvas
 
 
-PAGE_FIGURES: Final[dict[str, Callable[[], Figure]]] = {
-    "real-chains": real_chains,
-    "chain-files": chain_files,
-    "many-chains": many_chains,
-    "closed-forms": closed_forms,
-    "theory": theory,
-    "numerics": numerics,
-    "propagation": propagation,
-}
+PAGE_FIGURES: Final = (
+    real_chains, chain_files, many_chains, closed_forms, theory, numerics, propagation,
+)  # fmt: skip

@@ -11,6 +11,7 @@ from scipy_chain import trajectory
 import hertzchain as hc
 from hertzchain.chain.equilibrium import equilibrium
 from hertzchain.simulation.kernel_input import drive_pieces, kernel_chain, steps_are_implicit
+from hertzchain.simulation.trajectory import _largest_between
 
 LAWS = [
     None,
@@ -406,6 +407,15 @@ def test_a_run_resumes_in_other_units():
     np.testing.assert_allclose(
         scales.to_si(later).velocities, whole.velocities[1:], rtol=0, atol=1e-9 * fastest
     )
+
+
+def test_largest_overlaps_exist_at_the_foot_of_a_pulse():
+    """Numbers ahead of a pulse whose squares underflow; found in a chain of steel balls."""
+    times = np.array([0.0, 5e-8])
+    overlaps = np.array([[0.0, 1e-6, 5e-324, 0.0], [0.0, 1.2e-6, 5e-324, 0.0]])
+    velocities = np.array([[0.0, 1.43089e-317, 0.0], [0.0, -4.085854e-318, 0.0]])
+    found = _largest_between(times, overlaps, velocities)
+    np.testing.assert_allclose(found, overlaps[1], rtol=1e-12, atol=1e-300)
 
 
 def test_largest_overlaps_are_those_of_a_finely_saved_run():

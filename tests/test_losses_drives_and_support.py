@@ -284,3 +284,32 @@ def test_only_near_names_are_suggested(name, known, meant):
     said = str(unknown_name_error("name", name, known))
     assert ("did you mean" in said) == (meant is not None)
     assert meant is None or said.endswith(f"did you mean {meant!r}?")
+
+
+BALLS = Chain.from_materials(5e-3, "steel-52100", beads=5, velocity=0.1)
+
+
+def test_a_relaxation_time_longer_than_the_contacts_is_reported():
+    """An elastic contact of overlap d lasts 2.943275 d/v."""
+    reduced, stiffness = 0.5 * BALLS.masses[0], BALLS.stiffness[0]
+    overlap = (2.5 * reduced * 0.1**2 / (2.0 * stiffness)) ** 0.4
+    duration = 2.943275 * overlap / 0.1
+    with pytest.warns(hc.ModelRangeWarning, match="relaxation time 1 s of Viscoelastic") as found:
+        hc.simulate(BALLS.replace(loss=hc.Viscoelastic(1.0)), until=1e-6)
+    assert len(found) == 1
+    assert f"at most {duration:.4g} s without loss (contact 1, at 0.1 m/s)" in str(found[0].message)
+    with pytest.warns(hc.ModelRangeWarning, match="relaxation time"):
+        hc.simulate(BALLS.replace(loss=hc.Viscoelastic(1.001 * duration)), until=1e-6)
+
+
+@pytest.mark.parametrize(
+    "chain",
+    [
+        # A warning would be an error.
+        BALLS.replace(loss=hc.Viscoelastic(1e-5)),
+        BALLS.replace(velocities=np.zeros(5), loss=hc.Viscoelastic(1.0)),
+    ],
+    ids=["short", "at rest"],
+)
+def test_other_relaxation_times_are_not_reported(chain):
+    hc.simulate(chain, until=1e-6)

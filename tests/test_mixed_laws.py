@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from random_chains import mixed_case, random_law
 from scipy.integrate import quad
+from scipy.special import beta
 from scipy_chain import Units
 from test_random_chains import deviation
 
@@ -521,6 +522,18 @@ def test_restitution_of_the_strongest_dashpots_is_zero(gamma, attractive):
     law = hc.Dashpot(gamma, attractive)
     assert law.restitution(1.0) == pytest.approx(0.0, abs=1e-14)
     assert law.restitution(1.0, stiffness=1e-300) == pytest.approx(0.0, abs=1e-14)
+
+
+@pytest.mark.parametrize("gamma", [1e-300, 1e-20, 1e-14, 1e-10, 1e-7])
+def test_restitution_of_the_weakest_losses(gamma):
+    """1 - e = gamma/mu times the integral of d' over the elastic collision, over the speed."""
+    law, speed, mass, k = hc.Dashpot(gamma), 0.7, 0.3, 2.0
+    overlap = (2.5 * mass * speed**2 / (2.0 * k)) ** 0.4
+    lost = gamma * 2.0 * overlap * beta(0.4, 1.5) / 2.5 / (mass * speed)
+    found = law.restitution(speed, reduced_mass=mass, stiffness=k)
+    assert found <= 1.0
+    # Measured: 2e-9 of the loss and a rounding error of 1, and the square of the loss.
+    assert 1.0 - found == pytest.approx(lost, rel=2e-8 + 10.0 * lost, abs=3e-16)
 
 
 def test_restitution_beyond_floating_point_numbers_is_refused():

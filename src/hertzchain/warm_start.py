@@ -61,7 +61,7 @@ def _gradients(chain: Chain) -> object:
     return gradients(chain.replace(right_wall=Wall()), ["wall_force.peak", "pulse.velocity@3"])
 
 
-# Those that a page or a notebook needs first, in this order.
+# Functions that a page or a notebook needs first, in this order.
 FIRST: Final = (
     Stage("the simulation of the pulse", propagate),
     Stage("the local-rate law", local_rate),

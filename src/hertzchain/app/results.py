@@ -254,7 +254,7 @@ def _sensor_run(run: Run, request: Request, progress: Callable[..., None]) -> Ru
     try:
         return simulate(run.chain, times=times, rtol=request.rtol, check=False, progress=progress)
     except SimulationError:
-        return run  # It takes too long.
+        return run  # A repetition would take too long.
 
 
 def saved_times(
@@ -320,7 +320,7 @@ def _run_part(
         }  # fmt: skip
     for side, contact in (("left", 0), ("right", -1)):
         if f"{side} wall" in chain.features:
-            # Without its warning.
+            # This property does not issue the warning of `wall_force`.
             wall = whole._wall_force(side)  # type: ignore[arg-type]
             arrays[f"force.{side}"] = run.forces[:, contact]
             peaks[side] = {

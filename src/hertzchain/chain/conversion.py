@@ -51,7 +51,7 @@ def scales_of(chain: Chain, velocity: float | None = None) -> Scales:
         own = chain.materials[unit]
         stiffness = float(sphere_stiffness(radius, radius, contact_modulus(own, own)))
     else:
-        # The contact behind it, as if its beads were of one material.
+        # That of the next contact, as if its beads were of one material.
         ratio = hertz_stiffness(1.0, chain.radii[min(unit + 1, chain.beads - 1)] / radius)
         stiffness = float(chain.stiffness[min(unit, chain.beads - 2)] / ratio)
     exponent = float(chain.contact_exponents[1 + min(unit, chain.beads - 2)])
@@ -159,7 +159,7 @@ def _derived_where_possible(chain: Chain) -> Chain:
         try:
             derived = chain.replace(**{name: None})
         except InputError:
-            continue  # There is nothing from which they follow.
+            continue  # The chain has nothing from which they could be computed.
         if np.allclose(getattr(derived, name), getattr(chain, name), rtol=ROUNDING, atol=0.0):
             chain = derived
     return chain

@@ -108,8 +108,8 @@ class ChainFields(Frozen):
             check_laws(given_laws(self.loss), self.contact_groups, scaled=self.scaled)
         check_choice("way to hold a chain", self.held_by, HELD_BY)
         check_precompression(self.loads, self.held_by)
-        forces = static_forces(self.loads)
-        if forces.any():
+        loaded = self.precompression > 0.0 or self.gravity != 0.0
+        if loaded and (forces := static_forces(self.loads)).any():
             radii = None if self.scaled else self.radii
             check_static_overlaps(self.loads, forces, self.contact_groups, radii)
 
@@ -203,8 +203,7 @@ class ChainFields(Frozen):
             unit = self._unit("m")
             gaps = per_bead_array("gap", self.gaps, self.beads - 1, "contact", unit=unit, least=0.0)
         self._set("gaps", _read_only(gaps))
-        length = 2.0 * float(self.radii.sum())
-        if self.units == "SI" and gaps.max() > length:
+        if self.units == "SI" and gaps.max() > (length := 2.0 * float(self.radii.sum())):
             warn_user(
                 f"gap {int(np.argmax(gaps)) + 1} is {gaps.max():g} m, but the beads are only "
                 f"{length:.3g} m long in total; gaps are in metres, so check their unit",
@@ -279,7 +278,7 @@ class ChainFields(Frozen):
         In scaled variables it is :math:`\sqrt{2R}` for a flat wall of the bead's own material and
         twice as much for a rigid wall.
         """
-        # In SI units it follows from the materials, even if other contacts have given stiffness.
+        # In SI units it follows from the materials, also if other contacts have a given stiffness.
         hertz = "stiffness" not in self.given or self.materials is not None
         left, right = (
             0.0

@@ -20,7 +20,6 @@ from __future__ import annotations
 
 import itertools
 import math
-import warnings
 from dataclasses import dataclass
 from typing import Final
 
@@ -28,7 +27,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..collision import Array, collision_overlap, reduced_mass
-from ..errors import InputError, ModelRangeWarning
+from ..errors import InputError, ModelRangeWarning, warn_user
 from ..representation import short
 from ..validation.numbers import per_bead_array, real_numbers
 from .chain import Chain
@@ -198,7 +197,7 @@ def warn_outside_hertz(chain: Chain, overlaps: ArrayLike) -> None:
     """
     if chain.units == "SI" and chain.materials is not None:
         for violation in hertz_range(chain, overlaps).violations:
-            warnings.warn(violation, ModelRangeWarning, stacklevel=3)
+            warn_user(violation, ModelRangeWarning)
 
 
 def _collisions(chain: Chain) -> Array:

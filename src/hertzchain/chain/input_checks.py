@@ -60,6 +60,10 @@ def checked_radii(radii: ArrayLike) -> Array:
 def scaled_radii(radii: ArrayLike) -> Array:
     """Check radii in units of the first one, whose cubes must be representable; return a copy."""
     values = real_numbers("radius", radii, "bead")
+    # Most chains are far from the limits; the rest is for the messages.
+    if values.ndim == 1 and values.size > 1 and 1e-100 < values.min() and values.max() < 1e100:
+        checked_beads(len(values))
+        return values
     with np.errstate(over="ignore", under="ignore"):
         masses = values**3
     good = (masses >= np.finfo(float).tiny) & (masses < math.inf)

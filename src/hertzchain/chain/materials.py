@@ -34,7 +34,7 @@ OTHER_NAMES: Final = {
     "teflon": "'ptfe'", "stainless": "'steel-304' or 'steel-316'",
     "stainless steel": "'steel-304' or 'steel-316'", "bearing steel": "'steel-52100'",
     "chrome steel": "'steel-52100'", "100cr6": "'steel-52100'", "aluminum": "'aluminium'",
-    "plexiglass": "'acrylic'", "pmma": "'acrylic'",     "wc": "'tungsten-carbide'",
+    "plexiglass": "'acrylic'", "pmma": "'acrylic'", "wc": "'tungsten-carbide'",
 }  # fmt: skip
 
 

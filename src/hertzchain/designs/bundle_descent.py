@@ -17,10 +17,10 @@ from .exact_gradients import PEAK
 from .trials import Outcome, Trials
 
 FIRST_BOX, MIN_BOX, MAX_BOX = 0.05, 1e-6, 0.3
-# A step is accepted if it gains this part of the gain of the linear models.
+# A step is accepted if it achieves this fraction of the gain of the linear models.
 MIN_SHARE: Final = 0.05
 KEPT: Final = 12
-# A descent ends when this many points together gain less than this fraction.
+# A descent ends when this many points together improve the score by less than this fraction.
 STALLED, MIN_GAIN = 20, 2e-3
 # Weight of violated constraints, in units of the score, while they cannot be met.
 PENALTY: Final = 20.0

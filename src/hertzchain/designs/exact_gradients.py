@@ -69,7 +69,7 @@ def _start_varies(problem: Design) -> bool:
 
 
 def slopes_by_field(problem: Design, chain: Chain) -> tuple[Array, dict[str, Array], int]:
-    """Values, and derivatives by field of the chain; NaN for measures that do not exist.
+    """Values, and derivatives with respect to each field; NaN for measures that do not exist.
 
     The rows are those of the measures and, if the force on the wall is one of them, of all maxima
     of that force; the last number is that of the maxima.

@@ -23,8 +23,8 @@ NOUNS: Final = {"radii": "radius", "masses": "mass", "gaps": "gap"}
 WAYS: Final = ("bead", "spline", "common")
 DIRECTIONS: Final = ("increasing", "decreasing")
 MIN_KNOTS, MAX_KNOTS = 4, 24
-# Coefficients of a spline may exceed the limits by this part of their range, so that the spline can
-# follow a limit; the sizes are clipped.
+# Coefficients of a spline may exceed the limits by this fraction of their range, so that the spline
+# can follow a limit; the sizes are clipped.
 WIDER: Final = 0.5
 
 

@@ -1,8 +1,8 @@
 """Samples next to jumps of a simulated force.
 
 A sample between the old and the new time of a jump changes by the whole jump, so that chi-squared
-is not a smooth function of the parameters, and its derivatives say nothing about their errors.
-Fits therefore end without the samples next to a jump.
+is not a smooth function of the parameters, and its derivatives do not determine their errors.
+The last search of a fit therefore omits the samples next to jumps.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ BESIDE, POINTS = 2, 8
 
 
 def next_to_jumps(times: Array, signal: Array, spacing: float, least: float) -> Array:
-    """Mask of the times next to jumps by more than a limit, of a signal on an even grid from 0."""
+    """Mask of the times next to jumps above a limit, of a signal on an even grid from 0."""
     # Two jumps within two intervals are one jump on a grid with every second point.
     grids = ((0, 1), (0, 2), (1, 2))
     jumps = np.concatenate([

@@ -58,7 +58,7 @@ class Problem:
         self.skipped = np.zeros(len(self.data), bool)
 
     def skip_next_to_jumps(self, variables: Array, *, more: bool) -> bool:
-        """Skip the samples next to jumps, only or in addition; return whether this is a change.
+        """Skip the samples next to jumps, alone or in addition; return whether any mask changes.
 
         These are the jumps at the variables and at the ends of the differences there, because a
         small change of a parameter can add a jump or move it by several samples.

@@ -66,7 +66,7 @@ def _lagging(signal: Array, ratio: float) -> Array:
 
 
 def sampled(signal: Array, spacing: float, times: Array) -> Array:
-    """A signal at any times by cubic interpolation; before time 0 its first value."""
+    """A signal at any times by cubic interpolation; before time 0, its first value."""
     from scipy.interpolate import make_interp_spline
 
     grid = spacing * np.arange(len(signal))

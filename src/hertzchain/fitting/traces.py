@@ -146,7 +146,7 @@ class Traces:
         ------
         InputError
             If times do not increase, lengths differ, a name or unit is unknown, a signal is
-            constant, saturated where it matters, or has too few samples before the pulse.
+            constant, saturated during its pulse, or has too few samples before the pulse.
 
         Examples
         --------

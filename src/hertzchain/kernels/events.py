@@ -49,6 +49,8 @@ BISECTIONS = 48
 # Parts of a step that are searched for the first event, because a light bead may reverse its
 # direction twice in a step.
 PARTS = 8
+# Relative error of the slope of an interpolated impulse at the largest tolerance.
+SLOPE = 1e-5
 
 
 @compiled
@@ -360,7 +362,7 @@ def expect_events(
 
 
 @compiled
-def record_walls(time, h, y, y_new, stages, dense, walls):
+def record_walls(time, h, y, y_new, stages, dense, setup, contacts, segment, walls, trial, scratch):
     """Largest force on each wall."""
     offset = len(y) - ACCUMULATORS
     for side in range(2):
@@ -375,7 +377,7 @@ def record_walls(time, h, y, y_new, stages, dense, walls):
             walls[WALL_PEAK, side] = largest
             walls[WALL_PEAK_TIME, side] = time + h
         # The maximum may lie between the stages.
-        elif sharp and (largest > peak or attainable_slope(i, h, dense) > peak):
+        elif sharp and (largest > peak or (1.0 + SLOPE) * attainable_slope(i, h, dense) > peak):
             low, high = 0.0, 1.0
             for _ in range(BISECTIONS):
                 one, two = (2.0 * low + high) / 3.0, (low + 2.0 * high) / 3.0
@@ -383,10 +385,14 @@ def record_walls(time, h, y, y_new, stages, dense, walls):
                     low = one
                 else:
                     high = two
-            top = slope(i, 0.5 * (low + high), h, dense)
+            at = 0.5 * (low + high)
+            # The interpolated positions are more accurate than the slope of the impulse.
+            state_within(at, y, dense, trial)
+            forces_within(at, time, h, trial, setup, contacts, segment, scratch)
+            top = contacts.force[side * len(setup.inverse_mass)]
             if top > peak:
                 walls[WALL_PEAK, side] = top
-                walls[WALL_PEAK_TIME, side] = time + 0.5 * (low + high) * h
+                walls[WALL_PEAK_TIME, side] = time + at * h
 
 
 @compiled
@@ -474,7 +480,9 @@ def record_events(
         )  # fmt: skip
         record_largest_overlaps(y, y_new, dense, setup, contacts, first, expected[2], crossings)
     if walled:
-        record_walls(time, h, y, y_new, stages, dense, walls)
+        record_walls(
+            time, h, y, y_new, stages, dense, setup, contacts, segment, walls, trial, scratch
+        )
     if save:
         save_frames(time, time_new, h, y, dense, first, chain, flights, setup, contacts, segment,
                     counts, frame_times, frames, frame_forces, trial, scratch)  # fmt: skip

@@ -24,7 +24,7 @@ from .drawing import (
 
 # Ratio of the largest and smallest velocity from which the axis is logarithmic.
 LOG_RANGE: Final = 30.0
-# Errors below this part of the largest are not drawn.
+# Errors below this fraction of the largest are not drawn.
 MIN_SHOWN: Final = 1e-4
 # Quantities of which a comparison draws the errors.
 DRAWN: Final = ("velocity", "arrival", "residence", "peak_force")

@@ -86,7 +86,7 @@ class _Beside:
 
     def __init__(self, drawings: Mapping[str, Drawing], pool: Executor | None) -> None:
         self._drawings, self._pool = drawings, pool
-        # Each process has one figure in hand and one that it takes next.
+        # Each process draws one figure and has another one waiting.
         self._most = 2 * workers_of(pool) if pool is not None else 0
         self._running: dict[str, Future[tuple[bytes, bytes]]] = {}
 
@@ -99,7 +99,7 @@ class _Beside:
                 assert self._pool is not None
                 self._running[name] = self._pool.submit(self._drawings[name].files)
             except (RuntimeError, OSError):
-                # The processes are gone.
+                # The processes have ended.
                 self._most = 0
             else:
                 waiting.remove(name)

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 MICRO: Final = 1e6
 # Samples of a posterior that are drawn as points.
 POINTS: Final = 4000
-# Samples of a crest that are worth an inset.
+# Fewest samples of a crest that is shown in an inset.
 CREST: Final = 5
 
 

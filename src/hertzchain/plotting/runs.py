@@ -27,7 +27,7 @@ from .style import (
 
 # Added to the legend of a wall whose force may still exceed the plotted values.
 CUT_OFF = " (peak not complete)"
-# Velocities that are less negative, relative to the largest, need no colours of their own.
+# Velocities that are less negative, relative to the largest, are not given separate colours.
 NO_RETURN = 0.01
 
 

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 COLOURS: Final = ("#000000", "#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00")
 MARKERS: Final = ("o", "+", "x", "s", "^", "v", "D")
 
-# Of a title, on average.
+# Average for a title.
 INCHES_PER_LETTER: Final = 0.07
 
 

@@ -12,7 +12,7 @@ from ..validation.numbers import number
 METRES_PER_INCH: Final = 0.0254
 # In metres, as in the instructions of most journals of physics.
 COLUMNS: Final = {"single column": 0.086, "double column": 0.178}
-# Of a figure without a size of its own.
+# Size of a figure for which none is given.
 HEIGHT_RATIO: Final = 0.72
 MAX_HEIGHT: Final = 0.090 / METRES_PER_INCH
 

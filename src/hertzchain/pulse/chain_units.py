@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import dataclasses
 import functools
-import warnings
 from collections.abc import Callable, Sequence
 from typing import Any, Final, TypeVar
 
@@ -19,7 +18,7 @@ from ..chain.chain import Chain
 from ..chain.feature_support import require_chain, require_supported
 from ..chain.hertz_range import hertz_range, warn_outside_hertz
 from ..chain.scales import Scales
-from ..errors import InputError, ModelRangeWarning
+from ..errors import InputError, ModelRangeWarning, warn_user
 from .pulse import Pulse
 from .pulse_table import PulseTable
 from .quantities import QUANTITIES
@@ -134,10 +133,9 @@ def warn_outside_hertz_once(table: PulseTable) -> None:
             if violations := hertz_range(chain, overlaps).violations:
                 exceeded[row] = violations[0]
     for row, violation in exceeded.items():
-        warnings.warn(
+        warn_user(
             f"{len(exceeded)} of {len(table)} chains exceed the limits of Hertz's law; in the "
             f"first of them, chain {row}, {violation}",
             ModelRangeWarning,
-            stacklevel=3,
         )
         return

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 
 from ..collision import Array
-from ..errors import InputError, ModelRangeWarning, short_repr
+from ..errors import InputError, ModelRangeWarning, short_repr, warn_user
 from ..representation import short
 from ..validation.numbers import whole_number
 from .chain_units import in_same_units, same_beads
@@ -214,11 +213,10 @@ class Comparison:
 def _warn_of_restitution(theory: Pulse, other: Pulse) -> None:
     """Warn that a theory of single collisions overestimates the loss in a chain."""
     if theory.restitution < 1.0 and not other.chain.lossless:
-        warnings.warn(
+        warn_user(
             f"{theory.method} assumes at every bead the loss of a collision of two beads, but in a "
             f"chain each contact is unloaded only in part. With {other.chain.loss}, the pulse "
             "decays less: at the same coefficient of restitution, the decay exponent is 1.2 to 3.4 "
             "times smaller. For a small loss in equal beads, use attenuation",
             ModelRangeWarning,
-            stacklevel=5,
         )

@@ -1,4 +1,4 @@
-"""Derivatives by the parameters of losses, and by masses and stiffness through the damping.
+"""Derivatives of the damping with respect to parameters of losses, masses and stiffness.
 
 The strength of a law is an algebraic function of one number per contact; a central difference of it
 is accurate to about ten digits.
@@ -58,7 +58,7 @@ def add_damping(equation: Equation, slopes: Slopes) -> Slopes:
 
 
 def by_law(equation: Equation, slopes: Slopes, name: str) -> Array:
-    """Derivative by a parameter of all laws that have it."""
+    """Derivative with respect to a parameter of all laws that have it."""
     total = 0.0
     for group in equation.chain.contact_groups:
         if name not in group.law.parameters():

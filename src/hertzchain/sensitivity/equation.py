@@ -49,7 +49,7 @@ class Equation:
     body: Array
     noise: Array
     first_step: float
-    # Rough time in which a pulse passes the chain and comes back.
+    # Approximate time of a pulse to the end of the chain and back.
     passage: float
     # Whether all exponents are 3/2; None if contacts are damped.
     hertz: bool | None

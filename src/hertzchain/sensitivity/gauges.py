@@ -13,12 +13,12 @@ from .equation import Equation
 from .record import Record, load_rows, room_for
 from .sweep import Place, place_of
 
-# The rate of a force at its maximum is smaller than this part of its terms, and the maximum is at
-# most this part lower than the forces at stages.
+# The rate of a force at its maximum is smaller than this fraction of its terms, and the maximum is
+# lower than the forces at stages by at most this fraction.
 SMOOTH, HEIGHT = 1e-4, 1e-3
-# Candidates whose force at a stage exceeds this part of the largest one are located.
+# Candidates whose force at a stage exceeds this fraction of the largest are located.
 NEAR_TOP: Final = 0.97
-# Maxima lower than this part of the largest one are no peaks of their own.
+# Maxima lower than this fraction of the largest one are not separate peaks.
 LOWEST: Final = 0.5
 
 
@@ -110,7 +110,7 @@ JUMPS: Final = (
 def check_smooth(
     equation: Equation, place: Place, contacts: tuple[int, ...], *, in_velocity: bool = False
 ) -> None:
-    """Raise `Missing` if the force of contacts, or a bead's velocity, has a kink as its maximum."""
+    """Raise `Missing` if the maximum of the force, or of the bead's velocity, is a kink."""
     if equation.hertz is not None:
         return
     forces = contact_forces(equation, place.positions, place.velocities)

@@ -1,9 +1,8 @@
-"""Values of simulated quantities and their derivatives by the parameters of a chain."""
+"""Values of simulated quantities and their derivatives with respect to parameters of a chain."""
 
 from __future__ import annotations
 
 import math
-import warnings
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any
@@ -12,7 +11,7 @@ import numpy as np
 
 from ..chain.chain import Chain
 from ..collision import Array
-from ..errors import IncompleteWarning, InputError, unknown_name_error
+from ..errors import IncompleteWarning, InputError, unknown_name_error, warn_user
 from ..frozen import Frozen
 from ..representation import short
 from ..validation.numbers import number, whole_number
@@ -37,7 +36,7 @@ MIN_RTOL, MAX_RTOL = 1e-14, 1e-5
 class Gradient(Frozen):
     """Value of a quantity and its derivatives; unpacks as ``value, gradient``.
 
-    ``gradient["radii"]`` is the array of derivatives by the radii.
+    ``gradient["radii"]`` is the array of derivatives with respect to the radii.
 
     Attributes
     ----------
@@ -46,7 +45,7 @@ class Gradient(Frozen):
     value : float
         Value [scaled, or SI]; NaN if the quantity does not exist in the run.
     gradient : mapping of str to ndarray
-        Derivatives by the parameters in ``to``, each of the shape of the parameter.
+        Derivatives with respect to the parameters in ``to``, each of the shape of the parameter.
     error : float
         Estimated relative error of the derivatives, in units of the largest of an array.
     status : str
@@ -139,12 +138,12 @@ def gradient(
     rtol: float | None = None,
     max_steps: int | None = None,
 ) -> Gradient:
-    r"""Value of a simulated quantity and its exact derivatives by parameters of the chain.
+    r"""Value of a simulated quantity and its exact derivatives with respect to parameters.
 
-    The chain is integrated by the Runge-Kutta-Nyström pair RKN8(6) of `simulate_many` with a step
-    size of its own; with damping, by DOP853.  One backward sweep over the stored steps then gives
-    the derivatives by all parameters (the *discrete adjoint*, E. Hairer, S. P. Nørsett, G. Wanner,
-    Solving Ordinary Differential Equations I, Sec. II.6): with
+    The chain is integrated by the Runge-Kutta-Nyström pair RKN8(6) of `simulate_many` with a
+    separate step size; with damping, by DOP853.  One backward sweep over the stored steps then
+    gives the derivatives with respect to all parameters (the *discrete adjoint*, E. Hairer, S. P.
+    Nørsett, G. Wanner, Solving Ordinary Differential Equations I, Sec. II.6): with
     :math:`y_{n+1} = \Phi_n(y_n, p)` and a quantity :math:`Q(y_M, p)`,
 
     .. math::
@@ -155,7 +154,7 @@ def gradient(
             + \sum_n \lambda_{n+1}^T \frac{\partial \Phi_n}{\partial p} .
 
     At a maximum the derivative of its time does not contribute (envelope theorem).  Derivatives
-    by times follow from the implicit function theorem.
+    of times follow from the implicit function theorem.
 
     Parameters
     ----------
@@ -176,9 +175,8 @@ def gradient(
         ``"young"``, ``"poisson"``, ``"density"`` (of each bead), ``"left_wall.stiffness"``,
         ``"right_wall.stiffness"``, ``"left_wall.gap"``, ``"right_wall.gap"``,
         ``"precompression"``, ``"gravity"``, ``"loss.time"``, ``"loss.coefficient"`` or
-        ``"loss.gamma"``.  Masses and
-        stiffness follow the radii and materials unless they are given in the chain; the unit of a
-        scaled chain remains fixed when radius 1 is varied.
+        ``"loss.gamma"``.  Masses and stiffness follow the radii and materials unless they are given
+        in the chain; the unit of a scaled chain remains fixed when radius 1 is varied.
     bead : int, optional
         Number k of the bead, from 1.
     until : float, optional
@@ -186,9 +184,9 @@ def gradient(
     rtol : float, optional
         Relative tolerance per step, 1e-14 .. 1e-5; by default 1e-10, 1e-12 with damping, and
         1e-9 for the leading pulse in a free chain whose neighbours differ little, because only
-        the beads around this pulse are then integrated.  The
-        error of a gradient is about its 0.6th power for Hertz contacts, because their force rises
-        with an infinite curvature, and about its root with damping.
+        the beads around this pulse are then integrated.  The error of a gradient is about the 0.6th
+        power of the tolerance for Hertz contacts, because their force rises with an infinite
+        curvature, and about its square root with damping.
     max_steps : int, optional
         Step limit; by default 2000 per bead, and at least a million.
 
@@ -293,7 +291,7 @@ def gradients(
     found = [each for name in names for each in _read(reader, name, parameters, rtol)]
     for each in found:
         if each.status != "complete":
-            warnings.warn(f"{each.quantity}: {each.status}", IncompleteWarning, stacklevel=3)
+            warn_user(f"{each.quantity}: {each.status}", IncompleteWarning)
     return found
 
 

@@ -1,4 +1,4 @@
-"""Derivatives by the fields of a chain, from those by the numbers of its equation of motion."""
+"""Derivatives with respect to fields of a chain, from those of its equation of motion."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ def checked_parameters(chain: Chain, to: str | Iterable[str]) -> tuple[str, ...]
 
 
 def by_fields(equation: Equation, slopes: Slopes, to: Iterable[str]) -> dict[str, Array]:
-    """Derivatives by the fields ``to`` of a chain, each with all other given fields fixed."""
+    """Derivatives with respect to the fields ``to``, each with all other given fields fixed."""
     chain = equation.chain
     damped = slopes if equation.hertz is not None else add_damping(equation, slopes)
     full, by_load, by_gravity = add_static_loads(equation, damped)
@@ -130,7 +130,7 @@ def _by_density(chain: Chain, slopes: Slopes) -> Array:
 
 
 def _by_compliance(chain: Chain, slopes: Slopes) -> Array:
-    """Derivatives by the compliance of each bead's material: k ~ 1/(C + C')."""
+    """Derivatives with respect to the compliance of each bead's material: k ~ 1/(C + C')."""
     assert chain.materials is not None
     own, out = np.array([each.compliance for each in chain.materials]), np.zeros(chain.beads)
     if _derived(chain, "stiffness"):

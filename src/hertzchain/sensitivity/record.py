@@ -1,4 +1,4 @@
-"""An integration of one chain, with all that its adjoint needs."""
+"""Integration of one chain that stores what its adjoint requires."""
 
 from __future__ import annotations
 
@@ -122,7 +122,7 @@ def kept_of(equation: Equation, overlaps: Array) -> Array:
 
 
 def room_for(equation: Equation) -> Array:
-    """Room for the numbers kept in one step, and for the overlaps at its end."""
+    """Space for the numbers kept in one step, and for the overlaps at its end."""
     from ..kernels.adjoint_layout import KEPT_DAMPED
 
     numbers = equation.stages if equation.hertz is not None else KEPT_DAMPED

@@ -1,4 +1,4 @@
-"""Derivatives by static loads, through the overlaps and constant forces at time 0."""
+"""Derivatives with respect to static loads, through overlaps and forces at time 0."""
 
 from __future__ import annotations
 

@@ -14,7 +14,7 @@ from .record import Record, load_rows
 
 @dataclass(eq=False)
 class Slopes:
-    """Derivatives by the numbers of the equation of motion."""
+    """Derivatives with respect to the numbers of the equation of motion."""
 
     masses: Array
     stiffness: Array

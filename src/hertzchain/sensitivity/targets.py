@@ -13,8 +13,8 @@ from .equation import Equation
 from .names import Name
 from .record import Record, nothing_can_happen
 
-# The peak on a wall is complete when the bound of later forces has been below it for this part of
-# the first transit; runs without a complete peak end after this many transits.
+# The peak on a wall is complete when the bound of later forces has been below it for this
+# fraction of the first transit; runs without a complete peak end after this many transits.
 HELD, MAX_TRANSITS = 0.5, 10
 ROUNDING, RELEASED = 1e-9, 1e-3
 LEFT, RIGHT = 0, 1

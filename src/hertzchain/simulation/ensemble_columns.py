@@ -34,7 +34,7 @@ from .run_pulse import pulse_of
 from .sensor_force import MANY_TIMES, MIN_HEIGHT, sensor_maxima
 from .simulate import MAX_RTOL, MIN_RTOL, simulate
 
-# Quantities of the leading pulse that a simulation gives.
+# Quantities of the leading pulse that a simulation determines.
 PULSE_QUANTITIES: Final = {
     name: each for name, each in QUANTITIES.items() if not each.estimate
 }  # fmt: skip

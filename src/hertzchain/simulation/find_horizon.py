@@ -61,7 +61,7 @@ def horizon_of(
     if shadow_rtol > MAX_RTOL:
         shadow_rtol = run.rtol / LOOSER
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore", ModelRangeWarning)  # the run itself has warned
+        warnings.simplefilter("ignore", ModelRangeWarning)  # The run has already issued it.
         shadow = simulate(
             run.chain, times=run.times, rtol=shadow_rtol, check=False, progress=progress,
             max_steps=max(STEPS * run.steps, MIN_STEP_LIMIT),

@@ -11,13 +11,12 @@ where it meets another wave or a wall, and a new wave begins beyond.
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Iterator
 from typing import Final
 
 import numpy as np
 
-from ..errors import InputError, InputWarning
+from ..errors import InputError, InputWarning, warn_user
 from ..validation.numbers import number, whole_number
 from .trajectory import Trajectory
 from .wave_events import (
@@ -144,9 +143,8 @@ def _check_resolved(run: Trajectory, waves: list[Wave]) -> None:
             f"{strongest.samples:.3g} while it passes a contact, but at least {MIN_SAMPLES:g} are "
             f"required; {advice}"
         )
-    warnings.warn(
+    warn_user(
         f"{len(missed)} of {len(waves)} waves have fewer than {MIN_SAMPLES:g} saved times while "
         f"they pass a contact (least: {worst:.3g}) and are marked as unresolved; {advice}",
         InputWarning,
-        stacklevel=3,
     )

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import warnings
 from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 
 from ..chain.chain import Chain
-from ..errors import InputError, InputWarning, SimulationError
+from ..errors import InputError, InputWarning, SimulationError, warn_user
 from ..representation import counted, measure
 from ..validation.numbers import number, whole_number
 from .trajectory import Trajectory
@@ -22,12 +21,12 @@ from .wave_events import (
     require_resolved,
 )
 
-# Events above this part of the largest force are counted.
+# Events above this fraction of the largest force are counted.
 THRESHOLD: Final = 0.01
-# Waves below this part of the incident energy need not be resolved, and do not end the count
+# Waves below this fraction of the incident energy need not be resolved, and do not end the count
 # when they enter from outside.
 WEAK: Final = 0.01
-# Part of the incident energy that may be missing from the balance, or still between the contacts.
+# Fraction of the incident energy that may be missing, or still be between the contacts.
 MISSING: Final = 0.05
 
 
@@ -268,4 +267,4 @@ def _warn_of_balance(found: Reflection) -> None:
         )
     else:
         return
-    warnings.warn(reason, InputWarning, stacklevel=3)
+    warn_user(reason, InputWarning)

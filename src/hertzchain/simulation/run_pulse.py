@@ -9,7 +9,7 @@ from ..collision import Array
 from ..pulse.pulse import Pulse
 from .missing_values import reason, together
 
-# With a larger part of its momentum behind the crest, a pulse is the front of a tail; the part of a
+# With a larger fraction of its momentum behind the crest, a pulse is the front of a tail; that of a
 # solitary wave is one half.
 TAIL = 2.0 / 3.0
 LATE = "before the end of the run"

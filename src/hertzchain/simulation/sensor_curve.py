@@ -16,7 +16,7 @@ from .trajectory import Trajectory
 NEIGHBOURS: Final = 4
 POINTS: Final = 64
 REFINEMENTS: Final = 4
-# Saved forces and those of the elastic law agree within this part of the largest force.
+# Saved forces and those of the elastic law agree within this fraction of the largest force.
 AGREEMENT: Final = 1e-6
 
 Curve = Callable[[Array], Array]

@@ -15,14 +15,14 @@ from ..representation import measure, short
 from .sensor_curve import maximum_near
 from .trajectory import Trajectory
 
-# The first maximum is above this part of the largest force, and the force falls by that part of
-# the maximum before it rises again; both are counted from the force at rest.
+# The first maximum is above this fraction of the largest force, and the force falls by the second
+# fraction of the maximum before it rises again; both are counted from the force at rest.
 MIN_HEIGHT, FALL = 0.01, 0.1
 # Saved times that are enough for sensors in contacts with losses.
 MANY_TIMES = 4000
-# Part of the largest force by which saved times that are too few may change it.
+# Fraction of the largest force by which saved times that are too few may change it.
 COARSE = 1e-2
-# Part above which an error is shown.
+# Relative error above which an error is shown.
 SHOWN = 1e-4
 
 

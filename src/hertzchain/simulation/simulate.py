@@ -17,6 +17,7 @@ from ..chain.chain import Chain
 from ..chain.equilibrium import equilibrium
 from ..chain.feature_support import require_chain
 from ..chain.hertz_range import warn_outside_hertz
+from ..chain.loss_range import warn_outside_losses
 from ..collision import Array
 from ..errors import InputError, SimulationError, short_repr
 from ..validation.numbers import number, real_numbers, whole_number
@@ -119,8 +120,8 @@ def simulate(
     Warns
     -----
     ModelRangeWarning
-        If a chain of materials has left the range of Hertz's law; see
-        `hertzchain.chain.hertz_range`.
+        If a chain of materials has left the range of Hertz's law (`hertz_range`), or a
+        relaxation time exceeds the duration of the contacts.
 
     Examples
     --------
@@ -151,6 +152,7 @@ def simulate(
         )
     check_state(start)
     _check_end(chain, until, times, start.time)
+    warn_outside_losses(chain)
     frames = _Frames(chain, start.time, until, times)
     if until is None and not isinstance(times, int | np.integer):
         until = float(frames.times[-1])

@@ -13,7 +13,7 @@ from ..collision import Array, compression_time, reduced_mass
 from ..errors import InputError
 from .drive_pieces import drive_pieces
 
-# Smallest contact time: steps are parts of it, which must be representable.
+# Smallest contact time: steps are fractions of it, which must be representable.
 MIN_CONTACT_TIME: Final = 1e-280
 
 
@@ -81,5 +81,5 @@ def transit_times(chain: Chain, energy: float | None = None) -> Array:
         kinks = np.unique(np.append(0.0, chain.drive.kinks))
         lengths = np.diff(kinks[np.isfinite(kinks) & (kinks >= 0.0)])
         times = np.minimum(times, np.min(lengths, initial=np.inf))
-    # Nothing sets a time: beads at rest, in free fall or pushed by a constant force.
+    # There is no time scale: beads are at rest, in free fall or pushed by a constant force.
     return np.where(np.isfinite(times), times, 1.0)

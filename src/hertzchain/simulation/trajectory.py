@@ -191,22 +191,7 @@ class Trajectory:
         return overlaps_of(self.chain, self.times, self.positions)[:, k]
 
     def position(self, bead: int | str) -> Array:
-        """Displacement of one bead at the saved times from where the beads touched.
-
-        Parameters
-        ----------
-        bead : int or str
-            Number of the bead or name, as in `sensor`.
-
-        Returns
-        -------
-        ndarray, shape (T,)
-            [scaled, or m]
-
-        Raises
-        ------
-        InputError
-            If there is no such bead.
+        """Displacement of one bead from where the beads touched, as `velocity` [scaled, or m].
 
         Examples
         --------
@@ -223,7 +208,7 @@ class Trajectory:
         Parameters
         ----------
         bead : int or str
-            Number of the bead or name, as in `sensor`.
+            Number or name of the bead, as in `sensor`.
 
         Returns
         -------
@@ -401,5 +386,8 @@ def _largest_between(times: Array, overlaps: Array, velocities: Array) -> Array:
     # Both forms are the zero of the rate from above; each is exact for one sign of c2.
     with np.errstate(divide="ignore", invalid="ignore"):
         s = np.where(c2 > 0.0, -(c2 + root) / (3.0 * c3), c1 / (root - c2))
+    # Squares of the numbers at the foot of a pulse may underflow, and rounding errors of the rise
+    # may contradict the rates.
+    s = np.nan_to_num(np.clip(s, 0.0, 1.0))
     np.maximum.at(found, contacts, low + s * (c1 + s * (c2 + s * c3)))
     return found

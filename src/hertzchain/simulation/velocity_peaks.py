@@ -17,7 +17,7 @@ from .trajectory import Trajectory
 if TYPE_CHECKING:
     import pandas as pd
 
-# Peaks lower than this part of the highest one are ignored.
+# Peaks lower than this fraction of the highest one are ignored.
 RIPPLE: Final = 0.01
 
 

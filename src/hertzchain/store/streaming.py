@@ -35,6 +35,7 @@ from ..errors import (
     StoreError,
     real_number,
     short_repr,
+    warn_user,
 )
 from ..representation import short
 from ..simulation.run import Run, beginning_of
@@ -178,8 +179,7 @@ class StoredRun:
         def damaged(error: DamagedFileError) -> None:
             if not skip_damaged:
                 raise error
-            warnings.warn(f"{os.fspath(error.file)} {error.how}; it is omitted", DamageWarning,
-                          stacklevel=5)  # fmt: skip
+            warn_user(f"{os.fspath(error.file)} {error.how}; it is omitted", DamageWarning)
 
         parts = _listed(self.folder, damaged)
         for part in parts:

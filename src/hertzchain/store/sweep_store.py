@@ -13,7 +13,6 @@ import contextlib
 import hashlib
 import itertools
 import os
-import warnings
 from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
@@ -21,7 +20,7 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import DamageWarning, InputError, StoreError
+from ..errors import DamageWarning, InputError, StoreError, warn_user
 from .batch_files import DIGEST, TEMPORARY, BatchFiles
 from .damage import DamagedFileError
 from .file_lock import lock
@@ -120,11 +119,10 @@ class SweepStore:
         if faults:
             first = next(iter(faults.values()))
             batches = "1 batch is" if len(faults) == 1 else f"{len(faults)} batches are"
-            warnings.warn(
+            warn_user(
                 f"{os.fspath(self.folder)!r} is damaged: {batches} omitted as missing, the first "
                 f"because {os.fspath(first.file)} {first.how}",
                 DamageWarning,
-                stacklevel=4,
             )
 
     @classmethod

@@ -36,7 +36,7 @@ from .specification import specification_from_json
 
 # Batches submitted per worker, so that no worker has to wait for the next one.
 AHEAD: Final = 2
-# Seconds between chances to interrupt, where waiting for results cannot be interrupted (Windows).
+# Seconds between checks for an interrupt, where waiting cannot be interrupted (Windows).
 POLL: Final = 0.1
 # Seconds to wait until batches have stopped, before their files are removed.
 STOP_SECONDS: Final = 1.0

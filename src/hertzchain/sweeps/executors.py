@@ -88,7 +88,7 @@ def _processes(count: int) -> Iterator[Executor]:
     # A fork would copy locks of threads in any state.
     context = multiprocessing.get_context("spawn")
     # Workers end when the other end of this pipe is closed: here, or with this process.
-    # `multiprocessing.Event.set` would wait for ever for a waiting process that was killed.
+    # `multiprocessing.Event.set` would wait forever for a waiting process that was killed.
     reader, writer = context.Pipe(duplex=False)
     pool = ProcessPoolExecutor(
         count, mp_context=context, initializer=_end_with, initargs=(reader,)

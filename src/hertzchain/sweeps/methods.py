@@ -118,7 +118,7 @@ def record_warnings() -> Iterator[list[Warning]]:
 def _record(message: Any, category: type[Warning], *where: Any, **more: Any) -> None:
     recorded = getattr(_recorded, "warnings", None)
     if recorded is None:
-        # The warning is from a thread that computes no batch, such as one that shows progress.
+        # The thread computes no batch; it may show the progress, for example.
         _show(message, category, *where, **more)
     else:
         recorded.append(message)

@@ -33,7 +33,7 @@ Progress = Callable[[int, int], None]
 
 # A whole batch is timed for an estimate if it is expected to take at most this many seconds.
 SAMPLE_SECONDS: Final = 5.0
-# Part of the free disk or memory that a sweep may use.
+# Fraction of the free disk or memory that a sweep may use.
 USABLE_PART: Final = 0.95
 
 

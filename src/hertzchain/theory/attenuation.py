@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import dataclasses
 import functools
-import warnings
 from typing import Final
 
 import numpy as np
@@ -19,7 +18,7 @@ from ..chain.chain import Chain
 from ..chain.contact_groups import ContactGroup
 from ..chain.feature_support import require_supported
 from ..collision import Array
-from ..errors import InputError, ModelRangeWarning
+from ..errors import InputError, ModelRangeWarning, warn_user
 from ..kernels.law_kinds import DAMPED, YIELDING
 from ..validation.numbers import real_numbers
 from .solitary_wave import SolitaryWave, solitary_wave
@@ -102,12 +101,11 @@ def attenuation(chain: Chain, velocity: ArrayLike) -> Array:
     energy = wave.energy_constant * mass * speeds**2
     decay = _dissipated(group, wave, mass, speeds) / (2.0 * energy)
     if decay.size and not decay.max() <= MAX_DECAY:
-        warnings.warn(
+        warn_user(
             f"the decay by {group.law} is {decay.max():.2g} per bead: attenuation is of first "
             f"order in the loss, and its error exceeds 1 to 10% above {MAX_DECAY:g}; use "
             "simulate",
             ModelRangeWarning,
-            stacklevel=2,
         )
     return np.asarray(decay.reshape(v.shape))
 

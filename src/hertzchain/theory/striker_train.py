@@ -1,6 +1,6 @@
 r"""The train of solitary waves behind a heavy striker on equal beads.
 
-The striker hits the chain again and again, each time slower.  Each wave is close to a particle of
+The striker hits the chain repeatedly, each time more slowly.  Each wave is close to a particle of
 mass :math:`m_e = P_1^2 m/2E_1`, which has the momentum and energy of the solitary wave.
 """
 

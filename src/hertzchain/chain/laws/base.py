@@ -135,6 +135,11 @@ class Loss(Part):
         dimension = self.parameters()[name].dimension
         return UNITS[dimension][0] if dimension else None
 
+    @property
+    def relaxation_time(self) -> float:
+        """Time that must be much shorter than a contact [scaled, or s]; 0 if the law has none."""
+        return 0.0
+
     @classmethod
     def parameters(cls) -> dict[str, Parameter]:
         """Descriptions of the fields of the law, by name."""
@@ -238,10 +243,12 @@ class Loss(Part):
         if _stops(damping, row.speed_power):
             return 0.0
 
+        def loss(d: float, closing: float) -> float:
+            size = max(d, 0.0) ** row.overlap_power * abs(closing) ** row.speed_power
+            return math.copysign(size, closing)
+
         def force(d: float, closing: float) -> float:
-            d = max(d, 0.0)
-            loss = d**row.overlap_power * abs(closing) ** row.speed_power
-            return 0.5 * (p + 1.0) * d**p + damping * math.copysign(loss, closing)
+            return 0.5 * (p + 1.0) * max(d, 0.0) ** p + damping * loss(d, closing)
 
         def ended(_: float, y: Array) -> float:
             if y[1] >= 0.0:
@@ -250,10 +257,14 @@ class Loss(Part):
 
         ended.terminal = True  # type: ignore[attr-defined]
         found = solve_ivp(
-            lambda _, y: (y[1], -force(y[0], y[1])), (0.0, 1e6 * time), (0.0, 1.0),
-            method="LSODA", events=ended, rtol=1e-11, atol=NO_SPEED,
+            lambda _, y: (y[1], -force(y[0], y[1]), y[1] * loss(y[0], y[1])),
+            (0.0, 1e6 * time), (0.0, 1.0, 0.0), method="LSODA", events=ended, rtol=1e-11,
+            atol=NO_SPEED,
         )  # fmt: skip
-        return max(0.0, -float(found.y[1, -1]))
+        overlap, closing, work = map(float, found.y[:, -1])
+        # A weak loss would be less than the rounding errors of the speed.
+        lost = 2.0 * damping * work + max(overlap, 0.0) ** (p + 1.0)
+        return math.sqrt(1.0 - lost) if lost < 0.5 else max(0.0, -closing)
 
 
 def _stops(damping: float, speed_power: float) -> bool:

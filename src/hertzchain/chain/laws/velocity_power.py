@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import warnings
 from dataclasses import dataclass
 
 import numpy as np
 
 from ...collision import Array
-from ...errors import InputError, ModelRangeWarning
+from ...errors import InputError, ModelRangeWarning, warn_user
 from ...kernels.law_kinds import DAMPED, LawRow
 from .base import ContactArrays, ContactsAtRest, Loss, may_pull, parameter
 
@@ -46,7 +45,7 @@ class VelocityPower(Loss, name="velocity-power"):
     attractive: bool = may_pull(default=True)
 
     def __post_init__(self) -> None:
-        # The unit of gamma depends on it.
+        # The unit of gamma depends on alpha.
         self._check("alpha")
         super().__post_init__()
 
@@ -67,10 +66,9 @@ class VelocityPower(Loss, name="velocity-power"):
                 f"the force of {self} rises infinitely fast from rest (alpha < 1), so that no "
                 "motion is small enough to be linear: use simulate, or loss=None"
             )
-        warnings.warn(
+        warn_user(
             f"{self} vanishes faster than the motion (alpha > 1): small motions are not damped, "
             "and decay rates are 0; real ringing decays the more slowly the smaller it is",
             ModelRangeWarning,
-            stacklevel=5,
         )
         return super().damper(contacts)

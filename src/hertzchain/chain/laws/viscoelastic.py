@@ -20,7 +20,8 @@ class Viscoelastic(Loss, name="viscoelastic"):
     For spheres (p = 3/2): G. Kuwabara, K. Kono, Jpn. J. Appl. Phys. 26, 1230 (1987),
     doi:10.1143/JJAP.26.1230; N. V. Brilliantov, F. Spahn, J.-M. Hertzsch, T. Poschel,
     Phys. Rev. E 53, 5382 (1996), doi:10.1103/PhysRevE.53.5382.  Restitution falls as
-    :math:`1 - e \propto A v^{1/5}`.
+    :math:`1 - e \propto A v^{1/5}`.  The law is of first order in A over the duration of a
+    contact; `hertzchain.simulate` warns if A exceeds that of all contacts.
 
     Attributes
     ----------
@@ -40,6 +41,10 @@ class Viscoelastic(Loss, name="viscoelastic"):
 
     time: float = parameter("relaxation time", "relaxation time of the material", "time", least=0.0)
     attractive: bool = may_pull(default=False)
+
+    @property
+    def relaxation_time(self) -> float:
+        return self.time
 
     def row(self, exponent: float) -> LawRow:
         return LawRow(DAMPED, overlap_power=exponent - 1.0, attractive=self.attractive)

@@ -24,7 +24,8 @@ from ..validation.numbers import number, whole_number
 from ..validation.objects import callback, check_type, file_path
 from .chains import bead_centres, draw_walls
 from .runs import check_times
-from .style import chain_title, figure_style, set_title, time_axis
+from .style import figure_style, set_title, time_axis
+from .titles import chain_title
 
 if TYPE_CHECKING:
     from PIL.Image import Image

@@ -123,14 +123,6 @@ def set_title(axes: Axes, text: str) -> None:
     axes.set_title("\n".join(lines).replace("\u00a0", " "))
 
 
-def chain_title(chain: Chain) -> str:
-    """Beads of a chain, for titles; the features of a chain are in its description."""
-    kept = chain.description.removeprefix("SI, ")
-    for feature in chain.features:
-        kept = kept.replace(f", {feature}", "")
-    return literal(kept)
-
-
 def time_axis(chain: Chain) -> tuple[float, str]:
     """Factor and label of a time axis: microseconds for a chain in SI units."""
     return (1e6, "time [µs]") if chain.units == "SI" else (1.0, "time $t$")

@@ -617,3 +617,49 @@ def test_simulate_compares_several_chain_files(run, tmp_path):
     assert run("simulate", *files, "--animate", tmp_path / "a.gif")[0] == 2
     assert run("pulse", *files, "--csv")[0] == 2
     assert "may be given once" in run("simulate", files[0], files[0])[2]
+
+
+BALLS = ("--material", "steel-52100", "--diameter", "10 mm", "--beads", 12, "--speed", "0.1 m/s",
+         "--wall", "same")  # fmt: skip
+
+
+def test_sensitivity_agrees_with_differences_of_runs(run, tmp_path):
+    picture = tmp_path / "sensitivity.svg"
+    found = json.loads(run("sensitivity", *BALLS, "--json", "--plot", picture)[1])
+    chain = hertzchain.Chain.from_materials(5e-3, "steel-52100", beads=12, velocity=0.1)
+    chain, peaks = chain.replace(right_wall=hertzchain.Wall()), []
+    for factor in (0.9999, 1.0001):
+        radii = np.where(np.arange(12) == 11, factor, 1.0) * chain.radii
+        peaks.append(hertzchain.simulate(chain.replace(radii=radii)).wall_force().peak)
+    slope = np.log(peaks[1] / peaks[0]) / np.log(1.0001 / 0.9999)
+    assert found["relative"][-1] == pytest.approx(slope, rel=1e-3)
+    assert (found["value"], found["unit"]) == (pytest.approx(np.mean(peaks), rel=1e-5), "N")
+    assert "peak force on the wall" in picture.read_text()
+    code, out, _ = run("sensitivity", *BALLS)
+    assert code == 0
+    assert f"{found['relative'][-1]:+.4f}" in out
+    assert run("sensitivity", *BALLS, "--quantity", "length")[0] == 2
+
+
+def test_scatter_of_small_deviations_follows_from_the_sensitivities(run, tmp_path):
+    picture = tmp_path / "scatter.svg"
+    command = ("scatter", *BALLS, "--relative", "0.05%", "--chains", 400, "--plot", picture)
+    found = json.loads(run(*command, "--json")[1])
+    relative = json.loads(run("sensitivity", *BALLS, "--json")[1])["relative"]
+    expected = 5e-4 * np.linalg.norm(relative) * found["nominal"]
+    # The standard deviation of 400 samples has an error of 3.5%.
+    assert found["standard_deviation"] == pytest.approx(expected, rel=0.12)
+    assert len(found["values"]) == 400
+    assert np.percentile(found["values"], 95) == found["percentiles"]["95"]
+    code, out, _ = run(*command)
+    assert code == 0
+    assert "wall_force.peak of 400 of 400 random chains" in out
+    assert "peak force on the wall [N]" in picture.read_text()
+    assert run("scatter", *BALLS)[0] == 2
+    assert "must look like 0.01" in run("scatter", *BALLS, "--relative", "much")[2]
+
+
+def test_help_lists_each_command_once(run):
+    out = run("--help")[1]
+    for name in cli.cli.commands:
+        assert len(re.findall(rf"^  {name} ", out, re.M)) == 1

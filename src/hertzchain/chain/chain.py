@@ -367,7 +367,12 @@ class Chain(ChainFields):
         if materials is None:
             return cls.from_radii(radii, **fields)
         if not isinstance(materials, str | Material):
-            materials = check_list("materials of the cell", materials, "names") * cells
+            kinds, size = check_list("materials of the cell", materials, "names"), one.size
+            if len(kinds) != size:
+                raise InputError(
+                    f"the cell has {size} beads, but {len(kinds)} materials; give one for each bead"
+                )
+            materials = kinds * cells
         return cls.from_materials(radii, materials, **fields)
 
     @classmethod

@@ -92,10 +92,12 @@ def struck_by(
     speed = number("velocity of the strikers", velocity, unit=self._unit("m/s"), least=0.0,
                    hint="positive velocities are towards the chain")  # fmt: skip
     distance = number("gap", gap, unit=self._unit("m"), least=0.0)
-    if self.units == "SI" and mass is not None and mass > HEAVY * self.masses.max():
+    # A sphere has the mass of its radius, which is then not given.
+    times = (drawn / self.radii.max()) ** 3 if mass is None else mass / self.masses.max()
+    if self.units == "SI" and times > HEAVY:
         warn_user(
-            f"the striker has {mass:g} kg, more than {HEAVY:g} times the heaviest bead; masses are "
-            "in kg, so check the unit",
+            f"the striker has {times:.2g} times the mass of the heaviest bead; masses are in kg, and "
+            "radii in m, so check the unit",
             InputWarning,
         )
     moving = self.strikers > 0 or "velocities" in self.features

@@ -202,7 +202,7 @@ def _collision(gamma: float) -> tuple[np.ndarray, np.ndarray]:
 def against_others() -> Figure:
     """Error and time of each program, from the table of the page."""
     page = (PAGES / "explanation" / "against_others.md").read_text("utf-8")
-    rows = re.findall(r"^\| (.+?) \| (\de-\d+) \| (\d+) \|$", page, re.M)
+    rows = re.findall(r"^\| (.+?) \| (\de-\d+) \| (\d+)(?: \(a\))? \|$", page, re.M)
     assert len(rows) == 8
     kinds = {"`propagate`": "hertzchain, propagate", "`simulate`": "hertzchain, simulate",
              "SciPy": "SciPy DOP853", "Verlet": "Verlet script", "LAMMPS": "LAMMPS"}  # fmt: skip

@@ -96,8 +96,8 @@ def struck_by(
     times = (drawn / self.radii.max()) ** 3 if mass is None else mass / self.masses.max()
     if self.units == "SI" and times > HEAVY:
         warn_user(
-            f"the striker has {times:.2g} times the mass of the heaviest bead; masses are in kg, and "
-            "radii in m, so check the unit",
+            f"the striker has {times:.2g} times the mass of the heaviest bead; masses are in kg, "
+            "and radii in m, so check the unit",
             InputWarning,
         )
     moving = self.strikers > 0 or "velocities" in self.features

@@ -134,7 +134,7 @@ def plot_forces(
     given = check_list("beads", beads, "bead numbers")
     if not given:
         raise InputError("beads must contain at least one bead number, such as [3, 6]")
-    curves = [_force_curve(run, each) for each in given]
+    curves = [force_curve(run, each) for each in given]
     factor, time_label = time_axis(run.chain)
     with figure_style():
         axes = get_axes(ax)
@@ -162,7 +162,7 @@ def plot_forces(
     return axes
 
 
-def _force_curve(run: Run, bead: int | str) -> tuple[Array, Array, str, bool]:
+def force_curve(run: Run, bead: int | str) -> tuple[Array, Array, str, bool]:
     """Times, forces and name of a curve, and whether the peak of a wall is not complete."""
     walls = {number: side for side, number in walls_of(run.chain).items()}
     if not isinstance(bead, str) and whole_number("bead", bead, least=0) in walls:

@@ -9,6 +9,7 @@ import numpy as np
 from law_figures import LAW_FIGURES
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
+from matplotlib.ticker import MaxNLocator
 from page_figures import PAGE_FIGURES
 
 import hertzchain as hc
@@ -27,7 +28,7 @@ from hertzchain.theory.universal_functions import bca_growth
 def first_pulse() -> Figure:
     """Plot of the tutorial."""
     chain = hc.Chain.tapered("backward-exponential", 0.05, beads=60)
-    canvas = plot_pulses([hc.propagate(chain), hc.bca(chain)]).figure
+    canvas = plot_pulses([hc.propagate(chain), hc.bca(chain)], log=True).figure
     assert isinstance(canvas, Figure)
     return canvas
 
@@ -70,6 +71,8 @@ def budget() -> Figure:
         }
         shown["total input"] = shown.pop("total input")
         left.get_legend().remove()
+        left.set_title("")
+        right.set_title("")
         right.legend(shown.values(), shown.keys(), loc="center left", bbox_to_anchor=(1.0, 0.5))
     return canvas
 
@@ -81,9 +84,9 @@ def waves() -> Figure:
     run = hc.simulate(chain, until=100.0, times=1600)
     with figure_style():
         canvas, (left, right) = plt.subplots(1, 2, figsize=(11.0, 3.8), sharey=True)
-        run.plot("force", ax=left)
-        run.waves().plot(ax=right)
-        right.set_xlim(left.get_xlim())
+        run.plot("force", ax=right)
+        run.waves().plot(ax=left)
+        left.set_xlim(right.get_xlim())
         for axes in (left, right):
             axes.set_title("")
         right.set_ylabel("")
@@ -175,6 +178,11 @@ def growth_and_memory() -> Figure:
         growth = [_growth(rate) for rate in rates]
         left.plot(rates, growth, color=COLOURS[0])
         left.plot(rates, bca_growth(rates), "--", color=COLOURS[1])
+        inset = left.inset_axes((0.13, 0.14, 0.42, 0.34))
+        inset.plot(rates, bca_growth(rates) - growth, color=COLOURS[1])
+        inset.set_title("BCA - exact", fontsize=8, pad=2.0)
+        inset.set_ylim(0.0, 0.06)
+        inset.tick_params(labelsize=8)
         left.annotate("exact", (-0.13, 0.13), xytext=(0, -18), textcoords="offset points",
                       color=COLOURS[0])  # fmt: skip
         left.annotate("BCA", (-0.11, 0.165), color=COLOURS[1])
@@ -213,14 +221,16 @@ def sweep() -> Figure:
             error = found.worst_error_of_velocity.sel(approach="local-rate").T
             if (error > 0.01).any():
                 place = found.rate, found.beads, error
-                axes.contour(*place, levels=[0.01], colors="white", linewidths=1.5)
-                axes.contourf(*place, levels=[0.01, np.inf], colors="none", hatches=["//"])
-                beyond = Patch(facecolor="white", edgecolor="black", hatch="//",
-                               label="error of the local-rate law above 1%")  # fmt: skip
-                axes.legend(handles=[beyond], loc="lower left", fontsize=8, frameon=True)
+                with plt.rc_context({"hatch.color": "white", "hatch.linewidth": 1.2}):
+                    axes.contourf(*place, levels=[0.01, np.inf], colors="none", hatches=["//"])
+                axes.contour(*place, levels=[0.01], colors="white", linewidths=1.2)
             axes.set_xlabel("$S$" if taper.endswith("linear") else "$q$")
             axes.set_ylabel("beads $N$")
             axes.set_title(taper)
+            axes.xaxis.set_major_locator(MaxNLocator(5))
+        beyond = Patch(facecolor="0.4", edgecolor="white", hatch="//",
+                       label="error of the local-rate law above 1%")  # fmt: skip
+        canvas.legend(handles=[beyond], loc="outside lower center")
     return canvas
 
 

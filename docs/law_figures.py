@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from scipy.integrate import solve_ivp
 
 import hertzchain as hc
-from hertzchain.plotting.style import COLOURS, MARKERS, figure_style
+from hertzchain.plotting.style import COLOURS, MARKERS, figure_style, label_log_axis
 
 PAGES: Final = Path(__file__).parent
 
@@ -33,6 +33,7 @@ def steps() -> Figure:
             law, exact = hc.piecewise_local_rate(chain), hc.propagate(chain)
             _law_and_simulation(axes, law, exact, i, f"$f = {factor:g}$")
         axes.set_yscale("log")
+        label_log_axis(axes.yaxis)
         axes.set_xlabel("bead $k$")
         axes.set_ylabel("velocity $v_k$")
         axes.legend(loc="lower left", ncols=2)
@@ -64,7 +65,7 @@ def strikers() -> Figure:
         right.set_xlabel("wave $n$ of the train")
         right.set_ylabel("peak velocity")
         right.set_xticks(range(1, 11))
-        right.legend()
+        right.legend(title="lines: formula")
     return canvas
 
 
@@ -80,15 +81,17 @@ def disorder() -> Figure:
         shown = slice(5, 105)
         axes.plot(law.bead[shown], table.velocity[:, shown].T, color="0.75", linewidth=0.5)
         axes.plot([], [], color="0.75", label="100 random chains")
+        axes.plot(law.bead[shown], law.velocity[shown], color=COLOURS[1], linewidth=1.6,
+                  label="law, mean")  # fmt: skip
         for sign, label in ((-1.0, "law, mean ± standard deviation"), (1.0, None)):
             axes.plot(law.bead[shown], (law.velocity * np.exp(sign * spread))[shown], "--",
                       color=COLOURS[1], label=label)  # fmt: skip
-        axes.plot(law.bead[shown], law.velocity[shown], color=COLOURS[1], linewidth=1.6)
         axes.axhline(hc.propagate(chain).velocity[80], color="black", linestyle=":",
                      label="equal beads")  # fmt: skip
         axes.set_xlabel("bead $k$")
         axes.set_ylabel("velocity $v_k$")
-        axes.legend(loc="lower left")
+        axes.set_ylim(0.612, 0.722)
+        axes.legend(loc="lower left", ncols=2)
     return canvas
 
 
@@ -107,6 +110,8 @@ def attenuation() -> Figure:
             axes.plot(bead, theory, color=COLOURS[i], label=type(law).__name__)
             axes.plot(bead, velocity[9:95], MARKERS[i], color=COLOURS[i], markerfacecolor="none",
                       markevery=(3 * i, 8))  # fmt: skip
+        axes.plot([], [], color="0.4", label="lines: closed form")
+        axes.plot([], [], "o", color="0.4", markerfacecolor="none", label="symbols: simulation")
         axes.set_xlabel("bead $k$")
         axes.set_ylabel("velocity $v_k$")
         axes.legend()
@@ -172,7 +177,7 @@ def extend() -> Figure:
             panels["c"].plot(overlap, force, color=COLOURS[i], label=rf"$\gamma = {gamma:g}$")
         panels["c"].set(title="a loss law", xlabel="overlap $d$", ylabel="force $F$")
         panels["d"].plot(run.positions[:, 4], run.velocities[:, 4], color=COLOURS[3])
-        panels["d"].set(title="a plot", xlabel="$x_5$", ylabel="$v_5$")
+        panels["d"].set(title="a plot", xlabel="position $x_5$", ylabel="velocity $v_5$")
         for name in "bc":
             panels[name].legend()
     return canvas
@@ -196,7 +201,7 @@ def _collision(gamma: float) -> tuple[np.ndarray, np.ndarray]:
 def against_others() -> Figure:
     """Error and time of each program, from the table of the page."""
     page = (PAGES / "explanation" / "against_others.md").read_text("utf-8")
-    rows = re.findall(r"^\| (.+?) \| (\de-\d+) \| (\d+) \|$", page, re.M)
+    rows = re.findall(r"^\| (.+?) \| (\de-\d+) \| (\d+)(?: \(a\))? \|$", page, re.M)
     assert len(rows) == 8
     kinds = {"`propagate`": "hertzchain, propagate", "`simulate`": "hertzchain, simulate",
              "SciPy": "SciPy DOP853", "Verlet": "Verlet script", "LAMMPS": "LAMMPS"}  # fmt: skip

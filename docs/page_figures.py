@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 
 import hertzchain as hc
 from hertzchain.plotting.chains import scale_bar
-from hertzchain.plotting.style import COLOURS, figure_style
+from hertzchain.plotting.style import COLOURS, figure_style, label_log_axis
 from hertzchain.theory import long_wave_velocity, sen_manciu_velocity
 
 
@@ -19,8 +19,9 @@ def _rows(chains: dict[str, hc.Chain], height: float) -> Figure:
         for axes, (title, chain) in zip(rows, chains.items(), strict=True):
             hc.plot_chain(chain, ax=axes)
             scale_bar(chain, axes)
+            axes.set_anchor("W")
             axes.set_title("")
-            axes.set_title(title, loc="left")
+            axes.set_title(title, loc="left", x=0.0)
             axes.set_axis_off()
     return canvas
 
@@ -101,12 +102,14 @@ def closed_forms() -> Figure:
             values = function(far)
             shown = values > 0.0
             colour, dashes = profiles[label][1:]
-            right.semilogy(far[shown], values[shown], dashes, color=colour)
+            width = 2.2 if dashes == ":" else 1.1
+            right.semilogy(far[shown], values[shown], dashes, color=colour, linewidth=width)
         left.set_xlabel(r"distance from the crest $\xi$ [beads]")
         left.set_ylabel("velocity, relative to the crest")
         left.legend()
         right.set_xlabel(r"distance from the crest $\xi$ [beads]")
         right.set_ylim(1e-40, 3.0)
+        right.set_ylabel("velocity, relative to the crest")
     return canvas
 
 
@@ -158,6 +161,7 @@ def numerics() -> Figure:
         left.set_ylabel("largest error of a velocity")
         right.loglog(tolerances, steps, "o-", color=COLOURS[2])
         right.set_ylabel("steps")
+        label_log_axis(right.yaxis)
         for axes in (left, right):
             axes.set_xlabel("tolerance per step, rtol")
     return canvas

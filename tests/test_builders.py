@@ -152,7 +152,10 @@ BALLS = Chain.from_materials(5e-3, "brass", beads=3)
         (lambda: Chain.dimer(0.0, beads=4), "mass ratio of a dimer must be above 0, got 0"),
         (lambda: Chain.periodic([1.0, 0.5], cells=0), "cells must be .* at least 1, got 0"),
         (lambda: Chain.periodic([1.0, -0.5], cells=2), "bead 2 is -0.5"),
-        (lambda: Chain.periodic([1.0, 0.5], cells=2, materials=["brass"]), "4 materials"),
+        (
+            lambda: Chain.periodic([1.0, 0.5], cells=2, materials=["brass"]),
+            "the cell has 2 beads, but 1 materials",
+        ),
         (lambda: Chain.uniform(3).decorated(), "ratio of the small beads .* or a radius"),
         (
             lambda: Chain.uniform(3).decorated(0.3, radius=0.3),

@@ -196,7 +196,7 @@ def test_cite(run):
         (["pulse", "--beads", "2.5"], "not a valid integer"),
         (["pulse", "--beads", "1000000000000000"], "do not fit in memory"),
         (["pulse", "--method", "bcaa"], "did you mean 'bca'"),
-        (["pulse", "--quantity", "speed"], "unknown quantity 'speed'"),
+        (["pulse", "--quantity", "sped"], "unknown quantity 'sped'"),
         (["pulse", "--json", "--csv"], "cannot be combined"),
         (["pulse", "--plot", "pulse.doc"], "must end in .png"),
         (["pulse", "missing.toml"], "cannot read chain file 'missing.toml'"),
@@ -444,13 +444,12 @@ def test_simulate_prints_what_walls_and_sensors_felt(run, tmp_path):
     assert (code, err) == (0, "")
     felt = hertzchain.simulate(hertzchain.load_chain(file), until=3e-4, times=101)
     wall, sensor = felt.wall_force(), felt.sensor_force(3)
-    assert f"right wall: peak {wall.peak:.6g} N at t = {wall.peak_time:.6g} s; impulse of" in out
-    assert f"impact {wall.impulse_of_impact:.6g} N s (1 contact), of the first contact " in out
-    assert f"{wall.first_contact_impulse:.6g} N s, in total {wall.impulse:.6g} N s" in out
+    assert f"right wall: peak {wall.peak:.5g} N at t = {1e6 * wall.peak_time:.5g} us\n" in out
+    assert f"  impulse {1e3 * wall.impulse_of_impact:.4g} mN s in the impact (1 contact)\n" in out
     first, time = sensor.first_maximum, sensor.first_maximum_time
-    assert f"sensor in bead 3: first maximum {first:.6g} N at t = {time:.6g} s" in out
-    largest, time = sensor.largest_so_far, sensor.largest_so_far_time
-    assert f"; largest so far {largest:.6g} N at t = {time:.6g} s" in out
+    told = f"sensor in bead 3: first maximum {first:.5g} N at t = {1e6 * time:.5g} us"
+    assert sensor.largest_so_far_time == time
+    assert f"{told}, the largest so far\n" in out
     drawn = picture.read_text()
     assert all(f"<!-- {name} -->" in drawn for name in ("bead 2", "bead 3", "right wall"))
     document = json.loads(run(*command, "--json")[1])
@@ -505,7 +504,7 @@ def test_command_line_tells_how_far_a_run_can_be_predicted(run, tmp_path):
     )
     code, out, _ = run("simulate", "--chain", chain, "--until", 300)
     assert code == 0
-    assert "a long run between walls: --horizon shows" in out
+    assert "transits of the pulse: --horizon shows" in out
     code, out, _ = run("simulate", "--chain", chain, "--until", 300, "--horizon")
     assert code == 0
     assert "horizon: velocities predictable within 1% until t = " in out
@@ -599,3 +598,68 @@ def test_a_dry_run_states_what_the_estimate_does_not_contain(run, tmp_path):
     assert code == 0
     assert re.search(r"at most \d+ bytes of values, and 10 to 200 kB of metadata, on disk", out)
     assert "without starting and compiling" in out
+
+
+def test_simulate_compares_several_chain_files(run, tmp_path):
+    (tmp_path / "equal.toml").write_text(EXPERIMENT)
+    (tmp_path / "tapered.toml").write_text(EXPERIMENT.replace("5e-3, 5e-3]", "4e-3, 3e-3]"))
+    files, picture = (tmp_path / "equal.toml", tmp_path / "tapered.toml"), tmp_path / "both.svg"
+    code, out, _ = run("simulate", *files, "--plot", picture, "--sensor", "ball 2")
+    assert code == 0
+    assert "equal: 4 steel-52100 beads, diameter 10 mm, right wall\n" in out
+    assert "tapered: 4 steel-52100 beads, diameters 10 mm to 6 mm, right wall\n" in out
+    drawn = picture.read_text()
+    assert all(f"<!-- {name}, right wall -->" in drawn for name in ("equal", "tapered"))
+    found = json.loads(run("simulate", *files, "--json")[1])["runs"]
+    peaks = [hertzchain.simulate(hertzchain.load_chain(file)).wall_force().peak for file in files]
+    assert [each["name"] for each in found] == ["equal", "tapered"]
+    assert [each["walls"][0]["peak"] for each in found] == peaks
+    assert run("simulate", *files, "--animate", tmp_path / "a.gif")[0] == 2
+    assert run("pulse", *files, "--csv")[0] == 2
+    assert "may be given once" in run("simulate", files[0], files[0])[2]
+
+
+BALLS = ("--material", "steel-52100", "--diameter", "10 mm", "--beads", 12, "--speed", "0.1 m/s",
+         "--wall", "same")  # fmt: skip
+
+
+def test_sensitivity_agrees_with_differences_of_runs(run, tmp_path):
+    picture = tmp_path / "sensitivity.svg"
+    found = json.loads(run("sensitivity", *BALLS, "--json", "--plot", picture)[1])
+    chain = hertzchain.Chain.from_materials(5e-3, "steel-52100", beads=12, velocity=0.1)
+    chain, peaks = chain.replace(right_wall=hertzchain.Wall()), []
+    for factor in (0.9999, 1.0001):
+        radii = np.where(np.arange(12) == 11, factor, 1.0) * chain.radii
+        peaks.append(hertzchain.simulate(chain.replace(radii=radii)).wall_force().peak)
+    slope = np.log(peaks[1] / peaks[0]) / np.log(1.0001 / 0.9999)
+    assert found["relative"][-1] == pytest.approx(slope, rel=1e-3)
+    assert (found["value"], found["unit"]) == (pytest.approx(np.mean(peaks), rel=1e-5), "N")
+    assert "peak force on the wall" in picture.read_text()
+    code, out, _ = run("sensitivity", *BALLS)
+    assert code == 0
+    assert f"{found['relative'][-1]:+.4f}" in out
+    assert run("sensitivity", *BALLS, "--quantity", "length")[0] == 2
+
+
+def test_scatter_of_small_deviations_follows_from_the_sensitivities(run, tmp_path):
+    picture = tmp_path / "scatter.svg"
+    command = ("scatter", *BALLS, "--relative", "0.05%", "--chains", 400, "--plot", picture)
+    found = json.loads(run(*command, "--json")[1])
+    relative = json.loads(run("sensitivity", *BALLS, "--json")[1])["relative"]
+    expected = 5e-4 * np.linalg.norm(relative) * found["nominal"]
+    # The standard deviation of 400 samples has an error of 3.5%.
+    assert found["standard_deviation"] == pytest.approx(expected, rel=0.12)
+    assert len(found["values"]) == 400
+    assert np.percentile(found["values"], 95) == found["percentiles"]["95"]
+    code, out, _ = run(*command)
+    assert code == 0
+    assert "wall_force.peak of 400 of 400 random chains" in out
+    assert "peak force on the wall [N]" in picture.read_text()
+    assert run("scatter", *BALLS)[0] == 2
+    assert "must look like 0.01" in run("scatter", *BALLS, "--relative", "much")[2]
+
+
+def test_help_lists_each_command_once(run):
+    out = run("--help")[1]
+    for name in cli.cli.commands:
+        assert len(re.findall(rf"^  {name} ", out, re.M)) == 1

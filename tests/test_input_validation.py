@@ -354,7 +354,7 @@ def public_calls(folder):
         "Waves.plot": tried(longer.waves().plot, ax=None),
         "Run.pulse_width": tried(run.pulse_width, bead=3),
         "Run.plot": tried(run.plot, quantity="velocity", ax=None),
-        "Run.plot_forces": tried(run.plot_forces, beads=[3], ax=None),
+        "Run.plot_forces": tried(run.plot_forces, beads=[3], label="a run", ax=None),
         "simulate": tried(
             hc.simulate,
             chain=chain,

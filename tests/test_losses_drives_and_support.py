@@ -262,9 +262,9 @@ def test_contradictions_are_rejected_in_one_sentence(build, said):
 
 def test_a_refusal_names_the_chain_in_either_units():
     balls = Chain.from_materials(5e-3, "brass", beads=9).replace(gravity=9.81)
-    with pytest.raises(InputError, match=r"\(chain: SI, brass, R = 5 mm, 9 beads, gravity\)"):
+    with pytest.raises(InputError, match=r"\(chain: 9 brass beads, diameter 10 mm, gravity\)"):
         hc.bca(balls)
-    with pytest.raises(InputError, match=r"\(chain: SI, brass, R = 5 mm, 9 beads, gravity\)"):
+    with pytest.raises(InputError, match=r"\(chain: 9 brass beads, diameter 10 mm, gravity\)"):
         hc.modified_bca(balls)
 
 

@@ -43,8 +43,8 @@ def test_steel_balls_of_the_literature():
 
 def test_unlike_spheres_bear_as_hertz_says():
     # Worked by hand: 1/E* = (1 - nu1^2)/E1 + (1 - nu2^2)/E2, 1/R = 1/R1 + 1/R2.
-    one, other = Material("a", 1.0, 2.0, 0.0), Material("b", 1.0, 3.0, 0.5 - 1e-12)
-    modulus = 1.0 / (0.5 + 0.75 / 3.0)
+    one, other = Material("a", 1e3, 2e9, 0.0), Material("b", 1e3, 3e9, 0.5 - 1e-12)
+    modulus = 1e9 / (0.5 + 0.75 / 3.0)
     assert contact_modulus(one, other) == pytest.approx(modulus, rel=1e-11)
     chain = Chain.from_materials([0.1, 0.3], [one, other])
     assert chain.stiffness[0] == pytest.approx(4 / 3 * modulus * math.sqrt(0.075), rel=1e-11)

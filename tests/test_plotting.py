@@ -35,8 +35,26 @@ def test_warnings_of_plots_name_the_line_of_the_caller():
 
 def test_traces_are_the_sensors(run):
     axes = plot_forces(run, [4, 13])
-    np.testing.assert_array_equal(axes.lines[0].get_ydata(), run.sensor(4))
-    np.testing.assert_array_equal(axes.lines[1].get_ydata(), run.wall_force().force)
+    for line, force in zip(axes.lines, (run.sensor(4), run.wall_force().force), strict=True):
+        shown = np.isin(line.get_xdata(), run.times)
+        np.testing.assert_array_equal(line.get_ydata()[shown], force)
+
+
+def test_maxima_between_the_saved_times_are_drawn(run):
+    few = hc.simulate(run.chain, until=40.0, times=81)
+    wall, sensor = few.wall_force(), few.sensor_force(4)
+    assert wall.force.max() < 0.9999 * wall.peak
+    curves = [line.get_xydata() for line in plot_forces(few, [4, 13]).lines]
+    assert (sensor.first_maximum_time, sensor.first_maximum) in [tuple(p) for p in curves[0]]
+    assert curves[1].max(axis=0)[1] == wall.peak
+
+
+def test_forces_name_the_run_and_balls_behind_a_striker():
+    chain = hc.Chain.uniform(6).struck_by(velocity=1.0).replace(right_wall=hc.Wall())
+    axes = plot_forces(hc.simulate(chain), ["ball 3", 5, 8], label="equal")
+    assert [text.get_text() for text in axes.get_legend().get_texts()] == [
+        "equal, bead 4 (ball 3)", "equal, bead 5 (ball 4)", "equal, right wall",
+    ]  # fmt: skip
 
 
 def test_si_is_drawn_in_microseconds_and_newtons():

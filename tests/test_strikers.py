@@ -69,7 +69,7 @@ def test_velocity_and_units():
     (hc.Chain.uniform(30).struck_by(mass=2.0, stiffness=4.0), "stiffness of its contact"),
     (hc.Chain.uniform(30).struck_by(count=2), "strikers"),
     (hc.Chain.uniform(30).struck_by(gap=0.1), "gaps"),
-    (hc.Chain.uniform(30).struck_by(velocity=-1.0), "moves forwards"),
+    (hc.Chain.uniform(30).struck_by().replace(velocities=[-1.0] + 30 * [0.0]), "moves forwards"),
     (hc.Chain.dimer(0.5, beads=30), "does not support masses"),
     (hc.Chain.uniform(30, exponent=2.0).struck_by(mass=2.0, stiffness=1.0), "exponent 1.5"),
 ])  # fmt: skip

@@ -47,18 +47,19 @@ inner = slice(4, 97)
 
 figure, (left, right) = plt.subplots(1, 2, figsize=(9.6, 3.8))
 for number, (name, pulse) in enumerate(pulses.items()):
-    colour = f"C{number}"
-    left.semilogy(np.arange(1, 101), pulse.velocity, color=colour, label=name)
+    colour, dashes = f"C{number}", ("-", "--", ":", "-.", "-")[number]
+    left.semilogy(np.arange(1, 101), pulse.velocity, dashes, color=colour, label=name)
     if name != "simulate":
         error = abs(pulse.velocity / exact - 1)[inner]
-        right.semilogy(np.arange(5, 98), error, color=colour, label=name)
+        right.semilogy(np.arange(5, 98), error, dashes, color=colour, label=name)
+        right.annotate(name, (97, error[-1]), xytext=(0, -4), textcoords="offset points",
+                       ha="right", va="top", color=colour)  # fmt: skip
 left.set_title("Velocity of the pulse")
 left.set_xlabel("bead $k$")
 left.set_ylabel("velocity")
 right.set_title("Relative error of the velocity")
 right.set_xlabel("bead $k$")
 left.legend()
-right.legend()
 
 # %%
 # With a random variation of its radii by 5%, the chain is not smooth.  The local-rate law warns

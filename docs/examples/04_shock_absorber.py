@@ -72,7 +72,8 @@ axes.axvline(found.value, color="black", label="design")
 axes.set_title("Peak force on the wall of the same balls in different orders")
 axes.set_xlabel("peak force [N]")
 axes.set_ylabel("number of orders")
-axes.legend(fontsize=8)
+axes.set_xlim(0.9 * found.value, 46.0)
+axes.legend(fontsize=8, loc="upper right")
 
 # %%
 # Is it a minimum?
@@ -80,7 +81,8 @@ axes.legend(fontsize=8)
 #
 # Exchange each pair of balls of the result.  If any exchange reduced the force, the search would
 # not have ended at a minimum, and this notebook would stop with an error.  The map shows by how
-# much exchanges increase the force; the black dot marks the pair with the smallest increase.
+# much exchanges increase the force; the black dot marks the pair with the smallest increase.  Equal
+# balls (grey) cannot be exchanged.
 
 count = len(best)
 pairs = [(i, j) for i in range(count) for j in range(i) if best[i] != best[j]]
@@ -103,6 +105,9 @@ numbers = np.arange(1, count + 1)
 shown = axes.pcolormesh(numbers, numbers, table, shading="nearest")
 i, j = pairs[increase.argmin()]
 axes.plot(j + 1, i + 1, "o", color="black")
+axes.set_xlim(0.5, count - 0.5)
+axes.set_ylim(1.5, count + 0.5)
+axes.set_facecolor("0.93")
 axes.set_title("Increase of the peak force if two balls are exchanged")
 axes.set_xlabel("place of a ball behind the striker")
 axes.set_ylabel("place of the other ball")

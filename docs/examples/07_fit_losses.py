@@ -36,14 +36,21 @@ names = [each.law for each in compared.fits]
 scores = [each.bic - compared.fits[0].bic for each in compared.fits]
 
 figure, axes = plt.subplots(figsize=(8.0, 2.6))
-axes.barh(names[::-1], scores[::-1])
-axes.set_xscale("symlog", linthresh=10.0)
-for row, score in enumerate(scores[::-1]):
-    axes.annotate(f"{score:.0f}", (score, row), xytext=(4, 0), textcoords="offset points",
+rows = range(1, len(names))
+axes.plot(scores[1:], rows, "o")
+for row, score in zip(rows, scores[1:], strict=True):
+    axes.annotate(f"{score:.0f}", (score, row), xytext=(7, 0), textcoords="offset points",
                   va="center")  # fmt: skip
+axes.annotate("the best law", (1.2, 0), va="center")
 axes.axvline(10, color="0.4", linestyle="--", linewidth=0.9)
+axes.annotate("decisive beyond 10", (11, 0), va="center", color="0.4")
+axes.set_yticks(range(len(names)), names)
+axes.set_ylim(len(names) - 0.5, -0.5)
+axes.set_xscale("log")
+axes.set_xlim(1.0, 3e5)
+axes.grid(axis="y", color="0.9")
 axes.set_title("Difference of the BIC from the best law")
-axes.set_xlabel("difference; the dashed line is 10")
+axes.set_xlabel("difference")
 
 # %%
 # Answer

@@ -38,7 +38,7 @@ for scatter in scatters:
 figure, axes = plt.subplots(figsize=(8.0, 3.8))
 axes.boxplot(
     [each / nominal for each in forces], whis=(5, 95), showfliers=False,
-    tick_labels=[f"{scatter:.1%}" for scatter in scatters],
+    tick_labels=[f"{100 * scatter:g}%" for scatter in scatters],
 )  # fmt: skip
 axes.axhline(1.0, color="0.6", linewidth=0.7)
 axes.set_title("Peak force on the wall in 300 rows; whiskers: 5% and 95%")

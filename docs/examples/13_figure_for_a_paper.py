@@ -53,6 +53,8 @@ with hc.figure_style("single column"):
             error = abs(pulse.velocity / exact.velocity - 1.0)
             bottom.semilogy(k[1:-3], error[1:-3], dashes,
                             color=middle.lines[-1].get_color())  # fmt: skip
+    middle.set_yticks([1, 2, 3], ["1", "2", "3"])
+    middle.minorticks_off()
     bottom.set_yticks([1e-6, 1e-4, 1e-2, 1.0])
     bottom.minorticks_off()
     bottom.set_xlim(middle.get_xlim())

@@ -8,9 +8,14 @@ from typing import Final
 
 MAX_LINES: Final = 3
 MAX_WIDTH: Final = 100
+# Times [s] up to which they are shown in us, and in ms.
+MICROSECONDS: Final = 0.01
+MILLISECONDS: Final = 1.0
 NO_BREAK: Final = "\N{NO-BREAK SPACE}"
 # Spaces around an equals sign, and between a number and its unit.
-KEPT_TOGETHER: Final = re.compile(r" (?==)|(?<==) |(?<=\d) (?=(?:kg m/s|m/s|N s|kg|Hz|[smNJ])\b)")
+KEPT_TOGETHER: Final = re.compile(
+    r" (?==)|(?<==) |(?<=\d) (?=(?:kg m/s|m/s|N s|kg|Hz|[um]s|[smNJ])\b)"
+)
 
 
 def short(name: str, about: str, *facts: str) -> str:
@@ -28,9 +33,16 @@ def wrapped(text: str) -> str:
     return "\n".join(lines).replace(NO_BREAK, " ")
 
 
-def measure(value: float, unit: str, units: str = "SI") -> str:
-    """A number with four digits and, unless it is scaled, its unit."""
-    return f"{value:.4g} {unit}" if units == "SI" else f"{value:.4g}"
+def measure(value: float, unit: str, units: str = "SI", digits: int = 4) -> str:
+    """A number with four digits and, unless it is scaled, its unit; short times in us or ms."""
+    if units != "SI":
+        return f"{value:.{digits}g}"
+    factor, prefix = 1.0, ""
+    if unit == "s" and 0.0 < abs(value) < MICROSECONDS:
+        factor, prefix = 1e6, "u"
+    elif unit == "s" and 0.0 < abs(value) < MILLISECONDS:
+        factor, prefix = 1e3, "m"
+    return f"{factor * value:.{digits}g} {prefix}{unit}"
 
 
 def counted(count: int, noun: str) -> str:

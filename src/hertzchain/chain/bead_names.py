@@ -12,14 +12,14 @@ from .chain import Chain
 NAME: Final = re.compile(r"(ball|bead) +([0-9]{1,9})")
 
 
-def bead_number(chain: Chain, bead: int | str) -> int:
+def bead_number(chain: Chain, bead: int | str, what: str = "bead") -> int:
     """Number of a bead, strikers included, from that number or a name such as ``"ball 11"``."""
     if not isinstance(bead, str):
-        return whole_number("bead", bead, least=1, most=chain.beads)
+        return whole_number(what, bead, least=1, most=chain.beads)
     found = NAME.fullmatch(" ".join(bead.lower().split()))
     if found is None:
         raise InputError(
-            f"bead must be a whole number or a name such as 'ball 11' (without the strikers) or "
+            f"{what} must be a whole number or a name such as 'ball 11' (without the strikers) or "
             f"'bead 12' (with them), got {short_repr(bead)}"
         )
     return numbered_bead(chain, found[1], int(found[2]))
@@ -35,3 +35,9 @@ def numbered_bead(chain: Chain, body: str, number: int) -> int:
             f"no {body} {number}"
         )
     return number + shift
+
+
+def bead_label(chain: Chain, number: int) -> str:
+    """``bead 12``; in a chain with strikers, ``bead 12 (ball 11)``."""
+    ball = number - chain.strikers
+    return f"bead {number}" + (f" (ball {ball})" if chain.strikers and ball > 0 else "")

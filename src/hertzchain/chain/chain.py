@@ -187,7 +187,7 @@ class Chain(ChainFields):
         >>> hc.Chain.tapered(ratio=0.25, beads=40)
         Chain(forward-exponential, q = 0.0361853, 40 beads)
         >>> hc.Chain.tapered(first="10 mm", last="2.5 mm", beads=40, material="steel-52100")
-        Chain(SI, steel-52100, R = 2.5 .. 10 mm, 40 beads)
+        Chain(40 steel-52100 beads, diameters 20 mm to 5 mm)
         """
         count = checked_beads(beads)
         sizes = Sizes(first, last, first_diameter, last_diameter, ratio, length)
@@ -295,11 +295,11 @@ class Chain(ChainFields):
         >>> import hertzchain as hc
         >>> chain = hc.Chain.from_materials(5e-3, "steel-52100", beads=20)
         >>> chain
-        Chain(SI, steel-52100, R = 5 mm, 20 beads)
+        Chain(20 steel-52100 beads, diameter 10 mm)
         >>> round(float(chain.masses[0]), 9), float(chain.stiffness[0]).__round__(-3)
         (0.004073598, 7435897000.0)
         >>> hc.Chain.from_materials(diameters="10 mm", materials="steel-52100", beads=20)
-        Chain(SI, steel-52100, R = 5 mm, 20 beads)
+        Chain(20 steel-52100 beads, diameter 10 mm)
         """
         if materials is None or (radii is None) == (diameters is None):
             raise InputError(
@@ -358,7 +358,7 @@ class Chain(ChainFields):
         >>> hc.Chain.periodic([5.0, 2.5, 2.5], cells=2).radii
         array([1. , 0.5, 0.5, 1. , 0.5, 0.5])
         >>> hc.Chain.periodic([9.5e-3, 9.5e-3], cells=20, materials=["steel-316", "ptfe"])
-        Chain(SI, steel-316 and ptfe, R = 9.5 mm, 40 beads)
+        Chain(40 beads of steel-316 and ptfe, diameter 19 mm)
         """
         cells = whole_number("cells", cells, least=1)
         one = real_numbers("radius", cell, "bead", unit="m")
@@ -367,7 +367,12 @@ class Chain(ChainFields):
         if materials is None:
             return cls.from_radii(radii, **fields)
         if not isinstance(materials, str | Material):
-            materials = check_list("materials of the cell", materials, "names") * cells
+            kinds, size = check_list("materials of the cell", materials, "names"), one.size
+            if len(kinds) != size:
+                raise InputError(
+                    f"the cell has {size} beads, but {len(kinds)} materials; give one for each bead"
+                )
+            materials = kinds * cells
         return cls.from_materials(radii, materials, **fields)
 
     @classmethod

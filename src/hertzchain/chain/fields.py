@@ -431,13 +431,13 @@ class ChainFields(Frozen):
     @property
     def description(self) -> str:
         """Short description of the chain, for titles of tables and figures."""
-        kind = beads_description(
-            self.radii, self.materials, self.taper, self.taper_parameters, scaled=self.scaled
-        )
         p = self.exponents
         law = f", p = {p:g}" if isinstance(p, float) and p != HERTZ_EXPONENT else ""
         rest = "".join(f", {name}" for name in self.features if name != "SI units")
-        return f"{kind}, {self.beads} beads{law}{rest}"
+        beads = beads_description(
+            self.radii, self.materials, self.taper, self.taper_parameters, scaled=self.scaled
+        )
+        return f"{beads}{law}{rest}"
 
     def __repr__(self) -> str:
         return short("Chain", self.description)

@@ -19,13 +19,15 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..collision import Array
-from ..errors import InputError, unknown_name_error
+from ..errors import InputError, InputWarning, unknown_name_error, warn_user
 from ..representation import short
 from ..validation.numbers import number, real_numbers
 from ..validation.objects import check_list, check_type, text
 
 # Densities that a bead can have [kg/m^3]: an aerogel has 1, osmium 22,600.
 MIN_DENSITY, MAX_DENSITY = 1e-3, 1e6
+# Density [kg/m^3] and modulus [Pa] below which the unit is probably wrong.
+LIGHT, SOFT = 20.0, 1e4
 # Largest pressure of a contact over the yield strength when its softer body first yields.
 FIRST_YIELD: Final = 1.60
 
@@ -34,6 +36,9 @@ OTHER_NAMES: Final = {
     "teflon": "'ptfe'", "stainless": "'steel-304' or 'steel-316'",
     "stainless steel": "'steel-304' or 'steel-316'", "bearing steel": "'steel-52100'",
     "chrome steel": "'steel-52100'", "100cr6": "'steel-52100'", "aluminum": "'aluminium'",
+    "ss304": "'steel-304'", "304": "'steel-304'", "304l": "'steel-304'", "aisi 304": "'steel-304'",
+    "ss316": "'steel-316'", "316": "'steel-316'", "316l": "'steel-316'", "aisi 316": "'steel-316'",
+    "52100": "'steel-52100'",
     "plexiglass": "'acrylic'", "pmma": "'acrylic'", "wc": "'tungsten-carbide'",
 }  # fmt: skip
 
@@ -95,6 +100,12 @@ class Material:
         check("poisson", unit="", above=-1.0, below=0.5, hint="metals have 0.3, rubber 0.499")
         if self.yield_strength is not None:
             check("yield_strength", unit="Pa", above=0.0)
+        if self.young < math.inf and (self.density < LIGHT or self.young < SOFT):
+            warn_user(
+                f"{self.name!r} has {self.density:g} kg/m^3 and E = {self.young:g} Pa, less than a "
+                "foam; if you have g/cm^3 and GPa, multiply by 1000 and 1e9",
+                InputWarning,
+            )
 
     @property
     def compliance(self) -> float:
@@ -157,6 +168,8 @@ def material(name: MaterialLike) -> Material:
     if isinstance(name, Material):
         return name
     known = catalogue()
+    if isinstance(name, str) and name not in known:
+        name = name.lower()
     if not isinstance(name, str) or name not in known:
         meant = OTHER_NAMES.get(name.lower().replace("-", " ")) if isinstance(name, str) else None
         if meant is not None:

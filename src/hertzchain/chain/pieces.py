@@ -120,7 +120,7 @@ def joined(self: C, other: C) -> C:
     >>> import hertzchain as hc
     >>> taper = hc.Chain.tapered(first="10 mm", last="5 mm", beads=20, material="steel-316")
     >>> taper + hc.Chain.from_materials("5 mm", "ptfe", beads=10)
-    Chain(SI, steel-316 and ptfe, R = 5 .. 10 mm, 30 beads)
+    Chain(30 beads of steel-316 and ptfe, diameters 20 mm to 10 mm)
     """
     if not isinstance(other, ChainFields):
         return NotImplemented

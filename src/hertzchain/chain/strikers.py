@@ -6,18 +6,20 @@
 from __future__ import annotations
 
 import math
-from typing import Any, TypeVar
+from typing import Any, Final, TypeVar
 
 import numpy as np
 
 from ..collision import HERTZ_EXPONENT, hertz_stiffness
-from ..errors import InputError
+from ..errors import InputError, InputWarning, warn_user
 from ..validation.numbers import number, whole_number
 from .fields import ChainFields
 from .input_checks import checked_beads
 from .materials import Material, MaterialLike, contact_modulus, sphere_stiffness
 from .materials import material as material_named
 
+# Mass of a striker over that of the heaviest bead above which the unit is probably wrong.
+HEAVY: Final = 1000.0
 C = TypeVar("C", bound=ChainFields)
 
 
@@ -87,8 +89,17 @@ def struck_by(
     count = whole_number("count of strikers", count, least=1)
     checked_beads(self.beads + count)
     own, radius, mass, drawn = _striker(self, radius, mass, material)
-    speed = number("velocity of the strikers", velocity, unit=self._unit("m/s"))
+    speed = number("velocity of the strikers", velocity, unit=self._unit("m/s"), least=0.0,
+                   hint="positive velocities are towards the chain")  # fmt: skip
     distance = number("gap", gap, unit=self._unit("m"), least=0.0)
+    # A sphere has the mass of its radius, which is then not given.
+    times = (drawn / self.radii.max()) ** 3 if mass is None else mass / self.masses.max()
+    if self.units == "SI" and times > HEAVY:
+        warn_user(
+            f"the striker has {times:.2g} times the mass of the heaviest bead; masses are in kg, "
+            "and radii in m, so check the unit",
+            InputWarning,
+        )
     moving = self.strikers > 0 or "velocities" in self.features
     behind = self.velocities if moving else np.zeros(self.beads)
     new: dict[str, Any] = {

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import sys
 import warnings
+from typing import Final
 
 import click
 
@@ -21,7 +22,9 @@ from . import (
     fit,
     pulse,
     reproduce,
+    scatter,
     scoreboard,
+    sensitivity,
     simulate,
     sweep,
     verify,
@@ -30,8 +33,38 @@ from . import (
 from .environment import prepare_environment
 from .exit_codes import BAD_INPUT, DONE, FAILED, INTERRUPTED
 
+GROUPS: Final = {
+    "See": (app.app,),
+    "Simulate and predict": (simulate.simulate, pulse.pulse),
+    "Design": (design.design, sensitivity.sensitivity, scatter.scatter),
+    "Fit": (fit.fit,),
+    "Sweeps": (sweep.sweep,),
+    "The paper and other known results": (
+        reproduce.reproduce, scoreboard.scoreboard, calibrate.calibrate, verify.verify, cite.cite,
+    ),
+    "Installation": (warm_up.warm_up,),
+}  # fmt: skip
 
-@click.group(context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100})
+
+class Overview(click.Group):
+    """A group whose help lists its commands by what they are for."""
+
+    def format_commands(self, _: click.Context, formatter: click.HelpFormatter) -> None:
+        """Write the commands under the headings of `GROUPS`."""
+        width = max(len(name) for name in self.commands)
+        for heading, commands in GROUPS.items():
+            with formatter.section(heading):
+                limit = formatter.width - 6 - width
+                rows = [
+                    (f"{each.name:{width}}", each.get_short_help_str(limit)) for each in commands
+                ]
+                formatter.write_dl(rows)
+
+
+@click.group(
+    cls=Overview,
+    context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100},
+)
 @click.version_option(package_name="hertzchain")
 def cli() -> None:
     """Impacts on granular chains: simulate, predict, compare.
@@ -50,11 +83,7 @@ def cli() -> None:
     """
 
 
-for _command in (
-    pulse.pulse, simulate.simulate, reproduce.reproduce, calibrate.calibrate,
-    scoreboard.scoreboard, sweep.sweep, design.design, fit.fit, verify.verify, app.app,
-    warm_up.warm_up, cite.cite,
-):  # fmt: skip
+for _command in (each for commands in GROUPS.values() for each in commands):
     cli.add_command(_command)
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import os
 from collections.abc import Callable
 from dataclasses import dataclass, fields
 from pathlib import Path
@@ -15,7 +16,7 @@ if TYPE_CHECKING:
     from ..chain.walls import Wall
 
 OPTIONS: Final = (
-    click.argument("file", required=False, type=click.Path(path_type=Path)),
+    click.argument("files", nargs=-1, metavar="[FILE]...", type=click.Path(path_type=Path)),
     click.option(
         "--chain",
         "chain_file",
@@ -52,7 +53,7 @@ OPTIONS: Final = (
 class ChainOptions:
     """Values of the options, as given."""
 
-    file: Path | None = None
+    files: tuple[Path, ...] = ()
     chain_file: Path | None = None
     taper: str | None = None
     rate: float | None = None
@@ -78,22 +79,36 @@ def chain_options(command: Callable[..., Any]) -> Callable[..., Any]:
 
 
 def chain_from(options: ChainOptions) -> Chain:
-    """The chain that the options describe."""
+    """The one chain that the options describe."""
+    if len(options.files) > 1:
+        raise click.UsageError(f"give one chain FILE, got {len(options.files)}")
+    return next(iter(chains_from(options).values()))
+
+
+def chains_from(options: ChainOptions) -> dict[str, Chain]:
+    """The chains of all files, by the names of the files; one without a name for options."""
     from ..store.chain_files import load_chain
 
-    if options.file is not None and options.chain_file is not None:
+    if options.files and options.chain_file is not None:
         raise click.UsageError("give the chain as FILE or as --chain FILE, not both")
-    file = options.chain_file if options.file is None else options.file
-    if file is None:
+    files = options.files or tuple(filter(None, (options.chain_file,)))
+    if not files:
         chain = _described(options)
-        return chain if options.wall is None else chain.replace(right_wall=_wall(options, chain))
+        return {
+            "": chain if options.wall is None else chain.replace(right_wall=_wall(options, chain))
+        }
     beside = [
         each.name for each in fields(options)
-        if each.name not in ("file", "chain_file") and getattr(options, each.name) is not None
+        if each.name not in ("files", "chain_file") and getattr(options, each.name) is not None
     ]  # fmt: skip
     if beside:
         raise click.UsageError(f"give a chain FILE or --{' and --'.join(beside)}, not both")
-    return load_chain(file)
+    names = [file.stem for file in files]
+    if len(set(names)) < len(names):
+        names = [os.fspath(file) for file in files]
+    if len(set(names)) < len(names):
+        raise click.UsageError(f"each chain FILE may be given once, got {', '.join(names)}")
+    return {name: load_chain(file) for name, file in zip(names, files, strict=True)}
 
 
 def _described(options: ChainOptions) -> Chain:

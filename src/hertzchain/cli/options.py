@@ -11,6 +11,7 @@ import click
 
 if TYPE_CHECKING:
     from ..chain.chain import Chain
+    from ..designs.measures import Measure
 
 # File name extensions of figures.
 PICTURES: Final = (".png", ".svg", ".pdf")
@@ -62,6 +63,16 @@ def numbers_from(option: str, text: str) -> tuple[float, ...]:
 def names_from(text: str | None) -> list[str] | None:
     """Parse names separated by commas; None if the option is not given."""
     return None if text is None else [part.strip() for part in text.split(",") if part.strip()]
+
+
+def measure_from(text: str | None, chain: Chain) -> Measure:
+    """A quantity of a chain; by default the peak on its wall, or the velocity of its last bead."""
+    from ..designs.measures import parse_measure
+
+    usual = "velocity@last" if chain.right_wall is None else "wall_force.peak"
+    measure = parse_measure(usual if text is None else text)
+    measure.check(chain)
+    return measure
 
 
 def check_writable(path: Path | None, option: str, endings: tuple[str, ...]) -> None:

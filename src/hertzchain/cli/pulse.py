@@ -3,15 +3,26 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import TYPE_CHECKING, Final
 
 import click
 
 from ..pulse.quantities import QUANTITIES
-from .chain_options import ChainOptions, chain_from, chain_options
+from .chain_options import ChainOptions, chain_options, chains_from
 from .options import PICTURES, LateHelp, check_writable, with_width
 from .output import save_figure, show_table
 from .progress import progress_bar
 from .pulse_tables import pulse_table, side_by_side
+
+if TYPE_CHECKING:
+    from ..pulse.pulse import Pulse
+
+
+# Names that users give to quantities.
+SYNONYMS: Final = {
+    "speed": "velocity", "force": "peak_force", "overlap": "peak_overlap", "time": "arrival",
+    "duration": "residence",
+}  # fmt: skip
 
 
 def _method_help() -> str:
@@ -57,8 +68,9 @@ def pulse(
 ) -> None:  # fmt: skip
     """Compute the leading pulse by one or several methods.
 
-    The chain is given by options or by FILE (TOML or CSV).  For a chain in SI units, the pulse
-    is computed in the paper's scaled variables and printed in SI units.
+    The chain is given by options or by FILE (TOML or CSV); --plot compares several files.  For a
+    chain in SI units, the pulse is computed in the paper's scaled variables and printed in SI
+    units.
 
     \b
     Examples:
@@ -66,8 +78,8 @@ def pulse(
       hertzchain pulse --taper forward-linear --rate 0.009 --method propagate --method bca
       hertzchain pulse --material steel-52100 --diameter "20 mm:5 mm" --beads 40
       hertzchain pulse chain.toml --csv > pulse.csv
+      hertzchain pulse equal.toml tapered.toml --quantity momentum --plot momentum.png
     """
-    from ..errors import InputError
     from ..store import results
     from ..sweeps.methods import METHODS, pulse_by
     from ..validation.objects import check_choice
@@ -76,24 +88,43 @@ def pulse(
         raise click.UsageError("--json and --csv cannot be combined")
     for method in methods:
         check_choice("method", method, METHODS)
+    quantity = SYNONYMS.get(quantity, quantity)
     check_choice("quantity", quantity, QUANTITIES)
     check_writable(plot, "--plot", PICTURES)
-    chain = chain_from(options)
+    chains = chains_from(options)
+    if len(chains) > 1 and (as_json or as_csv):
+        raise click.UsageError("--json and --csv require one chain FILE")
+    found = {}
     with progress_bar("beads passed") as progress:
-        pulses = [pulse_by(method, chain, progress) for method in dict.fromkeys(methods)]
+        for name, chain in chains.items():
+            found[name] = [pulse_by(each, chain, progress) for each in dict.fromkeys(methods)]
+    pulses = [pulse for each in found.values() for pulse in each]
     if plot is not None:
         from ..plotting.pulses import plot_pulses
 
-        save_figure(plot_pulses(pulses, quantity, log=log), plot)
+        labels = [
+            name if len(each) == 1 else f"{name}, {pulse.method}"
+            for name, each in found.items() for pulse in each
+        ] if len(found) > 1 else None  # fmt: skip
+        save_figure(plot_pulses(pulses, quantity, labels=labels, log=log), plot)
     if as_json:
         click.echo(results.pulses_as_json(pulses))
     elif as_csv:
         click.echo(results.pulses_as_csv(pulses), nl=False)
-    elif len(pulses) == 1:
-        show_table(pulse_table(pulses[0], every_bead))
     else:
-        for missing in (other for other in pulses if other.column(quantity) is None):
-            raise InputError(f"{missing.method} does not predict {quantity}")
-        show_table(side_by_side(pulses, quantity, every_bead))
-        for other in pulses[1:]:
-            click.echo(f"\n{other.compare(pulses[0])}")
+        for each in found.values():
+            _show_pulses(each, quantity, every_bead=every_bead)
+
+
+def _show_pulses(pulses: list[Pulse], quantity: str, *, every_bead: bool) -> None:
+    """Print a table of one chain: all quantities of one pulse, or one quantity of several."""
+    from ..errors import InputError
+
+    if len(pulses) == 1:
+        show_table(pulse_table(pulses[0], every_bead))
+        return
+    for missing in (other for other in pulses if other.column(quantity) is None):
+        raise InputError(f"{missing.method} does not predict {quantity}")
+    show_table(side_by_side(pulses, quantity, every_bead))
+    for other in pulses[1:]:
+        click.echo(f"\n{other.compare(pulses[0])}")

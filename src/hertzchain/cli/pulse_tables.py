@@ -21,7 +21,7 @@ def pulse_table(pulse: Pulse, every_bead: bool) -> Table:
     from ..pulse.quantities import QUANTITIES
 
     beads = pulse.chain.beads
-    rows = _rows(beads, every_bead)
+    rows = table_rows(beads, every_bead)
     table = _bead_table(f"{pulse.method}: {pulse.chain.description}", len(rows), beads)
     columns = pulse.columns()
     for name in columns:
@@ -37,7 +37,7 @@ def pulse_table(pulse: Pulse, every_bead: bool) -> Table:
 def side_by_side(pulses: list[Pulse], quantity: str, every_bead: bool) -> Table:
     """Table of one quantity with one column per pulse."""
     chain = pulses[0].chain
-    rows = _rows(chain.beads, every_bead)
+    rows = table_rows(chain.beads, every_bead)
     unit = "" if chain.units == "scaled" else f" in {pulses[0].unit(quantity)}"
     table = _bead_table(f"{quantity}{unit}: {chain.description}", len(rows), chain.beads)
     columns = [pulse.column(quantity) for pulse in pulses]
@@ -77,8 +77,8 @@ def _bead_table(title: str, shown: int, beads: int) -> Table:
     return table
 
 
-def _rows(beads: int, every_bead: bool) -> list[int]:
-    """Indices of the beads to show: all, or evenly spread ones with both ends."""
+def table_rows(beads: int, every_bead: bool) -> list[int]:
+    """Indices of the rows to show: all, or evenly spread ones with both ends."""
     import numpy as np
 
     if every_bead or beads <= TABLE_ROWS:

@@ -2,26 +2,24 @@
 
 from __future__ import annotations
 
-import math
 import warnings
 from pathlib import Path
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import click
 
-from .chain_options import ChainOptions, chain_from, chain_options
+from .chain_options import ChainOptions, chain_options, chains_from
 from .options import PICTURES, check_writable, time_from, with_width
-from .output import save_figure, show_json, show_table
+from .output import save_figure, show_json
 from .progress import progress_bar
+from .run_summary import run_as_dict, show_run
 from .stream import check_stream_options, stream_into
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
+    from ..chain.chain import Chain
     from ..simulation.run import Run
-    from ..simulation.sensor_force import SensorForce
-    from ..simulation.wall_force import WallForce
-    from ..simulation.waves import Waves
 
 USUAL_TIMES: Final = 400
 
@@ -38,7 +36,8 @@ USUAL_TIMES: Final = 400
 @click.option(
     "--times",
     type=int,
-    help="Number of saved times.  [default: 400; with --sensor and without --out, 4000]",
+    help="Number of saved times.  [default: 400; with --sensor, or with several files, and "
+    "without --out, 4000]",
 )
 @click.option(
     "--rtol", type=float, default=1e-13, show_default=True, help="Relative tolerance per step."
@@ -65,7 +64,8 @@ USUAL_TIMES: Final = 400
     "--plot",
     type=click.Path(path_type=Path),
     metavar="FILE",
-    help="Plot velocities or, with --sensor, forces to FILE (.png, .svg or .pdf).",
+    help="Plot velocities or, with --sensor, forces to FILE (.png, .svg or .pdf); of several "
+    "chains, forces in sensors and on walls, or the leading pulses.",
 )
 @click.option(
     "--animate",
@@ -77,11 +77,10 @@ USUAL_TIMES: Final = 400
 @click.option(
     "--sensor",
     "sensors",
-    type=int,
     multiple=True,
     metavar="BEAD",
-    help="Print the first maximum and the largest value of the force in a sensor in this bead; "
-    "repeatable.",
+    help="Print the first maximum and the largest value of the force in a sensor in this bead, "
+    "such as 12 or, not counting the striker, 'ball 11'; repeatable.",
 )
 @click.option(
     "--stream",
@@ -101,14 +100,17 @@ USUAL_TIMES: Final = 400
 def simulate(
     options: ChainOptions, until: str | None, times: int | None, rtol: float, method: str,
     step: str | None, drift: float | None, max_steps: int | None, out: Path | None,
-    plot: Path | None, animation: Path | None, sensors: tuple[int, ...], stream: Path | None,
+    plot: Path | None, animation: Path | None, sensors: tuple[str, ...], stream: Path | None,
     budget: bool, waves: bool, horizon: bool, as_json: bool,
 ) -> None:  # fmt: skip
     """Integrate the whole chain and keep its trajectories.
 
-    The forces on walls and in sensors are printed.  The force in a sensor in a bead is the mean
-    of the forces on both halves of the bead.  Its first maximum belongs to the first pulse; a
-    later wave may be larger.
+    The forces on walls and in sensors are printed.  A wall receives the impulse of the impact
+    until its peak force is complete, possibly in several contacts, and that of the whole run
+    until its end.  The force in a sensor in a bead is the mean of the forces on both halves of
+    the bead.  Its first maximum belongs to the first pulse; a later wave may be larger.
+
+    Several chain files are simulated one after another, and --plot compares them.
 
     With --stream, trajectories are kept only on disk, in netCDF files, so that memory does not
     grow with the run.  If a run is interrupted, run the same command again and it resumes.
@@ -120,15 +122,12 @@ def simulate(
       hertzchain simulate --material steel-52100 --diameter "20 mm:5 mm" --beads 40 \\
           --speed "0.1 m/s" --wall same --animate impact.gif
       hertzchain simulate experiment.toml --until 7e-4 --budget
-      hertzchain simulate experiment.toml --until 7e-4 --sensor 6 --sensor 11 --plot forces.png
+      hertzchain simulate experiment.toml --until 700us --sensor "ball 5" --plot forces.png
+      hertzchain simulate equal.toml tapered.toml --plot comparison.png
       hertzchain simulate experiment.toml --until 10 --times 100000 --stream long
       hertzchain simulate --beads 50 --until 60 --times 600 --waves --horizon
     """
-    import hertzchain
-
     from ..simulation.sensor_force import MANY_TIMES
-    from ..store.results import save_run
-    from ..validation.numbers import whole_number
 
     check_writable(plot, "--plot", PICTURES)
     check_writable(animation, "--animate", (".gif", ".mp4"))
@@ -136,7 +135,8 @@ def simulate(
     if budget and as_json:
         raise click.UsageError("--budget and --json cannot be combined")
     if times is None:
-        times = MANY_TIMES if sensors and out is None else USUAL_TIMES
+        fine = out is None and (sensors or len(options.files) > 1)
+        times = MANY_TIMES if fine else USUAL_TIMES
     if times < 2 and (out or plot or animation or sensors or stream or budget or waves or horizon):
         raise click.UsageError(
             "--out, --plot, --animate, --sensor, --stream, --budget, --waves and --horizon require "
@@ -148,137 +148,96 @@ def simulate(
             horizon=horizon, max_steps=max_steps,
             method=method if method != "adaptive" else None, step=step, drift=drift,
         )  # fmt: skip
-    chain = chain_from(options)
-    end = time_from("--until", until, chain)
-    for bead in sensors:
-        whole_number("--sensor", bead, least=1, most=chain.beads)
+    chains = chains_from(options)
+    if len(chains) > 1 and (out or animation or stream):
+        raise click.UsageError("--out, --animate and --stream require one chain FILE")
+    beads = {name: _beads(chain, sensors) for name, chain in chains.items()}
     if stream is not None:
+        (chain,) = chains.values()
+        end = time_from("--until", until, chain)
         stream_into(stream, chain, until=end, times=times, rtol=rtol, as_json=as_json)
         return
+    settings = {"times": times, "rtol": rtol, "method": method, "drift": drift,
+                "max_steps": max_steps}  # fmt: skip
+    runs = {
+        name: _run(chain, until, step, settings, horizon=horizon) for name, chain in chains.items()
+    }
+    for run in runs.values():
+        if out is not None:
+            run.save(out)
+        if animation is not None:
+            with progress_bar("frames") as progress:
+                run.animate(animation, progress=progress)
+    if as_json:
+        found = [run_as_dict(run, beads[name], waves=waves) for name, run in runs.items()]
+        show_json(found[0] if len(found) == 1 else _together(runs, found))
+    else:
+        for i, (name, run) in enumerate(runs.items()):
+            heading = f"{name}: " if len(runs) > 1 else ""
+            click.echo("\n" * (i > 0) + heading, nl=False)
+            show_run(run, beads[name], waves=waves, hint=until is not None)
+            if budget:
+                click.echo(run.budget())
+    if plot is not None:
+        _save_plot(runs, beads, plot)
+
+
+def _beads(chain: Chain, sensors: tuple[str, ...]) -> list[int]:
+    """Numbers of the beads with sensors, from numbers or names such as ``ball 11``."""
+    from ..chain.bead_names import bead_number
+
+    return [
+        bead_number(chain, int(each) if each.strip().isdecimal() else each, "--sensor")
+        for each in sensors
+    ]
+
+
+def _run(
+    chain: Chain, until: str | None, step: str | None, settings: dict[str, Any], *, horizon: bool
+) -> Run:
+    import hertzchain
+
+    end = time_from("--until", until, chain)
+    length = time_from("--step", step, chain)
     with progress_bar("beads passed") as progress:
-        run = hertzchain.simulate(
-            chain, until=end, times=times, rtol=rtol, method=method,
-            step=time_from("--step", step, chain), drift=drift, max_steps=max_steps,
-            progress=progress,
-        )  # fmt: skip
+        run = hertzchain.simulate(chain, until=end, step=length, progress=progress, **settings)
     if horizon:
         with progress_bar("beads passed, second integration") as progress:
             run.horizon(progress=progress)
-    if out is not None:
-        save_run(run, out)
-    walls = _walls(run)
-    if plot is not None:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore", hertzchain.IncompleteWarning)  # already shown
-            save_figure(_drawn(run, sensors, walls), plot)
-    if animation is not None:
-        with progress_bar("frames") as progress:
-            run.animate(animation, progress=progress)
-    felt = [run.sensor_force(bead) for bead in sensors]
-    _show_run(run, walls, felt, run.waves() if waves else None, as_json)
-    if budget:
-        click.echo(run.budget())
+    return run
 
 
-def _drawn(run: Run, sensors: tuple[int, ...], walls: list[WallForce]) -> Axes:
-    """Plot forces in sensors and on walls, or else the map of all velocities."""
-    if not sensors:
-        return run.plot()
-    ends = {"left": 0, "right": run.chain.beads + 1}
-    return run.plot_forces([*sensors, *(ends[wall.side] for wall in walls)])
+def _together(runs: dict[str, Run], found: list[dict[str, object]]) -> dict[str, object]:
+    version = {"schema_version": found[0].pop("schema_version")}
+    for each in found[1:]:
+        del each["schema_version"]
+    named = [{"name": name} | each for name, each in zip(runs, found, strict=True)]
+    return version | {"runs": named}
 
 
-def _walls(run: Run) -> list[WallForce]:
-    from ..simulation.wall_force import SIDES
+def _save_plot(runs: dict[str, Run], beads: dict[str, list[int]], plot: Path) -> None:
+    from ..errors import IncompleteWarning
 
-    return [run.wall_force(side) for side in SIDES if f"{side} wall" in run.chain.features]
-
-
-def _show_run(
-    run: Run, walls: list[WallForce], sensors: list[SensorForce], waves: Waves | None, as_json: bool
-) -> None:
-    from ..store import results
-    from .wave_tables import horizon_as_dict, wave_table, waves_as_list
-
-    summary: dict[str, object] = {
-        "status": run.status,
-        "message": run.message,
-        "end_time": run.end_time,
-        "steps": run.steps,
-        "evaluations": run.evaluations,
-        "energy_drift": run.energy_drift,
-        "momentum_drift": run.momentum_drift,
-        "saved_times": len(run.times),
-    }
-    if as_json:
-        document = {"schema_version": results.SCHEMA_VERSION} | summary
-        document |= {"walls": [*map(_numbers, walls)], "sensors": [*map(_numbers, sensors)]}
-        if run.known_horizon is not None:
-            document["horizon"] = horizon_as_dict(run.known_horizon)
-        if waves is not None:
-            document["waves"] = waves_as_list(waves)
-        document["chain"] = results.chain_as_dict(run.chain)
-        show_json(document)
-        return
-    click.echo(f"{run.chain.description}\n{run.message}")
-    click.echo(f"energy drift {run.energy_drift:.1e}, momentum drift {run.momentum_drift:.1e}")
-    click.echo(f"{len(run.times)} times saved, {run.evaluations} evaluations of the force")
-    newton, second, impulse = (" N", " s", " N s") if run.chain.units == "SI" else ("", "", "")
-    for wall in walls:
-        click.echo(_wall_line(wall, newton, second, impulse))
-    for sensor in sensors:
-        click.echo(_sensor_line(sensor, newton, second))
-    if run.known_horizon is not None:
-        click.echo(f"horizon: {run.known_horizon.message}")
-    elif run.prediction:
-        click.echo("a long run between walls: --horizon shows how long it is predictable")
-    if waves is not None:
-        show_table(wave_table(waves))
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", IncompleteWarning)  # already shown
+        save_figure(_drawn(runs, beads), plot)
 
 
-def _is_nan(value: object) -> bool:
-    return isinstance(value, float) and math.isnan(value)
+def _drawn(runs: dict[str, Run], beads: dict[str, list[int]]) -> Axes:
+    """Plot forces in sensors and on walls; or else velocities, of one run as a map."""
+    from ..plotting.pulses import plot_pulses
+    from ..simulation.wall_force import walls_of
 
-
-def _numbers(force: WallForce | SensorForce) -> dict[str, object]:
-    """All fields except the trace; null for a number that does not exist."""
-    found = {name: value for name, value in vars(force).items() if name not in ("times", "force")}
-    return {name: None if _is_nan(value) else value for name, value in found.items()}
-
-
-def _wall_line(wall: WallForce, newton: str, second: str, impulse: str) -> str:
-    """Describe the force on a wall; an incomplete one has no peak."""
-    if wall.largest_so_far == 0.0:
-        return f"{wall.side} wall: not reached"
-    largest = f"{wall.largest_so_far:.6g}{newton} at t = {wall.largest_so_far_time:.6g}{second}"
-    if not wall.complete:
-        return (
-            f"{wall.side} wall: peak not complete, largest so far {largest}, up to "
-            f"{wall.bound:.6g}{newton} may follow; impulse so far {wall.impulse:.6g}{impulse}"
-        )
-    first = ""
-    if wall.first_contact_impulse is not None:
-        first = f", of the first contact {wall.first_contact_impulse:.6g}{impulse}"
-    touches = "1 contact" if wall.touches == 1 else f"{wall.touches} contacts"
-    return (
-        f"{wall.side} wall: peak {largest}; impulse of the impact {wall.impulse_of_impact:.6g}"
-        f"{impulse} ({touches}){first}, in total {wall.impulse:.6g}{impulse}"
-    )
-
-
-def _sensor_line(sensor: SensorForce, newton: str, second: str) -> str:
-    from ..simulation.sensor_force import SHOWN
-
-    first = "no maximum yet"
-    if not math.isnan(sensor.first_maximum):
-        first = (
-            f"first maximum {sensor.first_maximum:.6g}{newton} at t = "
-            f"{sensor.first_maximum_time:.6g}{second}"
-        )
-    error = ""
-    if sensor.error > SHOWN * sensor.largest_so_far:
-        error = f" (+- {sensor.error:.2g}{newton}, from {len(sensor.times)} saved times)"
-    return (
-        f"sensor in bead {sensor.bead}: {first}; largest so far {sensor.largest_so_far:.6g}"
-        f"{newton} at t = {sensor.largest_so_far_time:.6g}{second}{error}"
-    )
+    first, *others = runs.values()
+    shown = {name: [*beads[name], *walls_of(run.chain).values()] for name, run in runs.items()}
+    if not others and not any(beads.values()):
+        return first.plot()
+    if not all(shown.values()):
+        return plot_pulses([run.pulse() for run in runs.values()], labels=list(runs))
+    if not others:
+        return first.plot_forces(*shown.values())
+    axes: Axes = first.plot_forces(shown[next(iter(runs))], label=next(iter(runs)))
+    for name, run in [*runs.items()][1:]:
+        run.plot_forces(shown[name], label=name, ax=axes)
+    axes.set_title("")
+    return axes

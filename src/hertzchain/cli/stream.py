@@ -27,6 +27,7 @@ def stream_into(
     folder: Path, chain: Chain, *, until: float | None, times: int, rtol: float, as_json: bool
 ) -> None:
     """Write a run to a folder, or resume the run in it, and summarise it."""
+    from ..representation import counted, measure
     from ..simulation.run_message import LONG_RUN, transits_between_walls
     from ..store import results
     from ..store.streaming import stream
@@ -44,13 +45,13 @@ def stream_into(
         document |= {"folder": str(folder), "files": files, "saved_times": times, "end_time": end}
         show_json(document)
         return
-    unit = " s" if chain.units == "SI" else ""
-    noun = "file" if files == 1 else "files"
-    click.echo(f"{chain.description}\n{times} times up to t = {end:g}{unit} in {files} {noun}")
-    if transits_between_walls(chain, end) > LONG_RUN:
+    last = measure(end, "s", chain.units, 6)
+    click.echo(f"{chain.description}\n{times} times up to t = {last} in {counted(files, 'file')}")
+    transits = transits_between_walls(chain, end)
+    if transits > LONG_RUN:
         click.echo(
-            "a long run between walls: --horizon, without --stream, shows how long it is "
-            "predictable"
+            f"the run lasts {transits:.3g} transits of the pulse: --horizon, without --stream, "
+            "shows how long it is predictable"
         )
 
 

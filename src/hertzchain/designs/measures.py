@@ -46,6 +46,12 @@ OF_CHAIN: Final = {
     "smallest_radius": "m", "largest_radius": "m",
 }  # fmt: skip
 AT_BEAD: Final = (*PULSE, *SHARES)
+WORDS: Final = {
+    "wall_force.peak": "peak force on the wall", "wall_force.impulse": "impulse on the wall",
+    "wall_force.duration": "duration of the force on the wall", "largest_force": "largest force",
+    "yield_ratio": "pressure / pressure at first yield", "overlap_ratio": "overlap / radius",
+    "length": "length of the chain", "mass": "mass of the chain", "beads": "number of beads",
+}  # fmt: skip
 NAMES: Final = (*WALL, *AT_BEAD, "largest_force", *RANGE, *OF_CHAIN)
 
 
@@ -60,6 +66,14 @@ class Measure:
     def __str__(self) -> str:
         own = self.key if self.bead is None else f"{self.key}@{self.bead or 'last'}"
         return own if self.over is None else f"{own}/{self.over}"
+
+    @property
+    def label(self) -> str:
+        """Description in words, for axes: ``peak force on the wall``, ``velocity of bead 20``."""
+        own = WORDS.get(self.key, self.key.replace("_", " "))
+        if self.bead is not None:
+            own += f" of bead {self.bead}" if self.bead else " of the last bead"
+        return own if self.over is None else f"{own} / {self.over.label}"
 
     @property
     def of_chain(self) -> bool:

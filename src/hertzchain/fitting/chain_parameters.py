@@ -85,7 +85,8 @@ def known_names(chain: Chain) -> list[str]:
     if chain.strikers or chain.velocities[0]:
         names.append("struck_by.velocity")
     if chain.materials is not None:
-        names += [f"materials[NAME].{field}" for field in ("young", "poisson", "density")]
+        kind = chain.materials[-1].name
+        names += [f"materials[{kind}].{field}" for field in ("young", "poisson", "density")]
         names.append("radius[8]")
     for end in ENDS:
         if getattr(chain, end) is not None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, Final
+from typing import Final
 
 from ..chain.chain import Chain
 from ..errors import InputError, short_repr, unknown_name_error
@@ -17,6 +17,13 @@ from .sensors import COMMON_ONLY, SENSOR_KINDS
 from .traces import Traces
 
 TIME: Final = Kind("s", typical=1e-6, step=1e-2)
+# Symbols of textbooks, and how the names that they stand for begin.
+SYMBOLS: Final = {
+    "E": "materials[", "young": "materials[", "modulus": "materials[", "k": "stiffness",
+    "v": "struck_by", "v0": "struck_by", "velocity": "struck_by", "speed": "struck_by",
+    "gap": "gap[", "gaps": "gap[", "radius": "radius[", "R": "radius[", "mass": "mass[",
+    "m": "mass[", "t0": "time_offset", "loss": "loss.", "e": "loss.",
+}  # fmt: skip
 Priors = Mapping[str, tuple[float, float]]
 
 
@@ -79,7 +86,7 @@ def free_parameters(
     asked = default_names(traces, chains[0]) if free is None else check_list("free", free, "names")
     names: dict[Name, None] = {}
     for text in asked:
-        for name in expanded(parse_name(text), traces):
+        for name in expanded(_parsed(text, chains[0]), traces):
             if name in names:
                 raise InputError(f"parameter {str(name)!r} is free twice; name it once")
             names[name] = None
@@ -96,6 +103,27 @@ def free_parameters(
         if name not in names:
             raise unknown_name_error("free parameter", str(name), map(str, names))
     return [_parameter(name, traces, chains, known_priors.get(name), starts) for name in names]
+
+
+def _parsed(text: object, chain: Chain) -> Name:
+    """Parse the name of a free parameter; the error lists the names that exist."""
+    meant = SYMBOLS.get(text, ()) if isinstance(text, str) else ()
+    every = every_name(chain)
+    near = [name for name in every if name.startswith(meant)] if meant else []
+    try:
+        if not near or text in every:
+            return parse_name(text)
+    except InputError:
+        if not isinstance(text, str):
+            raise
+    hint = f"; did you mean {near[0]!r}?" if near else ""
+    raise InputError(f"unknown parameter {short_repr(text)}: choose from {', '.join(every)}{hint}")
+
+
+def every_name(chain: Chain) -> list[str]:
+    """Names of the parameters of a chain and its sensors."""
+    of_sensors = [name if name in COMMON_ONLY else f"{name}[ball 6]" for name in SENSOR_KINDS]
+    return [*known_names(chain), "time_offset", *of_sensors]
 
 
 def expanded(name: Name, traces: Traces) -> list[Name]:
@@ -180,7 +208,6 @@ def kind_and_value(name: Name, traces: Traces, chains: Sequence[Chain]) -> tuple
     try:
         return kind_of(chain, name), value_of(chain, name)
     except InputError as error:
-        every: list[Any] = [*known_names(chain), "time_offset", *SENSOR_KINDS]
         if "unknown parameter" in str(error):
-            raise unknown_name_error("parameter", str(name), every) from None
+            raise unknown_name_error("parameter", str(name), every_name(chain)) from None
         raise

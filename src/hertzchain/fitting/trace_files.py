@@ -111,7 +111,8 @@ def _columns(
     names = [(HEADER.fullmatch(text) or {"name": text})["name"].lower() for text in header]
     if names.count("time") != 1:
         raise InputError(
-            f"there must be one column of times, such as 'time [us]', among {', '.join(header)}"
+            f"there must be one column of times, such as 'time [us]' (with square brackets), among "
+            f"{', '.join(header)}"
         )
     columns: dict[tuple[Place, str], tuple[int, float]] = {}
     for index, text in enumerate(header):

@@ -9,7 +9,7 @@ import numpy as np
 
 from ..simulation.budget import Budget
 from ..simulation.run import Run
-from ..simulation.wall_force import WallForce
+from ..simulation.wall_force import WallForce, may_follow
 from .drawing import (
     COLOURS,
     Curve,
@@ -134,6 +134,5 @@ def wall_force_html(wall: WallForce) -> str:
     }  # fmt: skip
     parts.append(numbers({name: value for name, value in found.items() if value}))
     if not complete:
-        bound = engineering(wall.bound, "N", units)
-        parts.append(note(f"The run ended too early: a force of up to {bound} may follow."))
+        parts.append(note(f"The run ended too early: {may_follow(wall)}."))
     return page("WallForce", f"{wall.side} wall", *parts)

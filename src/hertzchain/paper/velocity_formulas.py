@@ -113,7 +113,7 @@ def draw_formula_errors(pulses: Pulses) -> MatplotlibFigure:
             axes.axhline(0.0, color="0.7", linewidth=0.6, zorder=0)
             axes.set_title(f"{taper}, ${rate_symbol(taper)} = {rate:g}$")
             if rate_symbol(taper) == "q":
-                axes.set_ylim(-40.0, 60.0)
+                axes.set_ylim((-16.0, 16.0) if taper.startswith("backward") else (-6.0, 44.0))
             axes.legend(fontsize=7.5, loc="best")
         for axes in grid[1]:
             axes.set_xlabel("bead $k$")

@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import os
 import tempfile
+import warnings
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
@@ -17,14 +18,15 @@ from matplotlib.axes import Axes
 from matplotlib.collections import EllipseCollection
 
 from ..collision import Array
-from ..errors import InputError
+from ..errors import IncompleteWarning, InputError
 from ..simulation.run import Run
 from ..store.writing import write_bytes
 from ..validation.numbers import number, whole_number
 from ..validation.objects import callback, check_type, file_path
 from .chains import bead_centres, draw_walls
-from .runs import check_times
-from .style import chain_title, figure_style, set_title, time_axis
+from .runs import check_times, force_curve
+from .style import figure_style, set_title, time_axis
+from .titles import chain_title
 
 if TYPE_CHECKING:
     from PIL.Image import Image
@@ -137,8 +139,11 @@ def _pictures(run: Run, chosen: Array, magnify: float | None) -> Iterator[Image]
             # The layout of the first frame is kept, so that the frames are aligned.
             figure.canvas.draw()
             figure.set_layout_engine("none")
+            # Beads at whole pixels have equal edges in most frames, which compress well.
+            pixel = np.diff(top.get_xlim())[0] / top.get_window_extent().width
             for i in chosen:
-                beads.set_offsets(np.column_stack([centres + factor * moved[i], 0.0 * centres]))
+                shifts = pixel * np.round(factor * moved[i] / pixel)
+                beads.set_offsets(np.column_stack([centres + shifts, 0.0 * centres]))
                 beads.set_array(run.velocities[i])
                 marker.set_xdata([unit * run.times[i]] * 2)
                 clock.set_text(f"t = {unit * run.times[i]:.1f}{suffix}")
@@ -176,10 +181,13 @@ def _draw_force(axes: Axes, run: Run) -> Any:
     unit, label = time_axis(run.chain)
     newton = " [N]" if run.chain.units == "SI" else ""
     if run.chain.right_wall is not None:
-        values, what = run.force(run.chain.beads), "force on wall"
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", IncompleteWarning)
+            times, values, *_ = force_curve(run, run.chain.beads + 1)
+        what = "force on wall"
     else:
-        values, what = run.forces.max(axis=1), "largest force"
-    axes.plot(unit * run.times, values, color="black", linewidth=0.9)
+        times, values, what = run.times, run.forces.max(axis=1), "largest force"
+    axes.plot(unit * times, values, color="black", linewidth=0.9)
     axes.set_xlim(unit * run.times[0], unit * run.times[-1])
     axes.set_xlabel(label)
     axes.set_ylabel(what + newton)
@@ -192,8 +200,8 @@ def _gif(pictures: list[Image], seconds: float) -> bytes:
     content = io.BytesIO()
     # One palette for all frames, so that unchanged pixels do not flicker and compress well: greys
     # for lines and letters, and the colours of velocities.
-    greys = np.repeat(np.linspace(0, 255, 31).astype(np.uint8), 3)
-    colours = (255.0 * colormaps[COLOURS](np.linspace(0.0, 1.0, 96))[:, :3]).astype(np.uint8)
+    greys = np.repeat(np.linspace(0, 255, 8).astype(np.uint8), 3)
+    colours = (255.0 * colormaps[COLOURS](np.linspace(0.0, 1.0, 41))[:, :3]).astype(np.uint8)
     palette = Image.new("P", (1, 1))
     palette.putpalette([*greys.tolist(), *colours.ravel().tolist(), *MARKER])
     reduced = [picture.quantize(palette=palette, dither=Image.Dither.NONE) for picture in pictures]

@@ -14,13 +14,13 @@ from ..simulation.budget import BALANCED, Balanced, Budget
 from ..simulation.horizon import Horizon
 from ..validation.objects import check_choice, check_type
 from .style import (
-    chain_title,
     figure_style,
     get_axes,
     mark_horizon,
     set_title,
     time_axis,
 )
+from .titles import chain_title
 
 # Locations, with colour and hatching.
 PARTS: Final[dict[str, tuple[str, str]]] = {

@@ -14,7 +14,8 @@ from matplotlib.patches import Circle, Patch
 from ..chain.chain import Chain
 from ..chain.feature_support import require_chain
 from ..collision import Array
-from .style import chain_title, figure_style, get_axes, literal, set_title
+from .style import figure_style, get_axes, literal, set_title
+from .titles import chain_title
 
 # Colours of the materials of the package, and those from which other materials receive one.
 MATERIALS: Final = {

@@ -14,7 +14,7 @@ from matplotlib.figure import Figure
 from ..errors import InputError
 from ..simulation.simulate import simulate
 from .chains import bead_centres, draw_beads, material_legend
-from .style import COLOURS, figure_style, get_axes, time_axis
+from .style import COLOURS, figure_style, get_axes, label_log_axis, time_axis
 from .widths import figure_size
 
 if TYPE_CHECKING:
@@ -28,7 +28,7 @@ RTOL: Final = 1e-8
 def plot_beads(result: DesignResult, *, ax: Axes | None = None) -> Axes:
     """Plot the beads of the chain that was found, above those of the chain it began with."""
     with figure_style():
-        axes = get_axes(ax)
+        axes = get_axes(ax, figsize=(7.0, 2.2))
         chains = {"before": result.problem.chain, "after": result.chain}
         factor, unit = (1e3, " [mm]") if result.chain.units == "SI" else (1.0, "")
         height = -2.4 * factor * max(chain.radii.max() for chain in chains.values())
@@ -86,6 +86,7 @@ def plot_history(result: DesignResult, *, ax: Axes | None = None) -> Axes:
         values = result._sign * scores
         axes.step([*runs, result.runs], [*values, *values[-1:]], where="post", color=COLOURS[1])
         axes.set_xscale("log")
+        label_log_axis(axes.xaxis)
         axes.set_xlabel("simulations")
         axes.set_ylabel(_label(result))
     return axes
@@ -110,12 +111,13 @@ def plot_front(result: DesignResult, *, ax: Axes | None = None) -> Axes:
             raise InputError("this design has one objective and no front; give two objectives")
         axes = get_axes(ax)
         first, second = (str(each.single) for each in result.problem.objectives)
+        words = {str(each): each.label for each in result.problem.measures}
         points = sorted((each.values[second], each.values[first]) for each in result.front)
         axes.plot(*zip(*points, strict=True), "o-", color=COLOURS[1])
         for label, name in ((axes.set_xlabel, second), (axes.set_ylabel, first)):
             unit = next(m.unit for m in result.problem.measures if str(m) == name)
             si = result.chain.units == "SI" and unit != "1"
-            label(f"{name} [{unit}]" if si else name)
+            label(f"{words[name]} [{unit}]" if si else words[name])
     return axes
 
 
@@ -142,7 +144,7 @@ def _label(result: DesignResult) -> str:
     single = result.problem.objective.single
     if single is None:
         return "score"
-    return f"{single} [{result.unit}]" if result.unit else str(single)
+    return f"{single.label} [{result.unit}]" if result.unit else single.label
 
 
 KINDS: Final[dict[str, Callable[..., Axes]]] = {

@@ -138,13 +138,11 @@ def _draw_data_and_model(axes: Axes, times: Any, data: Any, model: Any) -> None:
 
 def _draw_crest(axes: Axes, times: Any, signal: Signal, model: Any) -> float:
     """Enlarge the crest of the signal in an inset beside it; returns its left edge."""
-    crest = int(np.argmax(np.where(signal.valid, signal.values, -np.inf)))
-    high = np.abs(model - model[0]) > 0.7 * abs(model[crest] - model[0])
-    begin, end = crest, crest
-    while begin > 0 and high[begin - 1]:
-        begin -= 1
-    while end < len(times) - 1 and high[end + 1]:
-        end += 1
+    values = np.where(signal.valid, signal.values, -np.inf)
+    crest, begin, end = _crest(values, model)
+    if end == len(times) - 1 and begin > 1:
+        # The record ends before this wave has passed: show the one before it.
+        crest, begin, end = _crest(values[:begin], model[:begin])
     left = 0.58 if crest < 0.5 * len(times) else 0.03
     if end - begin < CREST:
         return left
@@ -155,6 +153,18 @@ def _draw_crest(axes: Axes, times: Any, signal: Signal, model: Any) -> float:
     inset.set_yticks([])
     inset.set_title("crest", fontsize=7, pad=2.0)
     return left
+
+
+def _crest(values: Any, model: Any) -> tuple[int, int, int]:
+    """Index of the largest value, and of both ends of the crest around it."""
+    crest = int(np.argmax(values))
+    high = np.abs(model - model[0]) > 0.7 * abs(model[crest] - model[0])
+    begin, end = crest, crest
+    while begin > 0 and high[begin - 1]:
+        begin -= 1
+    while end < len(model) - 1 and high[end + 1]:
+        end += 1
+    return crest, begin, end
 
 
 def plot_fit_residuals(result: FitResult) -> Figure:
@@ -274,6 +284,7 @@ def plot_comparison(comparison: TraceComparison) -> Figure:
                          comparison.scales[i] * comparison.signals[i])  # fmt: skip
             if i >= count - columns:
                 axes.set_xlabel("time [µs]")
+                axes.tick_params(labelbottom=True)
         panels[0, 0].legend()
     return figure
 

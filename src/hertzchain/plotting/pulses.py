@@ -14,7 +14,15 @@ from ..pulse.pulse import Pulse
 from ..pulse.quantities import QUANTITIES
 from ..validation.objects import check_bool, check_choice, check_list, check_type
 from .labels import distinguish
-from .style import COLOURS, MARKERS, figure_style, get_axes, literal, set_title
+from .style import (
+    COLOURS,
+    MARKERS,
+    figure_style,
+    get_axes,
+    label_log_axis,
+    literal,
+    set_title,
+)
 
 
 def plot_pulses(
@@ -87,6 +95,8 @@ def plot_pulses(
         row = QUANTITIES[quantity]
         axes.set_ylabel(row.label_in(pulses[0].chain.units))
         axes.set_yscale("log" if log else "linear")
+        if log:
+            label_log_axis(axes.yaxis)
         (axes if lower is None else lower).set_xlabel(f"{row.per} $k$")
         if lower is not None:
             _draw_residuals(lower, pulses, quantity)

@@ -9,21 +9,25 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.ticker import MaxNLocator
 
+from ..chain.bead_names import bead_label, bead_number
+from ..collision import Array
 from ..errors import InputError
 from ..pulse.quantities import RUN_QUANTITIES
 from ..simulation.run import Run
-from ..simulation.wall_force import Side
+from ..simulation.sensor_force import sensor_maxima
+from ..simulation.wall_force import walls_of
 from ..validation.numbers import whole_number
-from ..validation.objects import check_choice, check_list
+from ..validation.objects import check_choice, check_list, text
 from .style import (
     COLOURS,
-    chain_title,
     figure_style,
     get_axes,
+    literal,
     mark_horizon,
     set_title,
     time_axis,
 )
+from .titles import chain_title
 
 # Added to the legend of a wall whose force may still exceed the plotted values.
 CUT_OFF = " (peak not complete)"
@@ -92,18 +96,23 @@ def plot_run(
     return axes
 
 
-def plot_forces(run: Run, beads: Sequence[int], *, ax: Axes | None = None) -> Axes:
+def plot_forces(
+    run: Run, beads: Sequence[int | str], *, label: str = "", ax: Axes | None = None
+) -> Axes:
     """Plot the force in sensors in beads, and on walls, over time.
 
-    If the peak force on a wall is not complete, its curve ends in an open circle, and the legend
-    states it.
+    Curves contain the maxima, which are located between the saved times.  If the peak force on a
+    wall is not complete, its curve ends in an open circle, and the legend states it.
 
     Parameters
     ----------
     run : Run
         A run with saved times.
-    beads : sequence of int
-        Numbers of the beads with a sensor; N + 1 is the right wall, 0 the left one.
+    beads : sequence of int or str
+        Numbers of the beads with a sensor; N + 1 is the right wall, 0 the left one.  Or names such
+        as ``"ball 11"``, counted without the strikers.
+    label : str
+        Name of the run in the legend, if several runs are plotted into the same axes.
     ax : matplotlib.axes.Axes, optional
         Axes to draw into.  By default, a new figure is created.
 
@@ -121,36 +130,61 @@ def plot_forces(run: Run, beads: Sequence[int], *, ax: Axes | None = None) -> Ax
     ['bead 5', 'bead 10', 'right wall']
     """
     check_times(run)
-    numbers = [whole_number("bead", k, least=0) for k in check_list("beads", beads, "bead numbers")]
-    if not numbers:
+    name = text("label", label) if label else ""
+    given = check_list("beads", beads, "bead numbers")
+    if not given:
         raise InputError("beads must contain at least one bead number, such as [3, 6]")
-    factor, label = time_axis(run.chain)
-    walls: dict[int, Side] = {0: "left", run.chain.beads + 1: "right"}
+    curves = [force_curve(run, each) for each in given]
+    factor, time_label = time_axis(run.chain)
     with figure_style():
         axes = get_axes(ax)
         # Curves of several runs in the same axes have different colours.
         drawn = len(axes.lines)
-        for i, k in enumerate(numbers, drawn):
-            wall = run.wall_force(walls[k]) if k in walls else None
-            cut_off = wall is not None and not wall.complete
+        for i, (times, force, curve, cut_off) in enumerate(curves, drawn):
+            legend = ", ".join(filter(None, (literal(name), curve))) + CUT_OFF * cut_off
             axes.plot(
-                factor * run.times,
-                run.sensor(k) if wall is None else wall.force,
+                factor * times,
+                force,
                 color=COLOURS[i % len(COLOURS)],
                 linestyle=("-", "--", "-.", ":")[i // len(COLOURS) % 4],
                 marker="o" if cut_off else None,
                 markevery=[-1],
                 markerfacecolor="none",
                 clip_on=not cut_off,
-                label=f"bead {k}" if wall is None else f"{wall.side} wall{CUT_OFF * cut_off}",
+                label=legend,
             )
-        axes.set_xlabel(label)
+        axes.set_xlabel(time_label)
         axes.set_ylabel("force [N]" if run.chain.units == "SI" else "force $F$")
         set_title(axes, chain_title(run.chain))
         axes.margins(x=0.0)
         mark_horizon(axes, run.known_horizon)
         axes.legend()
     return axes
+
+
+def force_curve(run: Run, bead: int | str) -> tuple[Array, Array, str, bool]:
+    """Times, forces and name of a curve, and whether the peak of a wall is not complete."""
+    walls = {number: side for side, number in walls_of(run.chain).items()}
+    if not isinstance(bead, str) and whole_number("bead", bead, least=0) in walls:
+        wall = run.wall_force(walls[bead])
+        largest = wall.largest_so_far_time, wall.largest_so_far
+        times, force = _with_points(wall.times, wall.force, [largest])
+        return times, force, f"{wall.side} wall", not wall.complete
+    number = bead_number(run.chain, bead)
+    sensor = sensor_maxima(run, number)
+    maxima = [(sensor.first_maximum_time, sensor.first_maximum),
+              (sensor.largest_so_far_time, sensor.largest_so_far)]  # fmt: skip
+    times, force = _with_points(run.times, run.sensor(number), maxima)
+    return times, force, bead_label(run.chain, number), False
+
+
+def _with_points(
+    times: Array, values: Array, points: Sequence[tuple[float, float]]
+) -> tuple[Array, Array]:
+    """A curve with further points between its times."""
+    new = {x: y for x, y in points if times[0] < x < times[-1] and x not in times}
+    at = np.searchsorted(times, [*new])
+    return np.insert(times, at, [*new]), np.insert(values, at, [*new.values()])
 
 
 def check_times(run: Run) -> None:

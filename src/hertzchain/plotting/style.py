@@ -13,9 +13,11 @@ from typing import TYPE_CHECKING, Final
 import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.axis import Axis
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure
+from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from ..chain.chain import Chain
 from ..validation.objects import check_type
@@ -31,6 +33,9 @@ MARKERS: Final = ("o", "+", "x", "s", "^", "v", "D")
 
 # Average for a title.
 INCHES_PER_LETTER: Final = 0.07
+
+# Ratio of the limits of a logarithmic axis up to which it has plain numbers.
+MAX_PLAIN: Final = 100.0
 
 
 @contextmanager
@@ -123,17 +128,19 @@ def set_title(axes: Axes, text: str) -> None:
     axes.set_title("\n".join(lines).replace("\u00a0", " "))
 
 
-def chain_title(chain: Chain) -> str:
-    """Beads of a chain, for titles; the features of a chain are in its description."""
-    kept = chain.description.removeprefix("SI, ")
-    for feature in chain.features:
-        kept = kept.replace(f", {feature}", "")
-    return literal(kept)
-
-
 def time_axis(chain: Chain) -> tuple[float, str]:
     """Factor and label of a time axis: microseconds for a chain in SI units."""
     return (1e6, "time [µs]") if chain.units == "SI" else (1.0, "time $t$")
+
+
+def label_log_axis(axis: Axis) -> None:
+    """Label an axis with few decades by plain numbers, such as 0.2, 0.5 and 1."""
+    low, high = sorted(map(float, axis.get_view_interval()))
+    if low > 0.0 and high < MAX_PLAIN * low:
+        digits = (1.0, 2.0, 3.0, 4.0, 6.0, 8.0) if high < 6.0 * low else (1.0, 2.0, 5.0)
+        axis.set_major_locator(LogLocator(subs=digits))
+        axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+        axis.set_minor_formatter(NullFormatter())
 
 
 def mark_horizon(axes: Axes, horizon: Horizon | None) -> None:

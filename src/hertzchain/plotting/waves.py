@@ -6,7 +6,8 @@ from matplotlib.axes import Axes
 from matplotlib.ticker import MaxNLocator
 
 from ..simulation.waves import DIRECTIONS, Waves
-from .style import COLOURS, chain_title, figure_style, get_axes, set_title, time_axis
+from .style import COLOURS, figure_style, get_axes, set_title, time_axis
+from .titles import chain_title
 
 LINES = {1: (COLOURS[1], "-"), -1: (COLOURS[2], "--")}
 

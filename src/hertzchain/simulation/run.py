@@ -22,6 +22,7 @@ from .reflection import reflection_of
 from .run_message import LONG_RUN, transits_between_walls
 from .run_pulse import pulse_of
 from .sensor_force import sensor_force_of
+from .time_scales import transit_times
 from .trajectory import Trajectory
 from .velocity_peaks import velocity_peaks_of
 from .wall_force import SIDES, Side, WallForce, incomplete_peak, wall_force_of
@@ -178,9 +179,8 @@ class Run(Trajectory):
         """
         wall = self._wall_force(side)
         if not wall.complete:
-            units = (" s", " N") if self.chain.units == "SI" else ("", "")
-            reason = incomplete_peak(wall, self.end_time, units)
-            warn_user(reason, IncompleteWarning)
+            half_transit = 0.5 * float(transit_times(self.chain).sum())
+            warn_user(incomplete_peak(wall, self.end_time, half_transit), IncompleteWarning)
         return wall
 
     def _wall_force(self, side: Side) -> WallForce:
@@ -266,8 +266,8 @@ class Run(Trajectory):
     def prediction(self) -> str:
         """Short description of how long the run is predictable; empty for short runs.
 
-        It recommends `horizon` if the run is long and its chain traps waves: without losses,
-        with a wall, and beyond three transits of a pulse.
+        It recommends `horizon` if the run is longer than three transits of a pulse, and its chain
+        traps waves: without losses, between two walls, or at one with precompression or gravity.
         """
         if self.known_horizon is not None:
             return self.known_horizon.message
@@ -324,13 +324,18 @@ class Run(Trajectory):
 
         return plot_run(self, quantity, ax=ax)
 
-    def plot_forces(self, beads: Sequence[int], *, ax: Axes | None = None) -> Axes:
+    def plot_forces(
+        self, beads: Sequence[int | str], *, label: str = "", ax: Axes | None = None
+    ) -> Axes:
         """Plot the force in sensors in beads, and on walls, over time.
 
         Parameters
         ----------
-        beads : sequence of int
-            Numbers of the beads with a sensor; N + 1 is the right wall, 0 the left one.
+        beads : sequence of int or str
+            Numbers or names of the beads with a sensor, such as 6 or ``"ball 5"``; N + 1 is the
+            right wall, 0 the left one.
+        label : str
+            Name of the run in the legend.
         ax : matplotlib.axes.Axes, optional
             Axes to draw into; by default those of a new figure.
 
@@ -343,7 +348,7 @@ class Run(Trajectory):
         """
         from ..plotting.runs import plot_forces
 
-        return plot_forces(self, beads, ax=ax)
+        return plot_forces(self, beads, label=label, ax=ax)
 
     def animate(self, path: str | os.PathLike[str], **options: Any) -> Path:
         """Write an animation of the beads as a GIF, with their velocities as colours.

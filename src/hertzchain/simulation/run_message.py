@@ -7,6 +7,7 @@ from typing import Final
 import numpy as np
 
 from ..chain.chain import Chain
+from ..representation import measure
 from .run_end import Status
 from .time_scales import transit_times
 from .wall_watch import MAX_TRANSITS
@@ -32,8 +33,8 @@ LONG_RUN: Final = 3.0
 
 def end_message(chain: Chain, status: Status, time: float, steps: int, passed: int) -> str:
     """Describe the status of a run in a sentence, with advice if it failed."""
-    unit = " s" if chain.units == "SI" else ""
-    at, milder = f"at t = {time:g}{unit}, after {steps} steps", _milder(chain)
+    at = f"at t = {measure(time, 's', chain.units, digits=6)}, after {steps} steps"
+    milder = _milder(chain)
     so_far = f"the pulse had passed {passed} of {chain.beads} beads"
     return {
         "pulse left": f"the pulse left the chain {at}",
@@ -63,6 +64,7 @@ def _milder(chain: Chain) -> str:
 
 
 def transits_between_walls(chain: Chain, time: float) -> float:
-    """Number of transits of a pulse in a chain that traps it, without losses and with a wall."""
-    trapped = chain.lossless and any(chain.wall_stiffness)
+    """Number of transits of a pulse in a chain that traps it without losses, as two walls do."""
+    held = chain.gravity != 0.0 or chain.precompression > 0.0
+    trapped = chain.lossless and sum(np.array(chain.wall_stiffness) > 0.0) > (0 if held else 1)
     return time / float(transit_times(chain).sum()) if trapped else 0.0

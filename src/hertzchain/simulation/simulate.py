@@ -28,7 +28,7 @@ from .kernel_input import kernel_chain
 from .run import Run
 from .run_end import RunEnd, Status
 from .state import State, contacts_of, first_state, same_motion
-from .time_scales import check_clock, transit_times
+from .time_scales import check_clock, check_length, transit_times
 from .wall_watch import CHECKS, FEW_CHECKS
 
 Progress = Callable[[int, int], None]
@@ -136,6 +136,7 @@ def simulate(
     rtol = checked_rtol(rtol)
     if until is not None:
         until = number("until", until, unit=chain._unit("s"), above=0.0)
+        check_length(chain, until)
     fixed = fixed_steps(chain, method, step, drift, until)
     usual = max(STEPS_PER_BEAD * chain.beads, MIN_STEP_LIMIT)
     if fixed is not None:

@@ -10,11 +10,14 @@ import numpy as np
 from ..chain.chain import Chain
 from ..chain.equilibrium import equilibrium
 from ..collision import Array, compression_time, reduced_mass
-from ..errors import InputError
+from ..errors import InputError, InputWarning, warn_user
 from .drive_pieces import drive_pieces
 
 # Smallest contact time: steps are fractions of it, which must be representable.
 MIN_CONTACT_TIME: Final = 1e-280
+# Time [s] and transits beyond which the unit of the end of a run is probably wrong.
+LONG_TIME: Final = 30.0
+MANY_TRANSITS: Final = 1e4
 
 
 def check_clock(chain: Chain) -> None:
@@ -83,3 +86,16 @@ def transit_times(chain: Chain, energy: float | None = None) -> Array:
         times = np.minimum(times, np.min(lengths, initial=np.inf))
     # There is no time scale: beads are at rest, in free fall or pushed by a constant force.
     return np.where(np.isfinite(times), times, 1.0)
+
+
+def check_length(chain: Chain, until: float) -> None:
+    """Warn about a run of many seconds, whose time was probably meant in us or ms."""
+    if chain.units != "SI" or until < LONG_TIME:
+        return
+    transits = until / float(transit_times(chain).sum())
+    if transits > MANY_TRANSITS:
+        warn_user(
+            f"until = {until:g} s is {transits:.2g} transits of a pulse; times are in s, so check "
+            "the unit ('500 us' is possible, too)",
+            InputWarning,
+        )

@@ -6,6 +6,7 @@ import math
 from dataclasses import dataclass, field
 from typing import Final, Literal
 
+from ..chain.chain import Chain
 from ..collision import Array
 from ..representation import counted, measure, short
 
@@ -31,13 +32,14 @@ class WallForce:
         Largest force and its time, located within the steps, not among the saved times; NaN if
         the peak is not complete.
     complete : bool
-        Whether the peak is complete, so that no later force exceeds it.
+        Whether the peak is complete: the largest force that was to be expected has passed.
     complete_since : float or None
         Time at which the peak became complete; `None` if it is not.
     largest_so_far, largest_so_far_time : float
         Largest force of the run and its time, complete or not.
     bound : float
         Largest force that the motion towards the wall at the end of the run can still cause.
+        Beads that move away from the wall and are turned back later are not included.
     momentum_on_its_way, energy_on_its_way : float
         Momentum and energy of the motion towards the wall at the end of the run [scaled, or
         kg m/s and J].
@@ -90,10 +92,10 @@ class WallForce:
             impact = f"{measure(self.impulse_of_impact, 'N s', self.units)} of the impact"
             return short("WallForce", f"{self.side} wall", peak, f"{impulse}, {impact}", touches)
         largest = f"largest so far {at(self.largest_so_far, self.largest_so_far_time)}"
-        bound = f"up to {measure(self.bound, 'N', self.units)} may follow"
         return short(
-            "WallForce", f"{self.side} wall", "peak not complete", largest, bound, impulse, touches
-        )
+            "WallForce", f"{self.side} wall", "peak not complete", largest, may_follow(self),
+            impulse, touches,
+        )  # fmt: skip
 
     def _repr_html_(self) -> str:
         from ..notebook.runs import wall_force_html
@@ -145,16 +147,29 @@ def wall_force_of(
     )
 
 
-def incomplete_peak(wall: WallForce, end: float, units: tuple[str, str]) -> str:
+def walls_of(chain: Chain) -> dict[Side, int]:
+    """Walls of a chain, with the numbers that they have among the beads: 0 and N + 1."""
+    numbers: dict[Side, int] = {"left": 0, "right": chain.beads + 1}
+    return {side: number for side, number in numbers.items() if f"{side} wall" in chain.features}
+
+
+def may_follow(wall: WallForce) -> str:
+    """Force that may still follow at a wall whose peak is not complete, in words."""
+    if wall.bound > wall.largest_so_far:
+        return f"up to {measure(wall.bound, 'N', wall.units)} may follow"
+    return "the motion towards the wall cannot exceed it, but beads may still be turned back"
+
+
+def incomplete_peak(wall: WallForce, end: float, half_transit: float) -> str:
     """State in a sentence why the peak on a wall is not complete."""
-    second, newton = units
-    found = f"the {wall.side} wall was not reached before t = {end:.6g}{second}"
-    if wall.largest_so_far > 0.0:
-        found = (
-            f"the peak of the force on the {wall.side} wall is not complete: the largest until "
-            f"t = {end:.6g}{second} is {wall.largest_so_far:.6g}{newton}"
-        )
-    more = f"the motion towards the wall can still cause up to {wall.bound:.6g}{newton}"
-    if wall.bound <= wall.largest_so_far:
-        more = "the motion away from the wall may still be reversed"
-    return f"{found}, and {more}; simulate for longer"
+    until = measure(end, "s", wall.units, digits=6)
+    if not wall.largest_so_far:
+        found = f"the {wall.side} wall was not reached before t = {until}"
+        return f"{found}, and {may_follow(wall)}; simulate for longer" if wall.bound else found
+    largest = measure(wall.largest_so_far, "N", wall.units, digits=6)
+    wait = measure(half_transit, "s", wall.units, digits=2)
+    return (
+        f"the peak of the force on the {wall.side} wall is not complete: the largest until "
+        f"t = {until} is {largest}; {may_follow(wall)}; simulate for longer, until no more can "
+        f"follow for half a transit ({wait})"
+    )

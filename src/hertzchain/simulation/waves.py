@@ -160,7 +160,8 @@ class Wave:
         doubt = "" if self.resolved else ", unresolved"
         return wrapped(
             f"Wave({DIRECTIONS[self.direction]}, contacts {first.contact} to {last.contact}, t = "
-            f"{first.time:.4g} to {measure(last.time, 's', units)}, {values}{doubt})"
+            f"{measure(first.time, 's', units)} to {measure(last.time, 's', units)}, {values}"
+            f"{doubt})"
         )
 
 

@@ -58,7 +58,7 @@ def load_beads(path: str | os.PathLike[str], own: Mapping[str, Material] | None 
     ...     file = Path(folder) / "beads.csv"
     ...     _ = file.write_text("diameter [mm],material\n10,brass\n8,glass\n")
     ...     load_beads(file)
-    Chain(SI, brass and glass, R = 4 .. 5 mm, 2 beads)
+    Chain(2 beads of brass and glass, diameters 10 mm to 8 mm)
     """
     file = file_path("table of beads", path)
     try:

@@ -70,8 +70,7 @@ class Spectrum(Frozen):
     >>> chain = hc.Chain.from_materials(5e-3, "steel-52100", beads=20, velocity=0.0)
     >>> held = chain.replace(precompression=10.0, left_wall=wall, right_wall=wall)
     >>> hc.spectrum(held)
-    Spectrum(20 modes, 1333.83 .. 17453.3 Hz: SI, steel-52100, R = 5 mm, 20 beads,
-             precompression, left wall, right wall)
+    Spectrum(20 modes, 1333.83 .. 17453.3 Hz: 20 steel-52100 beads, ...)
     """
 
     chain: Chain

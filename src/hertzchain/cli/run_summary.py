@@ -1,0 +1,138 @@
+"""Summaries of runs, as text and as JSON: how they ended, and forces on walls and in sensors."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import click
+
+from .output import show_table
+
+if TYPE_CHECKING:
+    from ..simulation.run import Run
+    from ..simulation.sensor_force import SensorForce
+    from ..simulation.wall_force import WallForce
+
+
+def run_as_dict(run: Run, beads: Sequence[int], *, waves: bool) -> dict[str, object]:
+    """Summary of a run as a JSON document."""
+    from ..store import results
+    from .wave_tables import horizon_as_dict, waves_as_list
+
+    document: dict[str, object] = {
+        "schema_version": results.SCHEMA_VERSION,
+        "status": run.status,
+        "message": run.message,
+        "end_time": run.end_time,
+        "steps": run.steps,
+        "evaluations": run.evaluations,
+        "energy_drift": run.energy_drift,
+        "momentum_drift": run.momentum_drift,
+        "saved_times": len(run.times),
+        "walls": [*map(_numbers, _walls(run))],
+        "sensors": [_numbers(run.sensor_force(bead)) for bead in beads],
+    }
+    if run.known_horizon is not None:
+        document["horizon"] = horizon_as_dict(run.known_horizon)
+    if waves:
+        document["waves"] = waves_as_list(run.waves())
+    return document | {"chain": results.chain_as_dict(run.chain)}
+
+
+def show_run(run: Run, beads: Sequence[int], *, waves: bool, hint: bool) -> None:
+    """Print the summary of a run, with a hint at --horizon if it is long and ``hint`` is true."""
+    from ..simulation.run_message import LONG_RUN, transits_between_walls
+    from .wave_tables import wave_table
+
+    click.echo(f"{run.chain.description}\n{run.message}")
+    click.echo(f"energy drift {run.energy_drift:.1e}, momentum drift {run.momentum_drift:.1e}")
+    click.echo(f"{len(run.times)} times saved, {run.evaluations} evaluations of the force")
+    for wall in _walls(run):
+        click.echo(_wall_lines(wall))
+    for bead in beads:
+        click.echo(_sensor_line(run, bead))
+    transits = transits_between_walls(run.chain, run.end_time)
+    if run.known_horizon is not None:
+        click.echo(f"horizon: {run.known_horizon.message}")
+    elif hint and transits > LONG_RUN:
+        click.echo(
+            f"the run lasts {transits:.3g} transits of the pulse: --horizon shows how long it is "
+            "predictable"
+        )
+    if waves:
+        show_table(wave_table(run.waves()))
+
+
+def _walls(run: Run) -> list[WallForce]:
+    from ..simulation.wall_force import walls_of
+
+    return [run.wall_force(side) for side in walls_of(run.chain)]
+
+
+def _is_nan(value: object) -> bool:
+    return isinstance(value, float) and math.isnan(value)
+
+
+def _numbers(force: WallForce | SensorForce) -> dict[str, object]:
+    """All fields except the trace; null for a number that does not exist."""
+    found = {name: value for name, value in vars(force).items() if name not in ("times", "force")}
+    return {name: None if _is_nan(value) else value for name, value in found.items()}
+
+
+def _wall_lines(wall: WallForce) -> str:
+    """Describe the force on a wall; an incomplete one has no peak."""
+    from ..representation import counted
+    from ..simulation.wall_force import may_follow
+
+    if wall.largest_so_far == 0.0:
+        return f"{wall.side} wall: not reached"
+    largest = _at(wall.largest_so_far, wall.largest_so_far_time, wall.units)
+    impulse = _impulse(wall.impulse, wall.units)
+    whole = f"{impulse} in the whole run"
+    if not wall.complete:
+        return (
+            f"{wall.side} wall: peak not complete, largest so far {largest}; {may_follow(wall)}\n"
+            f"  impulse {whole}"
+        )
+    of_impact = _impulse(wall.impulse_of_impact, wall.units)
+    parts = [f"{of_impact} in the impact ({counted(wall.touches, 'contact')})"]
+    if wall.first_contact_impulse is not None and wall.touches > 1:
+        first = _impulse(wall.first_contact_impulse, wall.units)
+        parts.insert(0, f"{first} in the first contact")
+    parts += [whole] * (impulse != of_impact)
+    return f"{wall.side} wall: peak {largest}\n  impulse {', '.join(parts)}"
+
+
+def _at(force: float, time: float, units: str) -> str:
+    from ..representation import measure
+
+    return f"{measure(force, 'N', units, 5)} at t = {measure(time, 's', units, 5)}"
+
+
+def _impulse(value: float, units: str) -> str:
+    return f"{1e3 * value:.4g} mN s" if units == "SI" else f"{value:.4g}"
+
+
+def _sensor_line(run: Run, bead: int) -> str:
+    from ..chain.bead_names import bead_label
+    from ..representation import measure
+    from ..simulation.sensor_force import SHOWN
+
+    sensor = run.sensor_force(bead)
+    first, largest = "no maximum yet", ""
+    if not math.isnan(sensor.first_maximum):
+        first = (
+            f"first maximum {_at(sensor.first_maximum, sensor.first_maximum_time, sensor.units)}"
+        )
+    if sensor.largest_so_far_time != sensor.first_maximum_time:
+        largest = _at(sensor.largest_so_far, sensor.largest_so_far_time, sensor.units)
+        largest = f"; largest so far {largest}"
+    elif sensor.first_maximum_time:
+        largest = ", the largest so far"
+    error = ""
+    if sensor.error > SHOWN * sensor.largest_so_far:
+        size = measure(sensor.error, "N", sensor.units, 2)
+        error = f" (+- {size}, from {len(sensor.times)} saved times)"
+    return f"sensor in {bead_label(run.chain, bead)}: {first}{largest}{error}"

@@ -1,0 +1,55 @@
+"""Numbers in a wrong unit, which are accepted with a warning, or rejected."""
+
+import pytest
+
+import hertzchain as hc
+
+BALLS = hc.Chain.from_materials(5e-3, "steel-52100", beads=4, velocity=0.1)
+
+
+@pytest.mark.parametrize(
+    ("call", "said"),
+    [
+        (lambda: hc.Material("glass", density=2.5, young=69e9, poisson=0.2), "multiply by 1000"),
+        (lambda: hc.Material("glass", density=2500, young=69, poisson=0.2), "and 1e9"),
+        (lambda: BALLS.struck_by(mass=5.0), "times the mass of the heaviest bead"),
+        (lambda: hc.simulate(BALLS, until=500, times=0), "check the unit"),
+    ],
+)
+def test_numbers_of_improbable_size_get_a_warning(call, said):
+    with pytest.warns(hc.InputWarning, match=said) as seen:
+        call()
+    assert [each.filename for each in seen] == [__file__]
+
+
+@pytest.mark.parametrize(
+    ("call", "said"),
+    [
+        (lambda: BALLS.struck_by(velocity=-0.3), "towards the chain"),
+        (lambda: hc.material("SS316"), "did you mean 'steel-316'"),
+        (lambda: hc.Chain.periodic([1e-3, 2e-3, 3e-3], cells=3, materials=["brass", "ptfe"]),
+         "the cell has 3 beads, but 2 materials"),
+    ],
+)  # fmt: skip
+def test_impossible_values_are_rejected(call, said):
+    with pytest.raises(hc.InputError, match=said):
+        call()
+
+
+def test_names_of_materials_may_have_capitals():
+    assert hc.material("PTFE") is hc.material("ptfe")
+
+
+def test_the_range_before_a_run_follows_the_pulse_to_the_wall():
+    chain = hc.Chain.tapered(
+        first_diameter="20 mm", last_diameter="5 mm", beads=40, material="steel-52100",
+        velocity="0.02 m/s",
+    ).replace(right_wall=hc.Wall())  # fmt: skip
+    before = hc.hertz_range(chain).yield_ratio
+    after = hc.hertz_range(chain, hc.simulate(chain, times=4000).largest_overlaps).yield_ratio
+    assert before[0] == after[0] == 0.0
+    # A binary collision is larger by up to 10%; several beads push against the wall.
+    ratio = before[1:] / after[1:]
+    assert ratio[:-1].min() > 0.99
+    assert ratio[:-1].max() < 1.12
+    assert 0.85 < ratio[-1] < 1.15

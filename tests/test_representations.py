@@ -42,6 +42,7 @@ def results(request):
         warnings.simplefilter("ignore", hc.IncompleteWarning)
         run = run_of(beads, units)
         wall = run.wall_force()
+    kind = "steel-52100 " if units == "SI" else ""
     chain, free = run.chain, balls(beads, units)
     pulse = hc.bca(free)
     held = chain.replace(precompression=1.0, held_by="force")
@@ -49,7 +50,7 @@ def results(request):
     s, newton, speed = (" s", " N", " m/s") if units == "SI" else ("", "", "")
     end = f"t = {run.times[-1]:.4g}{s}"
     found = [
-        (chain, [f"{beads} beads", "right wall"]),
+        (chain, [f"{beads} {kind}beads", "right wall"]),
         (run, ["t = ", f"{len(run.times)} times saved", "energy drift"]),
         (run.state, [f"t = {run.state.time:.4g}{s}", "steps", speed]),
         (run.budget(), [end, "energy", "momentum", "right wall", "adds up within"]),

@@ -228,8 +228,8 @@ def public_calls(folder):
         "Material": tried(
             hc.Material,
             name="a",
-            density=1.0,
-            young=1.0,
+            density=1000.0,
+            young=1e9,
             poisson=0.3,
             yield_strength=None,
             source="",

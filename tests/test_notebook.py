@@ -47,10 +47,11 @@ def results(request):
 def test_every_kind_is_small_and_has_its_numbers(results):
     beads, units, run, wall = results
     si = units == "SI"
+    kind = "steel-52100 beads, diameter 10 mm" if si else "beads"
     free = balls(beads, units)
     pulse = hc.bca(free)
     for item, words in (
-        (run.chain, [f"{beads} beads, right wall", "bead 1, 100 mm/s" if si else "bead 1, 1"]),
+        (run.chain, [f"{beads} {kind}, right wall", "bead 1, 100 mm/s" if si else "bead 1, 1"]),
         (pulse, ["by BCA", "last bead", "largest force", " N (contact" if si else "(contact"]),
         (run.pulse(), ["by simulation", "arrival"]),
         (run, ["time reached", f"{beads} of {beads}", "energy drift", "velocity [m" * si]),

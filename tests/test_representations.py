@@ -42,16 +42,20 @@ def results(request):
         warnings.simplefilter("ignore", hc.IncompleteWarning)
         run = run_of(beads, units)
         wall = run.wall_force()
+    kind = "steel-52100 " if units == "SI" else ""
     chain, free = run.chain, balls(beads, units)
     pulse = hc.bca(free)
     held = chain.replace(precompression=1.0, held_by="force")
     decorated = free.decorated(0.2)
-    s, newton, speed = (" s", " N", " m/s") if units == "SI" else ("", "", "")
-    end = f"t = {run.times[-1]:.4g}{s}"
+    newton, speed = (" N", " m/s") if units == "SI" else ("", "")
+    factor, second = 1.0, ""
+    if units == "SI":
+        factor, second = (1e6, " us") if beads == 3 else (1e3, " ms")
+    end = f"t = {factor * run.times[-1]:.4g}{second}"
     found = [
-        (chain, [f"{beads} beads", "right wall"]),
+        (chain, [f"{beads} {kind}beads", "right wall"]),
         (run, ["t = ", f"{len(run.times)} times saved", "energy drift"]),
-        (run.state, [f"t = {run.state.time:.4g}{s}", "steps", speed]),
+        (run.state, [f"t = {factor * run.state.time:.4g}{second}", "steps", speed]),
         (run.budget(), [end, "energy", "momentum", "right wall", "adds up within"]),
         (wall, ["right wall", f"{wall.largest_so_far:.4g}{newton}", "contact"]),
         (run.sensor_force(2), ["bead 2", "first maximum", newton]),

@@ -48,7 +48,6 @@ axes.set_yticks(range(len(names)), names)
 axes.set_ylim(len(names) - 0.5, -0.5)
 axes.set_xscale("log")
 axes.set_xlim(1.0, 3e5)
-axes.grid(axis="y", color="0.9")
 axes.set_title("Difference of the BIC from the best law")
 axes.set_xlabel("difference")
 

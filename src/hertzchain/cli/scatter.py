@@ -87,6 +87,8 @@ def scatter(
     if len(good) < 2 or not np.isfinite(nominal):
         raise hertzchain.SimulationError(f"fewer than two chains have a value of {measure}")
     summary = _summary(chain, measure, float(nominal), good)
+    if plot is not None:
+        save_figure(_drawn(chain, measure, float(nominal), good), plot)
     if as_json:
         from ..store import results
 
@@ -94,8 +96,6 @@ def scatter(
         show_json(document | {"failed": count - len(good), "values": good.tolist()})
     else:
         click.echo(_in_words(chain, summary, len(good), count))
-    if plot is not None:
-        save_figure(_drawn(chain, measure, float(nominal), good), plot)
     return DONE if len(good) == count else FAILED
 
 

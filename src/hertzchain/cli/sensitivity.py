@@ -75,6 +75,8 @@ def sensitivity(
     if name is None:
         raise InputError(f"{measure} has no derivatives; use wall_force.peak or velocity@last")
     found = hertzchain.gradient(chain, name, to=by)
+    if plot is not None:
+        save_figure(_drawn(found, by, measure.label), plot)
     if as_json:
         from ..store import results
 
@@ -85,8 +87,6 @@ def sensitivity(
     else:
         click.echo(f"{chain.description}\n{found!r}")
         show_table(_table(found, by, every_bead))
-    if plot is not None:
-        save_figure(_drawn(found, by, measure.label), plot)
 
 
 def _table(found: Gradient, by: str, every_bead: bool) -> Table:

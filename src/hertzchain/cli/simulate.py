@@ -168,6 +168,8 @@ def simulate(
         if animation is not None:
             with progress_bar("frames") as progress:
                 run.animate(animation, progress=progress)
+    if plot is not None:
+        _save_plot(runs, beads, plot)
     if as_json:
         found = [run_as_dict(run, beads[name], waves=waves) for name, run in runs.items()]
         show_json(found[0] if len(found) == 1 else _together(runs, found))
@@ -178,8 +180,6 @@ def simulate(
             show_run(run, beads[name], waves=waves, hint=until is not None)
             if budget:
                 click.echo(run.budget())
-    if plot is not None:
-        _save_plot(runs, beads, plot)
 
 
 def _beads(chain: Chain, sensors: tuple[str, ...]) -> list[int]:

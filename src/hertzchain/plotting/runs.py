@@ -130,7 +130,7 @@ def plot_forces(
     ['bead 5', 'bead 10', 'right wall']
     """
     check_times(run)
-    name = text("label", label) if label else ""
+    name = "" if isinstance(label, str) and not label else text("label", label)
     given = check_list("beads", beads, "bead numbers")
     if not given:
         raise InputError("beads must contain at least one bead number, such as [3, 6]")

@@ -201,7 +201,7 @@ class Budget:
 
     def __str__(self) -> str:
         real = self.chain.units == "SI"
-        at = f"{self.times[-1]:.6g}{' s' if real else ''}"
+        at = measure(self.times[-1], "s", self.chain.units, digits=6)
         lines = [f"{self.chain.description}, at the last saved time {at}"]
         for of in BALANCED:
             there, given = self._sides(of)

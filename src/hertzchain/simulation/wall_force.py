@@ -167,7 +167,7 @@ def incomplete_peak(wall: WallForce, end: float, half_transit: float) -> str:
         found = f"the {wall.side} wall was not reached before t = {until}"
         return f"{found}, and {may_follow(wall)}; simulate for longer" if wall.bound else found
     largest = measure(wall.largest_so_far, "N", wall.units, digits=6)
-    wait = measure(half_transit, "s", wall.units, digits=2)
+    wait = measure(half_transit, "s", wall.units, digits=3)
     return (
         f"the peak of the force on the {wall.side} wall is not complete: the largest until "
         f"t = {until} is {largest}; {may_follow(wall)}; simulate for longer, until no more can "

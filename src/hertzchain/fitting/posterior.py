@@ -124,7 +124,7 @@ def sample(
 ) -> Posterior:
     """Sample the posterior from the optimum of a fit; `FitResult.sample` documents it."""
     steps = whole_number("steps", steps, least=10)
-    seed = whole_number("seed", seed, least=0)
+    seed = whole_number("seed", seed, least=0, most=2**32 - 1)
     callback("progress", progress)
     try:
         import emcee

@@ -94,6 +94,12 @@ def test_velocities_must_be_positive(velocity):
         hc.attenuation(hc.Chain.uniform(3), velocity)
 
 
+@pytest.mark.parametrize("velocity", [1e200, 1e-200, [1.0, 1e61]])
+def test_velocities_whose_powers_overflow_are_rejected(velocity):
+    with pytest.raises(hc.InputError, match="so that no power overflows; got"):
+        hc.attenuation(hc.Chain.uniform(3).replace(loss=hc.Dashpot(1e-3)), velocity)
+
+
 def test_a_large_loss_is_announced():
     with pytest.warns(hc.ModelRangeWarning, match="first order"):
         hc.attenuation(hc.Chain.uniform(3).replace(loss=hc.Restitution(0.8)), 1.0)

@@ -530,6 +530,12 @@ def test_sampling_needs_its_extra(example, monkeypatch):
         example.sample(10)
 
 
+def test_sampling_rejects_seeds_that_numpy_cannot_use(example):
+    pytest.importorskip("emcee")
+    with pytest.raises(hc.InputError, match="from 0 to 4294967295, got 4294967296"):
+        example.sample(10, seed=2**32)
+
+
 def test_posterior_agrees_with_least_squares():
     pytest.importorskip("emcee")
     # Without losses, all chains are alike, and no step needs a simulation.

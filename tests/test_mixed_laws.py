@@ -532,7 +532,7 @@ def test_restitution_of_the_weakest_losses(gamma):
     lost = gamma * 2.0 * overlap * beta(0.4, 1.5) / 2.5 / (mass * speed)
     found = law.restitution(speed, reduced_mass=mass, stiffness=k)
     assert found <= 1.0
-    # Measured: 2e-9 of the loss and a rounding error of 1, and the square of the loss.
+    # The rounding error of 1, the error of the integration, and the square of the loss.
     assert 1.0 - found == pytest.approx(lost, rel=2e-8 + 10.0 * lost, abs=3e-16)
 
 

@@ -61,7 +61,7 @@ def scaled_radii(radii: ArrayLike) -> Array:
     """Check radii in units of the first one, whose cubes must be representable; return a copy."""
     values = real_numbers("radius", radii, "bead")
     # Most chains are far from the limits; the rest is for the messages.
-    if values.ndim == 1 and values.size > 1 and 1e-100 < values.min() and values.max() < 1e100:
+    if values.ndim == 1 and values.size > 1 and values.min() > 1e-100 and values.max() < 1e100:
         checked_beads(len(values))
         return values
     with np.errstate(over="ignore", under="ignore"):

@@ -405,7 +405,7 @@ class FitResult:
         steps : int
             Steps of each walker; there are twice as many walkers as parameters, at least 16.
         seed : int
-            Seed of the random numbers.
+            Seed of the random numbers, 0 .. 2^32 - 1.
         progress : callable, optional
             Called as ``progress(step, steps)``.
 
@@ -416,7 +416,7 @@ class FitResult:
         Raises
         ------
         InputError
-            If emcee is not installed, or for fewer than 10 steps.
+            If emcee is not installed, for fewer than 10 steps, or a seed out of range.
 
         Examples
         --------

@@ -193,6 +193,11 @@ class Trajectory:
     def position(self, bead: int | str) -> Array:
         """Displacement of one bead from where the beads touched, as `velocity` [scaled, or m].
 
+        Parameters
+        ----------
+        bead : int or str
+            Number or name of the bead, as in `sensor`.
+
         Examples
         --------
         >>> import hertzchain as hc

@@ -21,7 +21,7 @@ from ..collision import Array
 from ..errors import InputError, ModelRangeWarning, warn_user
 from ..kernels.law_kinds import DAMPED, YIELDING
 from ..validation.numbers import real_numbers
-from .solitary_wave import SolitaryWave, solitary_wave
+from .solitary_wave import MAX_SCALE, SolitaryWave, solitary_wave
 
 SUPPORTED: Final = (
     "SI units", "masses", "stiffness", "strikers", "velocities", "gaps", "left wall",
@@ -67,7 +67,7 @@ def attenuation(chain: Chain, velocity: ArrayLike) -> Array:
     ------
     InputError
         If the beads or contacts are not equal, there is precompression or gravity, or a velocity
-        is not positive.
+        is not positive or not 1e-60 to 1e60.
 
     Warns
     -----
@@ -95,6 +95,11 @@ def attenuation(chain: Chain, velocity: ArrayLike) -> Array:
     if not (np.isfinite(v) & (v > 0.0)).all():
         worst = float(v.flat[np.argmin(np.isfinite(v) & (v > 0.0))])
         raise InputError(f"velocity of a wave must be positive and finite, got {worst:g}")
+    if not ((v >= 1.0 / MAX_SCALE) & (v <= MAX_SCALE)).all():
+        raise InputError(
+            f"velocities of waves must be {1.0 / MAX_SCALE:g} to {MAX_SCALE:g}, so that no power "
+            f"overflows; got {v.min():g} to {v.max():g}"
+        )
     mass = float(chain.masses[chain.strikers])
     wave = solitary_wave(group.contacts.exponent)
     speeds = v.reshape(-1)

@@ -9,14 +9,17 @@ from scipy_chain import trajectory, wall_peak
 
 import hertzchain as hc
 from hertzchain.designs.balls import load_balls
+from hertzchain.designs.bundle_descent import Model, _step
 from hertzchain.designs.evolution import Strategy, reflected
 from hertzchain.designs.exact_gradients import covered, values_and_slopes
 from hertzchain.designs.methods import method_for
+from hertzchain.designs.search_budget import budget_from
 from hertzchain.designs.sensitivity import sensitivity
 from hertzchain.designs.sizes import spline_basis
 from hertzchain.designs.smooth_tapers import promise
-from hertzchain.designs.trials import Trials
+from hertzchain.designs.trials import Outcome, Trials
 from hertzchain.designs.verified import quietly
+from hertzchain.store.journal import Journal
 
 WALLED = hc.Chain.uniform(10).replace(right_wall=hc.Wall())
 STEEL = hc.Chain.from_materials(
@@ -242,9 +245,6 @@ def test_a_scatter_is_summarised_by_the_worst_samples():
     problem = hc.Design(
         WALLED, minimise="wall_force.peak", vary=[hc.vary.radii(0.5, 1.0)], scatter=scatter
     )
-    from hertzchain.designs.search_budget import budget_from
-    from hertzchain.store.journal import Journal
-
     trials = Trials(problem, budget_from(100), Journal(None, ""), seed=3)
     (outcome,) = trials.evaluate([np.full(9, 0.4)])
     chain = problem.space.chain_of(np.full(9, 0.4))
@@ -254,6 +254,38 @@ def test_a_scatter_is_summarised_by_the_worst_samples():
     assert outcome.score == pytest.approx(np.mean(sorted(peaks)[-2:]), rel=1e-6)
     found = hc.design(problem, budget=800)
     assert found.verified.scattered["CVaR90 of wall_force.peak"] > found.value * 0.98
+
+
+def test_models_of_samples_have_the_cvar_and_its_derivatives():
+    scatter = hc.Scatter(radius=0.02, measure="cvar80", samples=10)
+    problem = hc.Design(
+        WALLED, minimise="wall_force.peak", vary=[hc.vary.radii(0.5, 1.0)], scatter=scatter
+    )
+    trials = Trials(problem, budget_from(100), Journal(None, ""), seed=3)
+    outcome, slopes, models = trials.slopes(np.linspace(0.7, 0.2, 9))
+    assert set(models[:, 0]) == set(range(10))
+    highest = [max(models[models[:, 0] == i].tolist(), key=lambda row: row[1]) for i in range(10)]
+    worst = np.array(sorted(highest, key=lambda row: row[1])[-2:])
+    assert worst[:, 1].mean() == pytest.approx(outcome.score, rel=1e-4)
+    assert worst[:, 2:].mean(axis=0) == pytest.approx(slopes[0], abs=1e-12)
+
+
+def test_a_step_minimises_the_cvar_of_piecewise_linear_samples():
+    """Of |x - a| over several a, a straight search finds the minimum."""
+    points, at, counted = np.array([0.1, 0.2, 0.25, 0.6, 0.9]), 0.8, 2
+
+    def cvar(x):
+        return np.sort(np.abs(x - points))[-counted:].mean()
+
+    pieces = np.array(
+        [[i, sign * (at - a), sign] for i, a in enumerate(points) for sign in (1, -1)]
+    )
+    outcome = Outcome(np.array([at]), np.array([cvar(at)]), cvar(at), 0.0)
+    model = Model(outcome, np.zeros(1), np.zeros(0), np.zeros((0, 1)), pieces, counted)
+    step, gain = _step(model, [model], 1.0)
+    grid = np.linspace(0.0, 1.0, 10_001)
+    assert cvar(at + step[0]) == pytest.approx(min(map(cvar, grid)), abs=1e-9)
+    assert gain == pytest.approx(cvar(at) - cvar(at + step[0]), abs=1e-9)
 
 
 def test_the_projectile_can_be_left_out_of_the_scatter_of_a_design():
@@ -304,9 +336,6 @@ def test_slopes_are_those_of_finer_differences():
     problem = hc.Design(
         WALLED, minimise="wall_force.impulse", vary=[hc.vary.radii(0.4, 1.5, by="spline", knots=4)]
     )
-    from hertzchain.designs.search_budget import budget_from
-    from hertzchain.store.journal import Journal
-
     trials = Trials(problem, budget_from(100), Journal(None, ""), seed=0)
     point = np.array([0.5, 0.4, 0.6])
     _, slopes, _ = trials.slopes(point)
@@ -389,8 +418,9 @@ def test_slopes_of_damped_chains_are_exact(loss):
     assert covered(given)
     point = np.linspace(0.9, 0.2, 7)
     chain = given.space.chain_of(point)
-    values, slopes, maxima = values_and_slopes(given, point)
-    assert maxima >= 1
+    values, slopes, models = values_and_slopes(given, point)
+    assert len(models) >= 1
+    assert models[0, 1:] == pytest.approx(np.r_[values[0], slopes[0]])
     to_x = chain.radii[1:] * np.log(2.0)
     for row, quantity in enumerate(
         (lambda run: run.wall_force().peak, lambda run: run.pulse().energy[4])

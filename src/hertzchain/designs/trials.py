@@ -94,9 +94,9 @@ class Trials:
         """Part of the budget that is used."""
         return self.budget.used(self.runs, self.journal.seconds)
 
-    def evaluate(self, points: Sequence[Any]) -> list[Outcome]:
+    def evaluate(self, points: Sequence[Any], *, rtol: float = RTOL) -> list[Outcome]:
         """Simulate the chains at several points."""
-        values = self._journalled("values", points, lambda: self._values(points, RTOL))
+        values = self._journalled("values", points, lambda: self._values(points, rtol))
         self.runs += len(points) * (1 if self.draws is None else len(self.draws))
         found = self.outcomes(points, values)
         self._note(found)

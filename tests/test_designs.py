@@ -118,6 +118,23 @@ def test_all_orders_are_tried_once():
     assert found.value == pytest.approx(best, rel=1e-6)
 
 
+def test_the_order_of_beads_behind_a_striker_may_vary():
+    chain = hc.Chain.from_radii([1.0, 0.5, 0.8, 0.6]).replace(right_wall=hc.Wall())
+    struck = chain.struck_by(radius=1.5, gap=0.1)
+    problem = hc.Design(struck, minimise="wall_force.peak", vary=[hc.vary.order(beads="3:")])
+    found = hc.design(problem)
+    peaks = [
+        hc.simulate(
+            hc.Chain.from_radii([1.0, *order]).replace(right_wall=hc.Wall())
+            .struck_by(radius=1.5, gap=0.1), times=0,
+        ).wall_force().peak
+        for order in itertools.permutations([0.5, 0.8, 0.6])
+    ]  # fmt: skip
+    assert found.value == pytest.approx(min(peaks), rel=1e-6)
+    assert found.chain.strikers == 1
+    assert found.chain.gaps.tolist() == struck.gaps.tolist()
+
+
 def test_places_may_be_empty_and_the_length_is_limited():
     problem = hc.Design(
         STEEL, minimise="wall_force.peak", vary=[balls(optional=True)],

@@ -501,6 +501,16 @@ def test_quantities_that_do_not_exist_are_nan_with_a_reason():
         ({"chain": hc.Chain.uniform(3).replace(loss=hc.WaltonBraun(0.5))}, "the largest overlap"),
         ({"to": "loss.time"}, "no law of its contacts has this parameter"),
         (
+            {"chain": hc.Chain.uniform(3).replace(loss=hc.Dashpot(0.0)), "to": "loss.gamma",
+             "quantity": "pulse.velocity@3"},
+            "nearly 0, such as 1e-06",
+        ),
+        (
+            {"chain": hc.Chain.uniform(3).replace(loss=hc.Restitution(1.0)),
+             "to": "loss.coefficient", "quantity": "pulse.velocity@3"},
+            "nearly 1, such as 0.999",
+        ),
+        (
             {"chain": hc.Chain.uniform(3).replace(drive=hc.StepDrive(1.0))},
             "does not support a drive",
         ),

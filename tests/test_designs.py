@@ -160,7 +160,7 @@ def test_constraints_hold_and_are_active():
     assert pulse.velocity[4] <= 1.2 * (1 + 1e-6)
 
 
-def protector():
+def absorber():
     """Balls of steel and PTFE in which later waves load contacts more than the leading pulse."""
     kinds = ["steel", "ptfe", "steel", "steel", "steel", "steel", "ptfe", "ptfe", "ptfe", "ptfe"]
     large = np.array([1, 0, 1, 1, 1, 0, 1, 0, 0, 0], bool)
@@ -173,7 +173,7 @@ def protector():
 
 @pytest.fixture(scope="module")
 def soft_row():
-    chain = protector()
+    chain = absorber()
     problem = hc.Design(chain, minimise="wall_force.peak", vary=[hc.vary.order()],
                         subject_to={"yield_ratio": "<= 1"})  # fmt: skip
     return quietly(problem, chain, np.nan, 0)

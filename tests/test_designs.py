@@ -145,6 +145,13 @@ def test_places_may_be_empty_and_the_length_is_limited():
     assert found.chain.beads == 4
     assert 2 * found.chain.radii.sum() <= 0.02
     assert found.chain.velocities.tolist() == [1.0, 0.0, 0.0, 0.0]
+    lines = found.summary().splitlines()
+    length = 2e3 * found.chain.radii.sum()
+    assert f"  length <= 20 mm: {length:.4g} mm" in lines
+    (order,) = [line for line in lines if line.startswith("order: ")]
+    assert order.startswith("order: 4.76 mm steel-304 (arrives), ")
+    counts = [int(each.split(" x ")[0]) if " x " in each else 1 for each in order.split(", ")]
+    assert sum(counts) == found.chain.beads
 
 
 def test_constraints_hold_and_are_active():

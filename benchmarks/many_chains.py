@@ -1,7 +1,7 @@
 """Compare `simulate_many` with `simulate`, one chain after the other: ``make benchmark``.
 
 The chains are 500 random chains of 20 beads of steel and PTFE in front of a steel wall, as in
-experiments with granular protectors; every run ends when the largest force on the wall is
+experiments with granular shock absorbers; every run ends when the largest force on the wall is
 complete.  The script prints the chains per second in one thread, packing and table included, and
 the errors of the largest force, relative to a run at 1e-12, and writes ``benchmark/many.json``.
 """

@@ -250,7 +250,7 @@ def fit_correlations() -> Figure:
     return hc.fit(*hc.example_experiment()).plot_correlations()
 
 
-def design_protector() -> Figure:
+def design_shock_absorber() -> Figure:
     """The shock absorber of the how-to guide: before and after."""
     chain = hc.Chain.from_materials(
         3.175e-3, "steel-52100", beads=9, velocity=0.3, right_wall=hc.Wall.of("steel-52100")
@@ -290,7 +290,7 @@ FIGURES: dict[str, Callable[[], Figure]] = {
     "fit-before": fit_before,
     "fit-result": fit_result,
     "fit-correlations": fit_correlations,
-    "design-protector": design_protector,
+    "design-shock-absorber": design_shock_absorber,
     **{draw.__name__.replace("_", "-"): draw for draw in (*PAGE_FIGURES, *LAW_FIGURES)},
 }
 

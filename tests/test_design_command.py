@@ -172,6 +172,10 @@ STEEL = hc.Chain.from_materials(5e-3, "steel-304", beads=6, velocity=1.0)
         ({"scatter": {"grade": 10}}, "use Chain.from_materials"),
         ({"model": "hard-sphere"}, "does not give wall_force.peak"),
         ({"chain": STEEL, "minimise": "wall_force.peak"}, "needs a right wall"),
+        (
+            {"chain": WALLED.replace(loss=hc.Viscoelastic(0.1)), "minimise": "largest_force"},
+            "and this chain has losses; use wall_force.peak",
+        ),
     ],
 )
 def test_invalid_problems_are_explained_in_one_sentence(options, told):

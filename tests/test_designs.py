@@ -9,14 +9,17 @@ from scipy_chain import trajectory, wall_peak
 
 import hertzchain as hc
 from hertzchain.designs.balls import load_balls
+from hertzchain.designs.bundle_descent import Model, _step
 from hertzchain.designs.evolution import Strategy, reflected
 from hertzchain.designs.exact_gradients import covered, values_and_slopes
 from hertzchain.designs.methods import method_for
+from hertzchain.designs.search_budget import budget_from
 from hertzchain.designs.sensitivity import sensitivity
 from hertzchain.designs.sizes import spline_basis
 from hertzchain.designs.smooth_tapers import promise
-from hertzchain.designs.trials import Trials
+from hertzchain.designs.trials import Outcome, Trials
 from hertzchain.designs.verified import quietly
+from hertzchain.store.journal import Journal
 
 WALLED = hc.Chain.uniform(10).replace(right_wall=hc.Wall())
 STEEL = hc.Chain.from_materials(
@@ -67,15 +70,15 @@ def test_geometric_masses_are_best_for_hard_spheres():
 
 
 def test_solitary_waves_of_dimers_are_optima_of_transmission():
-    """Jayaprakash et al., Phys. Rev. E 83, 036606 (2011): mass ratios 0.3428 and 0.1548."""
+    """Jayaprakash et al., Phys. Rev. E 83, 036606 (2011): four ratios of the masses."""
     problem = hc.Design(
-        hc.Chain.dimer(0.5, beads=150), maximise="velocity@141/velocity@61",
-        vary=[hc.vary.masses(0.12, 0.6, beads="2::2", by="common")],
+        hc.Chain.dimer(0.5, beads=100), maximise="velocity@91/velocity@31",
+        vary=[hc.vary.masses(0.05, 0.6, beads="2::2", by="common")],
     )  # fmt: skip
     found = hc.design(problem)
-    ratios = [each.chain.masses[1] for each in found.optima]
-    for published in (0.3428, 0.1548):
-        assert min(abs(ratio - published) for ratio in ratios) < 1e-3
+    ratios = np.array([each.chain.masses[1] for each in found.optima])
+    for published in (0.3428, 0.1548, 0.0901, 0.0615):
+        assert np.abs(ratios / published - 1.0).min() < 1e-3
 
 
 def all_peaks():
@@ -115,6 +118,23 @@ def test_all_orders_are_tried_once():
     assert found.value == pytest.approx(best, rel=1e-6)
 
 
+def test_the_order_of_beads_behind_a_striker_may_vary():
+    chain = hc.Chain.from_radii([1.0, 0.5, 0.8, 0.6]).replace(right_wall=hc.Wall())
+    struck = chain.struck_by(radius=1.5, gap=0.1)
+    problem = hc.Design(struck, minimise="wall_force.peak", vary=[hc.vary.order(beads="3:")])
+    found = hc.design(problem)
+    peaks = [
+        hc.simulate(
+            hc.Chain.from_radii([1.0, *order]).replace(right_wall=hc.Wall())
+            .struck_by(radius=1.5, gap=0.1), times=0,
+        ).wall_force().peak
+        for order in itertools.permutations([0.5, 0.8, 0.6])
+    ]  # fmt: skip
+    assert found.value == pytest.approx(min(peaks), rel=1e-6)
+    assert found.chain.strikers == 1
+    assert found.chain.gaps.tolist() == struck.gaps.tolist()
+
+
 def test_places_may_be_empty_and_the_length_is_limited():
     problem = hc.Design(
         STEEL, minimise="wall_force.peak", vary=[balls(optional=True)],
@@ -125,6 +145,13 @@ def test_places_may_be_empty_and_the_length_is_limited():
     assert found.chain.beads == 4
     assert 2 * found.chain.radii.sum() <= 0.02
     assert found.chain.velocities.tolist() == [1.0, 0.0, 0.0, 0.0]
+    lines = found.summary().splitlines()
+    length = 2e3 * found.chain.radii.sum()
+    assert f"  length <= 20 mm: {length:.4g} mm" in lines
+    (order,) = [line for line in lines if line.startswith("order: ")]
+    assert order.startswith("order: 4.76 mm steel-304 (arrives), ")
+    counts = [int(each.split(" x ")[0]) if " x " in each else 1 for each in order.split(", ")]
+    assert sum(counts) == found.chain.beads
 
 
 def test_constraints_hold_and_are_active():
@@ -140,7 +167,7 @@ def test_constraints_hold_and_are_active():
     assert pulse.velocity[4] <= 1.2 * (1 + 1e-6)
 
 
-def protector():
+def absorber():
     """Balls of steel and PTFE in which later waves load contacts more than the leading pulse."""
     kinds = ["steel", "ptfe", "steel", "steel", "steel", "steel", "ptfe", "ptfe", "ptfe", "ptfe"]
     large = np.array([1, 0, 1, 1, 1, 0, 1, 0, 0, 0], bool)
@@ -153,7 +180,7 @@ def protector():
 
 @pytest.fixture(scope="module")
 def soft_row():
-    chain = protector()
+    chain = absorber()
     problem = hc.Design(chain, minimise="wall_force.peak", vary=[hc.vary.order()],
                         subject_to={"yield_ratio": "<= 1"})  # fmt: skip
     return quietly(problem, chain, np.nan, 0)
@@ -230,7 +257,7 @@ def test_the_law_keeps_its_promise():
     )  # fmt: skip
     promised = promise(problem)
     truth = hc.propagate(problem.space.chain_of(promised.x)).velocity[49]
-    assert promised.error <= 1.1e-3
+    assert promised.error <= 2e-3
     assert truth == pytest.approx(promised.value, rel=3e-3)
     found = hc.design(problem, budget=300)
     assert found.method == "law"
@@ -242,9 +269,6 @@ def test_a_scatter_is_summarised_by_the_worst_samples():
     problem = hc.Design(
         WALLED, minimise="wall_force.peak", vary=[hc.vary.radii(0.5, 1.0)], scatter=scatter
     )
-    from hertzchain.designs.search_budget import budget_from
-    from hertzchain.store.journal import Journal
-
     trials = Trials(problem, budget_from(100), Journal(None, ""), seed=3)
     (outcome,) = trials.evaluate([np.full(9, 0.4)])
     chain = problem.space.chain_of(np.full(9, 0.4))
@@ -254,6 +278,38 @@ def test_a_scatter_is_summarised_by_the_worst_samples():
     assert outcome.score == pytest.approx(np.mean(sorted(peaks)[-2:]), rel=1e-6)
     found = hc.design(problem, budget=800)
     assert found.verified.scattered["CVaR90 of wall_force.peak"] > found.value * 0.98
+
+
+def test_models_of_samples_have_the_cvar_and_its_derivatives():
+    scatter = hc.Scatter(radius=0.02, measure="cvar80", samples=10)
+    problem = hc.Design(
+        WALLED, minimise="wall_force.peak", vary=[hc.vary.radii(0.5, 1.0)], scatter=scatter
+    )
+    trials = Trials(problem, budget_from(100), Journal(None, ""), seed=3)
+    outcome, slopes, models = trials.slopes(np.linspace(0.7, 0.2, 9))
+    assert set(models[:, 0]) == set(range(10))
+    highest = [max(models[models[:, 0] == i].tolist(), key=lambda row: row[1]) for i in range(10)]
+    worst = np.array(sorted(highest, key=lambda row: row[1])[-2:])
+    assert worst[:, 1].mean() == pytest.approx(outcome.score, rel=1e-4)
+    assert worst[:, 2:].mean(axis=0) == pytest.approx(slopes[0], abs=1e-12)
+
+
+def test_a_step_minimises_the_cvar_of_piecewise_linear_samples():
+    """Of |x - a| over several a, a straight search finds the minimum."""
+    points, at, counted = np.array([0.1, 0.2, 0.25, 0.6, 0.9]), 0.8, 2
+
+    def cvar(x):
+        return np.sort(np.abs(x - points))[-counted:].mean()
+
+    pieces = np.array(
+        [[i, sign * (at - a), sign] for i, a in enumerate(points) for sign in (1, -1)]
+    )
+    outcome = Outcome(np.array([at]), np.array([cvar(at)]), cvar(at), 0.0)
+    model = Model(outcome, np.zeros(1), np.zeros(0), np.zeros((0, 1)), pieces, counted)
+    step, gain = _step(model, [model], 1.0)
+    grid = np.linspace(0.0, 1.0, 10_001)
+    assert cvar(at + step[0]) == pytest.approx(min(map(cvar, grid)), abs=1e-9)
+    assert gain == pytest.approx(cvar(at) - cvar(at + step[0]), abs=1e-9)
 
 
 def test_the_projectile_can_be_left_out_of_the_scatter_of_a_design():
@@ -304,9 +360,6 @@ def test_slopes_are_those_of_finer_differences():
     problem = hc.Design(
         WALLED, minimise="wall_force.impulse", vary=[hc.vary.radii(0.4, 1.5, by="spline", knots=4)]
     )
-    from hertzchain.designs.search_budget import budget_from
-    from hertzchain.store.journal import Journal
-
     trials = Trials(problem, budget_from(100), Journal(None, ""), seed=0)
     point = np.array([0.5, 0.4, 0.6])
     _, slopes, _ = trials.slopes(point)
@@ -389,8 +442,9 @@ def test_slopes_of_damped_chains_are_exact(loss):
     assert covered(given)
     point = np.linspace(0.9, 0.2, 7)
     chain = given.space.chain_of(point)
-    values, slopes, maxima = values_and_slopes(given, point)
-    assert maxima >= 1
+    values, slopes, models = values_and_slopes(given, point)
+    assert len(models) >= 1
+    assert models[0, 1:] == pytest.approx(np.r_[values[0], slopes[0]])
     to_x = chain.radii[1:] * np.log(2.0)
     for row, quantity in enumerate(
         (lambda run: run.wall_force().peak, lambda run: run.pulse().energy[4])

@@ -427,19 +427,28 @@ def test_forces_that_are_largest_at_a_jump_have_no_gradient():
     assert math.isnan(found.value)
 
 
-@pytest.mark.parametrize("kind", ["forward", "backward", "rough"])
-def test_beads_far_behind_the_pulse_are_not_needed(kind):
+def pulse_chain(kind):
+    if kind in ("forward", "backward"):
+        return hc.Chain.tapered(f"{kind}-exponential", 0.04, beads=50)
+    rng = np.random.default_rng(7)
     if kind == "rough":
-        radii = np.random.default_rng(7).uniform(0.8, 1.2, 50)
-        chain = hc.Chain.from_radii(radii)
-    else:
-        chain = hc.Chain.tapered(f"{kind}-exponential", 0.04, beads=50)
+        return hc.Chain.from_radii(np.r_[1.0, rng.uniform(0.3, 1.0, 69)])
+    # In light beads between heavy ones, the pulse breaks up, and its parts join behind them.
+    rates = np.r_[np.zeros(5), np.full(8, -0.15), np.zeros(20), np.full(8, 0.15), np.zeros(28)]
+    return hc.Chain.from_radii(np.exp(np.r_[0.0, np.cumsum(rates)]))
+
+
+@pytest.mark.parametrize("kind", ["forward", "backward", "rough", "valley"])
+def test_a_window_does_not_change_gradients_of_the_pulse(kind):
+    chain = pulse_chain(kind)
     window = hc.gradient(chain, "pulse.velocity@45")
     # A wall ahead of the pulse changes nothing before it arrives there, but all beads are kept.
     whole = hc.gradient(chain.replace(right_wall=hc.Wall(gap=1e3)), "pulse.velocity@45")
     assert window.value == pytest.approx(whole.value, rel=1e-9)
     largest = np.abs(whole["radii"]).max()
     assert window["radii"] == pytest.approx(whole["radii"], abs=window.error * largest)
+    other = hc.simulate(chain, times=0, rtol=1e-11).pulse().velocity[44]
+    assert window.value == pytest.approx(other, rel=1e-8)
 
 
 def test_maxima_include_the_largest_one():
@@ -491,6 +500,16 @@ def test_quantities_that_do_not_exist_are_nan_with_a_reason():
         ),
         ({"chain": hc.Chain.uniform(3).replace(loss=hc.WaltonBraun(0.5))}, "the largest overlap"),
         ({"to": "loss.time"}, "no law of its contacts has this parameter"),
+        (
+            {"chain": hc.Chain.uniform(3).replace(loss=hc.Dashpot(0.0)), "to": "loss.gamma",
+             "quantity": "pulse.velocity@3"},
+            "nearly 0, such as 1e-06",
+        ),
+        (
+            {"chain": hc.Chain.uniform(3).replace(loss=hc.Restitution(1.0)),
+             "to": "loss.coefficient", "quantity": "pulse.velocity@3"},
+            "nearly 1, such as 0.999",
+        ),
         (
             {"chain": hc.Chain.uniform(3).replace(drive=hc.StepDrive(1.0))},
             "does not support a drive",

@@ -105,7 +105,9 @@ class OrderChoice:
 
 
 def _check(chain: Chain) -> None:
-    own = sorted({"masses", "stiffness", "gaps"} & set(chain.given))
+    own = sorted({"masses", "stiffness"} & set(chain.given))
+    if chain.gaps[chain.strikers :].any():
+        own.append("gaps")
     if own:
         raise InputError(
             f"the {' and '.join(own)} of this chain are given bead by bead, so that its beads "
@@ -168,6 +170,9 @@ class BallSpace:
             changes["materials"] = tuple(m for m, kept in zip(kinds, keep, strict=True) if kept)
         if "velocities" in base.given:
             changes["velocities"] = base.velocities[keep]
+        if "gaps" in base.given:
+            # Only strikers have gaps, which are the first.
+            changes["gaps"] = base.gaps[: keep.sum() - 1]
         return base.replace(**changes)
 
     def price(self, choice: Choice) -> float:

@@ -13,7 +13,6 @@ from typing import Final
 import numpy as np
 
 from ..collision import Array
-from .exact_gradients import PEAK
 from .trials import Outcome, Trials
 
 FIRST_BOX, MIN_BOX, MAX_BOX = 0.05, 1e-6, 0.3
@@ -28,13 +27,18 @@ PENALTY: Final = 20.0
 
 @dataclass(frozen=True, eq=False)
 class Model:
-    """Linear model of score and constraints at a point; ``pieces`` are those of all maxima."""
+    """Linear model of score and constraints at a point.
+
+    ``pieces`` are rows of a sample, a score and its derivatives.  The score is the mean, over the
+    ``counted`` worst samples, of the largest of the pieces of each.
+    """
 
     outcome: Outcome
     slope: Array
     excess: Array
     excess_slope: Array
-    pieces: tuple[tuple[float, Array], ...]
+    pieces: Array
+    counted: int
 
     @property
     def point(self) -> Array:
@@ -44,20 +48,20 @@ class Model:
 
 def model_at(trials: Trials, point: Array) -> Model:
     """The linear model at a point."""
-    outcome, slopes, maxima = trials.slopes(point)
+    outcome, slopes, models = trials.slopes(point)
     problem = trials.problem
     slope = problem.objective.slope(outcome.values[trials.terms]) @ slopes[trials.terms]
     excess = [float(r.excess(outcome.values[i])) for r, i in
               zip(problem.requirements, trials.limits, strict=True)]  # fmt: skip
     steep = [r.sign * slopes[i] / (abs(r.limit) or 1.0) for r, i in
              zip(problem.requirements, trials.limits, strict=True)]  # fmt: skip
-    pieces: tuple[tuple[float, Array], ...] = ((outcome.score, slope),)
-    objective = problem.objective
-    if objective.single == PEAK and objective.weights[0] > 0.0 and len(maxima):
-        weight = float(objective.weights[0])
-        pieces = tuple((weight * float(row[0]), weight * row[1:]) for row in maxima)
+    weight = float(problem.objective.weights[0])
+    pieces, counted = np.array([[0.0, outcome.score, *slope]]), 1
+    if len(models):
+        pieces = models * np.r_[1.0, np.full(models.shape[1] - 1, weight)]
+        counted = problem.scatter._counted(len(trials.draws)) if trials.draws is not None else 1
     return Model(outcome, slope, np.array(excess),
-                 np.array(steep).reshape(len(excess), len(point)), pieces)  # fmt: skip
+                 np.array(steep).reshape(len(excess), len(point)), pieces, counted)  # fmt: skip
 
 
 def descend(trials: Trials, start: Array, end: float, *, box: float = FIRST_BOX) -> Outcome:
@@ -105,34 +109,49 @@ def _merit(model: Model, reference: Model) -> float:
 
 
 def _step(current: Model, bundle: list[Model], box: float) -> tuple[Array, float]:
-    """Step that minimises the largest linear model, and its expected gain."""
+    """Step that minimises the model of the score, and its expected gain."""
     from scipy.optimize import linprog
 
     n, limits = len(current.point), len(current.excess)
     scale = _merit_scale(current)
-    # Unknowns: the step, the score t relative to the present one, and the slack of constraints.
-    cost = np.concatenate([np.zeros(n), [1.0], np.full(limits, PENALTY)])
+    samples = int(current.pieces[:, 0].max()) + 1
+    several = samples if samples > 1 else 0
+    # Unknowns: the step, a score t relative to the present one, the excess of each sample over t
+    # (their mean over the counted samples, plus t, is the CVaR), and the slack of constraints.
+    cost = np.r_[np.zeros(n), 1.0, np.full(several, 1.0 / current.counted),
+                 np.full(limits, PENALTY)]  # fmt: skip
+    rows, right = _rows_of_pieces(current, bundle, box, samples)
+    rows = np.pad(rows, ((0, 0), (0, limits)))
+    own = np.hstack([current.excess_slope, np.zeros((limits, 1 + several)), -np.eye(limits)])
+    low = np.maximum(-box, -current.point)
+    high = np.minimum(box, 1.0 - current.point)
+    bounds = [*zip(low, high, strict=True), (None, None), *[(0.0, None)] * (several + limits)]
+    found = linprog(cost, np.vstack([rows, own]), np.r_[right, -current.excess], bounds=bounds,
+                    method="highs")  # fmt: skip
+    if found.x is None:
+        return np.zeros(n), 0.0
+    before = PENALTY * float(np.maximum(current.excess, 0.0).sum())
+    return found.x[:n], scale * (before - float(found.fun))
+
+
+def _rows_of_pieces(
+    current: Model, bundle: list[Model], box: float, samples: int
+) -> tuple[Array, Array]:
+    """Inequalities by which t, plus the excess of a sample, is at least each of its pieces."""
+    scale, score = _merit_scale(current), current.outcome.score
+    present = np.full(samples, -np.inf)
+    np.maximum.at(present, current.pieces[:, 0].astype(int), current.pieces[:, 1])
     rows, right = [], []
     for each in bundle:
         shift = current.point - each.point
         if np.abs(shift).max(initial=0.0) > 4.0 * box:
             continue
-        for score, slope in each.pieces:
-            offset = score + slope @ shift - current.outcome.score
-            # A model of a function that is not convex must not cut off the present point.
-            offset = min(offset, 0.0)
-            rows.append(np.concatenate([slope / scale, [-1.0], np.zeros(limits)]))
-            right.append(-offset / scale)
-    for i in range(limits):
-        slack = np.zeros(limits)
-        slack[i] = -1.0
-        rows.append(np.concatenate([current.excess_slope[i], [0.0], slack]))
-        right.append(-current.excess[i])
-    low = np.maximum(-box, -current.point)
-    high = np.minimum(box, 1.0 - current.point)
-    bounds = [*zip(low, high, strict=True), (None, None), *[(0.0, None)] * limits]
-    found = linprog(cost, np.array(rows), np.array(right), bounds=bounds, method="highs")
-    if found.x is None:
-        return np.zeros(n), 0.0
-    before = PENALTY * float(np.maximum(current.excess, 0.0).sum())
-    return found.x[:n], scale * (before - float(found.fun))
+        # Samples without derivatives are regarded as constant only at the present point.
+        pieces = each.pieces if each is current else each.pieces[each.pieces[:, 2:].any(axis=1)]
+        sample, slopes = pieces[:, 0].astype(int), pieces[:, 2:]
+        # A model of a function that is not convex must not cut off the present point.
+        there = np.minimum(pieces[:, 1] + slopes @ shift, present[sample])
+        excess = -np.eye(samples)[sample] if samples > 1 else np.zeros((len(sample), 0))
+        rows.append(np.hstack([slopes / scale, np.full((len(sample), 1), -1.0), excess]))
+        right.append((score - there) / scale)
+    return np.vstack(rows), np.concatenate(right)

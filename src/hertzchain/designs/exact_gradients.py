@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import warnings
+from collections.abc import Mapping
+from concurrent.futures import ThreadPoolExecutor
 from typing import Final
 
 import numpy as np
@@ -21,9 +23,12 @@ from .size_space import SizeSpace
 # Tolerances of elastic and damped runs.  Derivatives have errors of up to 2e-5, and 1e-4 in the
 # worst of 60 damped chains (`Dashpot`: 7e-4), of the largest one, similar to those of differences.
 RTOL, DAMPED_RTOL = 1e-9, 1e-10
-# Cost of a gradient in simulations of the same tolerance.  Trials of an evolution strategy, in
-# batches and at a larger tolerance, are faster: a gradient of 20 beads takes the time of about 50.
-COST: Final = 3
+# That of samples of a scatter, whose derivatives are averaged.
+SAMPLE_RTOL: Final = 1e-7
+# Cost of a gradient in simulations of the same tolerance: `benchmarks/gradients.py` measures 0.9 to
+# 2.2, and 0.3 where only a window is integrated.  Trials of an evolution strategy, in batches and
+# at a larger tolerance, are faster: a gradient of 20 beads takes the time of about 35.
+COST: Final = 2
 NAMES: Final = {
     "wall_force.peak": "wall_force.peak",
     "wall_force.impulse": "wall_force.impulse_of_impact",
@@ -69,6 +74,15 @@ def _start_varies(problem: Design) -> bool:
 
 
 def slopes_by_field(problem: Design, chain: Chain) -> tuple[Array, dict[str, Array], int]:
+    """`_slopes_by_field` at the usual tolerance, without warnings."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", IncompleteWarning)
+        return _slopes_by_field(problem, chain, RTOL)
+
+
+def _slopes_by_field(
+    problem: Design, chain: Chain, elastic_rtol: float
+) -> tuple[Array, dict[str, Array], int]:
     """Values, and derivatives with respect to each field; NaN for measures that do not exist.
 
     The rows are those of the measures and, if the force on the wall is one of them, of all maxima
@@ -80,10 +94,8 @@ def slopes_by_field(problem: Design, chain: Chain) -> tuple[Array, dict[str, Arr
     asked = [str(name) for name in names.values()]
     if PEAK in measures:
         asked.append("wall_force.maxima")
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", IncompleteWarning)
-        rtol = RTOL if chain.lossless else DAMPED_RTOL
-        found = gradients(chain, asked, to=fields, rtol=rtol, until=problem.until)
+    rtol = elastic_rtol if chain.lossless else DAMPED_RTOL
+    found = gradients(chain, asked, to=fields, rtol=rtol, until=problem.until)
     maxima = found[len(names) :]
     count = len(measures) + len(maxima)
     values = np.full(count, np.nan)
@@ -105,21 +117,36 @@ def slopes_by_field(problem: Design, chain: Chain) -> tuple[Array, dict[str, Arr
     return values, slopes, len(maxima)
 
 
-def values_and_slopes(problem: Design, point: Array) -> tuple[Array, Array, int]:
-    """Values and derivatives with respect to the variables, and the number of maxima."""
-    space = problem.space
+def values_and_slopes(problem: Design, point: Array) -> tuple[Array, Array, Array]:
+    """Values and derivatives with respect to the variables, and linear models of the objective.
+
+    The models are rows of 0, a value and derivatives of all maxima of the force on the wall, if the
+    objective is its peak.
+    """
+    space, count = problem.space, len(problem.measures)
     assert isinstance(space, SizeSpace)
     chain = space.chain_of(point)
-    values, slopes, maxima = slopes_by_field(problem, chain)
-    return values, space.pull(point, slopes), maxima
+    values, slopes, _ = slopes_by_field(problem, chain)
+    pulled = space.pull(point, slopes)
+    models = np.column_stack([np.zeros(len(values)), values, pulled])[count:]
+    return values[:count], pulled[:count], models if _has_maxima(problem) else models[:0]
+
+
+def _has_maxima(problem: Design) -> bool:
+    """Whether the objective is the largest of several maxima."""
+    return problem.objective.single == PEAK and problem.objective.weights[0] > 0.0
 
 
 def scattered_slopes(
-    problem: Design, point: Array, draws: Array, sampled: Array, signs: Array
-) -> tuple[Array, int]:
-    """Derivatives of the means or CVaR of all measures, and the number of gradients.
+    problem: Design, point: Array, draws: Array, sampled: Array, signs: Array,
+    threads: int | None = None,
+) -> tuple[Array, Array, int]:  # fmt: skip
+    """Derivatives of the means or CVaR of all measures, linear models, and number of gradients.
 
-    ``sampled`` has the values of all samples; only those that count need a gradient.
+    ``sampled`` has the values of all samples; only those that count need a gradient.  If the
+    objective is a CVaR of one measure, the models are rows of the number of a sample, its value,
+    and derivatives: of all maxima of its force on the wall, if this is minimised; of a sample
+    without gradient they are 0.
     """
     space, scatter = problem.space, problem.scatter
     assert isinstance(space, SizeSpace)
@@ -127,19 +154,40 @@ def scattered_slopes(
     chains = scatter._chains(chain, draws)
     counted = [scatter._worst(column, sign) for column, sign in zip(sampled.T, signs, strict=True)]
     wanted = sorted({int(i) for group in counted for i in group})
-    by_sample = {}
-    for i in wanted:
-        _, slopes, _ = slopes_by_field(problem, chains[i])
+
+    def slopes_of(i: int) -> tuple[Array, Array]:
+        values, slopes, _ = _slopes_by_field(problem, chains[i], SAMPLE_RTOL)
         if "radii" in slopes:
             # A relative deviation multiplies the radius, a grade adds to it.
             factor = chains[i].radii / chain.radii if scatter.grade is None else 1.0
             slopes["radii"] = slopes["radii"] * factor
-        by_sample[i] = space.pull(point, slopes)
+        return values, space.pull(point, slopes)
+
+    with warnings.catch_warnings(), ThreadPoolExecutor(threads) as executor:
+        warnings.simplefilter("ignore", IncompleteWarning)
+        by_sample = dict(zip(wanted, executor.map(slopes_of, wanted), strict=True))
     rows = [
-        np.mean([by_sample[int(i)][row] for i in group], axis=0)
+        np.mean([by_sample[int(i)][1][row] for i in group], axis=0)
         for row, group in enumerate(counted)
     ]
-    return np.array(rows), len(wanted)
+    return np.array(rows), _models(problem, sampled, by_sample), len(wanted)
+
+
+def _models(problem: Design, sampled: Array, by_sample: Mapping[int, tuple[Array, Array]]) -> Array:
+    """Rows of sample, value and derivatives of the measure that is the objective."""
+    measure, scatter = problem.objective.single, problem.scatter
+    assert isinstance(problem.space, SizeSpace)
+    if measure is None or not scatter.tail or measure.of_chain:
+        return np.zeros((0, 2 + problem.space.size))
+    column, found = problem.measures.index(measure), []
+    for i, value in enumerate(sampled[:, column]):
+        if i not in by_sample:
+            found.append([i, value, *np.zeros(problem.space.size)])
+            continue
+        values, slopes = by_sample[i]
+        rows = range(len(problem.measures), len(values)) if _has_maxima(problem) else [column]
+        found += [[i, values[row], *slopes[row]] for row in rows]
+    return np.array(found)
 
 
 NOT_COVERED: Final = (InputError, SimulationError)

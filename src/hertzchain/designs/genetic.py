@@ -137,9 +137,9 @@ class Population:
         return found
 
 
-def search(trials: Trials, end: float, seed: int) -> list[float]:
-    """Genetic search with restarts, each completed by exchanges; the score of each start."""
-    rng, finals = np.random.default_rng([seed, 2]), list[float]()
+def search(trials: Trials, end: float, seed: int) -> list[Outcome]:
+    """Genetic search with restarts, each completed by exchanges; the best of each start."""
+    rng, ends = np.random.default_rng([seed, 2]), list[Outcome]()
     known: dict[bytes, Outcome] = {}
     while trials.used < end:
         population = Population(trials, rng)
@@ -154,7 +154,7 @@ def search(trials: Trials, end: float, seed: int) -> list[float]:
             if not population.try_all(near):
                 break
         if population.members:
-            finals.append(population.members[0].score)
+            ends.append(population.members[0])
         if len(known) == tried or len(known) >= population.space.count:
             break
-    return finals
+    return ends

@@ -127,6 +127,11 @@ class Measure:
             QUANTITIES[SHARES.get(self.key, self.key)].per == "contact"
         ):
             raise InputError(f"{self}: this chain has {chain.beads} beads")
+        if self.key == "largest_force" and not chain.lossless:
+            raise InputError(
+                "largest_force is computed from the largest overlaps of elastic contacts, and this "
+                "chain has losses; use wall_force.peak or peak_force@k"
+            )
         if self.key in RANGE and (chain.units != "SI" or chain.materials is None):
             raise InputError(f"{self} needs a chain with materials; use Chain.from_materials")
 

@@ -46,21 +46,27 @@ RUNS_PER_SECOND: Final = 1500
 MIDDLE: Final = 0.5
 # A smooth objective is not searched further if this many descents have the best score.
 AGREEING, AGREE = 4, 1e-9
+# With a scatter: part of the budget of the search without it, and starts that are compared.
+NOMINAL, MOST_ENDS = 0.5, 20
 
 
 @dataclass(eq=False)
 class Found:
     """Report of a method in addition to the trials.
 
-    ``finals`` are the scores at the ends of all starts, ``optima`` all local optima of a scan, and
+    ``ends`` are the trials at the ends of all starts, ``optima`` all local optima of a scan, and
     ``promise`` the prediction of the law.
     """
 
     method: str
-    finals: list[float] = field(default_factory=list)
+    ends: list[Outcome] = field(default_factory=list)
     optima: list[Outcome] = field(default_factory=list)
     promise: smooth_tapers.Promise | None = None
-    complete: bool = False
+
+    @property
+    def finals(self) -> list[float]:
+        """Scores at the ends."""
+        return [each.score for each in self.ends]
 
 
 def method_for(problem: Design, given: str, budget_runs: float) -> str:
@@ -123,12 +129,12 @@ def _law(trials: Trials, end: float) -> Found:
     promise = smooth_tapers.promise(trials.problem)
     trials.evaluate([promise.x])
     final = polish(trials, promise.x, end)
-    return Found("law", [final.score], promise=promise)
+    return Found("law", [final], promise=promise)
 
 
 def _scan(trials: Trials, end: float) -> Found:
     optima = scan(trials, end)
-    return Found("scan", [each.score for each in optima], optima=optima)
+    return Found("scan", optima, optima=optima)
 
 
 def _evolution(trials: Trials, end: float) -> Found:
@@ -141,12 +147,12 @@ def _gradient(trials: Trials, end: float) -> Found:
 
 def _hybrid(trials: Trials, end: float) -> Found:
     begin = trials.used
-    finals = _descended(trials, begin + 0.45 * (end - begin))
-    if not _agree(trials, finals):
-        finals += _evolved(trials, begin + 0.85 * (end - begin))
+    ends = _descended(trials, begin + 0.45 * (end - begin))
+    if not _agree(trials, ends):
+        ends += _evolved(trials, begin + 0.85 * (end - begin))
     if trials.best and np.isfinite(trials.best[0].score):
         polish(trials, trials.best[0].x, end)
-    return Found("hybrid", finals)
+    return Found("hybrid", ends)
 
 
 def polish(trials: Trials, point: Array, end: float) -> Outcome:
@@ -156,8 +162,8 @@ def polish(trials: Trials, point: Array, end: float) -> Outcome:
     return quasi_newton(trials, point, end)
 
 
-def _evolved(trials: Trials, end: float) -> list[float]:
-    """Runs of the evolution strategy, whose population follows from the budget; their scores."""
+def _evolved(trials: Trials, end: float) -> list[Outcome]:
+    """Runs of the evolution strategy, whose population follows from the budget; their best."""
     rng, size = np.random.default_rng([trials.seed, 1]), trials.problem.space.size
     total = min(trials.budget.runs, RUNS_PER_SECOND * trials.budget.seconds)
     share = max(0.0, (end - trials.used) * total)
@@ -165,28 +171,29 @@ def _evolved(trials: Trials, end: float) -> list[float]:
         share /= len(trials.draws)
     usual = 4 + int(3.0 * math.log(size))
     population = int(np.clip(share / 150.0, usual, 40 * usual))
-    finals: list[float] = []
+    ends: list[Outcome] = []
     while trials.used < end:
-        start = np.full(size, MIDDLE) if not finals else rng.random(size)
+        start = np.full(size, MIDDLE) if not ends else rng.random(size)
         best = evolve(trials, start, end, rng, population=population)
         if best is not None:
-            finals.append(best.score)
-    return finals
+            ends.append(best)
+    return ends
 
 
-def _descended(trials: Trials, end: float) -> list[float]:
-    """Descents from the best points so far and from quasi-random ones; their scores."""
+def _descended(trials: Trials, end: float) -> list[Outcome]:
+    """Descents from the best points so far and from quasi-random ones; their ends."""
     starts = _starts(trials)
-    finals: list[float] = []
-    while trials.used < end and not _agree(trials, finals):
+    ends: list[Outcome] = []
+    while trials.used < end and not _agree(trials, ends):
         start = next(starts)
         search_from = descend if trials.problem.has_kinks else quasi_newton
-        finals.append(search_from(trials, start, end).score)
-    return finals
+        ends.append(search_from(trials, start, end))
+    return ends
 
 
-def _agree(trials: Trials, finals: list[float]) -> bool:
+def _agree(trials: Trials, ends: list[Outcome]) -> bool:
     """Whether the latest descents of a smooth objective have ended at the best score."""
+    finals = [each.score for each in ends]
     latest = finals[-AGREEING:]
     close = max(latest) - min(finals) <= AGREE * abs(min(finals)) if latest else False
     return len(latest) == AGREEING and close and not trials.problem.has_kinks
@@ -205,7 +212,11 @@ def _starts(trials: Trials):  # type: ignore[no-untyped-def]
 
 
 def _robust(trials: Trials, method: str, end: float) -> Found:
-    """Search without scatter first, then descend from the best points with scatter."""
+    """Search without scatter first, then descend from the best of all its ends with scatter.
+
+    A descent with scatter hardly leaves the valley in which it starts, and one trial takes as long
+    as a search without it takes for many.
+    """
     import dataclasses
 
     problem = dataclasses.replace(trials.problem, scatter=None)
@@ -215,25 +226,29 @@ def _robust(trials: Trials, method: str, end: float) -> Found:
     nominal.clock = trials.clock
     begin = trials.used
     chosen = method_for(problem, "auto" if method == "law" else method, math.inf)
-    found = _SEARCHES[chosen](nominal, begin + 0.5 * (end - begin))
+    found = _SEARCHES[chosen](nominal, begin + NOMINAL * (end - begin))
     trials.runs, trials.rejected = nominal.runs, nominal.rejected
     trials.gradients = nominal.gradients
-    tops = [each.x for each in nominal.best if np.isfinite(each.score)][:4]
-    if tops:
-        trials.evaluate(tops)
-        descend(trials, trials.best[0].x, end)
-    return Found(found.method, found.finals)
+    tops = {each.x.tobytes(): each for each in [*nominal.best[:1], *found.ends]
+            if np.isfinite(each.score)}  # fmt: skip
+    ranked = sorted(tops.values(), key=lambda each: each.rank)[:MOST_ENDS]
+    starts = trials.evaluate([each.x for each in ranked]) if ranked else []
+    ends: list[Outcome] = []
+    for start in sorted(starts, key=lambda each: each.rank):
+        if trials.used >= end:
+            break
+        ends.append(descend(trials, start.x, end))
+    return Found(found.method, ends or found.ends)
 
 
 def _enumerate(trials: Trials, end: float) -> Found:
     del end
     enumerate_all(trials)
-    return Found("enumerate", [trials.best[0].score], complete=True)
+    return Found("enumerate", trials.best[:1])
 
 
 def _genetic(trials: Trials, end: float) -> Found:
-    finals: list[float] = search(trials, end, trials.seed)
-    return Found("genetic", finals)
+    return Found("genetic", search(trials, end, trials.seed))
 
 
 _SEARCHES: Final[dict[str, Callable[[Trials, float], Found]]] = {

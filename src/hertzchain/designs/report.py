@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ..representation import counted
-from ..representation import measure as shown
 from .measures import Measure
 from .verified import Verified, met
 
@@ -40,6 +40,8 @@ def summary(result: DesignResult) -> str:
     if result.parts:
         lines.append("parts:")
         lines += [f"  {count} x {name}" for count, name in result.parts]
+    if result.discrete and result.chain.materials is not None:
+        lines.append(f"order: {_order(result)}")
     if result.optima:
         lines.append("local optima:")
         lines += [f"  {_point(result, i)}" for i in range(len(result.optima))]
@@ -106,10 +108,22 @@ def _starts(result: DesignResult) -> list[str]:
 def _requirement(result: DesignResult, index: int) -> str:
     each = result.problem.requirements[index]
     value = result.values[str(each.measure)]
-    unit = "" if each.measure.unit == "1" else each.measure.unit
-    text = shown(value, unit, each.units).strip()
     met = each.excess(value) <= 1e-6
-    return f"  {each}: {text}{'' if met else ', NOT met'}"
+    return f"  {each}: {each.shown(value)}{'' if met else ', NOT met'}"
+
+
+def _order(result: DesignResult) -> str:
+    """Balls from the first to the last, each with the number of equal neighbours."""
+    chain, radii = result.chain, result.chain.radii
+    balls = [f"{2e3 * radius:g} mm {kind.name}"
+             for radius, kind in zip(radii, chain.materials or (), strict=True)]  # fmt: skip
+    moving = chain.velocities != 0.0
+    groups = itertools.groupby(zip(moving.tolist(), balls, strict=True))
+    runs = []
+    for (arrives, ball), members in groups:
+        count = len(list(members))
+        runs.append((f"{count} x " if count > 1 else "") + ball + " (arrives)" * arrives)
+    return ", ".join(runs)
 
 
 def _point(result: DesignResult, index: int) -> str:

@@ -13,10 +13,12 @@ from ..chain.chain import Chain
 from ..collision import Array
 from ..errors import InputError, short_repr
 from ..representation import measure as shown
+from ..units import converted
 from ..validation.numbers import number
 from .measures import Measure, parse_measure
 
 _FORM: Final = re.compile(r"\s*(<=|>=|≤|≥)\s*(\S.*?)\s*")
+_NUMBER: Final = re.compile(r"[-+]?[\d.]+([eE][-+]?\d+)?\s*")
 # Relative violation that is regarded as rounding of the simulation.
 TOLERANCE: Final = 1e-6
 
@@ -29,11 +31,19 @@ class Requirement:
     limit: float
     sign: int
     units: str
+    # Unit in which the limit was given; empty if it was a number.
+    unit: str = ""
 
     def __str__(self) -> str:
-        unit = self.measure.unit
-        limit = shown(self.limit, "" if unit == "1" else unit, self.units).strip()
-        return f"{self.measure} {'<=' if self.sign > 0 else '>='} {limit}"
+        return f"{self.measure} {'<=' if self.sign > 0 else '>='} {self.shown(self.limit)}"
+
+    def shown(self, value: float) -> str:
+        """A value of the measure, in the unit in which the limit was given."""
+        unit = "" if self.measure.unit == "1" else self.measure.unit
+        if self.unit:
+            one = converted(str(self.measure), 1.0, self.unit, unit.replace(" ", "*"))
+            return shown(value / one, self.unit)
+        return shown(value, unit, self.units).strip()
 
     def excess(self, values: Any) -> Any:
         """Relative amount by which values violate the limit; negative if they meet it."""
@@ -64,8 +74,10 @@ def _requirement(measure: Measure, text: object, chain: Chain) -> Requirement:
             f"the constraint on {measure} must look like '<= 5' or '>= 5', got {short_repr(text)}"
         )
     sign = 1 if form[1] in ("<=", "≤") else -1
-    return Requirement(measure, limit_from(str(measure), form[2], measure, chain), sign,
-                       chain.units)  # fmt: skip
+    limit = limit_from(str(measure), form[2], measure, chain)
+    return Requirement(
+        measure, limit, sign, chain.units, form[2].lstrip("+-.0123456789eE ").strip()
+    )
 
 
 def limit_from(what: str, text: Any, measure: Measure, chain: Chain) -> float:

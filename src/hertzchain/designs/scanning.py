@@ -10,8 +10,10 @@ from .trials import Outcome, Trials
 
 POINTS: Final = 129
 # A refinement ends when its interval is this small.
-WIDTH: Final = 1e-6
+WIDTH: Final = 5e-6
 SECTIONS: Final = 8
+# Tolerance of the runs of a refinement: an error of the value moves a flat optimum by its root.
+FINE_RTOL: Final = 1e-8
 
 
 def scan(trials: Trials, end: float) -> list[Outcome]:
@@ -30,10 +32,11 @@ def scan(trials: Trials, end: float) -> list[Outcome]:
 
 def _refined(trials: Trials, best: Outcome, width: float, end: float) -> Outcome:
     """Divide the interval around a point again and again, with several trials at a time."""
+    (best,) = trials.evaluate([best.x], rtol=FINE_RTOL)
     while width > WIDTH and trials.used < end:
         centre = float(best.x[0])
         points = np.linspace(max(0.0, centre - width), min(1.0, centre + width), 2 * SECTIONS + 1)
-        new = trials.evaluate([np.array([x]) for x in points])
+        new = trials.evaluate([np.array([x]) for x in points], rtol=FINE_RTOL)
         best = min([best, *new], key=lambda each: each.rank)
         width /= SECTIONS
     return best

@@ -109,8 +109,11 @@ class Scatter:
     def _worst(self, values: Array, sign: float) -> Any:
         """Indices of the samples that count, for values of which large (sign 1) are bad."""
         order = np.argsort(sign * values, kind="stable")
-        count = max(1, round(self.tail * len(values))) if self.tail else len(values)
-        return order[len(values) - count :]
+        return order[len(values) - self._counted(len(values)) :]
+
+    def _counted(self, samples: int) -> int:
+        """Number of the samples that count."""
+        return max(1, round(self.tail * samples)) if self.tail else samples
 
 
 def scatter_from(given: object) -> Scatter | None:

@@ -39,15 +39,23 @@ class SizeSpace:
             for block, part in zip(self.blocks, parts, strict=True)
         ]
 
-    def chain_of(self, x: Array) -> Chain:
-        """The chain at a point."""
+    def _changes(self, x: Array) -> dict[str, Any]:
+        """The fields of the chain that vary, at a point."""
         changes: dict[str, Any] = {}
         for block, part in zip(self.blocks, self._parts(x), strict=True):
             values = changes.get(block.field)
             values = np.array(getattr(self.chain, block.field)) if values is None else values
             values[block.places] = block.sizes(part)
             changes[block.field] = values
-        return self.chain.replace(**changes)
+        return changes
+
+    def chain_of(self, x: Array) -> Chain:
+        """The chain at a point."""
+        return self.chain.replace(**self._changes(x))
+
+    def radii(self, x: Array) -> Array:
+        """The radii at a point, without checks of the chain."""
+        return np.asarray(self._changes(x).get("radii", self.chain.radii))
 
     def price(self, x: Array) -> float:
         """Sizes have no price."""

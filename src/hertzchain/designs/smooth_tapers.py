@@ -6,29 +6,39 @@ The optimiser would otherwise find the errors of the law instead of good chains.
 from __future__ import annotations
 
 import warnings
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 
 from ..chain.chain import Chain
 from ..collision import Array
 from ..errors import InputError, ModelRangeWarning
-from ..theory.local_rate import DIFFERENTIABLE, local_rate, local_rate_gradient
+from ..theory.local_rate import (
+    DIFFERENTIABLE,
+    local_rate,
+    local_rate_gradient,
+    velocity_errors,
+)
 from .problem import Design
 from .requirements import Requirement
 from .size_space import SizeSpace, size_space
 from .sizes import Sizes
 
-# Largest estimated error of the law in a design; smallest estimate that can be distinguished.
-LIMIT, MIN_ESTIMATE = 1e-3, 1e-12
+# Largest estimated error of the law in a design; smallest estimate that can be distinguished.  The
+# errors of designs of 100 beads were at most half of this limit; with 3e-3, one had 7e-3.
+LIMIT, MIN_ESTIMATE = 2e-3, 1e-12
+# The largest estimate of each of some parts of the chain is a constraint, approximated by the sum
+# of this power.  With one constraint for all, the search would stop where several are largest.
+SEGMENTS, POWER = 16, 40
 # Numbers of coefficients of successive searches, before that of the problem.
-COARSE: Final = (6, 12)
+COARSE: Final = (8, 16)
 # Largest change of a coefficient in one search, relative to its range; number of searches with the
 # coefficients of the problem.  The coarse ones are starts for these.
 BOX, ROUNDS = 0.5, 4
 # The searches end when one gains less than this, because the simulation gives the final digits.
-ITERATIONS, MIN_GAIN = 60, 1e-3
+ITERATIONS, MIN_GAIN = 25, 2e-2
 PRECISION, COARSE_PRECISION = 1e-5, 1e-4
 STEP: Final = 1e-6
 
@@ -90,32 +100,49 @@ class Law:
         slope = self.space.pull(np.clip(x, 0.0, 1.0), {"radii": logarithmic / chain.radii})
         return self.sign * float(np.log(value)), self.sign * slope
 
-    def room(self, x: Array) -> float:
-        """Logarithm of the limit over the estimated error; negative beyond the limit."""
+    def estimates(self, x: Array) -> Array:
+        """Estimated errors of the velocities that the objective depends on; 1 if unknown."""
         self.evaluations += 1
-        error = local_rate(self.chain(x)).velocity_error
-        assert error is not None
-        worst = float(error[: self.bead].max()) if self.bead > 1 else 0.0
-        if not np.isfinite(worst):
-            return -10.0
-        return float(np.log(LIMIT) - np.log(worst + MIN_ESTIMATE))
+        chain, last = self.problem.chain, max(self.bead, 2)
+        error: Array | None
+        if chain.features or not isinstance(chain.exponents, float):
+            error = local_rate(self.chain(x)).velocity_error
+        else:
+            error = velocity_errors(self.space.radii(np.clip(x, 0.0, 1.0)), chain.exponents)
+        if error is None:
+            return np.ones(last - 1)
+        return np.nan_to_num(error[1:last], nan=1.0, posinf=1.0) + MIN_ESTIMATE
 
-    def room_slope(self, x: Array) -> Array:
-        """Differences of the estimate."""
+    def rooms(self, x: Array) -> Array:
+        """Logarithms of the limit over the estimates of parts of the chain; negative beyond it."""
+        parts = np.array_split(self.estimates(x), min(SEGMENTS, max(self.bead, 2) - 1))
+        tops = [part.max() for part in parts]
+        norms = [
+            top * float(((part / top) ** POWER).sum()) ** (1.0 / POWER)
+            for part, top in zip(parts, tops, strict=True)
+        ]
+        return float(np.log(LIMIT)) - np.log(norms)
+
+    def room(self, x: Array) -> float:
+        """The smallest of `rooms`."""
+        return float(self.rooms(x).min())
+
+    def rooms_slope(self, x: Array) -> Array:
+        """Differences of `rooms`, shape (parts, n)."""
         steps = np.where(x < 0.5, STEP, -STEP)
-        here = self.room(x)
-        return np.array([(self.room(x + step) - here) for step in np.diag(steps)]) / steps
+        here = self.rooms(x)
+        return np.array([(self.rooms(x + step) - here) for step in np.diag(steps)]).T / steps
 
-    def limits(self) -> list[dict[str, Any]]:
-        """Constraints by which all radii are within their limits."""
+    def limits(self) -> list[tuple[Callable[[Array], Array], Callable[[Array], Array]]]:
+        """Constraints by which all radii are within their limits, and their derivatives."""
         (block,) = self.space.blocks
         low, high = block.limits
         rows = block.matrix * (high - low)
         rest = block.offset + block.matrix.sum(axis=1) * low
         least, most = block.ends
         return [
-            {"type": "ineq", "fun": lambda x: rest + rows @ x - least, "jac": lambda _: rows},
-            {"type": "ineq", "fun": lambda x: most - rest - rows @ x, "jac": lambda _: -rows},
+            (lambda x: rest + rows @ x - least, lambda _: rows),
+            (lambda x: most - rest - rows @ x, lambda _: -rows),
         ]
 
     def excess(self, requirement: Requirement, x: Array) -> float:
@@ -159,22 +186,37 @@ def climb(law: Law, start: Array, *, coarse: bool) -> Promise:
     """Searches within boxes around the best point so far; ``value`` is the objective of the law."""
     from scipy.optimize import minimize
 
-    constraints = [{"type": "ineq", "fun": law.room, "jac": law.room_slope}, *law.limits()]
+    (block,) = law.space.blocks
+    # The search works with coefficients, of which a change by 1 is a change by a factor e.
+    width = block.limits[1] - block.limits[0]
+
+    def scaled(function: Callable[[Array], Array], by: float) -> Callable[[Array], Array]:
+        return lambda c: function(c / width) / by
+
+    def objective(c: Array) -> tuple[float, Array]:
+        value, slope = law.objective(c / width)
+        return value, slope / width
+
+    constraints = [
+        {"type": "ineq", "fun": scaled(fun, 1.0), "jac": scaled(jac, width)}
+        for fun, jac in [(law.rooms, law.rooms_slope), *law.limits()]
+    ]
     constraints += [
-        {"type": "ineq", "fun": lambda x, r=each: -law.excess(r, x)}
+        {"type": "ineq", "fun": lambda c, r=each: -law.excess(r, c / width)}
         for each in law.problem.requirements
     ]
     x, box = np.clip(start, 0.0, 1.0), BOX
     value = law.objective(x)[0]
     precision = COARSE_PRECISION if coarse else PRECISION
     for _ in range(1 if coarse else ROUNDS):
-        bounds = [*zip(np.maximum(x - box, 0.0), np.minimum(x + box, 1.0), strict=True)]
+        low, high = np.maximum(x - box, 0.0), np.minimum(x + box, 1.0)
+        bounds = [*zip(width * low, width * high, strict=True)]
         try:
             found = minimize(
-                law.objective, x, jac=True, method="SLSQP", bounds=bounds,
+                objective, width * x, jac=True, method="SLSQP", bounds=bounds,
                 constraints=constraints, options={"maxiter": ITERATIONS, "ftol": precision},
             )  # fmt: skip
-            point = np.clip(found.x, 0.0, 1.0)
+            point = np.clip(found.x / width, 0.0, 1.0)
             gained = value - law.objective(point)[0]
             inside = law.room(point) > -1e-2
         except InputError:
@@ -188,4 +230,4 @@ def climb(law: Law, start: Array, *, coarse: bool) -> Promise:
             box *= 0.3
             if box < 1e-3:
                 break
-    return Promise(x, value, LIMIT * float(np.exp(-law.room(x))), law.evaluations)
+    return Promise(x, value, float(law.estimates(x).max()), law.evaluations)

@@ -94,9 +94,9 @@ class Trials:
         """Part of the budget that is used."""
         return self.budget.used(self.runs, self.journal.seconds)
 
-    def evaluate(self, points: Sequence[Any]) -> list[Outcome]:
+    def evaluate(self, points: Sequence[Any], *, rtol: float = RTOL) -> list[Outcome]:
         """Simulate the chains at several points."""
-        values = self._journalled("values", points, lambda: self._values(points, RTOL))
+        values = self._journalled("values", points, lambda: self._values(points, rtol))
         self.runs += len(points) * (1 if self.draws is None else len(self.draws))
         found = self.outcomes(points, values)
         self._note(found)
@@ -111,39 +111,41 @@ class Trials:
         return [Outcome(*each) for each in zip(points, values, scores, excess, strict=True)]
 
     def slopes(self, point: Array) -> tuple[Outcome, Array, Array]:
-        """Values at a point, the derivatives of all measures, shape (M, n), and all maxima.
+        """Values at a point, the derivatives of all measures, shape (M, n), and linear models.
 
-        The maxima of the force on the wall are rows of values and derivatives.
+        The models are rows of a sample of the scatter (0 without), a value of the objective's
+        measure, and its derivatives: of all maxima of the force on the wall and of all samples.
         """
         count = len(self.measures)
         packed = self._journalled("slopes", [point], lambda: self._slopes(point))
-        # The last entry is the cost, in simulations.
+        # The first entry of the last row is the cost, in simulations.
         self.runs += int(packed[-1, 0])
         self.gradients += 1
-        (outcome,) = self.outcomes([point], packed[:count, :1].T)
+        (outcome,) = self.outcomes([point], packed[:count, 1:2].T)
         self._note([outcome])
-        return outcome, packed[:count, 1:], packed[count:-1]
+        return outcome, packed[:count, 2:], packed[count:-1]
 
     def _slopes(self, point: Array) -> Array:
-        """Values, derivatives, maxima and, in the last row, the cost in simulations."""
+        """Rows of values and derivatives of measures, models and, in the last row, the cost."""
         found = self._exact_slopes(point) if self.exact else None
         if found is None:
             values, slopes, cost = differences(
                 lambda points: self._values(points, STEP_RTOL), point
             )
             cost *= 1 if self.draws is None else len(self.draws)
-            found = values, slopes, cost
-        values, slopes, cost = found
-        last = np.zeros((1, 1 + len(point)))
+            found = values, slopes, np.zeros((0, 2 + len(point))), cost
+        values, slopes, models, cost = found
+        last = np.zeros((1, 2 + len(point)))
         last[0, 0] = cost
-        return np.vstack([np.column_stack([values, slopes]), last])
+        own = np.column_stack([np.zeros(len(values)), values, slopes])
+        return np.vstack([own, models, last])
 
-    def _exact_slopes(self, point: Array) -> tuple[Array, Array, int] | None:
-        """Values and exact derivatives; `None` if the simulation has none at this point."""
+    def _exact_slopes(self, point: Array) -> tuple[Array, Array, Array, int] | None:
+        """Values, exact derivatives, models, and the cost; `None` if there are none here."""
         try:
             if self.draws is None:
-                values, slopes, _ = exact_gradients.values_and_slopes(self.problem, point)
-                return values, slopes, exact_gradients.COST
+                found = exact_gradients.values_and_slopes(self.problem, point)
+                return *found, exact_gradients.COST
             chain = self.chain_of(point)
             if chain is None:
                 return None
@@ -151,12 +153,12 @@ class Trials:
             for i, each in enumerate(self.measures):
                 if each.of_chain:
                     values[i] = each.from_chain(chain, np.nan)
-            slopes, count = exact_gradients.scattered_slopes(
-                self.problem, point, self.draws, sampled, self.bad
+            slopes, models, count = exact_gradients.scattered_slopes(
+                self.problem, point, self.draws, sampled, self.bad, self.threads
             )
         except exact_gradients.NOT_COVERED:
             return None
-        return values, slopes, len(self.draws) + count * exact_gradients.COST
+        return values, slopes, models, len(self.draws) + count * exact_gradients.COST
 
     def simulated(self, chains: Sequence[Chain | None], rtol: float) -> Array:
         """Values of all measures of chains, shape (C, M), without summary of a scatter."""

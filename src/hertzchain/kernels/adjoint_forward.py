@@ -49,7 +49,7 @@ from .adjoint_layout import (
     V,
     X,
 )
-from .adjoint_step import compiled, error_of, forces, try_step
+from .adjoint_step import compiled, error_of, try_step
 from .rkn8_step import GROWTH, SAFETY, SHRINKAGE
 
 MIN_STEP, HALF = 1e-280, 0.5
@@ -166,21 +166,9 @@ def find_events(
 
 
 @compiled
-def rear_of(w, low, high, behind, targets, found):
-    """First bead of the window: some beads behind the crest, or behind the first missing event."""
-    crest = low + behind
-    while crest + 1 < high and w[V + 2 + crest] > w[V + 1 + crest]:
-        crest += 1
-    for t in range(len(targets)):
-        if found[t, AT_STEP] < 0.0:
-            crest = min(crest, int(targets[t, PLACE]))
-    return max(low, crest - behind)
-
-
-@compiled
 def advance(
-    w, events, beads, clock, counts, until, rtol, most_steps, stop_when_found, behind, hertz,
-    careful, resting, targets, found, candidates, positions, velocities, lengths, windows, kept,
+    w, events, beads, clock, counts, until, rtol, most_steps, stop_when_found, hertz, careful,
+    resting, targets, found, candidates, positions, velocities, lengths, windows, kept,
     room, end,
 ):  # fmt: skip
     """Take steps until the block is full or the run ends; returns the reason.
@@ -191,7 +179,6 @@ def advance(
     clock, counts : entries as in the layout
     until, rtol, most_steps : end of the run, tolerance, limit of tries
     stop_when_found : whether to end when all events of beads and contacts are found
-    behind : number of beads kept behind the crest of the pulse; 0 for all
     hertz : whether all exponents are 3/2; None with damping
     careful : whether open contacts may close within a step
     resting : whether beads ahead of the front are at rest and not pushed
@@ -248,9 +235,6 @@ def advance(
             while high < beads and w[X + high - REACH + 1] != 0.0:
                 high += 1
             counts[HIGH] = high
-        if behind > 0:
-            low = counts[LOW] = rear_of(w, low, high, behind, targets, found)
-            forces(w, low, high, X, F0, hertz, last)
         if reaches:
             return TIME_REACHED
         if stop_when_found and until == math.inf and remaining == 0:

@@ -29,7 +29,7 @@ def plot_beads(result: DesignResult, *, ax: Axes | None = None) -> Axes:
     """Plot the beads of the chain that was found, above those of the chain it began with."""
     with figure_style():
         axes = get_axes(ax, figsize=(7.0, 2.2))
-        chains = {"before": result.problem.chain, "after": result.chain}
+        chains = {"initial": result.problem.chain, "design": result.chain}
         factor, unit = (1e3, " [mm]") if result.chain.units == "SI" else (1.0, "")
         height = -2.4 * factor * max(chain.radii.max() for chain in chains.values())
         for row, (name, chain) in enumerate(chains.items()):
@@ -56,7 +56,7 @@ def plot_forces(result: DesignResult, *, ax: Axes | None = None) -> Axes:
         warnings.simplefilter("ignore")
         axes = get_axes(ax)
         for chain, label, colour in (
-            (result.problem.chain, "before", COLOURS[0]), (result.chain, "after", COLOURS[2]),
+            (result.problem.chain, "initial", COLOURS[0]), (result.chain, "design", COLOURS[2]),
         ):  # fmt: skip
             if chain.right_wall is None:
                 pulse = simulate(chain, times=0, rtol=RTOL).pulse()

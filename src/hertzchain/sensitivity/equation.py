@@ -28,11 +28,6 @@ FIRST_PART: Final = 1e-3
 # Rounding of static forces, as in `hertzchain.kernels.dop853_step`.
 ROUNDING: Final = 5e-15
 
-# Beads behind the crest of a leading pulse that are integrated, also in rough chains: with 12, the
-# change of a gradient is less than its error.  Pulses of smaller exponents are longer.
-BEHIND: Final = 16
-NARROW: Final = 1.4
-
 
 @dataclass(frozen=True, eq=False)
 class Equation:
@@ -83,16 +78,13 @@ class Equation:
         return len(self.masses)
 
     @property
-    def behind(self) -> int:
-        """Number of beads that are integrated behind the crest of a leading pulse; 0 for all."""
+    def has_free_pulse(self) -> bool:
+        """Whether only beads near the crest of the leading pulse may matter for its quantities."""
         chain = self.chain
         ends = chain.left_wall is None and chain.right_wall is None
         struck = not chain.velocities[max(1, chain.strikers) :].any()
-        if not (ends and struck and self.resting and not chain.gaps.any()):
-            return 0
-        if self.hertz is None:
-            return 0
-        return BEHIND if chain.contact_exponents.min() >= NARROW else 2 * BEHIND
+        elastic = self.hertz is not None
+        return ends and struck and elastic and self.resting and not chain.gaps.any()
 
     def forces(self, overlaps: Array) -> Array:
         """Forces of all contacts, at overlaps in the last axis."""

@@ -283,7 +283,6 @@ def gradients(
         record = run(
             equation, targets.array(), math.inf if until is None else until, rtol, limit,
             (lambda _: False) if until is not None else ending.finished, pulses_only,
-            equation.behind if of_pulse else 0,
         )  # fmt: skip
     if until is not None:
         ending.finished(record)

@@ -44,6 +44,8 @@ def checked_parameters(chain: Chain, to: str | Iterable[str]) -> tuple[str, ...]
             raise InputError(f"the chain has no {name}: it has no {end}; add one or omit it")
         if name.startswith("loss.") and not any(_has(law, name) for law in chain.contact_losses):
             raise InputError(f"the chain has no {name}: no law of its contacts has this parameter")
+        if name.startswith("loss."):
+            _check_damped(chain, name)
         if name == "precompression" and not chain.precompression > 0.0:
             raise InputError(
                 "a chain without precompression has no derivative to it, because overlaps grow "
@@ -55,6 +57,18 @@ def checked_parameters(chain: Chain, to: str | Iterable[str]) -> tuple[str, ...]
                 "its power 1/p; give a small gravity"
             )
     return tuple(dict.fromkeys(names))
+
+
+def _check_damped(chain: Chain, name: str) -> None:
+    """Raise an error if the parameter of a law has the value of an elastic chain."""
+    item = name.removeprefix("loss.")
+    elastic = 1.0 if item == "coefficient" else 0.0
+    if any(getattr(law, item) == elastic for law in chain.contact_losses if _has(law, name)):
+        near = 0.999 if elastic else 1e-6
+        raise InputError(
+            f"a chain with {name} = {elastic:g} has no derivative to it, because it is integrated "
+            f"as an elastic chain; give a value that is nearly {elastic:g}, such as {near:g}"
+        )
 
 
 def by_fields(equation: Equation, slopes: Slopes, to: Iterable[str]) -> dict[str, Array]:

@@ -137,7 +137,6 @@ def run(
     most_steps: int,
     finished: Callable[[Record], bool],
     stop_when_found: bool = False,
-    behind: int = 0,
 ) -> Record:
     """Integrate a chain until a time, until all events are found, or until ``finished``."""
     from ..kernels import adjoint_forward
@@ -167,7 +166,7 @@ def run(
         counts[layout.BASE] = record.steps
         start = clock[layout.TIME]
         status = kernel.advance(
-            rows, events, beads, clock, counts, stop, rtol, most_steps, stop_when_found, behind,
+            rows, events, beads, clock, counts, stop, rtol, most_steps, stop_when_found,
             equation.hertz, equation.careful, equation.resting, targets, found, candidates,
             positions, velocities, lengths, windows, kept, room, end,
         )  # fmt: skip

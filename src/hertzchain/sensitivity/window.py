@@ -7,13 +7,15 @@ from typing import Any, Final
 import numpy as np
 
 from ..collision import Array
-from .equation import NARROW, Equation
+from .equation import Equation
 from .record import Block, Record, kept_of, load_rows, room_for
 
 # Settings of the kernel.  With them, a gradient changes by less than its error if masses and
 # stiffness of neighbours differ by at most a factor exp(SMOOTH).
 SETTINGS: Final = (8.0, 4.0, 5.0, 3.0, 0.1, 1e-9)
 SMOOTH: Final = 0.5
+# Pulses of smaller exponents are longer.
+NARROW: Final = 1.4
 # Steps per bead, and at the impact; if more are needed, the window is not used.
 PER_BEAD, MORE = 24, 256
 
@@ -53,7 +55,10 @@ def follow_pulse(equation: Equation, targets: Array, rtol: float) -> Record | No
 
 def _is_smooth(equation: Equation) -> bool:
     """Whether the window has been found to be large enough for chains of this kind."""
-    if not (equation.behind and equation.velocities[0] > 0.0) or equation.velocities[1:].any():
+    if (
+        not (equation.has_free_pulse and equation.velocities[0] > 0.0)
+        or equation.velocities[1:].any()
+    ):
         return False
     if float(equation.exponents[1:-1].min()) < NARROW:
         return False

@@ -122,6 +122,22 @@ def local_rate(chain: Chain) -> Pulse:
     )
 
 
+def velocity_errors(radii: Array, exponent: float) -> Array | None:
+    """Estimated errors of the velocities, as `local_rate` gives them but much faster.
+
+    The result is `None` if a rate is outside the tables.
+    """
+    from ..kernels import local_rate_pulse as kernel
+
+    functions, of, beads = universal_functions(exponent), powers(exponent), len(radii)
+    by_bead, by_contact = np.empty((3, beads)), np.empty((2, beads - 1))
+    wanted = of["residence"], of["peak_overlap"]
+    largest = kernel.pulse(
+        radii, functions.tables, functions.fast, functions.error, *wanted, by_bead, by_contact
+    )
+    return by_bead[1] if np.isfinite(largest) else None
+
+
 def local_rate_gradient(
     chain: Chain, quantity: str = "velocity", *, bead: int
 ) -> tuple[float, Array]:

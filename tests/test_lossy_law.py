@@ -146,12 +146,27 @@ def test_other_losses_are_refused(loss, message):
         hc.local_rate(hc.Chain.uniform(40).replace(loss=loss))
 
 
+def test_scatter_hardly_changes_the_effect_of_a_loss():
+    for seed in range(3):
+        chain = hc.Chain.uniform(100).with_scatter(seed, relative=0.003)
+        lossy = chain.replace(loss=hc.Restitution(0.97))
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            pulse = hc.local_rate(lossy)
+        error = np.abs(pulse.compare(simulated(lossy)).errors("velocity"))
+        assert error.max() < 5e-3
+        assert np.mean(error <= pulse.velocity_error) > 0.9
+
+
 def test_other_chains_are_refused():
     chain = hc.Chain.uniform(40).replace(loss=hc.Restitution(0.95))
     with pytest.raises(hc.InputError, match="does not support masses"):
         hc.local_rate(chain.struck_by(mass=2.0, radius=1.0))
     with pytest.raises(hc.InputError, match="mixed losses"):
         hc.local_rate(chain.replace(loss=[hc.Restitution(0.9)] + [hc.Restitution(0.95)] * 38))
+    steep = hc.Chain.tapered("backward-linear", 0.5, beads=40)
+    with pytest.raises(hc.InputError, match=r"rates .* from -0\.1 to 0\.12, but that of bead 1 is"):
+        hc.local_rate(steep.replace(loss=hc.Restitution(0.95)))
     with pytest.raises(hc.InputError, match="exponent 3/2"):
         hc.local_rate(hc.Chain.uniform(40, exponent=2.0).replace(loss=hc.Restitution(0.95)))
     with pytest.raises(hc.InputError, match="does not support a loss"):

@@ -12,6 +12,7 @@ and can overtake it; from there on, the law does not apply.
 from __future__ import annotations
 
 import dataclasses
+import functools
 import warnings
 from collections.abc import Callable
 from typing import Final
@@ -32,6 +33,11 @@ from .loss_table import RATES, LossTable, inputs, loss_tables
 # power of the radius with which a long wave decays, and relative velocity of a tail that overtakes.
 MOMENTUM, TAIL_START, TAIL_POWER, OVERTAKEN = 1.67, 6, 0.91, 0.3
 DOUBTFUL: Final = 0.01
+# Contacts on each side that determine a slow rate.
+REACH: Final = 8
+# Distance from the tables up to which a rate has the loss term of the nearest one.
+MARGIN: Final = 0.02
+STEPS: Final = np.arange(1.0, REACH + 1.0)
 # Limits of the laws, within those of the tables.
 MIN_RESTITUTION, MAX_RATIO = 0.9, 0.1
 # Laws of the tables: class, whether the force may pull, and largest strength.
@@ -51,7 +57,9 @@ def lossy_pulse(chain: Chain, method: str, theory: Callable[[Chain], Pulse]) -> 
     assert pulse.peak_overlap is not None
     assert pulse.residence is not None
     assert pulse.velocity_error is not None
-    rates, log_velocity = np.diff(np.log(chain.radii)), np.log(pulse.velocity)
+    rates = slow_rates(np.diff(np.log(chain.radii)))
+    _check_rates(chain, rates, method)
+    log_velocity = np.log(pulse.velocity)
     x = strength(law)
     effect = table.effect(rates, x)
     decay = np.concatenate(([0.0], np.cumsum(effect[0])))
@@ -102,6 +110,18 @@ def _table(chain: Chain, law: Loss, method: str) -> LossTable:
     return loss_tables()[names[0]]
 
 
+def _check_rates(chain: Chain, rates: Array, method: str) -> None:
+    """Raise an error for rates far outside the tables."""
+    low, high = RATES
+    beyond = np.flatnonzero(~((rates >= low - MARGIN) & (rates <= high + MARGIN)))
+    if beyond.size:
+        k = int(beyond[0])
+        raise InputError(
+            f"{method} with a loss requires rates ln(R_k+1/R_k) from {low:g} to {high:g}, but that "
+            f"of bead {k + 1} is {rates[k]:.3g} (chain: {chain.description}); use simulate"
+        )
+
+
 def _check_tail(chain: Chain, law: Loss, relative: Array, method: str) -> None:
     """Raise an error if the tail overtakes the pulse."""
     overtaken = np.flatnonzero(relative >= OVERTAKEN)
@@ -122,6 +142,29 @@ def _warn_doubtful(chain: Chain, law: Loss, error: Array) -> None:
         ModelRangeWarning,
         stacklevel=5,
     )
+
+
+def slow_rates(rates: Array) -> Array:
+    """Slow part of the rates, a local cubic polynomial.
+
+    The loss term hardly depends on fast changes of the rate, as by scatter.
+    """
+    padded = np.concatenate((
+        rates[0] + STEPS[::-1] * (rates[0] - rates[1]),
+        rates,
+        rates[-1] + STEPS * (rates[-1] - rates[-2]),
+    ))  # fmt: skip
+    return np.convolve(padded, _cubic_weights(), "valid")
+
+
+@functools.cache
+def _cubic_weights() -> Array:
+    """Weights of neighbouring rates in the value of the local cubic polynomial."""
+    offsets = np.arange(-REACH, REACH + 1.0)
+    bell = (1.0 - (offsets / (REACH + 1.0)) ** 2) ** 2
+    powers = np.vander(offsets, 4, increasing=True)
+    fit = np.linalg.solve(powers.T @ (bell[:, np.newaxis] * powers), powers.T * bell)
+    return np.asarray(fit[0])
 
 
 def strength(law: Loss) -> float:

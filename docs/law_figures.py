@@ -1,6 +1,7 @@
 """Figures of the pages on laws of the pulse, on gradients, on extensions and on other programs."""
 
 import re
+import warnings
 from pathlib import Path
 from typing import Final
 
@@ -118,6 +119,47 @@ def attenuation() -> Figure:
     return canvas
 
 
+def lossy_law() -> Figure:
+    """Velocities along tapers with loss, and a pulse that its tail overtakes."""
+    k = np.arange(100)
+    tapers = {"backward-linear": 1 + 0.03 * k, "equal beads": 1 + 0.0 * k,
+              "forward-linear": 1 - 0.007 * k}  # fmt: skip
+    with figure_style():
+        canvas, (left, right) = plt.subplots(1, 2, figsize=(9.6, 3.6))
+        for i, (name, radii) in enumerate(tapers.items()):
+            chain = hc.Chain.from_radii(radii).replace(loss=hc.Restitution(0.95))
+            exact = hc.simulate(chain, times=0).pulse()
+            _law_and_simulation(left, hc.local_rate(chain), exact, i, name)
+        rates = 0.045 * np.tanh((np.arange(110) - 55) / 12)
+        turning = np.exp(np.concatenate(([0.0], np.cumsum(rates))))
+        for i, loss in enumerate((hc.UnloadingRatio(0.05), hc.UnloadingRatio(0.1)), start=3):
+            chain = hc.Chain.from_radii(turning).replace(loss=loss)
+            exact, law = hc.simulate(chain, times=0).pulse(), _longest(turning, loss)
+            right.plot(law.bead[:-3], law.velocity[:-3], color=COLOURS[i],
+                       label=f"$w = {loss.ratio:g}$")  # fmt: skip
+            right.plot(exact.bead, exact.velocity, MARKERS[i], color=COLOURS[i],
+                       markerfacecolor="none", markevery=(3 * i, 8))  # fmt: skip
+        for axes in (left, right):
+            axes.set_yscale("log")
+            axes.set_xlabel("bead $k$")
+            axes.set_ylabel("velocity $v_k$")
+            axes.legend()
+    return canvas
+
+
+def _longest(radii: np.ndarray, loss: hc.Restitution | hc.UnloadingRatio) -> hc.Pulse:
+    """The law for the longest part of a chain for which it holds."""
+    for beads in range(len(radii), 50, -1):
+        chain = hc.Chain.from_radii(radii[:beads]).replace(loss=loss)
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", hc.ModelRangeWarning)
+            try:
+                return hc.local_rate(chain)
+            except hc.InputError:
+                continue
+    raise RuntimeError("the tail overtakes the pulse too early")
+
+
 def gradients() -> Figure:
     """Gradients of a force on a wall, compared with differences of simulations."""
     chain = hc.Chain.tapered("forward-exponential", 0.05, beads=20).replace(right_wall=hc.Wall())
@@ -219,5 +261,5 @@ def against_others() -> Figure:
 
 
 LAW_FIGURES: Final = (
-    steps, strikers, disorder, attenuation, gradients, extend, against_others,
+    steps, strikers, disorder, attenuation, lossy_law, gradients, extend, against_others,
 )  # fmt: skip

@@ -47,7 +47,7 @@ def covers(problem: Design) -> bool:
     """Whether the law gives the objective, and all variables are splines of radii."""
     sizes, measure = problem.vary, problem.objective.single
     sizes = [sizes] if isinstance(sizes, Sizes) else list(sizes)
-    if problem.scatter is not None or problem.model != "simulation":
+    if problem.scatter is not None or problem.model != "simulation" or not problem.chain.lossless:
         return False
     if measure is None or measure.key not in DIFFERENTIABLE:
         return False

@@ -1,0 +1,114 @@
+"""Tables of the local-rate law with loss, which `tools/loss_tables.py` writes."""
+
+from __future__ import annotations
+
+import functools
+from dataclasses import dataclass
+from importlib import resources
+from typing import Final
+
+import numpy as np
+from numpy.polynomial.chebyshev import chebvander
+
+from ..collision import Array
+
+# Rates of the tables.
+RATES: Final = (-0.1, 0.12)
+# Contacts that depend on the impact and on the free end.
+START, END = 40, 2
+# Factors by which the memory of a change of the rate decays per contact.
+MEMORIES: Final = (0.0, 0.6, 0.8)
+# Inputs of the response: memories, rates ahead, and products of memories.
+AHEAD, PRODUCTS = 2, ((1, 1), (0, 1))
+INPUTS: Final = len(MEMORIES) + AHEAD + len(PRODUCTS)
+
+
+@dataclass(frozen=True, eq=False)
+class LossTable:
+    r"""Effect of a law of loss, as Chebyshev series in the rate s and the strength x of the loss.
+
+    The three components are the changes of the growth of ln v, and of the logarithms of overlap
+    and residence time in units formed from mass, velocity and stiffness, divided by x.
+
+    Attributes
+    ----------
+    largest : float
+        Largest strength x.
+    anchors : ndarray, shape (40, 3, a, b)
+        Effect at each contact of an exponential chain; the last one holds for all others.
+    end : ndarray, shape (2, 3, a, b)
+        Effect of the free end on the last contacts.
+    response : ndarray, shape (3, inputs, c, d)
+        Response to the inputs of `inputs`.
+    error : ndarray, shape (parts,)
+        Constants of the error estimate.
+    """
+
+    largest: float
+    anchors: Array
+    end: Array
+    response: Array
+    error: Array
+
+    def effect(self, rates: Array, strength: Array | float) -> Array:
+        """Changes of the three components at all contacts, shape (..., 3, contacts).
+
+        Rates have the shape (..., contacts), strengths the shape (...).
+        """
+        x = np.asarray(strength, dtype=float)
+        contacts = rates.shape[-1]
+        table = self.anchors[np.minimum(np.arange(contacts), START - 1)]
+        table[contacts - END :] += self.end
+        of_rate = rate_polynomials(rates, table.shape[2])
+        of_strength = strength_polynomials(x, self.largest, table.shape[3])
+        found = np.einsum("kcab,...ka,...b->...ck", table, of_rate, of_strength)
+        size, degree = self.response.shape[2:]
+        response = np.einsum("cfab,...b->...cfa", self.response, of_strength[..., :degree])
+        found += np.einsum(
+            "...cfa,...fk,...ka->...ck", response, inputs(rates), of_rate[..., :size]
+        )
+        return np.asarray(found * x[..., np.newaxis, np.newaxis])
+
+
+def inputs(rates: Array) -> Array:
+    """Inputs of the response: sums of changes of the rate, and their products."""
+    contacts = rates.shape[-1]
+    changes = np.diff(rates, axis=-1)
+    found = np.zeros((*rates.shape[:-1], INPUTS, contacts))
+    for i, factor in enumerate(MEMORIES):
+        for k in range(1, contacts):
+            found[..., i, k] = factor * found[..., i, k - 1] + changes[..., k - 1]
+    first = len(MEMORIES)
+    for i in range(AHEAD):
+        found[..., first + i, : contacts - 1 - i] = changes[..., i:]
+    for i, (one, other) in enumerate(PRODUCTS):
+        found[..., first + AHEAD + i, :] = found[..., one, :] * found[..., other, :]
+    return found
+
+
+def rate_polynomials(rates: Array, count: int) -> Array:
+    """Chebyshev polynomials of the rate, which is limited to the range of the tables."""
+    low, high = RATES
+    place = (2.0 * np.clip(rates, low, high) - low - high) / (high - low)
+    return np.asarray(chebvander(place, count - 1))
+
+
+def strength_polynomials(strength: Array, largest: float, count: int) -> Array:
+    """Chebyshev polynomials of the strength of the loss, from zero to the largest one."""
+    found = chebvander(2.0 * strength / largest - 1.0, count - 1)
+    # Of a number, they have a dimension too many.
+    return np.asarray(found.reshape(*strength.shape, count))
+
+
+@functools.cache
+def loss_tables() -> dict[str, LossTable]:
+    """Tables by the name of the law; see `hertzchain.theory.lossy_law.LAWS`."""
+    path = resources.files("hertzchain.theory") / "loss_table.npz"
+    with path.open("rb") as file, np.load(file) as stored:
+        parts: dict[str, dict[str, Array]] = {}
+        for key in stored.files:
+            law, name = key.split("/")
+            parts.setdefault(law, {})[name] = np.asarray(stored[key], dtype=float)
+    return {
+        law: LossTable(largest=float(part.pop("largest")), **part) for law, part in parts.items()
+    }

@@ -55,6 +55,7 @@ calibrate: .venv/installed
 universal: .venv/installed
 	PYTHONPATH=tools $(BIN)/python -m training 1.5 src/hertzchain/theory/universal_tables
 	PYTHONPATH=tools $(BIN)/python -m training 2 src/hertzchain/theory/universal_tables
+	PYTHONPATH=tools $(BIN)/python -m training.exponents build/exponents src/hertzchain/theory/universal_tables
 
 # Newest compatible versions, without the address of a package index.
 constraints:

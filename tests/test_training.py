@@ -9,6 +9,7 @@ from training.table_writer import write_error, write_fast, write_tables
 
 import hertzchain as hc
 from hertzchain.evaluation.unseen_tapers import unseen_radii
+from hertzchain.theory import exponents
 from hertzchain.theory import universal_functions as tables
 from hertzchain.theory.local_rate import solve
 from hertzchain.theory.universal_functions import INPUTS, STAGES, WITHIN, universal_functions
@@ -70,7 +71,7 @@ def made_up(response, stage, chains=4000):
     states = random.normal(0.0, 0.03, (chains, contacts, 3))
     contact = 6
     x = response_fit.inputs(anchors, stage, rates, contact, states[:, contact - 1])
-    basis = response_fit.splines(rates[:, contact])
+    basis = anchors.splines(rates[:, contact])
     states[:, contact] = anchors(stage, rates[:, contact]) + np.einsum(
         "cf,cb,fbo->co", response_fit.terms(x)[0], basis, response
     )
@@ -85,7 +86,7 @@ def test_fit_finds_a_response_that_was_put_in(monkeypatch):
     anchors, sample, contact = made_up(put_in, WITHIN)
     found = response_fit.fit_contact(anchors, WITHIN, sample, [contact])
     # Splines at rates that occur: the response is a function, not its coefficients.
-    basis = response_fit.splines(np.linspace(-0.05, 0.25, 7))
+    basis = anchors.splines(np.linspace(-0.05, 0.25, 7))
     expected = np.einsum("nb,fbo->nfo", basis, put_in)
     np.testing.assert_allclose(np.einsum("nb,fbo->nfo", basis, found), expected, atol=1e-4)
 
@@ -139,16 +140,17 @@ def test_tables_are_read_as_they_were_written(tmp_path):
         "single": random.normal(size=(len(places), 10, 33)),
         "end": random.normal(size=(len(places), 5, 36)),
         "end_slopes": random.normal(size=(len(places), 5, 3)),
+        "knots": second_degree.KNOTS,
+        "second": random.normal(size=(len(second_degree.KNOTS) + 2, 84)),
     }
-    second = random.normal(size=(len(second_degree.KNOTS) + 2, 84))
     error = np.geomspace(1e-5, 5.0, 12)
     write_tables(tmp_path / "p3", anchors, response)
-    write_fast(tmp_path / "p3", measured, second_degree.KNOTS, second)
+    write_fast(tmp_path / "p3", measured)
     write_error(tmp_path / "p3", error)
     read = tables.read_tables(tmp_path / "p3", 3.0)
     np.testing.assert_allclose(read.nodes, training_chains.NODES)
     np.testing.assert_allclose(read.error, error, rtol=5e-3)
-    fast = tables.fast_tables(**measured, knots=second_degree.KNOTS, second=second)
+    fast = tables.fast_tables(3.0, **measured)
     expected = tables.assemble(
         3.0, training_chains.NODES, anchors.values, response_fit.KNOTS, response, fast, error
     )
@@ -216,6 +218,37 @@ def test_the_estimate_exceeds_the_fraction_of_errors_that_is_required():
     assert np.mean(errors <= parts @ constants) == pytest.approx(error_fit.COVERED, abs=0.01)
     # The quantile of a normal distribution.
     np.testing.assert_allclose(constants, 2.33 * np.array([0.3, 2.0]), rtol=0.3)
+
+
+def test_the_interpolation_is_exact_at_the_tables_and_for_polynomials():
+    nodes = exponents.EXPONENTS
+    np.testing.assert_allclose(
+        [exponents.weights(p) for p in nodes], np.eye(len(nodes)), atol=1e-12
+    )
+    for p in (1.25, 1.77, 3.0):
+        powers = np.log(nodes)[:, None] ** np.arange(len(nodes))
+        expected = np.log(p) ** np.arange(len(nodes))
+        np.testing.assert_allclose(exponents.weights(p) @ powers, expected, rtol=1e-9)
+
+
+def test_scaled_rates_leave_growing_tapers_alone():
+    for found in (
+        training_chains.exponential_rates(0.3),
+        training_chains.double_ramp_rates(np.random.default_rng(1), 50, 0.3),
+        np.array(training_chains.odd_rates(np.random.default_rng(1), 50, 30, 0.3)),
+    ):
+        assert 0.3 * training_chains.LOWEST <= found.min() < 0.0
+        assert found.max() > 0.1
+
+
+def test_interpolated_functions_are_those_of_the_tables_of_hertz_contacts():
+    """Two trainings with different chains: exponential chains agree to the rounding of tables."""
+    own = universal_functions(1.5)
+    found = tables.functions_of(1.5, exponents.interpolated_tables(tables.tables(1.5).parent, 1.5))
+    for rate in (-0.05, -0.02, 0.0, 0.05, 0.3):
+        chain = hc.Chain.from_radii(np.exp(rate * np.arange(60)))
+        difference = solve(chain, found).states[40] - solve(chain, own).states[40]
+        np.testing.assert_allclose(difference, 0.0, atol=3e-5)
 
 
 def test_random_chains_stay_within_their_range():

@@ -10,7 +10,7 @@ from scipy.optimize import minimize
 
 from hertzchain.chain.chain import Chain
 from hertzchain.collision import Array
-from hertzchain.kernels.fast_changes import PARTS
+from hertzchain.kernels.fast_changes import END, PARTS
 from hertzchain.theory.local_rate import solve
 from hertzchain.theory.universal_functions import UniversalFunctions
 
@@ -19,12 +19,13 @@ COVERED: Final = 0.98
 # Errors of the reference, and larger ones than can be estimated.
 SMALLEST, LARGEST = 3e-7, 0.3
 # Errors by changes of the rate at the free end, and errors of short chains, concern few beads:
-# their terms are enlarged.
+# the last contacts count several times, and their terms are enlarged.
+REPEATED: Final = 6
 SAFETY: Final = np.ones(PARTS)
 SAFETY[9], SAFETY[11] = 1.5, 2.0
 
 
-def quantile_fit(parts: Array, errors: Array) -> Array:
+def quantile_fit(parts: Array, errors: Array, covered: float = COVERED) -> Array:
     """Constants of a sum of parts that exceeds a fraction of the errors, as closely as possible."""
     logarithm = np.log(errors + SMALLEST)
 
@@ -34,8 +35,8 @@ def quantile_fit(parts: Array, errors: Array) -> Array:
         beyond = logarithm - np.log(total)
         # A smooth version of the pinball loss.
         soft = np.sqrt(beyond**2 + 1e-2)
-        value = np.mean((COVERED - 0.5) * beyond + 0.5 * soft)
-        slope = -((COVERED - 0.5) + 0.5 * beyond / soft) / total
+        value = np.mean((covered - 0.5) * beyond + 0.5 * soft)
+        slope = -((covered - 0.5) + 0.5 * beyond / soft) / total
         return float(value), np.asarray((slope[:, None] * terms).mean(axis=0))
 
     typical = np.sqrt((parts**2).mean(axis=0))
@@ -45,17 +46,26 @@ def quantile_fit(parts: Array, errors: Array) -> Array:
     return np.asarray(np.exp(found.x))
 
 
-def error_constants(
+def terms_and_errors(
     functions: UniversalFunctions, rates: Sequence[Array], states: Sequence[Array]
-) -> Array:
-    """Constants of the estimated errors of velocities."""
+) -> tuple[Array, Array]:
+    """Terms of the estimate and errors of the velocities, for all contacts of all chains."""
     parts, errors = [], []
     for row, true in zip(rates, states, strict=True):
         radii = np.exp(np.concatenate([[0.0], np.cumsum(row)]))
         solution = solve(Chain.from_radii(radii, exponent=functions.exponent), functions)
-        growth = np.cumsum(solution.states[:, 0] - true[:, 0])[: solution.lost]
-        parts.append(solution.error_parts[: solution.lost])
-        errors.append(np.abs(np.expm1(np.clip(growth, -50.0, 50.0))))
+        growth = np.cumsum(solution.states[:, 0] - true[:, 0])
+        contact = np.arange(len(row))
+        counted = np.where(contact >= len(row) - END, REPEATED, contact < solution.lost)
+        parts.append(np.repeat(solution.error_parts, counted, axis=0))
+        errors.append(np.repeat(np.abs(growth), counted))
     part, error = np.concatenate(parts), np.concatenate(errors)
     kept = error < LARGEST
-    return SAFETY * quantile_fit(part[kept], error[kept])
+    return part[kept], error[kept]
+
+
+def error_constants(
+    functions: UniversalFunctions, rates: Sequence[Array], states: Sequence[Array]
+) -> Array:
+    """Constants of the estimated errors of velocities."""
+    return SAFETY * quantile_fit(*terms_and_errors(functions, rates, states))

@@ -8,6 +8,7 @@ import numpy as np
 from scipy.interpolate import BSpline, CubicSpline
 
 from hertzchain.collision import Array
+from hertzchain.theory.exponents import scaled
 from hertzchain.theory.universal_functions import (
     INPUTS,
     PAIRS,
@@ -32,25 +33,28 @@ RIDGES: Final = {"start": 1e-4, "within": 1e-3}
 
 
 class Anchors:
-    """State of each stage on an exponential chain, as a function of its rate."""
+    """State of each stage on an exponential chain, as a function of its rate.
 
-    def __init__(self, exponential: Sample) -> None:
+    Negative rates of the tables are multiplied by the factor ``shrink``.
+    """
+
+    def __init__(self, exponential: Sample, shrink: float = 1.0) -> None:
         at = [*range(START), BEADS // 2 + 12]
+        self.nodes, self.knots = scaled(NODES, shrink), scaled(KNOTS, shrink)
         self.values = exponential.states[:, at]
-        self.values[..., 0] -= bca_growth(NODES)[:, None]
-        self.spline = CubicSpline(NODES, self.values)
+        self.values[..., 0] -= bca_growth(self.nodes)[:, None]
+        self.spline = CubicSpline(self.nodes, self.values)
 
     def __call__(self, stage: int, rate: Array) -> Array:
         """States of a stage, shape (..., 3)."""
-        found = self.spline(np.clip(rate, LOWEST, HIGHEST))[..., stage, :]
+        found = self.spline(np.clip(rate, self.nodes[0], self.nodes[-1]))[..., stage, :]
         found[..., 0] += bca_growth(rate)
         return np.asarray(found)
 
-
-def splines(rate: Array) -> Array:
-    """Values of all B-splines at given rates."""
-    flat = np.clip(rate, LOWEST, HIGHEST).ravel()
-    return BSpline.design_matrix(flat, padded_knots(KNOTS), 3).toarray().reshape(*rate.shape, -1)
+    def splines(self, rate: Array) -> Array:
+        """Values of all B-splines of the response at given rates."""
+        flat, knots = np.clip(rate, self.knots[0], self.knots[-1]).ravel(), padded_knots(self.knots)
+        return BSpline.design_matrix(flat, knots, 3).toarray().reshape(*rate.shape, -1)
 
 
 def terms(inputs: Array) -> tuple[Array, Array]:
@@ -95,7 +99,7 @@ def fit_contact(anchors: Anchors, stage: int, sample: Sample, contacts: list[int
     unknowns = len(TERMS) * (len(KNOTS) + 2)
     matrix, right = np.zeros((unknowns, unknowns)), np.zeros((unknowns, len(STATE)))
     for rows in np.array_split(np.arange(len(x)), 1 + len(x) // 5000):
-        part = terms(x[rows])[0][:, :, None] * splines(rate[rows])[:, None, :]
+        part = terms(x[rows])[0][:, :, None] * anchors.splines(rate[rows])[:, None, :]
         part = part.reshape(len(rows), -1) * weight[rows]
         matrix += part.T @ part
         right += part.T @ (y[rows] * weight[rows])

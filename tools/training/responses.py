@@ -15,6 +15,7 @@ import numpy as np
 
 from hertzchain.collision import Array
 from hertzchain.kernels.fast_changes import AHEAD, BEHIND, END, STAGES, START, STATES, TAPS, WITHIN
+from hertzchain.theory.exponents import scaled
 
 from .training_chains import FINE_RTOLS, HIGHEST, NEAR_ZERO, states_of
 
@@ -55,12 +56,12 @@ def respond(s: float, contacts: int, steps: Sequence[int], exponent: float) -> t
     return z[0], (8.0 * (one[0] - one[1]) - (one[2] - one[3])) / (12.0 * size)
 
 
-def measure(exponent: float) -> dict[str, Array]:
+def measure(exponent: float, shrink: float = 1.0) -> dict[str, Array]:
     """Values of the tables of fast changes at all places."""
-    count = len(PLACES)
+    count, places = len(PLACES), scaled(PLACES, shrink)
     single = np.zeros((count, STAGES, STATES, TAPS))
     end, slopes = np.zeros((count, END, STATES, 1 + TAPS)), np.zeros((count, END, STATES))
-    for place, s in enumerate(PLACES):
+    for place, s in enumerate(places):
         contacts, middle = (CONTACTS_STRONG, MIDDLE_STRONG) if s > STRONG else (CONTACTS, MIDDLE)
         early, last = range(START + AHEAD + 1), contacts - END - BEHIND - 1
         steps = [*early, middle, *range(last, contacts)]
@@ -87,7 +88,7 @@ def measure(exponent: float) -> dict[str, Array]:
             end[place, i, :, 1 : 1 + len(change)] = change.T
             slopes[place, i] = slope
     return {
-        "places": PLACES,
+        "places": places,
         "single": single.reshape(count, STAGES, -1),
         "end": end.reshape(count, END, -1),
         "end_slopes": slopes,

@@ -9,7 +9,7 @@ import numpy as np
 from hertzchain.collision import Array
 from hertzchain.theory.universal_functions import START, WITHIN
 
-from .response_fit import UNIT, Anchors, inputs, splines, terms
+from .response_fit import UNIT, Anchors, inputs, terms
 from .training_chains import BEADS, Sample
 
 # The last contacts of a long chain are not used for the response within the chain.
@@ -51,7 +51,7 @@ class Rollout:
         rate = self.sample.rates[:, self.contact]
         x = inputs(self.anchors, WITHIN, self.sample.rates, self.contact, self.state)
         values, slopes = terms(x)
-        basis = splines(rate)
+        basis = self.anchors.splines(rate)
         local = np.einsum("cb,fbo->cfo", basis, self.response)
         change = np.einsum("cf,cfo->co", values, local)
         jacobian = np.einsum("cfi,cfo->coi", slopes[:, :, :3], local) / UNIT
@@ -68,10 +68,13 @@ class Rollout:
         self.velocity_slopes += self.slopes[:, 0]
 
 
-def refine(anchors: Anchors, response: Array, sample: Sample, rounds: int = 3) -> Array:
+def refine(
+    anchors: Anchors, response: Array, sample: Sample, rounds: int = 3, every: int = 1
+) -> Array:
     """Fit the response to whole ramps by the Gauss-Newton method.
 
     Each ramp is weighted by its largest change of rate, and outliers by the root of their error.
+    Only every so many contacts are compared.
     """
     roughest = np.abs(np.diff(sample.rates[:, START - 1 : UNTIL])).max(axis=1)
     weight = 1.0 / (MIN_ERROR + 0.03 * roughest)
@@ -81,6 +84,8 @@ def refine(anchors: Anchors, response: Array, sample: Sample, rounds: int = 3) -
         matrix, right = np.zeros((response.size, response.size)), np.zeros(response.size)
         for contact in range(START, UNTIL):
             rollout.step()
+            if (contact - START) % every:
+                continue
             true = sample.states[:, contact]
             errors = [rollout.log_velocity - growth[:, contact - START]]
             errors += [0.5 * (rollout.state[:, i] - true[:, i]) for i in (1, 2)]

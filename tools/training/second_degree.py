@@ -42,21 +42,23 @@ WEIGHT_OF_SUMS: Final = 0.35
 LARGEST: Final = 0.3
 
 
-def terms(slow: Array, fast: Array) -> tuple[Array, Array]:
+def terms(slow: Array, fast: Array, knots: Array, steady: float) -> tuple[Array, Array]:
     """Products of fast changes times their gain, (M, 28), and values of B-splines."""
     padded = np.concatenate([np.zeros(BEHIND), fast, np.zeros(AHEAD)])
     around = np.stack([padded[i : i + len(fast)] for i in range(TAPS)], axis=1)
     size = (around[:, FIRST:LAST] ** 2).mean(axis=1)
     gain = (4.0 * slow**2 + size + TINY) ** 0.25 * (1.0 + size / LARGE) ** -1.25
+    gain += steady / (1.0 + size / LARGE)
     i, j = np.triu_indices(FACTORS)
-    flat = np.clip(slow, KNOTS[0], KNOTS[-1])
-    splines = BSpline.design_matrix(flat, padded_knots(KNOTS), 3).toarray()
+    flat = np.clip(slow, knots[0], knots[-1])
+    splines = BSpline.design_matrix(flat, padded_knots(knots), 3).toarray()
     return gain[:, None] * around[:, NEAR + i] * around[:, NEAR + j], splines[:, :-1]
 
 
 def fit(functions: UniversalFunctions, rates: Sequence[Array], states: Sequence[Array]) -> Array:
     """Coefficients of B-splines, (splines, 84), for functions that have none yet."""
-    unknowns = PRODUCTS * (len(KNOTS) + 1)
+    knots, steady = functions.fast.knots, functions.fast.steady
+    unknowns = PRODUCTS * (len(knots) + 1)
     matrix, right = np.zeros((unknowns, unknowns)), np.zeros((unknowns, STATES))
     used = slice(START, -END)
     for row, true in zip(rates, states, strict=True):
@@ -66,7 +68,7 @@ def fit(functions: UniversalFunctions, rates: Sequence[Array], states: Sequence[
         if np.abs(rest).max() > LARGEST:
             continue
         fast = row - solution.slow
-        products, splines = terms(solution.slow, fast)
+        products, splines = terms(solution.slow, fast, knots, steady)
         equations = (products[used, :, None] * splines[used, None, :]).reshape(-1, unknowns)
         weight = 1.0 / (FLOOR + np.mean(fast**2))
         for part, value, factor in (
@@ -85,4 +87,4 @@ def fit(functions: UniversalFunctions, rates: Sequence[Array], states: Sequence[
     found = np.linalg.solve(normal, right / scale[:, None]) / scale[:, None]
     # From (products, splines, states).
     shaped = np.moveaxis(found.reshape(PRODUCTS, -1, STATES), (1, 2, 0), (0, 1, 2))
-    return np.concatenate([shaped, np.zeros((1, STATES, PRODUCTS))]).reshape(len(KNOTS) + 2, -1)
+    return np.concatenate([shaped, np.zeros((1, STATES, PRODUCTS))]).reshape(len(knots) + 2, -1)

@@ -17,7 +17,7 @@ from .training_chains import NODES, RTOLS
 
 # Terms of the estimated error, in the order of `hertzchain.kernels.fast_changes.write_parts`.
 PARTS: Final = [
-    "one", "deviations, start", "deviations, others", "third degree", "a^4", "a^3", "b^3",
+    "one", "deviations, start", "deviations, others", "third degree", "a^4", "a^3", "a^2 q",
     "a^2 b^2", "fading", "end b^2", "end a^2", "end, short",
 ]  # fmt: skip
 
@@ -50,7 +50,7 @@ def write_tables(folder: Path, anchors: Anchors, found: Array) -> None:
     )
 
 
-def write_fast(folder: Path, measured: dict[str, Array], knots: Array, second: Array) -> None:
+def write_fast(folder: Path, measured: dict[str, Array]) -> None:
     """Write the tables of fast changes of an exponent."""
     np.savez_compressed(
         folder / "fast.npz",
@@ -58,8 +58,8 @@ def write_fast(folder: Path, measured: dict[str, Array], knots: Array, second: A
         single=measured["single"].astype(np.float32),
         end=measured["end"].astype(np.float32),
         end_slopes=measured["end_slopes"].astype(np.float32),
-        knots=knots,
-        second=second.astype(np.float32),
+        knots=measured["knots"],
+        second=measured["second"].astype(np.float32),
     )
 
 

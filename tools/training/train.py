@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
@@ -10,6 +11,7 @@ import numpy as np
 
 from hertzchain.collision import Array
 from hertzchain.kernels.fast_changes import PARTS, PRODUCTS, STATES
+from hertzchain.theory.exponents import scaled
 from hertzchain.theory.universal_functions import (
     INPUTS,
     PAIRS,
@@ -21,7 +23,7 @@ from hertzchain.theory.universal_functions import (
 )  # fmt: skip
 
 from .error_fit import error_constants
-from .response_fit import KNOTS, UNIT, Anchors, fit_contact
+from .response_fit import UNIT, Anchors, fit_contact
 from .responses import measure
 from .rollout import UNTIL, refine
 from .second_degree import KNOTS as FAST_KNOTS
@@ -36,84 +38,128 @@ from .training_chains import (
     exponential_rates,
     follow,
     join_samples,
+    odd_rates,
     ramp_rates,
     random_rates,
     states_of,
 )  # fmt: skip
 
-# Number of ramps in the Gauss-Newton fit.
-FOLLOWED: Final = 3000
-# Weight of the exponential chains, on which the law should be exact, in this fit.
-REPEATED: Final = 5
-# Numbers of contacts, and of rough and smooth random chains with as many, for the products of
-# fast changes and for the error estimate.
-RANDOM: Final = ((63, 2600, 300),)
-HELD_OUT: Final = ((63, 300, 300), (99, 150, 150), (199, 40, 40), (12, 100, 80), (22, 80, 60),
-                   (8, 80, 80))  # fmt: skip
+
+@dataclass(frozen=True)
+class Effort:
+    """Numbers of simulations, and of steps of the Gauss-Newton fit.
+
+    Attributes
+    ----------
+    ramps, double_ramps : int
+        Ramps begin at every so many nodes; number of ramps with two changes.
+    followed, repeated, rounds, every : int
+        Number of ramps in the Gauss-Newton fit, weight of the exponential chains, on which the
+        law should be exact, number of its steps, and the contacts between those that are compared.
+    random : tuple
+        Numbers of contacts, and of rough, smooth and odd random chains with as many, for the
+        products of fast changes.
+    """
+
+    ramps: int
+    double_ramps: int
+    followed: int
+    repeated: int
+    rounds: int
+    every: int
+    random: tuple[tuple[int, int, int, int], ...]
 
 
-def response(
-    anchors: Anchors, exponential: Sample, ramps: Sample, random: np.random.Generator
-) -> Array:
+FULL: Final = Effort(2, DOUBLE_RAMPS, 3000, 5, 3, 1, ((63, 2600, 300, 300),))
+# Numbers of contacts, and of rough, smooth and odd random chains of the error estimate.
+HELD_OUT: Final = (
+    (63, 500, 400, 200), (99, 250, 200, 100), (199, 80, 60, 30), (12, 120, 120, 60),
+    (22, 120, 100, 60), (8, 100, 100, 40),
+)  # fmt: skip
+
+
+def response(anchors: Anchors, exponential: Sample, ramps: Sample, effort: Effort) -> Array:
     """Response of all stages, shape (stages, terms, splines, 3), in units of the inputs."""
     start = [fit_contact(anchors, k, ramps, [k]) for k in range(START)]
     within = fit_contact(anchors, WITHIN, ramps, list(range(START, UNTIL)))
-    chosen = random.choice(len(ramps.rates), min(FOLLOWED, len(ramps.rates)), replace=False)
-    followed = [ramps.part(chosen), *[exponential] * REPEATED]
-    within = refine(anchors, within, join_samples(followed))
+    followed = [ramps.part(slice(effort.followed)), *[exponential] * effort.repeated]
+    within = refine(anchors, within, join_samples(followed), effort.rounds, effort.every)
     degree = np.array([1] * len(INPUTS) + [2] * len(PAIRS))
     return np.array([*start, within]) / UNIT ** degree[:, None, None]
 
 
 def random_chains(
-    random: np.random.Generator, plan: tuple[tuple[int, int, int], ...], exponent: float
+    random: np.random.Generator,
+    plan: tuple[tuple[int, int, int, int], ...],
+    exponent: float,
+    shrink: float = 1.0,
 ) -> tuple[list[Array], list[Array]]:
     """Rates and simulated states of random chains."""
     rates: list[Array] = []
-    for contacts, rough, smooth in plan:
-        rates += random_rates(random, rough, contacts, smooth=False)
-        rates += random_rates(random, smooth, contacts, smooth=True)
+    for contacts, rough, smooth, odd in plan:
+        rates += random_rates(random, rough, contacts, smooth=False, shrink=shrink)
+        rates += random_rates(random, smooth, contacts, smooth=True, shrink=shrink)
+        rates += odd_rates(random, odd, contacts, shrink)
     found = states_of(rates, exponent)
     kept = [index for index, states in enumerate(found) if states is not None]
     return [rates[i] for i in kept], [states for states in found if states is not None]
 
 
-def train(exponent: float, folder: Path, report: Callable[[str], None]) -> None:
-    """Determine the universal functions of an exponent and write their tables."""
-    random, folder = np.random.default_rng(0), folder / f"p{exponent:g}"
+def slow_tables(
+    exponent: float, shrink: float, effort: Effort, report: Callable[[str], None]
+) -> tuple[Anchors, Array]:
+    """States of exponential chains, and the response to slow changes."""
+    random = np.random.default_rng(0)
     report(f"p = {exponent:g}: {len(NODES)} exponential chains")
-    exponential = follow(exponential_rates(), exponent)
-    anchors = Anchors(exponential)
-    ramps = [ramp_rates(COARSE_NODES[::2]), double_ramp_rates(random, DOUBLE_RAMPS)]
-    rates = np.concatenate(ramps)
+    exponential = follow(exponential_rates(shrink), exponent)
+    anchors = Anchors(exponential, shrink)
+    rates = np.concatenate(
+        [
+            ramp_rates(COARSE_NODES[:: effort.ramps], shrink),
+            double_ramp_rates(random, effort.double_ramps, shrink),
+        ]
+    )
     report(f"{len(rates)} ramps")
-    found = response(anchors, exponential, follow(rates, exponent), random)
-    write_tables(folder, anchors, found)
-    train_fast(exponent, folder, anchors, found, report)
+    # In random order, because only the first ones are used in the Gauss-Newton fit.
+    ramps = follow(random.permutation(rates), exponent)
+    return anchors, response(anchors, exponential, ramps, effort)
 
 
-def train_fast(
+def fast_changes(
     exponent: float,
-    folder: Path,
-    anchors: Anchors,
-    found: Array,
+    slow: tuple[Anchors, Array],
+    shrink: float,
+    effort: Effort,
     report: Callable[[str], None],
-) -> None:
-    """Determine the response to fast changes and the error estimate, and write their tables."""
-    random = np.random.default_rng(1)
+) -> tuple[dict[str, Array], UniversalFunctions]:
+    """Tables of the response to fast changes, and functions without an error estimate."""
+    random, (anchors, found) = np.random.default_rng(1), slow
     report("responses to single changes")
-    measured = measure(exponent)
-    nothing = np.zeros((len(FAST_KNOTS) + 2, STATES * PRODUCTS))
+    measured = measure(exponent, shrink)
+    measured["knots"] = scaled(FAST_KNOTS, shrink)
 
-    def functions(second: Array) -> UniversalFunctions:
-        fast = fast_tables(**measured, knots=FAST_KNOTS, second=second)
-        return assemble(exponent, NODES, anchors.values, KNOTS, found, fast, np.zeros(PARTS))
+    def functions() -> UniversalFunctions:
+        fast = fast_tables(exponent, **measured)
+        return assemble(
+            exponent, anchors.nodes, anchors.values, anchors.knots, found, fast, np.zeros(PARTS)
+        )
 
     report("products of fast changes")
-    second = fit(functions(nothing), *random_chains(random, RANDOM, exponent))
-    write_fast(folder, measured, FAST_KNOTS, second)
+    measured["second"] = np.zeros((len(FAST_KNOTS) + 2, STATES * PRODUCTS))
+    chains = random_chains(random, effort.random, exponent, shrink)
+    measured["second"] = fit(functions(), *chains)
+    return measured, functions()
+
+
+def train(exponent: float, folder: Path, report: Callable[[str], None]) -> None:
+    """Determine the universal functions of an exponent and write their tables."""
+    folder = folder / f"p{exponent:g}"
+    slow = slow_tables(exponent, 1.0, FULL, report)
+    write_tables(folder, *slow)
+    measured, functions = fast_changes(exponent, slow, 1.0, FULL, report)
+    write_fast(folder, measured)
     report("error estimate")
-    train_error(functions(second), folder)
+    train_error(functions, folder)
 
 
 def train_error(functions: UniversalFunctions, folder: Path) -> None:

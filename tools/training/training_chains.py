@@ -12,6 +12,7 @@ from hertzchain.chain.chain import Chain
 from hertzchain.collision import Array
 from hertzchain.errors import SimulationError
 from hertzchain.propagation.propagate import propagate_many
+from hertzchain.theory.exponents import scaled
 from hertzchain.theory.universal_functions import state
 
 # Below the lowest rate, pulses in forward tapers have several maxima; above the highest, the BCA
@@ -68,12 +69,12 @@ def join_samples(samples: Sequence[Sample]) -> Sample:
     )
 
 
-def exponential_rates() -> Array:
+def exponential_rates(shrink: float = 1.0) -> Array:
     """Rates of the exponential chains, shape (nodes, contacts)."""
-    return np.repeat(NODES[:, None], BEADS - 1, axis=1)
+    return np.repeat(scaled(NODES, shrink)[:, None], BEADS - 1, axis=1)
 
 
-def ramp_rates(beginnings: Array) -> Array:
+def ramp_rates(beginnings: Array, shrink: float = 1.0) -> Array:
     """Rates of ramps, which change linearly over several contacts and are constant otherwise."""
     contact = np.arange(BEADS - 1)
     ramps = []
@@ -89,10 +90,10 @@ def ramp_rates(beginnings: Array) -> Array:
                         # A ramp from contact 0 over one contact would be constant.
                         position = (contact - begin) / length if begin or length > 1 else contact
                         ramps.append(start + change * np.clip(position, 0.0, 1.0))
-    return np.array(ramps)
+    return scaled(np.array(ramps), shrink)
 
 
-def double_ramp_rates(random: np.random.Generator, count: int) -> Array:
+def double_ramp_rates(random: np.random.Generator, count: int, shrink: float = 1.0) -> Array:
     """Rates of ramps with two changes close to each other."""
     contact = np.arange(BEADS - 1)
     ramps: list[Array] = []
@@ -106,21 +107,22 @@ def double_ramp_rates(random: np.random.Generator, count: int) -> Array:
             first += length + int(random.choice((0, 0, 1, 3)))
         if rates.min() >= LOWEST and rates.max() <= HIGHEST:
             ramps.append(rates)
-    return np.array(ramps)
+    return scaled(np.array(ramps), shrink)
 
 
 def random_rates(
-    random: np.random.Generator, count: int, contacts: int, *, smooth: bool
+    random: np.random.Generator, count: int, contacts: int, *, smooth: bool, shrink: float = 1.0
 ) -> list[Array]:
     """Rates of random chains: slow changes, ramps and kinks, also near both ends.
 
     Unless smooth, chains also have random, periodic or single odd radii.
     """
     k = np.arange(contacts)
+    lowest = shrink * LOWEST_RANDOM
     found: list[Array] = []
     while len(found) < count:
         near_zero = random.random() < 0.4
-        base = 0.02 * random.normal() if near_zero else random.uniform(-0.13, 0.2)
+        base = 0.02 * random.normal() if near_zero else random.uniform(-0.13 * shrink, 0.2)
         rates = np.full(contacts, base)
         if random.random() < 0.15:
             # Radii grow like a power of the distance, which begins with large rates.
@@ -150,10 +152,32 @@ def random_rates(
         if chosen[4]:
             odd = random.random(contacts + 1) < random.choice((1.0, 3.0)) / contacts
             rates += _sign(random) * _size(random, 3e-3, 0.1) * np.diff(odd.astype(float))
-        gentle = (
-            rates.min() > LOWEST_RANDOM and rates.max() < HIGHEST and abs(rates.sum()) < LONGEST
-        )
+        gentle = rates.min() > lowest and rates.max() < HIGHEST and abs(rates.sum()) < LONGEST
         if chosen.any() and gentle:
+            found.append(rates)
+    return found
+
+
+def odd_rates(
+    random: np.random.Generator, count: int, contacts: int, shrink: float = 1.0
+) -> list[Array]:
+    """Rates of equal beads, or of an exponential chain, of which some are odd."""
+    found: list[Array] = []
+    while len(found) < count:
+        equal = random.random() < 0.5
+        base = 0.0 if equal else random.uniform(-0.1 * shrink, 0.1)
+        kind, beads = random.integers(4), np.arange(contacts + 1)
+        if kind == 0:
+            odd = _size(random, 3e-4, 0.02) * random.normal(size=contacts + 1)
+        elif kind == 1:
+            odd = _sign(random) * _size(random, 3e-3, 0.15) * (beads == random.choice(beads))
+        elif kind == 2:
+            every = beads % random.choice((2, 2, 3, 4)) == 1
+            odd = _sign(random) * _size(random, 3e-4, 0.1) * every
+        else:
+            odd = _sign(random) * _size(random, 3e-3, 0.1) * (beads >= random.choice(beads))
+        rates = base + np.diff(odd)
+        if rates.min() > LOWEST * shrink and abs(rates.sum()) < LONGEST:
             found.append(rates)
     return found
 

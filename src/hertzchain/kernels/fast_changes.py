@@ -10,9 +10,11 @@ on a chain of the slow rates, this module adds
         + g_k \sum_{i\le j} A_{ij}(q_k)\,e_{k+i}\,e_{k+j}
         + z^*_\text{end}(q_k) - z^*(q_k) + \sum_o H_o(q_k)\,(q_{k+o} - q_{k+o-1}),
     \qquad
-    g_k = \frac{(4q_k^2 + \rho_k^2)^{1/4}}{(1 + \rho_k^2/\rho_0^2)^{5/4}},
+    g_k = \frac{c}{1 + \rho_k^2/\rho_0^2}
+        + \frac{(4q_k^2 + \rho_k^2)^{1/4}}{(1 + \rho_k^2/\rho_0^2)^{5/4}},
 
-where :math:`\rho_k` is the root mean square of the fast changes near the contact.  G is the
+where :math:`\rho_k` is the root mean square of the fast changes near the contact and c depends on
+the exponent of the contact force.  G is the
 response of the simulated state to a small change of one rate, and H its difference between a
 contact near the free end and one within the chain.  The terms of the end apply to the last
 contacts only.
@@ -147,12 +149,13 @@ def size_of(around):
 
 
 @compiled
-def gain(rate, size):
+def gain(rate, size, steady):
     """Factor g of the products, and its derivatives with respect to rate and mean square."""
     sum_of = 4.0 * rate * rate + size + TINY
     limit = 1.0 + size / LARGE
     value = np.sqrt(np.sqrt(sum_of / limit)) / limit
-    return value, value * 2.0 * rate / sum_of, value * (0.25 / sum_of - 1.25 / (LARGE * limit))
+    by_size = value * (0.25 / sum_of - 1.25 / (LARGE * limit)) - steady / (LARGE * limit * limit)
+    return value + steady / limit, value * 2.0 * rate / sum_of, by_size
 
 
 @compiled
@@ -225,7 +228,7 @@ def add_response(contacts, slow, fast, tables, states):
         knot, distance = interval_of(q, tables.knots, knot)
         polynomials(tables.second[knot], distance, bends)
         multiply(around, products)
-        g, _, _ = gain(q, size_of(around))
+        g, _, _ = gain(q, size_of(around), tables.steady)
         for i in range(STATES):
             first = dot(single[i * TAPS : (i + 1) * TAPS], around)
             second = dot(bends[i * PRODUCTS : (i + 1) * PRODUCTS], products)
@@ -257,7 +260,7 @@ def from_response(contacts, slow, fast, tables, seeds, to_slow, to_fast):
         within = tables.knots[0] <= q <= tables.knots[-1]
         combine(tables.second[knot], seeds[k], distance, within, bends, bend_slopes)
         multiply(around, products)
-        g, by_rate, by_size = gain(q, size_of(around))
+        g, by_rate, by_size = gain(q, size_of(around), tables.steady)
         to_gain = dot(bends, products)
         to_slow[k] += dot(single_slopes, around) + g * dot(bend_slopes, products)
         to_slow[k] += to_gain * by_rate
@@ -289,6 +292,16 @@ def from_products(around, g, to_products, to_size, to_around):
 
 
 @compiled
+def size_ahead(contact, fast):
+    """Sum of squares of the fast changes that a contact sees through its slow rate alone."""
+    # The filter is wider than the response, whose first order is exact only up to `AHEAD`.
+    total = 0.0
+    for i in range(contact + BEHIND + AHEAD, min(contact + BEHIND + HALF + 1, len(fast))):
+        total += fast[i] * fast[i]
+    return total
+
+
+@compiled
 def lost_maximum(contacts, contact, slow):
     """Doubt about the last bead but one, which loses its first maximum in steep forward tapers."""
     # Its velocity then jumps by 23%, in long exponential chains at the rate -0.1325.
@@ -302,32 +315,34 @@ def lost_maximum(contacts, contact, slow):
 
 # Terms of the estimated error: those of the slow rates, and of fast changes and the free end.
 SLOW_PARTS, PARTS = 4, 12
+OF_AHEAD = 0.2
 
 
 # doubts: (followed, 4), of `hertzchain.kernels.local_rate.forward`
-# parts: (followed, 12), result: these, and with the size a of fast changes and the change b of
-#   the slow rate: root of the sum of a^4, sums of a^3 and |b|^3, root of the sum of a^2 b^2; the
-#   sum of a^2 + b^2 fading along the chain; b^2, a^2 and the shortness of the chain near its
-#   free end, with `lost_maximum`
+# parts: (followed, 12), result: these, and with the size a of fast changes, the slow rate q and
+#   its change b: root of the sum of a^4, sums of a^3 and a^2 |q|, root of the sum of a^2 b^2; the
+#   sum of a^2 + b^2 fading along the chain, with `size_ahead`; b^2, a^2 and the shortness of the
+#   chain near its free end, with `lost_maximum`
 @compiled
 def write_parts(contacts, slow, fast, doubts, parts):
     """Write the terms of the estimated error of the velocity behind each contact."""
-    fourth, third, slowly, mixed, faded = 0.0, 0.0, 0.0, 0.0, 0.0
+    fourth, third, tapered, mixed, faded = 0.0, 0.0, 0.0, 0.0, 0.0
     for k in range(len(parts)):
         size = size_of(fast[k : k + TAPS])
         root = np.sqrt(size)
         step = slow[k] - slow[k - 1] if k > 0 else 0.0
         fourth += size * size
         third += size * root
-        slowly += abs(step) ** 3
         # In strong backward tapers, the pulse forgets at once.
         memory = 1.0 / (1.0 + (max(slow[k], 0.0) / 0.1) ** 4)
+        # Errors of the attenuation by periodic changes have the same sign at all contacts.
+        tapered += size * abs(slow[k]) * memory
         mixed += size * step * step * memory
         faded = 0.75 * faded + (size + step * step) * memory
         for i in range(SLOW_PARTS):
             parts[k, i] = doubts[k, i]
-        parts[k, 4], parts[k, 5], parts[k, 6] = np.sqrt(fourth), third, slowly
-        parts[k, 7], parts[k, 8] = np.sqrt(mixed), faded
+        parts[k, 4], parts[k, 5], parts[k, 6] = np.sqrt(fourth), third, tapered
+        parts[k, 7], parts[k, 8] = np.sqrt(mixed), faded + OF_AHEAD * memory * size_ahead(k, fast)
         at_end = contacts - k <= END
         # Near the free end of steep forward tapers, the state has kinks.
         steep = 1.0 + 100.0 * (max(-0.1 - slow[k], 0.0) / 0.03) ** 2

@@ -19,6 +19,9 @@ from .fast_changes import (
 )
 from .local_rate import FORM, backward, forward
 
+# Largest estimated error of a logarithm, so that its exponential is finite.
+LARGEST_ERROR = 50.0
+
 
 @compiled
 def logarithms(radii):
@@ -58,11 +61,11 @@ def log_of_contact(powers, stiffness, state):
 @compiled
 def estimated_error(contact, parts, constants, lost):
     """Estimated relative error of the velocity behind a contact."""
-    # Beyond a state that has diverged, the error is unknown.
+    # The parts are errors of its logarithm.  Beyond a state that has diverged, it is unknown.
     error = 1.0 if contact >= lost else 0.0
     for i in range(PARTS):
         error += constants[i] * parts[contact, i]
-    return error
+    return np.expm1(min(error, LARGEST_ERROR))
 
 
 @compiled

@@ -35,6 +35,7 @@ from ..chain.chain import Chain
 from ..collision import Array, velocity_transfer
 from ..errors import InputError
 from ..pulse.pulse import Pulse
+from . import exponents
 
 STATE: Final = ("growth", "force", "time")
 # Number of contacts that depend on the impact.
@@ -76,6 +77,8 @@ class FastTables(NamedTuple):
         Ends of the intervals of ``second``.
     second : ndarray, shape (K, 4, 84)
         Coefficients A of the products of two fast changes.
+    steady : float
+        Constant c of the factor of these products, see `hertzchain.theory.exponents.steady_gain`.
     """
 
     places: Array
@@ -83,6 +86,7 @@ class FastTables(NamedTuple):
     end: Array
     knots: Array
     second: Array
+    steady: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -220,8 +224,9 @@ def assemble(
 
 
 def fast_tables(
-    places: Array, single: Array, end: Array, end_slopes: Array, knots: Array, second: Array
-) -> FastTables:
+    exponent: float, places: Array, single: Array, end: Array, end_slopes: Array, knots: Array,
+    second: Array,
+) -> FastTables:  # fmt: skip
     """Build the tables of fast changes.
 
     Values at the places are ``single`` (n + 1, 10, 33), ``end`` (n + 1, 5, 36) and ``end_slopes``,
@@ -244,6 +249,7 @@ def fast_tables(
         end=np.ascontiguousarray(np.transpose(of_end, (2, 1, 0, 3))),
         knots=knots,
         second=np.ascontiguousarray(cubic_pieces(knots, second)),
+        steady=exponents.steady_gain(exponent),
     )
 
 
@@ -264,17 +270,31 @@ def _matrices(pieces: Array) -> Array:
     return found.reshape(stages, intervals, powers, -1)
 
 
-@functools.cache
+# A sweep may have many exponents.
+@functools.lru_cache(maxsize=32)
 def universal_functions(exponent: float) -> UniversalFunctions:
     """Universal functions of an exponent, from the tables of the package."""
     folder = tables(exponent)
-    if not folder.is_dir():
-        known = sorted(entry.name[1:] for entry in tables(1.5).parent.iterdir())
+    if folder.is_dir():
+        return read_tables(folder, exponent)
+    if not exponents.LOWEST <= exponent <= exponents.HIGHEST:
         raise InputError(
-            f"the local-rate law has no tables for the exponent {exponent:g}, only for "
-            f"{' and '.join(known)}; use propagate"
+            f"the local-rate law has no tables for the exponent {exponent:g}, only for those from "
+            f"{exponents.LOWEST:g} to {exponents.HIGHEST:g}; use propagate"
         )
-    return read_tables(folder, exponent)
+    return functions_of(exponent, exponents.interpolated_tables(folder.parent, exponent))
+
+
+def functions_of(exponent: float, of: dict[str, Array]) -> UniversalFunctions:
+    """Universal functions from interpolated tables."""
+    # Rows of `exponents.VALUES` have the shapes of `assemble` and `fast_tables`.
+    fast = fast_tables(
+        exponent, of["places"], of["single"], of["end"], of["end_slopes"], of["fast_knots"],
+        of["second"],
+    )  # fmt: skip
+    return assemble(
+        exponent, of["nodes"], of["values"], of["knots"], of["response"], fast, of["error"]
+    )
 
 
 def read_tables(folder: Path, exponent: float) -> UniversalFunctions:
@@ -284,7 +304,7 @@ def read_tables(folder: Path, exponent: float) -> UniversalFunctions:
     knots, coefficients = _response(folder / "response.csv")
     with np.load(folder / "fast.npz") as stored:
         names = "places", "single", "end", "end_slopes", "knots", "second"
-        fast = fast_tables(*(stored[name].astype(float) for name in names))
+        fast = fast_tables(exponent, *(stored[name].astype(float) for name in names))
     first, others = _numbers(folder / "error.csv")
     error = np.concatenate([first, others[0]])
     return assemble(exponent, nodes, values, knots, coefficients, fast, error)

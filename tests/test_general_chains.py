@@ -621,7 +621,7 @@ def test_the_work_of_a_rising_force_on_a_free_bead():
         ({}, "RKN8(6)"),
         ({"right_wall": hc.Wall(), "gravity": 0.01, "drive": hc.StepDrive(0.1)}, "RKN8(6)"),
         ({"loss": hc.Dashpot(0.1)}, "DOP853"),
-        ({"loss": hc.Restitution(0.01)}, "Radau IIA"),
+        ({"loss": hc.VelocityPower(0.2, alpha=0.2)}, "Radau IIA"),
     ],
 )
 def test_the_method_depends_on_the_forces(changes, method):

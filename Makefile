@@ -42,6 +42,7 @@ benchmark: .venv/installed
 	$(BIN)/python benchmarks/loss_laws.py
 	$(BIN)/python benchmarks/island_steps.py
 	$(BIN)/python benchmarks/long_runs.py
+	$(BIN)/python benchmarks/how_fast.py
 
 # Latency of the app; requires an installed Chromium.
 benchmark-app: .venv/installed-test

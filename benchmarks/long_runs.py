@@ -48,6 +48,19 @@ def verlet(x, v, k, h, steps):  # type: ignore[no-untyped-def]
                 v[i] += 0.5 * h * a[i]
 
 
+@njit(cache=True, error_model="numpy", fastmath={"contract"})
+def forces_between_walls(y, overlap, stiffness, inverse_mass, out):  # type: ignore[no-untyped-def]
+    """Derivative of positions and velocities of beads between walls; overlaps are those at rest."""
+    n, pushed = len(inverse_mass), 0.0
+    for c in range(n + 1):
+        d = overlap[c] + (y[c - 1] if c > 0 else 0.0) - (y[c] if c < n else 0.0)
+        force = stiffness[c] * d * math.sqrt(d) if d > 0.0 else 0.0
+        if c > 0:
+            out[c - 1] = y[n + c - 1]
+            out[n + c - 1] = (pushed - force) * inverse_mass[c - 1]
+        pushed = force
+
+
 def script(chain: hc.Chain, h: float, steps: int, pieces: int = 1) -> float:
     """Run the script in some pieces; returns its largest drift at their ends."""
     x, v, k = np.zeros(BEADS + 2), np.array(chain.velocities), np.array(chain.contact_stiffness)

@@ -636,3 +636,16 @@ def test_the_work_of_a_rising_force_on_a_free_bead():
     drive = hc.StepDrive(-0.5, rise=4.0)
     run = hc.simulate(hc.Chain.uniform(3).replace(drive=drive), until=6.0, times=99)
     assert np.abs(run.budget().residual("energy")).max() < 6e-11
+
+
+@pytest.mark.parametrize(
+    ("changes", "method"),
+    [
+        ({}, "RKN8(6)"),
+        ({"right_wall": hc.Wall(), "gravity": 0.01, "drive": hc.StepDrive(0.1)}, "RKN8(6)"),
+        ({"loss": hc.Dashpot(0.1)}, "DOP853"),
+        ({"loss": hc.VelocityPower(0.2, alpha=0.2)}, "Radau IIA"),
+    ],
+)
+def test_the_method_depends_on_the_forces(changes, method):
+    assert hc.simulate(hc.Chain.uniform(5).replace(**changes), until=1.0, times=0).method == method

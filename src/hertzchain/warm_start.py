@@ -66,7 +66,8 @@ FIRST: Final = (
     Stage("the simulation of the pulse", propagate),
     Stage("the local-rate law", local_rate),
     Stage("the simulation of all beads", lambda chain: simulate(chain, rtol=1e-6)),
-    Stage("walls and losses", lambda chain: _walled(chain, Dashpot(0.1)), general=True),
+    Stage("walls", lambda chain: _walled(chain, None), general=True),
+    Stage("losses", lambda chain: _walled(chain, Dashpot(0.1)), general=True),
     Stage("heterogeneous chains", _uneven),
 )
 STAGES: Final = (

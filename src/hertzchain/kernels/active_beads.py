@@ -32,7 +32,14 @@ from numba.extending import overload
 from .compilation import OPTIONS, compiled
 from .contact_law import force, has_modes, law_of, laws_within
 from .driving import NOTHING
-from .forces import Contacts, DefaultChain, GeneralChain, copy, overlap_and_closing
+from .forces import (
+    Contacts,
+    DefaultChain,
+    GeneralChain,
+    copy,
+    largest_size,
+    overlap_and_closing,
+)
 from .state_layout import FLIGHT_POSITION, FLIGHT_TIME
 
 # A bead is at rest if its displacement and speed are less than this fraction of those of the few
@@ -95,10 +102,7 @@ def unresolved_speed(y, beads, rtol, setup, contacts):
         if not (overlap < 0.0 and closing < 0.0):
             break
         first += 1
-    fastest = 0.0
-    for k in range(first, beads):
-        fastest = max(fastest, abs(y[beads + k]))
-    return NOISE * rtol * fastest
+    return NOISE * rtol * largest_size(y[beads + first : 2 * beads])
 
 
 @compiled
@@ -304,15 +308,25 @@ def general_part(setup, low, high, ends):
     )  # fmt: skip
 
 
-@compiled
 def contacts_within(contacts, low, high):
-    """Modes and history of the contacts of a window."""
-    if contacts is None:
-        return None
+    """Modes and history of the contacts of a window, or `None`; as `part_of`."""
+    return None if contacts is None else general_contacts_within(contacts, low, high)
+
+
+@overload(contacts_within, jit_options=WITHOUT_CACHE)
+def _(contacts, low, high):  # noqa: ARG001
+    if isinstance(contacts, types.NoneType):
+        return lambda contacts, low, high: None  # noqa: ARG005
+    return lambda contacts, low, high: general_contacts_within(contacts, low, high)
+
+
+@compiled
+def general_contacts_within(contacts, low, high):
+    """`contacts_within` for a general chain."""
     return Contacts(
         contacts.mode[low : high + 1], contacts.largest[low : high + 1],
         contacts.force[low : high + 1], contacts.last_force[low : high + 1], contacts.scratch,
-        contacts.powers, contacts.implicit, contacts.search,
+        contacts.powers, contacts.implicit, contacts.search, contacts.on_positions,
     )  # fmt: skip
 
 

@@ -13,7 +13,11 @@ OPTIONS: dict[str, Any] = {"cache": True, "nogil": True, "error_model": "numpy",
 # Fused multiply-add is allowed.
 CONTRACTED: dict[str, Any] = OPTIONS | {"fastmath": {"contract"}}
 
+# Sums may be reordered and largest numbers found in any order, so that loops use vectors.
+REDUCED: dict[str, Any] = OPTIONS | {"fastmath": {"contract", "reassoc", "nnan", "nsz"}}
+
 compiled = njit(**OPTIONS)
+reduced = njit(**REDUCED)
 
 compile_notice.install()
 

@@ -2,10 +2,20 @@
 
 from __future__ import annotations
 
-from .compilation import compiled
-from .contact_law import force, law_of, potential
+import numpy as np
+
+from .compilation import compiled, reduced
+from .contact_law import HERTZ, force, law_of, potential
 from .driving import wall_motion
-from .forces import DRIVEN, LEFT_IMPULSE, LOST, PUSHED, RIGHT_IMPULSE, overlap_and_closing
+from .forces import (
+    DRIVEN,
+    LEFT_IMPULSE,
+    LOST,
+    PUSHED,
+    RIGHT_IMPULSE,
+    largest_size,
+    overlap_and_closing,
+)
 from .state_layout import (
     ENERGY_DRIFT,
     ENERGY_UNIT,
@@ -18,7 +28,7 @@ from .state_layout import (
 )
 
 
-@compiled
+@reduced
 def kinetic(velocities, inverse_mass, others):
     """Kinetic energy, momentum, and the sum of absolute momenta, with those of ``others``."""
     kinetic, momentum, absolute = others
@@ -30,37 +40,83 @@ def kinetic(velocities, inverse_mass, others):
     return kinetic, momentum, absolute
 
 
-@compiled
+@reduced
 def plain_potential(y, stiffness, exponent):
     """Energy stored in the contacts of a default chain."""
     stored = 0.0
+    if exponent == HERTZ:
+        for k in range(len(stiffness)):
+            overlap = y[k] - y[k + 1]
+            overlap = overlap if overlap > 0.0 else 0.0
+            stored += stiffness[k] * overlap * overlap * np.sqrt(overlap)
+        return stored / (exponent + 1.0)
     for k in range(len(stiffness)):
         overlap = y[k] - y[k + 1]
         stored += force(overlap, stiffness[k], exponent) * overlap / (exponent + 1.0)
     return stored
 
 
+@reduced
+def hertz_potential(y, wall, stiffness, gap):
+    """Energy stored in the elastic Hertz contacts of a general chain."""
+    beads = len(gap) - 1
+    first, last = wall - y[0] - gap[0], y[beads - 1] - gap[beads]
+    first, last = max(first, 0.0), max(last, 0.0)
+    stored = stiffness[0] * first * first * np.sqrt(first)
+    stored += stiffness[beads] * last * last * np.sqrt(last)
+    for c in range(1, beads):
+        overlap = y[c - 1] - y[c] - gap[c]
+        overlap = overlap if overlap > 0.0 else 0.0
+        stored += stiffness[c] * overlap * overlap * np.sqrt(overlap)
+    return stored / (HERTZ + 1.0)
+
+
+@reduced
+def weight_work(y, outside):
+    """Work of constant forces on the beads, and the sum of these forces."""
+    work, total = 0.0, 0.0
+    for k in range(len(outside)):
+        work += outside[k] * y[k]
+        total += outside[k]
+    return work, total
+
+
 @compiled
 def stored_minus_supplied(time, y, setup, contacts, segment):
     """Stored energy and momentum of the chain, minus energy and momentum supplied from outside."""
-    outside, stiffness, gap = setup.body_force, setup.stiffness, setup.gap
-    damping, mode, largest = setup.damping, contacts.mode, contacts.largest
+    outside = setup.body_force
     beads = len(outside)
     wall = wall_motion(time, setup, segment)
     ledger = y[2 * beads :]
     energy = ledger[LOST] - ledger[DRIVEN]
     momentum = ledger[RIGHT_IMPULSE] - ledger[LEFT_IMPULSE] - ledger[PUSHED]
+    energy += energy_in_contacts(y, wall, setup, contacts)
+    work, weight = weight_work(y, outside)
+    return energy - work, momentum - weight * time
+
+
+@compiled
+def energy_in_contacts(y, wall, setup, contacts):
+    """Energy stored in all contacts."""
+    beads, stiffness, gap = len(setup.inverse_mass), setup.stiffness, setup.gap
+    energy = 0.0
+    if contacts.on_positions is not None:
+        if setup.laws is None and setup.law.exponent == HERTZ:
+            return hertz_potential(y, wall[0], stiffness, gap)
+        for c in range(beads + 1):
+            overlap, _ = overlap_and_closing(c, y, beads, gap[c], wall)
+            exponent = law_of(c, setup).exponent
+            energy += force(overlap, stiffness[c], exponent) * overlap / (exponent + 1.0)
+        return energy
     for c in range(beads + 1):
         if stiffness[c] > 0.0:
             overlap, _ = overlap_and_closing(c, y, beads, gap[c], wall)
             if overlap > 0.0:
                 energy += potential(
-                    overlap, stiffness[c], damping[c], mode[c], largest[c], law_of(c, setup)
-                )
-    for k in range(beads):
-        energy -= outside[k] * y[k]
-        momentum -= outside[k] * time
-    return energy, momentum
+                    overlap, stiffness[c], setup.damping[c], contacts.mode[c], contacts.largest[c],
+                    law_of(c, setup),
+                )  # fmt: skip
+    return energy
 
 
 @compiled
@@ -76,10 +132,7 @@ def update_drift(y, clock, setup, contacts, segment, flying, first):
     else:
         stored, given = stored_minus_supplied(clock[TIME], y, setup, contacts, segment)
         momentum += given
-        fastest = clock[FASTEST]
-        for k in range(beads):
-            fastest = max(fastest, abs(velocities[k]))
-        clock[FASTEST] = fastest
+        clock[FASTEST] = max(clock[FASTEST], largest_size(velocities))
     energy = kinetic_energy + stored
     if first:
         clock[INITIAL_ENERGY], clock[INITIAL_MOMENTUM] = energy, momentum

@@ -38,6 +38,8 @@ SETTLED = 1e4
 UNSEEN = 1e-10
 # In place of a contact, for `switch`.  For the literal -1, numba would compile another version.
 ANY = np.int64(-1)
+# Number of contacts that are compared at once.
+GROUP = 64
 
 
 @compiled
@@ -69,10 +71,11 @@ def first_modes(y, setup, contacts):
 
 
 @compiled
-def sharpest_turn(c, beads, stages):
-    """Largest relative acceleration of the two beads of contact c at the stages of a step."""
-    sharpest = 0.0
-    for j in range(STEP_STAGES + 1):
+def sharpest_turn(c, beads, stages, row):
+    """Largest relative acceleration of the two beads of contact c, at stages from ``row`` on."""
+    left = stages[0, beads + c - 1] if c > 0 else 0.0
+    sharpest = abs(left - stages[0, beads + c]) if c < beads else abs(left)
+    for j in range(row, STEP_STAGES + 1):
         left = stages[j, beads + c - 1] if c > 0 else 0.0
         right = stages[j, beads + c] if c < beads else 0.0
         sharpest = max(sharpest, abs(left - right))
@@ -80,13 +83,29 @@ def sharpest_turn(c, beads, stages):
 
 
 @compiled
-def may_close_unseen(time, h, y, y_new, stages, scale, setup, segment, rtol):
+def all_closed(y, gap, stiffness):
+    """Whether all contacts are closed; the left wall is at rest."""
+    beads = len(gap) - 1
+    for start in range(1, beads, GROUP):
+        opened = 0
+        for c in range(start, min(start + GROUP, beads)):
+            opened += 1 if y[c - 1] - y[c] - gap[c] <= 0.0 else 0
+        if opened > 0:
+            return False
+    first, last = -y[0] - gap[0], y[beads - 1] - gap[beads]
+    return (first > 0.0 or stiffness[0] == 0.0) and (last > 0.0 or stiffness[beads] == 0.0)
+
+
+@compiled
+def may_close_unseen(time, h, y, y_new, stages, row, scale, setup, segment, rtol):
     """Whether a contact, open at both ends of a step, may have been closed in between.
 
     If the relative acceleration is at most a, the distance of the beads within the step is at least
     the smaller of their distances at its ends, minus a h^2/8.
     """
     beads, drive = len(setup.inverse_mass), setup.drive
+    if drive != MOVING_WALL and all_closed(y, setup.gap, setup.stiffness):
+        return False
     before, after = wall_motion(time, setup, segment), wall_motion(time + h, setup, segment)
     for c in range(beads + 1):
         if setup.stiffness[c] == 0.0:
@@ -101,7 +120,7 @@ def may_close_unseen(time, h, y, y_new, stages, scale, setup, segment, rtol):
             unseen = max(unseen, UNSEEN * way)
         if sharpest == 0.0 and (closing <= 0.0 or still_closing >= 0.0):
             continue
-        sharpest += sharpest_turn(c, beads, stages)
+        sharpest += sharpest_turn(c, beads, stages, row)
         if 0.125 * h * h * sharpest > max(-max(first, last), unseen):
             return True
     return False

@@ -1,4 +1,4 @@
-r"""One step of order 8 for all beads of a chain, and its estimated error.
+r"""Explicit steps of order 8 for chains whose forces depend on velocities.
 
 The method is DOP853 (`hertzchain.kernels.dop853`), the forces are those of
 `hertzchain.kernels.forces`.  Stage j of a step is row j of ``stages``, in the order of the
@@ -9,29 +9,20 @@ from __future__ import annotations
 
 import numpy as np
 
-from .active_beads import unresolved_speed
 from .compilation import compiled
-from .dop853 import E3, E5, STAGES, STEP_STAGES, A
-from .driving import PUSH, drive_at, rounding_of_drive
-from .forces import derivative
+from .dop853 import E3, E5, STAGES, STEP_STAGES, A, D
+from .driving import wall_motion
+from .forces import copy, derivative
+from .interpolant import COEFFICIENTS
+from .step_scale import AT_REST, ROUNDING, general_scale
 
-# Number of beads on either side that set the unit of the error of a bead, and the part of the speed
-# of the fastest bead in contact that sets it if all of them are slow, as behind a pulse.
-NEIGHBOURS = 3
-SLOW = 1e-4
-# The same part if the steps resolve no motion in any contact, in unresolved speeds.
-FAINT = 100.0
-# Slower beads have not been reached: ahead of the front, numbers underflow.
-AT_REST = 1e-290
-# Relative rounding error of a force, as amplified by the error estimate.
-ROUNDING = 5e-15
 # Times of the stages, in parts of the step.
 C = A.sum(axis=1)
 # Number of stages that are added in one pass over the arrays.
 GROUP_SIZE = 4
 
 
-def _in_groups(rows):
+def in_groups(rows):
     """Places and values of the weights other than zero, in groups, for each row."""
     longest = max(np.count_nonzero(row) for row in rows)
     groups = -(-longest // GROUP_SIZE)
@@ -47,7 +38,7 @@ def _in_groups(rows):
 
 
 # Row s: stages that are added before stage s.
-WHICH, WEIGHT, GROUPS = _in_groups(A)
+WHICH, WEIGHT, GROUPS = in_groups(A)
 
 
 @compiled
@@ -83,66 +74,6 @@ def complete_stages(time, y, h, setup, contacts, segment, stages, trial):
     for s in range(STEP_STAGES + 1, STAGES):
         add_stages(y, h, s, stages, trial)
         derivative(time + C[s] * h, trial, setup, contacts, segment, stages[s])
-
-
-@compiled
-def fastest_nearby(speeds, scale):
-    """Raise each bead's scale to the largest speed within a few beads."""
-    beads = len(scale)
-    for k in range(beads):
-        scale[k] = max(scale[k], speeds[k])
-    for shift in range(1, NEIGHBOURS + 1):
-        for k in range(beads - shift):
-            scale[k] = max(scale[k], speeds[k + shift])
-        for k in range(shift, beads):
-            scale[k] = max(scale[k], speeds[k - shift])
-
-
-@compiled
-def velocity_scale(y, rtol, setup, speeds, scale):
-    """Units of the errors of the velocities of beads."""
-    # The unit is the largest speed within a few beads, or a small part of that of the fastest bead
-    # in contact: the motion of beads without contact is exact at any speed.  Motion that remains
-    # behind a pulse is not integrated more accurately than it is known.
-    beads = len(scale)
-    velocities = y[beads : 2 * beads]
-    for k in range(beads):
-        speeds[k] = abs(velocities[k])
-    fastest = 0.0
-    for k in range(beads - 1):
-        if y[k] > y[k + 1]:
-            fastest = max(fastest, speeds[k], speeds[k + 1])
-    scale[:] = max(SLOW * fastest, FAINT * unresolved_speed(y, beads, rtol, setup, None))
-    fastest_nearby(speeds, scale)
-
-
-@compiled
-def general_scale(time, h, y, y_new, wall_speed, setup, contacts, segment, rtol, speeds, scale):
-    """Units of errors for both ends of a step of a general chain."""
-    # Beads may start from or come to rest within a step, because of gaps or a moving left wall.
-    # The accuracy of velocities is limited by the rounding of static forces, and that of a force
-    # that begins at a late time by the rounding of the time.
-    beads = len(scale)
-    for k in range(beads):
-        speeds[k] = max(abs(y[beads + k]), abs(y_new[beads + k]))
-    # The forces are those at the start: a step that is far too long ends with arbitrary forces.
-    pushing, inverse_mass = contacts.last_force, setup.inverse_mass
-    fastest = 0.0
-    for k in range(beads):
-        if pushing[k] != 0.0 or pushing[k + 1] != 0.0:
-            fastest = max(fastest, speeds[k])
-    rounded = ROUNDING * h / rtol
-    least = max(SLOW * fastest, FAINT * unresolved_speed(y, beads, rtol, setup, contacts))
-    for k in range(beads):
-        rounding = (abs(pushing[k]) + abs(pushing[k + 1])) * inverse_mass[k] * rounded
-        scale[k] = max(least, rounding, setup.law.slowest)
-    if setup.drive == PUSH:
-        unknown = abs(drive_at(time + h, setup, segment)[1]) * (time + h)
-        unknown = max(unknown, rounding_of_drive(time, setup, segment))
-        scale[0] = max(scale[0], unknown * inverse_mass[0] * rounded)
-    for k in range(min(NEIGHBOURS, beads)):
-        scale[k] = max(scale[k], abs(wall_speed), scale[0] if setup.drive == PUSH else 0.0)
-    fastest_nearby(speeds, scale)
 
 
 @compiled
@@ -182,3 +113,66 @@ def error_norm(h, stages, scale, rtol, errors):
     if worst5 == 0.0:
         return 0.0
     return worst5 * worst5 / np.sqrt(worst5 * worst5 + 0.01 * worst3 * worst3)
+
+
+@compiled
+def find_coefficients(h, y, y_new, stages, dense):
+    """Coefficients of all components, (COEFFICIENTS, len(y)), of a step with all its stages."""
+    first, last = stages[0], stages[STEP_STAGES]
+    for i in range(len(y)):
+        dense[0, i] = y_new[i] - y[i]
+    for i in range(len(y)):
+        dense[1, i] = h * first[i] - dense[0, i]
+    for i in range(len(y)):
+        dense[2, i] = 2.0 * dense[0, i] - h * (last[i] + first[i])
+    for row in range(3, COEFFICIENTS):
+        weights, out = D[row - 3], dense[row]
+        # The interpolant does not use stages 1 to 4.
+        w0, w1, w2, w3 = h * weights[0], h * weights[5], h * weights[6], h * weights[7]
+        s1, s2, s3 = stages[5], stages[6], stages[7]
+        for i in range(len(y)):
+            out[i] = w0 * first[i] + w1 * s1[i] + w2 * s2[i] + w3 * s3[i]
+        for j in (8, 12):
+            w0, w1, w2, w3 = weights[j], weights[j + 1], weights[j + 2], weights[j + 3]
+            add_four(out, h * w0, h * w1, h * w2, h * w3, stages, j)
+
+
+@compiled
+def add_four(out, a, b, c, d, stages, j):
+    """Add a multiple of each of four stages, from stage j on."""
+    p, q, r, s = stages[j], stages[j + 1], stages[j + 2], stages[j + 3]
+    for i in range(len(out)):
+        out[i] = out[i] + a * p[i] + b * q[i] + c * r[i] + d * s[i]
+
+
+@compiled
+def begin(time, y, h, setup, contacts, segment, rtol, stages, work, scale):  # noqa: ARG001
+    """Compute the derivative at the start of the next step."""
+    derivative(time, y, setup, contacts, segment, stages[0])
+    copy(contacts.force, contacts.last_force)
+
+
+@compiled
+def take_step(time, y, h, setup, contacts, segment, rtol, stages, trial, y_new, work, scale):
+    """Take one step; returns its error in tolerances (NaN if it failed) and evaluations."""
+    speeds = work[3, len(scale) : 2 * len(scale)]
+    wall_speed = wall_motion(time + h, setup, segment)[1]
+    try_step(time, y, h, setup, contacts, segment, stages, trial, y_new)
+    general_scale(
+        time, h, y, y_new, wall_speed, setup, contacts, segment, rtol, ROUNDING, speeds, scale
+    )
+    return error_norm(h, stages, scale, rtol, work[4:]), STEP_STAGES
+
+
+@compiled
+def interpolate(time, y, h, y_new, setup, contacts, segment, stages, dense, trial, scratch):  # noqa: ARG001
+    """Compute the coefficients of the interpolant of a step; returns evaluations."""
+    complete_stages(time, y, h, setup, contacts, segment, stages, trial)
+    find_coefficients(h, y, y_new, stages, dense)
+    return STAGES - STEP_STAGES - 1
+
+
+@compiled
+def forces_within(theta, time, h, state, setup, contacts, segment, scratch):
+    """Compute the contact forces at the fraction theta of a step, from the state there."""
+    derivative(time + theta * h, state, setup, contacts, segment, scratch)

@@ -1,8 +1,7 @@
-r"""Events within the steps: maxima of velocities, overlaps and wall forces.
+r"""Events within the steps: maxima of velocities and overlaps, and saved times.
 
-On the interpolant of a step (`hertzchain.kernels.dop853_interpolant`), the first maximum of each
-bead's velocity and the largest overlap of each contact are located by bisection, the largest force
-on each wall by ternary search.
+On the interpolant of a step (`hertzchain.kernels.interpolant`), the first maximum of each
+bead's velocity and the largest overlap of each contact are located by bisection.
 """
 
 from __future__ import annotations
@@ -10,18 +9,17 @@ from __future__ import annotations
 from .active_beads import place_behind, put_back
 from .compilation import compiled
 from .contact_law import LOADED, force, law_of
+from .contact_modes import sharpest_turn
 from .dop853 import STEP_STAGES
-from .dop853_interpolant import attainable_slope, slope, state_within, value
-from .driving import wall_motion
-from .forces import ACCUMULATORS, LEFT_IMPULSE, RIGHT_IMPULSE, copy, overlap_and_closing
+from .forces import copy
 from .implicit import FINEST, closes_throughout, first_rest
+from .interpolant import slope, state_within, value
 from .leading_pulse import note_leading_pulse, rise_of
+from .nystrom import SHARPER
 from .state_layout import (
     CROSSING_TIME,
     CROSSINGS,
     EVALUATIONS,
-    FIRST_END,
-    FIRST_IMPULSE,
     FRAMES,
     LARGEST_OVERLAP,
     LAST_CROSSING,
@@ -32,12 +30,10 @@ from .state_layout import (
     RESIDENCE,
     SINCE_CROSSING,
     TIME,
-    TURNED_BACK,
-    WALL_PEAK,
-    WALL_PEAK_TIME,
 )
-from .stepping import forces_within, interpolate, is_implicit
+from .stepping import first_row, forces_within, interpolate, is_implicit, on_positions
 from .stiff_law import closes_in, force_within
+from .wall_events import record_walls, wall_may_peak
 
 # The pulse has not reached a bead that is slower than this fraction of the speeds around it;
 # rounding ahead of the pulse could look like a maximum.
@@ -49,14 +45,15 @@ BISECTIONS = 48
 # Parts of a step that are searched for the first event, because a light bead may reverse its
 # direction twice in a step.
 PARTS = 8
-# Relative error of the slope of an interpolated impulse at the largest tolerance.
-SLOPE = 1e-5
 
 
 @compiled
 def least_speed(rtol, setup, contacts):
     """Fraction of the speeds around it above which a bead has been reached by the pulse."""
-    return max(REACHED, TOLERANCES * max(rtol, FINEST)) if is_implicit(setup, contacts) else REACHED
+    if is_implicit(setup, contacts):
+        return max(REACHED, TOLERANCES * max(rtol, FINEST))
+    # Ahead of the pulse, the unit of speeds is the rounding error of static forces.
+    return REACHED if contacts is None or not on_positions(contacts) else SHARPER * REACHED
 
 
 @compiled
@@ -125,7 +122,7 @@ def crossing_within(c, beads, y, dense, setup, contacts):
 
 
 @compiled
-def may_peak(k, beads, stages, implicit):
+def may_peak(k, beads, stages, row, implicit):
     """Whether bead k, pushed at the start of the step, is not pushed at some stage.
 
     In an implicit step, a bead that has had no peak yet has been pushed up to the step.
@@ -133,7 +130,7 @@ def may_peak(k, beads, stages, implicit):
     i = beads + k
     if stages[0, i] <= 0.0 and not implicit:
         return False
-    for j in range(1, STEP_STAGES + 1):
+    for j in range(row, STEP_STAGES + 1):
         if stages[j, i] <= 0.0:
             return True
     return False
@@ -148,12 +145,19 @@ def rests(c, stages, setup, contacts):
 
 
 @compiled
-def may_cross(c, stages, setup, contacts):
-    """Whether beads c and c + 1, approaching at the start, do not approach at some stage."""
+def may_cross(c, h, stages, setup, contacts):
+    """Whether beads c and c + 1, approaching at the start, may not approach at some time."""
     if contacts is not None and setup.law.implicit and contacts.mode[c + 1] == LOADED:
         return not closes_throughout(c + 1, setup, contacts.implicit, stages)
-    if stages[0, c] <= stages[0, c + 1]:
+    closing = stages[0, c] - stages[0, c + 1]
+    if closing <= 0.0:
         return False
+    if on_positions(contacts):
+        still = stages[STEP_STAGES, c] - stages[STEP_STAGES, c + 1]
+        beads = len(setup.inverse_mass)
+        return still <= 0.0 or (
+            closing + still <= h * sharpest_turn(c + 1, beads, stages, first_row(contacts))
+        )
     for j in range(1, STEP_STAGES + 1):
         if stages[j, c] <= stages[j, c + 1]:
             return True
@@ -191,6 +195,9 @@ def record_peaks(h, time, y, y_new, stages, dense, setup, contacts, first, expec
         theta = peak_within(k, h, y, dense, setup, contacts)
         if theta > 1.0 and is_implicit(setup, contacts):
             theta = first_rest(k, beads, stages)
+        # Rounding may hide a change of sign at the end of the step from the interpolant.
+        if theta > 1.0 and stages[STEP_STAGES, beads + k] <= 0.0:
+            theta = 1.0
         if theta > 1.0:
             continue
         peaks[PEAK_TIME, k] = time + theta * h
@@ -253,7 +260,8 @@ def record_crossings(
         if not expected[c]:
             continue
         theta = crossing_within(c, beads, y, dense, setup, contacts)
-        if theta > 1.0 and rests(c, stages, setup, contacts):
+        ended = stages[STEP_STAGES, c] <= stages[STEP_STAGES, c + 1]
+        if theta > 1.0 and (ended or rests(c, stages, setup, contacts)):
             theta = 1.0
         if theta > 1.0:
             continue
@@ -325,11 +333,11 @@ def record_stops(
 
 
 @compiled
-def expect_first_peak(y, y_new, stages, scale, reached, implicit, peaks):
+def expect_first_peak(y, y_new, stages, row, scale, reached, implicit, peaks):
     """Whether the velocity of bead 1, which was not struck, may have its peak in the step."""
     beads = len(scale)
     forward = max(y[beads], y_new[beads]) > reached * scale[0]
-    return forward and peaks[PEAK_VELOCITY, 0] == 0.0 and may_peak(0, beads, stages, implicit)
+    return forward and peaks[PEAK_VELOCITY, 0] == 0.0 and may_peak(0, beads, stages, row, implicit)
 
 
 @compiled
@@ -337,96 +345,32 @@ def expect_events(
     h, y, y_new, stages, scale, reached, setup, contacts, first, peaks, crossings, expected
 ):
     """Mark the beads and contacts with a first peak, a crossing or a largest overlap to come."""
-    beads, implicit = len(scale), is_implicit(setup, contacts)
+    beads, implicit, row = len(scale), is_implicit(setup, contacts), first_row(contacts)
     anything = expected[0, 0] = first == 0 and expect_first_peak(
-        y, y_new, stages, scale, reached, implicit, peaks
+        y, y_new, stages, row, scale, reached, implicit, peaks
     )
     for k in range(1, beads):
+        so_far = crossings[LARGEST_OVERLAP, first + k - 1]
+        larger = may_exceed(k - 1, h, y, y_new, setup, contacts, so_far)
+        expected[0, k] = expected[1, k - 1] = False
+        expected[2, k - 1] = larger
+        anything = anything or larger
+        if peaks[PEAK_TIME, k] != 0.0 and crossings[CROSSING_TIME, first + k - 1] != 0.0:
+            continue
         # A bead may reverse its direction within the step.
         before, after = y[beads + k], y_new[beads + k]
         forward = max(before, after) > reached * scale[k]
-        peak = forward and peaks[PEAK_TIME, k] == 0.0 and may_peak(k, beads, stages, implicit)
+        peak = forward and peaks[PEAK_TIME, k] == 0.0 and may_peak(k, beads, stages, row, implicit)
         waiting = crossings[CROSSING_TIME, first + k - 1] == 0.0
         moves = max(abs(before), abs(after)) > reached * scale[k]
-        crossing = moves and waiting and may_cross(k - 1, stages, setup, contacts)
+        crossing = moves and waiting and may_cross(k - 1, h, stages, setup, contacts)
         crossing = crossing and (
             touch(k - 1, y, y_new, setup, contacts) or (implicit and peaks[PEAK_TIME, k] > 0.0)
         )
         expected[0, k] = peak
         expected[1, k - 1] = crossing
-        so_far = crossings[LARGEST_OVERLAP, first + k - 1]
-        larger = may_exceed(k - 1, h, y, y_new, setup, contacts, so_far)
-        expected[2, k - 1] = larger
-        anything = anything or peak or crossing or larger
+        anything = anything or peak or crossing
     return anything
-
-
-@compiled
-def record_walls(time, h, y, y_new, stages, dense, setup, contacts, segment, walls, trial, scratch):
-    """Largest force on each wall."""
-    offset = len(y) - ACCUMULATORS
-    for side in range(2):
-        i = offset + LEFT_IMPULSE + side
-        largest = 0.0
-        for j in range(STEP_STAGES + 1):
-            largest = max(largest, stages[j, i])
-        peak = walls[WALL_PEAK, side]
-        # In a step cut very short the slope is lost in rounding; the stages give the peak.
-        sharp = 1e-15 * abs(y_new[i]) < 1e-12 * h * largest
-        if not sharp and largest > peak:
-            walls[WALL_PEAK, side] = largest
-            walls[WALL_PEAK_TIME, side] = time + h
-        # The maximum may lie between the stages.
-        elif sharp and (largest > peak or (1.0 + SLOPE) * attainable_slope(i, h, dense) > peak):
-            low, high = 0.0, 1.0
-            for _ in range(BISECTIONS):
-                one, two = (2.0 * low + high) / 3.0, (low + 2.0 * high) / 3.0
-                if slope(i, one, h, dense) < slope(i, two, h, dense):
-                    low = one
-                else:
-                    high = two
-            at = 0.5 * (low + high)
-            # The interpolated positions are more accurate than the slope of the impulse.
-            state_within(at, y, dense, trial)
-            forces_within(at, time, h, trial, setup, contacts, segment, scratch)
-            top = contacts.force[side * len(setup.inverse_mass)]
-            if top > peak:
-                walls[WALL_PEAK, side] = top
-                walls[WALL_PEAK_TIME, side] = time + at * h
-
-
-@compiled
-def record_wall_ends(time, y, rates, setup, segment, crossings, walls):
-    """Record the impulse of the first contact with each wall, between two steps, once it has ended.
-
-    The stages of a step may push a wall by rounding when a bead only comes near; such a push is
-    ignored.  For the right wall, also record when the last bead, passed by the crest, first moves
-    back.
-    """
-    beads = len(setup.inverse_mass)
-    back = setup.stiffness[beads] > 0.0 and y[2 * beads - 1] < 0.0
-    if back and walls[TURNED_BACK, 1] == 0.0 and crossings[CROSSING_TIME, -1] != 0.0:
-        walls[TURNED_BACK, 1] = time
-    for side in range(2):
-        i, c = 2 * beads + LEFT_IMPULSE + side, side * beads
-        pushed = y[i] != 0.0 and rates[i] == 0.0 and setup.stiffness[c] > 0.0
-        if not pushed or walls[FIRST_END, side] != 0.0:
-            continue
-        wall = wall_motion(time, setup, segment)
-        _, closing = overlap_and_closing(c, y, beads, setup.gap[c], wall)
-        if closing < 0.0:
-            walls[FIRST_IMPULSE, side] = y[i]
-            walls[FIRST_END, side] = time
-
-
-@compiled
-def wall_pushed(stages):
-    """Whether a wall is pushed at some stage of the step."""
-    offset = stages.shape[1] - ACCUMULATORS
-    for j in range(STEP_STAGES + 1):
-        if stages[j, offset + LEFT_IMPULSE] != 0.0 or stages[j, offset + RIGHT_IMPULSE] != 0.0:
-            return True
-    return False
 
 
 @compiled
@@ -465,10 +409,12 @@ def record_events(
     event = expect_events(
         h, y, y_new, stages, scale, reached, setup, contacts, first, peaks, crossings, expected
     )
-    walled = contacts is not None and wall_pushed(stages)
+    walled = contacts is not None and wall_may_peak(
+        time, h, y, y_new, stages, setup, contacts, segment, walls
+    )
     if (save or event or walled) and not dense_is_found:
         counts[EVALUATIONS] += interpolate(
-            time, y, h, y_new, setup, contacts, segment, stages, dense, trial
+            time, y, h, y_new, setup, contacts, segment, stages, dense, trial, scratch
         )
     if event:
         counts[PEAKS] += record_peaks(
@@ -481,7 +427,7 @@ def record_events(
         record_largest_overlaps(y, y_new, dense, setup, contacts, first, expected[2], crossings)
     if walled:
         record_walls(
-            time, h, y, y_new, stages, dense, setup, contacts, segment, walls, trial, scratch
+            time, h, y, y_new, setup, contacts, segment, stages, dense, walls, trial, scratch
         )
     if save:
         save_frames(time, time_new, h, y, dense, first, chain, flights, setup, contacts, segment,

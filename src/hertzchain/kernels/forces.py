@@ -18,7 +18,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from .compilation import compiled
+from .compilation import compiled, reduced
 from .contact_law import (
     LOADED,
     STUCK,
@@ -78,6 +78,8 @@ class Contacts(NamedTuple):
     implicit: Any
     # None where no contact has modes, for which numba compiles no search for their changes.
     search: Any
+    # None where forces depend on velocities; determines the method of the steps.
+    on_positions: Any
 
 
 @compiled
@@ -85,6 +87,16 @@ def copy(source, target):
     """Copy like ``target[:] = source``, but without its check whether the arrays overlap."""
     for i in range(len(target)):
         target[i] = source[i]
+
+
+@reduced
+def largest_size(values):
+    """Largest absolute value; 0 if there are none."""
+    found = 0.0
+    for i in range(len(values)):
+        size = abs(values[i])
+        found = size if size > found else found
+    return found
 
 
 @compiled

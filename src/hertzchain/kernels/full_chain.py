@@ -1,6 +1,6 @@
-r"""Integration of all moving beads of a chain by an adaptive Runge-Kutta method of order 8.
+r"""Integration of all moving beads of a chain by adaptive methods of order 8.
 
-`advance` takes steps of DOP853 (`hertzchain.kernels.dop853_step`) for the beads that need them
+`advance` takes steps (`hertzchain.kernels.stepping`) for the beads that need them
 (`hertzchain.kernels.active_beads`), and locates events within each step
 (`hertzchain.kernels.events`).
 
@@ -42,17 +42,16 @@ from .contact_modes import (
     switch,
 )
 from .dop853 import STAGES, STEP_STAGES
-from .dop853_interpolant import COEFFICIENTS
 from .driving import MOVING_WALL, NOTHING, PUSH, wall_motion
 from .events import (
     least_speed,
     record_events,
     record_jumps,
     record_stops,
-    record_wall_ends,
 )
 from .forces import copy, overlap_and_closing
 from .implicit import remember_overlaps
+from .interpolant import COEFFICIENTS
 from .mode_search import first_switch
 from .state_layout import (
     CROSSINGS,
@@ -63,6 +62,7 @@ from .state_layout import (
     IDLE_UNTIL,
     LAST_CROSSING,
     LOW,
+    MOMENTUM_UNIT,
     PEAKS,
     SEGMENT,
     SINCE_CROSSING,
@@ -72,8 +72,8 @@ from .state_layout import (
     TIME,
     UNRESOLVED,
 )
-from .stepping import begin, change_of_step, is_implicit, take_step
-from .wall_touches import count_touches
+from .stepping import begin, change_of_step, first_row, is_implicit, take_step
+from .wall_events import count_touches, record_wall_ends
 
 # Status codes that `advance` returns, and those that only `advance_window` returns.
 RUNNING, PULSE_LEFT, TIME_REACHED, FRAMES_FULL, STEP_TOO_SMALL, PULSE_LOST, LAST_STEP = range(7)
@@ -193,7 +193,7 @@ def advance_window(
                 return STEP_TOO_SMALL, tried
             continue
         if contacts is not None and may_close_unseen(
-            time, h, y, y_new, stages, scale, setup, segment, rtol
+            time, h, y, y_new, stages, first_row(contacts), scale, setup, segment, rtol
         ):
             clock[STEP] = 0.5 * h
             continue
@@ -265,7 +265,8 @@ def advance_window(
                 record_stops(clock, counts, y, stages, dense, scale, reached, setup, contacts, low,
                              chain, inverse_mass, crossings)  # fmt: skip
         if contacts is not None:
-            record_wall_ends(time_new, y, stages[0], setup, counts[SEGMENT], crossings, walls)
+            record_wall_ends(time_new, y, stages[0], setup, counts[SEGMENT], clock[MOMENTUM_UNIT],
+                             crossings, walls)  # fmt: skip
             count_touches(beads, stages[0], walls)
         update_drift(y, clock, setup, contacts, counts[SEGMENT], flying, False)
         clock[UNRESOLVED] = unresolved_speed(y, beads, rtol, setup, contacts)

@@ -28,7 +28,8 @@ from .radau import (
     WEIGHTS,
 )
 from .stage_equations import SOLVED, solve_stages
-from .stiff_law import EVEN, closes_in, is_resolved, overlap_of
+from .step_scale import ROUNDING, general_scale
+from .stiff_law import EVEN, closes_in, is_resolved, overlap_of, sliding_force_within
 
 TIMES = np.array(NODES)
 END = np.ones(1)
@@ -268,3 +269,45 @@ def implicit_coefficients(h, stages, dense):
             for j in range(IMPLICIT_STAGES):
                 total += TO_DENSE[row, j] * stages[j + 1, i]
             dense[row, i] = h * total
+
+
+@compiled
+def begin(time, y, h, setup, contacts, segment, rtol, stages, work, scale):
+    """Compute the derivative at the start of the next step."""
+    speeds = work[3, len(scale) : 2 * len(scale)]
+    settle(
+        time, y, h, setup, contacts, contacts.implicit, segment, rtol, stages, work[0], speeds,
+        scale,
+    )  # fmt: skip
+
+
+@compiled
+def take_step(time, y, h, setup, contacts, segment, rtol, stages, trial, y_new, work, scale):  # noqa: ARG001
+    """Take one step; returns its error in tolerances (NaN if it failed) and evaluations."""
+    speeds = work[3, len(scale) : 2 * len(scale)]
+    wall_speed = wall_motion(time + h, setup, segment)[1]
+    if not try_implicit_step(
+        time, y, h, setup, contacts, contacts.implicit, segment, rtol, stages, y_new, speeds, scale
+    ):
+        return np.nan, IMPLICIT_STAGES
+    general_scale(
+        time, h, y, y_new, wall_speed, setup, contacts, segment, rtol, ROUNDING, speeds, scale
+    )
+    return implicit_error(h, stages, setup, scale, rtol), IMPLICIT_STAGES
+
+
+@compiled
+def interpolate(time, y, h, y_new, setup, contacts, segment, stages, dense, trial, scratch):  # noqa: ARG001
+    """Compute the coefficients of the interpolant of a step; returns evaluations."""
+    implicit_coefficients(h, stages, dense)
+    return 0
+
+
+@compiled
+def forces_within(theta, time, h, state, setup, contacts, segment, scratch):  # noqa: ARG001
+    """Compute the contact forces at the fraction theta of a step, from the state there."""
+    wall = wall_motion(time + theta * h, setup, segment)
+    for c in range(len(contacts.force)):
+        contacts.force[c] = sliding_force_within(
+            c, theta, h, state, wall, setup, contacts, contacts.implicit
+        )

@@ -13,7 +13,7 @@ from __future__ import annotations
 
 from .compilation import compiled
 from .contact_law import force, law_of, loading_force
-from .dop853_interpolant import value
+from .interpolant import value
 from .state_layout import (
     CROSSING_TIME,
     HANDED_OVER,

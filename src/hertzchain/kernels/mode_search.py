@@ -13,10 +13,10 @@ from .compilation import compiled
 from .contact_law import LOADED, RELEASED, STUCK, force, has_modes, is_plastic, law_of
 from .contact_margins import leaves_mode, margin_of, must_switch, pull_free_force, vanishes_between
 from .dop853 import STEP_STAGES
-from .dop853_interpolant import state_within, value
 from .driving import wall_motion
 from .events import BISECTIONS, PARTS
 from .forces import LEFT_IMPULSE, PUSHED, derivative, overlap_and_closing
+from .interpolant import state_within, value
 from .law_kinds import DAMPED, UNLOADING
 from .stepping import interpolate
 
@@ -291,7 +291,7 @@ def first_switch(
         if not may_switch(c, h, y, y_new, stages, setup, contacts, walls, still):
             continue
         if not dense_is_found:
-            interpolate(time, y, h, y_new, setup, contacts, segment, stages, dense, trial)
+            interpolate(time, y, h, y_new, setup, contacts, segment, stages, dense, trial, scratch)
             dense_is_found = True
         theta = switch_within(c, time, y, h, dense, setup, contacts, segment, still, trial, scratch)
         if setup.law.kind == UNLOADING:

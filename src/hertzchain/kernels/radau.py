@@ -17,7 +17,7 @@ from typing import Any
 
 import numpy as np
 
-from .dop853_interpolant import COEFFICIENTS
+from .interpolant import COEFFICIENTS
 
 NODES = (0.05710419611451768, 0.2768430136381238, 0.5835904323689168, 0.8602401356562195, 1.0)
 IMPLICIT_STAGES = len(NODES)

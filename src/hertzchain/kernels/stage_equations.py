@@ -12,9 +12,9 @@ import numpy as np
 
 from .compilation import compiled
 from .contact_law import LOADED
-from .dop853_step import general_scale
 from .driving import MOVING_WALL, PUSH, drive_at, wall_motion
 from .forces import force_on
+from .step_scale import ROUNDING, general_scale
 from .stiff_law import linearise, overlap_of
 
 # Newton's method ends when a step changes velocities by less than this part of the tolerance.
@@ -173,8 +173,9 @@ def solve_stages(time, h, step, y, weights, squared, times, setup, contacts, seg
             ahead[beads + k] = y[beads + k] + step * rates[last, beads + k]
         wall_speed = wall_motion(time + h, setup, segment)[1]
         general_scale(
-            time, step, y, ahead, wall_speed, setup, contacts, segment, rtol, speeds, scale
-        )
+            time, step, y, ahead, wall_speed, setup, contacts, segment, rtol, ROUNDING,
+            speeds, scale,
+        )  # fmt: skip
         worst = change_forces(step, stages, SOLVED * rtol, inverse_mass, contacts, scale)
         if worst <= 1.0:
             stage_motion(time, h, y, weights, times, setup, contacts, segment, rates)

@@ -1,31 +1,59 @@
-"""Explicit or implicit steps, their errors and interpolants."""
+"""The method of the steps of a chain; each is one file with the four functions of this one.
+
+Where forces depend on positions and time only, it is `hertzchain.kernels.nystrom`.  Otherwise it is
+explicit (`hertzchain.kernels.dop853_step`) or, where damping is stiff, implicit
+(`hertzchain.kernels.implicit`).  A step writes its derivatives into rows of ``stages``: that at the
+start into row 0, that at the end into row `STEP_STAGES`, and those in between into the rows from
+`first_row` on.
+
+In compiled code the method is chosen when the caller is compiled, so that others are not.
+"""
 
 from __future__ import annotations
 
+from typing import Any
+
+from numba import types
+from numba.extending import overload
+
+from . import dop853_step, implicit, nystrom
+from .active_beads import WITHOUT_CACHE
 from .compilation import compiled
-from .dop853 import STEP_STAGES
-from .dop853_interpolant import find_coefficients
-from .dop853_step import (
-    complete_stages,
-    error_norm,
-    general_scale,
-    try_step,
-    velocity_scale,
-)
-from .driving import wall_motion
-from .forces import copy, derivative
-from .implicit import (
-    implicit_coefficients,
-    implicit_error,
-    settle,
-    try_implicit_step,
-)
-from .radau import IMPLICIT_STAGES
-from .stiff_law import sliding_force_within
+from .forces import Contacts
 
 # Choice of the next step from the error: exponents, and bounds of the change.
 EXPLICIT_ORDER, IMPLICIT_ORDER = -0.125, -1.0 / 6.0
 SAFETY, SHRINKAGE, GROWTH = 0.9, 0.2, 10.0
+
+
+def method_of(contacts: Any) -> Any:
+    """The module of the method, from the contacts of a chain or from their numba type."""
+    if contacts is None or isinstance(contacts, types.NoneType):
+        return nystrom
+    if isinstance(contacts, types.NamedTuple):
+        contacts = Contacts(*contacts.types)
+    if not isinstance(contacts.implicit, types.NoneType | None):
+        return implicit
+    return dop853_step if isinstance(contacts.on_positions, types.NoneType | None) else nystrom
+
+
+def _of_method(name: str, place: int) -> Any:
+    """Function ``name`` of the method; ``place`` is that of the contacts in its arguments."""
+
+    def function(*arguments: Any) -> Any:
+        return getattr(method_of(arguments[place]), name)(*arguments)
+
+    def implementation(*arguments: Any) -> Any:
+        return getattr(method_of(arguments[place]), name).py_func
+
+    overload(function, jit_options=WITHOUT_CACHE, strict=False)(implementation)
+    return function
+
+
+begin = _of_method("begin", 4)
+take_step = _of_method("take_step", 4)
+interpolate = _of_method("interpolate", 5)
+forces_within = _of_method("forces_within", 5)
 
 
 @compiled
@@ -37,39 +65,17 @@ def is_implicit(setup, contacts):
 
 
 @compiled
-def begin(time, y, h, setup, contacts, segment, rtol, stages, work, scale):
-    """Compute the derivative at the start of the next step."""
-    if contacts is not None and setup.law.implicit:
-        speeds = work[3, len(scale) : 2 * len(scale)]
-        settle(
-            time, y, h, setup, contacts, contacts.implicit, segment, rtol, stages, work[0], speeds,
-            scale,
-        )  # fmt: skip
-        return
-    derivative(time, y, setup, contacts, segment, stages[0])
-    if contacts is not None:
-        copy(contacts.force, contacts.last_force)
+def on_positions(contacts):
+    """Whether forces depend on positions and time only."""
+    if contacts is None:
+        return True
+    return contacts.on_positions is not None
 
 
 @compiled
-def take_step(time, y, h, setup, contacts, segment, rtol, stages, trial, y_new, work, scale):
-    """Take one step; returns its error in tolerances (NaN if it failed) and evaluations."""
-    speeds = work[3, len(scale) : 2 * len(scale)]
-    if contacts is None:
-        try_step(time, y, h, setup, contacts, segment, stages, trial, y_new)
-        velocity_scale(y, rtol, setup, speeds, scale)
-        return error_norm(h, stages, scale, rtol, work[4:]), STEP_STAGES
-    wall_speed = wall_motion(time + h, setup, segment)[1]
-    if not setup.law.implicit:
-        try_step(time, y, h, setup, contacts, segment, stages, trial, y_new)
-        general_scale(time, h, y, y_new, wall_speed, setup, contacts, segment, rtol, speeds, scale)
-        return error_norm(h, stages, scale, rtol, work[4:]), STEP_STAGES
-    if not try_implicit_step(
-        time, y, h, setup, contacts, contacts.implicit, segment, rtol, stages, y_new, speeds, scale
-    ):
-        return float("nan"), IMPLICIT_STAGES
-    general_scale(time, h, y, y_new, wall_speed, setup, contacts, segment, rtol, speeds, scale)
-    return implicit_error(h, stages, setup, scale, rtol), IMPLICIT_STAGES
+def first_row(contacts):
+    """The first row of ``stages``, after row 0, that a step writes."""
+    return nystrom.FIRST_ROW if on_positions(contacts) else 1
 
 
 @compiled
@@ -79,27 +85,3 @@ def change_of_step(error, implicit):
         return GROWTH
     order = IMPLICIT_ORDER if implicit else EXPLICIT_ORDER
     return min(GROWTH, max(SHRINKAGE, SAFETY * error**order))
-
-
-@compiled
-def interpolate(time, y, h, y_new, setup, contacts, segment, stages, dense, trial):
-    """Compute the coefficients of the interpolant of a step; returns evaluations."""
-    if contacts is not None and setup.law.implicit:
-        implicit_coefficients(h, stages, dense)
-        return 0
-    complete_stages(time, y, h, setup, contacts, segment, stages, trial)
-    find_coefficients(h, y, y_new, stages, dense)
-    return 3
-
-
-@compiled
-def forces_within(theta, time, h, state, setup, contacts, segment, scratch):
-    """Compute the contact forces at the fraction theta of a step, from the state there."""
-    if setup.law.implicit:
-        wall = wall_motion(time + theta * h, setup, segment)
-        for c in range(len(contacts.force)):
-            contacts.force[c] = sliding_force_within(
-                c, theta, h, state, wall, setup, contacts, contacts.implicit
-            )
-    else:
-        derivative(time + theta * h, state, setup, contacts, segment, scratch)

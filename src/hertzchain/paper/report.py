@@ -204,7 +204,7 @@ def method(reproduction: Reproduction) -> dict[str, Any]:
     """Integrator, tolerance, windows, versions and time of a reproduction."""
     packages = ("hertzchain", "numpy", "scipy", "numba", "matplotlib")
     return {
-        "integrator": "DOP853, all beads, step errors relative to the speeds of nearby beads",
+        "integrator": "RKN8(6), all beads, step errors relative to the speeds of nearby beads",
         "rtol": reproduction.rtol,
         "beads": reproduction.beads,
         "chains": len(reproduction.pulses),

@@ -4,14 +4,27 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..chain.chain import Chain
 from ..collision import Array
 from ..errors import InputError
+from ..validation.objects import check_type
 from .drive_pieces import drive_pieces
 from .kernel_input import initial_state
-from .state import State, new_state
+from .state import State, new_state, same_motion
 
 # A time may be rounded when a state is converted to other units.
 ROUNDING = 1e-12
+
+
+def check_start(chain: Chain, start: State) -> None:
+    """Check that a state belongs to the chain and is a state."""
+    check_type("start", start, State, "run.state is one")
+    if not same_motion(chain, start.chain):
+        raise InputError(
+            f"start is a state of another chain ({start.chain.description}); "
+            "give simulate the chain of that run"
+        )
+    check_state(start)
 
 
 def check_state(state: State) -> None:

@@ -69,7 +69,8 @@ class Run(Trajectory):
     rtol : float
         Relative tolerance per step; NaN if the steps were fixed.
     method : str
-        ``"DOP853"``, or the splitting method of a symplectic run: ``"verlet"`` or ``"forward-4"``.
+        ``"RKN8(6)"``, with losses ``"DOP853"`` or, if damping is very strong, ``"Radau IIA"``; or
+        the splitting method of a symplectic run, ``"verlet"`` or ``"forward-4"``.
     state : State
         State from which a longer run resumes.
 

@@ -21,13 +21,13 @@ from ..chain.loss_range import warn_outside_losses
 from ..collision import Array
 from ..errors import InputError, SimulationError, short_repr
 from ..validation.numbers import number, real_numbers, whole_number
-from ..validation.objects import callback, check_bool, check_type
-from .checked_state import check_state
+from ..validation.objects import callback, check_bool
+from .checked_state import check_start
 from .fixed_steps import FixedLoop, FixedSteps, fixed_steps
 from .kernel_input import kernel_chain
 from .run import Run
 from .run_end import RunEnd, Status
-from .state import State, contacts_of, first_state, same_motion
+from .state import State, contacts_of, first_state
 from .time_scales import check_clock, check_length, transit_times
 from .wall_watch import CHECKS, FEW_CHECKS
 
@@ -67,9 +67,9 @@ def simulate(
 
     This is Eq. (4) of the paper with the contact forces of the loss law (`hertzchain.chain.laws`),
     including those of the walls, and the sum :math:`X_k` of the external forces on bead k: its
-    weight, the drive, and the force that holds an end of the chain.  The method is the Runge-Kutta
-    pair DOP853 (order 8, adaptive), applied to every bead; the error of a step is measured, bead by
-    bead, relative to the speeds within three beads.  If the force of a law is discontinuous or
+    weight, the drive, and the force that holds an end of the chain.  Steps are adaptive and of
+    order 8: RKN8(6) if forces depend on positions and time only, otherwise DOP853.  The error of a
+    step is measured, bead by bead, relative to the speeds within three beads.  If a force jumps or
     depends on history, the time of the change is located and the step ends there.
 
     Parameters
@@ -145,13 +145,8 @@ def simulate(
     check_clock(chain)
     if start is None:
         start = first_state(chain)
-    check_type("start", start, State, "run.state is one")
-    if not same_motion(chain, start.chain):
-        raise InputError(
-            f"start is a state of another chain ({start.chain.description}); "
-            "give simulate the chain of that run"
-        )
-    check_state(start)
+    else:
+        check_start(chain, start)
     _check_end(chain, until, times, start.time)
     warn_outside_losses(chain)
     frames = _Frames(chain, start.time, until, times)
@@ -237,13 +232,11 @@ class _Integration:
             # Fixed steps are taken for all beads.
             self.counts[[state_layout.LOW, state_layout.HIGH]] = 0, chain.beads
             self.clock[[state_layout.STEP, state_layout.IDLE_UNTIL]] = fixed.step, np.inf
-        length = len(arrays["y"])
         self.accelerations = np.zeros(chain.beads)
         self.scratch = (
-            np.zeros(full_chain.ROWS * length),
-            np.empty((2, chain.beads + 1)),
+            np.zeros(full_chain.ROWS * len(arrays["y"])), np.empty((2, chain.beads + 1)),
             np.zeros((3, chain.beads), np.bool_),
-        )
+        )  # fmt: skip
 
     def advance(self, end: tuple[float, bool], steps: int, pause: bool) -> int:
         """Take at most this number of steps; return a code for the reason to stop."""
@@ -264,11 +257,18 @@ class _Integration:
         return np.empty(0) if self.contacts is None else np.asarray(self.contacts.last_force)
 
     @property
+    def method(self) -> str:
+        """Name of the method of the steps."""
+        if self.fixed:
+            return self.fixed.name
+        if self.contacts is None or self.contacts.on_positions:
+            return "RKN8(6)"
+        return "Radau IIA" if self.contacts.implicit is not None else "DOP853"
+
+    @property
     def drifts(self) -> bool:
         """Whether energy has drifted more than accepted, so that shorter steps are needed."""
-        if self.fixed is None:
-            return False
-        return self.energy_drift > self.fixed.drift
+        return self.fixed is not None and self.energy_drift > self.fixed.drift
 
     @property
     def energy_drift(self) -> float:
@@ -357,7 +357,7 @@ def _run(going: _Integration, state: State, status: Status, walls: tuple[Array, 
         steps=int(counts[state_layout.STEPS]),
         evaluations=int(counts[state_layout.EVALUATIONS]),
         rtol=going.rtol if going.fixed is None else math.nan,
-        method="DOP853" if going.fixed is None else going.fixed.name,
+        method=going.method,
         state=state,
         _forces=None if going.plain else frames.forces[:filled],
         _ledger=ledger,

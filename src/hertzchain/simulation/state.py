@@ -212,9 +212,19 @@ def contacts_of(arrays: dict[str, Array], equation: DefaultChain | GeneralChain)
     scratch, powers = np.zeros((3, number)), np.zeros((4, number))
     within = new_implicit(number) if equation.law.implicit else None
     search = True if uncompiled(has_modes)(equation.law) else None
+    positions = True if depends_on_positions(equation) else None
     return Contacts(
-        arrays["mode"], arrays["largest"], force, last_force, scratch, powers, within, search
-    )
+        arrays["mode"], arrays["largest"], force, last_force, scratch, powers, within, search,
+        positions,
+    )  # fmt: skip
+
+
+def depends_on_positions(equation: GeneralChain) -> bool:
+    """Whether the forces on a chain depend on positions and time only."""
+    from ..kernels.law_kinds import ELASTIC
+
+    kinds = equation.law.kind if equation.laws is None else equation.laws.kind
+    return bool(np.all(np.asarray(kinds) == ELASTIC))
 
 
 def same_motion(chain: Chain, other: Chain) -> bool:

@@ -48,8 +48,8 @@ class WallForce:
     impulse_of_impact : float
         Impulse on the wall until ``complete_since``; NaN if the peak is not complete.
     first_contact_end, first_contact_impulse : float or None
-        End of the first contact, and its impulse; `None` before that.  With a very stiff wall,
-        the first contact is the first of many short ones.
+        End of the first contact, and its impulse; `None` before that.  Pushes by less than 1e-9
+        of the momentum are ignored.  With a very stiff wall, many short contacts follow.
     impulse : float
         Impulse of the whole run.  It exceeds that of the impact if further beads arrive later,
         as in forward tapers.

@@ -1,0 +1,164 @@
+"""Events at the walls: largest forces, ends of first contacts, and touches."""
+
+from __future__ import annotations
+
+from .compilation import compiled
+from .contact_law import force, law_of
+from .dop853 import STEP_STAGES
+from .driving import wall_motion
+from .forces import ACCUMULATORS, LEFT_IMPULSE, overlap_and_closing
+from .interpolant import attainable, attainable_slope, slope, state_within, value
+from .state_layout import (
+    CROSSING_TIME,
+    FIRST_END,
+    FIRST_IMPULSE,
+    TOUCHES,
+    TOUCHING,
+    TURNED_BACK,
+    WALL_PEAK,
+    WALL_PEAK_TIME,
+)
+from .stepping import first_row, forces_within, on_positions
+
+SECTIONS = 48
+# Relative error of the slope of an interpolated impulse at the largest tolerance.
+SLOPE = 1e-5
+# A first contact with a wall has an impulse of at least this fraction of the sum of all momenta.
+# The foot of a pulse presses the last bead against a very stiff wall so weakly that its vibration
+# is below the tolerance; whether the contact then opens for a moment depends on the steps.
+LEAST_PART = 1e-9
+
+
+@compiled
+def push_on_wall(side, theta, time, h, y, dense, setup, contacts, segment):
+    """Force on a wall at the fraction theta of the step."""
+    beads = len(setup.inverse_mass)
+    if not on_positions(contacts):
+        return slope(len(y) - ACCUMULATORS + LEFT_IMPULSE + side, theta, h, dense)
+    c = side * beads
+    if side == 0:
+        wall = wall_motion(time + theta * h, setup, segment)[0]
+        overlap = wall - value(0, theta, y, dense) - setup.gap[0]
+    else:
+        overlap = value(beads - 1, theta, y, dense) - setup.gap[beads]
+    return force(overlap, setup.stiffness[c], law_of(c, setup).exponent)
+
+
+@compiled
+def change_of_push(side, time, h, y, push, setup, segment):
+    """Change in a time h of the force of an elastic contact with a wall, from its rate."""
+    beads = len(setup.inverse_mass)
+    if push == 0.0:
+        return 0.0
+    c = side * beads
+    wall = wall_motion(time, setup, segment)
+    overlap, closing = overlap_and_closing(c, y, beads, setup.gap[c], wall)
+    return law_of(c, setup).exponent * push / overlap * (h * closing)
+
+
+@compiled
+def largest_at_stages(i, stages, row):
+    """Largest rate of component i at the stages of a step."""
+    largest = stages[0, i]
+    for j in range(row, STEP_STAGES + 1):
+        largest = max(largest, stages[j, i])
+    return largest
+
+
+@compiled
+def wall_may_peak(time, h, y, y_new, stages, setup, contacts, segment, walls):
+    """Whether a wall may be pushed harder than before within the step."""
+    offset, row = len(y) - ACCUMULATORS + LEFT_IMPULSE, first_row(contacts)
+    for side in range(2):
+        i, peak = offset + side, walls[WALL_PEAK, side]
+        largest = largest_at_stages(i, stages, row)
+        if largest > peak:
+            return True
+        if not on_positions(contacts):
+            # The maximum may lie between the stages.
+            if largest > 0.0:
+                return True
+            continue
+        first, last = stages[0, i], stages[STEP_STAGES, i]
+        rise = change_of_push(side, time, h, y, first, setup, segment)
+        fall = change_of_push(side, time + h, h, y_new, last, setup, segment)
+        if attainable(first, rise, last, fall) > peak:
+            return True
+    return False
+
+
+@compiled
+def largest_push(side, time, h, y, dense, setup, contacts, segment):
+    """Largest force on a wall within the step, if it has one maximum there, and its place there."""
+    low, high = 0.0, 1.0
+    for _ in range(SECTIONS):
+        one, two = (2.0 * low + high) / 3.0, (low + 2.0 * high) / 3.0
+        before = push_on_wall(side, one, time, h, y, dense, setup, contacts, segment)
+        if before < push_on_wall(side, two, time, h, y, dense, setup, contacts, segment):
+            low = one
+        else:
+            high = two
+    theta = 0.5 * (low + high)
+    top = push_on_wall(side, theta, time, h, y, dense, setup, contacts, segment)
+    return top, theta
+
+
+@compiled
+def record_walls(
+    time, h, y, y_new, setup, contacts, segment, stages, dense, walls, trial, scratch
+):  # fmt: skip
+    """Largest force on each wall."""
+    offset, row = len(y) - ACCUMULATORS + LEFT_IMPULSE, first_row(contacts)
+    for side in range(2):
+        i, peak = offset + side, walls[WALL_PEAK, side]
+        largest = largest_at_stages(i, stages, row)
+        # In a step cut very short the slope is lost in rounding; the stages give the peak.
+        sharp = on_positions(contacts) or 1e-15 * abs(y_new[i]) < 1e-12 * h * largest
+        if not sharp:
+            top, theta = largest, 1.0
+        elif on_positions(contacts):
+            top, theta = largest_push(side, time, h, y, dense, setup, contacts, segment)
+        elif largest > peak or (1.0 + SLOPE) * attainable_slope(i, h, dense) > peak:
+            _, theta = largest_push(side, time, h, y, dense, setup, contacts, segment)
+            # The interpolated positions are more accurate than the slope of the impulse.
+            state_within(theta, y, dense, trial)
+            forces_within(theta, time, h, trial, setup, contacts, segment, scratch)
+            top = contacts.force[side * len(setup.inverse_mass)]
+        else:
+            continue
+        if top > peak:
+            walls[WALL_PEAK, side], walls[WALL_PEAK_TIME, side] = top, time + theta * h
+
+
+@compiled
+def record_wall_ends(time, y, rates, setup, segment, momentum, crossings, walls):
+    """Record the impulse of the first contact with each wall, between two steps, once it has ended.
+
+    The stages of a step may push a wall by rounding when a bead only comes near; such a push is
+    ignored.  ``momentum`` is the largest sum of the beads' absolute momenta so far.  For the right
+    wall, also record when the last bead, passed by the crest, first moves back.
+    """
+    beads = len(setup.inverse_mass)
+    back = setup.stiffness[beads] > 0.0 and y[2 * beads - 1] < 0.0
+    if back and walls[TURNED_BACK, 1] == 0.0 and crossings[CROSSING_TIME, -1] != 0.0:
+        walls[TURNED_BACK, 1] = time
+    for side in range(2):
+        i, c = 2 * beads + LEFT_IMPULSE + side, side * beads
+        pushed = abs(y[i]) > LEAST_PART * momentum and rates[i] == 0.0 and setup.stiffness[c] > 0.0
+        if not pushed or walls[FIRST_END, side] != 0.0:
+            continue
+        wall = wall_motion(time, setup, segment)
+        _, closing = overlap_and_closing(c, y, beads, setup.gap[c], wall)
+        if closing < 0.0:
+            walls[FIRST_IMPULSE, side] = y[i]
+            walls[FIRST_END, side] = time
+
+
+@compiled
+def count_touches(beads, rates, walls):
+    """Count walls that are touched now and were not before the step."""
+    for side in range(2):
+        pressed = 1.0 if rates[2 * beads + LEFT_IMPULSE + side] != 0.0 else 0.0
+        if pressed > walls[TOUCHING, side]:
+            walls[TOUCHES, side] += 1.0
+        walls[TOUCHING, side] = pressed

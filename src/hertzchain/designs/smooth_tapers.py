@@ -26,8 +26,8 @@ from .requirements import Requirement
 from .size_space import SizeSpace, size_space
 from .sizes import Sizes
 
-# Largest estimated error of the law in a design; smallest estimate that can be distinguished.  The
-# errors of designs of 100 beads were at most half of this limit; with 3e-3, one had 7e-3.
+# Largest estimated error of the law in a design; smallest estimate that can be distinguished.  With
+# a limit of 3e-3, the error of a design of 100 beads was 7e-3.
 LIMIT, MIN_ESTIMATE = 2e-3, 1e-12
 # The largest estimate of each of some parts of the chain is a constraint, approximated by the sum
 # of this power.  With one constraint for all, the search would stop where several are largest.

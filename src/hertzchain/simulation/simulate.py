@@ -438,8 +438,7 @@ def _checked_times(chain: Chain, times: ArrayLike, begin: float, until: float | 
 def _check_memory(chain: Chain, frames: int) -> None:
     """Raise `InputError` if the saved times do not fit in memory."""
     # Positions and velocities, 8 bytes each, and a second copy while they are combined.
-    needed = frames * chain.beads * 2 * 8 * 2
-    if needed < 2**28:
+    if (needed := frames * chain.beads * 2 * 8 * 2) < 2**28:
         return
     import psutil
 

@@ -390,7 +390,7 @@ def test_the_page_is_served_before_the_library_is_imported(monkeypatch):
 def test_the_stages_of_the_compilation_are_those_that_messages_need():
     background_import.load()
     warm_up = WarmUp()
-    assert len(warm_up.pending()) == 5
+    assert len(warm_up.pending()) == 6
     began = time.monotonic()
     warm_up.wait("beads", general=True, stop=lambda: time.monotonic() > began + 0.2)
     assert time.monotonic() > began + 0.2

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 # Stages that must be complete before the message that follows another one, for default chains and
 # for general chains.
-NEEDED: Final = {"beads": (2, 4), "pulse": (3, 4)}
+NEEDED: Final = {"beads": (2, 5), "pulse": (3, 5)}
 POLL: Final = 0.05
 
 

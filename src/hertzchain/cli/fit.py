@@ -106,18 +106,7 @@ def fit(
         document["comparison"] = compared.as_dict()
         lines.append(compared.summary())
     if defects:
-        with progress_bar("contacts tried") as progress:
-            scan = hertzchain.scan_defects(result, progress=progress)
-        document["defects"] = [
-            {"name": name, "value": float(size), "chi2_improvement": float(gained)}
-            for name, size, gained in zip(scan.names, scan.sizes, scan.improvements, strict=True)
-        ]
-        lines.append(repr(scan))
-        if scan.found:
-            with progress_bar("defects fitted") as progress:
-                with_defect = scan.fit(progress=progress)
-            document["fit_with_defect"] = with_defect.as_dict()
-            lines.append(with_defect.summary())
+        lines += _defects(result, document)
     posterior = None
     if sample is not None:
         with progress_bar("steps of the walkers", rate=True) as progress:
@@ -140,6 +129,24 @@ def fit(
     if not result.converged:
         return FAILED
     return DONE if result.describes else OUTSIDE_TOLERANCE
+
+
+def _defects(result: FitResult, document: dict[str, Any]) -> list[str]:
+    """Scan for a gap and fit it if there is one; return lines to print, and add to the document."""
+    import hertzchain
+
+    with progress_bar("contacts tried") as progress:
+        scan = hertzchain.scan_defects(result, progress=progress)
+    document["defects"] = [
+        {"name": name, "value": float(size), "chi2_improvement": float(gained)}
+        for name, size, gained in zip(scan.names, scan.sizes, scan.improvements, strict=True)
+    ]
+    if not scan.found:
+        return [repr(scan)]
+    with progress_bar("defects fitted") as progress:
+        with_defect = scan.fit(progress=progress)
+    document["fit_with_defect"] = with_defect.as_dict()
+    return [repr(scan), with_defect.summary()]
 
 
 @contextmanager

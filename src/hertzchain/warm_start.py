@@ -13,7 +13,7 @@ from typing import Final, NamedTuple
 
 from .chain.chain import Chain
 from .chain.laws.dashpot import Dashpot
-from .chain.laws.restitution import Restitution
+from .chain.laws.velocity_power import VelocityPower
 from .chain.laws.walton_braun import WaltonBraun
 from .chain.walls import Wall
 from .errors import SimulationError
@@ -73,7 +73,11 @@ FIRST: Final = (
 STAGES: Final = (
     *FIRST,
     Stage("contacts with a memory", lambda chain: _walled(chain, WaltonBraun(0.5)), general=True),
-    Stage("strong damping", lambda chain: _walled(chain, Restitution(0.01)), general=True),
+    Stage(
+        "sticking contacts",
+        lambda chain: _walled(chain, VelocityPower(0.2, alpha=0.2)),
+        general=True,
+    ),
     Stage("ensembles of pulses", lambda chain: propagate_many([chain] * 4)),
     Stage("pulses of other exponents", _other_exponents),
     Stage("ensembles of whole chains", _ensembles),

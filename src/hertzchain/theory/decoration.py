@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import warnings
 from typing import Any, Final
 
 import numpy as np
@@ -10,7 +9,7 @@ from numpy.typing import NDArray
 
 from ..chain.chain import Chain
 from ..collision import Array
-from ..errors import ModelRangeWarning
+from ..errors import ModelRangeWarning, warn_user
 
 # A bead is small if its radius is below this fraction of the large radii on both sides.
 SMALL: Final = 0.8
@@ -50,10 +49,9 @@ def warn_if_decorated(chain: Chain, theory: str) -> None:
     """Warn that a theory of single collisions does not apply to a decorated chain."""
     small = small_beads(chain.radii)
     if small.any():
-        warnings.warn(
+        warn_user(
             f"{theory} assumes one collision at a time, but bead {int(np.argmax(small)) + 1} is "
             "small, between large beads, and collides many times; use effective_chain, or a "
             f"chain without radii below {SMALL:g} of those on both sides",
             ModelRangeWarning,
-            stacklevel=4,
         )

@@ -11,7 +11,6 @@ sizes is derived here.
 from __future__ import annotations
 
 import itertools
-import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, Final
@@ -28,7 +27,7 @@ from ..collision import (
     compression_time,
     reduced_mass,
 )
-from ..errors import InputError, ModelRangeWarning, short_repr
+from ..errors import InputError, ModelRangeWarning, short_repr, warn_user
 from ..frozen import Frozen
 from ..representation import measure, short
 from ..validation.numbers import real_numbers, whole_number
@@ -317,11 +316,10 @@ def _check_small(chain: Chain, index: NDArray[Any]) -> None:
     load = np.bincount(cell, weights=ratio**3, minlength=len(between))
     worst = int(np.argmax(load))
     if load[worst] > MAX_LOAD * (1.0 + 1e-9):
-        warnings.warn(
+        warn_user(
             f"the small beads between beads {index[worst] + 1} and {index[worst + 1] + 1} have "
             f"{load[worst]:.3g} times the mass of a large bead; the effective chain is accurate to "
             f"0.2% only up to {MAX_LOAD:g} (one small bead of half the radius), because heavier "
             "beads do not follow their neighbours immediately",
             ModelRangeWarning,
-            stacklevel=3,
         )

@@ -11,7 +11,6 @@ from the simulation.  The functions of the rate are tabulated in
 
 from __future__ import annotations
 
-import warnings
 from dataclasses import dataclass
 from typing import Final
 
@@ -19,7 +18,7 @@ import numpy as np
 
 from ..chain.chain import Chain
 from ..collision import Array
-from ..errors import InputError, ModelRangeWarning
+from ..errors import InputError, ModelRangeWarning, warn_user
 from ..pulse.chain_units import for_any_units, scaled_chain, unit_of
 from ..pulse.pulse import Pulse
 from ..pulse.quantities import QUANTITIES
@@ -116,7 +115,7 @@ def local_rate(chain: Chain) -> Pulse:
         chain.radii, functions.tables, functions.fast, functions.error, *wanted, by_bead, by_contact
     )
     if not error <= DOUBTFUL:
-        _warn_outside(chain, functions, chain.beads, stacklevel=4)
+        _warn_outside(chain, functions, chain.beads)
     velocity, velocity_error, arrival = by_bead
     residence, peak_overlap = by_contact
     return Pulse(
@@ -223,7 +222,7 @@ def local_rate_gradient(
         found,
     )
     if not error <= DOUBTFUL:
-        _warn_outside(scaled, functions, followed + 1, stacklevel=3)
+        _warn_outside(scaled, functions, followed + 1)
     value *= (0.5 if quantity == "energy" else 1.0) * unit_of(chain, quantity)
     return value, found
 
@@ -297,9 +296,7 @@ def _checked_functions(chain: Chain) -> UniversalFunctions:
     return universal_functions(chain.exponents)
 
 
-def _warn_outside(
-    chain: Chain, functions: UniversalFunctions, bead: int, *, stacklevel: int
-) -> None:
+def _warn_outside(chain: Chain, functions: UniversalFunctions, bead: int) -> None:
     """Issue a warning that states why the chain up to a bead is outside the law's range."""
     solution, (low, high) = solve(chain, functions), functions.range
     rates = solution.rates[: bead - 1]
@@ -316,8 +313,7 @@ def _warn_outside(
             f"the estimated velocity error exceeds {DOUBTFUL:.0%} first at bead {k + 2} and is "
             f"{size} at {place}"
         )
-    warnings.warn(
+    warn_user(
         f"local_rate is unreliable for this chain ({chain.description}): {reason}; use propagate",
         ModelRangeWarning,
-        stacklevel=stacklevel,
     )

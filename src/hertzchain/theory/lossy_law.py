@@ -13,7 +13,6 @@ from __future__ import annotations
 
 import dataclasses
 import functools
-import warnings
 from collections.abc import Callable
 from typing import Final
 
@@ -25,7 +24,7 @@ from ..chain.laws.base import Loss
 from ..chain.laws.restitution import Restitution
 from ..chain.laws.unloading_ratio import UnloadingRatio
 from ..collision import HERTZ_EXPONENT, Array
-from ..errors import InputError, ModelRangeWarning
+from ..errors import InputError, ModelRangeWarning, warn_user
 from ..pulse.pulse import Pulse
 from .loss_table import RATES, LossTable, inputs, loss_tables
 
@@ -136,11 +135,10 @@ def _check_tail(chain: Chain, law: Loss, relative: Array, method: str) -> None:
 def _warn_doubtful(chain: Chain, law: Loss, error: Array) -> None:
     """Issue a warning that states where the estimated error is large."""
     bead = int(np.argmax(~(error <= DOUBTFUL))) + 1
-    warnings.warn(
+    warn_user(
         f"the effect of {law} on this chain ({chain.description}) has an estimated error above "
         f"{DOUBTFUL:.0%} from bead {bead} on, of {error.max():.1%} at most; use simulate",
         ModelRangeWarning,
-        stacklevel=5,
     )
 
 

@@ -16,7 +16,6 @@ from __future__ import annotations
 
 import functools
 import tomllib
-import warnings
 from dataclasses import dataclass
 from importlib import resources
 from typing import ClassVar, Literal
@@ -26,7 +25,7 @@ import numpy as np
 from ..chain.chain import Chain
 from ..chain.tapers import PAPER_TAPERS, rate_symbol
 from ..collision import Array
-from ..errors import InputError, ModelRangeWarning
+from ..errors import InputError, ModelRangeWarning, warn_user
 from ..pulse.chain_units import for_any_units
 from ..pulse.pulse import Pulse
 from ..validation.numbers import number, real_numbers
@@ -230,11 +229,10 @@ def modified_bca(
         check_choice("coefficients", coefficients, ("calibrated", "printed"))
     low, high = FITTED_RATES[chain.taper]
     if isinstance(coefficients, str) and not low <= chain.rate <= high:
-        warnings.warn(
+        warn_user(
             f"the constants of the modified BCA were fitted to {chain.taper} tapers with "
             f"{rate_symbol(chain.taper)} = {low:g}..{high:g}, but this chain has {chain.rate:g}",
             ModelRangeWarning,
-            stacklevel=3,
         )
     k = np.arange(1, chain.beads + 1)
     if coefficients == "printed":

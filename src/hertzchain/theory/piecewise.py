@@ -10,7 +10,6 @@ from __future__ import annotations
 import dataclasses
 import itertools
 import math
-import warnings
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Final
@@ -19,7 +18,7 @@ import numpy as np
 
 from ..chain.chain import Chain
 from ..collision import Array
-from ..errors import InputError, ModelRangeWarning
+from ..errors import InputError, ModelRangeWarning, warn_user
 from ..pulse.chain_units import for_any_units
 from ..pulse.pulse import Pulse
 from .local_rate import local_rate
@@ -202,12 +201,11 @@ def _joined(chain: Chain, smooth: Pulse, jumps: list[Jump], sizes: Array) -> Pul
         doubt = jump.error()
         error[max(jump.contact - 1, 1) :] += doubt**2
         if doubt > DOUBTFUL:
-            warnings.warn(
+            warn_user(
                 f"the rates next to the jump of the radius at contact {jump.contact + 1} change so "
                 f"fast that the transmitted velocity has an estimated error of {doubt:.1%}; use "
                 "propagate",
                 ModelRangeWarning,
-                stacklevel=4,
             )
     residence = smooth.residence * time
     velocity = smooth.velocity.copy()

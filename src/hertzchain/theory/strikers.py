@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import dataclasses
 import math
-import warnings
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Final
@@ -20,7 +19,7 @@ import numpy as np
 from ..chain.chain import Chain
 from ..chain.feature_support import require_supported
 from ..collision import Array, hertz_stiffness
-from ..errors import InputError, ModelRangeWarning
+from ..errors import InputError, ModelRangeWarning, warn_user
 from ..pulse.pulse import Pulse
 from .striker_table import striker_table
 from .table_weights import spline_weights
@@ -146,11 +145,10 @@ def striker_effect(striker: Striker) -> tuple[Array, float]:
     weights = MEMORY[striker.mass >= 1.0] ** np.arange(min(REMEMBERED, len(rates)))
     mean = float(weights @ rates[: len(weights)] / weights.sum())
     if not RATES[0] <= mean <= RATES[-1]:
-        warnings.warn(
+        warn_user(
             f"the effect of the striker is tabulated for rates from {RATES[0]:g} to {RATES[-1]:g},"
             f" but that of the first beads is {mean:.3g}; use propagate",
             ModelRangeWarning,
-            stacklevel=6,
         )
     first = float(np.clip(rates[0], RATES[0], RATES[-1]))
     found = _interpolated(*at, float(np.clip(mean, RATES[0], RATES[-1])))
@@ -159,11 +157,10 @@ def striker_effect(striker: Striker) -> tuple[Array, float]:
         1.0, abs(at[0]) + abs(at[1])
     )
     if error > DOUBTFUL:
-        warnings.warn(
+        warn_user(
             f"the rates of the first beads change so fast that the effect of the striker has an "
             f"estimated error of {error:.1%}; use propagate",
             ModelRangeWarning,
-            stacklevel=6,
         )
     contacts = len(rates)
     return found[:, np.minimum(np.arange(contacts), CONTACTS - 1)], error

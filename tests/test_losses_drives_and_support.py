@@ -297,7 +297,9 @@ def test_a_relaxation_time_longer_than_the_contacts_is_reported():
     with pytest.warns(hc.ModelRangeWarning, match="relaxation time 1 s of Viscoelastic") as found:
         hc.simulate(BALLS.replace(loss=hc.Viscoelastic(1.0)), until=1e-6)
     assert len(found) == 1
-    assert f"at most {1e6 * duration:.4g} us without loss (contact 1, at 0.1 m/s)" in str(found[0].message)
+    assert f"at most {1e6 * duration:.4g} us without loss (contact 1, at 0.1 m/s)" in str(
+        found[0].message
+    )
     with pytest.warns(hc.ModelRangeWarning, match="relaxation time"):
         hc.simulate(BALLS.replace(loss=hc.Viscoelastic(1.001 * duration)), until=1e-6)
 

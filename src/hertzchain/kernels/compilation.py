@@ -8,8 +8,14 @@ from numba import njit
 
 from . import compile_notice
 
-# Reference counting is off (`_nrt`): it would take as long as the forces.
-OPTIONS: dict[str, Any] = {"cache": True, "nogil": True, "error_model": "numpy", "_nrt": False}
+# Reference counting is off (`_nrt`): it would take as long as the forces. No kernel is called from C.
+OPTIONS: dict[str, Any] = {
+    "cache": True,
+    "nogil": True,
+    "error_model": "numpy",
+    "no_cfunc_wrapper": True,
+    "_nrt": False,
+}
 # Fused multiply-add is allowed.
 CONTRACTED: dict[str, Any] = OPTIONS | {"fastmath": {"contract"}}
 

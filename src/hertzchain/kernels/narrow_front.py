@@ -91,33 +91,17 @@ FOOT = 1e-6
 MAX_STEPS = 400
 
 # In these short functions, reference counting would take longer than the computation; contraction
-# saves 5% of the time. The second option is for functions called in every step.
+# saves 5% of the time. The second option is for functions called in every step and for the events,
+# whose many arguments would take as long to pass as a step.
 compiled = njit(**CONTRACTED)
 inlined = njit(forceinline=True, **CONTRACTED)
-approximate = njit(forceinline=True, **(CONTRACTED | {"fastmath": True}))
-# Overlaps up to this value give no force: with smaller numbers, the processor takes a hundred times
-# as long.
-TINY = 1e-36
-
-
-@approximate
-def inverse_root(d):
-    """1/sqrt(d) to about seven digits, one instruction for many numbers."""
-    return np.float64(np.float32(1.0) / np.sqrt(np.float32(d)))
 
 
 @inlined
 def hertz(overlap, stiffness):
-    """Contact force k d^1.5; zero without overlap.
-
-    The approximate root is improved by one iteration of third order, which is faster than the
-    processor's square root.
-    """
-    d = overlap if overlap > TINY else 0.0
-    y = inverse_root(d + TINY)
-    root = d * y
-    e = 1.0 - root * y
-    return stiffness * d * (root + root * e * (0.5 + 0.375 * e))
+    """Contact force k d^1.5; zero without overlap."""
+    d = overlap if overlap > 0.0 else 0.0
+    return stiffness * d * math.sqrt(d)
 
 
 @inlined
@@ -129,20 +113,15 @@ def pushing(w, i, overlap, exponents):
 
 
 @inlined
-def accelerate(w, size, lanes, positions, accelerations, exponents):
-    """Forces and accelerations of all slots, Eq. (4) of the paper."""
-    for i in range(size):
+def accelerate(w, low, high, out, stage, lanes, exponents):
+    """Forces and accelerations of slots at a stage, Eq. (4) of the paper."""
+    positions = POSITION if stage == 0 else TRIAL
+    for i in range(low, high):
         overlap = w[positions + i] - w[positions + i + lanes]
         w[FORCE + lanes + i] = pushing(w, i, overlap, exponents)
-    for i in range(size):
+    for i in range(low, high):
         net = w[FORCE + i] - w[FORCE + lanes + i]
-        w[accelerations + i] = net * w[INVERSE_MASS + i]
-
-
-@inlined
-def accelerate_stage(w, low, high, out, stage, lanes, exponents):  # noqa: ARG001
-    """Accelerations at a stage."""
-    accelerate(w, high, lanes, TRIAL, out, exponents)
+        w[out + i] = net * w[INVERSE_MASS + i]
 
 
 try_step, velocity_error = step_on(
@@ -150,7 +129,7 @@ try_step, velocity_error = step_on(
         POSITION, VELOCITY, TRIAL, POSITION, VELOCITY,
         (STAGE_0, STAGE_1, STAGE_2, STAGE_3, STAGE_4, STAGE_5, STAGE_6, STAGE_7), STEP,
     ),
-    accelerate_stage,
+    accelerate,
 )  # fmt: skip
 
 
@@ -322,7 +301,7 @@ def time_to_arrival(w, candidate, lanes):
     return closing / (w[STAGE_0 + candidate] - w[STAGE_0 + candidate - lanes])
 
 
-@compiled
+@inlined
 def handle_openings(w, clock, place, lane, lanes, behind, release_part, given):
     """Release contacts that are opening, restore those that close again; returns the next step."""
     target = clock[TARGET_STEP + lane]
@@ -446,6 +425,9 @@ def window_status(w, clock, lane, lanes, slots, candidate, limits, exponents):
 @inlined
 def opening_step(w, i, lanes, release_part, target):
     """The step that contact i allows, negative if it must be released or restored first."""
+    # A branch saves the root; with several lanes, some of them would need it in most steps.
+    if lanes == 1 and w[STIFFNESS + i] != 0.0 and w[VELOCITY + i] >= w[VELOCITY + i + lanes]:
+        return math.inf
     left = time_to_opening(w, i, lanes, 4.0 * target)
     cut = w[STIFFNESS + i] == 0.0
     returned = cut & (w[POSITION + i] <= w[POSITION + i + lanes])
@@ -494,7 +476,7 @@ def out_of_order(w, candidate, lanes, arrived):
     return False
 
 
-@compiled
+@inlined
 def record_arrival(w, clock, lane, candidate, lanes, at, step_part, passed, exponents):
     """Record the largest overlap behind the candidate, and count time from there."""
     contact = candidate - lanes
@@ -511,7 +493,7 @@ def record_arrival(w, clock, lane, candidate, lanes, at, step_part, passed, expo
     clock[ARRIVED + lane] = 1.0
 
 
-@compiled
+@inlined
 def record_events(scratch, lane, lanes, window, limits, given, passed):
     """Record the events of the last step, and move the window if the candidate has peaked.
 
@@ -556,7 +538,7 @@ def record_events(scratch, lane, lanes, window, limits, given, passed):
     return WAITING
 
 
-@compiled
+@inlined
 def process_events(scratch, lane, lanes, window, limits, given, passed):
     """Record the events of a lane and choose its next step; returns the status of its chain."""
     w, clock, place = scratch
@@ -631,7 +613,8 @@ def follow(abreast, window, limits, given, passed, status, signal, scratch):
     watched = w[candidates - WATCHED * lanes :]
     clock = watched[CLOCK:]
     known = w, clock, place
-    waiting, active = 0, 0
+    # Integers of NumPy: for literals, further versions of the functions would be compiled.
+    waiting, active = np.int64(0), np.int64(0)
     for lane in range(lanes):
         begun = next_chain(known, lane, lanes, window, given, waiting, len(status))
         waiting += begun
@@ -639,7 +622,7 @@ def follow(abreast, window, limits, given, passed, status, signal, scratch):
 
     steps = 0
     while active > 0 and signal[STOP] == 0:
-        accelerate(w, size, lanes, POSITION, STAGE_0, exponents)
+        accelerate(w, 0, size, STAGE_0, 0, lanes, exponents)
         note_error(w, candidates, lanes)
         choose_steps(watched, lanes, release_part)
         for lane in range(lanes):

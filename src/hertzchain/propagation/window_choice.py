@@ -81,8 +81,6 @@ STEP_BY_EXPONENT: Final = -0.45
 RELEASE_PART, RELEASE_ORDER, MAX_RELEASE_PART = 0.1, 4, 0.3
 # Largest estimated error (of order 7) of a step of this fraction; above it the window fails.
 ESTIMATED_ERROR, ESTIMATED_PART = 1e-6, 0.15
-# Ratio of masses above which overlaps leave the range of the kernel's approximate square root.
-MAX_MASS_RATIO: Final = 1e12
 
 
 def follow(batch: Batch, rtol: float, signal: Indices) -> PulseData:
@@ -186,15 +184,9 @@ def _spread_of_stiffness(batch: Batch, logs: Array, rates: Array, last: Indices)
 
 
 def _laws(batch: Batch) -> Array:
-    """Exponent of each chain that the window of few beads supports, otherwise `OTHER`.
-
-    It is negative for chains with a large range of masses.
-    """
+    """Exponent of each chain that the window of few beads supports, otherwise `OTHER`."""
     p = batch.chain_exponents
-    lightest = np.minimum.reduceat(batch.masses, batch.first)
-    ranging = np.maximum.reduceat(batch.masses, batch.first) > MAX_MASS_RATIO * lightest
-    supported = (p >= LOWEST_EXPONENT) & (p <= HIGHEST_EXPONENT)
-    return np.where(supported, np.where(ranging, -p, p), OTHER)
+    return np.where((p >= LOWEST_EXPONENT) & (p <= HIGHEST_EXPONENT), p, OTHER)
 
 
 def _step_part(rtol: float) -> float:
@@ -218,12 +210,12 @@ class _LawGroup:
     @cached_property
     def parts(self) -> tuple[float, float]:
         """Step size and release."""
-        shorter = max(1.0, abs(self.law) / HERTZ_EXPONENT) ** STEP_BY_EXPONENT
+        shorter = max(1.0, self.law / HERTZ_EXPONENT) ** STEP_BY_EXPONENT
         return shorter * _step_part(self.rtol), _release_part(self.rtol)
 
     @property
     def windows(self) -> Windows:
-        return WINDOWS if abs(self.law) >= SOFT_EXPONENT else SOFT_WINDOWS
+        return WINDOWS if self.law >= SOFT_EXPONENT else SOFT_WINDOWS
 
     def narrow(self, todo: Indices) -> Indices:
         """Integrate growing tapers; if they begin with a large ratio of radii, by shorter steps."""

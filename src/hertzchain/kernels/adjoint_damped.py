@@ -2,20 +2,20 @@ r"""Steps of a chain with damped contacts, and their discrete adjoint.
 
 .. math:: F_c = k_c d_c^{p_c} + g_c d_c^{q_c} d_c' ,
 
-which is not negative unless a contact may pull.  For q < 1 the damping has an infinite slope at
-touch, and for q = 0 it jumps; steps that cross such a point would have wrong derivatives.  But it
-is the rate of the impulse :math:`J_c = g_c d_c^{q_c+1}/(q_c+1)`.  The state therefore consists of
-the positions and of
+which is replaced by zero where it is negative, unless the contact may pull.  The damping force has
+an infinite slope where a contact closes if q < 1, and jumps there if q = 0; the derivatives of a
+step across such a point would be wrong.  However, the damping force is the rate of change of the
+impulse :math:`J_c = g_c d_c^{q_c+1}/(q_c+1)`.  The state therefore consists of the positions and of
 
 .. math::
 
     u_i = v_i - (J_{i-1} - J_i)/m_i, \qquad
     m_i u_i' = P_{i-1} - P_i, \qquad P_c = F_c - J_c' ,
 
-where P is the elastic force, and the derivatives of both equations are continuous, or jump without
-an impulse for q = 0.  Impulses of forces are the integrals of P, and the changes of J.  Where the
-force is cut off, :math:`P = -J'` until the end of the step; the contact is then *released*: its
-impulse is taken out of u, so that P = F until it opens.
+where P is the elastic force.  The derivatives of the right-hand sides are then continuous, except
+for jumps without an impulse if q = 0.  The impulse of a contact is the integral of P plus the
+change of J.  Where the force is cut off, :math:`P = -J'` until the end of the step; the contact is
+then *released*: its impulse J is removed from u, so that P = F until the contact opens.
 
 The method is DOP853.
 """
@@ -79,7 +79,7 @@ from .dop853 import E3, E5, STEP_STAGES, A, B
 from .elastic_forces import LEAST
 from .powers import power
 
-# Part of a step that may follow the release of a contact in it.
+# Largest fraction of a step that may follow the release of a contact within the step.
 AFTER_RELEASE = 0.01
 
 compiled = njit(**CONTRACTED)
@@ -98,7 +98,7 @@ def overlap_of(w, c, at):
 
 @inlined
 def parts_of(w, c, d, closing):
-    """Elastic power, power of the damping, and whether the contact pushes."""
+    """Powers d^p and d^q of the overlap, the force, and whether the force acts or is cut off."""
     raised = power(d, w[EXPONENT + c])
     weight = power(d, w[OVERLAP_POWER + c])
     force = w[STIFFNESS + c] * raised + w[DAMPING + c] * weight * closing
@@ -108,7 +108,7 @@ def parts_of(w, c, d, closing):
 
 @inlined
 def impulse_of(w, c, d):
-    """Impulse of the damping since a contact closed; 0 if it is released."""
+    """Impulse J of the damping since a contact closed; 0 if the contact is released."""
     whole = w[DAMPING + c] * d * power(d, w[OVERLAP_POWER + c]) / (w[OVERLAP_POWER + c] + 1.0)
     return (1.0 - w[RELEASED + c]) * whole
 
@@ -160,7 +160,7 @@ def set_reduced(w, low, high):
 
 @compiled
 def release(w, low, high, switches):
-    """Release contacts whose force is cut off, and join others again; then set row P."""
+    """Release contacts whose force is cut off, end the release of others, and update row P."""
     for c in range(low, high + 1):
         d = overlap_of(w, c, X)
         _, _, _, acts = parts_of(w, c, d, w[V + c] - w[V + c + 1])
@@ -174,8 +174,8 @@ def release(w, low, high, switches):
 def part_before_release(w, low, high):
     """Fraction of a step after which a contact is released; 2 if none is, or only at its end.
 
-    There the rates have a kink, and a step across it could have a small error only by chance.  When
-    the contact opens, P has an infinite slope; a step must end between the two.
+    The rates have a kink there, so that a step across it would rarely satisfy the tolerance.  When
+    the contact opens, P has an infinite slope; a step must end between these two times.
     """
     part = 2.0
     for c in range(low, high + 1):
@@ -231,7 +231,7 @@ def damped_step(w, low, high, h, kept, last):
 
 @inlined
 def estimated_error(w, i, stages, at_end):
-    """Error of a step in the sum of rates of one bead, by the formula of DOP853."""
+    """Error estimate of DOP853 for one bead, divided by the step, from the rates at the stages."""
     third, fifth = THIRD[STEP_STAGES] * w[at_end + i], FIFTH[STEP_STAGES] * w[at_end + i]
     for s in range(STEP_STAGES):
         rate = w[stages + s * ROW + i]
@@ -243,7 +243,10 @@ def estimated_error(w, i, stages, at_end):
 
 @compiled
 def damped_errors(w, low, high, h, scale):
-    """Error of each bead in units of its scale, in the row WORK; positions times RATE."""
+    """Write the error of each bead, in units of its scale, to row WORK.
+
+    Row RATE converts errors of positions to errors of velocities.
+    """
     for i in range(low, high):
         change = estimated_error(w, i, STAGE_A, END_A)
         moved = w[RATE + i] * estimated_error(w, i, STAGE_V, NEW_V + 1)
@@ -270,9 +273,10 @@ def damped_rate(w, c, beads, at, moving, accelerations):
 
 @compiled
 def derive_forces(w, low, high, overlaps, closings, gauge, weight):
-    """Derivatives by overlaps in TRANSFER and by closing speeds in SPARE, from the row U.
+    """Compute the derivatives with respect to overlaps and closing speeds from row U.
 
-    Adds to those by stiffness and damping; FACTOR receives the forces P.
+    They are written to TRANSFER and SPARE, and the forces P to FACTOR.  Contributions are added to
+    the derivatives with respect to stiffness and damping.
     """
     w[U + low] = w[U + high + 1] = 0.0
     for c in range(low, high + 1):
@@ -296,7 +300,10 @@ def derive_forces(w, low, high, overlaps, closings, gauge, weight):
 
 @compiled
 def derive_damped(w, low, high, by_place, by_reduced, overlaps, closings, gauge, weight):
-    """The rows of a stage from the row U; ``by_reduced`` has the derivatives by velocities."""
+    """Compute the adjoint rows of a stage from row U.
+
+    On entry, row ``by_reduced`` has the derivatives with respect to velocities.
+    """
     derive_forces(w, low, high, overlaps, closings, gauge, weight)
     for i in range(low, high):
         w[BY_MASS + i] -= w[U + 1 + i] * (w[FACTOR + i] - w[FACTOR + i + 1])
@@ -319,7 +326,7 @@ def derive_damped(w, low, high, by_place, by_reduced, overlaps, closings, gauge,
 
 @compiled
 def gather_damped(w, low, high, h, s, state, stages, out):
-    """Derivative by a stage's rate: through the end of the step and all later stages."""
+    """Derivative with respect to the rate of a stage, which enters later stages and the end."""
     for i in range(low, high):
         w[out + i] = STEP_WEIGHTS[s] * w[state + i]
     for later in range(s + 1, STEP_STAGES):
@@ -333,7 +340,7 @@ def gather_damped(w, low, high, h, s, state, stages, out):
 
 @compiled
 def reverse_switches(w, low, high, switches, gauge, on):
-    """Derivatives before contacts are released, whose impulses then leave u, or joined again."""
+    """Reverse `release`, which removes impulses from u or adds them again."""
     for i in range(low, high):
         w[U + 1 + i] = w[LV + i] * w[INVERSE_MASS + i]
     w[U + low] = w[U + high + 1] = 0.0
@@ -357,7 +364,7 @@ def reverse_switches(w, low, high, switches, gauge, on):
 
 @compiled
 def reverse_damped(w, low, high, h, kept, gauge, on):
-    """Derivatives by the state at the start of a step from those by the state at its end."""
+    """`reverse_step` of `hertzchain.kernels.adjoint_reverse` with damping."""
     reverse_switches(w, low, high, kept[KEPT_SWITCHES], gauge, on)
     for c in range(low, high + 1):
         w[RELEASED + c] = kept[KEPT_RELEASED, c]

@@ -1,7 +1,7 @@
-"""Events of one elastic chain, located by parts of a step.
+"""Locate events of one elastic chain by taking a step again with a shorter length.
 
-The end of a part of a step is a state of the discrete integration, so that a gradient can be taken
-there; an interpolant would not have one.
+The end of the shorter step is a state of the discrete integration, so that the adjoint gives exact
+derivatives there.  A state on an interpolant would not have them.
 """
 
 from __future__ import annotations
@@ -30,14 +30,15 @@ from .adjoint_layout import (
 from .adjoint_step import compiled, forces, try_step
 from .elastic_forces import LEAST
 
-# Parts of a step that are searched for the first maximum of a velocity, and iterations.
+# Number of parts of a step that are searched, one after the other, for the first maximum of a
+# velocity; limit and tolerance, as a fraction of the step, of the iteration that locates an event.
 PARTS, ITERATIONS = 8, 80
 CLOSE = 1e-16
 
 
 @compiled
 def accelerations(w, entry, beads):
-    """Acceleration of an entry of the positions at the end of a step; 0 for walls."""
+    """Acceleration, at the end of a step, of an entry of the row of positions; 0 for walls."""
     return w[F8 + entry - 1] if 0 < entry <= beads else 0.0
 
 
@@ -45,7 +46,7 @@ def accelerations(w, entry, beads):
 def force_rates(w, c, beads, hertz):
     """First and second derivative of a contact's force with respect to time, at a step's end.
 
-    For damped contacts the second one is unknown, and 0.
+    For damped contacts the second derivative is not computed; 0 is returned instead.
     """
     if hertz is None:
         return damped_rate(w, c, beads, NEW_X, NEW_V, F8), 0.0
@@ -84,9 +85,10 @@ def event_function(w, beads, kind, first, second, hertz):
 
 @compiled
 def locate(w, beads, low, high, h, hertz, target, kept, last):
-    """Fraction of a step at which an event happens, 2 if none; leaves its state in the rows.
+    """Fraction of a step at which an event occurs; 2 if it does not occur.
 
-    The rows must have the state and the accelerations at the start of the step.
+    On entry, the rows must hold the state and the accelerations at the start of the step; on
+    return, the rows of the end of the step hold the state at the event.
     """
     kind, first, second = int(target[KIND]), int(target[PLACE]), int(target[SECOND])
     begin, end = 0.0, 2.0
@@ -127,7 +129,7 @@ def locate_from(w, beads, low, high, h, hertz, target, kept, last, x, v):
 
 @compiled
 def load_state(w, beads, low, high, hertz, x, v, kept):
-    """Put a state into the rows, with its accelerations; damped contacts are released or not."""
+    """Load a state into the rows and compute its accelerations; row RELEASED must be set."""
     for i in range(beads):
         w[X + 1 + i] = w[TRIAL + 1 + i] = w[NEW_X + 1 + i] = x[i]
         w[V + 1 + i] = w[NEW_V + 1 + i] = v[i]

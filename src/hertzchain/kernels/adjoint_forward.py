@@ -52,6 +52,7 @@ from .adjoint_layout import (
 from .adjoint_step import compiled, error_of, try_step
 from .rkn8_step import GROWTH, SAFETY, SHRINKAGE
 
+# Smallest step; factor by which a step is shortened if a contact may have closed unnoticed.
 MIN_STEP, HALF = 1e-280, 0.5
 # Motion advances by at most this number of beads per step.
 REACH = 9
@@ -173,11 +174,14 @@ def advance(
 ):  # fmt: skip
     """Take steps until the block is full or the run ends; returns the reason.
 
+    N is the number of beads, S the number of steps in the block and T the number of targets.
+
     Parameters
     ----------
-    w, events : rows of `hertzchain.kernels.adjoint_layout`, of the run and to locate events in
-    clock, counts : entries as in the layout
-    until, rtol, most_steps : end of the run, tolerance, limit of tries
+    w, events : rows of `hertzchain.kernels.adjoint_layout`, those of the run and a second set in
+        which events are located
+    clock, counts : scalars of the run, with the entries of the layout
+    until, rtol, most_steps : end of the run, tolerance, maximum number of steps tried
     stop_when_found : whether to end when all events of beads and contacts are found
     hertz : whether all exponents are 3/2; None with damping
     careful : whether open contacts may close within a step

@@ -3,6 +3,21 @@
 All rows are in one flat array with constant offsets, as in `hertzchain.kernels.elastic_layout`.
 Positions, velocities and `U` have an entry for each wall, the first and the last; other rows begin
 with bead 1, or with contact 0.  Contact c joins entries c and c + 1 of the positions.
+
+Rows of the integration:
+
+- `X`, `V`: positions and velocities at the start of a step; `NEW_X`, `NEW_V`: at its end;
+  `TRIAL`: positions at a stage;
+- `F0` to `F8`: accelerations at the stages, of which the last is at the end of the step;
+- `AT_REST`: overlap of each contact at displacement 0, negative for a gap; `STIFFNESS`,
+  `EXPONENT`, `INVERSE_MASS`; `BODY`: constant acceleration of each bead;
+- `NOISE`, `SPEED`, `NEAR`, `SCALE`: units of the errors, as in `hertzchain.kernels.rkn8_step`.
+
+Rows of the adjoint:
+
+- `LX`, `LV`: derivatives with respect to the state; `U`: those with respect to the accelerations
+  at a stage, divided by the masses; `XI0` to `XI7`: those with respect to positions at the stages;
+- `BY_MASS`, `BY_STIFFNESS`, `BY_OVERLAP`, `BY_BODY`: derivatives with respect to parameters.
 """
 
 from __future__ import annotations
@@ -13,7 +28,8 @@ ROW = 4096 + 40
  INVERSE_MASS, BODY, NOISE, SPEED, NEAR, SCALE, WORK, LX, LV, U, XI0, XI1, XI2, XI3, XI4, XI5, XI6,
  XI7, TRANSFER, FACTOR, BY_MASS, BY_STIFFNESS, BY_OVERLAP, BY_BODY, END_OF_ROWS,
  ) = range(0, 43 * ROW, ROW)  # fmt: skip
-# Further rows of damped contacts; those of stages are twelve each.
+# Further rows of damped contacts.  `STAGE_V`, `STAGE_A`, `ZX` and `ZV` have one row for each of the
+# twelve stages.  `PULLS` is 1 for contacts that may pull, `RELEASED` for those that are released.
 (DAMPING, OVERLAP_POWER, PULLS, RELEASED, RATE, P, NEW_P, TRIAL_P, TRIAL_V, IMPULSE, PUSH, END_A,
  SPARE, BY_DAMPING, STAGE_V,
  ) = range(END_OF_ROWS, END_OF_ROWS + 15 * ROW, ROW)  # fmt: skip

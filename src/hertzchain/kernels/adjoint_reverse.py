@@ -1,7 +1,7 @@
 r"""Discrete adjoint of RKN8(6) steps of an elastic chain.
 
 A step from (x, v) has the stages :math:`f_s = f(x + c_s h v + h^2 \sum_j a_{sj} f_j)`.  With the
-derivatives :math:`\lambda_x, \lambda_v` of a quantity by the state at its end,
+derivatives :math:`\lambda_x, \lambda_v` of a quantity with respect to the state at its end,
 
 .. math::
 
@@ -10,8 +10,8 @@ derivatives :math:`\lambda_x, \lambda_v` of a quantity by the state at its end,
     \lambda_x \mathrel{+}= \sum_s \xi_s, \qquad
     \lambda_v \mathrel{+}= h \lambda_x + h \sum_s c_s \xi_s ,
 
-where J is the derivative of f by the positions; the derivative by a parameter grows by the sum of
-:math:`w_s \cdot \partial f_s/\partial p`.
+where J is the Jacobian of f with respect to the positions.  The step contributes
+:math:`\sum_s w_s \cdot \partial f_s/\partial p` to the derivative with respect to a parameter p.
 """
 
 from __future__ import annotations
@@ -48,7 +48,10 @@ D0, D1, D2, D3, D4, D5, D6, D7 = B_VELOCITY
 
 @inlined
 def derive(w, low, high, hertz, stage, kept, gauge, weight):
-    """The row of a stage from the row U: by positions; adds to those by parameters."""
+    """Compute the derivatives with respect to the positions at a stage from row U.
+
+    Contributions are added to the derivatives with respect to parameters.
+    """
     w[U + low] = w[U + high + 1] = 0.0
     if hertz:
         for c in range(low, high + 1):
@@ -80,7 +83,7 @@ def derive(w, low, high, hertz, stage, kept, gauge, weight):
 
 @inlined
 def gather(w, low, high, h, position, velocity, later, weights):
-    """The row U of a stage: derivatives by accelerations, over masses."""
+    """Compute row U of a stage: derivatives with respect to accelerations, divided by masses."""
     square = h * h
     for i in range(low, high):
         push, stage = position * w[LX + i], later + i
@@ -123,10 +126,10 @@ def reverse_elastic(w, low, high, h, hertz, kept, gauge, on):
 
 @compiled
 def reverse_step(w, low, high, h, hertz, kept, gauge, on):
-    """Derivatives by the state at the start of a step from those by the state at its end.
+    """Derivatives with respect to the state at the start of a step from those at its end.
 
-    ``gauge`` has the weight of each contact in an impulse that is part of the quantity, ``on`` is 1
-    if the impulse includes this step and else 0.
+    ``gauge`` has the weight of each contact in an impulse that is part of the quantity; ``on`` is 1
+    if the impulse includes this step and 0 otherwise.
     """
     if hertz is None:
         reverse_damped(w, low, high, h, kept, gauge, on)
@@ -136,6 +139,6 @@ def reverse_step(w, low, high, h, hertz, kept, gauge, on):
 
 @compiled
 def reverse(w, start, stop, lengths, windows, hertz, kept, gauge, on):
-    """`reverse_step` for steps ``start - 1`` down to ``stop`` of a block."""
+    """Apply `reverse_step` to steps ``start - 1`` down to ``stop`` of a block."""
     for n in range(start - 1, stop - 1, -1):
         reverse_step(w, windows[n, 0], windows[n, 1], lengths[n], hertz, kept[n], gauge, on)

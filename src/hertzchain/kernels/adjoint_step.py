@@ -1,8 +1,8 @@
-"""One RKN8(6) step of one elastic chain, which keeps the overlaps of all stages.
+"""One step of one elastic chain, which stores the overlaps at all stages for the adjoint.
 
-The method is that of `hertzchain.kernels.rkn8`, the measure of errors that of
-`hertzchain.kernels.rkn8_step`.  For Hertz contacts the kept numbers are the roots of the overlaps,
-otherwise the overlaps; they determine the forces and their derivatives.
+The method is RKN8(6) (`hertzchain.kernels.rkn8`); errors are measured as in
+`hertzchain.kernels.rkn8_step`.  For Hertz contacts the square roots of the overlaps are stored,
+otherwise the overlaps themselves; they determine the forces and their derivatives.
 """
 
 from __future__ import annotations
@@ -108,7 +108,7 @@ def elastic_step(w, low, high, h, hertz, kept, last):
 
 @compiled
 def try_step(w, low, high, h, hertz, kept, last):
-    """Stages of a step from row F0 on; ``last`` receives the overlaps at its end."""
+    """Try a step from the accelerations in row F0; ``last`` receives the overlaps at its end."""
     if hertz is None:
         damped_step(w, low, high, h, kept, last)
     else:
@@ -117,7 +117,7 @@ def try_step(w, low, high, h, hertz, kept, last):
 
 @maximal
 def largest(w, at, low, high):
-    """Largest number of a part of a row; NaN is found by the caller."""
+    """Largest number in a part of a row; the caller must check for NaN."""
     top = 0.0
     for i in range(low, high):
         top = max(top, w[at + i])
@@ -126,7 +126,7 @@ def largest(w, at, low, high):
 
 @inlined
 def elastic_errors(w, low, high, h):
-    """Error of each bead in units of its scale, in the row WORK."""
+    """Write the error of each bead, in units of its scale, to row WORK."""
     for i in range(low, high):
         error = velocity_error(w, i, F0, F8)
         w[WORK + i] = abs(h * error) / w[SCALE + i]
@@ -134,7 +134,7 @@ def elastic_errors(w, low, high, h):
 
 @compiled
 def error_of(w, low, high, h, rtol, hertz):
-    """Largest error of a step, in units of speeds nearby."""
+    """Largest error of the velocities in a step, in units of the speeds of nearby beads."""
     own, after = SPEED + NEIGHBOURS, NEAR + NEIGHBOURS + 1
     for i in range(low, high):
         a, b = abs(w[V + 1 + i]), abs(w[NEW_V + 1 + i])

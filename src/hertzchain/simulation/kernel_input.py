@@ -10,8 +10,8 @@ from ..chain.chain import Chain
 from ..chain.equilibrium import equilibrium
 from ..collision import Array
 from ..errors import InputError
-from .contact_laws import contact_laws
 from .drive_pieces import drive_pieces
+from .kernel_laws import kernel_laws
 
 if TYPE_CHECKING:
     from ..kernels.forces import DefaultChain, GeneralChain
@@ -39,7 +39,7 @@ def kernel_chain(chain: Chain) -> DefaultChain | GeneralChain:
     if not np.isfinite(pieces).all():
         raise InputError(f"{chain.drive} cannot be represented: check the units of its times")
     with np.errstate(over="ignore"):
-        law, laws, damping = contact_laws(chain)
+        law, laws, damping = kernel_laws(chain)
     if not np.isfinite(damping).all():
         raise InputError(
             f"the damping by {chain.loss} is too large to be represented: check its units"

@@ -1,4 +1,8 @@
-"""Contact laws of a chain as kernel arrays: one row per law, one number per contact."""
+"""Conversion of the contact laws of a chain to kernel arrays, and choice of implicit steps.
+
+The laws themselves are in `hertzchain.chain.laws`, their compiled forces in
+`hertzchain.kernels.contact_law`.
+"""
 
 from __future__ import annotations
 
@@ -18,18 +22,18 @@ from .time_scales import typical_speed
 if TYPE_CHECKING:
     from ..kernels.contact_law import Law, LawTable
 
-# Steps are implicit if damping would bring contacts to rest more often than this within the time
-# of a pulse: explicit steps would then be so short that they take longer.
+# Steps are implicit if the duration of a contact exceeds this many relaxation times of its damping:
+# explicit steps would then be so short that a run would take longer.
 STIFF: Final = 300.0
-# Above this stiffness, contacts are rigid for any step, and the equations of an implicit step
-# overflow.
+# Above this ratio, contacts are rigid for any step, and the equations of implicit steps overflow.
 RIGID: Final = 1e250
-# Speeds below this fraction of the largest are negligible while a chain at rest is set in motion.
+# Speeds below this fraction of the typical speed are negligible while a chain at rest is set in
+# motion.
 SLOWEST: Final = 1e-3
 
 
-def contact_laws(chain: Chain) -> tuple[Law, LawTable | None, Array]:
-    """Law of all contacts, table of laws if they differ, and damping of each contact."""
+def kernel_laws(chain: Chain) -> tuple[Law, LawTable | None, Array]:
+    """Law of all contacts, table of laws if they differ, and damping of each contact, (N + 1,)."""
     from ..kernels.contact_law import Law
 
     groups = chain.contact_groups
@@ -93,7 +97,7 @@ def _steps_are_implicit(
 
 
 def _relaxation(chain: Chain, group: ContactGroup, row: LawRow, damping: Array) -> float:
-    """Largest number of times that damping would bring a contact to rest within a pulse."""
+    """Largest ratio of the duration of a contact to the relaxation time of its damping."""
     there = group.contacts.stiffness > 0.0
     speed = typical_speed(chain)
     if speed == 0.0 or not there.any():

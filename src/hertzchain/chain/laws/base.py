@@ -27,9 +27,9 @@ from ..scales import Scale, scale
 
 # Every law by its name in chain files.
 LAWS: Final[dict[str, type[Loss]]] = {}
-# A smaller speed after a collision, relative to that before, is taken to be zero.
+# Speeds after a collision below this fraction of the speed before it are taken to be zero.
 NO_SPEED: Final = 1e-14
-# Units of dimensions in scaled variables; a pressure has none.
+# Units of dimensions in scaled variables, in which pressures are not defined.
 SCALED_UNITS: Final[Mapping[str, str]] = MappingProxyType(
     {"time": "time", "length": "length", "damping": "force/velocity"}
 )
@@ -37,7 +37,7 @@ SCALED_UNITS: Final[Mapping[str, str]] = MappingProxyType(
 
 @dataclass(frozen=True)
 class Parameter:
-    """A number or truth value of a law: its name in messages, description, unit and range."""
+    """A parameter of a law: its name in messages, description, dimension and range."""
 
     called: str
     description: str
@@ -68,7 +68,7 @@ def may_pull(*, default: bool) -> Any:
 
 @dataclass(frozen=True, eq=False)
 class ContactArrays:
-    """Properties of contacts that laws use; each array has one number per contact.
+    """Properties of contacts that laws use, in arrays with one entry per contact.
 
     All contacts have the same exponent.  Effective radii [m] are `None` in scaled chains.  Yield
     strengths [Pa], of the softer material, are `None` without materials and infinite if unknown.
@@ -150,19 +150,19 @@ class Loss(Part):
         }
 
     def row(self, exponent: float) -> LawRow:
-        """Numbers of the kernel for contacts of one exponent; `InputError` if it is not allowed."""
+        """Kernel parameters common to all contacts of an exponent; `InputError` if unsupported."""
         raise NotImplementedError
 
     def strength(self, contacts: ContactArrays) -> Array:
-        """Number of the kernel for each contact: its damping, or its overlap at yield; else 0."""
+        """Kernel parameter of each contact: damping constant or overlap at yield; 0 if unused."""
         return np.zeros(len(contacts.stiffness))
 
     def resolved(self, contacts: ContactArrays) -> list[Loss]:
-        """Law of each contact, with numbers instead of parameters that follow from materials."""
+        """Law of each contact, with explicit values for parameters that follow from materials."""
         return [self] * len(contacts.stiffness)
 
     def loading_force(self, overlap: Array, contacts: ContactArrays) -> Array:
-        """Forces at overlaps that are reached slowly for the first time; 0 if negative."""
+        """Forces at overlaps that are reached slowly for the first time; 0 if contacts are open."""
         return np.asarray(contacts.stiffness * np.maximum(overlap, 0.0) ** contacts.exponent)
 
     def loading_overlap(self, force: Array, contacts: ContactArrays) -> Array:
@@ -171,7 +171,10 @@ class Loss(Part):
             return np.asarray((force / contacts.stiffness) ** (1.0 / contacts.exponent))
 
     def stored_energy(self, overlap: Array, force: Array, contacts: ContactArrays) -> Array:
-        """Energy that contacts return, as `potential` of `hertzchain.kernels.contact_law`."""
+        """Energy stored in contacts: the energy that they return when they open.
+
+        The compiled equivalent is `potential` in `hertzchain.kernels.contact_law`.
+        """
         p = contacts.exponent
         return np.asarray(contacts.stiffness * np.maximum(overlap, 0.0) ** (p + 1.0) / (p + 1.0))
 
@@ -262,16 +265,17 @@ class Loss(Part):
             atol=NO_SPEED,
         )  # fmt: skip
         overlap, closing, work = map(float, found.y[:, -1])
-        # A weak loss would be less than the rounding errors of the speed.
+        # A small loss is computed from the work: in the speed, it would be lost to rounding.
         lost = 2.0 * damping * work + max(overlap, 0.0) ** (p + 1.0)
         return math.sqrt(1.0 - lost) if lost < 0.5 else max(0.0, -closing)
 
 
 def _stops(damping: float, speed_power: float) -> bool:
-    """Whether beads that collide at speed 1 lose all of it except for less than the tolerance.
+    """Whether beads that collide at speed 1 separate at less than the speed taken to be zero.
 
-    They stop after a small part of the elastic overlap and separate at a speed that is at most of
-    the order of damping^(-1/(speed_power - 1)), and of damping^-2 if the power is less than one.
+    With strong damping they stop after a small fraction of the elastic overlap, and then separate
+    at a speed of at most the order of damping^(-1/(speed_power - 1)), or of damping^-2 if the power
+    is less than one.
     """
     decay = 2.0 if speed_power < 1.0 else 1.0 / max(speed_power - 1.0, 1.0)
     return damping**-decay < NO_SPEED if damping > 1.0 else False

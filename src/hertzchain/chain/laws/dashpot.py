@@ -1,4 +1,4 @@
-"""A linear dashpot next to the spring of each contact."""
+"""A linear dashpot in parallel with the spring of each contact."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from .base import ContactArrays, ContactsAtRest, Loss, may_pull, parameter
 
 @dataclass(frozen=True)
 class Dashpot(Loss, name="dashpot"):
-    r"""A linear dashpot next to the spring of each contact.
+    r"""A linear dashpot in parallel with the spring of each contact.
 
     .. math:: F = k\,d^{\,p} + \gamma\,d'
 

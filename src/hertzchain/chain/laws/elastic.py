@@ -14,7 +14,8 @@ class Elastic(Loss, name="elastic"):
 
     .. math:: F = k\,d^{\,p}
 
-    The default of a chain; also for single contacts or walls of a chain whose others have a loss.
+    This is the default of a chain.  State it for single contacts or walls of a chain whose other
+    contacts have a loss.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""Elastic-plastic spheres, which yield above a contact pressure."""
+"""Elastic-plastic spheres, which yield above a certain contact pressure."""
 
 from __future__ import annotations
 
@@ -144,7 +144,7 @@ class ElasticPlastic(Loss, name="elastic-plastic"):
         return np.where(plastic > first, plastic, super().loading_overlap(force, contacts))
 
     def stored_energy(self, overlap: Array, force: Array, contacts: ContactArrays) -> Array:
-        """Use the unloading curve through overlap and force, and thus the largest overlap."""
+        """Stored energy, from the unloading curve that passes through overlap and force."""
         k, first = contacts.stiffness, self.strength(contacts)
         d = np.maximum(overlap, 0.0)
         with np.errstate(divide="ignore", invalid="ignore"):
@@ -158,7 +158,7 @@ class ElasticPlastic(Loss, name="elastic-plastic"):
         return np.where(force > 0.0, 0.4 * force * np.where(elastic, d, width), 0.0)
 
     def largest_overlap(self, energy: Array, contacts: ContactArrays) -> Array:
-        """Find overlaps from which unloading returns the energies; loading needs more energy."""
+        """Overlaps from which unloading returns the energies; loading requires more energy."""
         k, first = contacts.stiffness, self.strength(contacts)
         elastic = super().largest_overlap(energy, contacts)
 

@@ -55,7 +55,7 @@ class WaltonBraun(Loss, name="walton-braun"):
         return LawRow(PLASTIC, kept=self.ratio)
 
     def stored_energy(self, overlap: Array, force: Array, contacts: ContactArrays) -> Array:
-        """Use only the force k e^p, where e is the overlap of elastic loading with this force."""
+        """Stored energy, which depends only on the force."""
         p = contacts.exponent
         needed = self.loading_overlap(force, contacts)
         return np.asarray(self.ratio * force * needed / (p + 1.0))

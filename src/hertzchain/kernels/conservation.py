@@ -1,4 +1,4 @@
-"""Balance of energy and momentum of a run, evaluated after each step."""
+"""Drift of the total energy and momentum of a run, updated after each step."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ from .state_layout import (
 
 @reduced
 def kinetic(velocities, inverse_mass, others):
-    """Kinetic energy, momentum, and the sum of absolute momenta, with those of ``others``."""
+    """Kinetic energy, momentum and sum of absolute momenta, added to those in ``others``."""
     kinetic, momentum, absolute = others
     for k in range(len(inverse_mass)):
         p = velocities[k] / inverse_mass[k]
@@ -83,13 +83,16 @@ def weight_work(y, outside):
 
 @compiled
 def stored_minus_supplied(time, y, setup, contacts, segment):
-    """Stored energy and momentum of the chain, minus energy and momentum supplied from outside."""
+    """Energy in contacts and momentum of walls, minus energy and momentum from outside.
+
+    The energy in contacts includes the energy that they have lost.
+    """
     outside = setup.body_force
     beads = len(outside)
     wall = wall_motion(time, setup, segment)
-    ledger = y[2 * beads :]
-    energy = ledger[LOST] - ledger[DRIVEN]
-    momentum = ledger[RIGHT_IMPULSE] - ledger[LEFT_IMPULSE] - ledger[PUSHED]
+    accumulators = y[2 * beads :]
+    energy = accumulators[LOST] - accumulators[DRIVEN]
+    momentum = accumulators[RIGHT_IMPULSE] - accumulators[LEFT_IMPULSE] - accumulators[PUSHED]
     energy += energy_in_contacts(y, wall, setup, contacts)
     work, weight = weight_work(y, outside)
     return energy - work, momentum - weight * time
@@ -121,9 +124,13 @@ def energy_in_contacts(y, wall, setup, contacts):
 
 @compiled
 def update_drift(y, clock, setup, contacts, segment, flying, first):
-    """Update the largest drifts and their units; ``flying`` are sums of beads behind the window."""
+    """Update the largest drifts and their units.
+
+    ``flying`` has the sums of `kinetic` for the beads behind the window; ``first`` states whether
+    this is the start of the run.
+    """
     # The unit of the momentum is the largest sum of absolute momenta: in a backward taper, the
-    # pulse and the beads behind it have opposite momenta of thousands, and their sum is one.
+    # pulse and the beads behind it have opposite momenta in the thousands, whose sum is one.
     beads = len(setup.inverse_mass)
     velocities = y[beads : 2 * beads]
     kinetic_energy, momentum, absolute = kinetic(velocities, setup.inverse_mass, flying)

@@ -1,6 +1,6 @@
-"""Events and saved times of runs with fixed steps, found on polynomials of degree 5.
+"""Events and saved times of runs with fixed steps, located on polynomials of degree 5.
 
-They do not depend on the method of the steps (`hertzchain.kernels.symplectic`).
+The functions do not depend on the splitting method (`hertzchain.kernels.symplectic`).
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ inlined = njit(forceinline=True, **CONTRACTED)
 
 @inlined
 def quintic(h, x0, v0, a0, x1, v1, a1):
-    """Coefficients, as of `hermite`, of the polynomial of degree 5 through both ends of a step."""
+    """Coefficients, as those of `hermite`, of the polynomial of degree 5 through both ends."""
     c1, c2 = h * v0, 0.5 * h * h * a0
     x, v, a = x1 - (x0 + c1 + c2), h * v1 - (c1 + 2.0 * c2), h * h * a1 - 2.0 * c2
     c3, c4, c5 = 10.0 * x - 4.0 * v + 0.5 * a, -15.0 * x + 7.0 * v - a, 6.0 * x - 3.0 * v + 0.5 * a
@@ -47,7 +47,7 @@ def quintic(h, x0, v0, a0, x1, v1, a1):
 
 @compiled
 def turning_point(c):
-    """Fraction of a step at which the first derivative, positive at its start, vanishes."""
+    """Fraction of a step at which the first derivative, positive at the start, vanishes."""
     low, high = 0.0, 1.0
     for _ in range(BISECTIONS):
         middle = 0.5 * (low + high)
@@ -57,7 +57,7 @@ def turning_point(c):
 
 @compiled
 def inflection(c):
-    """Fraction of a step at which the second derivative, positive at its start, vanishes."""
+    """Fraction of a step at which the second derivative, positive at the start, vanishes."""
     low, high = 0.0, 1.0
     for _ in range(BISECTIONS):
         middle = 0.5 * (low + high)
@@ -67,7 +67,7 @@ def inflection(c):
 
 @inlined
 def watch_wall(side, time, h, force, given, passed, x, v, a, spring, ends, walls):
-    """Record the largest force on a wall, its touches and the end of its first contact.
+    """Record the largest force on a wall, the number of touches and the end of the first contact.
 
     ``given`` is the impulse on the wall so far.  The position, velocity and acceleration of the
     adjacent bead are positive away from the wall; ``ends`` has these values and the force at the
@@ -117,11 +117,11 @@ def save_frames(time, time_new, h, y, springs, rows, counts, frame_times, frames
 
 @compiled
 def polynomial_of(i, h, rows):
-    """The path of bead i (0-based) within a step."""
+    """Position of bead i (0-based) within a step, as a polynomial."""
     before = rows.before
     return quintic(
         h, before[0, i + 1], before[1, i + 1], before[2, i + 1], rows.positions[i + 1],
-        rows.velocities[i], rows.pulls[i + 1],
+        rows.velocities[i], rows.accelerations[i + 1],
     )  # fmt: skip
 
 
@@ -140,7 +140,7 @@ def moves(k, rows):
 @compiled
 def record_events(h, clock, counts, setup, contacts, springs, rows, peaks, crossings):
     """Record first velocity maxima and largest overlaps within a step."""
-    before, v, a = rows.before, rows.velocities, rows.pulls
+    before, v, a = rows.before, rows.velocities, rows.accelerations
     beads = len(v)
     for k in range(beads):
         waits = peaks[PEAK_TIME, k] == 0.0 and (k > 0 or peaks[PEAK_VELOCITY, 0] == 0.0)

@@ -75,16 +75,19 @@ from .state_layout import (
 from .stepping import begin, change_of_step, first_row, is_implicit, take_step
 from .wall_events import count_touches, record_wall_ends
 
-# Status codes that `advance` returns, and those that only `advance_window` returns.
+# Status codes that `advance` returns.
 RUNNING, PULSE_LEFT, TIME_REACHED, FRAMES_FULL, STEP_TOO_SMALL, PULSE_LOST, LAST_STEP = range(7)
-MOVED, OUTRUN, WOKEN = 7, 8, 9
+# Further codes, which only `advance_window` returns: the window must be moved; it was too small for
+# the last step, which is repeated; a contact behind the window may close.
+WINDOW_MOVED, WINDOW_TOO_SMALL, CONTACT_BEHIND = 7, 8, 9
 
 MIN_STEP = 1e-280
-# A run that has lasted this long without the pulse leaving the chain never ends.
+# If the pulse has not left the chain by this time, it never will.
 ENDLESS = 1e300
 # Largest relative difference of two accelerations that are equal except for rounding.
 SAME_FALL = 1e-12
-# Steps longer than this fraction of the elapsed time occur only if all beads are in free flight.
+# Free flight of all beads is checked only after a step longer than this fraction of the elapsed
+# time, because beads in contact do not allow such steps.
 LONG_STEP = 0.1
 # Number of successive steps too short to change the time, after which the run is stopped.
 MAX_FROZEN = 100_000
@@ -97,7 +100,7 @@ ROWS = STAGES + COEFFICIENTS + 7
 
 @compiled
 def nothing_can_happen(y, setup, contacts):
-    """Whether no beads touch and none approach, now or later: all are in free flight."""
+    """Whether no two beads touch or approach each other: all are in free flight permanently."""
     beads = len(setup.inverse_mass)
     if contacts is None:
         for k in range(beads - 1):
@@ -130,7 +133,7 @@ def largest_speed(so_far, y, beads):
 
 @compiled
 def start(y, clock, counts, setup, contacts, first_step):
-    """Set the clock to zero, the contacts to their first modes, and the reference of the drift."""
+    """Set the clock to zero, the first modes of the contacts and the reference of the drift."""
     clock[:] = 0.0
     counts[:] = 0
     counts[LAST_CROSSING] = -1
@@ -181,7 +184,7 @@ def advance_window(
         if growing and time + h >= frame_times[-1]:
             return FRAMES_FULL, tried
         if low > 0 and not time + h < clock[IDLE_UNTIL]:
-            return WOKEN, tried - 1
+            return CONTACT_BEHIND, tried - 1
         error, evaluations = take_step(
             time, y, h, setup, contacts, segment, rtol, stages, trial, y_new, work, scale
         )
@@ -201,7 +204,7 @@ def advance_window(
             time + h, y_new, low, all_beads, behind, STAY * clock[UNRESOLVED], flights, setup,
             contacts, edge,
         ):  # fmt: skip
-            return OUTRUN, tried - 1
+            return WINDOW_TOO_SMALL, tried - 1
         # Steps this long occur only if the beads are in free flight.
         lone = (error == 0.0 or h > LONG_STEP * time) and not clock[IDLE_UNTIL] < np.inf
         if stop_when_left and lone and nothing_can_happen(y, setup, contacts):
@@ -278,7 +281,7 @@ def advance_window(
         if last_step:
             return TIME_REACHED, tried
         if now[0] != low or now[1] != low + beads:
-            return MOVED, tried
+            return WINDOW_MOVED, tried
     return RUNNING, budget
 
 
@@ -297,12 +300,14 @@ def advance(
     y : (2N,) or (2N + ACCUMULATORS,) state; ``clock`` (CLOCK_SIZE,) and ``counts`` (COUNTS_SIZE,)
     setup, contacts : parameters of the equation of motion; modes and history of the contacts
     flights : (FLIGHT_ROWS, N) positions and times at which the beads behind the window left it
-    until : time not to step past; ``stop_when_left`` also ends the run once all events are recorded
+    until : time at which the run ends; with ``stop_when_left`` it also ends once all events are
+        recorded
     rtol : tolerated error of a step, in units of the speeds around each bead
-    bead_steps : number of steps times beads in their windows, after which it also stops
+    bead_steps : limit of the sum over steps of the number of beads in the window; it also returns
+        when this is reached
     pause : return before the step that ``until`` would cut short, in the state from which a longer
         run would continue
-    frame_times, frames : (F,) times to save at, and the (F, len(y)) states saved; with
+    frame_times, frames : (F,) times at which to save, and the (F, len(y)) states saved; with
         ``growing`` it returns `FRAMES_FULL` before a step would pass the last of these times
     frame_forces : (F, N + 1) contact forces saved; not used for a default chain
     peaks, crossings : (2, N), (CROSSING_ROWS, N - 1) as in `hertzchain.kernels.state_layout`;
@@ -313,7 +318,7 @@ def advance(
     """
     beads = len(setup.inverse_mass)
     trim = trimmed(setup, contacts)
-    low, high, code, more = counts[LOW], counts[HIGH], MOVED, STRIDE
+    low, high, code, more = counts[LOW], counts[HIGH], WINDOW_MOVED, STRIDE
     nothing = (0.0, 0.0, 0.0)
     flying = kinetic(y[beads : beads + low], setup.inverse_mass[:low], nothing)
     accelerations[:] = 0.0
@@ -338,12 +343,12 @@ def advance(
         budget -= tried
         bead_steps -= tried * (high - low)
         time, last = clock[TIME], low
-        if code < MOVED:
+        if code < WINDOW_MOVED:
             copy(stages[0, high - low : 2 * (high - low)], accelerations[low:high])
-        if code == OUTRUN:
+        if code == WINDOW_TOO_SMALL:
             more *= 2
             low, high = max(0, low - more), min(beads, high + more)
-        elif code == WOKEN:
+        elif code == CONTACT_BEHIND:
             place_behind(y, beads, 0, low, time, flights)
             stay = STAY * clock[UNRESOLVED]
             done = collide_behind(y, low, time, clock[UNRESOLVED], setup, contacts, flights)
@@ -365,6 +370,6 @@ def advance(
             earliest = earliest_contact(y, last, low, stay, time, setup, contacts)
             clock[IDLE_UNTIL] = min(clock[IDLE_UNTIL], earliest)
             flying = kinetic(y[beads + last : beads + low], setup.inverse_mass[last:low], flying)
-        if code < MOVED:
+        if code < WINDOW_MOVED:
             place_behind(y, beads, 0, low, time, flights)
             return code

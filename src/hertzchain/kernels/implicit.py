@@ -2,9 +2,9 @@ r"""One implicit step, for contacts whose damping is too stiff for explicit ones
 
 With a damping force :math:`\gamma |d'|^\alpha`, :math:`\alpha < 1`, two beads with a small relative
 speed are held together by a force that is not a smooth function of this speed.  With a strong
-dashpot they creep.  Explicit steps would have to resolve the relaxation of both.  An implicit step
-solves for the forces at its stages (`hertzchain.kernels.stage_equations`) and can be as long as the
-motion allows.
+dashpot they creep.  Explicit steps would have to resolve the fast relaxation in either case.  An
+implicit step solves for the forces at its stages (`hertzchain.kernels.stage_equations`), and its
+length is limited only by the slow motion.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ from .stiff_law import EVEN, closes_in, is_resolved, overlap_of, sliding_force_w
 
 TIMES = np.array(NODES)
 END = np.ones(1)
-# Lower bound of a step's tolerance, because stiff contacts amplify the rounding of velocities.
+# Lower bound of the tolerance, because stiff contacts amplify rounding errors of velocities.
 FINEST = 1e-11
 # Relative tolerance of energies, in units of that of speeds.
 ENERGY = 10.0
@@ -66,7 +66,7 @@ def accumulator_rates(i, time, setup, contacts, segment, rates):
 @compiled
 def resolve_overlaps(time, h, y, setup, contacts, segment):
     """Integrate overlaps smaller than the rounding of positions, from the speeds of the forces."""
-    beads, speed = len(setup.inverse_mass), contacts.implicit.rest
+    beads, speed = len(setup.inverse_mass), contacts.implicit.residual
     pushing, overlap = contacts.implicit.forces, contacts.implicit.overlaps
     wall = wall_motion(time, setup, segment)
     for c in range(beads + 1):
@@ -88,9 +88,9 @@ def resolve_overlaps(time, h, y, setup, contacts, segment):
 
 @compiled
 def remember_overlaps(contacts, implicit):
-    """Keep the overlaps at the end of the step, from which the next one begins.
+    """Store the overlaps at the end of the step, from which the next one begins.
 
-    Beads that push each other touch; a negative overlap is then within the tolerance of the step.
+    Beads that push each other touch: a negative overlap is then an error within the tolerance.
     """
     if implicit is None:
         return
@@ -238,7 +238,7 @@ def implicit_error(h, stages, setup, scale, rtol):
 
 @compiled
 def first_rest(k, beads, stages):
-    """Fraction of the step at which bead k first is not pushed; 2 if it is at all stages."""
+    """Time, as a fraction of the step, of the first stage without a push on bead k; 2 if none."""
     for i in range(IMPLICIT_STAGES):
         if stages[i + 1, beads + k] <= 0.0:
             return NODES[i]

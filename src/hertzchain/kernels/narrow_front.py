@@ -1,8 +1,9 @@
-r"""Integration of a few beads around the pulse, for several chains side by side.
+r"""Integration of a few beads around the pulse, in a window that moves with it.
 
 A pulse extends over a few beads.  Ahead of it all beads are at rest; behind it the contacts open,
 or their forces become negligible.  Therefore only a *window* of beads is integrated.  It is moved
-by one bead each time the *candidate*, the bead whose velocity is still rising, passes its maximum::
+by one bead (`shift_window`) each time the velocity of the *candidate*, the bead next to reach its
+velocity maximum, passes this maximum::
 
       dropped                the window                       not yet reached
       . . . o | o  o  o  o  o  O  o  o  o | o . . .
@@ -17,8 +18,9 @@ one for velocities, and so on; in a row, slot ``s`` of lane ``l`` has index ``s 
       w = [ position        | velocity | trial | ... | stage 0 | ... | stage 7 ]
             ^ slot 0: lanes 0..7, slot 1: lanes 0..7, ...
 
-Each lane is a separate chain with its own step.  One array with constant offsets, and loops
-without branches over a row, allow the compiler to process several chains with one instruction.
+Each *lane* is a separate chain with its own step; several chains are integrated side by side.  One
+array with constant offsets, and loops without branches over a row, allow the compiler to process
+several lanes with one instruction.
 
 The method is RKN8(6)9FM (`hertzchain.kernels.rkn8`); its steps are a fixed fraction of the time
 that the pulse takes per bead.  The method would lose its order where the force grows like a power p
@@ -71,7 +73,7 @@ STOP, PASSED = 0, 1
 # Argument of `follow` for one chain at a time and for LANES chains side by side; because the tuples
 # have different types, a separate version is compiled for each.
 ALONE, ABREAST = (0,), (0,) * LANES
-# Rows of `chains`, the parameters of every bead, and of `passed`, the results.
+# Rows of `chains`, the parameters of every bead, and of `results`.
 GIVEN_INVERSE_MASS, GIVEN_STIFFNESS, GIVEN_EXPONENT = 0, 1, 2
 PEAK_VELOCITY, PEAK_TIME, ARRIVAL, PEAK_OVERLAP, RESIDENCE, COLUMNS = range(6)
 
@@ -85,7 +87,7 @@ SOON = 1e-4
 # Contacts behind the candidate that are watched for opening.
 WATCHED = 4
 # Beads slower than this fraction of the candidate's velocity are at the foot of the pulse, where
-# rounding may look like a maximum.
+# rounding errors may have maxima.
 FOOT = 1e-6
 # Maximum number of steps per bead: ten times the number that any taper needs.
 MAX_STEPS = 400
@@ -425,7 +427,7 @@ def window_status(w, clock, lane, lanes, slots, candidate, limits, exponents):
 @inlined
 def opening_step(w, i, lanes, release_part, target):
     """The step that contact i allows, negative if it must be released or restored first."""
-    # A branch saves the root; with several lanes, some of them would need it in most steps.
+    # With one lane the branch avoids a square root; with several lanes it would rarely do so.
     if lanes == 1 and w[STIFFNESS + i] != 0.0 and w[VELOCITY + i] >= w[VELOCITY + i + lanes]:
         return math.inf
     left = time_to_opening(w, i, lanes, 4.0 * target)
@@ -441,8 +443,8 @@ def choose_steps(watched, lanes, release_part):
     """Choose the next step of every lane; determine whether an event may have occurred in the last.
 
     In most steps there is no event, and all lanes are processed with the same instructions.  For
-    this purpose ``watched`` begins at the last watched contact, so that the slot of the candidate
-    and the offset of the clock are compile-time constants.
+    this purpose ``watched`` is the part of the window from the rearmost watched contact on, so that
+    the slot of the candidate and the offset of the clock are compile-time constants.
     """
     for lane in range(lanes):
         candidate = WATCHED * lanes + lane
@@ -477,24 +479,24 @@ def out_of_order(w, candidate, lanes, arrived):
 
 
 @inlined
-def record_arrival(w, clock, lane, candidate, lanes, at, step_part, passed, exponents):
+def record_arrival(w, clock, lane, candidate, lanes, at, step_part, results, exponents):
     """Record the largest overlap behind the candidate, and count time from there."""
     contact = candidate - lanes
     h = clock[OLD_STEP + lane]
     overlap, part = largest_overlap(w, contact, lanes, h, exponents)
     residence = clock[TIME + lane] - (1.0 - part) * h
-    passed[PEAK_OVERLAP, at - 1] = overlap
-    passed[RESIDENCE, at - 1] = residence
+    results[PEAK_OVERLAP, at - 1] = overlap
+    results[RESIDENCE, at - 1] = residence
     clock[TIME + lane] -= residence
     clock[ARRIVAL_TIME + lane] += residence
-    passed[ARRIVAL, at] = clock[ARRIVAL_TIME + lane]
+    results[ARRIVAL, at] = clock[ARRIVAL_TIME + lane]
     clock[TARGET_STEP + lane] = step_part * residence
     clock[MAX_FORCE + lane] = pushing(w, contact, overlap, exponents)
     clock[ARRIVED + lane] = 1.0
 
 
 @inlined
-def record_events(scratch, lane, lanes, window, limits, given, passed):
+def record_events(scratch, lane, lanes, window, limits, given, results):
     """Record the events of the last step, and move the window if the candidate has peaked.
 
     Returns WAITING while the chain continues, otherwise its status code.
@@ -506,7 +508,7 @@ def record_events(scratch, lane, lanes, window, limits, given, passed):
     contact = candidate - lanes
     at = place[FIRST, lane] + place[BEAD, lane]
     if clock[ARRIVED + lane] == 0.0 and w[VELOCITY + contact] <= w[VELOCITY + candidate]:
-        record_arrival(w, clock, lane, candidate, lanes, at, step_part, passed, exponents)
+        record_arrival(w, clock, lane, candidate, lanes, at, step_part, results, exponents)
     arrived = clock[ARRIVED + lane] == 1.0
     if out_of_order(w, candidate, lanes, arrived):
         return OUT_OF_ORDER
@@ -516,16 +518,16 @@ def record_events(scratch, lane, lanes, window, limits, given, passed):
         if left < release_part * clock[TARGET_STEP + lane]:
             code = window_status(w, clock, lane, lanes, slots, candidate, limits, exponents)
             left = release(w, contact, lanes, left, exponents)
-            passed[PEAK_VELOCITY, at] = w[VELOCITY + candidate]
-            passed[PEAK_TIME, at] = clock[ARRIVAL_TIME + lane] + clock[TIME + lane] + left
+            results[PEAK_VELOCITY, at] = w[VELOCITY + candidate]
+            results[PEAK_TIME, at] = clock[ARRIVAL_TIME + lane] + clock[TIME + lane] + left
             return FOLLOWED if code == WAITING else code
         clock[FREE_STEP + lane] = min(clock[FREE_STEP + lane], APPROACH * left)
     elif arrived and w[STAGE_0 + candidate] <= 0.0:
         h = clock[OLD_STEP + lane]
         velocity, part = velocity_maximum(w, candidate, lanes, h, exponents)
-        passed[PEAK_VELOCITY, at] = velocity
+        results[PEAK_VELOCITY, at] = velocity
         delay = clock[TIME + lane] - (1.0 - part) * h
-        passed[PEAK_TIME, at] = clock[ARRIVAL_TIME + lane] + delay
+        results[PEAK_TIME, at] = clock[ARRIVAL_TIME + lane] + delay
         code = window_status(w, clock, lane, lanes, slots, candidate, limits, exponents)
         if code != WAITING:
             return code
@@ -539,10 +541,10 @@ def record_events(scratch, lane, lanes, window, limits, given, passed):
 
 
 @inlined
-def process_events(scratch, lane, lanes, window, limits, given, passed):
+def process_events(scratch, lane, lanes, window, limits, given, results):
     """Record the events of a lane and choose its next step; returns the status of its chain."""
     w, clock, place = scratch
-    code = record_events(scratch, lane, lanes, window, limits, given, passed)
+    code = record_events(scratch, lane, lanes, window, limits, given, results)
     if code != WAITING:
         return code
     step = handle_openings(w, clock, place, lane, lanes, window[1], window[3], given)
@@ -577,7 +579,7 @@ def next_chain(scratch, lane, lanes, window, given, waiting, chains):
 
 
 @compiled
-def follow(abreast, window, limits, given, passed, status, signal, scratch):
+def follow(abreast, window, limits, given, results, status, signal, scratch):
     """Follow the pulse along many chains, ``len(abreast)`` at a time.
 
     Parameters
@@ -592,7 +594,7 @@ def follow(abreast, window, limits, given, passed, status, signal, scratch):
         beads of all chains, where the contact after the last bead of a chain has stiffness 0;
         index among the M beads at which each of the C chains begins; its number of beads; `None`
         if all exponents are 3/2, otherwise any other value
-    passed : (COLUMNS, M) first maximum of each bead's velocity and its time, arrival time,
+    results : (COLUMNS, M) first maximum of each bead's velocity and its time, arrival time,
         largest overlap with the next bead, and residence time; the striker's velocity and times
         are not changed
     status : (C,) status code of each chain
@@ -613,7 +615,7 @@ def follow(abreast, window, limits, given, passed, status, signal, scratch):
     watched = w[candidates - WATCHED * lanes :]
     clock = watched[CLOCK:]
     known = w, clock, place
-    # Integers of NumPy: for literals, further versions of the functions would be compiled.
+    # NumPy integers, because numba would compile further versions of the functions for literals.
     waiting, active = np.int64(0), np.int64(0)
     for lane in range(lanes):
         begun = next_chain(known, lane, lanes, window, given, waiting, len(status))
@@ -629,7 +631,7 @@ def follow(abreast, window, limits, given, passed, status, signal, scratch):
             if clock[WATCH + lane] == 0.0 or place[CHAIN, lane] < 0:
                 continue
             bead = place[BEAD, lane]
-            code = process_events(known, lane, lanes, window, limits, given, passed)
+            code = process_events(known, lane, lanes, window, limits, given, results)
             signal[PASSED] += place[BEAD, lane] - bead
             if code != WAITING:
                 status[place[CHAIN, lane]] = code
@@ -645,7 +647,7 @@ def follow(abreast, window, limits, given, passed, status, signal, scratch):
 
 def scratch_of(abreast: tuple[int, ...]) -> tuple[Any, Any]:
     """The window and the scalars of each lane, for `follow`."""
-    # Rows are aligned to the lines of the processor's cache: unaligned reads take a tenth longer.
+    # Rows are aligned to the processor's cache lines: unaligned reads take a tenth longer.
     line = 64
     w = np.zeros(END + line // 8)
     w = w[-w.ctypes.data % line // 8 :][:END]

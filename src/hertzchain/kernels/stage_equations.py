@@ -1,9 +1,9 @@
 """Solve the equations of the stages of an implicit step for all contact forces.
 
-The unknowns are the contact forces at the stages: velocities and positions there are linear
-in them (`hertzchain.kernels.radau`), and each has to satisfy its law
-(`hertzchain.kernels.stiff_law`).  Each iteration of Newton's method is a block-tridiagonal system
-with blocks (stage, stage), because a contact shares its beads with two others.
+The unknowns are the contact forces at the stages.  Velocities and positions at the stages are
+linear functions of them (`hertzchain.kernels.radau`), and each force has to satisfy its law
+(`hertzchain.kernels.stiff_law`).  Each iteration of Newton's method solves a block-tridiagonal
+system with blocks (stage, stage), because a contact shares its beads with two other contacts.
 """
 
 from __future__ import annotations
@@ -17,7 +17,8 @@ from .forces import force_on
 from .step_scale import ROUNDING, general_scale
 from .stiff_law import linearise, overlap_of
 
-# Newton's method ends when a step changes velocities by less than this part of the tolerance.
+# Newton's method ends when an iteration changes velocities by less than this fraction of the
+# tolerance.
 SOLVED, MAX_ITERATIONS = 0.2, 15
 
 
@@ -66,7 +67,7 @@ def stage_motion(time, h, y, weights, times, setup, contacts, segment, rates):
 
 @compiled
 def eliminate(block, stages):
-    """Solve a block for the columns to its right, in place, with pivots from its columns."""
+    """Solve a block for the columns to its right, in place, by elimination with row pivoting."""
     columns = 2 * stages + 1
     for column in range(stages):
         pivot = column
@@ -88,14 +89,14 @@ def eliminate(block, stages):
 
 @compiled
 def fill_block(c, h, weights, squared, before, inverse_mass, contacts, block):
-    """Equations of contact c, after elimination of the contact before with its block."""
-    own, rest = contacts.implicit.own, contacts.implicit.rest
+    """Write the equations of contact c, from which the previous contact is eliminated."""
+    own, residual = contacts.implicit.own, contacts.implicit.residual
     by_overlap, by_closing = contacts.implicit.by_overlap, contacts.implicit.by_closing
     beads, stages = len(inverse_mass), len(weights)
     left = inverse_mass[c - 1] if c > 0 else 0.0
     right = inverse_mass[c] if c < beads else 0.0
     for i in range(stages):
-        block[i, 2 * stages] = rest[c, i]
+        block[i, 2 * stages] = residual[c, i]
         for j in range(stages):
             b = h * (by_closing[c, i] * weights[i, j] + h * by_overlap[c, i] * squared[i, j])
             block[i, stages + j] = -right * b
@@ -106,38 +107,38 @@ def fill_block(c, h, weights, squared, before, inverse_mass, contacts, block):
     for i in range(stages):
         for k in range(stages):
             b = h * (by_closing[c, i] * weights[i, k] + h * by_overlap[c, i] * squared[i, k])
-            block[i, 2 * stages] += left * b * rest[c - 1, k]
+            block[i, 2 * stages] += left * b * residual[c - 1, k]
             for j in range(stages):
                 block[i, j] += left * b * before[k, j]
 
 
 @compiled
 def solve_for_change(h, weights, squared, setup, contacts):
-    """Changes of all forces that satisfy the linear equations, written over their residuals."""
-    rest = contacts.implicit.rest
+    """Solve the linear equations for the changes of all forces, which overwrite the residuals."""
+    residual = contacts.implicit.residual
     blocks, block = contacts.implicit.blocks, contacts.implicit.block
     beads, stages = len(setup.inverse_mass), len(weights)
     for c in range(beads + 1):
         if setup.stiffness[c] == 0.0 or contacts.mode[c] != LOADED:
-            rest[c], blocks[c] = 0.0, 0.0
+            residual[c], blocks[c] = 0.0, 0.0
             continue
         before = blocks[c - 1 if c > 0 else 0]
         fill_block(c, h, weights, squared, before, setup.inverse_mass, contacts, block)
         eliminate(block, stages)
         for i in range(stages):
-            rest[c, i] = block[i, 2 * stages]
+            residual[c, i] = block[i, 2 * stages]
             for j in range(stages):
                 blocks[c, i, j] = block[i, stages + j]
     for c in range(beads - 1, -1, -1):
         for i in range(stages):
             for j in range(stages):
-                rest[c, i] -= blocks[c, i, j] * rest[c + 1, j]
+                residual[c, i] -= blocks[c, i, j] * residual[c + 1, j]
 
 
 @compiled
 def change_forces(step, stages, tolerance, inverse_mass, contacts, scale):
     """Add the changes to the forces; returns the largest change of a velocity, in tolerances."""
-    pushing, change = contacts.implicit.forces, contacts.implicit.rest
+    pushing, change = contacts.implicit.forces, contacts.implicit.residual
     beads, worst, total = len(inverse_mass), 0.0, 0.0
     for c in range(beads + 1):
         for i in range(stages):
@@ -145,7 +146,7 @@ def change_forces(step, stages, tolerance, inverse_mass, contacts, scale):
     for k in range(beads):
         for i in range(stages):
             kick = step * abs(change[k, i] - change[k + 1, i]) * inverse_mass[k]
-            # This keeps NaN.
+            # Unlike the comparison, the sum propagates NaN.
             total += kick
             if kick > worst * tolerance * scale[k]:
                 worst = kick / (tolerance * scale[k])
@@ -155,8 +156,8 @@ def change_forces(step, stages, tolerance, inverse_mass, contacts, scale):
 @compiled
 def solve_stages(time, h, step, y, weights, squared, times, setup, contacts, segment, rtol, rates,
                  ahead, speeds, scale):  # fmt: skip
-    """Apply Newton's method to the given forces; returns whether it has converged."""
-    # Changes of forces are measured by the velocities that they cause within a whole step.
+    """Improve the forces by Newton's method; returns whether it has converged."""
+    # Changes of forces are measured by the changes of velocity that they cause in a full step.
     inverse_mass, beads, stages = setup.inverse_mass, len(setup.inverse_mass), len(weights)
     last = stages - 1
     for _ in range(MAX_ITERATIONS):

@@ -3,12 +3,13 @@ r"""The law of one contact for implicit steps, with a force that is not determin
 For :math:`\alpha < 1` the damping :math:`f = \gamma |d'|^\alpha\,\mathrm{sgn}\,d'` has a vertical
 tangent at d' = 0.  There, d' is treated as a function of f and linearised about the point of its
 graph at which :math:`d' + c f` equals that of the iterate, with the compliance c of the contact.
-Contacts at rest, creeping and sliding contacts then converge equally, without regularisation.  A
-force that may not pull, :math:`F = (k d_+^p + f)_+`, is cut off in the same way.
+Newton's method then converges equally well for contacts at rest, creeping and sliding, without
+regularisation.  A force that may not pull, :math:`F = (k d_+^p + f)_+`, is cut off in the same way.
 
-A contact may creep by less than the rounding of the velocities of its beads, or stick from its
-first touch on with an overlap of 1e-40.  If the velocities do not determine the sign of d', that of
-f is used, and such an overlap is stored from step to step.
+The speed of a creeping contact may be smaller than the rounding errors of the velocities of its
+beads, and a contact may stick as soon as it closes, with an overlap of 1e-40.  If the velocities do
+not determine the sign of d', the sign of f is used; overlaps that positions do not resolve are
+stored from step to step.
 """
 
 from __future__ import annotations
@@ -25,12 +26,12 @@ from .radau import BETWEEN, IMPLICIT_STAGES
 # Smallest compliance of a contact at rest, relative to that of a free one: if all contacts between
 # two walls are at rest, only this determines their common force.
 MIN_YIELDING = 1e-10
-# Smaller overlaps, relative to the positions, do not follow from the positions.
+# Overlaps below this fraction of the positions of the beads are not resolved by the positions.
 RESOLVED = 1e-12
 # A smaller relative speed, or force in units of momentum per time since the start, is a rounding
 # error.
 EVEN = 1e-13
-# Smallest fraction of a step at which the error of an interpolated velocity is not mere rounding.
+# At smaller fractions of a step, the error of an interpolated velocity is only a rounding error.
 AT_START = 1e-5
 # Largest number of iterations for one contact; a few are sufficient.
 MAX_PROJECTIONS = 40
@@ -40,24 +41,24 @@ class Implicit(NamedTuple):
     """Scratch of implicit steps, for each contact and stage."""
 
     forces: Any  # (N + 1, IMPLICIT_STAGES)
-    overlaps: Any  # like all arrays up to ``rest``, it follows from the forces
+    overlaps: Any  # this and all arrays up to ``residual`` follow from the forces
     closings: Any
     # Factors of the changes of force, overlap and closing speed in the law, and its residual.
     own: Any
     by_overlap: Any
     by_closing: Any
-    rest: Any
+    residual: Any
     blocks: Any  # (N + 1, IMPLICIT_STAGES, IMPLICIT_STAGES): after elimination
     block: Any  # (IMPLICIT_STAGES, 2 IMPLICIT_STAGES + 1): that of one contact
 
 
 def new_implicit(contacts: int) -> Implicit:
     """Create scratch for a number of contacts."""
-    forces, overlaps, closings, own, by_overlap, by_closing, rest = np.zeros(
+    forces, overlaps, closings, own, by_overlap, by_closing, residual = np.zeros(
         (7, contacts, IMPLICIT_STAGES)
     )
     return Implicit(
-        forces, overlaps, closings, own, by_overlap, by_closing, rest,
+        forces, overlaps, closings, own, by_overlap, by_closing, residual,
         blocks=np.zeros((contacts, IMPLICIT_STAGES, IMPLICIT_STAGES)),
         block=np.zeros((IMPLICIT_STAGES, 2 * IMPLICIT_STAGES + 1)),
     )  # fmt: skip
@@ -97,16 +98,19 @@ def cut_off(total, spring, weight, law):
 
 @compiled
 def linearise(c, i, compliance, setup, contacts):
-    """Write the law of contact c at stage i as own dF - by_overlap dd - by_closing dd' = rest."""
+    """Write the law of contact c at stage i as own dF - by_overlap dd - by_closing dd' = residual.
+
+    It is linearised about the present forces; dF, dd and dd' are changes from there.
+    """
     law, damping, stiffness = law_of(c, setup), setup.damping[c], setup.stiffness[c]
     pushing = contacts.implicit.forces[c, i]
     overlap, closing = contacts.implicit.overlaps[c, i], contacts.implicit.closings[c, i]
     spring = force(overlap, stiffness, law.exponent)
     slope = law.exponent * spring / overlap if overlap > 0.0 else 0.0
     weight = damping * damping_weight(max(overlap, 0.0), law)
-    own, rest, steepness = 1.0, 0.0, 0.0
+    own, residual, steepness = 1.0, 0.0, 0.0
     if cut_off(closing + compliance * pushing, spring, weight, law):
-        slope, rest = 0.0, -pushing
+        slope, residual = 0.0, -pushing
     elif law.speed_power < 1.0:
         damped = pushing - spring
         speed, at = graph_point(closing + compliance * damped, compliance, damping, law.speed_power)
@@ -115,11 +119,11 @@ def linearise(c, i, compliance, setup, contacts):
         if damping == 0.0 or yielding > compliance:
             if damping > 0.0:
                 steepness = 1.0 / yielding
-            rest = at + steepness * (closing - speed) - damped
+            residual = at + steepness * (closing - speed) - damped
         else:
             own, steepness = max(yielding / compliance, MIN_YIELDING), 1.0 / compliance
             slope *= own
-            rest = (closing - speed) * steepness - own * (damped - at)
+            residual = (closing - speed) * steepness - own * (damped - at)
     else:
         damped = weight * signed_power(closing, law.speed_power)
         steepness = weight * law.speed_power * abs(closing) ** (law.speed_power - 1.0)
@@ -127,9 +131,9 @@ def linearise(c, i, compliance, setup, contacts):
             slope += law.overlap_power * damped / overlap
         # All rows are scaled to the same size, whether stiff or not.
         own = 1.0 / (1.0 + compliance * steepness)
-        rest = own * (spring + damped - pushing)
+        residual = own * (spring + damped - pushing)
         slope, steepness = own * slope, own * steepness
-    contacts.implicit.own[c, i], contacts.implicit.rest[c, i] = own, rest
+    contacts.implicit.own[c, i], contacts.implicit.residual[c, i] = own, residual
     contacts.implicit.by_overlap[c, i] = slope
     contacts.implicit.by_closing[c, i] = steepness
 
@@ -189,10 +193,11 @@ def force_within(c, theta, implicit):
 def sliding_force_within(c, theta, h, y, wall, setup, contacts, implicit):
     """Force of contact c at the fraction theta of an implicit step, in the interpolated state y.
 
-    The interpolated force of a short step may be wrong by the tolerance of velocities times mass
-    per step.  The point on the graph of the law is taken at which :math:`d' + c f` is as
-    interpolated: the law determines the force of a contact that slides, the interpolant that of a
-    contact at rest.  With c = theta h / m, both have the same error.
+    In a short step, the error of the interpolated force may be as large as the mass times the
+    tolerance of velocities, divided by the step.  Therefore the point on the graph of the law is
+    used at which :math:`d' + c f` has its interpolated value: the law determines the force of a
+    sliding contact, and the interpolant that of a contact at rest.  With c = theta h / m, both have
+    the same error.
     """
     if implicit is None:
         return 0.0

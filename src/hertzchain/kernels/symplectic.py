@@ -8,7 +8,7 @@ with the coefficients of a `Splitting`; `SPLITTINGS` has the available methods. 
 phase-space volume.  With :math:`g_s = 0` in every kick, the energy error only oscillates as long as
 contacts stay closed.  A kick with :math:`g_s \ne 0` uses the gradient of the force, to first order
 in :math:`g_s h^2` (Chin, Phys. Lett. A 226, 344, 1997); the slope of a power-law force follows from
-the force without a further root.
+the force without another square root.
 
 `take_steps` is the only function that depends on the method; `advance` corresponds to
 `hertzchain.kernels.full_chain.advance` for DOP853 and records the same events.
@@ -66,7 +66,7 @@ SPLITTINGS = {
 
 # Steps between two evaluations of energy and momentum.
 CHECK = 32
-# Smaller overlaps exert no force: powers of them would be slow to compute.
+# Smaller overlaps exert no force, because computing powers of them would be slow.
 TINY = 1e-40
 
 inlined = njit(forceinline=True, **CONTRACTED)
@@ -85,13 +85,13 @@ class Springs(NamedTuple):
 
 
 class Scratch(NamedTuple):
-    """Arrays of the loop."""
+    """Scratch arrays of `advance`."""
 
     positions: Any  # (N + 2,), with those of the walls
     velocities: Any  # (N,)
     forces: Any  # (N + 1,)
     slopes: Any  # (N + 1,)
-    pulls: Any  # (N + 2,) accelerations, with those of the walls
+    accelerations: Any  # (N + 2,) accelerations, with those of the walls
     powers: Any  # (3, N + 1)
     before: Any  # (3, N + 2) positions, velocities and accelerations at the start of a step
     state: Any  # (2N,) velocities at an event, as `note_leading_pulse` takes them
@@ -111,7 +111,7 @@ def find_forces(x, stiffness, closed_by, exponents, same, f, rows):
 
 @inlined
 def find_slopes(x, stiffness, closed_by, exponents, same, f, slopes, rows):
-    """Forces of all contacts, and their slopes with the overlaps."""
+    """Forces of all contacts, and their derivatives with respect to the overlaps."""
     if same and exponents[0] == 1.5:
         for c in range(len(f)):
             d = closed_by[c] + (x[c] - x[c + 1])
@@ -142,12 +142,12 @@ def other_forces(x, stiffness, closed_by, exponents, same, f, slopes, rows):
 
 
 @inlined
-def soften(f, slopes, inverse_mass, outside, part, pulls):
-    """Forces at displacements by ``part`` times the accelerations, to first order."""
+def soften(f, slopes, inverse_mass, outside, part, accelerations):
+    """Change forces to those after a displacement by ``part`` times the accelerations."""
     for i in range(len(inverse_mass)):
-        pulls[i + 1] = (f[i] - f[i + 1]) * inverse_mass[i] + outside[i]
+        accelerations[i + 1] = (f[i] - f[i + 1]) * inverse_mass[i] + outside[i]
     for c in range(len(f)):
-        f[c] += slopes[c] * part * (pulls[c] - pulls[c + 1])
+        f[c] += slopes[c] * part * (accelerations[c] - accelerations[c + 1])
 
 
 @inlined
@@ -164,7 +164,8 @@ def kick_twice_and_drift(x, v, f, inverse_mass, outside, kick, next_kick, drift)
     """The last kick of a step, the first one of the next, and the drift after it."""
     for i in range(len(v)):
         a = (f[i] - f[i + 1]) * inverse_mass[i] + outside[i]
-        # Two kicks instead of one by the sum, so that no digit depends on where a run stops.
+        # Two additions instead of one of the sum, so that results do not depend, in any digit, on
+        # where a run stops.
         w = v[i] + kick * a
         w = w + next_kick * a
         v[i] = w
@@ -175,8 +176,14 @@ def kick_twice_and_drift(x, v, f, inverse_mass, outside, kick, next_kick, drift)
 def take_steps(
     number, h, time, y, kicks, drifts, gradients, springs, rows, ends, walls, passed
 ):  # fmt: skip
-    """Take steps of the method; on entry and return, forces are those at the positions."""
-    x, v, f, slopes, pulls = rows.positions, rows.velocities, rows.forces, rows.slopes, rows.pulls
+    """Take steps of the method; on entry and on return, ``rows.forces`` belong to the positions."""
+    x, v, f, slopes, accelerations = (
+        rows.positions,
+        rows.velocities,
+        rows.forces,
+        rows.slopes,
+        rows.accelerations,
+    )
     im, outside, stiffness = springs.inverse_mass, springs.outside, springs.stiffness
     closed_by, exponents, same = springs.closed_by, springs.exponents, springs.same
     beads, last_stage = len(v), len(kicks) - 1
@@ -192,7 +199,7 @@ def take_steps(
                 find_forces(x, stiffness, closed_by, exponents, same, f, rows.powers)
             else:
                 find_slopes(x, stiffness, closed_by, exponents, same, f, slopes, rows.powers)
-                soften(f, slopes, im, outside, gradients[s] * h * h, pulls)
+                soften(f, slopes, im, outside, gradients[s] * h * h, accelerations)
             kick_and_drift(x, v, f, im, outside, kicks[s] * h, drifts[s] * h)
             left += kicks[s] * h * f[0]
             right += kicks[s] * h * f[beads]
@@ -224,7 +231,7 @@ def take_steps(
 
 @compiled
 def accelerations_of(springs, rows, out):
-    """Accelerations at the positions, between those of the walls."""
+    """Write the accelerations of the beads to entries 1 to N; entries 0 and N + 1 are the walls."""
     f = rows.forces
     for i in range(len(springs.inverse_mass)):
         out[i + 1] = (f[i] - f[i + 1]) * springs.inverse_mass[i] + springs.outside[i]
@@ -236,8 +243,8 @@ def synchronise(springs, rows, y, accelerations):
     beads = len(rows.velocities)
     copy(rows.positions[1 : beads + 1], y[:beads])
     copy(rows.velocities, y[beads : 2 * beads])
-    accelerations_of(springs, rows, rows.pulls)
-    copy(rows.pulls[1 : beads + 1], accelerations)
+    accelerations_of(springs, rows, rows.accelerations)
+    copy(rows.accelerations[1 : beads + 1], accelerations)
 
 
 @compiled
@@ -258,8 +265,8 @@ def advance(
 ):  # fmt: skip
     """Take up to ``budget`` steps, as `hertzchain.kernels.full_chain.advance` does.
 
-    ``clock[STEP]`` is the step; only the last one, to ``until``, is shorter.  ``ends`` is
-    scratch, (2, 4).
+    ``clock[STEP]`` is the step; only the last one, to ``until``, may be shorter.  ``ends`` is
+    scratch of shape (2, 4), used by `watch_wall`.
     """
     beads = len(springs.inverse_mass)
     copy(y[:beads], rows.positions[1 : beads + 1])
@@ -309,7 +316,7 @@ def advance(
         )  # fmt: skip
         counts[EVALUATIONS] += number * (per_step - 1)
         if single:
-            accelerations_of(springs, rows, rows.pulls)
+            accelerations_of(springs, rows, rows.accelerations)
             if not left:
                 record_events(h, clock, counts, setup, contacts, springs, rows, peaks, crossings)
             if next_frame <= time_new:

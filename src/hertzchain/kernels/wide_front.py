@@ -1,4 +1,4 @@
-r"""Integration of the front in heterogeneous chains, with a wide window.
+r"""Integration of the beads around the pulse in heterogeneous chains, in a wide moving window.
 
 Unequal beads scatter a pulse.  Light beads bounce between heavy ones, contacts open and close
 repeatedly, beads reach their maxima out of order, and beads left behind catch up again.  Therefore
@@ -60,7 +60,7 @@ FIRST, BEADS, LOW, SIZE, WAITING, LAST_CROSSING, PLACE_SIZE = range(7)
 RUNNING, FOLLOWED, WINDOW_FULL, STALLED, BROKEN, STOPPED = range(6)
 # Entries of `signal`, through which other threads stop the kernel and monitor its progress.
 STOP, PASSED = 0, 1
-# Rows of `given`, the parameters of every bead, and of `passed`, the results; 0 = not yet.
+# Rows of `given`, the parameters of every bead, and of `results`; 0 = not yet.
 GIVEN_INVERSE_MASS, GIVEN_STIFFNESS, GIVEN_EXPONENT = 0, 1, 2
 PEAK_VELOCITY, PEAK_TIME, ARRIVAL, PEAK_OVERLAP, RESIDENCE, COLUMNS = range(6)
 
@@ -75,15 +75,15 @@ UNGRADED = 4
 LANDING, MIN_PART = 12, 0.02
 # Beads are added while the force on the last ones exceeds this fraction of the largest.
 REACHED_FORCE = 1e-15
-# The pulse has not reached a bead that is slower than this fraction of the speeds around it;
-# rounding ahead of the pulse could look like a maximum.
+# The pulse has not reached a bead that is slower than this fraction of the speeds around it.  Ahead
+# of the pulse, rounding errors may have maxima.
 REACHED = 1e-11
 # Lower bound of the speeds that scale the errors, as a fraction of the crest's velocity.
 AT_REST = 1e-9
 # Number of slots by which the window moves or grows.
 STRIDE = 4
-# Parts of a step that are searched for the first event (a light bead may turn twice in one), and
-# bisections of such a part: to 1e-12 of a step.
+# Number of parts of a step that are searched, one after the other, for the first event (a light
+# bead may reverse its direction twice in a step), and of bisections of a part: to 1e-12 of a step.
 PARTS, BISECTIONS = 8, 36
 # Maximum number of steps per bead: ten times the number that random radii need.
 MAX_STEPS = 1000
@@ -166,7 +166,7 @@ def try_step(w, size, h, exponent):
 
 @inlined
 def spread(w, size, speeds, wider):
-    """Largest of the speeds of each slot and its two neighbours."""
+    """Write the largest of the speeds of each slot and its two neighbours to row ``wider``."""
     for i in range(size):
         a, b, c = w[speeds + i - 1], w[speeds + i], w[speeds + i + 1]
         larger = a if a > b else b
@@ -197,7 +197,7 @@ def grade(w, size, waiting, grading):
 
 @compiled
 def error_of_step(w, size, h):
-    """Largest estimated error of the velocities, in units of their scales; NaN is kept."""
+    """Largest estimated error of the velocities, in units of their scales; NaN propagates."""
     for i in range(size):
         w[ERROR + i] = abs(h * velocity_error(w, i, STAGE_0, STAGE_8)) / w[SCALE + i]
     worst = 0.0
@@ -240,7 +240,7 @@ def net_force(w, i, motions, s):
 
 @compiled
 def peak_within(w, i, motions):
-    """Fraction of the step at which the net force on slot i first is not positive; 2 if none."""
+    """Fraction of the step at which the net force on slot i is first not positive; 2 if none."""
     low = 0.0
     for part in range(1, PARTS + 1):
         high = part / PARTS
@@ -256,7 +256,7 @@ def peak_within(w, i, motions):
 
 @compiled
 def crossing_within(motions):
-    """Fraction of the step at which a slot first is not faster than the next; 2 if none."""
+    """Fraction of the step at which a slot is first not faster than the next; 2 if none."""
     here, right = motions
     low = 0.0
     for part in range(1, PARTS + 1):
@@ -293,7 +293,7 @@ def may_cross(w, i):
 
 
 @compiled
-def record_peak(w, i, h, time, at, passed):
+def record_peak(w, i, h, time, at, results):
     """Record the velocity maximum of slot i, if it is within the step."""
     left, here = motion(w, i - 1, h), motion(w, i, h)
     motions = left, here, motion(w, i + 1, h)
@@ -302,12 +302,12 @@ def record_peak(w, i, h, time, at, passed):
         return
     # A bead that has left both neighbours keeps the velocity at the end of the step.
     in_flight = w[STAGE_8 + i] == 0.0 and net_force(w, i, motions, part) == 0.0
-    passed[PEAK_VELOCITY, at] = w[NEW_VELOCITY + i] if in_flight else slope(here, part) / h
-    passed[PEAK_TIME, at] = time + part * h
+    results[PEAK_VELOCITY, at] = w[NEW_VELOCITY + i] if in_flight else slope(here, part) / h
+    results[PEAK_TIME, at] = time + part * h
 
 
 @compiled
-def record_crossing(w, i, h, clock, place, at, passed):
+def record_crossing(w, i, h, clock, place, at, results):
     """Record the largest overlap of contact i, if it is within the step.
 
     The residence time is counted from the previous crossing: a difference of two arrival times
@@ -318,11 +318,11 @@ def record_crossing(w, i, h, clock, place, at, passed):
     if part > 1.0:
         return
     overlap = value(here, part) - value(right, part)
-    passed[ARRIVAL, at + 1] = clock[TIME] + part * h
-    passed[PEAK_OVERLAP, at] = overlap
+    results[ARRIVAL, at + 1] = clock[TIME] + part * h
+    results[PEAK_OVERLAP, at] = overlap
     contact = place[LOW] + i
     if place[LAST_CROSSING] == contact - 1:
-        passed[RESIDENCE, at] = clock[SINCE_CROSSING] + part * h
+        results[RESIDENCE, at] = clock[SINCE_CROSSING] + part * h
     place[LAST_CROSSING] = contact
     clock[SINCE_CROSSING] = -part * h
     # A light bead may already have reversed its direction, or hardly move.
@@ -331,7 +331,7 @@ def record_crossing(w, i, h, clock, place, at, passed):
 
 
 @compiled
-def record_events(w, clock, place, h, passed):
+def record_events(w, clock, place, h, results):
     """Record the first maxima and largest overlaps of the step."""
     low = place[LOW]
     for i in range(place[WAITING] - low, min(place[SIZE], place[BEADS] - low)):
@@ -341,14 +341,14 @@ def record_events(w, clock, place, h, passed):
         if not max(abs(before), abs(after)) > least:
             continue
         at = place[FIRST] + low + i
-        if passed[ARRIVAL, at] == 0.0 and may_cross(w, i - 1):
-            record_crossing(w, i - 1, h, clock, place, at - 1, passed)
+        if results[ARRIVAL, at] == 0.0 and may_cross(w, i - 1):
+            record_crossing(w, i - 1, h, clock, place, at - 1, results)
         forward = max(before, after) > least
-        if forward and passed[PEAK_TIME, at] == 0.0 and may_peak(w, i):
-            record_peak(w, i, h, clock[TIME], at, passed)
+        if forward and results[PEAK_TIME, at] == 0.0 and may_peak(w, i):
+            record_peak(w, i, h, clock[TIME], at, results)
     while place[WAITING] < place[BEADS]:
         at = place[FIRST] + place[WAITING]
-        if passed[ARRIVAL, at] == 0.0 or passed[PEAK_TIME, at] == 0.0:
+        if results[ARRIVAL, at] == 0.0 or results[PEAK_TIME, at] == 0.0:
             break
         place[WAITING] += 1
 
@@ -386,7 +386,7 @@ def start(w, clock, place, given):
 
 @compiled
 def take_in(w, clock, place, given):
-    """Widen the window if the pulse has reached its last beads; False if there is no room."""
+    """Add beads if the pulse has reached the last ones of the window; False if it is full."""
     size = place[SIZE]
     reached = w[FORCE + 1 + size - STRIDE] > REACHED_FORCE * clock[MAX_FORCE]
     if not reached or place[LOW] + size >= place[BEADS]:
@@ -401,7 +401,7 @@ def take_in(w, clock, place, given):
 
 @compiled
 def drop(w, place, exponent, given):
-    """Move the window by STRIDE beads: slots are copied from later ones, the last are loaded."""
+    """Move the window by STRIDE beads: drop the rearmost slots and load as many at the front."""
     size = place[SIZE]
     for i in range(size - STRIDE):
         for row in (POSITION, VELOCITY, STIFFNESS, EXPONENT, INVERSE_MASS):
@@ -441,7 +441,7 @@ def accept(w, size):
 
 
 @compiled
-def advance(scratch, window, exponent, given, passed):
+def advance(scratch, window, exponent, given, results):
     """Try one step and accept or shorten it; returns RUNNING or the final status of the chain."""
     w, clock, place = scratch
     behind, tolerance, grading = window
@@ -453,7 +453,7 @@ def advance(scratch, window, exponent, given, passed):
     if not error <= 1.0:
         clock[STEP] = h * (max(SHRINKAGE, change) if error > 1.0 else SHRINKAGE)
         return RUNNING if clock[STEP] > MIN_STEP else BROKEN
-    record_events(w, clock, place, h, passed)
+    record_events(w, clock, place, h, results)
     accept(w, size)
     clock[TIME] += h
     clock[SINCE_CROSSING] += h
@@ -472,7 +472,7 @@ def advance(scratch, window, exponent, given, passed):
 
 
 @compiled
-def follow(window, given, passed, status, work, signal, scratch):
+def follow(window, given, results, status, work, signal, scratch):
     """Follow the pulse along many chains, one after the other.
 
     Parameters
@@ -484,7 +484,7 @@ def follow(window, given, passed, status, work, signal, scratch):
         beads of all chains, where the contact after the last bead of a chain has stiffness 0;
         index among the M beads at which each of the C chains begins; its number of beads; the
         exponent of its contacts if they share one, otherwise NaN
-    passed : (COLUMNS, M) zeros, filled as by `hertzchain.kernels.narrow_front.follow`, except that
+    results : (COLUMNS, M) zeros, filled as by `hertzchain.kernels.narrow_front.follow`, except that
         the residence time is 0 for a contact that does not cross right after the one before it
     status : (C,) status code of each chain
     work : (C,) number of slots times steps left to each chain, counted down to 0; the chain is then
@@ -505,7 +505,7 @@ def follow(window, given, passed, status, work, signal, scratch):
                 status[index] = STOPPED
                 return
             waiting = place[WAITING]
-            code = advance(scratch, window, exponents[index], chains, passed)
+            code = advance(scratch, window, exponents[index], chains, results)
             signal[PASSED] += place[WAITING] - waiting
             trials -= 1
             work[index] -= place[SIZE]

@@ -228,12 +228,12 @@ def budget_of(
     positions: Array,
     velocities: Array,
     forces: Array,
-    ledger: Array,
+    accumulators: Array,
     weights: Array,
     start: tuple[float, float],
 ) -> Budget:
     """Compute the budget of saved states."""
-    lost, worked, pushed, from_left, to_right = ledger.T
+    lost, worked, pushed, from_left, to_right = accumulators.T
     momenta = chain.masses * velocities
     kinetic = 0.5 * momenta * velocities
     stored = stored_energy(chain, overlaps_of(chain, times, positions), forces)

@@ -44,7 +44,7 @@ KEPT: Final[dict[str, Quantity]] = {
 }  # fmt: skip
 # Times at which `simulate` saves the overlaps, between which maxima are interpolated.
 OVERLAP_TIMES: Final = 1000
-# `simulate` uses another method, with a larger error at the same tolerance.
+# Factor of the tolerance for `simulate`, whose method has larger errors at equal tolerance.
 TIGHTER: Final = 0.1
 
 STATUS: Final[tuple[Status, ...]] = (
@@ -65,7 +65,7 @@ class Request:
 
     @property
     def whole_run(self) -> bool:
-        """Whether overlaps after the leading pulse count."""
+        """Whether overlaps after the passage of the leading pulse are requested, too."""
         return any(name in LARGEST_QUANTITIES for name in self.keep)
 
 
@@ -81,7 +81,7 @@ class Outcome:
 
 
 def check_member(chain: Chain, request: Request) -> None:
-    """Raise `InputError` if a chain does not have the wall or the beads of the quantities."""
+    """Raise `InputError` if a chain lacks a wall or a bead that the quantities require."""
     if chain.right_wall is None and any(name in WALL_QUANTITIES for name in request.keep):
         raise InputError("the right end of this chain is free; add a right_wall")
     beyond = [bead for bead in request.sensors if bead > chain.beads]
@@ -325,7 +325,7 @@ def _final_of(run: Run, options: dict[str, Any]) -> dict[str, Any]:
     end = run.end_time
     last = simulate(run.chain, until=end, times=[end], **options)
     budget = budget_of(
-        run.chain, last.times, last.positions, last.velocities, last.forces, last._ledger,
+        run.chain, last.times, last.positions, last.velocities, last.forces, last._accumulators,
         np.zeros_like(last.velocities), last.state.start,
     )  # fmt: skip
     forward, stored = last.velocities[0] > 0.0, np.zeros(run.chain.beads + 1)

@@ -28,10 +28,11 @@ MIN_DRIFT, MAX_DRIFT = 1e-11, 1e-2
 
 @dataclass(frozen=True)
 class Cost:
-    """Drift of a method, and its cost, measured on 100 equal beads between walls.
+    """Drift and computing time of a method, measured on 100 equal beads between walls.
 
-    The drift is ``size * a**order * b**growth`` with the step and the length of the run in units
-    of the shortest time 1/omega of the chain; ``price`` is the relative time of a step.
+    The relative drift of the energy is ``size * a**order * b**growth``, where a and b are the step
+    and the length of the run in units of 1/omega, with the highest angular frequency omega of the
+    chain; ``price`` is the relative computing time of a step.
     """
 
     size: float
@@ -80,7 +81,7 @@ def require_fixed_steps(chain: Chain) -> None:
 
 
 def fastest_frequency(chain: Chain) -> float:
-    """Highest angular frequency of a contact: that of a contact that stores all energy."""
+    """Highest possible angular frequency: that of a contact that stores the whole energy."""
     masses = chain.masses
     motion = 0.5 * float((masses * chain.velocities**2).sum())
     motion = max(motion, 0.5 * float(masses.max()) * typical_speed(chain) ** 2)
@@ -161,18 +162,19 @@ class FixedLoop:
         self.scratch = symplectic.new_scratch(chain.beads)  # type: ignore[no-untyped-call]
 
     def advance(
-        self, going: Any, end: tuple[float, bool], steps: int, work: int, pause: bool
+        self, integration: Any, end: tuple[float, bool], steps: int, work: int, pause: bool
     ) -> int:
         """Take at most this number of steps; return a code for the reason to stop."""
-        arrays, frames = going.state.arrays, going.frames
+        arrays, frames = integration.state.arrays, integration.frames
         code: int = self.kernel.advance(
-            arrays["y"], going.clock, going.counts, going.equation, going.contacts, self.springs,
+            arrays["y"], integration.clock, integration.counts, integration.equation,
+            integration.contacts, self.springs,
             *self.numbers, *end, steps, work, pause, frames.times, frames.spacing is not None,
             frames.states, frames.forces, arrays["peaks"], arrays["crossings"], arrays["walls"],
-            going.accelerations, *self.scratch,
+            integration.accelerations, *self.scratch,
         )  # fmt: skip
-        if going.contacts is not None:
-            going.contacts.last_force[:] = self.scratch[0].forces
+        if integration.contacts is not None:
+            integration.contacts.last_force[:] = self.scratch[0].forces
         return code
 
 

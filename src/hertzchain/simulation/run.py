@@ -213,7 +213,7 @@ class Run(Trajectory):
         self._require_times()
         return budget_of(
             self.chain, self.times, self.positions, self.velocities, self.forces,
-            self._ledger, self.leading_pulse().weights(self.times, self.velocities),
+            self._accumulators, self.leading_pulse().weights(self.times, self.velocities),
             self.state.start,
         )  # fmt: skip
 
@@ -434,5 +434,5 @@ def beginning_of(run: Run, count: int) -> Run:
         positions=run.positions[:count],
         velocities=run.velocities[:count],
         _forces=None if run._forces is None else run._forces[:count],
-        _ledger=run._ledger[:count],
+        _accumulators=run._accumulators[:count],
     )

@@ -342,9 +342,9 @@ def _run(going: _Integration, state: State, status: Status, walls: tuple[Array, 
     arrays, frames, beads = going.state.arrays, going.frames, state.chain.beads
     filled = int(counts[state_layout.FRAMES])
     saved = frames.states[:filled]
-    ledger, now = saved[:, 2 * beads :], arrays["y"][2 * beads :]
+    accumulators, now = saved[:, 2 * beads :], arrays["y"][2 * beads :]
     if going.plain:
-        ledger, now = np.zeros((filled, forces.ACCUMULATORS)), np.zeros(forces.ACCUMULATORS)
+        accumulators, now = np.zeros((filled, forces.ACCUMULATORS)), np.zeros(forces.ACCUMULATORS)
     return Run(
         chain=state.chain,
         times=frames.times[:filled],
@@ -360,7 +360,7 @@ def _run(going: _Integration, state: State, status: Status, walls: tuple[Array, 
         method=going.method,
         state=state,
         _forces=None if going.plain else frames.forces[:filled],
-        _ledger=ledger,
+        _accumulators=accumulators,
         _peaks=arrays["peaks"],
         _crossings=arrays["crossings"],
         _walls=arrays["walls"],

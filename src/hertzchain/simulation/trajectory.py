@@ -50,7 +50,7 @@ class Trajectory:
     method: str
     state: State
     _forces: Array | None = field(metadata=scale("force"))
-    _ledger: Array = field(metadata=scale(ACCUMULATOR_SCALES, axis=1))
+    _accumulators: Array = field(metadata=scale(ACCUMULATOR_SCALES, axis=1))
     _peaks: Array = field(metadata=scale(ROW_SCALES["peaks"]))
     _crossings: Array = field(metadata=scale(ROW_SCALES["crossings"]))
     _walls: Array = field(metadata=scale(ROW_SCALES["walls"]))
@@ -374,7 +374,7 @@ class Trajectory:
 def _largest_between(times: Array, overlaps: Array, velocities: Array) -> Array:
     """Largest overlaps by contact, by cubic Hermite interpolation between the saved times.
 
-    A moving wall adds to the rate of contact 0 and is not regarded; walls have their own record.
+    Contacts with walls are not interpolated; the compiled loop records their largest forces.
     """
     found = np.max(overlaps, axis=0, initial=0.0)
     if len(times) < 2:
@@ -388,7 +388,7 @@ def _largest_between(times: Array, overlaps: Array, velocities: Array) -> Array:
     rise = overlaps[rows + 1, contacts] - low
     c2, c3 = 3.0 * rise - 2.0 * c1 - end, c1 + end - 2.0 * rise
     root = np.sqrt(np.maximum(c2 * c2 - 3.0 * c1 * c3, 0.0))
-    # Both forms are the zero of the rate from above; each is exact for one sign of c2.
+    # Both formulas give the maximum; each avoids cancellation for one sign of c2.
     with np.errstate(divide="ignore", invalid="ignore"):
         s = np.where(c2 > 0.0, -(c2 + root) / (3.0 * c3), c1 / (root - c2))
     # Squares of the numbers at the foot of a pulse may underflow, and rounding errors of the rise

@@ -56,7 +56,7 @@ class Target:
         self.chain, self.side = chain, side
         self.towards = 1.0 if side == RIGHT else -1.0
         self.contacts = equation.stiffness > 0.0
-        self.masses, self.exists = self._seen(chain.masses), self._seen(self.contacts)
+        self.masses, self.exists = self._wall_last(chain.masses), self._wall_last(self.contacts)
         contact = chain.beads if side == RIGHT else 0
         groups = chain.contact_groups
         group = next(each for each in groups if contact in each.index)
@@ -66,30 +66,31 @@ class Target:
         self.powers = (row.overlap_power, row.speed_power)
 
         self.forces = self._forces_at_rest()
-        forces = self._seen(self.forces)
+        forces = self._wall_last(self.forces)
         overlaps, stored = loading_overlaps(groups, forces), np.zeros(chain.beads + 1)
         for each in groups:
             at = each.index
             stored[at] = each.law.stored_energy(overlaps[at], forces[at], each.contacts)
-        self.overlaps = self._seen(overlaps)
-        self.stored = self._seen(np.where(self.contacts, stored, 0.0))
+        self.overlaps = self._wall_last(overlaps)
+        self.stored = self._wall_last(np.where(self.contacts, stored, 0.0))
 
-    def _seen(self, values: Array) -> Array:
+    def _wall_last(self, values: Array) -> Array:
+        """Order values so that those at the wall are last."""
         return values if self.side == RIGHT else values[::-1]
 
     def _forces_at_rest(self) -> Array:
-        """Forces at rest if all contacts are closed: each carries the beads behind it."""
+        """Forces at rest if all contacts are closed: each carries the beads beyond it."""
         static = equilibrium(self.chain)
-        pushes = self.towards * self._seen(static.body_forces)
-        first = float(self._seen(static.forces)[0]) if self.exists[0] else 0.0
+        pushes = self.towards * self._wall_last(static.body_forces)
+        first = float(self._wall_last(static.forces)[0]) if self.exists[0] else 0.0
         forces = first + np.concatenate(([0.0], np.cumsum(pushes)))
         rounding = 1e-12 * float(np.abs(pushes).sum())
         return np.where(self.exists & (forces > rounding), forces, 0.0)
 
     def approach(self, overlaps: Array, stored: Array, velocities: Array) -> Approach:
-        """The motion towards the wall, with the energies that the contacts store."""
-        overlaps, stored = self._seen(overlaps), self._seen(stored)
-        velocity = self.towards * self._seen(velocities)
+        """Motion towards the wall, from overlaps, energies stored in contacts and velocities."""
+        overlaps, stored = self._wall_last(overlaps), self._wall_last(stored)
+        velocity = self.towards * self._wall_last(velocities)
         padded = np.concatenate(([0.0], velocity, [0.0]))
         will_fall = (overlaps < 0.0) & (self.forces > 0.0)
         moving = self.exists & ((padded[:-1] + padded[1:] > 0.0) | will_fall)

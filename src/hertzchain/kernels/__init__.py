@@ -1,8 +1,20 @@
-"""All compiled code: arrays in, arrays and a status code out.
+"""Compiled functions, which take arrays and return arrays and a status code.
 
-`full_chain` integrates all beads of a chain, with the forces of `forces`; `narrow_front` and
-`wide_front` integrate only the beads around the pulse; `local_rate` evaluates a theory.  Kernels
-raise no exceptions and print nothing; callers convert status codes to errors.
+==========================  ====================================================================
+module                      contents
+==========================  ====================================================================
+`full_chain`                adaptive integration of all moving beads of one chain (`simulate`)
+`symplectic`                the same with fixed steps
+`elastic_chains`            integration of several elastic chains side by side (`simulate_many`)
+`narrow_front`,             integration of the beads around the leading pulse (`propagate`), in a
+`wide_front`                window that moves with it
+`adjoint_forward`,          integration that stores its steps, and the derivatives of its results
+`adjoint_reverse`
+`contact_law`, `forces`     force and stored energy of one contact; forces on all beads
+`local_rate`                the local-rate theory
+==========================  ====================================================================
+
+Kernels raise no exceptions and print nothing; callers convert status codes to errors.
 
 Numba caches compiled functions next to these files, but compares the date of a cached function
 only with the file of the function itself, not with those of the functions that it calls.  When the

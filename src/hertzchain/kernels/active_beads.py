@@ -42,14 +42,15 @@ from .forces import (
 )
 from .state_layout import FLIGHT_POSITION, FLIGHT_TIME
 
-# A bead is at rest if its displacement and speed are less than this fraction of those of the few
-# beads behind it.  The foot of a pulse decays doubly exponentially, so that no digit depends on
-# this value.
+# A bead is at rest if its displacement and speed are less than this fraction of the largest ones
+# of the BEHIND beads behind it.  The foot of a pulse decays doubly exponentially, so that no digit
+# of a result depends on this fraction.
 QUIET, BEHIND = 1e-60, 3
-# Fraction of the tolerance times the largest speed below which motion is ignored.  Behind a pulse,
-# steps leave differences of speed of a tenth of this value.
+# Relative motion is ignored below this fraction of the tolerance times the largest speed.  Behind a
+# pulse, errors of the steps cause relative speeds of a tenth of this value.
 NOISE = 0.1
-# Beads remain behind the window until their speeds differ by this many times the ignored speed.
+# Beads remain behind the window until one approaches the next at more than this many times the
+# ignored speed.
 STAY = 4.0
 # Average number of collisions per bead behind the window, at one time, after which all beads return
 # to the window.
@@ -64,7 +65,8 @@ WITHOUT_CACHE: Any = {name: OPTIONS[name] for name in OPTIONS if name != "cache"
 def trimmed(setup, contacts):
     """Whether the window may omit beads on the left and on the right.
 
-    Under static forces, beads at rest are pushed by the rounding error of the sum of these forces.
+    Under static forces no bead may be omitted: the rounding error of the sum of these forces moves
+    even beads that are in equilibrium.
     """
     if contacts is None:
         return True, True
@@ -154,7 +156,7 @@ def idle_time(overlap, closing, unresolved, numbers):
 
 @compiled
 def overlap_and_closing_of(c, y, setup, contacts):
-    """Overlap of contact c of the undriven chain ``setup``, and the speed at which it grows."""
+    """Overlap of contact c of the undriven chain ``setup``, and its rate of change."""
     beads = len(setup.inverse_mass)
     if contacts is None:
         return y[c - 1] - y[c], y[beads + c - 1] - y[beads + c]
@@ -211,7 +213,7 @@ def collide_behind(y, low, time, unresolved, setup, contacts, flights):
 
 @compiled
 def leave_behind(y, first, last, time, flights):
-    """Beads ``first`` to ``last`` - 1 leave the window."""
+    """Record where and when beads ``first`` to ``last`` - 1 leave the window."""
     for k in range(first, last):
         flights[FLIGHT_POSITION, k] = y[k]
         flights[FLIGHT_TIME, k] = time
@@ -219,14 +221,17 @@ def leave_behind(y, first, last, time, flights):
 
 @compiled
 def place_behind(y, beads, first, last, time, flights):
-    """Store the present positions of beads ``first`` to ``last`` - 1, behind the window."""
+    """Compute the positions of beads ``first`` to ``last`` - 1, behind the window, at ``time``."""
     for k in range(first, last):
         y[k] = flights[FLIGHT_POSITION, k] + (time - flights[FLIGHT_TIME, k]) * y[beads + k]
 
 
 @compiled
 def bounds(y, setup, contacts, first, all_beads, trim, unresolved):
-    """First bead of the window and the one after its last, of all beads or from a window."""
+    """First bead of the next window and the one after its last.
+
+    ``y`` and ``setup`` are those of the present window, which begins with bead ``first``.
+    """
     beads = len(setup.inverse_mass)
     active = 0
     if trim[0] and (first > 0 or contact_is_idle(0, y, unresolved, setup, contacts)):

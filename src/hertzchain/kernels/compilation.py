@@ -8,7 +8,8 @@ from numba import njit
 
 from . import compile_notice
 
-# Reference counting is off (`_nrt`): it would take as long as the forces. No kernel is called from C.
+# Reference counting is off (`_nrt`): it would take as long as the forces. No kernel is called
+# from C.
 OPTIONS: dict[str, Any] = {
     "cache": True,
     "nogil": True,
@@ -19,7 +20,7 @@ OPTIONS: dict[str, Any] = {
 # Fused multiply-add is allowed.
 CONTRACTED: dict[str, Any] = OPTIONS | {"fastmath": {"contract"}}
 
-# Sums may be reordered and largest numbers found in any order, so that loops use vectors.
+# Sums and maxima may be evaluated in any order, so that the compiler can vectorise their loops.
 REDUCED: dict[str, Any] = OPTIONS | {"fastmath": {"contract", "reassoc", "nnan", "nsz"}}
 
 compiled = njit(**OPTIONS)
@@ -29,5 +30,5 @@ compile_notice.install()
 
 
 def uncompiled(function: Any) -> Any:
-    """The function as Python runs it, for a single call that is not worth compiling."""
+    """The Python function, for a single call that takes less time than compiling it."""
     return getattr(function, "py_func", function)

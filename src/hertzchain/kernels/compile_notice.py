@@ -1,7 +1,7 @@
-"""One line on standard error for whoever waits for the compiler; the only output of this package.
+"""Write a line to standard error while functions are compiled.
 
-It is written if standard error is a terminal or the output of a notebook, and always by the
-command line, once per wait, and only after half a second of compiling.
+The line is written once per wait, after half a second of compiling, if standard error is a terminal
+or the output of a notebook; the command line always writes it.  The kernels print nothing else.
 """
 
 from __future__ import annotations
@@ -20,17 +20,16 @@ from numba.core import event
 DELAY: Final = 0.5
 # A compilation that begins this many seconds after the previous one is a new wait.
 PAUSE: Final = 1.0
-# Seconds in which a module is compiled, or what concerns a named tuple; measured in CPU time.
+# Measured CPU seconds of compiling: usual, and for certain modules and types of arguments.
 USUAL: Final = 10
 SECONDS: Final = {"full_chain": 15, "GeneralChain": 55}
-
 
 # Function called with the line instead of `write_line`; set by the command line.
 _writers: list[Callable[[str], None]] = []
 
 
 class CompileNotice(event.Listener):
-    """Listener to numba's events of compilation, which are serial: the compiler has a lock."""
+    """Listener to numba's compile events, which never overlap because the compiler has a lock."""
 
     def __init__(
         self,
@@ -88,22 +87,22 @@ class CompileNotice(event.Listener):
 
 
 def _module_of(event: Any) -> str | None:
-    """Last part of the name of the module of a compiled function; None if it is not ours."""
-    # Functions made by `exec` may be without a module.
+    """Name of the module of a compiled function; None if it is outside this package."""
+    # Functions created by `exec` may have no module.
     function = getattr(event.data["dispatcher"], "py_func", None)
     package, _, module = (getattr(function, "__module__", None) or "").rpartition(".")
     return module if package == __package__ else None
 
 
 def _seconds(event: Any, module: str) -> int:
-    """Expected time of a compilation, from the function and the types of its arguments."""
+    """Expected duration of a compilation, from the module and the types of the arguments."""
     classes = (getattr(kind, "instance_class", None) for kind in event.data["args"])
     names = [getattr(each, "__name__", "") for each in classes]
     return max((SECONDS[name] for name in (module, *names) if name in SECONDS), default=USUAL)
 
 
 def send_to(write: Callable[[str], None] | None) -> None:
-    """Call this with the line from now on; with None, `write_line`."""
+    """Set the function that is called with the line; None restores `write_line`."""
     _writers[:] = [] if write is None else [write]
 
 
@@ -112,7 +111,7 @@ def _write_current(line: str) -> None:
 
 
 def write_line(line: str) -> None:
-    """Write a line where a person reads it: not in worker processes, pipes and files."""
+    """Write a line to standard error, except in worker processes and into pipes and files."""
     stream = sys.stderr
     if multiprocessing.parent_process() is None and _is_read(stream):
         # The terminal may have been closed.
@@ -130,5 +129,5 @@ def _is_read(stream: Any) -> bool:
 
 
 def install() -> None:
-    """Listen from now on."""
+    """Register the listener with numba."""
     event.register("numba:compile", CompileNotice())

@@ -42,7 +42,7 @@ class Law(NamedTuple):
     attractive: bool
     # Whether steps are implicit, because explicit ones would be too short.
     implicit: bool
-    # Lower limit of the unit of errors of velocities, for chains at rest.
+    # Lower bound of the unit in which errors of velocities are measured, for chains at rest.
     slowest: float
 
 
@@ -60,7 +60,7 @@ class LawTable(NamedTuple):
 
 @compiled
 def law_of(c, setup):
-    """The law of contact c; `setup.law`, unless contacts differ."""
+    """Law of contact c: `setup.law`, unless the contacts have different laws."""
     return law_in(c, setup.law, setup.laws)
 
 
@@ -141,7 +141,7 @@ def elastic_overlap(overlap, mode, largest, law):
 
 @compiled
 def loading_force(overlap, stiffness, damping, law):
-    """Force at an overlap that is reached slowly for the first time."""
+    """Force at an overlap reached slowly for the first time; see `contact_force`."""
     if law.kind == YIELDING and overlap > damping:
         return stiffness * np.sqrt(damping) * (1.5 * overlap - 0.5 * damping)
     return force(overlap, stiffness, law.exponent)
@@ -160,7 +160,7 @@ def rebound(overlap, largest, stiffness, damping, law):
 
 @compiled
 def power_of_yield(overlap, closing, stiffness, damping, law):
-    """Power of loading that the contact cannot return, d (W - U)/dt."""
+    """Power lost in plastic loading, d (W - U)/dt: work W done minus energy U stored."""
     if overlap <= damping:
         return 0.0
     slope = 1.5 * stiffness * np.sqrt(damping)
@@ -171,7 +171,7 @@ def power_of_yield(overlap, closing, stiffness, damping, law):
 
 @compiled
 def contact_force(overlap, closing, mode, largest, stiffness, damping, law):
-    """Force and power loss of a contact; ``damping`` is the overlap at yield of YIELDING."""
+    """Force and power loss of a contact; for YIELDING, ``damping`` is the overlap at yield."""
     if law.kind == DAMPED:
         if has_modes(law) and mode != LOADED:
             return 0.0, 0.0
@@ -196,7 +196,7 @@ def contact_force(overlap, closing, mode, largest, stiffness, damping, law):
 
 @compiled
 def potential(overlap, stiffness, damping, mode, largest, law):
-    """Energy that a contact can return."""
+    """Energy stored in a contact: the energy that it can return."""
     kept = 1.0
     if law.kind == DAMPED and has_modes(law) and mode == RELEASED:
         return 0.0

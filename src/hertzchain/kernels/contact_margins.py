@@ -30,7 +30,7 @@ ROUNDED = 1e-15
 
 @compiled
 def must_switch(overlap, closing, stiffness, damping, mode, largest, held, law, still):
-    """Whether a contact must leave its mode; relative speeds below ``still`` count as zero."""
+    """Whether a contact must leave its mode; relative speeds below ``still`` are taken as zero."""
     if law.kind == DAMPED:
         pulls = False
         if not law.attractive and overlap > 0.0:
@@ -74,7 +74,7 @@ def leaves_mode(c, theta, y, wall, setup, contacts, still):
 
 @compiled
 def pull_free_force(overlap, closing, stiffness, damping, law):
-    """Force of a damped contact before it is cut off; its overlap if it is open."""
+    """Force of a damped contact before attraction is cut off; its overlap if it is open."""
     if overlap <= 0.0 or law.attractive:
         return overlap
     weight = damping * damping_weight(overlap, law)
@@ -83,7 +83,7 @@ def pull_free_force(overlap, closing, stiffness, damping, law):
 
 @compiled
 def margin_of(c, y, wall, setup, contacts):
-    """Margin of contact c in its mode; the force of a stuck contact must be computed before."""
+    """Margin of contact c in its mode; the force of a stuck contact must be up to date."""
     law, mode = law_of(c, setup), contacts.mode[c]
     overlap, closing = overlap_and_closing(c, y, len(setup.inverse_mass), setup.gap[c], wall)
     stiffness = setup.stiffness[c]

@@ -36,9 +36,10 @@ SETTLED = 1e4
 # Overlaps up to this fraction of the displacement of a wall may remain undetected, because a wall
 # may come to rest where it just touches a bead.
 UNSEEN = 1e-10
-# In place of a contact, for `switch`.  For the literal -1, numba would compile another version.
+# Argument ``first`` of `switch` if no contact is given.  For the literal -1, numba would compile
+# another version.
 ANY = np.int64(-1)
-# Number of contacts that are compared at once.
+# Number of contacts that are compared without a branch.
 GROUP = 64
 
 
@@ -128,7 +129,7 @@ def may_close_unseen(time, h, y, y_new, stages, row, scale, setup, segment, rtol
 
 @compiled
 def next_mode(c, overlap, time, y, setup, contacts, segment, scratch):
-    """The mode that follows.  A contact sticks if both of its forces would reverse its motion."""
+    """Next mode of contact c, which sticks if both of its forces would reverse its motion."""
     law, mode = law_of(c, setup), contacts.mode[c]
     if law.kind != UNLOADING:
         return RELEASED if mode == LOADED else LOADED
@@ -203,7 +204,7 @@ def equalise_velocities(c, wall_speed, y, inverse_mass, mode):
 
 @compiled
 def forget_unloading(y, wall, setup, contacts, search):
-    """Set the mode of open contacts to loading, in which they will close."""
+    """Set the mode of open contacts to loading, the mode in which they will close."""
     if search is None or setup.law.kind != UNLOADING:
         return
     beads, mode = len(setup.inverse_mass), contacts.mode
@@ -216,7 +217,7 @@ def forget_unloading(y, wall, setup, contacts, search):
 
 @compiled
 def switch(first, time, y, setup, contacts, segment, still, scratch, search):
-    """Give contact ``first`` its next mode, and all others that must change at this time.
+    """Change the mode of contact ``first``, and of all others that must change at this time.
 
     A contact that changes its mode alters the forces that stuck contacts on both sides must carry.
     Without modes ``search`` is `None`, as for `hertzchain.kernels.mode_search.first_switch`.

@@ -2,8 +2,8 @@
 
 Source: E. Hairer, S. P. Norsett and G. Wanner, "Solving Ordinary Differential
 Equations I", 2nd ed. (Springer, 1993), Sec. II.10, and its program ``dop853.f``;
-doi:10.1007/978-3-540-78862-1.  Stages 1-12 make the step, 13 is the derivative
-at its end, 14-16 serve only the interpolant.
+doi:10.1007/978-3-540-78862-1.  Stages 1-12 determine the step, stage 13 is the
+derivative at its end, and stages 14-16 are used only by the interpolant.
 """
 
 from __future__ import annotations
@@ -162,7 +162,7 @@ B = np.array(
     ]
 )
 
-# Differences to the embedded methods of order 5 and 3, over stages 1-13.
+# Differences from the embedded methods of order 5 and 3, over stages 1-13.
 E5 = np.array(
     [
         0.01312004499419488,

@@ -16,14 +16,14 @@ from .forces import copy, derivative
 from .interpolant import COEFFICIENTS
 from .step_scale import AT_REST, ROUNDING, general_scale
 
-# Times of the stages, in parts of the step.
+# Times of the stages, as fractions of the step.
 C = A.sum(axis=1)
 # Number of stages that are added in one pass over the arrays.
 GROUP_SIZE = 4
 
 
 def in_groups(rows):
-    """Places and values of the weights other than zero, in groups, for each row."""
+    """Indices and values of the nonzero weights of each row, in groups, and number of groups."""
     longest = max(np.count_nonzero(row) for row in rows)
     groups = -(-longest // GROUP_SIZE)
     which = np.zeros((len(rows), groups, GROUP_SIZE), np.int64)
@@ -78,7 +78,7 @@ def complete_stages(time, y, h, setup, contacts, segment, stages, trial):
 
 @compiled
 def estimate(weights, stages, out):
-    """Sum over the stages of weight * stage; the weights of stages 1 to 4 are zero."""
+    """Write the sum over the stages of weight * stage; the weights of stages 1 to 4 are zero."""
     w0, w5, w6, w7 = weights[0], weights[5], weights[6], weights[7]
     s0, s5, s6, s7 = stages[0], stages[5], stages[6], stages[7]
     for i in range(len(out)):
@@ -92,7 +92,8 @@ def estimate(weights, stages, out):
 @compiled
 def error_norm(h, stages, scale, rtol, errors):
     """Largest estimated error of a step, in units of the tolerance; NaN if a stage is NaN."""
-    # Errors of positions are expressed as the error of a velocity that causes them within the step.
+    # The error of a position is measured by the constant error of velocity that would cause it
+    # within the step.
     beads = len(scale)
     estimate(E5, stages, errors[0])
     estimate(E3, stages, errors[1])
@@ -117,7 +118,7 @@ def error_norm(h, stages, scale, rtol, errors):
 
 @compiled
 def find_coefficients(h, y, y_new, stages, dense):
-    """Coefficients of all components, (COEFFICIENTS, len(y)), of a step with all its stages."""
+    """Interpolant of a step with all its stages: coefficients of shape (COEFFICIENTS, len(y))."""
     first, last = stages[0], stages[STEP_STAGES]
     for i in range(len(y)):
         dense[0, i] = y_new[i] - y[i]

@@ -1,4 +1,4 @@
-"""Compiled drives: piecewise functions for the force on bead 1 or the place of the left wall."""
+"""Compiled drives: piecewise functions for the force on bead 1 or the position of the left wall."""
 
 from __future__ import annotations
 
@@ -6,19 +6,21 @@ import numpy as np
 
 from .compilation import compiled
 
-# Kinds of drive: none, force on bead 1, place of the left wall.
+# Kinds of drive: none, force on bead 1, position of the left wall.
 NOTHING, PUSH, MOVING_WALL = range(3)
 # A piece of the drive: a cubic in time, then amplitude and angular frequency of three sines.
 CUBIC, SINES = 4, 3
-# The series of sin x - x for |x| < 1, from its last term; 1/(n (n + 1)) is the ratio of successive
-# terms.  A sum of slopes that is smaller than this, relative to the slopes, is a rounding error.
+# Values of n in the series of sin x - x for |x| < 1, from its last term; successive terms have the
+# ratio -x^2/(n (n + 1)).
 SINE_TERMS = tuple(range(18, 0, -2))
+# If the slopes of the sines cancel to less than this fraction of the largest slope, their sum is a
+# rounding error.
 ROUNDED_SLOPE = 1e-14
 
 
 @compiled
 def sine_beyond_line(x):
-    """Sin x - x, without cancellation for small x."""
+    """Compute sin x - x without cancellation for small x."""
     if abs(x) > 1.0:
         return np.sin(x) - x
     square, total = x * x, 0.0
@@ -30,8 +32,8 @@ def sine_beyond_line(x):
 @compiled
 def drive_at(time, setup, segment):
     """Value, rate and acceleration of the drive at a time within a piece."""
-    # Sines with a window begin as a higher power of time.  The linear terms cancel and are omitted
-    # from the sum; otherwise only rounding errors would remain.
+    # A burst with a window begins with a higher power of time, because the linear terms of the
+    # sines cancel.  At early times they are omitted: their rounding errors would exceed the sum.
     t = time - setup.piece_starts[segment]
     c = setup.pieces[segment]
     value = c[0] + t * (c[1] + t * (c[2] + t * c[3]))
@@ -60,7 +62,7 @@ def drive_at(time, setup, segment):
 
 @compiled
 def rounding_of_drive(time, setup, segment):
-    """Size of the terms of the drive, whose rounding remains when they cancel."""
+    """Size of the terms of the drive that may cancel; its rounding error is relative to it."""
     t, c = time - setup.piece_starts[segment], setup.pieces[segment]
     size, fastest = 0.0, 0.0
     for i in range(SINES):
@@ -85,7 +87,7 @@ def reach_of_wall(time, setup, segment):
 
 @compiled
 def wall_motion(time, setup, segment):
-    """Place, velocity and acceleration of the left wall."""
+    """Position, velocity and acceleration of the left wall."""
     if setup.drive == MOVING_WALL:
         return drive_at(time, setup, segment)
     return 0.0, 0.0, 0.0

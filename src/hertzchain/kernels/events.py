@@ -35,8 +35,8 @@ from .stepping import first_row, forces_within, interpolate, is_implicit, on_pos
 from .stiff_law import closes_in, force_within
 from .wall_events import record_walls, wall_may_peak
 
-# The pulse has not reached a bead that is slower than this fraction of the speeds around it;
-# rounding ahead of the pulse could look like a maximum.
+# The pulse has not reached a bead that is slower than this fraction of the speeds around it.  Ahead
+# of the pulse, rounding errors may have maxima.
 REACHED = 1e-11
 # The same limit for implicit steps, in tolerances: if all contacts are stiff, all beads move
 # simultaneously, and velocities below the tolerance may have any sign.
@@ -49,7 +49,7 @@ PARTS = 8
 
 @compiled
 def least_speed(rtol, setup, contacts):
-    """Fraction of the speeds around it above which a bead has been reached by the pulse."""
+    """Fraction of the speeds around a bead above which the pulse has reached the bead."""
     if is_implicit(setup, contacts):
         return max(REACHED, TOLERANCES * max(rtol, FINEST))
     # Ahead of the pulse, the unit of speeds is the rounding error of static forces.
@@ -74,7 +74,7 @@ def acceleration_within(k, theta, h, y, dense, setup, contacts):
 
 @compiled
 def peak_within(k, h, y, dense, setup, contacts):
-    """Fraction of the step at which the net force on bead k first is not positive; 2 if none."""
+    """Fraction of the step at which the net force on bead k is first not positive; 2 if none."""
     low = 0.0
     for part in range(1, PARTS + 1):
         high = part / PARTS
@@ -185,7 +185,7 @@ def touch(c, y, y_new, setup, contacts):
 def record_peaks(h, time, y, y_new, stages, dense, setup, contacts, first, expected, peaks):
     """Record first maxima of velocity within the step, of the beads where one is expected.
 
-    Returns their number without that of bead 1, which no run waits for.
+    Returns their number, without bead 1, whose maximum is not required to end a run.
     """
     beads = len(setup.inverse_mass)
     found = 0
@@ -195,7 +195,7 @@ def record_peaks(h, time, y, y_new, stages, dense, setup, contacts, first, expec
         theta = peak_within(k, h, y, dense, setup, contacts)
         if theta > 1.0 and is_implicit(setup, contacts):
             theta = first_rest(k, beads, stages)
-        # Rounding may hide a change of sign at the end of the step from the interpolant.
+        # Because of rounding, the interpolant may miss a change of sign at the end of the step.
         if theta > 1.0 and stages[STEP_STAGES, beads + k] <= 0.0:
             theta = 1.0
         if theta > 1.0:
@@ -230,7 +230,7 @@ def record_jumps(time, y, stages, scale, reached, first, peaks):
 
 @compiled
 def store_crossing(at, after, overlap, clock, counts, crossings):
-    """Record the largest overlap of contact ``at``, at the time ``after`` that of the clock.
+    """Record the largest overlap of contact ``at``, a time ``after`` later than the clock.
 
     The residence time is counted from the previous crossing: a difference of two arrival times
     would suffer from cancellation where the pulse becomes much faster.
@@ -281,7 +281,8 @@ def record_crossings(
 def may_exceed(c, h, y, y_new, setup, contacts, largest):
     """Whether the overlap of beads c and c + 1 may have a maximum above the largest so far.
 
-    A parabola between the ends of the step rises above them by at most half of the margin.
+    A parabola rises above its values at the ends of the step by at most half of the term that is
+    added to them.
     """
     beads = len(setup.inverse_mass)
     before, after = y[beads + c] - y[beads + c + 1], y_new[beads + c] - y_new[beads + c + 1]
@@ -316,7 +317,7 @@ def record_stops(
     clock, counts, y, stages, dense, scale, reached, setup, contacts, first, chain, inverse_mass,
     crossings,
 ):  # fmt: skip
-    """Record largest overlaps between two steps, of approaching beads that became stuck."""
+    """Record largest overlaps of approaching beads that became stuck between two steps."""
     beads = len(scale)
     for c in range(beads - 1):
         closed_in = stages[STEP_STAGES, c] > stages[STEP_STAGES, c + 1]
@@ -344,7 +345,7 @@ def expect_first_peak(y, y_new, stages, row, scale, reached, implicit, peaks):
 def expect_events(
     h, y, y_new, stages, scale, reached, setup, contacts, first, peaks, crossings, expected
 ):
-    """Mark the beads and contacts with a first peak, a crossing or a largest overlap to come."""
+    """Mark beads and contacts that may have their first peak or crossing, or a larger overlap."""
     beads, implicit, row = len(scale), is_implicit(setup, contacts), first_row(contacts)
     anything = expected[0, 0] = first == 0 and expect_first_peak(
         y, y_new, stages, row, scale, reached, implicit, peaks

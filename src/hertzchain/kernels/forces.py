@@ -6,10 +6,14 @@ is a default chain, accumulators of energy and momentum.  Its derivative is :mat
 .. math:: m_k a_k = F_{k-1} - F_k + X_k ,
 
 where :math:`F_c` is the force of contact c and :math:`X_k` the external force on bead k.  Contacts
-:math:`c = 1 \dots N - 1` join beads c and c + 1; contacts 0 and N are those with the walls.  A
-`DefaultChain`, Eq. (4) of the paper, has only the forces :math:`F_c = r_c (x_c - x_{c+1})_+^p`, and
-a separate loop; a `GeneralChain` supports all other features.  The force of one contact is in
-`hertzchain.kernels.contact_law`; if all contacts have one law, loops over contacts are faster.
+:math:`c = 1 \dots N - 1` join beads c and c + 1; contacts 0 and N are those with the walls.  At a
+free end there is no wall: the contact has stiffness 0, and a constant force that holds the end of a
+precompressed chain is part of :math:`X_k`.
+
+A `DefaultChain`, Eq. (4) of the paper, has only the forces :math:`F_c = r_c (x_c - x_{c+1})_+^p`,
+and a separate loop; a `GeneralChain` supports all other features.  The force of one contact is in
+`hertzchain.kernels.contact_law`; if all contacts have the same law, vectorised loops over contacts
+are used instead.
 """
 
 from __future__ import annotations
@@ -52,8 +56,8 @@ class GeneralChain(NamedTuple):
     stiffness: Any  # (N + 1,); 0 without a wall
     exponent: float
     gap: Any  # (N + 1,)
-    damping: Any  # (N + 1,): or another number of the law
-    law: Law  # of all contacts; if they differ, the kind with all checks
+    damping: Any  # (N + 1,): damping constant, or the overlap at yield
+    law: Law  # of all contacts; if they differ, its kind is the one with the most checks
     laws: Any  # a LawTable; None if all contacts have one law
     body_force: Any  # (N,): weight along the chain, and forces that hold free ends
     drive: int
@@ -64,27 +68,27 @@ class GeneralChain(NamedTuple):
 class Contacts(NamedTuple):
     """Memory and forces of the contacts of a `GeneralChain`; `None` for a `DefaultChain`."""
 
-    # For None, numba compiles code without these arrays.  Passing tuples of arrays takes time, so
-    # that loops over contacts extract the arrays first.
+    # If a field is None, numba compiles code without it.  Passing tuples of arrays takes time;
+    # loops over contacts therefore extract the arrays first.
 
     mode: Any  # (N + 1,)
-    largest: Any  # (N + 1,): largest overlap, if the law depends on it; with implicit steps, the
-    # overlap, which may be below the rounding of positions
+    largest: Any  # (N + 1,): largest overlap so far, if the law depends on it; with implicit steps,
+    # the present overlap, which may be smaller than the rounding error of the positions
     force: Any  # (N + 1,)
     last_force: Any  # (N + 1,): at the end of the last step
     scratch: Any  # (3, N + 1)
     powers: Any  # (4, N + 1): scratch of powers
-    # Scratch of implicit steps; None if steps are explicit, so that numba compiles only these.
+    # Scratch of implicit steps; None if steps are explicit.
     implicit: Any
-    # None where no contact has modes, for which numba compiles no search for their changes.
+    # None if no contact has modes, so that changes of modes need not be searched for.
     search: Any
-    # None where forces depend on velocities; determines the method of the steps.
+    # None if forces depend on velocities; selects the method (`hertzchain.kernels.stepping`).
     on_positions: Any
 
 
 @compiled
 def copy(source, target):
-    """Copy like ``target[:] = source``, but without its check whether the arrays overlap."""
+    """Copy like ``target[:] = source``, but without a check whether the arrays overlap."""
     for i in range(len(target)):
         target[i] = source[i]
 
@@ -186,9 +190,9 @@ def all_stuck(mode):
 def share_common_force(drive, wall_acceleration, overlap, setup, contacts):
     """Forces of contacts that are all stuck between two walls.
 
-    At rest their differences follow from the forces on the beads; the force that all have in
-    common is in the middle of those that no contact gives way to.  A wall that begins to move
-    makes contacts give way.
+    At rest, the differences of these forces follow from the external forces on the beads.  The
+    force that all have in common is chosen in the middle of the range in which every contact can
+    stick or, if a wall begins to move, beyond this range, so that contacts release.
     """
     pushing = contacts.force
     beads, low, high, common = len(setup.inverse_mass), -np.inf, np.inf, 0.0
@@ -268,7 +272,7 @@ def damping_coefficients(overlap, damping, law, weight, scratch):
 
 @compiled
 def add_damping(pushing, overlap, closing, damping, mode, law, more, scratch):
-    """Add forces that depend on the closing speed to elastic ones; returns the power lost."""
+    """Add damping forces to the elastic forces; returns the power lost."""
     damping_coefficients(overlap, damping, law, more, scratch)
     if has_modes(law):
         for c in range(len(more)):
@@ -292,7 +296,7 @@ def add_damping(pushing, overlap, closing, damping, mode, law, more, scratch):
 
 @compiled
 def sum_of_products(a, b):
-    """Sum of a * b, as four independent sums, which is faster."""
+    """Sum of a * b, split into four independent sums, which the compiler can vectorise."""
     s, t, u, v = 0.0, 0.0, 0.0, 0.0
     whole = len(a) - len(a) % 4
     for i in range(0, whole, 4):
@@ -317,7 +321,7 @@ def reduce_unloading_forces(pushing, mode, law):
 
 @compiled
 def power_lost(pushing, closing, mode, law):
-    """Power of loading that unloading will not return."""
+    """Power of loading contacts, without the part that unloading will return."""
     s, t = 0.0, 0.0
     for c in range(0, len(pushing) - 1, 2):
         s += pushing[c] * closing[c] if mode[c] == LOADED else 0.0

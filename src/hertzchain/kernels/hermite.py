@@ -1,8 +1,8 @@
 """Hermite interpolation within a step, by a polynomial of degree 7.
 
 Position, velocity, acceleration and jerk at both ends determine its eight coefficients.  Nystrom
-methods (`hertzchain.kernels.rkn8`) have no interpolant; with this one, maxima between two steps are
-as accurate as the steps.
+methods (`hertzchain.kernels.rkn8`) have no interpolant; with this one, maxima within a step are as
+accurate as the step.
 """
 
 from __future__ import annotations
@@ -46,7 +46,7 @@ def slope(c, s):
 
 @compiled
 def curvature(c, s):
-    """Second derivative."""
+    """Second derivative with respect to s."""
     _, _, c2, c3, c4, c5, c6, c7 = c
     high = 12.0 * c4 + s * (20.0 * c5 + s * (30.0 * c6 + s * (42.0 * c7)))
     return 2.0 * c2 + s * (6.0 * c3 + s * high)
@@ -54,6 +54,6 @@ def curvature(c, s):
 
 @compiled
 def third(c, s):
-    """Third derivative."""
+    """Third derivative with respect to s."""
     _, _, _, c3, c4, c5, c6, c7 = c
     return 6.0 * c3 + s * (24.0 * c4 + s * (60.0 * c5 + s * (120.0 * c6 + s * (210.0 * c7))))

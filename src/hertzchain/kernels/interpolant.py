@@ -1,4 +1,4 @@
-r"""The interpolant of order 7 within a step, of all methods.
+r"""Interpolant of degree 7 within a step, common to all methods.
 
 With the fraction :math:`\theta` of the step and seven coefficients per component, it is
 
@@ -6,7 +6,7 @@ With the fraction :math:`\theta` of the step and seven coefficients per componen
           + (1-\theta)(c_5 + \theta c_6))))))
 
 as for DOP853 (`hertzchain.kernels.dop853`).  The coefficients of all components are computed
-together; the search for a maximum is then cheap.
+together, so that the search for a maximum takes little time.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ def slope(i, theta, h, dense):
 
 @compiled
 def attainable(first, rise, last, fall):
-    """Upper bound within the step of a curve that falls at its end, from its ends and slopes.
+    """Upper bound of a concave curve within a step, from the values and slopes at its ends.
 
     A concave curve lies below the tangents at its ends.  A curve that rises at the end has its
     maximum there or in a later step.

@@ -23,7 +23,7 @@ from .state_layout import (
     RISE_TIME,
 )
 
-# The pulse has left a contact this many rise times after its crest.
+# The pulse has left a contact this many rise times after the crest has passed.
 LENGTH = 4.0
 
 
@@ -40,7 +40,7 @@ def velocity_within(k, theta, first, y, dense, chain, all_beads):
 
 @compiled
 def rise_of(overlap, c, setup, contacts):
-    """Force of a largest overlap of contact c of the window, less the static force."""
+    """Force of contact c of the window at a largest overlap, minus its static force."""
     if contacts is None:
         return force(overlap, setup.stiffness[c], setup.exponent)
     stiffness, damping, law = setup.stiffness[c + 1], setup.damping[c + 1], law_of(c + 1, setup)
@@ -50,7 +50,7 @@ def rise_of(overlap, c, setup, contacts):
 
 @compiled
 def skip_beads_left(time, counts, beads, crossings):
-    """Count the beads that the pulse has left by now; returns the last rise time among them."""
+    """Count the beads that the pulse has left by ``time``; returns the last of their rise times."""
     k = counts[LEFT_BY_PULSE]
     last = k
     while last > 0 and not crossings[RISE_TIME, last - 1] > 0.0:
@@ -73,10 +73,10 @@ def skip_beads_left(time, counts, beads, crossings):
 def note_leading_pulse(
     at, rise, theta, first, start, counts, y, dense, chain, inverse_mass, crossings
 ):  # fmt: skip
-    """Record the leading pulse at the crossing of contact ``at`` of the chain.
+    """Record rise time, momentum and energy of the leading pulse when its crest is at a contact.
 
-    ``rise`` is the force of the contact above its static one, ``start`` the time at the start of
-    the step.
+    ``at`` is the contact, ``rise`` its force minus its static force, ``start`` the time at the
+    start of the step.
     """
     beads = len(inverse_mass)
     end = first + (len(y) - (len(chain) - 2 * beads)) // 2

@@ -20,9 +20,9 @@ from .interpolant import state_within, value
 from .law_kinds import DAMPED, UNLOADING
 from .stepping import interpolate
 
-# A stuck contact is searched if its force is this close to a bound at a stage; its stages are
-# checked if it is this close at an end of the step.  Both are fractions of the distance of the
-# bounds.
+# A stuck contact is searched if its force is closer than NEAR to a bound at a stage.  The stages
+# are checked only if it is closer than NEAR_AT_END at an end of the step.  Both are fractions of
+# the distance between the bounds.
 NEAR, NEAR_AT_END = 0.05, 0.1
 # The stages that are checked, in the order of their times: both ends, and those of the highest
 # order, from a quarter of the step on.
@@ -31,8 +31,8 @@ LATE_STAGES = (0, 7, 9, 8, 10, STEP_STAGES)
 WEAK = 0.5
 # Fraction of a step over which the slope of a force is estimated.
 SHORT = 1e-3
-# Number of times that the interval of a minimum is reduced to two thirds.  The minimum is located
-# only if a parabola predicts it to be less than this fraction of the least margin found.
+# Number of times that the interval around a minimum is reduced to two thirds.  The minimum is
+# located only if a parabola predicts that it is below NEAR_AT_LEAST times the least margin found.
 SECTIONS, NEAR_AT_LEAST = 20, 0.5
 
 
@@ -99,10 +99,10 @@ def may_be_cut_off(h, mode, before, after, slope, last_slope, stiffness, damping
 
 @compiled
 def may_release(c, loading, stages, setup, contacts):
-    """Whether the force of stuck contact c may go beyond one of its bounds and return.
+    """Whether the force of stuck contact c may exceed one of its bounds and return within a step.
 
-    It is then near the bound at a stage and, as the bounds are constant, rises and falls.  At the
-    stages, the force is computed from the force on the left wall and the accelerations.
+    The force is then near the bound at a stage and, because the bounds are constant, both rises and
+    falls.  At the stages, it is computed from the force on the left wall and the accelerations.
     """
     kept, beads = law_of(c, setup).kept, len(setup.inverse_mass)
     least, apart = kept * loading, (1.0 - kept) * loading
@@ -125,7 +125,7 @@ def may_release(c, loading, stages, setup, contacts):
 
 @compiled
 def may_switch(c, h, y, y_new, stages, setup, contacts, walls, still):
-    """Whether, according to the stages of a step, contact c may have to leave its mode in the step.
+    """Whether, according to the stages of a step, contact c may have to leave its mode within it.
 
     ``walls`` is the motion of the left wall at both ends of the step.
     """

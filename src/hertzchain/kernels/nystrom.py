@@ -1,12 +1,13 @@
-r"""One step on positions alone, for forces that depend on positions and time only.
+r"""Explicit steps of order 8 for chains whose forces depend on positions and time only.
 
 The method is RKN8(6) (`hertzchain.kernels.rkn8`); the forces are those of elastic contacts, walls,
-drives and weight.  Stages are rows of ``stages`` as for explicit steps, but have no velocities: the
-start is in row 0, stages 1 to 7 are in the rows from `FIRST_ROW` on, and the end, which has
-velocities, is in row `STEP_STAGES`.
+drives and weight.  Stages are rows of ``stages``, as for DOP853, but have no velocities: the start
+is in row 0, stages 1 to 7 are in the rows from `FIRST_ROW` on, and the end, which has velocities,
+is in row `STEP_STAGES`.
 
-`hertzchain.kernels.rkn8_stages` has the same step for rows at constant distances, whose sums the
-compiler vectorises at once.  Here the rows are as long as the window; they are added in groups.
+`hertzchain.kernels.rkn8_stages` has the same step for rows at constant distances, so that the
+compiler can vectorise a sum over all stages in one loop.  Here the length of the rows varies with
+the window, and stages are added in groups.
 """
 
 from __future__ import annotations
@@ -41,13 +42,13 @@ FIRST_ROW = STEP_STAGES - EVALUATIONS_PER_STEP + 1
 # The estimate is of order 6, and the error of the step of order 8.  With this ratio of the two,
 # runs are at least as accurate as those of DOP853 at equal tolerance.
 SHARPER = 10.0
-# Sums over stages: those of stages 1 to 7, of the positions and velocities at the end, and of the
-# error of the velocities.
+# Rows of the table of weights: rows 0 to 6 are those of stages 1 to 7; then follow the positions
+# and velocities at the end, and the error of the velocities.
 END_POSITION, END_VELOCITY, VELOCITY_ERROR = range(7, 10)
 
 
 def _weights():
-    """Weights of all sums over stages, by rows of ``stages``."""
+    """Weights of all sums over stages; columns are the rows of ``stages``."""
     table = np.zeros((VELOCITY_ERROR + 1, STEP_STAGES + 1))
     for row, weights in enumerate((*A, B_POSITION, B_VELOCITY, E_VELOCITY)):
         table[row, 0] = weights[0]
@@ -109,7 +110,7 @@ def plain_accelerations(x, setup, scratch, out):
 
 @compiled
 def find_overlaps(x, gap, wall, overlap):
-    """Overlaps of all contacts; ``wall`` is the place of the left wall."""
+    """Overlaps of all contacts; ``wall`` is the position of the left wall."""
     beads = len(gap) - 1
     for c in range(1, beads):
         overlap[c] = x[c - 1] - x[c] - gap[c]
@@ -132,8 +133,8 @@ def elastic_forces(overlap, setup, laws, contacts):
 def evaluate(time, first, y, setup, contacts, segment, scratch, out):
     """Accelerations and rates of the accumulators at the positions in ``y``.
 
-    ``first`` is the position of bead 1 at the start of the step.  The rate of the work of a push is
-    that of its second part in `finish`.
+    ``first`` is the position of bead 1 at the start of the step.  If a force drives bead 1, the
+    rate in DRIVEN is F' (x - x(t_0)), the integrand of the second term in `try_step`.
     """
     beads = len(setup.inverse_mass)
     if contacts is None:
@@ -170,8 +171,8 @@ def evaluate_at_end(time, y, setup, contacts, segment, scratch, out):
 def try_step(time, y, h, setup, contacts, segment, stages, trial, y_new, scratch):
     """One step of order 8; row 0 of ``stages`` must hold the derivative at its start.
 
-    The work of a push F is F(t_1) (x(t_1) - x(t_0)), minus the integral of F' (x - x(t_0)) over the
-    step: the method has no velocities at its stages.
+    Because the stages have no velocities, the work of a driving force F is computed as
+    F(t_1) (x(t_1) - x(t_0)), minus the integral of F' (x - x(t_0)) over the step.
     """
     beads, first = len(setup.inverse_mass), y[0]
     for stage in range(1, EVALUATIONS_PER_STEP):
@@ -212,7 +213,7 @@ def error_norm(h, stages, scale, rtol, errors):
 
 @compiled
 def largest(values):
-    """Largest of some numbers, which are overwritten; NaN if one of them is."""
+    """Largest element of an array, which is overwritten; NaN if any element is NaN."""
     n = len(values)
     while n > 1:
         half = (n + 1) // 2
@@ -256,7 +257,7 @@ def take_step(time, y, h, setup, contacts, segment, rtol, stages, trial, y_new, 
 def interpolate(time, y, h, y_new, setup, contacts, segment, stages, dense, trial, scratch):
     """Compute the coefficients of the interpolant of a step; returns evaluations."""
     beads = len(setup.inverse_mass)
-    # The stages have no velocities, so that their places are free.
+    # The stages have no velocities, so that this part of their rows is free.
     mean = stages[FIRST_ROW, :beads]
     sum_stages(END_POSITION, beads, stages, mean)
     first, last = stages[0, beads : 2 * beads], stages[STEP_STAGES, beads : 2 * beads]

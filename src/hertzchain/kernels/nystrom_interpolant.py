@@ -1,4 +1,4 @@
-"""The interpolant of a step on positions alone (`hertzchain.kernels.nystrom`).
+"""Interpolant of the steps of `hertzchain.kernels.nystrom`.
 
 Position, velocity, acceleration and jerk at both ends determine a polynomial of degree 7 for each
 position; velocities are its derivative.  The rates of the accumulators follow from the interpolated
@@ -23,7 +23,7 @@ RATE_NODES = np.linspace(0.0, 1.0, 6)
 
 
 def _from_rates():
-    """Coefficients of the interpolant of a change, and of rates at the nodes (7, 1 + nodes)."""
+    """Matrix (7, 1 + nodes) from a change and the rates at the nodes to coefficients."""
     rows = np.zeros((1 + len(RATE_NODES), COEFFICIENTS))
     for i in range(COEFFICIENTS):
         one = np.polynomial.Polynomial([1.0])
@@ -73,9 +73,10 @@ def change_of_force(overlap, approach, stiffness, exponent):
 
 @compiled
 def find_jerks(time, y, h, setup, contacts, segment, jerks):
-    """Changes, in a time h, of the accelerations in the state ``y``; the rest is scratch.
+    """Rates of change of the accelerations in the state ``y``, times h.
 
-    Rates of change alone may underflow, and powers of h overflow.
+    Without the factor h, rates may underflow and powers of h overflow.  ``jerks`` has one entry per
+    bead, followed by scratch.
     """
     beads, inverse_mass = len(setup.inverse_mass), setup.inverse_mass
     x, v = y[:beads], y[beads : 2 * beads]
@@ -110,8 +111,8 @@ def find_jerks(time, y, h, setup, contacts, segment, jerks):
 @contracted
 def position_coefficients(h, y, y_new, first, last, start, end, mean, dense):
     """Coefficients of the positions."""
-    # Without the cancellation of a difference of positions, the change in the step is h v plus the
-    # push h^2 mean.
+    # The change of a position in the step is h v + h^2 mean.  A difference of positions would
+    # suffer from cancellation.
     beads = len(mean)
     v, v_new = y[beads : 2 * beads], y_new[beads : 2 * beads]
     c0, c1, c2, c3 = dense[0, :beads], dense[1, :beads], dense[2, :beads], dense[3, :beads]
@@ -162,9 +163,9 @@ def velocity_coefficients(h, y, y_new, first, last, start, end, mean, dense):
 
 @compiled
 def rates_within(theta, time, h, y, setup, segment, dense):
-    """Rates of the accumulators that change, from the interpolated motion.
+    """Rates of the accumulators, from the interpolated motion.
 
-    They are the power of the drive, its force, and the forces of both walls.
+    They are the power of the drive, its force, and the forces of both walls; nothing is lost.
     """
     beads, at = len(setup.inverse_mass), time + theta * h
     drive = drive_at(at, setup, segment) if setup.drive != NOTHING else (0.0, 0.0, 0.0)
@@ -202,8 +203,8 @@ def find_coefficients(
 ):
     """Coefficients of the interpolant of all components; ``start`` and ``end`` are scratch.
 
-    ``first`` and ``last`` are the accelerations at both ends, ``mean`` is their weighted mean over
-    the step that determines the positions.
+    ``first`` and ``last`` are the accelerations at both ends; ``mean`` is the weighted mean of the
+    accelerations at the stages that determines the positions at the end.
     """
     beads = len(setup.inverse_mass)
     find_jerks(time, y, h, setup, contacts, segment, start)

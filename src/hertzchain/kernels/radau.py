@@ -57,7 +57,7 @@ def _lagrange() -> list[Polynomial]:
 
 
 def _dense(polynomial: Polynomial) -> Polynomial:
-    """Coefficients in the basis t, t(1-t), t^2(1-t), ... of `dop853_interpolant`."""
+    """Coefficients in the basis t, t(1-t), t^2(1-t), ... of `hertzchain.kernels.interpolant`."""
     rest, coefficients = list(polynomial), [Fraction(0)] * COEFFICIENTS
     basis = [[Fraction(0), Fraction(1)]]
     for row in range(1, COEFFICIENTS):
@@ -88,13 +88,13 @@ def _floats(rows: list[Polynomial]) -> Any:
 
 
 _INTEGRALS = [_integral(e) for e in _lagrange()]
-# Weights (stage, stage), their square, and the same of the method with one stage (implicit Euler).
+# Weights (stage, stage), their matrix square, and the weights of implicit Euler, with one stage.
 WEIGHTS = _floats([[_at(e, Fraction(c)) for e in _INTEGRALS] for c in NODES])
 SQUARED = WEIGHTS @ WEIGHTS
 ONE_STAGE = np.ones((1, 1))
-# Coefficients (COEFFICIENTS, stage) of `dop853_interpolant`, from the rates at the nodes.
+# Matrix (COEFFICIENTS, stage) from the rates at the nodes to coefficients of the interpolant.
 TO_DENSE = np.ascontiguousarray(_floats([_dense(e) for e in _INTEGRALS]).T)
-# Powers of the part of the step (power, stage) that interpolate between the nodes.
+# Lagrange polynomials of the nodes, by powers of the fraction of the step (power, stage).
 BETWEEN = np.ascontiguousarray(_floats(_lagrange()).T)
 # The last two Legendre coefficients of the rates, as changes of the velocity within the step.
 LAST, BEFORE_LAST = _floats([[c / (2 * (2 * n + 1)) for c in _legendre(n)] for n in (4, 3)])

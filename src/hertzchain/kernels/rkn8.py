@@ -46,11 +46,11 @@ A7 = (
     1645 / 57088,
 )
 
-# Times of stages 1 to 7, in parts of the step, and the weights of their earlier stages.
+# Times of stages 1 to 7, as fractions of the step, and the weights of the stages before each.
 C = (C1, C2, C3, C4, C5, C6, C7)
 A = (A1, A2, A3, A4, A5, A6, A7)
 
-# Weights of the step; stage 1 has none, and stage 7 none in the position.
+# Weights of the step.  The weight of stage 1 is 0; stage 7 does not enter the position.
 B_POSITION = (223 / 7938, 0.0, 1175 / 8064, 925 / 6048, 41 / 448, 925 / 14112, 1175 / 72576)
 B_VELOCITY = (
     223 / 7938,

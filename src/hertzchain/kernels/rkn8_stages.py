@@ -1,8 +1,9 @@
-"""The stages of a step of RKN8(6) and its error, for kernels with rows in one flat array.
+"""A step of RKN8(6) and its error estimate, for kernels with all rows in one flat array.
 
-`step_on` returns both functions for one layout of the rows.  Their offsets are constants of these
-functions, so that the compiler can exclude overlaps between rows and use vectors.  Kernels differ
-in their forces, in the number of chains side by side and in whether each of these has its own step.
+`step_on` creates both functions for a layout of the rows.  The offsets of the rows are constants of
+these functions, so that the compiler can exclude overlaps between rows and vectorise loops.  The
+kernels differ in their forces, in the number of chains side by side and in whether each chain has
+its own step.
 """
 
 from __future__ import annotations
@@ -32,7 +33,7 @@ from .rkn8 import (
     E_VELOCITY,
 )
 
-# The functions are parts of cached ones, and need no cache.
+# These functions are compiled into those that call them, which are cached.
 inlined = njit(forceinline=True, **(CONTRACTED | {"cache": False}))
 
 B0, _, B2, B3, B4, B5, B6 = B_POSITION
@@ -41,29 +42,29 @@ E0, _, E2, E3, E4, E5, E6, E7, E8 = E_VELOCITY
 
 
 class Rows(NamedTuple):
-    """Offsets of rows: entry i of each belongs to the same bead, or to that of one chain."""
+    """Offsets of rows; entry i of every row belongs to the same bead of the same chain."""
 
     position: int
     velocity: int
     trial: int
-    # Those at the end of the step, which may be those at its start.
+    # Values at the end of the step; these may be the rows of the values at its start.
     new_position: int
     new_velocity: int
-    # Accelerations at stages 0 to 7, at equal distances.
+    # Accelerations at stages 0 to 7; the offsets are equidistant.
     stages: tuple[int, ...]
-    # Length of the step of each entry, unless all have one.
+    # Length of the step for each entry, unless all entries have the same step.
     step: int = 0
 
 
 def step_on(rows: Rows, accelerate: Any) -> tuple[Any, Any]:
-    """Functions ``try_step(w, low, high, h, a, b)`` and ``error(w, i, first, last)``.
+    """Create functions ``try_step(w, low, high, h, a, b)`` and ``error(w, i, first, last)``.
 
-    The first one takes a step of length ``h``, or `None` for the row of lengths, of the entries
-    from ``low`` to ``high``.  It requires the accelerations of stage 0 and calls
-    ``accelerate(w, low, high, out, stage, a, b)`` to compute, from the trial positions, those of
-    the other stages in the row ``out``.  The second one returns the error of a velocity, divided by
-    the length of the step, from its accelerations at the stages and at both ends, which are in the
-    rows ``first`` and ``last``.
+    ``try_step`` takes a step of entries ``low`` to ``high`` - 1, of length ``h`` or, if this is
+    `None`, of the lengths in row ``step``.  It requires the accelerations of stage 0, and calls
+    ``accelerate(w, low, high, out, stage, a, b)``, which must write those at the trial positions to
+    row ``out``; ``a`` and ``b`` are passed on.  ``error`` returns the estimated error of velocity i
+    divided by the length of the step; rows ``first`` and ``last`` have the accelerations at the
+    start and at the end of the step.
     """
     x, v, trial, new_x, new_v, _, lengths = rows
     s0, s1, s2, s3, s4, s5, s6, s7 = rows.stages

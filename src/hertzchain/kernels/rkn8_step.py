@@ -51,7 +51,7 @@ SAFETY, SHRINKAGE, GROWTH = 0.85, 0.1, 4.0
 # Speeds below this fraction of that of the fastest bead in contact are not resolved; smallest
 # scale.
 SLOW, SMALLEST = 1e-4, 1e-290
-# Speeds are those of the fastest bead within this distance.
+# The unit of the error of a bead is the largest speed of the beads up to this distance.
 NEIGHBOURS = 3
 
 
@@ -97,7 +97,7 @@ def largest(w, beads, out):
         half = (n + 1) // 2
         for i in range((n - half) * LANES):
             a, b = w[WORK + i], w[WORK + half * LANES + i]
-            # NaN is kept.
+            # NaN must propagate.
             w[WORK + i] = a if (a >= b) | (a != a) else b
         n = half
     for lane in range(LANES):
@@ -115,10 +115,10 @@ def total(w, at, size):
 
 @inlined
 def estimate(w, beads, rtol, lane):
-    """Largest error of each lane, in units of speeds nearby; marks beads and contacts with events.
+    """Largest error of each lane, in units of nearby speeds; marks beads and contacts with events.
 
-    Returns the sum of the marks: 1 for a bead whose push has ended, 2 for a contact that has
-    stopped closing.
+    Returns the sum of the marks: 1 for a bead whose velocity may have its first maximum, 2 for a
+    contact whose overlap has its first maximum.
     """
     size = beads * LANES
     for i in range(size):

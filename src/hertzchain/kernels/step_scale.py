@@ -1,4 +1,7 @@
-"""Units of the errors of a step, bead by bead: speeds nearby, and rounding errors of forces."""
+"""Units in which errors of velocities are measured, bead by bead.
+
+The unit is the largest speed of nearby beads, or larger if rounding errors of forces require it.
+"""
 
 from __future__ import annotations
 
@@ -6,13 +9,13 @@ from .active_beads import unresolved_speed
 from .compilation import compiled, reduced
 from .driving import PUSH, drive_at, rounding_of_drive
 
-# Number of beads on either side that set the unit of the error of a bead, and the part of the speed
-# of the fastest bead in contact that sets it if all of them are slow, as behind a pulse.
+# Number of beads on either side whose speeds determine the unit of the error of a bead, and lower
+# bound of the unit as a fraction of the speed of the fastest bead in contact, used behind a pulse.
 NEIGHBOURS = 3
 SLOW = 1e-4
-# The same part if the steps resolve no motion in any contact, in unresolved speeds.
+# Lower bound of the unit as a multiple of the speed that the steps do not resolve.
 FAINT = 100.0
-# Slower beads have not been reached: ahead of the front, numbers underflow.
+# Errors of slower beads are ignored: the front has not reached them, and numbers may underflow.
 AT_REST = 1e-290
 # Relative rounding error of a force, as amplified by the error estimates of DOP853.
 ROUNDING = 5e-15
@@ -30,7 +33,7 @@ def fastest_nearby(speeds, scale):
 
 @compiled
 def raise_to(values, least):
-    """Raise values to at least others."""
+    """Raise each value to at least the corresponding entry of ``least``."""
     for i in range(len(values)):
         values[i] = least[i] if least[i] > values[i] else values[i]
 
@@ -48,9 +51,9 @@ def fastest_pushed(speeds, pushing):
 @compiled
 def velocity_scale(y, rtol, setup, speeds, scale):
     """Units of the errors of the velocities of beads."""
-    # The unit is the largest speed within a few beads, or a small part of that of the fastest bead
-    # in contact: the motion of beads without contact is exact at any speed.  Motion that remains
-    # behind a pulse is not integrated more accurately than it is known.
+    # Beads without contact are ignored in the lower bound, because their motion is exact at any
+    # speed.  The bound avoids short steps for the slow motion that remains behind a pulse, which is
+    # not known accurately anyway.
     beads = len(scale)
     velocities = y[beads : 2 * beads]
     for k in range(beads):
@@ -79,7 +82,7 @@ def general_scale(
     for k in range(beads):
         a, b = abs(before[k]), abs(after[k])
         speeds[k] = a if a > b else b
-    # The forces are those at the start: a step that is far too long ends with arbitrary forces.
+    # Forces at the start are used, because a step that is far too long ends with arbitrary forces.
     pushing, inverse_mass = contacts.last_force, setup.inverse_mass
     fastest = fastest_pushed(speeds, pushing)
     rounded = rounding * h / rtol

@@ -1,12 +1,13 @@
-"""The method of the steps of a chain; each is one file with the four functions of this one.
+"""Choice of the integration method of a chain, and of the next step.
 
-Where forces depend on positions and time only, it is `hertzchain.kernels.nystrom`.  Otherwise it is
-explicit (`hertzchain.kernels.dop853_step`) or, where damping is stiff, implicit
-(`hertzchain.kernels.implicit`).  A step writes its derivatives into rows of ``stages``: that at the
-start into row 0, that at the end into row `STEP_STAGES`, and those in between into the rows from
-`first_row` on.
+Each method is a module with functions `begin`, `take_step`, `interpolate` and `forces_within`:
+`hertzchain.kernels.nystrom` if forces depend on positions and time only, otherwise
+`hertzchain.kernels.dop853_step` or, if damping is stiff, `hertzchain.kernels.implicit`.  A step
+writes derivatives of the state into rows of ``stages``: the one at the start into row 0, the one at
+the end into row `STEP_STAGES`, and those in between into the rows from `first_row` on.
 
-In compiled code the method is chosen when the caller is compiled, so that others are not.
+In compiled code the method is chosen when the caller is compiled, so that only this method has to
+be compiled.
 """
 
 from __future__ import annotations
@@ -21,7 +22,7 @@ from .active_beads import WITHOUT_CACHE
 from .compilation import compiled
 from .forces import Contacts
 
-# Choice of the next step from the error: exponents, and bounds of the change.
+# Choice of the next step from the error: exponents, safety factor, and bounds of the change.
 EXPLICIT_ORDER, IMPLICIT_ORDER = -0.125, -1.0 / 6.0
 SAFETY, SHRINKAGE, GROWTH = 0.9, 0.2, 10.0
 
@@ -38,7 +39,7 @@ def method_of(contacts: Any) -> Any:
 
 
 def _of_method(name: str, place: int) -> Any:
-    """Function ``name`` of the method; ``place`` is that of the contacts in its arguments."""
+    """Function ``name`` of the method; ``place`` is the index of the argument ``contacts``."""
 
     def function(*arguments: Any) -> Any:
         return getattr(method_of(arguments[place]), name)(*arguments)

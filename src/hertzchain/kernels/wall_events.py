@@ -24,8 +24,8 @@ SECTIONS = 48
 # Relative error of the slope of an interpolated impulse at the largest tolerance.
 SLOPE = 1e-5
 # A first contact with a wall has an impulse of at least this fraction of the sum of all momenta.
-# The foot of a pulse presses the last bead against a very stiff wall so weakly that its vibration
-# is below the tolerance; whether the contact then opens for a moment depends on the steps.
+# Weaker contacts are ignored: the foot of a pulse presses the last bead against a very stiff wall
+# so weakly that the errors of the steps decide whether the contact opens briefly.
 LEAST_PART = 1e-9
 
 
@@ -67,7 +67,7 @@ def largest_at_stages(i, stages, row):
 
 @compiled
 def wall_may_peak(time, h, y, y_new, stages, setup, contacts, segment, walls):
-    """Whether a wall may be pushed harder than before within the step."""
+    """Whether the force on a wall may exceed its largest value so far within the step."""
     offset, row = len(y) - ACCUMULATORS + LEFT_IMPULSE, first_row(contacts)
     for side in range(2):
         i, peak = offset + side, walls[WALL_PEAK, side]
@@ -89,7 +89,7 @@ def wall_may_peak(time, h, y, y_new, stages, setup, contacts, segment, walls):
 
 @compiled
 def largest_push(side, time, h, y, dense, setup, contacts, segment):
-    """Largest force on a wall within the step, if it has one maximum there, and its place there."""
+    """Largest force on a wall and its fraction of the step, if there is only one maximum."""
     low, high = 0.0, 1.0
     for _ in range(SECTIONS):
         one, two = (2.0 * low + high) / 3.0, (low + 2.0 * high) / 3.0
@@ -107,12 +107,13 @@ def largest_push(side, time, h, y, dense, setup, contacts, segment):
 def record_walls(
     time, h, y, y_new, setup, contacts, segment, stages, dense, walls, trial, scratch
 ):  # fmt: skip
-    """Largest force on each wall."""
+    """Record the largest force on each wall within the step, if it exceeds all earlier ones."""
     offset, row = len(y) - ACCUMULATORS + LEFT_IMPULSE, first_row(contacts)
     for side in range(2):
         i, peak = offset + side, walls[WALL_PEAK, side]
         largest = largest_at_stages(i, stages, row)
-        # In a step cut very short the slope is lost in rounding; the stages give the peak.
+        # In a very short step the slope of the impulse is dominated by rounding errors, and the
+        # largest value at a stage is used.
         sharp = on_positions(contacts) or 1e-15 * abs(y_new[i]) < 1e-12 * h * largest
         if not sharp:
             top, theta = largest, 1.0
@@ -134,9 +135,10 @@ def record_walls(
 def record_wall_ends(time, y, rates, setup, segment, momentum, crossings, walls):
     """Record the impulse of the first contact with each wall, between two steps, once it has ended.
 
-    The stages of a step may push a wall by rounding when a bead only comes near; such a push is
-    ignored.  ``momentum`` is the largest sum of the beads' absolute momenta so far.  For the right
-    wall, also record when the last bead, passed by the crest, first moves back.
+    If a bead comes close to a wall without touching it, rounding at the stages of a step may cause
+    a small impulse, which is ignored.  ``momentum`` is the largest sum of the beads' absolute
+    momenta so far.  For the right wall, also record the time at which the last bead first moves
+    back after the crest has reached it.
     """
     beads = len(setup.inverse_mass)
     back = setup.stiffness[beads] > 0.0 and y[2 * beads - 1] < 0.0
@@ -156,7 +158,7 @@ def record_wall_ends(time, y, rates, setup, segment, momentum, crossings, walls)
 
 @compiled
 def count_touches(beads, rates, walls):
-    """Count walls that are touched now and were not before the step."""
+    """Count touches: contacts with a wall that are closed now and were open before the step."""
     for side in range(2):
         pressed = 1.0 if rates[2 * beads + LEFT_IMPULSE + side] != 0.0 else 0.0
         if pressed > walls[TOUCHING, side]:

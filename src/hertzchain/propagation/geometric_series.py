@@ -29,7 +29,7 @@ from .batch import ARRIVAL, COLUMNS, PEAK_OVERLAP, PEAK_TIME, RESIDENCE, VELOCIT
 # Number of beads that are integrated; last bead that the free end does not influence; number of
 # beads on which the columns must be geometric series.
 HEAD, SETTLED, REPEATED = 240, 200, 60
-# Least number of beads of a chain that is continued.
+# Minimum number of beads of a chain that is continued.
 LONG: Final = 600
 # Tolerance of the integration, and largest relative deviation from a geometric series.
 RTOL, REPEATING = 1e-10, 1e-9

@@ -1,7 +1,8 @@
 """Choose the window of beads that are integrated around the pulse.
 
-The computing time is proportional to the width of the window.  For each chain, the following
-windows are tried in turn:
+The kernels `hertzchain.kernels.narrow_front` and `hertzchain.kernels.wide_front` integrate the
+beads in the window and move it along with the pulse.  The computing time is proportional to the
+width of the window.  For each chain, the following windows are tried in turn:
 
 1. a *narrow* window, if the radii never shrink.  Contacts behind the pulse open, and the beads
    behind them no longer influence it; the kernel checks this;

@@ -19,9 +19,9 @@ from .wall_bound import RIGHT, Target
 # First step as a fraction of the time in which the pulse passes the first contact; smallest impulse
 # of a first contact with the wall as a fraction of the initial momentum.
 FIRST_PART, LEAST_PART = 1e-3, 1e-6
-# Rounding of static forces, as in `hertzchain.kernels.dop853_step`.
+# Relative rounding error of static forces, as in `hertzchain.kernels.step_scale`.
 ROUNDING: Final = 5e-15
-# In units in which overlaps are far from 1, the kernel would ignore overlaps that matter.
+# The kernel ignores overlaps below an absolute limit; overlaps of the pulse must be far above it.
 MIN_OVERLAP, MAX_OVERLAP = 1e-15, 1e15
 MAX_EXPONENT: Final = 16.0
 # For longer chains without a right wall `simulate` is faster, because it omits beads at rest and in

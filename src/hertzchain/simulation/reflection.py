@@ -23,7 +23,7 @@ from .wave_events import (
 
 # Events above this fraction of the largest force are counted.
 THRESHOLD: Final = 0.01
-# Waves below this fraction of the incident energy need not be resolved, and do not end the count
+# Waves below this fraction of the incident energy need not be resolved, and counting does not end
 # when they enter from outside.
 WEAK: Final = 0.01
 # Fraction of the incident energy that may be missing, or still be between the contacts.

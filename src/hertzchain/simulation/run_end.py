@@ -26,7 +26,8 @@ Status = Literal[
     "step limit", "step too small", "underflow",
 ]  # fmt: skip
 
-# Steps between checks whether a wall was hit, if neither impact nor drive determines the time.
+# Steps between two checks whether a wall was hit, if neither an impact nor a drive determines when
+# to begin watching.
 STEPS_PER_LOOK = 64
 
 
@@ -49,7 +50,7 @@ class RunEnd:
             self.watch = WallWatch(chain, arrays, equation, checks)  # type: ignore[arg-type]
 
     def goal(self) -> tuple[float, bool]:
-        """Time not to step past, and whether to stop earlier when the pulse has left."""
+        """Time at which the next call ends, and whether it ends earlier if the pulse has left."""
         watch = self.watch
         if watch is None or watch.closed:
             return self.until, self.default

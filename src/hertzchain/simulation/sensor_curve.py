@@ -25,8 +25,9 @@ Curve = Callable[[Array], Array]
 def maximum_near(run: Trajectory, bead: int, force: Array, i: int) -> tuple[float, float, float]:
     """Height and time of the maximum next to saved time i, and a bound of the error of its height.
 
-    The bound is twice the change if only every second saved time is used, many times the error of a
-    smooth force.  A force with losses may have a corner, which a spline exceeds.
+    The bound is twice the change of the height if only every second saved time is used; for a
+    smooth force this is many times the error.  A force with losses may have a corner, where a
+    spline overshoots; the bound is then at least the height of the spline above the saved force.
     """
     if not 0 < i < len(force) - 1:
         return float(force[i]), float(run.times[i]), 0.0
@@ -52,7 +53,10 @@ def _top(
 
 
 def _curve(run: Trajectory, bead: int, force: Array, used: Array) -> tuple[Curve, bool]:
-    """The force by the law of elastic contacts if that is the law, else by a spline."""
+    """Force as a function of time, and whether it follows from the law of elastic contacts.
+
+    Otherwise, it is a spline through the saved forces.
+    """
     from scipy.interpolate import CubicSpline
 
     sides = [_elastic_force(run, contact, used) for contact in (bead - 1, bead)]
@@ -64,7 +68,11 @@ def _curve(run: Trajectory, bead: int, force: Array, used: Array) -> tuple[Curve
 
 
 def _elastic_force(run: Trajectory, contact: int, used: Array) -> Curve | None:
-    """Force of an elastic contact, of which overlap, rate and acceleration are quintic."""
+    """Force of an elastic contact, from a polynomial of degree 5 for its overlap in each interval.
+
+    The polynomial has the saved overlap, its rate and its acceleration at both ends.  `None` if the
+    saved forces do not agree with the law of elastic contacts.
+    """
     from scipy.interpolate import BPoly
 
     chain, times = run.chain, run.times[used]

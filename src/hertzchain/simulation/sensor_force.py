@@ -18,9 +18,9 @@ from .trajectory import Trajectory
 # The first maximum is above this fraction of the largest force, and the force falls by the second
 # fraction of the maximum before it rises again; both are counted from the force at rest.
 MIN_HEIGHT, FALL = 0.01, 0.1
-# Saved times that are enough for sensors in contacts with losses.
+# Number of saved times that suffices for sensors in contacts with losses.
 MANY_TIMES = 4000
-# Fraction of the largest force by which saved times that are too few may change it.
+# Warn if the error of the largest force exceeds this fraction of it.
 COARSE = 1e-2
 # Relative error above which an error is shown.
 SHOWN = 1e-4
@@ -44,8 +44,8 @@ class SensorForce:
         exceed it later.
     error : float
         Bound of the error of both maxima [scaled, or N], because they lie between saved times.
-        In elastic chains, overlaps are quintic there and the error is usually negligible;
-        contacts with losses or a drive require more saved times.
+        In elastic chains, overlaps are interpolated by polynomials of degree 5, and the error is
+        usually negligible; contacts with losses or a drive require more saved times.
     units : str
         ``"scaled"`` or ``"SI"``.
     """

@@ -178,7 +178,7 @@ def new_state(chain: Chain, positions: Array, velocities: Array) -> State:
     }
     momenta = chain.masses * velocities
     arrays["crossings"][state_layout.HANDED_OVER] = -np.cumsum(momenta[:0:-1])[::-1]
-    # Strikers have their peak velocity from the start; the maximum of a driven bead 1 is found.
+    # Strikers have their largest velocity at the start; that of a driven bead 1 is located later.
     struck = max(chain.strikers, int(velocities[0] > 0.0))
     arrays["peaks"][0, 1:struck] = state_layout.STRIKER_PEAK_TIME
     arrays["peaks"][1, :struck] = velocities[:struck]
@@ -187,7 +187,7 @@ def new_state(chain: Chain, positions: Array, velocities: Array) -> State:
         arrays["y"], arrays["clock"], arrays["counts"], equation,
         contacts_of(arrays, equation), first_step,
     )  # fmt: skip
-    # Bead 1 is not counted.
+    # The kernel counts velocity maxima from bead 2 on.
     arrays["counts"][state_layout.PEAKS] = max(struck, 1) - 1
     return State(chain, arrays)
 

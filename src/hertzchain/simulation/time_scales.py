@@ -1,4 +1,4 @@
-"""Rough speeds and times of the motion of a chain, where a guess is enough."""
+"""Order-of-magnitude estimates of the speeds and times of the motion of a chain."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ def check_clock(chain: Chain) -> None:
 
 
 def typical_speed(chain: Chain) -> float:
-    """Rough speed of the fastest motion, by the start, the drive or else the static forces."""
+    """Estimate the largest speed from initial velocities and drive, or else from static forces."""
     fastest = float(np.abs(chain.velocities).max())
     if chain.drive is None and fastest > 0.0:
         return fastest
@@ -45,7 +45,7 @@ def typical_speed(chain: Chain) -> float:
     if chain.drive.of == "displacement":
         slopes = cubic[1] + length * (2.0 * cubic[2] + length * 3.0 * cubic[3])
         return max(fastest, float((slopes + (sines * rates).sum(axis=1)).max()))
-    # A force gives a free bead an impulse, and one in a chain an overlap.
+    # A force accelerates a free bead, and compresses the contact of a bead that is not free.
     sizes = cubic[0] + length * (cubic[1] + length * (cubic[2] + length * cubic[3]))
     size = float((sizes + sines.sum(axis=1)).max())
     time = float(transit_times(chain).min())
@@ -53,18 +53,18 @@ def typical_speed(chain: Chain) -> float:
 
 
 def _pushed(chain: Chain, force: float) -> float:
-    """Speed of bead 1 with the energy of a force times its overlap."""
+    """Speed at which bead 1 has the energy of the force times the overlap that it causes."""
     overlap = (force / chain.stiffness[0]) ** (1.0 / chain.contact_exponents[1])
     return math.sqrt(force * overlap / chain.masses[0])
 
 
 def transit_times(chain: Chain, energy: float | None = None) -> Array:
-    """Rough time in which a pulse passes each contact.
+    """Estimate the time in which a pulse passes each contact, shape (N - 1,).
 
-    The smallest of three times: that of a pulse that keeps its energy, as in a slow taper (with
-    v ~ m^(-1/2), it passes each contact in the compression time of its two beads), that of sound
-    in a compressed contact, and the duration of the pieces of the drive.  A rough value is enough
-    for the first step and the spacing of saved times.
+    The estimate is the smallest of three times: the compression time of the two beads for a pulse
+    that keeps its energy, as in a slow taper (v ~ m^(-1/2)); the time of sound in a compressed
+    contact; and the duration of the pieces of the drive.  It determines the first step and the
+    spacing of saved times.
     """
     masses, p = chain.masses, chain.exponents
     reduced = reduced_mass(masses[:-1], masses[1:])

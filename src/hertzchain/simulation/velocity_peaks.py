@@ -132,8 +132,8 @@ def find_peaks(
 ) -> VelocityPeaks:
     """Find the peaks of a bead's velocity.
 
-    Between saved times the velocity is the cubic with the given velocities and accelerations
-    at both; the error of a peak falls as the fourth power of the spacing.
+    Between two saved times the velocity is interpolated by the cubic with the given velocities and
+    accelerations at both; the error of a peak is of fourth order in the spacing.
     """
     from scipy.interpolate import CubicHermiteSpline
 

@@ -28,8 +28,8 @@ from .wall_bound import RIGHT, Approach, Target
 if TYPE_CHECKING:
     from ..kernels.forces import GeneralChain
 
-# In transits: time for which the bound must have been below the peak, and limit of the run; number
-# of checks per transit.
+# Time for which the bound must have been below the peak, and maximum length of a run, in transits;
+# number of checks per transit.
 HELD: Final = 0.5
 MAX_TRANSITS: Final = 10
 CHECKS: Final = 16
@@ -126,7 +126,7 @@ class WallWatch:
 
     @property
     def expired(self) -> bool:
-        """Whether ten transits have passed and the bound is not below the right wall's peak."""
+        """Whether MAX_TRANSITS have passed and the bound is not below the right wall's peak."""
         late = self.time >= self.start + (MAX_TRANSITS - 1) * self.transit
         return late and self.completion[state_layout.SINCE, RIGHT] == 0.0
 
@@ -175,7 +175,7 @@ class WallWatch:
 
     @property
     def _mark(self) -> float:
-        """The time, or the smallest number at time 0: 0 means not yet."""
+        """The time or, at time 0, the smallest positive number, because 0 means "not yet"."""
         return max(self.time, SMALLEST)
 
     def close(self) -> None:

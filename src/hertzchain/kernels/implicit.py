@@ -15,6 +15,7 @@ from .compilation import compiled
 from .contact_law import LOADED, force, law_of, signed_power
 from .dop853 import STEP_STAGES
 from .driving import PUSH, drive_at, wall_motion
+from .error_scale import ROUNDING, general_scale
 from .forces import DRIVEN, LEFT_IMPULSE, LOST, PUSHED, RIGHT_IMPULSE, copy
 from .radau import (
     BEFORE_LAST,
@@ -28,7 +29,6 @@ from .radau import (
     WEIGHTS,
 )
 from .stage_equations import SOLVED, solve_stages
-from .step_scale import ROUNDING, general_scale
 from .stiff_law import EVEN, closes_in, is_resolved, overlap_of, sliding_force_within
 
 TIMES = np.array(NODES)

@@ -20,6 +20,7 @@ from .contact_law import HERTZ, force, law_of
 from .dop853 import STEP_STAGES
 from .dop853_step import in_groups
 from .driving import MOVING_WALL, NOTHING, PUSH, drive_at, wall_motion
+from .error_scale import AT_REST, ROUNDING, general_scale, velocity_scale
 from .forces import (
     DRIVEN,
     LEFT_IMPULSE,
@@ -32,7 +33,6 @@ from .forces import (
 from .nystrom_interpolant import find_coefficients
 from .powers import powers
 from .rkn8 import B_POSITION, B_VELOCITY, E_VELOCITY, A, C
-from .step_scale import AT_REST, ROUNDING, general_scale, velocity_scale
 
 contracted = njit(**CONTRACTED)
 

@@ -13,8 +13,8 @@ import numpy as np
 from .compilation import compiled
 from .contact_law import LOADED
 from .driving import MOVING_WALL, PUSH, drive_at, wall_motion
+from .error_scale import ROUNDING, general_scale
 from .forces import force_on
-from .step_scale import ROUNDING, general_scale
 from .stiff_law import linearise, overlap_of
 
 # Newton's method ends when an iteration changes velocities by less than this fraction of the

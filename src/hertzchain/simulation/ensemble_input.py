@@ -19,7 +19,7 @@ from .wall_bound import RIGHT, Target
 # First step as a fraction of the time in which the pulse passes the first contact; smallest impulse
 # of a first contact with the wall as a fraction of the initial momentum.
 FIRST_PART, LEAST_PART = 1e-3, 1e-6
-# Relative rounding error of static forces, as in `hertzchain.kernels.step_scale`.
+# Relative rounding error of static forces, as in `hertzchain.kernels.error_scale`.
 ROUNDING: Final = 5e-15
 # The kernel ignores overlaps below an absolute limit; overlaps of the pulse must be far above it.
 MIN_OVERLAP, MAX_OVERLAP = 1e-15, 1e15

@@ -30,7 +30,7 @@ from rich.table import Table
 from scipy.integrate import solve_ivp
 
 import hertzchain as hc
-from hertzchain.kernels import narrow_front
+from hertzchain.kernels import narrow_window
 from hertzchain.propagation import window_choice
 from hertzchain.propagation.batch import Batch
 
@@ -168,20 +168,20 @@ def time_in_square_roots() -> dict[str, float]:
         ] * 400  # fmt: skip
         batch = Batch.of(chains)
         given = (batch.given, batch.first, batch.beads, None)
-        columns = np.empty((narrow_front.COLUMNS, len(batch.masses)))
+        columns = np.empty((narrow_window.COLUMNS, len(batch.masses)))
         ratios, steps = [], 0
         for _ in range(REPEATS + 2):
             status, signal = np.zeros(len(chains), np.int64), np.zeros(2, np.int64)
             began = time.perf_counter()
-            steps = narrow_front.follow(
-                narrow_front.ABREAST, (*window, window_choice.STEP_PART, 0.1),
+            steps = narrow_window.follow(
+                narrow_window.ABREAST, (*window, window_choice.STEP_PART, 0.1),
                 (np.inf, np.inf, np.inf), given, columns, status, signal,
-                narrow_front.scratch_of(narrow_front.ABREAST),
+                narrow_window.scratch_of(narrow_window.ABREAST),
             )  # fmt: skip
             middle = time.perf_counter()
             square_roots(values, times)
             ended = time.perf_counter()
-            evaluations = steps * 8 * window[0] * narrow_front.LANES
+            evaluations = steps * 8 * window[0] * narrow_window.LANES
             root = (ended - middle) / (times * len(values) / 2)
             ratios.append((middle - began) / evaluations / root)
         results[f"{taper}, window of {window[0]}"] = statistics.median(ratios[2:])

@@ -22,7 +22,7 @@ from hertzchain.kernels import compilation
 def function(x):
     return x + 1
 
-function.__module__ = "hertzchain.kernels.narrow_front"
+function.__module__ = "hertzchain.kernels.narrow_window"
 kernel = compilation.njit(function)
 compiler = kernel._compiler
 before = compiler.compile
@@ -43,7 +43,7 @@ def events(module, arguments):
     ]
 
 
-def compile_for(notice, seconds, module="hertzchain.kernels.narrow_front", arguments=()):
+def compile_for(notice, seconds, module="hertzchain.kernels.narrow_window", arguments=()):
     start, end = events(module, arguments)
     notice.notify(start)
     # A function that the outer one calls.
@@ -79,7 +79,7 @@ def test_a_short_compilation_is_silent_but_many_add_up():
 def test_functions_of_other_packages_are_ignored():
     lines = []
     notice = CompileNotice(lines.append, delay=0.0)
-    compile_for(notice, 0.1, "somebody.kernels.narrow_front")
+    compile_for(notice, 0.1, "somebody.kernels.narrow_window")
     compile_for(notice, 0.1, "__main__")
     compile_for(notice, 0.1, None)
     assert lines == []
@@ -192,7 +192,7 @@ def test_the_line_is_above_a_progress_bar():
 def test_what_takes_long_is_announced_as_long():
     lines = []
     chain = SimpleNamespace(instance_class=forces.GeneralChain)
-    for module, arguments in (("narrow_front", ()), ("full_chain", ()), ("full_chain", (chain,))):
+    for module, arguments in (("narrow_window", ()), ("full_chain", ()), ("full_chain", (chain,))):
         notice = CompileNotice(lines.append, delay=0.0)
         compile_for(notice, 0.1, f"hertzchain.kernels.{module}", arguments)
     seconds = [int(line.split()[-2]) for line in lines]

@@ -6,8 +6,8 @@ module                      contents
 `full_chain`                adaptive integration of all moving beads of one chain (`simulate`)
 `symplectic`                the same with fixed steps
 `elastic_chains`            integration of several elastic chains side by side (`simulate_many`)
-`narrow_front`,             integration of the beads around the leading pulse (`propagate`), in a
-`wide_front`                window that moves with it
+`narrow_window`,            integration of the beads around the leading pulse (`propagate`), in a
+`wide_window`               window that moves with it
 `adjoint_forward`,          integration that stores its steps, and the derivatives of its results
 `adjoint_reverse`
 `contact_law`, `forces`     force and stored energy of one contact; forces on all beads

@@ -1,6 +1,6 @@
 """Steps of the beads around a leading pulse, stored for the adjoint.
 
-As in `hertzchain.kernels.narrow_front`, only a window of beads is integrated, from some beads
+As in `hertzchain.kernels.narrow_window`, only a window of beads is integrated, from some beads
 behind the crest to some beads ahead of it.  Errors of steps are measured in units of the crest's
 velocity, near the crest and ahead of it, because motion further behind does not overtake it.  A
 chain whose window cuts off forces that are not negligible is rejected with a status.

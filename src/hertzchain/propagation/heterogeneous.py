@@ -3,7 +3,7 @@
 The number of beads behind the pulse that influence it cannot be predicted: unequal beads scatter
 the pulse, and in strong disorder dozens of beads behind the front still push it.  Each chain is
 therefore integrated with one `WindowSettings` after the other, with more beads and smaller errors
-(`hertzchain.kernels.wide_front`), until two results agree.  If the motion amplifies errors so
+(`hertzchain.kernels.wide_window`), until two results agree.  If the motion amplifies errors so
 much that no two results agree, a `SimulationError` is raised.
 """
 
@@ -117,7 +117,7 @@ def _widen(
     Returns the chains without agreement, and the difference between the last two results of
     each (infinite if there are none).
     """
-    from ..kernels import wide_front as kernel
+    from ..kernels import wide_window as kernel
 
     before, differences = columns, np.full(len(todo), np.inf)
     scratch = kernel.new_scratch()

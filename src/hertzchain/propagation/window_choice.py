@@ -1,6 +1,6 @@
 """Choose the window of beads that are integrated around the pulse.
 
-The kernels `hertzchain.kernels.narrow_front` and `hertzchain.kernels.wide_front` integrate the
+The kernels `hertzchain.kernels.narrow_window` and `hertzchain.kernels.wide_window` integrate the
 beads in the window and move it along with the pulse.  The computing time is proportional to the
 width of the window.  For each chain, the following windows are tried in turn:
 
@@ -265,7 +265,7 @@ class _LawGroup:
         columns: Array | None = None,
     ) -> Indices:
         """Integrate chains with one window; return those for which it failed."""
-        from ..kernels import narrow_front as kernel
+        from ..kernels import narrow_window as kernel
 
         if not len(todo) or self.signal[STOP]:
             return todo

@@ -5,7 +5,7 @@ import pytest
 from numba import njit
 
 import hertzchain as hc
-from hertzchain.kernels import narrow_front, rkn8
+from hertzchain.kernels import narrow_window, rkn8
 from hertzchain.propagation.batch import PASSED, Batch
 
 STEP = (0.15, 0.1)
@@ -14,15 +14,15 @@ NODES = (0.0, rkn8.C1, rkn8.C2, rkn8.C3, rkn8.C4, rkn8.C5, rkn8.C6, rkn8.C7)
 
 
 def follow(
-    chains, window=(13, 8), lanes=narrow_front.ABREAST, limits=NO_LIMITS, step=STEP, power=None
+    chains, window=(13, 8), lanes=narrow_window.ABREAST, limits=NO_LIMITS, step=STEP, power=None
 ):
     """Columns of each chain, and what became of it."""
     batch = Batch.of(chains)
-    columns = np.full((narrow_front.COLUMNS, len(batch.masses)), np.nan)
+    columns = np.full((narrow_window.COLUMNS, len(batch.masses)), np.nan)
     status = np.zeros(len(chains), np.int64)
-    narrow_front.follow(
+    narrow_window.follow(
         lanes, (*window, *step), limits, (batch.given, batch.first, batch.beads, power), columns,
-        status, np.zeros(2, np.int64), narrow_front.scratch_of(lanes),
+        status, np.zeros(2, np.int64), narrow_window.scratch_of(lanes),
     )  # fmt: skip
     return np.split(columns, batch.first[1:], axis=1), status
 
@@ -50,20 +50,20 @@ def test_error_weights_vanish_on_polynomials_of_degree_5_only():
 @njit
 def steps_of_two_beads(w, steps):
     for _ in range(steps):
-        narrow_front.accelerate(w, 2, 1, narrow_front.POSITION, narrow_front.STAGE_0, None)
-        narrow_front.take_step(w, 2, 1, None)
+        narrow_window.accelerate(w, 2, 1, narrow_window.POSITION, narrow_window.STAGE_0, None)
+        narrow_window.take_step(w, 2, 1, None)
 
 
 def relative_velocity_error(steps):
     """Two compressed beads are released: the exact velocity follows from energy."""
-    w = np.zeros(narrow_front.END)
-    w[narrow_front.STIFFNESS] = 1.0
-    w[narrow_front.INVERSE_MASS : narrow_front.INVERSE_MASS + 2] = 1.0
-    w[narrow_front.POSITION] = 1.0
-    w[narrow_front.STEP : narrow_front.STEP + 2] = 1.0 / steps
+    w = np.zeros(narrow_window.END)
+    w[narrow_window.STIFFNESS] = 1.0
+    w[narrow_window.INVERSE_MASS : narrow_window.INVERSE_MASS + 2] = 1.0
+    w[narrow_window.POSITION] = 1.0
+    w[narrow_window.STEP : narrow_window.STEP + 2] = 1.0 / steps
     steps_of_two_beads(w, steps)
-    overlap = w[narrow_front.POSITION] - w[narrow_front.POSITION + 1]
-    speed = w[narrow_front.VELOCITY + 1] - w[narrow_front.VELOCITY]
+    overlap = w[narrow_window.POSITION] - w[narrow_window.POSITION + 1]
+    speed = w[narrow_window.VELOCITY + 1] - w[narrow_window.VELOCITY]
     return abs(speed**2 / 4.0 + 0.4 * overlap**2.5 - 0.4)
 
 
@@ -80,31 +80,31 @@ def test_hermite_polynomial_reproduces_degree_7():
     p = np.polynomial.Polynomial(rng.normal(size=8))
     h = 0.7
     derivatives = [p, p.deriv(), p.deriv(2), p.deriv(3)]
-    c = narrow_front.hermite(h, *(d(0.0) for d in derivatives), *(d(h) for d in derivatives))
+    c = narrow_window.hermite(h, *(d(0.0) for d in derivatives), *(d(h) for d in derivatives))
     s = 0.37
-    assert narrow_front.value(c, s) == pytest.approx(p(s * h), rel=1e-12)
-    assert narrow_front.slope(c, s) == pytest.approx(p.deriv()(s * h) * h, rel=1e-12)
-    assert narrow_front.curvature(c, s) == pytest.approx(p.deriv(2)(s * h) * h**2, rel=1e-12)
-    assert narrow_front.third(c, s) == pytest.approx(p.deriv(3)(s * h) * h**3, rel=1e-12)
+    assert narrow_window.value(c, s) == pytest.approx(p(s * h), rel=1e-12)
+    assert narrow_window.slope(c, s) == pytest.approx(p.deriv()(s * h) * h, rel=1e-12)
+    assert narrow_window.curvature(c, s) == pytest.approx(p.deriv(2)(s * h) * h**2, rel=1e-12)
+    assert narrow_window.third(c, s) == pytest.approx(p.deriv(3)(s * h) * h**3, rel=1e-12)
 
 
 def test_released_contact_gives_the_rest_of_the_impulse():
     # Two beads just before they part: the exact final speed follows from the energy.
-    w = np.zeros(narrow_front.END)
-    w[narrow_front.STIFFNESS + 1] = 1.0
-    w[narrow_front.INVERSE_MASS + 1 : narrow_front.INVERSE_MASS + 3] = 1.0
+    w = np.zeros(narrow_window.END)
+    w[narrow_window.STIFFNESS + 1] = 1.0
+    w[narrow_window.INVERSE_MASS + 1 : narrow_window.INVERSE_MASS + 3] = 1.0
     overlap, speed = 1e-3, 0.5
-    w[narrow_front.POSITION + 1] = overlap
-    w[narrow_front.VELOCITY + 1], w[narrow_front.VELOCITY + 2] = -speed / 2, speed / 2
-    w[narrow_front.STAGE_0 + 2] = overlap**1.5
-    w[narrow_front.STAGE_0 + 1] = -(overlap**1.5)
-    narrow_front.release(w, 1, 1, overlap / speed, None)
+    w[narrow_window.POSITION + 1] = overlap
+    w[narrow_window.VELOCITY + 1], w[narrow_window.VELOCITY + 2] = -speed / 2, speed / 2
+    w[narrow_window.STAGE_0 + 2] = overlap**1.5
+    w[narrow_window.STAGE_0 + 1] = -(overlap**1.5)
+    narrow_window.release(w, 1, 1, overlap / speed, None)
     exact = np.sqrt(speed**2 + 1.6 * overlap**2.5) / 2.0
-    assert w[narrow_front.VELOCITY + 2] - speed / 2 == pytest.approx(exact - speed / 2, rel=1e-5)
-    assert w[narrow_front.STIFFNESS + 1] == 0.0
+    assert w[narrow_window.VELOCITY + 2] - speed / 2 == pytest.approx(exact - speed / 2, rel=1e-5)
+    assert w[narrow_window.STIFFNESS + 1] == 0.0
 
 
-@pytest.mark.parametrize("lanes", [narrow_front.ALONE, narrow_front.ABREAST])
+@pytest.mark.parametrize("lanes", [narrow_window.ALONE, narrow_window.ABREAST])
 def test_lanes_do_not_touch_each_other(lanes):
     """More chains than lanes, of different lengths: each gives the same bits as separately."""
     rates = (0.01, 0.03, 0.05, 0.07)
@@ -114,19 +114,20 @@ def test_lanes_do_not_touch_each_other(lanes):
         for taper in ("backward-exponential", "forward-exponential", "backward-linear")
     ]
     together, status = follow(chains, lanes=lanes)
-    assert np.all(status == narrow_front.FOLLOWED)
+    assert np.all(status == narrow_window.FOLLOWED)
     for chain, columns in zip(chains, together, strict=True):
-        alone, _ = follow([chain], lanes=narrow_front.ALONE)
+        alone, _ = follow([chain], lanes=narrow_window.ALONE)
         assert np.array_equal(alone[0], columns, equal_nan=True)
 
 
 def test_convergence_with_the_step():
     chain = hc.Chain.tapered("backward-exponential", 0.05, beads=40)
-    fine = follow([chain], step=(0.05, 0.02), lanes=narrow_front.ALONE)[0][0]
+    fine = follow([chain], step=(0.05, 0.02), lanes=narrow_window.ALONE)[0][0]
     errors = [
         np.nanmax(
             np.abs(
-                follow([chain], step=(part, 0.1), lanes=narrow_front.ALONE)[0][0][0] / fine[0] - 1.0
+                follow([chain], step=(part, 0.1), lanes=narrow_window.ALONE)[0][0][0] / fine[0]
+                - 1.0
             )
         )
         for part in (0.3, 0.15)
@@ -139,11 +140,11 @@ def test_window_too_narrow_behind_is_noticed():
     chain = hc.Chain.tapered("forward-exponential", 0.05, beads=60)
     limits = (1e-8, np.inf, np.inf)
     assert (
-        follow([chain], window=(9, 4), limits=limits, lanes=narrow_front.ALONE)[1][0]
-        == narrow_front.REAR_CUT
+        follow([chain], window=(9, 4), limits=limits, lanes=narrow_window.ALONE)[1][0]
+        == narrow_window.REAR_CUT
     )
-    wrong = follow([chain], window=(9, 4), lanes=narrow_front.ALONE)[0][0][0]
-    right = follow([chain], lanes=narrow_front.ALONE)[0][0][0]
+    wrong = follow([chain], window=(9, 4), lanes=narrow_window.ALONE)[0][0][0]
+    right = follow([chain], lanes=narrow_window.ALONE)[0][0][0]
     assert np.max(np.abs(wrong / right - 1.0)[1:]) > 1e-5  # so it was worth noticing
 
 
@@ -151,36 +152,36 @@ def test_window_too_narrow_ahead_is_noticed():
     chain = hc.Chain.uniform(40)
     limits = (np.inf, 1e-9, np.inf)
     assert (
-        follow([chain], window=(10, 8), limits=limits, lanes=narrow_front.ALONE)[1][0]
-        == narrow_front.FRONT_CUT
+        follow([chain], window=(10, 8), limits=limits, lanes=narrow_window.ALONE)[1][0]
+        == narrow_window.FRONT_CUT
     )
-    assert follow([chain], limits=limits, lanes=narrow_front.ALONE)[1][0] == narrow_front.FOLLOWED
+    assert follow([chain], limits=limits, lanes=narrow_window.ALONE)[1][0] == narrow_window.FOLLOWED
 
 
 def test_too_long_steps_are_noticed():
     chain = hc.Chain.uniform(40)
     limits = (np.inf, np.inf, 1e-6)
     assert (
-        follow([chain], limits=limits, step=(0.6, 0.1), lanes=narrow_front.ALONE)[1][0]
-        == narrow_front.INACCURATE
+        follow([chain], limits=limits, step=(0.6, 0.1), lanes=narrow_window.ALONE)[1][0]
+        == narrow_window.INACCURATE
     )
-    assert follow([chain], limits=limits, lanes=narrow_front.ALONE)[1][0] == narrow_front.FOLLOWED
+    assert follow([chain], limits=limits, lanes=narrow_window.ALONE)[1][0] == narrow_window.FOLLOWED
 
 
 @pytest.mark.parametrize("rate", [0.15, 0.3])
 def test_beads_out_of_order_are_noticed(rate):
     chain = hc.Chain.tapered("forward-exponential", rate, beads=40)
-    assert follow([chain], lanes=narrow_front.ALONE)[1][0] == narrow_front.OUT_OF_ORDER
+    assert follow([chain], lanes=narrow_window.ALONE)[1][0] == narrow_window.OUT_OF_ORDER
 
 
 def test_stop_signal_ends_the_kernel():
     batch = Batch.of([hc.Chain.uniform(50)] * 3)
     signal = np.array([1, 0])
     status = np.zeros(3, np.int64)
-    narrow_front.follow(
-        narrow_front.ABREAST, (13, 8, *STEP), NO_LIMITS,
-        (batch.given, batch.first, batch.beads, None), np.empty((narrow_front.COLUMNS, 150)),
-        status, signal, narrow_front.scratch_of(narrow_front.ABREAST),
+    narrow_window.follow(
+        narrow_window.ABREAST, (13, 8, *STEP), NO_LIMITS,
+        (batch.given, batch.first, batch.beads, None), np.empty((narrow_window.COLUMNS, 150)),
+        status, signal, narrow_window.scratch_of(narrow_window.ABREAST),
     )  # fmt: skip
-    assert np.all(status == narrow_front.WAITING)
+    assert np.all(status == narrow_window.WAITING)
     assert signal[PASSED] == 0

@@ -484,8 +484,9 @@ def follow(window, given, results, status, work, signal, scratch):
         beads of all chains, where the contact after the last bead of a chain has stiffness 0;
         index among the M beads at which each of the C chains begins; its number of beads; the
         exponent of its contacts if they share one, otherwise NaN
-    results : (COLUMNS, M) zeros, filled as by `hertzchain.kernels.narrow_front.follow`, except that
-        the residence time is 0 for a contact that does not cross right after the one before it
+    results : (COLUMNS, M) zeros on entry; filled as by `hertzchain.kernels.narrow_window.follow`,
+        except that the residence time is 0 for a contact that does not cross right after the one
+        before it
     status : (C,) status code of each chain
     work : (C,) number of slots times steps left to each chain, counted down to 0; the chain is then
         rejected

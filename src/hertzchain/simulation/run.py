@@ -50,11 +50,11 @@ class Run(Trajectory):
     velocities : ndarray, shape (T, N)
         Velocities [scaled, or m/s].
     status : str
-        Reason for the end of the run.  Without ``until``: ``"wall force complete"`` or, after ten
-        transits, ``"transit limit"`` (with a right wall), ``"pulse left"`` (without), ``"nothing
-        more happens"`` if all beads are in free flight before.  With it: ``"time reached"``.
-        ``"step limit"``, ``"step too small"`` and ``"underflow"`` are failures, for which
-        `simulate` raises an error unless ``check`` is false.
+        Reason for the end of the run.  With ``until`` it is ``"time reached"``.  Without, it is
+        ``"pulse left"``; for a chain with a right wall, ``"wall force complete"`` or, after ten
+        transits, ``"transit limit"``; and ``"nothing more happens"`` if all beads are in free
+        flight earlier.  ``"step limit"``, ``"step too small"`` and ``"underflow"`` are failures,
+        for which `simulate` raises an error unless ``check`` is false.
     end_time : float
         Time at which the simulation stopped [scaled, or s].
     energy_drift : float
@@ -99,7 +99,7 @@ class Run(Trajectory):
         Returns
         -------
         Pulse
-            Found between the steps of the simulation, not from the saved times.  A value that
+            Located within the steps of the simulation, not among the saved times.  A value that
             the run did not reach, or that is not defined, is NaN; ``pulse.notes`` has the reason.
 
         Raises
@@ -136,7 +136,7 @@ class Run(Trajectory):
         Returns
         -------
         LeadingPulse
-            Found between the steps of the simulation, not from the saved times.
+            Located within the steps of the simulation, not among the saved times.
 
         Examples
         --------
@@ -222,15 +222,14 @@ class Run(Trajectory):
     ) -> Horizon:
         """Time up to which the velocities are predictable, from a second integration.
 
-        The chain is integrated again with ten times the tolerance (with a tenth of it from
-        rtol = 1e-7 on), which takes about as long as the run itself.  The result is kept: the
-        run's repr then shows it, and a further call takes no time.
+        The chain is integrated again with ten times the tolerance (with a tenth of it if
+        rtol > 1e-7), which takes about as long as the run itself.  The result is stored, so that
+        the repr of the run shows it and further calls take no time.
 
         Parameters
         ----------
         within : float
-            Largest error of velocities that are regarded as predictable, relative to the largest
-            velocity.
+            Error up to which velocities are taken as predictable, relative to the largest velocity.
         progress : callable, optional
             Called as ``progress(beads_passed, beads)`` a few times per second.
 
@@ -267,8 +266,8 @@ class Run(Trajectory):
     def prediction(self) -> str:
         """Short description of how long the run is predictable; empty for short runs.
 
-        It recommends `horizon` if the run is longer than three transits of a pulse, and its chain
-        traps waves: without losses, between two walls, or at one with precompression or gravity.
+        It recommends `horizon` if the run is longer than three transits of a pulse and the chain,
+        without losses, traps waves: between two walls or, with precompression or gravity, at one.
         """
         if self.known_horizon is not None:
             return self.known_horizon.message

@@ -63,8 +63,8 @@ class Trajectory:
     def forces(self) -> Array:
         """Forces in the contacts at the saved times, shape (T, N + 1) [scaled, or N].
 
-        Numbered with the walls: 0 is the left wall's contact, k joins beads k and k + 1, and N
-        is the right wall's.
+        Contact numbers include the walls: contact 0 is the one with the left wall, contact k joins
+        beads k and k + 1, and contact N is the one with the right wall.
         """
         if self._forces is not None:
             return self._forces
@@ -75,10 +75,10 @@ class Trajectory:
     def largest_overlaps(self) -> Array:
         """Largest overlap of each contact, shape (N + 1,) [scaled, or m].
 
-        Numbered with the walls, as `forces`.  It is found within the steps; with the methods of
-        fixed steps, for waves after the leading pulse, between the saved times, by cubic Hermite
-        interpolation.  For a wall it is the overlap :math:`(F/k)^{1/p}` that its largest force
-        :math:`F` causes without losses.
+        Contact numbers are those of `forces`.  Maxima are located within the steps.  With fixed
+        steps, those of waves after the leading pulse are found by cubic Hermite interpolation
+        between the saved times.  The value of a wall is the overlap :math:`(F/k)^{1/p}` that its
+        largest force :math:`F` causes without losses.
 
         Examples
         --------
@@ -138,8 +138,8 @@ class Trajectory:
         Parameters
         ----------
         contact : int
-            Number of the contact: k joins beads k and k + 1; 0 is the left wall's, N the
-            right wall's.
+            Number of the contact, as in `forces`: 0 is the contact with the left wall, N the one
+            with the right wall.
 
         Returns
         -------
@@ -272,12 +272,13 @@ class Trajectory:
         return 0.5 * (self.forces[:, k - 1] + self.forces[:, k])
 
     def open_contacts(self) -> Array:
-        """Contacts that are open at the saved times.
+        """Determine which contacts between beads are open at the saved times.
 
         Returns
         -------
         ndarray of bool, shape (T, N - 1)
-            Runs of closed contacts between open ones are the fragments of the chain.
+            True for open contacts.  Successive closed contacts hold a fragment of the chain
+            together.
 
         Examples
         --------

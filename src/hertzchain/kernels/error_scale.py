@@ -13,7 +13,7 @@ from .driving import PUSH, drive_at, rounding_of_drive
 # bound of the unit as a fraction of the speed of the fastest bead in contact, used behind a pulse.
 NEIGHBOURS = 3
 SLOW = 1e-4
-# Lower bound of the unit as a multiple of the speed that the steps do not resolve.
+# Lower bound of the unit as a multiple of `unresolved_speed`.
 FAINT = 100.0
 # Errors of slower beads are ignored: the front has not reached them, and numbers may underflow.
 AT_REST = 1e-290

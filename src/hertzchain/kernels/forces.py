@@ -296,7 +296,7 @@ def add_damping(pushing, overlap, closing, damping, mode, law, more, scratch):
 
 @compiled
 def sum_of_products(a, b):
-    """Sum of a * b, split into four independent sums, which the compiler can vectorise."""
+    """Sum of a * b, computed as four independent sums, which is faster."""
     s, t, u, v = 0.0, 0.0, 0.0, 0.0
     whole = len(a) - len(a) % 4
     for i in range(0, whole, 4):

@@ -44,6 +44,7 @@ def everything(tmp_path_factory):
         run.energy_flux(), run.horizon(), run.reflection(1, 5), pulse, pulse.compare(pulse),
         hc.propagate_many([[1.0, 1.0], [1.0, -1.0]]), hc.simulate_many([chain]),
         hc.gradient(chain, "wall_force.peak"),
+        hc.distribution(chain, "velocity@3", hc.Scatter(radius=0.01, samples=3)),
         hc.solitary_wave(),
         hc.solitary_wave().velocity, hc.effective_chain(hc.Chain.uniform(5).decorated(0.2)),
         hc.equilibrium(chain), hc.hertz_range(balls), hc.Scales.of(balls), hc.material("brass"),

@@ -11,8 +11,8 @@ from hertzchain import Chain
 
 # Classes that users do not create; only their methods are called.
 RESULTS = (
-    "Budget", "Calibration", "DefectScan", "DesignResult", "EffectiveChain", "Gradient",
-    "EffectivePulse", "EnergyFlux",
+    "Budget", "Calibration", "DefectScan", "DesignResult", "Distribution", "EffectiveChain",
+    "EffectivePulse", "EnergyFlux", "Gradient",
     "FitResult", "Fronts", "LossComparison", "Posterior", "TraceComparison",
     "HertzRange", "Horizon", "LeadingPulse", "PulseTable", "Reflection", "Run", "RunTable",
     "Scoreboard",
@@ -93,6 +93,23 @@ def public_calls(folder):
             model="simulation",
         ),
         "Scatter": tried(hc.Scatter, radius=0.01, grade=None, measure="mean", samples=10),
+        "Scatter.sample": tried(hc.Scatter(radius=0.01, samples=3).sample, chain=chain, seed=2),
+        "distribution": tried(
+            hc.distribution,
+            chain=chain,
+            quantity="velocity@3",
+            scatter=hc.Scatter(radius=0.01, samples=3),
+            seed=2,
+            threads=1,
+            progress=None,
+        ),
+        "Distribution.plot": tried(
+            hc.distribution(chain, "velocity@3", hc.Scatter(radius=0.01, samples=3)).plot, ax=None
+        ),
+        "Distribution.percentile": tried(
+            hc.distribution(chain, "velocity@3", hc.Scatter(radius=0.01, samples=3)).percentile,
+            percent=50.0,
+        ),
         "design": tried(
             hc.design,
             problem=problem,
@@ -292,6 +309,7 @@ def public_calls(folder):
             rtol=1e-6,
             max_steps=9999,
         ),
+        "Gradient.plot": tried(hc.gradient(chain, "pulse.velocity@3").plot, name="radii", ax=None),
         "Gradient.relative": tried(hc.gradient(chain, "pulse.velocity@3").relative, name="radii"),
         "gradients": tried(
             hc.gradients,

@@ -32,6 +32,8 @@ from .chain.tapers import TAPERS as TAPERS
 from .chain.walls import Wall as Wall
 from .designs import vary as vary
 from .designs.design import design as design
+from .designs.distribution import Distribution as Distribution
+from .designs.distribution import distribution as distribution
 from .designs.problem import Design as Design
 from .designs.result import DesignResult as DesignResult
 from .designs.scatter import Scatter as Scatter

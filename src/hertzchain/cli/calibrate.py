@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from .options import check_writable, numbers_from, window_from
+from .options import check_writable, json_option, numbers_from, window_from
 from .output import show_json, show_table
 from .progress import progress_bar
 
@@ -41,7 +41,7 @@ if TYPE_CHECKING:
     metavar="FILE",
     help="Also write the constants to FILE (.toml).",
 )
-@click.option("--json", "as_json", is_flag=True, help="Print everything as JSON.")
+@json_option
 def calibrate(
     tapers: tuple[str, ...], rates: str | None, window: str, beads: int, output: Path | None,
     as_json: bool,

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from .exit_codes import DONE, FAILED, OUTSIDE_TOLERANCE
-from .options import PICTURES, check_writable, names_from, with_width
+from .options import check_writable, figure_option, json_option, names_from
 from .output import save_figure, show_json
 from .progress import progress_bar
 
@@ -52,18 +52,14 @@ if TYPE_CHECKING:
     metavar="STEPS",
     help="Also sample the posterior with emcee (extra: fit), as a check of the errors.",
 )
-@click.option(
-    "--plot",
-    type=click.Path(path_type=Path),
-    metavar="FILE",
-    help="Plot data, fit and residuals to FILE (.png, .svg or .pdf); residuals, correlations and "
-    "the corner plot get names with -residuals, -correlations and -corner.",
+@figure_option(
+    "Plot data, fit and residuals to FILE; residuals, correlations and "
+    "the corner plot get names with -residuals, -correlations and -corner."
 )
 @click.option(
     "--out", type=click.Path(path_type=Path), metavar="FILE", help="Write the fitted chain (.toml)."
 )
-@click.option("--json", "as_json", is_flag=True, help="Print everything as JSON.")
-@with_width("plot")
+@json_option
 def fit(
     files: tuple[Path, ...], free: tuple[str, ...], priors: tuple[str, ...], starts: int,
     laws: str | None, defects: bool, sample: int | None, plot: Path | None, out: Path | None,
@@ -88,7 +84,6 @@ def fit(
 
     if len(files) < 2:
         raise click.UsageError("give at least one CSV file of traces and, last, the chain file")
-    check_writable(plot, "--plot", PICTURES)
     check_writable(out, "--out", (".toml",))
     traces = hertzchain.load_traces(*files[:-1])
     known = dict(_prior(text) for text in priors)

@@ -85,6 +85,36 @@ def check_writable(path: Path | None, option: str, endings: tuple[str, ...]) -> 
         raise click.UsageError(f"{option} {path}: the folder {path.parent} does not exist")
 
 
+json_option = click.option("--json", "as_json", is_flag=True, help="Print everything as JSON.")
+quantity_option = click.option(
+    "--quantity",
+    metavar="NAME",
+    help="Such as wall_force.peak, velocity@20 or arrival@last.  [default: wall_force.peak; "
+    "without a wall, velocity@last]",
+)
+
+
+def figure_option(
+    purpose: str, name: str = "plot"
+) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
+    """Add the options ``--plot FILE`` and ``--width``; FILE is checked before the command runs."""
+
+    def decorate(command: Callable[..., Any]) -> Callable[..., Any]:
+        @click.option(
+            f"--{name}", type=click.Path(path_type=Path), metavar="FILE",
+            help=purpose.replace("FILE", "FILE (.png, .svg or .pdf)"),
+        )  # fmt: skip
+        @with_width(name)
+        @functools.wraps(command)
+        def with_option(*arguments: Any, **options: Any) -> Any:
+            check_writable(options[name], f"--{name}", PICTURES)
+            return command(*arguments, **options)
+
+        return with_option
+
+    return decorate
+
+
 def with_width(parameter: str) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
     """Add the option ``--width`` to a command whose figure is written to this parameter."""
 

@@ -9,7 +9,7 @@ import click
 
 from ..pulse.quantities import QUANTITIES
 from .chain_options import ChainOptions, chain_options, chains_from
-from .options import PICTURES, LateHelp, check_writable, with_width
+from .options import LateHelp, figure_option, json_option
 from .output import save_figure, show_table
 from .progress import progress_bar
 from .pulse_tables import pulse_table, side_by_side
@@ -53,15 +53,9 @@ def _method_help() -> str:
 )
 @click.option("--log", is_flag=True, help="Use a logarithmic y axis.")
 @click.option("--all", "every_bead", is_flag=True, help="Show every bead in the table.")
-@click.option("--json", "as_json", is_flag=True, help="Print everything as JSON.")
+@json_option
 @click.option("--csv", "as_csv", is_flag=True, help="Print everything as CSV.")
-@click.option(
-    "--plot",
-    type=click.Path(path_type=Path),
-    metavar="FILE",
-    help="Also plot the quantity to FILE (.png, .svg or .pdf).",
-)
-@with_width("plot")
+@figure_option("Also plot the quantity to FILE.")
 def pulse(
     options: ChainOptions, methods: tuple[str, ...], quantity: str, every_bead: bool,
     as_json: bool, as_csv: bool, plot: Path | None, log: bool,
@@ -90,7 +84,6 @@ def pulse(
         check_choice("method", method, METHODS)
     quantity = SYNONYMS.get(quantity, quantity)
     check_choice("quantity", quantity, QUANTITIES)
-    check_writable(plot, "--plot", PICTURES)
     chains = chains_from(options)
     if len(chains) > 1 and (as_json or as_csv):
         raise click.UsageError("--json and --csv require one chain FILE")

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from ..pulse.quantities import QUANTITIES
-from .options import PICTURES, check_writable, with_width
+from .options import figure_option
 from .output import save_figure, show_json, show_table
 from .progress import progress_bar
 
@@ -32,16 +32,10 @@ if TYPE_CHECKING:
 )
 @click.option("--rms", is_flag=True, help="Show the root mean square instead of the worst error.")
 @click.option("--all", "every_chain", is_flag=True, help="Show one row per chain, not per family.")
-@click.option(
-    "--figure",
-    type=click.Path(path_type=Path),
-    metavar="FILE",
-    help="Also plot the table to FILE (.png, .svg or .pdf).",
-)
+@figure_option("Also plot the table to FILE.", name="figure")
 @click.option(
     "--json", "as_json", is_flag=True, help="Print all quantities, from beads 2 and 10 on, as JSON."
 )
-@with_width("figure")
 def scoreboard(
     quantity: str, first_bead: int, rms: bool, every_chain: bool, figure: Path | None,
     as_json: bool,
@@ -62,7 +56,6 @@ def scoreboard(
     from ..validation.objects import check_choice
 
     check_choice("quantity", quantity, SCORED)
-    check_writable(figure, "--figure", PICTURES)
     with progress_bar("chains integrated") as progress:
         board = evaluate.scoreboard(progress=progress)
     what: dict[str, Any] = {"quantity": quantity, "first_bead": first_bead}

@@ -8,29 +8,21 @@ from typing import TYPE_CHECKING, Final
 import click
 
 from .chain_options import ChainOptions, chain_from, chain_options
-from .options import PICTURES, check_writable, measure_from, with_width
+from .options import figure_option, json_option, measure_from, quantity_option
 from .output import save_figure, show_json, show_table
 from .pulse_tables import table_rows
 
 if TYPE_CHECKING:
-    from matplotlib.axes import Axes
     from rich.table import Table
 
     from ..sensitivity.gradient import Gradient
 
 BY: Final = ("radii", "masses", "stiffness", "velocities", "young", "density")
-NOUNS: Final = {"radii": "the radius", "masses": "the mass", "velocities": "the velocity",
-                "young": "Young's modulus"}  # fmt: skip
 
 
 @click.command()
 @chain_options
-@click.option(
-    "--quantity",
-    metavar="NAME",
-    help="Such as wall_force.peak, velocity@20 or arrival@last.  [default: wall_force.peak; "
-    "without a wall, velocity@last]",
-)
+@quantity_option
 @click.option(
     "--to",
     "by",
@@ -40,14 +32,8 @@ NOUNS: Final = {"radii": "the radius", "masses": "the mass", "velocities": "the 
     help="Parameter of each bead or contact that changes.",
 )
 @click.option("--all", "every_bead", is_flag=True, help="Show every bead in the table.")
-@click.option("--json", "as_json", is_flag=True, help="Print everything as JSON.")
-@click.option(
-    "--plot",
-    type=click.Path(path_type=Path),
-    metavar="FILE",
-    help="Plot the relative changes to FILE (.png, .svg or .pdf).",
-)
-@with_width("plot")
+@json_option
+@figure_option("Plot the relative changes to FILE.")
 def sensitivity(
     options: ChainOptions, quantity: str | None, by: str, every_bead: bool, as_json: bool,
     plot: Path | None,
@@ -68,7 +54,6 @@ def sensitivity(
     from ..designs.exact_gradients import name_of
     from ..errors import InputError
 
-    check_writable(plot, "--plot", PICTURES)
     chain = chain_from(options)
     measure = measure_from(quantity, chain)
     name = name_of(measure, chain.beads)
@@ -76,7 +61,7 @@ def sensitivity(
         raise InputError(f"{measure} has no derivatives; use wall_force.peak or velocity@last")
     found = hertzchain.gradient(chain, name, to=by)
     if plot is not None:
-        save_figure(_drawn(found, by, measure.label), plot)
+        save_figure(found.plot(by), plot)
     if as_json:
         from ..store import results
 
@@ -99,30 +84,9 @@ def _table(found: Gradient, by: str, every_bead: bool) -> Table:
     few = f"{len(rows)} of {len(absolute)}; --all shows every one"
     table = Table(box=box.SIMPLE_HEAD, caption=None if len(rows) == len(absolute) else few)
     unit = f" [{found.units[by]}]" if found.units[by] else ""
-    for column in (_place(by), "% per 1%", f"derivative{unit}"):
+    place = "contact k" if by == "stiffness" else "bead k"
+    for column in (place, "% per 1%", f"derivative{unit}"):
         table.add_column(escape(column), justify="right", no_wrap=True)
     for i in rows:
         table.add_row(f"{i + 1}", f"{relative[i]:+.4f}", f"{absolute[i]:.5g}")
     return table
-
-
-def _place(by: str) -> str:
-    return "contact k" if by == "stiffness" else "bead k"
-
-
-def _drawn(found: Gradient, by: str, label: str) -> Axes:
-    import numpy as np
-    from matplotlib.ticker import MaxNLocator
-
-    from ..plotting.style import COLOURS, figure_style, get_axes, set_title
-
-    relative = found.relative(by)
-    with figure_style():
-        axes = get_axes(None)
-        axes.bar(np.arange(1, len(relative) + 1), relative, color=COLOURS[1])
-        axes.axhline(0.0, color="black", linewidth=0.8)
-        axes.xaxis.set_major_locator(MaxNLocator(integer=True))
-        axes.set_xlabel(f"{_place(by).removesuffix('k')}$k$")
-        axes.set_ylabel("relative change [%]")
-        set_title(axes, f"{label}: change per 1% of {NOUNS.get(by, by)}")
-    return axes

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Final
 import click
 
 from .chain_options import ChainOptions, chain_options, chains_from
-from .options import PICTURES, check_writable, time_from, with_width
+from .options import check_writable, figure_option, time_from
 from .output import save_figure, show_json
 from .progress import progress_bar
 from .run_summary import run_as_dict, show_run
@@ -60,12 +60,9 @@ USUAL_TIMES: Final = 400
     metavar="FILE",
     help="Save the trajectories to FILE (.nc or .csv).",
 )
-@click.option(
-    "--plot",
-    type=click.Path(path_type=Path),
-    metavar="FILE",
-    help="Plot velocities or, with --sensor, forces to FILE (.png, .svg or .pdf); of several "
-    "chains, forces in sensors and on walls, or the leading pulses.",
+@figure_option(
+    "Plot velocities or, with --sensor, forces to FILE; of several "
+    "chains, forces in sensors and on walls, or the leading pulses."
 )
 @click.option(
     "--animate",
@@ -96,7 +93,6 @@ USUAL_TIMES: Final = 400
     "--horizon", is_flag=True, help="Print how long the run is predictable (takes twice as long)."
 )
 @click.option("--json", "as_json", is_flag=True, help="Print the summary as JSON.")
-@with_width("plot")
 def simulate(
     options: ChainOptions, until: str | None, times: int | None, rtol: float, method: str,
     step: str | None, drift: float | None, max_steps: int | None, out: Path | None,
@@ -129,7 +125,6 @@ def simulate(
     """
     from ..simulation.sensor_force import MANY_TIMES
 
-    check_writable(plot, "--plot", PICTURES)
     check_writable(animation, "--animate", (".gif", ".mp4"))
     check_writable(out, "--out", (".nc", ".csv"))
     if budget and as_json:

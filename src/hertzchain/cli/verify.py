@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Literal
 import click
 
 from .exit_codes import OUTSIDE_TOLERANCE
-from .options import names_from
+from .options import json_option, names_from
 from .output import show_json, show_table
 from .progress import progress_bar
 
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 @click.option(
     "--only", metavar="NAMES", help="Groups of cases, separated by commas: walls, dimers, ..."
 )
-@click.option("--json", "as_json", is_flag=True, help="Print everything as JSON.")
+@json_option
 def verify(only: str | None, as_json: bool) -> None:
     """Compare computed with exact and published values.
 

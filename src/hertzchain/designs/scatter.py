@@ -15,7 +15,7 @@ from ..chain.places import places_from
 from ..collision import Array
 from ..errors import InputError, short_repr
 from ..validation.numbers import number, whole_number
-from ..validation.objects import check_choice, text
+from ..validation.objects import check_choice, check_type, text
 
 _CVAR: Final = re.compile(r"cvar(\d\d?)")
 
@@ -71,6 +71,38 @@ class Scatter:
         """Part of the samples in the mean of the worst; 0 for the mean of all."""
         found = _CVAR.fullmatch(self.measure)
         return 1.0 - int(found[1]) / 100 if found and int(found[1]) > 0 else 0.0
+
+    def sample(self, chain: Chain, seed: int = 1) -> list[Chain]:
+        """Chains with random deviations.
+
+        Parameters
+        ----------
+        chain : Chain
+            The chain without deviations; masses and contacts of the others follow from their
+            radii.
+        seed : int
+            Seed of the random numbers.
+
+        Returns
+        -------
+        list of Chain
+            As many as ``samples``.
+
+        Raises
+        ------
+        InputError
+            If the chain cannot have the scatter.
+
+        Examples
+        --------
+        >>> import hertzchain as hc
+        >>> chains = hc.Scatter(radius=0.01, samples=3, beads="2:").sample(hc.Chain.uniform(9))
+        >>> [float(chain.radii[0]) for chain in chains]
+        [1.0, 1.0, 1.0]
+        """
+        check_type("chain", chain, Chain)
+        self._check(chain)
+        return self._chains(chain, self._draws(whole_number("seed", seed, least=0), chain.beads))
 
     def _check(self, chain: Chain) -> None:
         """Raise `InputError` if a chain cannot have the scatter."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -27,6 +27,9 @@ from .relative import per_unit, unit_of_parameter, unit_of_quantity, value_of_pa
 from .sweep import sweep
 from .targets import Ending, targets_of
 from .window import follow_pulse
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 DEFAULT_RTOL, WINDOW_RTOL, DAMPED_RTOL = 1e-10, 1e-9, 1e-12
 MIN_RTOL, MAX_RTOL = 1e-14, 1e-5
@@ -117,6 +120,35 @@ class Gradient(Frozen):
                 f"{self.quantity} is 0 and has no relative derivatives; use the absolute ones"
             )
         return np.asarray(slopes * self.parameters[name] / self.value)
+
+    def plot(self, name: str = "radii", *, ax: Axes | None = None) -> Axes:
+        """Plot by how many percent the quantity changes if a parameter of each bead grows by 1%.
+
+        Parameters
+        ----------
+        name : str
+            One of the parameters of this gradient with a value for each bead or contact.
+        ax : matplotlib.axes.Axes, optional
+            Axes to draw into.  By default, a new figure is created.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+
+        Raises
+        ------
+        InputError
+            As `relative`.
+
+        Examples
+        --------
+        >>> import hertzchain as hc
+        >>> hc.gradient(hc.Chain.uniform(5), "pulse.velocity@5", to="radii").plot().get_ylabel()
+        'relative change [%]'
+        """
+        from ..plotting.gradients import plot_gradient
+
+        return plot_gradient(self, name, ax=ax)
 
     def __repr__(self) -> str:
         units = {name: f" [{unit}]" if unit else "" for name, unit in self.units.items()}

@@ -1,0 +1,220 @@
+"""Distribution of a quantity over chains whose beads deviate at random."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ..chain.chain import Chain
+from ..collision import Array
+from ..errors import InputError, SimulationError
+from ..frozen import Frozen
+from ..representation import measure as with_unit
+from ..representation import short
+from ..simulation.simulate_many import simulate_many
+from ..validation.numbers import number, whole_number
+from ..validation.objects import check_type
+from .measures import Measure, parse_measure
+from .scatter import Scatter, scatter_from
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+
+@dataclass(frozen=True, eq=False)
+class Distribution(Frozen):
+    """Values of a quantity for many chains with random deviations; result of `distribution`.
+
+    Attributes
+    ----------
+    chain : Chain
+        The chain without deviations.
+    scatter : Scatter
+        The deviations.
+    quantity : str
+        Name of the quantity, such as ``"wall_force.peak"``.
+    nominal : float
+        Its value for the chain without deviations [scaled, or SI].
+    values : ndarray, shape (M,)
+        Its values for the other chains [scaled, or SI].
+    failed : int
+        Number of chains without a value, which are not among the ``values``.
+    """
+
+    chain: Chain
+    scatter: Scatter
+    quantity: str
+    nominal: float
+    values: Array
+    failed: int = 0
+
+    @property
+    def mean(self) -> float:
+        """Mean of the values."""
+        return float(self.values.mean())
+
+    @property
+    def standard_deviation(self) -> float:
+        """Standard deviation of the values, estimated from the sample (n - 1)."""
+        return float(self.values.std(ddof=1))
+
+    @property
+    def unit(self) -> str:
+        """Unit of the values; ``"1"`` if they have none, or if the chain is scaled."""
+        return self._measure.unit if self.chain.units == "SI" else "1"
+
+    @property
+    def label(self) -> str:
+        """The quantity in words, such as ``peak force on the wall``."""
+        return self._measure.label
+
+    @property
+    def _measure(self) -> Measure:
+        return parse_measure(self.quantity)
+
+    def percentile(self, percent: float) -> float:
+        """Value below which a percentage of the chains is.
+
+        Parameters
+        ----------
+        percent : float
+            From 0 to 100.
+
+        Returns
+        -------
+        float
+            With linear interpolation between the values, as `numpy.percentile`.
+
+        Raises
+        ------
+        InputError
+            If the percentage is outside its range.
+
+        Examples
+        --------
+        >>> import hertzchain as hc
+        >>> chain = hc.Chain.uniform(10).replace(right_wall=hc.Wall())
+        >>> found = hc.distribution(chain, "wall_force.peak", hc.Scatter(radius=0.01, samples=20))
+        >>> found.percentile(10) < found.percentile(90)
+        True
+        """
+        return float(np.percentile(self.values, number("percent", percent, least=0.0, most=100.0)))
+
+    def plot(self, *, ax: Axes | None = None) -> Axes:
+        """Plot a histogram of the values, with the nominal value and the mean.
+
+        Parameters
+        ----------
+        ax : matplotlib.axes.Axes, optional
+            Axes to draw into.  By default, a new figure is created.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+
+        Examples
+        --------
+        >>> import hertzchain as hc
+        >>> chain = hc.Chain.uniform(10).replace(right_wall=hc.Wall())
+        >>> found = hc.distribution(chain, "wall_force.peak", hc.Scatter(radius=0.01, samples=20))
+        >>> found.plot().get_ylabel()
+        'number of chains'
+        """
+        from ..plotting.distributions import plot_distribution
+
+        return plot_distribution(self, ax=ax)
+
+    def __repr__(self) -> str:
+        nominal, mean, deviation = (
+            with_unit(value, self.unit, "scaled" if self.unit == "1" else "SI")
+            for value in (self.nominal, self.mean, self.standard_deviation)
+        )
+        return short(
+            "Distribution", f"{self.quantity} of {len(self.values)} random chains",
+            f"mean {mean}", f"standard deviation {deviation}", f"nominal {nominal}",
+            f"{self.failed} chains failed" if self.failed else "",
+        )  # fmt: skip
+
+
+def distribution(
+    chain: Chain,
+    quantity: str,
+    scatter: Scatter,
+    *,
+    seed: int = 1,
+    threads: int | None = None,
+    progress: Callable[[int, int], None] | None = None,
+) -> Distribution:
+    r"""Simulate chains with random deviations of the radii and collect a quantity.
+
+    The radius of bead k is :math:`R_k e^{\sigma z_k}` with a standard normal :math:`z_k`, or, for
+    a grade of ISO 3290-1, uniformly distributed within its tolerance.  Materials, walls and the
+    impact are those of the given chain; masses and contacts follow from the radii.  Bead 1 often
+    is the projectile, whose deviation changes the impact itself: ``beads="2:"`` omits it.
+
+    Parameters
+    ----------
+    chain : Chain
+        The chain without deviations.
+    quantity : str
+        Name such as ``"wall_force.peak"``, ``"velocity@20"`` or ``"arrival@last"``; all those of
+        `Design` are available.
+    scatter : Scatter
+        Deviations, with the number of chains, ``samples``.  Its ``measure`` is not used.
+    seed : int
+        Seed of the random radii.
+    threads : int, optional
+        Number of threads, by default one for each processor.
+    progress : callable, optional
+        Called as ``progress(chains_done, chains)``.
+
+    Returns
+    -------
+    Distribution
+
+    Raises
+    ------
+    InputError
+        If the chain does not have the quantity or cannot have the scatter.
+    SimulationError
+        If fewer than two chains have a value.
+
+    See Also
+    --------
+    disorder : Theory of the mean and spread of the leading pulse, without simulations.
+    gradient : Derivatives, from which the spread of small deviations follows.
+
+    Examples
+    --------
+    >>> import hertzchain as hc
+    >>> chain = hc.Chain.uniform(10).replace(right_wall=hc.Wall())
+    >>> found = hc.distribution(chain, "wall_force.peak", hc.Scatter(radius=0.01, samples=100))
+    >>> f"{found.nominal:.3f}, {found.mean:.3f} +- {found.standard_deviation:.3f}"
+    '1.244, 1.243 +- 0.007'
+    """
+    check_type("chain", chain, Chain)
+    deviations = scatter_from(scatter)
+    if deviations is None:
+        raise InputError("a distribution needs a scatter, such as Scatter(radius=0.01)")
+    measure = parse_measure(quantity)
+    measure.check(chain)
+    whole_number("seed", seed, least=0)
+    chains = [chain, *deviations.sample(chain, seed)]
+    nominal, *values = _values(measure, chains, threads=threads, progress=progress)
+    found = np.array(values)
+    good = found[np.isfinite(found)]
+    if len(good) < 2 or not np.isfinite(nominal):
+        raise SimulationError(f"fewer than two chains have a value of {measure}")
+    good.setflags(write=False)
+    return Distribution(
+        chain, deviations, str(measure), float(nominal), good, len(found) - len(good)
+    )
+
+
+def _values(measure: Measure, chains: list[Chain], **options: Any) -> Array:
+    if measure.of_chain:
+        return np.array([measure.from_chain(each, np.nan) for each in chains])
+    return measure.from_table(simulate_many(chains, keep=measure.columns, **options))

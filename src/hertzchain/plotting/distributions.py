@@ -1,0 +1,48 @@
+"""Plot the distribution of a quantity over random chains."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from matplotlib.axes import Axes
+
+from .style import COLOURS, figure_style, get_axes, set_title
+from .titles import chain_title
+
+if TYPE_CHECKING:
+    from ..designs.distribution import Distribution
+
+
+def plot_distribution(found: Distribution, *, ax: Axes | None = None) -> Axes:
+    """Plot a histogram of a `hertzchain.Distribution`, with the nominal value and the mean.
+
+    Parameters
+    ----------
+    found : Distribution
+        Result of `hertzchain.distribution`.
+    ax : matplotlib.axes.Axes, optional
+        Axes to draw into.  By default, a new figure is created.
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+
+    Examples
+    --------
+    >>> import hertzchain as hc
+    >>> from hertzchain.plotting.distributions import plot_distribution
+    >>> chain = hc.Chain.uniform(10).replace(right_wall=hc.Wall())
+    >>> found = hc.distribution(chain, "wall_force.peak", hc.Scatter(radius=0.01, samples=20))
+    >>> plot_distribution(found).get_xlabel()
+    'peak force on the wall'
+    """
+    with figure_style():
+        axes = get_axes(ax)
+        axes.hist(found.values, bins="auto", color=COLOURS[5])
+        axes.axvline(found.nominal, color="black", label="nominal chain")
+        axes.axvline(found.mean, color=COLOURS[2], linestyle="--", label="mean")
+        axes.set_xlabel(found.label + (f" [{found.unit}]" if found.unit != "1" else ""))
+        axes.set_ylabel("number of chains")
+        axes.legend()
+        set_title(axes, chain_title(found.chain))
+    return axes

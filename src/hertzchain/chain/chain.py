@@ -34,7 +34,9 @@ from .taper_sizes import Sizes, taper_of_sizes
 class Chain(ChainFields):
     r"""Beads, contacts, ends and initial velocities of a chain.
 
-    By default bead 1 has velocity 1 and all others are at rest.
+    By default bead 1 has velocity 1 and all others are at rest.  A precompressed chain in SI
+    units is at rest unless you give its velocities.  Beads have numbers from 1, arrays start at 0:
+    :doc:`/reference/numbering`.
 
     Use a builder: `Chain.tapered`, `Chain.uniform` or `Chain.from_radii` for the scaled
     variables of the paper, `Chain.from_materials` for SI units; `Chain.replace` changes fields.
@@ -69,7 +71,8 @@ class Chain(ChainFields):
         Material of each bead, if known.
     velocities : ndarray, shape (N,)
         Velocities at time 0, positive towards bead N [scaled, or m/s]; if not given, 1
-        for bead 1 (or the strikers) and 0 for the others, or 0 for all if there is a drive.
+        for bead 1 (or the strikers) and 0 for the others, or 0 for all if there is a drive or,
+        in SI units, precompression.
     gaps : ndarray, shape (N - 1,)
         Distance >= 0 between neighbouring beads at time 0 [scaled, or m]; 0 if not given.
     strikers : int
@@ -281,7 +284,8 @@ class Chain(ChainFields):
         beads : int, optional
             Number of beads, if there is one radius for all.
         velocity : float
-            Velocity of bead 1 at time 0 [m/s]; 1 if not given, or 0 if there is a drive.
+            Velocity of bead 1 at time 0 [m/s]; 1 if not given, or 0 if there is a drive or
+            precompression.
         **fields
             Other fields of `Chain`.
 

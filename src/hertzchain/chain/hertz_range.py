@@ -109,6 +109,11 @@ class HertzRange:
             f"{self.speed_ratio:.2g}{exceeded}",
         )
 
+    def _repr_html_(self) -> str:
+        from ..notebook.chains import hertz_range_html
+
+        return hertz_range_html(self)
+
     def __str__(self) -> str:
         overlap, pressure = int(np.argmax(self.overlap_ratio)), int(np.argmax(self.yield_ratio))
         return "\n".join(

@@ -104,6 +104,7 @@ def public_calls(folder):
             threads=1,
             progress=None,
         ),
+        "Design.evaluate": tried(problem.evaluate, chain=chain),
         "DesignResult.objective_of": tried(designed.objective_of, found=designed.verified),
         "DesignResult.plot": tried(designed.plot, kind="history", ax=None),
         "Traces": tried(hc.Traces, shots=traces.shots),

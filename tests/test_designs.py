@@ -535,7 +535,8 @@ def test_any_chain_can_be_evaluated(softest):
     taper = hc.Chain.tapered("forward-linear", 0.03, beads=12).replace(right_wall=hc.Wall())
     peak = wall_peak(taper, 40.0)
     assert softest.objective_of(taper) == pytest.approx(peak, rel=1e-7)
-    assert softest.problem.evaluate(taper).values == {"wall_force.peak": softest.objective_of(taper)}
+    values = softest.problem.evaluate(taper).values
+    assert values == {"wall_force.peak": softest.objective_of(taper)}
     assert softest.objective_of(softest.chain) == softest.value
 
 

@@ -83,13 +83,10 @@ class HertzRange:
         if (ratio := self.yield_ratio[at]) > 1.0:
             times = f"{ratio:.{3 if ratio > 1.05 else 5}g} times"
             others = np.count_nonzero(self.yield_ratio > 1.0) - 1
-            besides = f" (exceeded at {others} more contacts)" if others else ""
+            besides = f" ({others} more yield)" if others else ""
             found.append(
-                f"the pressure at {_place(at, self)} is {times} the "
-                f"pressure at first yield{besides}; expect plastic dents and smaller forces than "
-                "those of Hertz's law: reduce the velocity, or use a loss that yields "
-                "(loss=ElasticPlastic(), in a chain file [chain.loss] with law = "
-                "'elastic-plastic'), or Restitution with a coefficient measured at this speed"
+                f"the pressure at {_place(at, self)} is {times} that of first yield{besides}; "
+                "reduce the velocity or use loss=ElasticPlastic()"
             )
         if self.speed_ratio > MAX_SPEED_RATIO:
             found.append(

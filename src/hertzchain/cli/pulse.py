@@ -59,7 +59,8 @@ def _method_help() -> str:
     "--plot",
     type=click.Path(path_type=Path),
     metavar="FILE",
-    help="Also plot the quantity to FILE (.png, .svg or .pdf).",
+    help="Also plot the quantity to FILE (.png, .svg or .pdf); with several methods, below it "
+    "their differences from the first.",
 )
 @with_width("plot")
 def pulse(
@@ -106,7 +107,9 @@ def pulse(
             name if len(each) == 1 else f"{name}, {pulse.method}"
             for name, each in found.items() for pulse in each
         ] if len(found) > 1 else None  # fmt: skip
-        save_figure(plot_pulses(pulses, quantity, labels=labels, log=log), plot)
+        residuals = len(found) == 1 and len(pulses) > 1
+        axes = plot_pulses(pulses, quantity, labels=labels, log=log, residuals=residuals)
+        save_figure(axes, plot)
     if as_json:
         click.echo(results.pulses_as_json(pulses))
     elif as_csv:

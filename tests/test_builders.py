@@ -18,6 +18,20 @@ def test_a_dimer_has_one_parameter():
     np.testing.assert_allclose(chain.radii**3, chain.masses, rtol=1e-15)
 
 
+def test_a_dimer_of_typed_sizes_is_in_si_units():
+    chain = Chain.dimer(
+        diameters=["10 mm", "6 mm"], materials=["steel-316", "ptfe"], beads=5, velocity="1 cm/s"
+    )
+    assert chain.radii.tolist() == [5e-3, 3e-3, 5e-3, 3e-3, 5e-3]
+    assert [kind.name for kind in chain.materials] == ["steel-316", "ptfe"] * 2 + ["steel-316"]
+    assert chain.velocities[0] == 0.01
+    same = Chain.dimer(radii=["5 mm", "0.3 cm"], materials="brass", beads=4)
+    assert same.radii.tolist() == [5e-3, 3e-3, 5e-3, 3e-3]
+    scaled = Chain.dimer(radii=[5.0, 3.0], beads=3)
+    assert scaled.units == "scaled"
+    np.testing.assert_allclose(scaled.masses, [1.0, 0.6**3, 1.0])
+
+
 def test_spheres_of_one_material_in_turn_are_such_a_dimer_in_another_time():
     ratio = 0.3428 ** (1 / 3)
     spheres = Chain.periodic([1.0, ratio], cells=3)
@@ -149,6 +163,12 @@ BALLS = Chain.from_materials(5e-3, "brass", beads=3)
 @pytest.mark.parametrize(
     ("build", "said"),
     [
+        (lambda: Chain.dimer(beads=4), "needs a mass ratio, two radii or two diameters"),
+        (lambda: Chain.dimer(0.5, radii=[1, 2], beads=4), "needs a mass ratio, two radii or"),
+        (lambda: Chain.dimer(radii=[1, 2], diameters=[1, 2], beads=4), "needs a mass ratio, two"),
+        (lambda: Chain.dimer(radii=[1, 2, 3], beads=4), "two sizes, got 3; Chain.periodic"),
+        (lambda: Chain.dimer(diameters=["1 kg", "1 m"], beads=4), "diameter .* unit such as m"),
+        (lambda: Chain.dimer(radii=[1e-3] * 2, materials=["ptfe"], beads=4), "2 beads, but 1 mat"),
         (lambda: Chain.dimer(0.0, beads=4), "mass ratio of a dimer must be above 0, got 0"),
         (lambda: Chain.periodic([1.0, 0.5], cells=0), "cells must be .* at least 1, got 0"),
         (lambda: Chain.periodic([1.0, -0.5], cells=2), "bead 2 is -0.5"),

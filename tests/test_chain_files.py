@@ -408,7 +408,6 @@ def test_units_in_chain_files(tmp_path, text, expected):
     [
         ("radius [mm];material\n5,0;brass\n4,5;brass\n", "separated by semicolons; .* commas"),
         ("radius [mm]\tmaterial\n5\tbrass\n", "separated by tabs; .* commas"),
-        ("radius (mm),material\n5,brass\n", r"must be written as radius \[mm\]"),
         ("radius/mm,material\n5,brass\n", r"must be written as radius \[mm\]"),
         ("Radius_mm,material\n5,brass\n", r"must be written as radius \[mm\]"),
         ('radius [mm],material\n"5,5",brass\n4,brass\n', "use a decimal point: 5.5"),
@@ -419,6 +418,17 @@ def test_units_in_chain_files(tmp_path, text, expected):
 def test_tables_from_elsewhere_get_advice(tmp_path, text, said):
     with pytest.raises(InputError, match=said):
         hc.load_chain(written(tmp_path, text, "beads.csv"))
+
+
+def test_units_of_tables_may_be_in_parentheses(tmp_path):
+    beads = "Radius (mm),material\n5,brass\n4,brass\n"
+    chain = hc.load_chain(written(tmp_path, beads, "beads.csv"))
+    assert chain.radii.tolist() == [5e-3, 4e-3]
+    (tmp_path / "hammer.csv").write_text("t [ms],Force (N)\n0,0\n0.5,80\n1,0\n")
+    drive = hc.load_drive(tmp_path / "hammer.csv")
+    assert drive.times.tolist() == [0.0, 5e-4, 1e-3]
+    assert drive.of == "force"
+    assert drive.values.tolist() == [0.0, 80.0, 0.0]
 
 
 @pytest.mark.parametrize(

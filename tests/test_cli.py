@@ -99,6 +99,14 @@ def test_pulse_from_a_file_with_a_plot(run, tmp_path):
     assert (tmp_path / "pulse.png").read_bytes().startswith(b"\x89PNG")
 
 
+def test_a_plot_of_several_methods_has_their_differences(run, tmp_path):
+    file = tmp_path / "pulse.svg"
+    for methods, panel in ((["bca"], False), (["propagate", "bca"], True)):
+        options = [each for name in methods for each in ("--method", name)]
+        assert run("pulse", "--beads", 9, *options, "--plot", file)[0] == 0
+        assert ("difference [%]" in file.read_text()) is panel
+
+
 def test_figures_have_the_width_of_a_journal(run, tmp_path):
     options = ("pulse", "--beads", 5, "--method", "bca")
     file = tmp_path / "pulse.svg"

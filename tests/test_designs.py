@@ -520,12 +520,43 @@ def test_results_are_exported(softest, tmp_path):
 
 
 def test_figures_show_both_chains(softest):
-    figure = softest.plot_all()
+    figure = softest.plot()
     assert [axes.get_xlabel() for axes in figure.axes] == [
         "position", "time $t$", "simulations", "bead $k$"
     ]  # fmt: skip
     lines = figure.axes[1].lines
     assert lines[1].get_ydata().max() == pytest.approx(softest.value, rel=1e-2)
+    assert len(softest.plot_all().axes) == 4
+    with pytest.raises(hc.InputError, match="ax takes one kind"):
+        softest.plot(ax=figure.axes[0])
+
+
+def test_any_chain_can_be_evaluated(softest):
+    taper = hc.Chain.tapered("forward-linear", 0.03, beads=12).replace(right_wall=hc.Wall())
+    peak = wall_peak(taper, 40.0)
+    assert softest.objective_of(taper) == pytest.approx(peak, rel=1e-7)
+    values = softest.problem.evaluate(taper).values
+    assert values == {"wall_force.peak": softest.objective_of(taper)}
+    assert softest.objective_of(softest.chain) == softest.value
+
+
+@pytest.mark.parametrize(
+    ("chain", "words"),
+    [
+        (hc.Chain.uniform(10), "wall"),
+        (STEEL, "in SI units, and that of the problem in scaled"),
+        ([1.0, 1.0], "chain"),
+    ],
+)
+def test_chains_without_the_measure_are_not_evaluated(softest, chain, words):
+    with pytest.raises(hc.InputError, match=words):
+        softest.problem.evaluate(chain)
+
+
+def test_a_bead_that_does_not_exist_is_not_evaluated():
+    problem = hc.Design(WALLED, maximise="velocity@9", vary=[hc.vary.radii(0.5, 1.0)])
+    with pytest.raises(hc.InputError, match="8"):
+        problem.evaluate(hc.Chain.uniform(8))
 
 
 def test_the_shipped_catalogue_has_known_sizes():

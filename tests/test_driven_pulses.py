@@ -149,6 +149,41 @@ def test_the_tail_of_strong_losses_is_noted(law):
     assert "peak_time" not in run.pulse().notes
 
 
+@pytest.mark.parametrize("rate", [0.02, 0.05, 0.1])
+def test_tails_of_tapers_are_compared_with_those_without_losses(rate):
+    """A forward taper has most of its momentum behind the crest; only losses make it a tail."""
+    taper = hc.Chain.tapered("forward-exponential", rate, beads=80)
+    # The strength of these losses is the same for all sizes and speeds.
+    for law in (hc.Restitution(0.999), hc.Restitution(0.95)):
+        assert "velocity" not in hc.simulate(taper.replace(loss=law), times=0).pulse().notes
+    strong = hc.simulate(taper.replace(loss=hc.Restitution(0.5)), times=0).pulse()
+    equal = hc.Chain.uniform(80).replace(loss=hc.Restitution(0.5))
+    first = [
+        int(pulse.notes["velocity"].removeprefix("beads ").partition(" ")[0])
+        for pulse in (strong, hc.simulate(equal, times=0).pulse())
+    ]
+    assert first[0] == pytest.approx(first[1], abs=3)
+
+
+def test_the_tail_of_a_strong_loss_in_a_taper_is_wider_than_its_pulse_without():
+    taper = hc.Chain.tapered("forward-exponential", 0.05, beads=60)
+    run, elastic = (
+        hc.simulate(taper.replace(loss=law), times=4000) for law in (hc.Restitution(0.5), None)
+    )
+    note = run.pulse().notes["velocity"]
+    first = int(note.removeprefix("beads ").partition(" ")[0])
+    wider = [run.pulse_width(k) / elastic.pulse_width(k) for k in (first // 2, first)]
+    assert wider[0] < wider[1]
+    assert wider[1] > 1.3
+    assert elastic.pulse().notes == {}
+
+
+def test_a_lossy_wall_has_no_tail():
+    taper = hc.Chain.tapered("forward-exponential", 0.05, beads=40)
+    walled = taper.replace(right_wall=hc.Wall(loss=hc.Restitution(0.9)))
+    assert "velocity" not in hc.simulate(walled, times=0).pulse().notes
+
+
 def test_missing_values_in_files_tables_and_comparisons():
     chain = hc.Chain.uniform(12).struck_by(count=2)
     pulse = hc.simulate(chain, times=0).pulse()

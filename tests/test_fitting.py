@@ -428,8 +428,8 @@ GOOD = "".join(f"{i},{0.1 * (-1) ** i if i < 60 else 20 - abs(i - 80)}\n" for i 
         ("time [us],ball 6 [m]\n0,1\n1,2\n", "'ball 6' must have a unit such as N"),
         ("time [us],ball 6\n0,1\n1,2\n", "has no unit; write ball 6 [N]"),
         ("time,ball 6 [N]\n0,1\n1,2\n", "column 'time' has no unit"),
-        ("time [us],force [N]\n0,1\n1,2\n", "names no sensor"),
-        ("time [us],wall velocity [m/s]\n0,1\n1,2\n", "names no sensor"),
+        ("time [us],force [N]\n0,1\n1,2\n", "does not name the place of its sensor"),
+        ("time [us],wall velocity [m/s]\n0,1\n1,2\n", "does not name the place of its sensor"),
         (HEAD + GOOD + "50,0.1\n", "times must increase"),
         (HEAD + "".join(f"{i},{0.1 * (-1) ** i if i < 60 else 9.0}\n" for i in range(90)),
          "is saturated at 9 N during most of its pulse"),
@@ -449,6 +449,47 @@ def test_bad_files_are_refused_in_one_sentence(text, words, tmp_path):
         hc.load_traces(file)
     assert words in str(caught.value)
     assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    "head",
+    [
+        "Time (us),Ball 6 (N)",
+        "t [us],ball 6 (N)",
+        "T (µs),BALL  6 [N]",
+        "times [us], ball 6 force (N)",
+    ],
+)
+def test_units_may_be_in_parentheses(head, tmp_path):
+    (tmp_path / "usual.csv").write_text(HEAD + GOOD)
+    (tmp_path / "other.csv").write_text(f"{head}\n{GOOD}")
+    usual, other = (hc.load_traces(tmp_path / name) for name in ("usual.csv", "other.csv"))
+    assert other.names == ("ball 6",)
+    np.testing.assert_array_equal(other.shots[0].times, usual.shots[0].times)
+    np.testing.assert_array_equal(
+        other.shots[0].signals[0].values, usual.shots[0].signals[0].values
+    )
+
+
+def test_columns_of_an_oscilloscope_are_given_places(tmp_path):
+    file = tmp_path / "scope.csv"
+    rows = "".join(f"{line}{line[line.index(',') :]}\n" for line in GOOD.splitlines())
+    file.write_text(f"t (us),Force (kN),CH2 (mV)\n{rows}")
+    found = hc.load_traces(file, sensors={"force": "wall", "CH2": "ball 6"})
+    assert found.names == ("wall", "ball 6")
+    wall, ball = found.shots[0].signals
+    assert (wall.unit, ball.unit) == ("N", "V")
+    assert wall.values.max() == pytest.approx(20e3)
+    assert ball.values.max() == pytest.approx(20e-3)
+    assert hc.load_traces(file, sensors={"Force": "wall"}).names == ("wall",)
+    with pytest.raises(hc.InputError, match=r"give load_traces sensors=\{'force': 'wall'\}"):
+        hc.load_traces(file)
+    with pytest.raises(hc.InputError, match="no column 'ch3'; the file has force, ch2"):
+        hc.load_traces(file, sensors={"CH3": "wall"})
+    with pytest.raises(hc.InputError, match="two columns of 'wall'"):
+        hc.load_traces(file, sensors={"force": "wall", "CH2": "wall"})
+    with pytest.raises(hc.InputError, match="place of a sensor must be text, got 6"):
+        hc.load_traces(file, sensors={"force": 6})
 
 
 def test_missing_columns_are_named(tmp_path):

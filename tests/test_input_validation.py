@@ -121,6 +121,7 @@ def public_calls(folder):
             threads=1,
             progress=None,
         ),
+        "Design.evaluate": tried(problem.evaluate, chain=chain),
         "DesignResult.objective_of": tried(designed.objective_of, found=designed.verified),
         "DesignResult.plot": tried(designed.plot, kind="history", ax=None),
         "Traces": tried(hc.Traces, shots=traces.shots),
@@ -425,6 +426,10 @@ def public_calls(folder):
         ),
         "Spectrum.bands": tried(lines.bands, phase=0.1, cell=None),
         "Spectrum.band_edges": tried(lines.band_edges, cell=None),
+        "Spectrum.plot": tried(lines.plot, kind="modes", cell=None, ax=None),
+        "Spectrum.plot_transfer": tried(
+            lines.plot_transfer, contact=2, frequencies=[0.1, 0.2], ax=None, **sent
+        ),
         "EffectiveChain.spacing": tried(hc.effective_chain(small).spacing, velocity=1.0),
         "piecewise_local_rate": tried(hc.piecewise_local_rate, chain=tapered),
         "striker_train": tried(hc.striker_train, mass_ratio=2.0, velocity=1.0),

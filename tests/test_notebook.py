@@ -67,6 +67,47 @@ def test_every_kind_is_small_and_has_its_numbers(results):
             assert word in text, (word, text)
 
 
+@pytest.mark.parametrize("units", UNITS)
+@pytest.mark.parametrize("beads", [3, 400])
+def test_sensors_spectra_and_limits_have_their_numbers(beads, units):
+    chain = balls(beads, units)
+    run = hc.simulate(chain, times=7 * beads + 100)
+    sensor = run.sensor_force(2)
+    held = chain.replace(precompression=1.0, held_by="force", loss=hc.Viscoelastic(1e-6))
+    spectrum = hc.spectrum(held)
+    highest = engineering(spectrum.frequencies[-1], "Hz", units)
+    for item, words in (
+        (sensor, ["bead 2", engineering(sensor.first_maximum, "N", units), "largest so far"]),
+        (spectrum, [highest, f"{beads}", "slowest decay", "Bands of an infinite chain"]),
+    ):
+        root, text = parsed(item)
+        assert text.startswith(type(item).__name__)
+        assert root.find(".//svg") is not None
+        for word in words:
+            assert word in text, (word, text)
+
+
+def test_what_a_spectrum_or_sensor_does_not_have_is_left_out():
+    taper = hc.Chain.tapered("forward-linear", 0.05, beads=9)
+    held = taper.replace(precompression=1.0, held_by="force")
+    text = parsed(hc.spectrum(held))[1]
+    assert "Bands" not in text
+    assert "decay" not in text
+    with pytest.warns(hc.IncompleteWarning):
+        early = hc.simulate(hc.Chain.uniform(20), until=5.0).sensor_force(15)
+    assert "none yet" in parsed(early)[1]
+
+
+def test_limits_of_hertz_are_a_table():
+    fast = hc.Chain.from_materials(5e-3, "steel-52100", beads=4, velocity=0.45)
+    found = hc.hertz_range(fast)
+    text = parsed(found)[1]
+    assert f"{found.yield_ratio.max():.3g} contact 1 1 exceeded" in text
+    assert found.violations[0][1:] in text
+    slow = hc.hertz_range(fast.replace(velocities=[0.01, 0.0, 0.0, 0.0]))
+    assert "exceeded" not in parsed(slow)[1]
+
+
 def test_peaks_that_are_not_complete_say_so():
     chain = hc.Chain.uniform(20).replace(right_wall=hc.Wall())
     with warnings.catch_warnings():

@@ -218,3 +218,17 @@ def test_residuals_are_relative_differences_from_the_first_pulse():
             hc.plot_pulses(**{"pulses": [exact, theory], "residuals": True, **options})
     with pytest.raises(hc.InputError, match="there must be 2 labels, one per pulse, got 1"):
         hc.plot_pulses([exact, theory], labels=["one"])
+
+
+def test_strikers_are_marked_above_the_chain():
+    chain = hc.Chain.uniform(6)
+    plain = plot_chain(chain)
+    assert not plain.texts
+    top = plain.get_ylim()[1]
+    for count, word in ((1, "striker"), (3, "3 strikers")):
+        axes = plot_chain(chain.struck_by(count=count, radius=0.5))
+        assert axes.texts[-1].get_text() == word
+        arrow = axes.texts[0]
+        assert arrow.xy[0] > arrow.xyann[0]
+        assert 1.0 < arrow.xy[1] < axes.get_ylim()[1]
+        assert axes.get_ylim()[1] > top

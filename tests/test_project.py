@@ -9,6 +9,7 @@ import sys
 from pathlib import Path
 
 import count_lines
+import numpy as np
 import pytest
 from documented import entries, public_classes, public_functions
 from numpydoc.docscrape import FunctionDoc
@@ -161,3 +162,23 @@ def test_cache_files_older_than_a_kernel_are_deleted(tmp_path):
         os.utime(file, (at, at))
     _forget_stale(tmp_path)
     assert [file.name for file in cache.iterdir()] == ["new.nbi"]
+
+
+def test_the_table_of_numbering_names_arrays_of_the_stated_lengths():
+    chain = hc.Chain.from_materials(5e-3, "steel-52100", beads=6, velocity=0.1)
+    walled = chain.replace(right_wall=hc.Wall())
+    held = walled.replace(precompression=1.0, held_by="force")
+    objects = {"Chain": walled, "Pulse": hc.propagate(chain), "Run": hc.simulate(walled),
+               "HertzRange": hc.hertz_range(walled), "Spectrum": hc.spectrum(held)}  # fmt: skip
+    page = (ROOT / "docs" / "reference" / "numbering.md").read_text("utf-8")
+    rows = re.findall(r"^\| \{obj\}`~hertzchain\.(\w+)` \|(.+)\|(.+)\|(.+)\|$", page, re.M)
+    assert {name for name, *_ in rows} == set(objects)
+    for name, *cells in rows:
+        for length, cell in zip((6, 5, 7), cells, strict=True):
+            for attribute in re.findall(r"`([\w.]+)`", cell):
+                item = objects[name]
+                for part in attribute.split("."):
+                    item = getattr(item, part)
+                if item is not None:
+                    along = -1 if np.ndim(item) == 2 and "columns" in cell else 0
+                    assert np.shape(item)[along] == length, attribute

@@ -397,3 +397,77 @@ def test_losses_of_size_zero_are_none():
     for loss in (hc.UnloadingRatio(0.0), hc.WaltonBraun(1.0), hc.VelocityPower(0.0, 0.5),
                  hc.Restitution(1.0)):  # fmt: skip
         assert not linear_contacts(FREE.replace(loss=loss)).dampers.any()
+
+
+def crystal(cells=6):
+    """Alternating light and heavy balls under a constant force, in SI units."""
+    pair = hc.Chain.periodic([5e-3] * 2, cells=cells, materials=["silicon-nitride", "steel-52100"])
+    return pair.replace(precompression=10.0, held_by="force")
+
+
+def test_bands_are_drawn_with_their_published_edges():
+    chain = crystal()
+    light, heavy = chain.masses[:2]
+    spring = 1.5 * chain.stiffness[0] ** (2 / 3) * 10.0 ** (1 / 3)
+    edges = np.sqrt(2.0 * spring / np.array([heavy, light, light * heavy / (light + heavy)]))
+    axes = hc.spectrum(chain).plot()
+    acoustic, optical = (line.get_ydata() for line in axes.lines[:2])
+    drawn = [acoustic.max(), optical.min(), optical.max()]
+    np.testing.assert_allclose(drawn, edges / (2e3 * np.pi), rtol=1e-12)
+    gap, above = (patch.get_bbox() for patch in axes.patches)
+    np.testing.assert_allclose([gap.y0, gap.y1, above.y0], drawn, rtol=1e-9)
+    assert axes.get_ylabel() == "frequency [kHz]"
+
+
+def test_chains_that_do_not_repeat_are_drawn_by_mode():
+    found = hc.spectrum(random_chain(1))
+    axes = found.plot()
+    np.testing.assert_array_equal(axes.lines[0].get_ydata(), found.frequencies)
+    assert axes.get_xlabel() == "mode"
+    assert not axes.patches
+    with pytest.raises(hc.InputError, match="no cell"):
+        found.plot("bands")
+    with pytest.raises(hc.InputError, match="bands, modes"):
+        found.plot("waves")
+
+
+def test_equal_beads_have_one_band_without_a_gap():
+    held = hc.Chain.uniform(12).replace(precompression=1.0, held_by="force")
+    axes = hc.spectrum(held).plot(cell=2)
+    assert len(axes.patches) == 1  # above the band; the two halves of the band touch
+    assert axes.get_ylabel() == "frequency $f$"
+
+
+def test_a_simulation_has_the_transfer_function_that_is_drawn():
+    chain = crystal().replace(loss=hc.Viscoelastic(3e-6))
+    moments = np.linspace(0.0, 200e-6, 401)
+    pulse = 0.01 * np.exp(-(((moments - 100e-6) / 15e-6) ** 2) / 2)
+    pulse[[0, -1]] = 0.0
+    drive, times = hc.TableDrive(moments, pulse), np.arange(8000) / 80e3
+    run = hc.simulate(chain.replace(drive=drive), times=times)
+    spectra = [np.fft.rfft(each) for each in (run.forces[:, 9] - 10.0, drive.value(times))]
+    frequencies = np.fft.rfftfreq(len(times), times[1])[200:801:100]
+    axes = hc.spectrum(chain).plot_transfer(9, frequencies=frequencies)
+    measured = np.abs(spectra[0] / spectra[1])[200:801:100]
+    # The linear theory neglects terms of the relative size of the pulse, 1e-3.
+    np.testing.assert_allclose(axes.lines[0].get_ydata(), measured, rtol=2e-3)
+    np.testing.assert_allclose(axes.lines[0].get_xdata(), frequencies / 1e3)
+
+
+@pytest.mark.parametrize("frequencies", [[1.0], [2.0, 1.0]])
+def test_a_transfer_function_is_drawn_over_increasing_frequencies(frequencies):
+    with pytest.raises(hc.InputError, match="two increasing"):
+        hc.spectrum(crystal()).plot_transfer(3, frequencies=frequencies)
+
+
+def test_precompressed_chains_in_si_units_are_at_rest_unless_struck():
+    chain = crystal()
+    assert not chain.velocities.any()
+    assert repr(chain).endswith("precompression, at rest)")
+    assert chain.replace(precompression=0.0).velocities[0] == 1.0
+    struck = chain.struck_by(velocity=0.1)
+    assert struck.velocities[:2].tolist() == [0.1, 0.0]
+    assert "at rest" not in repr(struck)
+    assert hc.Chain.uniform(4).replace(precompression=1.0, held_by="force").velocities[0] == 1.0
+    with pytest.raises(hc.InputError, match="not struck; give it a velocity"):
+        hc.simulate(chain)

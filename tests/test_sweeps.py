@@ -117,8 +117,8 @@ def test_real_chains_walls_and_losses():
     }
     keep = ["velocity", "wall_peak_force", "wall_impulse", "wall_first_contact_impulse"]
     found = swept(chain, axes, methods=["simulate"], keep=keep, method={"until": 5e-3})
-    np.testing.assert_allclose(found.chain_velocity, [0.01, 0.03, 0.05])
-    assert found.chain_velocity.units == "m/s"
+    np.testing.assert_allclose(found.chain_velocity, [1.0, 3.0, 5.0])
+    assert found.chain_velocity.units == "cm/s"
     assert found.wall_peak_force.units == "N"
     one = hc.Chain.from_materials(5e-3, "steel-52100", beads=8, velocity=0.03).replace(
         loss=hc.Restitution(0.8), right_wall=hc.Wall.rigid()
@@ -560,15 +560,15 @@ def test_axes_of_pictures_say_what_varies():
     axes = {"materials": ["steel-316", "ptfe"], "loss.coefficient": [0.8, 0.9, 1.0],
             "struck_by.mass": masses}  # fmt: skip
     found = swept(chain, axes, methods=["simulate"], at="last", keep=["velocity"])
-    across = plot_sweep(found, **{"struck_by.mass": 6e-3})
+    across = plot_sweep(found, **{"struck_by.mass": 6.0})
     across.figure.canvas.draw()
     assert [tick.get_text() for tick in across.get_xticklabels()] == ["steel-316", "ptfe"]
     assert across.get_ylabel() == "loss coefficient"
-    assert across.get_title() == "striker mass = 0.006 kg"
+    assert across.get_title() == "striker mass = 6 g"
     assert across.collections[0].colorbar.ax.get_ylabel() == "velocity $v_{N}$ [m/s]"
     along = plot_sweep(found, materials="ptfe", coefficient=0.9)
     # A geometric progression over less than a decade has no ticks to read on a logarithmic scale.
-    assert (along.get_xlabel(), along.get_xscale()) == ("striker mass [kg]", "linear")
+    assert (along.get_xlabel(), along.get_xscale()) == ("striker mass [g]", "linear")
 
 
 def test_spaced_values_are_looked_up_as_they_are_written():
@@ -638,16 +638,56 @@ BALLS = {"radii": "5 mm", "beads": 4, "materials": "brass", "velocity": "2 cm/s"
 
 
 def test_values_with_a_unit_are_those_in_si():
-    """Text in a list, a list with one unit, and the numbers themselves give one specification."""
-    ways = (
-        [4e-3, 5e-3],
-        ["4 mm", "5 mm"],
-        ["0.4 cm", "5000 um"],
-        {"list": [4, 5], "unit": "mm"},
-        {"list": ["4 mm", "5 mm"]},
-    )
-    texts = {read_specification({"chain": BALLS, "axes": {"radii": way}}).as_json() for way in ways}
-    assert len(texts) == 1
+    """Text in a list and a list with one unit give one specification; the chains are the same."""
+    in_mm = (["4 mm", "5 mm"], {"list": [4, 5], "unit": "mm"}, {"list": ["4 mm", "5.0 mm"]})
+    in_m = ([4e-3, 5e-3], ["0.4 cm", "5000 um"])
+    for ways in (in_mm, in_m):
+        specs = [read_specification({"chain": BALLS, "axes": {"radii": way}}) for way in ways]
+        assert len({spec.as_json() for spec in specs}) == 1
+        assert all(spec.axes[0].values == [4e-3, 5e-3] for spec in specs)
+    again = read_specification(json.loads(specs[0].as_json()))
+    assert again.as_json() == specs[0].as_json()
+
+
+@pytest.mark.parametrize(
+    ("entry", "values", "unit"),
+    [
+        (["8 mm", "10 mm"], [8.0, 10.0], "mm"),
+        ({"linspace": [8, 10, 2], "unit": "mm"}, [8.0, 10.0], "mm"),
+        (["8 mm", "1 cm"], [0.008, 0.01], "m"),
+        ([0.008, 0.01], [0.008, 0.01], "m"),
+    ],
+)
+def test_an_axis_is_in_the_unit_in_which_it_was_typed(entry, values, unit, tmp_path):
+    pd = pytest.importorskip("pandas")
+    chain = {"diameters": "9 mm", "beads": 4, "materials": "glass", "velocity": "1 cm/s"}
+    found = swept(chain, {"diameters": entry}, keep=["peak_force"], at="last")
+    assert found.diameters.values.tolist() == values
+    assert found.diameters.units == unit
+    one = hc.Chain.from_materials(5e-3, "glass", beads=4, velocity=0.01)
+    force = hc.propagate(one).peak_force[-1]
+    at = {"diameters": values[1], "approach": "propagate"}
+    assert found.peak_force.sel(at).item() == pytest.approx(force, rel=1e-9)
+    hc.export_sweep(found, tmp_path / "table.csv")
+    table = pd.read_csv(tmp_path / "table.csv")
+    assert table[f"diameters [{unit}]"].tolist() == values
+    assert table["peak_force [N]"].iloc[1] == pytest.approx(force, rel=1e-9)
+    assert plot_sweep(found).get_xlabel() == f"diameters [{unit}]"
+    found = swept(chain, {"diameters": entry}, keep=["peak_force"])
+    assert f"diameters = {values[1]:g} {unit}" in plot_sweep(found, diameters="1 cm").get_title()
+
+
+def test_units_of_an_axis_are_kept_in_a_store(tmp_path):
+    chain = {"diameters": "9 mm", "beads": 4, "materials": "glass", "velocity": "1 cm/s"}
+    plan = {"chain": chain, "axes": {"diameters": ["8 mm", "10 mm"]}}
+    hc.sweep(plan, tmp_path / "store.zarr")
+    found = hc.open_sweep(tmp_path / "store.zarr")
+    assert found.diameters.values.tolist() == [8.0, 10.0]
+    assert found.diameters.units == "mm"
+    hc.sweep(plan, tmp_path / "store.zarr")  # the same specification resumes
+
+
+def test_units_in_a_specification():
     for path, values in (("gravity", ["1 m/s^2"]), ("method.until", ["2 ms"]),
                          ("struck_by.mass", ["5 g"]), ("right_wall.stiffness", ["7 N/um^1.5"]),
                          ("drive.amplitude", ["5 um"]), ("drive.amplitude", ["5 mN"])):  # fmt: skip

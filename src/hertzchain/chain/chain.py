@@ -34,7 +34,9 @@ from .taper_sizes import Sizes, taper_of_sizes
 class Chain(ChainFields):
     r"""Beads, contacts, ends and initial velocities of a chain.
 
-    By default bead 1 has velocity 1 and all others are at rest.
+    By default bead 1 has velocity 1 and all others are at rest.  A precompressed chain in SI
+    units is at rest unless you give its velocities.  Beads have numbers from 1, arrays start at 0:
+    :doc:`/reference/numbering`.
 
     Use a builder: `Chain.tapered`, `Chain.uniform` or `Chain.from_radii` for the scaled
     variables of the paper, `Chain.from_materials` for SI units; `Chain.replace` changes fields.
@@ -69,7 +71,8 @@ class Chain(ChainFields):
         Material of each bead, if known.
     velocities : ndarray, shape (N,)
         Velocities at time 0, positive towards bead N [scaled, or m/s]; if not given, 1
-        for bead 1 (or the strikers) and 0 for the others, or 0 for all if there is a drive.
+        for bead 1 (or the strikers) and 0 for the others, or 0 for all if there is a drive or,
+        in SI units, precompression.
     gaps : ndarray, shape (N - 1,)
         Distance >= 0 between neighbouring beads at time 0 [scaled, or m]; 0 if not given.
     strikers : int
@@ -281,7 +284,8 @@ class Chain(ChainFields):
         beads : int, optional
             Number of beads, if there is one radius for all.
         velocity : float
-            Velocity of bead 1 at time 0 [m/s]; 1 if not given, or 0 if there is a drive.
+            Velocity of bead 1 at time 0 [m/s]; 1 if not given, or 0 if there is a drive or
+            precompression.
         **fields
             Other fields of `Chain`.
 
@@ -366,49 +370,63 @@ class Chain(ChainFields):
         radii = np.tile(np.atleast_1d(one), cells)
         if materials is None:
             return cls.from_radii(radii, **fields)
-        if not isinstance(materials, str | Material):
-            kinds, size = check_list("materials of the cell", materials, "names"), one.size
-            if len(kinds) != size:
-                raise InputError(
-                    f"the cell has {size} beads, but {len(kinds)} materials; give one for each bead"
-                )
-            materials = kinds * cells
+        materials = pieces.repeated_materials(materials, one.size, len(radii))
         return cls.from_materials(radii, materials, **fields)
 
     @classmethod
-    def dimer(cls, mass_ratio: float, *, beads: int, exponent: float = HERTZ_EXPONENT) -> Chain:
-        """Alternating heavy and light beads, with equal contacts.
+    def dimer(
+        cls,
+        mass_ratio: float | None = None,
+        *,
+        beads: int,
+        radii: ArrayLike | None = None,
+        diameters: ArrayLike | None = None,
+        materials: MaterialLike | Sequence[MaterialLike] | None = None,
+        **fields: Any,
+    ) -> Chain:
+        """Alternating beads of two kinds: with a mass ratio and equal contacts, or with two sizes.
 
-        The mass ratio is then the only parameter: at 1, 0.3428, 0.1548, 0.0901, ... there are
-        solitary waves (K. R. Jayaprakash, Y. Starosvetsky, A. F. Vakakis, Phys. Rev. E 83, 036606,
-        2011, doi:10.1103/PhysRevE.83.036606).  Alternating spheres of one material are
-        ``Chain.periodic([1, r], cells=...)``; their contacts are equal, too, and a common factor
-        of the stiffness only changes the unit of time.
+        With equal contacts, the mass ratio is the only parameter: at 1, 0.3428, 0.1548, 0.0901, ...
+        there are solitary waves (K. R. Jayaprakash, Y. Starosvetsky, A. F. Vakakis, Phys. Rev. E
+        83, 036606, 2011, doi:10.1103/PhysRevE.83.036606).  The contacts of alternating spheres of
+        one material are equal, too; their common factor only changes the unit of time.
 
         Parameters
         ----------
-        mass_ratio : float
+        mass_ratio : float, optional
             Mass of the light beads over that of the heavy, > 0; the first bead is heavy.
         beads : int
             Number of beads.
-        exponent : float
-            Exponent p of the contact force, > 1.
+        radii, diameters : array_like, shape (2,), optional
+            Two radii or two diameters, instead of the mass ratio [m with materials].
+        materials : str, Material or sequence of two, optional
+            Material of both kinds of beads, or of each.  The chain is then in SI units.
+        **fields
+            Other fields, such as ``exponent`` or, with materials, ``velocity``.
 
         Raises
         ------
         InputError
-            If the ratio is not positive, or the number of beads is out of range.
+            If a value is out of range, or there is not exactly one of the ratio and the sizes.
 
         Examples
         --------
         >>> import hertzchain as hc
         >>> hc.Chain.dimer(0.125, beads=4).masses
         array([1.   , 0.125, 1.   , 0.125])
+        >>> hc.Chain.dimer(diameters=["10 mm", "6 mm"], materials=["steel-316", "ptfe"], beads=21)
+        Chain(21 beads of steel-316 and ptfe, diameters 6 mm to 10 mm)
         """
         count = checked_beads(beads)
+        if radii is not None or diameters is not None or mass_ratio is None:
+            sizes = pieces.two_sizes(mass_ratio, radii, diameters)
+            if materials is None:
+                return cls.from_radii(np.resize(sizes, count), **fields)
+            kinds = pieces.repeated_materials(materials, 2, count)
+            return cls.from_materials(np.resize(sizes, count), kinds, **fields)
         ratio = number("mass ratio of a dimer", mass_ratio, above=0.0)
         masses = np.where(np.arange(count) % 2, ratio, 1.0)
-        return cls(np.cbrt(masses), exponent, masses=masses, stiffness=np.ones(count - 1))
+        return cls(np.cbrt(masses), masses=masses, stiffness=np.ones(count - 1), **fields)
 
     @cached_property
     def static_state(self) -> StaticState:

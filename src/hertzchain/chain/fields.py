@@ -35,7 +35,7 @@ from .boundary_checks import (
 from .contact_groups import ContactGroup, group_contacts, loading_forces
 from .description import beads_description
 from .drives import Drive
-from .input_checks import checked_radii, positive_derived, scaled_radii
+from .input_checks import checked_radii, positive_derived, scaled_radii, warn_large_radius
 from .laws import Loss
 from .mass_and_stiffness import contact_stiffness, sphere_masses, wall_stiffness
 from .materials import Material, material_per_bead
@@ -55,9 +55,6 @@ from .walls import Wall
 
 Units = Literal["scaled", "SI"]
 UNITS: Final[tuple[Units, ...]] = get_args(Units)
-
-# SI radii above this value [m] cause a warning, because they are probably in millimetres.
-LARGE_RADIUS: Final = 1.0
 
 # Default of a field that is computed from the others unless it is given.
 FROM_OTHERS: Final[Any] = None
@@ -141,13 +138,8 @@ class ChainFields(Frozen):
                 f"the first {which}of a scaled chain's radii must be 1, got "
                 f"{self.radii[strikers]:g}; Chain.from_radii accepts radii in any unit"
             )
-        if self.units == "SI" and self.radii.max() > LARGE_RADIUS:
-            k = int(np.argmax(self.radii))
-            warn_user(
-                f"bead {k + 1} has a radius of {self.radii[k]:g} m; radii are in metres, so divide "
-                "by 1000 if these are millimetres",
-                InputWarning,
-            )
+        if self.units == "SI":
+            warn_large_radius(self.radii)
 
     def _check_taper(self) -> None:
         given = parameter_pairs(self.taper_parameters)
@@ -189,14 +181,16 @@ class ChainFields(Frozen):
 
     def _check_start(self) -> None:
         """Check velocities, gaps, gravity and precompression."""
+        force = number("precompression", self.precompression, unit=self._unit("N"), least=0.0,
+                       hint="contacts carry no tension")  # fmt: skip
+        self._set("precompression", force)
         if "velocities" in self.given:
             values = per_bead_array(
                 "velocity", self.velocities, self.beads, "bead", unit=self._unit("m/s")
             )
         else:
             values = np.zeros(self.beads)
-            if self.drive is None:
-                values[: max(1, self.strikers)] = 1.0
+            values[: 0 if self._at_rest_by_default else max(1, self.strikers)] = 1.0
         self._set("velocities", _read_only(values))
         gaps = np.zeros(self.beads - 1)
         if "gaps" in self.given:
@@ -211,9 +205,6 @@ class ChainFields(Frozen):
             )
         gravity = number("gravity", self.gravity, unit=self._unit("m/s**2"))
         self._set("gravity", gravity)
-        force = number("precompression", self.precompression, unit=self._unit("N"), least=0.0,
-                       hint="contacts carry no tension")  # fmt: skip
-        self._set("precompression", force)
 
     @property
     def _stiffness_unit(self) -> str:
@@ -422,6 +413,12 @@ class ChainFields(Frozen):
         return tuple(name for name, there in present.items() if there)
 
     @property
+    def _at_rest_by_default(self) -> bool:
+        """With a drive, or with precompression in SI units, which no impact suits by default."""
+        held = not self.scaled and self.precompression > 0.0 and self.strikers == 0
+        return held or self.drive is not None
+
+    @property
     def _only_first_moves(self) -> bool:
         """Whether only bead 1 moves: with velocity 1 if scaled, forwards at any speed in SI."""
         first = float(self.velocities[0])
@@ -437,7 +434,8 @@ class ChainFields(Frozen):
         beads = beads_description(
             self.radii, self.materials, self.taper, self.taper_parameters, scaled=self.scaled
         )
-        return f"{beads}{law}{rest}"
+        still = self._at_rest_by_default and self.drive is None and not self.velocities.any()
+        return f"{beads}{law}{rest}{', at rest' * still}"
 
     def __repr__(self) -> str:
         return short("Chain", self.description)

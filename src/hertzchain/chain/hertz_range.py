@@ -83,13 +83,10 @@ class HertzRange:
         if (ratio := self.yield_ratio[at]) > 1.0:
             times = f"{ratio:.{3 if ratio > 1.05 else 5}g} times"
             others = np.count_nonzero(self.yield_ratio > 1.0) - 1
-            besides = f" (exceeded at {others} more contacts)" if others else ""
+            besides = f" ({others} more yield)" if others else ""
             found.append(
-                f"the pressure at {_place(at, self)} is {times} the "
-                f"pressure at first yield{besides}; expect plastic dents and smaller forces than "
-                "those of Hertz's law: reduce the velocity, or use a loss that yields "
-                "(loss=ElasticPlastic(), in a chain file [chain.loss] with law = "
-                "'elastic-plastic'), or Restitution with a coefficient measured at this speed"
+                f"the pressure at {_place(at, self)} is {times} that of first yield{besides}; "
+                "reduce the velocity or use loss=ElasticPlastic()"
             )
         if self.speed_ratio > MAX_SPEED_RATIO:
             found.append(
@@ -108,6 +105,11 @@ class HertzRange:
             f"yield {self.yield_ratio[pressure]:.3g} at contact {pressure}, speed / sound "
             f"{self.speed_ratio:.2g}{exceeded}",
         )
+
+    def _repr_html_(self) -> str:
+        from ..notebook.chains import hertz_range_html
+
+        return hertz_range_html(self)
 
     def __str__(self) -> str:
         overlap, pressure = int(np.argmax(self.overlap_ratio)), int(np.argmax(self.yield_ratio))

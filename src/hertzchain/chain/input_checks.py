@@ -9,13 +9,15 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..collision import Array
-from ..errors import InputError, short_repr
+from ..errors import InputError, InputWarning, short_repr, warn_user
 from ..validation.numbers import number, real_numbers, whole_number
 
 # Memory of a simulation per bead: sixteen stages and the state, at 8 bytes per number.
 BYTES_PER_BEAD: Final = 400
 # With a larger exponent, a contact resembles a rigid wall and the steps become too small.
 MAX_EXPONENT: Final = 50.0
+# SI radii above this value [m] cause a warning, because they are probably in millimetres.
+LARGE_RADIUS: Final = 1.0
 
 
 def checked_beads(beads: int) -> int:
@@ -88,3 +90,14 @@ def positive_derived(what: str, place: str, values: Array) -> Array:
         )
     values.setflags(write=False)
     return values
+
+
+def warn_large_radius(radii: Array) -> None:
+    """Warn about radii in metres that are probably in millimetres."""
+    if radii.max() > LARGE_RADIUS:
+        k = int(np.argmax(radii))
+        warn_user(
+            f"bead {k + 1} has a radius of {radii[k]:g} m; radii are in metres, so divide "
+            "by 1000 if these are millimetres",
+            InputWarning,
+        )

@@ -2,15 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any, NoReturn, TypeVar
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from ..collision import HERTZ_EXPONENT
+from ..collision import HERTZ_EXPONENT, Array
 from ..errors import InputError
+from ..validation.numbers import real_numbers
+from ..validation.objects import check_list
 from .fields import ChainFields
 from .laws import Loss
 from .mass_and_stiffness import contact_stiffness
+from .materials import Material, MaterialLike
 from .per_contact import MaterialPairs, given_laws
 
 C = TypeVar("C", bound=ChainFields)
@@ -259,3 +264,37 @@ def _joined_values(what: str, one: ChainFields, other: ChainFields, first: Any, 
     ]
     values = [*listed[0], listed[0][-1], *listed[1]]
     return values[0] if all(each == values[0] for each in values) else values
+
+
+def two_sizes(
+    mass_ratio: float | None, radii: ArrayLike | None, diameters: ArrayLike | None
+) -> Array:
+    """Radii of the two kinds of beads of a dimer."""
+    if mass_ratio is not None or (radii is None) == (diameters is None):
+        raise InputError(
+            "Chain.dimer needs a mass ratio, two radii or two diameters, such as "
+            "Chain.dimer(diameters=['10 mm', '6 mm'], materials='steel-52100', beads=40)"
+        )
+    what, given, factor = (
+        ("radius", radii, 1.0) if radii is not None else ("diameter", diameters, 0.5)
+    )
+    sizes = factor * real_numbers(what, given, "bead", unit="m")
+    if sizes.shape != (2,):
+        raise InputError(
+            f"a dimer has two sizes, got {sizes.size}; Chain.periodic repeats any cell"
+        )
+    return sizes
+
+
+def repeated_materials(
+    materials: MaterialLike | Sequence[MaterialLike], size: int, beads: int
+) -> MaterialLike | Sequence[MaterialLike]:
+    """Materials of all beads, from those of a cell."""
+    if isinstance(materials, str | Material):
+        return materials
+    kinds = check_list("materials of the cell", materials, "names")
+    if len(kinds) != size:
+        raise InputError(
+            f"the cell has {size} beads, but {len(kinds)} materials; give one for each bead"
+        )
+    return (kinds * beads)[:beads]

@@ -55,7 +55,10 @@ def _method_help() -> str:
 @click.option("--all", "every_bead", is_flag=True, help="Show every bead in the table.")
 @json_option
 @click.option("--csv", "as_csv", is_flag=True, help="Print everything as CSV.")
-@figure_option("Also plot the quantity to FILE.")
+@figure_option(
+    "Also plot the quantity to FILE; with several methods, below it their differences from the "
+    "first."
+)
 def pulse(
     options: ChainOptions, methods: tuple[str, ...], quantity: str, every_bead: bool,
     as_json: bool, as_csv: bool, plot: Path | None, log: bool,
@@ -99,7 +102,9 @@ def pulse(
             name if len(each) == 1 else f"{name}, {pulse.method}"
             for name, each in found.items() for pulse in each
         ] if len(found) > 1 else None  # fmt: skip
-        save_figure(plot_pulses(pulses, quantity, labels=labels, log=log), plot)
+        residuals = len(found) == 1 and len(pulses) > 1
+        axes = plot_pulses(pulses, quantity, labels=labels, log=log, residuals=residuals)
+        save_figure(axes, plot)
     if as_json:
         click.echo(results.pulses_as_json(pulses))
     elif as_csv:

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import dataclasses
 import hashlib
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from ..chain.chain import Chain
 from ..errors import InputError, short_repr
@@ -22,6 +23,9 @@ from .requirements import Requirement, requirements_from
 from .scatter import scatter_from
 from .size_space import SizeSpace, size_space
 from .sizes import Sizes
+
+if TYPE_CHECKING:
+    from .verified import Verified
 
 Variable = Sizes | BallChoice | OrderChoice
 Space = SizeSpace | BallSpace
@@ -130,6 +134,48 @@ class Design:
         """All measures of objectives and constraints, once each."""
         limited = [each.measure for each in self.requirements]
         return tuple(dict.fromkeys([*self.reported, *limited]))
+
+    def evaluate(self, chain: Chain) -> Verified:
+        """Simulate any chain, and return its values of all measures of this problem.
+
+        Parameters
+        ----------
+        chain : Chain
+            A chain in the units of the problem; it need not have the sizes that may vary.
+
+        Returns
+        -------
+        Verified
+            ``values`` by the name of the measure, as of the result of `hertzchain.design`; the
+            price is NaN.  `DesignResult.objective_of` accepts chains, too.
+
+        Raises
+        ------
+        InputError
+            If the chain does not have a measure, such as a force on a wall or a bead of that
+            number, or is in other units.
+
+        Examples
+        --------
+        >>> import hertzchain as hc
+        >>> chain = hc.Chain.uniform(20).replace(right_wall=hc.Wall())
+        >>> problem = hc.Design(chain, minimise="wall_force.peak", vary=[hc.vary.radii(0.5, 1.0)])
+        >>> taper = hc.Chain.tapered("forward-linear", 0.02, beads=20)
+        >>> values = problem.evaluate(taper.replace(right_wall=hc.Wall())).values
+        >>> {name: round(value, 4) for name, value in values.items()}
+        {'wall_force.peak': 1.0761}
+        """
+        from .verified import quietly
+
+        check_type("chain", chain, Chain)
+        if chain.units != self.chain.units:
+            raise InputError(
+                f"the chain is in {chain.units} units, and that of the problem in "
+                f"{self.chain.units} units; convert it with Scales"
+            )
+        objectives_from(chain, self.minimise, self.maximise, self.match)
+        requirements_from(self.subject_to, chain)
+        return quietly(self, chain, math.nan, 0)
 
     @property
     def has_kinks(self) -> bool:

@@ -5,12 +5,13 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
 
 from ..chain.chain import Chain
 from ..collision import Array
+from ..errors import InputError
 from ..representation import counted, measure, short
 from ..validation.objects import check_choice, check_type
 from .ball_choice import BallSpace
@@ -99,13 +100,18 @@ class DesignResult:
         """Verified value of the objective: of its measure, or the score of several."""
         return self.objective_of(self.verified)
 
-    def objective_of(self, found: Verified) -> float:
-        """Value of the objective of another chain, such as one of the references.
+    def objective_of(self, found: Verified | Chain) -> float:
+        """Value of the objective of any chain, such as one of the references.
 
         Parameters
         ----------
-        found : Verified
-            A chain and its numbers.
+        found : Chain or Verified
+            A chain, which is simulated (`Design.evaluate`), or one whose numbers are known.
+
+        Raises
+        ------
+        InputError
+            If it is neither, or as for `Design.evaluate`.
 
         Examples
         --------
@@ -115,8 +121,12 @@ class DesignResult:
         >>> found = hc.design(problem, budget=200)
         >>> found.objective_of(found.verified) == found.value
         True
+        >>> round(found.objective_of(hc.Chain.uniform(5)), 3)
+        0.989
         """
-        check_type("found", found, Verified, "give one of the references of this result")
+        if isinstance(found, Chain):
+            found = self.problem.evaluate(found)
+        check_type("found", found, Verified, "give a chain, or one of the references")
         return self._objective(found.values)
 
     def _objective(self, values: Mapping[str, float]) -> float:
@@ -228,17 +238,32 @@ class DesignResult:
 
         return sensitivity(self.problem, self.chain)
 
-    def plot(self, kind: str = "beads", *, ax: Axes | None = None) -> Axes:
-        """Plot one view of the result.
+    @overload
+    def plot(self) -> Figure: ...
+    @overload
+    def plot(self, kind: str, *, ax: Axes | None = None) -> Axes: ...
+    def plot(self, kind: str | None = None, *, ax: Axes | None = None) -> Axes | Figure:
+        """Plot the result in four panels, or one of them.
 
         Parameters
         ----------
-        kind : str
+        kind : str, optional
             ``"beads"`` or ``"forces"``, before and after; ``"history"``, the best objective over
             the number of simulations; ``"sensitivity"``, of the objective to the radius of each
-            bead; or ``"front"``, of two objectives.
+            bead; or ``"front"``, of two objectives.  By default the first three and one of the
+            others.
         ax : matplotlib.axes.Axes, optional
-            Axes to draw into.  By default, a new figure is created.
+            Axes to draw one kind into.  By default, a new figure is created.
+
+        Returns
+        -------
+        matplotlib.figure.Figure or matplotlib.axes.Axes
+            The figure of four panels, or the axes of one kind.
+
+        Raises
+        ------
+        InputError
+            For another kind, or for axes without a kind.
 
         Examples
         --------
@@ -246,11 +271,17 @@ class DesignResult:
         >>> radii = hc.vary.radii(0.5, 1.0, by="common")
         >>> problem = hc.Design(hc.Chain.uniform(5), maximise="velocity@last", vary=[radii])
         >>> found = hc.design(problem, budget=200)
+        >>> len(found.plot().axes)
+        4
         >>> found.plot("history").get_xlabel()
         'simulations'
         """
         from ..plotting import designs
 
+        if kind is None:
+            if ax is not None:
+                raise InputError("ax takes one kind of plot; give it, such as 'beads'")
+            return designs.plot_design(self)
         check_choice("kind of plot", kind, designs.KINDS)
         return designs.KINDS[kind](self, ax=ax)
 

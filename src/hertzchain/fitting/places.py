@@ -70,8 +70,9 @@ def place_named(name: str) -> Place:
     quantity = (found[4] or "force") if found else ""
     if found is None or quantity not in QUANTITIES or (found[1] is None and quantity != "force"):
         raise InputError(
-            f"column {name!r} names no sensor; write 'ball 6', 'bead 7', 'wall' or "
-            "'ball 3 velocity', with a unit such as [N]"
+            f"column {name!r} does not name the place of its sensor; write 'ball 6', 'bead 7', "
+            "'wall' or 'ball 3 velocity', with a unit such as [N], or give load_traces "
+            f"sensors={{{name!r}: 'wall'}}"
         )
     body = found[1] or found[3] or "right"
     return Place(text.removesuffix(" force"), body, int(found[2] or 0), quantity)

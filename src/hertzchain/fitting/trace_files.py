@@ -10,10 +10,10 @@ import numpy as np
 
 from ..collision import Array
 from ..errors import InputError
-from ..store.csv_tables import HEADER, csv_rows
+from ..store.csv_tables import csv_rows, split_header
 from ..units import converted
-from ..validation.objects import check_list, file_path, shown_path
-from .places import Place
+from ..validation.objects import check_list, file_path, shown_path, text
+from .places import Place, place_named
 from .trace_headers import header_of
 from .traces import Traces, make_shot
 
@@ -22,14 +22,15 @@ MISSING: Final = ("", "nan", "NaN", "NA")
 
 def load_traces(
     *paths: str | os.PathLike[str],
-    sensors: Sequence[str] | None = None,
+    sensors: Sequence[str] | Mapping[str, str] | None = None,
     noise: float | Mapping[str, float] | None = None,
 ) -> Traces:
     r"""Read measured traces from CSV files.
 
     The header of a file is, for example, ``time [us], ball 6 [N], ball 11 [mV], wall [N],
     ball 3 velocity [m/s]``.  Balls are counted without the strikers (``bead 7`` counts them), and
-    a force in a ball is the mean of the forces on its two sides.  Sampling may be uneven, and
+    a force in a ball is the mean of the forces on its two sides.  Units may also be in
+    parentheses, as in ``Time (s)``, and the times may be called ``t``.  Sampling may be uneven, and
     empty cells are missing samples.  Saturated samples are recognised and not used.  A column
     ``shot`` with whole numbers divides a file into shots.
 
@@ -37,8 +38,10 @@ def load_traces(
     ----------
     *paths : path-like
         Files, one per shot, or with several shots if they have a column ``shot``.
-    sensors : sequence of str, optional
-        Names of the sensors to read, such as ``["ball 6", "wall"]``; by default all.
+    sensors : sequence of str or mapping, optional
+        Names of the sensors to read, such as ``["ball 6", "wall"]``; by default all.  A mapping
+        from names of columns, without units, to places reads files with other names, such as
+        ``{"Force": "wall", "CH2": "ball 6"}``.
     noise : float or mapping, optional
         Standard deviation of the noise of all sensors, or by name, in N, m/s or V.  By default it
         is estimated from the samples before the pulse arrives at the first sensor.
@@ -63,10 +66,18 @@ def load_traces(
     ...     _ = file.write_text("time [us],wall [N]\n0,0.0\n1,4.0\n2,0.5\n")
     ...     hc.load_traces(file, noise=0.1)
     Traces(1 shot, wall: 3 samples, every 1 us; noise 0.1 N)
+
+    A file of an oscilloscope, whose headers do not name the place of the sensor:
+
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     file = Path(folder) / "scope.csv"
+    ...     _ = file.write_text("Time (s),Force (N)\n0,0.0\n1e-6,4.0\n2e-6,0.5\n")
+    ...     hc.load_traces(file, sensors={"Force": "wall"}, noise=0.1)
+    Traces(1 shot, wall: 3 samples, every 1 us; noise 0.1 N)
     """
     if not paths:
         raise InputError("give load_traces at least one file, such as 'data.csv'")
-    wanted = None if sensors is None else check_list("sensors", sensors, "names such as 'ball 6'")
+    wanted = _wanted(sensors)
     shots = []
     for path in paths:
         file = file_path("file of traces", path)
@@ -77,8 +88,30 @@ def load_traces(
     return Traces(tuple(shots))
 
 
+def _wanted(sensors: object) -> dict[str, str] | None:
+    """Place of each sensor to read, by the name of its column."""
+    if sensors is None:
+        return None
+    if not isinstance(sensors, Mapping):
+        names = check_list("sensors", sensors, "names such as 'ball 6'")
+        return {_key(text("sensor", name)): name for name in names}
+    return {
+        _key(text("column of a sensor", column)): text("place of a sensor", place)
+        for column, place in sensors.items()
+    }
+
+
+def _key(name: str) -> str:
+    """Name of a column without the spelling: that of its place, if it names one."""
+    plain = " ".join(name.lower().split())
+    try:
+        return place_named(plain).name
+    except InputError:
+        return plain
+
+
 def _shots(
-    rows: list[list[str]], wanted: list[str] | None, noise: float | Mapping[str, float] | None
+    rows: list[list[str]], wanted: dict[str, str] | None, noise: float | Mapping[str, float] | None
 ) -> list:  # type: ignore[type-arg]
     if not rows:
         raise InputError("the file has no header; write time [us], ball 6 [N], ...")
@@ -105,37 +138,35 @@ def _shots(
 
 
 def _columns(
-    header: list[str], wanted: list[str] | None
+    header: list[str], wanted: dict[str, str] | None
 ) -> tuple[int, int | None, dict[tuple[Place, str], tuple[int, float]]]:
     """Column of the times, of the shots if there is one, and of each sensor with its factor."""
-    names = [(HEADER.fullmatch(text) or {"name": text})["name"].lower() for text in header]
+    names = [(split_header(full) or (full.lower(), None))[0] for full in header]
     if names.count("time") != 1:
         raise InputError(
-            f"there must be one column of times, such as 'time [us]' (with square brackets), among "
+            f"there must be one column of times, such as 'time [us]' or 'Time (s)', among "
             f"{', '.join(header)}"
         )
     columns: dict[tuple[Place, str], tuple[int, float]] = {}
-    for index, text in enumerate(header):
-        if names[index] in ("time", "shot"):
+    names = [name if name in ("time", "shot") else _key(name) for name in names]
+    signals = [name for name in names if name not in ("time", "shot")]
+    for name in wanted or ():
+        if name not in signals:
+            raise InputError(f"there is no column {name!r}; the file has {', '.join(signals)}")
+    for index, (name, full) in enumerate(zip(names, header, strict=True)):
+        if name not in signals or (wanted is not None and name not in wanted):
             continue
-        place, unit, factor = header_of(text)
+        place, unit, factor = header_of(full, None if wanted is None else wanted[name])
         if place.name in [known.name for known, _ in columns]:
             raise InputError(f"there are two columns of {place.name!r}; keep one")
         columns[place, unit] = index, factor
-    known_names = [place.name for place, _ in columns]
-    for name in wanted or ():
-        if name not in known_names:
-            raise InputError(f"there is no column {name!r}; the file has {', '.join(known_names)}")
-    if wanted is not None:
-        columns = {key: value for key, value in columns.items() if key[0].name in wanted}
     return names.index("time"), names.index("shot") if "shot" in names else None, columns
 
 
-def _time_factor(text: str) -> float:
-    found = HEADER.fullmatch(text)
-    unit = None if found is None else found["unit"]
+def _time_factor(header: str) -> float:
+    _, unit = split_header(header) or (header, None)
     if not unit:
-        raise InputError("column 'time' has no unit; write time [us]")
+        raise InputError(f"column {header!r} has no unit; write time [us]")
     return converted("column 'time'", 1.0, unit, "s")
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from ..errors import InputError
-from ..store.csv_tables import HEADER
+from ..store.csv_tables import split_header
 from ..units import converted
 from .places import Place, place_named
 
@@ -11,15 +11,17 @@ VOLTS = {"V": 1.0, "mV": 1e-3, "uV": 1e-6, "µV": 1e-6}
 UNITS = {"force": "N", "velocity": "m/s"}
 
 
-def header_of(text: str) -> tuple[Place, str, float]:
-    """Place, unit (``"N"``, ``"m/s"`` or ``"V"``) and factor of a column."""
-    found = HEADER.fullmatch(text) if isinstance(text, str) else None
+def header_of(text: str, named: str | None = None) -> tuple[Place, str, float]:
+    """Place, unit (``"N"``, ``"m/s"`` or ``"V"``) and factor of a column, or of one with a name."""
+    found = split_header(text) if isinstance(text, str) else None
     if found is None:
         raise InputError(f"column {text!r} must have the form 'ball 6 [N]'")
-    place, unit = place_named(found["name"]), (found["unit"] or "").strip()
+    name, unit = found
+    place = place_named(name if named is None else named)
     if not unit:
         raise InputError(
-            f"column {text!r} has no unit; write {place.name} [{UNITS[place.quantity]}]"
+            f"column {text!r} has no unit; write {name if named else place.name} "
+            f"[{UNITS[place.quantity]}]"
         )
     if unit in VOLTS:
         return place, "V", VOLTS[unit]

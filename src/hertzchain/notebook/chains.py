@@ -7,8 +7,9 @@ from typing import Final
 import numpy as np
 
 from ..chain.chain import Chain
+from ..chain.hertz_range import MAX_OVERLAP_RATIO, MAX_SPEED_RATIO, HertzRange
 from ..collision import Array
-from .drawing import COLOURS, WIDTH, engineering, legend, note, numbers, page, svg
+from .drawing import COLOURS, WIDTH, engineering, legend, note, numbers, page, svg, table
 
 # Beads beyond which the outline of the chain is drawn instead of circles.
 MAX_CIRCLES: Final = 240
@@ -113,3 +114,22 @@ def _outline(centres: Array, radii: Array, middle: float) -> str:
     lower = "L".join(f"{a:.1f} {middle + b:.1f}" for a, b in zip(x[::-1], r[::-1], strict=True))
     colour = COLOURS[0]
     return f'<path d="M{upper}L{lower}Z" fill="{colour}" fill-opacity="0.55" stroke="{colour}"/>'
+
+
+def hertz_range_html(found: HertzRange) -> str:
+    """The largest of each ratio with its limit, and what is exceeded."""
+    overlap, pressure = int(np.argmax(found.overlap_ratio)), int(np.argmax(found.yield_ratio))
+    rows = (
+        ("overlap / radius", found.overlap_ratio[overlap], f"contact {overlap}", MAX_OVERLAP_RATIO),
+        ("pressure / yield", found.yield_ratio[pressure], f"contact {pressure}", 1.0),
+        ("speed / sound", found.speed_ratio, "time 0", MAX_SPEED_RATIO),
+    )
+    cells = [
+        [name, f"{value:.3g}", place, f"{limit:g}", "exceeded" if value > limit else "within"]
+        for name, value, place, limit in rows
+    ]
+    notes = [note(f"{text[0].upper()}{text[1:]}.") for text in found.violations]
+    return page(
+        "HertzRange", f"{len(found.overlap_ratio)} contacts, numbered from the left wall (0)",
+        table(("ratio", "largest", "at", "limit", ""), cells), *notes,
+    )  # fmt: skip

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from typing import Final
 
@@ -9,6 +10,7 @@ import numpy as np
 
 from ..simulation.budget import Budget
 from ..simulation.run import Run
+from ..simulation.sensor_force import SensorForce
 from ..simulation.wall_force import WallForce, may_follow
 from .drawing import (
     COLOURS,
@@ -136,3 +138,28 @@ def wall_force_html(wall: WallForce) -> str:
     if not complete:
         parts.append(note(f"The run ended too early: {may_follow(wall)}."))
     return page("WallForce", f"{wall.side} wall", *parts)
+
+
+def sensor_force_html(sensor: SensorForce) -> str:
+    """The force in a sensor over time, with its first maximum and its largest value."""
+    units = sensor.units
+    found = {
+        "first maximum": engineering(sensor.first_maximum, "N", units),
+        "its time": engineering(sensor.first_maximum_time, "s", units),
+        "largest so far": engineering(sensor.largest_so_far, "N", units),
+        "time of the largest": engineering(sensor.largest_so_far_time, "s", units),
+    }
+    if math.isnan(sensor.first_maximum):
+        found |= {"first maximum": "none yet", "its time": ""}
+    parts = [numbers(found)]
+    if len(sensor.times) > 1:
+        slow, second = axis_unit(sensor.times, "s", units)
+        strong, newton = axis_unit(np.array([sensor.largest_so_far]), "N", units)
+        first = slow * sensor.first_maximum_time, strong * sensor.first_maximum
+        marks = [] if math.isnan(sensor.first_maximum) else [Mark(*first, "first maximum")]
+        curve = Curve(slow * sensor.times, strong * sensor.force)
+        parts.insert(0, chart([curve], f"time{second}", f"force{newton}", marks=marks))
+    if sensor.error > 0.0:
+        error = engineering(sensor.error, "N", units)
+        parts.append(note(f"The maxima have errors of at most {error}."))
+    return page("SensorForce", f"bead {sensor.bead}", *parts)

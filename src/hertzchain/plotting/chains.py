@@ -14,7 +14,7 @@ from matplotlib.patches import Circle, Patch
 from ..chain.chain import Chain
 from ..chain.feature_support import require_chain
 from ..collision import Array
-from .style import figure_style, get_axes, literal, set_title
+from .style import COLOURS, figure_style, get_axes, literal, set_title
 from .titles import chain_title
 
 # Colours of the materials of the package, and those from which other materials receive one.
@@ -30,7 +30,7 @@ UNKNOWN: Final = "#DDE6EE"
 
 
 def plot_chain(chain: Chain, *, ax: Axes | None = None) -> Axes:
-    """Draw a chain to scale: beads, gaps and walls.
+    """Draw a chain to scale: beads, gaps and walls; an arrow marks strikers.
 
     Each material has the same colour in every figure; a legend names them if there are several.
 
@@ -61,12 +61,28 @@ def plot_chain(chain: Chain, *, ax: Axes | None = None) -> Axes:
         axes.set_aspect("equal")
         axes.set_xlim(low - 0.7 * radii.max(), high + 0.7 * radii.max())
         axes.set_ylim(-tall, tall)
+        mark_strikers(chain, factor, axes)
         axes.set_xlabel(f"position [{unit}]")
         axes.set_yticks([])
         axes.spines["left"].set_visible(False)  # it would look like a wall
         set_title(axes, chain_title(chain))
         material_legend([chain], axes, loc="center left", bbox_to_anchor=(1.0, 0.5))
     return axes
+
+
+def mark_strikers(chain: Chain, factor: float, axes: Axes) -> None:
+    """Mark strikers by an arrow above them, with more room at the top."""
+    if not chain.strikers:
+        return
+    largest = factor * chain.radii.max()
+    begin = factor * (bead_centres(chain)[0] - chain.radii[0])
+    height = 1.3 * largest
+    axes.annotate("", (begin + 2.0 * largest, height), (begin, height),
+                  arrowprops={"arrowstyle": "-|>", "color": COLOURS[2], "shrinkA": 0.0,
+                              "shrinkB": 0.0})  # fmt: skip
+    word = "striker" if chain.strikers == 1 else f"{chain.strikers} strikers"
+    axes.annotate(word, (begin + 2.1 * largest, height), color=COLOURS[2], va="center", fontsize=8)
+    axes.set_ylim(top=max(axes.get_ylim()[1], height + 0.35 * largest))
 
 
 def draw_walls(chain: Chain, factor: float, tall: float, axes: Axes) -> None:

@@ -52,7 +52,8 @@ def plot_sweep(
         Values along the other dimensions: ``bead=20``, ``approach="bca"``, or a value of an axis,
         by its dimension or, in a mapping, by its name in the specification
         (``"loss.coefficient"``).
-        The nearest value of the axis is used and shown in the title.
+        Numbers are in the unit of the axis, as in ``dataset[...].units``, or have a unit, such as
+        ``"5 mm"``.  The nearest value of the axis is used and shown in the title.
 
     Raises
     ------
@@ -139,7 +140,8 @@ def _index(coordinate: xr.DataArray, name: str, value: Any) -> int:
     what = name if unit == "1" else f"{name} [{unit}]"
     low, high = float(there.min()), float(there.max())
     slack = 1e-9 * max(abs(low), abs(high))
-    place = number(what, value, least=low - slack, most=high + slack)
+    known = None if unit == "1" else unit
+    place = number(what, value, unit=known, least=low - slack, most=high + slack)
     nearest = int(np.abs(there - place).argmin())
     if there.dtype.kind == "i" and there[nearest] != place:
         raise InputError(

@@ -39,7 +39,8 @@ class Pulse(Frozen):
     r"""The effect of the leading pulse on each bead of a chain.
 
     Its columns are the quantities of `hertzchain.pulse.quantities.QUANTITIES`, in scaled variables
-    or, for a chain in SI units, in SI units.
+    or, for a chain in SI units, in SI units.  Beads have numbers from 1, arrays start at 0:
+    :doc:`/reference/numbering`.
 
     Attributes
     ----------

@@ -293,7 +293,7 @@ def by_simulate(chain: Chain, request: Request, progress: Callable[[int, int], N
     )  # fmt: skip
     found: dict[str, Any] = {}
     if any(name in PULSE_QUANTITIES for name in keep):
-        pulse = pulse_of(chain, run._peaks, run._crossings)
+        pulse = pulse_of(chain, run._peaks, run._crossings, tails=False)
         found |= {name: pulse.column(name) for name in PULSE_QUANTITIES}
     if any(name in WALL_QUANTITIES for name in keep):
         wall = run._wall_force("right")

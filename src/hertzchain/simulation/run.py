@@ -39,6 +39,8 @@ if TYPE_CHECKING:
 class Run(Trajectory):
     r"""The motion of a chain; the result of `hertzchain.simulate`.
 
+    Beads have numbers from 1, arrays start at 0: :doc:`/reference/numbering`.
+
     Attributes
     ----------
     chain : Chain

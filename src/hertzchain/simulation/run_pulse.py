@@ -9,15 +9,15 @@ from ..collision import Array
 from ..pulse.pulse import Pulse
 from .missing_values import reason, together
 
-# With a larger fraction of its momentum behind the crest, a pulse is the front of a tail; that of a
-# solitary wave is one half.
-TAIL = 2.0 / 3.0
 LATE = "before the end of the run"
 
 
-def pulse_of(chain: Chain, peaks: Array, crossings: Array) -> Pulse:
-    """The leading pulse, as far as it has passed during the run."""
+def pulse_of(chain: Chain, peaks: Array, crossings: Array, *, tails: bool = True) -> Pulse:
+    """The leading pulse, as far as it has passed during the run; with notes on tails."""
     from ..kernels import state_layout
+    from .tail import tailed
+
+    tail = tailed(chain, crossings) if tails else np.zeros(chain.beads - 1, bool)
 
     peaked = peaks[state_layout.PEAK_VELOCITY] != 0.0
     passed = crossings[state_layout.CROSSING_TIME] > 0.0
@@ -32,7 +32,7 @@ def pulse_of(chain: Chain, peaks: Array, crossings: Array) -> Pulse:
         ),
         peak_overlap=np.where(passed, crossings[state_layout.OVERLAP], np.nan),
         residence=residence,
-        notes=_notes(chain, peaked, passed, residence, _tailed(chain, crossings)),
+        notes=_notes(chain, peaked, passed, residence, tail),
     )
 
 
@@ -64,19 +64,6 @@ def _without_residence(chain: Chain) -> slice:
     return slice({0: 1, 1: 0}.get(first, first))
 
 
-def _tailed(chain: Chain, crossings: Array) -> Array:
-    """Contacts at which strong loss has turned the pulse into a shock-like tail."""
-    from ..kernels import state_layout
-
-    ahead = crossings[state_layout.HANDED_OVER]
-    behind = crossings[state_layout.LEADING_MOMENTUM] - ahead
-    lossy = not chain.lossless
-    tailed = np.asarray(lossy & (ahead > 0.0) & (behind > TAIL / (1.0 - TAIL) * ahead))
-    # Near the end of the chain, beads that would carry a part of the pulse are missing.
-    tailed[-2:] = tailed[-3:-2].any()
-    return tailed
-
-
 def _notes(
     chain: Chain, peaked: Array, passed: Array, residence: Array, tailed: Array
 ) -> dict[str, str]:
@@ -85,8 +72,9 @@ def _notes(
     tail = reason(
         "bead",
         tailed,
-        "more than two thirds of the momentum of the leading pulse is behind its crest: losses "
-        "have turned it into the front of a shock-like tail, which decays more slowly than a pulse",
+        "the momentum behind the crest, relative to that ahead of it, is more than twice that of a "
+        "pulse without losses: losses have turned it into the front of a shock-like tail, which "
+        "decays more slowly than a pulse",
     )
     unarrived = np.append(False, ~passed)
     unpassed = reason("contact", ~passed, f"no first maximum of the overlap {LATE}")

@@ -75,6 +75,11 @@ class SensorForce:
         facts = f"first maximum {first}", f"largest so far {largest}"
         return short("SensorForce", f"bead {self.bead}", *facts)
 
+    def _repr_html_(self) -> str:
+        from ..notebook.runs import sensor_force_html
+
+        return sensor_force_html(self)
+
 
 def sensor_force_of(self: Trajectory, bead: int | str) -> SensorForce:
     """Force in a sensor in a bead, with its first maximum and its largest value so far.

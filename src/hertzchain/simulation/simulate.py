@@ -388,7 +388,7 @@ def _check_end(chain: Chain, until: float | None, times: int | ArrayLike, begin:
             "impact; give a positive velocity, or until"
         )
     if chain.drive is None and not chain.velocities[0] > 0.0:
-        raise InputError("bead 1 of this chain is not struck, so no pulse ends the run; give until")
+        raise InputError("bead 1 is not struck; give it a velocity, a striker or a drive, or until")
     if chain.drive is not None and chain.right_wall is None:
         raise InputError(
             "this chain is driven and its right end is free, so nothing ends the run; give "

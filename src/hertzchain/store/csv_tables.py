@@ -14,9 +14,14 @@ from typing import Final
 from ..errors import InputError, unknown_name_error
 from ..units import UNITS, converted
 
-HEADER: Final = re.compile(r"\s*(?P<name>[^\[\]]*?)\s*(?:\[(?P<unit>[^\[\]]*)\]\s*)?")
-# Other common notations of units: radius (mm), radius / mm, radius_mm.
-_OTHERWISE: Final = re.compile(r"\s*(?P<name>[A-Za-z]+)\s*[(/_]\s*(?P<unit>[^()]+?)\s*\)?\s*")
+# A name, and a unit in brackets or parentheses.
+_HEADER: Final = re.compile(
+    r"\s*([^\[\]()]*?)\s*(?:\[(?P<square>[^\[\]]*)\]\s*|\((?P<round>[^()]*)\)\s*)?"
+)
+# Other common notations of units: radius / mm, radius_mm.
+_OTHERWISE: Final = re.compile(r"\s*(?P<name>[A-Za-z]+)\s*[/_]\s*(?P<unit>[^()]+?)\s*")
+# Other names of columns.
+_SYNONYMS: Final = {"t": "time", "times": "time"}
 # Separators other than the comma.
 _SEPARATORS: Final = {";": "semicolons", "\t": "tabs"}
 
@@ -61,6 +66,16 @@ class CsvTable:
     columns: Mapping[str, Sequence[float | str]]
     has_units: bool
     rows: int
+
+
+def split_header(text: str) -> tuple[str, str | None] | None:
+    """Name, in small letters, and unit of a header such as ``Time (s)``, if it has this form."""
+    found = _HEADER.fullmatch(text)
+    if found is None:
+        return None
+    name = " ".join(found[1].lower().split())
+    unit = found["square"] if found["square"] is not None else found["round"]
+    return _SYNONYMS.get(name, name), None if unit is None else unit.strip()
 
 
 def read_csv(path: str | os.PathLike[str], known: Mapping[str, Column]) -> CsvTable:
@@ -123,10 +138,8 @@ def _check_separator(header: str) -> None:
 
 
 def _header(text: str, known: Mapping[str, Column]) -> tuple[str, str | None]:
-    found = HEADER.fullmatch(text)
-    name = text if found is None else found["name"].lower()
-    unit = None if found is None else found["unit"]
-    if found is None or name not in known:
+    name, unit = split_header(text) or (text, None)
+    if name not in known:
         other = _OTHERWISE.fullmatch(text)
         if other is not None and (name := other["name"].lower()) in known:
             raise InputError(f"column {text!r} must be written as {name} [{other['unit']}]")
@@ -136,7 +149,7 @@ def _header(text: str, known: Mapping[str, Column]) -> tuple[str, str | None]:
         raise InputError(f"column {name!r} must have no unit, got [{unit}]")
     if unit is not None:
         converted(f"column {name!r}", 1.0, unit, UNITS[dimension][0])
-    return name, None if unit is None else unit.strip()
+    return name, unit
 
 
 def _values(

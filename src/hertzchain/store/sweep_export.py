@@ -83,7 +83,14 @@ def check_sweep(dataset: object) -> None:
 def _write_csv(dataset: xr.Dataset, file: Path) -> None:
     with file.open("w", encoding="utf-8", newline="") as stream:
         for number, table in enumerate(tables_of(dataset)):
-            table.to_csv(stream, header=number == 0, index=False, lineterminator="\n")
+            header = [_with_unit(dataset, str(name)) for name in table] if number == 0 else False
+            table.to_csv(stream, header=header, index=False, lineterminator="\n")
+
+
+def _with_unit(dataset: xr.Dataset, name: str) -> str:
+    """Heading of a column, such as ``radius [mm]``; CSV files have no other place for units."""
+    unit = dataset[name].attrs.get("units", "1") if name in dataset.variables else "1"
+    return name if unit == "1" else f"{name} [{unit}]"
 
 
 def _write_parquet(dataset: xr.Dataset, file: Path) -> None:

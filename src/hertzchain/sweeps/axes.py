@@ -103,16 +103,35 @@ class Axis:
             return ["time"]
         return sorted(dimensions_of(self.path))
 
-    @property
-    def unit(self) -> str | None:
-        """The unit in the specification; `None` if there is none."""
-        return self.entry.get("unit") if isinstance(self.entry, Mapping) else None
+    @cached_property
+    def unit(self) -> Any:
+        """The unit of all values as specified; `None` if there is none, or if they have several."""
+        if isinstance(self.entry, Mapping) and "unit" in self.entry:
+            return self.entry["unit"]
+        units = {found[1] for each in self._given if (found := self._quantity(each))}
+        return units.pop() if self.has_units and len(units) == 1 else None
 
     @cached_property
     def values(self) -> list[Any]:
         """All values, in SI units or scaled."""
+        if isinstance(self.entry, Mapping) and "unit" in self.entry:
+            return [self._in_si(repr(each), self.unit) for each in self.typed]
+        return self._plain(self._given)
+
+    @property
+    def typed(self) -> list[Any]:
+        """All values in the unit of the specification, or in SI units if they have several."""
+        if self.unit is None:
+            return self.values
+        if isinstance(self.entry, Mapping) and "unit" in self.entry:
+            return [number(f"value {i}", each) for i, each in enumerate(self._given, start=1)]
+        return [float(found[0]) for each in self._given if (found := self._quantity(each))]
+
+    @cached_property
+    def _given(self) -> list[Any]:
+        """All values as specified, numbers or text."""
         if not isinstance(self.entry, Mapping):
-            return self._plain(_listed(self.entry))
+            return _listed(self.entry)
         known = (*SPACINGS, "unit")
         for key in self.entry:
             if key not in known:
@@ -121,11 +140,11 @@ class Axis:
         if len(given) != 1:
             raise InputError(f"must have one of {', '.join(SPACINGS)}, has {len(given)} of them")
         found = self.entry[given[0]]
-        values = _listed(found) if given[0] == "list" else _spaced(given[0], found)
-        if "unit" not in self.entry:
-            return self._plain(values)
-        numbers = (number(f"value {i}", each) for i, each in enumerate(values, start=1))
-        return [self._in_si(repr(each), self.unit) for each in numbers]
+        return _listed(found) if given[0] == "list" else _spaced(given[0], found)
+
+    def _quantity(self, value: Any) -> tuple[str, str] | None:
+        takes_units = self._dimensions != [""]
+        return quantity(value) if takes_units and isinstance(value, str) else None
 
     @property
     def has_units(self) -> bool:
@@ -156,7 +175,9 @@ class Axis:
         raise AssertionError
 
     def coordinate(self) -> np.ndarray[Any, np.dtype[Any]]:
-        """Values as an array for a dataset; lists and tables become JSON text.
+        """Values as an array for a dataset, in the unit of the specification.
+
+        Lists and tables become JSON text.
 
         Examples
         --------
@@ -164,11 +185,13 @@ class Axis:
         >>> from hertzchain.sweeps.axes import Axis
         >>> Axis(("beads",), [20, 40]).coordinate()
         array([20, 40])
+        >>> Axis(("radius",), ["4 mm", "5 mm"]).coordinate()
+        array([4., 5.])
         """
-        kinds = {type(value) for value in self.values}
-        if kinds <= {int, float}:
-            return np.array(self.values)
-        texts = [value if isinstance(value, str) else json.dumps(value) for value in self.values]
+        values = self.typed
+        if {type(value) for value in values} <= {int, float}:
+            return np.array(values, None if self.unit is None else float)
+        texts = [value if isinstance(value, str) else json.dumps(value) for value in values]
         return np.array(texts, dtype=np.dtypes.StringDType())
 
     def duplicate(self) -> Any | None:

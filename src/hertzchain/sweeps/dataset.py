@@ -176,7 +176,7 @@ def _axis_labels(axis: Axis, plan: Plan) -> dict[str, str]:
     labels = {"long_name": axis.long_name}
     if axis.coordinate().dtype.kind in "if":
         known = axis.dimension if plan.units == "SI" else None
-        labels["units"] = UNITS[known][0] if known else "1"
+        labels["units"] = axis.unit or (UNITS[known][0] if known else "1")
     return labels
 
 

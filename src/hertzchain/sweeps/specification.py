@@ -163,6 +163,8 @@ def _entry(axis: Axis) -> Mapping[str, Any]:
     """Entry of an axis as it was specified."""
     if isinstance(axis.entry, Mapping) and "list" not in axis.entry:
         return axis.entry
+    if axis.unit is not None:
+        return {"list": axis.coordinate().tolist(), "unit": axis.unit}
     return {"list": axis.values}
 
 

@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any, Final, Literal, get_args
+from typing import TYPE_CHECKING, Final, Literal, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -25,16 +25,18 @@ from ..collision import Array
 from ..errors import InputError
 from ..frozen import Frozen
 from ..representation import short
-from ..validation.numbers import real_numbers, whole_number
+from ..validation.numbers import whole_number
 from ..validation.objects import check_choice
-from .dispersion import spring_modes
+from .bands import checked_finite, plane_waves, repeating_cell
+from .eigenmodes import eigenmodes
 from .linear_contacts import LinearContacts, linear_contacts
 from .response import Complex, Response
 
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
 WallName = Literal["left wall", "right wall"]
 WALLS: Final[tuple[WallName, ...]] = get_args(WallName)
-# Relative difference below which two cells of a periodic chain are equal, except for rounding.
-SAME: Final = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,7 +69,7 @@ class Spectrum(Frozen):
 
     >>> import hertzchain as hc
     >>> wall = hc.Wall()
-    >>> chain = hc.Chain.from_materials(5e-3, "steel-52100", beads=20, velocity=0.0)
+    >>> chain = hc.Chain.from_materials(5e-3, "steel-52100", beads=20)
     >>> held = chain.replace(precompression=10.0, left_wall=wall, right_wall=wall)
     >>> hc.spectrum(held)  # doctest: +ELLIPSIS
     Spectrum(20 modes, 1333.83 .. 17453.3 Hz: 20 steel-52100 beads, ...)
@@ -233,19 +235,8 @@ class Spectrum(Frozen):
         >>> hc.spectrum(held).bands(np.pi).round(6)  # sqrt(6)/2 pi
         array([0.389848])
         """
-        c = self._cell(cell)
-        q = _checked_finite("phase", phase, -math.inf)
-        # As in `spring_modes`, each row is a spring; the last one joins the next cell.
-        rows = np.zeros((*q.shape, c, c), complex)
-        here = np.arange(c)
-        root = np.sqrt(self.contacts.springs[1 : c + 1])
-        weight = 1.0 / np.sqrt(self.contacts.masses[:c])
-        rows[..., here, here] += root * weight
-        rows[..., here[:-1], here[1:]] -= root[:-1] * weight[1:]
-        rows[..., -1, 0] -= root[-1] * weight[0] * np.exp(1j * q)
-        found: Array = np.linalg.svd(rows, compute_uv=False)[..., ::-1] / (2.0 * math.pi)
-        found[np.mod(q, 2.0 * math.pi) == 0.0, 0] = 0.0  # translation of the chain
-        return found
+        size = repeating_cell(self.contacts, cell, self.chain.description)
+        return plane_waves(self.contacts, size, checked_finite("phase", phase, -math.inf))
 
     def band_edges(self, *, cell: int | None = None) -> Array:
         """Edges of the frequency bands of an infinite chain with the same cell.
@@ -271,7 +262,7 @@ class Spectrum(Frozen):
         Alternating aluminium and steel balls under 20 N have two bands, given here in kHz:
 
         >>> import hertzchain as hc
-        >>> pair = hc.Chain.periodic([9.5e-3] * 2, cells=20, velocity=0.0,
+        >>> pair = hc.Chain.periodic([9.5e-3] * 2, cells=20,
         ...                          materials=["aluminium", "steel-316"])
         >>> held = pair.replace(precompression=20.0, held_by="force")
         >>> (hc.spectrum(held).band_edges() / 1e3).round(2)
@@ -281,23 +272,90 @@ class Spectrum(Frozen):
         edges = self.bands([0.0, math.pi], cell=cell)
         return np.sort(edges, axis=0).T.copy()
 
-    def _cell(self, cell: int | None) -> int:
-        """Check the number of beads per cell, or find the smallest one."""
-        n = self.chain.beads
-        if cell is not None:
-            cell = whole_number("cell", cell, least=1, most=n // 2)
-        for c in range(1, n // 2 + 1) if cell is None else (cell,):
-            if all(
-                np.allclose(values[c:], values[:-c], rtol=SAME, atol=0.0)
-                for values in (self.contacts.masses, self.contacts.springs[1:-1])
-                if len(values) > c
-            ):
-                return c
-        size = "of any length" if cell is None else f"of {cell} beads"
-        raise InputError(
-            f"no cell {size} repeats in this chain ({self.chain.description}); bands require a "
-            "periodic chain with the same force at all contacts, otherwise use frequencies"
-        )
+    def plot(
+        self, kind: str | None = None, *, cell: int | None = None, ax: Axes | None = None
+    ) -> Axes:
+        """Plot the band structure of a periodic chain, or the frequencies of the modes.
+
+        Parameters
+        ----------
+        kind : str, optional
+            ``"bands"`` shows the frequencies of plane waves over the phase q from cell to cell,
+            with the band gaps shaded and the modes of the chain as ticks at the right axis.
+            ``"modes"`` shows the frequency of each mode, also in a chain that does not repeat.
+            The default is ``"bands"`` if the chain repeats, otherwise ``"modes"``.
+        cell : int, optional
+            Number of beads per cell, as for `bands`.
+        ax : matplotlib.axes.Axes, optional
+            Axes to draw into; by default those of a new figure.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+            The axes; the frequencies are in kHz for a chain in SI units.
+
+        Raises
+        ------
+        InputError
+            For another kind, or as for `bands`.
+
+        Examples
+        --------
+        >>> import hertzchain as hc
+        >>> pair = hc.Chain.periodic([9.5e-3] * 2, cells=20,
+        ...                          materials=["aluminium", "steel-316"])
+        >>> crystal = hc.spectrum(pair.replace(precompression=20.0, held_by="force"))
+        >>> crystal.plot().get_ylabel()
+        'frequency [kHz]'
+        """
+        from ..plotting.spectra import plot_spectrum
+
+        return plot_spectrum(self, kind, cell=cell, ax=ax)
+
+    def plot_transfer(
+        self,
+        contact: int,
+        *,
+        drive: Driven = "force",
+        at: int | WallName = 1,
+        frequencies: ArrayLike | None = None,
+        ax: Axes | None = None,
+    ) -> Axes:
+        """Plot the amplitude of a contact force under a steady drive over its frequency.
+
+        The band gaps are shaded if the chain repeats.
+
+        Parameters
+        ----------
+        contact, drive, at
+            As for `transfer_force`.
+        frequencies : array_like, optional
+            Increasing frequencies of the drive [cycles per unit time, or Hz].  The default is
+            from 0 to a quarter above the highest mode.
+        ax : matplotlib.axes.Axes, optional
+            Axes to draw into; by default those of a new figure.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+            The axes, with a logarithmic amplitude.
+
+        Raises
+        ------
+        InputError
+            As for `transfer_force`, or for fewer than two frequencies.
+
+        Examples
+        --------
+        >>> import hertzchain as hc
+        >>> held = hc.Chain.uniform(9).replace(
+        ...     precompression=1.0, held_by="force", right_wall=hc.Wall())
+        >>> hc.spectrum(held).plot_transfer(9).get_yscale()
+        'log'
+        """
+        from ..plotting.spectra import plot_transfer
+
+        return plot_transfer(self, contact, drive=drive, at=at, frequencies=frequencies, ax=ax)
 
     def _source(self, drive: Driven, at: int | WallName, response: Response) -> int:
         """Check the place of the drive: 0 is the left wall, N + 1 the right wall."""
@@ -329,6 +387,11 @@ class Spectrum(Frozen):
         unit = " Hz" if self.chain.units == "SI" else ""
         about = f"{len(f)} modes, {f[0]:g} .. {f[-1]:g}{unit}"
         return short("Spectrum", about, self.chain.description)
+
+    def _repr_html_(self) -> str:
+        from ..notebook.spectra import spectrum_html
+
+        return spectrum_html(self)
 
 
 def spectrum(chain: Chain) -> Spectrum:
@@ -374,76 +437,11 @@ def spectrum(chain: Chain) -> Spectrum:
     """
     require_chain("spectrum", chain)
     contacts = linear_contacts(chain)
-    eigenvalues, modes = _eigen(contacts)
+    eigenvalues, modes = eigenmodes(contacts)
     for array in (eigenvalues, modes, contacts.springs, contacts.dampers):
         array.setflags(write=False)
     return Spectrum(chain, eigenvalues, modes, contacts)
 
 
-def _eigen(contacts: LinearContacts) -> tuple[Complex, Array | Complex]:
-    """Sorted eigenvalues and modes."""
-    k, c = contacts.springs, contacts.dampers
-    omega, shapes = spring_modes(contacts.masses, k[1:-1], (k[0], k[-1]))
-    if not c.any():
-        return 1j * omega, _oriented(contacts.masses, shapes)
-    # The translation of the whole chain is not damped.
-    rigid = int(k[0] == k[-1] == 0.0)
-    time = c[1] / k[1]
-    if np.allclose(c, time * k, rtol=1e-14, atol=0.0):
-        values, amplitudes = _by_proportion(omega[rigid:], time)
-    else:
-        values, amplitudes = _coupled(omega[rigid:], shapes[:, rigid:], c)
-    modes = shapes[:, rigid:] @ amplitudes
-    if rigid:
-        values, modes = np.append(0.0, values), np.column_stack([shapes[:, 0], modes])
-    order = np.lexsort((-values.real, values.imag))
-    return values[order], _oriented(contacts.masses, modes[:, order])
-
-
-def _by_proportion(omega: Array, time: float) -> tuple[Complex, Array]:
-    r"""Eigenvalues for dampers C = A K: the modes are unchanged, :math:`\delta = A\omega^2/2`."""
-    delta = 0.5 * time * omega**2
-    rings = delta < omega
-    slow = -delta[rings] + 1j * np.sqrt((omega - delta)[rings] * (omega + delta)[rings])
-    fast = delta[~rings] + np.sqrt((delta - omega)[~rings] * (delta + omega)[~rings])
-    values = np.concatenate([slow, -fast, -(omega[~rings] ** 2) / fast])
-    which = np.concatenate([np.flatnonzero(rings), *2 * [np.flatnonzero(~rings)]])
-    return values, np.eye(len(omega), dtype=complex)[:, which]
-
-
-def _coupled(omega: Array, shapes: Array, dampers: Array) -> tuple[Complex, Complex]:
-    r"""Eigenvalues for dampers that couple the modes of the chain without loss.
-
-    With mode amplitudes w, :math:`a = \Omega w` and :math:`b = w'`, the equations are
-    :math:`a' = \Omega b,\; b' = -\Omega a - D b`.  They contain no squared frequencies.
-    """
-    stretched = np.sqrt(dampers)[:, None] * np.diff(np.pad(shapes, ((1, 1), (0, 0))), axis=0)
-    n = len(omega)
-    system = np.zeros((2 * n, 2 * n))
-    system[:n, n:], system[n:, :n] = np.diag(omega), np.diag(-omega)
-    system[n:, n:] = -stretched.T @ stretched
-    values, vectors = np.linalg.eig(system)
-    # Keep one eigenvalue of each complex pair, and all real ones.
-    kept = np.flatnonzero(values.imag >= 0.0)
-    return values[kept].astype(complex), (vectors[:n, kept] / omega[:, None]).astype(complex)
-
-
-def _oriented(masses: Array, modes: Any) -> Any:
-    """Normalise modes, with the displacement of the bead with most energy real and positive."""
-    weighted = np.sqrt(masses)[:, None] * modes
-    largest = weighted[np.argmax(np.abs(weighted), axis=0), np.arange(modes.shape[1])]
-    return modes * (np.conj(largest) / np.abs(largest) / np.linalg.norm(weighted, axis=0))
-
-
 def _angular(frequencies: ArrayLike) -> Array:
-    return 2.0 * math.pi * _checked_finite("frequency", frequencies, 0.0)
-
-
-def _checked_finite(what: str, given: ArrayLike, least: float) -> Array:
-    values = real_numbers(what, given)
-    good = np.isfinite(values) & (values >= least)
-    if not good.all():
-        worst = float(values.flat[int(np.argmin(good))])
-        bound = " and at least 0" if least == 0.0 else ""
-        raise InputError(f"{what} must be finite{bound}, got {worst:g}")
-    return values
+    return 2.0 * math.pi * checked_finite("frequency", frequencies, 0.0)

@@ -1,0 +1,141 @@
+"""Plot spectra: band structure, modes and transfer functions."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, Final
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.ticker import MaxNLocator
+from numpy.typing import ArrayLike
+
+from ..chain.chain import Chain
+from ..chain.drives import Driven
+from ..collision import Array
+from ..errors import InputError
+from ..theory.spectrum import Spectrum, WallName
+from ..validation.numbers import real_numbers
+from ..validation.objects import check_choice
+from .style import COLOURS, figure_style, get_axes, set_title
+from .titles import chain_title
+
+KINDS: Final = ("bands", "modes")
+# Phases of a curve, and frequencies of a transfer function.
+PHASES: Final = 201
+FREQUENCIES: Final = 2000
+# Upper end of a frequency axis, relative to the highest band or mode.
+ROOM: Final = 1.25
+# Gaps narrower than this fraction of the highest frequency are bands that touch.
+TOUCHING: Final = 1e-6
+# Range of the amplitudes that are drawn.
+DECADES: Final = 8.0
+
+
+def plot_spectrum(
+    spectrum: Spectrum,
+    kind: str | None = None,
+    *,
+    cell: int | None = None,
+    ax: Axes | None = None,
+) -> Axes:
+    """Plot the bands or the modes of a spectrum, as described in `Spectrum.plot`."""
+    kind = check_choice("kind of plot", kind, KINDS) if kind is not None else None
+    edges = _edges(spectrum, cell, required=kind == "bands" or cell is not None)
+    factor, label = frequency_axis(spectrum.chain)
+    with figure_style():
+        axes = get_axes(ax)
+        if edges is not None and kind != "modes":
+            _draw_bands(axes, spectrum, cell, factor)
+            top = edges.max()
+        else:
+            number = np.arange(1, len(spectrum.frequencies) + 1)
+            axes.plot(number, factor * spectrum.frequencies, "o", markersize=3.0,
+                      markerfacecolor="none", color=COLOURS[1], clip_on=False)  # fmt: skip
+            axes.set_xlabel("mode")
+            axes.xaxis.set_major_locator(MaxNLocator(integer=True))
+            top = spectrum.frequencies.max()
+        axes.set_ylim(0.0, factor * ROOM * top)
+        _shade(axes.axhspan, edges, factor, ROOM * top)
+        if edges is not None:
+            axes.legend(loc="lower right")
+        axes.set_ylabel(label)
+        set_title(axes, chain_title(spectrum.chain))
+    return axes
+
+
+def plot_transfer(
+    spectrum: Spectrum,
+    contact: int,
+    *,
+    drive: Driven = "force",
+    at: int | WallName = 1,
+    frequencies: ArrayLike | None = None,
+    ax: Axes | None = None,
+) -> Axes:
+    """Plot the amplitude of a contact force, as described in `Spectrum.plot_transfer`."""
+    if frequencies is None:
+        # A constant force may accelerate the chain, so that 0 is not included.
+        shown = np.linspace(0.0, ROOM * spectrum.frequencies.max(), FREQUENCIES + 1)[1:]
+    else:
+        shown = real_numbers("frequency", frequencies).reshape(-1)
+        if len(shown) < 2 or not (np.diff(shown) > 0.0).all():
+            raise InputError("frequencies of a plot must be at least two increasing numbers")
+    size = np.abs(spectrum.transfer_force(shown, contact, drive=drive, at=at))
+    factor, label = frequency_axis(spectrum.chain)
+    unit = " [N/m]" if drive == "displacement" and spectrum.chain.units == "SI" else ""
+    with figure_style():
+        axes = get_axes(ax)
+        axes.semilogy(factor * shown, size, color=COLOURS[1], linewidth=0.9)
+        known = size[np.isfinite(size) & (size > 0.0)]
+        if len(known):
+            axes.set_ylim(max(known.min(), 10.0**-DECADES * known.max()), 3.0 * known.max())
+        axes.set_xlim(factor * shown[0], factor * shown[-1])
+        edges = _edges(spectrum, None, required=False)
+        _shade(axes.axvspan, edges, factor, shown[-1])
+        axes.set_xlabel(label)
+        axes.set_ylabel(f"force in contact {contact} per {drive}{unit}")
+        place = f"the {at}" if isinstance(at, str) else f"bead {at}"
+        joined = "on" if drive == "force" else "of"
+        set_title(axes, f"{chain_title(spectrum.chain)}, {drive} {joined} {place}")
+    return axes
+
+
+def frequency_axis(chain: Chain) -> tuple[float, str]:
+    """Factor and label of a frequency axis: kilohertz for a chain in SI units."""
+    return (1e-3, "frequency [kHz]") if chain.units == "SI" else (1.0, "frequency $f$")
+
+
+def _shade(span: Callable[..., Any], edges: Array | None, factor: float, end: float) -> None:
+    """Shade the frequency ranges without plane waves, up to an end."""
+    if edges is None:
+        return
+    lower, upper = np.append(edges[1:, 0], np.inf), edges[:, 1]
+    label = "no plane waves"
+    for low, high in zip(upper, np.minimum(lower, end), strict=True):
+        if high - low > TOUCHING * upper[-1]:
+            span(factor * low, factor * high, color="0.9", linewidth=0.0, label=label)
+            label = ""
+
+
+def _edges(spectrum: Spectrum, cell: int | None, *, required: bool) -> Array | None:
+    """Edges of the bands, or nothing if the chain does not repeat and bands are not required."""
+    try:
+        return spectrum.band_edges(cell=cell)
+    except InputError:
+        if required:
+            raise
+        return None
+
+
+def _draw_bands(axes: Axes, spectrum: Spectrum, cell: int | None, factor: float) -> None:
+    """Bands over the phase, and modes as ticks at the right axis."""
+    phase = np.linspace(0.0, np.pi, PHASES)
+    bands = factor * spectrum.bands(phase, cell=cell)
+    axes.plot(phase / np.pi, bands, color=COLOURS[1])
+    axes.lines[-1].set_label("infinite chain")
+    modes = factor * spectrum.frequencies
+    axes.plot(np.ones(len(modes)), modes, "_", color=COLOURS[2], markersize=9.0, clip_on=False,
+              label="modes of the chain")  # fmt: skip
+    axes.set_xlim(0.0, 1.0)
+    axes.set_xlabel(r"phase per cell $q/\pi$")

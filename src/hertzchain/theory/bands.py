@@ -1,0 +1,62 @@
+"""Frequency bands of an infinite chain that repeats a cell of a finite one."""
+
+from __future__ import annotations
+
+import math
+from typing import Final
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..collision import Array
+from ..errors import InputError
+from ..validation.numbers import real_numbers, whole_number
+from .linear_contacts import LinearContacts
+
+# Relative difference below which two cells of a periodic chain are equal, except for rounding.
+SAME: Final = 1e-9
+
+
+def repeating_cell(contacts: LinearContacts, cell: int | None, description: str) -> int:
+    """Check the number of beads per cell, or find the smallest one."""
+    n = len(contacts.masses)
+    if cell is not None:
+        cell = whole_number("cell", cell, least=1, most=n // 2)
+    for c in range(1, n // 2 + 1) if cell is None else (cell,):
+        if all(
+            np.allclose(values[c:], values[:-c], rtol=SAME, atol=0.0)
+            for values in (contacts.masses, contacts.springs[1:-1])
+            if len(values) > c
+        ):
+            return c
+    size = "of any length" if cell is None else f"of {cell} beads"
+    raise InputError(
+        f"no cell {size} repeats in this chain ({description}); bands require a "
+        "periodic chain with the same force at all contacts, otherwise use frequencies"
+    )
+
+
+def plane_waves(contacts: LinearContacts, cell: int, phase: Array) -> Array:
+    """Frequencies of all bands in ascending order, shape (..., cell)."""
+    # As in `spring_modes`, each row is a spring; the last one joins the next cell.
+    rows = np.zeros((*phase.shape, cell, cell), complex)
+    here = np.arange(cell)
+    root = np.sqrt(contacts.springs[1 : cell + 1])
+    weight = 1.0 / np.sqrt(contacts.masses[:cell])
+    rows[..., here, here] += root * weight
+    rows[..., here[:-1], here[1:]] -= root[:-1] * weight[1:]
+    rows[..., -1, 0] -= root[-1] * weight[0] * np.exp(1j * phase)
+    found: Array = np.linalg.svd(rows, compute_uv=False)[..., ::-1] / (2.0 * math.pi)
+    found[np.mod(phase, 2.0 * math.pi) == 0.0, 0] = 0.0  # translation of the chain
+    return found
+
+
+def checked_finite(what: str, given: ArrayLike, least: float) -> Array:
+    """Check that numbers are finite and not below a bound."""
+    values = real_numbers(what, given)
+    good = np.isfinite(values) & (values >= least)
+    if not good.all():
+        worst = float(values.flat[int(np.argmin(good))])
+        bound = " and at least 0" if least == 0.0 else ""
+        raise InputError(f"{what} must be finite{bound}, got {worst:g}")
+    return values

@@ -123,6 +123,12 @@ def energy_in_contacts(y, wall, setup, contacts):
 
 
 @compiled
+def larger(known, value):
+    """The larger of two numbers; NaN, which `max` would drop, if one of them is."""
+    return known if value <= known or known != known else value
+
+
+@compiled
 def update_drift(y, clock, setup, contacts, segment, flying, first):
     """Update the largest drifts and their units.
 
@@ -145,5 +151,6 @@ def update_drift(y, clock, setup, contacts, segment, flying, first):
         clock[INITIAL_ENERGY], clock[INITIAL_MOMENTUM] = energy, momentum
     clock[ENERGY_UNIT] = max(clock[ENERGY_UNIT], kinetic_energy)
     clock[MOMENTUM_UNIT] = max(clock[MOMENTUM_UNIT], absolute)
-    clock[ENERGY_DRIFT] = max(clock[ENERGY_DRIFT], abs(energy - clock[INITIAL_ENERGY]))
-    clock[MOMENTUM_DRIFT] = max(clock[MOMENTUM_DRIFT], abs(momentum - clock[INITIAL_MOMENTUM]))
+    lost, pushed = energy - clock[INITIAL_ENERGY], momentum - clock[INITIAL_MOMENTUM]
+    clock[ENERGY_DRIFT] = larger(clock[ENERGY_DRIFT], abs(lost))
+    clock[MOMENTUM_DRIFT] = larger(clock[MOMENTUM_DRIFT], abs(pushed))

@@ -150,7 +150,7 @@ def loading_force(overlap, stiffness, damping, law):
 @compiled
 def rebound(overlap, largest, stiffness, damping, law):
     """Overlap and stiffness of the Hertz contact along which an elastic-plastic one unloads."""
-    if largest <= damping:
+    if largest <= damping or stiffness == 0.0:
         return overlap, stiffness
     peak = loading_force(largest, stiffness, damping, law)
     root = np.sqrt(largest)
@@ -161,7 +161,8 @@ def rebound(overlap, largest, stiffness, damping, law):
 @compiled
 def power_of_yield(overlap, closing, stiffness, damping, law):
     """Power lost in plastic loading, d (W - U)/dt: work W done minus energy U stored."""
-    if overlap <= damping:
+    # At a free end, the stiffness and the overlap at yield are 0.
+    if overlap <= damping or stiffness == 0.0:
         return 0.0
     slope = 1.5 * stiffness * np.sqrt(damping)
     pushing = loading_force(overlap, stiffness, damping, law)

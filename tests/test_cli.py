@@ -649,6 +649,30 @@ def test_sensitivity_agrees_with_differences_of_runs(run, tmp_path):
     assert run("sensitivity", *BALLS, "--quantity", "length")[0] == 2
 
 
+def test_sensitivity_to_larger_and_smaller_beads_at_the_kink_of_a_peak(run, tmp_path):
+    # The best order of 8 steel and 7 PTFE balls has three maxima of nearly the same height.
+    order = "SPPSSSSSSPSPPPP"
+    kinds = [{"S": "steel-52100", "P": "ptfe"}[each] for each in order]
+    chain = hertzchain.Chain.from_materials(
+        "5 mm", kinds, velocity="2 m/s", right_wall=hertzchain.Wall.of("ptfe")
+    )
+    file = tmp_path / "order.toml"
+    file.write_text(hertzchain.chain_as_toml(chain))
+    found = json.loads(run("sensitivity", file, "--json")[1])
+    assert "Other maxima" in run("sensitivity", file)[1]
+    changed = [
+        chain.replace(radii=chain.radii * np.where(np.arange(15) == i, 1.0 + part, 1.0))
+        for part in (0.01, -0.01) for i in range(15)
+    ]  # fmt: skip
+    peaks = hertzchain.simulate_many([chain, *changed], keep=["wall_peak_force"])["wall_peak_force"]
+    change = peaks[1:] / peaks[0] - 1.0
+    # The second derivatives contribute up to half a percent.
+    np.testing.assert_allclose(found["change_if_larger"], change[:15], rtol=0.0, atol=6e-3)
+    np.testing.assert_allclose(found["change_if_smaller"], change[15:], rtol=0.0, atol=6e-3)
+    # The derivatives alone would be wrong by more than 5%.
+    assert np.abs(0.01 * np.array(found["relative"]) - change[:15]).max() > 0.05
+
+
 def test_scatter_of_small_deviations_follows_from_the_sensitivities(run, tmp_path):
     picture = tmp_path / "scatter.svg"
     command = ("scatter", *BALLS, "--relative", "0.05%", "--chains", 400, "--plot", picture)

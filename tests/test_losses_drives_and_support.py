@@ -9,12 +9,18 @@ import hertzchain as hc
 from hertzchain import (
     Chain,
     Dashpot,
+    ElasticPlastic,
     InputError,
     Restitution,
     SineBurst,
     StepDrive,
     TableDrive,
+    UnloadingRatio,
+    VelocityPower,
+    Viscoelastic,
     Wall,
+    WaltonBraun,
+    simulate,
 )
 from hertzchain.errors import unknown_name_error
 from hertzchain.theory.dispersion import modes
@@ -315,3 +321,24 @@ def test_a_relaxation_time_longer_than_the_contacts_is_reported():
 )
 def test_other_relaxation_times_are_not_reported(chain):
     hc.simulate(chain, until=1e-6)
+
+
+@pytest.mark.parametrize("wall", [None, Wall()], ids=["free", "wall"])
+@pytest.mark.parametrize(
+    "loss",
+    [
+        None, Viscoelastic(0.05), Restitution(0.8), UnloadingRatio(0.2), VelocityPower(0.1, 1.5),
+        Dashpot(0.1), WaltonBraun(0.7), ElasticPlastic(yield_overlap=0.05),
+    ],
+    ids=lambda loss: type(loss).__name__,
+)  # fmt: skip
+def test_the_budget_of_every_law_adds_up(loss, wall):
+    chain = Chain.uniform(8).replace(loss=loss, right_wall=wall)
+    run = simulate(chain, until=30.0, times=61)
+    # NaN fails these comparisons.
+    total = sum(run.budget().energy.values())
+    assert np.abs(total - 0.5).max() < 1e-6
+    assert run.energy_drift < 1e-6
+    lost = run.budget().energy["lost"]
+    assert (np.diff(lost) >= -1e-9).all()
+    assert lost[-1] > 1e-3 or loss is None

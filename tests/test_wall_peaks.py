@@ -399,3 +399,11 @@ def test_the_larger_of_two_similar_maxima_lies_between_the_stages(side, seed, rt
     sampled = run.forces[:, -side].max()
     # Measured: 3e-7, the spacing of the times; -6e-4 and -4e-7 without a search between the stages.
     assert -1e-9 < peak / sampled - 1.0 < 3e-6
+
+
+def test_the_message_on_a_precompressed_chain_does_not_ask_for_a_longer_run():
+    balls = hc.Chain.from_materials("5 mm", "steel-52100", beads=10, velocity="1 cm/s")
+    chain = balls.replace(precompression="10 N", left_wall=hc.Wall(), right_wall=hc.Wall())
+    with pytest.warns(hc.IncompleteWarning, match="do not decay: use largest_so_far"):
+        found = hc.simulate(chain, until=2e-3).wall_force("right")
+    assert found.largest_so_far > 10.0

@@ -15,6 +15,8 @@ from .pulse_tables import table_rows
 if TYPE_CHECKING:
     from rich.table import Table
 
+    from ..chain.chain import Chain
+    from ..collision import Array
     from ..sensitivity.gradient import Gradient
 
 BY: Final = ("radii", "masses", "stiffness", "velocities", "young", "density")
@@ -41,7 +43,9 @@ def sensitivity(
     """Show which beads a quantity depends on.
 
     The table states by how many percent the quantity changes if the radius (or another parameter)
-    of one bead grows by 1%.  The derivatives are exact and follow from one run.
+    of one bead grows by 1%.  The derivatives are exact and follow from one run.  If the force on
+    the wall has several maxima that can overtake each other within this change, the changes for
+    +1% and -1% are listed separately.
 
     \b
     Examples:
@@ -60,6 +64,7 @@ def sensitivity(
     if name is None:
         raise InputError(f"{measure} has no derivatives; use wall_force.peak or velocity@last")
     found = hertzchain.gradient(chain, name, to=by)
+    changes = _changes(chain, found, by)
     if plot is not None:
         save_figure(found.plot(by), plot)
     if as_json:
@@ -68,13 +73,37 @@ def sensitivity(
         document = {"schema_version": results.SCHEMA_VERSION, "quantity": name}
         document |= {"value": found.value, "unit": found.unit, "parameter": by}
         document |= {"gradient": found[by].tolist(), "gradient_unit": found.units[by]}
-        show_json(document | {"relative": found.relative(by).tolist(), "error": found.error})
+        document |= {"relative": found.relative(by).tolist(), "error": found.error}
+        show_json(document | {key: change.tolist() for key, change in changes.items()})
     else:
         click.echo(f"{chain.description}\n{found!r}")
-        show_table(_table(found, by, every_bead))
+        if changes:
+            click.echo(
+                "Other maxima of the force can become the largest: the changes hold for 1% only,\n"
+                "and deviations of several beads do not add up; use hertzchain scatter."
+            )
+        show_table(_table(found, by, changes, every_bead))
 
 
-def _table(found: Gradient, by: str, every_bead: bool) -> Table:
+def _changes(chain: Chain, found: Gradient, by: str) -> dict[str, Array]:
+    """Relative changes for +1% and -1%, if other maxima than the present peak determine them."""
+    import numpy as np
+
+    import hertzchain
+
+    from ..sensitivity.several_maxima import change_of_largest
+
+    if found.quantity != "wall_force.peak":
+        return {}
+    maxima = hertzchain.gradients(chain, ["wall_force.maxima"], to=by)
+    up, down = (change_of_largest(maxima, by, part) for part in (0.01, -0.01))
+    own = 0.01 * found.relative(by)
+    if np.allclose(up, own, atol=1e-9) and np.allclose(down, -own, atol=1e-9):
+        return {}
+    return {"change_if_larger": up, "change_if_smaller": down}
+
+
+def _table(found: Gradient, by: str, changes: dict[str, Array], every_bead: bool) -> Table:
     from rich import box
     from rich.markup import escape
     from rich.table import Table
@@ -85,8 +114,13 @@ def _table(found: Gradient, by: str, every_bead: bool) -> Table:
     table = Table(box=box.SIMPLE_HEAD, caption=None if len(rows) == len(absolute) else few)
     unit = f" [{found.units[by]}]" if found.units[by] else ""
     place = "contact k" if by == "stiffness" else "bead k"
-    for column in (place, "% per 1%", f"derivative{unit}"):
+    shown = {"% for +1%": 100.0 * changes["change_if_larger"],
+             "% for -1%": 100.0 * changes["change_if_smaller"]} if changes else {
+             "% per 1%": relative}  # fmt: skip
+    for column in (place, *shown, f"derivative{unit}"):
         table.add_column(escape(column), justify="right", no_wrap=True)
     for i in rows:
-        table.add_row(f"{i + 1}", f"{relative[i]:+.4f}", f"{absolute[i]:.5g}")
+        table.add_row(
+            f"{i + 1}", *(f"{each[i]:+.4f}" for each in shown.values()), f"{absolute[i]:.5g}"
+        )
     return table

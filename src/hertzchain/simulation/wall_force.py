@@ -20,7 +20,9 @@ class WallForce:
 
     The peak is complete if the bound on later forces has been below it for half a transit of the
     pulse (`hertzchain.simulation.wall_bound`).  Between two lossless walls the pulse returns
-    repeatedly, and the peak is that of its first passage.
+    repeatedly, and the peak is that of its first passage.  In a precompressed chain without losses,
+    contacts do not open, waves may add up at any later time, and the peak usually remains
+    incomplete: use ``largest_so_far``.
 
     Attributes
     ----------
@@ -160,16 +162,26 @@ def may_follow(wall: WallForce) -> str:
     return "the motion towards the wall cannot exceed it, but beads may still be turned back"
 
 
-def incomplete_peak(wall: WallForce, end: float, half_transit: float) -> str:
-    """State in a sentence why the peak on a wall is not complete."""
+def incomplete_peak(
+    wall: WallForce, end: float, half_transit: float, *, persistent: bool = False
+) -> str:
+    """State in a sentence why the peak on a wall is not complete.
+
+    ``persistent`` states that the chain is precompressed and without losses.
+    """
     until = measure(end, "s", wall.units, digits=6)
     if not wall.largest_so_far:
         found = f"the {wall.side} wall was not reached before t = {until}"
         return f"{found}, and {may_follow(wall)}; simulate for longer" if wall.bound else found
     largest = measure(wall.largest_so_far, "N", wall.units, digits=6)
     wait = measure(half_transit, "s", wall.units, digits=3)
+    advice = f"simulate for longer, until no more can follow for half a transit ({wait})"
+    if persistent:
+        advice = (
+            "waves in a precompressed chain without losses do not decay: use largest_so_far, or "
+            "add a loss"
+        )
     return (
         f"the peak of the force on the {wall.side} wall is not complete: the largest until "
-        f"t = {until} is {largest}; {may_follow(wall)}; simulate for longer, until no more can "
-        f"follow for half a transit ({wait})"
+        f"t = {until} is {largest}; {may_follow(wall)}; {advice}"
     )

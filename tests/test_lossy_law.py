@@ -37,13 +37,12 @@ def simulated(chain):
 def test_every_column_agrees_with_the_simulation(taper, law):
     chain = hc.Chain.from_radii(TAPERS[taper]).replace(loss=LAWS[law])
     with warnings.catch_warnings():
-        # Of a strong loss in equal beads, the estimate is cautious.
-        warnings.simplefilter("ignore" if law == "strong restitution" else "error")
+        warnings.simplefilter("error")
         pulse = hc.local_rate(chain)
     compared = pulse.compare(simulated(chain))
     for name in ("velocity", "momentum", "energy", "arrival", "residence", "peak_overlap",
                  "peak_force"):  # fmt: skip
-        limit = 0.02 if name == "energy" else 0.01
+        limit = 0.01 if name == "energy" else 0.005
         assert np.abs(compared.errors(name)).max() < limit, name
 
 
@@ -53,7 +52,7 @@ def test_weak_losses(make):
     for radii in TAPERS.values():
         chain = hc.Chain.from_radii(radii).replace(loss=make())
         compared = hc.local_rate(chain).compare(simulated(chain))
-        assert np.abs(compared.errors("velocity")).max() < 2e-3
+        assert np.abs(compared.errors("velocity")).max() < 1e-3
 
 
 def test_equal_beads_decay_as_by_the_closed_form():
@@ -75,7 +74,7 @@ def test_the_estimate_covers_the_error():
         rates = 0.01 * random.normal() + np.convolve(bend, np.ones(21) / 21, "same")
         if rates.min() < -0.08 or rates.max() > 0.1:
             continue
-        law = (hc.Restitution(0.93), hc.UnloadingRatio(0.07))[index % 2]
+        law = (hc.Restitution(0.93), hc.UnloadingRatio(0.07), hc.Viscoelastic(0.02))[index % 3]
         chain = hc.Chain.from_radii(np.exp(np.cumsum(rates))).replace(loss=law)
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
@@ -104,7 +103,7 @@ def test_weak_viscoelastic_losses_add_up():
     summed = sum(log_velocity(row) - plain for row in time * np.eye(39))
     law = np.log(hc.local_rate(chain.replace(loss=hc.Viscoelastic(time))).velocity)
     found = law - np.log(hc.local_rate(chain).velocity)
-    np.testing.assert_allclose(found[1:], summed[1:], rtol=2e-3)
+    np.testing.assert_allclose(found[1:], summed[1:], rtol=5e-3)
 
 
 def test_a_viscoelastic_loss_becomes_stronger_in_smaller_beads():

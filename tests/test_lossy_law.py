@@ -196,6 +196,16 @@ def test_scatter_hardly_changes_the_effect_of_a_loss():
         assert np.mean(error <= pulse.velocity_error) > 0.9
 
 
+def test_messages_do_not_state_a_time_in_other_units():
+    chain = hc.Chain.from_materials(5e-3, "steel-52100", beads=500, velocity=0.1)
+    with pytest.raises(hc.InputError, match="with Viscoelastic, the tail behind the pulse"):
+        hc.local_rate(chain.replace(loss=hc.Viscoelastic(1e-6)))
+    with pytest.raises(
+        hc.InputError, match=r"A \(k/m\)\^\(2/5\) v\^\(1/5\) .* is 0\.2\d\d at bead 1 "
+    ):
+        hc.local_rate(chain.replace(loss=hc.Viscoelastic(5e-6)))
+
+
 def test_other_chains_are_refused():
     chain = hc.Chain.uniform(40).replace(loss=hc.Restitution(0.95))
     with pytest.raises(hc.InputError, match="does not support masses"):

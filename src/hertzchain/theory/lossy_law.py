@@ -61,12 +61,12 @@ def lossy_pulse(chain: Chain, method: str, theory: Callable[[Chain], Pulse]) -> 
     tabulated.check_strength(x, chain, method)
     decay = np.concatenate(([0.0], np.cumsum(effect[0])))
     parts, relative = error_parts(rates, x, table.largest, log_velocity + decay)
-    _check_tail(chain, law, relative, method)
+    _check_tail(chain, tabulated.label(law), relative, method)
     error = np.concatenate(([0.0], table.error @ parts))
     total = pulse.velocity_error + error
     # The theory without loss has warned about larger errors.
     if pulse.velocity_error.max() <= DOUBTFUL < total.max():
-        _warn_doubtful(chain, law, method, total)
+        _warn_doubtful(chain, tabulated.label(law), method, total)
     p = chain.exponents
     residence = pulse.residence * np.exp(effect[2] - (p - 1) / (p + 1) * decay[:-1])
     return dataclasses.replace(
@@ -136,7 +136,7 @@ def _check_rates(chain: Chain, rates: Array, method: str) -> None:
         )
 
 
-def _check_tail(chain: Chain, law: Loss, relative: Array, method: str) -> None:
+def _check_tail(chain: Chain, law: str, relative: Array, method: str) -> None:
     """Raise an error if the tail overtakes the pulse."""
     overtaken = np.flatnonzero(relative >= OVERTAKEN)
     if overtaken.size:
@@ -147,7 +147,7 @@ def _check_tail(chain: Chain, law: Loss, relative: Array, method: str) -> None:
         )
 
 
-def _warn_doubtful(chain: Chain, law: Loss, method: str, error: Array) -> None:
+def _warn_doubtful(chain: Chain, law: str, method: str, error: Array) -> None:
     """Issue a warning that states where the estimated error is large."""
     bead = int(np.argmax(error > DOUBTFUL)) + 1
     warn_user(

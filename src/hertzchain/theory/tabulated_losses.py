@@ -52,6 +52,10 @@ class TabulatedLoss(ABC):
     def coefficients(self, law: Any, chain: Chain) -> Array:
         """Coefficients c_k of a law in a scaled chain, shape (contacts,)."""
 
+    def label(self, law: Loss) -> str:
+        """Name of a law in messages, without parameters that have units."""
+        return self.kind.__name__ if self.power else str(law)
+
     def violated(self, law: Any) -> str:  # noqa: ARG002
         """The requirement that a law violates in every chain, if there is one."""
         return ""
@@ -133,6 +137,6 @@ def tabulated_loss(law: Loss, method: str) -> str:
             return name
     kinds = sorted({tabulated.kind.__name__ for tabulated in LAWS.values()})
     raise InputError(
-        f"{method} has no tables for {law}, only for {', '.join(kinds[:-1])} and {kinds[-1]}; "
+        f"{method} has no tables for {type(law).__name__}, only for {', '.join(kinds[:-1])} and {kinds[-1]}; "
         "use simulate"
     )

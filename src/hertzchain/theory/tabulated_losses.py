@@ -137,6 +137,6 @@ def tabulated_loss(law: Loss, method: str) -> str:
             return name
     kinds = sorted({tabulated.kind.__name__ for tabulated in LAWS.values()})
     raise InputError(
-        f"{method} has no tables for {type(law).__name__}, only for {', '.join(kinds[:-1])} and {kinds[-1]}; "
-        "use simulate"
+        f"{method} has no tables for {type(law).__name__}, only for {', '.join(kinds[:-1])} and "
+        f"{kinds[-1]}; use simulate"
     )

@@ -122,12 +122,15 @@ def attenuation() -> Figure:
 def lossy_law() -> Figure:
     """Velocities along tapers with loss, and a pulse that its tail overtakes."""
     k = np.arange(100)
-    tapers = {"backward-linear": 1 + 0.03 * k, "equal beads": 1 + 0.0 * k,
-              "forward-linear": 1 - 0.007 * k}  # fmt: skip
+    tapers = {
+        "backward, restitution": (1 + 0.03 * k, hc.Restitution(0.95)),
+        "equal beads, unloading ratio": (1 + 0.0 * k, hc.UnloadingRatio(0.05)),
+        "forward, viscoelastic": (1 - 0.007 * k, hc.Viscoelastic(0.01)),
+    }
     with figure_style():
         canvas, (left, right) = plt.subplots(1, 2, figsize=(9.6, 3.6))
-        for i, (name, radii) in enumerate(tapers.items()):
-            chain = hc.Chain.from_radii(radii).replace(loss=hc.Restitution(0.95))
+        for i, (name, (radii, loss)) in enumerate(tapers.items()):
+            chain = hc.Chain.from_radii(radii).replace(loss=loss)
             exact = hc.simulate(chain, times=0).pulse()
             _law_and_simulation(left, hc.local_rate(chain), exact, i, name)
         rates = 0.045 * np.tanh((np.arange(110) - 55) / 12)

@@ -23,6 +23,8 @@ LAWS = {
     "strong restitution": hc.Restitution(0.91),
     "without pull": hc.Restitution(0.95, attractive=False),
     "unloading ratio": hc.UnloadingRatio(0.05),
+    "viscoelastic": hc.Viscoelastic(0.01),
+    "viscoelastic with pull": hc.Viscoelastic(0.01, attractive=True),
 }
 
 
@@ -35,32 +37,33 @@ def simulated(chain):
 def test_every_column_agrees_with_the_simulation(taper, law):
     chain = hc.Chain.from_radii(TAPERS[taper]).replace(loss=LAWS[law])
     with warnings.catch_warnings():
-        # Of a strong loss in equal beads, the estimate is cautious.
-        warnings.simplefilter("ignore" if law == "strong restitution" else "error")
+        warnings.simplefilter("error")
         pulse = hc.local_rate(chain)
     compared = pulse.compare(simulated(chain))
     for name in ("velocity", "momentum", "energy", "arrival", "residence", "peak_overlap",
                  "peak_force"):  # fmt: skip
-        limit = 0.02 if name == "energy" else 0.01
+        limit = 0.01 if name == "energy" else 0.005
         assert np.abs(compared.errors(name)).max() < limit, name
 
 
-@pytest.mark.parametrize("make", [lambda: hc.Restitution(0.985), lambda: hc.UnloadingRatio(0.02)])
+@pytest.mark.parametrize("make", [lambda: hc.Restitution(0.985), lambda: hc.UnloadingRatio(0.02),
+                                  lambda: hc.Viscoelastic(0.003)])  # fmt: skip
 def test_weak_losses(make):
     for radii in TAPERS.values():
         chain = hc.Chain.from_radii(radii).replace(loss=make())
         compared = hc.local_rate(chain).compare(simulated(chain))
-        assert np.abs(compared.errors("velocity")).max() < 2e-3
+        assert np.abs(compared.errors("velocity")).max() < 1e-3
 
 
 def test_equal_beads_decay_as_by_the_closed_form():
     """For a small loss, by another method: integrals over the lossless wave."""
     plain = hc.local_rate(hc.Chain.uniform(90)).velocity
-    for law in (hc.Restitution(0.9995), hc.UnloadingRatio(5e-4)):
+    for law in (hc.Restitution(0.9995), hc.UnloadingRatio(5e-4), hc.Viscoelastic(5e-4)):
         chain = hc.Chain.uniform(90).replace(loss=law)
-        ratio = np.log(hc.local_rate(chain).velocity / plain)
+        velocity = hc.local_rate(chain).velocity
+        ratio = np.log(velocity / plain)
         decay = -(ratio[80] - ratio[50]) / 30
-        assert decay == pytest.approx(float(hc.attenuation(chain, plain[60])), rel=4e-3)
+        assert decay == pytest.approx(float(hc.attenuation(chain, velocity[65])), rel=4e-3)
 
 
 def test_the_estimate_covers_the_error():
@@ -71,7 +74,7 @@ def test_the_estimate_covers_the_error():
         rates = 0.01 * random.normal() + np.convolve(bend, np.ones(21) / 21, "same")
         if rates.min() < -0.08 or rates.max() > 0.1:
             continue
-        law = (hc.Restitution(0.93), hc.UnloadingRatio(0.07))[index % 2]
+        law = (hc.Restitution(0.93), hc.UnloadingRatio(0.07), hc.Viscoelastic(0.02))[index % 3]
         chain = hc.Chain.from_radii(np.exp(np.cumsum(rates))).replace(loss=law)
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
@@ -86,6 +89,39 @@ def test_the_estimate_covers_the_error():
     assert np.mean(error <= estimate) > 0.95
 
 
+def test_weak_viscoelastic_losses_add_up():
+    """The effect of a weak loss is the sum of those of losses at single contacts."""
+    chain = hc.Chain.tapered("backward-linear", 0.05, beads=40)
+    time = 2e-4
+
+    def log_velocity(times):
+        loss = [hc.Viscoelastic(float(each)) for each in times]
+        pulse = hc.simulate(chain.replace(loss=loss), times=0, rtol=1e-12, check=False).pulse()
+        return np.log(pulse.velocity)
+
+    plain = log_velocity(np.zeros(39))
+    summed = sum(log_velocity(row) - plain for row in time * np.eye(39))
+    law = np.log(hc.local_rate(chain.replace(loss=hc.Viscoelastic(time))).velocity)
+    found = law - np.log(hc.local_rate(chain).velocity)
+    np.testing.assert_allclose(found[1:], summed[1:], rtol=5e-3)
+
+
+def test_a_viscoelastic_loss_becomes_stronger_in_smaller_beads():
+    """Its strength exceeds the limit near the end of a forward taper."""
+    radii = 1 - 0.008 * K
+    loss = hc.Viscoelastic(0.02)
+    with pytest.raises(hc.InputError, match=r"at bead 8\d .*or fewer beads") as raised:
+        hc.local_rate(hc.Chain.from_radii(radii).replace(loss=loss))
+    bead = int(str(raised.value).split("at bead ")[1].split()[0])
+    part = hc.Chain.from_radii(radii[: bead - 1]).replace(loss=loss)
+    compared = hc.local_rate(part).compare(simulated(part))
+    assert np.abs(compared.errors("velocity")).max() < 0.01
+    # One bead more is too many, also by the simulated velocity.
+    scale = (hc.Chain.from_radii(radii).stiffness / radii[:-1] ** 3) ** 0.4
+    velocity = simulated(hc.Chain.from_radii(radii).replace(loss=loss)).velocity
+    assert 0.02 * (scale * velocity[:-1] ** 0.2)[bead - 1] == pytest.approx(0.06, rel=0.03)
+
+
 def test_a_tail_that_overtakes_is_announced(monkeypatch):
     """The pulse grows in small beads, then decays faster than the tail behind it."""
     rates = np.where(K[1:] < 55, -0.05, 0.04)
@@ -95,7 +131,7 @@ def test_a_tail_that_overtakes_is_announced(monkeypatch):
     with pytest.raises(hc.InputError, match="tail behind the pulse overtakes it near bead 7"):
         hc.local_rate(chain)
     part = hc.Chain.from_radii(radii[:70]).replace(loss=hc.Restitution(0.9))
-    with pytest.warns(hc.ModelRangeWarning, match="estimated error above 1% from bead"):
+    with pytest.warns(hc.ModelRangeWarning, match="estimated velocity error above 1% from bead"):
         pulse = hc.local_rate(part)
     errors = np.abs(pulse.compare(simulated(part)).errors("velocity"))
     assert errors.max() < 0.03
@@ -118,15 +154,16 @@ def test_a_tail_grows_by_the_momentum_that_the_pulse_loses():
 def test_no_loss_changes_nothing():
     chain = hc.Chain.tapered("backward-linear", 0.05, beads=40)
     plain = hc.local_rate(chain)
-    for law in (hc.Restitution(1.0), hc.UnloadingRatio(0.0)):
+    for law in (hc.Restitution(1.0), hc.UnloadingRatio(0.0), hc.Viscoelastic(0.0)):
         pulse = hc.local_rate(chain.replace(loss=law))
         for name in ("velocity", "arrival", "peak_force", "velocity_error"):
             np.testing.assert_allclose(pulse.column(name), plain.column(name), rtol=1e-14)
 
 
-def test_units():
+@pytest.mark.parametrize("loss", [hc.Restitution(0.97), hc.Viscoelastic(5e-7)])
+def test_units(loss):
     balls = hc.Chain.from_materials(5e-3, "steel-52100", beads=60, velocity=0.1)
-    balls = balls.replace(loss=hc.Restitution(0.97))
+    balls = balls.replace(loss=loss)
     compared = hc.local_rate(balls).compare(hc.simulate(balls, times=0).pulse())
     assert np.abs(compared.errors("velocity")).max() < 1e-3
 
@@ -136,7 +173,8 @@ def test_units():
     [
         (hc.Restitution(0.8), r"restitution coefficient of at least 0\.9, got 0\.8"),
         (hc.UnloadingRatio(0.2), r"unloading ratio of at most 0\.1, got 0\.2"),
-        (hc.Viscoelastic(0.001), r"no tables for Viscoelastic.*use simulate"),
+        (hc.Viscoelastic(0.07), r"of at most 0\.06, but this is 0\.07 at bead 1 .*use simulate"),
+        (hc.Viscoelastic(1e300), r"of at most 0\.06, but this is 1e\+300 at bead 1 "),
         (hc.Dashpot(0.01), r"no tables for Dashpot.*use simulate"),
         (hc.WaltonBraun(0.9), r"no tables for WaltonBraun.*use simulate"),
     ],
@@ -156,6 +194,16 @@ def test_scatter_hardly_changes_the_effect_of_a_loss():
         error = np.abs(pulse.compare(simulated(lossy)).errors("velocity"))
         assert error.max() < 5e-3
         assert np.mean(error <= pulse.velocity_error) > 0.9
+
+
+def test_messages_do_not_state_a_time_in_other_units():
+    chain = hc.Chain.from_materials(5e-3, "steel-52100", beads=500, velocity=0.1)
+    with pytest.raises(hc.InputError, match="with Viscoelastic, the tail behind the pulse"):
+        hc.local_rate(chain.replace(loss=hc.Viscoelastic(1e-6)))
+    with pytest.raises(
+        hc.InputError, match=r"A \(k/m\)\^\(2/5\) v\^\(1/5\) .* is 0\.2\d\d at bead 1 "
+    ):
+        hc.local_rate(chain.replace(loss=hc.Viscoelastic(5e-6)))
 
 
 def test_other_chains_are_refused():

@@ -2,204 +2,121 @@
 
 For each law, exponential chains determine the effect of the loss after the impact, within the
 chain and at its end; the response to changes of the rate is fitted to random smooth tapers, and the
-estimate of the error to others.  About five minutes.
+estimate of the error to others.  All random numbers have fixed seeds.
 """
 
 import dataclasses
 import sys
+import time
 
 import numpy as np
+from loss_anchors import anchors
+from loss_chains import random_samples
 from training.error_fit import quantile_fit
 
-import hertzchain as hc
 from hertzchain.theory.loss_table import (
-    END,
     INPUTS,
-    RATES,
-    START,
     LossTable,
     inputs,
     rate_polynomials,
     strength_polynomials,
 )
-from hertzchain.theory.lossy_law import LAWS, OVERTAKEN, error_parts
+from hertzchain.theory.lossy_law import OVERTAKEN, effect_along, error_parts
+from hertzchain.theory.tabulated_losses import LAWS
 
-# Degrees + 1 of the tables, in the rate and in the strength.
-ANCHORS, RESPONSE = (14, 5), (5, 3)
-BEADS, LONG = 48, 100
-CHAINS, OTHERS = 900, 350
-RTOL = 1e-9
-# Errors that concern few chains, and are not fitted: by the tail of the pulse, at the largest
-# strength, and by rates outside the tables, per strength.
-TAIL, OUTSIDE = 0.216, 3.0
+# Degrees + 1 of the response, in the rate and in the strength.
+RESPONSE = (5, 3)
+# Numbers of random chains by their beads: for the response, and for the estimate of the error.
+TRAINING = {20: 200, 40: 250, 100: 900, 150: 100}
+OTHERS = {20: 120, 40: 120, 100: 360, 150: 100}
+# Chains that are fitted at once, to save memory.
+TOGETHER = 100
+# Errors that concern few chains, and are not fitted: per contact where the tail overtakes the
+# pulse, at the largest strength, and by rates outside the tables, per strength.
+TAIL, OUTSIDE = 0.006, 3.0
+# Fast changes with a strong loss are rare among these chains: the terms of changes are enlarged.
+SAFETY = np.array([1.0, 1.3, 1.3, 1.3])
 # The law that has the response of the one before.
 WITHOUT_PULL = "restitution without pull"
 
 
-def make(name, strength):
-    """The law of a name with a strength."""
-    law, attractive, _ = LAWS[name]
-    if law is hc.UnloadingRatio:
-        return law(strength)
-    low, high = 0.5, 1.0
-    while high - low > 1e-15:
-        middle = 0.5 * (low + high)
-        weak = law(middle, attractive=attractive).damping_ratio < strength
-        low, high = (low, middle) if weak else (middle, high)
-    return law(high, attractive=attractive)
+class Group:
+    """Chains of one length: inputs of the response, what they have to explain, and weights."""
+
+    def __init__(self, table, samples):
+        rates, x, effects = (
+            np.array([getattr(each, name) for each in samples])
+            for name in ("rates", "strength", "changes")
+        )
+        self.rest = effects - table.effect(table.series(rates), x)
+        polynomials = np.einsum(
+            "nka,nkb,nk->nkab",
+            rate_polynomials(rates, RESPONSE[0]),
+            strength_polynomials(x, table.largest, RESPONSE[1]),
+            x,
+        )
+        design = np.einsum("nfk,nkab->nkfab", inputs(rates), polynomials)
+        self.design = design.reshape(*rates.shape, -1)
+        self.weights = np.ones(len(samples))
+
+    def errors(self, growth):
+        """Largest errors of the velocities of each chain."""
+        return np.abs(np.cumsum(self.rest[:, 0] - self.design @ growth, axis=1)).max(axis=1)
 
 
-def components(pulse):
-    """Growth of ln v, and logarithms of overlap and time in units of each bead."""
-    v, p = np.log(pulse.velocity), pulse.chain.exponents
-    overlap, time = np.log(pulse.peak_overlap), np.log(np.abs(pulse.residence))
-    return np.stack([
-        np.diff(v), overlap - 2 / (p + 1) * v[:-1], time + (p - 1) / (p + 1) * v[:-1]
-    ])  # fmt: skip
-
-
-def lossy(chain, law):
-    """The simulated pulse of a chain with a law."""
-    return hc.simulate(chain.replace(loss=law), times=0, rtol=RTOL, check=False).pulse()
-
-
-def change(chain, law, lossless):
-    """Changes of the components by a loss."""
-    found = components(lossy(chain, law)) - components(lossless)
-    if not np.isfinite(found).all():
-        raise hc.SimulationError("the pulse was lost")
-    return found
-
-
-def anchors(name):
-    """Series of the effect on exponential chains: after the impact, within, and at the end."""
-    low, high = RATES
-    largest = LAWS[name][2]
-    count, degree = ANCHORS
-    rates = 0.5 * (low + high + (high - low) * chebyshev_nodes(count))
-    strong = 0.5 * largest * (1.0 + chebyshev_nodes(degree))
-    effects = np.empty((count, degree, 3, BEADS - 1))
-    for i, rate in enumerate(rates):
-        chain = hc.Chain.from_radii(np.exp(rate * np.arange(BEADS)))
-        lossless = hc.propagate(chain, rtol=1e-10)
-        for j, x in enumerate(strong):
-            effects[i, j] = change(chain, make(name, x), lossless) / x
-    to_rates = np.linalg.inv(rate_polynomials(rates, count))
-    to_strengths = np.linalg.inv(strength_polynomials(strong, largest, degree))
-    series = np.einsum("ai,bj,ijck->kcab", to_rates, to_strengths, effects)
-    return series[:START], series[-END:] - series[-END - 1]
-
-
-def chebyshev_nodes(count):
-    """Zeros of a Chebyshev polynomial."""
-    return np.cos(np.pi * (np.arange(count) + 0.5) / count)
-
-
-def random_rates(random, contacts):
-    """Rates of one random smooth taper: random, ramps, periods, powers, one change."""
-    k = np.arange(contacts)
-    while True:
-        kind = random.integers(6)
-        base = random.choice([0.0, 0.01 * random.normal(), random.uniform(-0.08, 0.1)])
-        rates = np.full(contacts, base)
-        if kind in (0, 1):
-            width = random.uniform(6, 35)
-            weights = np.exp(-0.5 * (np.arange(-80, 81) / width) ** 2)
-            wave = np.convolve(random.normal(size=contacts + 240), weights, "same")
-            wave = wave[120 : 120 + contacts]
-            rates += size(random, 0.004, 0.08) * wave / np.abs(wave).max()
-        elif kind == 2:
-            for _ in range(random.integers(1, 4)):
-                position = (k - random.integers(-10, contacts)) / size(random, 6, 60)
-                rates += sign(random) * size(random, 0.004, 0.08) * np.clip(position, 0.0, 1.0)
-        elif kind == 3:
-            phase = k / size(random, 25, 200) + random.random()
-            rates += size(random, 0.004, 0.06) * np.sin(2.0 * np.pi * phase)
-        elif kind == 4:
-            slope = size(random, 0.003, 0.12)
-            backward = np.log1p(slope / (1.0 + slope * k))
-            forward = np.log1p(-1.0 / (size(random, contacts + 12, 10 * contacts) - k))
-            rates = backward if random.random() < 0.6 else forward
-            rates = rates * (random.uniform(-1.0, 1.5) if random.random() < 0.5 else 1.0)
-        else:
-            position = (k - random.uniform(0, contacts)) / size(random, 4, 25)
-            rates += sign(random) * size(random, 0.004, 0.07) * np.tanh(position)
-        inside = rates.min() > RATES[0] and rates.max() < RATES[1] and abs(rates.sum()) < 9.0
-        if inside and np.abs(np.diff(rates)).max() < 0.012:
-            return rates
-
-
-def size(random, low, high):
-    """A number whose logarithm is uniform."""
-    return float(np.exp(random.uniform(np.log(low), np.log(high))))
-
-
-def sign(random):
-    """Plus or minus one."""
-    return random.choice((-1.0, 1.0))
-
-
-def random_changes(name, random, count, lengths):
-    """Random tapers with random strengths: strength, rates, velocities without loss, changes."""
-    found = []
-    while len(found) < count:
-        rates = random_rates(random, int(random.choice(lengths)) - 1)
-        chain = hc.Chain.from_radii(np.exp(np.concatenate(([0.0], np.cumsum(rates)))))
-        lossless = hc.propagate(chain, rtol=1e-10)
-        strength = size(random, 0.03, 1.0) * LAWS[name][2]
-        changes = change(chain, make(name, strength), lossless)
-        found.append((strength, rates, np.log(lossless.velocity), changes))
-    return found
-
-
-def response(table, changes):
+def response(table, samples):
     """Fit the response to the velocities along random tapers, and to their contacts."""
-    x, rates, effects = (np.array([each[i] for each in changes]) for i in (0, 1, 3))
-    rest = effects - table.effect(rates, x)
-    polynomials = np.einsum(
-        "nka,nb,n->nkab",
-        rate_polynomials(rates, RESPONSE[0]),
-        strength_polynomials(x, table.largest, RESPONSE[1]),
-        x,
-    )
-    design = np.einsum("nfk,nkab->nkfab", inputs(rates), polynomials)
-    design = design.reshape(*rates.shape, -1)
-    weights = np.ones(len(x))
+    groups = [
+        Group(table, chains[first : first + TOGETHER])
+        for chains in samples
+        for first in range(0, len(chains), TOGETHER)
+    ]
     for _ in range(5):
-        growth = weighted(design, rest[:, 0], weights, accumulate=True)
-        error = np.abs(np.cumsum(rest[:, 0] - design @ growth, axis=1)).max(axis=1)
-        # Chains whose pulse is overtaken by its tail do not count.
-        weights = np.where(error < 0.1, 1e-3 / (1e-3 + error), 0.0)
-    others = [weighted(design, rest[:, c], weights, accumulate=False) for c in (1, 2)]
-    return np.array([growth, *others]).reshape(3, INPUTS, *RESPONSE), error
+        growth = weighted(groups, 0, accumulate=True)
+        for group in groups:
+            error = group.errors(growth)
+            # Chains whose pulse is overtaken by its tail do not count.
+            group.weights = np.where(error < 0.1, 1e-3 / (1e-3 + error), 0.0)
+    others = [weighted(groups, c, accumulate=False) for c in (1, 2)]
+    found = np.array([growth, *others]).reshape(3, INPUTS, *RESPONSE)
+    return found, np.concatenate([group.errors(growth) for group in groups])
 
 
-def weighted(design, values, weights, *, accumulate):
-    """Least squares of contacts and, if asked for, of sums along the chain."""
-    matrix, right = np.zeros(2 * design.shape[-1:]), 0.0
-    for sums, factor in ((False, 3.0), (True, 1.0))[: 1 + accumulate]:
-        rows, to = (np.cumsum(a, axis=1) if sums else a for a in (design, values))
-        scaled = rows * (factor * weights[:, np.newaxis, np.newaxis])
-        flat = scaled.reshape(-1, rows.shape[-1])
-        matrix = matrix + flat.T @ flat
-        right = right + flat.T @ (to * factor * weights[:, np.newaxis]).ravel()
-    ridge = 1e-9 * np.trace(matrix) / len(matrix) * np.eye(len(matrix))
+def weighted(groups, component, *, accumulate):
+    """Least squares of contacts and, if requested, of sums along the chain."""
+    size = groups[0].design.shape[-1]
+    matrix, right = np.zeros((size, size)), np.zeros(size)
+    for group in groups:
+        for sums, factor in ((False, 3.0), (True, 1.0))[: 1 + accumulate]:
+            both = group.design, group.rest[:, component]
+            rows, to = (np.cumsum(each, axis=1) if sums else each for each in both)
+            scale = factor * group.weights
+            flat = (rows * scale[:, np.newaxis, np.newaxis]).reshape(-1, size)
+            matrix += flat.T @ flat
+            right += flat.T @ (to * scale[:, np.newaxis]).ravel()
+    ridge = 1e-9 * np.trace(matrix) / size * np.eye(size)
     return np.linalg.solve(matrix + ridge, right)
 
 
-def estimate(table, changes):
-    """Constants of the estimated error, from chains that were not used for the response."""
+def parts_and_errors(name, table, samples):
+    """Parts of the estimate and errors of the law, before the tail overtakes."""
     parts, errors = [], []
-    for x, rates, log_velocity, effects in changes:
-        decay = np.cumsum(table.effect(rates, x)[0])
+    for each in samples:
+        log_velocity = each.log_velocity
+        x, effect = effect_along(table, LAWS[name], each.coefficients, each.rates, log_velocity)
+        decay = np.cumsum(effect[0])
         after = log_velocity + np.concatenate(([0.0], decay))
-        part, relative = error_parts(rates, x, after)
+        part, relative = error_parts(each.rates, x, table.largest, after)
         before = np.cumprod(relative < OVERTAKEN).astype(bool)
         parts.append(part[:, before].T)
-        errors.append(np.abs(np.expm1(decay - np.cumsum(effects[0])))[before])
-    part, error = np.concatenate(parts), np.concatenate(errors)
-    fixed = np.array([TAIL / table.largest, OUTSIDE])
-    constants = np.append(quantile_fit(part[:, :-2], error), fixed)
+        errors.append(np.abs(np.expm1(decay - np.cumsum(each.changes[0])))[before])
+    return np.concatenate(parts), np.concatenate(errors)
+
+
+def estimate(name, table, samples):
+    """Constants of the estimated error, from chains that were not used for the response."""
+    part, error = parts_and_errors(name, table, samples)
+    constants = np.append(SAFETY * quantile_fit(part[:, :-2], error), (TAIL, OUTSIDE))
     estimated = part @ constants
     covered, ratio = np.mean(error <= estimated), np.median(estimated / error)
     print(
@@ -214,27 +131,34 @@ def estimate(table, changes):
 def trained(name, start, end):
     """Response and error constants of a law."""
     blank = np.zeros((3, INPUTS, *RESPONSE))
-    table = LossTable(LAWS[name][2], start, end, blank, np.zeros(0))
-    found, error = response(table, random_changes(name, np.random.default_rng(14), CHAINS, [LONG]))
+    table = LossTable(LAWS[name].largest, start, end, blank, np.zeros(0))
+    found, error = response(table, draw(name, 14, TRAINING))
     print(name, "response, largest errors of chains: 50, 90, 95, 100%",
           np.quantile(error, (0.5, 0.9, 0.95, 1.0)).round(5), flush=True)  # fmt: skip
     table = dataclasses.replace(table, response=found)
-    others = random_changes(name, np.random.default_rng(15), OTHERS, [20, 40, LONG, LONG, 150])
-    return {"response": found, "error": estimate(table, others)}
+    others = [each for chains in draw(name, 15, OTHERS) for each in chains]
+    return {"response": found, "error": estimate(name, table, others)}
+
+
+def draw(name, seed, numbers):
+    """Random samples, as one list for each length."""
+    random = np.random.default_rng(seed)
+    return [random_samples(name, random, count, beads) for beads, count in numbers.items()]
 
 
 def main(path):
     """Write the tables."""
     stored = {}
-    for name in LAWS:
+    for name, law in LAWS.items():
         start, end = anchors(name)
         if name != WITHOUT_PULL:
             # For these losses, it hardly matters whether contacts may pull.
             fitted = trained(name, start, end)
         parts = {"anchors": start, "end": end, **fitted}
         stored |= {f"{name}/{key}": value.astype(np.float32) for key, value in parts.items()}
-        stored[f"{name}/largest"] = np.array(LAWS[name][2])
+        stored[f"{name}/largest"] = np.array(law.largest)
         np.savez_compressed(path, **stored)
+        print(f"{name}: {time.process_time():.0f} s in total", flush=True)
 
 
 if __name__ == "__main__":

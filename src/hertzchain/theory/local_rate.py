@@ -67,7 +67,8 @@ def local_rate(chain: Chain) -> Pulse:
         A chain of at least nine beads, struck by its first bead or by another body
         (`Chain.struck_by`).  The ratio of neighbouring radii may be from 0.85 to 3.  Radii may
         also scatter or alternate from bead to bead, by up to about 1%.  Chains struck by their
-        first bead may lose energy by `Restitution` from 0.9 or `UnloadingRatio` up to 0.1.
+        first bead may lose energy by `Restitution` from 0.9, `UnloadingRatio` up to 0.1, or
+        `Viscoelastic` up to :math:`A (k/m)^{2/5} v^{1/5} = 0.06` at any bead.
         The exponent of the contact force may be from 1.25 to 3; below 1.6, the smallest ratio is
         larger, 0.95 for the exponent 1.25.
 

@@ -17,10 +17,11 @@ RATES: Final = (-0.1, 0.12)
 # Contacts that depend on the impact and on the free end.
 START, END = 40, 2
 # Factors by which the memory of a change of the rate decays per contact.
-MEMORIES: Final = (0.0, 0.6, 0.8)
-# Inputs of the response: memories, rates ahead, and products of memories.
-AHEAD, PRODUCTS = 2, ((1, 1), (0, 1))
-INPUTS: Final = len(MEMORIES) + AHEAD + len(PRODUCTS)
+MEMORIES: Final = (0.0, 0.4, 0.6, 0.8)
+# Inputs of the response: memories, rates ahead, products of memories, and memories that matter
+# less with the distance from the impact, by a factor per contact.
+AHEAD, PRODUCTS, NEAR_IMPACT, FADING = 2, ((2, 2), (0, 2), (3, 3)), (0, 2), 0.75
+INPUTS: Final = len(MEMORIES) + AHEAD + len(PRODUCTS) + len(NEAR_IMPACT)
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,40 +51,49 @@ class LossTable:
     response: Array
     error: Array
 
-    def effect(self, rates: Array, strength: Array | float) -> Array:
-        """Changes of the three components at all contacts, shape (..., 3, contacts).
+    def series(self, rates: Array) -> Array:
+        """Chebyshev series in the strength of the three components at all contacts.
 
-        Rates have the shape (..., contacts), strengths the shape (...).
+        Rates have the shape (..., contacts), the result the shape (..., 3, contacts, b).
         """
-        x = np.asarray(strength, dtype=float)
         contacts = rates.shape[-1]
         table = self.anchors[np.minimum(np.arange(contacts), START - 1)]
         table[contacts - END :] += self.end
         of_rate = rate_polynomials(rates, table.shape[2])
-        of_strength = strength_polynomials(x, self.largest, table.shape[3])
-        found = np.einsum("kcab,...ka,...b->...ck", table, of_rate, of_strength)
+        found = np.einsum("kcab,...ka->...ckb", table, of_rate)
         size, degree = self.response.shape[2:]
-        response = np.einsum("cfab,...b->...cfa", self.response, of_strength[..., :degree])
-        found += np.einsum(
-            "...cfa,...fk,...ka->...ck", response, inputs(rates), of_rate[..., :size]
+        found[..., :degree] += np.einsum(
+            "cfab,...fk,...ka->...ckb",
+            self.response,
+            inputs(rates),
+            of_rate[..., :size],
+            optimize=True,
         )
-        return np.asarray(found * x[..., np.newaxis, np.newaxis])
+        return found
+
+    def effect(self, series: Array, strength: Array) -> Array:
+        """Changes of the three components by a loss with strengths of shape (..., contacts)."""
+        limited = np.minimum(strength, self.largest)
+        of_strength = strength_polynomials(limited, self.largest, series.shape[-1])
+        found = np.einsum("...ckb,...kb->...ck", series, of_strength)
+        return np.asarray(found * strength[..., np.newaxis, :])
 
 
 def inputs(rates: Array) -> Array:
     """Inputs of the response: sums of changes of the rate, and their products."""
     contacts = rates.shape[-1]
     changes = np.diff(rates, axis=-1)
-    found = np.zeros((*rates.shape[:-1], INPUTS, contacts))
-    for i, factor in enumerate(MEMORIES):
-        for k in range(1, contacts):
-            found[..., i, k] = factor * found[..., i, k - 1] + changes[..., k - 1]
-    first = len(MEMORIES)
+    memories = np.zeros((len(MEMORIES), *rates.shape))
+    factors = np.reshape(MEMORIES, (-1, *[1] * (rates.ndim - 1)))
+    for k in range(1, contacts):
+        memories[..., k] = factors * memories[..., k - 1] + changes[..., k - 1]
+    ahead = np.zeros((AHEAD, *rates.shape))
     for i in range(AHEAD):
-        found[..., first + i, : contacts - 1 - i] = changes[..., i:]
-    for i, (one, other) in enumerate(PRODUCTS):
-        found[..., first + AHEAD + i, :] = found[..., one, :] * found[..., other, :]
-    return found
+        ahead[i, ..., : contacts - 1 - i] = changes[..., i:]
+    products = [memories[one] * memories[other] for one, other in PRODUCTS]
+    near = FADING ** np.arange(contacts)
+    start = [memories[i] * near for i in NEAR_IMPACT]
+    return np.stack([*memories, *ahead, *products, *start], axis=-2)
 
 
 def rate_polynomials(rates: Array, count: int) -> Array:
@@ -95,9 +105,7 @@ def rate_polynomials(rates: Array, count: int) -> Array:
 
 def strength_polynomials(strength: Array, largest: float, count: int) -> Array:
     """Chebyshev polynomials of the strength of the loss, from zero to the largest one."""
-    found = chebvander(2.0 * strength / largest - 1.0, count - 1)
-    # Of a number, they have a dimension too many.
-    return np.asarray(found.reshape(*strength.shape, count))
+    return np.asarray(chebvander(2.0 * strength / largest - 1.0, count - 1))
 
 
 @functools.cache

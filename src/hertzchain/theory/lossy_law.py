@@ -1,9 +1,10 @@
-r"""The local-rate law with loss: the effect of two laws of loss on the pulse of a taper.
+r"""The local-rate law with loss: the effect of three laws of loss on the pulse of a taper.
 
-A loss of strength x changes the growth of the velocity at contact k by :math:`x f(s_k, x)`, after a
-start and with a memory of previous rates.  `Restitution` and `UnloadingRatio` have no scale of
-their own: x is a number that is the same at all contacts.  `tools/loss_tables.py` determines the
-functions from simulated pulses.
+A loss of strength x changes the growth of the velocity at contact k by :math:`x_k f(s_k, x_k)`,
+after a start and with a memory of previous rates.  `Restitution` and `UnloadingRatio` have no scale
+of their own: x is the same at all contacts.  The strength of `Viscoelastic` depends on the time
+scale of the pulse, and thus on its velocity.  `tools/loss_tables.py` determines the functions from
+simulated pulses.
 
 The momentum that the pulse loses forms a tail behind it.  The tail decays less than the pulse,
 and can overtake it; from there on, the law does not apply.
@@ -13,6 +14,7 @@ from __future__ import annotations
 
 import dataclasses
 import functools
+import math
 from collections.abc import Callable
 from typing import Final
 
@@ -21,37 +23,31 @@ import numpy as np
 from ..chain.chain import Chain
 from ..chain.feature_support import require_supported
 from ..chain.laws.base import Loss
-from ..chain.laws.restitution import Restitution
-from ..chain.laws.unloading_ratio import UnloadingRatio
 from ..collision import HERTZ_EXPONENT, Array
 from ..errors import InputError, ModelRangeWarning, warn_user
 from ..pulse.pulse import Pulse
 from .loss_table import RATES, LossTable, inputs, loss_tables
+from .tabulated_losses import LAWS, TabulatedLoss, tabulated_loss
 
 # Momentum of the wave of equal beads in units of m v, first contact at which a tail can form,
 # power of the radius with which a long wave decays, and relative velocity of a tail that overtakes.
 MOMENTUM, TAIL_START, TAIL_POWER, OVERTAKEN = 1.67, 6, 0.91, 0.3
 DOUBTFUL: Final = 0.01
+# Memories of the changes of the rate in the estimated error.
+SHORT_MEMORY, LONG_MEMORY = 2, 3
 # Contacts on each side that determine a slow rate.
 REACH: Final = 8
 # Distance from the tables up to which a rate has the loss term of the nearest one.
 MARGIN: Final = 0.02
 STEPS: Final = np.arange(1.0, REACH + 1.0)
-# Limits of the laws, within those of the tables.
-MIN_RESTITUTION, MAX_RATIO = 0.9, 0.1
-# Laws of the tables: class, whether the force may pull, and largest strength.
-LAWS: Final[dict[str, tuple[type[Loss], bool, float]]] = {
-    "restitution": (Restitution, True, 0.036),
-    "restitution without pull": (Restitution, False, 0.036),
-    "unloading ratio": (UnloadingRatio, False, 0.105),
-}
 
 
 def lossy_pulse(chain: Chain, method: str, theory: Callable[[Chain], Pulse]) -> Pulse:
     """The pulse of a scaled chain with loss, from that without loss by a theory of tapers."""
     require_supported(chain, method, supported=("loss",), alternative="use simulate")
     law = chain.contact_losses[1]
-    table = _table(chain, law, method)
+    name = _checked_name(chain, law, method)
+    tabulated, table = LAWS[name], loss_tables()[name]
     pulse = theory(chain.replace(loss=None))
     assert pulse.peak_overlap is not None
     assert pulse.residence is not None
@@ -59,14 +55,18 @@ def lossy_pulse(chain: Chain, method: str, theory: Callable[[Chain], Pulse]) -> 
     rates = slow_rates(np.diff(np.log(chain.radii)))
     _check_rates(chain, rates, method)
     log_velocity = np.log(pulse.velocity)
-    x = strength(law)
-    effect = table.effect(rates, x)
+    x, effect = effect_along(
+        table, tabulated, tabulated.coefficients(law, chain), rates, log_velocity
+    )
+    tabulated.check_strength(x, chain, method)
     decay = np.concatenate(([0.0], np.cumsum(effect[0])))
-    parts, relative = error_parts(rates, x, log_velocity + decay)
-    _check_tail(chain, law, relative, method)
+    parts, relative = error_parts(rates, x, table.largest, log_velocity + decay)
+    _check_tail(chain, tabulated.label(law), relative, method)
     error = np.concatenate(([0.0], table.error @ parts))
-    if not error.max() <= DOUBTFUL:
-        _warn_doubtful(chain, law, error)
+    total = pulse.velocity_error + error
+    # The theory without loss has warned about larger errors.
+    if pulse.velocity_error.max() <= DOUBTFUL < total.max():
+        _warn_doubtful(chain, tabulated.label(law), method, total)
     p = chain.exponents
     residence = pulse.residence * np.exp(effect[2] - (p - 1) / (p + 1) * decay[:-1])
     return dataclasses.replace(
@@ -76,37 +76,52 @@ def lossy_pulse(chain: Chain, method: str, theory: Callable[[Chain], Pulse]) -> 
         peak_overlap=pulse.peak_overlap * np.exp(effect[1] + 2 / (p + 1) * decay[:-1]),
         residence=residence,
         arrival=np.concatenate(([0.0], np.cumsum(residence))),
-        velocity_error=pulse.velocity_error + error,
+        velocity_error=total,
     )
 
 
-def _table(chain: Chain, law: Loss, method: str) -> LossTable:
-    """The table of a law, after checking that there is one."""
+def _checked_name(chain: Chain, law: Loss, method: str) -> str:
+    """Name of the tables of a law, after checking that there are some."""
     if chain.exponents != HERTZ_EXPONENT:
         raise InputError(
             f"losses are tabulated for the exponent 3/2 only, got {chain.exponents:g}; use simulate"
         )
-    names = [
-        name
-        for name, (kind, attractive, _) in LAWS.items()
-        if type(law) is kind and getattr(law, "attractive", attractive) == attractive
-    ]
-    if not names:
-        raise InputError(
-            f"{method} has no tables for {law}, only for Restitution and UnloadingRatio; use "
-            f"simulate (chain: {chain.description})"
-        )
-    if isinstance(law, Restitution) and law.coefficient < MIN_RESTITUTION:
-        raise InputError(
-            f"{method} requires a restitution coefficient of at least {MIN_RESTITUTION:g}, got "
-            f"{law.coefficient:g}; use simulate"
-        )
-    if isinstance(law, UnloadingRatio) and law.ratio > MAX_RATIO:
-        raise InputError(
-            f"{method} requires an unloading ratio of at most {MAX_RATIO:g}, got {law.ratio:g}; "
-            "use simulate"
-        )
-    return loss_tables()[names[0]]
+    return tabulated_loss(law, method)
+
+
+def effect_along(
+    table: LossTable,
+    tabulated: TabulatedLoss,
+    coefficients: Array,
+    rates: Array,
+    log_velocity: Array,
+) -> tuple[Array, Array]:
+    """Strengths of the loss and changes of the three components, at all contacts.
+
+    The logarithms of velocities are those without loss.
+    """
+    series = table.series(rates)
+    x = coefficients
+    if tabulated.power:
+        x = _march(series[0], table.largest, coefficients, tabulated.power, log_velocity)
+    return x, table.effect(series, x)
+
+
+def _march(
+    series: Array, largest: float, coefficients: Array, power: float, log_velocity: Array
+) -> Array:
+    """Strengths that depend on the velocity, from contact to contact."""
+    decay, found = 0.0, np.empty(len(coefficients))
+    for k, row in enumerate(series.tolist()):
+        x = float(coefficients[k]) * math.exp(power * (float(log_velocity[k]) + decay))
+        found[k] = x
+        # Clenshaw's recurrence.
+        u = 2.0 * min(x / largest, 1.0) - 1.0
+        one, two = 0.0, 0.0
+        for c in row[:0:-1]:
+            one, two = c + 2.0 * u * one - two, one
+        decay += x * (row[0] + u * one - two)
+    return found
 
 
 def _check_rates(chain: Chain, rates: Array, method: str) -> None:
@@ -121,7 +136,7 @@ def _check_rates(chain: Chain, rates: Array, method: str) -> None:
         )
 
 
-def _check_tail(chain: Chain, law: Loss, relative: Array, method: str) -> None:
+def _check_tail(chain: Chain, law: str, relative: Array, method: str) -> None:
     """Raise an error if the tail overtakes the pulse."""
     overtaken = np.flatnonzero(relative >= OVERTAKEN)
     if overtaken.size:
@@ -132,12 +147,12 @@ def _check_tail(chain: Chain, law: Loss, relative: Array, method: str) -> None:
         )
 
 
-def _warn_doubtful(chain: Chain, law: Loss, error: Array) -> None:
+def _warn_doubtful(chain: Chain, law: str, method: str, error: Array) -> None:
     """Issue a warning that states where the estimated error is large."""
-    bead = int(np.argmax(~(error <= DOUBTFUL))) + 1
+    bead = int(np.argmax(error > DOUBTFUL)) + 1
     warn_user(
-        f"the effect of {law} on this chain ({chain.description}) has an estimated error above "
-        f"{DOUBTFUL:.0%} from bead {bead} on, of {error.max():.1%} at most; use simulate",
+        f"with {law}, {method} has an estimated velocity error above {DOUBTFUL:.0%} from bead "
+        f"{bead} on, of {error.max():.1%} at most (chain: {chain.description}); use simulate",
         ModelRangeWarning,
     )
 
@@ -165,24 +180,16 @@ def _cubic_weights() -> Array:
     return np.asarray(fit[0])
 
 
-def strength(law: Loss) -> float:
-    """Strength of a loss: the damping ratio, or the ratio w of unloading."""
-    if isinstance(law, Restitution):
-        return law.damping_ratio
-    assert isinstance(law, UnloadingRatio)
-    return law.ratio
-
-
-def error_parts(rates: Array, x: float, log_velocity: Array) -> tuple[Array, Array]:
+def error_parts(rates: Array, x: Array, largest: float, log_velocity: Array) -> tuple[Array, Array]:
     """Parts of the estimated error behind each contact, and relative velocities of the tail."""
-    change = inputs(rates)[1]
+    found, y = inputs(rates), x / largest
+    short, long = found[SHORT_MEMORY], found[LONG_MEMORY]
     low, high = RATES
     outside = np.maximum(rates - high, 0.0) + np.maximum(low - rates, 0.0)
     relative, old = tail(rates, log_velocity)
-    terms = [np.ones(len(rates)), change**2, change**2, old**3, outside]
-    parts = x * np.cumsum(terms, axis=1)
-    parts[1] = np.sqrt(x * parts[1])
-    return parts, relative
+    roots = np.cumsum(np.square([x, x * short, x * y**2 * long]), axis=1)
+    sums = np.cumsum([x * y * long**2, y * (old / OVERTAKEN) ** 8, x * outside], axis=1)
+    return np.concatenate((np.sqrt(roots), sums)), relative
 
 
 def tail(rates: Array, log_velocity: Array) -> tuple[Array, Array]:

@@ -145,12 +145,14 @@ def copy_changelog(_: Any) -> None:
     (HERE / "_generated" / "changelog.md").write_text(text, "utf-8")
 
 
-def write_schema(_: Any) -> None:
-    """Write the tables of all keys of chain files."""
-    page = HERE / "_generated" / "chain_file_keys.md"
-    text = schema_tables.chain_file_page()
-    if not page.exists() or page.read_text("utf-8") != text:
-        page.write_text(text, "utf-8")
+def write_tables(_: Any) -> None:
+    """Write the tables of all keys of chain files, and of the constants of the modified BCA."""
+    tables = {"chain_file_keys": schema_tables.chain_file_page(),
+              "calibration": schema_tables.calibration_table()}  # fmt: skip
+    for name, text in tables.items():
+        page = HERE / "_generated" / f"{name}.md"
+        if not page.exists() or page.read_text("utf-8") != text:
+            page.write_text(text, "utf-8")
 
 
 def strip_blocks(_: Any, doctree: Any) -> None:
@@ -170,5 +172,5 @@ def setup(app: Any) -> None:
     # Before sphinx-gallery, which has the default priority of 500.
     app.connect("builder-inited", forget_old_notebooks, priority=400)
     app.connect("builder-inited", copy_changelog)
-    app.connect("builder-inited", write_schema)
+    app.connect("builder-inited", write_tables)
     app.connect("doctree-read", strip_blocks)

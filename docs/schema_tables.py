@@ -1,6 +1,9 @@
 """Tables of all keys of chain files, generated from the schema with which files are checked."""
 
+import re
+import tomllib
 from collections.abc import Iterator, Mapping, Sequence
+from importlib import resources
 from typing import Any
 
 from hertzchain.store.chain_schema import chain_schema
@@ -16,12 +19,36 @@ def chain_file_page() -> str:
         "",
         "[Chain files and output](../how-to/chain_files.md) explains how to write a chain file. "
         "This page lists every table and key. It is generated from the schema with which files "
-        "are checked, `hertzchain.store.chain_schema`. Units are those of chains with materials, "
+        "are checked. Units are those of chains with materials, "
         'where text with a unit, such as `"5 mm"`, is also accepted; scaled chains accept plain '
         "numbers. An empty default means that the value follows from other keys.",
         "",
         *_sections(),
     ])  # fmt: skip
+
+
+# Symbols of the constants of the modified BCA.
+SYMBOLS = {"ratio": r"$\rho$", "c0": "$c_0$", "x": "$x$", "d0": "$d_0$", "y": "$y$"}
+
+
+def calibration_table() -> str:
+    """Return a table in Markdown of the constants of the modified BCA, from the shipped file."""
+    text = resources.files("hertzchain.theory").joinpath("calibrated.toml").read_text("utf-8")
+    rows = [
+        "| taper | rates | constants | velocity error: largest | rms |",
+        "|---|---|---|---|---|",
+    ]
+    for part in text.split("[corrections.")[1:]:
+        taper, _, body = part.partition("]")
+        values = tomllib.loads(body)
+        spread = dict(re.findall(r"^(\w+) = .*# \+- (\S+)", body, re.M))
+        constants = ", ".join(
+            f"{SYMBOLS[name]} = {value:g} ± {spread[name]}" for name, value in values.items()
+        )
+        rates = re.search(r"# (.+?); beads", body)[1]
+        largest, rms = re.search(r"largest (\S+), rms (\S+)", body).groups()
+        rows.append(f"| {taper} | {rates} | {constants} | {largest} | {rms} |")
+    return "\n".join(rows) + "\n"
 
 
 def _sections() -> Iterator[str]:

@@ -182,3 +182,17 @@ def test_the_reference_lists_every_key():
                 (row, *_) = re.findall(rf"^\| `{key['name']}` \| .*{ends}$", page, re.M)
                 assert f"| {key['unit']} |" in row
                 assert ("| required |" in row) == key["required"]
+
+
+def test_the_table_of_calibrated_constants_is_that_of_the_package():
+    import schema_tables
+
+    from hertzchain.theory.modified_bca import calibrated_corrections
+
+    rows = [row.split(" | ") for row in schema_tables.calibration_table().splitlines()[2:]]
+    assert len(rows) == 4
+    for taper, _, constants, *errors in rows:
+        shown = re.findall(r" = (-?[\d.]+) ± [\d.]+", constants)
+        shipped = vars(calibrated_corrections()[taper.strip("| ")])
+        assert list(map(float, shown)) == pytest.approx([*shipped.values()][: len(shown)])
+        assert all(text.strip(" |").endswith("%") for text in errors)

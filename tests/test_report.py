@@ -84,6 +84,7 @@ def test_formulas_are_converted_to_mathml():
     )
     assert typeset("E_90 of v^u") == f"{typeset('$E_90$')} of {typeset('$v^u$')}"
     # The parentheses of an exponent are not shown, others are.
+    assert typeset("v^u_fl") == typeset("v_fl^u")
     assert typeset("$(1+S)^(-3/2)$") == (
         "<math><mrow><msup><mrow><mo>(</mo><mrow><mn>1</mn><mo>+</mo><mi>S</mi></mrow><mo>)</mo>"
         "</mrow><mrow><mo>−</mo><mn>3</mn><mo>/</mo><mn>2</mn></mrow></msup></mrow></math>"

@@ -12,7 +12,7 @@ import numpy as np
 
 import hertzchain as hc
 
-plt.style.use("hertzchain.plotting.hertzchain")
+plt.style.use("hertzchain.figures")
 
 balls = hc.Chain.from_materials(5e-3, "steel-52100", beads=30)
 chain = balls.struck_by(velocity=0.1).replace(right_wall=hc.Wall())

@@ -14,7 +14,7 @@ import numpy as np
 import hertzchain as hc
 from hertzchain.theory import printed_velocity
 
-plt.style.use("hertzchain.plotting.hertzchain")
+plt.style.use("hertzchain.figures")
 
 # %%
 # These are the four families, each at the largest rate of the paper's figures.  *Forward* means

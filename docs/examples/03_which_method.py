@@ -13,7 +13,7 @@ import numpy as np
 
 import hertzchain as hc
 
-plt.style.use("hertzchain.plotting.hertzchain")
+plt.style.use("hertzchain.figures")
 
 # %%
 # Compare all methods on one smooth taper.  The reference is ``simulate``, with a relative error of

@@ -15,7 +15,7 @@ import numpy as np
 
 import hertzchain as hc
 
-plt.style.use("hertzchain.plotting.hertzchain")
+plt.style.use("hertzchain.figures")
 SIZES = [3e-3, 6e-3, 10e-3]
 
 

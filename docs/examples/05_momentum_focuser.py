@@ -13,7 +13,7 @@ import numpy as np
 
 import hertzchain as hc
 
-plt.style.use("hertzchain.plotting.hertzchain")
+plt.style.use("hertzchain.figures")
 N, LAST = 20, 4.0
 
 # %%

@@ -10,7 +10,7 @@ import matplotlib.pyplot as plt
 
 import hertzchain as hc
 
-plt.style.use("hertzchain.plotting.hertzchain")
+plt.style.use("hertzchain.figures")
 traces, chain_file = hc.example_experiment()
 
 # %%

@@ -11,7 +11,7 @@ import numpy as np
 
 import hertzchain as hc
 
-plt.style.use("hertzchain.plotting.hertzchain")
+plt.style.use("hertzchain.figures")
 
 # %%
 # Follow the pulse along 120 beads for 300 mass ratios.  All contacts have the same stiffness.

@@ -11,7 +11,7 @@ import numpy as np
 
 import hertzchain as hc
 
-plt.style.use("hertzchain.plotting.hertzchain")
+plt.style.use("hertzchain.figures")
 balls = hc.Chain.from_materials(5e-3, "steel-52100", beads=30)
 
 

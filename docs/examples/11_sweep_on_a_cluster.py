@@ -14,7 +14,7 @@ import matplotlib.pyplot as plt
 
 import hertzchain as hc
 
-plt.style.use("hertzchain.plotting.hertzchain")
+plt.style.use("hertzchain.figures")
 folder = Path(tempfile.mkdtemp())
 
 # %%

@@ -15,7 +15,7 @@ import numpy as np
 
 import hertzchain as hc
 
-plt.style.use("hertzchain.plotting.hertzchain")
+plt.style.use("hertzchain.figures")
 folder = Path(tempfile.mkdtemp())
 wall = hc.Wall()
 box = hc.Chain.uniform(40).replace(left_wall=wall, right_wall=wall)

@@ -55,6 +55,8 @@ def _row(text: str, at: int, until: str) -> tuple[Markup, int]:
         item, at = _atom(text, at)
         subscript, at = _script(text, at, "_")
         superscript, at = _script(text, at, "^")
+        if not subscript:
+            subscript, at = _script(text, at, "_")
         items.append(_scripted(item, subscript, superscript))
     return Markup("<mrow>{}</mrow>").format(Markup("").join(items)), at
 

@@ -65,7 +65,7 @@ def figure_style(width: str | float | None = None) -> Iterator[None]:
     >>> (25.4 * axes.figure.get_size_inches()).round(1)
     array([86. , 61.9])
     """
-    style = resources.files("hertzchain.plotting").joinpath("hertzchain.mplstyle")
+    style = resources.files("hertzchain").joinpath("figures.mplstyle")
     inches = journal_width.get() if width is None else width_in_inches(width)
     settings = {} if inches is None else journal_settings(inches)
     outer = journal_width.set(inches)

@@ -158,6 +158,9 @@ class Run(Trajectory):
     def wall_force(self, side: Side = "right") -> WallForce:
         """The force on a wall over time, its peak and its impulse.
 
+        Use ``wall_force().peak`` for the largest force; ``wall_force().force.max()`` is that of the
+        saved times only.
+
         Parameters
         ----------
         side : str

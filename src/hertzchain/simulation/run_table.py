@@ -15,6 +15,7 @@ from ..chain.chain import Chain
 from ..chain.hertz_range import hertz_range
 from ..collision import Array
 from ..frozen import Frozen
+from ..representation import short
 from ..validation.objects import check_choice
 from .ensemble_columns import KEPT
 
@@ -46,6 +47,9 @@ class RunTable(Frozen):
     complete : ndarray of bool, shape (C,)
         Whether the largest force on the right wall is complete, as `WallForce.complete`; if not,
         ``wall_peak_force`` is NaN.
+    outside_range : ndarray of bool, shape (C,)
+        Whether a chain of materials has left the range of Hertz's law in the leading pulse or at
+        the right wall; in the whole run, if ``"largest_overlap"`` is kept.
 
     Examples
     --------
@@ -102,8 +106,8 @@ class RunTable(Frozen):
     def outside_range(self) -> NDArray[np.bool_]:
         """Whether each chain of materials has left the range of Hertz's law, shape (C,).
 
-        Overlaps are those of the leading pulse and of the right wall; of the whole run, if
-        ``"largest_overlap"`` is kept.
+        Overlaps are those of the leading pulse and of the right wall.  Reflected pulses may be
+        stronger: keep ``"largest_overlap"`` to check the whole run.
         """
         outside = np.zeros(len(self), bool)
         for i, chain in enumerate(self.chains):
@@ -181,4 +185,8 @@ class RunTable(Frozen):
         failed = f", {len(self.reasons)} failed" if self.reasons else ""
         units = ", SI" if self.units == "SI" else ""
         names = ", ".join(self.columns)
-        return f"RunTable({len(self)} chains of up to {longest} beads{units}{failed}; {names})"
+        some = any(each is not None and each.materials for each in self.chains)
+        partly = some and "largest_overlap" not in self.columns
+        checked = "outside_range is that of the leading pulse and the right wall" if partly else ""
+        about = f"{len(self)} chains of up to {longest} beads{units}{failed}; {names}"
+        return short("RunTable", "; ".join(filter(None, (about, checked))))

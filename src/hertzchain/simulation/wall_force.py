@@ -29,7 +29,8 @@ class WallForce:
     side : str
         ``"left"`` or ``"right"``.
     times, force : ndarray, shape (T,)
-        Force on the wall at the saved times [scaled, or s and N].
+        Force on the wall at the saved times [scaled, or s and N].  ``force.max()`` is the largest
+        of these samples; the largest force is ``peak``, which lies between saved times.
     peak, peak_time : float
         Largest force and its time, located within the steps, not among the saved times; NaN if
         the peak is not complete.

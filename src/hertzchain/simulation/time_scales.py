@@ -12,6 +12,7 @@ from ..chain.equilibrium import equilibrium
 from ..collision import Array, compression_time, reduced_mass
 from ..errors import InputError, InputWarning, warn_user
 from .drive_pieces import drive_pieces
+from .per_chain import per_chain
 
 # Smallest contact time: steps are fractions of it, which must be representable.
 MIN_CONTACT_TIME: Final = 1e-280
@@ -66,6 +67,18 @@ def transit_times(chain: Chain, energy: float | None = None) -> Array:
     in a compressed contact, and the duration of the pieces of the drive.  A rough value is enough
     for the first step and the spacing of saved times.
     """
+    return _first_times(chain) if energy is None else _times(chain, energy)
+
+
+@per_chain
+def _first_times(chain: Chain) -> Array:
+    times = _times(chain, None)
+    times.setflags(write=False)
+    return times
+
+
+def _times(chain: Chain, energy: float | None) -> Array:
+    """`transit_times`, of the motion at the start unless an energy is given."""
     masses, p = chain.masses, chain.exponents
     reduced = reduced_mass(masses[:-1], masses[1:])
     times = np.full(chain.beads - 1, np.inf)

@@ -12,8 +12,8 @@ import numpy as np
 from ..chain.chain import Chain
 from ..chain.equilibrium import equilibrium
 from ..collision import HERTZ_EXPONENT, Array, compression_time
+from ..frozen import once
 from .kernel_input import static_closing
-from .per_chain import per_chain
 from .time_scales import transit_times
 from .wall_bound import wall_targets
 
@@ -54,7 +54,7 @@ def _first_overlap(chain: Chain, p: float) -> float:
         return math.nan
 
 
-@per_chain
+@once
 def kind_of(chain: Chain) -> tuple[int, bool, bool, bool]:
     """Length and features, which must be the same for all chains of one call of the kernel."""
     p = chain.contact_exponents

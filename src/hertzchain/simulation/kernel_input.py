@@ -10,9 +10,9 @@ from ..chain.chain import Chain
 from ..chain.equilibrium import equilibrium
 from ..collision import Array
 from ..errors import InputError
+from ..frozen import once
 from .contact_laws import contact_laws
 from .drive_pieces import drive_pieces
-from .per_chain import per_chain
 
 if TYPE_CHECKING:
     from ..kernels.forces import DefaultChain, GeneralChain
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 PLAIN_FEATURES: Final = frozenset({"SI units", "masses", "stiffness", "strikers", "velocities"})
 
 
-@per_chain
+@once
 def kernel_chain(chain: Chain) -> DefaultChain | GeneralChain:
     """Parameters of the equation of motion of a chain, for the compiled loop."""
     from ..kernels.driving import MOVING_WALL, NOTHING, PUSH

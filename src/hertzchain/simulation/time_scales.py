@@ -11,8 +11,8 @@ from ..chain.chain import Chain
 from ..chain.equilibrium import equilibrium
 from ..collision import Array, compression_time, reduced_mass
 from ..errors import InputError, InputWarning, warn_user
+from ..frozen import once
 from .drive_pieces import drive_pieces
-from .per_chain import per_chain
 
 # Smallest contact time: steps are fractions of it, which must be representable.
 MIN_CONTACT_TIME: Final = 1e-280
@@ -70,7 +70,7 @@ def transit_times(chain: Chain, energy: float | None = None) -> Array:
     return _first_times(chain) if energy is None else _times(chain, energy)
 
 
-@per_chain
+@once
 def _first_times(chain: Chain) -> Array:
     times = _times(chain, None)
     times.setflags(write=False)

@@ -32,9 +32,9 @@ from ..chain.chain import Chain
 from ..chain.contact_groups import loading_overlaps
 from ..chain.equilibrium import equilibrium
 from ..collision import Array
+from ..frozen import once
 from ..kernels.law_kinds import DAMPED
 from .kernel_input import kernel_chain
-from .per_chain import per_chain
 
 if TYPE_CHECKING:
     from ..kernels.forces import GeneralChain
@@ -109,7 +109,7 @@ class Target:
         return float((self.law.loading_force(depth, self.wall) + damping)[0])
 
 
-@per_chain
+@once
 def wall_targets(chain: Chain) -> tuple[Target, ...]:
     """The walls of a chain, the left one first."""
     equation: Any = kernel_chain(chain)

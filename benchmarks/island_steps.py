@@ -22,7 +22,7 @@ from rich.console import Console
 from rich.table import Table
 
 import hertzchain as hc
-from hertzchain.kernels import active_beads, dop853_step, full_chain, state_layout
+from hertzchain.kernels import active_beads, full_chain, state_layout, step_scale
 from hertzchain.simulation.kernel_input import kernel_chain
 from hertzchain.simulation.simulate import DEFAULT_RTOL
 from hertzchain.simulation.state import State, contacts_of
@@ -83,25 +83,26 @@ def steps_alone(
     y = np.empty(len(arrays["y"]) - 2 * (chain.beads - beads))
     active_beads.take_out(arrays["y"], chain.beads, first, end, y)
     # In the whole chain, errors of slow beads are relative to the fastest bead in contact.
-    slow = dop853_step.SLOW * fastest / max(float(np.abs(y[beads : 2 * beads]).max()), 1e-300)
+    slow = step_scale.SLOW * fastest / max(float(np.abs(y[beads : 2 * beads]).max()), 1e-300)
     rtol = min(DEFAULT_RTOL * max(1.0, slow), 1e-6)
     clock, counts = np.zeros(state_layout.CLOCK_SIZE), np.zeros(state_layout.COUNTS_SIZE, np.int64)
     clock[state_layout.STEP] = arrays["clock"][state_layout.STEP]
     clock[state_layout.IDLE_UNTIL], counts[state_layout.HIGH] = np.inf, beads
     flights = np.zeros((state_layout.FLIGHT_ROWS, beads))
     rest = (
-        False, NO_TIMES, False, NO_STATES, NO_STATES, np.ones((2, beads)), np.ones((3, beads - 1)),
+        False, NO_TIMES, False, NO_STATES, NO_STATES, np.ones((2, beads)),
+        np.ones((state_layout.CROSSING_ROWS, beads - 1)),
         np.zeros((state_layout.WALL_ROWS, 2)), np.zeros(beads), np.zeros(full_chain.ROWS * len(y)),
-        np.empty((2, beads + 1)), np.zeros((2, beads), np.bool_),
+        np.empty((2, beads + 1)), np.zeros((3, beads), np.bool_),
     )  # fmt: skip
     seconds = []
     # The first call takes no step; a loop over all islands would avoid the time of the call.
     for budget in (0, 10**6):
-        began = time.perf_counter()
+        began = time.process_time()
         full_chain.advance(
             y, clock, counts, part, contacts, flights, duration, False, rtol, budget, 10**9, *rest
         )
-        seconds.append(time.perf_counter() - began)
+        seconds.append(time.process_time() - began)
     return int(counts[state_layout.STEPS]), max(seconds[1] - seconds[0], 0.0)
 
 
@@ -132,9 +133,9 @@ def count(chain: hc.Chain, transits: float) -> dict[str, float]:
         state = run.state
     seconds_now = np.inf
     for _ in range(3):
-        began = time.perf_counter()
+        began = time.process_time()
         hc.simulate(chain, until=transits * transit, times=0)
-        seconds_now = min(seconds_now, time.perf_counter() - began)
+        seconds_now = min(seconds_now, time.process_time() - began)
     return {
         "bead_steps": sum(now), "bead_steps_alone": sum(alone),
         "ratio": sum(now) / sum(alone), "ratio_of_times": seconds_now / seconds_alone,

@@ -1,10 +1,15 @@
-"""Objects with read-only arrays, also in copies."""
+"""Objects that do not change: read-only arrays, also in copies, and results that are kept."""
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Callable
+from functools import wraps
+from typing import Any, TypeVar
 
 import numpy as np
+
+Given = TypeVar("Given")
+Result = TypeVar("Result")
 
 
 class Frozen:
@@ -19,3 +24,21 @@ class Frozen:
             if isinstance(value, np.ndarray):
                 value.setflags(write=False)
         self.__dict__.update(state)
+
+
+def once(function: Callable[[Given], Result]) -> Callable[[Given], Result]:
+    """Decorate a function of an object that does not change, so that the object keeps the result.
+
+    As with the cached properties of a chain, copies and unpickled objects compute it again.
+    """
+    key = f"_{function.__module__}.{function.__qualname__}"
+
+    @wraps(function)
+    def kept(given: Given) -> Result:
+        results = given.__dict__
+        if key not in results:
+            results[key] = function(given)
+        found: Result = results[key]
+        return found
+
+    return kept

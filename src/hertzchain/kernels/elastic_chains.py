@@ -16,6 +16,7 @@ from numba import njit
 from .compilation import OPTIONS, compiled
 from .elastic_events import FALL, record_events, record_fall, record_largest
 from .elastic_forces import closing_of, force_of, overlap_of
+from .elastic_kinks import drop_kinks, find_kinks, impulse_defect, pass_step
 from .elastic_layout import (
     AT_REST,
     BODY,
@@ -46,12 +47,14 @@ from .elastic_layout import (
     IMPACT_IMPULSE,
     IMPULSE,
     INVERSE_MASS,
+    KINK_ROWS,
     LANE_ROWS,
     LANES,
     LAST_CROSSING,
     LEAST_PUSH,
     LENGTH,
     MOST,
+    MOST_KINKS,
     NEW_V,
     NEW_X,
     NOISE,
@@ -120,6 +123,7 @@ def scratch_for(gauges):
     return (
         np.zeros(END_OF_ROWS), np.zeros((LANE_ROWS, LANES)), np.zeros((STAGES, gauges, LANES)),
         np.zeros((LANES, gauges, GAUGE_ROWS)), np.zeros(LANES, np.int64),
+        np.zeros((MOST_KINKS, KINK_ROWS)),
     )  # fmt: skip
 
 
@@ -269,7 +273,7 @@ def ending(w, beads, lane, chain, numbers, walled, state, gauges, records):
 
 
 @compiled
-def read_gauges(w, beads, lane, least_push, places, pushes, state, gauges):
+def read_gauges(w, beads, lane, least_push, places, pushes, state, gauges, kinks, count):
     """Update impulses and largest forces of gauges, and the end of the first wall contact."""
     h = state[LENGTH, lane]
     for g in range(len(places)):
@@ -278,10 +282,11 @@ def read_gauges(w, beads, lane, least_push, places, pushes, state, gauges):
             force = pushes[stage, g, lane]
             top = force if force > top else top
         if top > 0.0 or start > 0.0:
-            gauges[lane, g, IMPULSE] += impulse_of(h, pushes, g, lane)
+            defect = impulse_defect(places[g, 0], places[g, 1], lane, kinks, count)
+            gauges[lane, g, IMPULSE] += impulse_of(h, pushes, g, lane) - defect
             if top > (1.0 - FALL) * gauges[lane, g, PEAK]:
                 record_largest(w, beads, lane, places[g, 0], places[g, 1], start, end, top, state,
-                               gauges[lane, g])  # fmt: skip
+                               gauges[lane, g], kinks, count)  # fmt: skip
             if g > 0:
                 record_fall(end, gauges[lane, g])
         pushes[0, g, lane] = end
@@ -292,14 +297,28 @@ def read_gauges(w, beads, lane, least_push, places, pushes, state, gauges):
             state[FIRST_IMPULSE, lane] = impulse
 
 
+@inlined
+def spread(w, beads, state, entry):
+    """Copy an entry of each lane to the row of lengths."""
+    for k in range(beads):
+        for lane in range(LANES):
+            w[H + k * LANES + lane] = state[entry, lane]
+
+
 @compiled
 def accept(w, beads, state):
     """Advance the lanes whose step is accepted."""
+    size, count = beads * LANES, 0.0
     for lane in range(LANES):
-        w[H + lane] = state[GOOD, lane]
-    for i in range(LANES, beads * LANES):
-        w[H + i] = w[H + i - LANES]
-    for i in range(beads * LANES):
+        count += state[GOOD, lane]
+    if count == LANES:
+        for i in range(size):
+            w[X + LANES + i] = w[NEW_X + LANES + i]
+            w[V + LANES + i] = w[NEW_V + LANES + i]
+            w[F0 + i] = w[F8 + i]
+        return
+    spread(w, beads, state, GOOD)
+    for i in range(size):
         yes = w[H + i] > 0.0
         w[X + LANES + i] = w[NEW_X + LANES + i] if yes else w[X + LANES + i]
         w[V + LANES + i] = w[NEW_V + LANES + i] if yes else w[V + LANES + i]
@@ -309,7 +328,7 @@ def accept(w, beads, state):
 @compiled
 def follow(
     chains, numbers, places, rtol, most_steps, hertz, walled, careful,
-    records, summary, readings, signal, w, state, pushes, gauges, which,
+    records, summary, readings, signal, w, state, pushes, gauges, which, kinks,
 ):  # fmt: skip
     """Integrate chains of equal length until each has ended, or until ``signal`` requests a stop.
 
@@ -325,7 +344,7 @@ def follow(
     w, state, pushes, gauges, which : zeros, of the shapes in `scratch_for`
     """
     count, beads = len(chains), chains.shape[2] - 1
-    coming, running = 0, 0
+    coming, running, kinked = 0, 0, 0
     for lane in range(LANES):
         which[lane] = -1
     for lane in range(min(LANES, count)):
@@ -337,13 +356,14 @@ def follow(
     while running > 0 and signal[STOP] == 0:
         for lane in range(LANES):
             if which[lane] < 0:
-                w[H + lane] = state[STEP, lane] = state[LENGTH, lane] = 0.0
+                state[STEP, lane] = state[LENGTH, lane] = 0.0
                 continue
             left = numbers[which[lane], UNTIL] - state[TIME, lane]
-            w[H + lane] = state[LENGTH, lane] = min(state[STEP, lane], left)
-        for i in range(LANES, beads * LANES):
-            w[H + i] = w[H + i - LANES]
-        events = take_step(w, beads, hertz, rtol, places, pushes, state)
+            state[LENGTH, lane] = min(state[STEP, lane], left)
+        spread(w, beads + 1, state, LENGTH)
+        if hertz:
+            kinked = find_kinks(w, beads, rtol, which, state, kinks, kinked)
+        events = take_step(w, beads, hertz, rtol, places, pushes, state, kinks, kinked)
         new_lengths(rtol, state)
         if careful:
             for lane in range(LANES):
@@ -352,12 +372,13 @@ def follow(
                     if closes_unseen(w, beads, lane, h):
                         state[GOOD, lane], state[WORST, lane] = 0.0, 0.5
         if events > 0.0:
-            record_events(w, beads, rtol, state, state[GOOD], which, records)
+            record_events(w, beads, rtol, state, state[GOOD], which, records, kinks, kinked)
         for lane in range(LANES):
             if state[GOOD, lane] > 0.0 and which[lane] >= 0:
                 read_gauges(w, beads, lane, numbers[which[lane], LEAST_PUSH], places, pushes, state,
-                            gauges)  # fmt: skip
+                            gauges, kinks, kinked)  # fmt: skip
         accept(w, beads, state)
+        pass_step(kinks, kinked, state)
         for lane in range(LANES):
             c = which[lane]
             if c < 0:
@@ -383,6 +404,7 @@ def follow(
                   summary[c], readings[c])  # fmt: skip
             signal[DONE] += 1
             which[lane], running = -1, running - 1
+            drop_kinks(lane, kinks, kinked)
             for k in range(beads):
                 w[PEAKED + k * LANES + lane] = w[CROSSED + k * LANES + lane] = 1.0
             if coming < count:

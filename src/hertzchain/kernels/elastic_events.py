@@ -6,8 +6,11 @@ Within a step the motion is interpolated by a Hermite polynomial of degree 7
 
 from __future__ import annotations
 
-from .compilation import compiled
+from numba import njit
+
+from .compilation import OPTIONS, compiled
 from .elastic_forces import force_of, force_rate
+from .elastic_kinks import kink_motion, touches
 from .elastic_layout import (
     AT_REST,
     BODY,
@@ -46,12 +49,16 @@ from .elastic_layout import (
 )
 from .hermite import curvature, hermite, slope, third, value
 
+inlined = njit(forceinline=True, **OPTIONS)
+
 # The pulse has not reached a bead whose speed is less than this fraction, or this many tolerances,
 # of the speeds nearby; an overlap less than this fraction of the positions is ignored.
 REACHED, TOLERANCES = 1e-11, 10.0
 # Parts of a step that are searched for the first event; iterations in one part.
 PARTS, ITERATIONS = 8, 60
 CLOSE = 1e-14
+# A force is largest if its rate is less than this fraction of it per step.
+FLAT = 1e-12
 # The force of a sensor has passed a maximum when it has decreased by this fraction of it; maxima
 # less than this fraction of the largest one are ignored.
 FALL, MIN_HEIGHT = 0.1, 0.01
@@ -59,33 +66,66 @@ AT_A_WALL = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 
 
 @compiled
-def motion(w, at):
-    """Interpolating polynomial of the position of a bead."""
+def motion(w, at, kinks, count):
+    """Interpolating polynomial of the position of a bead, without the motion due to kinks."""
     left, right = force_rate(w, at, X, V), force_rate(w, at + LANES, X, V)
     j0 = (left - right) * w[INVERSE_MASS + at]
     left, right = force_rate(w, at, NEW_X, NEW_V), force_rate(w, at + LANES, NEW_X,
                                                                      NEW_V)  # fmt: skip
     j1 = (left - right) * w[INVERSE_MASS + at]
-    return hermite(
-        w[H + at], w[X + LANES + at], w[V + LANES + at], w[F0 + at], j0,
-        w[NEW_X + LANES + at], w[NEW_V + LANES + at], w[F8 + at], j1,
-    )  # fmt: skip
+    h, slot = w[H + at], at + LANES
+    a0, x1, v1, a1 = w[F0 + at], w[NEW_X + slot], w[NEW_V + slot], w[F8 + at]
+    if touches(kinks, count, slot):
+        _, _, a, j = kink_motion(kinks, count, slot, 0.0)
+        a0, j0 = a0 - a, j0 - j
+        x, v, a, j = kink_motion(kinks, count, slot, h)
+        x1, v1, a1, j1 = x1 - x, v1 - v, a1 - a, j1 - j
+    return hermite(h, w[X + slot], w[V + slot], a0, j0, x1, v1, a1, j1)
 
 
 @compiled
-def motion_of_slot(w, beads, slot, lane):
-    """`motion` of an entry of the positions, of which walls are at rest."""
+def motion_of_slot(w, beads, slot, lane, kinks, count):
+    """`motion` of an entry of the positions, of which walls are at rest, and its kinks."""
     if slot == 0 or slot == beads + 1:
-        return AT_A_WALL
-    return motion(w, (slot - 1) * LANES + lane)
+        return AT_A_WALL, kinks, 0, 0, 0.0
+    at = slot * LANES + lane
+    p = motion(w, at - LANES, kinks, count)
+    return p, kinks, count if touches(kinks, count, at) else 0, at, w[H + at - LANES]
+
+
+@compiled
+def position(path, s):
+    """Position of a bead at the fraction s of a step."""
+    p, kinks, count, slot, h = path
+    if count == 0:
+        return value(p, s)
+    return value(p, s) + kink_motion(kinks, count, slot, s * h)[0]
+
+
+@compiled
+def velocity(path, s):
+    """Velocity of a bead, times the length of the step."""
+    p, kinks, count, slot, h = path
+    if count == 0:
+        return slope(p, s)
+    return slope(p, s) + h * kink_motion(kinks, count, slot, s * h)[1]
+
+
+@compiled
+def jerk(path, s):
+    """Third derivative of the position by the fraction of the step."""
+    p, kinks, count, slot, h = path
+    if count == 0:
+        return third(p, s)
+    return third(p, s) + h * h * h * kink_motion(kinks, count, slot, s * h)[3]
 
 
 @compiled
 def acceleration_at(w, at, s, behind, own, ahead):
     """Acceleration of a bead at the fraction s of a step, from the forces on it."""
-    here = value(own, s)
-    left = force_of(w, at, w[AT_REST + at] + (value(behind, s) - here))
-    right = force_of(w, at + LANES, w[AT_REST + at + LANES] + (here - value(ahead, s)))
+    here = position(own, s)
+    left = force_of(w, at, w[AT_REST + at] + (position(behind, s) - here))
+    right = force_of(w, at + LANES, w[AT_REST + at + LANES] + (here - position(ahead, s)))
     return (left - right) * w[INVERSE_MASS + at] + w[BODY + at]
 
 
@@ -111,7 +151,7 @@ def velocity_maximum(w, at, behind, own, ahead):
         else:
             high = s
         # The slope of the acceleration from the polynomial is accurate enough.
-        new = s - a * w[H + at] ** 2 / third(own, s)
+        new = s - a * w[H + at] ** 2 / jerk(own, s)
         if leaves or not low < new < high:
             new = 0.5 * (low + high)
         if abs(new - s) < CLOSE:
@@ -121,12 +161,28 @@ def velocity_maximum(w, at, behind, own, ahead):
 
 
 @compiled
-def rest_within(p):
-    """Fraction of a step at which a polynomial first stops rising; 2 if none."""
+def closing_at(behind, ahead, s):
+    """Difference of the velocities of two beads, and its derivative."""
+    p, kinks, count, slot, h = behind
+    rate, change = slope(p, s), curvature(p, s)
+    if count > 0:
+        _, v, a, _ = kink_motion(kinks, count, slot, s * h)
+        rate, change = rate + h * v, change + h * h * a
+    p, kinks, count, slot, h = ahead
+    rate, change = rate - slope(p, s), change - curvature(p, s)
+    if count > 0:
+        _, v, a, _ = kink_motion(kinks, count, slot, s * h)
+        rate, change = rate - h * v, change - h * h * a
+    return rate, change
+
+
+@compiled
+def rest_within(behind, ahead):
+    """Fraction of a step at which two beads first stop approaching; 2 if none."""
     low, high = 0.0, 2.0
     for part in range(1, PARTS + 1):
         s = part / PARTS
-        if slope(p, s) <= 0.0:
+        if closing_at(behind, ahead, s)[0] <= 0.0:
             high = s
             break
         low = s
@@ -134,12 +190,12 @@ def rest_within(p):
         return high
     s = 0.5 * (low + high)
     for _ in range(ITERATIONS):
-        rate = slope(p, s)
+        rate, change = closing_at(behind, ahead, s)
         if rate > 0.0:
             low = s
         else:
             high = s
-        new = s - rate / curvature(p, s)
+        new = s - rate / change
         if not low < new < high:
             new = 0.5 * (low + high)
         if abs(new - s) < CLOSE:
@@ -149,24 +205,16 @@ def rest_within(p):
 
 
 @compiled
-def difference(p, q):
-    """Difference of two polynomials."""
-    p0, p1, p2, p3, p4, p5, p6, p7 = p
-    q0, q1, q2, q3, q4, q5, q6, q7 = q
-    return p0 - q0, p1 - q1, p2 - q2, p3 - q3, p4 - q4, p5 - q5, p6 - q6, p7 - q7
-
-
-@compiled
-def record_peak(w, beads, k, lane, rtol, state, records):
+def record_peak(w, beads, k, lane, rtol, state, records, kinks, count):
     """Record the first velocity maximum of bead k (from 0), if it is within the step."""
     at = k * LANES + lane
     before, after = w[V + LANES + at], w[NEW_V + LANES + at]
     forward = max(before, after)
     if forward <= max(REACHED, TOLERANCES * rtol) * w[SCALE + at]:
         return
-    own = motion(w, at)
-    behind = motion_of_slot(w, beads, k, lane)
-    ahead = motion_of_slot(w, beads, k + 2, lane)
+    own = motion_of_slot(w, beads, k + 1, lane, kinks, count)
+    behind = motion_of_slot(w, beads, k, lane, kinks, count)
+    ahead = motion_of_slot(w, beads, k + 2, lane, kinks, count)
     s = velocity_maximum(w, at, behind, own, ahead)
     if s > 1.0:
         return
@@ -174,13 +222,13 @@ def record_peak(w, beads, k, lane, rtol, state, records):
     records[RECORD_PEAK_TIME, k] = state[TIME, lane] + s * state[LENGTH, lane]
     # A bead that has left both neighbours keeps the velocity of the step's end.
     left = w[F8 + at] == 0.0 and acceleration_at(w, at, s, behind, own, ahead) == 0.0
-    records[RECORD_PEAK, k] = after if left else slope(own, s) / w[H + at]
+    records[RECORD_PEAK, k] = after if left else velocity(own, s) / w[H + at]
     if k > 0:
         state[PEAKS, lane] += 1.0
 
 
 @compiled
-def record_crossing(w, k, lane, rtol, state, records):
+def record_crossing(w, beads, k, lane, rtol, state, records, kinks, count):
     """Record when bead k (from 0) and the next one first have equal velocities."""
     at = k * LANES + lane
     here, there = LANES + at, 2 * LANES + at
@@ -193,14 +241,15 @@ def record_crossing(w, k, lane, rtol, state, records):
         touching = touching or rest + (w[x + here] - w[x + there]) > REACHED * sizes
     if not touching:
         return
-    between = difference(motion(w, at), motion(w, at + LANES))
-    s = rest_within(between)
+    behind = motion_of_slot(w, beads, k + 1, lane, kinks, count)
+    ahead = motion_of_slot(w, beads, k + 2, lane, kinks, count)
+    s = rest_within(behind, ahead)
     if s > 1.0:
         return
     after = s * state[LENGTH, lane]
     w[CROSSED + at] = 1.0
     records[RECORD_CROSSING, k] = state[TIME, lane] + after
-    records[RECORD_OVERLAP, k] = max(0.0, rest + value(between, s))
+    records[RECORD_OVERLAP, k] = max(0.0, rest + (position(behind, s) - position(ahead, s)))
     # Counted from the previous crossing, because a difference of two times loses digits.
     if state[LAST_CROSSING, lane] == k - 1:
         records[RECORD_RESIDENCE, k] = state[SINCE_CROSSING, lane] + after
@@ -210,7 +259,7 @@ def record_crossing(w, k, lane, rtol, state, records):
 
 
 @compiled
-def record_events(w, beads, rtol, state, good, which, records):
+def record_events(w, beads, rtol, state, good, which, records, kinks, count):
     """Record the marked events of lanes whose step is accepted."""
     for lane in range(LANES):
         if good[lane] == 0.0 or which[lane] < 0:
@@ -219,27 +268,30 @@ def record_events(w, beads, rtol, state, good, which, records):
         for k in range(beads):
             mark = w[FLAG + k * LANES + lane]
             if mark == 1.0 or mark == 3.0:
-                record_peak(w, beads, k, lane, rtol, state, own)
+                record_peak(w, beads, k, lane, rtol, state, own, kinks, count)
             if mark >= 2.0:
-                record_crossing(w, k, lane, rtol, state, own)
+                record_crossing(w, beads, k, lane, rtol, state, own, kinks, count)
+
+
+@inlined
+def contact_at(w, at, s, behind, ahead):
+    """Force of a contact and its rate at the fraction s of a step."""
+    overlap = w[AT_REST + at] + (position(behind, s) - position(ahead, s))
+    force = force_of(w, at, overlap)
+    if not force > 0.0:
+        return 0.0, 0.0
+    return force, w[EXPONENT + at] * force / overlap * (velocity(behind, s) - velocity(ahead, s))
 
 
 @compiled
 def gauge_at(w, one, two, s, motions):
     """Force of a gauge and its rate at the fraction s of a step, from the motions of its beads."""
     behind, ahead, next_behind, next_ahead = motions
-    force, rate = 0.0, 0.0
-    overlap = w[AT_REST + one] + (value(behind, s) - value(ahead, s))
-    own = force_of(w, one, overlap)
-    if own > 0.0:
-        force += 0.5 * own
-        rate += w[EXPONENT + one] * own / overlap * (slope(behind, s) - slope(ahead, s))
-    overlap = w[AT_REST + two] + (value(next_behind, s) - value(next_ahead, s))
-    own = force_of(w, two, overlap)
-    if own > 0.0:
-        force += 0.5 * own
-        rate += w[EXPONENT + two] * own / overlap * (slope(next_behind, s) - slope(next_ahead, s))
-    return force, rate
+    force, rate = contact_at(w, one, s, behind, ahead)
+    if one == two:
+        return force, rate
+    other, change = contact_at(w, two, s, next_behind, next_ahead)
+    return 0.5 * (force + other), 0.5 * (rate + change)
 
 
 @compiled
@@ -249,36 +301,47 @@ def gauge_rate(w, one, two, x, v):
 
 
 @compiled
-def largest_within(w, beads, lane, first, second):
+def largest_within(w, beads, lane, first, second, kinks, count):
     """Largest force of a gauge within a step, and the fraction of the step."""
     one, two = first * LANES + lane, second * LANES + lane
-    motions = (
-        motion_of_slot(w, beads, first, lane),
-        motion_of_slot(w, beads, first + 1, lane),
-        motion_of_slot(w, beads, second, lane),
-        motion_of_slot(w, beads, second + 1, lane),
-    )
+    behind = motion_of_slot(w, beads, first, lane, kinks, count)
+    ahead = motion_of_slot(w, beads, first + 1, lane, kinks, count)
+    motions = behind, ahead, behind, ahead
+    if one != two:
+        motions = (
+            behind,
+            ahead,
+            motion_of_slot(w, beads, second, lane, kinks, count),
+            motion_of_slot(w, beads, second + 1, lane, kinks, count),
+        )
     top, best = -1.0, 0
     for part in range(PARTS + 1):
         force, _ = gauge_at(w, one, two, part / PARTS, motions)
         if force > top:
             top, best = force, part
     low, high = max(best - 1, 0) / PARTS, min(best + 1, PARTS) / PARTS
-    for _ in range(ITERATIONS):
-        middle = 0.5 * (low + high)
-        _, rate = gauge_at(w, one, two, middle, motions)
-        if rate > 0.0:
-            low = middle
-        else:
-            high = middle
-        if high - low < CLOSE:
-            break
-    force, _ = gauge_at(w, one, two, high, motions)
-    return force, high
+    rising, falling = (
+        gauge_at(w, one, two, low, motions)[1],
+        gauge_at(w, one, two, high, motions)[1],
+    )
+    s = low if not rising > 0.0 else high
+    if rising > 0.0 > falling:
+        for _ in range(ITERATIONS):
+            # A secant, with the Illinois rule, which halves the rate at an end that remains.
+            s = low + (high - low) * rising / (rising - falling)
+            _, rate = gauge_at(w, one, two, s, motions)
+            if rate > 0.0:
+                low, rising, falling = s, rate, 0.5 * falling
+            else:
+                high, falling, rising = s, rate, 0.5 * rising
+            if high - low < CLOSE or abs(rate) < FLAT * top:
+                break
+    force, _ = gauge_at(w, one, two, s, motions)
+    return force, s
 
 
 @compiled
-def record_largest(w, beads, lane, first, second, start, end, top, state, gauge):
+def record_largest(w, beads, lane, first, second, start, end, top, state, gauge, kinks, count):
     """Update the largest force of a gauge; ``top`` is the largest at the stages of the step."""
     one, two = first * LANES + lane, second * LANES + lane
     time, h = state[TIME, lane], state[LENGTH, lane]
@@ -286,7 +349,7 @@ def record_largest(w, beads, lane, first, second, start, end, top, state, gauge)
     if not turns and end > 0.0:
         turns = gauge_rate(w, one, two, NEW_X, NEW_V) <= 0.0 < gauge_rate(w, one, two, X, V)
     if turns:
-        force, s = largest_within(w, beads, lane, first, second)
+        force, s = largest_within(w, beads, lane, first, second, kinks, count)
         if force > gauge[PEAK]:
             gauge[PEAK], gauge[PEAK_TIME] = force, time + s * h
     if end > gauge[PEAK]:

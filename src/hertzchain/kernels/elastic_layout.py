@@ -13,7 +13,7 @@ LANES = 4
 ROW = 8 * (4096 + 5)
 (X, TRIAL, NEW_X, V, NEW_V, FORCE, F0, F1, F2, F3, F4, F5, F6, F7, F8, AT_REST, STIFFNESS,
  EXPONENT, BODY, INVERSE_MASS, H, PEAKED, CROSSED, FLAG, SPEED, NEAR, SCALE, NOISE, WORK,
- END_OF_ROWS) = range(0, 30 * ROW, ROW)  # fmt: skip
+ DEFECT, END_OF_ROWS) = range(0, 31 * ROW, ROW)  # fmt: skip
 # A step uses up to seven entries per lane in addition to the beads.
 MOST_BEADS = ROW // LANES - 7
 
@@ -47,6 +47,13 @@ GAUGE_ROWS = MAXIMUM_0 + 2 * KEPT_MAXIMA
 # Reasons for the end of a chain; 0 while it is running.
 (PULSE_LEFT, TIME_REACHED, WALL_DONE, TRANSIT_LIMIT, NOTHING_MORE, STEP_LIMIT,
  STEP_TOO_SMALL) = range(1, 8)  # fmt: skip
+
+# Entries of a kink (`hertzchain.kernels.elastic_kinks`): entry of the contact in the rows, sign
+# of the time, time since closing or until opening, coefficients, inverse masses of both beads,
+# and the defects of stages 1 to 7 (entry 0 is unused), of the end of the step and of its error.
+KINK_AT, KINK_SIGN, KINK_Q, KINK_A, KINK_B, KINK_LEFT, KINK_RIGHT, KINK_SHIFT = range(8)
+KINK_SHIFT_X, KINK_SHIFT_V, KINK_ERROR, KINK_ROWS = range(KINK_SHIFT + 8, KINK_SHIFT + 12)
+MOST_KINKS = 32
 
 # Entries of `signal`: set the first one to stop; the second counts chains that have ended.
 STOP, DONE = 0, 1

@@ -10,8 +10,10 @@ from numba import njit
 
 from .compilation import CONTRACTED
 from .elastic_forces import forces
+from .elastic_kinks import shift
 from .elastic_layout import (
     CROSSED,
+    DEFECT,
     F0,
     F1,
     F2,
@@ -24,6 +26,11 @@ from .elastic_layout import (
     FASTEST,
     FLAG,
     FORCE,
+    KINK_AT,
+    KINK_ERROR,
+    KINK_SHIFT,
+    KINK_SHIFT_V,
+    KINK_SHIFT_X,
     LANES,
     NEAR,
     NEW_V,
@@ -47,7 +54,7 @@ summing = njit(forceinline=True, **(CONTRACTED | {"fastmath": True}))
 
 STAGES = 9
 # Safety factor, and bounds of the change of the step.
-SAFETY, SHRINKAGE, GROWTH = 0.85, 0.1, 4.0
+SAFETY, SHRINKAGE, GROWTH = 0.8, 0.1, 4.0
 # Speeds below this fraction of that of the fastest bead in contact are not resolved; smallest
 # scale.
 SLOW, SMALLEST = 1e-4, 1e-290
@@ -67,6 +74,7 @@ def keep(w, places, pushes, stage):
 @inlined
 def accelerate(w, low, high, out, stage, hertz, gauges):  # noqa: ARG001
     """Accelerations at a stage, and the forces of the gauges, which ignore stage 1."""
+    shift(w, TRIAL, gauges[2], gauges[3], KINK_SHIFT + stage)
     forces(w, high // LANES, TRIAL, out, hertz)
     if stage > 1:
         keep(w, gauges[0], gauges[1], stage)
@@ -82,9 +90,11 @@ place_and_press, velocity_error = step_on(
 
 
 @inlined
-def try_step(w, beads, hertz, places, pushes):
+def try_step(w, beads, hertz, places, pushes, kinks, count):
     """Positions, velocities and accelerations at the end of a step of each lane."""
-    place_and_press(w, 0, beads * LANES, None, hertz, (places, pushes))
+    place_and_press(w, 0, beads * LANES, None, hertz, (places, pushes, kinks, count))
+    shift(w, NEW_X, kinks, count, KINK_SHIFT_X)
+    shift(w, NEW_V, kinks, count, KINK_SHIFT_V)
     forces(w, beads, NEW_X, F8, hertz)
     keep(w, places, pushes, 8)
 
@@ -142,7 +152,7 @@ def estimate(w, beads, rtol, lane):
         a = a if a > b else b
         a = a if a > c else c
         w[SCALE + i] = a
-        w[WORK + i] = abs(w[H + i] * velocity_error(w, i, F0, F8)) / a
+        w[WORK + i] = abs(w[H + i] * (velocity_error(w, i, F0, F8) + w[DEFECT + LANES + i])) / a
     for i in range(size):
         falls = (w[F2 + i] <= 0.0) | (w[F3 + i] <= 0.0) | (w[F4 + i] <= 0.0) | (w[F5 + i] <= 0.0)
         falls = falls | (w[F6 + i] <= 0.0) | (w[F7 + i] <= 0.0) | (w[F8 + i] <= 0.0)
@@ -156,10 +166,15 @@ def estimate(w, beads, rtol, lane):
 
 
 @compiled
-def take_step(w, beads, hertz, rtol, places, pushes, state):
+def take_step(w, beads, hertz, rtol, places, pushes, state, kinks, count):
     """Try a step of each lane and return the result of `estimate`."""
-    try_step(w, beads, hertz, places, pushes)
-    return estimate(w, beads, rtol, state)
+    try_step(w, beads, hertz, places, pushes, kinks, count)
+    shift(w, DEFECT, kinks, count, KINK_ERROR)
+    events = estimate(w, beads, rtol, state)
+    for n in range(count):
+        at = int(kinks[n, KINK_AT])
+        w[DEFECT + at] = w[DEFECT + LANES + at] = 0.0
+    return events
 
 
 @inlined

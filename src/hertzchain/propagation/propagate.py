@@ -21,6 +21,7 @@ from ..chain.feature_support import require_supported
 from ..chain.hertz_range import warn_outside_hertz
 from ..collision import HERTZ_EXPONENT, Array
 from ..errors import InputError, SimulationError, short_repr
+from ..frozen import once
 from ..pulse.chain_units import warn_outside_hertz_once
 from ..pulse.pulse import Pulse
 from ..pulse.pulse_table import PulseTable
@@ -94,7 +95,8 @@ def propagate(
     _require_supported("propagate", chain)
     callback("progress", progress)
     rtol = checked_rtol(rtol)
-    batch, signal = Batch.of([chain]), np.zeros(2, np.int64)
+    signal = np.zeros(2, np.int64)
+    batch = _batch_of(chain) if chain.beads <= SHORT else Batch.of([chain])
     if chain.beads <= SHORT and progress is None:
         data = follow(batch, rtol, signal)
     else:
@@ -176,6 +178,12 @@ def propagate_many(
     table = ensemble.table()
     warn_outside_hertz_once(table)
     return table
+
+
+@once
+def _batch_of(chain: Chain) -> Batch:
+    """One chain as a batch."""
+    return Batch.of([chain])
 
 
 def _require_supported(method: str, chain: Chain) -> None:

@@ -28,6 +28,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..collision import HERTZ_EXPONENT, Array
+from ..frozen import once
 from .batch import (
     COLUMNS,
     STOP,
@@ -147,6 +148,7 @@ def _together(*parts: Indices) -> Indices:
     return filled[0] if filled else parts[0]
 
 
+@once
 def _shapes(batch: Batch) -> tuple[NDArray[np.bool_], NDArray[np.bool_], NDArray[np.bool_]]:
     """Masks of tapers, of chains whose radii never shrink, and of nearly uniform chains.
 
@@ -184,6 +186,7 @@ def _spread_of_stiffness(batch: Batch, logs: Array, rates: Array, last: Indices)
     return found - np.minimum.reduceat(ratio, batch.first)
 
 
+@once
 def _laws(batch: Batch) -> Array:
     """Exponent of each chain that the window of few beads supports, otherwise `OTHER`."""
     p = batch.chain_exponents

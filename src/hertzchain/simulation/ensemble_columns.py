@@ -46,6 +46,8 @@ KEPT: Final[dict[str, Quantity]] = {
 OVERLAP_TIMES: Final = 1000
 # Factor of the tolerance for `simulate`, whose method has larger errors at equal tolerance.
 TIGHTER: Final = 0.1
+# Scratch arrays of the kernel that are not in use, by number of gauges.
+_SPARE: dict[int, list[tuple[Array, ...]]] = {}
 
 STATUS: Final[tuple[Status, ...]] = (
     "step limit", "pulse left", "time reached", "wall force complete", "transit limit",
@@ -103,13 +105,27 @@ def by_kernel(chains: Sequence[Chain], request: Request, signal: NDArray[np.int6
     summary = np.zeros((count, layout.SUMMARY))
     readings = np.zeros((count, len(places), layout.GAUGE_ROWS))
     limit = request.max_steps or max(2000 * beads, 1_000_000)
+    scratch = _scratch(kernel, layout, len(places), beads)
     kernel.follow(
         given.chains, given.numbers, places, request.rtol, float(limit), given.hertz,
-        given.walled, given.careful, records, summary, readings, signal,
-        *kernel.scratch_for(len(places)),
+        given.walled, given.careful, records, summary, readings, signal, *scratch,
     )  # fmt: skip
+    _SPARE.setdefault(len(places), []).append(scratch)
     found = _KernelResults(chains, given.chains, records, summary, readings)
     return found.outcome(request)
+
+
+def _scratch(kernel: Any, layout: Any, gauges: int, beads: int) -> tuple[Array, ...]:
+    """Zeros as scratch arrays of the kernel, if possible those of an earlier call."""
+    try:
+        rows, *others = scratch = _SPARE[gauges].pop()
+    except (KeyError, IndexError):
+        return tuple(kernel.scratch_for(gauges))
+    # The kernel uses up to seven entries per lane in addition to the beads.
+    rows.reshape(-1, layout.ROW)[:, : layout.LANES * (beads + 7)] = 0.0
+    for values in others:
+        values.fill(0)
+    return scratch
 
 
 class _KernelResults:

@@ -11,10 +11,11 @@ import numpy as np
 
 from ..chain.chain import Chain
 from ..chain.equilibrium import equilibrium
-from ..collision import HERTZ_EXPONENT, Array, collision_overlap, compression_time
-from .kernel_input import kernel_chain, static_closing
+from ..collision import HERTZ_EXPONENT, Array, compression_time
+from ..frozen import once
+from .kernel_input import static_closing
 from .time_scales import transit_times
-from .wall_bound import RIGHT, Target
+from .wall_bound import wall_targets
 
 # First step as a fraction of the time in which the pulse passes the first contact; smallest impulse
 # of a first contact with the wall as a fraction of the initial momentum.
@@ -39,15 +40,25 @@ def is_covered(chain: Chain, until: float | None) -> bool:
     if chain.beads > most or (chain.gravity != 0.0 and until is None):
         return False
     p = float(chain.contact_exponents.max())
-    mass = chain.masses[0] * chain.masses[1] / (chain.masses[0] + chain.masses[1])
-    with np.errstate(all="ignore"):
-        overlap = collision_overlap(mass, chain.stiffness[0], chain.velocities[0], p)
-    return p <= MAX_EXPONENT and MIN_OVERLAP < float(overlap) < MAX_OVERLAP
+    return p <= MAX_EXPONENT and MIN_OVERLAP < _first_overlap(chain, p) < MAX_OVERLAP
 
 
+def _first_overlap(chain: Chain, p: float) -> float:
+    """`hertzchain.collision.collision_overlap` of the first two beads, or NaN."""
+    # Plain numbers: this is called for each of many chains.
+    first, second = chain.masses.item(0), chain.masses.item(1)
+    energy = 0.5 * first * (second / (first + second)) * chain.velocities.item(0) ** 2
+    try:
+        return float(((p + 1.0) * energy / chain.stiffness.item(0)) ** (1.0 / (p + 1.0)))
+    except ArithmeticError:
+        return math.nan
+
+
+@once
 def kind_of(chain: Chain) -> tuple[int, bool, bool, bool]:
     """Length and features, which must be the same for all chains of one call of the kernel."""
-    hertz = bool((chain.contact_exponents == HERTZ_EXPONENT).all())
+    p = chain.contact_exponents
+    hertz = bool(p.min() == HERTZ_EXPONENT == p.max())
     careful = chain.gravity != 0.0 or chain.precompression > 0.0 or bool(chain.gaps.any())
     return chain.beads, hertz, chain.right_wall is not None, careful
 
@@ -106,6 +117,6 @@ def _add_static_state(chain: Chain, rows: Array) -> float:
     pushing = static.forces[:-1] + static.forces[1:]
     rows[layout.GIVEN_NOISE, :beads] = ROUNDING * pushing / chain.masses
     if chain.right_wall is not None:
-        target = Target(chain, RIGHT, kernel_chain(chain))  # type: ignore[arg-type]
+        target = wall_targets(chain)[-1]
         rows[layout.STATIC_FORCE], rows[layout.STATIC_OVERLAP] = target.forces, target.overlaps
     return float(transit_times(chain).min())

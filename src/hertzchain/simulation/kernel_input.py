@@ -10,6 +10,7 @@ from ..chain.chain import Chain
 from ..chain.equilibrium import equilibrium
 from ..collision import Array
 from ..errors import InputError
+from ..frozen import once
 from .drive_pieces import drive_pieces
 from .kernel_laws import kernel_laws
 
@@ -20,6 +21,7 @@ if TYPE_CHECKING:
 PLAIN_FEATURES: Final = frozenset({"SI units", "masses", "stiffness", "strikers", "velocities"})
 
 
+@once
 def kernel_chain(chain: Chain) -> DefaultChain | GeneralChain:
     """Parameters of the equation of motion of a chain, for the compiled loop."""
     from ..kernels.driving import MOVING_WALL, NOTHING, PUSH

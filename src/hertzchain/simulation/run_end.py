@@ -8,7 +8,7 @@ left.  With ``until``, the run stops at that time, and walls are watched in the 
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any, Literal
+from typing import Any, Literal
 
 import numpy as np
 
@@ -17,9 +17,6 @@ from ..collision import Array
 from ..kernels import state_layout
 from .wall_bound import RIGHT
 from .wall_watch import CHECKS, WallWatch
-
-if TYPE_CHECKING:
-    from ..kernels.forces import DefaultChain, GeneralChain
 
 Status = Literal[
     "pulse left", "time reached", "wall force complete", "transit limit", "nothing more happens",
@@ -38,7 +35,6 @@ class RunEnd:
         self,
         chain: Chain,
         arrays: dict[str, Array],
-        equation: DefaultChain | GeneralChain,
         until: float | None,
         checks: int = CHECKS,
     ) -> None:
@@ -47,7 +43,7 @@ class RunEnd:
         self.struck = bool(chain.velocities[0] > 0.0) and chain.drive is None
         self.watch: WallWatch | None = None
         if any(chain.wall_stiffness):
-            self.watch = WallWatch(chain, arrays, equation, checks)  # type: ignore[arg-type]
+            self.watch = WallWatch(chain, arrays, checks)
 
     def goal(self) -> tuple[float, bool]:
         """Time at which the next call ends, and whether it ends earlier if the pulse has left."""

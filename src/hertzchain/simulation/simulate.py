@@ -138,9 +138,7 @@ def simulate(
         until = number("until", until, unit=chain._unit("s"), above=0.0)
         check_length(chain, until)
     fixed = fixed_steps(chain, method, step, drift, until)
-    usual = max(STEPS_PER_BEAD * chain.beads, MIN_STEP_LIMIT)
-    if fixed is not None:
-        usual = MAX_FIXED_STEPS
+    usual = max(STEPS_PER_BEAD * chain.beads, MIN_STEP_LIMIT) if fixed is None else MAX_FIXED_STEPS
     limit = usual if max_steps is None else whole_number("max_steps", max_steps, least=1)
     check_clock(chain)
     if start is None:
@@ -159,7 +157,8 @@ def simulate(
         run = _integrate(chain, start, until, frames, rtol, limit, progress, fixed)
     if check and not run.success:
         raise SimulationError(run.message)
-    warn_outside_hertz(chain, run.largest_overlaps)
+    if chain.materials is not None:
+        warn_outside_hertz(chain, run.largest_overlaps)
     return run
 
 
@@ -306,7 +305,7 @@ def _integrate(
     going = _Integration(chain, start, frames, rtol, fixed)
     kernel, counts = going.kernel, going.counts
     checks = CHECKS if fixed is None or until is None else FEW_CHECKS
-    end = RunEnd(chain, going.state.arrays, going.equation, until, checks)
+    end = RunEnd(chain, going.state.arrays, until, checks)
     first = int(counts[state_layout.STEPS])
     status: Status | None = None
     # Keep the state before the last, shortened step, so that a longer run resumes bit for bit.

@@ -11,6 +11,7 @@ from ..chain.chain import Chain
 from ..chain.equilibrium import equilibrium
 from ..collision import Array, compression_time, reduced_mass
 from ..errors import InputError, InputWarning, warn_user
+from ..frozen import once
 from .drive_pieces import drive_pieces
 
 # Smallest contact time: steps are fractions of it, which must be representable.
@@ -66,6 +67,18 @@ def transit_times(chain: Chain, energy: float | None = None) -> Array:
     contact; and the duration of the pieces of the drive.  It determines the first step and the
     spacing of saved times.
     """
+    return _first_times(chain) if energy is None else _times(chain, energy)
+
+
+@once
+def _first_times(chain: Chain) -> Array:
+    times = _times(chain, None)
+    times.setflags(write=False)
+    return times
+
+
+def _times(chain: Chain, energy: float | None) -> Array:
+    """`transit_times`, of the motion at the start unless an energy is given."""
     masses, p = chain.masses, chain.exponents
     reduced = reduced_mass(masses[:-1], masses[1:])
     times = np.full(chain.beads - 1, np.inf)

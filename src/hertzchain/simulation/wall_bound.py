@@ -24,7 +24,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -32,7 +32,9 @@ from ..chain.chain import Chain
 from ..chain.contact_groups import loading_overlaps
 from ..chain.equilibrium import equilibrium
 from ..collision import Array
+from ..frozen import once
 from ..kernels.law_kinds import DAMPED
+from .kernel_input import kernel_chain
 
 if TYPE_CHECKING:
     from ..kernels.forces import GeneralChain
@@ -106,3 +108,11 @@ class Target:
         speed = math.sqrt(2.0 * energy / float(self.masses[-1]))
         damping = self.damping * depth ** self.powers[0] * speed ** self.powers[1]
         return float((self.law.loading_force(depth, self.wall) + damping)[0])
+
+
+@once
+def wall_targets(chain: Chain) -> tuple[Target, ...]:
+    """The walls of a chain, the left one first."""
+    equation: Any = kernel_chain(chain)
+    sides = [side for side, stiffness in enumerate(chain.wall_stiffness) if stiffness > 0.0]
+    return tuple(Target(chain, side, equation) for side in sides)

@@ -13,7 +13,7 @@ result, so that a resumed run gives the same result.
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 import numpy as np
 
@@ -23,10 +23,7 @@ from ..collision import Array
 from ..kernels import state_layout
 from .budget import overlaps_of, stored_energy
 from .time_scales import transit_times
-from .wall_bound import RIGHT, Approach, Target
-
-if TYPE_CHECKING:
-    from ..kernels.forces import GeneralChain
+from .wall_bound import RIGHT, Approach, Target, wall_targets
 
 # Time for which the bound must have been below the peak, and maximum length of a run, in transits;
 # number of checks per transit.
@@ -43,11 +40,8 @@ ROUNDING, RELEASED = 1e-9, 1e-3
 class WallWatch:
     """The walls of a chain during a run; ``arrays`` are the arrays of its state."""
 
-    def __init__(
-        self, chain: Chain, arrays: dict[str, Array], equation: GeneralChain, checks: int = CHECKS
-    ) -> None:
-        sides = [side for side, stiffness in enumerate(chain.wall_stiffness) if stiffness > 0.0]
-        self.targets = [Target(chain, side, equation) for side in sides]
+    def __init__(self, chain: Chain, arrays: dict[str, Array], checks: int = CHECKS) -> None:
+        self.targets = wall_targets(chain)
         self.chain, self.arrays, self.rest = chain, arrays, equilibrium(chain).positions
         self.clock, self.walls = arrays["clock"], arrays["walls"]
         self.completion, self.checks = arrays["completion"], checks

@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import warnings
 from collections.abc import Callable, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 from typing import Any, Final
 
@@ -16,7 +17,9 @@ from ..errors import InputError, InputWarning
 from ..simulation.simulate_many import simulate_many
 from ..store.journal import Journal
 from . import exact_gradients
+from .exact_gradients import value_in_whole_run
 from .finite_differences import STEP_RTOL, differences
+from .measures import Measure
 from .models import by_model
 from .problem import Design
 from .requirements import TOLERANCE, violation
@@ -168,6 +171,9 @@ class Trials:
         kept: Any = [chains[i] for i in real]
         if self.problem.model != "simulation":
             return by_model(self.problem.model, chains, self.measures, self._reject)
+        for j, each in enumerate(self.measures):
+            if each.of_whole_run:
+                values[real, j] = self._of_whole_runs(each, kept, rtol)
         if names and kept:
             table = simulate_many(
                 kept, keep=sorted(names), rtol=rtol, until=self.problem.until,
@@ -176,9 +182,20 @@ class Trials:
             for reason in table.reasons.values():
                 self._reject(reason)
             for j, each in enumerate(self.measures):
-                if not each.of_chain:
+                if each.columns:
                     values[real, j] = each.from_table(table)
         return values
+
+    def _of_whole_runs(self, measure: Measure, chains: Sequence[Chain], rtol: float) -> list[float]:
+        """Values of a measure that `simulate_many` does not give."""
+
+        def value(chain: Chain) -> float:
+            return value_in_whole_run(measure, chain, self.problem.until, rtol)
+
+        with ThreadPoolExecutor(self.threads) as executor:
+            found = list(executor.map(value, chains))
+        self._progress()
+        return found
 
     def _values(self, points: Sequence[Any], rtol: float) -> Array:
         chains = [self.chain_of(point) for point in points]

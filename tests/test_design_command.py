@@ -90,6 +90,26 @@ def test_a_search_that_is_killed_ten_times_gives_the_same_result(file, tmp_path)
         assert again[key] == whole[key]
 
 
+def test_a_compilation_is_announced_and_can_be_interrupted(file, tmp_path):
+    """The compiler itself cannot be interrupted."""
+    cache = {"NUMBA_CACHE_DIR": str(tmp_path / "cache"), "PYTHONUNBUFFERED": "1"}
+    command = [sys.executable, "-m", "hertzchain", "design", str(file)]
+    with subprocess.Popen(
+        command, stderr=subprocess.PIPE, text=True, cwd=tmp_path, env=os.environ | cache
+    ) as process:
+        lines = []
+        while not any("compiling once" in line for line in lines):
+            lines.append(process.stderr.readline())
+            assert lines[-1], lines
+        time.sleep(1.0)
+        process.send_signal(signal.SIGINT)
+        began = time.monotonic()
+        rest = process.communicate(timeout=60)[1]
+    assert time.monotonic() - began < 2.0
+    assert process.returncode == 130
+    assert rest.count("run the same command again to resume") == 1
+
+
 def test_another_problem_does_not_use_the_same_store(tmp_path):
     hc.design(problem(), budget=50, store=tmp_path / "store")
     with pytest.raises(hc.InputError, match="belongs to another problem"):

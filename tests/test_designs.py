@@ -507,6 +507,19 @@ def test_a_later_and_larger_maximum_is_reported():
     assert verified.notes == ()
 
 
+def test_the_largest_velocity_of_the_whole_run_can_be_minimised():
+    """Unlike the first maximum, it cannot be evaded by a small precursor."""
+    problem = hc.Design(
+        hc.Chain.uniform(14), minimise="largest_velocity@11", vary=[hc.vary.radii(0.3, 3.0)]
+    )
+    found = hc.design(problem, budget=150, method="gradient")
+    times = np.linspace(0.0, 80.0, 40_001)
+    speed = trajectory(found.chain, times).velocities[:, 10]
+    assert found.value == pytest.approx(speed.max(), rel=1e-5)
+    assert not any("moves faster later" in note for note in found.notes)
+    assert found.value < 0.7 * min(map(found.objective_of, found.references.values()))
+
+
 def test_results_are_exported(softest, tmp_path):
     data = softest.to_dataset()
     assert float(data["wall_force_peak"].sel(design="result")) == softest.value

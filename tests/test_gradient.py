@@ -7,6 +7,7 @@ import warnings
 import numpy as np
 import pytest
 from long_double_steps import derivative
+from scipy_chain import trajectory
 
 import hertzchain as hc
 from hertzchain.errors import IncompleteWarning, InputError
@@ -449,6 +450,160 @@ def test_a_window_does_not_change_gradients_of_the_pulse(kind):
     assert window["radii"] == pytest.approx(whole["radii"], abs=window.error * largest)
     other = hc.simulate(chain, times=0, rtol=1e-11).pulse().velocity[44]
     assert window.value == pytest.approx(other, rel=1e-8)
+
+
+def rough_chains():
+    """Chains whose neighbours differ as much as a window allows, and tapers."""
+    rng = np.random.default_rng(5)
+    beads = np.arange(60)
+    logs = {
+        "backward": 0.1 * beads[:30],
+        "sine": 0.5 * np.sin(beads / 4.0),
+        "walk": np.cumsum(rng.normal(0.0, 0.05, 60)),
+        "rough": rng.normal(0.0, 0.04, 60),
+    }
+    return {name: hc.Chain.from_radii(np.exp(each - each[0])) for name, each in logs.items()}
+
+
+@pytest.mark.parametrize("rtol", [1e-7, None, 1e-9])
+@pytest.mark.parametrize("name", rough_chains())
+def test_errors_in_a_window_are_at_most_those_stated(recorded, name, rtol):
+    """Reference: all beads, with a tolerance at which differences of rtol do not matter."""
+    chain = rough_chains()[name]
+    bead = chain.beads - 4
+    names = [f"pulse.{each}@{bead}" for each in ("velocity", "arrival", "residence", "peak_force")]
+    to = ("radii", "masses", "stiffness", "gaps", "velocities")
+    found = hc.gradients(chain, names, to=to, rtol=rtol)
+    window = recorded["window"]
+    assert window is not None
+    assert name == "rough" or len(window.blocks[0].releases) > 5
+    until = 1.3 * hc.propagate(chain).peak_time[-1]
+    for each, exact in zip(
+        found, hc.gradients(chain, names, to=to, until=until, rtol=1e-12), strict=True
+    ):
+        assert each.value == pytest.approx(exact.value, rel=0.1 * each.error)
+        for key in to:
+            error = np.abs(each[key] - exact[key]).max() / np.abs(exact[key]).max()
+            assert error < each.error < 5e-3, (each.quantity, key)
+
+
+def released_state(w):
+    """Rows of the kernels with a window of four beads, of which the second contact opens soon."""
+    from hertzchain.kernels import adjoint_layout as layout
+
+    rng = np.random.default_rng(8)
+    for c in range(6):
+        w[layout.STIFFNESS + c] = rng.uniform(0.8, 1.2)
+        w[layout.EXPONENT + c] = 1.5
+        w[layout.INVERSE_MASS + c] = rng.uniform(0.8, 1.2)
+    w[layout.X + 1 : layout.X + 5] = [0.9, 0.62, 0.6, 0.0]
+    w[layout.V + 1 : layout.V + 5] = [0.1, 0.2, 0.6, 0.5]
+    return w
+
+
+def released_sum(change, weights):
+    """A linear function of the state after contact 2 has been released."""
+    from hertzchain.kernels import adjoint_layout as layout
+    from hertzchain.kernels import adjoint_release as kernel
+
+    w = released_state(np.zeros(layout.END_OF_ROWS))
+    for entry, size in change.items():
+        w[entry] += size
+    out = np.zeros(layout.RELEASE)
+    assert kernel.release(w, 2, 7, out)
+    states = np.r_[w[layout.X + 1 : layout.X + 5], w[layout.V + 1 : layout.V + 5]]
+    return states @ weights, w, out
+
+
+def test_the_release_of_a_contact_has_the_derivatives_of_its_differences():
+    from hertzchain.kernels import adjoint_layout as layout
+    from hertzchain.kernels import adjoint_release as kernel
+
+    weights = np.random.default_rng(9).normal(size=8)
+    _, _, out = released_sum({}, weights)
+    w = released_state(np.zeros(layout.END_OF_ROWS))
+    w[layout.LX : layout.LX + 4], w[layout.LV : layout.LV + 4] = weights[:4], weights[4:]
+    kernel.reverse_release(w, out)
+    entries = [(layout.X + 1 + i, w[layout.LX + i]) for i in range(4)]
+    entries += [(layout.V + 1 + i, w[layout.LV + i]) for i in range(4)]
+    entries += [(layout.STIFFNESS + c, w[layout.BY_STIFFNESS + c]) for c in (1, 2, 3)]
+    # The masses are stored as inverses, and their derivatives as those by logarithms.
+    entries += [
+        (layout.INVERSE_MASS + i, -w[layout.BY_MASS + i] / w[layout.INVERSE_MASS + i])
+        for i in (1, 2, 3)
+    ]
+    for entry, derivative_found in entries:
+        size = 1e-5
+        above, below = (released_sum({entry: sign * size}, weights)[0] for sign in (1.0, -1.0))
+        assert derivative_found == pytest.approx((above - below) / (2.0 * size), abs=2e-8)
+
+
+def test_a_released_contact_gives_the_motion_of_the_complete_force():
+    """Reference: SciPy's DOP853 until the contact is open."""
+    from scipy.integrate import solve_ivp
+
+    from hertzchain.kernels import adjoint_layout as layout
+
+    _, after, _ = released_sum({}, np.zeros(8))
+    before = released_state(np.zeros(layout.END_OF_ROWS))
+    k = before[layout.STIFFNESS + 1 : layout.STIFFNESS + 4]
+    inverse = before[layout.INVERSE_MASS : layout.INVERSE_MASS + 4]
+
+    def motion(w, released):
+        def rates(_, y):
+            d = np.maximum(y[:3] - y[1:4], 0.0)
+            d[1] *= not released
+            forces = np.pad(k * d**1.5, 1)
+            return np.r_[y[4:], -np.diff(forces) * inverse]
+
+        start = np.r_[w[layout.X + 1 : layout.X + 5], w[layout.V + 1 : layout.V + 5]]
+        return solve_ivp(rates, (0.0, 0.3), start, method="DOP853", rtol=1e-12, atol=1e-14).y[:, -1]
+
+    whole, closed_form = motion(before, False), motion(after, True)
+    # The bead behind keeps its velocity: it no longer affects those ahead.
+    assert np.abs(whole - closed_form)[[2, 3, 6, 7]].max() < 2e-6
+
+
+def top_of(samples):
+    """Maximum of the parabola through the largest sample and its neighbours."""
+    n = int(samples.argmax())
+    if n == 0:
+        return samples[0]
+    before, top, after = samples[n - 1 : n + 2]
+    return top + (after - before) ** 2 / (8.0 * (2.0 * top - before - after))
+
+
+@pytest.mark.parametrize("loss", [None, hc.Viscoelastic(0.02)])
+def test_the_largest_velocity_of_the_whole_run_is_that_of_scipy(loss):
+    """A later maximum can be larger than the first; reference: SciPy's DOP853 at many times."""
+    chain = hc.Chain.from_radii([1.0, 0.4, 0.9, 0.35, 0.8, 0.5, 0.7, 0.6])
+    chain = chain.replace(right_wall=hc.Wall(), loss=loss)
+    times = np.linspace(0.0, 30.0, 20_001)
+    motion = trajectory(chain, times).velocities
+    later = 0
+    for bead in (1, 2, 4, 8):
+        found = hc.gradient(chain, "bead.largest_velocity", bead=bead, until=30.0)
+        assert found.value == pytest.approx(top_of(motion[:, bead - 1]), rel=1e-7)
+        first = hc.gradient(chain, "pulse.velocity", bead=bead, until=30.0).value
+        later += found.value > 1.01 * first
+        energy = hc.gradient(chain, "bead.largest_energy", bead=bead, until=30.0).value
+        assert energy == pytest.approx(0.5 * chain.masses[bead - 1] * found.value**2)
+    assert later
+
+
+def test_the_largest_velocity_has_the_derivatives_of_its_differences():
+    chain = hc.Chain.from_radii([1.0, 0.7, 0.9, 0.6, 0.8, 0.75, 0.5])
+    for bead in (3, 6):
+        found = hc.gradient(chain, "bead.largest_velocity", bead=bead)
+
+        def largest(changed, bead=bead):
+            times = np.linspace(0.0, 40.0, 4001)
+            run = hc.simulate(changed, until=40.0, times=times, rtol=1e-12)
+            return run.velocity_peaks(bead).velocities.max()
+
+        for k in (1, 4):
+            reference = differences(chain, largest, radius_changed(k), 1e-4)
+            assert found["radii"][k] == pytest.approx(reference, abs=2e-5)
 
 
 def test_maxima_include_the_largest_one():

@@ -8,6 +8,7 @@ from typing import Any
 import click
 
 from .exit_codes import DONE, OUTSIDE_TOLERANCE
+from .interrupts import exit_soon
 from .options import PICTURES, check_writable, with_width
 from .output import save_figure, show_json
 from .progress import progress_bar
@@ -73,14 +74,12 @@ def design(
     given = {"budget": budget, "method": method, "seed": seed}
     options |= {name: value for name, value in given.items() if value is not None}
     target = Path(f"{file.stem}.design") if store is None else store
-    with progress_bar("simulations" if _counts(options.get("budget")) else "seconds") as progress:
-        try:
-            result = hertzchain.design(
-                problem, store=target, threads=threads, progress=progress, **options
-            )
-        except KeyboardInterrupt:
-            click.echo(f"trials are in {target}; run the same command again to resume", err=True)
-            raise
+    unit = "simulations" if _counts(options.get("budget")) else "seconds"
+    resume = f"trials are in {target}; run the same command again to resume"
+    with progress_bar(unit) as progress, exit_soon(resume):
+        result = hertzchain.design(
+            problem, store=target, threads=threads, progress=progress, **options
+        )
     _write(result, out, plot)
     if as_json:
         from ..store import results

@@ -15,8 +15,8 @@ from ..chain.laws.velocity_power import VelocityPower
 from ..collision import Array
 from ..errors import IncompleteWarning, InputError, SimulationError
 from ..sensitivity.equation import has_gradient
-from ..sensitivity.gradient import gradients
-from .measures import PULSE, SHARES, Measure
+from ..sensitivity.gradient import gradients, quantity_values
+from .measures import LARGEST, PULSE, SHARES, Measure
 from .problem import Design
 from .size_space import SizeSpace
 
@@ -35,6 +35,7 @@ NAMES: Final = {
     "wall_force.duration": "wall_force.duration",
 }
 PEAK: Final = Measure("wall_force.peak")
+NOT_COVERED: Final = (InputError, SimulationError)
 
 
 def name_of(measure: Measure, beads: int) -> str | None:
@@ -43,6 +44,8 @@ def name_of(measure: Measure, beads: int) -> str | None:
         return None
     if measure.key in (*PULSE, *SHARES):
         return f"pulse.{SHARES.get(measure.key, measure.key)}@{measure.index(beads) + 1}"
+    if measure.key in LARGEST:
+        return f"bead.{measure.key}@{measure.index(beads) + 1}"
     return NAMES.get(measure.key)
 
 
@@ -71,6 +74,16 @@ def _start_varies(problem: Design) -> bool:
         moving & set(block.places.tolist()) for block in problem.space.blocks
         if block.field != "gaps"
     )  # fmt: skip
+
+
+def value_in_whole_run(measure: Measure, chain: Chain, until: float | None, rtol: float) -> float:
+    """Value of a measure of the whole run; NaN if it is incomplete or the run fails."""
+    name = str(name_of(measure, chain.beads))
+    try:
+        ((value, status),) = quantity_values(chain, [name], until=until, rtol=rtol)
+    except NOT_COVERED:
+        return float("nan")
+    return value if status == "complete" else float("nan")
 
 
 def slopes_by_field(problem: Design, chain: Chain) -> tuple[Array, dict[str, Array], int]:
@@ -188,6 +201,3 @@ def _models(problem: Design, sampled: Array, by_sample: Mapping[int, tuple[Array
         rows = range(len(problem.measures), len(values)) if _has_maxima(problem) else [column]
         found += [[i, values[row], *slopes[row]] for row in rows]
     return np.array(found)
-
-
-NOT_COVERED: Final = (InputError, SimulationError)

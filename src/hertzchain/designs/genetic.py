@@ -19,16 +19,12 @@ MUTATIONS, PATIENCE = 1.5, 30
 MAX_ENUMERATED: Final = 1e5
 
 
-def enumerate_all(trials: Trials) -> int:
-    """Try all choices; the number of trials."""
+def enumerate_all(trials: Trials) -> None:
+    """Try all choices."""
     space = trials.problem.space
     assert isinstance(space, BallSpace)
-    count = 0
     choices = _all_choices(space)
-    while batch := list(itertools.islice(choices, BATCH)):
-        trials.evaluate(batch)
-        count += len(batch)
-    return count
+    trials.evaluate_all(iter(lambda: list(itertools.islice(choices, BATCH)), []))
 
 
 def _all_choices(space: BallSpace) -> Iterator[Choice]:

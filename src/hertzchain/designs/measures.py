@@ -6,6 +6,8 @@ name                                                    meaning
 ``wall_force.peak``, ``.impulse``, ``.duration``        force on the right wall
 ``velocity@k``, ``momentum@k``, ``energy@k``,           leading pulse at bead k, or ``@last``
 ``arrival@k``, ``residence@k``, ``peak_force@k``
+``largest_velocity@k``, ``largest_momentum@k``,         at the largest forward velocity of bead k in
+``largest_energy@k``                                    the whole run
 ``energy_share@k``, ``momentum_share@k``                of the impact's energy or momentum
 ``largest_force``                                       of all contacts and walls in the whole run
 ``yield_ratio``, ``overlap_ratio``                      largest of `hertzchain.HertzRange` in the
@@ -30,6 +32,7 @@ from ..collision import Array
 from ..errors import InputError, short_repr, unknown_name_error
 from ..pulse.pulse import Pulse
 from ..pulse.quantities import QUANTITIES
+from ..sensitivity.equation import has_gradient
 from ..simulation.run_table import RunTable
 from ..validation.numbers import whole_number
 
@@ -39,13 +42,14 @@ WALL: Final = {
     "wall_force.duration": ("wall_duration", "s"),
 }
 PULSE: Final = ("velocity", "momentum", "energy", "arrival", "residence", "peak_force")
+LARGEST: Final = ("largest_velocity", "largest_momentum", "largest_energy")
 SHARES: Final = {"energy_share": "energy", "momentum_share": "momentum"}
 RANGE: Final[tuple[str, ...]] = ("yield_ratio", "overlap_ratio")
 OF_CHAIN: Final = {
     "length": "m", "mass": "kg", "beads": "1", "price": "1",
     "smallest_radius": "m", "largest_radius": "m",
 }  # fmt: skip
-AT_BEAD: Final = (*PULSE, *SHARES)
+AT_BEAD: Final = (*PULSE, *SHARES, *LARGEST)
 WORDS: Final = {
     "wall_force.peak": "peak force on the wall", "wall_force.impulse": "impulse on the wall",
     "wall_force.duration": "duration of the force on the wall", "largest_force": "largest force",
@@ -87,14 +91,20 @@ class Measure:
             return "1"
         if self.key in WALL:
             return WALL[self.key][1]
-        if self.key in PULSE:
-            return QUANTITIES[self.key].unit
+        if self.key in (*PULSE, *LARGEST):
+            return QUANTITIES[self.key.removeprefix("largest_")].unit
         return "N" if self.key == "largest_force" else OF_CHAIN.get(self.key, "1")
 
     @property
     def has_kinks(self) -> bool:
         """Whether it is the largest of several peaks, so that its derivatives jump."""
-        return self.key in ("wall_force.peak", "wall_force.duration", "largest_force", *RANGE)
+        kinks = ("wall_force.peak", "wall_force.duration", "largest_force", *RANGE, *LARGEST)
+        return self.key in kinks
+
+    @property
+    def of_whole_run(self) -> bool:
+        """Whether it is read from the integration of `hertzchain.gradient`."""
+        return self.key in LARGEST
 
     @property
     def columns(self) -> tuple[str, ...]:
@@ -103,6 +113,8 @@ class Measure:
             return (*self._numerator.columns, *self.over.columns)
         if self.key in WALL:
             return (WALL[self.key][0],)
+        if self.of_whole_run:
+            return ()
         if self.key in AT_BEAD:
             return (SHARES.get(self.key, self.key),)
         return () if self.of_chain else ("largest_overlap",)
@@ -113,7 +125,7 @@ class Measure:
 
     def index(self, beads: int) -> int:
         """Index in an array of a chain with this number of beads."""
-        name = SHARES.get(self.key, self.key)
+        name = SHARES.get(self.key, self.key).removeprefix("largest_")
         count = beads - (QUANTITIES[name].per == "contact")
         return (self.bead or count) - 1
 
@@ -124,9 +136,14 @@ class Measure:
         if self.key in WALL and chain.right_wall is None:
             raise InputError(f"{self} needs a right wall, and the right end of this chain is free")
         if self.key in AT_BEAD and self.index(chain.beads) >= chain.beads - (
-            QUANTITIES[SHARES.get(self.key, self.key)].per == "contact"
+            self.key in ("residence", "peak_force")
         ):
             raise InputError(f"{self}: this chain has {chain.beads} beads")
+        if self.of_whole_run and not has_gradient(chain):
+            raise InputError(
+                f"{self} needs a chain that hc.gradient accepts: without drive, elastic or with "
+                "the loss Viscoelastic, Restitution or Dashpot"
+            )
         if self.key == "largest_force" and not chain.lossless:
             raise InputError(
                 "largest_force is computed from the largest overlaps of elastic contacts, and this "
@@ -215,7 +232,7 @@ def parse_measure(text: object) -> Measure:
     above, slash, below = text.partition("/")
     if slash:
         one, other = parse_measure(above), parse_measure(below)
-        if one.key not in AT_BEAD or other.key not in AT_BEAD:
+        if not {one.key, other.key} <= {*PULSE, *SHARES}:
             raise InputError(
                 f"{text!r} is a ratio, which both parts must be of the leading pulse, such as "
                 "'velocity@100/velocity@20'"

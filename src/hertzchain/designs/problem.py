@@ -102,8 +102,18 @@ class Design:
         if self.until is not None:
             until = number("until", self.until, unit=chain._unit("s"), above=0.0)
             object.__setattr__(self, "until", until)
+        self._check_end()
         self._check_prices()
         self._check_model()
+
+    def _check_end(self) -> None:
+        for each in self.measures:
+            returns = self.chain.right_wall is not None or self.chain.precompression > 0.0
+            if each.of_whole_run and self.until is None and (returns or self.chain.gravity):
+                raise InputError(
+                    f"{each} has no natural end in a chain with a right wall, precompression or "
+                    "gravity, because waves return; give until"
+                )
 
     def _check_model(self) -> None:
         check_choice("model", self.model, ("simulation", *MODELS))

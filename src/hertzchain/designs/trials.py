@@ -3,8 +3,12 @@
 from __future__ import annotations
 
 import hashlib
+import threading
 import warnings
-from collections.abc import Callable, Sequence
+from collections import deque
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import Future, ThreadPoolExecutor
+from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass, field
 from typing import Any, Final
 
@@ -15,8 +19,11 @@ from ..collision import Array
 from ..errors import InputError, InputWarning
 from ..simulation.simulate_many import simulate_many
 from ..store.journal import Journal
+from ..validation.numbers import worker_count
 from . import exact_gradients
+from .exact_gradients import value_in_whole_run
 from .finite_differences import STEP_RTOL, differences
+from .measures import Measure
 from .models import by_model
 from .problem import Design
 from .requirements import TOLERANCE, violation
@@ -68,7 +75,7 @@ class Trials:
     references: dict[str, Outcome] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        self.clock = Clock()
+        self.clock, self.filters, self.rejecting = Clock(), True, threading.Lock()
         self.measures = self.problem.measures
         self.position = {measure: i for i, measure in enumerate(self.measures)}
         self.terms = [self.position[m] for m in self.problem.objective.measures]
@@ -101,6 +108,48 @@ class Trials:
         found = self.outcomes(points, values)
         self._note(found)
         return found
+
+    def evaluate_all(self, batches: Iterator[list[Any]]) -> None:
+        """Evaluate many batches; with several threads, two at a time.
+
+        Chains are made while kernels run for the other batch.  Trials are noted in order.
+        """
+        workers = 2 if worker_count("threads", self.threads) > 1 else 1
+        waiting: deque[tuple[list[Any], Future[Array]]] = deque()
+        with (
+            warnings.catch_warnings(),
+            ThreadPoolExecutor(workers) as executor,
+            self._unwarned(),
+        ):
+            warnings.simplefilter("ignore", InputWarning)
+            try:
+                for batch in batches:
+                    if self.journal.known or workers == 1:
+                        self.evaluate(batch)
+                        continue
+                    waiting.append((batch, executor.submit(self._values, batch, RTOL)))
+                    if len(waiting) > workers:
+                        self._finish(*waiting.popleft())
+                while waiting:
+                    self._finish(*waiting.popleft())
+            finally:
+                for _, future in waiting:
+                    future.cancel()
+
+    def _finish(self, batch: list[Any], future: Future[Array]) -> None:
+        """Note the trials of a batch that is being evaluated."""
+        values = self._journalled("values", batch, future.result)
+        self.runs += len(batch) * (1 if self.draws is None else len(self.draws))
+        self._note(self.outcomes(batch, values))
+
+    @contextmanager
+    def _unwarned(self) -> Iterator[None]:
+        """Leave the filters of warnings, which all threads share, as they are."""
+        self.filters = False
+        try:
+            yield
+        finally:
+            self.filters = True
 
     def outcomes(self, points: Sequence[Any], values: Array) -> list[Outcome]:
         """Scores of values that are known."""
@@ -168,6 +217,9 @@ class Trials:
         kept: Any = [chains[i] for i in real]
         if self.problem.model != "simulation":
             return by_model(self.problem.model, chains, self.measures, self._reject)
+        for j, each in enumerate(self.measures):
+            if each.of_whole_run:
+                values[real, j] = self._of_whole_runs(each, kept, rtol)
         if names and kept:
             table = simulate_many(
                 kept, keep=sorted(names), rtol=rtol, until=self.problem.until,
@@ -176,9 +228,20 @@ class Trials:
             for reason in table.reasons.values():
                 self._reject(reason)
             for j, each in enumerate(self.measures):
-                if not each.of_chain:
+                if each.columns:
                     values[real, j] = each.from_table(table)
         return values
+
+    def _of_whole_runs(self, measure: Measure, chains: Sequence[Chain], rtol: float) -> list[float]:
+        """Values of a measure that `simulate_many` does not give."""
+
+        def value(chain: Chain) -> float:
+            return value_in_whole_run(measure, chain, self.problem.until, rtol)
+
+        with ThreadPoolExecutor(self.threads) as executor:
+            found = list(executor.map(value, chains))
+        self._progress()
+        return found
 
     def _values(self, points: Sequence[Any], rtol: float) -> Array:
         chains = [self.chain_of(point) for point in points]
@@ -219,16 +282,18 @@ class Trials:
     def chain_of(self, point: Any) -> Chain | None:
         """The chain at a point; `None`, and counted, if there is no such chain."""
         try:
-            with warnings.catch_warnings():
-                warnings.simplefilter("ignore", InputWarning)
+            with warnings.catch_warnings() if self.filters else nullcontext():
+                if self.filters:
+                    warnings.simplefilter("ignore", InputWarning)
                 return self.problem.space.chain_of(point)
         except InputError as error:
             self._reject(str(error))
             return None
 
     def _reject(self, reason: str) -> None:
-        self.rejected += 1
-        self.reasons[reason] = self.reasons.get(reason, 0) + 1
+        with self.rejecting:
+            self.rejected += 1
+            self.reasons[reason] = self.reasons.get(reason, 0) + 1
 
     def _journalled(self, what: str, points: Sequence[Any], compute: Callable[[], Array]) -> Array:
         joined = b"".join(np.ascontiguousarray(point).tobytes() for point in points)

@@ -14,8 +14,10 @@ from ..chain.laws.elastic_plastic import ElasticPlastic
 from ..collision import Array
 from ..errors import InputError
 from ..representation import measure as shown
+from ..simulation.run_table import RunTable
 from ..simulation.simulate import simulate
 from ..simulation.simulate_many import simulate_many
+from .exact_gradients import value_in_whole_run
 from .measures import OF_CHAIN, RANGE, Measure
 from .problem import Design
 from .requirements import violation
@@ -31,7 +33,7 @@ TIMES, LATER, MAX_CHECKED = 2000, 0.01, 10
 # Measures that are computed from overlaps by the elastic law.
 NOT_YIELDING: Final = ("largest_force", *RANGE)
 # Fresh samples of a scatter.
-FRESH: Final = 400
+FRESH, SCATTERED_RTOL = 400, 1e-8
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,7 +79,7 @@ def verify_chain(problem: Design, chain: Chain, price: float, seed: int) -> Veri
     table = simulate_many([chain], keep=keep, rtol=RTOL, until=problem.until)
     notes += table.reasons.values()
     values = {
-        str(m): m.from_chain(chain, price) if m.of_chain else float(m.from_table(table)[0])
+        str(m): m.from_chain(chain, price) if m.of_chain else _value(problem, chain, m, table)
         for m in measures
     }
     if not table.reasons and walled and problem.until is None:
@@ -93,6 +95,12 @@ def verify_chain(problem: Design, chain: Chain, price: float, seed: int) -> Veri
     return Verified(chain, values, RTOL, tuple(notes), scattered, limits, yielding)
 
 
+def _value(problem: Design, chain: Chain, measure: Measure, table: RunTable) -> float:
+    if measure.of_whole_run:
+        return value_in_whole_run(measure, chain, problem.until, RTOL)
+    return float(measure.from_table(table)[0])
+
+
 def _with_yielding_contacts(
     problem: Design, chain: Chain, values: dict[str, float]
 ) -> dict[str, float]:
@@ -100,7 +108,9 @@ def _with_yielding_contacts(
     measures = problem.measures
     if not chain.lossless or any(m.key in NOT_YIELDING for m in problem.objective.measures):
         return {}
-    measures = tuple(m for m in measures if not m.of_chain and m.key not in NOT_YIELDING)
+    if any(m.of_whole_run for m in problem.objective.measures):
+        return {}
+    measures = tuple(m for m in measures if m.columns and m.key not in NOT_YIELDING)
     try:
         dented = chain.replace(loss=ElasticPlastic())
     except InputError:
@@ -162,12 +172,18 @@ def _scattered(problem: Design, chain: Chain, seed: int) -> dict[str, float]:
         return {}
     found: dict[str, float] = {}
     measures = [m for m in problem.measures if not m.of_chain]
-    if not measures:
-        return found
     keep = sorted({name for each in measures for name in each.columns})
-    table = simulate_many(chains, keep=keep, until=problem.until)
+    table = simulate_many(chains, keep=keep, until=problem.until) if keep else None
     for measure in measures:
-        values = measure.from_table(table)
+        if table is not None and measure.columns:
+            values = measure.from_table(table)
+        else:
+            values = np.array(
+                [
+                    value_in_whole_run(measure, each, problem.until, SCATTERED_RTOL)
+                    for each in chains
+                ]
+            )
         sign = _bad_sign(problem, measure)
         ordered = np.sort(sign * values)
         tail = ordered[int(0.9 * len(ordered)) :]

@@ -18,6 +18,7 @@ from .adjoint_layout import (
     FORCE,
     INVERSE_MASS,
     KIND,
+    MAXIMUM,
     NEW_V,
     NEW_X,
     PLACE,
@@ -69,7 +70,7 @@ def elastic_rates(w, c, beads):
 @compiled
 def event_function(w, beads, kind, first, second, hertz):
     """The function whose fall through zero is the event, and its rate, at the end of a step."""
-    if kind == VELOCITY:
+    if kind in (VELOCITY, MAXIMUM):
         left, _ = force_rates(w, first, beads, hertz)
         right, _ = force_rates(w, first + 1, beads, hertz)
         return w[F8 + first], (left - right) * w[INVERSE_MASS + first]
@@ -92,7 +93,7 @@ def locate(w, beads, low, high, h, hertz, target, kept, last):
     """
     kind, first, second = int(target[KIND]), int(target[PLACE]), int(target[SECOND])
     begin, end = 0.0, 2.0
-    for part in range(1 if kind == VELOCITY else PARTS, PARTS + 1):
+    for part in range(1 if kind in (VELOCITY, MAXIMUM) else PARTS, PARTS + 1):
         try_step(w, low, high, h * part / PARTS, hertz, kept, last)
         g, rate = event_function(w, beads, kind, first, second, hertz)
         if g <= 0.0:

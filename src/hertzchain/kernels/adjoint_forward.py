@@ -19,6 +19,9 @@ from .adjoint_layout import (
     BLOCK_FULL,
     CANDIDATES,
     CLOSING,
+    EVENT_A,
+    EVENT_V,
+    EVENT_X,
     EXPONENT,
     F0,
     F2,
@@ -29,6 +32,7 @@ from .adjoint_layout import (
     KEPT_SWITCHES,
     KIND,
     LOW,
+    MAXIMUM,
     MOST,
     NEW_V,
     NEW_X,
@@ -92,23 +96,26 @@ def part_to_repeat(w, low, high, h, hertz, careful):
 
 
 @compiled
-def happens(w, beads, target, kept, last, hertz):
-    """Whether an event may be within the step that has been tried."""
+def happens(w, beads, low, high, target, kept, last, hertz):
+    """Whether an event may be within the step tried; numbers kept begin with contact ``low``."""
     kind, first, second = int(target[KIND]), int(target[PLACE]), int(target[SECOND])
-    if kind == VELOCITY:
+    if first < low or second > high:
+        return False
+    if kind in (VELOCITY, MAXIMUM):
         falls = w[F8 + first] <= 0.0
         if hertz is not None:
             for stage in range(F2, F8, ROW):
                 falls = falls or w[stage + first] <= 0.0
         forward = max(w[V + 1 + first], w[NEW_V + 1 + first])
-        return falls and w[F0 + first] > 0.0 and forward > REACHED * w[SCALE + first]
+        least = REACHED * w[SCALE + first] if kind == VELOCITY else 0.0
+        return falls and w[F0 + first] > 0.0 and forward > least
     if kind == CLOSING:
         before, after = w[V + first] - w[V + first + 1], w[NEW_V + first] - w[NEW_V + first + 1]
-        touching = kept[0, first] > 0.0 or last[first] > 0.0
+        touching = kept[0, first - low] > 0.0 or last[first - low] > 0.0
         moves = max(abs(w[V + first + 1]), abs(w[NEW_V + first + 1]))
         return touching and before > 0.0 >= after and moves > REACHED * w[SCALE + first]
-    if kept[0, first] == 0.0 and kept[0, second] == 0.0:
-        if last[first] == 0.0 and last[second] == 0.0:
+    if kept[0, first - low] == 0.0 and kept[0, second - low] == 0.0:
+        if last[first - low] == 0.0 and last[second - low] == 0.0:
             return False
     rate, _ = event_function(w, beads, GAUGE, first, second, hertz)
     if rate > 0.0:
@@ -119,7 +126,7 @@ def happens(w, beads, target, kept, last, hertz):
         closing = w[V + c] - w[V + c + 1]
         before += start_rate(w, c, beads, d, closing, hertz)
         # A force that rises from zero has no rate yet.
-        before = 1e-300 if before == 0.0 and d <= 0.0 and last[c] > 0.0 else before
+        before = 1e-300 if before == 0.0 and d <= 0.0 and last[c - low] > 0.0 else before
     return before > 0.0
 
 
@@ -136,15 +143,15 @@ def start_rate(w, c, beads, d, closing, hertz):
 
 @compiled
 def find_events(
-    w, events, beads, low, high, h, time, counts, hertz, targets, found, candidates, kept, last,
-    room,
+    w, events, beads, low, high, h, time, counts, hertz, targets, found, located, candidates, kept,
+    last, room,
 ):  # fmt: skip
     """Look for events in a step; returns the number of those that are still not found."""
     n, remaining = counts[STEPS], 0
     for t in range(len(targets)):
         kind = int(targets[t, KIND])
-        if kind == GAUGE:
-            if happens(w, beads, targets[t], kept, last, hertz):
+        if kind >= GAUGE:
+            if happens(w, beads, low, high, targets[t], kept, last, hertz):
                 candidates[counts[CANDIDATES], 0] = t
                 candidates[counts[CANDIDATES], 1] = n
                 counts[CANDIDATES] += 1
@@ -152,25 +159,38 @@ def find_events(
         if found[t, AT_STEP] >= 0.0:
             continue
         remaining += 1
-        if happens(w, beads, targets[t], kept, last, hertz):
+        if happens(w, beads, low, high, targets[t], kept, last, hertz):
             x, v = w[X + 1 : X + 1 + beads], w[V + 1 : V + 1 + beads]
-            if hertz is None:
-                for c in range(low, high + 1):
+            for c in range(low, high + 1):
+                events[AT_REST + c] = w[AT_REST + c]
+                if hertz is None:
                     events[RELEASED + c] = w[RELEASED + c]
             load_state(events, beads, low, high, hertz, x, v, room)
             s = locate(events, beads, low, high, h, hertz, targets[t], room, room[len(room) - 1])
             if s <= 1.0:
                 found[t, AT_STEP], found[t, FRACTION] = counts[BASE] + n, s
                 found[t, AT_TIME] = time + s * h
+                keep_event(events, beads, high - low + 1, room, located[t])
                 remaining -= 1
     return remaining
 
 
 @compiled
+def keep_event(w, beads, contacts, room, out):
+    """Copy the numbers kept in the part of a step before an event, and the state at the event."""
+    for row in range(len(room)):
+        for c in range(contacts):
+            out[row, c] = room[row, c]
+    x, v, a = len(room) + EVENT_X, len(room) + EVENT_V, len(room) + EVENT_A
+    for i in range(beads):
+        out[x, i], out[v, i], out[a, i] = w[NEW_X + 1 + i], w[NEW_V + 1 + i], w[F8 + i]
+
+
+@compiled
 def advance(
     w, events, beads, clock, counts, until, rtol, most_steps, stop_when_found, hertz, careful,
-    resting, targets, found, candidates, positions, velocities, lengths, windows, kept,
-    room, end,
+    resting, targets, found, located, candidates, positions, velocities, lengths, windows,
+    kept, room, end,
 ):  # fmt: skip
     """Take steps until the block is full or the run ends; returns the reason.
 
@@ -187,6 +207,7 @@ def advance(
     careful : whether open contacts may close within a step
     resting : whether beads ahead of the front are at rest and not pushed
     targets, found : (T, TARGET) and (T, FOUND); steps are counted from the start of the run
+    located : (T, 9 + EVENT_ROWS, N + 1) numbers of the parts of steps before events, and states
     candidates : (C, 2) target and step in the block of maxima of gauges
     positions, velocities, lengths, windows : (S, N), (S, N), (S,), (S, 2) of the block
     kept : (S, 8, N + 1) overlaps at the stages, or as the layout states for damped contacts;
@@ -219,8 +240,8 @@ def advance(
                 return STEP_TOO_SMALL
             continue
         remaining = find_events(
-            w, events, beads, low, high, h, clock[TIME], counts, hertz, targets, found, candidates,
-            kept[n], last, room,
+            w, events, beads, low, high, h, clock[TIME], counts, hertz, targets, found, located,
+            candidates, kept[n], last, room,
         )  # fmt: skip
         for i in range(low, high):
             positions[n, i], velocities[n, i] = w[X + 1 + i], w[V + 1 + i]

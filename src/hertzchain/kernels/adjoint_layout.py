@@ -34,23 +34,30 @@ ROW = 4096 + 40
  SPARE, BY_DAMPING, STAGE_V,
  ) = range(END_OF_ROWS, END_OF_ROWS + 15 * ROW, ROW)  # fmt: skip
 STAGE_A, ZX, ZV, END_OF_DAMPED_ROWS = range(STAGE_V + 12 * ROW, STAGE_V + 60 * ROW, 12 * ROW)
-# A step uses up to eight entries in addition to the beads.
-MOST_BEADS = ROW - 40
+# A step uses up to this number of entries in addition to the beads.
+SPACE = 40
+MOST_BEADS = ROW - SPACE
 
 STAGES = 9
 # Numbers kept in a step with damping: overlaps and closing speeds at twelve stages, the contacts
 # that are released, and those released (their overlap) or joined again (minus it) at its end.
 KEPT_CLOSINGS, KEPT_RELEASED, KEPT_SWITCHES, KEPT_DAMPED = 12, 24, 25, 26
-# Clock of a run, and its counts: steps in the block, window, steps tried.
-TIME, STEP, MOST, CLOCK = range(4)
-STEPS, LOW, HIGH, TRIED, CANDIDATES, BASE, COUNTS = range(7)
+# Clock of a run, and its counts: steps in the block, window, steps tried.  The usual step is that
+# without a contact that opens.
+TIME, STEP, MOST, USUAL, CLOCK = range(5)
+STEPS, LOW, HIGH, TRIED, CANDIDATES, BASE, RELEASES, COUNTS = range(8)
 # Reasons to return.
 BLOCK_FULL, TIME_REACHED, ALL_FOUND, STEP_TOO_SMALL, STEP_LIMIT, CUT_OFF = range(1, 7)
 
-# Kinds of events: first velocity maximum of a bead, first largest overlap of a contact, maximum of
-# the mean force of two contacts.
-VELOCITY, CLOSING, GAUGE = range(3)
+# Kinds of events: first velocity maximum of a bead, first largest overlap of a contact, all maxima
+# of the mean force of two contacts, all maxima of a bead's velocity.
+VELOCITY, CLOSING, GAUGE, MAXIMUM = range(4)
 # Columns of a target: kind, bead or contact, second contact; columns of events: number of the
 # step, fraction of the step, time.
 KIND, PLACE, SECOND, TARGET = range(4)
 AT_STEP, FRACTION, AT_TIME, FOUND = range(4)
+# Rows of an event, after the numbers kept in its step: positions, velocities, accelerations.
+EVENT_X, EVENT_V, EVENT_A, EVENT_ROWS = range(4)
+# A released contact: number of the step after which it is released, its number, and the overlaps
+# and closing speeds of the contact behind it, itself, and the contact ahead.
+AT_RELEASE, RELEASED_CONTACT, RELEASED_OVERLAPS, RELEASED_CLOSINGS, RELEASE = 0, 1, 2, 5, 8

@@ -18,6 +18,7 @@ from __future__ import annotations
 
 from .adjoint_damped import reverse_damped
 from .adjoint_layout import (
+    AT_RELEASE,
     BY_BODY,
     BY_MASS,
     BY_OVERLAP,
@@ -33,7 +34,9 @@ from .adjoint_layout import (
     XI0,
     U,
 )
+from .adjoint_release import reverse_release
 from .adjoint_step import compiled, inlined
+from .adjoint_window import WINDOW
 from .powers import power
 from .rkn8 import A1, A2, A3, A4, A5, A6, A7, B_POSITION, B_VELOCITY, C1, C2, C3, C4, C5, C6, C7
 
@@ -55,7 +58,7 @@ def derive(w, low, high, hertz, stage, kept, gauge, weight):
     w[U + low] = w[U + high + 1] = 0.0
     if hertz:
         for c in range(low, high + 1):
-            root, k = kept[c], w[STIFFNESS + c]
+            root, k = kept[c - low], w[STIFFNESS + c]
             share = w[U + c + 1] - w[U + c] + weight * gauge[c]
             slope = 1.5 * k * root
             raised = root * root * root
@@ -66,7 +69,7 @@ def derive(w, low, high, hertz, stage, kept, gauge, weight):
             w[BY_STIFFNESS + c] += share * raised
     else:
         for c in range(low, high + 1):
-            d, k, p = kept[c], w[STIFFNESS + c], w[EXPONENT + c]
+            d, k, p = kept[c - low], w[STIFFNESS + c], w[EXPONENT + c]
             share = w[U + c + 1] - w[U + c] + weight * gauge[c]
             raised = power(d, p)
             slope = p * k * raised / (d if d > 0.0 else 1.0)
@@ -93,8 +96,8 @@ def gather(w, low, high, h, position, velocity, later, weights):
         w[U + 1 + i] = (square * push + h * velocity * w[LV + i]) * w[INVERSE_MASS + i]
 
 
-@compiled
-def reverse_elastic(w, low, high, h, hertz, kept, gauge, on):
+@inlined
+def reverse_stages(w, low, high, h, hertz, kept, gauge, on):
     """`reverse_step` without damping."""
     last = XI0 + 7 * ROW
     size = on * h
@@ -125,6 +128,18 @@ def reverse_elastic(w, low, high, h, hertz, kept, gauge, on):
 
 
 @compiled
+def reverse_elastic(w, low, high, h, hertz, kept, gauge, on):
+    """`reverse_step` without damping."""
+    reverse_stages(w[low:], 0, high - low, h, hertz, kept, gauge[low:], on)
+
+
+@compiled
+def reverse_in_window(w, h, hertz, kept, gauge):
+    """`reverse_step` of all beads of a window, with which the rows begin."""
+    reverse_stages(w, 0, WINDOW, h, hertz, kept, gauge, 0.0)
+
+
+@compiled
 def reverse_step(w, low, high, h, hertz, kept, gauge, on):
     """Derivatives with respect to the state at the start of a step from those at its end.
 
@@ -142,3 +157,16 @@ def reverse(w, start, stop, lengths, windows, hertz, kept, gauge, on):
     """Apply `reverse_step` to steps ``start - 1`` down to ``stop`` of a block."""
     for n in range(start - 1, stop - 1, -1):
         reverse_step(w, windows[n, 0], windows[n, 1], lengths[n], hertz, kept[n], gauge, on)
+
+
+@compiled
+def reverse_window(w, start, stop, lengths, windows, hertz, kept, releases, gauge):
+    """`reverse` for steps in a window that moves, and for the contacts that are released."""
+    last = len(releases) - 1
+    while last >= 0 and releases[last, AT_RELEASE] >= start:
+        last -= 1
+    for n in range(start - 1, stop - 1, -1):
+        while last >= 0 and releases[last, AT_RELEASE] == n:
+            reverse_release(w, releases[last])
+            last -= 1
+        reverse_in_window(w[windows[n, 0] :], lengths[n], hertz, kept[n], gauge)

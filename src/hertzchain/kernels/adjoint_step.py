@@ -61,27 +61,28 @@ def forces(w, low, high, at, out, hertz, kept):
     if hertz is None:
         damped_forces(w, low, high, at, V, out, kept, w[SPARE : SPARE + ROW])
     else:
-        elastic_forces(w, low, high, at, out, hertz, kept)
+        elastic_forces(w[low:], 0, high - low, at, out, hertz, kept)
 
 
 @inlined
 def elastic_forces(w, low, high, at, out, hertz, kept):
-    """`forces` without damping."""
+    """`forces` without damping; the first number kept is that of contact ``low``.
+
+    The compiler can use vectors if ``low`` is a constant.
+    """
     if hertz:
         for c in range(low, high + 1):
             d = w[AT_REST + c] + (w[at + c] - w[at + c + 1])
             d = d if d > LEAST else 0.0
             root = math.sqrt(d)
-            kept[c] = root
+            kept[c - low] = root
             w[FORCE + c] = w[STIFFNESS + c] * (d * root)
     else:
         for c in range(low, high + 1):
             d = w[AT_REST + c] + (w[at + c] - w[at + c + 1])
             d = d if d > LEAST else 0.0
-            kept[c] = d
+            kept[c - low] = d
             w[FORCE + c] = w[STIFFNESS + c] * power(d, w[EXPONENT + c])
-    if low > 0:
-        kept[low] = w[FORCE + low] = 0.0
     for i in range(low, high):
         w[out + i] = (w[FORCE + i] - w[FORCE + i + 1]) * w[INVERSE_MASS + i] + w[BODY + i]
 
@@ -102,8 +103,9 @@ take_step, velocity_error = step_on(
 @compiled
 def elastic_step(w, low, high, h, hertz, kept, last):
     """`try_step` without damping."""
-    take_step(w, low, high, h, hertz, kept)
-    elastic_forces(w, low, high, NEW_X, F8, hertz, last)
+    rows = w[low:]
+    take_step(rows, 0, high - low, h, hertz, kept)
+    elastic_forces(rows, 0, high - low, NEW_X, F8, hertz, last)
 
 
 @compiled

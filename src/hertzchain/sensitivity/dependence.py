@@ -15,6 +15,7 @@ from .gauges import (
     check_smooth,
     contact_forces,
     contacts_of,
+    fastest,
     first_maximum,
     impulse,
     largest,
@@ -24,7 +25,7 @@ from .gauges import (
 )
 from .names import Name
 from .record import Record
-from .sweep import Dependence, Place, Slopes
+from .sweep import Dependence, Place, Slopes, place_of_event
 from .targets import LEFT, RIGHT, Ending, is_moving
 
 # Smallest impulse of a first contact with a wall as a fraction of the momentum at time 0.
@@ -47,6 +48,8 @@ class Reader:
             return [(name, self._sensor(name), "")]
         if name.group in ("wall_force", "left_wall_force"):
             return self._wall(name)
+        if name.group == "bead":
+            return [(name, *self._fastest(name, (name.bead or 1) - 1))]
         return [(name, self._final(name), "")]
 
     @property
@@ -61,11 +64,7 @@ class Reader:
 
     def _event(self, kind: int, first: int, what: str) -> Place:
         """State at the first event of a kind."""
-        from ..kernels.adjoint_layout import AT_STEP
-
-        target = self._target(kind, first)
-        step = int(self.record.found[target, AT_STEP])
-        place = locate(self.record, target, step) if step >= 0 else None
+        place = place_of_event(self.record, self._target(kind, first))
         if place is None:
             raise Missing(f"{what} before the end of the run at t = {self.record.time:g}")
         return place
@@ -118,6 +117,32 @@ class Reader:
         else:
             direct.velocities[i] = factors[name.item]
         return Dependence(values[name.item], places, direct)
+
+    def _fastest(self, name: Name, i: int) -> tuple[Dependence, str]:
+        """Largest forward velocity of bead i in the whole run, and quantities at this time."""
+        from ..kernels.adjoint_layout import MAXIMUM
+
+        equation, direct = self._equation, self._zero()
+        place = fastest(self.record, self._target(MAXIMUM, i), i)
+        speed = float(equation.velocities[i])
+        end = float(self.record.velocities[i])
+        top = -math.inf if place is None else float(place.velocities[i])
+        if place is not None and top >= max(speed, end):
+            check_smooth(equation, place, (i, i + 1), in_velocity=True)
+        elif end > speed:
+            place, top = self._last_place(), end
+        else:
+            place, top = None, speed
+        if not top > 0.0:
+            raise Missing(f"bead {i + 1} does not move forward")
+        mass, item = float(equation.masses[i]), name.item.removeprefix("largest_")
+        factor = {"velocity": 1.0, "momentum": mass, "energy": mass * top}[item]
+        direct.masses[i] = {"velocity": 0.0, "momentum": top, "energy": 0.5 * top**2}[item]
+        value = {"velocity": top, "momentum": mass * top, "energy": 0.5 * mass * top**2}[item]
+        (direct.velocities if place is None else place.by_velocity)[i] = factor
+        rising = place is not None and top == end and float(place.accelerations[i]) > 0.0
+        note = "the velocity still rises at the end of the run" if rising else ""
+        return Dependence(value, [] if place is None else [place], direct), note
 
     def _time_of_rest(self, place: Place, i: int) -> Dependence:
         """Time at which the acceleration of bead i vanishes."""
@@ -312,22 +337,28 @@ class Reader:
             )
         return int(ended[0]) + 1
 
-    def _final(self, name: Name) -> Dependence:
-        """A quantity of the state at the end of the run."""
+    def _last_place(self) -> Place:
+        """State at the end of the run."""
         from ..kernels.adjoint_layout import KEPT_SWITCHES
 
-        record, equation = self.record, self._equation
-        direct, beads = self._zero(), equation.beads
+        record, beads = self.record, self._equation.beads
         block, n = record.block_of(record.steps - 1)
         low, high = (int(each) for each in block.windows[n])
         kept = block.kept[n].copy()
-        if equation.hertz is None:
+        if self._equation.hertz is None:
             # Contacts that are released at the end change no velocity.
             kept[KEPT_SWITCHES] = 0.0
-        place = Place(
+        forces = contact_forces(self._equation, record.positions, record.velocities)
+        accelerations = -np.diff(forces) / self._equation.masses + self._equation.body
+        return Place(
             record.steps - 1, float(block.lengths[n]), low, high, kept, record.time,
-            record.positions, record.velocities, np.zeros(beads), np.zeros(beads), np.zeros(beads),
+            record.positions, record.velocities, accelerations, np.zeros(beads), np.zeros(beads),
         )  # fmt: skip
+
+    def _final(self, name: Name) -> Dependence:
+        """A quantity of the state at the end of the run."""
+        record, equation = self.record, self._equation
+        direct, beads, place = self._zero(), equation.beads, self._last_place()
         i = (name.bead or 1) - 1
         if name.group == "final":
             moved = name.item == "position"

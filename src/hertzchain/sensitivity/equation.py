@@ -170,7 +170,7 @@ def _check(chain: Chain) -> None:
             "gradient does not support a drive; use chain.replace(drive=None, velocities=...), or "
             "differences of simulate"
         )
-    for law in chain.contact_losses:
+    for law in {id(law): law for law in chain.contact_losses}.values():
         _check_law(law)
     if chain.beads > MOST_BEADS:
         raise InputError(

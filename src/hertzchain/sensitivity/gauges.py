@@ -101,6 +101,21 @@ def largest(record: Record, target: int) -> Place | None:
     return best
 
 
+def fastest(record: Record, target: int, i: int) -> Place | None:
+    """State at the largest maximum of the velocity of bead i; `None` if there is none."""
+    speeds = np.concatenate([*(block.velocities[:, i] for block in record.blocks),
+                             record.velocities[i : i + 1]])  # fmt: skip
+    steps = np.concatenate([
+        block.first + block.candidates[block.candidates[:, 0] == target, 1].astype(int)
+        for block in record.blocks
+    ])  # fmt: skip
+    tops = np.maximum(speeds[steps], speeds[steps + 1])
+    near = steps[tops >= NEAR_TOP * np.max(tops, initial=0.0)]
+    places = [locate(record, target, int(n)) for n in near]
+    found = [place for place in places if place is not None]
+    return max(found, key=lambda place: float(place.velocities[i]), default=None)
+
+
 JUMPS: Final = (
     "it is largest where a force jumps, because a contact closes or opens, and has no exact "
     "derivatives there; use differences of simulate_many"

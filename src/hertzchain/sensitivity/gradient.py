@@ -31,7 +31,7 @@ from .window import follow_pulse
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-DEFAULT_RTOL, WINDOW_RTOL, DAMPED_RTOL = 1e-10, 1e-9, 1e-12
+DEFAULT_RTOL, WINDOW_RTOL, DAMPED_RTOL = 1e-10, 3e-8, 1e-12
 MIN_RTOL, MAX_RTOL = 1e-14, 1e-5
 
 
@@ -199,7 +199,9 @@ def gradient(
         ``"left_wall_force."`` and ``peak``, ``peak_time``, ``impulse``, ``impulse_of_impact``,
         ``first_contact_impulse`` or ``duration``; ``"sensor."`` and ``first_maximum``,
         ``first_maximum_time``, ``largest``, ``largest_time`` or ``impulse``, of a sensor in a
-        ``bead``; ``"final.velocity"`` or ``"final.position"`` of a ``bead`` at ``until``; or
+        ``bead``; ``"bead.largest_velocity"``, ``"bead.largest_momentum"`` or
+        ``"bead.largest_energy"`` at the largest forward velocity of a ``bead`` in the whole run;
+        ``"final.velocity"`` or ``"final.position"`` of a ``bead`` at ``until``; or
         ``"energy."`` and ``kinetic``, ``forward``, ``backward``, ``contacts`` or ``walls``, the
         energy at ``until``.  ``"pulse.velocity@90"`` includes the bead.
     to : str or iterable of str
@@ -215,7 +217,7 @@ def gradient(
         Stop time [scaled, or s].  By default the run ends when the quantity is complete.
     rtol : float, optional
         Relative tolerance per step, 1e-14 .. 1e-5; by default 1e-10, 1e-12 with damping, and
-        1e-9 for the leading pulse in a free chain whose neighbours differ little, because only
+        3e-8 for the leading pulse in a free chain whose neighbours differ little, because only
         the beads around this pulse are then integrated.  The error of a gradient is about the 0.6th
         power of the tolerance for Hertz contacts, because their force rises with an infinite
         curvature, and about its square root with damping.
@@ -293,6 +295,41 @@ def gradients(
     wall_force.peak 1.244 (10,)
     pulse.arrival@10 10.91 (10,)
     """
+    reader, names, rtol, parameters = _recorded(
+        chain, quantities, to=to, bead=bead, until=until, rtol=rtol, max_steps=max_steps
+    )
+    found = [each for name in names for each in _read(reader, name, parameters, rtol)]
+    for each in found:
+        if each.status != "complete":
+            warn_user(f"{each.quantity}: {each.status}", IncompleteWarning)
+    return found
+
+
+def quantity_values(
+    chain: Chain, quantities: Iterable[str], *, until: float | None, rtol: float | None
+) -> list[tuple[float, str]]:
+    """Values and status of several quantities, without derivatives."""
+    reader, names, *_ = _recorded(chain, quantities, to="masses", until=until, rtol=rtol)
+    found = []
+    for name in names:
+        try:
+            found += [(each.value, note or "complete") for _, each, note in reader.read(name)]
+        except Missing as missing:
+            found.append((math.nan, str(missing)))
+    return found
+
+
+def _recorded(
+    chain: Chain,
+    quantities: Iterable[str],
+    *,
+    to: str | Iterable[str],
+    bead: int | None = None,
+    until: float | None = None,
+    rtol: float | None = None,
+    max_steps: int | None = None,
+) -> tuple[Reader, list[Name], float, tuple[str, ...]]:
+    """Integrate a chain; returns the reader, checked names, the tolerance, and the parameters."""
     equation = equation_of(chain)
     if until is not None:
         until = number("until", until, unit=chain._unit("s"), above=0.0)
@@ -318,12 +355,7 @@ def gradients(
         )  # fmt: skip
     if until is not None:
         ending.finished(record)
-    reader = Reader(record, ending, until)
-    found = [each for name in names for each in _read(reader, name, parameters, rtol)]
-    for each in found:
-        if each.status != "complete":
-            warn_user(f"{each.quantity}: {each.status}", IncompleteWarning)
-    return found
+    return Reader(record, ending, until), names, rtol, parameters
 
 
 def _read(reader: Reader, name: Name, to: tuple[str, ...], rtol: float) -> list[Gradient]:
@@ -347,8 +379,9 @@ def _read(reader: Reader, name: Name, to: tuple[str, ...], rtol: float) -> list[
             values.setflags(write=False)
         status = note or "complete"
         found = Gradient(
-            str(each), dependence.value, arrays, relative_error(equation, rtol, each), status,
-            steps, unit, units, own,
+            str(each), dependence.value, arrays,
+            relative_error(equation, rtol, each, in_window=reader.record.moves), status, steps,
+            unit, units, own,
         )  # fmt: skip
         out.append(found)
     return out

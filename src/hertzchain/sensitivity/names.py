@@ -20,6 +20,8 @@ WALL: Final = (
 )  # fmt: skip
 SENSOR: Final = ("first_maximum", "first_maximum_time", "largest", "largest_time", "impulse")
 FINAL: Final = ("velocity", "position")
+# At the largest forward velocity of a bead in the whole run.
+BEAD: Final = ("largest_velocity", "largest_momentum", "largest_energy")
 ENERGY: Final = ("kinetic", "forward", "backward", "contacts", "walls")
 KNOWN: Final = (
     *(f"pulse.{each}" for each in PULSE),
@@ -27,6 +29,7 @@ KNOWN: Final = (
     *(f"left_wall_force.{each}" for each in WALL),
     *(f"sensor.{each}" for each in SENSOR),
     *(f"final.{each}" for each in FINAL),
+    *(f"bead.{each}" for each in BEAD),
     *(f"energy.{each}" for each in ENERGY),
 )
 
@@ -60,7 +63,7 @@ def parse(chain: Chain, given: object, bead: int | None, until: float | None) ->
                 f"chain.replace({side}_wall=Wall())"
             )
         at_bead = None
-    elif group in ("pulse", "sensor", "final"):
+    elif group in ("pulse", "sensor", "final", "bead"):
         if at_bead is None:
             raise InputError(f"{text} belongs to a bead; give bead, or '{text}@{chain.beads}'")
         most = QUANTITIES[item].count(chain.beads) if group == "pulse" else chain.beads
@@ -71,6 +74,11 @@ def parse(chain: Chain, given: object, bead: int | None, until: float | None) ->
         raise InputError(f"{text} depends on the end of the run; give until")
     if until is None and chain.gravity != 0.0 and group != "pulse":
         raise InputError(f"{text} of a chain under gravity has no natural end; give until")
+    if until is None and group == "bead" and (chain.right_wall is not None or chain.precompression):
+        raise InputError(
+            f"{text} has no natural end in a chain with a right wall or precompression, because "
+            "waves return; give until"
+        )
     if not chain.lossless and f"{group}.{item}" in NOT_DAMPED:
         raise InputError(
             f"{text} has no gradient in a chain with losses, only in elastic chains; use a force, "

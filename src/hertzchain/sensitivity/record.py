@@ -22,7 +22,10 @@ MEMORY_PART: Final = 0.5
 
 @dataclass(frozen=True, eq=False)
 class Block:
-    """Steps of a run: state at the start of each, its length, window and overlaps at stages."""
+    """Steps of a run: state at the start of each, its length, window and overlaps at stages.
+
+    In a window that moves, states are not stored, and contacts may be released.
+    """
 
     first: int
     start: float
@@ -33,6 +36,7 @@ class Block:
     kept: Array
     # Target and step within the block of maxima of gauges.
     candidates: Array
+    releases: Array = field(default_factory=lambda: np.empty((0, 8)))
 
     @property
     def steps(self) -> int:
@@ -47,6 +51,8 @@ class Record:
     equation: Equation
     targets: Array
     found: Array
+    # Numbers kept in the parts of steps before events, and states at the events.
+    located: Array
     blocks: list[Block] = field(default_factory=list)
     time: float = 0.0
     # State at the end.
@@ -57,6 +63,11 @@ class Record:
     def steps(self) -> int:
         """Number of steps."""
         return self.blocks[-1].first + self.blocks[-1].steps if self.blocks else 0
+
+    @property
+    def moves(self) -> bool:
+        """Whether only a window that moves with the pulse has been integrated."""
+        return bool(self.blocks) and not self.blocks[0].positions.size
 
     def block_of(self, step: int) -> tuple[Block, int]:
         """The block of a step, and the index of the step in it."""
@@ -88,7 +99,8 @@ def load_rows(equation: Equation) -> Array:
 
     damped = equation.hertz is None
     size = layout.END_OF_DAMPED_ROWS if damped else layout.END_OF_ROWS
-    beads, rows = equation.beads, np.zeros(size)
+    beads, rows = equation.beads, np.empty(size)
+    rows.reshape(-1, layout.ROW)[:, : beads + layout.SPACE] = 0.0
     for row, values in (
         (layout.V + 1, equation.velocities),
         (layout.AT_REST, equation.overlaps),
@@ -151,9 +163,10 @@ def run(
         moving = np.flatnonzero(equation.velocities)
         counts[layout.HIGH] = min(beads, (moving[-1] if len(moving) else 0) + 1 + kernel.REACH)
     found = np.full((len(targets), layout.FOUND), -1.0)
-    record = Record(equation, targets, found)
     rows, events = load_rows(equation), load_rows(equation)
     end, room = kept_of(equation, equation.overlaps), room_for(equation)
+    located = np.zeros((len(targets), len(room) + layout.EVENT_ROWS, beads + 1))
+    record = Record(equation, targets, found, located)
     size, numbers = int(np.clip(BLOCK_SIZE // (10 * beads + 8), FEWEST, MOST)), len(room) - 1
     status = layout.BLOCK_FULL
     # Without a stop, beads in free flight would reach infinity within a block.
@@ -167,8 +180,8 @@ def run(
         start = clock[layout.TIME]
         status = kernel.advance(
             rows, events, beads, clock, counts, stop, rtol, most_steps, stop_when_found,
-            equation.hertz, equation.careful, equation.resting, targets, found, candidates,
-            positions, velocities, lengths, windows, kept, room, end,
+            equation.hertz, equation.careful, equation.resting, targets, found, located,
+            candidates, positions, velocities, lengths, windows, kept, room, end,
         )  # fmt: skip
         if status == layout.TIME_REACHED and stop < until:
             stop, status = 2.0 * stop, layout.BLOCK_FULL

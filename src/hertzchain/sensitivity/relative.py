@@ -27,6 +27,8 @@ def unit_of_quantity(chain: Chain, name: Name) -> str:
         return ""
     if name.group == "pulse":
         return QUANTITIES[name.item].unit
+    if name.group == "bead":
+        return QUANTITIES[name.item.removeprefix("largest_")].unit
     if name.group == "energy":
         return "J"
     if name.group == "final":

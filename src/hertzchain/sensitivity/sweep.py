@@ -120,10 +120,11 @@ def sweep(record: Record, dependence: Dependence) -> Slopes:
         while step > stop:
             block, _ = record.block_of(step - 1)
             to = max(stop, block.first)
-            kernel.reverse(
-                rows, step - block.first, to - block.first, block.lengths, block.windows, hertz,
-                block.kept, gauge, on,
-            )  # fmt: skip
+            steps = rows, step - block.first, to - block.first, block.lengths, block.windows, hertz
+            if record.moves:
+                kernel.reverse_window(*steps, block.kept, block.releases, gauge)
+            else:
+                kernel.reverse(*steps, block.kept, gauge, on)
             step = to
         if damped and stop == dependence.last > 0:
             row(layout.LX)[:] += direct.add_impulses(
@@ -149,13 +150,14 @@ def sweep(record: Record, dependence: Dependence) -> Slopes:
 
 def _times_of_entry(record: Record) -> Array:
     """Times at which the beads enter the window; until then they are in free flight."""
-    times = np.full(record.equation.beads, record.time)
-    high = 0
+    beads, high = record.equation.beads, 0
+    times = np.full(beads, record.time)
     for block in record.blocks:
-        starts = block.start + np.concatenate(([0.0], np.cumsum(block.lengths)[:-1]))
-        for n in np.flatnonzero(np.diff(block.windows[:, 1], prepend=high)):
-            now = int(block.windows[n, 1])
-            times[high:now] = starts[n]
+        now = min(beads, int(block.windows[-1, 1]))
+        if now > high:
+            starts = block.start + np.concatenate(([0.0], np.cumsum(block.lengths)[:-1]))
+            new = np.arange(high, now)
+            times[new] = starts[np.searchsorted(block.windows[:, 1], new, side="right")]
             high = now
     return times
 
@@ -166,13 +168,32 @@ def place_of(
     """A state found by the kernel, which is in ``rows``."""
     from ..kernels import adjoint_layout as layout
 
+    beads = equation.beads
+    states = [rows[at : at + beads].copy()
+              for at in (layout.NEW_X + 1, layout.NEW_V + 1, layout.F8)]  # fmt: skip
+    return _place(record, step, fraction, room.copy(), states)
+
+
+def place_of_event(record: Record, target: int) -> Place | None:
+    """The state at an event of a bead or contact; `None` if it has not been found."""
+    from ..kernels import adjoint_layout as layout
+
+    step = int(record.found[target, layout.AT_STEP])
+    if step < 0:
+        return None
+    rows = record.located[target]
+    kept = len(rows) - layout.EVENT_ROWS
+    states = [row[: record.equation.beads].copy() for row in rows[kept:]]
+    fraction = float(record.found[target, layout.FRACTION])
+    return _place(record, step, fraction, rows[:kept], states)
+
+
+def _place(record: Record, step: int, fraction: float, kept: Array, states: list[Array]) -> Place:
     block, n = record.block_of(step)
     low, high = (int(each) for each in block.windows[n])
-    beads, length = equation.beads, fraction * float(block.lengths[n])
-    start = block.start + float(block.lengths[:n].sum())
+    length = fraction * float(block.lengths[n])
+    start, nothing = block.start + float(block.lengths[:n].sum()), np.zeros(record.equation.beads)
+    x, v, a = states
     return Place(
-        step, length, low, high, room.copy(), start + length,
-        rows[layout.NEW_X + 1 : layout.NEW_X + 1 + beads].copy(),
-        rows[layout.NEW_V + 1 : layout.NEW_V + 1 + beads].copy(),
-        rows[layout.F8 : layout.F8 + beads].copy(), np.zeros(beads), np.zeros(beads),
+        step, length, low, high, kept, start + length, x, v, a, nothing, nothing.copy()
     )  # fmt: skip

@@ -41,7 +41,7 @@ class Targets:
 
 def targets_of(equation: Equation, names: list[Name]) -> Targets:
     """All events that some quantities need."""
-    from ..kernels.adjoint_layout import CLOSING, GAUGE, VELOCITY
+    from ..kernels.adjoint_layout import CLOSING, GAUGE, MAXIMUM, VELOCITY
 
     targets = Targets()
     for name in names:
@@ -51,6 +51,8 @@ def targets_of(equation: Equation, names: list[Name]) -> Targets:
         elif name.group in ("wall_force", "left_wall_force"):
             wall = equation.beads if name.group == "wall_force" else 0
             targets.number(GAUGE, wall)
+        elif name.group == "bead":
+            targets.number(MAXIMUM, bead - 1)
         elif name.group != "pulse":
             continue
         elif name.item in ("velocity", "momentum", "energy", "peak_time"):
@@ -91,12 +93,15 @@ class Ending:
             self.exhausted = True
             self._watch(record)
             return True
-        return self._watch(record) and self._events(record) and self._sensors(record)
+        watched = self._watch(record) and self._events(record) and self._sensors(record)
+        return watched and all(
+            is_past(record, name.bead or 1) for name in self.names if name.group == "bead"
+        )  # fmt: skip
 
     def _events(self, record: Record) -> bool:
         from ..kernels.adjoint_layout import GAUGE
 
-        first = [row[0] != GAUGE for row in self.targets.rows]
+        first = [row[0] < GAUGE for row in self.targets.rows]
         return bool((record.found[first, 0] >= 0.0).all())
 
     def _sensors(self, record: Record) -> bool:
@@ -150,6 +155,27 @@ class Ending:
     def complete(self, side: int, until: float | None) -> bool:
         """Whether the peak on a wall is complete at the end of the run."""
         return side in self.since or (until is None and self.exhausted)
+
+
+def is_past(record: Record, bead: int) -> bool:
+    """Whether a bead cannot become faster any more in a chain with a free right end.
+
+    Beads that move away from all beads behind them do not return.  The energy of the others is at
+    least that of the bead.
+    """
+    equation, i = record.equation, bead - 1
+    top = max(float(block.velocities[:, i].max()) for block in record.blocks)
+    if not top > 0.0:
+        return False
+    overlaps, v = equation.overlaps_at(record.positions), record.velocities
+    leaving = (overlaps[1:-1] <= 0.0) & (np.diff(v) >= 0.0)
+    inner = np.flatnonzero(~leaving)
+    last = max(i, int(inner[-1]) + 1 if len(inner) else 0)
+    energy = 0.5 * float(equation.masses[: last + 1] @ v[: last + 1] ** 2)
+    closed = np.maximum(overlaps[: last + 1], 0.0)
+    forces, p = equation.forces(overlaps)[: last + 1], equation.exponents[: last + 1]
+    energy += float((forces * closed / (p + 1.0)).sum())
+    return energy <= 0.5 * float(equation.masses[i]) * top**2
 
 
 def bound_of(equation: Equation, positions: Array, velocities: Array, side: int) -> Array:

@@ -8,12 +8,12 @@ import numpy as np
 
 from ..collision import Array
 from .equation import Equation
-from .record import Block, Record, kept_of, load_rows, room_for
+from .record import Block, Record, load_rows
 
 # Settings of the kernel.  With them, a gradient changes by less than its error if masses and
 # stiffness of neighbours differ by at most a factor exp(SMOOTH).
-SETTINGS: Final = (8.0, 4.0, 5.0, 3.0, 0.1, 1e-9)
-SMOOTH: Final = 0.5
+SETTINGS: Final = (8.0, 4.0, 5.0, 3.0, 0.1, 1e-9, 0.5, 1e-5)
+SMOOTH: Final = 0.4
 # Pulses of smaller exponents are longer.
 NARROW: Final = 1.4
 # Steps per bead, and at the impact; if more are needed, the window is not used.
@@ -31,26 +31,28 @@ def follow_pulse(equation: Equation, targets: Array, rtol: float) -> Record | No
         return None
     clock, counts = np.zeros(layout.CLOCK), np.zeros(layout.COUNTS, np.int64)
     clock[layout.STEP], clock[layout.MOST] = equation.first_step, 4.0
-    counts[layout.HIGH] = min(beads, 2 + int(SETTINGS[2]))
     found = np.full((len(targets), layout.FOUND), -1.0)
-    rows, events, room = load_rows(equation), load_rows(equation), room_for(equation)
+    rows, events = load_rows(equation), load_rows(equation)
+    contacts = kernel.WINDOW + 1
+    room = np.zeros((equation.stages + 1, contacts))
+    located = np.zeros((len(targets), len(room) + layout.EVENT_ROWS, max(contacts, beads)))
     size = PER_BEAD * (int(targets[:, 1].max()) + 1) + MORE
-    positions, velocities = np.empty((size, beads)), np.empty((size, beads))
     lengths, windows = np.empty(size), np.empty((size, 2), np.int64)
-    kept = np.empty((size, equation.stages, beads + 1))
-    candidates, end = np.empty((0, 2)), kept_of(equation, equation.overlaps)
+    kept = np.empty((size + 1, equation.stages, contacts))
+    releases = np.empty((2 * beads, layout.RELEASE))
     status = kernel.follow(
         rows, events, beads, clock, counts, rtol, 2 * size, np.array(SETTINGS), equation.hertz,
-        targets, found, candidates, positions, velocities, lengths, windows, kept, room, end,
+        targets, found, located, np.empty((0, 2)), lengths, windows, kept, releases, room,
     )  # fmt: skip
     if status != layout.ALL_FOUND:
         return None
-    n = int(counts[layout.STEPS])
+    n, nothing = int(counts[layout.STEPS]), np.empty((0, 0))
     block = Block(
-        0, 0.0, positions[:n], velocities[:n], lengths[:n], windows[:n], kept[:n], candidates
-    )
+        0, 0.0, nothing, nothing, lengths[:n], windows[:n], kept[:n], nothing,
+        releases[: counts[layout.RELEASES]],
+    )  # fmt: skip
     moved = [rows[at + 1 : at + 1 + beads].copy() for at in (layout.X, layout.V)]
-    return Record(equation, targets, found, [block], float(clock[layout.TIME]), *moved)
+    return Record(equation, targets, found, located, [block], float(clock[layout.TIME]), *moved)
 
 
 def _is_smooth(equation: Equation) -> bool:

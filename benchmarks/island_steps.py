@@ -22,7 +22,7 @@ from rich.console import Console
 from rich.table import Table
 
 import hertzchain as hc
-from hertzchain.kernels import active_beads, full_chain, state_layout, error_scale
+from hertzchain.kernels import active_beads, error_scale, full_chain, state_layout
 from hertzchain.simulation.kernel_input import kernel_chain
 from hertzchain.simulation.simulate import DEFAULT_RTOL
 from hertzchain.simulation.state import State, contacts_of

@@ -315,7 +315,9 @@ def test_no_pulse_ends_a_driven_run():
         hc.simulate(chain)
     with pytest.raises(hc.InputError, match="drive of this chain does not end.*give until"):
         hc.simulate(chain.replace(right_wall=hc.Wall()))
-    with pytest.raises(hc.InputError, match="not struck; give it a velocity, a striker or a drive, or until"):
+    with pytest.raises(
+        hc.InputError, match="not struck; give it a velocity, a striker or a drive, or until"
+    ):
         hc.simulate(hc.Chain.uniform(9).replace(velocities=np.zeros(9)))
 
 

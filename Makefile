@@ -67,7 +67,7 @@ clean:
 	rm -rf .venv docs/_build docs/_generated docs/gallery docs/reference/api reproduction
 
 .venv/installed: .venv/python constraints.txt
-	$(BIN)/pip install --quiet --constraint constraints.txt --editable .
+	$(BIN)/pip install --constraint constraints.txt --editable .
 	touch $@
 
 .venv/installed-test: .venv/python constraints.txt

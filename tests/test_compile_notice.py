@@ -189,6 +189,19 @@ def test_the_line_is_above_a_progress_bar():
     assert re.match(r" 10 s *\r?\n.*chains", after, re.S)
 
 
+def test_the_clock_continues_when_all_are_done():
+    """After the last chain there may be further work, with nothing else to show."""
+    program = (
+        "import time; from hertzchain.cli.progress import progress_bar\n"
+        "with progress_bar('chains') as progress:\n"
+        "    progress(1, 2); progress(2, 2); time.sleep(2.5)\n"
+    )
+    _, shown = on_terminal(sys.executable, "-c", program)
+    last = shown.rpartition("chains: 2, finishing")
+    assert last[1]
+    assert len(set(re.findall(r"0:00:0\d", shown.partition("finishing")[2]))) >= 2
+
+
 def test_what_takes_long_is_announced_as_long():
     lines = []
     chain = SimpleNamespace(instance_class=forces.GeneralChain)

@@ -46,7 +46,12 @@ def progress_bar(what: str, *, rate: bool = False) -> Iterator[Callable[[int, in
 
         def update(done: int, total: int) -> None:
             told = pace.text(done, total) if pace else ""
-            bar.update(task, description=what, completed=done, total=total, pace=told)
+            if done < total:
+                bar.update(task, description=what, completed=done, total=total, pace=told)
+            else:
+                # Further work may follow; the clock of a bar that is full would stop.
+                bar.tasks[0].total = None
+                bar.update(task, description=f"{what}: {done}, finishing", pace=told)
 
         try:
             yield update

@@ -83,7 +83,7 @@ def _numbers(force: WallForce | SensorForce) -> dict[str, object]:
 
 def _wall_lines(wall: WallForce) -> str:
     """Describe the force on a wall; an incomplete one has no peak."""
-    from ..representation import counted
+    from ..representation import counted, measure
     from ..simulation.wall_force import may_follow
 
     if wall.largest_so_far == 0.0:
@@ -102,7 +102,11 @@ def _wall_lines(wall: WallForce) -> str:
         first = _impulse(wall.first_contact_impulse, wall.units)
         parts.insert(0, f"{first} in the first contact")
     parts += [whole] * (impulse != of_impact)
-    return f"{wall.side} wall: peak {largest}\n  impulse {', '.join(parts)}"
+    duration = measure(wall.duration, "s", wall.units)
+    return (
+        f"{wall.side} wall: peak {largest}\n  impulse {', '.join(parts)}\n"
+        f"  duration {duration} (impulse in the impact / peak)"
+    )
 
 
 def _at(force: float, time: float, units: str) -> str:

@@ -166,9 +166,7 @@ def _check_done(dataset: xr.Dataset, at: Mapping[str, Any]) -> None:
     parts = [f"{n} {word}" for n, word in ((missing, "missing"), (failed, "failed")) if n]
     if missing + failed == status.size:
         what = "is done" if missing else "has a result"
-        advice = (
-            "run the sweep first, or resume it" if missing else "the variable reason says why"
-        )
+        advice = "run the sweep first, or resume it" if missing else "the variable reason says why"
         raise InputError(
             f"none of the {counted(status.size, 'point')} to plot {what} ({', '.join(parts)}); "
             f"{advice}"
@@ -219,9 +217,7 @@ def _undrawable(drawn: xr.DataArray, at: Mapping[str, Any]) -> str:
     return f"{drawn.name} has no remaining axis to plot along{hint}"
 
 
-def _curves(
-    drawn: xr.DataArray, outside: xr.DataArray, axes: Axes, *, by: str, log: bool
-) -> None:
+def _curves(drawn: xr.DataArray, outside: xr.DataArray, axes: Axes, *, by: str, log: bool) -> None:
     """Draw one curve for each method or value of a short axis."""
     along = next(name for name in drawn.dims if name != by)
     names = drawn[by].values if by in drawn.dims else [None]

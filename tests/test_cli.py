@@ -465,7 +465,7 @@ def test_simulate_prints_what_walls_and_sensors_felt(run, tmp_path):
     document = json.loads(run(*command, "--json")[1])
     for name, value in document["walls"][0].items():
         assert value == getattr(wall, name)
-    assert {"peak", "complete", "largest_so_far", "bound"} < document["walls"][0].keys()
+    assert {"peak", "complete", "largest_so_far", "bound", "duration"} < document["walls"][0].keys()
     assert document["sensors"][0]["largest_so_far"] == felt.sensor_force(2).largest_so_far
     assert document["sensors"][0]["bead"] == 2
 

@@ -78,6 +78,8 @@ def _is_nan(value: object) -> bool:
 def _numbers(force: WallForce | SensorForce) -> dict[str, object]:
     """All fields except the trace; null for a number that does not exist."""
     found = {name: value for name, value in vars(force).items() if name not in ("times", "force")}
+    if (duration := getattr(force, "duration", None)) is not None:
+        found["duration"] = duration
     return {name: None if _is_nan(value) else value for name, value in found.items()}
 
 

@@ -454,6 +454,8 @@ def test_simulate_prints_what_walls_and_sensors_felt(run, tmp_path):
     wall, sensor = felt.wall_force(), felt.sensor_force(3)
     assert f"right wall: peak {wall.peak:.5g} N at t = {1e6 * wall.peak_time:.5g} us\n" in out
     assert f"  impulse {1e3 * wall.impulse_of_impact:.4g} mN s in the impact (1 contact)\n" in out
+    lasts = 1e6 * wall.impulse_of_impact / wall.peak
+    assert f"  duration {lasts:.4g} us (impulse in the impact / peak)\n" in out
     first, time = sensor.first_maximum, sensor.first_maximum_time
     told = f"sensor in bead 3: first maximum {first:.5g} N at t = {1e6 * time:.5g} us"
     assert sensor.largest_so_far_time == time
@@ -463,7 +465,7 @@ def test_simulate_prints_what_walls_and_sensors_felt(run, tmp_path):
     document = json.loads(run(*command, "--json")[1])
     for name, value in document["walls"][0].items():
         assert value == getattr(wall, name)
-    assert {"peak", "complete", "largest_so_far", "bound"} < document["walls"][0].keys()
+    assert {"peak", "complete", "largest_so_far", "bound", "duration"} < document["walls"][0].keys()
     assert document["sensors"][0]["largest_so_far"] == felt.sensor_force(2).largest_so_far
     assert document["sensors"][0]["bead"] == 2
 

@@ -173,9 +173,11 @@ def test_leaving_hertz_is_complained_of_once_each():
     fast = Chain.from_materials(5e-3, "aluminium", beads=5, velocity=200.0)
     violations = hc.hertz_range(fast).violations
     assert len(violations) == 3
-    expected = "reliable up to 0.01", "dents", "sound speed"
-    for said, violation in zip(expected, violations, strict=True):
-        assert said in violation
+    # The ratios have the names that `print(hertz_range)` shows.
+    shown = str(hc.hertz_range(fast)).splitlines()
+    for line, violation in zip(shown, violations, strict=True):
+        assert violation.startswith(f"{line.split('  ')[0]} is ")
+        assert len(violation.split()) < 30
     gentle = Chain.from_materials(5e-3, "aluminium", beads=5, velocity=1e-4)
     assert hc.hertz_range(gentle).violations == ()
 

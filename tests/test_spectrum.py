@@ -5,7 +5,7 @@ import pytest
 from scipy.linalg import eig, expm
 
 import hertzchain as hc
-from hertzchain.theory.dispersion import band_edges, dispersion_diatomic
+from hertzchain.theory.dispersion import band_edges, dispersion_diatomic, dispersion_uniform
 from hertzchain.theory.linear_contacts import linear_contacts
 
 WALL = hc.Wall(stiffness=1.7)
@@ -471,3 +471,25 @@ def test_precompressed_chains_in_si_units_are_at_rest_unless_struck():
     assert hc.Chain.uniform(4).replace(precompression=1.0, held_by="force").velocities[0] == 1.0
     with pytest.raises(hc.InputError, match="not struck; give it a velocity"):
         hc.simulate(chain)
+
+
+def test_the_sound_speed_is_the_slope_of_the_acoustic_band():
+    q = 1e-4
+    balls = hc.Chain.from_materials(5e-3, "steel-52100", beads=20)
+    found = hc.spectrum(balls.replace(precompression=10.0, held_by="force"))
+    slope = dispersion_uniform(q, mass=balls.masses[0], spring=found.contacts.springs[1]) / q
+    assert found.sound_speed == pytest.approx(10e-3 * slope, rel=1e-8)
+    assert f"sound speed {found.sound_speed:.4g} m/s" in repr(found)
+    # In a cell of three beads of two sizes, the reference is the slope of the lowest band.
+    sizes = [5e-3, 3e-3, 5e-3]
+    cell = hc.Chain.periodic(sizes, cells=4, materials=["brass", "glass", "brass"])
+    found = hc.spectrum(cell.replace(precompression=10.0, held_by="force"))
+    slope = 2.0 * np.pi * found.bands(q)[0] / q
+    assert found.sound_speed == pytest.approx(2.0 * sum(sizes) * slope, rel=1e-7)
+
+
+def test_a_chain_that_does_not_repeat_has_no_sound_speed():
+    found = hc.spectrum(random_chain(1))
+    with pytest.raises(hc.InputError, match="no cell of any length repeats"):
+        _ = found.sound_speed
+    assert "sound speed" not in repr(found)

@@ -537,6 +537,34 @@ def test_curves_and_maps():
         plot_sweep(found, "speed")
 
 
+def test_an_axis_with_few_values_gives_one_curve_per_value():
+    chain = {"materials": "steel-52100", "beads": 4}
+    speeds = {"linspace": [0.1, 0.8, 8], "unit": "m/s"}
+    found = swept(chain, {"diameters": ["10 mm", "20 mm"], "velocity": speeds},
+                  keep=["peak_force"], at="last")  # fmt: skip
+    curves = plot_sweep(found)
+    shown = [text.get_text() for text in curves.get_legend().get_texts()]
+    assert shown[:2] == ["diameter = 10 mm", "diameter = 20 mm"]
+    assert (curves.get_xlabel(), len(curves.collections)) == ("velocity [m/s]", 0)
+    second = next(line for line in curves.lines if line.get_label() == "diameter = 20 mm")
+    forces = found.peak_force.sel(diameters=20.0, approach="propagate")
+    np.testing.assert_array_equal(second.get_ydata(), forces)
+    assert plot_sweep(found, levels=[50.0]).collections
+
+
+def test_missing_points_are_counted_in_a_plot_and_an_empty_sweep_is_rejected(tmp_path):
+    spec = {"chain": FORWARD, "axes": {"rate": RATES}, "sweep": {"keep": ["momentum"],
+            "at": "last", "batch": 1}}  # fmt: skip
+    hc.sweep(spec, tmp_path / "part.zarr", shard=(1, 3))
+    part = hc.open_sweep(tmp_path / "part.zarr")
+    with pytest.warns(hc.IncompleteWarning, match="of the 3 points to plot, 2 missing: left blank"):
+        plot_sweep(part)
+    status = part.status.copy(data=np.zeros_like(part.status.values))
+    empty = part.assign(status=status, momentum=part.momentum * np.nan)
+    with pytest.raises(hc.InputError, match=r"none of the 3 points to plot is done \(3 missing\)"):
+        plot_sweep(empty)
+
+
 def test_cells_of_a_map_meet_halfway_on_its_scales_for_any_order_of_values():
     found = hc.sweep({
         "chain": {"taper": "forward-linear"},
@@ -557,12 +585,13 @@ def test_axes_of_pictures_say_what_varies():
     chain = {"radii": 5e-3, "materials": "steel-316", "beads": 5, "loss": {"law": "restitution",
              "coefficient": 1.0}, "struck_by": {"velocity": 0.1}}  # fmt: skip
     masses = {"list": [4, 6, 9], "unit": "g"}
-    axes = {"materials": ["steel-316", "ptfe"], "loss.coefficient": [0.8, 0.9, 1.0],
+    kinds = ["steel-316", "ptfe", "brass"]
+    axes = {"materials": kinds, "loss.coefficient": [0.8, 0.9, 1.0],
             "struck_by.mass": masses}  # fmt: skip
     found = swept(chain, axes, methods=["simulate"], at="last", keep=["velocity"])
     across = plot_sweep(found, **{"struck_by.mass": 6.0})
     across.figure.canvas.draw()
-    assert [tick.get_text() for tick in across.get_xticklabels()] == ["steel-316", "ptfe"]
+    assert [tick.get_text() for tick in across.get_xticklabels()] == kinds
     assert across.get_ylabel() == "loss coefficient"
     assert across.get_title() == "striker mass = 6 g"
     assert across.collections[0].colorbar.ax.get_ylabel() == "velocity $v_{N}$ [m/s]"
@@ -672,9 +701,9 @@ def test_an_axis_is_in_the_unit_in_which_it_was_typed(entry, values, unit, tmp_p
     table = pd.read_csv(tmp_path / "table.csv")
     assert table[f"diameters [{unit}]"].tolist() == values
     assert table["peak_force [N]"].iloc[1] == pytest.approx(force, rel=1e-9)
-    assert plot_sweep(found).get_xlabel() == f"diameters [{unit}]"
+    assert plot_sweep(found).get_xlabel() == f"diameter [{unit}]"
     found = swept(chain, {"diameters": entry}, keep=["peak_force"])
-    assert f"diameters = {values[1]:g} {unit}" in plot_sweep(found, diameters="1 cm").get_title()
+    assert f"diameter = {values[1]:g} {unit}" in plot_sweep(found, diameters="1 cm").get_title()
 
 
 def test_units_of_an_axis_are_kept_in_a_store(tmp_path):

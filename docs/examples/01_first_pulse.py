@@ -31,16 +31,16 @@ pulse = run.pulse()
 # A map of the force in every contact shows the pulse on its way to the wall and back.  Its
 # track is straight: the speed is constant.
 
-figure, (left, right) = plt.subplots(1, 2, figsize=(9.6, 3.6), width_ratios=[1.15, 1.0])
-run.plot("force", ax=left)
-left.set_title("Force in every contact")
+figure, (top, bottom) = plt.subplots(2, 1, figsize=(6.4, 7.2), height_ratios=[1.3, 1.0])
+run.plot("force", ax=top)
+top.set_title("Force in every contact")
 for ball in (6, 16, 26):
-    right.plot(1e6 * run.times, run.force(ball), label=f"contact {ball}")
-right.plot(wall.times * 1e6, wall.force, color="black", label="wall")
-right.set_title("Force over time")
-right.set_xlabel("time [µs]")
-right.set_ylabel("force [N]")
-right.legend()
+    bottom.plot(1e6 * run.times, run.force(ball), label=f"contact {ball}")
+bottom.plot(wall.times * 1e6, wall.force, color="black", label="wall")
+bottom.set_title("Force over time")
+bottom.set_xlabel("time [µs]")
+bottom.set_ylabel("force [N]")
+bottom.legend()
 
 # %%
 # Unlike sound, the pulse is faster if it is stronger: its speed grows with the sixth root of the
@@ -52,7 +52,7 @@ pulse_speed = np.array([each.pulse().speed[20] for each in runs])
 force = np.array([each.pulse().peak_force[20] for each in runs])
 exponent = np.polyfit(np.log(force), np.log(pulse_speed), 1)[0]
 
-figure, axes = plt.subplots(figsize=(8.0, 4.0))
+figure, axes = plt.subplots(figsize=(6.4, 4.0))
 axes.loglog(force, pulse_speed, "o", label="simulation")
 axes.loglog(force, pulse_speed[0] * (force / force[0]) ** (1 / 6), label="sixth root")
 axes.set_title("A stronger pulse is faster")

@@ -1,6 +1,6 @@
 """
-In which order do given balls reduce the force on a wall most?
-==============================================================
+Which order of given balls reduces the wall force most?
+=======================================================
 
 A steel ball of 20 mm diameter arrives at 0.05 m/s, and a wall must be protected.  You have fifteen
 steel balls, five each of 6 mm, 12 mm and 20 mm.  In which order should they stand between the ball
@@ -64,7 +64,7 @@ problem = hc.Design(
 found = hc.design(problem, budget=8000, seed=1)
 best = found.chain.radii[1:]
 
-figure, axes = plt.subplots(figsize=(8.0, 3.8))
+figure, axes = plt.subplots(figsize=(6.4, 4.8))
 axes.hist(random_forces, bins=40, color="0.7", label="2000 random orders")
 for i, (name, force) in enumerate(simple.items()):
     axes.axvline(force, color=f"C{i}", linestyle="--", label=name)
@@ -72,8 +72,9 @@ axes.axvline(found.value, color="black", label="design")
 axes.set_title("Peak force on the wall of the same balls in different orders")
 axes.set_xlabel("peak force [N]")
 axes.set_ylabel("number of orders")
-axes.set_xlim(0.9 * found.value, 46.0)
-axes.legend(fontsize=8, loc="upper right")
+axes.set_xlim(0.9 * found.value, 1.05 * max(random_forces.max(), *simple.values()))
+# The legend is below the axes, where it covers no line.
+axes.legend(fontsize=9, ncols=2, loc="upper center", bbox_to_anchor=(0.5, -0.16))
 
 # %%
 # Is it a minimum?
@@ -81,8 +82,8 @@ axes.legend(fontsize=8, loc="upper right")
 #
 # Exchange each pair of balls of the result.  If any exchange reduced the force, the search would
 # not have ended at a minimum, and this notebook would stop with an error.  The map shows by how
-# much exchanges increase the force; the black dot marks the pair with the smallest increase.  Equal
-# balls (grey) cannot be exchanged.
+# much exchanges increase the force; the ring marks the pair with the smallest increase.  Balls of
+# equal size cannot be exchanged (blank).
 
 count = len(best)
 pairs = [(i, j) for i in range(count) for j in range(i) if best[i] != best[j]]
@@ -97,17 +98,21 @@ assert increase.min() > 0.0, "an exchange of two balls reduces the force: increa
 table = np.full((count, count), np.nan)
 for (i, j), change in zip(pairs, increase):
     table[i, j] = change
-figure, (top, axes) = plt.subplots(2, 1, figsize=(7.2, 7.0), height_ratios=[1, 4])
+figure, (top, axes) = plt.subplots(2, 1, figsize=(6.4, 6.8), height_ratios=[1, 4])
 hc.plot_chain(found.chain, ax=top)
 top.set_title("The design; the first ball is the striker")
 
 numbers = np.arange(1, count + 1)
-shown = axes.pcolormesh(numbers, numbers, table, shading="nearest")
+# Both halves of the map are the same pairs, so that it has no empty half.
+table = np.where(np.isnan(table), table.T, table)
+shown = axes.pcolormesh(numbers, numbers, table, shading="nearest", cmap="viridis_r")
 i, j = pairs[increase.argmin()]
-axes.plot(j + 1, i + 1, "o", color="black")
-axes.set_xlim(0.5, count - 0.5)
-axes.set_ylim(1.5, count + 0.5)
-axes.set_facecolor("0.93")
+for across, up in ((i + 1, j + 1), (j + 1, i + 1)):
+    axes.plot(across, up, "o", markersize=11, markerfacecolor="none", markeredgecolor="#D55E00",
+              markeredgewidth=2.5)  # fmt: skip
+axes.set_aspect("equal")
+axes.set_xticks(numbers[::2])
+axes.set_yticks(numbers[::2])
 axes.set_title("Increase of the peak force if two balls are exchanged")
 axes.set_xlabel("place of a ball behind the striker")
 axes.set_ylabel("place of the other ball")
@@ -131,8 +136,9 @@ grade_100, one_percent = peak_forces(lots), peak_forces(rough)
 #
 # The order matters more than one might expect.  The search has found a good order, which no
 # exchange of two balls improves, but not necessarily the best one that exists.  If you can choose
-# the sizes as well, small balls are better than any order of these: the last line is a row of
-# fifty equal balls of 4 mm, which is about as long and has less than a tenth of the mass.
+# the sizes as well, small balls are better than any order of these.  The last line compares the
+# design with a row of fifty equal balls of 4 mm, which is about as long as the design and has less
+# than a tenth of its mass.
 
 for name, force in simple.items():
     print(f"{name:28} {force:6.2f} N")

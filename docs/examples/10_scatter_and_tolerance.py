@@ -2,8 +2,8 @@
 How closely must the balls match?
 =================================
 
-Real balls differ a little.  How much do their tolerances, or a gap that is too small to see,
-change the force on the wall?
+Real balls differ a little.  How much do tolerances, or an invisible gap, change the force on the
+wall?
 """
 
 import matplotlib.pyplot as plt
@@ -26,8 +26,9 @@ nominal = hc.simulate_many([experiment(balls)], keep=["wall_peak_force"])["wall_
 # Scatter of the radii
 # --------------------
 #
-# For each scatter, 300 rows of balls are drawn and simulated.  The median force decreases
-# roughly with the square of the scatter, because disorder scatters energy out of the pulse.
+# For each standard deviation, 300 rows of balls are drawn and simulated.  The median force
+# decreases roughly with the square of the scatter, because disorder scatters energy out of the
+# pulse.
 
 scatters = np.array([0.001, 0.003, 0.01, 0.02, 0.05, 0.1])
 forces = []
@@ -35,7 +36,7 @@ for scatter in scatters:
     rows = [experiment(balls.with_scatter(seed, relative=scatter)) for seed in range(300)]
     forces.append(hc.simulate_many(rows, keep=["wall_peak_force"])["wall_peak_force"])
 
-figure, axes = plt.subplots(figsize=(8.0, 3.8))
+figure, axes = plt.subplots(figsize=(6.4, 4.0))
 axes.boxplot(
     [each / nominal for each in forces], whis=(5, 95), showfliers=False,
     tick_labels=[f"{100 * scatter:g}%" for scatter in scatters],
@@ -76,16 +77,17 @@ table = hc.simulate_many(gapped, keep=["wall_peak_force", "wall_peak_time"])
 later = 1e6 * (table["wall_peak_time"] - table["wall_peak_time"][0])
 overlap = 1e6 * hc.simulate(gapped[0]).largest_overlaps[15]
 
-figure, (left, right) = plt.subplots(1, 2, figsize=(9.6, 3.4))
-left.plot(gaps, table["wall_peak_force"] / nominal, "o-")
-left.set_title("Peak force with one open contact")
-left.set_ylabel("force over that without gap")
-right.plot(gaps, later, "o-")
-right.set_title("Delay of the peak")
-right.set_ylabel("delay [µs]")
-for axes in (left, right):
+figure, (top, bottom) = plt.subplots(2, 1, figsize=(6.4, 5.6), sharex=True)
+top.plot(gaps, 100.0 * table["wall_peak_force"] / nominal, "o-")
+top.set_title("Peak force with one open contact")
+top.set_ylabel("force over that without gap [%]")
+top.set_ylim(0.0, 110.0)
+bottom.plot(gaps, later, "o-")
+bottom.set_title("Delay of the peak")
+bottom.set_ylabel("delay [µs]")
+bottom.set_xlabel("gap [µm]; dashed: peak overlap without gap")
+for axes in (top, bottom):
     axes.axvline(overlap, color="0.5", linestyle="--", linewidth=0.9)
-    axes.set_xlabel("gap [µm]; dashed: peak overlap without gap")
 
 # %%
 # Answer

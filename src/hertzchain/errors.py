@@ -21,12 +21,14 @@ import difflib
 import numbers
 import sys
 import warnings
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from typing import Final
 
 # Least similarity of two names, as measured by difflib, for one to be suggested instead of the
 # other: "mas" and "masses" are similar enough, "iron" and "bronze" are not.
 NEAR: Final = 0.65
+# Largest number of errors listed in one message.
+MAX_LISTED: Final = 20
 
 
 class InputError(ValueError):
@@ -63,6 +65,17 @@ def warn_user(message: str, category: type[Warning]) -> None:
     while frame.f_back and frame.f_globals.get("__name__", "").partition(".")[0] == "hertzchain":
         level, frame = level + 1, frame.f_back
     warnings.warn(message, category, stacklevel=level)
+
+
+def raise_all(problems: Sequence[str], heading: str = "") -> None:
+    """Raise one error that lists all problems, if there are any."""
+    if len(problems) == 1:
+        raise InputError(heading + problems[0])
+    if problems:
+        lines = [f"{heading}{len(problems)} errors:", *problems[:MAX_LISTED]]
+        if len(problems) > MAX_LISTED:
+            lines.append(f"and {len(problems) - MAX_LISTED} more")
+        raise InputError("\n  ".join(lines))
 
 
 def short_repr(value: object) -> str:

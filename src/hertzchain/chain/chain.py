@@ -19,6 +19,7 @@ from numpy.typing import ArrayLike
 
 from ..collision import HERTZ_EXPONENT
 from ..errors import InputError
+from ..validation.keywords import check_keywords, checked_arguments
 from ..validation.numbers import number, plain_magnitude, real_numbers, whole_number
 from ..validation.objects import check_list
 from . import contact_shapes, modifications, pieces
@@ -28,6 +29,7 @@ from .input_checks import checked_beads, checked_radii
 from .materials import Material, MaterialLike, material
 from .static_state import StaticState, static_state
 from .taper_sizes import Sizes, taper_of_sizes
+from .tapers import PARAMETERS
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -119,6 +121,7 @@ class Chain(ChainFields):
     """
 
     @classmethod
+    @checked_arguments("Chain.tapered", PARAMETERS)
     def tapered(
         cls,
         taper: str | None = None,
@@ -207,6 +210,7 @@ class Chain(ChainFields):
         return cls(radii, exponent, taper=kind, taper_parameters=tuple(values.items()))
 
     @classmethod
+    @checked_arguments("Chain.uniform")
     def uniform(cls, beads: int, *, exponent: float = HERTZ_EXPONENT) -> Chain:
         """A chain of equal beads, in which an impact becomes a solitary wave.
 
@@ -231,6 +235,7 @@ class Chain(ChainFields):
         return cls(np.ones(checked_beads(beads)), exponent)
 
     @classmethod
+    @checked_arguments("Chain.from_radii")
     def from_radii(cls, radii: ArrayLike, *, exponent: float = HERTZ_EXPONENT) -> Chain:
         """A chain of spheres of one material with arbitrary radii.
 
@@ -258,6 +263,7 @@ class Chain(ChainFields):
             return cls(given / given[0], exponent)
 
     @classmethod
+    @checked_arguments("Chain.from_materials", pieces.OTHER_FIELDS)
     def from_materials(
         cls,
         radii: ArrayLike | None = None,
@@ -282,7 +288,7 @@ class Chain(ChainFields):
         diameters : array_like, optional
             Diameters [m], instead of radii.
         beads : int, optional
-            Number of beads, if there is one radius for all.
+            Number of beads, if there is one radius and one material for all.
         velocity : float
             Velocity of bead 1 at time 0 [m/s]; 1 if not given, or 0 if there is a drive or
             precompression.
@@ -310,26 +316,18 @@ class Chain(ChainFields):
                 "Chain.from_materials needs materials and either radii or diameters, such as "
                 "Chain.from_materials(diameters='10 mm', materials='steel-52100', beads=20)"
             )
-        if diameters is None:
-            given = real_numbers("radius", radii, "bead", unit="m")
-        else:
-            given = 0.5 * real_numbers("diameter", diameters, "bead", unit="m")
-        if given.ndim == 0:
-            if beads is None:
-                raise InputError("one radius for all beads needs their number: give beads")
-            given = np.full(checked_beads(beads), given)
-        elif beads is not None and checked_beads(beads) != len(given):
-            raise InputError(f"beads = {beads}, but there are {len(given)} radii: omit beads")
-        count = len(given)
         one = isinstance(materials, str | Material)
-        named = [materials] * count if one else check_list("materials", materials, "names")
-        kinds = tuple(map(material, named))
+        named = [materials] if one else check_list("materials", materials, "names")
+        given = pieces.radii_of_beads(radii, diameters, beads, None if one else len(named))
+        count = len(given)
+        kinds = tuple(map(material, named)) * (count if one else 1)
         if velocity is not None:
             fields["velocities"] = np.zeros(count)
             fields["velocities"][:1] = number("velocity", velocity, unit="m/s")
         return cls(given, units="SI", materials=kinds, **fields)
 
     @classmethod
+    @checked_arguments("Chain.periodic", ("velocity", *pieces.OTHER_FIELDS))
     def periodic(
         cls,
         cell: ArrayLike,
@@ -374,6 +372,7 @@ class Chain(ChainFields):
         return cls.from_materials(radii, materials, **fields)
 
     @classmethod
+    @checked_arguments("Chain.dimer", ("velocity", *pieces.OTHER_FIELDS))
     def dimer(
         cls,
         mass_ratio: float | None = None,
@@ -425,6 +424,7 @@ class Chain(ChainFields):
             kinds = pieces.repeated_materials(materials, 2, count)
             return cls.from_materials(np.resize(sizes, count), kinds, **fields)
         ratio = number("mass ratio of a dimer", mass_ratio, above=0.0)
+        check_keywords("Chain.dimer of a mass ratio", fields, pieces.DIMER_FIELDS)
         masses = np.where(np.arange(count) % 2, ratio, 1.0)
         return cls(np.cbrt(masses), masses=masses, stiffness=np.ones(count - 1), **fields)
 

@@ -19,6 +19,14 @@ def require_chain(method: str, chain: object) -> None:
             f"{method} requires a Chain, got {short_repr(chain)}; "
             f"hc.load_chain({os.fspath(chain)!r}) reads one from a file"
         )
+    if isinstance(held := getattr(chain, "chain", None), Chain):
+        # A run that is passed to hertz_range is meant to give its overlaps.
+        overlaps = method == "hertz_range" and hasattr(chain, "largest_overlaps")
+        use = "run.chain, run.largest_overlaps" if overlaps else "result.chain"
+        raise InputError(
+            f"{method} requires a Chain, got a {type(chain).__name__} of one "
+            f"({held.description}); use {method}({use})"
+        )
     if not isinstance(chain, Chain):
         raise InputError(
             f"{method} requires a Chain, got {short_repr(chain)}; Chain.from_radii builds one "

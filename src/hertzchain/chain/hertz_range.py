@@ -76,22 +76,22 @@ class HertzRange:
         at = int(np.argmax(self.overlap_ratio))
         if self.overlap_ratio[at] > MAX_OVERLAP_RATIO:
             found.append(
-                f"the overlap at {_place(at, self)} is {self.overlap_ratio[at]:.2g} of the "
-                f"effective radius; Hertz's law is reliable up to {MAX_OVERLAP_RATIO:g}"
+                f"overlap / radius is {self.overlap_ratio[at]:.2g} at {_place(at, self)} "
+                f"(limit {MAX_OVERLAP_RATIO:g} of Hertz's law); reduce the velocity"
             )
         at = int(np.argmax(self.yield_ratio))
         if (ratio := self.yield_ratio[at]) > 1.0:
-            times = f"{ratio:.{3 if ratio > 1.05 else 5}g} times"
-            others = np.count_nonzero(self.yield_ratio > 1.0) - 1
-            besides = f" ({others} more yield)" if others else ""
+            others = int(np.count_nonzero(self.yield_ratio > 1.0)) - 1
+            besides = f", and above 1 at {others} more" if others else ""
             found.append(
-                f"the pressure at {_place(at, self)} is {times} that of first yield{besides}; "
-                "reduce the velocity or use loss=ElasticPlastic()"
+                f"pressure / yield is {ratio:.{3 if ratio > 1.05 else 5}g} at "
+                f"{_place(at, self)}{besides} (limit 1 of Hertz's law); reduce the velocity or "
+                "use loss=ElasticPlastic()"
             )
         if self.speed_ratio > MAX_SPEED_RATIO:
             found.append(
-                f"the closing speed is {self.speed_ratio:.2g} of the sound speed in the beads; the "
-                f"quasi-static contact law is reliable up to {MAX_SPEED_RATIO:g}"
+                f"speed / sound is {self.speed_ratio:.2g} (limit {MAX_SPEED_RATIO:g} of Hertz's "
+                "law); reduce the velocity"
             )
         return tuple(found)
 

@@ -11,6 +11,7 @@ import numpy as np
 
 from ..collision import Array
 from ..errors import InputError, short_repr
+from ..validation.keywords import checked_arguments
 from ..validation.numbers import number, whole_number
 from .fields import ChainFields
 from .input_checks import checked_beads
@@ -32,6 +33,7 @@ BALL_GRADES: Final = MappingProxyType(
 PER_BEAD_FEATURES: Final = ("masses", "stiffness", "gaps", "velocities", "strikers")
 
 
+@checked_arguments("decorated")
 def decorated(
     self: C,
     ratio: float | None = None,
@@ -83,6 +85,7 @@ def decorated(
     return _with_beads(self, "decorated", row, kinds)
 
 
+@checked_arguments("with_defects")
 def with_defects(self: C, radii: Mapping[int, float], *, material: MaterialLike | None = None) -> C:
     """Return the chain with a few beads of another size or material.
 
@@ -121,6 +124,7 @@ def with_defects(self: C, radii: Mapping[int, float], *, material: MaterialLike 
     return _with_beads(self, "with_defects", row, None if kinds is None else tuple(kinds))
 
 
+@checked_arguments("with_scatter")
 def with_scatter(
     self: C,
     rng: np.random.Generator | int,

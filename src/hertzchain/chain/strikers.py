@@ -12,6 +12,7 @@ import numpy as np
 
 from ..collision import HERTZ_EXPONENT, hertz_stiffness
 from ..errors import InputError, InputWarning, warn_user
+from ..validation.keywords import checked_arguments
 from ..validation.numbers import number, whole_number
 from .fields import ChainFields
 from .input_checks import checked_beads
@@ -23,6 +24,7 @@ HEAVY: Final = 1000.0
 C = TypeVar("C", bound=ChainFields)
 
 
+@checked_arguments("struck_by")
 def struck_by(
     self: C,
     *,

@@ -125,6 +125,8 @@ def _described(options: ChainOptions) -> Chain:
         raise click.UsageError(
             "--material requires the size of the beads, such as --diameter '10 mm'"
         )
+    if options.material is not None:
+        _require_units(options, sizes)
     kind: dict[str, Any] = {"material": options.material, "velocity": options.speed}
     if any(name.startswith("last") for name in sizes):
         if options.rate is not None:
@@ -142,6 +144,19 @@ def _described(options: ChainOptions) -> Chain:
             return Chain.uniform(beads)
         return Chain.tapered(beads=beads, ratio=1.0, **sizes, **kind)
     return _tapered(options.taper, options.rate, beads, sizes | kind)
+
+
+def _require_units(options: ChainOptions, sizes: dict[str, Any]) -> None:
+    """Reject a length or a speed without a unit, which could be meant in any."""
+    option = "--radius" if options.diameter is None else "--diameter"
+    for size in sizes.values():
+        if isinstance(size, float):
+            raise click.UsageError(f"{option} {size:g} has no unit; write, for example, "
+                                   f"{option} '{size:g} mm'")  # fmt: skip
+    speed = options.speed
+    if speed is not None and isinstance(_plain(speed), float):
+        raise click.UsageError(f"--speed {speed} has no unit; write, for example, "
+                               f"--speed '{speed.strip()} m/s'")  # fmt: skip
 
 
 def _refuse_rate(options: ChainOptions) -> None:
@@ -194,6 +209,7 @@ def _plain(text: str) -> str | float:
 
 def _wall(options: ChainOptions, chain: Chain) -> Wall:
     from ..chain.walls import Wall
+    from ..errors import InputError
 
     if options.wall == "same":
         return Wall()
@@ -204,4 +220,7 @@ def _wall(options: ChainOptions, chain: Chain) -> Wall:
             f"--wall {options.wall} requires --material; a scaled chain has the walls same and "
             "rigid"
         )
-    return Wall.of(str(options.wall))
+    try:
+        return Wall.of(str(options.wall))
+    except InputError as error:
+        raise click.UsageError(f"--wall must be same, rigid or a material: {error}") from None

@@ -78,12 +78,14 @@ def _is_nan(value: object) -> bool:
 def _numbers(force: WallForce | SensorForce) -> dict[str, object]:
     """All fields except the trace; null for a number that does not exist."""
     found = {name: value for name, value in vars(force).items() if name not in ("times", "force")}
+    if (duration := getattr(force, "duration", None)) is not None:
+        found["duration"] = duration
     return {name: None if _is_nan(value) else value for name, value in found.items()}
 
 
 def _wall_lines(wall: WallForce) -> str:
     """Describe the force on a wall; an incomplete one has no peak."""
-    from ..representation import counted
+    from ..representation import counted, measure
     from ..simulation.wall_force import may_follow
 
     if wall.largest_so_far == 0.0:
@@ -102,7 +104,11 @@ def _wall_lines(wall: WallForce) -> str:
         first = _impulse(wall.first_contact_impulse, wall.units)
         parts.insert(0, f"{first} in the first contact")
     parts += [whole] * (impulse != of_impact)
-    return f"{wall.side} wall: peak {largest}\n  impulse {', '.join(parts)}"
+    duration = measure(wall.duration, "s", wall.units)
+    return (
+        f"{wall.side} wall: peak {largest}\n  impulse {', '.join(parts)}\n"
+        f"  duration {duration} (impulse in the impact / peak)"
+    )
 
 
 def _at(force: float, time: float, units: str) -> str:

@@ -176,7 +176,8 @@ def merge(into: Path, stores: tuple[Path, ...], skip_damaged: bool) -> int:
     "--at",
     multiple=True,
     metavar="NAME=VALUE",
-    help="Value along another dimension; the nearest value of an axis is used.",
+    help="Value along another dimension, such as bead=20 or diameters=10mm; the nearest value of an "
+    "axis is used.",
 )
 @click.option(
     "--level", type=float, multiple=True, help="Draw a contour line at this value in a map."
@@ -188,7 +189,11 @@ def plot(
     store: Path, file: Path, quantity: str | None, at: tuple[str, ...], level: tuple[float, ...],
     log: bool, skip_damaged: bool,
 ) -> None:  # fmt: skip
-    """Plot a store to FILE (.png, .svg or .pdf): curves over one axis, a map over two."""
+    """Plot a store to FILE (.png, .svg or .pdf): curves over one axis, a map over two.
+
+    If one of two axes has at most six values, and the other has more, there is one curve for each
+    value of the shorter axis.
+    """
     import hertzchain
 
     from ..plotting.sweeps import plot_sweep

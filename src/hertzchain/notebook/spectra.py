@@ -29,6 +29,8 @@ def spectrum_html(spectrum: Spectrum) -> str:
     ringing = spectrum.decay_rates[spectrum.decay_rates > 0.0]
     if len(ringing):
         values["slowest decay in"] = engineering(1.0 / ringing.min(), "s", units)
+    with suppress(InputError):
+        values["sound speed"] = engineering(spectrum.sound_speed, "m/s", units)
     parts = [figure, numbers(values)]
     with suppress(InputError):
         edges = spectrum.band_edges()

@@ -14,7 +14,8 @@ from ..chain.chain import Chain
 from ..chain.drives import Driven
 from ..collision import Array
 from ..errors import InputError
-from ..theory.spectrum import Spectrum, WallName
+from ..theory.response import WallName
+from ..theory.spectrum import Spectrum
 from ..validation.numbers import real_numbers
 from ..validation.objects import check_choice
 from .style import COLOURS, figure_style, get_axes, set_title

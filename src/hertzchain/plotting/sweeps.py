@@ -1,9 +1,10 @@
-"""Plot sweeps: curves over one axis, a map over two."""
+"""Plot sweeps: curves over one axis, or over the longer of two; a map over two long ones."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any, Literal
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any, Final, Literal
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -11,9 +12,11 @@ from matplotlib.axes import Axes
 from matplotlib.colors import LogNorm
 from matplotlib.ticker import MaxNLocator
 
-from ..errors import InputError, unknown_name_error
+from ..errors import IncompleteWarning, InputError, unknown_name_error, warn_user
 from ..pulse.quantities import QUANTITIES, WALL_QUANTITIES
+from ..representation import counted
 from ..store.sweep_export import check_sweep
+from ..store.sweep_store import FAILED, MISSING
 from ..validation.numbers import number
 from ..validation.objects import check_bool, check_choice, check_list, check_type
 from .style import COLOURS, MARKERS, figure_style, literal, set_title
@@ -23,6 +26,13 @@ if TYPE_CHECKING:
 
 # Variables that flag points.
 FLAGS = ("outside_range", "incomplete")
+# Largest number of values of an axis for one curve per value, beside an axis with more values.
+MAX_CURVES: Final = 6
+# Names of parameters with one value for each bead or contact, in a label.
+SINGULARS: Final = MappingProxyType({
+    "radii": "radius", "diameters": "diameter", "masses": "mass", "velocities": "velocity",
+    "gaps": "gap", "materials": "material",
+})  # fmt: skip
 
 
 def plot_sweep(
@@ -36,6 +46,9 @@ def plot_sweep(
 ) -> Axes:
     """Plot one quantity of a sweep: curves over one axis, or a map over two.
 
+    If one of two axes has at most six values and the other has more than it, the plot has one
+    curve per value of the shorter axis instead of a map.
+
     Parameters
     ----------
     dataset : xarray.Dataset
@@ -45,7 +58,8 @@ def plot_sweep(
     log : bool
         Whether the scale of the quantity is logarithmic.
     levels : list of float, optional
-        Values of contour lines in a map, such as 0.01 for an error of 1%.
+        Values of contour lines in a map, such as 0.01 for an error of 1%.  With levels, two axes
+        of any length give a map.
     ax : matplotlib.axes.Axes, optional
         Axes to draw into.  By default, a new figure is created.
     **at
@@ -58,8 +72,13 @@ def plot_sweep(
     Raises
     ------
     InputError
-        If the quantity, a dimension or a value does not exist, or if the number of remaining
-        dimensions, apart from the methods, is not 1 or 2.
+        If the quantity, a dimension or a value does not exist, if the number of remaining
+        dimensions, apart from the methods, is not 1 or 2, or if none of the points to plot is done.
+
+    Warns
+    -----
+    IncompleteWarning
+        If some of the points to plot are missing or have failed; they remain blank.
 
     Examples
     --------
@@ -69,8 +88,8 @@ def plot_sweep(
     ...     "axes": {"rate": [0.02, 0.04, 0.06], "beads": [20, 30]},
     ...     "sweep": {"keep": ["momentum"], "at": "last"},
     ... })
-    >>> hc.plot_sweep(found).get_ylabel()
-    'beads'
+    >>> [curve.get_label() for curve in hc.plot_sweep(found).lines]
+    ['beads = 20', 'beads = 30']
     """
     log = check_bool("log", log)
     given = [] if levels is None else check_list("levels", levels, "numbers")
@@ -82,10 +101,12 @@ def plot_sweep(
     along = [name for name in drawn.dims if name != "approach"]
     if not along or drawn.ndim > 2:
         raise InputError(_undrawable(drawn, at))
+    _check_done(dataset, at)
+    by = "approach" if len(along) == 1 else None if levels else _short_axis(drawn)
     with figure_style():
         axes = ax if ax is not None else plt.subplots()[1]
-        if len(along) == 1:
-            _curves(drawn, _outside(dataset, drawn, at), axes, log=log)
+        if by is not None:
+            _curves(drawn, _outside(dataset, drawn, at), axes, by=by, log=log)
         else:
             _map(drawn, axes, log=log, levels=levels)
         caption = [literal(str(dataset.attrs.get("title", "")))]
@@ -109,26 +130,59 @@ def _selected(dataset: xr.Dataset, quantity: str | None, at: Mapping[str, Any]) 
     chosen = (
         names[0] if quantity is None else check_choice("quantity of this sweep", quantity, known)
     )
-    values = dataset[chosen]
+    return _selected_at(dataset[chosen], at)
+
+
+def _selected_at(values: xr.DataArray, at: Mapping[str, Any]) -> xr.DataArray:
+    """Values along the remaining dimensions, in ascending order of each axis."""
     long_names = {values[name].attrs.get("long_name"): str(name) for name in values.dims}
     for given, value in at.items():
         name = long_names.get(given, given)
         if name not in values.dims:
             raise unknown_name_error(f"dimension of {values.name}", given, map(str, values.dims))
         values = values.isel({name: _index(values[name], given, value)})
-    # An axis increases, regardless of the order in the specification.
     numbers = [name for name in values.dims if values[name].dtype.kind in "if"]
     return values.squeeze(drop=False).sortby([name for name in numbers if values.sizes[name] > 1])
+
+
+def _flags(dataset: xr.Dataset, name: str, at: Mapping[str, Any]) -> xr.DataArray:
+    """A variable without beads or contacts, at the chosen values along its dimensions."""
+    flags = dataset[name]
+    known = {*flags.dims, *(flags[each].attrs.get("long_name") for each in flags.dims)}
+    return _selected_at(flags, {each: at[each] for each in at if each in known})
 
 
 def _outside(dataset: xr.Dataset, drawn: xr.DataArray, at: Mapping[str, Any]) -> xr.DataArray:
     """Whether a theory was outside its range, for each plotted value."""
     if "outside_range" not in dataset or "approach" not in drawn.coords:
         return drawn.isnull() & False
-    flags = dataset["outside_range"]
-    known = {*flags.dims, *(flags[name].attrs.get("long_name") for name in flags.dims)}
-    chosen = {name: value for name, value in at.items() if name in known}
-    return _selected(dataset, "outside_range", chosen).astype(bool).broadcast_like(drawn)
+    return _flags(dataset, "outside_range", at).astype(bool).broadcast_like(drawn)
+
+
+def _check_done(dataset: xr.Dataset, at: Mapping[str, Any]) -> None:
+    """Reject a plot of no finished point; warn if points are missing or failed."""
+    status = _flags(dataset, "status", at).to_numpy()
+    missing, failed = (int((status == value).sum()) for value in (MISSING, FAILED))
+    parts = [f"{n} {word}" for n, word in ((missing, "missing"), (failed, "failed")) if n]
+    if missing + failed == status.size:
+        what = "is done" if missing else "has a result"
+        advice = "run the sweep first, or resume it" if missing else "the variable reason says why"
+        raise InputError(
+            f"none of the {counted(status.size, 'point')} to plot {what} ({', '.join(parts)}); "
+            f"{advice}"
+        )
+    if parts:
+        warn_user(
+            f"of the {counted(status.size, 'point')} to plot, {' and '.join(parts)}: left blank",
+            IncompleteWarning,
+        )
+
+
+def _short_axis(drawn: xr.DataArray) -> str | None:
+    """The shorter of two axes, if one curve per value is clearer than a map."""
+    short, long = sorted(drawn.dims, key=lambda name: drawn.sizes[name])
+    few = drawn.sizes[short] <= MAX_CURVES and drawn.sizes[short] < drawn.sizes[long]
+    return str(short) if few else None
 
 
 def _index(coordinate: xr.DataArray, name: str, value: Any) -> int:
@@ -163,14 +217,15 @@ def _undrawable(drawn: xr.DataArray, at: Mapping[str, Any]) -> str:
     return f"{drawn.name} has no remaining axis to plot along{hint}"
 
 
-def _curves(drawn: xr.DataArray, outside: xr.DataArray, axes: Axes, *, log: bool) -> None:
-    along = next(name for name in drawn.dims if name != "approach")
-    names = drawn.approach.values if "approach" in drawn.dims else [None]
+def _curves(drawn: xr.DataArray, outside: xr.DataArray, axes: Axes, *, by: str, log: bool) -> None:
+    """Draw one curve for each method or value of a short axis."""
+    along = next(name for name in drawn.dims if name != by)
+    names = drawn[by].values if by in drawn.dims else [None]
     marked = False
     for i, name in enumerate(names):
-        chosen = {} if name is None else {"approach": name}
-        curve, flags = drawn.sel(chosen), outside.sel(chosen)
-        if log and len(names) > 1 and not (curve > 0.0).any():
+        chosen = {} if name is None else {by: i}
+        curve, flags = drawn.isel(chosen), outside.isel(chosen)
+        if log and by == "approach" and len(names) > 1 and not (curve > 0.0).any():
             # The error of the reference is 0, which a logarithmic scale cannot show.
             continue
         colour, places = COLOURS[i % len(COLOURS)], _places(curve[along])
@@ -182,7 +237,7 @@ def _curves(drawn: xr.DataArray, outside: xr.DataArray, axes: Axes, *, log: bool
             marker=MARKERS[i % len(MARKERS)],
             markerfacecolor="none",
             markevery=max(1, curve.size // 40),
-            label=str(curve.approach.item()) if "approach" in curve.coords else None,
+            label=_curve_label(curve, by),
         )
         if flags.any():
             axes.plot(places[flags.values], curve[flags.values], "o", color=colour, alpha=0.3,
@@ -194,8 +249,14 @@ def _curves(drawn: xr.DataArray, outside: xr.DataArray, axes: Axes, *, log: bool
     axes.set_ylabel(_quantity_label(drawn))
     axes.set_yscale("log" if log else "linear")
     _set_axis(axes, "x", drawn[along])
-    if marked or "approach" in drawn.dims:
+    if marked or by in drawn.dims:
         axes.legend()
+
+
+def _curve_label(curve: xr.DataArray, by: str) -> str | None:
+    if by not in curve.coords:
+        return None
+    return str(curve.approach.item()) if by == "approach" else _coordinate_text(curve[by], by)
 
 
 def _ordered(coordinate: xr.DataArray) -> bool:
@@ -267,7 +328,8 @@ def _axis_label(coordinate: xr.DataArray) -> str:
         return f"{name} $k$"
     words = coordinate.attrs.get("long_name", name) if name not in ("approach", "point") else name
     plain = words.removeprefix("method.").removeprefix("with_").replace("struck_by", "striker")
-    return _with_unit(plain.replace(".", " ").replace("_", " "), coordinate)
+    parts = [SINGULARS.get(part, part) for part in plain.split(".")]
+    return _with_unit(" ".join(parts).replace("_", " "), coordinate)
 
 
 def _quantity_label(drawn: xr.DataArray) -> str:

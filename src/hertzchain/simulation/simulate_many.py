@@ -72,6 +72,8 @@ def simulate_many(
         ``"wall_impulse_of_impact"`` or ``"wall_duration"``; of sensors, such as
         ``"sensor_first_maximum"``; of the end of the run, such as ``"final_velocity"``,
         ``"end_time"`` or ``"energy_backward"``; and ``"largest_overlap"`` of the whole run.
+        Energies, such as ``"energy_lost"``, are fractions of the total with the lost energy (that
+        of the impact, without a drive); those of `Run.budget` are in joules.
     sensors : iterable of int
         Numbers k of beads with a force sensor, which measures :math:`(F_{k-1} + F_k)/2`.
     until : float, optional

@@ -35,7 +35,7 @@ class WallForce:
         Largest force and its time, located within the steps, not among the saved times; NaN if
         the peak is not complete.
     complete : bool
-        Whether the peak is complete: the largest force that was to be expected has passed.
+        Whether the peak is complete: the force can no longer exceed it, by the bound below.
     complete_since : float or None
         Time at which the peak became complete; `None` if it is not.
     largest_so_far, largest_so_far_time : float
@@ -81,7 +81,10 @@ class WallForce:
 
     @property
     def duration(self) -> float:
-        """Impulse of the impact over its largest force [scaled, or s]; NaN if incomplete."""
+        """Impulse of the impact over its largest force [scaled, or s]; NaN if incomplete.
+
+        The contact lasts longer, by a factor of about 1.6 if the force is a half sine.
+        """
         return self.impulse_of_impact / self.peak if self.peak else math.nan
 
     def __repr__(self) -> str:

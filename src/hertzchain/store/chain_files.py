@@ -47,7 +47,7 @@ from ..chain.materials import RIGID, Material, material
 from ..chain.taper_sizes import Sizes, si_radii
 from ..chain.tapers import PARAMETERS, taper_named
 from ..chain.walls import Wall
-from ..errors import InputError
+from ..errors import InputError, raise_all
 from ..validation.numbers import number, real_numbers, whole_number
 from ..validation.objects import file_path, shown_path
 from .bead_tables import load_beads, load_drive
@@ -111,8 +111,7 @@ def load_chain(path: str | os.PathLike[str]) -> Chain:
 
 def chain_from(document: Mapping[str, Any], folder: Path = Path()) -> Chain:
     """Build the chain that a parsed chain file describes."""
-    for problem in check_document(document):
-        raise InputError(problem)
+    raise_all([*check_document(document)])
     return _ChainFile(document, folder).chain()
 
 

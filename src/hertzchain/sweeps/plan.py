@@ -16,7 +16,7 @@ from ..chain.chain import Chain
 from ..chain.input_checks import checked_beads
 from ..chain.tapers import check_taper, tapered_radii
 from ..collision import Array
-from ..errors import InputError, SimulationError
+from ..errors import InputError, SimulationError, raise_all
 from ..pulse.quantities import QUANTITIES, WALL_QUANTITIES
 from ..store.chain_files import METHODS, chain_from
 from ..validation.numbers import has_unit
@@ -25,7 +25,6 @@ from .methods import SIMULATIONS, pulse_by, record_warnings
 from .specification import (
     TAKEN,
     Specification,
-    raise_all,
     specification_from_json,
 )
 

@@ -33,7 +33,7 @@ from types import MappingProxyType
 from typing import Any, Final
 
 from ..chain.chain import Chain
-from ..errors import InputError, short_repr, unknown_name_error
+from ..errors import InputError, raise_all, short_repr, unknown_name_error
 from ..pulse.quantities import QUANTITIES, WALL_QUANTITIES
 from ..representation import short
 from ..store.chain_as_toml import chain_as_toml
@@ -224,10 +224,6 @@ def specification_schema() -> dict[str, Any]:
     found = chain_schema()
     found["sections"] |= {name: section_as_dict(each) for name, each in SECTIONS.items()}
     return found
-
-
-# Largest number of errors listed in one message.
-MAX_LISTED: Final = 20
 
 
 def read_specification(given: Any) -> Specification:
@@ -425,17 +421,6 @@ class _Reader:
 
     def _add(self, place: str, problem: InputError | str) -> None:
         self.problems.append(f"{place}: {problem}" if place else str(problem))
-
-
-def raise_all(problems: Sequence[str], heading: str = "") -> None:
-    """Raise one error that lists all problems, if there are any."""
-    if len(problems) == 1:
-        raise InputError(heading + problems[0])
-    if problems:
-        lines = [f"{heading}{len(problems)} errors:", *problems[:MAX_LISTED]]
-        if len(problems) > MAX_LISTED:
-            lines.append(f"and {len(problems) - MAX_LISTED} more")
-        raise InputError("\n  ".join(lines))
 
 
 def _as_document(chain: Chain) -> Any:

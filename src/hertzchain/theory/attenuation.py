@@ -20,6 +20,7 @@ from ..chain.feature_support import require_supported
 from ..collision import Array
 from ..errors import InputError, ModelRangeWarning, warn_user
 from ..kernels.law_kinds import DAMPED, YIELDING
+from ..validation.keywords import checked_arguments
 from ..validation.numbers import real_numbers
 from .solitary_wave import MAX_SCALE, SolitaryWave, solitary_wave
 
@@ -35,6 +36,7 @@ ROUNDING: Final = 1e-9
 POINTS: Final = 400
 
 
+@checked_arguments("attenuation")
 def attenuation(chain: Chain, velocity: ArrayLike) -> Array:
     r"""Decay per bead of the wave in equal beads with any law of loss, if the loss is small.
 

@@ -51,6 +51,13 @@ def plane_waves(contacts: LinearContacts, cell: int, phase: Array) -> Array:
     return found
 
 
+def slow_wave_speed(contacts: LinearContacts, distances: Array) -> float:
+    """Speed of long waves, from the distances of the centres in one cell."""
+    cell = len(distances)
+    compliance = float(np.sum(1.0 / contacts.springs[1 : cell + 1]))
+    return float(distances.sum()) / math.sqrt(float(contacts.masses[:cell].sum()) * compliance)
+
+
 def checked_finite(what: str, given: ArrayLike, least: float) -> Array:
     """Check that numbers are finite and not below a bound."""
     values = real_numbers(what, given)

@@ -1,7 +1,7 @@
 r"""The binary collision approximation (BCA): one contact acts at a time.
 
 Bead k collides with bead k + 1 at rest, transfers momentum as in an isolated elastic
-collision, and takes no further part.  Secs. 2 to 4 of the paper.
+collision, and is then left behind.  Secs. 2 to 4 of the paper.
 """
 
 from __future__ import annotations

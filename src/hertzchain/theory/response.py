@@ -3,18 +3,22 @@
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import Any, Final, Literal, get_args
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..chain.drives import Driven
+from ..chain.drives import DRIVEN, Driven
 from ..collision import Array
 from ..errors import InputError
 from ..frozen import Frozen
+from ..validation.numbers import whole_number
+from ..validation.objects import check_choice
 from .linear_contacts import LinearContacts
 
 Complex = NDArray[np.complexfloating[Any, Any]]
+WallName = Literal["left wall", "right wall"]
+WALLS: Final[tuple[WallName, ...]] = get_args(WallName)
 
 # Squares of larger frequencies cannot be represented.
 MAX_FREQUENCY = 1e100
@@ -40,6 +44,7 @@ class Response(Frozen):
         self.links: Complex = springs + 1j * flat * dampers
         self.inertia: Array = -(flat**2) * contacts.masses[:, None]
         self.beads = len(contacts.masses)
+        self.walls = contacts.springs[[0, -1]] != 0.0
         self.ahead, self.behind = self.links.copy(), self.links.copy()
         for c in range(self.beads - 1, -1, -1):
             self.ahead[c] = _in_series(self.links[c], self.inertia[c] + self.ahead[c + 1])
@@ -90,3 +95,26 @@ def _share(link: Complex, rest: Complex) -> Complex:
     total = link + rest
     # Without loss, the sum can vanish exactly at a resonance.
     return link / np.where(total == 0.0, np.finfo(float).eps * link, total)
+
+
+def driven_place(response: Response, drive: Driven, at: int | WallName) -> int:
+    """Check the place of a drive: 0 is the left wall, N + 1 the right wall."""
+    check_choice("drive", drive, DRIVEN)
+    if isinstance(at, str):
+        side = WALLS.index(check_choice("driven end", at, WALLS))
+        if not response.walls[side]:
+            raise InputError(
+                f"the {at} cannot be driven, because no wall touches the chain at this end"
+            )
+        if drive == "force":
+            raise InputError(
+                f"a force on the {at} does not move it; drive a bead, or use drive='displacement'"
+            )
+        return (response.beads + 1) * side
+    place = whole_number("driven bead", at, least=1, most=response.beads)
+    if drive == "force" and not response.walls.any() and (response.omega == 0.0).any():
+        raise InputError(
+            "a constant force (frequency 0) accelerates a chain without walls indefinitely; "
+            "give frequencies above 0, or a wall"
+        )
+    return place

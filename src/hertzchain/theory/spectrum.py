@@ -12,31 +12,28 @@ with the springs and dampers of `hertzchain.theory.linear_contacts`.  The soluti
 from __future__ import annotations
 
 import math
+from contextlib import suppress
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Final, Literal, get_args
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from ..chain.chain import Chain
-from ..chain.drives import DRIVEN, Driven
+from ..chain.drives import Driven
 from ..chain.feature_support import require_chain
 from ..collision import Array
 from ..errors import InputError
 from ..frozen import Frozen
-from ..representation import short
+from ..representation import measure, short
 from ..validation.numbers import whole_number
-from ..validation.objects import check_choice
-from .bands import checked_finite, plane_waves, repeating_cell
+from .bands import checked_finite, plane_waves, repeating_cell, slow_wave_speed
 from .eigenmodes import eigenmodes
 from .linear_contacts import LinearContacts, linear_contacts
-from .response import Complex, Response
+from .response import Complex, Response, WallName, driven_place
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
-
-WallName = Literal["left wall", "right wall"]
-WALLS: Final[tuple[WallName, ...]] = get_args(WallName)
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,7 +69,7 @@ class Spectrum(Frozen):
     >>> chain = hc.Chain.from_materials(5e-3, "steel-52100", beads=20)
     >>> held = chain.replace(precompression=10.0, left_wall=wall, right_wall=wall)
     >>> hc.spectrum(held)  # doctest: +ELLIPSIS
-    Spectrum(20 modes, 1333.83 .. 17453.3 Hz: 20 steel-52100 beads, ...)
+    Spectrum(20 modes, 1333.83 .. 17453.3 Hz, sound speed 549.8 m/s: 20 steel-52100 beads, ...)
     """
 
     chain: Chain
@@ -99,6 +96,34 @@ class Spectrum(Frozen):
         """
         size = np.abs(self.eigenvalues)
         return np.divide(self.decay_rates, size, out=np.zeros(len(size)), where=size > 0.0)
+
+    @property
+    def sound_speed(self) -> float:
+        r"""Speed of long waves in an infinite chain with the same cell [R_1 per unit time, or m/s].
+
+        .. math:: c_0 = L \left(\sum_k m_k \sum_k \frac1{K_k}\right)^{-1/2}
+
+        with the length L, the masses and the springs of a cell; :math:`2R\sqrt{K/m}` for equal
+        beads.  Shorter waves are slower, so a weak pulse has its front at this speed, and its
+        crests behind.
+
+        Raises
+        ------
+        InputError
+            If masses or springs do not repeat, as for `bands`.
+
+        Examples
+        --------
+        Steel balls of 10 mm diameter under 10 N, and under 640 N:
+
+        >>> import hertzchain as hc
+        >>> balls = hc.Chain.from_materials(5e-3, "steel-52100", beads=20)
+        >>> held = [balls.replace(precompression=f, held_by="force") for f in (10.0, 640.0)]
+        >>> [round(hc.spectrum(each).sound_speed, 1) for each in held]
+        [549.8, 1099.5]
+        """
+        cell = repeating_cell(self.contacts, None, self.chain.description)
+        return slow_wave_speed(self.contacts, self.chain.centre_distances[:cell])
 
     def transfer(
         self,
@@ -153,7 +178,7 @@ class Spectrum(Frozen):
         """
         response = Response(self.contacts, _angular(frequencies))
         k = whole_number("bead", bead, least=1, most=self.chain.beads)
-        return response.displacement(k, drive, self._source(drive, at, response))
+        return response.displacement(k, drive, driven_place(response, drive, at))
 
     def transfer_force(
         self,
@@ -201,7 +226,7 @@ class Spectrum(Frozen):
         """
         response = Response(self.contacts, _angular(frequencies))
         c = whole_number("contact", contact, least=0, most=self.chain.beads)
-        return response.force(c, drive, self._source(drive, at, response))
+        return response.force(c, drive, driven_place(response, drive, at))
 
     def bands(self, phase: ArrayLike, *, cell: int | None = None) -> Array:
         r"""Frequencies of plane waves in an infinite chain with the same cell.
@@ -357,35 +382,12 @@ class Spectrum(Frozen):
 
         return plot_transfer(self, contact, drive=drive, at=at, frequencies=frequencies, ax=ax)
 
-    def _source(self, drive: Driven, at: int | WallName, response: Response) -> int:
-        """Check the place of the drive: 0 is the left wall, N + 1 the right wall."""
-        check_choice("drive", drive, DRIVEN)
-        beads = self.chain.beads
-        if isinstance(at, str):
-            side = WALLS.index(check_choice("driven end", at, WALLS))
-            if self.contacts.springs[-side] == 0.0:
-                raise InputError(
-                    f"the {at} cannot be driven, because no wall touches the chain at this end"
-                )
-            if drive == "force":
-                raise InputError(
-                    f"a force on the {at} does not move it; drive a bead, or use "
-                    "drive='displacement'"
-                )
-            return (beads + 1) * side
-        place = whole_number("driven bead", at, least=1, most=beads)
-        loose = not self.contacts.springs[[0, -1]].any()
-        if drive == "force" and loose and (response.omega == 0.0).any():
-            raise InputError(
-                "a constant force (frequency 0) accelerates a chain without walls indefinitely; "
-                "give frequencies above 0, or a wall"
-            )
-        return place
-
     def __repr__(self) -> str:
         f = self.frequencies
         unit = " Hz" if self.chain.units == "SI" else ""
         about = f"{len(f)} modes, {f[0]:g} .. {f[-1]:g}{unit}"
+        with suppress(InputError):
+            about += f", sound speed {measure(self.sound_speed, 'm/s', self.chain.units)}"
         return short("Spectrum", about, self.chain.description)
 
     def _repr_html_(self) -> str:

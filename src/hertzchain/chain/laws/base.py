@@ -210,7 +210,8 @@ class Loss(Part):
         Raises
         ------
         InputError
-            For a number out of its range.
+            For a number out of its range, or a law whose parameters follow from materials, such as
+            ``ElasticPlastic()`` without a ``yield_overlap``.
 
         Examples
         --------

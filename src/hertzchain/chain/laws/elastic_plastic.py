@@ -99,6 +99,21 @@ class ElasticPlastic(Loss, name="elastic-plastic"):
             )
         return LawRow(YIELDING)
 
+    def restitution(
+        self, speed: float, *, reduced_mass: float = 0.5, stiffness: float = 1.0,
+        exponent: float = HERTZ_EXPONENT,
+    ) -> float:  # fmt: skip
+        if self.yield_overlap is None:
+            raise InputError(
+                "the restitution of ElasticPlastic depends on the overlap at yield, which follows "
+                "from materials and radii that this method does not have: use "
+                "ElasticPlastic(yield_overlap=...).restitution(speed, ...)"
+            )
+        given = {"reduced_mass": reduced_mass, "stiffness": stiffness, "exponent": exponent}
+        return super().restitution(speed, **given)
+
+    restitution.__doc__ = Loss.restitution.__doc__
+
     def strength(self, contacts: ContactArrays) -> Array:
         """Overlaps at yield."""
         if self.yield_overlap is not None:

@@ -1,0 +1,75 @@
+"""Check the arguments of a function before it begins: unknown and missing ones."""
+
+from __future__ import annotations
+
+import difflib
+import functools
+import inspect
+from collections.abc import Callable, Iterable, Mapping
+from types import MappingProxyType
+from typing import Any, Final, ParamSpec, TypeVar
+
+from ..errors import NEAR, InputError
+
+# Other words for arguments, which are not similar to their names.
+SYNONYMS: Final[Mapping[str, tuple[str, ...]]] = MappingProxyType(
+    {
+        "speed": ("velocity", "velocities"), "v": ("velocity",), "p": ("exponent",),
+        "n": ("beads",), "number": ("beads",), "length": ("beads",), "wall": ("right_wall",),
+        "diameter": ("diameters", "first_diameter", "radius"), "q": ("rate",), "s": ("rate",),
+        "losses": ("loss",), "damping": ("loss",), "preload": ("precompression",),
+    }
+)  # fmt: skip
+P = ParamSpec("P")
+R = TypeVar("R")
+
+
+def checked_arguments(
+    label: str, more: Iterable[str] = ()
+) -> Callable[[Callable[P, R]], Callable[P, R]]:
+    """Raise `InputError` for unknown and missing arguments; ``more`` are names of ``**fields``."""
+    others = tuple(more)
+
+    def decorate(function: Callable[P, R]) -> Callable[P, R]:
+        signature = inspect.signature(function)
+        named = [name for name, each in signature.parameters.items()
+                 if each.kind in (each.POSITIONAL_OR_KEYWORD, each.KEYWORD_ONLY)
+                 and name not in ("self", "cls")]  # fmt: skip
+        known = tuple(dict.fromkeys((*named, *others)))
+
+        @functools.wraps(function)
+        def checked(*given: P.args, **keywords: P.kwargs) -> R:
+            check_keywords(label, keywords, known)
+            try:
+                signature.bind(*given, **keywords)
+            except TypeError as error:
+                reason = str(error).replace("a required argument: ", "the argument ")
+                raise InputError(f"{label}: {reason}; it takes {', '.join(known)}") from None
+            return function(*given, **keywords)
+
+        return checked
+
+    return decorate
+
+
+def check_keywords(label: str, given: Iterable[str], known: Iterable[str]) -> None:
+    """Raise one error for all names that are not known, with the most similar ones."""
+    names = list(known)
+    unknown = [name for name in given if name not in names]
+    if not unknown:
+        return
+    meant = [_meant(name, names) for name in unknown]
+    said = " and no argument ".join(map(repr, unknown))
+    found = ", ".join(each for each in meant if each)
+    hint = f"did you mean {found}?" if found else f"it takes {', '.join(names)}"
+    raise InputError(f"{label} has no argument {said}; {hint}")
+
+
+def _meant(name: str, known: list[str]) -> str:
+    """The known name that an unknown one probably means, or an empty text."""
+    near: list[Any] = difflib.get_close_matches(name.lower(), known, n=1, cutoff=NEAR)
+    near += [word for word in SYNONYMS.get(name.lower(), ()) if word in known]
+    if not near:
+        return ""
+    half = ", half the diameter" if (name, near[0]) == ("diameter", "radius") else ""
+    return f"{near[0]!r}{half}"

@@ -37,6 +37,7 @@ top.set_title("Force in every contact")
 for ball in (6, 16, 26):
     bottom.plot(1e6 * run.times, run.force(ball), label=f"contact {ball}")
 bottom.plot(wall.times * 1e6, wall.force, color="black", label="wall")
+bottom.set_xlim(top.get_xlim())
 bottom.set_title("Force over time")
 bottom.set_xlabel("time [µs]")
 bottom.set_ylabel("force [N]")

@@ -176,8 +176,8 @@ def merge(into: Path, stores: tuple[Path, ...], skip_damaged: bool) -> int:
     "--at",
     multiple=True,
     metavar="NAME=VALUE",
-    help="Value along another dimension, such as bead=20 or diameters=10mm; the nearest value of an "
-    "axis is used.",
+    help="Value along another dimension, such as bead=20 or diameters=10mm; the nearest value of "
+    "an axis is used.",
 )
 @click.option(
     "--level", type=float, multiple=True, help="Draw a contour line at this value in a map."

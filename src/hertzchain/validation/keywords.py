@@ -15,7 +15,7 @@ from ..errors import NEAR, InputError
 SYNONYMS: Final[Mapping[str, tuple[str, ...]]] = MappingProxyType(
     {
         "speed": ("velocity", "velocities"), "v": ("velocity",), "p": ("exponent",),
-        "n": ("beads",), "number": ("beads",), "length": ("beads",), "wall": ("right_wall",),
+        "n": ("beads",), "number": ("beads",), "wall": ("right_wall",),
         "diameter": ("diameters", "first_diameter", "radius"), "q": ("rate",), "s": ("rate",),
         "losses": ("loss",), "damping": ("loss",), "preload": ("precompression",),
     }

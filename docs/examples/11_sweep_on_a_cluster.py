@@ -7,6 +7,7 @@ jobs are sometimes killed, and the shares must fit together.  This notebook divi
 three shares, as three jobs would, loses one of them, and merges the rest.
 """
 
+import warnings
 import tempfile
 from pathlib import Path
 
@@ -59,7 +60,8 @@ figure, axes = plt.subplots(1, 2, figsize=(9.6, 3.8), layout="constrained")
 for panel, dataset, title in zip(
     axes, (merged, complete), ("Two of three jobs", "After the sweep was resumed"), strict=True
 ):
-    hc.plot_sweep(dataset, "wall_peak_force", ax=panel)
+    with warnings.catch_warnings(action="ignore", category=hc.IncompleteWarning):
+        hc.plot_sweep(dataset, "wall_peak_force", ax=panel)
     panel.set_title(title)
 
 # %%

@@ -34,7 +34,7 @@ from typing import Any, Final
 from ..errors import InputError, short_repr, unknown_name_error
 from ..store.chain_files import chain_from
 from ..store.toml_files import read_toml
-from ..validation.objects import check_bool, file_path, shown_path
+from ..validation.objects import file_path, shown_path
 from . import vary as variables
 from .balls import SHIPPED
 from .problem import Design, Variable
@@ -94,8 +94,11 @@ def _variable(entry: Any, folder: Path) -> Variable:
         if kind in SIZES:
             return _sizes(kind, entry[kind], rest)
         if kind == "order":
-            if not check_bool("order", entry[kind]):
-                raise InputError("order must be true: omit the table for a fixed order")
+            if entry[kind] is not True:
+                raise InputError(
+                    f"order must be true, got {short_repr(entry[kind])}; state the beads that may "
+                    'change places in the same table, such as beads = "2:"'
+                )
             return variables.order(**rest)
         catalogue = entry[kind]
         if not isinstance(catalogue, str):

@@ -7,8 +7,8 @@ jobs are sometimes killed, and the shares must fit together.  This notebook divi
 three shares, as three jobs would, loses one of them, and merges the rest.
 """
 
-import warnings
 import tempfile
+import warnings
 from pathlib import Path
 
 import matplotlib.pyplot as plt

@@ -95,6 +95,9 @@ def sweep(record: Record, dependence: Dependence) -> Slopes:
     nothing, direct = np.zeros(beads + 1), dependence.direct.copy()
     damped = hertz is None
     gauge = dependence.gauge if len(dependence.gauge) else nothing
+    # A window may end beyond the last contact.
+    unused = np.zeros(beads + 1 + layout.SPACE)
+    weights = dependence.gauge if len(dependence.gauge) else unused
 
     def row(at: int, count: int = beads) -> Array:
         return rows[at : at + count]
@@ -108,7 +111,7 @@ def sweep(record: Record, dependence: Dependence) -> Slopes:
                 nothing, 1.0,
             )  # fmt: skip
         kernel.reverse_step(
-            rows, place.low, place.high, place.length, hertz, place.kept, nothing, 0.0
+            rows, place.low, place.high, place.length, hertz, place.kept, unused, 0.0
         )
         state = row(layout.LX).copy(), row(layout.LV).copy()
         starts.setdefault(place.step, []).append(state)
@@ -122,9 +125,9 @@ def sweep(record: Record, dependence: Dependence) -> Slopes:
             to = max(stop, block.first)
             steps = rows, step - block.first, to - block.first, block.lengths, block.windows, hertz
             if record.moves:
-                kernel.reverse_window(*steps, block.kept, block.releases, gauge)
+                kernel.reverse_window(*steps, block.kept, block.releases, unused)
             else:
-                kernel.reverse(*steps, block.kept, gauge, on)
+                kernel.reverse(*steps, block.kept, weights, on)
             step = to
         if damped and stop == dependence.last > 0:
             row(layout.LX)[:] += direct.add_impulses(

@@ -181,6 +181,13 @@ STEEL = hc.Chain.from_materials(5e-3, "steel-304", beads=6, velocity=1.0)
         ({"minimise": "wall_force.pek"}, "did you mean 'wall_force.peak'"),
         ({"minimise": "velocity"}, "needs a bead: write velocity@20"),
         ({"minimise": "velocity@9"}, "this chain has 8 beads"),
+        ({"minimise": "largest_velocity@5"}, "because waves return; give until"),
+        ({"minimise": "largest_velocity@9", "until": 9.0}, "this chain has 8 beads"),
+        (
+            {"chain": WALLED.replace(loss=hc.WaltonBraun(0.5)), "minimise": "largest_energy@5"},
+            "needs a chain that hc.gradient accepts",
+        ),
+        ({"minimise": "largest_velocity@5/velocity@2"}, "must be quantities of the leading pulse"),
         ({"maximise": "length"}, "has one objective"),
         ({"minimise": {"length": 0.0}}, "all weights of the objective are 0"),
         ({"minimise": "price"}, "price needs balls of a catalogue"),

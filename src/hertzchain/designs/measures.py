@@ -134,7 +134,9 @@ class Measure:
         if self.over is not None:
             self.over.check(chain)
         if self.key in WALL and chain.right_wall is None:
-            raise InputError(f"{self} needs a right wall, and the right end of this chain is free")
+            raise InputError(
+                f"{self} needs a right wall, and the right end of this chain is free: add one"
+            )
         if self.key in AT_BEAD and self.index(chain.beads) >= chain.beads - (
             self.key in ("residence", "peak_force")
         ):
@@ -234,7 +236,7 @@ def parse_measure(text: object) -> Measure:
         one, other = parse_measure(above), parse_measure(below)
         if not {one.key, other.key} <= {*PULSE, *SHARES}:
             raise InputError(
-                f"{text!r} is a ratio, which both parts must be of the leading pulse, such as "
+                f"both parts of the ratio {text!r} must be quantities of the leading pulse, as in "
                 "'velocity@100/velocity@20'"
             )
         return Measure(one.key, one.bead, other)

@@ -95,6 +95,9 @@ def sweep(record: Record, dependence: Dependence) -> Slopes:
     nothing, direct = np.zeros(beads + 1), dependence.direct.copy()
     damped = hertz is None
     gauge = dependence.gauge if len(dependence.gauge) else nothing
+    # A window may end beyond the last contact.
+    unused = np.zeros(beads + 1 + layout.SPACE)
+    weights = dependence.gauge if len(dependence.gauge) else unused
 
     def row(at: int, count: int = beads) -> Array:
         return rows[at : at + count]
@@ -108,7 +111,7 @@ def sweep(record: Record, dependence: Dependence) -> Slopes:
                 nothing, 1.0,
             )  # fmt: skip
         kernel.reverse_step(
-            rows, place.low, place.high, place.length, hertz, place.kept, nothing, 0.0
+            rows, place.low, place.high, place.length, hertz, place.kept, unused, 0.0
         )
         state = row(layout.LX).copy(), row(layout.LV).copy()
         starts.setdefault(place.step, []).append(state)
@@ -118,14 +121,7 @@ def sweep(record: Record, dependence: Dependence) -> Slopes:
     for stop in stops:
         on = 1.0 if stop < dependence.last else 0.0
         while step > stop:
-            block, _ = record.block_of(step - 1)
-            to = max(stop, block.first)
-            steps = rows, step - block.first, to - block.first, block.lengths, block.windows, hertz
-            if record.moves:
-                kernel.reverse_window(*steps, block.kept, block.releases, gauge)
-            else:
-                kernel.reverse(*steps, block.kept, gauge, on)
-            step = to
+            step = _reverse_block(record, rows, step, stop, weights, on)
         if damped and stop == dependence.last > 0:
             row(layout.LX)[:] += direct.add_impulses(
                 equation, *record.state_after(stop), np.zeros(beads), gauge, 1.0
@@ -146,6 +142,24 @@ def sweep(record: Record, dependence: Dependence) -> Slopes:
         direct.body + row(layout.BY_BODY) * equation.masses,
         direct.damping + (row(layout.BY_DAMPING, beads + 1) if damped else 0.0),
     )
+
+
+def _reverse_block(
+    record: Record, rows: Array, step: int, stop: int, weights: Array, on: float
+) -> int:
+    """Reverse the steps of a block, at most down to ``stop``; returns the first one."""
+    from ..kernels import adjoint_reverse
+
+    kernel: Any = adjoint_reverse
+    block, _ = record.block_of(step - 1)
+    to = max(stop, block.first)
+    steps = (rows, step - block.first, to - block.first, block.lengths, block.windows,
+             record.equation.hertz)  # fmt: skip
+    if record.moves:
+        kernel.reverse_window(*steps, block.kept, block.releases, weights)
+    else:
+        kernel.reverse(*steps, block.kept, weights, on)
+    return to
 
 
 def _times_of_entry(record: Record) -> Array:

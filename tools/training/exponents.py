@@ -23,16 +23,17 @@ from hertzchain.theory.exponents import (
     LOWEST,
     PLACES,
     interpolated_tables,
+    pack_tables,
     scaled,
     shrink_of,
 )
-from hertzchain.theory.universal_functions import functions_of
+from hertzchain.theory.universal_functions import INPUTS, functions_of
 
 from .error_fit import SAFETY, quantile_fit, terms_and_errors
 from .train import Effort, fast_changes, random_chains, slow_tables
 
 # Less than for Hertz contacts: the differences between neighbouring exponents would show no more.
-EFFORT: Final = Effort(8, 1000, 500, 2, 2, 5, ((63, 900, 120, 0),))
+EFFORT: Final = Effort(2600, 1000, 6, 500, 2, 2, 5, ((63, 900, 120, 0, 0),), 0)
 # The constants of the error estimate are piecewise linear in the logarithm of the exponent.  They
 # are determined at that many random exponents, so that they include errors of the interpolation.
 ERROR_EXPONENTS: Final = np.geomspace(LOWEST, HIGHEST, 8)
@@ -42,7 +43,8 @@ COVERED: Final = 0.99
 CAUTION: Final = SAFETY.copy()
 CAUTION[9] = 4.0
 HELD_OUT: Final = (
-    (63, 5, 5, 4), (99, 3, 2, 2), (150, 1, 1, 0), (12, 2, 1, 1), (22, 2, 1, 1), (8, 1, 1, 1),
+    (63, 5, 5, 3, 4), (99, 3, 2, 2, 2), (150, 1, 1, 0, 1), (12, 2, 1, 1, 1), (22, 2, 1, 1, 1),
+    (8, 1, 1, 1, 1),
 )  # fmt: skip
 
 
@@ -75,18 +77,19 @@ def all_exponents(work: Path, report: Callable[[str], None]) -> list[dict[str, A
 
 def write_tables(folder: Path, found: list[dict[str, Array]]) -> None:
     """Write the tables of all exponents, still without an error estimate."""
-    stacked = {
-        name: np.array([each[name] for each in found]).astype(np.float32)
-        for name in ("response", "single", "end", "end_slopes", "second")
-    }
-    # Errors of the growth on exponential chains add up along a chain.
-    stacked["values"] = np.array([each["values"] for each in found])
-    for name in PLACES:
-        # Those of the first exponent, without the factor of its negative rates.
-        stacked[name] = scaled(found[0][name], 1.0 / shrink_of(EXPONENTS[0]))
-    stacked["error_exponents"] = ERROR_EXPONENTS
-    stacked["errors"] = np.zeros((len(ERROR_EXPONENTS), PARTS))
-    np.savez_compressed(folder / FILE, **stacked)
+    stacked = {name: np.array([each[name] for each in found]) for name in found[0]}
+    response = stacked.pop("response")
+    stacked["linear"] = response[:, :, : len(INPUTS)]
+    stacked["products"] = response[:, :, len(INPUTS) :]
+    # Those of the first exponent, without the factor of its negative rates.
+    places = {name: scaled(found[0][name], 1.0 / shrink_of(EXPONENTS[0])) for name in PLACES}
+    np.savez_compressed(
+        folder / FILE,
+        **pack_tables(stacked),
+        **{name: np.round(each, 6) for name, each in places.items()},
+        error_exponents=ERROR_EXPONENTS,
+        errors=np.zeros((len(ERROR_EXPONENTS), PARTS)),
+    )
 
 
 def add_estimate(folder: Path, report: Callable[[str], None]) -> None:

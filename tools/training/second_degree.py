@@ -20,13 +20,12 @@ from hertzchain.kernels.fast_changes import (
     LAST,
     NEAR,
     PRODUCTS,
-    START,
     STATES,
     TAPS,
     TINY,
 )
 from hertzchain.theory.local_rate import solve
-from hertzchain.theory.universal_functions import UniversalFunctions, padded_knots
+from hertzchain.theory.universal_functions import START, UniversalFunctions, padded_knots
 
 # Beyond the last knot, the response is zero.
 KNOTS: Final = np.array(

@@ -10,7 +10,8 @@ import numpy as np
 
 from hertzchain import __version__
 from hertzchain.collision import Array
-from hertzchain.theory.universal_functions import STAGES, STATE, TERMS
+from hertzchain.theory.packed_tables import STEPS, pack
+from hertzchain.theory.universal_functions import FAST_VALUES, STAGES, STATE, TERMS
 
 from .response_fit import KNOTS, Anchors
 from .training_chains import NODES, RTOLS
@@ -54,12 +55,8 @@ def write_fast(folder: Path, measured: dict[str, Array]) -> None:
     """Write the tables of fast changes of an exponent."""
     np.savez_compressed(
         folder / "fast.npz",
-        places=measured["places"],
-        single=measured["single"].astype(np.float32),
-        end=measured["end"].astype(np.float32),
-        end_slopes=measured["end_slopes"].astype(np.float32),
-        knots=measured["knots"],
-        second=measured["second"].astype(np.float32),
+        **{name: measured[name] for name in ("places", "knots", "last_knots")},
+        **{name: pack(measured[name], STEPS[name], 0) for name in FAST_VALUES},
     )
 
 

@@ -11,6 +11,7 @@ import numpy as np
 
 from hertzchain.collision import Array
 from hertzchain.kernels.fast_changes import PARTS, PRODUCTS, STATES
+from hertzchain.kernels.last_contact import PRODUCTS as LAST_PRODUCTS
 from hertzchain.theory.exponents import scaled
 from hertzchain.theory.universal_functions import (
     INPUTS,
@@ -20,9 +21,12 @@ from hertzchain.theory.universal_functions import (
     UniversalFunctions,
     assemble,
     fast_tables,
+    read_response,
 )  # fmt: skip
 
 from .error_fit import error_constants
+from .last_fit import KNOTS as LAST_KNOTS
+from .last_fit import fit_last
 from .response_fit import UNIT, Anchors, fit_contact
 from .responses import measure
 from .rollout import UNTIL, refine
@@ -32,16 +36,20 @@ from .table_writer import write_error, write_fast, write_tables
 from .training_chains import (
     COARSE_NODES,
     DOUBLE_RAMPS,
+    EARLY_CONTACTS,
     NODES,
     Sample,
     double_ramp_rates,
+    ending_rates,
     exponential_rates,
     follow,
+    gentle,
     join_samples,
     odd_rates,
     ramp_rates,
     random_rates,
     states_of,
+    steep_rates,
 )  # fmt: skip
 
 
@@ -51,55 +59,89 @@ class Effort:
 
     Attributes
     ----------
-    ramps, double_ramps : int
-        Ramps begin at every so many nodes; number of ramps with two changes.
+    ramps, double_ramps, early : int
+        Numbers of ramps with one and two changes; early ramps begin at every so many nodes.
     followed, repeated, rounds, every : int
         Number of ramps in the Gauss-Newton fit, weight of the exponential chains, on which the
         law should be exact, number of its steps, and the contacts between those that are compared.
     random : tuple
-        Numbers of contacts, and of rough, smooth and odd random chains with as many, for the
-        products of fast changes.
+        Numbers of contacts, and of rough, smooth, odd and steep random chains with as many, for
+        the products of fast changes.
+    ending : int
+        Number of chains for the second order of the last contact, which is omitted if it is 0.
     """
 
     ramps: int
     double_ramps: int
+    early: int
     followed: int
     repeated: int
     rounds: int
     every: int
-    random: tuple[tuple[int, int, int, int], ...]
+    random: tuple[tuple[int, int, int, int, int], ...]
+    ending: int
 
 
-FULL: Final = Effort(2, DOUBLE_RAMPS, 3000, 5, 3, 1, ((63, 2600, 300, 300),))
-# Numbers of contacts, and of rough, smooth and odd random chains of the error estimate.
+FULL: Final = Effort(4000, DOUBLE_RAMPS, 3, 1500, 3, 3, 4, ((63, 2600, 300, 300, 0),), 4000)
+# Numbers of contacts, and of rough, smooth, odd and steep random chains of the error estimate.
 HELD_OUT: Final = (
-    (63, 500, 400, 200), (99, 250, 200, 100), (199, 80, 60, 30), (12, 120, 120, 60),
-    (22, 120, 100, 60), (8, 100, 100, 40),
+    (63, 500, 400, 200, 300), (99, 250, 200, 100, 200), (199, 80, 60, 30, 40),
+    (12, 120, 120, 60, 60), (22, 120, 100, 60, 80), (8, 100, 100, 40, 40),
 )  # fmt: skip
 
 
-def response(anchors: Anchors, exponential: Sample, ramps: Sample, effort: Effort) -> Array:
+def response(
+    exponent: float,
+    anchors: Anchors,
+    exponential: Sample,
+    ramps: Sample,
+    early: Sample,
+    effort: Effort,
+) -> Array:
     """Response of all stages, shape (stages, terms, splines, 3), in units of the inputs."""
-    start = [fit_contact(anchors, k, ramps, [k]) for k in range(START)]
-    within = fit_contact(anchors, WITHIN, ramps, list(range(START, UNTIL)))
+    units = UNIT ** np.array([1] * len(INPUTS) + [2] * len(PAIRS))[:, None, None]
+    guess = first_guess(exponent)
+    if guess is None:
+        early = join_samples([early, ramps.first(EARLY_CONTACTS)])
+        start = np.array([fit_contact(anchors, k, early, [k]) for k in range(START)])
+        within = fit_contact(anchors, WITHIN, ramps, list(range(START, UNTIL)))
+    else:
+        # Sharp ramps are needed for a guess only: slow rates are those of gentle ones.
+        start, within = guess[:START] * units, guess[WITHIN] * units
+        ramps = ramps.part(gentle(ramps.rates))
     followed = [ramps.part(slice(effort.followed)), *[exponential] * effort.repeated]
     within = refine(anchors, within, join_samples(followed), effort.rounds, effort.every)
-    degree = np.array([1] * len(INPUTS) + [2] * len(PAIRS))
-    return np.array([*start, within]) / UNIT ** degree[:, None, None]
+    return np.array([*start, within]) / units
+
+
+def first_guess(exponent: float) -> Array | None:
+    """Response from an earlier fit, if there is one: from it, the Gauss-Newton method starts.
+
+    That of the first contacts is kept.  From a fit of single contacts, the method converges so
+    slowly that the result is three times worse.
+    """
+    file = Path(__file__).parent / "first_guess" / f"p{exponent:g}.csv"
+    return read_response(file)[1] if file.exists() else None
 
 
 def random_chains(
     random: np.random.Generator,
-    plan: tuple[tuple[int, int, int, int], ...],
+    plan: tuple[tuple[int, int, int, int, int], ...],
     exponent: float,
     shrink: float = 1.0,
 ) -> tuple[list[Array], list[Array]]:
     """Rates and simulated states of random chains."""
     rates: list[Array] = []
-    for contacts, rough, smooth, odd in plan:
+    for contacts, rough, smooth, odd, steep in plan:
         rates += random_rates(random, rough, contacts, smooth=False, shrink=shrink)
         rates += random_rates(random, smooth, contacts, smooth=True, shrink=shrink)
         rates += odd_rates(random, odd, contacts, shrink)
+        rates += steep_rates(random, steep, contacts, shrink)
+    return simulated(rates, exponent)
+
+
+def simulated(rates: list[Array], exponent: float) -> tuple[list[Array], list[Array]]:
+    """Rates and simulated states of the chains for which the simulation succeeds."""
     found = states_of(rates, exponent)
     kept = [index for index, states in enumerate(found) if states is not None]
     return [rates[i] for i in kept], [states for states in found if states is not None]
@@ -113,16 +155,14 @@ def slow_tables(
     report(f"p = {exponent:g}: {len(NODES)} exponential chains")
     exponential = follow(exponential_rates(shrink), exponent)
     anchors = Anchors(exponential, shrink)
-    rates = np.concatenate(
-        [
-            ramp_rates(COARSE_NODES[:: effort.ramps], shrink),
-            double_ramp_rates(random, effort.double_ramps, shrink),
-        ]
-    )
-    report(f"{len(rates)} ramps")
+    single = random.permutation(ramp_rates(COARSE_NODES[::2], shrink))[: effort.ramps]
+    rates = np.concatenate([single, double_ramp_rates(random, effort.double_ramps, shrink)])
+    first = ramp_rates(COARSE_NODES[:: effort.early], shrink, early=True)
+    report(f"{len(rates)} ramps, {len(first)} early ramps")
     # In random order, because only the first ones are used in the Gauss-Newton fit.
-    ramps = follow(random.permutation(rates), exponent)
-    return anchors, response(anchors, exponential, ramps, effort)
+    ramps, early = follow(random.permutation(rates), exponent), follow(first, exponent)
+    report("response to slow changes")
+    return anchors, response(exponent, anchors, exponential, ramps, early, effort)
 
 
 def fast_changes(
@@ -146,8 +186,14 @@ def fast_changes(
 
     report("products of fast changes")
     measured["second"] = np.zeros((len(FAST_KNOTS) + 2, STATES * PRODUCTS))
+    measured["last_knots"] = scaled(LAST_KNOTS, shrink)
+    measured["last"] = np.zeros((len(LAST_KNOTS) + 2, STATES * LAST_PRODUCTS))
     chains = random_chains(random, effort.random, exponent, shrink)
     measured["second"] = fit(functions(), *chains)
+    if effort.ending:
+        report("last contact")
+        ending = simulated(ending_rates(random, effort.ending, shrink), exponent)
+        measured["last"] = fit_last(functions(), *ending)
     return measured, functions()
 
 

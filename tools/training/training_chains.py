@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
+from scipy.ndimage import gaussian_filter1d
 
 from hertzchain.chain.chain import Chain
 from hertzchain.collision import Array
@@ -37,8 +38,11 @@ LONGEST: Final = 12.0
 # (counted from 0) at which the change begins.
 CHANGES: Final = (0.005, 0.02, 0.05, 0.1, 0.2, 0.4)
 LENGTHS: Final = (1, 2, 3, 5, 9, 17, 33, 58)
-BEGINNINGS: Final = (0, 1, 3, 22)
-DOUBLE_RAMPS: Final = 6000
+BEGINNINGS: Final = (0, 2, 5, 12, 22, 30)
+EARLY_LENGTHS: Final = (1, 2, 3, 5, 9, 17)
+EARLY_BEGINNINGS: Final = (0, 1, 2, 3, 4)
+EARLY_CONTACTS: Final = 24
+DOUBLE_RAMPS: Final = 3000
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,8 +61,12 @@ class Sample:
     states: Array
 
     def part(self, rows: Array | slice) -> Sample:
-        """Some of the chains."""
+        """Some of the chains, by index or mask."""
         return Sample(self.rates[rows], self.states[rows])
+
+    def first(self, contacts: int) -> Sample:
+        """The first contacts of all chains."""
+        return Sample(self.rates[:, :contacts], self.states[:, :contacts])
 
 
 def join_samples(samples: Sequence[Sample]) -> Sample:
@@ -74,9 +82,13 @@ def exponential_rates(shrink: float = 1.0) -> Array:
     return np.repeat(scaled(NODES, shrink)[:, None], BEADS - 1, axis=1)
 
 
-def ramp_rates(beginnings: Array, shrink: float = 1.0) -> Array:
-    """Rates of ramps, which change linearly over several contacts and are constant otherwise."""
-    contact = np.arange(BEADS - 1)
+def ramp_rates(beginnings: Array, shrink: float = 1.0, *, early: bool = False) -> Array:
+    """Rates of ramps, which change linearly over several contacts and are constant otherwise.
+
+    Early ramps are those of short chains, for the first contacts.
+    """
+    contact = np.arange(EARLY_CONTACTS if early else BEADS - 1)
+    lengths, first = (EARLY_LENGTHS, EARLY_BEGINNINGS) if early else (LENGTHS, BEGINNINGS)
     ramps = []
     for start in beginnings:
         for change in (*CHANGES, *(-change for change in CHANGES)):
@@ -84,9 +96,9 @@ def ramp_rates(beginnings: Array, shrink: float = 1.0) -> Array:
             steep = abs(change) > 0.15 and min(start, end) < -0.1
             if not LOWEST <= end <= HIGHEST or steep:
                 continue
-            for length in LENGTHS:
-                for begin in BEGINNINGS:
-                    if begin + length <= BEADS - 4:
+            for length in lengths:
+                for begin in first:
+                    if begin + length <= len(contact) - 3:
                         # A ramp from contact 0 over one contact would be constant.
                         position = (contact - begin) / length if begin or length > 1 else contact
                         ramps.append(start + change * np.clip(position, 0.0, 1.0))
@@ -99,15 +111,21 @@ def double_ramp_rates(random: np.random.Generator, count: int, shrink: float = 1
     ramps: list[Array] = []
     while len(ramps) < count:
         rates = np.full(BEADS - 1, random.uniform(LOWEST, 0.5))
-        first = int(random.choice((0, 1, 3, 12, 22)))
+        first = int(random.choice((0, 1, 3, 8, 16, 24)))
         for _ in range(2):
-            length = int(random.choice((1, 1, 2, 3, 6, 12)))
-            change = random.choice((-1.0, 1.0)) * np.exp(random.uniform(np.log(0.003), np.log(0.3)))
+            length = int(random.choice((5, 6, 8, 12, 18, 30)))
+            change = _sign(random) * _size(random, 0.003, 0.2)
             rates += change * np.clip((contact - first) / length, 0.0, 1.0)
-            first += length + int(random.choice((0, 0, 1, 3)))
+            first += length + int(random.choice((0, 0, 2, 5)))
         if rates.min() >= LOWEST and rates.max() <= HIGHEST:
             ramps.append(rates)
     return scaled(np.array(ramps), shrink)
+
+
+def gentle(rates: Array) -> Array:
+    """Whether the rates change as slow rates do: over five contacts, or in backward tapers."""
+    changes = np.count_nonzero(np.abs(np.diff(rates, axis=1)) > 1e-12, axis=1)
+    return (changes >= 5) | (rates.min(axis=1) > 0.05)
 
 
 def random_rates(
@@ -178,6 +196,60 @@ def odd_rates(
             odd = _sign(random) * _size(random, 3e-3, 0.1) * (beads >= random.choice(beads))
         rates = base + np.diff(odd)
         if rates.min() > LOWEST * shrink and abs(rates.sum()) < LONGEST:
+            found.append(rates)
+    return found
+
+
+def steep_rates(
+    random: np.random.Generator, count: int, contacts: int, shrink: float = 1.0
+) -> list[Array]:
+    """Rates of ramps, often steep ones, with a small change: periodic, single or random radii."""
+    k, beads = np.arange(contacts), np.arange(contacts + 1)
+    found: list[Array] = []
+    while len(found) < count:
+        low, high = -0.14 * shrink, 0.2
+        ends = random.uniform(low, high, 2) if random.random() < 0.5 else random.uniform(low, 0.1)
+        rates = np.broadcast_to(ends, 2) @ [1.0 - k / contacts, k / contacts]
+        kind = random.integers(5)
+        if kind == 0:
+            odd = beads % random.integers(2, 6) == random.integers(2)
+        elif kind == 1:
+            odd = beads >= random.choice(beads)
+        elif kind == 2:
+            odd = beads == random.choice(beads)
+        elif kind == 3:
+            odd = random.normal(size=contacts + 1) * (abs(beads - random.choice(beads)) < 3)
+        else:
+            odd = np.maximum(beads - random.choice(beads), 0)
+        rates = rates + _sign(random) * _size(random, 1e-4, 0.04) * np.diff(odd.astype(float))
+        if rates.min() > shrink * LOWEST_RANDOM and abs(rates.sum()) < LONGEST:
+            found.append(rates)
+    return found
+
+
+def ending_rates(random: np.random.Generator, count: int, shrink: float = 1.0) -> list[Array]:
+    """Rates of chains of 30 to 55 contacts that change slowly towards the free end."""
+    found: list[Array] = []
+    while len(found) < count:
+        contacts = int(random.integers(30, 56))
+        k, left = np.arange(contacts), np.arange(contacts)[::-1]
+        near_zero = random.random() < 0.4
+        base = 0.02 * random.normal() if near_zero else random.uniform(-0.13 * shrink, 0.2)
+        kind = random.integers(4)
+        if kind == 0:
+            shape = _size(random, 3e-4, 0.015) * np.clip(left, 0, random.integers(3, 40))
+        else:
+            if kind == 1:
+                shape = np.sin(2.0 * np.pi * (k / _size(random, 20.0, 150.0) + random.random()))
+            elif kind == 2:
+                white = random.normal(size=contacts + 120)
+                shape = gaussian_filter1d(white, _size(random, 4.0, 25.0))[60 : 60 + contacts]
+            else:
+                shape = np.exp(-left / _size(random, 2.0, 20.0))
+            shape *= _size(random, 0.003, 0.08) / np.abs(shape).max()
+        rates = base + _sign(random) * shape
+        gentle = rates.min() > shrink * LOWEST_RANDOM and rates.max() < 0.5
+        if gentle and abs(rates.sum()) < LONGEST:
             found.append(rates)
     return found
 

@@ -22,14 +22,18 @@ contacts only.
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from numba import njit
 
+from .compilation import OPTIONS
+
 STATES = 3
-# Contacts with separate functions after the impact and before the free end.
-START, END = 4, 5
-WITHIN = START
-STAGES = START + 1 + END
+# Contacts with separate responses after the impact and before the free end.
+EARLY, END = 12, 5
+WITHIN = EARLY
+STAGES = EARLY + 1 + END
 # Offsets o of the rates to which a contact responds.
 BEHIND, AHEAD = 8, 2
 TAPS = BEHIND + 1 + AHEAD
@@ -42,13 +46,19 @@ FIRST, LAST = BEHIND - 2, BEHIND + 2
 # Square of the size beyond which products grow no more.
 LARGE = 0.06**2
 TINY = 1e-12
+# Sum of squares of fast changes whose products are negligible.
+NEGLIGIBLE = 1e-12
 # Half the number of rates of a local polynomial, besides the central one.
 HALF = 4
 # Rate beyond which changes are treated as slow.
 BACKWARD = 0.15
 
-# Sums may be evaluated in any order, so that the compiler can vectorise them.
-compiled = njit(cache=True, nogil=True, error_model="numpy", fastmath={"reassoc", "contract"})
+# Sums may be evaluated in any order, so that the compiler can vectorise them.  Without reference
+# counting (`_nrt`), views of arrays cost nothing, but no array can be created: those that a
+# function needs are parts of its argument ``work``.
+REORDERED: dict[str, Any] = OPTIONS | {"fastmath": {"reassoc", "contract"}}
+compiled = njit(**REORDERED)
+allocating = njit(**(REORDERED | {"_nrt": True}))
 
 
 def local_cubics() -> np.ndarray:
@@ -94,6 +104,23 @@ def fitted_rate(rates, k):
 
 
 @compiled
+def fit_rates(rates, fitted):
+    """Evaluate the local cubic polynomials at the first contacts."""
+    until = min(len(fitted), len(rates) - HALF)
+    for k in range(HALF, until):
+        fitted[k] = 0.0
+    # Contact by contact only near the ends: the inner loop uses vectors.
+    for o in range(2 * HALF + 1):
+        weight = CUBICS[HALF, o]
+        for k in range(HALF, until):
+            fitted[k] += weight * rates[k + o - HALF]
+    for k in range(min(HALF, len(fitted))):
+        fitted[k] = fitted_rate(rates, k)
+    for k in range(max(until, HALF), len(fitted)):
+        fitted[k] = fitted_rate(rates, k)
+
+
+@compiled
 def share(rate):
     """Part of the deviation from the polynomial that is fast, and its derivative."""
     # In strong backward tapers, the memory is so short that no change is fast.
@@ -107,23 +134,24 @@ def smooth(rates, slow, fast):
     """Divide the first rates of a chain of at least eight contacts."""
     # fast: BEHIND zeros, the fast changes, AHEAD zeros
     fast[:] = 0.0
+    fit_rates(rates, slow)
     for k in range(len(slow)):
-        fitted = fitted_rate(rates, k)
-        change = share(fitted)[0] * (rates[k] - fitted)
+        change = share(slow[k])[0] * (rates[k] - slow[k])
         slow[k], fast[BEHIND + k] = rates[k] - change, change
 
 
 @compiled
-def from_smooth(rates, to_slow, to_fast, to_rates):
+def from_smooth(rates, to_slow, to_fast, fitted, to_rates):
     """Add derivatives with respect to the rates to ``to_rates``."""
+    # fitted: as long as to_slow, is overwritten
     contacts = len(to_rates)
+    fit_rates(rates, fitted)
     for k in range(len(to_slow)):
         behind, ahead = min(k, HALF), min(contacts - 1 - k, HALF)
-        fitted = fitted_rate(rates, k)
-        part, slope = share(fitted)
+        part, slope = share(fitted[k])
         difference = to_slow[k] - to_fast[BEHIND + k]
         to_rates[k] += to_slow[k] - part * difference
-        change = (part - slope * (rates[k] - fitted)) * difference
+        change = (part - slope * (rates[k] - fitted[k])) * difference
         if ahead < HALF:
             for o in range(-HALF, ahead + 1):
                 to_rates[k + o] += CUBICS[ahead, HALF - o] * change
@@ -136,7 +164,7 @@ def from_smooth(rates, to_slow, to_fast, to_rates):
 def stage_of(contact, contacts):
     """Stage of a contact, from 0: those before the free end come last."""
     left = contacts - contact
-    return STAGES - left if left <= END else min(contact, START)
+    return STAGES - left if left <= END else min(contact, EARLY)
 
 
 @compiled
@@ -156,6 +184,15 @@ def gain(rate, size, steady):
     value = np.sqrt(np.sqrt(sum_of / limit)) / limit
     by_size = value * (0.25 / sum_of - 1.25 / (LARGE * limit)) - steady / (LARGE * limit * limit)
     return value + steady / limit, value * 2.0 * rate / sum_of, by_size
+
+
+@compiled
+def negligible(around):
+    """Whether fast changes are so small that their products are."""
+    total = 0.0
+    for i in range(NEAR, TAPS):
+        total += around[i] * around[i]
+    return total < NEGLIGIBLE
 
 
 @compiled
@@ -209,30 +246,47 @@ def dot(values, factors):
     return total
 
 
+@compiled
+def parts_of(work):
+    """Arrays for products and their coefficients, and for responses to fast and slow changes."""
+    first = PRODUCTS
+    second = first + STATES * PRODUCTS
+    third = second + STATES * TAPS
+    fourth = third + STATES * (1 + TAPS)
+    return (
+        work[:first], work[first:second], work[second:third], work[third:fourth],
+        work[fourth : fourth + 1 + TAPS],
+    )  # fmt: skip
+
+
+# Numbers that `add_response` and `from_response` need for a contact.
+WORK = (1 + STATES) * (PRODUCTS + 1 + TAPS) + STATES * TAPS
+
+
 # Arguments:
 # contacts: number of contacts of the chain
 # slow, fast: results of `smooth`, up to two contacts ahead of the last one followed
 # tables: `hertzchain.theory.universal_functions.FastTables`
+# work: (WORK,), is overwritten
 # states: (followed, 3), to which the response is added
 @compiled
-def add_response(contacts, slow, fast, tables, states):
+def add_response(contacts, slow, fast, tables, work, states):
     """Add the response to fast changes and to the free end."""
-    single, bends = np.empty(STATES * TAPS), np.empty(STATES * PRODUCTS)
-    ends, steps = np.empty(STATES * (1 + TAPS)), np.empty(1 + TAPS)
-    products = np.empty(PRODUCTS)
+    products, bends, single, ends, steps = parts_of(work)
     place, knot = 0, 0
     for k in range(len(states)):
         q, stage, around = slow[k], stage_of(k, contacts), fast[k : k + TAPS]
         place, x = interval_of(q, tables.places, place)
         polynomials(tables.single[stage, place], x, single)
-        knot, distance = interval_of(q, tables.knots, knot)
-        polynomials(tables.second[knot], distance, bends)
-        multiply(around, products)
-        g, _, _ = gain(q, size_of(around), tables.steady)
         for i in range(STATES):
-            first = dot(single[i * TAPS : (i + 1) * TAPS], around)
-            second = dot(bends[i * PRODUCTS : (i + 1) * PRODUCTS], products)
-            states[k, i] += first + g * second
+            states[k, i] += dot(single[i * TAPS : (i + 1) * TAPS], around)
+        if not negligible(around):
+            knot, distance = interval_of(q, tables.knots, knot)
+            polynomials(tables.second[knot], distance, bends)
+            multiply(around, products)
+            g, _, _ = gain(q, size_of(around), tables.steady)
+            for i in range(STATES):
+                states[k, i] += g * dot(bends[i * PRODUCTS : (i + 1) * PRODUCTS], products)
         if stage > WITHIN:
             polynomials(tables.end[stage - WITHIN - 1, place], x, ends)
             steps_of(slow, k, steps)
@@ -244,30 +298,31 @@ def add_response(contacts, slow, fast, tables, states):
 # seeds: (followed, 3), derivatives with respect to the states
 # to_slow, to_fast: as long as slow and fast; results are added
 @compiled
-def from_response(contacts, slow, fast, tables, seeds, to_slow, to_fast):
+def from_response(contacts, slow, fast, tables, seeds, work, to_slow, to_fast):
     """Add derivatives with respect to both parts of the rates."""
-    single, single_slopes = np.empty(TAPS), np.empty(TAPS)
-    bends, bend_slopes = np.empty(PRODUCTS), np.empty(PRODUCTS)
-    ends, end_slopes = np.empty(1 + TAPS), np.empty(1 + TAPS)
-    steps, products = np.empty(1 + TAPS), np.empty(PRODUCTS)
+    products, of_products, of_fast, of_end, steps = parts_of(work)
+    bends, bend_slopes = of_products[:PRODUCTS], of_products[PRODUCTS : 2 * PRODUCTS]
+    single, single_slopes = of_fast[:TAPS], of_fast[TAPS : 2 * TAPS]
+    ends, end_slopes = of_end[: 1 + TAPS], of_end[1 + TAPS : 2 + 2 * TAPS]
     place, knot = 0, 0
     for k in range(len(seeds)):
         q, stage, around = slow[k], stage_of(k, contacts), fast[k : k + TAPS]
         place, x = interval_of(q, tables.places, place)
         inside = tables.places[0] <= q <= tables.places[-1]
         combine(tables.single[stage, place], seeds[k], x, inside, single, single_slopes)
-        knot, distance = interval_of(q, tables.knots, knot)
-        within = tables.knots[0] <= q <= tables.knots[-1]
-        combine(tables.second[knot], seeds[k], distance, within, bends, bend_slopes)
-        multiply(around, products)
-        g, by_rate, by_size = gain(q, size_of(around), tables.steady)
-        to_gain = dot(bends, products)
-        to_slow[k] += dot(single_slopes, around) + g * dot(bend_slopes, products)
-        to_slow[k] += to_gain * by_rate
+        to_slow[k] += dot(single_slopes, around)
         to_around = to_fast[k : k + TAPS]
         for n in range(TAPS):
             to_around[n] += single[n]
-        from_products(around, g, bends, to_gain * by_size, to_around)
+        if not negligible(around):
+            knot, distance = interval_of(q, tables.knots, knot)
+            within = tables.knots[0] <= q <= tables.knots[-1]
+            combine(tables.second[knot], seeds[k], distance, within, bends, bend_slopes)
+            multiply(around, products)
+            g, by_rate, by_size = gain(q, size_of(around), tables.steady)
+            to_gain = dot(bends, products)
+            to_slow[k] += g * dot(bend_slopes, products) + to_gain * by_rate
+            from_products(around, g, bends, to_gain * by_size, to_around)
         if stage > WITHIN:
             pieces = tables.end[stage - WITHIN - 1, place]
             combine(pieces, seeds[k], x, inside, ends, end_slopes)
@@ -313,6 +368,16 @@ def lost_maximum(contacts, contact, slow):
     return 0.2 * min(1.0, max(0.0, (-0.122 - lowest) / 0.01) ** 2)
 
 
+# Rates below which a pulse leaves a train of waves behind, and above which these overtake it.
+TRAIN, CATCHING = -0.13, -0.05
+
+
+@compiled
+def train_behind(rate, train):
+    """Length of the part of the chain in which the pulse left a train of waves behind."""
+    return train + max(TRAIN - rate, 0.0) / 0.1
+
+
 # Terms of the estimated error: those of the slow rates, and of fast changes and the free end.
 SLOW_PARTS, PARTS = 4, 12
 OF_AHEAD = 0.2
@@ -322,11 +387,12 @@ OF_AHEAD = 0.2
 # parts: (followed, 12), result: these, and with the size a of fast changes, the slow rate q and
 #   its change b: root of the sum of a^4, sums of a^3 and a^2 |q|, root of the sum of a^2 b^2; the
 #   sum of a^2 + b^2 fading along the chain, with `size_ahead`; b^2, a^2 and the shortness of the
-#   chain near its free end, with `lost_maximum`
+#   chain near its free end, with `lost_maximum` and waves that overtake the pulse
 @compiled
 def write_parts(contacts, slow, fast, doubts, parts):
     """Write the terms of the estimated error of the velocity behind each contact."""
     fourth, third, tapered, mixed, faded = 0.0, 0.0, 0.0, 0.0, 0.0
+    train, overtaken = 0.0, 0.0
     for k in range(len(parts)):
         size = size_of(fast[k : k + TAPS])
         root = np.sqrt(size)
@@ -349,4 +415,7 @@ def write_parts(contacts, slow, fast, doubts, parts):
         parts[k, 9] = step * step * steep if at_end else 0.0
         parts[k, 10] = size if at_end else 0.0
         short = np.exp(-0.25 * contacts) * abs(slow[k]) if at_end else 0.0
-        parts[k, 11] = short + lost_maximum(contacts, k, slow)
+        train = train_behind(slow[k], train)
+        if slow[k] > CATCHING:
+            overtaken = max(overtaken, 0.05 * min(1.0, train * train))
+        parts[k, 11] = short + lost_maximum(contacts, k, slow) + overtaken

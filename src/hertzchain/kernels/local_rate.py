@@ -5,34 +5,29 @@ The state of contact k follows from that of the contact before
 
 .. math::
 
-    z_k = z^*(s_k) + y^T A(s_k)\,y, \qquad
-    y = \left(1,\; z_{k-1} - z^*(s_{k-1}),\; s_{k-1} - s_{k-2},\; s_k - s_{k-1},\;
+    z_k = z^*(s_k) + \sum_i c_i(s_k)\,x_i + \sum_{i\le j} c_{ij}(s_k)\,x_i x_j, \qquad
+    x = \left(z_{k-1} - z^*(s_{k-1}),\; s_{k-1} - s_{k-2},\; s_k - s_{k-1},\;
                  s_{k+1} - s_k,\; s_{k+2} - s_{k+1}\right)
 
-with a symmetric matrix A for each of the three components of z.  :math:`z^*` and A are piecewise
-cubic polynomials of the rate, one set for each stage: the first four contacts, those within the
-chain.  The rates are slow; `hertzchain.kernels.fast_changes` adds the response to fast
-changes.  Almost all work is the product A y, from which everything follows::
-
-    A(s) y  --->  z  = z* + y.(A y)      forward
-            --->  dz/dy = 2 A y          stored for the backward pass
-            --->  dz/ds = y.(A'(s) y)    from the same coefficients
-
-so that the derivatives of a number with respect to all rates take little more time than the law.
+:math:`z^*` and c are piecewise cubic polynomials of the rate, one set for each stage: the first
+four contacts, those within the chain.  The rates are slow; `hertzchain.kernels.fast_changes` adds
+the response to fast changes.  The backward pass evaluates the coefficients again, already added
+up with the derivatives with respect to the three components, which is faster than storing them.
 """
 
 from __future__ import annotations
 
 import numpy as np
 
-from .fast_changes import START, STATES, WITHIN, compiled, interval_of, polynomials
+from .fast_changes import STATES, combine, compiled, dot, interval_of, polynomials
 
-# Inputs including the constant one, padded to the eight numbers of a vector register.
+# Contacts with separate functions after the impact.
+START = 4
+WITHIN = START
+# Inputs, and terms of first and second order; padded, so that loops over them use vectors.
 INPUTS = 7
-FORM = 1 + INPUTS
-# Length of a row of all three matrices side by side, and of all rows.
-ROW = STATES * FORM
-MATRIX = FORM * ROW
+TERMS = INPUTS + INPUTS * (INPUTS + 1) // 2
+ROW = TERMS + 1
 # Largest distance from the state of an exponential chain; beyond it, the law has diverged.
 FARTHEST = 1.0
 
@@ -50,165 +45,162 @@ def bca_growth(rate):
 @compiled
 def anchor(rate, pieces, ends, guess, value, slope):
     """Write state and derivative on an exponential chain; returns the interval of the rate."""
-    # Outside the tables, the trend is that of the BCA.
     interval, x = interval_of(rate, ends, guess)
-    inside = ends[0] <= rate <= ends[-1]
-    powers = pieces[interval]
     for i in range(STATES):
-        a, b, c = powers[i], powers[STATES + i], powers[2 * STATES + i]
-        value[i] = ((a * x + b) * x + c) * x + powers[3 * STATES + i]
-        slope[i] = (3.0 * a * x + 2.0 * b) * x + c if inside else 0.0
-    growth, growth_slope = bca_growth(rate)
-    value[0] += growth
-    slope[0] += growth_slope
+        a, b = pieces[interval, i], pieces[interval, STATES + i]
+        c = pieces[interval, 2 * STATES + i]
+        value[i] = ((a * x + b) * x + c) * x + pieces[interval, 3 * STATES + i]
+        slope[i] = (3.0 * a * x + 2.0 * b) * x + c
+    if not ends[0] <= rate <= ends[-1]:
+        # Outside the tables, the trend is that of the BCA.
+        growth, growth_slope = bca_growth(rate)
+        value[0] += growth - bca_growth(ends[interval] + x)[0]
+        slope[0], slope[1], slope[2] = growth_slope, 0.0, 0.0
     return interval
 
 
 @compiled
-def gather(contact, rates, y):
-    """Write the inputs of a contact that are differences of the rates around it."""
+def gather(contact, rates, deviations, inputs):
+    """Write the inputs of a contact."""
+    for i in range(STATES):
+        inputs[i] = deviations[contact - 1, i] if contact > 0 else 0.0
     for i in range(INPUTS - STATES):
         last = contact - 1 + i
         known = 1 <= last < len(rates)
-        y[1 + STATES + i] = rates[last] - rates[last - 1] if known else 0.0
+        inputs[STATES + i] = rates[last] - rates[last - 1] if known else 0.0
 
 
 @compiled
-def differentiate(pieces, x, derivative):
-    """Evaluate the derivative of the matrix A with respect to the rate."""
-    for i in range(MATRIX):
-        a, b, c = pieces[0, i], pieces[1, i], pieces[2, i]
-        derivative[i] = (3.0 * a * x + 2.0 * b) * x + c
+def write_terms(inputs, terms):
+    """Write the inputs and all products of two of them."""
+    n = INPUTS
+    for i in range(INPUTS):
+        terms[i] = inputs[i]
+        for j in range(i, INPUTS):
+            terms[n] = inputs[i] * inputs[j]
+            n += 1
 
 
 @compiled
-def product(matrix, y, found):
-    """Evaluate A y for all three components."""
-    y0, y1, y2, y3, y4, y5, y6, y7 = y[0], y[1], y[2], y[3], y[4], y[5], y[6], y[7]
-    # Unrolled, so that the compiler vectorises it.
-    for i in range(ROW):
-        found[i] = (
-            (y0 * matrix[i] + y1 * matrix[ROW + i])
-            + (y2 * matrix[2 * ROW + i] + y3 * matrix[3 * ROW + i])
-            + (y4 * matrix[4 * ROW + i] + y5 * matrix[5 * ROW + i])
-            + (y6 * matrix[6 * ROW + i] + y7 * matrix[7 * ROW + i])
-        )
-
-
-@compiled
-def times(y, found, i):
-    """Component i of y.(A y)."""
-    total = 0.0
-    for j in range(FORM):
-        total += y[j] * found[i * FORM + j]
-    return total
-
-
-@compiled
-def second_degree(matrix, y):
+def second_degree(coefficients, terms):
     """Size of the contribution of products of two inputs to the growth."""
-    y1, y2, y3, y4 = abs(y[1]), abs(y[2]), abs(y[3]), abs(y[4])
-    y5, y6, y7 = abs(y[5]), abs(y[6]), abs(y[7])
     size = 0.0
-    for j in range(1, FORM):
-        size += abs(y[j]) * (
-            (y1 * abs(matrix[ROW + j]) + y2 * abs(matrix[2 * ROW + j]))
-            + (y3 * abs(matrix[3 * ROW + j]) + y4 * abs(matrix[4 * ROW + j]))
-            + (y5 * abs(matrix[5 * ROW + j]) + y6 * abs(matrix[6 * ROW + j]))
-            + y7 * abs(matrix[7 * ROW + j])
-        )
+    for n in range(INPUTS, TERMS):
+        size += abs(coefficients[n] * terms[n])
     return size
+
+
+@compiled
+def parts_of(work):
+    """Arrays for terms, their coefficients, inputs, anchors and their derivatives."""
+    first = ROW + STATES * ROW
+    second = first + INPUTS
+    return (
+        work[:ROW], work[ROW:first], work[first:second], work[second : second + STATES],
+        work[second + STATES : second + 2 * STATES],
+    )  # fmt: skip
+
+
+# Numbers that `forward` and `backward` need for a contact.
+WORK = (1 + STATES) * ROW + INPUTS + 2 * STATES
 
 
 # Arguments of `forward`:
 # rates: slow rates, up to two contacts ahead of the last one that is followed
 # nodes, anchors: ends of intervals, and polynomials (stages, intervals, 12), which are
 #   coefficients of x^3 to x^0, each for the three components of the state
-# knots, response: the same for the matrices A, (stages, intervals, 4, 192): powers, eight rows,
-#   three components, eight columns
+# knots, response: the same for the terms of the response, (stages, intervals, 4, 108): powers,
+#   three components, 35 terms and a zero
+# work: (WORK,), is overwritten
 # Results:
 # states: (followed, 3)
-# slopes: (followed, 3, 2), or empty if not needed: derivatives of the state with respect to the
-#   rate of the contact, and of the anchor of its stage
-# to_inputs: (followed, 3, 8), derivatives of the state with respect to y
+# deviations: (followed, 3), of the states from the anchors that the next contact refers to
+# slopes: (followed, 3, 2): derivatives of the anchor of the contact, and of that reference
 # doubts: (followed, 4), terms of the estimated error: one; norms of all inputs after the
 #   impact, of those at all other contacts up to this one, and of the products of their size and
 #   of the second degree of the growth
 @compiled
 def forward(
-    rates, followed, nodes, anchors, knots, response, states, slopes, to_inputs, doubts
+    rates, followed, nodes, anchors, knots, response, work, states, deviations, slopes, doubts
 ):  # fmt: skip
     """Compute states of contacts; returns the first that diverges, or else ``followed``."""
-    value, slope = np.zeros(STATES), np.zeros(STATES)
-    y, matrix, derivative = np.ones(FORM), np.empty(MATRIX), np.empty(MATRIX)
-    by_input, by_input_slope = np.empty(ROW), np.empty(ROW)
+    terms, coefficients, inputs, value, slope = parts_of(work)
+    terms[TERMS] = 0.0
     start, others, third = 0.0, 0.0, 0.0
     node, interval = 0, 0
-    lost, differentiated = followed, len(slopes) > 0
+    lost = followed
     for k in range(followed):
         stage = min(k, WITHIN)
         if k == START:
             # Deviations are measured from the anchor of the inner stage; other stages differ.
             anchor(rates[k - 1], anchors[WITHIN], nodes, node, value, slope)
-            if differentiated:
-                slopes[k - 1, :, 1] = slope
-        for i in range(STATES):
-            y[1 + i] = states[k - 1, i] - value[i] if k > 0 else 0.0
-        gather(k, rates, y)
+            for i in range(STATES):
+                deviations[k - 1, i] = states[k - 1, i] - value[i]
+                slopes[k - 1, i, 1] = slope[i]
+        gather(k, rates, deviations, inputs)
+        write_terms(inputs, terms)
         node = anchor(rates[k], anchors[stage], nodes, node, value, slope)
         interval, distance = interval_of(rates[k], knots, interval)
-        inside = knots[0] <= rates[k] <= knots[-1]
-        pieces = response[stage, interval]
-        polynomials(pieces, distance, matrix)
-        product(matrix, y, by_input)
+        polynomials(response[stage, interval], distance, coefficients)
+        away = False
         for i in range(STATES):
-            states[k, i] = value[i] + times(y, by_input, i)
-        if differentiated:
-            differentiate(pieces, distance, derivative)
-            product(derivative, y, by_input_slope)
-            for i in range(STATES):
-                slopes[k, i, 0] = slopes[k, i, 1] = slope[i]
-                if inside:
-                    slopes[k, i, 0] += times(y, by_input_slope, i)
-                for j in range(FORM):
-                    to_inputs[k, i, j] = 2.0 * by_input[i * FORM + j]
+            change = dot(coefficients[i * ROW : (i + 1) * ROW], terms)
+            states[k, i], deviations[k, i] = value[i] + change, change
+            slopes[k, i, 0] = slopes[k, i, 1] = slope[i]
+            if not abs(change) < FARTHEST:
+                away = True
         square = 0.0
-        for i in range(1, FORM):
-            square += y[i] * y[i]
+        for i in range(INPUTS):
+            square += inputs[i] * inputs[i]
         if k < START:
             start += square
         else:
             others += square
-            third += square * second_degree(matrix, y) ** 2
+            third += square * second_degree(coefficients, terms) ** 2
         doubts[k, 0], doubts[k, 1] = 1.0, np.sqrt(start)
         doubts[k, 2], doubts[k, 3] = np.sqrt(others), np.sqrt(third)
-        away = False
-        for i in range(STATES):
-            if not abs(states[k, i] - value[i]) < FARTHEST:
-                away = True
         if away:
-            states[k] = value
+            for i in range(STATES):
+                states[k, i], deviations[k, i] = value[i], 0.0
             lost = min(lost, k)
     return lost
 
 
+# Arguments: as for `forward`, and
+# seeds: derivatives with respect to the states, (followed, 3), which are overwritten
+# to_rates: results are added
 @compiled
-def backward(slopes, to_inputs, seeds, to_rates):
-    """Add derivatives with respect to the rates to ``to_rates``; ``seeds`` are those to states."""
-    # slopes, to_inputs: results of `forward`.  seeds is overwritten.
-    to_y = np.empty(FORM)
+def backward(rates, knots, response, deviations, slopes, seeds, work, to_rates):
+    """Add derivatives with respect to the slow rates."""
+    terms, of_terms, inputs, _, _ = parts_of(work)
+    weights, weight_slopes = of_terms[:ROW], of_terms[ROW : 2 * ROW]
+    to_input = of_terms[2 * ROW : 2 * ROW + INPUTS]
+    terms[TERMS] = 0.0
+    interval = 0
     for k in range(len(seeds) - 1, -1, -1):
-        for j in range(FORM):
-            to_y[j] = 0.0
-            for i in range(STATES):
-                to_y[j] += seeds[k, i] * to_inputs[k, i, j]
+        gather(k, rates, deviations, inputs)
+        write_terms(inputs, terms)
+        interval, distance = interval_of(rates[k], knots, interval)
+        inside = knots[0] <= rates[k] <= knots[-1]
+        pieces = response[min(k, WITHIN), interval]
+        combine(pieces, seeds[k], distance, inside, weights, weight_slopes)
+        to_rates[k] += dot(weight_slopes, terms)
         for i in range(STATES):
             to_rates[k] += seeds[k, i] * slopes[k, i, 0]
-            if k > 0:
-                seeds[k - 1, i] += to_y[1 + i]
-                to_rates[k - 1] -= to_y[1 + i] * slopes[k - 1, i, 1]
+        for i in range(INPUTS):
+            to_input[i] = weights[i]
+        n = INPUTS
+        for i in range(INPUTS):
+            for j in range(i, INPUTS):
+                to_input[i] += weights[n] * inputs[j]
+                to_input[j] += weights[n] * inputs[i]
+                n += 1
+        if k > 0:
+            for i in range(STATES):
+                seeds[k - 1, i] += to_input[i]
+                to_rates[k - 1] -= to_input[i] * slopes[k - 1, i, 1]
         for i in range(INPUTS - STATES):
             last = k - 1 + i
             if 1 <= last < len(to_rates):
-                to_rates[last] += to_y[1 + STATES + i]
-                to_rates[last - 1] -= to_y[1 + STATES + i]
+                to_rates[last] += to_input[STATES + i]
+                to_rates[last - 1] -= to_input[STATES + i]

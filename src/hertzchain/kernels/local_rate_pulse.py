@@ -10,20 +10,26 @@ from .fast_changes import (
     PARTS,
     SLOW_PARTS,
     STATES,
+    WORK,
     add_response,
+    allocating,
     compiled,
     from_response,
     from_smooth,
     smooth,
     write_parts,
 )
-from .local_rate import FORM, backward, forward
+from .last_contact import add_last, from_last
+from .local_rate import WORK as SLOW_WORK
+from .local_rate import backward, forward
 
 # Largest estimated error of a logarithm, so that its exponential is finite.
 LARGEST_ERROR = 50.0
+# Below this value, e^x - 1 is evaluated as a polynomial.
+SMALL_ERROR = 0.02
 
 
-@compiled
+@allocating
 def logarithms(radii):
     """Logarithms of the radii, and the rates of the contacts."""
     logs = np.log(radii)
@@ -65,10 +71,12 @@ def estimated_error(contact, parts, constants, lost):
     error = 1.0 if contact >= lost else 0.0
     for i in range(PARTS):
         error += constants[i] * parts[contact, i]
+    if error < SMALL_ERROR:
+        return error * (1.0 + error / 2.0 * (1.0 + error / 3.0 * (1.0 + error / 4.0)))
     return np.expm1(min(error, LARGEST_ERROR))
 
 
-@compiled
+@allocating
 def divide(rates, followed):
     """Slow and fast parts of the rates, up to two contacts ahead of the last one followed."""
     known = min(len(rates), followed + AHEAD)
@@ -78,28 +86,44 @@ def divide(rates, followed):
 
 
 # slow_tables: nodes, anchors, knots and response, for `forward`; fast_tables: for `add_response`
-# states: (followed, 3), result; slopes, to_inputs: see `forward`, or empty
+# states: (followed, 3), result; deviations, slopes: see `forward`
 # parts: (followed, 12), result, see `write_parts`
-@compiled
+@allocating
 def evaluate(
-    contacts, slow, fast, slow_tables, fast_tables, states, slopes, to_inputs, parts
+    contacts, slow, fast, slow_tables, fast_tables, states, deviations, slopes, parts
 ):  # fmt: skip
     """Compute states of contacts; returns the first that diverges, or else their number."""
     nodes, anchors, knots, response = slow_tables
-    doubts = np.empty((len(states), SLOW_PARTS))
+    doubts, work = np.empty((len(states), SLOW_PARTS)), np.empty(max(WORK, SLOW_WORK))
     lost = forward(
-        slow, len(states), nodes, anchors, knots, response, states, slopes, to_inputs, doubts
+        slow, len(states), nodes, anchors, knots, response, work, states, deviations, slopes, doubts
     )
-    add_response(contacts, slow, fast, fast_tables, states)
+    add_response(contacts, slow, fast, fast_tables, work, states)
+    if len(states) == contacts:
+        add_last(slow, fast_tables, states)
     write_parts(contacts, slow, fast, doubts, parts)
     return lost
 
 
 @compiled
+def sound(by_bead, by_contact):
+    """Whether all results are finite and, except those of the struck bead, positive."""
+    good = True
+    for i in range(len(by_bead)):
+        for k in range(1, by_bead.shape[1]):
+            good &= 0.0 < by_bead[i, k] < np.inf
+    for i in range(len(by_contact)):
+        for k in range(by_contact.shape[1]):
+            good &= 0.0 < by_contact[i, k] < np.inf
+    return good
+
+
+@allocating
 def pulse(
     radii, slow_tables, fast_tables, constants, of_time, of_overlap, by_bead, by_contact
 ):  # fmt: skip
-    """Evaluate the law; returns the largest estimated error, infinite if a rate is outside."""
+    """Evaluate the law; returns the largest estimated error, and whether all values are sound."""
+    # The error is infinite if a rate is outside the tables.
     # slow_tables, fast_tables: as for `evaluate`; constants: (12,), of the estimated error
     # of_time, of_overlap: powers (a, b, c, d, e) of residence times and overlaps
     # by_bead (3, N): result: velocities, their estimated errors, arrivals
@@ -108,9 +132,9 @@ def pulse(
     contacts = len(rates)
     slow, fast = divide(rates, contacts)
     states, parts = np.empty((contacts, STATES)), np.empty((contacts, PARTS))
-    slopes, to_inputs = np.empty((0, STATES, 2)), np.empty((0, STATES, FORM))
+    deviations, slopes = np.empty((contacts, STATES)), np.empty((contacts, STATES, 2))
     lost = evaluate(
-        contacts, slow, fast, slow_tables, fast_tables, states, slopes, to_inputs, parts
+        contacts, slow, fast, slow_tables, fast_tables, states, deviations, slopes, parts
     )
     velocity, error, arrival = by_bead[0], by_bead[1], by_bead[2]
     residence, overlap = by_contact[0], by_contact[1]
@@ -126,10 +150,11 @@ def pulse(
         velocity[k + 1] = np.exp(log_velocity)
         error[k + 1] = estimated_error(k, parts, constants, lost)
         arrival[k + 1] = arrival[k] + residence[k]
-    return np.inf if any_outside(rates, slow_tables[0]) else np.max(error)
+    largest = np.inf if any_outside(rates, slow_tables[0]) else np.max(error)
+    return largest, sound(by_bead, by_contact)
 
 
-@compiled
+@allocating
 def gradient(
     radii, slow_tables, fast_tables, constants, powers, begin, end, followed, found
 ):  # fmt: skip
@@ -140,9 +165,9 @@ def gradient(
     logs, rates = logarithms(radii)
     slow, fast = divide(rates, followed)
     states, parts = np.empty((followed, STATES)), np.empty((followed, PARTS))
-    slopes, to_inputs = np.empty((followed, STATES, 2)), np.empty((followed, STATES, FORM))
+    deviations, slopes = np.empty((followed, STATES)), np.empty((followed, STATES, 2))
     lost = evaluate(
-        len(rates), slow, fast, slow_tables, fast_tables, states, slopes, to_inputs, parts
+        len(rates), slow, fast, slow_tables, fast_tables, states, deviations, slopes, parts
     )
     weights = np.empty(end - begin)
     log_velocity = states[:begin, 0].sum()
@@ -156,9 +181,13 @@ def gradient(
     seeds, to_rates = np.zeros((followed, STATES)), np.zeros(len(rates))
     seed_states(radii, begin, weights / total, powers, seeds, found)
     to_slow, to_fast = np.zeros(len(slow)), np.zeros(len(fast))
-    from_response(len(rates), slow, fast, fast_tables, seeds, to_slow, to_fast)
-    backward(slopes, to_inputs, seeds, to_slow)
-    from_smooth(rates, to_slow, to_fast, to_rates)
+    work = np.empty(max(WORK, SLOW_WORK))
+    from_response(len(rates), slow, fast, fast_tables, seeds, work, to_slow, to_fast)
+    if followed == len(rates):
+        from_last(slow, fast_tables, seeds[-1], to_slow)
+    _, _, knots, response = slow_tables
+    backward(slow, knots, response, deviations, slopes, seeds, work, to_slow)
+    from_smooth(rates, to_slow, to_fast, slow, to_rates)
     found[1:] += to_rates
     found[:-1] -= to_rates
     error = 0.0

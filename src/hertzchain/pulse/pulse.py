@@ -7,7 +7,7 @@ that a run has not determined is NaN, with the reason in ``notes``.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import MISSING, dataclass, field, fields
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -366,6 +366,17 @@ class Pulse(Frozen):
         from ..notebook.pulses import pulse_html
 
         return pulse_html(self)
+
+
+# Values of all fields that have a default.
+_DEFAULTS = {item.name: item.default for item in fields(Pulse) if item.default is not MISSING}
+
+
+def assemble_pulse(**columns: Any) -> Pulse:
+    """A pulse of new read-only columns that need no checks, which would take 20 microseconds."""
+    pulse = Pulse.__new__(Pulse)
+    pulse.__dict__.update(_DEFAULTS, notes={}, **columns)
+    return pulse
 
 
 def _checked_column(pulse: Pulse, quantity: Quantity, given: ArrayLike) -> Array:

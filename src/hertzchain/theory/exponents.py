@@ -2,7 +2,8 @@
 
 Tables have the same shape for all exponents.  They are interpolated entry by entry by the
 polynomial in the logarithm of the exponent through the tables at its Chebyshev nodes, along lines
-on which the rate is a fixed fraction of the lowest or the highest one.
+on which the rate is a fixed fraction of the lowest or the highest one.  The coefficients of its
+Chebyshev polynomials are stored.
 """
 
 from __future__ import annotations
@@ -13,15 +14,19 @@ from pathlib import Path
 from typing import Final
 
 import numpy as np
+from numpy.polynomial.chebyshev import chebval, chebvander
 
 from ..collision import Array
+from .packed_tables import STEPS, Bytes, pack, unpack
 
 # Chebyshev nodes in the logarithm of the exponent.
 LOWEST, HIGHEST, COUNT = 1.25, 3.0, 10
 FILE: Final = "exponents.npz"
-# Tables that are interpolated as they are, and places whose negative ones are multiplied by
-# `shrink_of`.
-VALUES: Final = ("values", "response", "single", "end", "end_slopes")
+# Tables that are interpolated, with the axis of the rate, and places whose negative ones are
+# multiplied by `shrink_of`.  The response is stored as its linear terms and products.
+AXES: Final = {
+    "values": 1, "linear": 3, "products": 3, "single": 1, "end": 1, "end_slopes": 1, "second": 1,
+}  # fmt: skip
 PLACES: Final = ("nodes", "knots", "places", "fast_knots")
 
 # Typical size of the factor of products of fast changes of Hertz contacts.
@@ -35,6 +40,18 @@ def _chebyshev() -> Array:
 
 
 EXPONENTS: Final = _chebyshev()
+
+
+def place_of(exponent: Array | float) -> Array:
+    """Argument of the Chebyshev polynomials, from -1 to 1."""
+    low, high = math.log(LOWEST), math.log(HIGHEST)
+    return np.asarray((2.0 * np.log(exponent) - low - high) / (high - low))
+
+
+def coefficients(tables: Array) -> Array:
+    """Coefficients of the Chebyshev polynomials through the tables at `EXPONENTS`."""
+    matrix = np.linalg.inv(chebvander(place_of(EXPONENTS), COUNT - 1))
+    return np.asarray(np.tensordot(matrix, tables, 1))
 
 
 def shrink_of(exponent: float) -> float:
@@ -59,25 +76,24 @@ def scaled(rates: Array, shrink: float) -> Array:
     return np.where(rates < 0.0, shrink * rates, rates)
 
 
-def weights(exponent: float) -> Array:
-    """Weights of the tables in the interpolated ones (Lagrange polynomials)."""
-    x, nodes = math.log(exponent), np.log(EXPONENTS)
-    return np.array(
-        [
-            np.prod((x - np.delete(nodes, i)) / (nodes[i] - np.delete(nodes, i)))
-            for i in range(COUNT)
-        ]
-    )
+def pack_tables(found: dict[str, Array]) -> dict[str, Bytes]:
+    """Tables in the form in which they are stored; those at all exponents are stacked."""
+    gains = np.array([product_gain(float(each)) for each in EXPONENTS])
+    found = found | {"second": found["second"] * gains[:, None, None]}
+    return {name: pack(coefficients(found[name]), STEPS[name], axis) for name, axis in AXES.items()}
+
+
+def product_gain(exponent: float) -> float:
+    """Size of the factor of products of fast changes, with which their coefficients are stored."""
+    return steady_gain(exponent) + TYPICAL_GAIN
 
 
 def interpolated_tables(folder: Path, exponent: float) -> dict[str, Array]:
-    """Tables of an exponent: those of `VALUES` and `PLACES`, and the constants of the error."""
-    stored, of = _stored(folder / FILE), weights(exponent)
-    found = {name: np.tensordot(of, stored[name], 1) for name in VALUES}
-    # The coefficients of products are interpolated times the factor of these products.
-    factors = np.array([steady_gain(float(each)) for each in EXPONENTS]) + TYPICAL_GAIN
-    products = np.tensordot(of * factors, stored["second"], 1)
-    found["second"] = products / (steady_gain(exponent) + TYPICAL_GAIN)
+    """Tables of an exponent, their places, and the constants of the error."""
+    stored, place = _stored(folder / FILE), place_of(exponent)
+    found = {name: np.asarray(chebval(place, stored[name])) for name in AXES}
+    found["second"] /= product_gain(exponent)
+    found["response"] = np.concatenate([found.pop("linear"), found.pop("products")], axis=1)
     shrink = shrink_of(exponent)
     found |= {name: scaled(stored[name], shrink) for name in PLACES}
     at, errors = np.log(stored["error_exponents"]), stored["errors"]
@@ -88,4 +104,7 @@ def interpolated_tables(folder: Path, exponent: float) -> dict[str, Array]:
 @functools.cache
 def _stored(file: Path) -> dict[str, Array]:
     with np.load(file) as stored:
-        return {name: stored[name].astype(float) for name in stored}
+        return {
+            name: unpack(stored[name], STEPS[name], AXES[name]) if name in AXES else stored[name]
+            for name in stored
+        }

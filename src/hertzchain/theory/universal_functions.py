@@ -36,6 +36,7 @@ from ..collision import Array, velocity_transfer
 from ..errors import InputError
 from ..pulse.pulse import Pulse
 from . import exponents
+from .packed_tables import STEPS, unpack
 
 STATE: Final = ("growth", "force", "time")
 # Number of contacts that depend on the impact.
@@ -56,6 +57,8 @@ INPUTS: Final = (
 # The response is of second order: it contains all inputs and all products of two inputs.
 PAIRS: Final = tuple(combinations_with_replacement(range(len(INPUTS)), 2))
 TERMS: Final = INPUTS + tuple(f"({INPUTS[i]})({INPUTS[j]})" for i, j in PAIRS)
+# Tables of fast changes, as functions of the rate.
+FAST_VALUES: Final = ("single", "end", "end_slopes", "second", "last")
 MIN_BEADS: Final = 9
 
 
@@ -68,8 +71,8 @@ class FastTables(NamedTuple):
     ----------
     places : ndarray, shape (n + 1,)
         Ends of the intervals of ``single`` and ``end``.
-    single : ndarray, shape (10, n, 4, 33)
-        Response G of each stage (four after the impact, within, five before the free end):
+    single : ndarray, shape (18, n, 4, 33)
+        Response G of each stage (twelve after the impact, within, five before the free end):
         coefficients of the powers 3 to 0, each for the three components at eleven offsets.
     end : ndarray, shape (5, n, 4, 36)
         Effect of the free end: state on an exponential chain, and response H, less those within.
@@ -77,6 +80,10 @@ class FastTables(NamedTuple):
         Ends of the intervals of ``second``.
     second : ndarray, shape (K, 4, 84)
         Coefficients A of the products of two fast changes.
+    last_knots : ndarray, shape (L + 1,)
+        Ends of the intervals of ``last``.
+    last : ndarray, shape (L, 4, 18)
+        Coefficients B of the last contact, see `hertzchain.kernels.last_contact`.
     steady : float
         Constant c of the factor of these products, see `hertzchain.theory.exponents.steady_gain`.
     """
@@ -86,6 +93,8 @@ class FastTables(NamedTuple):
     end: Array
     knots: Array
     second: Array
+    last_knots: Array
+    last: Array
     steady: float
 
 
@@ -100,15 +109,14 @@ class UniversalFunctions:
     nodes : ndarray, shape (n + 1,)
         Ends of the intervals of the `anchors`.
     anchors : ndarray, shape (stages, n, 12)
-        State of each stage on an exponential chain, with the growth relative to that of the
-        BCA.  The entries are the coefficients of the powers 3, 2, 1, 0 of the distance from
-        the left end of the interval, each for the three components of the state.
+        State of each stage on an exponential chain.  The entries are the coefficients of the
+        powers 3, 2, 1, 0 of the distance from the left end of the interval, each for the three
+        components of the state.
     knots : ndarray, shape (K + 1,)
         Ends of the intervals of the `response`.
-    response : ndarray, shape (stages, K, 4, 192)
-        Polynomials, as for the anchors, of the symmetric matrices :math:`A(s)` of the response
-        :math:`y^T A y`, where y consists of 1 and the `INPUTS`.  For each power, the rows of the
-        three components are stored next to each other, as an array of shape (8, 3, 8).
+    response : ndarray, shape (stages, K, 4, 108)
+        Polynomials, as for the anchors, of the coefficients of the `TERMS`, followed by 0, for
+        each of the three components.
     fast : FastTables
         Responses to fast changes and to the free end.
     error : ndarray, shape (12,)
@@ -208,6 +216,9 @@ def assemble(
     """Build universal functions from the numbers in their tables."""
     from scipy.interpolate import CubicSpline
 
+    # Tables contain the growth beyond that of the BCA.
+    values = values.copy()
+    values[..., 0] += bca_growth(nodes)[:, None]
     spline = CubicSpline(nodes, values)
     pieces = cubic_pieces(knots, np.moveaxis(coefficients, 2, 0))
     # From (powers, intervals, stages, states).
@@ -217,7 +228,7 @@ def assemble(
         nodes=nodes,
         anchors=np.ascontiguousarray(anchors),
         knots=knots,
-        response=_matrices(pieces),
+        response=_side_by_side(pieces),
         fast=fast,
         error=error,
     )
@@ -225,20 +236,21 @@ def assemble(
 
 def fast_tables(
     exponent: float, places: Array, single: Array, end: Array, end_slopes: Array, knots: Array,
-    second: Array,
+    second: Array, last_knots: Array, last: Array,
 ) -> FastTables:  # fmt: skip
     """Build the tables of fast changes.
 
-    Values at the places are ``single`` (n + 1, 10, 33), ``end`` (n + 1, 5, 36) and ``end_slopes``,
-    the derivatives of those of exponential chains, (n + 1, 5, 3).  ``second`` (K + 3, 84) are
-    coefficients of B-splines.
+    Values at the places are ``single`` (n + 1, 18, 33), ``end`` (n + 1, 5, 36) and ``end_slopes``,
+    the derivatives of those of exponential chains, (n + 1, 5, 3).  ``second`` (K + 3, 84) and
+    ``last`` (L + 3, 18) are coefficients of B-splines.
     """
     from scipy.interpolate import Akima1DInterpolator, CubicHermiteSpline, CubicSpline
 
     # Near the free end of steep forward tapers, functions of the rate have kinks: there,
     # interpolation must be local.
     pieces = CubicSpline(places, single).c
-    pieces[:, :, WITHIN + 1 :] = Akima1DInterpolator(places, single[:, WITHIN + 1 :]).c
+    at_end = slice(len(single[0]) - len(end[0]), None)
+    pieces[:, :, at_end] = Akima1DInterpolator(places, single[:, at_end]).c
     of_end = Akima1DInterpolator(places, end).c
     # The first number of each component is the state on an exponential chain.
     each = slice(None, None, end.shape[2] // len(STATE))
@@ -249,24 +261,20 @@ def fast_tables(
         end=np.ascontiguousarray(np.transpose(of_end, (2, 1, 0, 3))),
         knots=knots,
         second=np.ascontiguousarray(cubic_pieces(knots, second)),
+        last_knots=last_knots,
+        last=np.ascontiguousarray(cubic_pieces(last_knots, last)),
         steady=exponents.steady_gain(exponent),
     )
 
 
-def _matrices(pieces: Array) -> Array:
-    """Symmetric matrices of the responses, from (intervals, powers, stages, terms, states).
+def _side_by_side(pieces: Array) -> Array:
+    """Coefficients of the terms of each component, from (intervals, powers, stages, terms, states).
 
-    The coefficient of a product of two inputs is divided between both entries of the matrix.  A
-    single input is treated as its product with 1.
+    A zero follows those of each component, so that their number is a multiple of four.
     """
-    intervals, powers, stages, _, states = pieces.shape
-    side = 1 + len(INPUTS)
-    found = np.zeros((stages, intervals, powers, side, states, side))
-    ends = [(0, 1 + i) for i in range(len(INPUTS))] + [(1 + i, 1 + j) for i, j in PAIRS]
-    for term, (i, j) in enumerate(ends):
-        half = 0.5 * np.einsum("ipst->sipt", pieces[:, :, :, term])
-        found[:, :, :, i, :, j] += half
-        found[:, :, :, j, :, i] += half
+    intervals, powers, stages, terms, states = pieces.shape
+    found = np.zeros((stages, intervals, powers, states, terms + 1))
+    found[..., :terms] = np.transpose(pieces, (2, 0, 1, 4, 3))
     return found.reshape(stages, intervals, powers, -1)
 
 
@@ -288,9 +296,11 @@ def universal_functions(exponent: float) -> UniversalFunctions:
 def functions_of(exponent: float, of: dict[str, Array]) -> UniversalFunctions:
     """Universal functions from interpolated tables."""
     # Rows of `exponents.VALUES` have the shapes of `assemble` and `fast_tables`.
+    # The second order of the last contact has no table, as it varies too much with the exponent.
+    last_knots, last = of["fast_knots"][[0, -1]], np.zeros((4, 18))
     fast = fast_tables(
         exponent, of["places"], of["single"], of["end"], of["end_slopes"], of["fast_knots"],
-        of["second"],
+        of["second"], last_knots, last,
     )  # fmt: skip
     return assemble(
         exponent, of["nodes"], of["values"], of["knots"], of["response"], fast, of["error"]
@@ -301,10 +311,11 @@ def read_tables(folder: Path, exponent: float) -> UniversalFunctions:
     """Read universal functions from a folder of tables."""
     nodes, columns = _numbers(folder / "exponential.csv")
     values = columns.reshape(len(nodes), len(STAGES), len(STATE))
-    knots, coefficients = _response(folder / "response.csv")
+    knots, coefficients = read_response(folder / "response.csv")
     with np.load(folder / "fast.npz") as stored:
-        names = "places", "single", "end", "end_slopes", "knots", "second"
-        fast = fast_tables(exponent, *(stored[name].astype(float) for name in names))
+        of = {name: unpack(stored[name], STEPS[name], 0) for name in FAST_VALUES}
+        places = {name: stored[name] for name in ("places", "knots", "last_knots")}
+    fast = fast_tables(exponent, **of, **places)
     first, others = _numbers(folder / "error.csv")
     error = np.concatenate([first, others[0]])
     return assemble(exponent, nodes, values, knots, coefficients, fast, error)
@@ -323,7 +334,7 @@ def _numbers(file: Path) -> tuple[Array, Array]:
     return values[:, 0], values[:, 1:]
 
 
-def _response(file: Path) -> tuple[Array, Array]:
+def read_response(file: Path) -> tuple[Array, Array]:
     """Knots and coefficients, shape (stages, terms, splines, states); zero if not listed."""
     names, knots, *rows = _rows(file)
     coefficients = np.zeros((len(STAGES), len(TERMS), len(names) - 3, len(STATE)))

@@ -14,7 +14,7 @@ from hertzchain.designs.evolution import Strategy, reflected
 from hertzchain.designs.exact_gradients import covered, values_and_slopes
 from hertzchain.designs.methods import method_for
 from hertzchain.designs.search_budget import budget_from
-from hertzchain.designs.sensitivity import sensitivity
+from hertzchain.designs.sensitivity import changes, sensitivity
 from hertzchain.designs.sizes import spline_basis
 from hertzchain.designs.smooth_tapers import promise
 from hertzchain.designs.trials import Outcome, Trials
@@ -412,6 +412,24 @@ def test_the_evolution_strategy_finds_the_minimum_of_an_ellipsoid():
 
 def test_points_are_reflected_at_the_limits():
     assert reflected(np.array([-0.2, 0.3, 1.1, 2.3])) == pytest.approx([0.2, 0.3, 0.9, 0.3])
+
+
+def test_both_changes_of_a_radius_increase_equal_maxima():
+    # The best order of 8 steel and 7 PTFE balls has three maxima of nearly the same height.
+    kinds = [{"S": "steel-52100", "P": "ptfe"}[each] for each in "SPPSSSSSSPSPPPP"]
+    chain = hc.Chain.from_materials("5 mm", kinds, velocity="2 m/s", right_wall=hc.Wall.of("ptfe"))
+    radii = hc.vary.radii("4 mm", "6 mm")
+    problem = hc.Design(chain, minimise="wall_force.peak", vary=[radii])
+    larger, smaller = changes(problem, chain, 0.01)
+    nominal, up, down = hc.simulate_many(
+        [chain] + [
+            chain.replace(radii=np.where(np.arange(15) == 2, factor, 1.0) * chain.radii)
+            for factor in (1.01, 0.99)
+        ], keep=["wall_peak_force"], rtol=1e-9,
+    )["wall_peak_force"]  # fmt: skip
+    assert (larger[2], smaller[2]) == pytest.approx((up / nominal - 1.0, down / nominal - 1.0))
+    assert larger[2] > 0.001
+    assert smaller[2] > 0.05
 
 
 def test_the_sensitivity_is_the_exact_gradient():

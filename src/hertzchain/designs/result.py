@@ -238,6 +238,17 @@ class DesignResult:
 
         return sensitivity(self.problem, self.chain)
 
+    @cached_property
+    def changes(self) -> tuple[Array, Array]:
+        """Relative changes of the objective if one radius grows, or shrinks, by 1%: two (N,).
+
+        They are simulated.  Where several maxima of a force are equal, as at many designs, both
+        may be positive, and the derivatives in `sensitivity` hold only for much smaller changes.
+        """
+        from .sensitivity import changes
+
+        return changes(self.problem, self.chain, 0.01)
+
     @overload
     def plot(self) -> Figure: ...
     @overload
@@ -249,8 +260,8 @@ class DesignResult:
         ----------
         kind : str, optional
             ``"beads"`` or ``"forces"``, before and after; ``"history"``, the best objective over
-            the number of simulations; ``"sensitivity"``, of the objective to the radius of each
-            bead; or ``"front"``, of two objectives.  By default the first three and one of the
+            the number of simulations; ``"sensitivity"``, the changes of the objective if the radius
+            of a bead changes by 1%; or ``"front"``, of two objectives.  By default the first three and one of the
             others.
         ax : matplotlib.axes.Axes, optional
             Axes to draw one kind into.  By default, a new figure is created.

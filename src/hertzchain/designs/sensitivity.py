@@ -15,14 +15,30 @@ STEP, RTOL = 1e-4, 1e-9
 
 def sensitivity(problem: Design, chain: Chain) -> Array:
     """Central differences of the objective with respect to the logarithms of the radii."""
+    larger, smaller = _changes_of_logarithm(problem, chain, (np.exp(STEP), np.exp(-STEP)))
+    return np.asarray((larger - smaller) / (2.0 * STEP))
+
+
+def changes(problem: Design, chain: Chain, part: float) -> tuple[Array, Array]:
+    """Relative changes of the objective if the radius of one bead grows or shrinks by a part.
+
+    They are simulated.  At a design, several maxima of a force are often equal, and every change of
+    a radius increases one of them.
+    """
+    larger, smaller = _changes_of_logarithm(problem, chain, (1.0 + part, 1.0 - part))
+    return np.expm1(larger), np.expm1(smaller)
+
+
+def _changes_of_logarithm(problem: Design, chain: Chain, factors: tuple[float, float]) -> Array:
+    """Changes of the logarithm of the objective, shape (2, N), if one radius has each factor."""
     if "masses" in chain.given:
         raise InputError("the sensitivity to radii needs masses that follow from the radii")
     objective, first = problem.objective, chain.strikers if chain.scaled else -1
     # The first radius of a scaled chain is the unit of length.
     beads = [k for k in range(chain.beads) if k != first]
-    chains = []
-    for k in beads:
-        for factor in (np.exp(STEP), np.exp(-STEP)):
+    chains = [chain]
+    for factor in factors:
+        for k in beads:
             radii = chain.radii.copy()
             radii[k] *= factor
             chains.append(chain.replace(radii=radii))
@@ -34,7 +50,7 @@ def sensitivity(problem: Design, chain: Chain) -> Array:
             values[:, j] = [each.from_chain(one, np.nan) for one in chains]
         else:
             values[:, j] = each.from_table(table)
-    scores = objective.score(values)
-    found = np.zeros(chain.beads)
-    found[beads] = (np.log(np.abs(scores[0::2])) - np.log(np.abs(scores[1::2]))) / (2.0 * STEP)
+    logarithms = np.log(np.abs(objective.score(values)))
+    found = np.zeros((2, chain.beads))
+    found[:, beads] = (logarithms[1:] - logarithms[0]).reshape(2, -1)
     return found

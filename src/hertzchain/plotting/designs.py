@@ -93,14 +93,19 @@ def plot_history(result: DesignResult, *, ax: Axes | None = None) -> Axes:
 
 
 def plot_sensitivity(result: DesignResult, *, ax: Axes | None = None) -> Axes:
-    r"""Plot :math:`\partial \ln V/\partial \ln R_k` of the objective at the result."""
+    """Plot by how many percent the objective changes if one radius changes by +1% or -1%."""
     with figure_style():
         axes = get_axes(ax)
-        values = result.sensitivity
-        axes.bar(np.arange(1, len(values) + 1), values, color=COLOURS[3])
+        larger, smaller = result.changes
+        beads = np.arange(1, len(larger) + 1)
+        for shift, values, colour, label in (
+            (-0.2, larger, COLOURS[3], "+1%"), (0.2, smaller, COLOURS[1], "-1%"),
+        ):  # fmt: skip
+            axes.bar(beads + shift, 100.0 * values, 0.4, color=colour, label=label)
         axes.axhline(0.0, color="black", linewidth=0.8)
-        axes.set_xlabel("bead $k$")
-        axes.set_ylabel("change [%] per 1% of radius $R_k$")
+        axes.set_xlabel("bead $k$ whose radius changes")
+        axes.set_ylabel("change of the objective [%]")
+        axes.legend()
     return axes
 
 

@@ -156,7 +156,8 @@ def local_rate_gradient(
 
     The derivatives of the law are computed by the adjoint method, to rounding errors.  They
     differ from those of the simulated pulse by 0.1 to 1.5% of the largest one, and by up to 6% at
-    the last bead; see `gradient` for derivatives of the simulation.  They depend only on the chain up to seven beads ahead of the bead.  The units
+    the last bead; see `gradient` for derivatives of the simulation.  They depend only on the
+    chain up to seven beads ahead of the bead.  The units
     are kept fixed when :math:`R_1` is varied: the impact velocity is 1 and masses are
     :math:`R^3`.
 

@@ -261,8 +261,8 @@ class DesignResult:
         kind : str, optional
             ``"beads"`` or ``"forces"``, before and after; ``"history"``, the best objective over
             the number of simulations; ``"sensitivity"``, the changes of the objective if the radius
-            of a bead changes by 1%; or ``"front"``, of two objectives.  By default the first three and one of the
-            others.
+            of a bead changes by 1%; or ``"front"``, of two objectives.  By default the first three
+            and one of the others.
         ax : matplotlib.axes.Axes, optional
             Axes to draw one kind into.  By default, a new figure is created.
 

@@ -50,7 +50,7 @@ def test_error_weights_vanish_on_polynomials_of_degree_5_only():
 @njit
 def steps_of_two_beads(w, steps):
     for _ in range(steps):
-        narrow_window.accelerate(w, 2, 1, narrow_window.POSITION, narrow_window.STAGE_0, None)
+        narrow_window.accelerate(w, 0, 2, narrow_window.STAGE_0, 0, 1, None)
         narrow_window.take_step(w, 2, 1, None)
 
 

@@ -346,4 +346,4 @@ def test_a_long_run_out_of_the_range_of_hertz_warns_once(tmp_path, monkeypatch):
         stored = hc.stream(chain, tmp_path, times=np.linspace(0.0, 200e-6, 60))
     assert len(stored.files) > 3
     assert len(caught) == 1
-    assert str(caught[0].message).startswith("the pressure at contact 1 is 1.4 times")
+    assert str(caught[0].message).startswith("pressure / yield is 1.4 at contact 1")

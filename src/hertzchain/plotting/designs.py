@@ -103,8 +103,8 @@ def plot_sensitivity(result: DesignResult, *, ax: Axes | None = None) -> Axes:
         ):  # fmt: skip
             axes.bar(beads + shift, 100.0 * values, 0.4, color=colour, label=label)
         axes.axhline(0.0, color="black", linewidth=0.8)
-        axes.set_xlabel("bead $k$ whose radius changes")
-        axes.set_ylabel("change of the objective [%]")
+        axes.set_xlabel("bead $k$")
+        axes.set_ylabel("change [%] if $R_k$ changes by 1%")
         axes.legend()
     return axes
 

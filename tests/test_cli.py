@@ -651,6 +651,7 @@ def test_sensitivity_agrees_with_differences_of_runs(run, tmp_path):
     assert run("sensitivity", *BALLS, "--quantity", "length")[0] == 2
 
 
+@pytest.mark.filterwarnings("ignore::hertzchain.ModelRangeWarning")
 def test_sensitivity_to_larger_and_smaller_beads_at_the_kink_of_a_peak(run, tmp_path):
     # The best order of 8 steel and 7 PTFE balls has three maxima of nearly the same height.
     order = "SPPSSSSSSPSPPPP"

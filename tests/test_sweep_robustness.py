@@ -618,9 +618,11 @@ def test_the_rest_of_a_damaged_store_is_readable_on_request(tmp_path):
                       ["plot", str(store), str(picture), "--at", "bead=5"],
                       ["merge", str(tmp_path / "all"), str(store)]):  # fmt: skip
         assert "velocity/c/1/0/0/0 is missing" in str(run(arguments).exception)
-        with warnings.catch_warnings(action="ignore", category=hc.IncompleteWarning):
-            with pytest.warns(hc.DamageWarning, match="1 batch is omitted as missing"):
-                told = run([*arguments, "--skip-damaged"])
+        with (
+            warnings.catch_warnings(action="ignore", category=hc.IncompleteWarning),
+            pytest.warns(hc.DamageWarning, match="1 batch is omitted as missing"),
+        ):
+            told = run([*arguments, "--skip-damaged"])
         assert told.exception is None or isinstance(told.exception, SystemExit)
     assert picture.exists()
     rows = csv.read_text().splitlines()

@@ -81,8 +81,8 @@ def sensitivity(
         click.echo(f"{chain.description}\n{found!r}")
         if changes:
             click.echo(
-                "Other maxima of the force can become the largest. The changes by 1% are simulated;\n"
-                "those of several beads do not add up: use hertzchain scatter."
+                "Other maxima of the force can become the largest. The changes by 1% are\n"
+                "simulated; those of several beads do not add up: use hertzchain scatter."
             )
         show_table(_table(found, by, changes, every_bead))
 

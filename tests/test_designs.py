@@ -611,3 +611,11 @@ def test_prices_come_from_a_catalogue_of_the_user(tmp_path):
     # Only one ball of steel is affordable.
     assert sum(material.name == "steel-304" for material in found.chain.materials[1:]) <= 1
     assert found.values["price"] <= 3.0
+
+
+def test_a_budget_without_a_search_is_reported():
+    problem = hc.Design(
+        hc.Chain.uniform(12), maximise="energy_share@8", vary=[hc.vary.radii(0.5, 1.5)]
+    )
+    summary = hc.design(problem, budget=1, method="gradient").summary()
+    assert "no search was completed: the budget was used up" in summary

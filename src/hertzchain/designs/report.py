@@ -98,6 +98,9 @@ def _starts(result: DesignResult) -> list[str]:
         work += f", {counted(result.gradients, 'gradient')}"
     if result.rejected:
         work += f", {counted(result.rejected, 'trial')} rejected"
+    if len(result.finals) == 0:
+        return [f"no search was completed: the budget was used up in {work}, which began with the "
+                "chains to compare with; give a larger budget"]  # fmt: skip
     starts = counted(len(result.finals), "start")
     best, median = result.spread
     spread = f" (best {best:.4g}, median {median:.4g})" if len(result.finals) > 1 else ""

@@ -15,12 +15,9 @@ from .pulse_tables import table_rows
 if TYPE_CHECKING:
     from rich.table import Table
 
-    from ..chain.chain import Chain
     from ..collision import Array
     from ..sensitivity.gradient import Gradient
 
-# Derivatives that differ from the changes for 1% by a larger fraction of the largest one mislead.
-MISLEADING: Final = 0.1
 BY: Final = ("radii", "masses", "stiffness", "velocities", "young", "density")
 
 
@@ -58,6 +55,7 @@ def sensitivity(
     import hertzchain
 
     from ..designs.exact_gradients import name_of
+    from ..designs.sensitivity import changes_at_kink
     from ..errors import InputError
 
     chain = chain_from(options)
@@ -66,7 +64,7 @@ def sensitivity(
     if name is None:
         raise InputError(f"{measure} has no derivatives; use wall_force.peak or velocity@last")
     found = hertzchain.gradient(chain, name, to=by)
-    changes = _changes(chain, found, by)
+    changes = changes_at_kink(chain, found, by)
     if plot is not None:
         save_figure(found.plot(by), plot)
     if as_json:
@@ -76,7 +74,10 @@ def sensitivity(
         document |= {"value": found.value, "unit": found.unit, "parameter": by}
         document |= {"gradient": found[by].tolist(), "gradient_unit": found.units[by]}
         document |= {"relative": found.relative(by).tolist(), "error": found.error}
-        show_json(document | {key: change.tolist() for key, change in changes.items()})
+        if changes:
+            larger, smaller = changes
+            document |= {"change_if_larger": larger.tolist(), "change_if_smaller": smaller.tolist()}
+        show_json(document)
     else:
         click.echo(f"{chain.description}\n{found!r}")
         if changes:
@@ -87,38 +88,9 @@ def sensitivity(
         show_table(_table(found, by, changes, every_bead))
 
 
-def _changes(chain: Chain, found: Gradient, by: str) -> dict[str, Array]:
-    """Simulated changes of the peak on the wall for +1% and -1%, if its derivatives mislead.
-
-    Another maximum of the force may become the largest.
-    """
-    import numpy as np
-
-    import hertzchain
-
-    parameters = ("radii", "masses", "stiffness", "velocities")
-    if found.quantity != "wall_force.peak" or by not in parameters:
-        return {}
-    values, own = getattr(chain, by), 0.01 * found.relative(by)
-    # The first radius of a scaled chain is the unit of length, and beads at rest do not change.
-    unit = chain.strikers if chain.scaled and by == "radii" else None
-    places = [k for k in np.flatnonzero(values) if k != unit]
-    varied = [chain]
-    for part in (0.01, -0.01):
-        for k in places:
-            factors = np.ones(len(values))
-            factors[k] += part
-            varied.append(chain.replace(**{by: factors * values}))
-    peaks = hertzchain.simulate_many(varied, keep=["wall_peak_force"])["wall_peak_force"]
-    up, down = own.copy(), -own
-    up[places], down[places] = (peaks[1:] / peaks[0] - 1.0).reshape(2, -1)
-    differences = np.maximum(np.abs(up - own), np.abs(down + own))
-    if not np.nanmax(differences) > MISLEADING * np.abs(own).max():
-        return {}
-    return {"change_if_larger": up, "change_if_smaller": down}
-
-
-def _table(found: Gradient, by: str, changes: dict[str, Array], every_bead: bool) -> Table:
+def _table(
+    found: Gradient, by: str, changes: tuple[Array, Array] | None, every_bead: bool
+) -> Table:
     from rich import box
     from rich.markup import escape
     from rich.table import Table
@@ -129,9 +101,9 @@ def _table(found: Gradient, by: str, changes: dict[str, Array], every_bead: bool
     table = Table(box=box.SIMPLE_HEAD, caption=None if len(rows) == len(absolute) else few)
     unit = f" [{found.units[by]}]" if found.units[by] else ""
     place = "contact k" if by == "stiffness" else "bead k"
-    shown = {"% for +1%": 100.0 * changes["change_if_larger"],
-             "% for -1%": 100.0 * changes["change_if_smaller"]} if changes else {
-             "% per 1%": relative}  # fmt: skip
+    shown = {"% per 1%": relative}
+    if changes:
+        shown = {"% for +1%": 100.0 * changes[0], "% for -1%": 100.0 * changes[1]}
     for column in (place, *shown, f"derivative{unit}"):
         table.add_column(escape(column), justify="right", no_wrap=True)
     for i in rows:

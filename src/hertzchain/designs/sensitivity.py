@@ -1,21 +1,29 @@
-"""Sensitivity of a result to the radius of each bead."""
+"""Sensitivity of a result to each bead, by simulations of changed chains."""
 
 from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Final
 
 import numpy as np
 
 from ..chain.chain import Chain
 from ..collision import Array
 from ..errors import InputError
+from ..sensitivity.gradient import Gradient
 from ..simulation.simulate_many import simulate_many
 from .problem import Design
 
 STEP, RTOL = 1e-4, 1e-9
+# Derivatives that differ from the changes by 1% by a larger fraction of the largest one mislead.
+MISLEADING: Final = 0.1
+# Parameters that are fields of a chain, with a value for each bead or contact.
+FIELDS: Final = ("radii", "masses", "stiffness", "velocities")
 
 
 def sensitivity(problem: Design, chain: Chain) -> Array:
     """Central differences of the objective with respect to the logarithms of the radii."""
-    larger, smaller = _changes_of_logarithm(problem, chain, (np.exp(STEP), np.exp(-STEP)))
+    larger, smaller = _changes_of_objective(problem, chain, (np.exp(STEP), np.exp(-STEP)))
     return np.asarray((larger - smaller) / (2.0 * STEP))
 
 
@@ -25,32 +33,65 @@ def changes(problem: Design, chain: Chain, part: float) -> tuple[Array, Array]:
     They are simulated.  At a design, several maxima of a force are often equal, and every change of
     a radius increases one of them.
     """
-    larger, smaller = _changes_of_logarithm(problem, chain, (1.0 + part, 1.0 - part))
+    larger, smaller = _changes_of_objective(problem, chain, (1.0 + part, 1.0 - part))
     return np.expm1(larger), np.expm1(smaller)
 
 
-def _changes_of_logarithm(problem: Design, chain: Chain, factors: tuple[float, float]) -> Array:
+def changes_at_kink(chain: Chain, found: Gradient, by: str) -> tuple[Array, Array] | None:
+    """Simulated relative changes of the peak on the wall for +1% and -1%, if derivatives mislead.
+
+    Another maximum of the force may become the largest.  `None` if no derivative misleads.
+    """
+    if found.quantity != "wall_force.peak" or by not in FIELDS:
+        return None
+    expected = 0.01 * found.relative(by)
+
+    def peaks(chains: list[Chain]) -> Array:
+        return simulate_many(chains, keep=["wall_peak_force"], rtol=RTOL)["wall_peak_force"]
+
+    up, down = np.expm1(_changes_of_logarithm(peaks, chain, by, (1.01, 0.99)))
+    if chain.scaled and by == "radii":
+        up[chain.strikers], down[chain.strikers] = np.array([1, -1]) * expected[chain.strikers]
+    differences = np.maximum(np.abs(up - expected), np.abs(down + expected))
+    return (up, down) if np.nanmax(differences) > MISLEADING * np.abs(expected).max() else None
+
+
+def _changes_of_objective(problem: Design, chain: Chain, factors: tuple[float, float]) -> Array:
     """Changes of the logarithm of the objective, shape (2, N), if one radius has each factor."""
     if "masses" in chain.given:
         raise InputError("the sensitivity to radii needs masses that follow from the radii")
-    objective, first = problem.objective, chain.strikers if chain.scaled else -1
-    # The first radius of a scaled chain is the unit of length.
-    beads = [k for k in range(chain.beads) if k != first]
+    objective = problem.objective
+    names = sorted({name for each in objective.measures for name in each.columns})
+
+    def scores(chains: list[Chain]) -> Array:
+        values = np.empty((len(chains), len(objective.measures)))
+        table = simulate_many(chains, keep=names, rtol=RTOL, until=problem.until) if names else None
+        for j, each in enumerate(objective.measures):
+            if each.of_chain or table is None:
+                values[:, j] = [each.from_chain(one, np.nan) for one in chains]
+            else:
+                values[:, j] = each.from_table(table)
+        return np.abs(objective.score(values))
+
+    return _changes_of_logarithm(scores, chain, "radii", factors)
+
+
+def _changes_of_logarithm(
+    values: Callable[[list[Chain]], Array], chain: Chain, field: str, factors: tuple[float, float]
+) -> Array:
+    """Changes of the logarithm of a value, shape (2, N), if one entry of a field has each factor.
+
+    They are 0 for the first radius of a scaled chain, which is the unit of length, and for zeros.
+    """
+    own, unit = getattr(chain, field), chain.scaled and field == "radii"
+    places = [k for k in np.flatnonzero(own) if not (unit and k == chain.strikers)]
     chains = [chain]
     for factor in factors:
-        for k in beads:
-            radii = chain.radii.copy()
-            radii[k] *= factor
-            chains.append(chain.replace(radii=radii))
-    names = sorted({name for each in objective.measures for name in each.columns})
-    values = np.empty((len(chains), len(objective.measures)))
-    table = simulate_many(chains, keep=names, rtol=RTOL, until=problem.until) if names else None
-    for j, each in enumerate(objective.measures):
-        if each.of_chain or table is None:
-            values[:, j] = [each.from_chain(one, np.nan) for one in chains]
-        else:
-            values[:, j] = each.from_table(table)
-    logarithms = np.log(np.abs(objective.score(values)))
-    found = np.zeros((2, chain.beads))
-    found[:, beads] = (logarithms[1:] - logarithms[0]).reshape(2, -1)
+        for k in places:
+            changed = own.copy()
+            changed[k] *= factor
+            chains.append(chain.replace(**{field: changed}))
+    logarithms = np.log(values(chains))
+    found = np.zeros((2, len(own)))
+    found[:, places] = (logarithms[1:] - logarithms[0]).reshape(2, -1)
     return found

@@ -41,7 +41,7 @@ if TYPE_CHECKING:
     metavar="FILE",
     help="Also write the constants to FILE (.toml).",
 )
-@json_option
+@json_option()
 def calibrate(
     tapers: tuple[str, ...], rates: str | None, window: str, beads: int, output: Path | None,
     as_json: bool,

@@ -9,7 +9,7 @@ import click
 
 from .exit_codes import DONE, OUTSIDE_TOLERANCE
 from .interrupts import exit_soon
-from .options import PICTURES, check_writable, with_width
+from .options import check_writable, figure_option, json_option
 from .output import save_figure, show_json
 from .progress import progress_bar
 
@@ -38,14 +38,8 @@ from .progress import progress_bar
 @click.option(
     "--out", type=click.Path(path_type=Path), metavar="FILE", help="Write the chain found (.toml)."
 )
-@click.option(
-    "--plot",
-    type=click.Path(path_type=Path),
-    metavar="FILE",
-    help="Plot chains, forces, history and sensitivity to FILE (.png, .svg or .pdf).",
-)
-@click.option("--json", "as_json", is_flag=True, help="Print everything as JSON.")
-@with_width("plot")
+@figure_option("Plot chains, forces, history and sensitivity to FILE.")
+@json_option()
 def design(
     file: Path, budget: str | None, method: str | None, seed: int | None, store: Path | None,
     threads: int | None, out: Path | None, plot: Path | None, as_json: bool,
@@ -68,7 +62,6 @@ def design(
 
     from ..designs.problem_files import load_design
 
-    check_writable(plot, "--plot", PICTURES)
     check_writable(out, "--out", (".toml",))
     problem, options = load_design(file)
     given = {"budget": budget, "method": method, "seed": seed}

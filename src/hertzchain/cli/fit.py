@@ -59,7 +59,7 @@ if TYPE_CHECKING:
 @click.option(
     "--out", type=click.Path(path_type=Path), metavar="FILE", help="Write the fitted chain (.toml)."
 )
-@json_option
+@json_option()
 def fit(
     files: tuple[Path, ...], free: tuple[str, ...], priors: tuple[str, ...], starts: int,
     laws: str | None, defects: bool, sample: int | None, plot: Path | None, out: Path | None,

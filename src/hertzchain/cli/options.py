@@ -5,7 +5,7 @@ from __future__ import annotations
 import functools
 from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any, Final, TypeAlias
 
 import click
 
@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from ..chain.chain import Chain
     from ..designs.measures import Measure
 
+Command: TypeAlias = Callable[..., Any]
 # File name extensions of figures.
 PICTURES: Final = (".png", ".svg", ".pdf")
 
@@ -85,7 +86,6 @@ def check_writable(path: Path | None, option: str, endings: tuple[str, ...]) -> 
         raise click.UsageError(f"{option} {path}: the folder {path.parent} does not exist")
 
 
-json_option = click.option("--json", "as_json", is_flag=True, help="Print everything as JSON.")
 quantity_option = click.option(
     "--quantity",
     metavar="NAME",
@@ -94,12 +94,15 @@ quantity_option = click.option(
 )
 
 
-def figure_option(
-    purpose: str, name: str = "plot"
-) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
+def json_option(purpose: str = "Print everything as JSON.") -> Callable[[Command], Command]:
+    """Add the option ``--json``."""
+    return click.option("--json", "as_json", is_flag=True, help=purpose)
+
+
+def figure_option(purpose: str, name: str = "plot") -> Callable[[Command], Command]:
     """Add the options ``--plot FILE`` and ``--width``; FILE is checked before the command runs."""
 
-    def decorate(command: Callable[..., Any]) -> Callable[..., Any]:
+    def decorate(command: Command) -> Command:
         @click.option(
             f"--{name}", type=click.Path(path_type=Path), metavar="FILE",
             help=purpose.replace("FILE", "FILE (.png, .svg or .pdf)"),
@@ -115,10 +118,10 @@ def figure_option(
     return decorate
 
 
-def with_width(parameter: str) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
+def with_width(parameter: str) -> Callable[[Command], Command]:
     """Add the option ``--width`` to a command whose figure is written to this parameter."""
 
-    def decorate(command: Callable[..., Any]) -> Callable[..., Any]:
+    def decorate(command: Command) -> Command:
         @click.option(
             "--width",
             metavar="WIDTH",

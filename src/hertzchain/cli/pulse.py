@@ -53,7 +53,7 @@ def _method_help() -> str:
 )
 @click.option("--log", is_flag=True, help="Use a logarithmic y axis.")
 @click.option("--all", "every_bead", is_flag=True, help="Show every bead in the table.")
-@json_option
+@json_option()
 @click.option("--csv", "as_csv", is_flag=True, help="Print everything as CSV.")
 @figure_option(
     "Also plot the quantity to FILE; with several methods, below it their differences from the "

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import click
 
 from .exit_codes import OUTSIDE_TOLERANCE
-from .options import names_from, window_from
+from .options import json_option, names_from, window_from
 from .output import show_json
 from .progress import progress_bar
 
@@ -43,7 +43,7 @@ if TYPE_CHECKING:
     show_default=True,
     help="Beads of the fit in table 3.",
 )
-@click.option("--json", "as_json", is_flag=True, help="Print verdict.json.")
+@json_option("Print verdict.json.")
 def reproduce(
     only: str | None, out: Path, window_exponential: str, window_linear: str, as_json: bool
 ) -> None:

@@ -31,7 +31,7 @@ PERCENTILES: Final = (1, 5, 50, 95, 99)
 @click.option("--chains", "count", type=int, default=300, show_default=True, help="Random chains.")
 @click.option("--seed", type=int, default=1, show_default=True, help="Seed of the random radii.")
 @quantity_option
-@json_option
+@json_option()
 @figure_option("Plot the distribution to FILE.")
 def scatter(
     options: ChainOptions, relative: str | None, grade: int | None, some: str | None, count: int,

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from ..pulse.quantities import QUANTITIES
-from .options import figure_option
+from .options import figure_option, json_option
 from .output import save_figure, show_json, show_table
 from .progress import progress_bar
 
@@ -33,9 +33,7 @@ if TYPE_CHECKING:
 @click.option("--rms", is_flag=True, help="Show the root mean square instead of the worst error.")
 @click.option("--all", "every_chain", is_flag=True, help="Show one row per chain, not per family.")
 @figure_option("Also plot the table to FILE.", name="figure")
-@click.option(
-    "--json", "as_json", is_flag=True, help="Print all quantities, from beads 2 and 10 on, as JSON."
-)
+@json_option("Print all quantities, from beads 2 and 10 on, as JSON.")
 def scoreboard(
     quantity: str, first_bead: int, rms: bool, every_chain: bool, figure: Path | None,
     as_json: bool,

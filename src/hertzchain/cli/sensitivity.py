@@ -33,7 +33,7 @@ BY: Final = ("radii", "masses", "stiffness", "velocities", "young", "density")
     help="Parameter of each bead or contact that changes.",
 )
 @click.option("--all", "every_bead", is_flag=True, help="Show every bead in the table.")
-@json_option
+@json_option()
 @figure_option("Plot the relative changes to FILE.")
 def sensitivity(
     options: ChainOptions, quantity: str | None, by: str, every_bead: bool, as_json: bool,

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Final
 import click
 
 from .chain_options import ChainOptions, chain_options, chains_from
-from .options import check_writable, figure_option, time_from
+from .options import check_writable, figure_option, json_option, time_from
 from .output import save_figure, show_json
 from .progress import progress_bar
 from .run_summary import run_as_dict, show_run
@@ -92,7 +92,7 @@ USUAL_TIMES: Final = 400
 @click.option(
     "--horizon", is_flag=True, help="Print how long the run is predictable (takes twice as long)."
 )
-@click.option("--json", "as_json", is_flag=True, help="Print the summary as JSON.")
+@json_option("Print the summary as JSON.")
 def simulate(
     options: ChainOptions, until: str | None, times: int | None, rtol: float, method: str,
     step: str | None, drift: float | None, max_steps: int | None, out: Path | None,

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Final
 import click
 
 from .exit_codes import DONE, FAILED
-from .options import PICTURES, check_writable, with_width
+from .options import PICTURES, check_writable, json_option, with_width
 from .output import save_figure, show_json
 from .progress import progress_bar
 
@@ -80,7 +80,7 @@ def sweep() -> None:
 @click.option(
     "--dry-run", is_flag=True, help="Estimate points, disk space and time; compute nothing."
 )
-@click.option("--json", "as_json", is_flag=True, help="Print the outcome as JSON.")
+@json_option("Print the outcome as JSON.")
 def run(
     specification: Path, store: Path | None, workers: int | None, processes: bool,
     scheduler: str | None, shard: str | None, skip_damaged: bool, dry_run: bool, as_json: bool,
@@ -122,7 +122,7 @@ def run(
 @sweep.command()
 @click.argument("store", type=click.Path(path_type=Path))
 @_skip_damaged
-@click.option("--json", "as_json", is_flag=True, help="Print the status as JSON.")
+@json_option("Print the status as JSON.")
 def status(store: Path, skip_damaged: bool, as_json: bool) -> int:
     """Check all files of a store; show the progress of the sweep and why points failed."""
     from ..store.sweep_store import SweepStore

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 @click.option(
     "--only", metavar="NAMES", help="Groups of cases, separated by commas: walls, dimers, ..."
 )
-@json_option
+@json_option()
 def verify(only: str | None, as_json: bool) -> None:
     """Compare computed with exact and published values.
 

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import click
 
+from .options import json_option
 from .output import show_json
 from .progress import progress_bar
 
 
 @click.command("warm-up")
-@click.option("--json", "as_json", is_flag=True, help="Print the time as JSON.")
+@json_option("Print the time as JSON.")
 def warm_up(as_json: bool) -> None:
     """Compile all kernels now instead of at their first use.
 

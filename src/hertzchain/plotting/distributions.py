@@ -14,28 +14,7 @@ if TYPE_CHECKING:
 
 
 def plot_distribution(found: Distribution, *, ax: Axes | None = None) -> Axes:
-    """Plot a histogram of a `hertzchain.Distribution`, with the nominal value and the mean.
-
-    Parameters
-    ----------
-    found : Distribution
-        Result of `hertzchain.distribution`.
-    ax : matplotlib.axes.Axes, optional
-        Axes to draw into.  By default, a new figure is created.
-
-    Returns
-    -------
-    matplotlib.axes.Axes
-
-    Examples
-    --------
-    >>> import hertzchain as hc
-    >>> from hertzchain.plotting.distributions import plot_distribution
-    >>> chain = hc.Chain.uniform(10).replace(right_wall=hc.Wall())
-    >>> found = hc.distribution(chain, "wall_force.peak", hc.Scatter(radius=0.01, samples=20))
-    >>> plot_distribution(found).get_xlabel()
-    'peak force on the wall'
-    """
+    """Plot a histogram of a `hertzchain.Distribution`, with the nominal value and the mean."""
     with figure_style():
         axes = get_axes(ax)
         axes.hist(found.values, bins="auto", color=COLOURS[5])

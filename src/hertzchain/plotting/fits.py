@@ -27,27 +27,7 @@ CREST: Final = 5
 
 
 def plot_traces(traces: Traces, *, ax: Axes | None = None) -> Axes:
-    """Plot measured signals over time.
-
-    Parameters
-    ----------
-    traces : Traces
-        The data.
-    ax : matplotlib.axes.Axes, optional
-        Axes to draw into.  By default, a new figure is created.
-
-    Returns
-    -------
-    matplotlib.axes.Axes
-
-    Examples
-    --------
-    >>> import hertzchain as hc
-    >>> from hertzchain.plotting.fits import plot_traces
-    >>> traces = hc.Traces.from_arrays([0.0, 1e-6], {"wall [N]": [0.0, 5.0]}, noise=0.1)
-    >>> plot_traces(traces).get_ylabel()
-    'signal [N]'
-    """
+    """Plot measured signals over time."""
     with figure_style():
         axes = get_axes(ax)
         for i, (index, signal) in enumerate(traces):
@@ -67,23 +47,7 @@ def plot_traces(traces: Traces, *, ax: Axes | None = None) -> Axes:
 
 
 def plot_fit(result: FitResult) -> Figure:
-    """Plot data, fit and residuals over noise of every sensor.
-
-    Parameters
-    ----------
-    result : FitResult
-        A fit.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-
-    Examples
-    --------
-    >>> import hertzchain as hc
-    >>> from hertzchain.plotting.fits import plot_fit
-    >>> figure = plot_fit(hc.fit(*hc.example_experiment(), free=["time_offset"]))
-    """
+    """Plot data, fit and residuals over noise of every sensor."""
     residuals = result.residuals()
     shots = result.traces.shots
     most = max(len(shot.signals) for shot in shots)
@@ -168,23 +132,7 @@ def _crest(values: Any, model: Any) -> tuple[int, int, int]:
 
 
 def plot_fit_residuals(result: FitResult) -> Figure:
-    """Plot the distribution and the autocorrelation of the residuals of a fit.
-
-    Parameters
-    ----------
-    result : FitResult
-        A fit.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-
-    Examples
-    --------
-    >>> import hertzchain as hc
-    >>> from hertzchain.plotting.fits import plot_fit_residuals
-    >>> figure = plot_fit_residuals(hc.fit(*hc.example_experiment(), free=["time_offset"]))
-    """
+    """Plot the distribution and the autocorrelation of the residuals of a fit."""
     with figure_style():
         figure, (left, right) = plt.subplots(
             1, 2, figsize=figure_size(8.5, 3.4), layout="constrained"
@@ -213,23 +161,7 @@ def plot_fit_residuals(result: FitResult) -> Figure:
 
 
 def plot_correlations(result: FitResult) -> Figure:
-    """Plot the correlations of the parameters of a fit as a map.
-
-    Parameters
-    ----------
-    result : FitResult
-        A fit.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-
-    Examples
-    --------
-    >>> import hertzchain as hc
-    >>> from hertzchain.plotting.fits import plot_correlations
-    >>> figure = plot_correlations(hc.fit(*hc.example_experiment(), free=["time_offset"]))
-    """
+    """Plot the correlations of the parameters of a fit as a map."""
     names, values = result.names, result.correlation
     with figure_style():
         side = 2.6 + 0.4 * len(names)
@@ -248,25 +180,7 @@ def plot_correlations(result: FitResult) -> Figure:
 
 
 def plot_comparison(comparison: TraceComparison) -> Figure:
-    """Plot data and simulation, one panel per sensor.
-
-    Parameters
-    ----------
-    comparison : TraceComparison
-        Data and simulation.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-
-    Examples
-    --------
-    >>> import hertzchain as hc
-    >>> from hertzchain.plotting.fits import plot_comparison
-    >>> traces, chain = hc.example_experiment()
-    >>> run = hc.simulate(hc.load_chain(chain), until=600e-6, times=1201)
-    >>> figure = plot_comparison(run.compare(traces))
-    """
+    """Plot data and simulation, one panel per sensor."""
     shot = comparison.traces.shots[0]
     count = len(shot.signals)
     columns = min(count, 2)
@@ -290,24 +204,7 @@ def plot_comparison(comparison: TraceComparison) -> Figure:
 
 
 def plot_corner(posterior: Posterior) -> Figure:
-    """Corner plot of a posterior: histogram of each parameter and scatter of each pair.
-
-    Parameters
-    ----------
-    posterior : Posterior
-        Samples.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-
-    Examples
-    --------
-    >>> import hertzchain as hc
-    >>> from hertzchain.plotting.fits import plot_corner
-    >>> result = hc.fit(*hc.example_experiment(), free=["time_offset"])
-    >>> figure = plot_corner(result.sample(1000))  # doctest: +SKIP
-    """
+    """Corner plot of a posterior: histogram of each parameter and scatter of each pair."""
     count = len(posterior.names)
     drawn = posterior.samples[:: max(1, len(posterior.samples) // POINTS)]
     with figure_style():

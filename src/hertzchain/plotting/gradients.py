@@ -20,29 +20,7 @@ NOUNS: Final = {"radii": "the radius", "masses": "the mass", "velocities": "the 
 
 
 def plot_gradient(found: Gradient, name: str = "radii", *, ax: Axes | None = None) -> Axes:
-    """Plot by how many percent a quantity changes if a parameter of each bead grows by 1%.
-
-    Parameters
-    ----------
-    found : Gradient
-        Result of `hertzchain.gradient`.
-    name : str
-        One of its parameters with a value for each bead or contact.
-    ax : matplotlib.axes.Axes, optional
-        Axes to draw into.  By default, a new figure is created.
-
-    Returns
-    -------
-    matplotlib.axes.Axes
-
-    Examples
-    --------
-    >>> import hertzchain as hc
-    >>> from hertzchain.plotting.gradients import plot_gradient
-    >>> found = hc.gradient(hc.Chain.uniform(5), "pulse.velocity@5", to="radii")
-    >>> plot_gradient(found).get_xlabel()
-    'bead $k$'
-    """
+    """Plot by how many percent a quantity changes if a parameter of each bead grows by 1%."""
     relative = found.relative(name)
     if relative.ndim != 1:
         raise InputError(f"{name} has one value only, which is not plotted; use relative({name!r})")

@@ -85,6 +85,11 @@ class Measure:
         return self.key in OF_CHAIN
 
     @property
+    def quantity(self) -> str:
+        """Name in the table of quantities, of a measure at a bead."""
+        return SHARES.get(self.key, self.key).removeprefix("largest_")
+
+    @property
     def unit(self) -> str:
         """Unit of a chain in SI units; ``"1"`` if it has none."""
         if self.over is not None:
@@ -92,7 +97,7 @@ class Measure:
         if self.key in WALL:
             return WALL[self.key][1]
         if self.key in (*PULSE, *LARGEST):
-            return QUANTITIES[self.key.removeprefix("largest_")].unit
+            return QUANTITIES[self.quantity].unit
         return "N" if self.key == "largest_force" else OF_CHAIN.get(self.key, "1")
 
     @property
@@ -106,6 +111,11 @@ class Measure:
         """Whether it is read from the integration of `hertzchain.gradient`."""
         return self.key in LARGEST
 
+    def ends(self, chain: Chain) -> bool:
+        """Whether it is complete at the end of a run without stop time."""
+        returns = chain.right_wall is not None or chain.precompression > 0.0 or chain.gravity
+        return not (self.of_whole_run and returns)
+
     @property
     def columns(self) -> tuple[str, ...]:
         """Columns of a `RunTable` from which it is computed."""
@@ -116,7 +126,7 @@ class Measure:
         if self.of_whole_run:
             return ()
         if self.key in AT_BEAD:
-            return (SHARES.get(self.key, self.key),)
+            return (self.quantity,)
         return () if self.of_chain else ("largest_overlap",)
 
     @property
@@ -125,9 +135,10 @@ class Measure:
 
     def index(self, beads: int) -> int:
         """Index in an array of a chain with this number of beads."""
-        name = SHARES.get(self.key, self.key).removeprefix("largest_")
-        count = beads - (QUANTITIES[name].per == "contact")
-        return (self.bead or count) - 1
+        return (self.bead or self._count(beads)) - 1
+
+    def _count(self, beads: int) -> int:
+        return QUANTITIES[self.quantity].count(beads)
 
     def check(self, chain: Chain) -> None:
         """Raise `InputError` if a chain does not have the measure."""
@@ -137,9 +148,7 @@ class Measure:
             raise InputError(
                 f"{self} needs a right wall, and the right end of this chain is free: add one"
             )
-        if self.key in AT_BEAD and self.index(chain.beads) >= chain.beads - (
-            self.key in ("residence", "peak_force")
-        ):
+        if self.bead is not None and self.index(chain.beads) >= self._count(chain.beads):
             raise InputError(f"{self}: this chain has {chain.beads} beads")
         if self.of_whole_run and not has_gradient(chain):
             raise InputError(

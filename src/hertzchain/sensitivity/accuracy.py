@@ -38,7 +38,7 @@ def relative_error(equation: Equation, rtol: float, name: Name, *, in_window: bo
     lowest = float(powers[equation.stiffness > 0.0].min())
     factor = FACTOR if equation.hertz is not None else DAMPED_FACTOR
     factor = WINDOW_FACTOR if in_window else factor
-    if name.item.removeprefix("largest_") in SPEEDS and name.bead == equation.beads:
+    if name.quantity in SPEEDS and name.bead == equation.beads:
         factor *= LAST_FACTOR
     error = factor * rtol ** (lowest / (lowest + 1.0))
     if in_window:

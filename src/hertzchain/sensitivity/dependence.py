@@ -135,7 +135,7 @@ class Reader:
             place, top = None, speed
         if not top > 0.0:
             raise Missing(f"bead {i + 1} does not move forward")
-        mass, item = float(equation.masses[i]), name.item.removeprefix("largest_")
+        mass, item = float(equation.masses[i]), name.quantity
         factor = {"velocity": 1.0, "momentum": mass, "energy": mass * top}[item]
         direct.masses[i] = {"velocity": 0.0, "momentum": top, "energy": 0.5 * top**2}[item]
         value = {"velocity": top, "momentum": mass * top, "energy": 0.5 * mass * top**2}[item]

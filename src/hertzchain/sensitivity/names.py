@@ -42,6 +42,11 @@ class Name:
     item: str
     bead: int | None
 
+    @property
+    def quantity(self) -> str:
+        """Name in the table of quantities, of an item at a bead."""
+        return self.item.removeprefix("largest_")
+
     def __str__(self) -> str:
         at = "" if self.bead is None else f"@{self.bead}"
         return f"{self.group}.{self.item}{at}"

@@ -25,10 +25,8 @@ def unit_of_quantity(chain: Chain, name: Name) -> str:
     """Unit of a quantity; empty in a scaled chain."""
     if chain.scaled:
         return ""
-    if name.group == "pulse":
-        return QUANTITIES[name.item].unit
-    if name.group == "bead":
-        return QUANTITIES[name.item.removeprefix("largest_")].unit
+    if name.group in ("pulse", "bead"):
+        return QUANTITIES[name.quantity].unit
     if name.group == "energy":
         return "J"
     if name.group == "final":

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import warnings
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -10,7 +11,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from ..errors import InputError
+from ..errors import InputError, InputWarning
 from ..store.file_lock import lock
 from ..store.journal import Journal
 from ..validation.numbers import whole_number, worker_count
@@ -104,7 +105,9 @@ def design(
     chosen = method_for(problem, method, limit.runs)
     _check_budget(problem, limit)
     options = f"{problem.identity} {chosen} {limit.runs} {limit.seconds} {seed} {count}"
-    with _journal(store, options) as journal:
+    with _journal(store, options) as journal, warnings.catch_warnings():
+        # Trial chains are made in several threads, which share the filters of warnings.
+        warnings.simplefilter("ignore", InputWarning)
         trials = Trials(problem, limit, journal, seed, worker_count("threads", threads), progress)
         reason = impossible(problem)
         if reason is not None:

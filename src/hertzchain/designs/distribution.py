@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -14,9 +14,9 @@ from ..errors import InputError, SimulationError
 from ..frozen import Frozen
 from ..representation import measure as with_unit
 from ..representation import short
-from ..simulation.simulate_many import simulate_many
 from ..validation.numbers import number, whole_number
 from ..validation.objects import check_type
+from .measured import measured
 from .measures import Measure, parse_measure
 from .scatter import Scatter, scatter_from
 
@@ -201,10 +201,16 @@ def distribution(
         raise InputError("a distribution needs a scatter, such as Scatter(radius=0.01)")
     measure = parse_measure(quantity)
     measure.check(chain)
+    if not measure.ends(chain):
+        raise InputError(
+            f"{measure} has no natural end in a chain with a right wall, precompression or "
+            "gravity, because waves return; use a quantity of the leading pulse, such as "
+            f"velocity@{measure.bead or 'last'}"
+        )
     whole_number("seed", seed, least=0)
     chains = [chain, *deviations.sample(chain, seed)]
-    nominal, *values = _values(measure, chains, threads=threads, progress=progress)
-    found = np.array(values)
+    values, _ = measured(chains, [measure], threads=threads, progress=progress)
+    nominal, found = values[0, 0], values[1:, 0]
     good = found[np.isfinite(found)]
     if len(good) < 2 or not np.isfinite(nominal):
         raise SimulationError(f"fewer than two chains have a value of {measure}")
@@ -212,9 +218,3 @@ def distribution(
     return Distribution(
         chain, deviations, str(measure), float(nominal), good, len(found) - len(good)
     )
-
-
-def _values(measure: Measure, chains: list[Chain], **options: Any) -> Array:
-    if measure.of_chain:
-        return np.array([measure.from_chain(each, np.nan) for each in chains])
-    return measure.from_table(simulate_many(chains, keep=measure.columns, **options))

@@ -108,8 +108,7 @@ class Design:
 
     def _check_end(self) -> None:
         for each in self.measures:
-            returns = self.chain.right_wall is not None or self.chain.precompression > 0.0
-            if each.of_whole_run and self.until is None and (returns or self.chain.gravity):
+            if self.until is None and not each.ends(self.chain):
                 raise InputError(
                     f"{each} has no natural end in a chain with a right wall, precompression or "
                     "gravity, because waves return; give until"

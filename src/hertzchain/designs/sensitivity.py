@@ -11,7 +11,8 @@ from ..chain.chain import Chain
 from ..collision import Array
 from ..errors import InputError
 from ..sensitivity.gradient import Gradient
-from ..simulation.simulate_many import simulate_many
+from .exact_gradients import PEAK
+from .measured import measured
 from .problem import Design
 
 STEP, RTOL = 1e-4, 1e-9
@@ -47,7 +48,8 @@ def changes_at_kink(chain: Chain, found: Gradient, by: str) -> tuple[Array, Arra
     expected = 0.01 * found.relative(by)
 
     def peaks(chains: list[Chain]) -> Array:
-        return simulate_many(chains, keep=["wall_peak_force"], rtol=RTOL)["wall_peak_force"]
+        values, _ = measured(chains, [PEAK], rtol=RTOL)
+        return values[:, 0]
 
     up, down = np.expm1(_changes_of_logarithm(peaks, chain, by, (1.01, 0.99)))
     if chain.scaled and by == "radii":
@@ -61,16 +63,9 @@ def _changes_of_objective(problem: Design, chain: Chain, factors: tuple[float, f
     if "masses" in chain.given:
         raise InputError("the sensitivity to radii needs masses that follow from the radii")
     objective = problem.objective
-    names = sorted({name for each in objective.measures for name in each.columns})
 
     def scores(chains: list[Chain]) -> Array:
-        values = np.empty((len(chains), len(objective.measures)))
-        table = simulate_many(chains, keep=names, rtol=RTOL, until=problem.until) if names else None
-        for j, each in enumerate(objective.measures):
-            if each.of_chain or table is None:
-                values[:, j] = [each.from_chain(one, np.nan) for one in chains]
-            else:
-                values[:, j] = each.from_table(table)
+        values, _ = measured(chains, objective.measures, rtol=RTOL, until=problem.until)
         return np.abs(objective.score(values))
 
     return _changes_of_logarithm(scores, chain, "radii", factors)

@@ -4,11 +4,9 @@ from __future__ import annotations
 
 import hashlib
 import threading
-import warnings
 from collections import deque
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
-from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass, field
 from typing import Any, Final
 
@@ -16,14 +14,12 @@ import numpy as np
 
 from ..chain.chain import Chain
 from ..collision import Array
-from ..errors import InputError, InputWarning
-from ..simulation.simulate_many import simulate_many
+from ..errors import InputError
 from ..store.journal import Journal
 from ..validation.numbers import worker_count
 from . import exact_gradients
-from .exact_gradients import value_in_whole_run
 from .finite_differences import STEP_RTOL, differences
-from .measures import Measure
+from .measured import measured
 from .models import by_model
 from .problem import Design
 from .requirements import TOLERANCE, violation
@@ -75,7 +71,7 @@ class Trials:
     references: dict[str, Outcome] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        self.clock, self.filters, self.rejecting = Clock(), True, threading.Lock()
+        self.clock, self.rejecting = Clock(), threading.Lock()
         self.measures = self.problem.measures
         self.position = {measure: i for i, measure in enumerate(self.measures)}
         self.terms = [self.position[m] for m in self.problem.objective.measures]
@@ -116,12 +112,7 @@ class Trials:
         """
         workers = 2 if worker_count("threads", self.threads) > 1 else 1
         waiting: deque[tuple[list[Any], Future[Array]]] = deque()
-        with (
-            warnings.catch_warnings(),
-            ThreadPoolExecutor(workers) as executor,
-            self._unwarned(),
-        ):
-            warnings.simplefilter("ignore", InputWarning)
+        with ThreadPoolExecutor(workers) as executor:
             try:
                 for batch in batches:
                     if self.journal.known or workers == 1:
@@ -141,15 +132,6 @@ class Trials:
         values = self._journalled("values", batch, future.result)
         self.runs += len(batch) * (1 if self.draws is None else len(self.draws))
         self._note(self.outcomes(batch, values))
-
-    @contextmanager
-    def _unwarned(self) -> Iterator[None]:
-        """Leave the filters of warnings, which all threads share, as they are."""
-        self.filters = False
-        try:
-            yield
-        finally:
-            self.filters = True
 
     def outcomes(self, points: Sequence[Any], values: Array) -> list[Outcome]:
         """Scores of values that are known."""
@@ -211,37 +193,17 @@ class Trials:
 
     def simulated(self, chains: Sequence[Chain | None], rtol: float) -> Array:
         """Values of all measures of chains, shape (C, M), without summary of a scatter."""
-        names = {name for each in self.measures for name in each.columns}
-        values = np.full((len(chains), len(self.measures)), np.nan)
-        real = [i for i, chain in enumerate(chains) if chain is not None]
-        kept: Any = [chains[i] for i in real]
         if self.problem.model != "simulation":
             return by_model(self.problem.model, chains, self.measures, self._reject)
-        for j, each in enumerate(self.measures):
-            if each.of_whole_run:
-                values[real, j] = self._of_whole_runs(each, kept, rtol)
-        if names and kept:
-            table = simulate_many(
-                kept, keep=sorted(names), rtol=rtol, until=self.problem.until,
-                threads=self.threads, progress=self._progress,
-            )  # fmt: skip
-            for reason in table.reasons.values():
-                self._reject(reason)
-            for j, each in enumerate(self.measures):
-                if each.columns:
-                    values[real, j] = each.from_table(table)
+        values = np.full((len(chains), len(self.measures)), np.nan)
+        made = [chain is not None for chain in chains]
+        values[made], reasons = measured(
+            [chain for chain in chains if chain is not None], self.measures,
+            rtol=rtol, until=self.problem.until, threads=self.threads, progress=self._progress,
+        )  # fmt: skip
+        for reason in reasons:
+            self._reject(reason)
         return values
-
-    def _of_whole_runs(self, measure: Measure, chains: Sequence[Chain], rtol: float) -> list[float]:
-        """Values of a measure that `simulate_many` does not give."""
-
-        def value(chain: Chain) -> float:
-            return value_in_whole_run(measure, chain, self.problem.until, rtol)
-
-        with ThreadPoolExecutor(self.threads) as executor:
-            found = list(executor.map(value, chains))
-        self._progress()
-        return found
 
     def _values(self, points: Sequence[Any], rtol: float) -> Array:
         chains = [self.chain_of(point) for point in points]
@@ -258,9 +220,6 @@ class Trials:
 
     def _summary(self, chain: Chain | None) -> Array:
         """Means or CVaR of the measures of chains with scatter."""
-        scatter = self.problem.scatter
-        assert scatter is not None
-        assert self.draws is not None
         if chain is None:
             return np.full(len(self.measures), np.nan)
         try:
@@ -282,10 +241,7 @@ class Trials:
     def chain_of(self, point: Any) -> Chain | None:
         """The chain at a point; `None`, and counted, if there is no such chain."""
         try:
-            with warnings.catch_warnings() if self.filters else nullcontext():
-                if self.filters:
-                    warnings.simplefilter("ignore", InputWarning)
-                return self.problem.space.chain_of(point)
+            return self.problem.space.chain_of(point)
         except InputError as error:
             self._reject(str(error))
             return None

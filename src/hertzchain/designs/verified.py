@@ -18,6 +18,7 @@ from ..simulation.run_table import RunTable
 from ..simulation.simulate import simulate
 from ..simulation.simulate_many import simulate_many
 from .exact_gradients import value_in_whole_run
+from .measured import measured
 from .measures import OF_CHAIN, RANGE, Measure
 from .problem import Design
 from .requirements import violation
@@ -33,7 +34,7 @@ TIMES, LATER, MAX_CHECKED = 2000, 0.01, 10
 # Measures that are computed from overlaps by the elastic law.
 NOT_YIELDING: Final = ("largest_force", *RANGE)
 # Fresh samples of a scatter.
-FRESH, SCATTERED_RTOL = 400, 1e-8
+FRESH: Final = 400
 
 
 @dataclass(frozen=True, eq=False)
@@ -172,18 +173,8 @@ def _scattered(problem: Design, chain: Chain, seed: int) -> dict[str, float]:
         return {}
     found: dict[str, float] = {}
     measures = [m for m in problem.measures if not m.of_chain]
-    keep = sorted({name for each in measures for name in each.columns})
-    table = simulate_many(chains, keep=keep, until=problem.until) if keep else None
-    for measure in measures:
-        if table is not None and measure.columns:
-            values = measure.from_table(table)
-        else:
-            values = np.array(
-                [
-                    value_in_whole_run(measure, each, problem.until, SCATTERED_RTOL)
-                    for each in chains
-                ]
-            )
+    columns, _ = measured(chains, measures, until=problem.until)
+    for measure, values in zip(measures, columns.T, strict=True):
         sign = _bad_sign(problem, measure)
         ordered = np.sort(sign * values)
         tail = ordered[int(0.9 * len(ordered)) :]

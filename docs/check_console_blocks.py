@@ -11,8 +11,10 @@ to the file.  Pytest runs this check:
 """
 
 import doctest
+import multiprocessing
 import os
 import re
+import shlex
 import subprocess
 import sys
 import tempfile
@@ -20,6 +22,42 @@ from collections.abc import Iterator
 from pathlib import Path
 
 FLAGS = doctest.ELLIPSIS | doctest.NORMALIZE_WHITESPACE
+# Importing these takes longer than most commands.  Commands are forked from a process that has
+# imported them, but has not yet started threads.
+CONTEXT = multiprocessing.get_context("forkserver")
+CONTEXT.set_forkserver_preload(
+    ["hertzchain.simulation.simulate", "hertzchain.propagation.propagate", "hertzchain.theory.bca",
+     "scipy.interpolate", "scipy.optimize", "scipy.sparse", "matplotlib.pyplot", "pandas", "xarray",
+     "zarr", "rich.table"]
+)  # fmt: skip
+
+
+def _run(line: str, folder: Path, environment: dict[str, str]) -> tuple[str, str]:
+    """Output of a command: of hertzchain, in a forked process; by the shell, if it has to."""
+    if not line.startswith("hertzchain ") or set(line) & set(";|&<>$`"):
+        done = subprocess.run(
+            line, shell=True, cwd=folder, env=environment, capture_output=True, text=True
+        )
+        return done.stdout, done.stderr
+    with tempfile.TemporaryDirectory() as outputs:
+        files = [Path(outputs, name) for name in ("stdout", "stderr")]
+        process = CONTEXT.Process(target=_hertzchain, args=(line, folder, environment, files))
+        process.start()
+        process.join()
+        out, err = (file.read_text("utf-8") for file in files)
+    return out, err
+
+
+def _hertzchain(line: str, folder: Path, environment: dict[str, str], files: list[Path]) -> None:
+    """The command `hertzchain`, in a process of its own."""
+    for descriptor, file in enumerate(files, start=1):
+        os.dup2(os.open(file, os.O_WRONLY | os.O_CREAT), descriptor)
+    os.environ.update(environment)
+    os.chdir(folder)
+    sys.argv = shlex.split(line)
+    from hertzchain.cli import main
+
+    main()
 
 
 def failures(page: Path) -> Iterator[str]:
@@ -34,12 +72,18 @@ def failures(page: Path) -> Iterator[str]:
             if line.startswith("cat "):
                 Path(folder, line.removeprefix("cat ")).write_text(expected, "utf-8")
                 continue
-            done = subprocess.run(
-                line, shell=True, cwd=folder, env=environment, capture_output=True, text=True
-            )
+            out, err = _run(line, Path(folder), environment)
             # On a slow machine there are lines about progress and the compiler, which are not shown
             # on the page.
             progress = r"^([\w ]+: \d+ of \d+(, .* to go)?|hertzchain: compiling once.*)\n"
-            got = done.stdout + re.sub(progress, "", done.stderr, flags=re.M)
+            got = out + re.sub(progress, "", err, flags=re.M)
             if not doctest.OutputChecker().check_output(expected, got, FLAGS):
                 yield f"$ {line}\nexpected:\n{expected}\ngot:\n{got}"
+
+
+if __name__ == "__main__":
+    found = [
+        each for page in sorted(Path(__file__).parent.glob("*/*.md")) for each in failures(page)
+    ]
+    print(*found, sep="\n")
+    sys.exit(bool(found))

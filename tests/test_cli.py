@@ -20,19 +20,6 @@ from hertzchain.cli import progress
 from hertzchain.store import streaming
 
 
-@pytest.fixture
-def run(monkeypatch, capsys):
-    def call(*arguments):
-        monkeypatch.setattr(sys, "argv", ["hertzchain", *map(str, arguments)])
-        with pytest.raises(SystemExit) as stopped:
-            cli.main()
-        out, err = capsys.readouterr()
-        err = re.sub("hertzchain: compiling once, about .* s\n", "", err)
-        return stopped.value.code, out, err
-
-    return call
-
-
 @pytest.mark.parametrize(
     "command",
     [(), ("pulse",), ("simulate",), ("reproduce",), ("calibrate",), ("scoreboard",), ("cite",)],

@@ -1,5 +1,6 @@
 """Design files, the command `design`, resumed searches, and invalid problems."""
 
+import functools
 import json
 import os
 import signal
@@ -36,9 +37,11 @@ def problem(**options):
     return hc.Design(given.pop("chain", WALLED), **given)
 
 
-def run(*arguments, **options):
-    command = [sys.executable, "-m", "hertzchain", "design", *map(str, arguments)]
-    return subprocess.run(command, capture_output=True, text=True, check=False, **options)
+@pytest.fixture
+def run(run, monkeypatch, tmp_path):
+    """Runs ``hertzchain design`` in a temporary folder."""
+    monkeypatch.chdir(tmp_path)
+    return functools.partial(run, "design")
 
 
 @pytest.fixture
@@ -75,7 +78,7 @@ def test_the_result_does_not_depend_on_the_number_of_threads():
 
 
 @pytest.mark.long
-def test_a_search_that_is_killed_ten_times_gives_the_same_result(file, tmp_path):
+def test_a_search_that_is_killed_ten_times_gives_the_same_result(file, tmp_path, run):
     file.write_text(PROBLEM.replace("budget = 400", "budget = 3000"))
     whole = json.loads(run(file, "--json", "--store", tmp_path / "whole").stdout)
     command = [sys.executable, "-m", "hertzchain", "design", str(file), "--json", "--store",
@@ -116,8 +119,8 @@ def test_another_problem_does_not_use_the_same_store(tmp_path):
         hc.design(problem(minimise="wall_force.impulse"), budget=50, store=tmp_path / "store")
 
 
-def test_the_command_writes_chain_figure_and_json(file, tmp_path):
-    found = run(file, "--out", "chain.toml", "--plot", "design.png", "--json", cwd=tmp_path)
+def test_the_command_writes_chain_figure_and_json(file, tmp_path, run):
+    found = run(file, "--out", "chain.toml", "--plot", "design.png", "--json")
     assert found.returncode == 0, found.stderr
     document = json.loads(found.stdout)
     chain = hc.load_chain(tmp_path / "chain.toml")
@@ -127,9 +130,9 @@ def test_the_command_writes_chain_figure_and_json(file, tmp_path):
     assert (tmp_path / "problem.design" / "trials.journal").exists()
 
 
-def test_constraints_that_cannot_be_met_give_exit_code_3(file):
+def test_constraints_that_cannot_be_met_give_exit_code_3(file, run):
     file.write_text(PROBLEM + '[design.subject_to]\n"wall_force.impulse" = "<= 0.5"\n')
-    found = run(file, cwd=file.parent)
+    found = run(file)
     assert found.returncode == 3
     assert "cannot be met: wall_force.impulse is at least 1" in found.stdout
 

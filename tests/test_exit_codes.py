@@ -2,7 +2,6 @@
 
 import contextlib
 import os
-import re
 import resource
 import subprocess
 import sys
@@ -11,7 +10,6 @@ from pathlib import Path
 import pytest
 
 import hertzchain as hc
-from hertzchain import cli
 from hertzchain.paper import report
 from hertzchain.store.file_lock import lock
 from hertzchain.store.sweep_store import locked
@@ -31,21 +29,12 @@ STREAM = ("simulate", "--beads", 4, "--until", 9, "--times", 10, "--stream")
 
 
 @pytest.fixture
-def run(monkeypatch, capsys, tmp_path):
+def run(run, monkeypatch, tmp_path):
     """Runs a command in a folder with a specification and its store."""
     monkeypatch.chdir(tmp_path)
     Path("sweep.toml").write_text(SPECIFICATION)
     hc.sweep(SWEEP, "sweep.zarr")
-
-    def call(*arguments):
-        monkeypatch.setattr(sys, "argv", ["hertzchain", *map(str, arguments)])
-        with pytest.raises(SystemExit) as stopped:
-            cli.main()
-        out, err = capsys.readouterr()
-        err = re.sub("hertzchain: compiling once, about .* s\n", "", err)
-        return stopped.value.code, out, err
-
-    return call
+    return run
 
 
 def test_a_place_that_cannot_be_written_is_bad_input(run):

@@ -1,8 +1,8 @@
 """Fits of synthetic traces, of which the truth is known."""
 
 import dataclasses
+import functools
 import json
-import subprocess
 import sys
 
 import numpy as np
@@ -596,12 +596,12 @@ def test_posterior_agrees_with_least_squares():
     assert len(posterior.plot().axes) == 6
 
 
-def command(*arguments):
-    line = [sys.executable, "-m", "hertzchain", "fit", *map(str, arguments)]
-    return subprocess.run(line, capture_output=True, text=True, check=False)
+@pytest.fixture
+def command(run):
+    return functools.partial(run, "fit")
 
 
-def test_command_fits_and_reports(tmp_path):
+def test_command_fits_and_reports(tmp_path, command):
     _, chain = hc.example_experiment()
     done = command(chain.parent / "fast.csv", chain, "--json", "--out", tmp_path / "fitted.toml",
                    "--plot", tmp_path / "fit.png")  # fmt: skip
@@ -614,7 +614,7 @@ def test_command_fits_and_reports(tmp_path):
     }  # fmt: skip
 
 
-def test_command_reports_a_model_that_does_not_describe_the_data(tmp_path):
+def test_command_reports_a_model_that_does_not_describe_the_data(tmp_path, command):
     _, chain = hc.example_experiment()
     data, plain = chain.parent / "fast.csv", tmp_path / "plain.toml"
     plain.write_text(chain.read_text().partition("[fit]")[0])

@@ -25,17 +25,17 @@ from hertzchain.store.sweep_store import SweepStore, locked
 from hertzchain.sweeps import dispatch, executors
 from hertzchain.sweeps import sweep as sweep_module
 
-# Half a second or so of work, in 32 batches; some points fail.
+# A second or so of work, most of it with files, in 32 batches; some points fail.
 SPECIFICATION = """
 [chain]
 taper = "forward-linear"
 [axes]
 rate = {linspace = [0.004, 0.012, 64]}
-beads = {linspace = [70, 100, 31]}
+beads = {linspace = [65, 100, 8]}
 [sweep]
 methods = ["propagate", "bca"]
 keep = ["velocity", "peak_force"]
-batch = 62
+batch = 16
 """
 HERTZCHAIN = [sys.executable, "-m", "hertzchain"]
 
@@ -423,7 +423,7 @@ def test_a_full_disk_is_reported_and_the_sweep_resumes(specification, undisturbe
 def test_a_sweep_that_cannot_fit_is_rejected(specification, tmp_path, monkeypatch):
     monkeypatch.setattr(sweep_module.shutil, "disk_usage",
                         lambda _: type("Usage", (), {"free": 1000})())  # fmt: skip
-    with pytest.raises(hc.InputError, match="needs 0.00.* GB for 1984 points.* has 1e-06 GB free"):
+    with pytest.raises(hc.InputError, match="needs 0.00.* GB for 512 points.* has 1e-06 GB free"):
         hc.sweep(specification, tmp_path / "sweep")
     assert list(tmp_path.glob("sweep*")) == []
 
@@ -486,14 +486,11 @@ def test_a_lock_ends_with_its_block(tmp_path):
         assert [file.name for file in tmp_path.iterdir()] == [".sweep.lock"]
 
 
-def test_shards_merge_into_the_same_bytes(specification, undisturbed, tmp_path):
+def test_shards_merge_into_the_same_bytes(specification, undisturbed, tmp_path, run):
     shards = [tmp_path / f"{i}" for i in (1, 2, 3)]
     for i, shard in enumerate(shards[:2], start=1):
-        subprocess.run(command(specification, shard, "--shard", f"{i}/3"), check=False)
-    partly = subprocess.run(
-        [*HERTZCHAIN, "sweep", "merge", str(tmp_path / "all"), *map(str, shards[:2])],
-        capture_output=True, text=True, check=False,
-    )  # fmt: skip
+        run("sweep", specification, "--store", shard, "--shard", f"{i}/3")
+    partly = run("sweep", "merge", tmp_path / "all", *shards[:2])
     assert partly.returncode == 1
     assert "lacks" in partly.stderr
     hc.sweep(specification, shards[2], shard=(3, 3))
@@ -511,11 +508,11 @@ def test_a_changed_specification_is_rejected_with_the_difference(specification, 
     store, other = tmp_path / "sweep", tmp_path / "other.toml"
     hc.sweep(specification, store, shard=(1, 31))
     before = contents(store)
-    other.write_text(SPECIFICATION.replace("0.012", "0.011").replace("62", "31"))
+    other.write_text(SPECIFICATION.replace("0.012", "0.011").replace("batch = 16", "batch = 8"))
     with pytest.raises(hc.InputError) as error:
         hc.sweep(other, store)
     assert "axes.rate.linspace: [0.004, 0.012, 64], now [0.004, 0.011, 64]" in str(error.value)
-    assert "sweep.batch: 62, now 31" in str(error.value)
+    assert "sweep.batch: 16, now 8" in str(error.value)
     assert contents(store) == before
     hc.sweep(other, tmp_path / "second", shard=(1, 31))
     with pytest.raises(hc.InputError, match="belongs to another specification"):
@@ -570,7 +567,7 @@ def test_every_damaged_file_is_named(how, tmp_path):
             SweepStore(store).check()
         for arguments in (["export", str(store), str(tmp_path / "sweep.csv")],
                           ["status", str(store)]):  # fmt: skip
-            told = run(arguments)
+            told = invoke(arguments)
             assert isinstance(told.exception, hc.InputError), (arguments, file)
             assert not (tmp_path / "sweep.csv").exists()
         file.write_bytes(good)
@@ -583,7 +580,7 @@ def test_every_damaged_file_is_named(how, tmp_path):
         (store / name / "c" / "0").write_bytes(good)
 
 
-def run(arguments):
+def invoke(arguments):
     from click.testing import CliRunner
 
     from hertzchain.cli.sweep import sweep
@@ -617,12 +614,12 @@ def test_the_rest_of_a_damaged_store_is_readable_on_request(tmp_path):
     for arguments in (["status", str(store)], ["export", str(store), str(csv)],
                       ["plot", str(store), str(picture), "--at", "bead=5"],
                       ["merge", str(tmp_path / "all"), str(store)]):  # fmt: skip
-        assert "velocity/c/1/0/0/0 is missing" in str(run(arguments).exception)
+        assert "velocity/c/1/0/0/0 is missing" in str(invoke(arguments).exception)
         with (
             warnings.catch_warnings(action="ignore", category=hc.IncompleteWarning),
             pytest.warns(hc.DamageWarning, match="1 batch is omitted as missing"),
         ):
-            told = run([*arguments, "--skip-damaged"])
+            told = invoke([*arguments, "--skip-damaged"])
         assert told.exception is None or isinstance(told.exception, SystemExit)
     assert picture.exists()
     rows = csv.read_text().splitlines()
@@ -645,7 +642,7 @@ def test_a_chunk_that_is_damaged_later_is_named_when_it_is_read(specification, t
     content = bytearray(chunk.read_bytes())
     content[len(content) // 2] ^= 1
     chunk.write_bytes(content)
-    assert found.velocity[0].shape == (31, 2, 100)
+    assert found.velocity[0].shape == (8, 2, 100)
     float(found.velocity[0, 0, 0, 0])
     with pytest.raises(hc.InputError, match="velocity/c/5/0/0/0 is not as it was written"):
         found.velocity.load()
@@ -770,7 +767,7 @@ def test_in_memory_is_the_same(specification, tmp_path):
     for number, given in enumerate((specification, zipped)):
         stored = hc.sweep(given, tmp_path / f"{number}")
         xr.testing.assert_equal(hc.sweep(given), stored.load())
-    told = run(["status", str(tmp_path / "1")]).stdout
+    told = invoke(["status", str(tmp_path / "1")]).stdout
     for place in ("point = 1", "approach = propagate", "taper = forward-linear", "rate = 0.08"):
         assert place in told
 
@@ -784,13 +781,12 @@ def test_a_process_that_writes_half_a_chunk_is_cleaned_up(specification, undistu
     assert contents(store) == undisturbed
 
 
-def test_status_tells_how_far_and_why(specification, tmp_path):
+def test_status_tells_how_far_and_why(specification, tmp_path, run):
     store = tmp_path / "sweep"
     hc.sweep(specification, store, shard=(32, 32))
-    told = subprocess.run([*HERTZCHAIN, "sweep", "status", str(store)], capture_output=True,
-                          text=True, check=False)  # fmt: skip
+    told = run("sweep", "status", store)
     assert told.returncode == 1
-    assert "1922 missing" in told.stdout
+    assert "496 missing" in told.stdout
     assert "reach zero at bead" in told.stdout
     assert "rate = 0.011" in told.stdout
 
@@ -860,14 +856,13 @@ def test_an_invalid_address_is_rejected_immediately(address):
     assert time.monotonic() - begun < 5.0
 
 
-def test_options_of_the_command_that_contradict(specification):
+def test_options_of_the_command_that_contradict(specification, run):
     for options, said in (
         (["--shard", "2"], "--shard must look like 2/8, got '2'"),
         (["--scheduler", "tcp://x:1", "--processes"], "--scheduler has its own workers"),
         (["--workers", "0"], "workers must be a whole number of at least 1, got 0"),
     ):
-        told = subprocess.run([*HERTZCHAIN, "sweep", str(specification), *options],
-                              capture_output=True, text=True, check=False)  # fmt: skip
+        told = run("sweep", specification, *options)
         assert told.returncode == 2
         assert said in told.stderr
 

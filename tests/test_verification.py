@@ -1,7 +1,4 @@
 import json
-import subprocess
-import sys
-from pathlib import Path
 
 import pytest
 from click.testing import CliRunner
@@ -28,16 +25,15 @@ def test_an_unknown_group_is_rejected():
         verify(["wals"])
 
 
-def test_command_line():
+def test_command_line(run):
     agreeing = sum(case.group == "restitution" for case in cases())
-    command = [Path(sys.executable).parent / "hertzchain", "verify", "--only", "restitution"]
-    shown = subprocess.run(command, capture_output=True, text=True, check=True).stdout
+    command = "verify", "--only", "restitution"
+    shown = run(*command).stdout
     assert f"{agreeing} of {agreeing} cases agree" in shown
     # The table has the numbers of the sources, which are listed below it.
     assert "[2]" in shown.partition("Tsuji")[0]
     assert "Tsuji et al., Powder Technol. 71, 239 (1992) (derived)" in shown
-    document = subprocess.run([*command, "--json"], capture_output=True, text=True, check=True)
-    assert json.loads(document.stdout)["agreeing"] == agreeing
+    assert json.loads(run(*command, "--json").stdout)["agreeing"] == agreeing
 
 
 def test_every_case_has_its_place_and_origin():

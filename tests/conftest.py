@@ -33,7 +33,7 @@ def pytest_collection_modifyitems(items):
 
 
 class Done(NamedTuple):
-    """What a command has left: the exit code, standard output, and standard error."""
+    """Exit code, standard output and standard error of a command."""
 
     returncode: int
     stdout: str

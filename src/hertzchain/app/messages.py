@@ -14,7 +14,7 @@ import numpy as np
 from ..collision import Array
 
 VERSION: Final = 1
-# Arrays begin at multiples of this number of bytes, so that the page need not copy them.
+# The page need not copy arrays that begin at multiples of this number of bytes.
 ALIGNMENT: Final = 8
 MAX_INT16: Final = 32767
 

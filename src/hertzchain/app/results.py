@@ -245,7 +245,7 @@ def _sensor_run(run: Run, request: Request, progress: Callable[..., None]) -> Ru
         found = [run.sensor_force(bead) for bead in beads]
     near = np.array([(each.first_maximum_time, each.largest_so_far_time) for each in found])
     after = np.searchsorted(run.times, near[np.isfinite(near)])
-    # Equal intervals are divided once, so that no two times differ by rounding only.
+    # Equal intervals are divided once: no two times may differ by rounding only.
     intervals = np.clip(np.unique((after - 1, after)), 0, len(run.times) - 2)
     fine = [
         np.linspace(run.times[j], run.times[j + 1], NEAR_MAXIMA)[1:-1] for j in np.unique(intervals)

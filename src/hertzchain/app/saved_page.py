@@ -57,7 +57,7 @@ def embedded_page(stored: Mapping[str, Any]) -> bytes:
 
 
 def _json(item: Any) -> str:
-    # Escaped, so that no text within can end the element.
+    # Escaped: no text within can end the element.
     return json.dumps(item, allow_nan=False).replace("<", "\\u003c")
 
 

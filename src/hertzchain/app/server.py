@@ -267,7 +267,7 @@ class _Guarded:
         token = request.query_params.get("token")
         known_host = request.headers.get("host", "") in self.guard.hosts
         if request.method == "GET" and token and known_host and self.guard.is_token(token):
-            # The token leaves the address, so that a copied link does not contain it.
+            # The token leaves the address: a copied link must not contain it.
             headers = {"location": "/", "set-cookie": self.guard.set_cookie}
             return Response(status_code=303, headers=headers)
         api = request.url.path.startswith("/api/")

@@ -1,4 +1,4 @@
-"""Files of the page, read once, so that no path of a request is opened on disk."""
+"""Files of the page, read once: no path of a request is opened on disk."""
 
 from __future__ import annotations
 

@@ -19,7 +19,7 @@ from numpy.typing import ArrayLike
 
 from ..collision import HERTZ_EXPONENT
 from ..errors import InputError
-from ..validation.keywords import check_keywords, checked_arguments
+from ..validation.keywords import check_keywords, checked_arguments, checked_fields
 from ..validation.numbers import number, plain_magnitude, real_numbers, whole_number
 from ..validation.objects import check_list
 from . import contact_shapes, modifications, pieces
@@ -32,6 +32,7 @@ from .taper_sizes import Sizes, taper_of_sizes
 from .tapers import PARAMETERS
 
 
+@checked_fields
 @dataclass(frozen=True, eq=False, repr=False)
 class Chain(ChainFields):
     r"""Beads, contacts, ends and initial velocities of a chain.

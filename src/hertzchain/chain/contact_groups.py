@@ -23,7 +23,7 @@ class ContactGroup:
 
 
 def reduced_masses(masses: Array) -> Array:
-    """Reduced masses of contacts 0..N: a wall cannot move, so that its is the bead's."""
+    """Reduced masses of contacts 0..N; next to a wall, which cannot move, the mass of the bead."""
     inner = reduced_mass(masses[:-1], masses[1:])
     return np.concatenate((masses[:1], inner, masses[-1:]))
 

@@ -54,7 +54,7 @@ def check_static_overlaps(
     worst = int(np.argmax(excess))
     if excess[worst] <= 1.0:
         return
-    # Rounded down, so that the advice is accepted when it is followed.
+    # Rounded down: otherwise the advised value might be rejected.
     largest = 0.995 * float(loading_forces(groups, limits)[worst])
     what = "precompression" if loads.precompression > 0.0 else "gravity"
     unit, limit = "", f"{limits[worst]:g} times that of an impact"

@@ -1,6 +1,6 @@
 """Positions and forces of a chain at rest, before the impact.
 
-In a line of beads, each contact force follows from the previous one, so that no system of equations
+In a line of beads, each contact force follows from the previous one; hence no system of equations
 has to be solved.
 """
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from ..errors import InputError, short_repr
+from ..validation.keywords import checked_arguments, checked_fields
 from ..validation.numbers import number
 from .input_checks import checked_exponent
 from .laws import Loss
@@ -17,6 +18,7 @@ def _stiffness_unit(wall: Wall) -> str:
     return "stiffness" if wall.exponent is None else f"force/length^{wall.exponent}"
 
 
+@checked_fields
 @dataclass(frozen=True)
 class Wall(Part):
     r"""A flat wall; its contact with the bead next to it is like all other contacts.
@@ -83,6 +85,7 @@ class Wall(Part):
             )
 
     @classmethod
+    @checked_arguments("Wall.of")
     def of(cls, name: MaterialLike, *, gap: float = 0.0) -> Wall:
         """A wall of a given material.
 

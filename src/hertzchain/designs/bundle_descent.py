@@ -1,6 +1,6 @@
 """Descent with gradients: a sequence of linear programs within a growing and shrinking box.
 
-Peak forces and CVaR are maxima over many peaks and samples, so that their derivatives jump.  Each
+The derivatives of peak forces and CVaR jump: both are maxima over many peaks and samples.  Each
 step minimises the largest of the linear models at recent points (a bundle), so that the descent
 follows the edges between peaks; constraints are linear models, too.
 """

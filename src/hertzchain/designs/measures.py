@@ -102,7 +102,7 @@ class Measure:
 
     @property
     def has_kinks(self) -> bool:
-        """Whether it is the largest of several peaks, so that its derivatives jump."""
+        """Whether its derivatives jump, because it is the largest of several peaks."""
         kinks = ("wall_force.peak", "wall_force.duration", "largest_force", *RANGE, *LARGEST)
         return self.key in kinks
 

@@ -120,7 +120,7 @@ def balls(
     beads : str or sequence of int
         Places that vary, as in `radii`.
     optional : bool
-        Whether places may be empty, so that the number of beads varies.
+        Whether places may be empty; the number of beads then varies.
 
     Raises
     ------

@@ -21,7 +21,7 @@ MAX_CHANGE: Final = 0.005
 
 
 def power_law(k: Array, exponent: float, offset: float = 0.0) -> Array:
-    r"""Radii :math:`(k + a)^x`, so that :math:`s_k \approx x/(k + a)`."""
+    r"""Radii :math:`(k + a)^x`, with :math:`s_k \approx x/(k + a)`."""
     return np.asarray((k + offset) ** exponent)
 
 

@@ -80,7 +80,7 @@ def solve(problem: Problem, values: dict[Name, float], starts: int, *, align: bo
 def _without_jumps(problem: Problem, best: Solution) -> Solution:
     """The solution without the samples next to jumps, which move with the solution."""
     for tried in range(MAX_ROUNDS):
-        # From the third round on, omitted samples remain omitted, so that the rounds end.
+        # From the third round on, omitted samples remain omitted: the rounds must end.
         if not problem.skip_next_to_jumps(best.variables, more=tried > 1):
             break
         best = _from(problem, best.variables)

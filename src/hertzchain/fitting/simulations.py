@@ -26,7 +26,7 @@ PER_UNIT: Final = 32
 # ... and this many times as many where the force jumps.
 FINER: Final = 2
 MAX_TIMES: Final = 400_000
-# Ratio of the duration of a run to that of the data, so that slower chains need no new run.
+# Ratio of the duration of a run to that of the data; slower chains then need no new run.
 LONGER: Final = 1.12
 # Step limit of a trial run, as a multiple of the steps of the first run.
 STEP_FACTOR, MIN_STEPS = 50, 20_000

@@ -234,7 +234,7 @@ def _legend(axes: Axes, layout: Layout) -> None:
     else:
         handles = [symbol("o", 4), symbol("+", 5), *handles]
         labels = ["simulation", layout.theory, *labels]
-    # The legend is above the axes, so that it covers no curve.
+    # Above the axes, the legend covers no curve.
     axes.legend(handles, labels, ncols=len(handles), loc="lower left", bbox_to_anchor=(0.0, 1.0))
 
 

@@ -136,7 +136,7 @@ def _pictures(run: Run, chosen: Array, magnify: float | None) -> Iterator[Image]
             marker = _draw_force(below, run)
             set_title(top, chain_title(run.chain))
             clock = below.text(0.995, 0.97, "", transform=below.transAxes, ha="right", va="top")
-            # The layout of the first frame is kept, so that the frames are aligned.
+            # The layout of the first frame is kept, to align all frames.
             figure.canvas.draw()
             figure.set_layout_engine("none")
             # Beads at whole pixels have equal edges in most frames, which compress well.

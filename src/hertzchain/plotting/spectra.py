@@ -76,7 +76,7 @@ def plot_transfer(
 ) -> Axes:
     """Plot the amplitude of a contact force, as described in `Spectrum.plot_transfer`."""
     if frequencies is None:
-        # A constant force may accelerate the chain, so that 0 is not included.
+        # 0 is not included, because a constant force may accelerate the chain.
         shown = np.linspace(0.0, ROOM * spectrum.frequencies.max(), FREQUENCIES + 1)[1:]
     else:
         shown = real_numbers("frequency", frequencies).reshape(-1)

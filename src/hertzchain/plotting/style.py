@@ -114,7 +114,7 @@ def get_axes(ax: Axes | None, figsize: tuple[float, float] | None = None) -> Axe
 
 
 def literal(text: str) -> str:
-    """Escape a text, such as a name, so that Matplotlib does not read it as mathematics."""
+    """Escape a text, such as a name, that Matplotlib would read as mathematics."""
     return text.replace("$", r"\$")
 
 
@@ -161,7 +161,7 @@ def label_right_ends(axes: Axes, labels: Sequence[tuple[float, float, str, str]]
     ends.sort(key=lambda end: end[1])
     spacing = 0.052
     heights = np.array([end[1] for end in ends])
-    # Push labels upwards, then lower all by the mean shift, so that they stay near the curves.
+    # Push labels upwards, then lower all by the mean shift, to keep them near the curves.
     spread = heights.copy()
     for i in range(1, len(spread)):
         spread[i] = max(spread[i], spread[i - 1] + spacing)

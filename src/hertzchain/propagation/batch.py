@@ -129,7 +129,7 @@ def difference(found: Array, other: Array, first: Indices) -> Array:
 def _units(chain: Chain) -> tuple[float, float, float]:
     """Units of length, mass and velocity in which a chain is integrated.
 
-    For a scaled chain, only the unit of velocity is changed, so that its values are not rounded.
+    For a scaled chain, only the unit of velocity is changed: its values are not rounded.
     """
     speed = float(chain.velocities[0])
     if chain.scaled:

@@ -194,7 +194,7 @@ def _simulate(chain: Chain, tolerance: float, signal: Indices) -> Array:
 
 
 def _not_converged(found: float, rtol: float) -> str:
-    # Rounded up, so that the advice works when it is followed.
+    # Rounded up: otherwise the advised value might be too small.
     possible = 1.5 * found / AGREEMENT
     advice = f" or rtol = {possible:.0e} or more" if possible <= MAX_RTOL else ""
     return (

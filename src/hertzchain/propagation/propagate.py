@@ -354,7 +354,7 @@ def _follow_block(
 def _follow_with_progress(
     batch: Batch, rtol: float, signal: NDArray[np.int64], progress: Progress | None
 ) -> PulseData:
-    """Integrate in another thread, so that interrupts are handled and progress is reported."""
+    """Integrate in another thread, to handle interrupts and report progress."""
     beads = len(batch.masses)
     with ThreadPoolExecutor(max_workers=1) as executor:
         future = executor.submit(follow, batch, rtol, signal)

@@ -1,4 +1,4 @@
-"""Conversion of chains and results, so that scaled methods accept chains in any units.
+"""Conversion of chains and results for scaled methods, which accept chains in any units.
 
 Theories compute in the paper's scaled variables.  `for_any_units` makes such a function accept
 chains in SI units and return results in SI units; it also checks that the method supports the

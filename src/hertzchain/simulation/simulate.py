@@ -266,7 +266,7 @@ class _Integration:
 
     @property
     def drifts(self) -> bool:
-        """Whether energy has drifted more than accepted, so that shorter steps are needed."""
+        """Whether energy has drifted more than accepted; shorter steps are then needed."""
         return self.fixed is not None and self.energy_drift > self.fixed.drift
 
     @property
@@ -308,7 +308,7 @@ def _integrate(
     end = RunEnd(chain, going.state.arrays, until, checks)
     first = int(counts[state_layout.STEPS])
     status: Status | None = None
-    # Keep the state before the last, shortened step, so that a longer run resumes bit for bit.
+    # A longer run resumes bit for bit from the state before the last, shortened step.
     before_end: State | None = None
     while status is None:
         goal = end.goal() if before_end is None else (end.until, False)

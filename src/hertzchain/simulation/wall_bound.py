@@ -77,7 +77,7 @@ class Target:
         self.stored = self._wall_last(np.where(self.contacts, stored, 0.0))
 
     def _wall_last(self, values: Array) -> Array:
-        """Order values so that those at the wall are last."""
+        """Order values, with those at the wall last."""
         return values if self.side == RIGHT else values[::-1]
 
     def _forces_at_rest(self) -> Array:

@@ -173,7 +173,7 @@ class WallWatch:
         return max(self.time, SMALLEST)
 
     def close(self) -> None:
-        """Record that nothing more can happen, so that every peak is complete."""
+        """Record that nothing more can happen: every peak is complete."""
         self.completion[state_layout.WATCH_START] = self._mark
         self.completion[[state_layout.TRANSIT, state_layout.DUE]] = 0.0
         for target in self.targets:

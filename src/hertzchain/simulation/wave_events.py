@@ -140,7 +140,7 @@ def check_saved_times(run: Trajectory) -> None:
 
 
 def times_to_save(run: Trajectory, samples: float) -> int:
-    """Approximate number of times to save so that a wave with these samples is resolved."""
+    """Approximate number of times to save to resolve a wave with these samples."""
     # Without a given end, a run keeps between half and all of the requested times.
     spare = 1.1 if run.status == "time reached" else 2.2
     needed = spare * len(run.times) * MIN_SAMPLES / samples

@@ -124,7 +124,7 @@ class Wave:
 
     @property
     def resolved(self) -> bool:
-        """Whether `samples` is at least 8, so that the medians above are reliable."""
+        """Whether `samples` is at least 8, which makes the medians above reliable."""
         return self.samples >= MIN_SAMPLES
 
     def to_dataframe(self) -> pd.DataFrame:

@@ -35,7 +35,7 @@ class Column:
     dimension : str
         A key of `UNITS`; ``"text"`` or ``"number"`` for columns without a unit.
     between_rows : bool
-        Whether values belong to a row and the next one, so that the last row has none.
+        Whether values belong to a row and the next one; the last row then has none.
 
     Examples
     --------

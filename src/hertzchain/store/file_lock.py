@@ -1,4 +1,4 @@
-"""A lock file, so that only one process writes to a store or folder."""
+"""A lock file: only one process may write to a store or folder."""
 
 from __future__ import annotations
 

@@ -107,7 +107,7 @@ class Manifest:
         return replace(self, parts=(*self.parts, *more), announced=None)
 
     def without_last(self) -> Manifest:
-        """The manifest with the last part announced again, so that its file may be removed."""
+        """The manifest with the last part announced again; its file may then be removed."""
         return replace(self, parts=self.parts[:-1], announced=self.parts[-1])
 
     def save(self, folder: Path) -> None:

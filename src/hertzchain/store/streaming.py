@@ -165,7 +165,7 @@ class StoredRun:
             part.sel(time=slice(start, stop))
             for part in self._read(start, stop, check_bool("skip_damaged", skip_damaged))
         )
-        # A copy, so that the other times of a part are not kept in memory.
+        # A view would keep the other times of the part in memory.
         chosen = [part.copy(deep=True) for part in within if part.sizes["time"]]
         if not chosen:
             raise InputError(

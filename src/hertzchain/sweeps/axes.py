@@ -351,5 +351,5 @@ def _spaced(kind: str, given: Any) -> list[float]:
 
 
 def _decimal(value: float) -> float:
-    """Round to 15 digits, so that users can select 0.85 and not only 0.8500000000000001."""
+    """Round to 15 digits: users select 0.85 and not 0.8500000000000001."""
     return float(f"{value:.15g}")

@@ -34,7 +34,7 @@ from .executors import check_version
 from .plan import Plan
 from .specification import specification_from_json
 
-# Batches submitted per worker, so that no worker has to wait for the next one.
+# Batches submitted per worker; with fewer, a worker might have to wait for the next one.
 AHEAD: Final = 2
 # Seconds between checks for an interrupt, where waiting cannot be interrupted (Windows).
 POLL: Final = 0.1

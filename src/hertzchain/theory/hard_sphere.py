@@ -4,7 +4,7 @@ The literature on tapered chains compared simulations with this theory before th
 collision approximation was introduced: S. Sen, F. S. Manciu and M. Manciu, Physica A 299,
 551 (2001); R. Doney and S. Sen, Phys. Rev. E 72, 041304 (2005),
 doi:10.1103/PhysRevE.72.041304.  Its velocities are those of the BCA with restitution.
-Collisions are instantaneous, so that residence times, overlaps and forces are not defined.
+Collisions are instantaneous; residence times, overlaps and forces are not defined.
 """
 
 from __future__ import annotations

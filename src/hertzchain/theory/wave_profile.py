@@ -78,7 +78,7 @@ class WaveProfile(Frozen):
         return cls(half_length, power, kept)
 
     def with_tail(self, start: float, tail: Callable[[Array], Array]) -> WaveProfile:
-        """Return the profile with a tail, so that it extends to any distance.
+        """Return the profile with a tail, which extends to any distance.
 
         Parameters
         ----------

@@ -10,7 +10,7 @@ because :math:`\varphi` is determined by its values closer to the crest:
 
 Therefore :math:`\ln\varphi(\xi+1)/\ln\varphi(\xi) \to p`, and the tail decays doubly exponentially
 (J. M. English, R. L. Pego, Proc. Am. Math. Soc. 133, 1763, 2005).  All terms of the integral are
-positive and evaluated in logarithms, so that there is no cancellation.
+positive and evaluated in logarithms, without cancellation.
 """
 
 from __future__ import annotations
@@ -127,7 +127,7 @@ class WaveTail:
         """Spline of ln(-ln(overlap)) in the tail, found by iteration, and its last point."""
         from scipy.interpolate import make_interp_spline
 
-        # The spline includes a few points of the core, so that it does not end at the seam.
+        # The spline includes a few points of the core, to avoid an end at the seam.
         before = np.log(-np.log(self.core(self.start - 1e-3 * np.arange(2))))
         slope = 1e3 * float(before[0] - before[1])
         step = 1.0 / (POINTS * slope)

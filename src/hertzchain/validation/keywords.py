@@ -18,8 +18,10 @@ SYNONYMS: Final[Mapping[str, tuple[str, ...]]] = MappingProxyType(
         "n": ("beads",), "number": ("beads",), "wall": ("right_wall",),
         "diameter": ("diameters", "first_diameter", "radius"), "q": ("rate",), "s": ("rate",),
         "losses": ("loss",), "damping": ("loss",), "preload": ("precompression",),
+        "material": ("name",), "materials": ("name",),
     }
 )  # fmt: skip
+MATERIALS: Final = frozenset(("material", "materials"))
 P = ParamSpec("P")
 R = TypeVar("R")
 
@@ -52,6 +54,20 @@ def checked_arguments(
     return decorate
 
 
+def checked_fields(cls: type[R]) -> type[R]:
+    """Raise `InputError` for unknown arguments of a class."""
+    constructor = cls.__init__
+    known = tuple(name for name in inspect.signature(constructor).parameters if name != "self")
+
+    @functools.wraps(constructor)
+    def checked(self: R, *given: Any, **keywords: Any) -> None:
+        check_keywords(cls.__name__, keywords, known)
+        constructor(self, *given, **keywords)
+
+    cls.__init__ = checked  # type: ignore[assignment]
+    return cls
+
+
 def check_keywords(label: str, given: Iterable[str], known: Iterable[str]) -> None:
     """Raise one error for all names that are not known, with the most similar ones."""
     names = list(known)
@@ -62,6 +78,8 @@ def check_keywords(label: str, given: Iterable[str], known: Iterable[str]) -> No
     said = " and no argument ".join(map(repr, unknown))
     found = ", ".join(each for each in meant if each)
     hint = f"did you mean {found}?" if found else f"it takes {', '.join(names)}"
+    if label.startswith("Chain.") and not found and MATERIALS & set(unknown):
+        hint += "; Chain.from_materials and Chain.tapered make chains of materials"
     raise InputError(f"{label} has no argument {said}; {hint}")
 
 

@@ -104,7 +104,7 @@ def _mode_frequency(masses: Array, shape: Array, walls: float) -> float:
     chain = Chain.uniform(beads).replace(
         masses=masses, precompression=1.0, velocities=weak * shape, **ends
     )
-    # The run lasts ten periods of the first guess, so that the remaining phase is small.
+    # After ten periods of the first guess, the remaining phase is small.
     stiffness = float(linear_stiffness(1.0, 1.0))
     springs = stiffness * (np.diff(shape, append=0.0) - np.diff(shape, prepend=0.0))
     if walls == 0.0:

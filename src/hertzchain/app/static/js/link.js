@@ -37,7 +37,7 @@ export class Link {
   ask(request) {
     this.waiting = request;
     clearTimeout(this.retry);
-    // A draft is short: the next request waits for it, so that each drag shows results.
+    // The next request waits for a draft, which is short: each drag shows results.
     const patient = this.current?.draft && performance.now() - this.current.sent < PATIENCE;
     if (!patient) this.send();
     else {

@@ -263,7 +263,7 @@ function key(name, text) {
   return make("span", { className: "key" }, sample(name), text);
 }
 
-/** Replace children only if they differ, so that a button in use is not replaced.
+/** Replace children only if they differ: a button in use must not be replaced.
  * @param {HTMLElement} host @param {HTMLElement[]} children */
 function replace(host, children) {
   const fresh = make("div", {}, ...children);

@@ -162,7 +162,7 @@ def assert_rest_is_right(found, whole):
     xr.testing.assert_equal(found.coords.to_dataset(), whole.coords.to_dataset())
 
 
-@pytest.mark.parametrize("seeds", trials(60, 800))
+@pytest.mark.parametrize("seeds", trials(30, 800))
 def test_a_damaged_store_is_rejected_or_its_rest_is_right(damaged_store, seeds):
     folder, whole = damaged_store
     for seed in seeds:
@@ -214,7 +214,7 @@ def streamed_run(tmp_path_factory):
     return stored, stored.load()
 
 
-@pytest.mark.parametrize("seeds", trials(60, 1200))
+@pytest.mark.parametrize("seeds", trials(30, 1200))
 def test_a_damaged_stream_is_rejected_or_its_rest_is_right(streamed_run, seeds):
     stored, whole = streamed_run
     folder = Damaged(stored.folder)

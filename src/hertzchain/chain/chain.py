@@ -320,10 +320,9 @@ class Chain(ChainFields):
         one = isinstance(materials, str | Material)
         named = [materials] if one else check_list("materials", materials, "names")
         given = pieces.radii_of_beads(radii, diameters, beads, None if one else len(named))
-        count = len(given)
-        kinds = tuple(map(material, named)) * (count if one else 1)
+        kinds = tuple(map(material, named)) * (len(given) if one else 1)
         if velocity is not None:
-            fields["velocities"] = np.zeros(count)
+            fields["velocities"] = np.zeros(len(given))
             fields["velocities"][:1] = number("velocity", velocity, unit="m/s")
         return cls(given, units="SI", materials=kinds, **fields)
 

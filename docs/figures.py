@@ -263,7 +263,7 @@ def design_shock_absorber() -> Figure:
         chain, minimise="wall_force.peak", vary=[balls],
         subject_to={"length": "<= 60 mm", "yield_ratio": "<= 1"},
     )  # fmt: skip
-    return hc.design(problem, budget=1500, seed=1).plot_all()
+    return hc.design(problem, budget=4000, seed=1).plot_all()
 
 
 def _growth(rate: float) -> float:

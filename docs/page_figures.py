@@ -1,5 +1,6 @@
 """Figures of how-to guides and explanations that show what their pages describe."""
 
+import warnings
 from typing import Final
 
 import matplotlib.pyplot as plt
@@ -7,7 +8,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 import hertzchain as hc
-from hertzchain.plotting.chains import scale_bar
+from hertzchain.plotting.chains import draw_beads, material_legend, scale_bar
 from hertzchain.plotting.style import COLOURS, figure_style, label_log_axis
 from hertzchain.theory import long_wave_velocity, sen_manciu_velocity
 
@@ -223,7 +224,49 @@ def precompressed() -> Figure:
     return canvas
 
 
+def design_protector() -> Figure:
+    """A row of steel and PTFE balls, a row of equal balls, and the forces behind both."""
+    chain = hc.Chain.from_materials(
+        "2.38125 mm", "steel-52100", beads=12, velocity="1 m/s",
+        right_wall=hc.Wall.of("steel-52100"),
+    )  # fmt: skip
+    balls = hc.vary.balls(materials=["steel-52100", "ptfe"], diameters=["4.7625 mm"])
+    problem = hc.Design(
+        chain, minimise="wall_force.peak", vary=[balls], subject_to={"length": "<= 60 mm"}
+    )
+    found = hc.design(problem)
+    equal = found.references["best of 2 with equal balls"].chain
+    with figure_style(), warnings.catch_warnings():
+        warnings.simplefilter("ignore", hc.ModelRangeWarning)
+        # Single beads bounce after the last maximum that is drawn.
+        warnings.simplefilter("ignore", hc.IncompleteWarning)
+        canvas, panels = plt.subplots(
+            2, 2, figsize=(9.6, 4.6), layout="constrained", height_ratios=[1.0, 3.6], sharey="row"
+        )
+        for (row, axes), (name, each) in zip(
+            panels.T, {"equal balls": equal, "design": found.chain}.items(), strict=True
+        ):
+            draw_beads(each, 1e3, row)
+            row.set_aspect("equal")
+            row.autoscale_view()
+            row.set_axis_off()
+            row.set_title(name)
+            for label, law, colour, dashes in (
+                ("elastic", None, COLOURS[0], "-"),
+                ("with yield", hc.ElasticPlastic(), COLOURS[2], "--"),
+            ):
+                run = hc.simulate(each.replace(loss=law), until=1.3e-3, times=2000)
+                force = run.wall_force().force
+                axes.plot(1e3 * run.times, force, dashes, color=colour, label=label)
+            axes.set_xlabel("time $t$ [ms]")
+            axes.set_xlim(0.0, 1.3)
+        panels[1, 0].set_ylabel("force on the wall [N]")
+        panels[1, 0].legend()
+        material_legend([found.chain], panels[1, 1], loc="upper right")
+    return canvas
+
+
 PAGE_FIGURES: Final = (
     real_chains, chain_files, many_chains, closed_forms, theory, numerics, propagation,
-    precompressed,
+    precompressed, design_protector,
 )  # fmt: skip

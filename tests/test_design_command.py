@@ -7,12 +7,14 @@ import signal
 import subprocess
 import sys
 import time
+from contextlib import contextmanager
 
 import numpy as np
 import pytest
 from scipy_chain import wall_peak
 
 import hertzchain as hc
+from hertzchain.designs import trials
 from hertzchain.designs.problem_files import load_design
 
 WALLED = hc.Chain.uniform(8).replace(right_wall=hc.Wall())
@@ -114,9 +116,9 @@ def test_a_compilation_is_announced_and_can_be_interrupted(file, tmp_path):
 
 
 def test_another_problem_does_not_use_the_same_store(tmp_path):
-    hc.design(problem(), budget=50, store=tmp_path / "store")
+    hc.design(problem(), budget=90, store=tmp_path / "store")
     with pytest.raises(hc.InputError, match="belongs to another problem"):
-        hc.design(problem(minimise="wall_force.impulse"), budget=50, store=tmp_path / "store")
+        hc.design(problem(minimise="wall_force.impulse"), budget=90, store=tmp_path / "store")
 
 
 def test_the_command_writes_chain_figure_and_json(file, tmp_path, run):
@@ -231,9 +233,65 @@ def test_invalid_options_are_explained(options, told):
         hc.design(problem(), **options)
 
 
-def test_a_budget_below_one_evaluation_of_a_scatter_is_explained():
-    with pytest.raises(hc.InputError, match="too small for one evaluation, which needs 40"):
-        hc.design(problem(scatter={"radius": 0.01}), budget=39)
+@pytest.mark.parametrize(
+    ("options", "least", "told"),
+    [
+        ({}, 82, "81 chains to compare with and 1 trial need 82"),
+        ({"scatter": {"radius": 0.01}}, 3280, "1 trial, of 40 samples each, need 3280"),
+        ({"minimise": ["wall_force.peak", "length"]}, 85, "and 4 trials need 85"),
+    ],
+)
+def test_a_budget_below_one_trial_is_explained(options, least, told):
+    with pytest.raises(hc.InputError, match=told):
+        hc.design(problem(**options), budget=least - 1, points=4)
+    assert hc.design(problem(**options), budget=least, points=4).runs <= least
+
+
+def test_no_search_exceeds_its_budget():
+    """Each trial chain is counted where it is simulated."""
+    damped = WALLED.replace(loss=hc.Dashpot(0.1))
+    order = hc.Chain.from_radii([1.0, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0, 1.1])
+    cases = [
+        ({}, {"method": "gradient"}, 131),
+        ({}, {"method": "evolution"}, 131),
+        ({}, {"method": "hybrid"}, 131),
+        ({"chain": damped}, {"method": "gradient"}, 131),
+        ({"scatter": {"radius": 0.01, "samples": 4}}, {"method": "gradient"}, 403),
+        ({"minimise": ["wall_force.peak", "length"]}, {"points": 3}, 131),
+        ({"vary": [hc.vary.radii(0.5, 1.0, by="common")]}, {}, 31),
+        ({"chain": order, "minimise": "velocity@last", "vary": [hc.vary.order()]}, {}, 131),
+    ]
+    for options, how, budget in cases:
+        given = problem(**options)
+        with counted_chains() as count:
+            found = hc.design(given, budget=budget, **how)
+        assert found.runs <= budget
+        # A gradient is counted as two simulations and central differences have none of their own.
+        assert count[0] <= budget, (options, how)
+        assert found.runs >= 0.75 * budget, (options, how)
+
+
+@contextmanager
+def counted_chains():
+    """Count the chains that trials simulate."""
+    count, own = [0], trials.simulate_many
+    with pytest.MonkeyPatch.context() as patch:
+
+        def counting(chains, **options):
+            count[0] += len(chains)
+            return own(chains, **options)
+
+        patch.setattr(trials, "simulate_many", counting)
+        yield count
+
+
+def test_a_budget_of_time_ends_an_enumeration():
+    """Of 40 320 orders, few can be simulated in 0.2 s; two batches may be under way."""
+    chain = hc.Chain.from_radii([1.0, *np.linspace(0.5, 1.2, 8)])
+    given = problem(chain=chain, minimise="velocity@last", vary=[hc.vary.order()])
+    found = hc.design(given, budget="0.2 s", method="enumerate")
+    assert found.runs < 20_000
+    assert "of 40320 choices: the budget was used up" in found.summary()
 
 
 def test_too_many_variables_are_explained():

@@ -146,8 +146,10 @@ class BallSpace:
 
     @property
     def count(self) -> float:
-        """Number of all choices."""
+        """Number of all choices, of which each has its empty places at the end."""
         if self.start is None:
+            if self.optional:
+                return sum(float(len(self.balls)) ** length for length in range(self.size + 1))
             return float(self.kinds) ** self.size
         from math import factorial, prod
 

@@ -13,6 +13,7 @@ from typing import Final
 import numpy as np
 
 from ..collision import Array
+from .search_budget import Spent
 from .trials import Outcome, Trials
 
 FIRST_BOX, MIN_BOX, MAX_BOX = 0.05, 1e-6, 0.3
@@ -75,7 +76,10 @@ def descend(trials: Trials, start: Array, end: float, *, box: float = FIRST_BOX)
         if not expected > 1e-9 * _merit_scale(current):
             box *= 0.25
             continue
-        trial = model_at(trials, np.clip(current.point + step, 0.0, 1.0))
+        try:
+            trial = model_at(trials, np.clip(current.point + step, 0.0, 1.0))
+        except Spent:
+            break
         if not np.isfinite(trial.slope).all() or not np.isfinite(trial.outcome.score):
             box *= 0.25
             continue

@@ -12,6 +12,7 @@ from typing import Any, Final
 import numpy as np
 
 from ..errors import InputError, InputWarning
+from ..representation import counted
 from ..store.file_lock import lock
 from ..store.journal import Journal
 from ..validation.numbers import whole_number, worker_count
@@ -19,9 +20,9 @@ from ..validation.objects import callback, check_type, file_path
 from .ball_choice import BallSpace
 from .bounds import bounds_of, impossible
 from .methods import Found, method_for, price_of, run_method
-from .pareto import design_front
+from .pareto import compared_points, design_front
 from .problem import Design
-from .reference_chains import evaluated_references
+from .reference_chains import evaluated_references, reference_count
 from .result import DesignResult
 from .search_budget import Budget, budget_from
 from .trials import Outcome, Trials
@@ -53,8 +54,10 @@ def design(
     problem : Design
         Chain, objective, variables and constraints.
     budget : int or str, optional
-        Number of simulations, 20 000 by default, or a time such as ``"60 s"``.  With a number, the
-        result does not depend on the speed of the computer.
+        Largest number of simulations, 20 000 by default, or a time such as ``"60 s"``.  Chains to
+        compare with are counted, and an exact gradient as two simulations; the verification of the
+        result is not.  With a number, which is never exceeded, the result does not depend on the
+        speed of the computer.  The time is checked between batches of simulations.
     method : str
         ``"auto"``, or a method of `hertzchain.designs.methods`.
     seed : int
@@ -77,8 +80,8 @@ def design(
     Raises
     ------
     InputError
-        If the method cannot solve the problem, the budget is too small for one evaluation, or the
-        store belongs to another problem.
+        If the method cannot solve the problem, the budget is too small for the chains to compare
+        with and one trial, or the store belongs to another problem.
 
     Notes
     -----
@@ -103,13 +106,13 @@ def design(
     seed = whole_number("seed", seed, least=0)
     count = whole_number("points", points, least=2, most=200)
     chosen = method_for(problem, method, limit.runs)
-    _check_budget(problem, limit)
+    reason = impossible(problem)
+    _check_budget(problem, limit, 0 if reason is not None else count)
     options = f"{problem.identity} {chosen} {limit.runs} {limit.seconds} {seed} {count}"
     with _journal(store, options) as journal, warnings.catch_warnings():
         # Trial chains are made in several threads, which share the filters of warnings.
         warnings.simplefilter("ignore", InputWarning)
         trials = Trials(problem, limit, journal, seed, worker_count("threads", threads), progress)
-        reason = impossible(problem)
         if reason is not None:
             return _result(trials, Found("none"), _given(trials), {}, (reason,))
         if len(problem.objectives) == 2:
@@ -117,12 +120,22 @@ def design(
         return finish(trials, run_with_references(trials, chosen, 1.0), ())
 
 
-def _check_budget(problem: Design, limit: Budget) -> None:
-    least = 1 if problem.scatter is None else problem.scatter.samples
+def _check_budget(problem: Design, limit: Budget, points: int) -> None:
+    """Whether a budget permits the chains to compare with and a trial of each point of a front."""
+    compared = trials = 0
+    if points:
+        compared, trials = reference_count(problem), 1
+        if isinstance(problem.space, BallSpace) and compared >= problem.space.count:
+            trials = 0
+        elif len(problem.objectives) == 2:
+            compared, trials = compared * compared_points(problem), points
+    samples = 1 if problem.scatter is None else problem.scatter.samples
+    least = samples * max(1, compared + trials)
     if limit.runs < least:
+        each = f", of {samples} samples each," if samples > 1 else ""
         raise InputError(
-            f"a budget of {limit.runs:g} simulations is too small for one evaluation, which needs "
-            f"{least}"
+            f"a budget of {limit.runs:g} simulations is too small: {compared} chains to compare "
+            f"with and {counted(max(1, trials), 'trial')}{each} need {least}; give at least this"
         )
 
 

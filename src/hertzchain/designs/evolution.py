@@ -88,6 +88,10 @@ def evolve(
     while trials.used < end:
         steps, points = strategy.ask(rng)
         found = trials.evaluate(list(points))
+        if len(found) < size:
+            return min(
+                [*found, *([best] if best else [])], key=lambda each: each.rank, default=None
+            )
         order = np.array(sorted(range(size), key=lambda i: found[i].rank))
         strategy.tell(steps, order)
         top = found[order[0]]

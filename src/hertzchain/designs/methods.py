@@ -35,6 +35,7 @@ from .genetic import MAX_ENUMERATED, enumerate_all, search
 from .problem import Design
 from .quasi_newton import quasi_newton
 from .scanning import scan
+from .search_budget import Spent
 from .size_space import SizeSpace
 from .trials import Outcome, Trials
 
@@ -76,7 +77,8 @@ def method_for(problem: Design, given: str, budget_runs: float) -> str:
     discrete = isinstance(space, BallSpace)
     if given == "auto":
         if isinstance(space, BallSpace):
-            few = space.count <= min(MAX_ENUMERATED, budget_runs)
+            samples = 1 if problem.scatter is None else problem.scatter.samples
+            few = space.count <= min(MAX_ENUMERATED, budget_runs / samples)
             given = "enumerate" if few else "genetic"
         elif smooth_tapers.covers(problem):
             given = "law"
@@ -127,9 +129,9 @@ def run_method(trials: Trials, method: str, end: float) -> Found:
 
 def _law(trials: Trials, end: float) -> Found:
     promise = smooth_tapers.promise(trials.problem)
-    trials.evaluate([promise.x])
+    first = trials.evaluate([promise.x])
     final = polish(trials, promise.x, end)
-    return Found("law", [final], promise=promise)
+    return Found("law", [final] if final is not None else first, promise=promise)
 
 
 def _scan(trials: Trials, end: float) -> Found:
@@ -155,11 +157,14 @@ def _hybrid(trials: Trials, end: float) -> Found:
     return Found("hybrid", ends)
 
 
-def polish(trials: Trials, point: Array, end: float) -> Outcome:
-    """Descend from a good point with a method that follows from the objective."""
-    if trials.problem.has_kinks:
-        return descend(trials, point, end, box=0.02)
-    return quasi_newton(trials, point, end)
+def polish(trials: Trials, point: Array, end: float) -> Outcome | None:
+    """Descend from a good point with a method that follows from the objective, if possible."""
+    try:
+        if trials.problem.has_kinks:
+            return descend(trials, point, end, box=0.02)
+        return quasi_newton(trials, point, end)
+    except Spent:
+        return None
 
 
 def _evolved(trials: Trials, end: float) -> list[Outcome]:
@@ -185,9 +190,14 @@ def _descended(trials: Trials, end: float) -> list[Outcome]:
     starts = _starts(trials)
     ends: list[Outcome] = []
     while trials.used < end and not _agree(trials, ends):
-        start = next(starts)
+        start = next(starts, None)
+        if start is None:
+            break
         search_from = descend if trials.problem.has_kinks else quasi_newton
-        ends.append(search_from(trials, start, end))
+        try:
+            ends.append(search_from(trials, start, end))
+        except Spent:
+            break
     return ends
 
 
@@ -208,6 +218,8 @@ def _starts(trials: Trials):  # type: ignore[no-untyped-def]
         # Of several points, the best one is a better start than any of them.
         points = list(sampler.random(16))
         found = trials.evaluate(points)
+        if not found:
+            return
         yield min(found, key=lambda each: each.rank).x
 
 
@@ -237,13 +249,15 @@ def _robust(trials: Trials, method: str, end: float) -> Found:
     for start in sorted(starts, key=lambda each: each.rank):
         if trials.used >= end:
             break
-        ends.append(descend(trials, start.x, end))
+        try:
+            ends.append(descend(trials, start.x, end))
+        except Spent:
+            break
     return Found(found.method, ends or found.ends)
 
 
 def _enumerate(trials: Trials, end: float) -> Found:
-    del end
-    enumerate_all(trials)
+    enumerate_all(trials, end)
     return Found("enumerate", trials.best[:1])
 
 

@@ -15,6 +15,7 @@ from .requirements import Requirement
 from .trials import Trials
 
 if TYPE_CHECKING:
+    from .problem import Design
     from .result import DesignResult
 
 Finish = Callable[[Trials, Found, tuple[str, ...]], "DesignResult"]
@@ -26,14 +27,18 @@ def design_front(trials: Trials, method: str, points: int, finish: Finish) -> De
     first, second = (objective.single for objective in problem.objectives)
     if first is None or second is None or first == second:
         raise InputError("a Pareto front needs two different measures")
-    share = 1.0 / points
-    ends = [_solve(trials, problem._only(i), method, share, finish) for i in (0, 1)]
+    trials.memory = {} if trials.draws is None else None
+    shares = iter(np.arange(1, points + 1) / points)
+    ends = [_solve(trials, problem._only(i), method, next(shares), finish) for i in (0, 1)]
     sign = float(np.sign(problem.objectives[1].weights[0]))
-    values = [end.values[str(second)] for end in ends]
+    values, scattered = [end.values[str(second)] for end in ends], problem.scatter is not None
     found = [ends[0]]
     for level in np.linspace(values[0], values[1], points)[1:-1]:
         limit = Requirement(second, float(level), int(sign), problem.chain.units)
-        found.append(_solve(trials, problem._with_limit(limit, 0), method, share, finish))
+        part, end = problem._with_limit(limit, 0), next(shares)
+        # With a scatter, the chains to compare with need a large part of the budget.
+        if not scattered or trials.used < min(end, 1.0):
+            found.append(_solve(trials, part, method, end, finish, compare=not scattered))
     found.append(ends[1])
     kept = tuple(each for each in found if each.met and not _dominated(each, found, problem))
     return dataclasses.replace(
@@ -42,14 +47,21 @@ def design_front(trials: Trials, method: str, points: int, finish: Finish) -> De
     )  # fmt: skip
 
 
-def _solve(trials: Trials, problem, method: str, share: float, finish: Finish) -> DesignResult:  # type: ignore[no-untyped-def]
+def compared_points(problem: Design) -> int:
+    """Number of points whose chains to compare with are simulated; without a scatter, once."""
+    return 1 if problem.scatter is None else 2
+
+
+def _solve(  # type: ignore[no-untyped-def]
+    trials: Trials, problem, method: str, end: float, finish: Finish, *, compare: bool = True
+) -> DesignResult:
     part = dataclasses.replace(trials, problem=problem, best=[], history=[])
     part.clock = trials.clock
-    part.references = evaluated_references(part)
+    part.references = evaluated_references(part) if compare else {}
     chosen = method if method in ("enumerate", "genetic") else method_for(problem, "auto", np.inf)
     if any(not each.measure.of_chain for each in problem.requirements) and chosen == "law":
         chosen = "hybrid"
-    found = run_method(part, chosen, part.used + share)
+    found = run_method(part, chosen, end)
     trials.runs, trials.gradients, trials.rejected = part.runs, part.gradients, part.rejected
     return finish(part, found, ())
 

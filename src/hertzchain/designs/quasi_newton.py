@@ -8,16 +8,13 @@ import numpy as np
 
 from ..collision import Array
 from .bundle_descent import Model, model_at
+from .search_budget import Spent
 from .trials import Outcome, Trials
 
 # Largest change of a variable in one search; a longer step can leave the range and not return.
 BOX: Final = 0.25
 ROUNDS, ITERATIONS = 12, 60
 PRECISION: Final = 1e-15
-
-
-class _Spent(Exception):
-    """Raised when the part of the budget is used."""
 
 
 def quasi_newton(trials: Trials, start: Array, end: float) -> Outcome:
@@ -30,7 +27,7 @@ def quasi_newton(trials: Trials, start: Array, end: float) -> Outcome:
         point = np.clip(point, 0.0, 1.0)
         if point.tobytes() not in known:
             if known and trials.used >= end:
-                raise _Spent
+                raise Spent
             known[point.tobytes()] = model_at(trials, point)
         return known[point.tobytes()]
 
@@ -61,6 +58,6 @@ def quasi_newton(trials: Trials, start: Array, end: float) -> Outcome:
             best = better
             if moved < 0.9 * BOX:
                 break
-    except _Spent:
+    except Spent:
         pass
     return min(known.values(), key=lambda each: each.outcome.rank).outcome

@@ -9,12 +9,13 @@ import numpy as np
 from .ball_choice import BallSpace
 from .problem import Design
 from .size_space import SizeSpace
-from .trials import Outcome, Trials
+from .trials import UNLIMITED, Outcome, Trials
 
 # Values of each end of the tapers.
 ENDS: Final = 9
 # Number of rows of equal balls, of all lengths and balls.
 MAX_EQUAL: Final = 200
+BATCH: Final = 16
 
 
 def reference_points(problem: Design) -> dict[str, list[Any]]:
@@ -50,13 +51,28 @@ def _single(space: SizeSpace) -> bool:
     return all(block.size == 1 for block in space.blocks)
 
 
+def reference_count(problem: Design) -> int:
+    """Number of chains to compare with."""
+    return sum(map(len, reference_points(problem).values()))
+
+
 def evaluated_references(trials: Trials) -> dict[str, Outcome]:
-    """The best chain of each kind: the first rule that a person would try."""
+    """The best chain of each kind: the first rule that a person would try.
+
+    At least one chain is simulated, even if a time budget is shorter.
+    """
     points = reference_points(trials.problem)
+    # The budget of time is checked between batches.
+    batch = BATCH if np.isfinite(trials.budget.seconds) else UNLIMITED
     found = {}
     for name, group in points.items():
-        outcomes = trials.evaluate(group)
-        found[f"best of {len(group)} with {name}" if len(group) > 1 else name] = min(
-            outcomes, key=lambda each: each.rank
-        )
+        outcomes: list[Outcome] = []
+        for first in range(0, len(group), batch):
+            if trials.used < 1.0 or trials.memory is not None or not trials.best:
+                outcomes += trials.evaluate(group[first : first + batch])
+        if outcomes:
+            count = len(outcomes)
+            found[f"best of {count} with {name}" if len(group) > 1 else name] = min(
+                outcomes, key=lambda each: each.rank
+            )
     return found

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..representation import counted
+from .ball_choice import BallSpace
 from .measures import Measure
 from .verified import Verified, met
 
@@ -91,8 +92,13 @@ def _first_upper(text: str) -> str:
 
 
 def _starts(result: DesignResult) -> list[str]:
-    if result.method == "enumerate":
-        return [f"best of all {counted(result.runs, 'simulated choice')}"]
+    if isinstance(result.problem.space, BallSpace) and result.method == "enumerate":
+        scatter, count = result.problem.scatter, int(result.problem.space.count)
+        done = result.runs // (1 if scatter is None else scatter.samples)
+        if done >= count:
+            return [f"best of all {counted(count, 'simulated choice')}"]
+        return [f"best of {done} of {count} choices: the budget was used up; give a larger budget, "
+                "or omit method"]  # fmt: skip
     work = counted(result.runs, "simulation")
     if result.gradients:
         work += f", {counted(result.gradients, 'gradient')}"

@@ -18,21 +18,22 @@ FINE_RTOL: Final = 1e-8
 
 def scan(trials: Trials, end: float) -> list[Outcome]:
     """All local optima between the limits, best first; the limits themselves may be among them."""
-    grid = np.linspace(0.0, 1.0, POINTS)
+    count = min(POINTS, max(2, trials.room))
+    grid = np.linspace(0.0, 1.0, count)
     found = trials.evaluate([np.array([x]) for x in grid])
     ranks = [each.rank for each in found]
     optima = []
-    for i in range(POINTS):
+    for i in range(len(found)):
         behind = ranks[i - 1] if i > 0 else (np.inf, np.inf)
-        ahead = ranks[i + 1] if i < POINTS - 1 else (np.inf, np.inf)
+        ahead = ranks[i + 1] if i < len(found) - 1 else (np.inf, np.inf)
         if ranks[i] < behind and ranks[i] <= ahead and np.isfinite(ranks[i][1]):
-            optima.append(_refined(trials, found[i], 1.0 / (POINTS - 1), end))
+            optima.append(_refined(trials, found[i], 1.0 / (count - 1), end))
     return sorted(optima, key=lambda each: each.rank)
 
 
 def _refined(trials: Trials, best: Outcome, width: float, end: float) -> Outcome:
     """Divide the interval around a point again and again, with several trials at a time."""
-    (best,) = trials.evaluate([best.x], rtol=FINE_RTOL)
+    best = next(iter(trials.evaluate([best.x], rtol=FINE_RTOL)), best)
     while width > WIDTH and trials.used < end:
         centre = float(best.x[0])
         points = np.linspace(max(0.0, centre - width), min(1.0, centre + width), 2 * SECTIONS + 1)

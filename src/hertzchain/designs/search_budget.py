@@ -13,6 +13,10 @@ from ..validation.numbers import has_unit, number, whole_number
 DEFAULT: Final = 20_000
 
 
+class Spent(Exception):
+    """Raised if the budget does not permit the next evaluation."""
+
+
 @dataclass(frozen=True)
 class Budget:
     """Simulations, or seconds."""

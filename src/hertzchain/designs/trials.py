@@ -23,11 +23,13 @@ from .measured import measured
 from .models import by_model
 from .problem import Design
 from .requirements import TOLERANCE, violation
-from .search_budget import Budget, Clock
+from .search_budget import Budget, Clock, Spent
 
 # Tolerance of trial runs; results are verified with a tighter one.
 RTOL: Final = 1e-5
 KEPT: Final = 12
+# Trials that a budget of time permits at most.
+UNLIMITED: Final = 10**12
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,6 +71,8 @@ class Trials:
     best: list[Outcome] = field(default_factory=list)
     reasons: dict[str, int] = field(default_factory=dict)
     references: dict[str, Outcome] = field(default_factory=dict)
+    # Values by tolerance and point, if several searches of a Pareto front share them.
+    memory: dict[bytes, Array] | None = None
 
     def __post_init__(self) -> None:
         self.clock, self.rejecting = Clock(), threading.Lock()
@@ -95,14 +99,42 @@ class Trials:
     @property
     def used(self) -> float:
         """Part of the budget that is used."""
-        return self.budget.used(self.runs, self.journal.seconds)
+        return 1.0 if self.room < 1 else self.budget.used(self.runs, self.journal.seconds)
+
+    @property
+    def samples(self) -> int:
+        """Number of simulations of one trial."""
+        return 1 if self.draws is None else len(self.draws)
+
+    @property
+    def room(self) -> int:
+        """Number of trials that a budget of simulations still permits."""
+        left = min(self.budget.runs - self.runs, float(UNLIMITED))
+        return max(0, int(left // self.samples))
 
     def evaluate(self, points: Sequence[Any], *, rtol: float = RTOL) -> list[Outcome]:
-        """Simulate the chains at several points."""
+        """Simulate the chains at several points; at the first ones if the budget ends there."""
+        if self.memory is None:
+            points = points[: self.room]
+            return self._simulate(points, rtol) if len(points) else []
+        keys = [str(rtol).encode() + np.ascontiguousarray(point).tobytes() for point in points]
+        new = {key: point for key, point in zip(keys, points, strict=True)
+               if key not in self.memory}  # fmt: skip
+        fresh = [*new][: self.room]
+        if fresh:
+            outcomes = self._simulate([new[key] for key in fresh], rtol)
+            self.memory |= {key: each.values for key, each in zip(fresh, outcomes, strict=True)}
+        known = {key: point for key, point in zip(keys, points, strict=True) if key in self.memory}
+        if not known:
+            return []
+        found = self.outcomes([*known.values()], np.array([self.memory[key] for key in known]))
+        self._note(found, 0)
+        return found
+
+    def _simulate(self, points: Sequence[Any], rtol: float) -> list[Outcome]:
         values = self._journalled("values", points, lambda: self._values(points, rtol))
-        self.runs += len(points) * (1 if self.draws is None else len(self.draws))
         found = self.outcomes(points, values)
-        self._note(found)
+        self._note(found, self.samples)
         return found
 
     def evaluate_all(self, batches: Iterator[list[Any]]) -> None:
@@ -115,7 +147,7 @@ class Trials:
         with ThreadPoolExecutor(workers) as executor:
             try:
                 for batch in batches:
-                    if self.journal.known or workers == 1:
+                    if self.journal.known or workers == 1 or self.memory is not None:
                         self.evaluate(batch)
                         continue
                     waiting.append((batch, executor.submit(self._values, batch, RTOL)))
@@ -130,8 +162,7 @@ class Trials:
     def _finish(self, batch: list[Any], future: Future[Array]) -> None:
         """Note the trials of a batch that is being evaluated."""
         values = self._journalled("values", batch, future.result)
-        self.runs += len(batch) * (1 if self.draws is None else len(self.draws))
-        self._note(self.outcomes(batch, values))
+        self._note(self.outcomes(batch, values), self.samples)
 
     def outcomes(self, points: Sequence[Any], values: Array) -> list[Outcome]:
         """Scores of values that are known."""
@@ -148,22 +179,36 @@ class Trials:
         measure, and its derivatives: of all maxima of the force on the wall and of all samples.
         """
         count = len(self.measures)
+        self._require(self._cost_of_slopes)
         packed = self._journalled("slopes", [point], lambda: self._slopes(point))
         # The first entry of the last row is the cost, in simulations.
-        self.runs += int(packed[-1, 0])
         self.gradients += 1
         (outcome,) = self.outcomes([point], packed[:count, 1:2].T)
-        self._note([outcome])
+        self._note([outcome], int(packed[-1, 0]))
         return outcome, packed[:count, 2:], packed[count:-1]
+
+    @property
+    def _cost_of_slopes(self) -> int:
+        """Largest number of simulations that derivatives at a point are counted as."""
+        if not self.exact:
+            return (2 * self.problem.space.size + 1) * self.samples
+        if self.draws is None:
+            return exact_gradients.COST
+        return self.samples * (1 + exact_gradients.COST)
+
+    def _require(self, cost: int) -> None:
+        if self.runs + cost > self.budget.runs:
+            raise Spent
 
     def _slopes(self, point: Array) -> Array:
         """Rows of values and derivatives of measures, models and, in the last row, the cost."""
         found = self._exact_slopes(point) if self.exact else None
         if found is None:
+            self._require((2 * len(point) + 1) * self.samples)
             values, slopes, cost = differences(
                 lambda points: self._values(points, STEP_RTOL), point
             )
-            cost *= 1 if self.draws is None else len(self.draws)
+            cost *= self.samples
             found = values, slopes, np.zeros((0, 2 + len(point))), cost
         values, slopes, models, cost = found
         last = np.zeros((1, 2 + len(point)))
@@ -272,10 +317,14 @@ class Trials:
             whole = max(1, round(self.budget.seconds))
             self.progress(min(int(self.clock.seconds), whole), whole)
 
-    def _note(self, found: Sequence[Outcome]) -> None:
-        """Keep the best trials, and the history of the best score."""
+    def _note(self, found: Sequence[Outcome], cost: int) -> None:
+        """Count trials, keep the best ones, and record each improvement of the best score."""
+        best = self.best[0].rank if self.best else (np.inf, np.inf)
+        for each in found:
+            self.runs += cost
+            if each.rank < best:
+                best = each.rank
+                if each.met:
+                    self.history.append((self.runs, each.score))
         known = {np.ascontiguousarray(each.x).tobytes(): each for each in [*self.best, *found]}
-        before = self.best[0].rank if self.best else (np.inf, np.inf)
         self.best = sorted(known.values(), key=lambda each: each.rank)[:KEPT]
-        if self.best[0].rank < before and self.best[0].met:
-            self.history.append((self.runs, self.best[0].score))

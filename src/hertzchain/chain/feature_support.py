@@ -14,6 +14,8 @@ COUNTABLE = ("left wall", "right wall", "drive", "loss")
 
 def require_chain(method: str, chain: object) -> None:
     """Raise an error for anything but a chain."""
+    if isinstance(chain, Chain):
+        return
     if isinstance(chain, str | os.PathLike):
         raise InputError(
             f"{method} requires a Chain, got {short_repr(chain)}; "
@@ -27,11 +29,10 @@ def require_chain(method: str, chain: object) -> None:
             f"{method} requires a Chain, got a {type(chain).__name__} of one "
             f"({held.description}); use {method}({use})"
         )
-    if not isinstance(chain, Chain):
-        raise InputError(
-            f"{method} requires a Chain, got {short_repr(chain)}; Chain.from_radii builds one "
-            "from radii"
-        )
+    raise InputError(
+        f"{method} requires a Chain, got {short_repr(chain)}; "
+        "Chain.from_radii builds one from radii"
+    )
 
 
 def require_supported(

@@ -278,9 +278,10 @@ def read_gauges(w, beads, lane, least_push, places, pushes, state, gauges, kinks
     h = state[LENGTH, lane]
     for g in range(len(places)):
         start, end, top = pushes[0, g, lane], pushes[8, g, lane], 0.0
+        # Stage 7 is at the end of the step, too, and less accurate.
         for stage in range(2, STAGES):
             force = pushes[stage, g, lane]
-            top = force if force > top else top
+            top = force if force > top and stage != 7 else top
         if top > 0.0 or start > 0.0:
             defect = impulse_defect(places[g, 0], places[g, 1], lane, kinks, count)
             gauges[lane, g, IMPULSE] += impulse_of(h, pushes, g, lane) - defect

@@ -151,12 +151,13 @@ def velocity_maximum(w, at, behind, own, ahead):
         else:
             high = s
         # The slope of the acceleration from the polynomial is accurate enough.
-        new = s - a * w[H + at] ** 2 / jerk(own, s)
-        if leaves or not low < new < high:
-            new = 0.5 * (low + high)
-        if abs(new - s) < CLOSE:
+        change = a * w[H + at] ** 2 / jerk(own, s)
+        # Rounding may place the last iterate on the end of the bracket.
+        if high - low < CLOSE or (abs(change) < CLOSE and not leaves):
             break
-        s = new
+        s -= change
+        if leaves or not low < s < high:
+            s = 0.5 * (low + high)
     return s
 
 
@@ -195,12 +196,11 @@ def rest_within(behind, ahead):
             low = s
         else:
             high = s
-        new = s - rate / change
-        if not low < new < high:
-            new = 0.5 * (low + high)
-        if abs(new - s) < CLOSE:
+        if high - low < CLOSE or abs(rate) < CLOSE * abs(change):
             break
-        s = new
+        s -= rate / change
+        if not low < s < high:
+            s = 0.5 * (low + high)
     return s
 
 
@@ -314,26 +314,29 @@ def largest_within(w, beads, lane, first, second, kinks, count):
             motion_of_slot(w, beads, second, lane, kinks, count),
             motion_of_slot(w, beads, second + 1, lane, kinks, count),
         )
-    top, best = -1.0, 0
+    # The largest force at the ends of the parts, and its place; rates there and at both neighbours.
+    top, best, before, rate = -1.0, 0, 0.0, 0.0
+    rising, falling = 0.0, 0.0
     for part in range(PARTS + 1):
-        force, _ = gauge_at(w, one, two, part / PARTS, motions)
+        before = rate
+        force, rate = gauge_at(w, one, two, part / PARTS, motions)
         if force > top:
-            top, best = force, part
+            top, best, rising, falling = force, part, before if part > 0 else rate, rate
+        elif part == best + 1:
+            falling = rate
     low, high = max(best - 1, 0) / PARTS, min(best + 1, PARTS) / PARTS
-    rising, falling = (
-        gauge_at(w, one, two, low, motions)[1],
-        gauge_at(w, one, two, high, motions)[1],
-    )
-    s = low if not rising > 0.0 else high
+    s, side = low if not rising > 0.0 else high, 0
     if rising > 0.0 > falling:
         for _ in range(ITERATIONS):
-            # A secant, with the Illinois rule, which halves the rate at an end that remains.
+            # A secant, with the Illinois rule: the rate at an end that remains again is halved.
             s = low + (high - low) * rising / (rising - falling)
             _, rate = gauge_at(w, one, two, s, motions)
             if rate > 0.0:
-                low, rising, falling = s, rate, 0.5 * falling
+                low, rising, falling = s, rate, 0.5 * falling if side > 0 else falling
+                side = 1
             else:
-                high, falling, rising = s, rate, 0.5 * rising
+                high, falling, rising = s, rate, 0.5 * rising if side < 0 else rising
+                side = -1
             if high - low < CLOSE or abs(rate) < FLAT * top:
                 break
     force, _ = gauge_at(w, one, two, s, motions)

@@ -257,11 +257,17 @@ def find_kinks(w, beads, rtol, which, state, kinks, count):
                 kinks[kept, row] = kink[row]
         kept += 1
     if screen(w, beads) > 0.0:
-        for at in range((beads + 1) * LANES):
-            if w[FLAG + at] > 0.0 and kept < MOST_KINKS:
-                h = state[LENGTH, at % LANES]
-                if predict(w, beads, at, h, rtol, kinks[kept]):
-                    kept += 1
+        for c in range(beads + 1):
+            marks = 0.0
+            for lane in range(LANES):
+                marks += w[FLAG + c * LANES + lane]
+            if marks == 0.0:
+                continue
+            for lane in range(LANES):
+                at = c * LANES + lane
+                if w[FLAG + at] > 0.0 and kept < MOST_KINKS:
+                    if predict(w, beads, at, state[LENGTH, lane], rtol, kinks[kept]):
+                        kept += 1
     for n in range(kept):
         set_shifts(kinks[n], state[LENGTH, int(kinks[n, KINK_AT]) % LANES])
     return kept

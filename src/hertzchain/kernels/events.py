@@ -1,12 +1,13 @@
 r"""Events within the steps: maxima of velocities and overlaps, and saved times.
 
 On the interpolant of a step (`hertzchain.kernels.interpolant`), the first maximum of each
-bead's velocity and the largest overlap of each contact are located by bisection.
+bead's velocity and the largest overlap of each contact are located by secants.
 """
 
 from __future__ import annotations
 
 from .active_beads import place_behind, put_back
+from .change_of_sign import BISECTIONS, CLOSE, SECANTS, closing_within, narrowed, place_within
 from .compilation import compiled
 from .contact_law import LOADED, force, law_of
 from .contact_modes import sharpest_turn
@@ -41,7 +42,6 @@ REACHED = 1e-11
 # The same limit for implicit steps, in tolerances: if all contacts are stiff, all beads move
 # simultaneously, and velocities below the tolerance may have any sign.
 TOLERANCES = 1e3
-BISECTIONS = 48
 # Parts of a step that are searched for the first event, because a light bead may reverse its
 # direction twice in a step.
 PARTS = 8
@@ -75,49 +75,64 @@ def acceleration_within(k, theta, h, y, dense, setup, contacts):
 @compiled
 def peak_within(k, h, y, dense, setup, contacts):
     """Fraction of the step at which the net force on bead k is first not positive; 2 if none."""
-    low = 0.0
+    low, rising = 0.0, acceleration_within(k, 0.0, h, y, dense, setup, contacts)
     for part in range(1, PARTS + 1):
         high = part / PARTS
-        if acceleration_within(k, high, h, y, dense, setup, contacts) <= 0.0:
-            for _ in range(BISECTIONS):
-                middle = 0.5 * (low + high)
-                a = acceleration_within(k, middle, h, y, dense, setup, contacts)
-                low, high = (middle, high) if a > 0.0 else (low, middle)
-            return high
-        low = high
+        falling = acceleration_within(k, high, h, y, dense, setup, contacts)
+        if not falling <= 0.0:
+            low, rising = high, falling
+            continue
+        bracket = low, high, rising, falling, 0
+        for tried in range(SECANTS + BISECTIONS):
+            if bracket[1] - bracket[0] <= 2.0 * CLOSE:
+                break
+            middle = place_within(bracket, tried)
+            a = acceleration_within(k, middle, h, y, dense, setup, contacts)
+            bracket = narrowed(bracket, middle, a)
+        return bracket[1]
     return 2.0
 
 
 @compiled
-def closes_at(c, beads, theta, y, dense, setup, contacts):
-    """Whether beads c and c + 1 (0-based) approach each other at the fraction theta.
+def closing_at(c, beads, theta, closing, y, dense, setup, contacts):
+    """Relative velocity of beads c and c + 1 at the fraction theta; not positive if they part.
 
     The speed at which a contact creeps may be less than the rounding error of the velocities.
     """
     if contacts is not None and setup.law.implicit and contacts.mode[c + 1] == LOADED:
         overlap = value(c, theta, y, dense) - value(c + 1, theta, y, dense) - setup.gap[c + 1]
         ahead = value(beads + c + 1, theta, y, dense)
-        return closes_in(
+        closes = closes_in(
             value(beads + c, theta, y, dense) - ahead, abs(ahead),
             force_within(c + 1, theta, contacts.implicit), overlap, setup.stiffness[c + 1],
             law_of(c + 1, setup).exponent,
         )  # fmt: skip
-    return value(beads + c, theta, y, dense) > value(beads + c + 1, theta, y, dense)
+        return 1.0 if closes else 0.0
+    start, c0, c1, c2, c3, c4, c5, c6 = closing
+    rest = 1.0 - theta
+    high = c3 + theta * (c4 + rest * (c5 + theta * c6))
+    return start + theta * (c0 + rest * (c1 + theta * (c2 + rest * high)))
 
 
 @compiled
 def crossing_within(c, beads, y, dense, setup, contacts):
     """Fraction of the step at which beads c and c + 1 first have equal velocities; 2 if none."""
-    low = 0.0
+    closing = closing_within(c, beads, y, dense)
+    low, rising = 0.0, closing[0]
     for part in range(1, PARTS + 1):
         high = part / PARTS
-        if not closes_at(c, beads, high, y, dense, setup, contacts):
-            for _ in range(BISECTIONS):
-                middle = 0.5 * (low + high)
-                closing = closes_at(c, beads, middle, y, dense, setup, contacts)
-                low, high = (middle, high) if closing else (low, middle)
-            return high
-        low = high
+        falling = closing_at(c, beads, high, closing, y, dense, setup, contacts)
+        if falling > 0.0:
+            low, rising = high, falling
+            continue
+        bracket = low, high, rising, falling, 0
+        for tried in range(SECANTS + BISECTIONS):
+            if bracket[1] - bracket[0] <= 2.0 * CLOSE:
+                break
+            middle = place_within(bracket, tried)
+            v = closing_at(c, beads, middle, closing, y, dense, setup, contacts)
+            bracket = narrowed(bracket, middle, v)
+        return bracket[1]
     return 2.0
 
 
@@ -248,7 +263,7 @@ def store_crossing(at, after, overlap, clock, counts, crossings):
 @compiled
 def record_crossings(
     h, clock, counts, y, stages, dense, setup, contacts, first, chain, inverse_mass, expected,
-    crossings,
+    crossings, trial,
 ):  # fmt: skip
     """Record the first times of equal neighbour velocities within the step: largest overlaps.
 
@@ -271,10 +286,10 @@ def record_crossings(
             overlap = max(0.0, overlap - setup.gap[c + 1])
         store_crossing(first + c, theta * h, overlap, clock, counts, crossings)
         rise = rise_of(overlap, c, setup, contacts)
+        state_within(theta, y, dense, trial)
         note_leading_pulse(
-            first + c, rise, theta, first, clock[TIME], counts, y, dense, chain, inverse_mass,
-            crossings,
-        )  # fmt: skip
+            first + c, rise, first, clock[TIME], counts, trial, chain, inverse_mass, crossings
+        )
 
 
 @compiled
@@ -314,7 +329,7 @@ def record_largest_overlaps(y, y_new, dense, setup, contacts, first, expected, c
 
 @compiled
 def record_stops(
-    clock, counts, y, stages, dense, scale, reached, setup, contacts, first, chain, inverse_mass,
+    clock, counts, y, stages, scale, reached, setup, contacts, first, chain, inverse_mass,
     crossings,
 ):  # fmt: skip
     """Record largest overlaps of approaching beads that became stuck between two steps."""
@@ -328,9 +343,8 @@ def record_stops(
             store_crossing(first + c, 0.0, overlap, clock, counts, crossings)
             rise = rise_of(overlap, c, setup, contacts)
             note_leading_pulse(
-                first + c, rise, 0.0, first, clock[TIME], counts, y, dense, chain, inverse_mass,
-                crossings,
-            )  # fmt: skip
+                first + c, rise, first, clock[TIME], counts, y, chain, inverse_mass, crossings
+            )
 
 
 @compiled
@@ -423,7 +437,7 @@ def record_events(
         )
         record_crossings(
             h, clock, counts, y, stages, dense, setup, contacts, first, chain, inverse_mass,
-            expected[1], crossings,
+            expected[1], crossings, trial,
         )  # fmt: skip
         record_largest_overlaps(y, y_new, dense, setup, contacts, first, expected[2], crossings)
     if walled:

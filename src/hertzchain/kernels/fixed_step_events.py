@@ -167,6 +167,5 @@ def record_events(h, clock, counts, setup, contacts, springs, rows, peaks, cross
         for i in range(beads):
             state[beads + i] = slope(polynomial_of(i, h, rows), s) / h
         note_leading_pulse(
-            k, rise, 0.0, 0, clock[TIME], counts, state, rows.before, state, springs.inverse_mass,
-            crossings,
-        )  # fmt: skip
+            k, rise, 0, clock[TIME], counts, state, state, springs.inverse_mass, crossings
+        )

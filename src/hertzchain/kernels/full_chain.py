@@ -265,8 +265,8 @@ def advance_window(
                   scale)  # fmt: skip
             counts[PEAKS] += record_jumps(time_new, y, stages, scale, reached, low, peaks)
             if contacts is not None:
-                record_stops(clock, counts, y, stages, dense, scale, reached, setup, contacts, low,
-                             chain, inverse_mass, crossings)  # fmt: skip
+                record_stops(clock, counts, y, stages, scale, reached, setup, contacts, low, chain,
+                             inverse_mass, crossings)  # fmt: skip
         if contacts is not None:
             record_wall_ends(time_new, y, stages[0], setup, counts[SEGMENT], clock[MOMENTUM_UNIT],
                              crossings, walls)  # fmt: skip

@@ -13,7 +13,6 @@ from __future__ import annotations
 
 from .compilation import compiled
 from .contact_law import force, law_of, loading_force
-from .interpolant import value
 from .state_layout import (
     CROSSING_TIME,
     HANDED_OVER,
@@ -28,14 +27,12 @@ LENGTH = 4.0
 
 
 @compiled
-def velocity_within(k, theta, first, y, dense, chain, all_beads):
-    """Velocity of bead k of the chain in a step of the window that begins with bead ``first``."""
+def velocity_of(k, first, y, chain, all_beads):
+    """Velocity of bead k of the chain, from the state of the window that begins at ``first``."""
     beads = (len(y) - (len(chain) - 2 * all_beads)) // 2
     if k < first or k >= first + beads:
         return chain[all_beads + k]
-    i = beads + k - first
-    # Between two steps there is no interpolant.
-    return y[i] if theta == 0.0 else value(i, theta, y, dense)
+    return y[beads + k - first]
 
 
 @compiled
@@ -70,18 +67,16 @@ def skip_beads_left(time, counts, beads, crossings):
 
 
 @compiled
-def note_leading_pulse(
-    at, rise, theta, first, start, counts, y, dense, chain, inverse_mass, crossings
-):  # fmt: skip
+def note_leading_pulse(at, rise, first, start, counts, y, chain, inverse_mass, crossings):
     """Record rise time, momentum and energy of the leading pulse when its crest is at a contact.
 
     ``at`` is the contact, ``rise`` its force minus its static force, ``start`` the time at the
-    start of the step.
+    start of the step, and ``y`` the state of the window at that moment.
     """
     beads = len(inverse_mass)
     end = first + (len(y) - (len(chain) - 2 * beads)) // 2
     for k in range(at + 1, end):
-        velocity = velocity_within(k, theta, first, y, dense, chain, beads)
+        velocity = velocity_of(k, first, y, chain, beads)
         crossings[HANDED_OVER, at] += velocity / inverse_mass[k]
     handed_over = crossings[HANDED_OVER, at]
     if rise > 0.0 and handed_over > 0.0:
@@ -97,7 +92,7 @@ def note_leading_pulse(
                 rear = max(rear, crossings[CROSSING_TIME, k] + LENGTH * time)
             if time > 0.0:
                 weight = min(1.0, max(0.0, (rear - now) / time))
-        velocity = velocity_within(k, theta, first, y, dense, chain, beads)
+        velocity = velocity_of(k, first, y, chain, beads)
         if velocity > 0.0:
             momentum += weight * velocity / inverse_mass[k]
             energy += 0.5 * weight * velocity**2 / inverse_mass[k]

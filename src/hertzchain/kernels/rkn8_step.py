@@ -101,17 +101,16 @@ def try_step(w, beads, hertz, places, pushes, kinks, count):
 
 @inlined
 def largest(w, beads, out):
-    """Largest of each lane over the row `WORK`, which is overwritten."""
-    n = beads
-    while n > 1:
-        half = (n + 1) // 2
-        for i in range((n - half) * LANES):
-            a, b = w[WORK + i], w[WORK + half * LANES + i]
-            # NaN must propagate.
-            w[WORK + i] = a if (a >= b) | (a != a) else b
-        n = half
-    for lane in range(LANES):
-        out[lane] = w[WORK + lane]
+    """Largest of each lane over the row `WORK`, which has no negative values."""
+    first = second = third = fourth = 0.0
+    for at in range(WORK, WORK + beads * LANES, LANES):
+        a, b, c, d = w[at], w[at + 1], w[at + 2], w[at + 3]
+        # NaN must propagate.
+        first = a if (a >= first) | (a != a) else first
+        second = b if (b >= second) | (b != b) else second
+        third = c if (c >= third) | (c != c) else third
+        fourth = d if (d >= fourth) | (d != d) else fourth
+    out[0], out[1], out[2], out[3] = first, second, third, fourth
 
 
 @summing

@@ -20,7 +20,8 @@ from .state_layout import (
 )
 from .stepping import first_row, forces_within, on_positions
 
-SECTIONS = 48
+# Golden sections of a step, and their ratio.
+SECTIONS, GOLDEN = 40, 0.6180339887498949
 # Relative error of the slope of an interpolated impulse at the largest tolerance.
 SLOPE = 1e-5
 # A first contact with a wall has an impulse of at least this fraction of the sum of all momenta.
@@ -66,23 +67,26 @@ def largest_at_stages(i, stages, row):
 
 
 @compiled
+def side_may_peak(side, time, h, y, y_new, stages, setup, contacts, segment, walls):
+    """Whether the force on one wall may exceed its largest value so far within the step."""
+    i, peak = len(y) - ACCUMULATORS + LEFT_IMPULSE + side, walls[WALL_PEAK, side]
+    largest = largest_at_stages(i, stages, first_row(contacts))
+    if largest > peak:
+        return True
+    if not on_positions(contacts):
+        # The maximum may lie between the stages.
+        return largest > 0.0
+    first, last = stages[0, i], stages[STEP_STAGES, i]
+    rise = change_of_push(side, time, h, y, first, setup, segment)
+    fall = change_of_push(side, time + h, h, y_new, last, setup, segment)
+    return attainable(first, rise, last, fall) > peak
+
+
+@compiled
 def wall_may_peak(time, h, y, y_new, stages, setup, contacts, segment, walls):
     """Whether the force on a wall may exceed its largest value so far within the step."""
-    offset, row = len(y) - ACCUMULATORS + LEFT_IMPULSE, first_row(contacts)
     for side in range(2):
-        i, peak = offset + side, walls[WALL_PEAK, side]
-        largest = largest_at_stages(i, stages, row)
-        if largest > peak:
-            return True
-        if not on_positions(contacts):
-            # The maximum may lie between the stages.
-            if largest > 0.0:
-                return True
-            continue
-        first, last = stages[0, i], stages[STEP_STAGES, i]
-        rise = change_of_push(side, time, h, y, first, setup, segment)
-        fall = change_of_push(side, time + h, h, y_new, last, setup, segment)
-        if attainable(first, rise, last, fall) > peak:
+        if side_may_peak(side, time, h, y, y_new, stages, setup, contacts, segment, walls):
             return True
     return False
 
@@ -90,14 +94,19 @@ def wall_may_peak(time, h, y, y_new, stages, setup, contacts, segment, walls):
 @compiled
 def largest_push(side, time, h, y, dense, setup, contacts, segment):
     """Largest force on a wall and its fraction of the step, if there is only one maximum."""
-    low, high = 0.0, 1.0
+    low, high, one, two = 0.0, 1.0, 1.0 - GOLDEN, GOLDEN
+    before = push_on_wall(side, one, time, h, y, dense, setup, contacts, segment)
+    after = push_on_wall(side, two, time, h, y, dense, setup, contacts, segment)
     for _ in range(SECTIONS):
-        one, two = (2.0 * low + high) / 3.0, (low + 2.0 * high) / 3.0
-        before = push_on_wall(side, one, time, h, y, dense, setup, contacts, segment)
-        if before < push_on_wall(side, two, time, h, y, dense, setup, contacts, segment):
-            low = one
+        rises = before < after
+        if rises:
+            low, one, before = one, two, after
+            place = two = low + GOLDEN * (high - low)
         else:
-            high = two
+            high, two, after = two, one, before
+            place = one = high - GOLDEN * (high - low)
+        found = push_on_wall(side, place, time, h, y, dense, setup, contacts, segment)
+        before, after = (before, found) if rises else (found, after)
     theta = 0.5 * (low + high)
     top = push_on_wall(side, theta, time, h, y, dense, setup, contacts, segment)
     return top, theta
@@ -111,6 +120,8 @@ def record_walls(
     offset, row = len(y) - ACCUMULATORS + LEFT_IMPULSE, first_row(contacts)
     for side in range(2):
         i, peak = offset + side, walls[WALL_PEAK, side]
+        if not side_may_peak(side, time, h, y, y_new, stages, setup, contacts, segment, walls):
+            continue
         largest = largest_at_stages(i, stages, row)
         # In a very short step the slope of the impulse is dominated by rounding errors, and the
         # largest value at a stage is used.

@@ -17,13 +17,13 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..chain.chain import Chain
-from ..chain.feature_support import require_supported
+from ..chain.feature_support import require_chain, require_supported
 from ..chain.hertz_range import warn_outside_hertz
 from ..collision import HERTZ_EXPONENT, Array
 from ..errors import InputError, SimulationError, short_repr
 from ..frozen import once
 from ..pulse.chain_units import warn_outside_hertz_once
-from ..pulse.pulse import Pulse
+from ..pulse.pulse import Pulse, assemble_pulse
 from ..pulse.pulse_table import PulseTable
 from ..validation.numbers import number, real_numbers, worker_count
 from ..validation.objects import callback, check_list
@@ -92,20 +92,30 @@ def propagate(
     >>> round(float(hc.propagate(hc.Chain.uniform(60)).velocity[50]), 8)
     0.68163155
     """
-    _require_supported("propagate", chain)
+    require_chain("propagate", chain)
+    short = chain.beads <= SHORT
+    batch = _batch_of(chain) if short else _new_batch(chain)
     callback("progress", progress)
     rtol = checked_rtol(rtol)
     signal = np.zeros(2, np.int64)
-    batch = _batch_of(chain) if chain.beads <= SHORT else Batch.of([chain])
-    if chain.beads <= SHORT and progress is None:
+    if short and progress is None:
         data = follow(batch, rtol, signal)
     else:
         data = _follow_with_progress(batch, rtol, signal, progress)
     if data.reasons:
         raise SimulationError(data.reasons[0])
-    velocity, peak_time, arrival, overlap, residence = data.columns
-    warn_outside_hertz(chain, overlap[:-1])
-    return Pulse(chain, "propagation", velocity, peak_time, arrival, overlap[:-1], residence[:-1])
+    columns = data.columns
+    columns.setflags(write=False)
+    velocity, peak_time, arrival, overlap, residence = columns
+    overlap, residence = overlap[:-1], residence[:-1]
+    warn_outside_hertz(chain, overlap)
+    # Two times of the struck bead are 0, and two entries after the last contact NaN.
+    sound = np.count_nonzero((columns > 0.0) & (columns < np.inf)) == columns.size - 4
+    build = assemble_pulse if sound else Pulse
+    return build(
+        chain=chain, method="propagation", velocity=velocity, peak_time=peak_time, arrival=arrival,
+        peak_overlap=overlap, residence=residence,
+    )  # fmt: skip
 
 
 def propagate_many(
@@ -180,10 +190,13 @@ def propagate_many(
     return table
 
 
-@once
-def _batch_of(chain: Chain) -> Batch:
-    """One chain as a batch."""
+def _new_batch(chain: Chain) -> Batch:
+    """One chain as a batch, if its pulse can be computed in a window."""
+    _require_supported("propagate", chain)
     return Batch.of([chain])
+
+
+_batch_of = once(_new_batch)
 
 
 def _require_supported(method: str, chain: Chain) -> None:

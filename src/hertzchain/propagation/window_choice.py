@@ -68,6 +68,8 @@ SPHERES, EVEN_STIFFNESS = 1e-9, 0.05
 LOWEST_EXPONENT, HIGHEST_EXPONENT, OTHER = 1.15, 3.0, 0.0
 # Mark of a chain that need not be integrated.
 DONE: Final = 100.0
+# Index of a single chain of a batch.
+FIRST_CHAIN: Final = np.zeros(1, np.int64)
 # Units of the columns: entries of a row of `Batch.units`, which has velocity, time and length.
 UNITS_OF_COLUMNS: Final = [0, 1, 1, 2, 1]
 # Largest rate at which the beads of a chain other than a taper stay in order.
@@ -88,16 +90,36 @@ ESTIMATED_ERROR, ESTIMATED_PART = 1e-6, 0.15
 def follow(batch: Batch, rtol: float, signal: Indices) -> PulseData:
     """Integrate the pulse in each chain of a batch, with a window that is wide enough."""
     columns = np.full((COLUMNS, len(batch.masses)), np.nan)
-    continued = np.zeros(len(batch.beads), bool)
-    for index in np.flatnonzero(batch.beads >= LONG):
-        continued[index] = _continue(batch, int(index), rtol, columns, signal)
     reasons: dict[int, str] = {}
-    if not continued.all():
-        reasons = _follow_others(batch, ~continued, rtol, columns, signal)
+    if len(batch.beads) > 1 or not _follow_taper(batch, rtol, columns, signal):
+        continued = np.zeros(len(batch.beads), bool)
+        for index in np.flatnonzero(batch.beads >= LONG):
+            continued[index] = _continue(batch, int(index), rtol, columns, signal)
+        if not continued.all():
+            reasons = _follow_others(batch, ~continued, rtol, columns, signal)
     columns[:STRIKER_COLUMNS, batch.first] = STRUCK
     if batch.units is not None:
         columns *= np.repeat(batch.units[:, UNITS_OF_COLUMNS].T, batch.beads, axis=1)
     return PulseData(columns, reasons)
+
+
+def _follow_taper(batch: Batch, rtol: float, columns: Array, signal: Indices) -> bool:
+    """Integrate a single taper as `_follow_others` does, in less time; return whether it did."""
+    law, grows = _taper_of(batch)
+    if law in (OTHER, DONE):
+        return False
+    group = _LawGroup(batch, law, rtol, columns, signal)
+    failed = group.narrow(FIRST_CHAIN) if grows else group.wide(FIRST_CHAIN)
+    return not len(failed)
+
+
+@once
+def _taper_of(batch: Batch) -> tuple[float, bool]:
+    """Law of a single taper, `DONE` if it is none or long, and whether its radii never shrink."""
+    if batch.beads[0] >= LONG:
+        return DONE, False
+    taper, grows, _ = _shapes(batch)
+    return float(_laws(batch)[0]) if taper[0] else DONE, bool(grows[0])
 
 
 def _continue(batch: Batch, index: int, rtol: float, columns: Array, signal: Indices) -> bool:

@@ -206,7 +206,8 @@ class _Ensemble:
         """Rows that are integrated together; single rows for `simulate`."""
         tasks = []
         for (beads, *_), rows in self.together.items():
-            share = -(-len(rows) // (4 * threads))
+            # Equal tasks for several threads; at the end of a task some lanes are idle.
+            share = -(-len(rows) // (4 * threads)) if threads > 1 else len(rows)
             size = max(MIN_TASK, min(TASK_BEADS // beads, share))
             tasks += [rows[i : i + size] for i in range(0, len(rows), size)]
         return tasks + [[row] for row in self.alone]

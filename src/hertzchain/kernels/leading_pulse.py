@@ -11,7 +11,7 @@ then the contact has transferred the momentum
 
 from __future__ import annotations
 
-from .compilation import compiled
+from .compilation import internal
 from .contact_law import force, law_of, loading_force
 from .interpolant import value
 from .state_layout import (
@@ -27,7 +27,7 @@ from .state_layout import (
 LENGTH = 4.0
 
 
-@compiled
+@internal
 def velocity_within(k, theta, first, y, dense, chain, all_beads):
     """Velocity of bead k of the chain in a step of the window that begins with bead ``first``."""
     beads = (len(y) - (len(chain) - 2 * all_beads)) // 2
@@ -38,7 +38,7 @@ def velocity_within(k, theta, first, y, dense, chain, all_beads):
     return y[i] if theta == 0.0 else value(i, theta, y, dense)
 
 
-@compiled
+@internal
 def rise_of(overlap, c, setup, contacts):
     """Force of contact c of the window at a largest overlap, minus its static force."""
     if contacts is None:
@@ -48,7 +48,7 @@ def rise_of(overlap, c, setup, contacts):
     return loading_force(overlap, stiffness, damping, law) - static
 
 
-@compiled
+@internal
 def skip_beads_left(time, counts, beads, crossings):
     """Count the beads that the pulse has left by ``time``; returns the last of their rise times."""
     k = counts[LEFT_BY_PULSE]
@@ -69,7 +69,7 @@ def skip_beads_left(time, counts, beads, crossings):
     return rise_time
 
 
-@compiled
+@internal
 def note_leading_pulse(
     at, rise, theta, first, start, counts, y, dense, chain, inverse_mass, crossings
 ):  # fmt: skip

@@ -29,7 +29,7 @@ import numpy as np
 from numba import types
 from numba.extending import overload
 
-from .compilation import OPTIONS, internal
+from .compilation import INTERNAL, internal
 from .contact_law import force, has_modes, law_of, laws_within
 from .driving import NOTHING
 from .forces import (
@@ -58,7 +58,7 @@ MAX_COLLISIONS = 100
 # Beads at rest or in free flight that are kept at each end of the window; number of beads by which
 # the window grows or shrinks.
 MARGIN, STRIDE = 4, 8
-WITHOUT_CACHE: Any = {name: OPTIONS[name] for name in OPTIONS if name != "cache"}
+WITHOUT_CACHE: Any = {name: INTERNAL[name] for name in INTERNAL if name != "cache"}
 
 
 @internal

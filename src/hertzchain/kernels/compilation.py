@@ -19,6 +19,10 @@ OPTIONS: dict[str, Any] = {
     "no_cfunc_wrapper": True,
     "_nrt": False,
 }
+# Functions that only kernels call need no function that converts their arguments from Python,
+# which would take a fifth of the time of compiling.
+INTERNAL: dict[str, Any] = OPTIONS | {"no_cpython_wrapper": True}
+
 # Fused multiply-add is allowed.
 CONTRACTED: dict[str, Any] = OPTIONS | {"fastmath": {"contract"}}
 
@@ -29,11 +33,7 @@ compiled = njit(**OPTIONS)
 
 
 def for_kernels(**options: Any) -> Callable[[Any], Any]:
-    """Decorator of functions that only kernels call.
-
-    In Python they are not compiled.  Numba compiles them with their callers, without the function
-    that would convert arguments from Python, which takes a fifth of the time of compiling.
-    """
+    """Decorator of functions that only kernels call; Python runs them uncompiled."""
 
     def decorate(function: Any) -> Any:
         # A function that is inlined is compiled for each value of a literal argument.
@@ -52,8 +52,3 @@ internal = for_kernels(**OPTIONS)
 reduced = for_kernels(**REDUCED)
 
 compile_notice.install()
-
-
-def uncompiled(function: Any) -> Any:
-    """The Python function, for a single call that takes less time than compiling it."""
-    return getattr(function, "py_func", function)

@@ -18,8 +18,7 @@ from numba import types
 from numba.extending import overload
 
 from . import dop853_step, implicit, nystrom
-from .active_beads import WITHOUT_CACHE
-from .compilation import internal
+from .compilation import INTERNAL, internal
 from .forces import Contacts
 
 # Choice of the next step from the error: exponents, safety factor, and bounds of the change.
@@ -47,7 +46,7 @@ def _of_method(name: str, place: int) -> Any:
     def implementation(*arguments: Any) -> Any:
         return getattr(method_of(arguments[place]), name)
 
-    overload(function, jit_options=WITHOUT_CACHE, strict=False)(implementation)
+    overload(function, jit_options=INTERNAL, strict=False)(implementation)
     return function
 
 

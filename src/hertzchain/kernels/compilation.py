@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 from numba import njit
+from numba.extending import overload
 
 from . import compile_notice
 
@@ -17,6 +19,10 @@ OPTIONS: dict[str, Any] = {
     "no_cfunc_wrapper": True,
     "_nrt": False,
 }
+# Functions that only kernels call need no function that converts their arguments from Python,
+# which would take a fifth of the time of compiling.
+INTERNAL: dict[str, Any] = OPTIONS | {"no_cpython_wrapper": True}
+
 # Fused multiply-add is allowed.
 CONTRACTED: dict[str, Any] = OPTIONS | {"fastmath": {"contract"}}
 
@@ -24,11 +30,25 @@ CONTRACTED: dict[str, Any] = OPTIONS | {"fastmath": {"contract"}}
 REDUCED: dict[str, Any] = OPTIONS | {"fastmath": {"contract", "reassoc", "nnan", "nsz"}}
 
 compiled = njit(**OPTIONS)
-reduced = njit(**REDUCED)
+
+
+def for_kernels(**options: Any) -> Callable[[Any], Any]:
+    """Decorator of functions that only kernels call; Python runs them uncompiled."""
+
+    def decorate(function: Any) -> Any:
+        # A function that is inlined is compiled for each value of a literal argument.
+        overload(
+            function,
+            jit_options=options | {"no_cpython_wrapper": True},
+            strict=False,
+            prefer_literal=options.get("forceinline", False),
+        )(lambda *_: function)
+        return function
+
+    return decorate
+
+
+internal = for_kernels(**OPTIONS)
+reduced = for_kernels(**REDUCED)
 
 compile_notice.install()
-
-
-def uncompiled(function: Any) -> Any:
-    """The Python function, for a single call that takes less time than compiling it."""
-    return getattr(function, "py_func", function)

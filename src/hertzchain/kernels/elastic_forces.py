@@ -11,9 +11,8 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
 
-from .compilation import CONTRACTED
+from .compilation import CONTRACTED, for_kernels
 from .elastic_layout import (
     AT_REST,
     BODY,
@@ -29,13 +28,13 @@ from .elastic_layout import (
 )
 from .powers import BIAS, MANTISSA, ONE, ROOT_2, SHIFT, exp2, log2
 
-compiled = njit(**CONTRACTED)
-inlined = njit(forceinline=True, **CONTRACTED)
+internal = for_kernels(**CONTRACTED)
+inlined = for_kernels(forceinline=True, **CONTRACTED)
 
 LEAST = 1e-40
 
 
-@compiled
+@internal
 def raise_overlaps(w, count):
     """Replace overlaps in the row of forces by forces, by the series of `powers`."""
     bits = w.view(np.int64)
@@ -58,7 +57,7 @@ def raise_overlaps(w, count):
         w[FORCE + i] = push if w[FORCE + i] > LEAST else 0.0
 
 
-@compiled
+@internal
 def general_forces(w, beads, at, out):
     """`forces` for any exponents."""
     size = beads * LANES
@@ -86,7 +85,7 @@ def forces(w, beads, at, out, hertz):
         w[out + i] = net * w[INVERSE_MASS + i] + w[BODY + i]
 
 
-@compiled
+@internal
 def force_of(w, at, overlap):
     """Force of the contact at an entry of the rows, at an overlap."""
     if not overlap > LEAST:
@@ -96,7 +95,7 @@ def force_of(w, at, overlap):
     return w[STIFFNESS + at] * overlap ** w[EXPONENT + at]
 
 
-@compiled
+@internal
 def force_rate(w, at, x, v):
     """Rate of a contact's force, at the positions and velocities in rows x and v."""
     overlap = w[AT_REST + at] + (w[x + at] - w[x + LANES + at])
@@ -106,13 +105,13 @@ def force_rate(w, at, x, v):
     return w[EXPONENT + at] * force_of(w, at, overlap) / overlap * closing
 
 
-@compiled
+@internal
 def overlap_of(w, at):
     """Present overlap of a contact; negative if it is open."""
     return w[AT_REST + at] + (w[X + at] - w[X + LANES + at])
 
 
-@compiled
+@internal
 def closing_of(w, at):
     """Present closing speed of a contact."""
     return w[V + at] - w[V + LANES + at]

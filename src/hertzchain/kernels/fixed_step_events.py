@@ -5,9 +5,7 @@ The functions do not depend on the splitting method (`hertzchain.kernels.symplec
 
 from __future__ import annotations
 
-from numba import njit
-
-from .compilation import CONTRACTED, compiled
+from .compilation import CONTRACTED, for_kernels, internal
 from .events import REACHED, store_crossing
 from .forces import copy
 from .hermite import curvature, slope, value
@@ -33,7 +31,7 @@ from .state_layout import (
 NEIGHBOURS, SLOW = 3, 1e-4
 BISECTIONS = 48
 
-inlined = njit(forceinline=True, **CONTRACTED)
+inlined = for_kernels(forceinline=True, **CONTRACTED)
 
 
 @inlined
@@ -45,7 +43,7 @@ def quintic(h, x0, v0, a0, x1, v1, a1):
     return x0, c1, c2, c3, c4, c5, 0.0, 0.0
 
 
-@compiled
+@internal
 def turning_point(c):
     """Fraction of a step at which the first derivative, positive at the start, vanishes."""
     low, high = 0.0, 1.0
@@ -55,7 +53,7 @@ def turning_point(c):
     return high
 
 
-@compiled
+@internal
 def inflection(c):
     """Fraction of a step at which the second derivative, positive at the start, vanishes."""
     low, high = 0.0, 1.0
@@ -94,7 +92,7 @@ def watch_wall(side, time, h, force, given, passed, x, v, a, spring, ends, walls
         ends[side, 0], ends[side, 1], ends[side, 2], ends[side, 3] = x, v, a, force
 
 
-@compiled
+@internal
 def save_frames(time, time_new, h, y, springs, rows, counts, frame_times, frames, frame_forces):
     """Save states and forces at the saved times within a step."""
     beads = len(rows.velocities)
@@ -115,7 +113,7 @@ def save_frames(time, time_new, h, y, springs, rows, counts, frame_times, frames
     counts[FRAMES] = frame
 
 
-@compiled
+@internal
 def polynomial_of(i, h, rows):
     """Position of bead i (0-based) within a step, as a polynomial."""
     before = rows.before
@@ -125,7 +123,7 @@ def polynomial_of(i, h, rows):
     )  # fmt: skip
 
 
-@compiled
+@internal
 def moves(k, rows):
     """Whether bead k moves within a step, by the speeds of the beads around it."""
     before, v = rows.before, rows.velocities
@@ -137,7 +135,7 @@ def moves(k, rows):
     return max(v[k], before[1, k + 1]) > REACHED * near
 
 
-@compiled
+@internal
 def record_events(h, clock, counts, setup, contacts, springs, rows, peaks, crossings):
     """Record first velocity maxima and largest overlaps within a step."""
     before, v, a = rows.before, rows.velocities, rows.accelerations

@@ -7,14 +7,12 @@ accurate as the step.
 
 from __future__ import annotations
 
-from numba import njit
+from .compilation import CONTRACTED, for_kernels
 
-from .compilation import CONTRACTED
-
-compiled = njit(**CONTRACTED)
+internal = for_kernels(**CONTRACTED)
 
 
-@compiled
+@internal
 def hermite(h, x0, v0, a0, j0, x1, v1, a1, j1):
     """Coefficients of the polynomial in s = t/h through both ends of a step."""
     c1, c2, c3 = h * v0, 0.5 * h * h * a0, h * h * h * j0 / 6.0
@@ -29,14 +27,14 @@ def hermite(h, x0, v0, a0, j0, x1, v1, a1, j1):
     return x0, c1, c2, c3, c4, c5, c6, c7
 
 
-@compiled
+@internal
 def value(c, s):
     """Value of the polynomial at s."""
     c0, c1, c2, c3, c4, c5, c6, c7 = c
     return c0 + s * (c1 + s * (c2 + s * (c3 + s * (c4 + s * (c5 + s * (c6 + s * c7))))))
 
 
-@compiled
+@internal
 def slope(c, s):
     """First derivative with respect to s."""
     _, c1, c2, c3, c4, c5, c6, c7 = c
@@ -44,7 +42,7 @@ def slope(c, s):
     return c1 + s * (2.0 * c2 + s * (3.0 * c3 + s * high))
 
 
-@compiled
+@internal
 def curvature(c, s):
     """Second derivative with respect to s."""
     _, _, c2, c3, c4, c5, c6, c7 = c
@@ -52,7 +50,7 @@ def curvature(c, s):
     return 2.0 * c2 + s * (6.0 * c3 + s * high)
 
 
-@compiled
+@internal
 def third(c, s):
     """Third derivative with respect to s."""
     _, _, _, c3, c4, c5, c6, c7 = c

@@ -6,9 +6,7 @@ The layout is that of `hertzchain.kernels.elastic_layout`, the method that of
 
 from __future__ import annotations
 
-from numba import njit
-
-from .compilation import CONTRACTED
+from .compilation import CONTRACTED, for_kernels
 from .elastic_forces import forces
 from .elastic_kinks import shift
 from .elastic_layout import (
@@ -48,9 +46,9 @@ from .elastic_layout import (
 )
 from .rkn8_stages import V0, V2, V3, V4, Rows, step_on
 
-compiled = njit(**CONTRACTED)
-inlined = njit(forceinline=True, **CONTRACTED)
-summing = njit(forceinline=True, **(CONTRACTED | {"fastmath": True}))
+internal = for_kernels(**CONTRACTED)
+inlined = for_kernels(forceinline=True, **CONTRACTED)
+summing = for_kernels(forceinline=True, **(CONTRACTED | {"fastmath": True}))
 
 STAGES = 9
 # Safety factor, and bounds of the change of the step.
@@ -164,7 +162,7 @@ def estimate(w, beads, rtol, lane):
     return total(w, FLAG, size)
 
 
-@compiled
+@internal
 def take_step(w, beads, hertz, rtol, places, pushes, state, kinks, count):
     """Try a step of each lane and return the result of `estimate`."""
     try_step(w, beads, hertz, places, pushes, kinks, count)

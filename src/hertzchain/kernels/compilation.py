@@ -21,7 +21,7 @@ OPTIONS: dict[str, Any] = {
 }
 # Functions that only kernels call need no function that converts their arguments from Python,
 # which would take a fifth of the time of compiling.
-INTERNAL: dict[str, Any] = OPTIONS | {"no_cpython_wrapper": True}
+INTERNAL: Any = OPTIONS | {"no_cpython_wrapper": True}
 
 # Fused multiply-add is allowed.
 CONTRACTED: dict[str, Any] = OPTIONS | {"fastmath": {"contract"}}
@@ -34,15 +34,14 @@ compiled = njit(**OPTIONS)
 
 def for_kernels(**options: Any) -> Callable[[Any], Any]:
     """Decorator of functions that only kernels call; Python runs them uncompiled."""
+    used: Any = options | {"no_cpython_wrapper": True}
 
     def decorate(function: Any) -> Any:
         # A function that is inlined is compiled for each value of a literal argument.
-        overload(
-            function,
-            jit_options=options | {"no_cpython_wrapper": True},
-            strict=False,
-            prefer_literal=options.get("forceinline", False),
-        )(lambda *_: function)
+        literal = options.get("forceinline", False)
+        overload(function, jit_options=used, strict=False, prefer_literal=literal)(
+            lambda *_: function
+        )
         return function
 
     return decorate

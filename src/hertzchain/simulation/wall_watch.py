@@ -18,7 +18,6 @@ from typing import Final
 import numpy as np
 
 from ..chain.chain import Chain
-from ..chain.equilibrium import equilibrium
 from ..collision import Array
 from ..kernels import state_layout
 from .budget import overlaps_of, stored_energy
@@ -42,7 +41,7 @@ class WallWatch:
 
     def __init__(self, chain: Chain, arrays: dict[str, Array], checks: int = CHECKS) -> None:
         self.targets = wall_targets(chain)
-        self.chain, self.arrays, self.rest = chain, arrays, equilibrium(chain).positions
+        self.chain, self.arrays, self.rest = chain, arrays, chain.static_state.positions
         self.clock, self.walls = arrays["clock"], arrays["walls"]
         self.completion, self.checks = arrays["completion"], checks
 
@@ -158,7 +157,7 @@ class WallWatch:
     def close_if_apart(self, overlaps: Array) -> None:
         """Close if no contact is closed or closing and no force acts on the beads."""
         driven = self.chain.drive is not None and self.time < self.chain.drive.end
-        if self.closed or driven or equilibrium(self.chain).body_forces.any():
+        if self.closed or driven or self.chain.static_state.body_forces.any():
             return
         beads = self.chain.beads
         velocities = self.arrays["y"][beads : 2 * beads]

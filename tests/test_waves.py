@@ -118,6 +118,38 @@ def test_a_rigid_wall_returns_the_energy_as_the_image_would():
             np.testing.assert_allclose(getattr(wave, name), getattr(image, name), rtol=1e-7)
 
 
+def test_a_weak_straggler_does_not_end_the_count():
+    """Energies on the left of contact 14, from the velocities and forces of single beads."""
+    gaps = np.zeros(19)
+    gaps[9] = 10e-6
+    chain = hc.Chain.from_materials(5e-3, "steel-52100", beads=20, velocity=0.1, gaps=gaps)
+    chain = chain.replace(right_wall=hc.Wall.of("ptfe", gap=20e-6))
+    with pytest.warns(hc.ModelRangeWarning):
+        run = hc.simulate(chain, until=4e-3, times=6000)
+    found = run.reflection(14, 20)
+
+    def energy(time):
+        i = int(np.searchsorted(run.times, time))
+        stored = 0.4 * run.forces[i, 1:15] ** (5 / 3) / chain.stiffness[:14] ** (2 / 3)
+        kinetic = 0.5 * chain.masses[:14] @ run.velocities[i, :14] ** 2
+        return kinetic + stored[:-1].sum() + stored[-1] / 2
+
+    incident, straggler, back = run.waves().at(14)[:3]
+    assert [incident.direction, straggler.direction, back.direction] == [1, 1, -1]
+    before, between, after = (
+        energy(incident.begin), energy(incident.end + 1e-6), energy(straggler.end + 1e-6)
+    )  # fmt: skip
+    entered = (between - after) / (before - between)
+    assert 0.01 < entered < 0.05
+    assert found.entered_energy == pytest.approx(entered, rel=1e-3)
+    reflected = (energy(back.end + 1e-6) - after) / (before - between)
+    first = found.reflected[0]
+    assert first.energy / found.incident.energy == pytest.approx(reflected, rel=1e-3)
+    assert abs(found.unexplained_energy) < 1e-3
+    assert not found.disturbed
+    assert f"waves with energy {entered:.4f} entered" in repr(found)
+
+
 @pytest.mark.parametrize(
     ("ratio", "forward", "backward"),
     # Velocities over the incident one, from the first maxima; a stiff side reflects, a soft one

@@ -1,9 +1,11 @@
 """Criterion for a complete peak of the force on a wall, which also ends a run.
 
-The peak is complete when the bound of `hertzchain.simulation.wall_bound` has stayed below it for
-half a transit, where a transit is the time that the pulse took to pass the chain.  The bound is
-exact for motion towards the wall.  The half transit accounts for motion that is reversed later and
-is empirical: with it, no complete peak of 600 random chains was exceeded within ten transits.
+The peak is complete when the force on the wall has fallen to 0.1% of it, without the static force,
+and since then the bound of `hertzchain.simulation.wall_bound` has not exceeded it for half a
+transit, where a transit is the time that the pulse took to pass the chain.  The contact with the
+wall need not have opened.  The bound is exact for motion towards the wall.  The half transit
+accounts for motion that is reversed later and is empirical: with it, no complete peak of 600 random
+chains was exceeded within ten transits.
 
 Walls are watched from the end of the first transit on, or from the end of the drive, at fixed
 times between the calls of the compiled loop.  The array ``completion`` of the state stores the

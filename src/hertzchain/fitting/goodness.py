@@ -60,7 +60,7 @@ class Goodness:
 
     @property
     def scale(self) -> float:
-        """Factor of all errors if the residuals are the measure of the noise, sqrt(chi2/freedom)."""
+        """Factor sqrt(chi2/freedom) of all errors if the residuals measure the noise."""
         return float((self.chi2 / max(self.freedom, 1)) ** 0.5)
 
     @property

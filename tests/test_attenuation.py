@@ -101,5 +101,30 @@ def test_velocities_whose_powers_overflow_are_rejected(velocity):
 
 
 def test_a_large_loss_is_announced():
-    with pytest.warns(hc.ModelRangeWarning, match="first order"):
-        hc.attenuation(hc.Chain.uniform(3).replace(loss=hc.Restitution(0.8)), 1.0)
+    with pytest.warns(hc.ModelRangeWarning, match="first order .* twice as large"):
+        hc.attenuation(hc.Chain.uniform(3).replace(loss=hc.Restitution(0.7)), 1.0)
+
+
+@pytest.mark.parametrize(
+    ("law", "side"),
+    [
+        (hc.Restitution(0.9501), "large"),
+        (hc.Restitution(0.9), "large"),
+        (hc.Viscoelastic(0.03), "large"),
+        (hc.Dashpot(0.025), "large"),
+        (hc.VelocityPower(0.012, 0.6), "large"),
+        (hc.VelocityPower(0.06, 1.8), "large"),
+        (hc.WaltonBraun(0.9), "small"),
+        (hc.UnloadingRatio(0.09), "large"),
+    ],
+)
+def test_the_warning_states_the_error_of_a_simulated_wave(law, side):
+    chain = hc.Chain.uniform(60).replace(loss=law)
+    v = hc.simulate(chain, times=0).pulse().velocity[24:27]
+    measured = float(np.log(v[0] / v[2]) / 2)
+    with pytest.warns(hc.ModelRangeWarning) as caught:
+        formula = float(hc.attenuation(chain, v[1]))
+    error = abs(formula / measured - 1)
+    stated = str(caught[0].message).split(f"too {side} by about ")[1].split("%")[0]
+    # Rounded to 1%; terms beyond the second order are omitted.
+    assert float(stated) / 100 == pytest.approx(error, rel=0.15, abs=0.006)

@@ -13,7 +13,7 @@ from synthetic_traces import bench, measured
 import hertzchain as hc
 from hertzchain.fitting import least_squares
 from hertzchain.fitting.chain_parameters import with_motion, with_sizes
-from hertzchain.fitting.goodness import correlation_length
+from hertzchain.fitting.goodness import Goodness, correlation_length, goodness_of
 from hertzchain.fitting.jumps import next_to_jumps
 from hertzchain.fitting.model import make_model
 from hertzchain.fitting.names import parse_name
@@ -61,6 +61,41 @@ def test_data_of_another_integrator_are_recovered(example):
     assert np.abs(deviations).max() < 3.0
     assert np.mean(np.square(deviations)) < 2.5
     assert example.simulations <= 25
+
+
+def test_chi_squared_scatters_as_stated_if_the_noise_is_estimated():
+    """Gaussian residuals of four signals, whose noise is estimated from about 60 samples."""
+    rng, times = np.random.default_rng(8), 1e-6 * np.arange(500.0)
+    pulse = 100.0 * (times > 75e-6)
+    found = []
+    for _ in range(300):
+        noise = rng.standard_normal((4, 500))
+        names = ("ball 5 [N]", "ball 9 [N]", "ball 12 [N]", "wall [N]")
+        traces = hc.Traces.from_arrays(times, dict(zip(names, pulse + noise, strict=True)))
+        residuals = np.concatenate(
+            [own / signal.noise for own, (_, signal) in zip(noise, traces, strict=True)]
+        )
+        found.append(goodness_of(traces, residuals, np.ones(2000, bool), 0))
+    ratios = np.array([each.chi2 / each.freedom for each in found])
+    known = 2.0 / 2000
+    assert ratios.std() == pytest.approx((found[0].noise_error ** 2 + known) ** 0.5, rel=0.15)
+    assert np.std([each.excess for each in found]) == pytest.approx(1.0, abs=0.15)
+    # Most of these chi-squared would be unlikely if the noise were known.
+    far = np.abs(ratios - 1.0) > 3.0 * known**0.5
+    assert [each.noise_uncertain for each in found] == (far & [x.describes for x in found]).tolist()
+    assert 0.15 < far.mean() < 0.85
+
+
+def test_the_verdict_names_an_uncertain_noise(example):
+    good = Goodness(2266.9, 1990, 1990.0, 0, 1977, 1.5, 0.2, noise_error=0.091)
+    verdict = dataclasses.replace(example, goodness=good).verdict
+    assert "within the uncertainty of their noise" in verdict
+    assert "an error of 9%" in verdict
+    # (2266.9/1977)^(1/2), as for any fit whose residuals measure the noise.
+    assert verdict.endswith("multiply all errors by 1.07")
+    given = dataclasses.replace(good, noise_error=0.0, excess=4.6)
+    assert not given.describes
+    assert not given.noise_uncertain
 
 
 def test_two_shots_share_their_material():

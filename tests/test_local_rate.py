@@ -398,3 +398,16 @@ def test_the_gradient_warns_only_of_the_chain_up_to_the_bead():
 def test_an_argument_that_is_not_a_chain_is_named(evaluated):
     with pytest.raises(InputError, match=r"requires a Chain, got \[1.0, 1.0\]"):
         evaluated([1.0, 1.0])
+
+
+@pytest.mark.parametrize(("rate", "outside"), [(0.2, 0), (0.25, 53)])
+def test_errors_in_a_taper_of_constant_rate_are_correlated(rate, outside):
+    """The numbers of the documentation: nearly all beads, or none, exceed the estimate."""
+    chain = hc.Chain.tapered("backward-exponential", rate, beads=60)
+    law, exact = hc.local_rate(chain), hc.propagate(chain)
+    run = hc.simulate(chain, times=0).pulse()
+    # The error is not that of the reference: two integrations agree.
+    np.testing.assert_allclose(exact.velocity, run.velocity, rtol=1e-9)
+    errors = np.abs(law.velocity / exact.velocity - 1.0)
+    assert np.count_nonzero(errors > law.velocity_error) == outside
+    assert errors.max() < 2.0 * law.velocity_error.max()

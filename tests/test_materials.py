@@ -1,9 +1,11 @@
 """Materials, contact stiffness from them, and the scales between SI and the paper's variables."""
 
 import math
+import warnings
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 
 import hertzchain as hc
 from hertzchain import Chain, InputError, Material, Scales, Wall
@@ -210,3 +212,66 @@ def test_bodies_without_finite_mass_are_rejected(young, radius, reason):
     odd = Material("odd", density=7800.0, young=young, poisson=0.3)
     with pytest.raises(InputError, match=reason):
         Chain.from_materials(radius, odd, beads=3)
+
+
+def first_pressure(force, chain, contact):
+    """Johnson 1985, Eq. (4.24), over the pressure at first yield of the softer bead."""
+    one, other = chain.materials[contact - 1 : contact + 1]
+    radius = 1 / sum(1 / chain.radii[contact - 1 : contact + 1])
+    pressure = np.cbrt(6 * force * contact_modulus(one, other) ** 2 / math.pi**3 / radius**2)
+    return pressure / 1.6 / min(one.yield_strength, other.yield_strength)
+
+
+@pytest.mark.parametrize("use", [hc.equilibrium, hc.spectrum])
+def test_precompression_beyond_yield_is_reported(use):
+    dimer = Chain.dimer(diameters=["10 mm", "6 mm"], materials=["steel-52100", "ptfe"], beads=20)
+    held = dimer.replace(precompression=30, held_by="force")
+    ratio = hc.hertz_range(held).yield_ratio
+    assert ratio[1:-1] == pytest.approx(first_pressure(30.0, held, 1), rel=1e-9)
+    assert ratio[0] == ratio[-1] == 0.0
+    with pytest.warns(hc.ModelRangeWarning) as caught:
+        use(held)
+    assert len(caught) == 2
+    assert all("reduce the precompression" in str(each.message) for each in caught)
+    assert "the static force alone gives 8.03; " in str(caught[1].message)
+
+
+def test_a_column_beyond_yield_is_told_to_reduce_gravity():
+    column = Chain.from_materials(
+        2.5e-3, "ptfe", beads=60, velocity=0.0, gravity=98.1, right_wall=Wall()
+    )
+    weight = 98.1 * float(column.masses[0])
+    ratio = hc.hertz_range(column).yield_ratio[1:-1]
+    expected = [first_pressure(k * weight, column, k) for k in range(1, 60)]
+    np.testing.assert_allclose(ratio, expected, rtol=1e-9)
+    with pytest.warns(hc.ModelRangeWarning, match="alone gives .*; reduce gravity or use loss"):
+        hc.simulate(column, until=1e-5)
+    slow = column.replace(gravity=9.81)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        hc.equilibrium(slow)
+
+
+def test_a_weak_impact_adds_to_the_static_overlap():
+    # Two beads under a constant force are a single degree of freedom, integrated by SciPy.
+    force, speed = 40.0, 0.05
+    held = Chain.from_materials(
+        5e-3, "steel-52100", beads=2, velocity=speed, precompression=force, held_by="force"
+    )
+    k, mass = float(held.stiffness[0]), float(held.masses[0]) / 2
+    rest = (force / k) ** (2 / 3)
+
+    def motion(_, y):
+        return y[1], (force - k * max(y[0], 0.0) ** 1.5) / mass
+
+    def turns(_, y):
+        return y[1]
+
+    turns.terminal = True
+    end = solve_ivp(motion, (0, 1e-3), (rest, speed), events=turns, rtol=1e-12, atol=1e-18)
+    found = hc.hertz_range(held).overlap_ratio[1]
+    assert found == pytest.approx(end.y_events[0][0][0] / 2.5e-3, rel=1e-9)
+    fast = held.replace(velocities=[1.0, 0.0])
+    assert "reduce the velocity" in hc.hertz_range(fast).violations[0]
+    both = held.replace(velocities=[1.0, 0.0], precompression=2e3)
+    assert "reduce the precompression and the velocity" in hc.hertz_range(both).violations[-1]

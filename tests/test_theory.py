@@ -167,3 +167,16 @@ def test_functions_of_a_taper_check_it():
     ):
         with pytest.raises(hc.InputError):
             call()
+
+
+@pytest.mark.parametrize(
+    "theory", [hc.bca, hc.modified_bca, hc.theory.two_thirds_bca, hc.hard_sphere]
+)
+def test_a_theory_without_an_estimated_error_says_so(theory):
+    chain = hc.Chain.tapered("backward-exponential", 0.05, beads=30)
+    pulse = theory(chain)
+    assert pulse.velocity_error is None
+    assert "does not estimate its error" in str(pulse)
+    assert "does not estimate its error" in pulse._repr_html_()
+    for other in (hc.local_rate(chain), hc.propagate(chain)):
+        assert "does not estimate" not in str(other)

@@ -407,3 +407,29 @@ def test_the_message_on_a_precompressed_chain_does_not_ask_for_a_longer_run():
     with pytest.warns(hc.IncompleteWarning, match="do not decay: use largest_so_far"):
         found = hc.simulate(chain, until=2e-3).wall_force("right")
     assert found.largest_so_far > 10.0
+
+
+def test_a_peak_is_complete_by_the_documented_rule_before_the_contact_opens():
+    """The rule of boundaries_and_losses.md, evaluated from velocities and forces."""
+    wall = hc.Wall.of("ptfe")
+    chain = hc.Chain.from_materials(5e-3, "steel-52100", beads=20, velocity=0.1, right_wall=wall)
+    with pytest.warns(hc.ModelRangeWarning):
+        run = hc.simulate(chain, until=3e-3, times=6001)
+    found = run.wall_force("right")
+    v, force = run.velocities, run.forces
+    k = chain.contact_stiffness[1:]
+    stored = 0.4 * force[:, 1:] ** (5 / 3) / k ** (2 / 3)
+    towards = np.append(v[:, :-1] + v[:, 1:], v[:, -1:], axis=1) > 0
+    energy = (0.5 * chain.masses * v**2 * (v > 0)).sum(1) + (stored * towards).sum(1)
+    bound = k[-1] * (2.5 * energy / k[-1]) ** 0.6
+    peak = np.maximum.accumulate(force[:, -1])
+    passed = run.times > run.pulse().arrival[-1]
+    ended = passed & (bound <= peak) & (force[:, -1] <= 1e-3 * peak)
+    first, transit = run.times[np.argmax(ended)], run.times[np.argmax(passed)]
+    assert (bound <= peak)[run.times >= first].all()
+    assert found.complete
+    # Checks are at intervals of a sixteenth of a transit, saved times at 0.5 us.
+    assert -0.5e-6 <= found.complete_since - first <= transit / 16
+    # The last ball still touches the wall.
+    assert found.first_contact_end is None
+    assert force[-1, -1] > 0.0

@@ -5,6 +5,8 @@ import warnings
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
+from scipy.signal import find_peaks, peak_prominences
 
 import hertzchain as hc
 from hertzchain.simulation.budget import overlaps_of, stored_energy
@@ -114,6 +116,38 @@ def test_a_rigid_wall_returns_the_energy_as_the_image_would():
         np.testing.assert_array_equal(wave.contacts, image.contacts)
         for name in ("times", "amplitudes", "momenta", "energies"):
             np.testing.assert_allclose(getattr(wave, name), getattr(image, name), rtol=1e-7)
+
+
+def test_a_weak_straggler_does_not_end_the_count():
+    """Energies on the left of contact 14, from the velocities and forces of single beads."""
+    gaps = np.zeros(19)
+    gaps[9] = 10e-6
+    chain = hc.Chain.from_materials(5e-3, "steel-52100", beads=20, velocity=0.1, gaps=gaps)
+    chain = chain.replace(right_wall=hc.Wall.of("ptfe", gap=20e-6))
+    with pytest.warns(hc.ModelRangeWarning):
+        run = hc.simulate(chain, until=4e-3, times=6000)
+    found = run.reflection(14, 20)
+
+    def energy(time):
+        i = int(np.searchsorted(run.times, time))
+        stored = 0.4 * run.forces[i, 1:15] ** (5 / 3) / chain.stiffness[:14] ** (2 / 3)
+        kinetic = 0.5 * chain.masses[:14] @ run.velocities[i, :14] ** 2
+        return kinetic + stored[:-1].sum() + stored[-1] / 2
+
+    incident, straggler, back = run.waves().at(14)[:3]
+    assert [incident.direction, straggler.direction, back.direction] == [1, 1, -1]
+    before, between, after = (
+        energy(incident.begin), energy(incident.end + 1e-6), energy(straggler.end + 1e-6)
+    )  # fmt: skip
+    entered = (between - after) / (before - between)
+    assert 0.01 < entered < 0.05
+    assert found.entered_energy == pytest.approx(entered, rel=1e-3)
+    reflected = (energy(back.end + 1e-6) - after) / (before - between)
+    first = found.reflected[0]
+    assert first.energy / found.incident.energy == pytest.approx(reflected, rel=1e-3)
+    assert abs(found.unexplained_energy) < 1e-3
+    assert not found.disturbed
+    assert f"waves with energy {entered:.4f} entered" in repr(found)
 
 
 @pytest.mark.parametrize(
@@ -337,3 +371,57 @@ def test_too_few_saved_times_are_rejected(ask, times):
         advised = 420
         again = hc.simulate(run.chain, until=30.0, times=advised)
         getattr(again, ask)(*arguments)
+
+
+def force_maxima(chain, until, spacing):
+    """Times and heights of the force maxima of each contact of a chain of unit beads, by SciPy."""
+    n, masses = chain.beads, chain.masses
+
+    def motion(_, y):
+        force = np.pad(np.maximum(y[: n - 1] - y[1:n], 0.0) ** 1.5, 1)
+        return np.concatenate((y[n:], -np.diff(force) / masses))
+
+    times = np.arange(0.0, until, spacing)
+    start = np.eye(2 * n)[n]
+    y = solve_ivp(motion, (0.0, until), start, "DOP853", times, rtol=1e-11, atol=1e-14).y
+    forces = np.maximum(-np.diff(y[:n], axis=0), 0.0) ** 1.5
+    crests = [find_peaks(force, height=0.01)[0] for force in forces]
+    # A maximum rises above the minima next to it by a tenth of its height.
+    crests = [
+        found[peak_prominences(force, found)[0] > 0.1 * force[found]]
+        for found, force in zip(crests, forces, strict=True)
+    ]
+    return [(times[found], force[found]) for found, force in zip(crests, forces, strict=True)]
+
+
+@pytest.mark.parametrize("mass", [4.0, 6.0, 8.0])
+def test_wave_n_of_a_train_is_the_maximum_n_of_each_force(mass):
+    # Before its waves have separated, a contact has fewer maxima than the train has waves.
+    chain = hc.Chain.uniform(40).struck_by(mass=mass, radius=1.0)
+    spacing = 0.02
+    maxima = force_maxima(chain, 46.0, spacing)
+    waves = hc.simulate(chain, until=70.0, times=2400).waves()
+    for rank in range(4):
+        wave = waves[rank]
+        assert wave.direction == 1
+        firsts = [k for k in range(1, 40) if len(maxima[k - 1][0]) > rank]
+        assert wave.contacts[0] == firsts[0]
+        for k, time, force in zip(wave.contacts, wave.times, wave.amplitudes, strict=True):
+            if time < 40.0:
+                there, height = maxima[k - 1]
+                assert time == pytest.approx(there[rank], abs=spacing)
+                assert force == pytest.approx(height[rank], rel=1e-3)
+
+
+def test_waves_that_have_not_separated_are_marked():
+    run = hc.simulate(hc.Chain.uniform(40).struck_by(mass=8.0, radius=1.0), until=70.0, times=2400)
+    waves = run.waves()
+    # All momentum of the striker passes the first contact in one event, and the leading wave
+    # carries less than a third of it.
+    (first,) = waves.at(1)
+    assert first.merged
+    assert "merged" in repr(first)
+    assert first.impulse == pytest.approx(8.0 * (1.0 - run.velocities[-1, 0]), rel=1e-6)
+    assert first.impulse_of_crest < 3.0
+    assert [wave.merged for wave in waves] == [False] * 9 + [True]
+    assert "merged" in repr(waves[9])

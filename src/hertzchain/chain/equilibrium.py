@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from .chain import Chain
 from .feature_support import require_chain
+from .hertz_range import warn_outside_static
 from .static_state import StaticState
 
 
@@ -21,6 +22,11 @@ def equilibrium(chain: Chain) -> StaticState:
         Any chain.  Without precompression, and without a wall on which the chain rests
         under gravity, or if there are gaps, all forces are 0.
 
+    Warns
+    -----
+    ModelRangeWarning
+        If the static forces exceed a limit of Hertz's law (`hertz_range`).
+
     Examples
     --------
     A force of 8 on contacts of stiffness 1 gives overlaps of :math:`8^{2/3} = 4`:
@@ -31,4 +37,5 @@ def equilibrium(chain: Chain) -> StaticState:
     array([12.,  8.,  4.,  0.])
     """
     require_chain("equilibrium", chain)
+    warn_outside_static(chain)
     return chain.static_state

@@ -20,30 +20,34 @@ from __future__ import annotations
 
 import itertools
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..collision import Array, collision_overlap, reduced_mass
+from ..collision import Array, collision_overlap
 from ..errors import InputError, ModelRangeWarning, warn_user
 from ..representation import short
 from ..validation.numbers import per_bead_array, real_numbers
 from .chain import Chain
+from .contact_groups import effective_radii, reduced_masses
 from .feature_support import require_chain
 from .materials import FIRST_YIELD, Material
 from .walls import Wall
 
 MAX_OVERLAP_RATIO: Final = 0.01
 MAX_SPEED_RATIO: Final = 0.01
+# Halvings of an interval of overlaps, to rounding.
+BISECTIONS: Final = 53
 
 
 @dataclass(frozen=True, eq=False)
 class HertzRange:
     """Ratios that show how far contacts are from the limits of Hertz's law.
 
-    Contact numbers include the walls, from 0 (left wall) to N (right wall).
+    The ratios include the static force of precompression and gravity.  Contact numbers include
+    the walls, from 0 (left wall) to N (right wall).
 
     Attributes
     ----------
@@ -55,6 +59,10 @@ class HertzRange:
     speed_ratio : float
         Largest ratio of the closing speed of two neighbours at time 0 to the slower of their
         sound speeds.
+    static_overlap_ratio, static_yield_ratio : ndarray, shape (N + 1,)
+        The first two ratios under the static force alone.
+    causes : tuple of two str
+        Causes of the motion and of the static force, as `violations` name them.
 
     Examples
     --------
@@ -69,23 +77,29 @@ class HertzRange:
     yield_ratio: Array
     speed_ratio: float
 
+    static_overlap_ratio: Array
+    static_yield_ratio: Array
+    causes: tuple[str, str]
+
     @property
     def violations(self) -> tuple[str, ...]:
         """One sentence for each limit that is exceeded."""
         found = []
         at = int(np.argmax(self.overlap_ratio))
-        if self.overlap_ratio[at] > MAX_OVERLAP_RATIO:
+        if (ratio := self.overlap_ratio[at]) > MAX_OVERLAP_RATIO:
+            advice = self._advice(ratio, self.static_overlap_ratio, MAX_OVERLAP_RATIO, 2)
             found.append(
-                f"overlap / radius is {self.overlap_ratio[at]:.2g} at {_place(at, self)} "
-                f"(limit {MAX_OVERLAP_RATIO:g} of Hertz's law); reduce the velocity"
+                f"overlap / radius is {ratio:.2g} at {_place(at, self)} "
+                f"(limit {MAX_OVERLAP_RATIO:g} of Hertz's law); {advice}"
             )
         at = int(np.argmax(self.yield_ratio))
         if (ratio := self.yield_ratio[at]) > 1.0:
             others = int(np.count_nonzero(self.yield_ratio > 1.0)) - 1
             besides = f", and above 1 at {others} more" if others else ""
+            digits = 3 if ratio > 1.05 else 5
             found.append(
-                f"pressure / yield is {ratio:.{3 if ratio > 1.05 else 5}g} at "
-                f"{_place(at, self)}{besides} (limit 1 of Hertz's law); reduce the velocity or "
+                f"pressure / yield is {ratio:.{digits}g} at {_place(at, self)}{besides} (limit 1 "
+                f"of Hertz's law); {self._advice(ratio, self.static_yield_ratio, 1.0, digits)} or "
                 "use loss=ElasticPlastic()"
             )
         if self.speed_ratio > MAX_SPEED_RATIO:
@@ -94,6 +108,16 @@ class HertzRange:
                 "law); reduce the velocity"
             )
         return tuple(found)
+
+    def _advice(self, ratio: float, static: Array, limit: float, digits: int) -> str:
+        """Advice to reduce the motion, or the static force if it exceeds the limit by itself."""
+        motion, load = self.causes
+        alone = float(static.max())
+        if alone <= limit:
+            return f"reduce {motion}"
+        # The motion matters if it adds more than is printed.
+        also = f" and {motion}" if f"{ratio:.2g}" != f"{alone:.2g}" else ""
+        return f"the static force alone gives {alone:.{digits}g}; reduce {load}{also}"
 
     def __repr__(self) -> str:
         overlap, pressure = int(np.argmax(self.overlap_ratio)), int(np.argmax(self.yield_ratio))
@@ -134,8 +158,9 @@ def hertz_range(chain: Chain, overlaps: ArrayLike | None = None) -> HertzRange:
     overlaps : array_like, optional
         Largest overlap of each contact [m], of length N - 1, or N + 1 with the walls, such as
         ``run.largest_overlaps``.  By default, the motion towards the right end is treated as a
-        sequence of isolated lossless collisions of two beads, and of the last bead with a wall.
-        Overlaps of a simulation differ by up to about 20% in smooth chains.
+        sequence of isolated lossless collisions of two beads, and of the last bead with a wall,
+        under the static force of their contact.  Overlaps of a simulation differ by up to about
+        20% in smooth chains.
 
     Raises
     ------
@@ -153,6 +178,12 @@ def hertz_range(chain: Chain, overlaps: ArrayLike | None = None) -> HertzRange:
     ...     print(name, hc.hertz_range(chain).yield_ratio.max().round(2))
     steel-52100 1.0
     steel-304 1.0
+
+    Static forces count, too.  Under 30 N, balls of PTFE yield without any impact:
+
+    >>> held = hc.Chain.from_materials(5e-3, "ptfe", beads=9, precompression=30, held_by="force")
+    >>> float(hc.hertz_range(held).yield_ratio.max().round(1))
+    4.2
     """
     require_chain("hertz_range", chain)
     if chain.units != "SI" or chain.materials is None:
@@ -160,26 +191,19 @@ def hertz_range(chain: Chain, overlaps: ArrayLike | None = None) -> HertzRange:
             "the limits of Hertz's law require materials; build the chain with "
             f"Chain.from_materials (chain: {chain.description})"
         )
-    d = _collisions(chain) if overlaps is None else _with_walls(chain, overlaps)
-    bodies = [_wall_material(chain, chain.left_wall, 0), *chain.materials]
-    bodies.append(_wall_material(chain, chain.right_wall, -1))
-    pairs = list(itertools.pairwise(bodies))
-    modulus = 1.0 / np.array([one.compliance + other.compliance for one, other in pairs])
-    curvature = np.concatenate(([0.0], 1.0 / chain.radii, [0.0]))
-    radius = 1.0 / (curvature[:-1] + curvature[1:])
-    strength = np.array(
-        [min(one.yield_strength or math.inf, other.yield_strength or math.inf)
-         for one, other in pairs]
-    )  # fmt: skip
-    # Johnson, Eqs. (4.23) and (4.24): a^2 = R d and p_0 = 2 E* d/(pi a).
-    pressure = 2.0 / math.pi * modulus * np.sqrt(d / radius)
+    static = chain.static_state.overlaps
+    d = _collisions(chain, static) if overlaps is None else _with_walls(chain, overlaps)
+    overlap_ratio, yield_ratio = _ratios(chain, d)
+    at_rest, static_yield = _ratios(chain, static)
     sound = np.array([each.sound_speed for each in chain.materials])
     closing = np.maximum(-np.diff(chain.velocities), 0.0)
-    elastic = np.array([not law.yields for law in chain.contact_losses])
     return HertzRange(
-        overlap_ratio=d / radius,
-        yield_ratio=elastic * pressure / (FIRST_YIELD * strength),
+        overlap_ratio=overlap_ratio,
+        yield_ratio=yield_ratio,
         speed_ratio=float(np.max(closing / np.minimum(sound[:-1], sound[1:]))),
+        static_overlap_ratio=at_rest,
+        static_yield_ratio=static_yield,
+        causes=_causes(chain),
     )
 
 
@@ -204,21 +228,89 @@ def warn_outside_hertz(chain: Chain, overlaps: ArrayLike) -> None:
             warn_user(violation, ModelRangeWarning)
 
 
-def _collisions(chain: Chain) -> Array:
+def warn_outside_static(chain: Chain) -> None:
+    """Issue a warning for each limit of Hertz's law that the static forces alone exceed.
+
+    Parameters
+    ----------
+    chain : Chain
+        Any chain; there is no warning if it has no materials.
+
+    Examples
+    --------
+    >>> import hertzchain as hc
+    >>> from hertzchain.chain.hertz_range import warn_outside_static
+    >>> warn_outside_static(hc.Chain.uniform(3))
+    """
+    if chain.units == "SI" and chain.materials is not None and chain.static_state.forces.any():
+        at_rest = replace(hertz_range(chain, chain.static_state.overlaps), speed_ratio=0.0)
+        for violation in at_rest.violations:
+            warn_user(violation, ModelRangeWarning)
+
+
+def _ratios(chain: Chain, d: Array) -> tuple[Array, Array]:
+    """Overlap over radius and pressure over yield of all contacts, walls included."""
+    assert chain.materials is not None
+    bodies = [_wall_material(chain, chain.left_wall, 0), *chain.materials]
+    bodies.append(_wall_material(chain, chain.right_wall, -1))
+    pairs = list(itertools.pairwise(bodies))
+    modulus = 1.0 / np.array([one.compliance + other.compliance for one, other in pairs])
+    radius = effective_radii(chain.radii)
+    strength = np.array(
+        [min(one.yield_strength or math.inf, other.yield_strength or math.inf)
+         for one, other in pairs]
+    )  # fmt: skip
+    # Johnson, Eqs. (4.23) and (4.24): a^2 = R d and p_0 = 2 E* d/(pi a).
+    pressure = 2.0 / math.pi * modulus * np.sqrt(d / radius)
+    elastic = np.array([not law.yields for law in chain.contact_losses])
+    return d / radius, elastic * pressure / (FIRST_YIELD * strength)
+
+
+def _causes(chain: Chain) -> tuple[str, str]:
+    """Names of the causes of the motion and of the static force."""
+    driven = chain.drive is not None
+    motion = ["the velocity"] if chain.velocities.any() or not driven else []
+    load = ["the precompression"] if chain.precompression > 0.0 else []
+    return (
+        " or ".join(motion + ["the drive"] * driven),
+        " or ".join(load + ["gravity"] * (chain.gravity != 0.0)),
+    )
+
+
+def _collisions(chain: Chain, static: Array) -> Array:
     """Overlaps if each bead hits the next one in an isolated, lossless collision."""
     masses, speeds = chain.masses, chain.velocities.copy()
-    closing = np.zeros(chain.beads - 1)
+    closing = np.zeros(chain.beads + 1)
     for k in range(chain.beads - 1):
-        closing[k] = max(speeds[k] - speeds[k + 1], 0.0)
-        speeds[k + 1] += 2.0 * masses[k] / (masses[k] + masses[k + 1]) * closing[k]
-    reduced = reduced_mass(masses[:-1], masses[1:])
-    alone = collision_overlap(reduced, chain.stiffness, closing, chain.exponents)
-    found = _with_walls(chain, alone).copy()
+        closing[k + 1] = max(speeds[k] - speeds[k + 1], 0.0)
+        speeds[k + 1] += 2.0 * masses[k] / (masses[k] + masses[k + 1]) * closing[k + 1]
     if chain.right_wall is not None:
-        p = float(chain.contact_exponents[-1])
-        arriving = max(float(speeds[-1]), 0.0)
-        found[-1] = collision_overlap(masses[-1], chain.wall_stiffness[1], arriving, p)
+        closing[-1] = max(float(speeds[-1]), 0.0)
+    found = static.copy()
+    struck = closing > 0.0
+    found[struck] = _overlap_under_load(
+        static[struck], reduced_masses(masses)[struck], chain.contact_stiffness[struck],
+        closing[struck], chain.contact_exponents[struck],
+    )  # fmt: skip
     return found
+
+
+def _overlap_under_load(
+    static: Array, reduced: Array, stiffness: Array, speed: Array, exponent: Array
+) -> Array:
+    """Largest overlap of a collision under the constant force of the static overlap."""
+    # k (d^q - d0^q)/q - k d0^p (d - d0) = m v^2/2 with q = p + 1, in units of d0 + free.
+    free = collision_overlap(reduced, stiffness, speed, exponent)
+    if not static.any():
+        return free
+    unit, q = static + free, exponent + 1.0
+    rest, energy = static / unit, (free / unit) ** q
+    low, high = rest, np.ones_like(rest)
+    for _ in range(BISECTIONS):
+        d = 0.5 * (low + high)
+        below = d**q - rest**q - q * rest**exponent * (d - rest) < energy
+        low, high = np.where(below, d, low), np.where(below, high, d)
+    return np.asarray(unit * high)
 
 
 def _with_walls(chain: Chain, overlaps: ArrayLike) -> Array:

@@ -42,6 +42,8 @@ class StaticState(Frozen):
     body_forces : ndarray, shape (N,)
         Constant force on each bead [scaled, or N]: the component of its weight along the
         chain, and the force that holds a free end.
+    overlaps : ndarray, shape (N + 1,)
+        Static overlap of each contact [scaled, or m]; 0 at a free end.
 
     Examples
     --------
@@ -55,6 +57,7 @@ class StaticState(Frozen):
     gaps: Array
     forces: Array
     body_forces: Array
+    overlaps: Array
 
     def __repr__(self) -> str:
         forces = f"static forces {self.forces.min():.4g} .. {self.forces.max():.4g}"
@@ -89,7 +92,7 @@ def static_state(chain: ChainFields) -> StaticState:
             body_forces[chain.strikers] += forces[chain.strikers]
         if chain.right_wall is None:
             body_forces[-1] -= forces[-1]
-    found = positions, gaps, forces, body_forces
+    found = positions, gaps, forces, body_forces, overlaps
     for values in found:
         values.setflags(write=False)
     return StaticState(*found)

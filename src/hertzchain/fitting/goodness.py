@@ -14,6 +14,8 @@ from .traces import Signal, Traces
 MAX_LAG, SIGNIFICANT = 200, 2.5
 # The model describes the data if chi-squared exceeds its expectation by fewer standard deviations.
 MAX_EXCESS: Final = 4.0
+# Standard deviations from which a chi-squared is unlikely if the noise is known.
+UNLIKELY: Final = 3.0
 
 
 @dataclass(frozen=True)
@@ -37,6 +39,9 @@ class Goodness:
         Correlation of successive residuals, in standard deviations, of the signals whose noise is
         not correlated before the pulse begins.  A model that misses something leaves residuals that
         change slowly, even where the noise is hardly known.
+    noise_error : float
+        Relative standard deviation of chi-squared because the noise of signals was estimated from
+        the samples before the pulse; 0 if it was given.
     """
 
     chi2: float
@@ -46,11 +51,24 @@ class Goodness:
     freedom: int
     excess: float
     correlation: float
+    noise_error: float = 0.0
 
     @property
     def describes(self) -> bool:
         """Whether the residuals are consistent with the noise."""
         return max(self.excess, self.correlation) < MAX_EXCESS
+
+    @property
+    def scale(self) -> float:
+        """Factor sqrt(chi2/freedom) of all errors if the residuals measure the noise."""
+        return float((self.chi2 / max(self.freedom, 1)) ** 0.5)
+
+    @property
+    def noise_uncertain(self) -> bool:
+        """Whether only the uncertainty of the noise makes the residuals consistent with it."""
+        known = 2.0 / max(self.effective_samples - (self.samples - self.freedom), 1.0)
+        far = abs(self.chi2 / max(self.freedom, 1) - 1.0) > UNLIKELY * known**0.5
+        return self.describes and self.noise_error > 0.0 and bool(far)
 
     @property
     def inflation(self) -> float:
@@ -70,13 +88,13 @@ def goodness_of(traces: Traces, residuals: Array, used: Array, parameters: int) 
     residuals = residuals[used]
     chi2, count = float(residuals @ residuals), len(residuals)
     freedom = count - parameters
-    variance = 2.0 / max(effective - parameters, 1.0)
     # The noise of each signal has a separate error.
-    variance += sum((len(part) / count) ** 2 * 2.0 / quiet for part, quiet in parts if quiet)
+    noise = sum((len(part) / count) ** 2 * 2.0 / quiet for part, quiet in parts if quiet)
+    variance = 2.0 / max(effective - parameters, 1.0) + noise
     excess = (chi2 / max(freedom, 1) - 1.0) / variance**0.5
     return Goodness(
         chi2, count, float(effective), int(np.sum(~used)), freedom, float(excess),
-        _correlation(traces, [part for part, _ in parts]),
+        _correlation(traces, [part for part, _ in parts]), float(noise**0.5),
     )  # fmt: skip
 
 

@@ -7,7 +7,6 @@ from typing import Final
 import numpy as np
 
 from ..pulse.comparison import Comparison
-from ..pulse.notes import notes_in_words
 from ..pulse.pulse import Pulse
 from .drawing import (
     COLOURS,
@@ -47,7 +46,7 @@ def pulse_html(pulse: Pulse) -> str:
         k = int(np.nanargmax(pulse.peak_force))
         force = engineering(pulse.peak_force[k], "N", units)
         found["largest force"] = f"{force} (contact {k + 1})"
-    notes = [note(text) for text in notes_in_words(pulse.notes)]
+    notes = [note(text) for text in pulse._all_notes()]
     return page("Pulse", f"by {pulse.method}: {pulse.chain.description}", figure, numbers(found),
                 *notes)  # fmt: skip
 

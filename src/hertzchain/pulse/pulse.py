@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import MISSING, dataclass, field, fields
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -31,6 +31,13 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
     from .comparison import Comparison
+
+
+# Methods whose error is that of an integration.
+SIMULATIONS: Final = ("simulation", "propagation")
+NOT_ESTIMATED: Final = (
+    "this theory does not estimate its error; hc.scoreboard() measures it in classes of chains"
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,6 +72,7 @@ class Pulse(Frozen):
         the residence time may be negative; among several strikers it is not defined.
     velocity_error : ndarray, shape (N,), or None
         Estimated relative error of each velocity, if the method estimates it; 0 for bead 1.
+        It exceeds 98% of the errors of many chains, but errors in one chain are correlated.
     velocity_spread, arrival_spread : ndarray, shape (N,), or None
     peak_force_spread : ndarray, shape (N - 1,), or None
         Standard deviations of the logarithms over lots of beads that scatter, by `disorder`.
@@ -360,7 +368,14 @@ class Pulse(Frozen):
         names = ", ".join(self.columns())
         last = f"v_{self.chain.beads} = {self.velocity[-1]:.9g}"
         lines = [f"{self.method}, {self.chain.description}", f"  {last}; has {names}"]
-        return "\n".join(lines + [f"  {note}" for note in notes_in_words(self.notes)])
+        return "\n".join(lines + [f"  {note}" for note in self._all_notes()])
+
+    def _all_notes(self) -> list[str]:
+        """The notes, and a sentence if a theory does not estimate its error."""
+        found = notes_in_words(self.notes)
+        if self.velocity_error is None and self.method not in SIMULATIONS:
+            found.append(NOT_ESTIMATED)
+        return found
 
     def _repr_html_(self) -> str:
         from ..notebook.pulses import pulse_html

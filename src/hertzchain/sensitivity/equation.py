@@ -8,7 +8,6 @@ from typing import Final
 import numpy as np
 
 from ..chain.chain import Chain
-from ..chain.equilibrium import equilibrium
 from ..chain.feature_support import require_chain
 from ..chain.laws import Loss
 from ..chain.laws.dashpot import Dashpot
@@ -124,7 +123,7 @@ class Equation:
 def equation_of(chain: Chain) -> Equation:
     """Numbers of the equation of motion of a chain; raises an error if there is no gradient."""
     _check(chain)
-    static = equilibrium(chain)
+    static = chain.static_state
     loaded = chain.gravity != 0.0 or chain.precompression > 0.0
     damping, powers, pulls = _damping(chain)
     hertz = None if damping.any() else bool((chain.contact_exponents == HERTZ_EXPONENT).all())

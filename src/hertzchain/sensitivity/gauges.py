@@ -6,7 +6,6 @@ from typing import Any, Final
 
 import numpy as np
 
-from ..chain.equilibrium import equilibrium
 from ..collision import Array
 from ..simulation.sensor_force import FALL, MIN_HEIGHT
 from .equation import Equation
@@ -173,7 +172,7 @@ def first_maximum(record: Record, bead: int) -> int | None:
         t for t, row in enumerate(record.targets.astype(int).tolist())
         if row[0] == 2 and tuple(row[1:]) == contacts
     )  # fmt: skip
-    rest = 0.5 * float(equilibrium(record.equation.chain).forces[list(contacts)].sum())
+    rest = 0.5 * float(record.equation.chain.static_state.forces[list(contacts)].sum())
     excess = stage_forces(record, contacts)[:, 0] - rest
     tops = [(n, top - rest) for n, top in maxima(record, target)]
     highest = max((top for _, top in tops), default=0.0)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..chain.equilibrium import equilibrium
 from ..collision import Array
 from .equation import Equation
 from .sweep import Slopes
@@ -16,7 +15,7 @@ def add_static_loads(equation: Equation, slopes: Slopes) -> tuple[Slopes, float,
     At rest the overlaps are :math:`d_c = (F_c/k_c)^{1/p}`, where the force of a contact is the
     precompression plus the weight of the beads that it carries.
     """
-    chain, static = equation.chain, equilibrium(equation.chain)
+    chain, static = equation.chain, equation.chain.static_state
     by_gravity = float(slopes.body.sum())
     if not static.forces.any():
         return slopes, 0.0, by_gravity

@@ -7,7 +7,6 @@ from typing import Final
 
 import numpy as np
 
-from ..chain.equilibrium import equilibrium
 from ..collision import Array
 from .equation import Equation
 from .names import Name
@@ -138,7 +137,7 @@ class Ending:
                 continue
             some = slice(None, None, SAMPLE)
             bounds = bound_of(equation, block.positions[some], block.velocities[some], side)
-            static = float(equilibrium(equation.chain).forces[c])
+            static = float(equation.chain.static_state.forces[c])
             complete = (top[some] > 0.0) & (bounds <= (1.0 + ROUNDING) * top[some])
             released = stages[some, 0] - static <= RELEASED * (top[some] - static)
             for time, below, free in zip(times[some], complete, released, strict=True):
@@ -184,7 +183,7 @@ def bound_of(equation: Equation, positions: Array, velocities: Array, side: int)
     `hertzchain.simulation.wall_bound` has the equation.
     """
     forward = velocities if side == RIGHT else -velocities
-    forces, exponents = equilibrium(equation.chain).forces, equation.exponents
+    forces, exponents = equation.chain.static_state.forces, equation.exponents
     k, there = equation.stiffness, equation.stiffness > 0.0
     rest = np.zeros(len(k))
     rest[there] = (forces[there] / k[there]) ** (1.0 / exponents[there])

@@ -27,7 +27,6 @@ from typing import TYPE_CHECKING, Final, Literal
 import numpy as np
 
 from ..chain.chain import Chain
-from ..chain.equilibrium import equilibrium
 from ..collision import Array
 from ..pulse.quantities import QUANTITIES
 from ..representation import measure, short
@@ -244,9 +243,9 @@ def budget_of(
         "scattered back": ~forwards,
     }
 
-    moved = positions - equilibrium(chain).positions
+    moved = positions - chain.static_state.positions
     weight = chain.masses * chain.gravity
-    held = equilibrium(chain).body_forces - weight
+    held = chain.static_state.body_forces - weight
     return Budget(
         chain=chain,
         times=times,
@@ -294,4 +293,4 @@ def overlaps_of(chain: Chain, times: Array, positions: Array) -> Array:
     bounds[:, 1:-1] = positions
     if chain.drive is not None and chain.drive.of == "displacement":
         bounds[:, 0] = chain.drive.value(times)
-    return np.asarray(bounds[:, :-1] - bounds[:, 1:] - equilibrium(chain).gaps)
+    return np.asarray(bounds[:, :-1] - bounds[:, 1:] - chain.static_state.gaps)

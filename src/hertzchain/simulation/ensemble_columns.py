@@ -14,7 +14,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..chain.chain import Chain
-from ..chain.equilibrium import equilibrium
 from ..collision import Array
 from ..errors import InputError
 from ..pulse.quantities import (
@@ -253,7 +252,7 @@ class _KernelResults:
         stored = self._force(overlaps, slice(None)) * overlaps / (exponents + 1.0)
         kinetic = 0.5 * velocities**2 / self._inverse_masses
         static = self.given[:, layout.GIVEN_NOISE].any()
-        rest = [equilibrium(chain).positions for chain in self.chains] if static else 0.0
+        rest = [chain.static_state.positions for chain in self.chains] if static else 0.0
         return {
             "final_position": moved + rest,
             "final_velocity": velocities,

@@ -10,7 +10,6 @@ from typing import Final
 import numpy as np
 
 from ..chain.chain import Chain
-from ..chain.equilibrium import equilibrium
 from ..collision import HERTZ_EXPONENT, Array, compression_time
 from ..frozen import once
 from .kernel_input import static_closing
@@ -120,7 +119,7 @@ def _add_static_state(chain: Chain, rows: Array) -> float:
     """Store the static forces on a chain; return the shortest time in which it responds."""
     from ..kernels import elastic_layout as layout
 
-    static, beads = equilibrium(chain), chain.beads
+    static, beads = chain.static_state, chain.beads
     rows[layout.GIVEN_AT_REST] = static_closing(chain) - static.gaps
     rows[layout.GIVEN_BODY, :beads] = static.body_forces / chain.masses
     pushing = static.forces[:-1] + static.forces[1:]

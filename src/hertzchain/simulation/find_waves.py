@@ -5,8 +5,10 @@ Events of neighbouring contacts and of one direction are assigned to each other 
 .. math:: \left(\frac{\Delta t}{h} - 1\right)^2 + \ln^2\frac{J_{k\pm1}}{J_k}
 
 is smallest, where :math:`h = 0.66\,J/F` is the time in which a solitary wave of this duration
-passes from contact to contact; pairs for which this cost is 4 or more are not linked.  A wave ends
-where it meets another wave or a wall, and a new wave begins beyond.
+passes from contact to contact; pairs for which this cost is 4 or more are not linked.  Here J is
+twice the smaller part of the impulse, before or after the maximum, because near a heavy striker an
+impulse includes all waves that have not separated yet.  A wave ends where it meets another wave or
+a wall, and a new wave begins beyond.
 """
 
 from __future__ import annotations
@@ -126,7 +128,10 @@ def _links(here: list[WaveEvent], there: list[WaveEvent]) -> Iterator[tuple[int,
 
 
 def _columns(events: list[WaveEvent]) -> Iterator[tuple[float, ...]]:
-    return zip(*((e.time, e.duration, e.impulse) for e in events), strict=True)
+    crests = (e.impulse_of_crest for e in events)
+    return zip(
+        *((e.time, c / e.amplitude, c) for e, c in zip(events, crests, strict=True)), strict=True
+    )
 
 
 def _check_resolved(run: Trajectory, waves: list[Wave]) -> None:

@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from ..chain.chain import Chain
-from ..chain.equilibrium import equilibrium
 from ..collision import Array
 from ..errors import InputError
 from ..validation.numbers import number
@@ -85,7 +84,7 @@ def fastest_frequency(chain: Chain) -> float:
     masses = chain.masses
     motion = 0.5 * float((masses * chain.velocities**2).sum())
     motion = max(motion, 0.5 * float(masses.max()) * typical_speed(chain) ** 2)
-    static = equilibrium(chain).forces
+    static = chain.static_state.forces
     with np.errstate(divide="ignore", invalid="ignore"):
         inverse = np.concatenate(([0.0], 1.0 / masses, [0.0]))
     k, p = chain.contact_stiffness, chain.contact_exponents
@@ -181,7 +180,7 @@ class FixedLoop:
 def _springs(chain: Chain) -> Springs:
     from ..kernels.symplectic import Springs
 
-    static = equilibrium(chain)
+    static = chain.static_state
     exponents = np.array(chain.contact_exponents, float)
     gaps: Array = static.gaps - static_closing(chain)
     return Springs(

@@ -18,7 +18,6 @@ import numpy as np
 
 from ..chain.chain import Chain
 from ..chain.contact_groups import loading_forces
-from ..chain.equilibrium import equilibrium
 from ..chain.scales import scale
 from ..collision import Array
 from ..errors import InputError
@@ -139,7 +138,7 @@ def fronts_of(self: Trajectory) -> Fronts:
     chain, times, crossings = self.chain, self.times, self._crossings
     if len(times) < 2:
         raise InputError(f"fronts require at least 2 saved times, the run has {len(times)}")
-    static = equilibrium(chain).forces[1:-1]
+    static = chain.static_state.forces[1:-1]
     excess = self.forces[:, 1:-1] - static
     overlap = np.maximum(crossings[state_layout.OVERLAP], 0.0)
     crest = crossings[state_layout.CROSSING_TIME]

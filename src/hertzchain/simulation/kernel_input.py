@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from ..chain.chain import Chain
-from ..chain.equilibrium import equilibrium
 from ..collision import Array
 from ..errors import InputError
 from ..frozen import once
@@ -29,7 +28,7 @@ def kernel_chain(chain: Chain) -> DefaultChain | GeneralChain:
 
     if PLAIN_FEATURES.issuperset(chain.features):
         return DefaultChain(1.0 / chain.masses, np.array(chain.stiffness), chain.exponents)
-    static = equilibrium(chain)
+    static = chain.static_state
     drive = NOTHING
     if chain.drive is not None:
         drive = PUSH if chain.drive.of == "force" else MOVING_WALL
@@ -74,7 +73,7 @@ def steps_are_implicit(chain: Chain) -> bool:
 
 def static_closing(chain: Chain) -> Array:
     """Overlaps of all contacts, walls included, due to the static positions."""
-    return -np.diff(np.pad(equilibrium(chain).positions, 1))
+    return -np.diff(np.pad(chain.static_state.positions, 1))
 
 
 def initial_state(chain: Chain) -> Array:

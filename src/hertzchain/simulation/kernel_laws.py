@@ -13,7 +13,6 @@ import numpy as np
 
 from ..chain.chain import Chain
 from ..chain.contact_groups import ContactGroup
-from ..chain.equilibrium import equilibrium
 from ..collision import Array, collision_overlap, compression_time
 from ..errors import InputError
 from ..kernels.law_kinds import DAMPED, ELASTIC, PLASTIC, UNLOADING, VECTORISED, LawRow
@@ -103,7 +102,7 @@ def _relaxation(chain: Chain, group: ContactGroup, row: LawRow, damping: Array) 
         return 0.0
     contacts, own = group.contacts.only(there), damping[group.index][there]
     mass, k, p = contacts.reduced_mass, contacts.stiffness, contacts.exponent
-    static = (equilibrium(chain).forces[group.index][there] / k) ** (1.0 / p)
+    static = (chain.static_state.forces[group.index][there] / k) ** (1.0 / p)
     overlap = np.maximum(collision_overlap(mass, k, speed, p), static)
     a = row.speed_power
     steepness = a * own * overlap**row.overlap_power * speed ** (a - 1.0)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Final
 
@@ -26,7 +27,8 @@ THRESHOLD: Final = 0.01
 # Waves below this fraction of the incident energy need not be resolved, and counting does not end
 # when they enter from outside.
 WEAK: Final = 0.01
-# Fraction of the incident energy that may be missing, or still be between the contacts.
+# Fraction of the incident energy that may be missing, still be between the contacts, or enter from
+# outside before the incident wave has left.
 MISSING: Final = 0.05
 
 
@@ -62,6 +64,10 @@ class Reflection:
     kept_energy : float
         Net energy that flowed in between the two contacts from the beginning of the incident
         wave until ``until``, relative to the incident energy: it is still there, or was lost.
+    entered_energy : float
+        Energy of weak waves, of at most 5% in total, that entered from outside before the
+        incident wave had left, relative to the incident energy.  It leaves with the counted
+        waves, so that the coefficients of energy have an error of at most this size.
 
     Examples
     --------
@@ -85,6 +91,7 @@ class Reflection:
     until: float
     disturbed: bool
     kept_energy: float
+    entered_energy: float = 0.0
 
     @property
     def reflected_energy(self) -> float:
@@ -118,15 +125,18 @@ class Reflection:
 
     @property
     def unexplained_energy(self) -> float:
-        """Error of the balance, 1 - R - T - ``kept_energy``.
+        """Error of the balance, 1 + ``entered_energy`` - R - T - ``kept_energy``.
 
         It differs from 0 if other waves were between the contacts, or passed one of them together
         with a counted wave; the coefficients are then not those of one wave.
         """
-        return 1.0 - self.reflected_energy - self.transmitted_energy - self.kept_energy
+        left = self.reflected_energy + self.transmitted_energy + self.kept_energy
+        return 1.0 + self.entered_energy - left
 
     def __repr__(self) -> str:
         ended = "another wave entered" if self.disturbed else "nothing else entered"
+        if self.entered_energy:
+            ended = f"waves with energy {self.entered_energy:.4f} entered"
         end = measure(self.until, "s", self.chain.units)
         return (
             f"Reflection(contacts {self.before} to {self.after}, until t = {end}, {ended}, "
@@ -153,7 +163,7 @@ def reflection_of(
         Time from which to search for the incident wave [scaled, or s].
     until : float, optional
         Time up to which events are counted [scaled, or s].  Counting ends earlier if another
-        wave enters from outside.
+        wave enters from outside, except for weak ones before the incident wave has left.
 
     Returns
     -------
@@ -208,23 +218,46 @@ def reflection_of(
 
     stop = min(stop, float(self.times[-1]))
     entering = [e for e in near if e.direction == sign] + [e for e in far if e.direction == -sign]
-    last = min(stop, _first_entry(entering, incident))
+    leaving = [e for e in near if e.direction == -sign] + [e for e in far if e.direction == sign]
+
+    def inflow(end: float) -> float:
+        return sign * _inflow(self, first, second, incident.begin, end) / incident.energy
+
+    def has_left(time: float) -> bool:
+        # A loss cannot be distinguished from energy that is still between the contacts.
+        lost = not self.chain.lossless and any(e.time <= time for e in leaving)
+        return lost or inflow(time) <= MISSING
+
+    last, entered = _end_of_count(entering, incident, stop, has_left)
     reflected = tuple(e for e in near if e.direction == -sign and e.time <= last)
     transmitted = tuple(e for e in far if e.direction == sign and e.time <= last)
     found = Reflection(
         chain=self.chain, before=first, after=second, incident=incident, reflected=reflected,
         transmitted=transmitted, until=last, disturbed=last < stop,
-        kept_energy=sign * _inflow(self, first, second, incident.begin, last) / incident.energy,
+        kept_energy=inflow(last), entered_energy=entered,
     )  # fmt: skip
     _check_count(self, found)
     _warn_of_balance(found)
     return found
 
 
-def _first_entry(entering: list[WaveEvent], incident: WaveEvent) -> float:
-    """Time at which the first other wave enters from outside; infinite if there is none."""
-    strong = (event.begin for event in entering if event.energy > WEAK * incident.energy)
-    return min(strong, default=np.inf)
+def _end_of_count(
+    entering: list[WaveEvent],
+    incident: WaveEvent,
+    stop: float,
+    has_left: Callable[[float], bool],
+) -> tuple[float, float]:
+    """Time at which counting ends because another wave enters, and the energy of earlier ones."""
+    entered = 0.0
+    for event in sorted(entering, key=lambda each: each.begin):
+        share = event.energy / incident.energy
+        if event.begin >= stop or share <= WEAK:
+            continue
+        late = event.begin > incident.end and not has_left(event.begin)
+        if not late or entered + share > MISSING:
+            return event.begin, entered
+        entered += share
+    return stop, entered
 
 
 def _inflow(run: Trajectory, first: int, second: int, begin: float, end: float) -> float:
@@ -260,7 +293,9 @@ def _warn_of_balance(found: Reflection) -> None:
             "other contacts, since or until"
         )
     elif found.kept_energy > MISSING and found.chain.lossless:
-        advice = "choose another since or until" if found.disturbed else "simulate for longer"
+        advice = "simulate for longer"
+        if found.disturbed:
+            advice = "another wave enters then; choose contacts nearer to the object between them"
         reason = (
             f"{found.kept_energy:.0%} of the incident energy is still between the contacts at t = "
             f"{found.until:g}; {advice}"

@@ -8,7 +8,6 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
-from ..chain.equilibrium import equilibrium
 from ..errors import IncompleteWarning, InputError, SimulationError, warn_user
 from ..pulse.pulse import Pulse
 from ..representation import short
@@ -187,7 +186,7 @@ class Run(Trajectory):
         wall = self._wall_force(side)
         if not wall.complete:
             half_transit = 0.5 * float(transit_times(self.chain).sum())
-            persistent = self.chain.lossless and bool(equilibrium(self.chain).forces.all())
+            persistent = self.chain.lossless and bool(self.chain.static_state.forces.all())
             sentence = incomplete_peak(wall, self.end_time, half_transit, persistent=persistent)
             warn_user(sentence, IncompleteWarning)
         return wall

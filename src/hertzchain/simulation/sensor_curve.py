@@ -7,7 +7,6 @@ from typing import Final
 
 import numpy as np
 
-from ..chain.equilibrium import equilibrium
 from ..collision import Array
 from .budget import overlaps_of
 from .trajectory import Trajectory
@@ -80,7 +79,7 @@ def _elastic_force(run: Trajectory, contact: int, used: Array) -> Curve | None:
     if stiffness == 0.0:
         saved = run.forces[used, contact]
         return None if saved.any() else np.zeros_like
-    net = run.forces[used, :-1] - run.forces[used, 1:] + equilibrium(chain).body_forces
+    net = run.forces[used, :-1] - run.forces[used, 1:] + chain.static_state.body_forces
     moved = np.zeros((3, len(used), chain.beads + 2))
     moved[1, :, 1:-1], moved[2, :, 1:-1] = run.velocities[used], net / chain.masses
     overlap = overlaps_of(chain, times, run.positions[used])[:, contact]

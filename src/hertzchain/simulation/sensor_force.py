@@ -8,7 +8,6 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from ..chain.bead_names import bead_number
-from ..chain.equilibrium import equilibrium
 from ..collision import Array
 from ..errors import IncompleteWarning, InputError, warn_user
 from ..representation import measure, short
@@ -134,7 +133,7 @@ def sensor_maxima(run: Trajectory, bead: int) -> SensorForce:
     force = run.sensor(bead)
     if not len(run.times):
         raise InputError("the run has no saved times; give simulate times of at least 2")
-    at_rest = 0.5 * float(equilibrium(run.chain).forces[bead - 1 : bead + 1].sum())
+    at_rest = 0.5 * float(run.chain.static_state.forces[bead - 1 : bead + 1].sum())
     found = find_maxima(bead, run.times, force, at_rest, run.chain.units)
     places = [found.first_maximum_time, found.largest_so_far_time]
     near = [np.searchsorted(found.times, time) for time in places if not math.isnan(time)]

@@ -14,7 +14,6 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..chain.chain import Chain
-from ..chain.equilibrium import equilibrium
 from ..chain.feature_support import require_chain
 from ..chain.hertz_range import warn_outside_hertz
 from ..chain.loss_range import warn_outside_losses
@@ -347,7 +346,7 @@ def _run(going: _Integration, state: State, status: Status, walls: tuple[Array, 
     return Run(
         chain=state.chain,
         times=frames.times[:filled],
-        positions=saved[:, :beads] + equilibrium(state.chain).positions,
+        positions=saved[:, :beads] + state.chain.static_state.positions,
         velocities=saved[:, beads : 2 * beads],
         status=status,
         end_time=float(clock[state_layout.TIME]),
@@ -397,7 +396,7 @@ def _check_end(chain: Chain, until: float | None, times: int | ArrayLike, begin:
         raise InputError(
             "the drive of this chain does not end, so the run would not end; give until"
         )
-    pushes = equilibrium(chain).body_forces
+    pushes = chain.static_state.body_forces
     if chain.right_wall is None and pushes.sum() > 1e-9 * np.abs(pushes).sum():
         raise InputError(
             "gravity accelerates this chain towards its free right end, so the last bead never "

@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from ..chain.chain import Chain
-from ..chain.equilibrium import equilibrium
 from ..chain.scales import Scale, scale
 from ..collision import Array
 from ..errors import InputError
@@ -90,7 +89,7 @@ class State:
     @property
     def positions(self) -> Array:
         """Displacements of the beads, shape (N,) [scaled, or m]."""
-        return self.arrays["y"][: self.chain.beads] + equilibrium(self.chain).positions
+        return self.arrays["y"][: self.chain.beads] + self.chain.static_state.positions
 
     @property
     def velocities(self) -> Array:

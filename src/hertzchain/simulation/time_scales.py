@@ -8,7 +8,6 @@ from typing import Final
 import numpy as np
 
 from ..chain.chain import Chain
-from ..chain.equilibrium import equilibrium
 from ..collision import Array, compression_time, reduced_mass
 from ..errors import InputError, InputWarning, warn_user
 from ..frozen import once
@@ -38,7 +37,7 @@ def typical_speed(chain: Chain) -> float:
     if chain.drive is None and fastest > 0.0:
         return fastest
     if chain.drive is None:
-        static = equilibrium(chain)
+        static = chain.static_state
         return _pushed(chain, float(max(static.forces.max(), np.abs(static.body_forces).sum())))
     starts, pieces = drive_pieces(chain.drive)
     length = np.append(np.diff(starts), 0.0)
@@ -88,7 +87,7 @@ def _times(chain: Chain, energy: float | None) -> Array:
         speed = np.sqrt(2.0 * energy / masses[:-1])
     if speed.any():
         times = compression_time(reduced, chain.stiffness, speed, p)
-    force = equilibrium(chain).forces[1:-1]
+    force = chain.static_state.forces[1:-1]
     held = force > 0.0
     p = p if isinstance(p, float) else p[held]
     slope = p * chain.stiffness[held] ** (1.0 / p) * force[held] ** (1.0 - 1.0 / p)

@@ -16,7 +16,6 @@ from .. import __version__
 from ..chain.bead_names import bead_number
 from ..chain.chain import Chain
 from ..chain.contact_groups import loading_overlaps
-from ..chain.equilibrium import equilibrium
 from ..chain.scales import scale
 from ..collision import Array
 from ..errors import InputError
@@ -126,7 +125,7 @@ class Trajectory:
     @property
     def _reached(self) -> bool:
         """Whether any contact between two beads was compressed beyond its state at rest."""
-        gaps = equilibrium(self.chain).gaps[1:-1]
+        gaps = self.chain.static_state.gaps[1:-1]
         moved = self.state.arrays["y"][: self.chain.beads]
         compressed = moved[:-1] - moved[1:] > np.maximum(gaps, 0.0)
         seen = self.largest_overlaps[1:-1] > np.maximum(-gaps, 0.0) * (1.0 + 1e-9)
@@ -287,7 +286,7 @@ class Trajectory:
         >>> bool(run.open_contacts()[-1, :10].all())
         True
         """
-        gaps = equilibrium(self.chain).gaps[1:-1]
+        gaps = self.chain.static_state.gaps[1:-1]
         apart: Array = self.positions[:, :-1] - self.positions[:, 1:] - gaps < 0.0
         return apart
 

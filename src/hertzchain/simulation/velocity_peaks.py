@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from ..chain.equilibrium import equilibrium
 from ..collision import Array
 from ..errors import InputError
 from ..representation import counted, measure, short
@@ -122,7 +121,7 @@ def velocity_peaks_of(self: Trajectory, bead: int) -> VelocityPeaks:
     array([ 0.682, -0.681])
     """
     k = whole_number("bead", bead, least=2, most=self.chain.beads)
-    net = self.forces[:, k - 1] - self.forces[:, k] + equilibrium(self.chain).body_forces[k - 1]
+    net = self.forces[:, k - 1] - self.forces[:, k] + self.chain.static_state.body_forces[k - 1]
     acceleration = net / self.chain.masses[k - 1]
     return find_peaks(k, self.times, self.velocity(k), acceleration, self.chain.units)
 

@@ -30,7 +30,6 @@ import numpy as np
 
 from ..chain.chain import Chain
 from ..chain.contact_groups import loading_overlaps
-from ..chain.equilibrium import equilibrium
 from ..collision import Array
 from ..frozen import once
 from ..kernels.law_kinds import DAMPED
@@ -82,7 +81,7 @@ class Target:
 
     def _forces_at_rest(self) -> Array:
         """Forces at rest if all contacts are closed: each carries the beads beyond it."""
-        static = equilibrium(self.chain)
+        static = self.chain.static_state
         pushes = self.towards * self._wall_last(static.body_forces)
         first = float(self._wall_last(static.forces)[0]) if self.exists[0] else 0.0
         forces = first + np.concatenate(([0.0], np.cumsum(pushes)))

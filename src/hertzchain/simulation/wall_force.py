@@ -18,11 +18,12 @@ SIDES: Final[tuple[Side, ...]] = ("left", "right")
 class WallForce:
     """The force on one wall.
 
-    The peak is complete if the bound on later forces has been below it for half a transit of the
-    pulse (`hertzchain.simulation.wall_bound`).  Between two lossless walls the pulse returns
-    repeatedly, and the peak is that of its first passage.  In a precompressed chain without losses,
-    contacts do not open, waves may add up at any later time, and the peak usually remains
-    incomplete: use ``largest_so_far``.
+    The peak is complete if the force on the wall has fallen to 0.1% of it, and the bound on later
+    forces has not exceeded it for half a transit of the pulse since then.  This rule is empirical
+    (`hertzchain.simulation.wall_watch`).  Between two lossless walls the pulse returns repeatedly,
+    and the peak is that of its first passage.  In a precompressed chain without losses, contacts
+    do not open, waves may add up at any later time, and the peak usually remains incomplete: use
+    ``largest_so_far``.
 
     Attributes
     ----------
@@ -35,9 +36,10 @@ class WallForce:
         Largest force and its time, located within the steps, not among the saved times; NaN if
         the peak is not complete.
     complete : bool
-        Whether the peak is complete: the force can no longer exceed it, by the bound below.
+        Whether the peak is complete by the rule above.
     complete_since : float or None
-        Time at which the peak became complete; `None` if it is not.
+        Time from which the rule has been satisfied, half a transit or more before the end of the
+        run; `None` if the peak is not complete.
     largest_so_far, largest_so_far_time : float
         Largest force of the run and its time, complete or not.
     bound : float

@@ -25,7 +25,6 @@ from typing import Any, Final
 
 import numpy as np
 
-from ..chain.equilibrium import equilibrium
 from ..collision import Array
 from ..errors import InputError
 from ..representation import measure, short
@@ -37,6 +36,8 @@ MIN_SAMPLES: Final = 8.0
 PROMINENCE: Final = 0.1
 # Waves meet, or a wall reflects one, if |W| is less than this fraction of the integral of |f v|.
 STANDING: Final = 0.2
+# Impulse over that of the crest: 1 in a symmetric pulse.
+MERGED: Final = 1.5
 SPLINE_ORDER: Final = 5
 # Bisections of the time between two saved times that give double precision.
 BISECTIONS: Final = 45
@@ -56,6 +57,8 @@ class WaveEvent:
         Largest force beyond the static one [scaled, or N].
     impulse : float
         Impulse J of this force from ``begin`` to ``end`` [scaled, or N s].
+    impulse_before : float
+        The part of this impulse before the maximum [scaled, or N s].
     work : float
         Work W of this force, positive towards bead N [scaled, or J].
     direction : int
@@ -76,6 +79,7 @@ class WaveEvent:
     time: float
     amplitude: float
     impulse: float
+    impulse_before: float
     work: float
     direction: int
     width: float
@@ -100,6 +104,20 @@ class WaveEvent:
         return self.impulse / self.amplitude
 
     @property
+    def impulse_of_crest(self) -> float:
+        """Twice the smaller part of the impulse, before or after the maximum [scaled, or N s].
+
+        In a symmetric pulse, this is the impulse.  It is smaller where later waves have not
+        separated yet, so that the force does not fall between them.
+        """
+        return 2.0 * min(self.impulse_before, self.impulse - self.impulse_before)
+
+    @property
+    def merged(self) -> bool:
+        """Whether `impulse` is more than 1.5 times that of the crest, as with unseparated waves."""
+        return self.impulse > MERGED * self.impulse_of_crest
+
+    @property
     def resolved(self) -> bool:
         """Whether enough times were saved while the wave passed."""
         return self.samples >= MIN_SAMPLES
@@ -110,7 +128,7 @@ class WaveEvent:
             for value, unit in ((self.amplitude, "N"), (self.impulse, "N s"), (self.time, "s"))
         )
         direction = {1: "to the right", -1: "to the left"}.get(self.direction, "no direction")
-        doubt = "" if self.resolved else ", unresolved"
+        doubt = ", merged" * self.merged + ", unresolved" * (not self.resolved)
         return short(
             "WaveEvent",
             f"contact {self.contact}, {direction}, t = {time}",
@@ -121,7 +139,7 @@ class WaveEvent:
 
 def static_forces_of(run: Trajectory) -> Array:
     """Static force of each contact, 0 at ends without a wall."""
-    return np.where(run.chain.contact_stiffness > 0.0, equilibrium(run.chain).forces, 0.0)
+    return np.where(run.chain.contact_stiffness > 0.0, run.chain.static_state.forces, 0.0)
 
 
 def largest_force_of(run: Trajectory) -> float:
@@ -199,11 +217,12 @@ def events_at(run: Trajectory, contact: int, floor: float) -> list[WaveEvent]:
         np.where(lower, times[crests], peak_times), np.where(lower, force[crests], heights)
     )  # fmt: skip
     begin, end = _limits(curves, crests)
-    impulses = _integrals(curves.force_curve, begin, end)
+    impulses, before = (_integrals(curves.force_curve, begin, until) for until in (end, peak_times))
     works = _integrals(curves.power_curve, begin, end)
     spacing = 0.5 * (times[crests + 1] - times[crests - 1])
     columns = {
-        "time": peak_times, "amplitude": heights, "impulse": impulses, "work": works,
+        "time": peak_times, "amplitude": heights, "impulse": impulses,
+        "impulse_before": before, "work": works,
         "direction": _directions(curves, works, begin, end),
         "width": _widths(curves, crests, 0.5 * heights), "begin": begin, "end": end,
         "samples": impulses / heights / spacing,

@@ -127,6 +127,14 @@ class Wave:
         """Whether `samples` is at least 8, which makes the medians above reliable."""
         return self.samples >= MIN_SAMPLES
 
+    @property
+    def merged(self) -> bool:
+        """Whether `momentum` and `energy` include waves that have not separated from this one.
+
+        This is so if most of its events are `WaveEvent.merged`.
+        """
+        return bool(np.median([event.merged for event in self.events]) > 0.0)
+
     def to_dataframe(self) -> pd.DataFrame:
         """Table with one row per contact.
 
@@ -157,7 +165,7 @@ class Wave:
         facts = {"force": (self.amplitude, "N"), "momentum": (self.momentum, "kg m/s"),
                  "energy": (self.energy, "J")}  # fmt: skip
         values = ", ".join(f"{name} {measure(*value, units)}" for name, value in facts.items())
-        doubt = "" if self.resolved else ", unresolved"
+        doubt = ", merged" * self.merged + ", unresolved" * (not self.resolved)
         return wrapped(
             f"Wave({DIRECTIONS[self.direction]}, contacts {first.contact} to {last.contact}, t = "
             f"{measure(first.time, 's', units)} to {measure(last.time, 's', units)}, {values}"

@@ -74,6 +74,12 @@ def bca(chain: Chain, *, restitution: float = 1.0) -> Pulse:
     ModelRangeWarning
         If there are small beads between large ones (see `effective_chain`).
 
+    Notes
+    -----
+    The theory does not estimate its error (``velocity_error`` is `None`).  `scoreboard` measures
+    it: velocities are too large by about 50% in most tapers, and by 150% or more in strong forward
+    ones; arrival times are accurate to 3%.
+
     Examples
     --------
     The BCA does not account for the spreading of the pulse: in a uniform chain the velocity

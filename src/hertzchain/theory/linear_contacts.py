@@ -29,7 +29,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..chain.chain import Chain
-from ..chain.equilibrium import equilibrium
 from ..chain.feature_support import require_chain
 from ..chain.laws.base import ContactsAtRest
 from ..collision import Array
@@ -61,7 +60,7 @@ class LinearContacts(Frozen):
 def linear_contacts(chain: Chain) -> LinearContacts:
     r"""Springs and dampers of a chain about its static equilibrium."""
     require_chain("linear_contacts", chain)
-    forces = equilibrium(chain).forces
+    forces = chain.static_state.forces
     _check_pressed(chain, forces)
     springs, dampers = np.zeros((2, chain.beads + 1))
     for group in chain.contact_groups:

@@ -93,7 +93,9 @@ def local_rate(chain: Chain) -> Pulse:
     -----
     All columns include the effect of a loss, which is derived in "Losses in the local-rate law".
     The estimated error was calibrated to exceed 98% of the errors on random chains that were not
-    used in the fit; it is not an upper bound.  Where it exceeds 1%, use `propagate`.
+    used in the fit; it is not an upper bound.  Errors within one chain are correlated: in a taper
+    of constant rate, most beads may exceed the estimate, by up to twice.  Where it exceeds 1%, use
+    `propagate`.
 
     Examples
     --------

@@ -22,6 +22,7 @@ from numpy.typing import ArrayLike
 from ..chain.chain import Chain
 from ..chain.drives import Driven
 from ..chain.feature_support import require_chain
+from ..chain.hertz_range import warn_outside_static
 from ..collision import Array
 from ..errors import InputError
 from ..frozen import Frozen
@@ -423,7 +424,8 @@ def spectrum(chain: Chain) -> Spectrum:
     Warns
     -----
     ModelRangeWarning
-        If the loss is a `VelocityPower` with alpha > 1, which does not damp small motions.
+        If the loss is a `VelocityPower` with alpha > 1, which does not damp small motions, or
+        the static forces exceed a limit of Hertz's law (`hertz_range`).
 
     Examples
     --------
@@ -439,6 +441,7 @@ def spectrum(chain: Chain) -> Spectrum:
     """
     require_chain("spectrum", chain)
     contacts = linear_contacts(chain)
+    warn_outside_static(chain)
     eigenvalues, modes = eigenmodes(contacts)
     for array in (eigenvalues, modes, contacts.springs, contacts.dampers):
         array.setflags(write=False)

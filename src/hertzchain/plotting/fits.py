@@ -142,10 +142,10 @@ def _draw_data_and_model(axes: Axes, times: Any, data: Any, model: Any) -> None:
 def _draw_crest(axes: Axes, times: Any, signal: Signal, model: Any) -> None:
     """Enlarge the crest of the signal in an inset that covers no data."""
     values = np.where(signal.valid, signal.values, -np.inf)
-    crest, begin, end = _crest(values, model)
+    begin, end = _crest(values, model)
     if end == len(times) - 1 and begin > 1:
         # The record ends before this wave has passed: show the one before it.
-        crest, begin, end = _crest(values[:begin], model[:begin])
+        begin, end = _crest(values[:begin], model[:begin])
     if end - begin < CREST:
         return
     shown = slice(begin, end + 1)
@@ -171,8 +171,8 @@ def _free_place(axes: Axes, times: Any, curves: Any) -> tuple[float, float, floa
     return 0.5 * (1.0 - width), 0.86 - height, width, height
 
 
-def _crest(values: Any, model: Any) -> tuple[int, int, int]:
-    """Index of the largest value, and of both ends of the crest around it."""
+def _crest(values: Any, model: Any) -> tuple[int, int]:
+    """Indices of both ends of the crest around the largest value."""
     crest = int(np.argmax(values))
     high = np.abs(model - model[0]) > 0.7 * abs(model[crest] - model[0])
     begin, end = crest, crest
@@ -180,7 +180,7 @@ def _crest(values: Any, model: Any) -> tuple[int, int, int]:
         begin -= 1
     while end < len(model) - 1 and high[end + 1]:
         end += 1
-    return crest, begin, end
+    return begin, end
 
 
 def plot_fit_residuals(result: FitResult) -> Figure:

@@ -65,6 +65,7 @@ DERIVED: Final = ("masses", "stiffness", "velocities", "gaps")
 class ChainFields(Frozen):
     """Fields of `hertzchain.Chain`, which documents them; each is checked when it is set."""
 
+    _omitted = ("contact_groups", "features", "given", "loads")
     radii: Array
     exponent: Exponent = HERTZ_EXPONENT
     _: KW_ONLY

@@ -135,7 +135,7 @@ def material_html(material: Material) -> str:
 
 
 def scales_html(scales: Scales) -> str:
-    """What one unit of each scaled variable is in SI."""
+    """The unit of each scaled variable, in SI."""
     lengths = ("radius", scales.radius), ("displacement, overlap, gap", scales.length)
     rows = [[name, engineering(value, "m")] for name, value in lengths]
     rows += [

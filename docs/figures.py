@@ -81,7 +81,7 @@ def waves() -> Figure:
     """A wave train and its reflection from a wall: forces as a map, and tracks of the waves."""
     masses = np.append(4.0, np.ones(49))
     chain = hc.Chain.uniform(50).replace(masses=masses, right_wall=hc.Wall.rigid())
-    run = hc.simulate(chain, until=100.0, times=1600)
+    run = hc.simulate(chain, until=65.0, times=1040)
     with figure_style():
         canvas, (left, right) = plt.subplots(1, 2, figsize=(11.0, 3.8), sharey=True)
         run.plot("force", ax=right)

@@ -144,6 +144,7 @@ def lossy_law() -> Figure:
                        markerfacecolor="none", markevery=(3 * i, 8))  # fmt: skip
         for axes in (left, right):
             axes.set_yscale("log")
+            label_log_axis(axes.yaxis)
             axes.set_xlabel("bead $k$")
             axes.set_ylabel("velocity $v_k$")
             axes.legend()

@@ -88,23 +88,23 @@ def closed_forms() -> Figure:
     wave = hc.solitary_wave()
     distance = np.linspace(-3.0, 3.0, 601)
     profiles = {
-        "exact": (wave.velocity(distance), COLOURS[0], "-"),
+        "exact": (wave.velocity(distance), "0.75", "-"),
         "long-wave theory": (long_wave_velocity(distance), COLOURS[1], "--"),
-        "Sen and Manciu": (sen_manciu_velocity(distance), COLOURS[2], ":"),
+        "Sen and Manciu": (sen_manciu_velocity(distance), COLOURS[2], "-"),
     }
+    # The formula of Sen and Manciu is drawn on the exact curve, from which it hardly differs.
+    widths = {"exact": 5.0, "long-wave theory": 1.1, "Sen and Manciu": 1.1}
     with figure_style():
         canvas, (left, right) = plt.subplots(1, 2, figsize=(9.6, 3.6))
         for label, (profile, colour, dashes) in profiles.items():
-            width = 2.2 if dashes == ":" else 1.1
-            left.plot(distance, profile, dashes, color=colour, linewidth=width, label=label)
+            left.plot(distance, profile, dashes, color=colour, linewidth=widths[label], label=label)
         far = np.linspace(0.0, 7.0, 141)
         for label, function in {"exact": wave.velocity, "long-wave theory": long_wave_velocity,
                                 "Sen and Manciu": sen_manciu_velocity}.items():  # fmt: skip
             values = function(far)
             shown = values > 0.0
             colour, dashes = profiles[label][1:]
-            width = 2.2 if dashes == ":" else 1.1
-            right.semilogy(far[shown], values[shown], dashes, color=colour, linewidth=width)
+            right.semilogy(far[shown], values[shown], dashes, color=colour, linewidth=widths[label])
         left.set_xlabel(r"distance from the crest $\xi$ [beads]")
         left.set_ylabel("velocity, relative to the crest")
         left.legend()

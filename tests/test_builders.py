@@ -198,6 +198,7 @@ BALLS = Chain.from_materials(5e-3, "brass", beads=3)
         (lambda: Chain.uniform(3).with_scatter(1), "a relative scatter or a ball grade"),
         (lambda: Chain.uniform(3).with_scatter(1, grade=100), "micrometres"),
         (lambda: BALLS.with_scatter(1, grade=11), "no ball grade 11; choose from 3, 5, 10"),
+        (lambda: BALLS.with_scatter(1, relative=0.31), "at least 0 and at most 0.3, got 0.31"),
         (lambda: BALLS.with_scatter(1, relative=-0.1), "relative scatter must be at least 0"),
         (lambda: Chain.uniform(3).struck_by(radius=math.inf), "has no default mass; give mass"),
         (lambda: Chain.uniform(3).struck_by(count=0), "count of strikers .* got 0"),

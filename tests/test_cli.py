@@ -679,7 +679,8 @@ def test_scatter_of_small_deviations_follows_from_the_sensitivities(run, tmp_pat
     assert "wall_force.peak of 400 of 400 random chains" in out
     assert "peak force on the wall [N]" in picture.read_text()
     assert run("scatter", *BALLS)[0] == 2
-    assert "must look like 0.01" in run("scatter", *BALLS, "--relative", "much")[2]
+    assert "--relative must be a number" in run("scatter", *BALLS, "--relative", "much")[2]
+    assert "at most 0.3, got '50%'" in run("scatter", *BALLS, "--relative", "50%")[2]
 
 
 def test_help_lists_each_command_once(run):

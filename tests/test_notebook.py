@@ -98,6 +98,63 @@ def test_what_a_spectrum_or_sensor_does_not_have_is_left_out():
     assert "none yet" in parsed(early)[1]
 
 
+@pytest.mark.parametrize("units", UNITS)
+def test_waves_fronts_and_states_have_their_numbers(units):
+    chain = balls(40, units).struck_by(count=2, velocity=0.2).replace(right_wall=hc.Wall())
+    unit = hc.Scales.of(chain).time if units == "SI" else 1 / 0.2**0.2
+    run = hc.simulate(chain, until=80.0 * unit, times=2000)
+    waves, flux, leading = run.waves(), run.energy_flux(), run.leading_pulse()
+    fronts = hc.simulate(balls(40, units).replace(drive=hc.StepDrive(0.5)), until=60.0 * unit,
+                         times=900).fronts()  # fmt: skip
+    fastest = int(np.argmax(np.abs(run.state.velocities)))
+    last = np.flatnonzero(np.isfinite(leading.momentum))[-1]
+    strongest = max(waves, key=lambda wave: wave.energy)
+    for item, words in (
+        (waves, ["to the left", engineering(strongest.energy, "J", units),
+                 f"{strongest.contacts.min()} to {strongest.contacts.max()}"]),
+        (flux, ["contact", "to the right"]),
+        (leading, [f"crest at contact {last + 1}",
+                   engineering(leading.kinetic_energy[last], "J", units)]),
+        (fronts, [f"{np.isfinite(fronts.times).sum()} of 39",
+                  engineering(np.nanmax(fronts.times), "s", units)]),
+        (run.state, [engineering(run.state.time, "s", units), f"{fastest + 1}"]),
+    ):  # fmt: skip
+        root, text = parsed(item)
+        assert text.startswith(type(item).__name__)
+        assert root.find(".//svg") is not None
+        for word in words:
+            assert word in text, (word, text)
+    # One row for each wave, one track of a colour for each direction.
+    root, _ = parsed(waves)
+    assert len(root.findall(".//table/tr")) == min(len(waves), 12) + 1
+    assert "no waves" in parsed(waves.passing(20).left.right)[1]
+
+
+def test_materials_and_scales_are_tables():
+    steel = hc.material("steel-52100")
+    text = parsed(steel)[1]
+    assert f"{steel.density:g} kg/m^3" in text
+    assert engineering(steel.young, "Pa") in text
+    assert steel.source in text
+    assert "speed of sound" not in parsed(hc.Wall.rigid().material)[1]
+    scales = hc.Scales.of(balls(5, "SI"))
+    text = parsed(scales)[1]
+    for word in ("radius 5 mm", "velocity 100 mm/s", f"force {engineering(scales.force, 'N')}"):
+        assert word in text
+
+
+def test_a_line_of_modes_does_not_cross_the_gap():
+    held = {"precompression": "20 N", "held_by": "force"}
+    dimer = hc.Chain.periodic([9e-3, 4e-3], cells=9, materials=["steel-316", "ptfe"])
+    pieces = []
+    for chain in (dimer.replace(**held), balls(18, "SI").replace(**held)):
+        root, _ = parsed(hc.spectrum(chain))
+        (curve,) = [each for each in root.findall(".//path") if each.get("stroke-width") == "1.6"]
+        pieces.append(curve.get("d").count("M"))
+        assert len(root.findall(".//circle")) == 18
+    assert pieces[0] > pieces[1] == 1
+
+
 def test_limits_of_hertz_are_a_table():
     fast = hc.Chain.from_materials(5e-3, "steel-52100", beads=4, velocity=0.45)
     found = hc.hertz_range(fast)

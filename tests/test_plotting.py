@@ -8,7 +8,9 @@ import hertzchain as hc
 from hertzchain.plotting.animation import animate
 from hertzchain.plotting.budget import plot_budget
 from hertzchain.plotting.chains import bead_centres, plot_chain
+from hertzchain.plotting.fits import _draw_crest
 from hertzchain.plotting.runs import plot_forces
+from hertzchain.plotting.titles import chain_title
 
 
 @pytest.fixture(scope="module")
@@ -232,3 +234,56 @@ def test_strikers_are_marked_above_the_chain():
         assert arrow.xy[0] > arrow.xyann[0]
         assert 1.0 < arrow.xy[1] < axes.get_ylim()[1]
         assert axes.get_ylim()[1] > top
+
+
+def test_titles_name_strikers_walls_and_losses():
+    balls = hc.Chain.from_materials("5 mm", "steel-52100", beads=40, velocity=0.1)
+    struck = balls.struck_by(radius="10 mm", velocity=0.3)
+    wall = hc.Wall.of("ptfe", gap="10 um")
+    for chain, title in (
+        (balls, "40 steel balls, 10 mm"),
+        (balls.struck_by(velocity=0.3), "40 steel balls and a striker, 10 mm"),
+        (balls.struck_by(mass="1 g", radius=np.inf), "40 steel balls and a striker, 10 mm"),
+        (struck.replace(right_wall=hc.Wall()), "40 steel balls, 10 mm, and a striker, 20 mm"),
+        (
+            balls.replace(right_wall=wall, loss=hc.Restitution(0.9)),
+            "40 steel balls, 10 mm, PTFE wall at a distance of 10 µm, restitution 0.9",
+        ),
+        (hc.Chain.uniform(5).replace(right_wall=hc.Wall.rigid()), "5 equal beads, rigid wall"),
+        (hc.Chain.uniform(5).replace(loss=hc.Dashpot(0.1)), "5 equal beads, with losses"),
+        (
+            hc.Chain.dimer(diameters=["10 mm", "6 mm"], materials=["brass", "ptfe"], beads=9),
+            "9 balls of brass and PTFE, 10 mm and 6 mm in turn",
+        ),
+    ):
+        assert chain_title(chain) == title
+
+
+@pytest.mark.parametrize("pulses", [1, 12])
+def test_the_crest_of_a_fit_covers_no_data(pulses):
+    times = np.linspace(0.0, 1e-3, 400)
+    data = np.sin(np.pi * pulses * times / 1e-3) ** 2
+    signal = hc.Traces.from_arrays(times, {"wall [N]": data}, noise=0.1).shots[0].signals[0]
+    axes = plt.figure().subplots()
+    axes.plot(1e6 * times, data)
+    _draw_crest(axes, times, signal, data)
+    axes.figure.canvas.draw()
+    (inset,) = axes.child_axes
+    covered = inset.get_tightbbox()
+    drawn = axes.transData.transform(np.column_stack([1e6 * times, data]))
+    assert not any(covered.contains(*point) for point in drawn)
+    assert axes.bbox.contains(covered.x0, covered.y0)
+    assert axes.bbox.contains(covered.x1, covered.y1)
+
+
+def test_the_legend_of_bands_is_above_them():
+    held = {"precompression": "20 N", "held_by": "force"}
+    dimer = hc.Chain.dimer(diameters=["10 mm", "6 mm"], materials=["brass", "ptfe"], beads=41)
+    for chain in (dimer, hc.Chain.from_materials(5e-3, "brass", beads=9)):
+        axes = hc.spectrum(chain.replace(**held)).plot()
+        axes.figure.canvas.draw()
+        legend = axes.get_legend().get_window_extent()
+        highest = max(line.get_ydata().max() for line in axes.lines)
+        assert axes.transData.transform((0.0, highest))[1] < legend.y0
+        assert legend.y1 < axes.bbox.y1
+        assert legend.width < axes.bbox.width

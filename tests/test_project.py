@@ -57,6 +57,18 @@ def test_all_public_names_are_there():
     assert set(hc.__all__) <= set(dir(hc))
 
 
+def test_completion_does_not_offer_internals():
+    chain = hc.Chain.uniform(4)
+    run = hc.simulate(chain)
+    for item, internal, public in (
+        (chain, {"given", "features", "contact_groups", "loads"}, {"radii", "replace", "beads"}),
+        (run, {"prediction", "evaluations"}, {"velocities", "waves", "status"}),
+    ):
+        assert not internal & set(dir(item))
+        assert public <= set(dir(item))
+        assert all(hasattr(item, name) for name in internal)
+
+
 def test_every_public_name_is_in_the_api_reference():
     page = ROOT / "docs" / "reference" / "api.md"
     tables = [name for _, name in entries(page)]

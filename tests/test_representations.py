@@ -182,3 +182,49 @@ def test_tables_of_runs_state_what_their_range_covers():
     assert words in " ".join(repr(hc.simulate_many(chains)).split())
     assert words not in repr(hc.simulate_many(chains, keep=["velocity", "largest_overlap"]))
     assert words not in repr(hc.simulate_many([balls(5, "scaled")]))
+
+
+@pytest.mark.parametrize(
+    ("item", "expected"),
+    [
+        (
+            hc.Chain.dimer(diameters=["10 mm", "6 mm"], materials=["brass", "ptfe"], beads=9),
+            "Chain(9 beads of brass and ptfe, diameters 10 mm and 6 mm in turn, impact at 1 m/s)",
+        ),
+        (
+            hc.Chain.from_materials([5e-3, 3e-3], "brass", velocity=0.25),
+            "Chain(2 brass beads, diameters 10 mm to 6 mm, impact at 0.25 m/s)",
+        ),
+        (
+            hc.Chain.from_materials(20e-6, "glass", beads=3, velocity=0.1),
+            "Chain(3 glass beads, diameter 40 um, impact at 0.1 m/s)",
+        ),
+        (hc.Chain.from_materials(0.8, "glass", beads=3, precompression=1.0, held_by="force"),
+         "Chain(3 glass beads, diameter 1.6 m, precompression, at rest)"),
+        (hc.Chain.uniform(3), "Chain(uniform, 3 beads)"),
+        (hc.Wall.of("ptfe", gap=1e-5), "Wall(ptfe, gap = 10 um)"),
+        (hc.Wall(gap="2 mm", stiffness="1 N/m^1.5"),
+         "Wall(stiffness = 1 N/m^1.5, gap = 2 mm)"),
+        (hc.Wall(gap=1e-5), "Wall(own material, gap = 1e-05)"),
+    ],
+)  # fmt: skip
+def test_chains_and_walls_have_units(item, expected):
+    assert repr(item) == expected
+
+
+def test_columns_of_a_budget_do_not_touch():
+    chain = hc.Chain.uniform(5).replace(left_wall=hc.Wall(), right_wall=hc.Wall())
+    budget = hc.simulate(chain, until=3000.0).budget()
+    parts = [line.split() for line in str(budget).splitlines() if "wall " in line]
+    assert [words[:2] for words in parts] == [["left", "wall"], ["right", "wall"]]
+    for words in parts:
+        value, part = float(words[2]), float(words[3].removesuffix("%"))
+        assert abs(part) > 10_000.0
+        assert part == pytest.approx(100.0 * value, abs=0.02)
+
+
+def test_one_limit_is_in_the_singular():
+    fast = hc.Chain.from_materials(5e-3, "steel-52100", beads=2, velocity=1.0)
+    found = hc.hertz_range(fast)
+    assert len(found.violations) == 1
+    assert "1 limit exceeded" in repr(found)

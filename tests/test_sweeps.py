@@ -571,7 +571,10 @@ def test_cells_of_a_map_meet_halfway_on_its_scales_for_any_order_of_values():
         "axes": {"rate": {"geomspace": [1e-4, 1e-2, 3]}, "beads": [40, 20, 30]},
         "sweep": {"keep": ["momentum"], "at": "last"},
     })  # fmt: skip
-    drawn = plot_sweep(found, "momentum")
+    assert len(plot_sweep(found, "momentum").lines) == 3
+    drawn = plot_sweep(found, "momentum", levels=[0.1])
+    # Nothing is drawn beyond the values of the axes.
+    assert (drawn.get_xlim(), drawn.get_ylim()) == (pytest.approx((1e-4, 1e-2)), (20.0, 40.0))
     corners = drawn.collections[0].get_coordinates()
     assert corners[0, :, 0].tolist() == pytest.approx(
         [10**-4.5, 10**-3.5, 10**-2.5, 10**-1.5], rel=1e-12
@@ -589,7 +592,7 @@ def test_axes_of_pictures_say_what_varies():
     axes = {"materials": kinds, "loss.coefficient": [0.8, 0.9, 1.0],
             "struck_by.mass": masses}  # fmt: skip
     found = swept(chain, axes, methods=["simulate"], at="last", keep=["velocity"])
-    across = plot_sweep(found, **{"struck_by.mass": 6.0})
+    across = plot_sweep(found, levels=[0.05], **{"struck_by.mass": 6.0})
     across.figure.canvas.draw()
     assert [tick.get_text() for tick in across.get_xticklabels()] == kinds
     assert across.get_ylabel() == "loss coefficient"

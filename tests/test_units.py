@@ -63,6 +63,7 @@ def test_text_is_the_decimal_number_that_it_says():
     [
         ("5 mm", 5e-3), ("5mm", 5e-3), (" 5\u00b5m", 5e-6), ("5 \u03bcm", 5e-6), ("+1e3 nm", 1e-6),
         (".5 in", 0.0127), ("2 km", 2000.0), ("-3.cm", -0.03),
+        ("3/16 in", 0.0047625), ("1 1/2 in", 0.0381), ("1-1/2in", 0.0381), (" 5 / 8 in ", 0.015875),
     ],
 )  # fmt: skip
 def test_ways_to_write_a_length(text, value):
@@ -90,7 +91,9 @@ def test_ways_to_write_powers_and_products():
         ("5 mm/", "unknown unit"),
         ("5 mm^", "unknown unit"),
         ("5 m^1000", "unknown unit"),
-        ("5 %", "unknown unit of gap '%'"),
+        ("5 %", "gap must have a unit such as m, cm, mm.* got '%'"),
+        ("1/0 in", "unknown unit"),
+        ("3/16 mm", "unknown unit"),
         ("nan mm", "must be a number"),
         ("1e999 mm", "must be at least 0 and finite, got '1e999 mm'"),
         ("-1 mm", "must be at least 0, got '-1 mm'"),
@@ -99,6 +102,30 @@ def test_ways_to_write_powers_and_products():
 def test_an_invalid_length_is_rejected(text, said):
     with pytest.raises(hc.InputError, match=said):
         number("gap", text, unit="m", least=0.0)
+
+
+def test_ways_to_write_a_fraction():
+    chain = hc.Chain.uniform(60)
+    for call, expected in (
+        (lambda x: chain.with_scatter(1, relative=x).radii[1], 0.01),
+        (lambda x: hc.disorder(chain, x).velocity[50], 0.01),
+        (lambda x: hc.Scatter(radius=x).radius, 0.01),
+        (lambda x: hc.Restitution(x).coefficient, 0.95),
+        (lambda x: hc.UnloadingRatio(x).ratio, 0.05),
+        (lambda x: hc.WaltonBraun(x).ratio, 0.8),
+        (lambda x: hc.bca(chain, restitution=x).velocity[1], 0.9),
+        (lambda x: hc.Chain.tapered("forward-exponential", x, beads=4).radii[3], 0.05),
+    ):
+        assert call(f"{100 * expected:g}%") == call(f"{100 * expected:g} %") == call(expected)
+        for wrong, said in (("5 mm", "no unit|number"), ("1 foo", "plain number or a percentage"),
+                            ("0.01", "give the number 0.01 without quotes")):  # fmt: skip
+            with pytest.raises(hc.InputError, match=said):
+                call(wrong)
+    assert hc.Scatter(radius="1%").radius == 0.01
+    with pytest.raises(hc.InputError, match=r"must not be a percentage, got '5%'; write 0.05"):
+        hc.Chain.uniform(4, exponent="5%")
+    with pytest.raises(hc.InputError, match=r"must not be a percentage"):
+        hc.Chain.uniform(4).replace(gaps="5%")
 
 
 def test_extreme_numbers_do_not_stop_a_conversion():

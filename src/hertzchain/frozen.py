@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import wraps
-from typing import Any, TypeVar
+from typing import Any, ClassVar, TypeVar
 
 import numpy as np
 
@@ -12,7 +12,16 @@ Given = TypeVar("Given")
 Result = TypeVar("Result")
 
 
-class Frozen:
+class ShortDir:
+    """Omits attributes that only other modules of the package use from `dir` and completion."""
+
+    _omitted: ClassVar[tuple[str, ...]] = ()
+
+    def __dir__(self) -> list[str]:
+        return [name for name in super().__dir__() if name not in self._omitted]
+
+
+class Frozen(ShortDir):
     """Keeps the arrays of a frozen dataclass read-only in copies and after unpickling.
 
     Copies and unpickled arrays of NumPy are writable, even if the original is read-only.  The

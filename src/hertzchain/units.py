@@ -2,7 +2,8 @@
 
 This module converts text with a unit (``"5 mm"``), headers of CSV files (``radius [mm]``) and
 lists with a unit (``{list = [4, 5], unit = "mm"}``).  The decimal digits are multiplied by the
-factor before the result is rounded once: ``"9.3 mm"`` is exactly the number 9.3e-3.
+factor before the result is rounded once: ``"9.3 mm"`` is exactly the number 9.3e-3.  Inches may be
+fractions (``"3/16 in"``), and numbers without a dimension may be percentages (``"5%"``).
 """
 
 from __future__ import annotations
@@ -59,6 +60,9 @@ _FACTOR: Final = re.compile(r"([*/·]?)\s*([A-Za-zµ]+)\s*(?:(?:\^|\*\*)\s*([+-]
 _QUANTITY: Final = re.compile(
     r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*((?:[A-Za-zµμ°%/]|1\s*/)[^\[\]{}()=,;]*?)\s*"
 )
+# Sizes of balls such as "3/16 in", "1 1/2 in" and "1-1/2 in".
+_FRACTION_OF_INCH: Final = re.compile(r"\s*(?:(\d+)[\s-]+)?(\d+)\s*/\s*(\d+)\s*(in)\s*")
+PERCENT: Final = "%"
 
 
 class Unit(NamedTuple):
@@ -70,7 +74,9 @@ class Unit(NamedTuple):
 
 @lru_cache(maxsize=256)
 def _parse(text: str) -> Unit | None:
-    """Parse a product of powers of `SYMBOLS`; return `None` for any other text."""
+    """Parse a product of powers of `SYMBOLS`, or %; return `None` for any other text."""
+    if text.strip() == PERCENT:
+        return Unit(Decimal("0.01"), (0.0, 0.0, 0.0))
     rest = text.strip().replace("μ", "µ").replace("µ", "u").replace("²", "^2").replace("³", "^3")
     rest = rest.removeprefix("1") if rest.startswith("1/") else rest
     factor, powers = Decimal(1), [0.0, 0.0, 0.0]
@@ -96,6 +102,8 @@ def converted(what: str, number: str | float, unit: str, si: str) -> float:
     choices = _choices(target) or (si.replace("**", "^"),)
     if given is None and unit.strip() in MEANT:
         raise InputError(f"unknown unit of {what} {unit!r}; did you mean {MEANT[unit.strip()]!r}?")
+    if given is None and not si:
+        raise InputError(f"{what} must be a plain number or a percentage, got the unit {unit!r}")
     if given is None:
         raise unknown_name_error(f"unit of {what}", unit, choices)
     if given.powers != target.powers:
@@ -112,7 +120,13 @@ def converted(what: str, number: str | float, unit: str, si: str) -> float:
 
 def quantity(text: str) -> tuple[str, str] | None:
     """Split text such as ``"5 mm"`` into number and unit; return `None` for any other text."""
-    found = _QUANTITY.fullmatch(text) if len(text) < 100 else None
+    if len(text) >= 100:
+        return None
+    inches = _FRACTION_OF_INCH.fullmatch(text)
+    if inches is not None and int(inches[3]) > 0:
+        value = int(inches[1] or 0) + Decimal(inches[2]) / Decimal(inches[3])
+        return str(value), inches[4]
+    found = _QUANTITY.fullmatch(text)
     return None if found is None or _is_number(text) else (found[1], found[2])
 
 

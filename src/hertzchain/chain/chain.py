@@ -194,7 +194,7 @@ class Chain(ChainFields):
         >>> hc.Chain.tapered(ratio=0.25, beads=40)
         Chain(forward-exponential, q = 0.0361853, 40 beads)
         >>> hc.Chain.tapered(first="10 mm", last="2.5 mm", beads=40, material="steel-52100")
-        Chain(40 steel-52100 beads, diameters 20 mm to 5 mm)
+        Chain(40 steel-52100 beads, diameters 20 mm to 5 mm, impact at 1 m/s)
         """
         count = checked_beads(beads)
         sizes = Sizes(first, last, first_diameter, last_diameter, ratio, length)
@@ -306,11 +306,11 @@ class Chain(ChainFields):
         >>> import hertzchain as hc
         >>> chain = hc.Chain.from_materials(5e-3, "steel-52100", beads=20)
         >>> chain
-        Chain(20 steel-52100 beads, diameter 10 mm)
+        Chain(20 steel-52100 beads, diameter 10 mm, impact at 1 m/s)
         >>> round(float(chain.masses[0]), 9), float(chain.stiffness[0]).__round__(-3)
         (0.004073598, 7435897000.0)
         >>> hc.Chain.from_materials(diameters="10 mm", materials="steel-52100", beads=20)
-        Chain(20 steel-52100 beads, diameter 10 mm)
+        Chain(20 steel-52100 beads, diameter 10 mm, impact at 1 m/s)
         """
         if materials is None or (radii is None) == (diameters is None):
             raise InputError(
@@ -360,7 +360,7 @@ class Chain(ChainFields):
         >>> hc.Chain.periodic([5.0, 2.5, 2.5], cells=2).radii
         array([1. , 0.5, 0.5, 1. , 0.5, 0.5])
         >>> hc.Chain.periodic([9.5e-3, 9.5e-3], cells=20, materials=["steel-316", "ptfe"])
-        Chain(40 beads of steel-316 and ptfe, diameter 19 mm)
+        Chain(40 beads of steel-316 and ptfe, diameter 19 mm, impact at 1 m/s)
         """
         cells = whole_number("cells", cells, least=1)
         one = real_numbers("radius", cell, "bead", unit="m")
@@ -414,7 +414,7 @@ class Chain(ChainFields):
         >>> hc.Chain.dimer(0.125, beads=4).masses
         array([1.   , 0.125, 1.   , 0.125])
         >>> hc.Chain.dimer(diameters=["10 mm", "6 mm"], materials=["steel-316", "ptfe"], beads=21)
-        Chain(21 beads of steel-316 and ptfe, diameters 6 mm to 10 mm)
+        Chain(21 beads of steel-316 and ptfe, diameters 10 mm and 6 mm in turn, impact at 1 m/s)
         """
         count = checked_beads(beads)
         if radii is not None or diameters is not None or mass_ratio is None:

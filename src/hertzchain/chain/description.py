@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from ..collision import Array
+from ..representation import measure
 from .materials import Material
 from .tapers import taper_named
 
@@ -42,9 +43,25 @@ def beads_of(count: int, noun: str, materials: Sequence[str]) -> str:
 
 
 def sizes_in_words(radii: Array) -> str:
-    """Diameter, or those of both ends of a taper, or the smallest and the largest."""
-    low, high = 2e3 * radii.min(), 2e3 * radii.max()
+    """Diameter, or those of two sizes in turn, of both ends of a taper, or the extreme ones."""
+    low, high = radii.min(), radii.max()
     if low == high:
-        return f"{low:.4g} mm"
+        return length_in_words(2.0 * low)
+    if len(radii) > 2 and np.all(radii[2:] == radii[:-2]):
+        one, other = (length_in_words(2.0 * radius) for radius in radii[:2])
+        return f"{one} and {other} in turn"
     first, last = (high, low) if np.all(np.diff(radii) <= 0.0) else (low, high)
-    return f"{first:.4g} mm to {last:.4g} mm"
+    return f"{length_in_words(2.0 * first)} to {length_in_words(2.0 * last)}"
+
+
+def impact_in_words(velocities: Array, units: str) -> str:
+    """Speed of the fastest bead at time 0, unless it is that of most scaled chains, 1."""
+    speed = velocities.max()
+    known = speed <= 0.0 or (units == "scaled" and speed == 1.0)
+    return "" if known else f", impact at {measure(speed, 'm/s', units)}"
+
+
+def length_in_words(length: float) -> str:
+    """A length with four digits, in m, mm or um."""
+    factor, unit = (1.0, "m") if length >= 1.0 else (1e3, "mm") if length >= 1e-4 else (1e6, "um")
+    return f"{factor * length:.4g} {unit}"

@@ -33,7 +33,7 @@ from .boundary_checks import (
     check_precompression,
 )
 from .contact_groups import ContactGroup, group_contacts, loading_forces
-from .description import beads_description
+from .description import beads_description, impact_in_words
 from .drives import Drive
 from .input_checks import checked_radii, positive_derived, scaled_radii, warn_large_radius
 from .laws import Loss
@@ -65,6 +65,7 @@ DERIVED: Final = ("masses", "stiffness", "velocities", "gaps")
 class ChainFields(Frozen):
     """Fields of `hertzchain.Chain`, which documents them; each is checked when it is set."""
 
+    _omitted = ("contact_groups", "features", "given", "loads")
     radii: Array
     exponent: Exponent = HERTZ_EXPONENT
     _: KW_ONLY
@@ -438,7 +439,7 @@ class ChainFields(Frozen):
         return f"{beads}{law}{rest}{', at rest' * still}"
 
     def __repr__(self) -> str:
-        return short("Chain", self.description)
+        return short("Chain", self.description + impact_in_words(self.velocities, self.units))
 
 
 def _read_only(values: Array) -> Array:

@@ -28,7 +28,7 @@ from numpy.typing import ArrayLike
 
 from ..collision import Array, collision_overlap
 from ..errors import InputError, ModelRangeWarning, warn_user
-from ..representation import short
+from ..representation import counted, short
 from ..validation.numbers import per_bead_array, real_numbers
 from .chain import Chain
 from .contact_groups import effective_radii, reduced_masses
@@ -121,7 +121,8 @@ class HertzRange:
 
     def __repr__(self) -> str:
         overlap, pressure = int(np.argmax(self.overlap_ratio)), int(np.argmax(self.yield_ratio))
-        exceeded = f"; {len(self.violations)} limits exceeded" if self.violations else ""
+        count = len(self.violations)
+        exceeded = f"; {counted(count, 'limit')} exceeded" if count else ""
         return short(
             "HertzRange",
             f"{len(self.overlap_ratio)} contacts",

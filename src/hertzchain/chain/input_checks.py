@@ -16,8 +16,10 @@ from ..validation.numbers import number, real_numbers, whole_number
 BYTES_PER_BEAD: Final = 400
 # With a larger exponent, a contact resembles a rigid wall and the steps become too small.
 MAX_EXPONENT: Final = 50.0
-# SI radii above this value [m] cause a warning, because they are probably in millimetres.
+# SI radii above this value [m], and limits from it on, cause a warning, because they are probably
+# in millimetres; so do limits above this multiple of the largest bead.
 LARGE_RADIUS: Final = 1.0
+LARGE_RATIO: Final = 100.0
 
 
 def checked_beads(beads: int) -> int:
@@ -96,8 +98,16 @@ def warn_large_radius(radii: Array) -> None:
     """Warn about radii in metres that are probably in millimetres."""
     if radii.max() > LARGE_RADIUS:
         k = int(np.argmax(radii))
-        warn_user(
-            f"bead {k + 1} has a radius of {radii[k]:g} m; radii are in metres, so divide "
-            "by 1000 if these are millimetres",
-            InputWarning,
-        )
+        _warn_of_metres(f"bead {k + 1} has a radius of {radii[k]:g} m")
+
+
+def warn_large_limit(low: float, high: float, radii: Array) -> None:
+    """Warn about limits in metres, for beads of these radii, that are probably in millimetres."""
+    if high >= min(LARGE_RADIUS, LARGE_RATIO * radii.max()):
+        _warn_of_metres(f"the radii vary from {low:g} m to {high:g} m")
+
+
+def _warn_of_metres(problem: str) -> None:
+    warn_user(
+        f"{problem}; radii are in metres, so divide by 1000 if these are millimetres", InputWarning
+    )

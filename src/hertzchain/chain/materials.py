@@ -123,6 +123,11 @@ class Material:
         modulus = f"E = {self.young / 1e9:g} GPa, nu = {self.poisson:g}"
         return short("Material", self.name, f"{self.density:g} kg/m^3, {modulus}{yields}")
 
+    def _repr_html_(self) -> str:
+        from ..notebook.chains import material_html
+
+        return material_html(self)
+
 
 def _check_text(what: str, given: str, categories: tuple[str, ...]) -> None:
     """Reject characters that cannot be written to a file: surrogates or control characters."""

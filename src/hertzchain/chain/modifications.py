@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import math
 from collections.abc import Mapping
 from types import MappingProxyType
 from typing import Any, Final, TypeVar
@@ -12,7 +13,7 @@ import numpy as np
 from ..collision import Array
 from ..errors import InputError, short_repr
 from ..validation.keywords import checked_arguments
-from ..validation.numbers import number, whole_number
+from ..validation.numbers import FRACTION, number, whole_number
 from .fields import ChainFields
 from .input_checks import checked_beads
 from .materials import Material, MaterialLike
@@ -20,6 +21,9 @@ from .materials import material as material_named
 from .places import places_from
 
 C = TypeVar("C", bound=ChainFields)
+
+# Largest standard deviation of the logarithm of the radius.
+MAX_SCATTER: Final = 0.3
 
 # Variation of ball lot diameter V_DwL by grade [m], from ISO 3290-1:2014 for steel balls: the
 # difference between the mean diameters of the largest and the smallest ball of a lot.
@@ -142,7 +146,7 @@ def with_scatter(
     rng : numpy.random.Generator or int
         Random number generator, or a seed.
     relative : float, optional
-        Standard deviation of the logarithm of the radius, up to 1.
+        Standard deviation of the logarithm of the radius, up to 0.3, such as 0.01 or ``"1%"``.
     grade : int, optional
         Grade of ISO 3290-1 (3 to 200), instead of a relative deviation, for chains in SI
         units.  Diameters are distributed uniformly over the variation that the grade allows
@@ -177,6 +181,13 @@ def with_scatter(
         kept = np.delete(np.arange(self.beads), places_from(beads, self.beads, "bead"))
         row[kept] = self.radii[kept]
     return _with_beads(self, "with_scatter", row, self.materials)
+
+
+def relative_scatter(
+    what: str, value: object, *, above: float = -math.inf, least: float = -math.inf
+) -> float:
+    """Check a standard deviation of the logarithm of the radius."""
+    return number(what, value, unit=FRACTION, above=above, least=least, most=MAX_SCATTER)
 
 
 def _with_beads(chain: C, method: str, radii: Array, materials: tuple[Material, ...] | None) -> C:
@@ -236,7 +247,7 @@ def _scatter(
     if (relative is None) == (grade is None):
         raise InputError("give either a relative scatter or a ball grade")
     if relative is not None:
-        spread = number("relative scatter", relative, least=0.0, most=1.0)
+        spread = relative_scatter("relative scatter", relative, least=0.0)
         return np.asarray(radii * np.exp(spread * rng.standard_normal(len(radii))))
     if type(grade) is not int or grade not in BALL_GRADES:
         known = ", ".join(map(str, BALL_GRADES))

@@ -135,7 +135,7 @@ def joined(self: C, other: C) -> C:
     >>> import hertzchain as hc
     >>> taper = hc.Chain.tapered(first="10 mm", last="5 mm", beads=20, material="steel-316")
     >>> taper + hc.Chain.from_materials("5 mm", "ptfe", beads=10)
-    Chain(30 beads of steel-316 and ptfe, diameters 20 mm to 10 mm)
+    Chain(30 beads of steel-316 and ptfe, diameters 20 mm to 10 mm, impact at 1 m/s)
     """
     if not isinstance(other, ChainFields):
         return NotImplemented

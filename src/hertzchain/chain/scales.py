@@ -138,6 +138,11 @@ class Scales:
         fields = ("radius", "mass", "velocity", "length", "exponent")
         return wrapped(f"Scales({', '.join(f'{name}={getattr(self, name)!r}' for name in fields)})")
 
+    def _repr_html_(self) -> str:
+        from ..notebook.chains import scales_html
+
+        return scales_html(self)
+
     @property
     def time(self) -> float:
         """Unit of time L/V_1 [s]."""

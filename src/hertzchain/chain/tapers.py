@@ -16,6 +16,7 @@ import numpy as np
 
 from ..collision import Array
 from ..errors import InputError, real_number, short_repr, unknown_name_error
+from ..validation.numbers import FRACTION, plain_magnitude
 from ..validation.objects import check_list
 
 # Radii below this value are zero except for rounding errors.
@@ -55,7 +56,7 @@ class Taper:
             if given.get(name) is None:
                 raise InputError(f"a {self.name} taper requires {names}; give {name}")
         values = {
-            name: real_number(f"{symbol} of a {self.name} taper", given[name])
+            name: _rate(f"{symbol} of a {self.name} taper", given[name])
             for name, symbol in self.symbols.items()
         }
         self.check(beads, **values)
@@ -65,6 +66,11 @@ class Taper:
         """Radii of beads 1 to N; the parameters are not checked."""
         with np.errstate(over="ignore", under="ignore"):
             return np.asarray(self.radii(np.arange(beads, dtype=float), **values))
+
+
+def _rate(what: str, given: object) -> float:
+    """Read a number or a percentage, whose range is checked by the taper."""
+    return real_number(what, plain_magnitude(what, given, FRACTION))
 
 
 def taper_named(name: str) -> Taper:

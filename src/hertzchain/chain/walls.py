@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from ..errors import InputError, short_repr
 from ..validation.keywords import checked_arguments, checked_fields
 from ..validation.numbers import number
+from .description import length_in_words
 from .input_checks import checked_exponent
 from .laws import Loss
 from .materials import RIGID, Material, MaterialLike, material
@@ -51,8 +52,8 @@ class Wall(Part):
     >>> import hertzchain as hc
     >>> hc.Wall(gap=0.1)
     Wall(own material, gap = 0.1)
-    >>> hc.Wall.of("steel-52100")
-    Wall(steel-52100)
+    >>> hc.Wall.of("steel-52100", gap="10 um")
+    Wall(steel-52100, gap = 10 um)
     """
 
     stiffness: float | None = field(default=None, metadata=scale(_stiffness_unit))
@@ -134,10 +135,13 @@ class Wall(Part):
     def __repr__(self) -> str:
         what = "own material"
         if self.stiffness is not None:
-            what = f"stiffness = {self.stiffness:g}"
+            unit = " N/m^1.5" if "stiffness" in self.with_units else ""
+            what = f"stiffness = {self.stiffness:g}{unit}"
         elif self.material is not None:
             what = self.material.name
-        parts = [what, f"gap = {self.gap:g}" if self.gap else ""]
+        real = "gap" in self.with_units or self.material not in (None, RIGID)
+        gap = length_in_words(self.gap) if real else f"{self.gap:g}"
+        parts = [what, f"gap = {gap}" if self.gap else ""]
         parts += [f"p = {self.exponent:g}" if self.exponent is not None else ""]
         parts += [f"loss = {self.loss}" if self.loss is not None else ""]
         return f"Wall({', '.join(filter(None, parts))})"

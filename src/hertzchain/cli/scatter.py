@@ -73,10 +73,14 @@ def scatter(
 
 
 def _part(text: str) -> float:
+    """A scatter, which need not be a percentage."""
+    from ..chain.modifications import relative_scatter
+
     try:
-        return float(text.removesuffix("%")) * (0.01 if text.endswith("%") else 1.0)
+        given: float | str = float(text)
     except ValueError:
-        raise click.UsageError(f"--relative must look like 0.01 or 1%, got {text!r}") from None
+        given = text
+    return relative_scatter("--relative", given, above=0.0)
 
 
 def _document(found: Distribution) -> dict[str, Any]:

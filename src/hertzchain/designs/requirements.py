@@ -70,8 +70,10 @@ def requirements_from(given: object, chain: Chain) -> tuple[Requirement, ...]:
 def _requirement(measure: Measure, text: object, chain: Chain) -> Requirement:
     form = _FORM.fullmatch(text) if isinstance(text, str) else None
     if form is None:
+        fixed = text.strip("= ") if isinstance(text, str) else "5"
         raise InputError(
-            f"the constraint on {measure} must look like '<= 5' or '>= 5', got {short_repr(text)}"
+            f"the constraint on {measure} must look like '<= 5' or '>= 5', got {short_repr(text)}; "
+            f"for a fixed value, give both: ['<= {fixed}', '>= {fixed}']"
         )
     sign = 1 if form[1] in ("<=", "≤") else -1
     limit = limit_from(str(measure), form[2], measure, chain)

@@ -10,11 +10,11 @@ from typing import Any, Final
 import numpy as np
 
 from ..chain.chain import Chain
-from ..chain.modifications import BALL_GRADES
+from ..chain.modifications import BALL_GRADES, relative_scatter
 from ..chain.places import places_from
 from ..collision import Array
 from ..errors import InputError, short_repr
-from ..validation.numbers import number, whole_number
+from ..validation.numbers import whole_number
 from ..validation.objects import check_choice, check_type, text
 
 _CVAR: Final = re.compile(r"cvar(\d\d?)")
@@ -27,7 +27,7 @@ class Scatter:
     Attributes
     ----------
     radius : float, optional
-        Standard deviation of the logarithm of each radius.
+        Standard deviation of the logarithm of each radius, such as 0.01 or ``"1%"``.
     grade : int, optional
         Grade of ISO 3290-1 instead, for chains in SI units; see `Chain.with_scatter`.
     measure : str
@@ -54,7 +54,8 @@ class Scatter:
         if (self.radius is None) == (self.grade is None):
             raise InputError("a scatter has either a relative scatter of the radius or a grade")
         if self.radius is not None:
-            number("scatter of the radius", self.radius, above=0.0, most=0.3)
+            spread = relative_scatter("scatter of the radius", self.radius, above=0.0)
+            object.__setattr__(self, "radius", spread)
         else:
             check_choice("ball grade", str(self.grade), map(str, BALL_GRADES))
         if text("measure of a scatter", self.measure) != "mean" and not self.tail:

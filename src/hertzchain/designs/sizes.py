@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..chain.chain import Chain
+from ..chain.input_checks import warn_large_limit
 from ..chain.places import places_from
 from ..collision import Array
 from ..errors import InputError
@@ -74,6 +75,8 @@ class Sizes:
             )
         noun = "contact" if gaps else "bead"
         places = places_from(self.beads, chain.beads - gaps, noun)
+        if chain.units == "SI" and self.field == "radii":
+            warn_large_limit(low, high, chain.radii)
         if chain.units == "scaled" and self.field == "radii" and chain.strikers in places:
             raise InputError(
                 f"the radius of bead {chain.strikers + 1} is the unit of length of a scaled chain "

@@ -8,6 +8,8 @@ import numpy as np
 
 from ..chain.chain import Chain
 from ..chain.hertz_range import MAX_OVERLAP_RATIO, MAX_SPEED_RATIO, HertzRange
+from ..chain.materials import Material
+from ..chain.scales import Scales
 from ..collision import Array
 from .drawing import COLOURS, WIDTH, engineering, legend, note, numbers, page, svg, table
 
@@ -114,6 +116,37 @@ def _outline(centres: Array, radii: Array, middle: float) -> str:
     lower = "L".join(f"{a:.1f} {middle + b:.1f}" for a, b in zip(x[::-1], r[::-1], strict=True))
     colour = COLOURS[0]
     return f'<path d="M{upper}L{lower}Z" fill="{colour}" fill-opacity="0.55" stroke="{colour}"/>'
+
+
+def material_html(material: Material) -> str:
+    """Numbers of a material with their source."""
+    elastic = np.isfinite(material.young)
+    strength = material.yield_strength
+    found = {
+        "density": f"{material.density:g} kg/m^3",
+        "Young's modulus": engineering(material.young, "Pa") if elastic else "rigid",
+        "Poisson's ratio": f"{material.poisson:g}",
+        "yield strength": "" if strength is None else engineering(strength, "Pa"),
+        "speed of sound in a bar": engineering(material.sound_speed, "m/s") if elastic else "",
+    }
+    source = [note(f"Source: {material.source}.")] if material.source else []
+    known = {name: value for name, value in found.items() if value}
+    return page("Material", material.name, numbers(known), *source)
+
+
+def scales_html(scales: Scales) -> str:
+    """The unit of each scaled variable, in SI."""
+    lengths = ("radius", scales.radius), ("displacement, overlap, gap", scales.length)
+    rows = [[name, engineering(value, "m")] for name, value in lengths]
+    rows += [
+        ["mass", engineering(1e3 * scales.mass, "g")],
+        ["velocity", engineering(scales.velocity, "m/s")],
+        ["time", engineering(scales.time, "s")],
+        ["force", engineering(scales.force, "N")],
+        ["momentum", engineering(scales.momentum, "kg m/s")],
+        ["energy", engineering(scales.energy, "J")],
+    ]
+    return page("Scales", f"p = {scales.exponent:g}", table(("variable", "unit"), rows))
 
 
 def hertz_range_html(found: HertzRange) -> str:

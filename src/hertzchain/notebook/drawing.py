@@ -19,8 +19,9 @@ from ..collision import Array
 
 COLOURS: Final = ("#3d85c6", "#d46a12", "#3a9d6e", "#9b6bc4", "#d2504c", "#8a8a8a")
 WIDTH: Final = 640
-# Points of a curve after thinning: at most two per column of this many.
-COLUMNS: Final = 160
+# Points of a curve after thinning: at most two per column of this many; of an area, one.
+COLUMNS: Final = 240
+AREA_COLUMNS: Final = 160
 # Points up to which each has a dot.
 MAX_DOTS: Final = 60
 # Margins of a chart: left, right, top, bottom.
@@ -248,7 +249,7 @@ def _levels(frame: _Frame) -> list[tuple[float, str]]:
 
 def _curve(curve: Curve, frame: _Frame) -> str:
     if curve.base is not None:
-        kept = np.unique(np.linspace(0, len(curve.x) - 1, COLUMNS).astype(int))
+        kept = np.unique(np.linspace(0, len(curve.x) - 1, AREA_COLUMNS).astype(int))
         x = frame.across(curve.x[kept])
         upper = _points(x, frame.up(curve.y[kept]))
         lower = _points(x[::-1], frame.up(curve.base[kept][::-1]))
@@ -262,7 +263,10 @@ def _curve(curve: Curve, frame: _Frame) -> str:
             f'<circle cx="{a:.1f}" cy="{b:.1f}" r="2.4" fill="{curve.colour}"/>'
             for a, b in zip(x, y, strict=True) if np.isfinite(b)
         )  # fmt: skip
-    path = "".join(f"M{_points(x[run], y[run])}" for run in runs if len(run))
+    # A single point is a line of no length, with round ends.
+    path = "".join(
+        f"M{_points(x[run], y[run])}" + "h0" * (len(run) == 1) for run in runs if len(run)
+    )
     return (
         f'<path d="{path}" fill="none" stroke="{curve.colour}" stroke-width="1.6" '
         f'stroke-linejoin="round" stroke-linecap="round"/>{dots}'

@@ -7,10 +7,13 @@ from typing import Final
 
 import numpy as np
 
+from ..collision import Array
 from ..errors import InputError
 from ..theory.spectrum import Spectrum
 from .drawing import Curve, axis_unit, chart, engineering, note, numbers, page
 
+# Overlap of a line with a gap, relative to the highest frequency, that is rounding.
+NARROW: Final = 1e-6
 # Bands beyond which their edges are not listed.
 MAX_BANDS: Final = 6
 
@@ -19,8 +22,8 @@ def spectrum_html(spectrum: Spectrum) -> str:
     """Frequency of each mode, and the numbers of the bands and of the decay."""
     units, found = spectrum.chain.units, spectrum.frequencies
     factor, hertz = axis_unit(found, "Hz", units)
-    count = np.arange(1.0, len(found) + 1.0)
-    figure = chart([Curve(count, factor * found)], "mode", f"frequency{hertz}", whole=True)
+    count, shown = _split(found, *_gaps(spectrum))
+    figure = chart([Curve(count, factor * shown)], "mode", f"frequency{hertz}", whole=True)
     values = {
         "modes": f"{len(found)}",
         "lowest": engineering(found[0], "Hz", units),
@@ -40,3 +43,23 @@ def spectrum_html(spectrum: Spectrum) -> str:
         if len(edges) <= MAX_BANDS:
             parts.append(note(f"Bands of an infinite chain with the same cell: {bands}."))
     return page("Spectrum", spectrum.chain.description, *parts)
+
+
+def _gaps(spectrum: Spectrum) -> tuple[Array, Array]:
+    """Lower and upper ends of the gaps between bands."""
+    try:
+        edges = spectrum.band_edges()
+    except InputError:
+        return np.zeros(0), np.zeros(0)
+    return edges[:-1, 1], edges[1:, 0]
+
+
+def _split(found: Array, low: Array, high: Array) -> tuple[Array, Array]:
+    """Numbers of modes and frequencies, with NaN where a line would cross a gap."""
+    count = np.arange(1.0, len(found) + 1.0)
+    crossed = np.zeros(len(found) - 1, bool)
+    for begin, end in zip(low, high, strict=True):
+        inside = np.minimum(found[1:], end) - np.maximum(found[:-1], begin)
+        crossed |= inside > NARROW * found[-1]
+    places = np.flatnonzero(crossed) + 1
+    return np.insert(count, places, count[places] - 0.5), np.insert(found, places, np.nan)

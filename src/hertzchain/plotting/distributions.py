@@ -11,6 +11,7 @@ from .titles import chain_title
 
 if TYPE_CHECKING:
     from ..designs.distribution import Distribution
+    from ..designs.scatter import Scatter
 
 
 def plot_distribution(found: Distribution, *, ax: Axes | None = None) -> Axes:
@@ -23,5 +24,12 @@ def plot_distribution(found: Distribution, *, ax: Axes | None = None) -> Axes:
         axes.set_xlabel(found.label + (f" [{found.unit}]" if found.unit != "1" else ""))
         axes.set_ylabel("number of chains")
         axes.legend()
-        set_title(axes, chain_title(found.chain))
+        set_title(axes, f"{chain_title(found.chain)}, {_deviations(found.scatter)}")
     return axes
+
+
+def _deviations(scatter: Scatter) -> str:
+    if scatter.grade is not None:
+        return f"grade {scatter.grade}"
+    assert scatter.radius is not None
+    return f"radii with a scatter of {100.0 * scatter.radius:g}%"

@@ -24,6 +24,9 @@ MICRO: Final = 1e6
 POINTS: Final = 4000
 # Fewest samples of a crest that is shown in an inset.
 CREST: Final = 5
+# Width and height of this inset, and its distance from data, in units of the axes.
+INSET: Final = (0.36, 0.42)
+MARGIN: Final = 0.03
 
 
 def plot_traces(traces: Traces, *, ax: Axes | None = None) -> Axes:
@@ -70,7 +73,7 @@ def plot_fit(result: FitResult) -> Figure:
                 signal = shot.signals[column]
                 model = result.predicted[index][column]
                 _draw_signal(upper, shot.times, signal, model)
-                left = _draw_crest(upper, shot.times, signal, model)
+                _draw_crest(upper, shot.times, signal, model)
                 lower.plot(MICRO * shot.times, next(rest)[2], ".", color="0.35", markersize=2.0)
                 lower.axhline(0.0, color="black", linewidth=0.6)
                 lower.set_ylim(-limit, limit)
@@ -78,9 +81,9 @@ def plot_fit(result: FitResult) -> Figure:
                 lower.set_xlabel("time [µs]")
                 if column == 0:
                     lower.set_ylabel("residual / noise")
-                    upper.legend(loc="center", bbox_to_anchor=(left + 0.2, 0.32))
                 if len(shots) > 1:
                     upper.set_title(f"{signal.name}, shot {index + 1}")
+        figure.legend(*panels[0, 0].get_legend_handles_labels(), loc="outside upper right", ncols=2)
     return figure
 
 
@@ -100,27 +103,40 @@ def _draw_data_and_model(axes: Axes, times: Any, data: Any, model: Any) -> None:
     axes.plot(times, model, color=COLOURS[2], linewidth=0.6, label="model")
 
 
-def _draw_crest(axes: Axes, times: Any, signal: Signal, model: Any) -> float:
-    """Enlarge the crest of the signal in an inset beside it; returns its left edge."""
+def _draw_crest(axes: Axes, times: Any, signal: Signal, model: Any) -> None:
+    """Enlarge the crest of the signal in an inset that covers no data."""
     values = np.where(signal.valid, signal.values, -np.inf)
-    crest, begin, end = _crest(values, model)
+    begin, end = _crest(values, model)
     if end == len(times) - 1 and begin > 1:
         # The record ends before this wave has passed: show the one before it.
-        crest, begin, end = _crest(values[:begin], model[:begin])
-    left = 0.58 if crest < 0.5 * len(times) else 0.03
+        begin, end = _crest(values[:begin], model[:begin])
     if end - begin < CREST:
-        return left
+        return
     shown = slice(begin, end + 1)
-    inset = axes.inset_axes((left, 0.48, 0.4, 0.46))
+    inset = axes.inset_axes(_free_place(axes, MICRO * times, (signal.values, model)))
     _draw_data_and_model(inset, MICRO * times[shown], signal.values[shown], model[shown])
     inset.set_xticks([])
     inset.set_yticks([])
     inset.set_title("crest", fontsize=7, pad=2.0)
-    return left
 
 
-def _crest(values: Any, model: Any) -> tuple[int, int, int]:
-    """Index of the largest value, and of both ends of the crest around it."""
+def _free_place(axes: Axes, times: Any, curves: Any) -> tuple[float, float, float, float]:
+    """Left, bottom, width and height of a place without data; above all of them, if necessary."""
+    width, height = INSET
+    x = (times - times[0]) / (times[-1] - times[0])
+    low, high = axes.get_ylim()
+    tops = [(np.where(np.isnan(values), low, values) - low) / (high - low) for values in curves]
+    for left in np.linspace(0.03, 0.97 - width, 20):
+        beside = (x > left - MARGIN) & (x < left + width + MARGIN)
+        if all(np.max(top[beside], initial=0.0) < 0.88 - height - MARGIN for top in tops):
+            return float(left), 0.88 - height, width, height
+    # Data below 0.4 of the axes, and the inset above them.
+    axes.set_ylim(low, low + (high - low) / (0.86 - height - MARGIN))
+    return 0.5 * (1.0 - width), 0.86 - height, width, height
+
+
+def _crest(values: Any, model: Any) -> tuple[int, int]:
+    """Indices of both ends of the crest around the largest value."""
     crest = int(np.argmax(values))
     high = np.abs(model - model[0]) > 0.7 * abs(model[crest] - model[0])
     begin, end = crest, crest
@@ -128,7 +144,7 @@ def _crest(values: Any, model: Any) -> tuple[int, int, int]:
         begin -= 1
     while end < len(model) - 1 and high[end + 1]:
         end += 1
-    return crest, begin, end
+    return begin, end
 
 
 def plot_fit_residuals(result: FitResult) -> Figure:

@@ -27,6 +27,9 @@ PHASES: Final = 201
 FREQUENCIES: Final = 2000
 # Upper end of a frequency axis, relative to the highest band or mode.
 ROOM: Final = 1.25
+ROOM_FOR_LEGEND: Final = 1.4
+# Width of axes [inch] for a legend in one row.
+WIDE: Final = 4.4
 # Gaps narrower than this fraction of the highest frequency are bands that touch.
 TOUCHING: Final = 1e-6
 # Range of the amplitudes that are drawn.
@@ -56,10 +59,14 @@ def plot_spectrum(
             axes.set_xlabel("mode")
             axes.xaxis.set_major_locator(MaxNLocator(integer=True))
             top = spectrum.frequencies.max()
-        axes.set_ylim(0.0, factor * ROOM * top)
-        _shade(axes.axhspan, edges, factor, ROOM * top)
+        room = ROOM if edges is None else ROOM_FOR_LEGEND
+        axes.set_ylim(0.0, factor * room * top)
+        _shade(axes.axhspan, edges, factor, room * top)
         if edges is not None:
-            axes.legend(loc="lower right")
+            # Branches may be anywhere below the top of the highest band.
+            wide = axes.get_window_extent().width / axes.figure.dpi > WIDE
+            axes.legend(loc="upper center", ncols=3 if wide else 2, frameon=True,
+                        facecolor="white", edgecolor="none")  # fmt: skip
         axes.set_ylabel(label)
         set_title(axes, chain_title(spectrum.chain))
     return axes

@@ -19,14 +19,14 @@ from ..store.sweep_export import check_sweep
 from ..store.sweep_store import FAILED, MISSING
 from ..validation.numbers import number
 from ..validation.objects import check_bool, check_choice, check_list, check_type
-from .style import COLOURS, MARKERS, figure_style, literal, set_title
+from .style import COLOURS, MARKERS, figure_style, label_log_axis, literal, set_title
 
 if TYPE_CHECKING:
     import xarray as xr
 
 # Variables that flag points.
 FLAGS = ("outside_range", "incomplete")
-# Largest number of values of an axis for one curve per value, beside an axis with more values.
+# Largest number of values of an axis for one curve per value.
 MAX_CURVES: Final = 6
 # Names of parameters with one value for each bead or contact, in a label.
 SINGULARS: Final = MappingProxyType({
@@ -46,8 +46,8 @@ def plot_sweep(
 ) -> Axes:
     """Plot one quantity of a sweep: curves over one axis, or a map over two.
 
-    If one of two axes has at most six values and the other has more than it, the plot has one
-    curve per value of the shorter axis instead of a map.
+    If one of two axes has at most six values, the plot has one curve per value of the shorter axis
+    instead of a map.
 
     Parameters
     ----------
@@ -180,9 +180,8 @@ def _check_done(dataset: xr.Dataset, at: Mapping[str, Any]) -> None:
 
 def _short_axis(drawn: xr.DataArray) -> str | None:
     """The shorter of two axes, if one curve per value is clearer than a map."""
-    short, long = sorted(drawn.dims, key=lambda name: drawn.sizes[name])
-    few = drawn.sizes[short] <= MAX_CURVES and drawn.sizes[short] < drawn.sizes[long]
-    return str(short) if few else None
+    short = min(reversed(drawn.dims), key=lambda name: drawn.sizes[name])
+    return str(short) if drawn.sizes[short] <= MAX_CURVES else None
 
 
 def _index(coordinate: xr.DataArray, name: str, value: Any) -> int:
@@ -276,7 +275,9 @@ def _map(drawn: xr.DataArray, axes: Axes, *, log: bool, levels: list[float] | No
             raise InputError(f"{drawn.name} has no values above 0; omit log")
         norm = LogNorm(shown.min(), shown.max())
     mesh = axes.pcolormesh(_edges(x), _edges(y), values, cmap="viridis", norm=norm, rasterized=True)
-    axes.figure.colorbar(mesh, ax=axes, label=_quantity_label(drawn))
+    bar = axes.figure.colorbar(mesh, ax=axes, label=_quantity_label(drawn))
+    if norm is not None:
+        label_log_axis(bar.ax.yaxis)
     if levels:
         lines = axes.contour(
             x, y, values, levels=sorted(set(levels)), colors="white", linewidths=1.2
@@ -284,6 +285,10 @@ def _map(drawn: xr.DataArray, axes: Axes, *, log: bool, levels: list[float] | No
         axes.clabel(lines, fmt="%g", fontsize=8)
     _set_axis(axes, "x", drawn[across])
     _set_axis(axes, "y", drawn[down])
+    # Cells are centred on their values; halves of the outer ones were not computed.
+    for name, limit, places in ((across, axes.set_xlim, x), (down, axes.set_ylim, y)):
+        if drawn[name].dtype.kind in "if":
+            limit(places[0], places[-1])
 
 
 def _set_axis(axes: Axes, which: Literal["x", "y"], coordinate: xr.DataArray) -> None:

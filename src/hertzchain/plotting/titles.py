@@ -2,33 +2,75 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from ..chain.chain import Chain
-from ..chain.description import beads_of, sizes_in_words
+from ..chain.description import beads_of, length_in_words, sizes_in_words
+from ..chain.laws.restitution import Restitution
+from ..chain.materials import Material
 from ..collision import HERTZ_EXPONENT
 from .style import literal
 
 
 def chain_title(chain: Chain) -> str:
-    """Such as ``20 steel balls, 20 mm to 8 mm``; strikers are named, not counted."""
+    """Such as ``20 steel balls, 20 mm to 8 mm, PTFE wall``; strikers are named, not counted."""
     count, first = chain.beads, chain.strikers
     title, *_ = chain.description.partition(f"{count} beads")
     title += f"{count} beads"
     if chain.units == "SI":
-        strikers = {0: "", 1: " and a striker"}.get(first, f" and {first} strikers")
-        balls = beads_of(count - first, "balls", _materials(chain) or ["SI"])
-        title = f"{balls}{strikers}, {sizes_in_words(chain.radii[first:])}"
+        balls = beads_of(count - first, "balls", _materials(chain.materials, first) or ["SI"])
+        title = f"{balls}{_strikers(chain)}"
     elif chain.taper is None and np.all(chain.radii == 1.0):
         title = f"{count} equal beads"
     p = chain.exponents
     law = f", p = {p:g}" if isinstance(p, float) and p != HERTZ_EXPONENT else ""
-    return literal(title + law)
+    return literal(", ".join(filter(None, (title + law, _wall(chain), _loss(chain)))))
 
 
-def _materials(chain: Chain) -> list[str]:
+def _strikers(chain: Chain) -> str:
+    """Sizes of the balls, and strikers with their size if it is another one."""
+    first = chain.strikers
+    balls = sizes_in_words(chain.radii[first:])
+    if not first:
+        return f", {balls}"
+    strikers = "a striker" if first == 1 else f"{first} strikers"
+    # The radius of a striker of a given mass need not be its size.
+    own = balls if "masses" in chain.given else sizes_in_words(chain.radii[:first])
+    return f" and {strikers}, {balls}" if own == balls else f", {balls}, and {strikers}, {own}"
+
+
+def _wall(chain: Chain) -> str:
+    """A right wall that is not simply one of the material of the beads."""
+    wall = chain.right_wall
+    if wall is None:
+        return ""
+    kind = ""
+    if wall.material is not None and wall.material not in (chain.materials or ())[-1:]:
+        (kind,) = _materials((wall.material,))
+    elif wall.stiffness is not None:
+        kind = f"k = {wall.stiffness:g}"
+    gap = ""
+    if wall.gap:
+        gap = (
+            length_in_words(wall.gap).replace("um", "µm")
+            if chain.units == "SI"
+            else f"{wall.gap:g}"
+        )
+    parts = [f"{kind} wall".strip(), f"at a distance of {gap}" if gap else ""]
+    return " ".join(filter(None, parts)) if kind or gap else ""
+
+
+def _loss(chain: Chain) -> str:
+    if isinstance(chain.loss, Restitution):
+        return f"restitution {chain.loss.coefficient:g}"
+    return "" if chain.lossless else "with losses"
+
+
+def _materials(materials: Sequence[Material] | None, first: int = 0) -> list[str]:
     """Names of materials without their grades, unless two of them differ only by the grade."""
-    names = list(dict.fromkeys(each.name for each in (chain.materials or ())[chain.strikers :]))
+    names = list(dict.fromkeys(each.name for each in (materials or ())[first:]))
     parts = [name.partition("-") for name in names]
     short = [
         base if any(map(str.isdigit, grade)) else name

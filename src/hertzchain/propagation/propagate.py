@@ -1,4 +1,4 @@
-"""Simulate the leading pulse, in half a millisecond for a tapered chain of a hundred beads.
+"""Simulate the leading pulse, in 0.3 to 0.4 ms for a tapered chain of a hundred beads.
 
 `propagate` simulates one chain, `propagate_many` an ensemble.  Both integrate the same
 equation of motion as `hertzchain.simulate`, but only for the beads around the pulse

@@ -206,10 +206,10 @@ class Budget:
             there, given = self._sides(of)
             total = float(np.sum([values[-1] for values in given.values()]))
             heading = f"{of} [{QUANTITIES[of].unit}]" if real else of
-            lines.append(f"  {heading:<30}{'part':>9}")
+            lines.append(f"  {heading:<32}{'part':>9}")
             for name, values in {**there, **{f"from {k}": v for k, v in given.items()}}.items():
                 if np.any(values != 0.0):
-                    part = f"{values[-1] / total:>9.2%}" if total != 0.0 else ""
+                    part = f"  {values[-1] / total:>9.2%}" if total != 0.0 else ""
                     lines.append(f"    {name:<14}{values[-1]:>14.6g}{part}")
             worst = float(np.abs(self.residual(of)).max())
             lines.append(f"    adds up within {worst:.1e}")

@@ -85,6 +85,11 @@ class EnergyFlux:
             f"to the left {measure(self.left[left], 'J', units)} at contact {left + 1}",
         )
 
+    def _repr_html_(self) -> str:
+        from ..notebook.waves import energy_flux_html
+
+        return energy_flux_html(self)
+
 
 def energy_flux_of(self: Trajectory) -> EnergyFlux:
     """Energy that passed each contact, to the right and to the left.

@@ -21,7 +21,7 @@ from typing import Final
 import numpy as np
 
 from ..errors import InputError, ModelRangeWarning, SimulationError
-from ..validation.numbers import number
+from ..validation.numbers import FRACTION, number
 from ..validation.objects import callback
 from .horizon import Horizon
 from .run import Run
@@ -40,7 +40,7 @@ def horizon_of(
     run: Run, within: float = 0.01, progress: Callable[[int, int], None] | None = None
 ) -> Horizon:
     """Integrate a run's chain again and compare; see `hertzchain.Run.horizon`."""
-    within = number("within", within, above=0.0, below=1.0)
+    within = number("within", within, unit=FRACTION, above=0.0, below=1.0)
     callback("progress", progress)
     if run.known_horizon is not None:
         return replace(run.known_horizon, within=within)

@@ -19,7 +19,7 @@ from typing import Final
 import numpy as np
 
 from ..errors import InputError, InputWarning, warn_user
-from ..validation.numbers import number, whole_number
+from ..validation.numbers import FRACTION, number, whole_number
 from .trajectory import Trajectory
 from .wave_events import (
     MIN_SAMPLES,
@@ -78,7 +78,7 @@ def find_waves(self: Trajectory, *, threshold: float = 0.01, min_contacts: int =
     >>> [round(wave.amplitude, 3) for wave in train][:4]
     [1.277, 0.495, 0.207, 0.089]
     """
-    threshold = number("threshold", threshold, above=0.0, below=1.0)
+    threshold = number("threshold", threshold, unit=FRACTION, above=0.0, below=1.0)
     least = whole_number("min_contacts", min_contacts, least=2)
     check_saved_times(self)
     floor = threshold * largest_force_of(self)

@@ -100,6 +100,11 @@ class Fronts:
             summary += f"{measure(end, 's', units)} at contact {last + 1}"
         return short("Fronts", self.chain.description, summary)
 
+    def _repr_html_(self) -> str:
+        from ..notebook.waves import fronts_html
+
+        return fronts_html(self)
+
 
 def fronts_of(self: Trajectory) -> Fronts:
     """Times at which the front of the motion reached each contact, and its speed.

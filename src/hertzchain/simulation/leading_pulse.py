@@ -148,6 +148,11 @@ class LeadingPulse:
             f"{measure(self.kinetic_energy[k], 'J', units)}",
         )
 
+    def _repr_html_(self) -> str:
+        from ..notebook.waves import leading_pulse_html
+
+        return leading_pulse_html(self)
+
 
 def leading_pulse_of(chain: Chain, crossings: Array, turned_back: float) -> LeadingPulse:
     """The leading pulse, from the records of the compiled loop."""

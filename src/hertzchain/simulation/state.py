@@ -156,6 +156,11 @@ class State:
                 )
         return new_state(self.chain, self.arrays["y"][: self.chain.beads], -self.velocities)
 
+    def _repr_html_(self) -> str:
+        from ..notebook.waves import state_html
+
+        return state_html(self)
+
 
 def new_state(chain: Chain, positions: Array, velocities: Array) -> State:
     """A state at time 0 without records."""

@@ -19,6 +19,7 @@ from ..chain.contact_groups import loading_overlaps
 from ..chain.scales import scale
 from ..collision import Array
 from ..errors import InputError
+from ..frozen import ShortDir
 from ..pulse.quantities import BEAD_QUANTITIES, RUN_QUANTITIES, TIME
 from ..validation.numbers import whole_number
 from .budget import overlaps_of
@@ -32,9 +33,10 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, eq=False)
-class Trajectory:
+class Trajectory(ShortDir):
     """The motion of a chain as recorded by the compiled loop; `hertzchain.Run` has the fields."""
 
+    _omitted = ("evaluations", "prediction")
     chain: Chain
     times: Array = field(metadata=scale("time"))
     positions: Array = field(metadata=scale("length"))

@@ -335,6 +335,11 @@ class Waves:
             "print() lists them",
         )
 
+    def _repr_html_(self) -> str:
+        from ..notebook.waves import waves_html
+
+        return waves_html(self)
+
     def __str__(self) -> str:
         shown = self.waves if len(self) <= 12 else self.waves[:10]
         lines = [f"Waves({self._heading()})", *(f"  {' '.join(repr(w).split())}" for w in shown)]

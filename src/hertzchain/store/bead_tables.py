@@ -58,7 +58,7 @@ def load_beads(path: str | os.PathLike[str], own: Mapping[str, Material] | None 
     ...     file = Path(folder) / "beads.csv"
     ...     _ = file.write_text("diameter [mm],material\n10,brass\n8,glass\n")
     ...     load_beads(file)
-    Chain(2 beads of brass and glass, diameters 10 mm to 8 mm)
+    Chain(2 beads of brass and glass, diameters 10 mm to 8 mm, impact at 1 m/s)
     """
     file = file_path("table of beads", path)
     try:

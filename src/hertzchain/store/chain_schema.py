@@ -17,6 +17,7 @@ from ..chain.boundary_checks import HELD_BY
 from ..chain.drives import DRIVEN, WINDOWS
 from ..chain.laws import LAWS
 from ..chain.laws.base import Parameter
+from ..chain.modifications import MAX_SCATTER
 from ..chain.taper_sizes import SHAPES
 from ..chain.tapers import PARAMETERS, TAPERS, parameter_description
 from ..units import UNITS
@@ -64,7 +65,7 @@ FORMS: Final[Mapping[str, tuple[str, ...]]] = MappingProxyType(
 _CHAIN: Final = (
     Key("taper", "choice", "name of a taper, or uniform; exponential or linear with sizes",
         choices=(*TAPERS, "uniform", *SHAPES)),
-    *(_number(name, parameter_description(name)) for name in PARAMETERS),
+    *(_number(name, parameter_description(name), fraction=True) for name in PARAMETERS),
     Key("beads", "integer", "number of beads", least=2),
     _number("radius", "radius of the first bead of a taper", "length", above=0.0),
     _number("first", "radius of the first bead of a taper of given sizes", "length", above=0.0),
@@ -119,7 +120,13 @@ _DEFECTS: Final = (
 )
 _SCATTER: Final = (
     Key("seed", "integer", "seed of the random numbers", required=True, least=0),
-    _number("relative", "standard deviation of the logarithm of the radius", least=0.0, most=1.0),
+    _number(
+        "relative",
+        "standard deviation of the logarithm of the radius",
+        fraction=True,
+        least=0.0,
+        most=MAX_SCATTER,
+    ),
     Key("grade", "integer", "ball grade of ISO 3290-1, instead of relative"),
     Key("beads", "text", "beads that deviate, such as 2:; all if omitted"),
 )
@@ -168,7 +175,7 @@ def _law_key(name: str, about: Parameter, default: Any) -> Key:
     bounds: dict[str, Any] = dict(about.bounds)
     return Key(
         name, kind, about.description, required=required, default=None if required else default,
-        dimension=about.dimension, **bounds,
+        dimension=about.dimension, fraction=about.fraction, **bounds,
     )  # fmt: skip
 
 

@@ -184,12 +184,17 @@ def _problem_of_one(key: Key, value: Any, what: str) -> Iterator[str]:
     elif key.kind == "integer":
         if isinstance(value, bool) or not isinstance(value, numbers.Integral):
             yield f"{what} must be a whole number, got {short_repr(value)}"
-    elif isinstance(value, str) and key.dimension and quantity(value) is not None:
+    elif isinstance(value, str) and _may_be_text(key) and quantity(value) is not None:
         return
     elif isinstance(value, bool) or not isinstance(value, numbers.Real):
         units = UNITS[key.dimension] if key.dimension else ()
         with_unit = f", or text with a unit such as '5 {units[:3][-1]}'" if units else ""
+        with_unit = " or a percentage such as '5%'" if key.fraction else with_unit
         yield f"{what} must be a number{with_unit}, got {short_repr(value)}"
+
+
+def _may_be_text(key: Key) -> bool:
+    return bool(key.dimension) or key.fraction
 
 
 def _problem_of_list_with_unit(key: Key, value: Mapping[str, Any], what: str) -> Iterator[str]:

@@ -36,6 +36,8 @@ class Key:
         A key of `hertzchain.units.UNITS`, if the value has a unit in SI chains; text such as
         ``"5 mm"`` is then allowed.  Scaled chains accept only plain numbers.  A stiffness is in
         N/m^p, with the exponent p of the chain.
+    fraction : bool
+        Whether text such as ``"5%"`` is allowed.
     dimension_if_displacement : str
         Dimension if the key ``of`` is ``"displacement"``, where that differs.
     choices : tuple of str
@@ -61,6 +63,7 @@ class Key:
     default: float | bool | str | None = None
     required: bool = False
     dimension: str = ""
+    fraction: bool = False
     dimension_if_displacement: str = ""
     choices: tuple[str, ...] = ()
     above: float = -math.inf

@@ -20,7 +20,7 @@ from ..collision import (
 from ..errors import InputError
 from ..pulse.chain_units import for_any_units
 from ..pulse.pulse import Pulse
-from ..validation.numbers import number
+from ..validation.numbers import FRACTION, number
 from .decoration import warn_if_decorated
 
 
@@ -90,7 +90,7 @@ def bca(chain: Chain, *, restitution: float = 1.0) -> Pulse:
     >>> float(pulse.velocity[49]), round(float(pulse.residence[0]), 6)
     (1.0, 1.219419)
     """
-    m, e = chain.masses, number("restitution", restitution, above=0.0, most=1.0)
+    m, e = chain.masses, number("restitution", restitution, unit=FRACTION, above=0.0, most=1.0)
     velocity = collision_cascade(m, e)
     reduced, speed = reduced_mass(m[:-1], m[1:]), velocity[:-1]
     with np.errstate(divide="ignore", invalid="ignore"):

@@ -17,7 +17,7 @@ from ..collision import Array
 from ..errors import InputError
 from ..pulse.chain_units import in_units_of, scaled_chain
 from ..pulse.pulse import Pulse
-from ..validation.numbers import number
+from ..validation.numbers import FRACTION, number
 from .disorder_table import END, RATES, SCATTERS, START, DisorderTables, disorder_tables
 from .local_rate import local_rate
 
@@ -37,7 +37,8 @@ def disorder(chain: Chain, scatter: float = 0.0, *, modulus_scatter: float = 0.0
 
     with the velocity :math:`v_k^{(0)}` of the nominal chain by `local_rate`, and functions of the
     rates :math:`s_k = \ln(R_{k+1}/R_k)` that were tabulated from ensembles of simulated pulses.  In
-    nearly equal beads, c depends on the scatter: the attenuation has no term of second order.
+    nearly equal beads, c depends on the scatter: the attenuation is not proportional to
+    :math:`\sigma^2`.
     The law is not in the paper; it is derived in the explanation "Disorder".
 
     Parameters
@@ -47,7 +48,7 @@ def disorder(chain: Chain, scatter: float = 0.0, *, modulus_scatter: float = 0.0
         from -0.1 to 0.1.
     scatter : float
         Standard deviation :math:`\sigma` of ln R of all beads, independent and normally
-        distributed, up to 0.03.
+        distributed, up to 0.03, such as 0.01 or ``"1%"``.
     modulus_scatter : float
         The same for the moduli E of the beads, up to 0.1; at least one scatter must be above 0.
 
@@ -76,8 +77,10 @@ def disorder(chain: Chain, scatter: float = 0.0, *, modulus_scatter: float = 0.0
     '0.7%, +-1.8%'
     """
     scatters = {
-        "radii": number("scatter", scatter, least=0.0, most=SCATTERS[-1]),
-        "moduli": number("modulus_scatter", modulus_scatter, least=0.0, most=MAX_MODULUS_SCATTER),
+        "radii": number("scatter", scatter, unit=FRACTION, least=0.0, most=SCATTERS[-1]),
+        "moduli": number(
+            "modulus_scatter", modulus_scatter, unit=FRACTION, least=0.0, most=MAX_MODULUS_SCATTER
+        ),
     }
     if not any(scatters.values()):
         raise InputError("disorder requires a scatter or modulus_scatter above 0; for none, use "

@@ -19,7 +19,7 @@ from ..collision import collision_cascade
 from ..errors import InputError
 from ..pulse.chain_units import for_any_units
 from ..pulse.pulse import Pulse
-from ..validation.numbers import number
+from ..validation.numbers import FRACTION, number
 from .decoration import warn_if_decorated
 
 
@@ -62,7 +62,7 @@ def hard_sphere(chain: Chain, *, restitution: float = 1.0) -> Pulse:
     >>> hc.hard_sphere(hc.Chain.uniform(4), restitution=0.9).velocity.round(6)
     array([1.      , 0.95    , 0.9025  , 0.857375])
     """
-    e = number("restitution", restitution, above=0.0, most=1.0)
+    e = number("restitution", restitution, unit=FRACTION, above=0.0, most=1.0)
     velocity = collision_cascade(chain.masses, e)
     method = "hard sphere" if e == 1.0 else f"hard sphere, e = {e:g}"
     pulse = Pulse(chain=chain, method=method, velocity=velocity, restitution=e)
@@ -110,7 +110,7 @@ def hard_sphere_energy_ratio(chain: Chain, *, restitution: float = 1.0) -> float
     """
     covered = ("SI units", "masses", "stiffness", "gaps")
     require_supported(chain, "the hard-sphere theory", supported=covered)
-    m, e = chain.masses, number("restitution", restitution, above=0.0, most=1.0)
+    m, e = chain.masses, number("restitution", restitution, unit=FRACTION, above=0.0, most=1.0)
     mass_ratio = m[1:] / m[:-1]
     return float(np.prod((1.0 + e) ** 2 * mass_ratio / (1.0 + mass_ratio) ** 2))
 
@@ -147,7 +147,7 @@ def exponential_energy_ratio(q: float, beads: int, *, restitution: float = 1.0) 
     >>> round(hc.theory.exponential_energy_ratio(0.05, 20), 6)
     0.893718
     """
-    e = number("restitution", restitution, above=0.0, most=1.0)
+    e = number("restitution", restitution, unit=FRACTION, above=0.0, most=1.0)
     if not 0.0 <= q < 1.0:
         raise InputError(f"q must be at least 0 and below 1, got {q:g}; try 0.05")
     if beads < 2:

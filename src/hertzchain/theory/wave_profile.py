@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 from ..collision import Array
 from ..errors import InputError
 from ..frozen import Frozen
-from ..validation.numbers import number, real_numbers, whole_number
+from ..validation.numbers import FRACTION, number, real_numbers, whole_number
 
 
 @dataclass(frozen=True, eq=False)
@@ -148,7 +148,9 @@ class WaveProfile(Frozen):
         >>> [round(f.width(), 5) for f in (wave.overlap, wave.force, wave.velocity)]
         [1.72571, 1.41193, 1.57914]
         """
-        level = number("level of a width", level, above=0.0, below=1.0, hint="try 0.5")
+        level = number(
+            "level of a width", level, unit=FRACTION, above=0.0, below=1.0, hint="try 0.5"
+        )
         inside, outside = 0.0, self.half_length
         while self._tail is not None and self(outside) > level:
             outside *= 2.0

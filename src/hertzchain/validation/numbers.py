@@ -20,12 +20,14 @@ from numpy.typing import ArrayLike
 
 from ..collision import Array
 from ..errors import InputError, real_number, short_repr
-from ..units import converted, quantity
+from ..units import PERCENT, converted, quantity
 
 # Largest index of a NumPy array.
 MAX_INDEX: Final = 2**63 - 1
 # Takes the place of the unit for a variable of a scaled chain, which must have none.
 SCALED: Final = "scaled"
+# Takes the place of the unit for numbers without a dimension that may be percentages, "5%".
+FRACTION: Final = ""
 # Names of arguments with one value for each bead or contact.
 PLURALS: Final = {"gap": "gaps", "mass": "masses", "velocity": "velocities"}
 # Largest number of dimensions of an array.
@@ -52,6 +54,9 @@ def plain_magnitude(what: str, value: Any, unit: str | None, depth: int = 0) -> 
         if found is None:
             _reject_bare_number(what, value, unit)
             return value
+        if found[1] == PERCENT and unit in (None, SCALED):
+            plain = converted(what, *found, FRACTION)
+            raise InputError(f"{what} must not be a percentage, got {value!r}; write {plain:g}")
         return converted(what, *found, _unit_for(what, value, unit))
     if isinstance(value, np.ndarray) and value.dtype.kind in "UTO":
         value = value.tolist()
@@ -74,8 +79,8 @@ def plain_magnitude(what: str, value: Any, unit: str | None, depth: int = 0) -> 
         plain = value.to("" if unit in (None, SCALED) else unit).magnitude
     # The exceptions of pint have no common base class; the message quotes them.
     except Exception as error:  # noqa: BLE001
-        _unit_for(what, value, unit)
-        raise InputError(f"{what} must be convertible to {unit}: {error}") from None
+        needed = _unit_for(what, value, unit) or "a plain number"
+        raise InputError(f"{what} must be convertible to {needed}: {error}") from None
     _reject_masked(what, plain)
     return plain
 

@@ -20,7 +20,7 @@ from ...collision import Array, collision_overlap, compression_time
 from ...errors import InputError
 from ...kernels.law_kinds import LawRow
 from ...units import UNITS
-from ...validation.numbers import number
+from ...validation.numbers import FRACTION, number
 from ...validation.objects import check_bool
 from ..parts import Part
 from ..scales import Scale, scale
@@ -44,14 +44,16 @@ class Parameter:
     dimension: str = ""
     bounds: Mapping[str, float] = dataclasses.field(default_factory=dict)
     boolean: bool = False
+    fraction: bool = False
 
 
 def parameter(
     called: str, description: str, dimension: str = "", *, default: Any = dataclasses.MISSING,
-    unit: Scale | None = None, **bounds: float,
+    unit: Scale | None = None, fraction: bool = False, **bounds: float,
 ) -> Any:  # fmt: skip
     """Create a field of a law: a number within bounds, optional if its default is `None`."""
-    metadata: dict[str, Any] = {"parameter": Parameter(called, description, dimension, bounds)}
+    about = Parameter(called, description, dimension, bounds, fraction=fraction)
+    metadata: dict[str, Any] = {"parameter": about}
     unit = SCALED_UNITS.get(dimension) if unit is None else unit
     if unit is not None:
         metadata |= scale(unit)
@@ -132,8 +134,10 @@ class Loss(Part):
 
     def _unit(self, name: str) -> str | None:
         """The unit of a field in SI chains, for `hertzchain.validation.numbers`."""
-        dimension = self.parameters()[name].dimension
-        return UNITS[dimension][0] if dimension else None
+        about = self.parameters()[name]
+        if about.fraction:
+            return FRACTION
+        return UNITS[about.dimension][0] if about.dimension else None
 
     @property
     def relaxation_time(self) -> float:

@@ -37,7 +37,7 @@ class Restitution(Loss, name="restitution"):
     Attributes
     ----------
     coefficient : float
-        Coefficient of restitution e, 0 < e <= 1.
+        Coefficient of restitution e, 0 < e <= 1, such as 0.95 or ``"95%"``.
     attractive : bool
         Whether the force may pull before the overlap ends; the usual form does.
 
@@ -50,7 +50,11 @@ class Restitution(Loss, name="restitution"):
     """
 
     coefficient: float = parameter(
-        "coefficient of restitution", "coefficient of restitution", above=0.0, most=1.0
+        "coefficient of restitution",
+        "coefficient of restitution",
+        fraction=True,
+        above=0.0,
+        most=1.0,
     )
     attractive: bool = may_pull(default=True)
 

@@ -36,7 +36,11 @@ class UnloadingRatio(Loss, name="unloading-ratio"):
     """
 
     ratio: float = parameter(
-        "unloading ratio w", "part of the force that is missing in unloading", least=0.0, below=1.0
+        "unloading ratio w",
+        "part of the force that is missing in unloading",
+        fraction=True,
+        least=0.0,
+        below=1.0,
     )
 
     def row(self, exponent: float) -> LawRow:

@@ -48,7 +48,7 @@ class WaltonBraun(Loss, name="walton-braun"):
 
     ratio: float = parameter(
         "ratio K1/K2 of loading to unloading", "stiffness of loading over that of unloading",
-        above=0.0, most=1.0,
+        fraction=True, above=0.0, most=1.0,
     )  # fmt: skip
 
     def row(self, exponent: float) -> LawRow:

@@ -1,0 +1,138 @@
+"""HTML representations of waves, fronts, leading pulses, energy fluxes and states."""
+
+from __future__ import annotations
+
+from typing import Final
+
+import numpy as np
+
+from ..collision import Array
+from ..simulation.energy_flux import EnergyFlux
+from ..simulation.fronts import Fronts
+from ..simulation.leading_pulse import LeadingPulse
+from ..simulation.state import State
+from ..simulation.waves import Waves
+from .drawing import (
+    COLOURS,
+    Curve,
+    axis_unit,
+    chart,
+    engineering,
+    legend,
+    note,
+    numbers,
+    page,
+    table,
+)
+
+# Strongest waves that are drawn and listed.
+MAX_WAVES: Final = 12
+
+
+def waves_html(waves: Waves) -> str:
+    """Tracks of the strongest waves, solid blue to the right and orange to the left, in a table."""
+    units = waves.chain.units
+    count = f"{len(waves.right)} right, {len(waves.left)} left"
+    description = f"{waves.chain.description}: {count}"
+    if not len(waves):
+        return page("Waves", description, note("There are no waves."))
+    strongest = sorted(waves, key=lambda wave: -wave.energy)[:MAX_WAVES]
+    shown = [wave for wave in waves if wave in strongest]
+    slow, second = axis_unit(np.concatenate([wave.times for wave in shown]), "s", units)
+    curves = []
+    for wave in shown:
+        order = np.argsort(wave.times)
+        colour = COLOURS[0 if wave.direction > 0 else 1]
+        contacts = np.asarray(wave.contacts, float)[order]
+        curves.append(Curve(slow * wave.times[order], contacts, colour=colour))
+    rows = [
+        [
+            "right" if wave.direction > 0 else "left",
+            f"{wave.contacts.min()} to {wave.contacts.max()}",
+            f"{engineering(wave.times.min(), 's', units)} to "
+            f"{engineering(wave.times.max(), 's', units)}",
+            engineering(wave.amplitude, "N", units),
+            engineering(wave.momentum, "kg m/s", units),
+            engineering(wave.energy, "J", units),
+        ]
+        for wave in shown
+    ]
+    parts = [
+        legend((("to the right", COLOURS[0]), ("to the left", COLOURS[1]))),
+        chart(curves, f"time{second}", "contact"),
+        table(("direction", "contacts", "time", "force", "momentum", "energy"), rows),
+    ]
+    if len(waves) > len(shown):
+        parts.append(note(f"The {len(shown)} waves of the largest energy, of {len(waves)}."))
+    return page("Waves", description, *parts)
+
+
+def energy_flux_html(flux: EnergyFlux) -> str:
+    """Energy that passed each contact in both directions."""
+    factor, joule = axis_unit(np.concatenate([flux.right, flux.left]), "J", flux.chain.units)
+    contacts = np.arange(1.0, flux.chain.beads)
+    curves = [
+        Curve(contacts, factor * flux.right, "to the right", COLOURS[0]),
+        Curve(contacts, factor * flux.left, "to the left", COLOURS[1]),
+    ]
+    return page(
+        "EnergyFlux", flux.chain.description,
+        legend((curve.label, curve.colour) for curve in curves),
+        chart(curves, "contact", f"energy{joule}", whole=True),
+    )  # fmt: skip
+
+
+def fronts_html(fronts: Fronts) -> str:
+    """Time of the front at each contact, and its height at the first and last known contact."""
+    units = fronts.chain.units
+    figure = _per_contact(fronts.times, "s", "time", units)
+    known = np.flatnonzero(np.isfinite(fronts.times))
+    found = {"contacts": f"{len(known)} of {len(fronts.times)}"}
+    for k in known[[0, -1]] if len(known) else []:
+        found[f"at contact {k + 1}"] = engineering(float(fronts.times[k]), "s", units)
+        found[f"height at {k + 1}"] = engineering(float(fronts.heights[k]), "N", units)
+    return page("Fronts", fronts.chain.description, figure, numbers(found), *_notes(fronts.notes))
+
+
+def leading_pulse_html(pulse: LeadingPulse) -> str:
+    """Momentum of the leading pulse along the chain, and its last known values."""
+    units = pulse.chain.units
+    figure = _per_contact(pulse.momentum, "kg m/s", "momentum", units)
+    known = np.flatnonzero(np.isfinite(pulse.momentum))
+    found = {"contacts": f"{len(known)} of {len(pulse.crest)}"}
+    if len(known):
+        k = int(known[-1])
+        found |= {
+            f"crest at contact {k + 1}": engineering(float(pulse.crest[k]), "s", units),
+            "momentum": engineering(float(pulse.momentum[k]), "kg m/s", units),
+            "kinetic energy": engineering(float(pulse.kinetic_energy[k]), "J", units),
+        }
+    return page(
+        "LeadingPulse", pulse.chain.description, figure, numbers(found), *_notes(pulse.notes)
+    )
+
+
+def state_html(state: State) -> str:
+    """Velocities of all beads at the time of a state."""
+    units = state.chain.units
+    fast, speed = axis_unit(state.velocities, "m/s", units)
+    curve = Curve(np.arange(1.0, state.chain.beads + 1.0), fast * state.velocities)
+    fastest = int(np.argmax(np.abs(state.velocities)))
+    found = {
+        "time": engineering(state.time, "s", units),
+        "fastest bead": f"{fastest + 1}",
+        "its velocity": engineering(float(state.velocities[fastest]), "m/s", units),
+    }
+    figure = chart([curve], "bead", f"velocity{speed}", whole=True)
+    return page("State", state.chain.description, figure, numbers(found))
+
+
+def _per_contact(values: Array, unit: str, name: str, units: str) -> str:
+    factor, shown = axis_unit(values, unit, units)
+    contacts = np.arange(1.0, len(values) + 1.0)
+    return chart([Curve(contacts, factor * values)], "contact", f"{name}{shown}", whole=True)
+
+
+def _notes(notes: object) -> list[str]:
+    reasons = dict.fromkeys(notes.values()) if isinstance(notes, dict) else {}
+    return [note(f"{reason[0].upper()}{reason[1:]}.") for reason in reasons if reason]

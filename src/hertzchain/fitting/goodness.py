@@ -71,6 +71,17 @@ class Goodness:
         return self.describes and self.noise_error > 0.0 and bool(far)
 
     @property
+    def reservation(self) -> str:
+        """Addition to the verdict that the model describes the data, if it depends on the noise."""
+        if not self.noise_uncertain:
+            return ""
+        return (
+            " within the uncertainty of their noise, whose estimate from the samples before the "
+            f"pulse gives chi2 an error of {self.noise_error:.0%}; if the noise is that of the "
+            f"residuals, multiply all errors by {self.scale:.2f}"
+        )
+
+    @property
     def inflation(self) -> float:
         """Samples per independent sample, the factor of all variances."""
         return self.samples / self.effective_samples

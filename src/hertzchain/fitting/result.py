@@ -269,15 +269,8 @@ class FitResult:
         )
         if not self.converged:
             return f"{text}: the fit did not converge: {self.reason}"
-        if good.noise_uncertain:
-            return (
-                f"{text}: the model describes the data within the uncertainty of their noise, "
-                f"whose estimate from the samples before the pulse gives chi2 an error of "
-                f"{good.noise_error:.0%}; if the noise is that of the residuals, multiply all "
-                f"errors by {good.scale:.2f}"
-            )
         if self.describes:
-            return f"{text}: the model describes the data"
+            return f"{text}: the model describes the data{good.reservation}"
         if good.excess < good.correlation:
             reason = (
                 f"; successive residuals are correlated ({good.correlation:.0f} standard "

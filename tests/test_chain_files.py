@@ -82,6 +82,13 @@ STEEL = "steel-52100"
             .replace(right_wall=Wall.rigid(), loss=hc.Restitution(0.9)),
         ),
         (
+            'taper = "forward-linear"\nrate = "5%"\nbeads = 4\n[chain.loss]\nlaw = "restitution"\n'
+            'coefficient = "95%"\n[chain.with_scatter]\nseed = 4\nrelative = "1 %"',
+            Chain.tapered("forward-linear", 0.05, beads=4)
+            .replace(loss=hc.Restitution(0.95))
+            .with_scatter(4, relative=0.01),
+        ),
+        (
             'taper = "uniform"\nbeads = 3\nprecompression = 0.5\nheld_by = "force"\n'
             'gravity = 0.01\n[chain.drive]\nkind = "sine-burst"\namplitude = 0.1\nfrequency = 2',
             Chain.uniform(3).replace(

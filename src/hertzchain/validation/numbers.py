@@ -37,7 +37,8 @@ MAX_DEPTH: Final = 32
 def has_unit(value: Any) -> bool:
     """Whether a value, or an item of a list, has a unit: text such as "5 mm", or a quantity."""
     if isinstance(value, str):
-        return quantity(value) is not None
+        found = quantity(value)
+        return found is not None and found[1] != PERCENT
     if isinstance(value, list | tuple):
         return any(has_unit(item) for item in value if not isinstance(item, float | int))
     if isinstance(value, np.ndarray) and value.dtype.kind in "UTO":

@@ -77,9 +77,9 @@ def steps_alone(
     contacts = contacts_of(remembered, equation)
     ends = np.empty((2, chain.beads + 1))
     if plain:
-        part = active_beads.default_part(equation, first, end)
+        part = active_beads.default_part.py_func(equation, first, end)
     else:
-        part = active_beads.general_part(equation, first, end, ends)
+        part = active_beads.general_part.py_func(equation, first, end, ends)
     y = np.empty(len(arrays["y"]) - 2 * (chain.beads - beads))
     active_beads.take_out(arrays["y"], chain.beads, first, end, y)
     # In the whole chain, errors of slow beads are relative to the fastest bead in contact.

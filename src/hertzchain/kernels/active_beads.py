@@ -29,7 +29,7 @@ import numpy as np
 from numba import types
 from numba.extending import overload
 
-from .compilation import INTERNAL, internal
+from .compilation import OPTIONS, compiled
 from .contact_law import force, has_modes, law_of, laws_within
 from .driving import NOTHING
 from .forces import (
@@ -58,10 +58,10 @@ MAX_COLLISIONS = 100
 # Beads at rest or in free flight that are kept at each end of the window; number of beads by which
 # the window grows or shrinks.
 MARGIN, STRIDE = 4, 8
-WITHOUT_CACHE: Any = {name: INTERNAL[name] for name in INTERNAL if name != "cache"}
+WITHOUT_CACHE: Any = {name: OPTIONS[name] for name in OPTIONS if name != "cache"}
 
 
-@internal
+@compiled
 def trimmed(setup, contacts):
     """Whether the window may omit beads on the left and on the right.
 
@@ -79,7 +79,7 @@ def trimmed(setup, contacts):
     return setup.drive == NOTHING, True
 
 
-@internal
+@compiled
 def moves(y, beads, k):
     """Whether bead k is not at rest."""
     speed, shift = 0.0, 0.0
@@ -89,7 +89,7 @@ def moves(y, beads, k):
     return abs(y[beads + k]) > QUIET * speed or abs(y[k]) > QUIET * shift
 
 
-@internal
+@compiled
 def unresolved_speed(y, beads, rtol, setup, contacts):
     """Relative speed below which motion is ignored; negative if no motion may be ignored.
 
@@ -107,7 +107,7 @@ def unresolved_speed(y, beads, rtol, setup, contacts):
     return NOISE * rtol * largest_size(y[beads + first : 2 * beads])
 
 
-@internal
+@compiled
 def contact_numbers(c, setup, contacts):
     """Stiffness, exponent and largest inverse mass of contact c, and whether it has no modes.
 
@@ -121,7 +121,7 @@ def contact_numbers(c, setup, contacts):
     return setup.stiffness[c], law_of(c, setup).exponent, lighter, not has_modes(setup.law)
 
 
-@internal
+@compiled
 def idle(overlap, closing, unresolved, numbers):
     """Whether a contact has no effect that the steps resolve."""
     if overlap < 0.0 and closing < 0.0:
@@ -135,7 +135,7 @@ def idle(overlap, closing, unresolved, numbers):
     return elastic and force(overlap, stiffness, exponent) * overlap * lighter <= unresolved**2
 
 
-@internal
+@compiled
 def idle_overlap(unresolved, numbers):
     """Largest overlap of an idle contact."""
     stiffness, exponent, lighter, elastic = numbers
@@ -144,7 +144,7 @@ def idle_overlap(unresolved, numbers):
     return (unresolved**2 / (lighter * stiffness)) ** (1.0 / (exponent + 1.0))
 
 
-@internal
+@compiled
 def idle_time(overlap, closing, unresolved, numbers):
     """Time for which a contact behind the window, between beads of constant velocity, is idle."""
     if closing <= 0.0:
@@ -154,7 +154,7 @@ def idle_time(overlap, closing, unresolved, numbers):
     return max(0.0, (idle_overlap(unresolved, numbers) - overlap) / closing)
 
 
-@internal
+@compiled
 def overlap_and_closing_of(c, y, setup, contacts):
     """Overlap of contact c of the undriven chain ``setup``, and its rate of change."""
     beads = len(setup.inverse_mass)
@@ -163,7 +163,7 @@ def overlap_and_closing_of(c, y, setup, contacts):
     return overlap_and_closing(c, y, beads, setup.gap[c], (0.0, 0.0, 0.0))
 
 
-@internal
+@compiled
 def contact_is_idle(c, y, unresolved, setup, contacts):
     """Whether contact c of the chain ``setup`` is idle; a contact with an absent wall is idle."""
     numbers = contact_numbers(c, setup, contacts)
@@ -173,7 +173,7 @@ def contact_is_idle(c, y, unresolved, setup, contacts):
     return idle(overlap, closing, unresolved, numbers)
 
 
-@internal
+@compiled
 def earliest_contact(y, first, last, unresolved, time, setup, contacts):
     """Time until which contacts ``first`` to ``last`` - 1 are idle."""
     earliest = np.inf
@@ -185,7 +185,7 @@ def earliest_contact(y, first, last, unresolved, time, setup, contacts):
     return earliest
 
 
-@internal
+@compiled
 def collide_behind(y, low, time, unresolved, setup, contacts, flights):
     """Collide beads behind ``low`` that meet at less than the resolved speed, as hard spheres.
 
@@ -211,7 +211,7 @@ def collide_behind(y, low, time, unresolved, setup, contacts, flights):
     return True
 
 
-@internal
+@compiled
 def leave_behind(y, first, last, time, flights):
     """Record where and when beads ``first`` to ``last`` - 1 leave the window."""
     for k in range(first, last):
@@ -219,14 +219,14 @@ def leave_behind(y, first, last, time, flights):
         flights[FLIGHT_TIME, k] = time
 
 
-@internal
+@compiled
 def place_behind(y, beads, first, last, time, flights):
     """Compute the positions of beads ``first`` to ``last`` - 1, behind the window, at ``time``."""
     for k in range(first, last):
         y[k] = flights[FLIGHT_POSITION, k] + (time - flights[FLIGHT_TIME, k]) * y[beads + k]
 
 
-@internal
+@compiled
 def bounds(y, setup, contacts, first, all_beads, trim, unresolved):
     """First bead of the next window and the one after its last.
 
@@ -250,7 +250,7 @@ def bounds(y, setup, contacts, first, all_beads, trim, unresolved):
     return low, min(high, all_beads)
 
 
-@internal
+@compiled
 def window_too_small(
     time, y_new, low, all_beads, behind, unresolved, flights, setup, contacts, numbers
 ):  # fmt: skip
@@ -286,7 +286,7 @@ def _(setup, contacts, low, high, ends):  # noqa: ARG001
     return lambda setup, contacts, low, high, ends: general_part(setup, low, high, ends)  # noqa: ARG005
 
 
-@internal
+@compiled
 def default_part(setup, low, high):
     """`part_of` for a default chain."""
     return DefaultChain(
@@ -294,7 +294,7 @@ def default_part(setup, low, high):
     )
 
 
-@internal
+@compiled
 def general_part(setup, low, high, ends):
     """`part_of` for a general chain."""
     last = high - low
@@ -325,7 +325,7 @@ def _(contacts, low, high):  # noqa: ARG001
     return lambda contacts, low, high: general_contacts_within(contacts, low, high)
 
 
-@internal
+@compiled
 def general_contacts_within(contacts, low, high):
     """`contacts_within` for a general chain."""
     return Contacts(
@@ -335,7 +335,7 @@ def general_contacts_within(contacts, low, high):
     )  # fmt: skip
 
 
-@internal
+@compiled
 def take_out(y, all_beads, low, high, near):
     """Copy the positions and velocities of the beads of a window, and the accumulators."""
     beads = high - low
@@ -344,7 +344,7 @@ def take_out(y, all_beads, low, high, near):
     copy(y[2 * all_beads :], near[2 * beads :])
 
 
-@internal
+@compiled
 def put_back(near, all_beads, low, high, y):
     """Copy the state of a window back into that of the chain, the reverse of `take_out`."""
     beads = high - low

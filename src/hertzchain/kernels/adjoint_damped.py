@@ -25,6 +25,7 @@ from __future__ import annotations
 import math
 
 import numpy as np
+from numba import njit
 
 from .adjoint_layout import (
     AT_REST,
@@ -73,7 +74,7 @@ from .adjoint_layout import (
     V,
     X,
 )
-from .compilation import CONTRACTED, for_kernels
+from .compilation import CONTRACTED
 from .dop853 import E3, E5, STEP_STAGES, A, B
 from .elastic_forces import LEAST
 from .powers import power
@@ -81,8 +82,8 @@ from .powers import power
 # Largest fraction of a step that may follow the release of a contact within the step.
 AFTER_RELEASE = 0.01
 
-internal = for_kernels(**CONTRACTED)
-inlined = for_kernels(forceinline=True, **CONTRACTED)
+compiled = njit(**CONTRACTED)
+inlined = njit(forceinline=True, **CONTRACTED)
 
 WEIGHTS = np.ascontiguousarray(A[:STEP_STAGES, :STEP_STAGES])
 STEP_WEIGHTS, THIRD, FIFTH = np.array(B), np.array(E3), np.array(E5)
@@ -112,7 +113,7 @@ def impulse_of(w, c, d):
     return (1.0 - w[RELEASED + c]) * whole
 
 
-@internal
+@compiled
 def damped_forces(w, low, high, at, moving, out, overlaps, closings):
     """Accelerations in row ``out`` at the positions and velocities in two rows."""
     for c in range(low, high + 1):
@@ -125,7 +126,7 @@ def damped_forces(w, low, high, at, moving, out, overlaps, closings):
         w[out + i] = (w[FORCE + i] - w[FORCE + i + 1]) * w[INVERSE_MASS + i] + w[BODY + i]
 
 
-@internal
+@compiled
 def rates_of(w, low, high, at, reduced, moving, out, overlaps, closings):
     """Velocities in row ``moving`` and rates of u in row ``out``, from positions and u."""
     for c in range(low, high + 1):
@@ -147,7 +148,7 @@ def rates_of(w, low, high, at, reduced, moving, out, overlaps, closings):
         w[out + i] = (w[PUSH + i] - w[PUSH + i + 1]) * w[INVERSE_MASS + i] + w[BODY + i]
 
 
-@internal
+@compiled
 def set_reduced(w, low, high):
     """Row P, the u of the state, from positions and velocities."""
     for c in range(low, high + 1):
@@ -157,7 +158,7 @@ def set_reduced(w, low, high):
         w[P + 1 + i] = w[V + 1 + i] - change
 
 
-@internal
+@compiled
 def release(w, low, high, switches):
     """Release contacts whose force is cut off, end the release of others, and update row P."""
     for c in range(low, high + 1):
@@ -169,7 +170,7 @@ def release(w, low, high, switches):
     set_reduced(w, low, high)
 
 
-@internal
+@compiled
 def part_before_release(w, low, high):
     """Fraction of a step after which a contact is released; 2 if none is, or only at its end.
 
@@ -192,7 +193,7 @@ def part_before_release(w, low, high):
     return part
 
 
-@internal
+@compiled
 def add_up(w, low, high, h, at, stages, weights, count, out):
     """Positions or velocities at a stage, or at the end of a step."""
     for i in range(low, high):
@@ -206,7 +207,7 @@ def add_up(w, low, high, h, at, stages, weights, count, out):
         w[out + 1 + i] = w[at + 1 + i] + h * w[WORK + i]
 
 
-@internal
+@compiled
 def damped_step(w, low, high, h, kept, last):
     """All stages of a step; ``last`` receives the overlaps at its end."""
     for s in range(STEP_STAGES):
@@ -240,7 +241,7 @@ def estimated_error(w, i, stages, at_end):
     return fifth * fifth / size if size > 0.0 else 0.0
 
 
-@internal
+@compiled
 def damped_errors(w, low, high, h, scale):
     """Write the error of each bead, in units of its scale, to row WORK.
 
@@ -252,7 +253,7 @@ def damped_errors(w, low, high, h, scale):
         w[WORK + i] = abs(h) * max(change, moved) / w[scale + i]
 
 
-@internal
+@compiled
 def damped_rate(w, c, beads, at, moving, accelerations):
     """Rate of a contact's force at a state."""
     d = w[AT_REST + c] + (w[at + c] - w[at + c + 1])
@@ -270,7 +271,7 @@ def damped_rate(w, c, beads, at, moving, accelerations):
     return slope * closing + damping * (behind - ahead)
 
 
-@internal
+@compiled
 def derive_forces(w, low, high, overlaps, closings, gauge, weight):
     """Compute the derivatives with respect to overlaps and closing speeds from row U.
 
@@ -297,7 +298,7 @@ def derive_forces(w, low, high, overlaps, closings, gauge, weight):
         w[BY_DAMPING + c] += damped * weighted * closing
 
 
-@internal
+@compiled
 def derive_damped(w, low, high, by_place, by_reduced, overlaps, closings, gauge, weight):
     """Compute the adjoint rows of a stage from row U.
 
@@ -323,7 +324,7 @@ def derive_damped(w, low, high, by_place, by_reduced, overlaps, closings, gauge,
         w[by_place + i] = w[TRANSFER + i + 1] - w[TRANSFER + i]
 
 
-@internal
+@compiled
 def gather_damped(w, low, high, h, s, state, stages, out):
     """Derivative with respect to the rate of a stage, which enters later stages and the end."""
     for i in range(low, high):
@@ -337,7 +338,7 @@ def gather_damped(w, low, high, h, s, state, stages, out):
         w[out + i] *= h
 
 
-@internal
+@compiled
 def reverse_switches(w, low, high, switches, gauge, on):
     """Reverse `release`, which removes impulses from u or adds them again."""
     for i in range(low, high):
@@ -361,7 +362,7 @@ def reverse_switches(w, low, high, switches, gauge, on):
             w[BY_MASS + c] -= w[U + c + 1] * impulse
 
 
-@internal
+@compiled
 def reverse_damped(w, low, high, h, kept, gauge, on):
     """`reverse_step` of `hertzchain.kernels.adjoint_reverse` with damping."""
     reverse_switches(w, low, high, kept[KEPT_SWITCHES], gauge, on)

@@ -28,7 +28,7 @@ from .adjoint_layout import (
     V,
     X,
 )
-from .adjoint_step import compiled, forces, internal, try_step
+from .adjoint_step import compiled, forces, try_step
 from .elastic_forces import LEAST
 
 # Number of parts of a step that are searched, one after the other, for the first maximum of a
@@ -37,13 +37,13 @@ PARTS, ITERATIONS = 8, 80
 CLOSE = 1e-16
 
 
-@internal
+@compiled
 def accelerations(w, entry, beads):
     """Acceleration, at the end of a step, of an entry of the row of positions; 0 for walls."""
     return w[F8 + entry - 1] if 0 < entry <= beads else 0.0
 
 
-@internal
+@compiled
 def force_rates(w, c, beads, hertz):
     """First and second derivative of a contact's force with respect to time, at a step's end.
 
@@ -54,7 +54,7 @@ def force_rates(w, c, beads, hertz):
     return elastic_rates(w, c, beads)
 
 
-@internal
+@compiled
 def elastic_rates(w, c, beads):
     """`force_rates` without damping."""
     d = w[AT_REST + c] + (w[NEW_X + c] - w[NEW_X + c + 1])
@@ -67,7 +67,7 @@ def elastic_rates(w, c, beads):
     return slope * closing, slope * bend + (p - 1.0) * slope / d * closing * closing
 
 
-@internal
+@compiled
 def event_function(w, beads, kind, first, second, hertz):
     """The function whose fall through zero is the event, and its rate, at the end of a step."""
     if kind in (VELOCITY, MAXIMUM):
@@ -84,7 +84,7 @@ def event_function(w, beads, kind, first, second, hertz):
     return rate, bend
 
 
-@internal
+@compiled
 def locate(w, beads, low, high, h, hertz, target, kept, last):
     """Fraction of a step at which an event occurs; 2 if it does not occur.
 
@@ -128,7 +128,7 @@ def locate_from(w, beads, low, high, h, hertz, target, kept, last, x, v):
     return locate(w, beads, low, high, h, hertz, target, kept, last)
 
 
-@internal
+@compiled
 def load_state(w, beads, low, high, hertz, x, v, kept):
     """Load a state into the rows and compute its accelerations; row RELEASED must be set."""
     for i in range(beads):

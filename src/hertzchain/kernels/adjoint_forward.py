@@ -53,7 +53,7 @@ from .adjoint_layout import (
     V,
     X,
 )
-from .adjoint_step import compiled, error_of, internal, try_step
+from .adjoint_step import compiled, error_of, try_step
 from .rkn8_step import GROWTH, SAFETY, SHRINKAGE
 
 # Smallest step; factor by which a step is shortened if a contact may have closed unnoticed.
@@ -64,7 +64,7 @@ REACH = 9
 REACHED = 1e-11
 
 
-@internal
+@compiled
 def closes_unseen(w, low, high, h, hertz):
     """Whether a contact that is open at both ends of a step may have been closed in between."""
     for c in range(low, high + 1):
@@ -87,7 +87,7 @@ def closes_unseen(w, low, high, h, hertz):
     return False
 
 
-@internal
+@compiled
 def part_to_repeat(w, low, high, h, hertz, careful):
     """Fraction with which a step must be repeated; 2 if it may be accepted."""
     if careful and closes_unseen(w, low, high, h, hertz):
@@ -95,7 +95,7 @@ def part_to_repeat(w, low, high, h, hertz, careful):
     return part_before_release(w, low, high) if hertz is None else 2.0
 
 
-@internal
+@compiled
 def happens(w, beads, low, high, target, kept, last, hertz):
     """Whether an event may be within the step tried; numbers kept begin with contact ``low``."""
     kind, first, second = int(target[KIND]), int(target[PLACE]), int(target[SECOND])
@@ -130,7 +130,7 @@ def happens(w, beads, low, high, target, kept, last, hertz):
     return before > 0.0
 
 
-@internal
+@compiled
 def start_rate(w, c, beads, d, closing, hertz):
     """Rate of a contact's force at the start of a step."""
     if hertz is None:
@@ -141,7 +141,7 @@ def start_rate(w, c, beads, d, closing, hertz):
     return p * w[STIFFNESS + c] * d ** (p - 1.0) * closing
 
 
-@internal
+@compiled
 def find_events(
     w, events, beads, low, high, h, time, counts, hertz, targets, found, located, candidates, kept,
     last, room,
@@ -175,7 +175,7 @@ def find_events(
     return remaining
 
 
-@internal
+@compiled
 def keep_event(w, beads, contacts, room, out):
     """Copy the numbers kept in the part of a step before an event, and the state at the event."""
     for row in range(len(room)):

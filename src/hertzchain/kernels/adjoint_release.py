@@ -41,7 +41,7 @@ from .adjoint_layout import (
     V,
     X,
 )
-from .adjoint_step import internal
+from .adjoint_step import compiled
 from .elastic_forces import LEAST
 
 # Overlap of a contact that is released.
@@ -51,7 +51,7 @@ TERMS, ITERATIONS = 6, 5
 STEADY = 0.3
 
 
-@internal
+@compiled
 def contact_terms(w, c, d, closing):
     """Force of a contact, its slope, and its rate."""
     if not d > LEAST:
@@ -62,7 +62,7 @@ def contact_terms(w, c, d, closing):
     return force, slope, slope * closing
 
 
-@internal
+@compiled
 def overlap_derivatives(w, given):
     """Second and third derivative of the overlap by time."""
     c = int(given[RELEASED_CONTACT])
@@ -78,7 +78,7 @@ def overlap_derivatives(w, given):
     return d2, d3
 
 
-@internal
+@compiled
 def opening_of(d0, d1, d2, d3):
     """Time until an overlap vanishes, its rate then, and the coefficients of its series."""
     square = d1 * d1 - 2.0 * d0 * d2
@@ -92,7 +92,7 @@ def opening_of(d0, d1, d2, d3):
     return left, opening, e1, e2
 
 
-@internal
+@compiled
 def moment(p, e1, e2, order):
     r"""The integral of :math:`(u (1 + e_1 u + e_2 u^2))^p (1 - u)^j/j!` from 0 to 1."""
     total, before, term = 0.0, 0.0, 1.0
@@ -106,7 +106,7 @@ def moment(p, e1, e2, order):
     return total
 
 
-@internal
+@compiled
 def release(w, c, n, out):
     """Release contact c after step n, if it opens steadily; returns whether it has been."""
     out[AT_RELEASE], out[RELEASED_CONTACT] = n, c
@@ -133,7 +133,7 @@ def release(w, c, n, out):
     return True
 
 
-@internal
+@compiled
 def reverse_release(w, given):
     """Derivatives by the state before a release, from those by the state after it."""
     c = int(given[RELEASED_CONTACT])

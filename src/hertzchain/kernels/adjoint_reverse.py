@@ -35,7 +35,7 @@ from .adjoint_layout import (
     U,
 )
 from .adjoint_release import reverse_release
-from .adjoint_step import compiled, inlined, internal
+from .adjoint_step import compiled, inlined
 from .adjoint_window import WINDOW
 from .powers import power
 from .rkn8 import A1, A2, A3, A4, A5, A6, A7, B_POSITION, B_VELOCITY, C1, C2, C3, C4, C5, C6, C7
@@ -127,19 +127,19 @@ def reverse_stages(w, low, high, h, hertz, kept, gauge, on):
         w[LX + i] += x0 + x1 + x2 + x3 + x4 + x5 + x6 + x7
 
 
-@internal
+@compiled
 def reverse_elastic(w, low, high, h, hertz, kept, gauge, on):
     """`reverse_step` without damping."""
     reverse_stages(w[low:], 0, high - low, h, hertz, kept, gauge[low:], on)
 
 
-@internal
+@compiled
 def reverse_in_window(w, h, hertz, kept, gauge):
     """`reverse_step` of all beads of a window, with which the rows begin."""
     reverse_stages(w, 0, WINDOW, h, hertz, kept, gauge, 0.0)
 
 
-@internal
+@compiled
 def reverse_step(w, low, high, h, hertz, kept, gauge, on):
     """Derivatives with respect to the state at the start of a step from those at its end.
 

@@ -41,16 +41,15 @@ from .adjoint_layout import (
     V,
     X,
 )
-from .compilation import CONTRACTED, for_kernels
+from .compilation import CONTRACTED
 from .elastic_forces import LEAST
 from .powers import power
 from .rkn8_stages import Rows, step_on
 from .rkn8_step import NEIGHBOURS, SLOW, SMALLEST
 
 compiled = njit(**CONTRACTED)
-internal = for_kernels(**CONTRACTED)
-inlined = for_kernels(forceinline=True, **CONTRACTED)
-maximal = for_kernels(forceinline=True, **(CONTRACTED | {"fastmath": True}))
+inlined = njit(forceinline=True, **CONTRACTED)
+maximal = njit(forceinline=True, **(CONTRACTED | {"fastmath": True}))
 
 
 @inlined
@@ -101,7 +100,7 @@ take_step, velocity_error = step_on(
 )
 
 
-@internal
+@compiled
 def elastic_step(w, low, high, h, hertz, kept, last):
     """`try_step` without damping."""
     rows = w[low:]
@@ -109,7 +108,7 @@ def elastic_step(w, low, high, h, hertz, kept, last):
     elastic_forces(rows, 0, high - low, NEW_X, F8, hertz, last)
 
 
-@internal
+@compiled
 def try_step(w, low, high, h, hertz, kept, last):
     """Try a step from the accelerations in row F0; ``last`` receives the overlaps at its end."""
     if hertz is None:
@@ -135,7 +134,7 @@ def elastic_errors(w, low, high, h):
         w[WORK + i] = abs(h * error) / w[SCALE + i]
 
 
-@internal
+@compiled
 def error_of(w, low, high, h, rtol, hertz):
     """Largest error of the velocities in a step, in units of the speeds of nearby beads."""
     own, after = SPEED + NEIGHBOURS, NEAR + NEIGHBOURS + 1

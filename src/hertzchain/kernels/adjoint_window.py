@@ -42,7 +42,7 @@ from .adjoint_layout import (
     X,
 )
 from .adjoint_release import APART, release
-from .adjoint_step import compiled, elastic_forces, internal, largest, take_step, velocity_error
+from .adjoint_step import compiled, elastic_forces, largest, take_step, velocity_error
 from .rkn8_step import GROWTH, SAFETY, SHRINKAGE
 
 # Entries of the settings: beads behind the crest, the same if the contact there is open, beads
@@ -57,7 +57,7 @@ WINDOW = 15
 WATCHED, APPROACH, CLOSEST = 3, 0.5, 0.95
 
 
-@internal
+@compiled
 def crest_of(w, at, crest, high):
     """Bead of the next velocity maximum."""
     while crest + 1 < high and w[at + 2 + crest] > w[at + 1 + crest]:
@@ -65,7 +65,7 @@ def crest_of(w, at, crest, high):
     return crest
 
 
-@internal
+@compiled
 def cuts_off(w, low, high, beads, settings):
     """Whether the forces at the ends of the next window, which begins at ``low``, are too large."""
     top = largest(w, FORCE, low, high + 1)
@@ -74,7 +74,7 @@ def cuts_off(w, low, high, beads, settings):
     return rear > settings[REAR_LIMIT] * top or front > settings[FRONT_LIMIT] * top
 
 
-@internal
+@compiled
 def rear_bead(w, crest, low, settings, targets, found):
     """First bead of the window: behind the crest, and behind the first event that is missing.
 
@@ -93,7 +93,7 @@ def rear_bead(w, crest, low, settings, targets, found):
     return max(rear, least)
 
 
-@internal
+@compiled
 def window_step(w, h, hertz, kept, last):
     """One step of all beads of a window, with which the rows begin; and their errors."""
     take_step(w, 0, WINDOW, h, hertz, kept)
@@ -102,13 +102,13 @@ def window_step(w, h, hertz, kept, last):
         w[WORK + i] = abs(velocity_error(w, i, F0, F8))
 
 
-@internal
+@compiled
 def window_forces(w, hertz, kept):
     """Accelerations of all beads of a window."""
     elastic_forces(w, 0, WINDOW, X, F0, hertz, kept)
 
 
-@internal
+@compiled
 def accept(w):
     """Replace the state at the start of a step by that at its end."""
     for i in range(WINDOW):
@@ -116,7 +116,7 @@ def accept(w):
         w[F0 + i] = w[F8 + i]
 
 
-@internal
+@compiled
 def time_to_opening(w, c, horizon):
     """Time until a contact opens, by a parabola; ``inf`` if not within the horizon."""
     d0, d1 = w[AT_REST + c] + (w[X + c] - w[X + c + 1]), w[V + c] - w[V + c + 1]
@@ -126,7 +126,7 @@ def time_to_opening(w, c, horizon):
     return 2.0 * d0 / (math.sqrt(square) - d1) if square > 0.0 else math.inf
 
 
-@internal
+@compiled
 def step_to_openings(w, low, crest, next_event, clock, counts, settings, releases, force):
     """Release contacts that are opening, restore open ones; the next step that the others allow."""
     usual = clock[USUAL]
@@ -149,7 +149,7 @@ def step_to_openings(w, low, crest, next_event, clock, counts, settings, release
     return step
 
 
-@internal
+@compiled
 def next_event_of(targets, found):
     """First bead or contact of an event that is missing."""
     first = math.inf

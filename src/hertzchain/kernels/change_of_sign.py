@@ -6,14 +6,14 @@ and the second not, and the end at which it was last narrowed.
 
 from __future__ import annotations
 
-from .compilation import internal
+from .compilation import compiled
 
 # Secants in a part of a step before bisection, and the least part of a step by which a search
 # continues.
 SECANTS, BISECTIONS, CLOSE = 16, 48, 2.0**-50
 
 
-@internal
+@compiled
 def place_within(bracket, tried):
     """Next fraction of a step at which to look for the change of sign in a bracket."""
     low, high, rising, falling, _ = bracket
@@ -22,7 +22,7 @@ def place_within(bracket, tried):
     return min(max(low + (high - low) * rising / (rising - falling), low + CLOSE), high - CLOSE)
 
 
-@internal
+@compiled
 def narrowed(bracket, middle, found):
     """The bracket with one end, and the value there, replaced by a place between the ends.
 
@@ -34,7 +34,7 @@ def narrowed(bracket, middle, found):
     return low, middle, 0.5 * rising if side < 0 else rising, found, -1
 
 
-@internal
+@compiled
 def closing_within(c, beads, y, dense):
     """Polynomial of the relative velocity of beads c and c + 1 (0-based): start, coefficients."""
     i, j = beads + c, beads + c + 1

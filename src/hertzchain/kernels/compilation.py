@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Any
 
 from numba import njit
-from numba.extending import overload
 
 from . import compile_notice
 
@@ -19,10 +17,6 @@ OPTIONS: dict[str, Any] = {
     "no_cfunc_wrapper": True,
     "_nrt": False,
 }
-# Functions that only kernels call need no function that converts their arguments from Python,
-# which would take a fifth of the time of compiling.
-INTERNAL: Any = OPTIONS | {"no_cpython_wrapper": True}
-
 # Fused multiply-add is allowed.
 CONTRACTED: dict[str, Any] = OPTIONS | {"fastmath": {"contract"}}
 
@@ -30,24 +24,11 @@ CONTRACTED: dict[str, Any] = OPTIONS | {"fastmath": {"contract"}}
 REDUCED: dict[str, Any] = OPTIONS | {"fastmath": {"contract", "reassoc", "nnan", "nsz"}}
 
 compiled = njit(**OPTIONS)
-
-
-def for_kernels(**options: Any) -> Callable[[Any], Any]:
-    """Decorator of functions that only kernels call; Python runs them uncompiled."""
-    used: Any = options | {"no_cpython_wrapper": True}
-
-    def decorate(function: Any) -> Any:
-        # A function that is inlined is compiled for each value of a literal argument.
-        literal = options.get("forceinline", False)
-        overload(function, jit_options=used, strict=False, prefer_literal=literal)(
-            lambda *_: function
-        )
-        return function
-
-    return decorate
-
-
-internal = for_kernels(**OPTIONS)
-reduced = for_kernels(**REDUCED)
+reduced = njit(**REDUCED)
 
 compile_notice.install()
+
+
+def uncompiled(function: Any) -> Any:
+    """The Python function, for a single call that takes less time than compiling it."""
+    return getattr(function, "py_func", function)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from .compilation import internal, reduced
+from .compilation import compiled, reduced
 from .contact_law import HERTZ, force, law_of, potential
 from .driving import wall_motion
 from .forces import (
@@ -81,7 +81,7 @@ def weight_work(y, outside):
     return work, total
 
 
-@internal
+@compiled
 def stored_minus_supplied(time, y, setup, contacts, segment):
     """Energy in contacts and momentum of walls, minus energy and momentum from outside.
 
@@ -98,7 +98,7 @@ def stored_minus_supplied(time, y, setup, contacts, segment):
     return energy - work, momentum - weight * time
 
 
-@internal
+@compiled
 def energy_in_contacts(y, wall, setup, contacts):
     """Energy stored in all contacts."""
     beads, stiffness, gap = len(setup.inverse_mass), setup.stiffness, setup.gap
@@ -122,13 +122,13 @@ def energy_in_contacts(y, wall, setup, contacts):
     return energy
 
 
-@internal
+@compiled
 def larger(known, value):
     """The larger of two numbers; NaN, which `max` would drop, if one of them is."""
     return known if value <= known or known != known else value
 
 
-@internal
+@compiled
 def update_drift(y, clock, setup, contacts, segment, flying, first):
     """Update the largest drifts and their units.
 

@@ -22,7 +22,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from .compilation import internal
+from .compilation import compiled
 from .law_kinds import DAMPED, ELASTIC, PLASTIC, UNLOADING, YIELDING
 
 RELEASED, LOADED, STUCK = range(3)
@@ -58,13 +58,13 @@ class LawTable(NamedTuple):
     attractive: Any
 
 
-@internal
+@compiled
 def law_of(c, setup):
     """Law of contact c: `setup.law`, unless the contacts have different laws."""
     return law_in(c, setup.law, setup.laws)
 
 
-@internal
+@compiled
 def law_in(c, law, laws):
     """Law of contact c from the table of laws, which is `None` if all contacts have one law."""
     if laws is None:
@@ -76,7 +76,7 @@ def law_in(c, law, laws):
     )  # fmt: skip
 
 
-@internal
+@compiled
 def laws_within(laws, low, high):
     """Table of laws for the contacts of a window."""
     if laws is None:
@@ -87,7 +87,7 @@ def laws_within(laws, low, high):
     )  # fmt: skip
 
 
-@internal
+@compiled
 def force(overlap, stiffness, exponent):
     """Contact force k d^p of a positive overlap; d^1.5 by a square root is 40 times faster."""
     if overlap <= 0.0:
@@ -97,7 +97,7 @@ def force(overlap, stiffness, exponent):
     return stiffness * overlap**exponent
 
 
-@internal
+@compiled
 def has_modes(law):
     """Whether the force is discontinuous or depends on more than overlap and closing speed."""
     if law.kind == DAMPED:
@@ -105,13 +105,13 @@ def has_modes(law):
     return law.kind != ELASTIC
 
 
-@internal
+@compiled
 def is_plastic(law):
     """Whether the contact remembers its largest overlap."""
     return law.kind == PLASTIC or law.kind == YIELDING
 
 
-@internal
+@compiled
 def damping_weight(overlap, law):
     """d^overlap_power of an overlap that is not negative."""
     if law.overlap_power == 0.0:
@@ -123,7 +123,7 @@ def damping_weight(overlap, law):
     return overlap**law.overlap_power
 
 
-@internal
+@compiled
 def signed_power(closing, exponent):
     """|d'|^exponent with the sign of d'."""
     if exponent == 1.0:
@@ -131,7 +131,7 @@ def signed_power(closing, exponent):
     return np.sign(closing) * abs(closing) ** exponent
 
 
-@internal
+@compiled
 def elastic_overlap(overlap, mode, largest, law):
     """Overlap at which the loading curve has the force of a plastic contact."""
     if mode == LOADED:
@@ -139,7 +139,7 @@ def elastic_overlap(overlap, mode, largest, law):
     return (overlap - (1.0 - law.kept) * largest) / law.kept
 
 
-@internal
+@compiled
 def loading_force(overlap, stiffness, damping, law):
     """Force at an overlap reached slowly for the first time; see `contact_force`."""
     if law.kind == YIELDING and overlap > damping:
@@ -147,7 +147,7 @@ def loading_force(overlap, stiffness, damping, law):
     return force(overlap, stiffness, law.exponent)
 
 
-@internal
+@compiled
 def rebound(overlap, largest, stiffness, damping, law):
     """Overlap and stiffness of the Hertz contact along which an elastic-plastic one unloads."""
     if largest <= damping or stiffness == 0.0:
@@ -158,7 +158,7 @@ def rebound(overlap, largest, stiffness, damping, law):
     return overlap - largest + peak / (stiffness * root), steeper
 
 
-@internal
+@compiled
 def power_of_yield(overlap, closing, stiffness, damping, law):
     """Power lost in plastic loading, d (W - U)/dt: work W done minus energy U stored."""
     # At a free end, the stiffness and the overlap at yield are 0.
@@ -170,7 +170,7 @@ def power_of_yield(overlap, closing, stiffness, damping, law):
     return (pushing - stored / (stiffness * overlap * np.sqrt(overlap))) * closing
 
 
-@internal
+@compiled
 def contact_force(overlap, closing, mode, largest, stiffness, damping, law):
     """Force and power loss of a contact; for YIELDING, ``damping`` is the overlap at yield."""
     if law.kind == DAMPED:
@@ -195,7 +195,7 @@ def contact_force(overlap, closing, mode, largest, stiffness, damping, law):
     return law.kept * curve if law.kind == UNLOADING else curve, 0.0
 
 
-@internal
+@compiled
 def potential(overlap, stiffness, damping, mode, largest, law):
     """Energy stored in a contact: the energy that it can return."""
     kept = 1.0

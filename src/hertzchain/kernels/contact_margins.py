@@ -6,7 +6,7 @@ of a stuck contact) is positive as long as its mode is valid, and zero where the
 
 from __future__ import annotations
 
-from .compilation import internal
+from .compilation import compiled
 from .contact_law import (
     LOADED,
     RELEASED,
@@ -28,7 +28,7 @@ EVEN = 1e-13
 ROUNDED = 1e-15
 
 
-@internal
+@compiled
 def must_switch(overlap, closing, stiffness, damping, mode, largest, held, law, still):
     """Whether a contact must leave its mode; relative speeds below ``still`` are taken as zero."""
     if law.kind == DAMPED:
@@ -50,7 +50,7 @@ def must_switch(overlap, closing, stiffness, damping, mode, largest, held, law, 
     return held > (1.0 + EVEN) * loading or held < (1.0 - EVEN) * law.kept * loading
 
 
-@internal
+@compiled
 def implicit_must_switch(c, y, overlap, pushing, setup, mode):
     """`must_switch` for implicit steps; attraction, if excluded, is cut off within the mode."""
     if mode == LOADED:
@@ -58,7 +58,7 @@ def implicit_must_switch(c, y, overlap, pushing, setup, mode):
     return overlap > ROUNDED * size_of(c, y, setup)
 
 
-@internal
+@compiled
 def leaves_mode(c, theta, y, wall, setup, contacts, still):
     """Whether contact c must leave its mode at the fraction theta of a step, in the state y."""
     beads = len(setup.inverse_mass)
@@ -72,7 +72,7 @@ def leaves_mode(c, theta, y, wall, setup, contacts, still):
                        contacts.largest[c], contacts.force[c], law_of(c, setup), still)  # fmt: skip
 
 
-@internal
+@compiled
 def pull_free_force(overlap, closing, stiffness, damping, law):
     """Force of a damped contact before attraction is cut off; its overlap if it is open."""
     if overlap <= 0.0 or law.attractive:
@@ -81,7 +81,7 @@ def pull_free_force(overlap, closing, stiffness, damping, law):
     return force(overlap, stiffness, law.exponent) + weight * signed_power(closing, law.speed_power)
 
 
-@internal
+@compiled
 def margin_of(c, y, wall, setup, contacts):
     """Margin of contact c in its mode; the force of a stuck contact must be up to date."""
     law, mode = law_of(c, setup), contacts.mode[c]
@@ -98,7 +98,7 @@ def margin_of(c, y, wall, setup, contacts):
     return closing if mode == LOADED else -closing
 
 
-@internal
+@compiled
 def vanishes_between(first, slope, last, last_slope):
     """Whether a margin with these values and changes per step at both ends may vanish in a step.
 

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from .compilation import internal
+from .compilation import compiled
 from .contact_law import (
     LOADED,
     RELEASED,
@@ -43,7 +43,7 @@ ANY = np.int64(-1)
 GROUP = 64
 
 
-@internal
+@compiled
 def first_modes(y, setup, contacts):
     """Set the first mode of each contact.
 
@@ -71,7 +71,7 @@ def first_modes(y, setup, contacts):
             y[2 * beads + LOST] += potential(overlap, stiffness, damping, LOADED, largest[c], law)
 
 
-@internal
+@compiled
 def sharpest_turn(c, beads, stages, row):
     """Largest relative acceleration of the two beads of contact c, at stages from ``row`` on."""
     left = stages[0, beads + c - 1] if c > 0 else 0.0
@@ -83,7 +83,7 @@ def sharpest_turn(c, beads, stages, row):
     return sharpest
 
 
-@internal
+@compiled
 def all_closed(y, gap, stiffness):
     """Whether all contacts are closed; the left wall is at rest."""
     beads = len(gap) - 1
@@ -97,7 +97,7 @@ def all_closed(y, gap, stiffness):
     return (first > 0.0 or stiffness[0] == 0.0) and (last > 0.0 or stiffness[beads] == 0.0)
 
 
-@internal
+@compiled
 def may_close_unseen(time, h, y, y_new, stages, row, scale, setup, segment, rtol):
     """Whether a contact, open at both ends of a step, may have been closed in between.
 
@@ -127,7 +127,7 @@ def may_close_unseen(time, h, y, y_new, stages, row, scale, setup, segment, rtol
     return False
 
 
-@internal
+@compiled
 def next_mode(c, overlap, time, y, setup, contacts, segment, scratch):
     """Next mode of contact c, which sticks if both of its forces would reverse its motion."""
     law, mode = law_of(c, setup), contacts.mode[c]
@@ -147,7 +147,7 @@ def next_mode(c, overlap, time, y, setup, contacts, segment, scratch):
     return RELEASED if mode == LOADED else LOADED
 
 
-@internal
+@compiled
 def close_stack(time, y, still, setup, contacts, segment, scratch):
     """Let the last contact between two walls stick if all others do and the forces allow it.
 
@@ -176,7 +176,7 @@ def close_stack(time, y, still, setup, contacts, segment, scratch):
             return
 
 
-@internal
+@compiled
 def equalise_velocities(c, wall_speed, y, inverse_mass, mode):
     """Give one velocity to the beads joined by contact c, now stuck, and adjacent stuck contacts.
 
@@ -202,7 +202,7 @@ def equalise_velocities(c, wall_speed, y, inverse_mass, mode):
         y[beads + k] = velocity
 
 
-@internal
+@compiled
 def forget_unloading(y, wall, setup, contacts, search):
     """Set the mode of open contacts to loading, the mode in which they will close."""
     if search is None or setup.law.kind != UNLOADING:
@@ -215,7 +215,7 @@ def forget_unloading(y, wall, setup, contacts, search):
                 mode[c] = LOADED
 
 
-@internal
+@compiled
 def switch(first, time, y, setup, contacts, segment, still, scratch, search):
     """Change the mode of contact ``first``, and of all others that must change at this time.
 
@@ -231,7 +231,7 @@ def switch(first, time, y, setup, contacts, segment, still, scratch, search):
         changed = switch_once(ANY, time, y, setup, contacts, segment, still, scratch)
 
 
-@internal
+@compiled
 def switch_once(first, time, y, setup, contacts, segment, still, scratch):
     """Check each contact once, from left to right; returns whether any changed its mode.
 
@@ -268,7 +268,7 @@ def switch_once(first, time, y, setup, contacts, segment, still, scratch):
     return changed
 
 
-@internal
+@compiled
 def follow_wall(time, y, setup, contacts, segment, still, scratch, search):
     """Set the mode of the contact with the left wall after a jump of the wall's velocity."""
     if search is None or setup.law.kind != UNLOADING:

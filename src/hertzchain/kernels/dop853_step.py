@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from .compilation import internal
+from .compilation import compiled
 from .dop853 import E3, E5, STAGES, STEP_STAGES, A, D
 from .driving import wall_motion
 from .error_scale import AT_REST, ROUNDING, general_scale
@@ -41,7 +41,7 @@ def in_groups(rows):
 WHICH, WEIGHT, GROUPS = in_groups(A)
 
 
-@internal
+@compiled
 def add_stages(y, h, row, stages, out):
     """Write y + h * sum over stages of weight * stage into ``out``, a group at a time."""
     for group in range(GROUPS[row]):
@@ -57,7 +57,7 @@ def add_stages(y, h, row, stages, out):
                 out[i] = out[i] + a * p[i] + b * q[i] + c * r[i] + d * s[i]
 
 
-@internal
+@compiled
 def try_step(time, y, h, setup, contacts, segment, stages, trial, y_new):
     """One step of order 8; stage 0 must hold the derivative at its start."""
     for s in range(1, STEP_STAGES):
@@ -68,7 +68,7 @@ def try_step(time, y, h, setup, contacts, segment, stages, trial, y_new):
     derivative(time + h, y_new, setup, contacts, segment, stages[STEP_STAGES])
 
 
-@internal
+@compiled
 def complete_stages(time, y, h, setup, contacts, segment, stages, trial):
     """Compute the three further stages of the interpolant."""
     for s in range(STEP_STAGES + 1, STAGES):
@@ -76,7 +76,7 @@ def complete_stages(time, y, h, setup, contacts, segment, stages, trial):
         derivative(time + C[s] * h, trial, setup, contacts, segment, stages[s])
 
 
-@internal
+@compiled
 def estimate(weights, stages, out):
     """Write the sum over the stages of weight * stage; the weights of stages 1 to 4 are zero."""
     w0, w5, w6, w7 = weights[0], weights[5], weights[6], weights[7]
@@ -89,7 +89,7 @@ def estimate(weights, stages, out):
         out[i] = out[i] + w8 * s8[i] + w9 * s9[i] + w10 * s10[i] + w11 * s11[i]
 
 
-@internal
+@compiled
 def error_norm(h, stages, scale, rtol, errors):
     """Largest estimated error of a step, in units of the tolerance; NaN if a stage is NaN."""
     # The error of a position is measured by the constant error of velocity that would cause it
@@ -116,7 +116,7 @@ def error_norm(h, stages, scale, rtol, errors):
     return worst5 * worst5 / np.sqrt(worst5 * worst5 + 0.01 * worst3 * worst3)
 
 
-@internal
+@compiled
 def find_coefficients(h, y, y_new, stages, dense):
     """Interpolant of a step with all its stages: coefficients of shape (COEFFICIENTS, len(y))."""
     first, last = stages[0], stages[STEP_STAGES]
@@ -138,7 +138,7 @@ def find_coefficients(h, y, y_new, stages, dense):
             add_four(out, h * w0, h * w1, h * w2, h * w3, stages, j)
 
 
-@internal
+@compiled
 def add_four(out, a, b, c, d, stages, j):
     """Add a multiple of each of four stages, from stage j on."""
     p, q, r, s = stages[j], stages[j + 1], stages[j + 2], stages[j + 3]
@@ -146,14 +146,14 @@ def add_four(out, a, b, c, d, stages, j):
         out[i] = out[i] + a * p[i] + b * q[i] + c * r[i] + d * s[i]
 
 
-@internal
+@compiled
 def begin(time, y, h, setup, contacts, segment, rtol, stages, work, scale):  # noqa: ARG001
     """Compute the derivative at the start of the next step."""
     derivative(time, y, setup, contacts, segment, stages[0])
     copy(contacts.force, contacts.last_force)
 
 
-@internal
+@compiled
 def take_step(time, y, h, setup, contacts, segment, rtol, stages, trial, y_new, work, scale):
     """Take one step; returns its error in tolerances (NaN if it failed) and evaluations."""
     speeds = work[3, len(scale) : 2 * len(scale)]
@@ -165,7 +165,7 @@ def take_step(time, y, h, setup, contacts, segment, rtol, stages, trial, y_new, 
     return error_norm(h, stages, scale, rtol, work[4:]), STEP_STAGES
 
 
-@internal
+@compiled
 def interpolate(time, y, h, y_new, setup, contacts, segment, stages, dense, trial, scratch):  # noqa: ARG001
     """Compute the coefficients of the interpolant of a step; returns evaluations."""
     complete_stages(time, y, h, setup, contacts, segment, stages, trial)
@@ -173,7 +173,7 @@ def interpolate(time, y, h, y_new, setup, contacts, segment, stages, dense, tria
     return STAGES - STEP_STAGES - 1
 
 
-@internal
+@compiled
 def forces_within(theta, time, h, state, setup, contacts, segment, scratch):
     """Compute the contact forces at the fraction theta of a step, from the state there."""
     derivative(time + theta * h, state, setup, contacts, segment, scratch)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from .compilation import internal
+from .compilation import compiled
 
 # Kinds of drive: none, force on bead 1, position of the left wall.
 NOTHING, PUSH, MOVING_WALL = range(3)
@@ -18,7 +18,7 @@ SINE_TERMS = tuple(range(18, 0, -2))
 ROUNDED_SLOPE = 1e-14
 
 
-@internal
+@compiled
 def sine_beyond_line(x):
     """Compute sin x - x without cancellation for small x."""
     if abs(x) > 1.0:
@@ -29,7 +29,7 @@ def sine_beyond_line(x):
     return x * total
 
 
-@internal
+@compiled
 def drive_at(time, setup, segment):
     """Value, rate and acceleration of the drive at a time within a piece."""
     # A burst with a window begins with a higher power of time, because the linear terms of the
@@ -60,7 +60,7 @@ def drive_at(time, setup, segment):
     return value, rate, second
 
 
-@internal
+@compiled
 def rounding_of_drive(time, setup, segment):
     """Size of the terms of the drive that may cancel; its rounding error is relative to it."""
     t, c = time - setup.piece_starts[segment], setup.pieces[segment]
@@ -71,7 +71,7 @@ def rounding_of_drive(time, setup, segment):
     return size if fastest * t >= 1.0 else 0.0
 
 
-@internal
+@compiled
 def reach_of_wall(time, setup, segment):
     """Bounds of the size and acceleration of the drive from the start of a piece on."""
     t = time - setup.piece_starts[segment]
@@ -85,7 +85,7 @@ def reach_of_wall(time, setup, segment):
     return size, second
 
 
-@internal
+@compiled
 def wall_motion(time, setup, segment):
     """Position, velocity and acceleration of the left wall."""
     if setup.drive == MOVING_WALL:

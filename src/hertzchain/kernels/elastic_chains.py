@@ -11,8 +11,9 @@ from __future__ import annotations
 import math
 
 import numpy as np
+from numba import njit
 
-from .compilation import OPTIONS, compiled, for_kernels, internal
+from .compilation import OPTIONS, compiled
 from .elastic_events import FALL, record_events, record_fall, record_largest
 from .elastic_forces import closing_of, force_of, overlap_of
 from .elastic_kinks import drop_kinks, find_kinks, impulse_defect, pass_step
@@ -110,7 +111,7 @@ from .elastic_walls import (
 from .rkn8_step import GROWTH, SAFETY, SHRINKAGE, STAGES, impulse_of, take_step
 from .state_layout import STRIKER_PEAK_TIME
 
-inlined = for_kernels(forceinline=True, **OPTIONS)
+inlined = njit(forceinline=True, **OPTIONS)
 
 MIN_STEP, HALF = 1e-280, 0.5
 # Steps longer than this fraction of the elapsed time occur only if all beads are in free flight.
@@ -126,7 +127,7 @@ def scratch_for(gauges):
     )  # fmt: skip
 
 
-@internal
+@compiled
 def load(w, beads, lane, chain, numbers, places, pushes, state, gauges, records):
     """Load a chain at time 0 into a lane."""
     for row in range(END_OF_ROWS // ROW):
@@ -163,7 +164,7 @@ def load(w, beads, lane, chain, numbers, places, pushes, state, gauges, records)
         gauges[lane, g, REST] = gauges[lane, g, PEAK] = pushes[0, g, lane] = rest
 
 
-@internal
+@compiled
 def store(w, beads, lane, chain, status, state, gauges, places, records, summary, readings):
     """Store the results of a chain that has ended."""
     for k in range(beads):
@@ -184,7 +185,7 @@ def store(w, beads, lane, chain, status, state, gauges, places, records, summary
     summary[WALL_IMPACT_IMPULSE] = state[IMPACT_IMPULSE, lane]
 
 
-@internal
+@compiled
 def closes_unseen(w, beads, lane, h):
     """Whether a contact that is open at both ends of a step may have been closed in between."""
     for c in range(beads + 1):
@@ -205,7 +206,7 @@ def closes_unseen(w, beads, lane, h):
     return False
 
 
-@internal
+@compiled
 def new_lengths(rtol, state):
     """Accept or reject the step of each lane, and store the factor of its next step."""
     for lane in range(LANES):
@@ -236,7 +237,7 @@ def may_end(lane, beads, until, state):
     return passed or lone
 
 
-@internal
+@compiled
 def ending(w, beads, lane, chain, numbers, walled, state, gauges, records):
     """Reason for a chain to end after an accepted step; 0 if it continues."""
     time, impulse = state[TIME, lane], gauges[lane, 0, IMPULSE]
@@ -271,7 +272,7 @@ def ending(w, beads, lane, chain, numbers, walled, state, gauges, records):
     return TRANSIT_LIMIT if expired(lane, state) else 0
 
 
-@internal
+@compiled
 def read_gauges(w, beads, lane, least_push, places, pushes, state, gauges, kinks, count):
     """Update impulses and largest forces of gauges, and the end of the first wall contact."""
     h = state[LENGTH, lane]
@@ -305,7 +306,7 @@ def spread(w, beads, state, entry):
             w[H + k * LANES + lane] = state[entry, lane]
 
 
-@internal
+@compiled
 def accept(w, beads, state):
     """Advance the lanes whose step is accepted."""
     size, count = beads * LANES, 0.0

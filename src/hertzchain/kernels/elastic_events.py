@@ -6,7 +6,9 @@ Within a step the motion is interpolated by a Hermite polynomial of degree 7
 
 from __future__ import annotations
 
-from .compilation import OPTIONS, for_kernels, internal
+from numba import njit
+
+from .compilation import OPTIONS, compiled
 from .elastic_forces import force_of, force_rate
 from .elastic_kinks import kink_motion, touches
 from .elastic_layout import (
@@ -47,7 +49,7 @@ from .elastic_layout import (
 )
 from .hermite import curvature, hermite, slope, third, value
 
-inlined = for_kernels(forceinline=True, **OPTIONS)
+inlined = njit(forceinline=True, **OPTIONS)
 
 # The pulse has not reached a bead whose speed is less than this fraction, or this many tolerances,
 # of the speeds nearby; an overlap less than this fraction of the positions is ignored.
@@ -63,7 +65,7 @@ FALL, MIN_HEIGHT = 0.1, 0.01
 AT_A_WALL = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 
 
-@internal
+@compiled
 def motion(w, at, kinks, count):
     """Interpolating polynomial of the position of a bead, without the motion due to kinks."""
     left, right = force_rate(w, at, X, V), force_rate(w, at + LANES, X, V)
@@ -81,7 +83,7 @@ def motion(w, at, kinks, count):
     return hermite(h, w[X + slot], w[V + slot], a0, j0, x1, v1, a1, j1)
 
 
-@internal
+@compiled
 def motion_of_slot(w, beads, slot, lane, kinks, count):
     """`motion` of an entry of the positions, of which walls are at rest, and its kinks."""
     if slot == 0 or slot == beads + 1:
@@ -91,7 +93,7 @@ def motion_of_slot(w, beads, slot, lane, kinks, count):
     return p, kinks, count if touches(kinks, count, at) else 0, at, w[H + at - LANES]
 
 
-@internal
+@compiled
 def position(path, s):
     """Position of a bead at the fraction s of a step."""
     p, kinks, count, slot, h = path
@@ -100,7 +102,7 @@ def position(path, s):
     return value(p, s) + kink_motion(kinks, count, slot, s * h)[0]
 
 
-@internal
+@compiled
 def velocity(path, s):
     """Velocity of a bead, times the length of the step."""
     p, kinks, count, slot, h = path
@@ -109,7 +111,7 @@ def velocity(path, s):
     return slope(p, s) + h * kink_motion(kinks, count, slot, s * h)[1]
 
 
-@internal
+@compiled
 def jerk(path, s):
     """Third derivative of the position by the fraction of the step."""
     p, kinks, count, slot, h = path
@@ -118,7 +120,7 @@ def jerk(path, s):
     return third(p, s) + h * h * h * kink_motion(kinks, count, slot, s * h)[3]
 
 
-@internal
+@compiled
 def acceleration_at(w, at, s, behind, own, ahead):
     """Acceleration of a bead at the fraction s of a step, from the forces on it."""
     here = position(own, s)
@@ -127,7 +129,7 @@ def acceleration_at(w, at, s, behind, own, ahead):
     return (left - right) * w[INVERSE_MASS + at] + w[BODY + at]
 
 
-@internal
+@compiled
 def velocity_maximum(w, at, behind, own, ahead):
     """Fraction of a step at which a bead is first no longer pushed; 2 if none."""
     low, high = 0.0, 2.0
@@ -159,7 +161,7 @@ def velocity_maximum(w, at, behind, own, ahead):
     return s
 
 
-@internal
+@compiled
 def closing_at(behind, ahead, s):
     """Difference of the velocities of two beads, and its derivative."""
     p, kinks, count, slot, h = behind
@@ -175,7 +177,7 @@ def closing_at(behind, ahead, s):
     return rate, change
 
 
-@internal
+@compiled
 def rest_within(behind, ahead):
     """Fraction of a step at which two beads first stop approaching; 2 if none."""
     low, high = 0.0, 2.0
@@ -202,7 +204,7 @@ def rest_within(behind, ahead):
     return s
 
 
-@internal
+@compiled
 def record_peak(w, beads, k, lane, rtol, state, records, kinks, count):
     """Record the first velocity maximum of bead k (from 0), if it is within the step."""
     at = k * LANES + lane
@@ -225,7 +227,7 @@ def record_peak(w, beads, k, lane, rtol, state, records, kinks, count):
         state[PEAKS, lane] += 1.0
 
 
-@internal
+@compiled
 def record_crossing(w, beads, k, lane, rtol, state, records, kinks, count):
     """Record when bead k (from 0) and the next one first have equal velocities."""
     at = k * LANES + lane
@@ -256,7 +258,7 @@ def record_crossing(w, beads, k, lane, rtol, state, records, kinks, count):
     state[CROSSINGS, lane] += 1.0
 
 
-@internal
+@compiled
 def record_events(w, beads, rtol, state, good, which, records, kinks, count):
     """Record the marked events of lanes whose step is accepted."""
     for lane in range(LANES):
@@ -281,7 +283,7 @@ def contact_at(w, at, s, behind, ahead):
     return force, w[EXPONENT + at] * force / overlap * (velocity(behind, s) - velocity(ahead, s))
 
 
-@internal
+@compiled
 def gauge_at(w, one, two, s, motions):
     """Force of a gauge and its rate at the fraction s of a step, from the motions of its beads."""
     behind, ahead, next_behind, next_ahead = motions
@@ -292,13 +294,13 @@ def gauge_at(w, one, two, s, motions):
     return 0.5 * (force + other), 0.5 * (rate + change)
 
 
-@internal
+@compiled
 def gauge_rate(w, one, two, x, v):
     """Rate of the force of a gauge at one end of a step."""
     return force_rate(w, one, x, v) + force_rate(w, two, x, v)
 
 
-@internal
+@compiled
 def largest_within(w, beads, lane, first, second, kinks, count):
     """Largest force of a gauge within a step, and the fraction of the step."""
     one, two = first * LANES + lane, second * LANES + lane
@@ -341,7 +343,7 @@ def largest_within(w, beads, lane, first, second, kinks, count):
     return force, s
 
 
-@internal
+@compiled
 def record_largest(w, beads, lane, first, second, start, end, top, state, gauge, kinks, count):
     """Update the largest force of a gauge; ``top`` is the largest at the stages of the step."""
     one, two = first * LANES + lane, second * LANES + lane
@@ -357,7 +359,7 @@ def record_largest(w, beads, lane, first, second, start, end, top, state, gauge,
         gauge[PEAK], gauge[PEAK_TIME] = end, time + h
 
 
-@internal
+@compiled
 def record_fall(end, gauge):
     """Store the largest force so far as a maximum once the force has decreased from it."""
     highest = gauge[PEAK] - gauge[REST]
@@ -366,7 +368,7 @@ def record_fall(end, gauge):
         keep_maximum(gauge, highest)
 
 
-@internal
+@compiled
 def keep_maximum(gauge, highest):
     """Store the largest force as a maximum, and drop maxima that are now too low."""
     kept, count = 0, int(gauge[MAXIMA])

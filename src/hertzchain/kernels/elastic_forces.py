@@ -11,8 +11,9 @@ from __future__ import annotations
 import math
 
 import numpy as np
+from numba import njit
 
-from .compilation import CONTRACTED, for_kernels
+from .compilation import CONTRACTED
 from .elastic_layout import (
     AT_REST,
     BODY,
@@ -28,13 +29,13 @@ from .elastic_layout import (
 )
 from .powers import BIAS, MANTISSA, ONE, ROOT_2, SHIFT, exp2, log2
 
-internal = for_kernels(**CONTRACTED)
-inlined = for_kernels(forceinline=True, **CONTRACTED)
+compiled = njit(**CONTRACTED)
+inlined = njit(forceinline=True, **CONTRACTED)
 
 LEAST = 1e-40
 
 
-@internal
+@compiled
 def raise_overlaps(w, count):
     """Replace overlaps in the row of forces by forces, by the series of `powers`."""
     bits = w.view(np.int64)
@@ -57,7 +58,7 @@ def raise_overlaps(w, count):
         w[FORCE + i] = push if w[FORCE + i] > LEAST else 0.0
 
 
-@internal
+@compiled
 def general_forces(w, beads, at, out):
     """`forces` for any exponents."""
     size = beads * LANES
@@ -85,7 +86,7 @@ def forces(w, beads, at, out, hertz):
         w[out + i] = net * w[INVERSE_MASS + i] + w[BODY + i]
 
 
-@internal
+@compiled
 def force_of(w, at, overlap):
     """Force of the contact at an entry of the rows, at an overlap."""
     if not overlap > LEAST:
@@ -95,7 +96,7 @@ def force_of(w, at, overlap):
     return w[STIFFNESS + at] * overlap ** w[EXPONENT + at]
 
 
-@internal
+@compiled
 def force_rate(w, at, x, v):
     """Rate of a contact's force, at the positions and velocities in rows x and v."""
     overlap = w[AT_REST + at] + (w[x + at] - w[x + LANES + at])
@@ -105,13 +106,13 @@ def force_rate(w, at, x, v):
     return w[EXPONENT + at] * force_of(w, at, overlap) / overlap * closing
 
 
-@internal
+@compiled
 def overlap_of(w, at):
     """Present overlap of a contact; negative if it is open."""
     return w[AT_REST + at] + (w[X + at] - w[X + LANES + at])
 
 
-@internal
+@compiled
 def closing_of(w, at):
     """Present closing speed of a contact."""
     return w[V + at] - w[V + LANES + at]

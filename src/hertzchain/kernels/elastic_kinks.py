@@ -22,7 +22,9 @@ from __future__ import annotations
 
 import math
 
-from .compilation import CONTRACTED, for_kernels, internal
+from numba import njit
+
+from .compilation import CONTRACTED, compiled
 from .elastic_forces import closing_of, overlap_of
 from .elastic_layout import (
     AT_REST,
@@ -53,8 +55,8 @@ from .elastic_layout import (
 from .rkn8 import A1, A2, A3, A4, A5, A6, A7, C1, C2, C3, C4, C5, C6
 from .rkn8_stages import B0, B2, B3, B4, B5, B6, E0, E2, E3, E4, E5, E6, E7, E8, V0, V2, V3, V4
 
-inlined = for_kernels(forceinline=True, **CONTRACTED)
-summing = for_kernels(forceinline=True, **(CONTRACTED | {"fastmath": True}))
+inlined = njit(forceinline=True, **CONTRACTED)
+summing = njit(forceinline=True, **(CONTRACTED | {"fastmath": True}))
 
 # Openings are subtracted if they are less than this part of a step after its end, closings if they
 # are less than this part of a step before its start.
@@ -157,7 +159,7 @@ def time_of_opening(d, d1, a, j, push, h):
     return q, rate
 
 
-@internal
+@compiled
 def predict(w, beads, at, h, rtol, kink):
     """Find when a contact opens or closes; return whether the kink is worth subtracting."""
     left = w[INVERSE_MASS + at - LANES] if at >= LANES else 0.0
@@ -201,7 +203,7 @@ def node(a, b, q):
     return root * (a + q * b), q * q * root * (a / 8.75 + q * (b / 15.75))
 
 
-@internal
+@compiled
 def set_shifts(kink, h):
     """Compute the defects of the stages, of the end of the step and of its error."""
     q, turn, a, b = kink[KINK_Q], kink[KINK_SIGN] * h, kink[KINK_A], kink[KINK_B]
@@ -237,7 +239,7 @@ def set_shifts(kink, h):
     kink[KINK_ERROR] = error + (E7 + E8) * p7
 
 
-@internal
+@compiled
 def find_kinks(w, beads, rtol, which, state, kinks, count):
     """Kinks of the coming step: earlier closings and predicted events; return their number."""
     kept = 0
@@ -271,7 +273,7 @@ def find_kinks(w, beads, rtol, which, state, kinks, count):
     return kept
 
 
-@internal
+@compiled
 def shift(w, row, kinks, count, entry):
     """Add the defects to the positions at a stage, or to other values at the ends of contacts."""
     for n in range(count):
@@ -280,7 +282,7 @@ def shift(w, row, kinks, count, entry):
         w[row + LANES + at] -= kinks[n, KINK_RIGHT] * kinks[n, entry]
 
 
-@internal
+@compiled
 def pass_step(kinks, count, state):
     """Move the times of kinks to the start of the next step."""
     for n in range(count):
@@ -289,7 +291,7 @@ def pass_step(kinks, count, state):
             kinks[n, KINK_Q] += kinks[n, KINK_SIGN] * state[LENGTH, lane]
 
 
-@internal
+@compiled
 def drop_kinks(lane, kinks, count):
     """Forget the kinks of a lane."""
     for n in range(count):
@@ -297,7 +299,7 @@ def drop_kinks(lane, kinks, count):
             kinks[n, KINK_SIGN] = -1.0
 
 
-@internal
+@compiled
 def touches(kinks, count, slot):
     """Whether a bead has a contact with a kink."""
     for n in range(count):
@@ -307,7 +309,7 @@ def touches(kinks, count, slot):
     return False
 
 
-@internal
+@compiled
 def kink_motion(kinks, count, slot, t):
     """Motion of a bead at a time in a step that the subtracted forces cause, and derivatives."""
     x, v, a, j = 0.0, 0.0, 0.0, 0.0
@@ -329,7 +331,7 @@ def kink_motion(kinks, count, slot, t):
     return x, v, a, j
 
 
-@internal
+@compiled
 def impulse_defect(one, two, lane, kinks, count):
     """Defect of the impulse of a gauge, the mean of two contacts, in a step."""
     s = 0.0

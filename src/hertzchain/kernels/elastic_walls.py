@@ -6,7 +6,7 @@ These are the compiled criteria of `hertzchain.simulation.wall_watch`;
 
 from __future__ import annotations
 
-from .compilation import internal
+from .compilation import compiled
 from .elastic_forces import closing_of, force_of, overlap_of
 from .elastic_layout import (
     BODY,
@@ -34,7 +34,7 @@ HELD, MAX_TRANSITS, CHECKS = 0.5, 10, 16
 ROUNDING, RELEASED = 1e-9, 1e-3
 
 
-@internal
+@compiled
 def bound_of(w, beads, lane, chain):
     """Largest force on the right wall that the motion towards it can still cause."""
     energy, behind = 0.0, 0.0
@@ -56,7 +56,7 @@ def bound_of(w, beads, lane, chain):
     return k * depth**p
 
 
-@internal
+@compiled
 def nothing_can_happen(w, beads, lane):
     """Whether no contact is closed or closing and no constant force acts."""
     for k in range(beads):
@@ -69,7 +69,7 @@ def nothing_can_happen(w, beads, lane):
     return True
 
 
-@internal
+@compiled
 def set_due(lane, state):
     """Set the next check to the first one after the next step."""
     time, spacing = state[TIME, lane] + state[STEP, lane], state[TRANSIT, lane] / CHECKS
@@ -77,7 +77,7 @@ def set_due(lane, state):
     state[DUE, lane] = state[WATCH_START, lane] + number * spacing
 
 
-@internal
+@compiled
 def start_watch(w, beads, lane, state, records):
     """Watch the wall from the end of the first transit on."""
     transit = 0.0
@@ -90,14 +90,14 @@ def start_watch(w, beads, lane, state, records):
     set_due(lane, state)
 
 
-@internal
+@compiled
 def note(lane, state, impulse):
     """Record that the peak is complete from now on, unless this is already recorded."""
     if state[SINCE, lane] == 0.0:
         state[SINCE, lane], state[IMPACT_IMPULSE, lane] = state[TIME, lane], impulse
 
 
-@internal
+@compiled
 def close(lane, state, impulse):
     """Record that nothing more can happen, so that the peak is complete."""
     state[WATCH_START, lane] = state[TIME, lane]
@@ -105,7 +105,7 @@ def close(lane, state, impulse):
     note(lane, state, impulse)
 
 
-@internal
+@compiled
 def check_wall(w, beads, lane, chain, state, peak, impulse):
     """Compare the bound with the largest force so far."""
     set_due(lane, state)
@@ -121,14 +121,14 @@ def check_wall(w, beads, lane, chain, state, peak, impulse):
         note(lane, state, impulse)
 
 
-@internal
+@compiled
 def held(lane, state):
     """Whether the peak has been complete for half a transit."""
     since = state[SINCE, lane]
     return since > 0.0 and state[TIME, lane] - since >= HELD * state[TRANSIT, lane]
 
 
-@internal
+@compiled
 def expired(lane, state):
     """Whether ten transits have passed and the bound is not below the peak."""
     last = state[WATCH_START, lane] + (MAX_TRANSITS - 1) * state[TRANSIT, lane]

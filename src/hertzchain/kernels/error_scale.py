@@ -6,7 +6,7 @@ The unit is the largest speed of nearby beads, or larger if rounding errors of f
 from __future__ import annotations
 
 from .active_beads import unresolved_speed
-from .compilation import internal, reduced
+from .compilation import compiled, reduced
 from .driving import PUSH, drive_at, rounding_of_drive
 
 # Number of beads on either side whose speeds determine the unit of the error of a bead, and lower
@@ -21,7 +21,7 @@ AT_REST = 1e-290
 ROUNDING = 5e-15
 
 
-@internal
+@compiled
 def fastest_nearby(speeds, scale):
     """Raise each bead's scale to the largest speed within a few beads."""
     beads = len(scale)
@@ -31,7 +31,7 @@ def fastest_nearby(speeds, scale):
         raise_to(scale[shift:], speeds[: beads - shift])
 
 
-@internal
+@compiled
 def raise_to(values, least):
     """Raise each value to at least the corresponding entry of ``least``."""
     for i in range(len(values)):
@@ -48,7 +48,7 @@ def fastest_pushed(speeds, pushing):
     return fastest
 
 
-@internal
+@compiled
 def velocity_scale(y, rtol, setup, speeds, scale):
     """Units of the errors of the velocities of beads."""
     # Beads without contact are ignored in the lower bound, because their motion is exact at any
@@ -66,7 +66,7 @@ def velocity_scale(y, rtol, setup, speeds, scale):
     fastest_nearby(speeds, scale)
 
 
-@internal
+@compiled
 def general_scale(
     time, h, y, y_new, wall_speed, setup, contacts, segment, rtol, rounding, speeds, scale
 ):

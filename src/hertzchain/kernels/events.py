@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from .active_beads import place_behind, put_back
 from .change_of_sign import BISECTIONS, CLOSE, SECANTS, closing_within, narrowed, place_within
-from .compilation import internal
+from .compilation import compiled
 from .contact_law import LOADED, force, law_of
 from .contact_modes import sharpest_turn
 from .dop853 import STEP_STAGES
@@ -47,7 +47,7 @@ TOLERANCES = 1e3
 PARTS = 8
 
 
-@internal
+@compiled
 def least_speed(rtol, setup, contacts):
     """Fraction of the speeds around a bead above which the pulse has reached the bead."""
     if is_implicit(setup, contacts):
@@ -56,7 +56,7 @@ def least_speed(rtol, setup, contacts):
     return REACHED if contacts is None or not on_positions(contacts) else SHARPER * REACHED
 
 
-@internal
+@compiled
 def acceleration_within(k, theta, h, y, dense, setup, contacts):
     """Acceleration of bead k, or net force on it, at the fraction theta of a completed step."""
     if contacts is not None:
@@ -72,7 +72,7 @@ def acceleration_within(k, theta, h, y, dense, setup, contacts):
     return net
 
 
-@internal
+@compiled
 def peak_within(k, h, y, dense, setup, contacts):
     """Fraction of the step at which the net force on bead k is first not positive; 2 if none."""
     low, rising = 0.0, acceleration_within(k, 0.0, h, y, dense, setup, contacts)
@@ -93,7 +93,7 @@ def peak_within(k, h, y, dense, setup, contacts):
     return 2.0
 
 
-@internal
+@compiled
 def closing_at(c, beads, theta, closing, y, dense, setup, contacts):
     """Relative velocity of beads c and c + 1 at the fraction theta; not positive if they part.
 
@@ -114,7 +114,7 @@ def closing_at(c, beads, theta, closing, y, dense, setup, contacts):
     return start + theta * (c0 + rest * (c1 + theta * (c2 + rest * high)))
 
 
-@internal
+@compiled
 def crossing_within(c, beads, y, dense, setup, contacts):
     """Fraction of the step at which beads c and c + 1 first have equal velocities; 2 if none."""
     closing = closing_within(c, beads, y, dense)
@@ -136,7 +136,7 @@ def crossing_within(c, beads, y, dense, setup, contacts):
     return 2.0
 
 
-@internal
+@compiled
 def may_peak(k, beads, stages, row, implicit):
     """Whether bead k, pushed at the start of the step, is not pushed at some stage.
 
@@ -151,7 +151,7 @@ def may_peak(k, beads, stages, row, implicit):
     return False
 
 
-@internal
+@compiled
 def rests(c, stages, setup, contacts):
     """Whether beads c and c + 1 stop approaching each other within an implicit step."""
     if contacts is not None and setup.law.implicit and contacts.mode[c + 1] == LOADED:
@@ -159,7 +159,7 @@ def rests(c, stages, setup, contacts):
     return False
 
 
-@internal
+@compiled
 def may_cross(c, h, stages, setup, contacts):
     """Whether beads c and c + 1, approaching at the start, may not approach at some time."""
     if contacts is not None and setup.law.implicit and contacts.mode[c + 1] == LOADED:
@@ -179,7 +179,7 @@ def may_cross(c, h, stages, setup, contacts):
     return False
 
 
-@internal
+@compiled
 def touch(c, y, y_new, setup, contacts):
     """Whether beads c and c + 1 overlap at an end of the step.
 
@@ -196,7 +196,7 @@ def touch(c, y, y_new, setup, contacts):
     return False
 
 
-@internal
+@compiled
 def record_peaks(h, time, y, y_new, stages, dense, setup, contacts, first, expected, peaks):
     """Record first maxima of velocity within the step, of the beads where one is expected.
 
@@ -227,7 +227,7 @@ def record_peaks(h, time, y, y_new, stages, dense, setup, contacts, first, expec
     return found
 
 
-@internal
+@compiled
 def record_jumps(time, y, stages, scale, reached, first, peaks):
     """Record first maxima of velocity where an acceleration jumped down, between two steps."""
     beads = len(scale)
@@ -243,7 +243,7 @@ def record_jumps(time, y, stages, scale, reached, first, peaks):
     return found
 
 
-@internal
+@compiled
 def store_crossing(at, after, overlap, clock, counts, crossings):
     """Record the largest overlap of contact ``at``, a time ``after`` later than the clock.
 
@@ -260,7 +260,7 @@ def store_crossing(at, after, overlap, clock, counts, crossings):
     clock[SINCE_CROSSING] = -after
 
 
-@internal
+@compiled
 def record_crossings(
     h, clock, counts, y, stages, dense, setup, contacts, first, chain, inverse_mass, expected,
     crossings, trial,
@@ -292,7 +292,7 @@ def record_crossings(
         )
 
 
-@internal
+@compiled
 def may_exceed(c, h, y, y_new, setup, contacts, largest):
     """Whether the overlap of beads c and c + 1 may have a maximum above the largest so far.
 
@@ -309,7 +309,7 @@ def may_exceed(c, h, y, y_new, setup, contacts, largest):
     return overlap + 0.25 * h * (before - after) > largest
 
 
-@internal
+@compiled
 def record_largest_overlaps(y, y_new, dense, setup, contacts, first, expected, crossings):
     """Record maxima of overlaps that exceed the largest so far, of any wave."""
     beads = len(setup.inverse_mass)
@@ -327,7 +327,7 @@ def record_largest_overlaps(y, y_new, dense, setup, contacts, first, expected, c
         crossings[LARGEST_OVERLAP, at] = max(crossings[LARGEST_OVERLAP, at], overlap)
 
 
-@internal
+@compiled
 def record_stops(
     clock, counts, y, stages, scale, reached, setup, contacts, first, chain, inverse_mass,
     crossings,
@@ -347,7 +347,7 @@ def record_stops(
             )
 
 
-@internal
+@compiled
 def expect_first_peak(y, y_new, stages, row, scale, reached, implicit, peaks):
     """Whether the velocity of bead 1, which was not struck, may have its peak in the step."""
     beads = len(scale)
@@ -355,7 +355,7 @@ def expect_first_peak(y, y_new, stages, row, scale, reached, implicit, peaks):
     return forward and peaks[PEAK_VELOCITY, 0] == 0.0 and may_peak(0, beads, stages, row, implicit)
 
 
-@internal
+@compiled
 def expect_events(
     h, y, y_new, stages, scale, reached, setup, contacts, first, peaks, crossings, expected
 ):
@@ -388,7 +388,7 @@ def expect_events(
     return anything
 
 
-@internal
+@compiled
 def save_frames(time, time_new, h, y, dense, first, chain, flights, setup, contacts, segment,
                 counts, frame_times, frames, frame_forces, trial, scratch):  # fmt: skip
     """Save states, and forces if requested, at the saved times within the step.
@@ -412,7 +412,7 @@ def save_frames(time, time_new, h, y, dense, first, chain, flights, setup, conta
     counts[FRAMES] = frame
 
 
-@internal
+@compiled
 def record_events(
     time, time_new, h, y, y_new, dense_is_found, first, chain, flights, inverse_mass, clock,
     counts, setup, contacts, segment, stages, dense, scale, reached, expected, frame_times, frames,

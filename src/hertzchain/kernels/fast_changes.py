@@ -27,7 +27,7 @@ from typing import Any
 import numpy as np
 from numba import njit
 
-from .compilation import OPTIONS, for_kernels
+from .compilation import OPTIONS
 
 STATES = 3
 # Contacts with separate responses after the impact and before the free end.
@@ -58,7 +58,6 @@ BACKWARD = 0.15
 # function needs are parts of its argument ``work``.
 REORDERED: dict[str, Any] = OPTIONS | {"fastmath": {"reassoc", "contract"}}
 compiled = njit(**REORDERED)
-internal = for_kernels(**REORDERED)
 allocating = njit(**(REORDERED | {"_nrt": True}))
 
 
@@ -77,7 +76,7 @@ def local_cubics() -> np.ndarray:
 CUBICS = local_cubics()
 
 
-@internal
+@compiled
 def interval_of(rate, ends, guess):
     """Interval that contains a rate (or the nearest one), and the distance from its left end."""
     # The search begins at the interval of the contact before, whose rate is usually close.
@@ -90,7 +89,7 @@ def interval_of(rate, ends, guess):
     return interval, clipped - ends[interval]
 
 
-@internal
+@compiled
 def fitted_rate(rates, k):
     """Value of the local cubic polynomial at a contact."""
     behind, ahead = min(k, HALF), min(len(rates) - 1 - k, HALF)
@@ -104,7 +103,7 @@ def fitted_rate(rates, k):
     return total
 
 
-@internal
+@compiled
 def fit_rates(rates, fitted):
     """Evaluate the local cubic polynomials at the first contacts."""
     until = min(len(fitted), len(rates) - HALF)
@@ -121,7 +120,7 @@ def fit_rates(rates, fitted):
         fitted[k] = fitted_rate(rates, k)
 
 
-@internal
+@compiled
 def share(rate):
     """Part of the deviation from the polynomial that is fast, and its derivative."""
     # In strong backward tapers, the memory is so short that no change is fast.
@@ -130,7 +129,7 @@ def share(rate):
     return value, -4.0 * ratio**3 * value * value / BACKWARD
 
 
-@internal
+@compiled
 def smooth(rates, slow, fast):
     """Divide the first rates of a chain of at least eight contacts."""
     # fast: BEHIND zeros, the fast changes, AHEAD zeros
@@ -141,7 +140,7 @@ def smooth(rates, slow, fast):
         slow[k], fast[BEHIND + k] = rates[k] - change, change
 
 
-@internal
+@compiled
 def from_smooth(rates, to_slow, to_fast, fitted, to_rates):
     """Add derivatives with respect to the rates to ``to_rates``."""
     # fitted: as long as to_slow, is overwritten
@@ -161,14 +160,14 @@ def from_smooth(rates, to_slow, to_fast, fitted, to_rates):
                 to_rates[k + o] += CUBICS[behind, HALF + o] * change
 
 
-@internal
+@compiled
 def stage_of(contact, contacts):
     """Stage of a contact, from 0: those before the free end come last."""
     left = contacts - contact
     return STAGES - left if left <= END else min(contact, EARLY)
 
 
-@internal
+@compiled
 def size_of(around):
     """Mean square of the fast changes next to a contact."""
     total = 0.0
@@ -177,7 +176,7 @@ def size_of(around):
     return total / (LAST - FIRST)
 
 
-@internal
+@compiled
 def gain(rate, size, steady):
     """Factor g of the products, and its derivatives with respect to rate and mean square."""
     sum_of = 4.0 * rate * rate + size + TINY
@@ -187,7 +186,7 @@ def gain(rate, size, steady):
     return value + steady / limit, value * 2.0 * rate / sum_of, by_size
 
 
-@internal
+@compiled
 def negligible(around):
     """Whether fast changes are so small that their products are."""
     total = 0.0
@@ -196,7 +195,7 @@ def negligible(around):
     return total < NEGLIGIBLE
 
 
-@internal
+@compiled
 def multiply(around, products):
     """Write all products of two fast changes."""
     n = 0
@@ -206,7 +205,7 @@ def multiply(around, products):
             n += 1
 
 
-@internal
+@compiled
 def polynomials(pieces, x, values):
     """Evaluate cubic polynomials (4, n) of x."""
     for i in range(len(values)):
@@ -214,7 +213,7 @@ def polynomials(pieces, x, values):
         values[i] = ((a * x + b) * x + c) * x + pieces[3, i]
 
 
-@internal
+@compiled
 def combine(pieces, weights, x, inside, values, slopes):
     """Evaluate weighted sums of three cubic polynomials, and their derivatives, side by side."""
     # pieces (4, 3 n), weights (3,), values and slopes (n,); slopes are zero outside the tables
@@ -229,7 +228,7 @@ def combine(pieces, weights, x, inside, values, slopes):
         slopes[i] = (3.0 * a * x + 2.0 * b) * x + c if inside else 0.0
 
 
-@internal
+@compiled
 def steps_of(slow, k, steps):
     """Write 1, and the differences of the slow rates at offsets from a contact."""
     steps[0] = 1.0
@@ -238,7 +237,7 @@ def steps_of(slow, k, steps):
         steps[1 + i] = slow[m] - slow[m - 1] if 1 <= m < len(slow) else 0.0
 
 
-@internal
+@compiled
 def dot(values, factors):
     """Sum of products."""
     total = 0.0
@@ -247,7 +246,7 @@ def dot(values, factors):
     return total
 
 
-@internal
+@compiled
 def parts_of(work):
     """Arrays for products and their coefficients, and for responses to fast and slow changes."""
     first = PRODUCTS
@@ -270,7 +269,7 @@ WORK = (1 + STATES) * (PRODUCTS + 1 + TAPS) + STATES * TAPS
 # tables: `hertzchain.theory.universal_functions.FastTables`
 # work: (WORK,), is overwritten
 # states: (followed, 3), to which the response is added
-@internal
+@compiled
 def add_response(contacts, slow, fast, tables, work, states):
     """Add the response to fast changes and to the free end."""
     products, bends, single, ends, steps = parts_of(work)
@@ -298,7 +297,7 @@ def add_response(contacts, slow, fast, tables, work, states):
 # Arguments: as above, and
 # seeds: (followed, 3), derivatives with respect to the states
 # to_slow, to_fast: as long as slow and fast; results are added
-@internal
+@compiled
 def from_response(contacts, slow, fast, tables, seeds, work, to_slow, to_fast):
     """Add derivatives with respect to both parts of the rates."""
     products, of_products, of_fast, of_end, steps = parts_of(work)
@@ -334,7 +333,7 @@ def from_response(contacts, slow, fast, tables, seeds, work, to_slow, to_fast):
                 to_slow[k + n - BEHIND - 1] -= ends[1 + n]
 
 
-@internal
+@compiled
 def from_products(around, g, to_products, to_size, to_around):
     """Add derivatives with respect to the fast changes around a contact."""
     n = 0
@@ -347,7 +346,7 @@ def from_products(around, g, to_products, to_size, to_around):
         to_around[i] += to_size * 2.0 * around[i] / (LAST - FIRST)
 
 
-@internal
+@compiled
 def size_ahead(contact, fast):
     """Sum of squares of the fast changes that a contact sees through its slow rate alone."""
     # The filter is wider than the response, whose first order is exact only up to `AHEAD`.
@@ -357,7 +356,7 @@ def size_ahead(contact, fast):
     return total
 
 
-@internal
+@compiled
 def lost_maximum(contacts, contact, slow):
     """Doubt about the last bead but one, which loses its first maximum in steep forward tapers."""
     # Its velocity then jumps by 23%, in long exponential chains at the rate -0.1325.
@@ -373,7 +372,7 @@ def lost_maximum(contacts, contact, slow):
 TRAIN, CATCHING = -0.13, -0.05
 
 
-@internal
+@compiled
 def train_behind(rate, train):
     """Length of the part of the chain in which the pulse left a train of waves behind."""
     return train + max(TRAIN - rate, 0.0) / 0.1
@@ -389,7 +388,7 @@ OF_AHEAD = 0.2
 #   its change b: root of the sum of a^4, sums of a^3 and a^2 |q|, root of the sum of a^2 b^2; the
 #   sum of a^2 + b^2 fading along the chain, with `size_ahead`; b^2, a^2 and the shortness of the
 #   chain near its free end, with `lost_maximum` and waves that overtake the pulse
-@internal
+@compiled
 def write_parts(contacts, slow, fast, doubts, parts):
     """Write the terms of the estimated error of the velocity behind each contact."""
     fourth, third, tapered, mixed, faded = 0.0, 0.0, 0.0, 0.0, 0.0

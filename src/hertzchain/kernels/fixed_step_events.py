@@ -5,7 +5,9 @@ The functions do not depend on the splitting method (`hertzchain.kernels.symplec
 
 from __future__ import annotations
 
-from .compilation import CONTRACTED, for_kernels, internal
+from numba import njit
+
+from .compilation import CONTRACTED, compiled
 from .events import REACHED, store_crossing
 from .forces import copy
 from .hermite import curvature, slope, value
@@ -31,7 +33,7 @@ from .state_layout import (
 NEIGHBOURS, SLOW = 3, 1e-4
 BISECTIONS = 48
 
-inlined = for_kernels(forceinline=True, **CONTRACTED)
+inlined = njit(forceinline=True, **CONTRACTED)
 
 
 @inlined
@@ -43,7 +45,7 @@ def quintic(h, x0, v0, a0, x1, v1, a1):
     return x0, c1, c2, c3, c4, c5, 0.0, 0.0
 
 
-@internal
+@compiled
 def turning_point(c):
     """Fraction of a step at which the first derivative, positive at the start, vanishes."""
     low, high = 0.0, 1.0
@@ -53,7 +55,7 @@ def turning_point(c):
     return high
 
 
-@internal
+@compiled
 def inflection(c):
     """Fraction of a step at which the second derivative, positive at the start, vanishes."""
     low, high = 0.0, 1.0
@@ -92,7 +94,7 @@ def watch_wall(side, time, h, force, given, passed, x, v, a, spring, ends, walls
         ends[side, 0], ends[side, 1], ends[side, 2], ends[side, 3] = x, v, a, force
 
 
-@internal
+@compiled
 def save_frames(time, time_new, h, y, springs, rows, counts, frame_times, frames, frame_forces):
     """Save states and forces at the saved times within a step."""
     beads = len(rows.velocities)
@@ -113,7 +115,7 @@ def save_frames(time, time_new, h, y, springs, rows, counts, frame_times, frames
     counts[FRAMES] = frame
 
 
-@internal
+@compiled
 def polynomial_of(i, h, rows):
     """Position of bead i (0-based) within a step, as a polynomial."""
     before = rows.before
@@ -123,7 +125,7 @@ def polynomial_of(i, h, rows):
     )  # fmt: skip
 
 
-@internal
+@compiled
 def moves(k, rows):
     """Whether bead k moves within a step, by the speeds of the beads around it."""
     before, v = rows.before, rows.velocities
@@ -135,7 +137,7 @@ def moves(k, rows):
     return max(v[k], before[1, k + 1]) > REACHED * near
 
 
-@internal
+@compiled
 def record_events(h, clock, counts, setup, contacts, springs, rows, peaks, crossings):
     """Record first velocity maxima and largest overlaps within a step."""
     before, v, a = rows.before, rows.velocities, rows.accelerations

@@ -22,7 +22,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from .compilation import internal, reduced
+from .compilation import compiled, reduced
 from .contact_law import (
     LOADED,
     STUCK,
@@ -86,7 +86,7 @@ class Contacts(NamedTuple):
     on_positions: Any
 
 
-@internal
+@compiled
 def copy(source, target):
     """Copy like ``target[:] = source``, but without a check whether the arrays overlap."""
     for i in range(len(target)):
@@ -103,7 +103,7 @@ def largest_size(values):
     return found
 
 
-@internal
+@compiled
 def plain_derivative(y, inverse_mass, stiffness, exponent, out):
     """Velocities and accelerations of all beads, Eq. (4) of the paper."""
     beads = len(inverse_mass)
@@ -117,7 +117,7 @@ def plain_derivative(y, inverse_mass, stiffness, exponent, out):
     out[2 * beads - 1] = pushed * inverse_mass[beads - 1]
 
 
-@internal
+@compiled
 def overlap_and_closing(c, y, beads, gap, wall):
     """Overlap of contact c and its rate; ``wall`` is the motion of the left wall."""
     left, left_speed = wall[0], wall[1]
@@ -129,7 +129,7 @@ def overlap_and_closing(c, y, beads, gap, wall):
     return left - right - gap, left_speed - right_speed
 
 
-@internal
+@compiled
 def force_on(k, drive, setup):
     """External force on bead k (0-based)."""
     if k == 0 and setup.drive == PUSH:
@@ -137,7 +137,7 @@ def force_on(k, drive, setup):
     return setup.body_force[k]
 
 
-@internal
+@compiled
 def solve_stuck_forces(drive, wall_acceleration, overlap, setup, contacts):
     """Forces that keep the closing speed of stuck contacts at zero, from a tridiagonal system."""
     # The accelerations a_left = (F_{c-1} - F_c + X_left)/m_left and a_right of a stuck contact c
@@ -177,7 +177,7 @@ def solve_stuck_forces(drive, wall_acceleration, overlap, setup, contacts):
                 pushing[c] += factor[c] * pushing[c + 1]
 
 
-@internal
+@compiled
 def all_stuck(mode):
     """Whether all contacts are stuck, those with two walls included."""
     for c in range(len(mode)):
@@ -186,7 +186,7 @@ def all_stuck(mode):
     return True
 
 
-@internal
+@compiled
 def share_common_force(drive, wall_acceleration, overlap, setup, contacts):
     """Forces of contacts that are all stuck between two walls.
 
@@ -212,7 +212,7 @@ def share_common_force(drive, wall_acceleration, overlap, setup, contacts):
         pushing[c] += middle
 
 
-@internal
+@compiled
 def overlaps_and_rates(y, gap, wall, overlap, closing):
     """Overlaps of all contacts, and their rates."""
     beads = len(gap) - 1
@@ -229,7 +229,7 @@ def overlaps_and_rates(y, gap, wall, overlap, closing):
 # Each of the following loops has one task and no branch, so that the compiler can vectorise it.
 
 
-@internal
+@compiled
 def loading_curve(overlap, stiffness, exponent, pushing, scratch):
     """Forces k d_+^p of all contacts."""
     if exponent == 1.5:
@@ -242,7 +242,7 @@ def loading_curve(overlap, stiffness, exponent, pushing, scratch):
         pushing[c] *= stiffness[c]
 
 
-@internal
+@compiled
 def power_of_closed(overlap, exponent, out, scratch):
     """d_+^exponent of all contacts."""
     closed = scratch[2, : len(overlap)]
@@ -251,7 +251,7 @@ def power_of_closed(overlap, exponent, out, scratch):
     powers(closed, exponent, out, scratch)
 
 
-@internal
+@compiled
 def damping_coefficients(overlap, damping, law, weight, scratch):
     """Coefficients of the power of the closing speed: damping * d_+^overlap_power."""
     if law.overlap_power == 0.0:
@@ -270,7 +270,7 @@ def damping_coefficients(overlap, damping, law, weight, scratch):
             weight[c] *= damping[c]
 
 
-@internal
+@compiled
 def add_damping(pushing, overlap, closing, damping, mode, law, more, scratch):
     """Add damping forces to the elastic forces; returns the power lost."""
     damping_coefficients(overlap, damping, law, more, scratch)
@@ -294,7 +294,7 @@ def add_damping(pushing, overlap, closing, damping, mode, law, more, scratch):
     return sum_of_products(more, closing)
 
 
-@internal
+@compiled
 def sum_of_products(a, b):
     """Sum of a * b, computed as four independent sums, which is faster."""
     s, t, u, v = 0.0, 0.0, 0.0, 0.0
@@ -309,7 +309,7 @@ def sum_of_products(a, b):
     return (s + t) + (u + v)
 
 
-@internal
+@compiled
 def reduce_unloading_forces(pushing, mode, law):
     """Reduce the forces of contacts that separate; returns whether any is stuck."""
     stuck = 0
@@ -319,7 +319,7 @@ def reduce_unloading_forces(pushing, mode, law):
     return stuck > 0
 
 
-@internal
+@compiled
 def power_lost(pushing, closing, mode, law):
     """Power of loading contacts, without the part that unloading will return."""
     s, t = 0.0, 0.0
@@ -332,7 +332,7 @@ def power_lost(pushing, closing, mode, law):
     return (1.0 - law.kept) * (s + t)
 
 
-@internal
+@compiled
 def elastic_overlaps(overlap, mode, largest, kept):
     """Replace overlaps of plastic contacts by those at which the loading curve has their force."""
     for c in range(len(overlap)):
@@ -340,7 +340,7 @@ def elastic_overlaps(overlap, mode, largest, kept):
         overlap[c] = overlap[c] if mode[c] == LOADED else unloading
 
 
-@internal
+@compiled
 def contact_forces(overlap, closing, drive, wall, setup, laws, contacts):
     """Write the forces of all contacts; returns the power lost."""
     if laws is not None:
@@ -364,7 +364,7 @@ def contact_forces(overlap, closing, drive, wall, setup, laws, contacts):
     return lost
 
 
-@internal
+@compiled
 def differing_forces(overlap, closing, drive, wall, setup, contacts):
     """Write the forces of contacts with different laws; returns the power lost."""
     lost, stuck = 0.0, False
@@ -380,7 +380,7 @@ def differing_forces(overlap, closing, drive, wall, setup, contacts):
     return lost
 
 
-@internal
+@compiled
 def full_derivative(time, y, setup, contacts, segment, out):
     """Velocities, accelerations and rates of the accumulators."""
     inverse_mass, pushing, outside = setup.inverse_mass, contacts.force, setup.body_force
@@ -405,7 +405,7 @@ def full_derivative(time, y, setup, contacts, segment, out):
     out[2 * beads + RIGHT_IMPULSE] = pushing[beads]
 
 
-@internal
+@compiled
 def derivative(time, y, setup, contacts, segment, out):
     """Velocities and accelerations and, for a general chain, rates of the accumulators."""
     if contacts is None:

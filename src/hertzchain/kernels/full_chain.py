@@ -31,7 +31,7 @@ from .active_beads import (
     unresolved_speed,
     window_too_small,
 )
-from .compilation import compiled, internal
+from .compilation import compiled
 from .conservation import kinetic, update_drift
 from .contact_modes import (
     MIN_RELATIVE_SPEED,
@@ -98,7 +98,7 @@ RISE_PART = 0.125
 ROWS = STAGES + COEFFICIENTS + 7
 
 
-@internal
+@compiled
 def nothing_can_happen(y, setup, contacts):
     """Whether no two beads touch or approach each other: all are in free flight permanently."""
     beads = len(setup.inverse_mass)
@@ -122,7 +122,7 @@ def nothing_can_happen(y, setup, contacts):
     return True
 
 
-@internal
+@compiled
 def largest_speed(so_far, y, beads):
     """The largest speed so far, including those of a state."""
     largest = so_far
@@ -144,7 +144,7 @@ def start(y, clock, counts, setup, contacts, first_step):
     update_drift(y, clock, setup, contacts, 0, (0.0, 0.0, 0.0), True)
 
 
-@internal
+@compiled
 def advance_window(
     y, chain, inverse_mass, low, edge, flights, flying, trim, budget, clock, counts, setup,
     contacts, until, stop_when_left, rtol, pause, frame_times, growing, frames, frame_forces,

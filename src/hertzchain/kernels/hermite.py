@@ -7,12 +7,14 @@ accurate as the step.
 
 from __future__ import annotations
 
-from .compilation import CONTRACTED, for_kernels
+from numba import njit
 
-internal = for_kernels(**CONTRACTED)
+from .compilation import CONTRACTED
+
+compiled = njit(**CONTRACTED)
 
 
-@internal
+@compiled
 def hermite(h, x0, v0, a0, j0, x1, v1, a1, j1):
     """Coefficients of the polynomial in s = t/h through both ends of a step."""
     c1, c2, c3 = h * v0, 0.5 * h * h * a0, h * h * h * j0 / 6.0
@@ -27,14 +29,14 @@ def hermite(h, x0, v0, a0, j0, x1, v1, a1, j1):
     return x0, c1, c2, c3, c4, c5, c6, c7
 
 
-@internal
+@compiled
 def value(c, s):
     """Value of the polynomial at s."""
     c0, c1, c2, c3, c4, c5, c6, c7 = c
     return c0 + s * (c1 + s * (c2 + s * (c3 + s * (c4 + s * (c5 + s * (c6 + s * c7))))))
 
 
-@internal
+@compiled
 def slope(c, s):
     """First derivative with respect to s."""
     _, c1, c2, c3, c4, c5, c6, c7 = c
@@ -42,7 +44,7 @@ def slope(c, s):
     return c1 + s * (2.0 * c2 + s * (3.0 * c3 + s * high))
 
 
-@internal
+@compiled
 def curvature(c, s):
     """Second derivative with respect to s."""
     _, _, c2, c3, c4, c5, c6, c7 = c
@@ -50,7 +52,7 @@ def curvature(c, s):
     return 2.0 * c2 + s * (6.0 * c3 + s * high)
 
 
-@internal
+@compiled
 def third(c, s):
     """Third derivative with respect to s."""
     _, _, _, c3, c4, c5, c6, c7 = c

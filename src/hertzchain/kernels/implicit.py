@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from .compilation import internal
+from .compilation import compiled
 from .contact_law import LOADED, force, law_of, signed_power
 from .dop853 import STEP_STAGES
 from .driving import PUSH, drive_at, wall_motion
@@ -43,7 +43,7 @@ SETTLING = 1e-3
 AT_START = SETTLING ** np.arange(IMPLICIT_STAGES) @ BETWEEN
 
 
-@internal
+@compiled
 def accumulator_rates(i, time, setup, contacts, segment, rates):
     """Rates of the accumulators at stage i."""
     beads = len(setup.inverse_mass)
@@ -63,7 +63,7 @@ def accumulator_rates(i, time, setup, contacts, segment, rates):
     accumulators[LEFT_IMPULSE], accumulators[RIGHT_IMPULSE] = pushing[0, i], pushing[beads, i]
 
 
-@internal
+@compiled
 def resolve_overlaps(time, h, y, setup, contacts, segment):
     """Integrate overlaps smaller than the rounding of positions, from the speeds of the forces."""
     beads, speed = len(setup.inverse_mass), contacts.implicit.residual
@@ -86,7 +86,7 @@ def resolve_overlaps(time, h, y, setup, contacts, segment):
             overlap[c, i] = first + h * gained
 
 
-@internal
+@compiled
 def remember_overlaps(contacts, implicit):
     """Store the overlaps at the end of the step, from which the next one begins.
 
@@ -101,7 +101,7 @@ def remember_overlaps(contacts, implicit):
             contacts.largest[c] = max(overlap, 0.0) if pushed else overlap
 
 
-@internal
+@compiled
 def forget_rounding(time, setup, contacts, rates):
     """Remove net forces too small to change a velocity in the whole time that has passed.
 
@@ -124,7 +124,7 @@ def forget_rounding(time, setup, contacts, rates):
                     pushing[k, i] = spring
 
 
-@internal
+@compiled
 def settle(time, y, h, setup, contacts, implicit, segment, rtol, stages, ahead, speeds, scale):
     """Determine the forces and the derivative of a state by a very short implicit step.
 
@@ -155,7 +155,7 @@ def settle(time, y, h, setup, contacts, implicit, segment, rtol, stages, ahead, 
     return solved
 
 
-@internal
+@compiled
 def try_implicit_step(
     time, y, h, setup, contacts, implicit, segment, rtol, stages, y_new, speeds, scale
 ):
@@ -192,7 +192,7 @@ def try_implicit_step(
     return True
 
 
-@internal
+@compiled
 def error_of_losses(h, stages, setup, rtol):
     """Estimated error of the energy lost, in tolerances of energy.
 
@@ -208,7 +208,7 @@ def error_of_losses(h, stages, setup, rtol):
     return h * abs(last) / (ENERGY * rtol * kinetic) if kinetic > 0.0 else 0.0
 
 
-@internal
+@compiled
 def implicit_error(h, stages, setup, scale, rtol):
     """Estimated error of an implicit step, in tolerances.
 
@@ -236,7 +236,7 @@ def implicit_error(h, stages, setup, scale, rtol):
     return max(worst, bent)
 
 
-@internal
+@compiled
 def first_rest(k, beads, stages):
     """Time, as a fraction of the step, of the first stage without a push on bead k; 2 if none."""
     for i in range(IMPLICIT_STAGES):
@@ -245,7 +245,7 @@ def first_rest(k, beads, stages):
     return 2.0
 
 
-@internal
+@compiled
 def closes_throughout(c, setup, implicit, stages):
     """Whether the beads of contact c approach each other at all stages."""
     if implicit is None:
@@ -260,7 +260,7 @@ def closes_throughout(c, setup, implicit, stages):
     return True
 
 
-@internal
+@compiled
 def implicit_coefficients(h, stages, dense):
     """Coefficients of the interpolant of an implicit step, in the form of an explicit one."""
     for row in range(len(dense)):
@@ -271,7 +271,7 @@ def implicit_coefficients(h, stages, dense):
             dense[row, i] = h * total
 
 
-@internal
+@compiled
 def begin(time, y, h, setup, contacts, segment, rtol, stages, work, scale):
     """Compute the derivative at the start of the next step."""
     speeds = work[3, len(scale) : 2 * len(scale)]
@@ -281,7 +281,7 @@ def begin(time, y, h, setup, contacts, segment, rtol, stages, work, scale):
     )  # fmt: skip
 
 
-@internal
+@compiled
 def take_step(time, y, h, setup, contacts, segment, rtol, stages, trial, y_new, work, scale):  # noqa: ARG001
     """Take one step; returns its error in tolerances (NaN if it failed) and evaluations."""
     speeds = work[3, len(scale) : 2 * len(scale)]
@@ -296,14 +296,14 @@ def take_step(time, y, h, setup, contacts, segment, rtol, stages, trial, y_new, 
     return implicit_error(h, stages, setup, scale, rtol), IMPLICIT_STAGES
 
 
-@internal
+@compiled
 def interpolate(time, y, h, y_new, setup, contacts, segment, stages, dense, trial, scratch):  # noqa: ARG001
     """Compute the coefficients of the interpolant of a step; returns evaluations."""
     implicit_coefficients(h, stages, dense)
     return 0
 
 
-@internal
+@compiled
 def forces_within(theta, time, h, state, setup, contacts, segment, scratch):  # noqa: ARG001
     """Compute the contact forces at the fraction theta of a step, from the state there."""
     wall = wall_motion(time + theta * h, setup, segment)

@@ -11,14 +11,14 @@ together, so that the search for a maximum takes little time.
 
 from __future__ import annotations
 
-from .compilation import internal
+from .compilation import compiled
 
 COEFFICIENTS = 7
 # Fraction of a step over which the change of a slope is estimated.
 SHORT = 1e-3
 
 
-@internal
+@compiled
 def value(i, theta, y, dense):
     """Component i of the state at the fraction theta of the step."""
     rest = 1.0 - theta
@@ -26,7 +26,7 @@ def value(i, theta, y, dense):
     return y[i] + theta * (dense[0, i] + rest * (dense[1, i] + theta * (dense[2, i] + rest * high)))
 
 
-@internal
+@compiled
 def slope(i, theta, h, dense):
     """Rate of change of component i at the fraction theta of the step."""
     result, rate = 0.0, 0.0
@@ -39,7 +39,7 @@ def slope(i, theta, h, dense):
     return rate / h
 
 
-@internal
+@compiled
 def attainable(first, rise, last, fall):
     """Upper bound of a concave curve within a step, from the values and slopes at its ends.
 
@@ -54,7 +54,7 @@ def attainable(first, rise, last, fall):
     return first + rise * theta
 
 
-@internal
+@compiled
 def attainable_slope(i, h, dense):
     """Upper bound of the rate of change of component i within the step, if it falls at the end."""
     first, last = slope(i, 0.0, h, dense), slope(i, 1.0, h, dense)
@@ -63,7 +63,7 @@ def attainable_slope(i, h, dense):
     return attainable(first, rise, last, fall)
 
 
-@internal
+@compiled
 def state_within(theta, y, dense, out):
     """All components at the fraction theta of the step."""
     for i in range(len(out)):

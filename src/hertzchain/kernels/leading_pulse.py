@@ -11,7 +11,7 @@ then the contact has transferred the momentum
 
 from __future__ import annotations
 
-from .compilation import internal
+from .compilation import compiled
 from .contact_law import force, law_of, loading_force
 from .state_layout import (
     CROSSING_TIME,
@@ -26,7 +26,7 @@ from .state_layout import (
 LENGTH = 4.0
 
 
-@internal
+@compiled
 def velocity_of(k, first, y, chain, all_beads):
     """Velocity of bead k of the chain, from the state of the window that begins at ``first``."""
     beads = (len(y) - (len(chain) - 2 * all_beads)) // 2
@@ -35,7 +35,7 @@ def velocity_of(k, first, y, chain, all_beads):
     return y[beads + k - first]
 
 
-@internal
+@compiled
 def rise_of(overlap, c, setup, contacts):
     """Force of contact c of the window at a largest overlap, minus its static force."""
     if contacts is None:
@@ -45,7 +45,7 @@ def rise_of(overlap, c, setup, contacts):
     return loading_force(overlap, stiffness, damping, law) - static
 
 
-@internal
+@compiled
 def skip_beads_left(time, counts, beads, crossings):
     """Count the beads that the pulse has left by ``time``; returns the last of their rise times."""
     k = counts[LEFT_BY_PULSE]
@@ -66,7 +66,7 @@ def skip_beads_left(time, counts, beads, crossings):
     return rise_time
 
 
-@internal
+@compiled
 def note_leading_pulse(at, rise, first, start, counts, y, chain, inverse_mass, crossings):
     """Record rise time, momentum and energy of the leading pulse when its crest is at a contact.
 

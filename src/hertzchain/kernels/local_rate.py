@@ -19,7 +19,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from .fast_changes import STATES, combine, dot, internal, interval_of, polynomials
+from .fast_changes import STATES, combine, compiled, dot, interval_of, polynomials
 
 # Contacts with separate functions after the impact.
 START = 4
@@ -32,7 +32,7 @@ ROW = TERMS + 1
 FARTHEST = 1.0
 
 
-@internal
+@compiled
 def bca_growth(rate):
     """Growth of velocity by the BCA, ln[2/(1 + e^(3s))], and its derivative, without overflow."""
     if rate > 0.0:
@@ -42,7 +42,7 @@ def bca_growth(rate):
     return np.log(2.0) - np.log1p(small), -3.0 * small / (1.0 + small)
 
 
-@internal
+@compiled
 def anchor(rate, pieces, ends, guess, value, slope):
     """Write state and derivative on an exponential chain; returns the interval of the rate."""
     interval, x = interval_of(rate, ends, guess)
@@ -59,7 +59,7 @@ def anchor(rate, pieces, ends, guess, value, slope):
     return interval
 
 
-@internal
+@compiled
 def gather(contact, rates, deviations, inputs):
     """Write the inputs of a contact."""
     for i in range(STATES):
@@ -70,7 +70,7 @@ def gather(contact, rates, deviations, inputs):
         inputs[STATES + i] = rates[last] - rates[last - 1] if known else 0.0
 
 
-@internal
+@compiled
 def write_terms(inputs, terms):
     """Write the inputs and all products of two of them."""
     n = INPUTS
@@ -81,7 +81,7 @@ def write_terms(inputs, terms):
             n += 1
 
 
-@internal
+@compiled
 def second_degree(coefficients, terms):
     """Size of the contribution of products of two inputs to the growth."""
     size = 0.0
@@ -90,7 +90,7 @@ def second_degree(coefficients, terms):
     return size
 
 
-@internal
+@compiled
 def parts_of(work):
     """Arrays for terms, their coefficients, inputs, anchors and their derivatives."""
     first = ROW + STATES * ROW
@@ -119,7 +119,7 @@ WORK = (1 + STATES) * ROW + INPUTS + 2 * STATES
 # doubts: (followed, 4), terms of the estimated error: one; norms of all inputs after the
 #   impact, of those at all other contacts up to this one, and of the products of their size and
 #   of the second degree of the growth
-@internal
+@compiled
 def forward(
     rates, followed, nodes, anchors, knots, response, work, states, deviations, slopes, doubts
 ):  # fmt: skip
@@ -169,7 +169,7 @@ def forward(
 # Arguments: as for `forward`, and
 # seeds: derivatives with respect to the states, (followed, 3), which are overwritten
 # to_rates: results are added
-@internal
+@compiled
 def backward(rates, knots, response, deviations, slopes, seeds, work, to_rates):
     """Add derivatives with respect to the slow rates."""
     terms, of_terms, inputs, _, _ = parts_of(work)

@@ -16,7 +16,6 @@ from .fast_changes import (
     compiled,
     from_response,
     from_smooth,
-    internal,
     smooth,
     write_parts,
 )
@@ -37,7 +36,7 @@ def logarithms(radii):
     return logs, logs[1:] - logs[:-1]
 
 
-@internal
+@compiled
 def any_outside(rates, ends):
     """Whether a rate lies outside the tables."""
     for rate in rates:
@@ -46,20 +45,20 @@ def any_outside(rates, ends):
     return False
 
 
-@internal
+@compiled
 def log_stiffness(radii, contact):
     """Logarithm of a contact's stiffness, see `hertzchain.collision.hertz_stiffness`."""
     left, right = radii[contact], radii[contact + 1]
     return 0.5 * np.log(2.0 * left * (right / (left + right)))
 
 
-@internal
+@compiled
 def log_of_bead(powers, log_radius, log_velocity):
     """Logarithm of m^a v^b of a bead, given those of its radius and velocity."""
     return powers[0] * 3.0 * log_radius + powers[1] * log_velocity
 
 
-@internal
+@compiled
 def log_of_contact(powers, stiffness, state):
     """Logarithm of r^c e^(d phi + e tau) of a contact, given that of its stiffness r."""
     return powers[2] * stiffness + powers[3] * state[1] + powers[4] * state[2]
@@ -106,7 +105,7 @@ def evaluate(
     return lost
 
 
-@internal
+@compiled
 def sound(by_bead, by_contact):
     """Whether all results are finite and, except those of the struck bead, positive."""
     good = True
@@ -197,7 +196,7 @@ def gradient(
     return total, np.inf if any_outside(rates[:followed], slow_tables[0]) else error
 
 
-@internal
+@compiled
 def seed_states(radii, begin, weights, powers, seeds, found):
     """Derivatives of weighted logarithms of a quantity with respect to states, and radii."""
     followed = len(seeds)

@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from .change_of_sign import BISECTIONS
-from .compilation import internal
+from .compilation import compiled
 from .contact_law import LOADED, RELEASED, STUCK, force, has_modes, is_plastic, law_of
 from .contact_margins import leaves_mode, margin_of, must_switch, pull_free_force, vanishes_between
 from .dop853 import STEP_STAGES
@@ -37,7 +37,7 @@ SHORT = 1e-3
 SECTIONS, NEAR_AT_LEAST = 20, 0.5
 
 
-@internal
+@compiled
 def turned(c, beads, wall_speed, sign, stages, still):
     """Whether contact c is opening (sign 1) or closing (-1) at some stage of the step."""
     for j in range(1, STEP_STAGES):
@@ -48,14 +48,14 @@ def turned(c, beads, wall_speed, sign, stages, still):
     return False
 
 
-@internal
+@compiled
 def relative_acceleration(c, beads, wall, rates):
     """Rate of change of the closing speed of contact c, from the derivative of the state."""
     left = rates[beads + c - 1] if c > 0 else wall[2]
     return left - rates[beads + c] if c < beads else left
 
 
-@internal
+@compiled
 def may_turn_twice(sign, h, closing, still_closing, slope, last_slope):
     """Whether a contact, closing (sign 1) or opening (-1) at both ends, may rest in between."""
     return vanishes_between(
@@ -63,7 +63,7 @@ def may_turn_twice(sign, h, closing, still_closing, slope, last_slope):
     )
 
 
-@internal
+@compiled
 def may_be_cut_off(h, mode, before, after, slope, last_slope, stiffness, damping, law):
     """Whether the force of a damped contact, cut off at neither or both ends, may change within.
 
@@ -98,7 +98,7 @@ def may_be_cut_off(h, mode, before, after, slope, last_slope, stiffness, damping
     return vanishes_between(first, (soon - first) / SHORT, end, (end - late) / SHORT)
 
 
-@internal
+@compiled
 def may_release(c, loading, stages, setup, contacts):
     """Whether the force of stuck contact c may exceed one of its bounds and return within a step.
 
@@ -124,7 +124,7 @@ def may_release(c, loading, stages, setup, contacts):
     return near and rises and falls
 
 
-@internal
+@compiled
 def may_switch(c, h, y, y_new, stages, setup, contacts, walls, still):
     """Whether, according to the stages of a step, contact c may have to leave its mode within it.
 
@@ -161,7 +161,7 @@ def may_switch(c, h, y, y_new, stages, setup, contacts, walls, still):
     )
 
 
-@internal
+@compiled
 def closing_until(c, time, y, h, dense, setup, segment, still):
     """Fraction of the step until which contact c, closing at its start, closes."""
     beads, low, high = len(setup.inverse_mass), 0.0, 2.0
@@ -180,7 +180,7 @@ def closing_until(c, time, y, h, dense, setup, segment, still):
     return low
 
 
-@internal
+@compiled
 def state_of_contact(c, theta, time, y, h, dense, setup, contacts, segment, trial, scratch):
     """Interpolate the state of the beads of contact c; returns the motion of the left wall.
 
@@ -196,7 +196,7 @@ def state_of_contact(c, theta, time, y, h, dense, setup, contacts, segment, tria
     return wall_motion(time + theta * h, setup, segment)
 
 
-@internal
+@compiled
 def examine(c, theta, time, y, h, dense, setup, contacts, segment, still, trial, scratch):
     """Whether contact c must leave its mode at the fraction theta of the step, and its margin."""
     wall = state_of_contact(c, theta, time, y, h, dense, setup, contacts, segment, trial, scratch)
@@ -204,14 +204,14 @@ def examine(c, theta, time, y, h, dense, setup, contacts, segment, still, trial,
     return leaves, margin_of(c, trial, wall, setup, contacts)
 
 
-@internal
+@compiled
 def dips(left, least, right):
     """Whether a parabola through the least margin and its neighbours is much closer to zero."""
     bend = left - 2.0 * least + right
     return 0.125 * (right - left) ** 2 > (1.0 - NEAR_AT_LEAST) * least * bend
 
 
-@internal
+@compiled
 def least_margin(c, low, high, time, y, h, dense, setup, contacts, segment, still, trial, scratch):
     """Fraction of the step, between two others, at which the margin of contact c is least."""
     for _ in range(SECTIONS):
@@ -226,7 +226,7 @@ def least_margin(c, low, high, time, y, h, dense, setup, contacts, segment, stil
     return 0.5 * (low + high)
 
 
-@internal
+@compiled
 def switch_within(c, time, y, h, dense, setup, contacts, segment, still, trial, scratch):
     """Fraction of the step at which contact c first must leave its mode; 2 if none."""
     low, high, end = 0.0, 2.0, 1.0
@@ -272,7 +272,7 @@ def switch_within(c, time, y, h, dense, setup, contacts, segment, still, trial, 
     return high
 
 
-@internal
+@compiled
 def first_switch(
     time, y, h, y_new, stages, dense, setup, contacts, segment, still, trial, scratch, search
 ):

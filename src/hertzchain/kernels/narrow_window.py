@@ -42,7 +42,7 @@ from typing import Any
 import numpy as np
 from numba import njit
 
-from .compilation import CONTRACTED, for_kernels
+from .compilation import CONTRACTED
 from .hermite import curvature, hermite, slope, third, value
 from .powers import power
 from .rkn8_stages import Rows, step_on
@@ -96,8 +96,7 @@ MAX_STEPS = 400
 # saves 5% of the time. The second option is for functions called in every step and for the events,
 # whose many arguments would take as long to pass as a step.
 compiled = njit(**CONTRACTED)
-internal = for_kernels(**CONTRACTED)
-inlined = for_kernels(forceinline=True, **CONTRACTED)
+inlined = njit(forceinline=True, **CONTRACTED)
 
 
 @inlined
@@ -169,7 +168,7 @@ def note_error(w, candidates, lanes):
         w[ERROR + i] = error if error > w[ERROR + i] else w[ERROR + i]
 
 
-@internal
+@compiled
 def force_rate(w, i, lanes, positions, velocities, exponents):
     """Rate of change of the force of contact i: p F d'/d."""
     overlap = w[positions + i] - w[positions + i + lanes]
@@ -181,14 +180,14 @@ def force_rate(w, i, lanes, positions, velocities, exponents):
     return w[EXPONENT + i] * pushing(w, i, overlap, exponents) / overlap * closing
 
 
-@internal
+@compiled
 def jerk(w, i, lanes, positions, velocities, exponents):
     """Rate of change of the acceleration of slot i."""
     push = force_rate(w, i - lanes, lanes, positions, velocities, exponents)
     return (push - force_rate(w, i, lanes, positions, velocities, exponents)) * w[INVERSE_MASS + i]
 
 
-@internal
+@compiled
 def overlap_jerk(w, i, lanes, positions, velocities, exponents):
     """Rate of change of the relative acceleration of the two slots of contact i."""
     k = i + lanes
@@ -198,7 +197,7 @@ def overlap_jerk(w, i, lanes, positions, velocities, exponents):
     return behind + ahead - between * (w[INVERSE_MASS + i] + w[INVERSE_MASS + k])
 
 
-@internal
+@compiled
 def largest_overlap(w, i, lanes, h, exponents):
     """Overlap of contact i when its beads have equal velocities, and the fraction of the step.
 
@@ -220,7 +219,7 @@ def largest_overlap(w, i, lanes, h, exponents):
     return value(c, s), s
 
 
-@internal
+@compiled
 def velocity_maximum(w, i, lanes, h, exponents):
     """Largest velocity of slot i within the step, and its fraction (zero of the acceleration)."""
     a0, a1 = w[OLD_STAGE_0 + i], w[STAGE_0 + i]
@@ -236,7 +235,7 @@ def velocity_maximum(w, i, lanes, h, exponents):
     return slope(c, s) / h, s
 
 
-@internal
+@compiled
 def remaining_push(w, i, lanes, left, exponents):
     r"""Time left until contact i opens, its remaining impulse and the first moment of its force.
 
@@ -269,7 +268,7 @@ def remaining_push(w, i, lanes, left, exponents):
     return left, impulse, moment
 
 
-@internal
+@compiled
 def release(w, i, lanes, left, exponents):
     """Transfer the remaining impulse of contact i to the bead ahead, and remove the contact.
 
@@ -297,7 +296,7 @@ def time_to_opening(w, i, lanes, horizon):
     return 2.0 * d0 / (root - d1) if opens else math.inf
 
 
-@internal
+@compiled
 def time_to_arrival(w, candidate, lanes):
     """Time until the candidate is as fast as the bead behind it, by linear extrapolation."""
     closing = w[VELOCITY + candidate - lanes] - w[VELOCITY + candidate]
@@ -330,7 +329,7 @@ def handle_openings(w, clock, place, lane, lanes, behind, release_part, given):
     return step
 
 
-@internal
+@compiled
 def load_slot(w, i, given, place, lane, bead):
     """Load a bead at rest into a slot; beyond the ends of the chain, leave the slot empty."""
     chains, exponents = given[0], given[3]
@@ -346,7 +345,7 @@ def load_slot(w, i, given, place, lane, bead):
     w[ERROR + i] = 0.0
 
 
-@internal
+@compiled
 def load_chain(scratch, lane, lanes, window, given, chain):
     """Begin a chain in a lane; bead 1 is struck, bead 2 is the candidate."""
     w, clock, place = scratch
@@ -372,7 +371,7 @@ def load_chain(scratch, lane, lanes, window, given, chain):
     clock[FREE_STEP + lane] = FIRST_STEP * time_scale
 
 
-@internal
+@compiled
 def clear_lane(scratch, lane, lanes, window, given):
     """Empty a lane."""
     w, clock, place = scratch
@@ -386,7 +385,7 @@ def clear_lane(scratch, lane, lanes, window, given):
     clock[FREE_STEP + lane] = 1.0
 
 
-@internal
+@compiled
 def shift_window(w, clock, place, lane, lanes, slots, behind, given):
     """Move the window by one bead: each slot is copied from the next, the last is loaded."""
     last = (slots - 1) * lanes + lane
@@ -407,7 +406,7 @@ def shift_window(w, clock, place, lane, lanes, slots, behind, given):
     w[STAGE_0 + last] = push * w[INVERSE_MASS + last]
 
 
-@internal
+@compiled
 def window_status(w, clock, lane, lanes, slots, candidate, limits, exponents):
     """Check the cut-off forces and the error estimate before the window is moved."""
     rear_limit, front_limit, error_limit = limits
@@ -467,7 +466,7 @@ def choose_steps(watched, lanes, release_part):
         watched[CLOCK + WATCH + lane] = 1.0 if event else 0.0
 
 
-@internal
+@compiled
 def out_of_order(w, candidate, lanes, arrived):
     """Whether a velocity maximum occurs too early, at the candidate or ahead of it."""
     if not arrived and w[STAGE_0 + candidate] < 0.0:
@@ -567,7 +566,7 @@ def begin_steps(w, clock, slots, lanes):
             w[STEP + s * lanes + lane] = clock[NEXT_STEP + lane]
 
 
-@internal
+@compiled
 def next_chain(scratch, lane, lanes, window, given, waiting, chains):
     """Fill a lane with the next waiting chain, if there is one; returns the number begun."""
     if waiting == chains:

@@ -13,8 +13,9 @@ the window, and stages are added in groups.
 from __future__ import annotations
 
 import numpy as np
+from numba import njit
 
-from .compilation import CONTRACTED, for_kernels, internal
+from .compilation import CONTRACTED, compiled
 from .contact_law import HERTZ, force, law_of
 from .dop853 import STEP_STAGES
 from .dop853_step import in_groups
@@ -33,7 +34,7 @@ from .nystrom_interpolant import find_coefficients
 from .powers import powers
 from .rkn8 import B_POSITION, B_VELOCITY, E_VELOCITY, A, C
 
-contracted = for_kernels(**CONTRACTED)
+contracted = njit(**CONTRACTED)
 
 # Number of evaluations of the forces per step, and the row of stage 1.
 EVALUATIONS_PER_STEP = 8
@@ -85,7 +86,7 @@ def place(row, part, h, y, beads, stages, out):
         out[k] = x[k] + h * (part * v[k] + h * out[k])
 
 
-@internal
+@compiled
 def plain_accelerations(x, setup, scratch, out):
     """Accelerations of the beads of a default chain; ``scratch`` has the shape (4, N)."""
     stiffness, inverse_mass = setup.stiffness, setup.inverse_mass
@@ -107,7 +108,7 @@ def plain_accelerations(x, setup, scratch, out):
     out[contacts] = pushing[contacts - 1] * inverse_mass[contacts]
 
 
-@internal
+@compiled
 def find_overlaps(x, gap, wall, overlap):
     """Overlaps of all contacts; ``wall`` is the position of the left wall."""
     beads = len(gap) - 1
@@ -117,7 +118,7 @@ def find_overlaps(x, gap, wall, overlap):
     overlap[beads] = x[beads - 1] - gap[beads]
 
 
-@internal
+@compiled
 def elastic_forces(overlap, setup, laws, contacts):
     """Write the forces of elastic contacts."""
     pushing = contacts.force
@@ -128,7 +129,7 @@ def elastic_forces(overlap, setup, laws, contacts):
         pushing[c] = force(overlap[c], setup.stiffness[c], law_of(c, setup).exponent)
 
 
-@internal
+@compiled
 def evaluate(time, first, y, setup, contacts, segment, scratch, out):
     """Accelerations and rates of the accumulators at the positions in ``y``.
 
@@ -156,7 +157,7 @@ def evaluate(time, first, y, setup, contacts, segment, scratch, out):
     rates[LEFT_IMPULSE], rates[RIGHT_IMPULSE] = pushing[0], pushing[beads]
 
 
-@internal
+@compiled
 def evaluate_at_end(time, y, setup, contacts, segment, scratch, out):
     """The derivative of the state ``y`` at an end of a step."""
     beads = len(setup.inverse_mass)
@@ -166,7 +167,7 @@ def evaluate_at_end(time, y, setup, contacts, segment, scratch, out):
         out[2 * beads + DRIVEN] = drive_at(time, setup, segment)[0] * y[beads]
 
 
-@internal
+@compiled
 def try_step(time, y, h, setup, contacts, segment, stages, trial, y_new, scratch):
     """One step of order 8; row 0 of ``stages`` must hold the derivative at its start.
 
@@ -199,7 +200,7 @@ def try_step(time, y, h, setup, contacts, segment, stages, trial, y_new, scratch
     evaluate_at_end(time + h, y_new, setup, contacts, segment, scratch, last)
 
 
-@internal
+@compiled
 def error_norm(h, stages, scale, rtol, errors):
     """Largest estimated error of a step, in units of the tolerance; NaN if a stage is NaN."""
     beads = len(scale)
@@ -210,7 +211,7 @@ def error_norm(h, stages, scale, rtol, errors):
     return h / (SHARPER * rtol) * largest(errors[:beads])
 
 
-@internal
+@compiled
 def largest(values):
     """Largest element of an array, which is overwritten; NaN if any element is NaN."""
     n = len(values)
@@ -223,7 +224,7 @@ def largest(values):
     return values[0]
 
 
-@internal
+@compiled
 def begin(time, y, h, setup, contacts, segment, rtol, stages, work, scale):  # noqa: ARG001
     """Compute the derivative at the start of the next step."""
     if contacts is None:
@@ -234,7 +235,7 @@ def begin(time, y, h, setup, contacts, segment, rtol, stages, work, scale):  # n
     copy(contacts.force, contacts.last_force)
 
 
-@internal
+@compiled
 def take_step(time, y, h, setup, contacts, segment, rtol, stages, trial, y_new, work, scale):
     """Take one step; returns its error in tolerances (NaN if it failed) and evaluations."""
     speeds = work[3, len(scale) : 2 * len(scale)]
@@ -252,7 +253,7 @@ def take_step(time, y, h, setup, contacts, segment, rtol, stages, trial, y_new, 
     return error_norm(h, stages, scale, rtol, work[4]), EVALUATIONS_PER_STEP
 
 
-@internal
+@compiled
 def interpolate(time, y, h, y_new, setup, contacts, segment, stages, dense, trial, scratch):
     """Compute the coefficients of the interpolant of a step; returns evaluations."""
     beads = len(setup.inverse_mass)
@@ -266,7 +267,7 @@ def interpolate(time, y, h, y_new, setup, contacts, segment, stages, dense, tria
     return 0
 
 
-@internal
+@compiled
 def forces_within(theta, time, h, state, setup, contacts, segment, scratch):
     """Compute the contact forces at the fraction theta of a step, from the positions there."""
     more = contacts.scratch

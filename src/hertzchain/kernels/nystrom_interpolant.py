@@ -8,14 +8,15 @@ motion.  The coefficients are those of `hertzchain.kernels.interpolant`.
 from __future__ import annotations
 
 import numpy as np
+from numba import njit
 
-from .compilation import CONTRACTED, for_kernels, internal
+from .compilation import CONTRACTED, compiled
 from .contact_law import HERTZ, force, law_of
 from .driving import MOVING_WALL, NOTHING, PUSH, drive_at
 from .forces import DRIVEN, LEFT_IMPULSE, PUSHED, RIGHT_IMPULSE, overlap_and_closing
 from .interpolant import COEFFICIENTS, value
 
-contracted = for_kernels(**CONTRACTED)
+contracted = njit(**CONTRACTED)
 
 # Nodes at which the rates of accumulators are interpolated.
 RATE_NODES = np.linspace(0.0, 1.0, 6)
@@ -36,7 +37,7 @@ def _from_rates():
 FROM_RATES = _from_rates()
 
 
-@internal
+@compiled
 def hertz_rates(x, v, h, setup, wall, rates):
     """Changes in a time h of the forces of Hertz contacts, walls included."""
     stiffness, gap, beads = setup.stiffness, setup.gap, len(x)
@@ -49,7 +50,7 @@ def hertz_rates(x, v, h, setup, wall, rates):
     rates[beads] = HERTZ * stiffness[beads] * np.sqrt(last) * (h * v[beads - 1])
 
 
-@internal
+@compiled
 def plain_rates(x, v, h, stiffness, exponent, rates):
     """Changes in a time h of the forces of a default chain."""
     if exponent == HERTZ:
@@ -62,7 +63,7 @@ def plain_rates(x, v, h, stiffness, exponent, rates):
         rates[c] = change_of_force(x[c] - x[c + 1], h * (v[c] - v[c + 1]), stiffness[c], exponent)
 
 
-@internal
+@compiled
 def change_of_force(overlap, approach, stiffness, exponent):
     """Change of the force of an elastic contact whose overlap increases by ``approach``."""
     if overlap <= 0.0:
@@ -70,7 +71,7 @@ def change_of_force(overlap, approach, stiffness, exponent):
     return exponent * force(overlap, stiffness, exponent) / overlap * approach
 
 
-@internal
+@compiled
 def find_jerks(time, y, h, setup, contacts, segment, jerks):
     """Rates of change of the accelerations in the state ``y``, times h.
 
@@ -160,7 +161,7 @@ def velocity_coefficients(h, y, y_new, first, last, start, end, mean, dense):
         c6[k] = 0.0
 
 
-@internal
+@compiled
 def rates_within(theta, time, h, y, setup, segment, dense):
     """Rates of the accumulators, from the interpolated motion.
 
@@ -178,7 +179,7 @@ def rates_within(theta, time, h, y, setup, segment, dense):
     return left * wall[1], 0.0, left, right
 
 
-@internal
+@compiled
 def accumulator_coefficients(time, h, y, y_new, setup, segment, dense):
     """Coefficients of the accumulators, from their changes and their rates at the nodes."""
     offset = 2 * len(setup.inverse_mass)
@@ -196,7 +197,7 @@ def accumulator_coefficients(time, h, y, y_new, setup, segment, dense):
             dense[row, offset + RIGHT_IMPULSE] += weight * right
 
 
-@internal
+@compiled
 def find_coefficients(
     time, y, h, y_new, first, last, mean, setup, contacts, segment, dense, start, end
 ):

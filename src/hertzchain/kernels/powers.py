@@ -20,10 +20,10 @@ from typing import Any
 
 import numpy as np
 from llvmlite import ir
-from numba import types
+from numba import njit, types
 from numba.extending import intrinsic
 
-from .compilation import CONTRACTED, for_kernels, internal
+from .compilation import CONTRACTED, compiled
 
 # A float64 is 2^(exponent - BIAS) (1 + mantissa), where the exponent begins at bit SHIFT.
 SHIFT, BIAS = 52, 1023
@@ -58,7 +58,7 @@ def _log2_over_f(square: Any) -> Any:
 SHORT_LOGARITHM = _fitted(_log2_over_f, 6, 0.0, ((ROOT_2 - 1.0) / (ROOT_2 + 1.0)) ** 2)
 SHORT_EXPONENTIAL = _fitted(np.exp2, 10, -0.5, 0.5)
 
-inlined = for_kernels(forceinline=True, **CONTRACTED)
+inlined = njit(forceinline=True, **CONTRACTED)
 
 
 @intrinsic
@@ -112,7 +112,7 @@ def power(base, exponent):
     return found if positive else 0.0 * base
 
 
-@internal
+@compiled
 def powers(base, exponent, out, scratch):
     """Write base^exponent (base >= 0, NaN if not finite; 0 <= exponent <= 16) into ``out``."""
     bits = base.view(np.int64)
@@ -138,7 +138,7 @@ def powers(base, exponent, out, scratch):
         out[i] = power + (base[i] - base[i])
 
 
-@internal
+@compiled
 def log2(m):
     """Logarithm to the base 2 of a number between the roots of 1/2 and 2."""
     f = (m - 1.0) / (m + 1.0)
@@ -148,7 +148,7 @@ def log2(m):
     return f * (a0 + q * (a1 + q * (a2 + q * (a3 + q * (a4 + q * (a5 + q * high))))))
 
 
-@internal
+@compiled
 def exp2(r):
     """2^r for abs(r) <= 1/2."""
     a0, a1, a2, a3, a4, a5, a6, a7, a8, a9, a10, a11, a12, a13 = EXPONENTIAL

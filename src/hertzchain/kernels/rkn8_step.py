@@ -6,7 +6,9 @@ The layout is that of `hertzchain.kernels.elastic_layout`, the method that of
 
 from __future__ import annotations
 
-from .compilation import CONTRACTED, for_kernels
+from numba import njit
+
+from .compilation import CONTRACTED
 from .elastic_forces import forces
 from .elastic_kinks import shift
 from .elastic_layout import (
@@ -46,9 +48,9 @@ from .elastic_layout import (
 )
 from .rkn8_stages import V0, V2, V3, V4, Rows, step_on
 
-internal = for_kernels(**CONTRACTED)
-inlined = for_kernels(forceinline=True, **CONTRACTED)
-summing = for_kernels(forceinline=True, **(CONTRACTED | {"fastmath": True}))
+compiled = njit(**CONTRACTED)
+inlined = njit(forceinline=True, **CONTRACTED)
+summing = njit(forceinline=True, **(CONTRACTED | {"fastmath": True}))
 
 STAGES = 9
 # Safety factor, and bounds of the change of the step.
@@ -162,7 +164,7 @@ def estimate(w, beads, rtol, lane):
     return total(w, FLAG, size)
 
 
-@internal
+@compiled
 def take_step(w, beads, hertz, rtol, places, pushes, state, kinks, count):
     """Try a step of each lane and return the result of `estimate`."""
     try_step(w, beads, hertz, places, pushes, kinks, count)

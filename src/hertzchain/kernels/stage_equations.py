@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from .compilation import internal
+from .compilation import compiled
 from .contact_law import LOADED
 from .driving import MOVING_WALL, PUSH, drive_at, wall_motion
 from .error_scale import ROUNDING, general_scale
@@ -22,7 +22,7 @@ from .stiff_law import linearise, overlap_of
 SOLVED, MAX_ITERATIONS = 0.2, 15
 
 
-@internal
+@compiled
 def stage_motion(time, h, y, weights, times, setup, contacts, segment, rates):
     """Velocities, accelerations, overlaps and closing speeds at the stages, from the forces."""
     inverse_mass = setup.inverse_mass
@@ -65,7 +65,7 @@ def stage_motion(time, h, y, weights, times, setup, contacts, segment, rates):
             overlap[0, i] = wall[0] - (y[0] + h * way) - setup.gap[0]
 
 
-@internal
+@compiled
 def eliminate(block, stages):
     """Solve a block for the columns to its right, in place, by elimination with row pivoting."""
     columns = 2 * stages + 1
@@ -87,7 +87,7 @@ def eliminate(block, stages):
                     block[row, j] -= factor * block[column, j]
 
 
-@internal
+@compiled
 def fill_block(c, h, weights, squared, before, inverse_mass, contacts, block):
     """Write the equations of contact c, from which the previous contact is eliminated."""
     own, residual = contacts.implicit.own, contacts.implicit.residual
@@ -112,7 +112,7 @@ def fill_block(c, h, weights, squared, before, inverse_mass, contacts, block):
                 block[i, j] += left * b * before[k, j]
 
 
-@internal
+@compiled
 def solve_for_change(h, weights, squared, setup, contacts):
     """Solve the linear equations for the changes of all forces, which overwrite the residuals."""
     residual = contacts.implicit.residual
@@ -135,7 +135,7 @@ def solve_for_change(h, weights, squared, setup, contacts):
                 residual[c, i] -= blocks[c, i, j] * residual[c + 1, j]
 
 
-@internal
+@compiled
 def change_forces(step, stages, tolerance, inverse_mass, contacts, scale):
     """Add the changes to the forces; returns the largest change of a velocity, in tolerances."""
     pushing, change = contacts.implicit.forces, contacts.implicit.residual
@@ -153,7 +153,7 @@ def change_forces(step, stages, tolerance, inverse_mass, contacts, scale):
     return worst + (total - total)
 
 
-@internal
+@compiled
 def solve_stages(time, h, step, y, weights, squared, times, setup, contacts, segment, rtol, rates,
                  ahead, speeds, scale):  # fmt: skip
     """Improve the forces by Newton's method; returns whether it has converged."""

@@ -18,7 +18,8 @@ from numba import types
 from numba.extending import overload
 
 from . import dop853_step, implicit, nystrom
-from .compilation import INTERNAL, internal
+from .active_beads import WITHOUT_CACHE
+from .compilation import compiled
 from .forces import Contacts
 
 # Choice of the next step from the error: exponents, safety factor, and bounds of the change.
@@ -44,9 +45,9 @@ def _of_method(name: str, place: int) -> Any:
         return getattr(method_of(arguments[place]), name)(*arguments)
 
     def implementation(*arguments: Any) -> Any:
-        return getattr(method_of(arguments[place]), name)
+        return getattr(method_of(arguments[place]), name).py_func
 
-    overload(function, jit_options=INTERNAL, strict=False)(implementation)
+    overload(function, jit_options=WITHOUT_CACHE, strict=False)(implementation)
     return function
 
 
@@ -56,7 +57,7 @@ interpolate = _of_method("interpolate", 5)
 forces_within = _of_method("forces_within", 5)
 
 
-@internal
+@compiled
 def is_implicit(setup, contacts):
     """Whether the steps of this chain are implicit."""
     if contacts is not None:
@@ -64,7 +65,7 @@ def is_implicit(setup, contacts):
     return False
 
 
-@internal
+@compiled
 def on_positions(contacts):
     """Whether forces depend on positions and time only."""
     if contacts is None:
@@ -72,13 +73,13 @@ def on_positions(contacts):
     return contacts.on_positions is not None
 
 
-@internal
+@compiled
 def first_row(contacts):
     """The first row of ``stages``, after row 0, that a step writes."""
     return nystrom.FIRST_ROW if on_positions(contacts) else 1
 
 
-@internal
+@compiled
 def change_of_step(error, implicit):
     """Factor from the length of this step to that of the next."""
     if error == 0.0:

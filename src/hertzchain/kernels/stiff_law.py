@@ -18,7 +18,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from .compilation import internal
+from .compilation import compiled
 from .contact_law import LOADED, damping_weight, force, law_of, signed_power
 from .forces import overlap_and_closing
 from .radau import BETWEEN, IMPLICIT_STAGES
@@ -64,7 +64,7 @@ def new_implicit(contacts: int) -> Implicit:
     )  # fmt: skip
 
 
-@internal
+@compiled
 def graph_point(total, compliance, strength, exponent):
     """Closing speed s and force f = strength |s|^exponent for a given s + compliance f."""
     # With s = |total| u^(1/exponent) the equation u^(1/exponent) + ratio u = 1 is convex, so that
@@ -88,7 +88,7 @@ def graph_point(total, compliance, strength, exponent):
     return sign * size * power, sign * largest * u
 
 
-@internal
+@compiled
 def cut_off(total, spring, weight, law):
     """Whether a force that may not pull is zero, for a given d' + c F."""
     if law.attractive or weight == 0.0:
@@ -96,7 +96,7 @@ def cut_off(total, spring, weight, law):
     return total < -((spring / weight) ** (1.0 / law.speed_power))
 
 
-@internal
+@compiled
 def linearise(c, i, compliance, setup, contacts):
     """Write the law of contact c at stage i as own dF - by_overlap dd - by_closing dd' = residual.
 
@@ -138,7 +138,7 @@ def linearise(c, i, compliance, setup, contacts):
     contacts.implicit.by_closing[c, i] = steepness
 
 
-@internal
+@compiled
 def size_of(c, y, setup):
     """Size of the positions whose difference is the overlap of contact c."""
     size = abs(setup.gap[c])
@@ -146,13 +146,13 @@ def size_of(c, y, setup):
     return size + abs(y[c]) if c < len(setup.inverse_mass) else size
 
 
-@internal
+@compiled
 def is_resolved(c, y, overlap, setup):
     """Whether an overlap exceeds the rounding of the positions of its beads."""
     return abs(overlap) > RESOLVED * size_of(c, y, setup)
 
 
-@internal
+@compiled
 def overlap_of(c, y, wall, setup, contacts):
     """Overlap of contact c in the state y, or that of the last step if it is not resolved."""
     overlap, _ = overlap_and_closing(c, y, len(setup.inverse_mass), setup.gap[c], wall)
@@ -161,7 +161,7 @@ def overlap_of(c, y, wall, setup, contacts):
     return contacts.largest[c]
 
 
-@internal
+@compiled
 def closes_in(closing, speed, pushing, overlap, stiffness, exponent):
     """Whether a contact closes, from the sign of its speed or else of its damping."""
     if abs(closing) > EVEN * speed:
@@ -169,7 +169,7 @@ def closes_in(closing, speed, pushing, overlap, stiffness, exponent):
     return pushing > force(overlap, stiffness, exponent)
 
 
-@internal
+@compiled
 def between(c, theta, values):
     """Interpolate a row of scratch of contact c at the fraction theta of an implicit step."""
     total = 0.0
@@ -181,7 +181,7 @@ def between(c, theta, values):
     return total
 
 
-@internal
+@compiled
 def force_within(c, theta, implicit):
     """Force of contact c at the fraction theta of an implicit step."""
     if implicit is None:
@@ -189,7 +189,7 @@ def force_within(c, theta, implicit):
     return between(c, theta, implicit.forces)
 
 
-@internal
+@compiled
 def sliding_force_within(c, theta, h, y, wall, setup, contacts, implicit):
     """Force of contact c at the fraction theta of an implicit step, in the interpolated state y.
 
@@ -217,7 +217,7 @@ def sliding_force_within(c, theta, h, y, wall, setup, contacts, implicit):
     return spring + graph_point(total, compliance, damping, law.speed_power)[1]
 
 
-@internal
+@compiled
 def overlap_within(c, theta, y, overlap, setup, implicit):
     """Overlap of contact c at the fraction theta, given y and the overlap that follows from y."""
     if implicit is None:

@@ -19,8 +19,9 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 import numpy as np
+from numba import njit
 
-from .compilation import CONTRACTED, compiled, for_kernels, internal
+from .compilation import CONTRACTED, compiled
 from .conservation import update_drift
 from .fixed_step_events import record_events, save_frames, watch_wall
 from .forces import LEFT_IMPULSE, RIGHT_IMPULSE, copy
@@ -68,8 +69,8 @@ CHECK = 32
 # Smaller overlaps exert no force, because computing powers of them would be slow.
 TINY = 1e-40
 
-inlined = for_kernels(forceinline=True, **CONTRACTED)
-contracted = for_kernels(**CONTRACTED)
+inlined = njit(forceinline=True, **CONTRACTED)
+contracted = njit(**CONTRACTED)
 
 
 class Springs(NamedTuple):
@@ -228,7 +229,7 @@ def take_steps(
     return time
 
 
-@internal
+@compiled
 def accelerations_of(springs, rows, out):
     """Write the accelerations of the beads to entries 1 to N; entries 0 and N + 1 are the walls."""
     f = rows.forces
@@ -236,7 +237,7 @@ def accelerations_of(springs, rows, out):
         out[i + 1] = (f[i] - f[i + 1]) * springs.inverse_mass[i] + springs.outside[i]
 
 
-@internal
+@compiled
 def synchronise(springs, rows, y, accelerations):
     """Copy positions, velocities and accelerations of the beads to the state."""
     beads = len(rows.velocities)
@@ -246,7 +247,7 @@ def synchronise(springs, rows, y, accelerations):
     copy(rows.accelerations[1 : beads + 1], accelerations)
 
 
-@internal
+@compiled
 def steps_before(stop, time, h, most):
     """Number of whole steps that end before a time, but not more than ``most``."""
     number = 0

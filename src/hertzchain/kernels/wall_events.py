@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from .compilation import internal
+from .compilation import compiled
 from .contact_law import force, law_of
 from .dop853 import STEP_STAGES
 from .driving import wall_motion
@@ -30,7 +30,7 @@ SLOPE = 1e-5
 LEAST_PART = 1e-9
 
 
-@internal
+@compiled
 def push_on_wall(side, theta, time, h, y, dense, setup, contacts, segment):
     """Force on a wall at the fraction theta of the step."""
     beads = len(setup.inverse_mass)
@@ -45,7 +45,7 @@ def push_on_wall(side, theta, time, h, y, dense, setup, contacts, segment):
     return force(overlap, setup.stiffness[c], law_of(c, setup).exponent)
 
 
-@internal
+@compiled
 def change_of_push(side, time, h, y, push, setup, segment):
     """Change in a time h of the force of an elastic contact with a wall, from its rate."""
     beads = len(setup.inverse_mass)
@@ -57,7 +57,7 @@ def change_of_push(side, time, h, y, push, setup, segment):
     return law_of(c, setup).exponent * push / overlap * (h * closing)
 
 
-@internal
+@compiled
 def largest_at_stages(i, stages, row):
     """Largest rate of component i at the stages of a step."""
     largest = stages[0, i]
@@ -66,7 +66,7 @@ def largest_at_stages(i, stages, row):
     return largest
 
 
-@internal
+@compiled
 def side_may_peak(side, time, h, y, y_new, stages, setup, contacts, segment, walls):
     """Whether the force on one wall may exceed its largest value so far within the step."""
     i, peak = len(y) - ACCUMULATORS + LEFT_IMPULSE + side, walls[WALL_PEAK, side]
@@ -82,7 +82,7 @@ def side_may_peak(side, time, h, y, y_new, stages, setup, contacts, segment, wal
     return attainable(first, rise, last, fall) > peak
 
 
-@internal
+@compiled
 def wall_may_peak(time, h, y, y_new, stages, setup, contacts, segment, walls):
     """Whether the force on a wall may exceed its largest value so far within the step."""
     for side in range(2):
@@ -91,7 +91,7 @@ def wall_may_peak(time, h, y, y_new, stages, setup, contacts, segment, walls):
     return False
 
 
-@internal
+@compiled
 def largest_push(side, time, h, y, dense, setup, contacts, segment):
     """Largest force on a wall and its fraction of the step, if there is only one maximum."""
     low, high, one, two = 0.0, 1.0, 1.0 - GOLDEN, GOLDEN
@@ -112,7 +112,7 @@ def largest_push(side, time, h, y, dense, setup, contacts, segment):
     return top, theta
 
 
-@internal
+@compiled
 def record_walls(
     time, h, y, y_new, setup, contacts, segment, stages, dense, walls, trial, scratch
 ):  # fmt: skip
@@ -142,7 +142,7 @@ def record_walls(
             walls[WALL_PEAK, side], walls[WALL_PEAK_TIME, side] = top, time + theta * h
 
 
-@internal
+@compiled
 def record_wall_ends(time, y, rates, setup, segment, momentum, crossings, walls):
     """Record the impulse of the first contact with each wall, between two steps, once it has ended.
 
@@ -167,7 +167,7 @@ def record_wall_ends(time, y, rates, setup, segment, momentum, crossings, walls)
             walls[FIRST_END, side] = time
 
 
-@internal
+@compiled
 def count_touches(beads, rates, walls):
     """Count touches: contacts with a wall that are closed now and were open before the step."""
     for side in range(2):

@@ -31,8 +31,9 @@ import math
 from typing import Any
 
 import numpy as np
+from numba import njit
 
-from .compilation import OPTIONS, compiled, for_kernels, internal
+from .compilation import OPTIONS, compiled
 from .hermite import hermite, slope, value
 from .powers import power
 from .rkn8_stages import Rows, step_on
@@ -88,7 +89,7 @@ PARTS, BISECTIONS = 8, 36
 MAX_STEPS = 1000
 MIN_STEP, MIN_CREST, ENDLESS = 1e-280, 1e-280, 1e300
 
-inlined = for_kernels(forceinline=True, **OPTIONS)
+inlined = njit(forceinline=True, **OPTIONS)
 
 
 @inlined
@@ -101,7 +102,7 @@ def force(w, i, overlap):
     return w[STIFFNESS + i] * power(overlap, w[EXPONENT + i])
 
 
-@internal
+@compiled
 def force_rate(w, i, overlap, closing):
     """Rate of change p F d'/d of the force of contact i."""
     if overlap <= 0.0:
@@ -109,7 +110,7 @@ def force_rate(w, i, overlap, closing):
     return w[EXPONENT + i] * force(w, i, overlap) / overlap * closing
 
 
-@internal
+@compiled
 def press(w, size, exponent):
     """Forces of all contacts at the trial positions.
 
@@ -172,7 +173,7 @@ def spread(w, size, speeds, wider):
         w[wider + i] = larger if larger > c else c
 
 
-@internal
+@compiled
 def measure(w, size, crest):
     """Compute the speeds that scale the errors: the largest within three beads, graded."""
     for i in range(size):
@@ -184,7 +185,7 @@ def measure(w, size, crest):
         w[SCALE + i] *= w[GRADE + i]
 
 
-@internal
+@compiled
 def grade(w, size, waiting, grading):
     """Compute the factors by which the tolerated error grows behind the waiting slot."""
     tolerated = 1.0
@@ -194,7 +195,7 @@ def grade(w, size, waiting, grading):
         w[GRADE + i] = tolerated
 
 
-@internal
+@compiled
 def error_of_step(w, size, h):
     """Largest estimated error of the velocities, in units of their scales; NaN propagates."""
     for i in range(size):
@@ -206,7 +207,7 @@ def error_of_step(w, size, h):
     return worst
 
 
-@internal
+@compiled
 def jerk(w, i, positions, velocities):
     """Rate of change of the acceleration of slot i."""
     x, v = positions + i, velocities + i
@@ -217,7 +218,7 @@ def jerk(w, i, positions, velocities):
     return push * w[INVERSE_MASS + i]
 
 
-@internal
+@compiled
 def motion(w, i, h):
     """Position of slot i within the step, as a polynomial."""
     return hermite(
@@ -229,7 +230,7 @@ def motion(w, i, h):
     )  # fmt: skip
 
 
-@internal
+@compiled
 def net_force(w, i, motions, s):
     """Net force on slot i within the step, from the positions of the slot and its neighbours."""
     left, here, right = motions
@@ -237,7 +238,7 @@ def net_force(w, i, motions, s):
     return force(w, i - 1, value(left, s) - x) - force(w, i, x - value(right, s))
 
 
-@internal
+@compiled
 def peak_within(w, i, motions):
     """Fraction of the step at which the net force on slot i is first not positive; 2 if none."""
     low = 0.0
@@ -253,7 +254,7 @@ def peak_within(w, i, motions):
     return 2.0
 
 
-@internal
+@compiled
 def crossing_within(motions):
     """Fraction of the step at which a slot is first not faster than the next; 2 if none."""
     here, right = motions
@@ -270,7 +271,7 @@ def crossing_within(motions):
     return 2.0
 
 
-@internal
+@compiled
 def may_peak(w, i):
     """Whether slot i, pushed at the start of the step, is not pushed at some stage."""
     if w[STAGE_0 + i] <= 0.0:
@@ -281,7 +282,7 @@ def may_peak(w, i):
     return False
 
 
-@internal
+@compiled
 def may_cross(w, i):
     """Whether the overlap of contact i, growing at the start of the step, may stop within it."""
     if w[VELOCITY + i] <= w[VELOCITY + i + 1]:
@@ -291,7 +292,7 @@ def may_cross(w, i):
     return w[STAGE_0 + i] < w[STAGE_0 + i + 1] and w[STAGE_8 + i] > w[STAGE_8 + i + 1]
 
 
-@internal
+@compiled
 def record_peak(w, i, h, time, at, results):
     """Record the velocity maximum of slot i, if it is within the step."""
     left, here = motion(w, i - 1, h), motion(w, i, h)
@@ -305,7 +306,7 @@ def record_peak(w, i, h, time, at, results):
     results[PEAK_TIME, at] = time + part * h
 
 
-@internal
+@compiled
 def record_crossing(w, i, h, clock, place, at, results):
     """Record the largest overlap of contact i, if it is within the step.
 
@@ -329,7 +330,7 @@ def record_crossing(w, i, h, clock, place, at, results):
     clock[MAX_FORCE] = force(w, i, overlap)
 
 
-@internal
+@compiled
 def record_events(w, clock, place, h, results):
     """Record the first maxima and largest overlaps of the step."""
     low = place[LOW]
@@ -352,7 +353,7 @@ def record_events(w, clock, place, h, results):
         place[WAITING] += 1
 
 
-@internal
+@compiled
 def load_slot(w, place, given, i):
     """Load the bead of slot i, at rest; beyond the end of the chain, leave the slot empty."""
     bead = place[LOW] + i
@@ -365,7 +366,7 @@ def load_slot(w, place, given, i):
     w[VELOCITY + i] = 0.0
 
 
-@internal
+@compiled
 def start(w, clock, place, given):
     """Begin a chain; bead 1 is struck, bead 2 is the first that waits for an event."""
     w[:] = 0.0
@@ -383,7 +384,7 @@ def start(w, clock, place, given):
     clock[MAX_FORCE] = force(w, 0, overlap)
 
 
-@internal
+@compiled
 def take_in(w, clock, place, given):
     """Add beads if the pulse has reached the last ones of the window; False if it is full."""
     size = place[SIZE]
@@ -398,7 +399,7 @@ def take_in(w, clock, place, given):
     return True
 
 
-@internal
+@compiled
 def drop(w, place, exponent, given):
     """Move the window by STRIDE beads: drop the rearmost slots and load as many at the front."""
     size = place[SIZE]
@@ -413,7 +414,7 @@ def drop(w, place, exponent, given):
     accelerate(w, size, exponent, STAGE_0)
 
 
-@internal
+@compiled
 def step_to_contact(w, size, waiting, h):
     """The step, shortened to end where the next contact opens or closes, by a parabola."""
     longest = h
@@ -430,7 +431,7 @@ def step_to_contact(w, size, waiting, h):
     return h
 
 
-@internal
+@compiled
 def accept(w, size):
     """Make the end of the step the present state."""
     for i in range(size):
@@ -439,7 +440,7 @@ def accept(w, size):
         w[STAGE_0 + i] = w[STAGE_8 + i]
 
 
-@internal
+@compiled
 def advance(scratch, window, exponent, given, results):
     """Try one step and accept or shorten it; returns RUNNING or the final status of the chain."""
     w, clock, place = scratch

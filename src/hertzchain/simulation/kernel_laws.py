@@ -67,11 +67,12 @@ def _table(groups: Sequence[ContactGroup], rows: Sequence[LawRow]) -> LawTable:
 
 def _checked_for(rows: Sequence[LawRow]) -> int:
     """Kind of the law that requires the most checks."""
+    from ..kernels.compilation import uncompiled
     from ..kernels.contact_law import has_modes
 
     if UNLOADING in {row.kind for row in rows}:
         return UNLOADING
-    return PLASTIC if any(map(has_modes, rows)) else ELASTIC
+    return PLASTIC if any(map(uncompiled(has_modes), rows)) else ELASTIC
 
 
 def _steps_are_implicit(

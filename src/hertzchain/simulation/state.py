@@ -204,6 +204,7 @@ def first_state(chain: Chain) -> State:
 
 def contacts_of(arrays: dict[str, Array], equation: DefaultChain | GeneralChain) -> Contacts | None:
     """Modes and history of the contacts, as arrays of the kernel."""
+    from ..kernels.compilation import uncompiled
     from ..kernels.contact_law import has_modes
     from ..kernels.forces import Contacts, DefaultChain
     from ..kernels.stiff_law import new_implicit
@@ -214,7 +215,7 @@ def contacts_of(arrays: dict[str, Array], equation: DefaultChain | GeneralChain)
     force, last_force = np.zeros((2, number))
     scratch, powers = np.zeros((3, number)), np.zeros((4, number))
     within = new_implicit(number) if equation.law.implicit else None
-    search = True if has_modes(equation.law) else None
+    search = True if uncompiled(has_modes)(equation.law) else None
     positions = True if depends_on_positions(equation) else None
     return Contacts(
         arrays["mode"], arrays["largest"], force, last_force, scratch, powers, within, search,

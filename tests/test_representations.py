@@ -220,7 +220,8 @@ def test_columns_of_a_budget_do_not_touch():
     for words in parts:
         value, part = float(words[2]), float(words[3].removesuffix("%"))
         assert abs(part) > 10_000.0
-        assert part == pytest.approx(100.0 * value, abs=0.02)
+        # The value has three decimals.
+        assert part == pytest.approx(100.0 * value, abs=0.06)
 
 
 def test_one_limit_is_in_the_singular():

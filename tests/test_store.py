@@ -42,7 +42,10 @@ def test_chain_files(tmp_path):
         ('[chain]\ntaper = "uniform"', "has no beads"),
         ('[chain]\ntaper = "uniform"\nbeads = 3\nrate = 0.1', "omit one"),
         ('[chain]\ntaper = "forward-linear"\nbeads = 3', "no rate"),
-        ('[chain]\ntaper = "forward-linear"\nbeads = 3\nrate = "x"', "must be a number, got 'x'"),
+        (
+            '[chain]\ntaper = "forward-linear"\nbeads = 3\nrate = "x"',
+            "must be a number or a percentage",
+        ),
         ("[chain]\nradii = [1, 2]\nbeads = 2", "has radii and also beads"),
         ("[chain]\nradii = [1, -2]", "bead 2 is -2"),
         ('[chain]\nradii = [1, "two"]', "value 2 of radii of .chain. must be a number.* got 'two'"),

@@ -14,7 +14,7 @@ import pytest
 from scipy_chain import wall_peak
 
 import hertzchain as hc
-from hertzchain.designs import measured
+from hertzchain.designs import trials
 from hertzchain.designs.problem_files import load_design
 
 WALLED = hc.Chain.uniform(8).replace(right_wall=hc.Wall())
@@ -275,15 +275,15 @@ def test_no_search_exceeds_its_budget():
 
 @contextmanager
 def counted_chains():
-    """Count the chains that are simulated for their measures."""
-    count, own = [0], measured.simulate_many
+    """Count the chains that trials simulate."""
+    count, own = [0], trials.measured
     with pytest.MonkeyPatch.context() as patch:
 
-        def counting(chains, **options):
+        def counting(chains, *args, **options):
             count[0] += len(chains)
-            return own(chains, **options)
+            return own(chains, *args, **options)
 
-        patch.setattr(measured, "simulate_many", counting)
+        patch.setattr(trials, "measured", counting)
         yield count
 
 

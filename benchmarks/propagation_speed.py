@@ -30,7 +30,7 @@ from rich.table import Table
 from scipy.integrate import solve_ivp
 
 import hertzchain as hc
-from hertzchain.kernels import narrow_window
+from hertzchain.kernels import narrow_window, narrow_window_rows
 from hertzchain.propagation import window_choice
 from hertzchain.propagation.batch import Batch
 
@@ -175,7 +175,7 @@ def time_in_square_roots() -> dict[str, float]:
         ] * 400  # fmt: skip
         batch = Batch.of(chains)
         given = (batch.given, batch.first, batch.beads, None)
-        columns = np.empty((narrow_window.COLUMNS, len(batch.masses)))
+        columns = np.empty((narrow_window_rows.COLUMNS, len(batch.masses)))
         ratios, steps = [], 0
         for _ in range(REPEATS + 2):
             status, signal = np.zeros(len(chains), np.int64), np.zeros(2, np.int64)
@@ -188,7 +188,7 @@ def time_in_square_roots() -> dict[str, float]:
             middle = time.process_time()
             square_roots(values, times)
             ended = time.process_time()
-            evaluations = steps * 8 * window[0] * narrow_window.LANES
+            evaluations = steps * 8 * window[0] * narrow_window_rows.LANES
             root = (ended - middle) / (times * len(values) / 2)
             ratios.append((middle - began) / evaluations / root)
         results[f"{taper}, window of {window[0]}"] = statistics.median(ratios[2:])

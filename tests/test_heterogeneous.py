@@ -7,7 +7,7 @@ from numba import njit
 from scipy.optimize import brentq
 
 import hertzchain as hc
-from hertzchain.kernels import wide_window
+from hertzchain.kernels import wide_window, wide_window_rows
 from hertzchain.propagation import heterogeneous
 from hertzchain.propagation.batch import PASSED, Batch
 
@@ -22,7 +22,7 @@ def strongly_random(beads, seed=7):
 def follow(chains, behind=100, tolerance=1e-9, grading=1.1, work=10**9):
     """Columns of all chains in one row, and what became of each."""
     batch = Batch.of(chains)
-    columns = np.zeros((wide_window.COLUMNS, len(batch.masses)))
+    columns = np.zeros((wide_window_rows.COLUMNS, len(batch.masses)))
     status = np.zeros(len(chains), np.int64)
     wide_window.follow(
         (behind, tolerance, grading),
@@ -43,23 +43,23 @@ def largest_error(pulse, exact):
 @njit
 def steps_of_two_beads(w, steps, exponent):
     for i in range(2):
-        w[wide_window.TRIAL + i] = w[wide_window.POSITION + i]
-    wide_window.accelerate(w, 2, exponent, wide_window.STAGE_0)
+        w[wide_window_rows.TRIAL + i] = w[wide_window_rows.POSITION + i]
+    wide_window_rows.accelerate(w, 2, exponent, wide_window_rows.STAGE_0)
     for _ in range(steps):
-        wide_window.try_step(w, 2, 1.0 / steps, exponent)
+        wide_window_rows.try_step(w, 2, 1.0 / steps, exponent)
         wide_window.accept(w, 2)
 
 
 def energy_error(steps, exponent):
     """Two compressed beads are released: overlap and velocity conserve energy."""
     w = wide_window.new_scratch()[0]
-    w[wide_window.STIFFNESS] = 1.0
-    w[wide_window.INVERSE_MASS : wide_window.INVERSE_MASS + 2] = 1.0
-    w[wide_window.EXPONENT : wide_window.EXPONENT + 2] = exponent
-    w[wide_window.POSITION] = 1.0
+    w[wide_window_rows.STIFFNESS] = 1.0
+    w[wide_window_rows.INVERSE_MASS : wide_window_rows.INVERSE_MASS + 2] = 1.0
+    w[wide_window_rows.EXPONENT : wide_window_rows.EXPONENT + 2] = exponent
+    w[wide_window_rows.POSITION] = 1.0
     steps_of_two_beads(w, steps, exponent)
-    overlap = w[wide_window.POSITION] - w[wide_window.POSITION + 1]
-    speed = w[wide_window.VELOCITY + 1] - w[wide_window.VELOCITY]
+    overlap = w[wide_window_rows.POSITION] - w[wide_window_rows.POSITION + 1]
+    speed = w[wide_window_rows.VELOCITY + 1] - w[wide_window_rows.VELOCITY]
     return abs(speed**2 / 4.0 + (overlap ** (exponent + 1.0) - 1.0) / (exponent + 1.0))
 
 
@@ -91,7 +91,7 @@ def test_what_is_behind_matters_in_disorder():
 
 def test_window_without_room_is_noticed():
     """Beads far behind the front still wait for their maxima: all must stay in the window."""
-    chain = hc.Chain.tapered("forward-exponential", 0.3, beads=wide_window.SLOTS + 60)
+    chain = hc.Chain.tapered("forward-exponential", 0.3, beads=wide_window_rows.SLOTS + 60)
     status = follow([chain, hc.Chain.uniform(5)])[1]
     assert list(status) == [wide_window.WINDOW_FULL, wide_window.FOLLOWED]
 
@@ -107,7 +107,7 @@ def test_work_of_a_chain_is_limited():
 
 def test_stop_signal_ends_the_kernel():
     batch, signal = Batch.of([strongly_random(30)] * 3), np.array([1, 0])
-    columns = np.zeros((wide_window.COLUMNS, 90))
+    columns = np.zeros((wide_window_rows.COLUMNS, 90))
     status = np.full(3, wide_window.RUNNING)
     wide_window.follow(
         (48, 1e-8, 1.3), (batch.given, batch.first, batch.beads, batch.chain_exponents),

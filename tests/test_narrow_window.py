@@ -5,7 +5,8 @@ import pytest
 from numba import njit
 
 import hertzchain as hc
-from hertzchain.kernels import narrow_window, rkn8
+from hertzchain.kernels import hermite, narrow_window, narrow_window_events, rkn8
+from hertzchain.kernels import narrow_window_rows as rows
 from hertzchain.propagation.batch import PASSED, Batch
 
 STEP = (0.15, 0.1)
@@ -18,7 +19,7 @@ def follow(
 ):
     """Columns of each chain, and what became of it."""
     batch = Batch.of(chains)
-    columns = np.full((narrow_window.COLUMNS, len(batch.masses)), np.nan)
+    columns = np.full((rows.COLUMNS, len(batch.masses)), np.nan)
     status = np.zeros(len(chains), np.int64)
     narrow_window.follow(
         lanes, (*window, *step), limits, (batch.given, batch.first, batch.beads, power), columns,
@@ -50,20 +51,20 @@ def test_error_weights_vanish_on_polynomials_of_degree_5_only():
 @njit
 def steps_of_two_beads(w, steps):
     for _ in range(steps):
-        narrow_window.accelerate(w, 0, 2, narrow_window.STAGE_0, 0, 1, None)
-        narrow_window.take_step(w, 2, 1, None)
+        rows.accelerate(w, 0, 2, rows.STAGE_0, 0, 1, None)
+        rows.take_step(w, 2, 1, None)
 
 
 def relative_velocity_error(steps):
     """Two compressed beads are released: the exact velocity follows from energy."""
-    w = np.zeros(narrow_window.END)
-    w[narrow_window.STIFFNESS] = 1.0
-    w[narrow_window.INVERSE_MASS : narrow_window.INVERSE_MASS + 2] = 1.0
-    w[narrow_window.POSITION] = 1.0
-    w[narrow_window.STEP : narrow_window.STEP + 2] = 1.0 / steps
+    w = np.zeros(rows.END)
+    w[rows.STIFFNESS] = 1.0
+    w[rows.INVERSE_MASS : rows.INVERSE_MASS + 2] = 1.0
+    w[rows.POSITION] = 1.0
+    w[rows.STEP : rows.STEP + 2] = 1.0 / steps
     steps_of_two_beads(w, steps)
-    overlap = w[narrow_window.POSITION] - w[narrow_window.POSITION + 1]
-    speed = w[narrow_window.VELOCITY + 1] - w[narrow_window.VELOCITY]
+    overlap = w[rows.POSITION] - w[rows.POSITION + 1]
+    speed = w[rows.VELOCITY + 1] - w[rows.VELOCITY]
     return abs(speed**2 / 4.0 + 0.4 * overlap**2.5 - 0.4)
 
 
@@ -80,28 +81,28 @@ def test_hermite_polynomial_reproduces_degree_7():
     p = np.polynomial.Polynomial(rng.normal(size=8))
     h = 0.7
     derivatives = [p, p.deriv(), p.deriv(2), p.deriv(3)]
-    c = narrow_window.hermite(h, *(d(0.0) for d in derivatives), *(d(h) for d in derivatives))
+    c = hermite.hermite(h, *(d(0.0) for d in derivatives), *(d(h) for d in derivatives))
     s = 0.37
-    assert narrow_window.value(c, s) == pytest.approx(p(s * h), rel=1e-12)
-    assert narrow_window.slope(c, s) == pytest.approx(p.deriv()(s * h) * h, rel=1e-12)
-    assert narrow_window.curvature(c, s) == pytest.approx(p.deriv(2)(s * h) * h**2, rel=1e-12)
-    assert narrow_window.third(c, s) == pytest.approx(p.deriv(3)(s * h) * h**3, rel=1e-12)
+    assert hermite.value(c, s) == pytest.approx(p(s * h), rel=1e-12)
+    assert hermite.slope(c, s) == pytest.approx(p.deriv()(s * h) * h, rel=1e-12)
+    assert hermite.curvature(c, s) == pytest.approx(p.deriv(2)(s * h) * h**2, rel=1e-12)
+    assert hermite.third(c, s) == pytest.approx(p.deriv(3)(s * h) * h**3, rel=1e-12)
 
 
 def test_released_contact_gives_the_rest_of_the_impulse():
     # Two beads just before they part: the exact final speed follows from the energy.
-    w = np.zeros(narrow_window.END)
-    w[narrow_window.STIFFNESS + 1] = 1.0
-    w[narrow_window.INVERSE_MASS + 1 : narrow_window.INVERSE_MASS + 3] = 1.0
+    w = np.zeros(rows.END)
+    w[rows.STIFFNESS + 1] = 1.0
+    w[rows.INVERSE_MASS + 1 : rows.INVERSE_MASS + 3] = 1.0
     overlap, speed = 1e-3, 0.5
-    w[narrow_window.POSITION + 1] = overlap
-    w[narrow_window.VELOCITY + 1], w[narrow_window.VELOCITY + 2] = -speed / 2, speed / 2
-    w[narrow_window.STAGE_0 + 2] = overlap**1.5
-    w[narrow_window.STAGE_0 + 1] = -(overlap**1.5)
-    narrow_window.release(w, 1, 1, overlap / speed, None)
+    w[rows.POSITION + 1] = overlap
+    w[rows.VELOCITY + 1], w[rows.VELOCITY + 2] = -speed / 2, speed / 2
+    w[rows.STAGE_0 + 2] = overlap**1.5
+    w[rows.STAGE_0 + 1] = -(overlap**1.5)
+    narrow_window_events.release(w, 1, 1, overlap / speed, None)
     exact = np.sqrt(speed**2 + 1.6 * overlap**2.5) / 2.0
-    assert w[narrow_window.VELOCITY + 2] - speed / 2 == pytest.approx(exact - speed / 2, rel=1e-5)
-    assert w[narrow_window.STIFFNESS + 1] == 0.0
+    assert w[rows.VELOCITY + 2] - speed / 2 == pytest.approx(exact - speed / 2, rel=1e-5)
+    assert w[rows.STIFFNESS + 1] == 0.0
 
 
 @pytest.mark.parametrize("lanes", [narrow_window.ALONE, narrow_window.ABREAST])
@@ -114,7 +115,7 @@ def test_lanes_do_not_touch_each_other(lanes):
         for taper in ("backward-exponential", "forward-exponential", "backward-linear")
     ]
     together, status = follow(chains, lanes=lanes)
-    assert np.all(status == narrow_window.FOLLOWED)
+    assert np.all(status == rows.FOLLOWED)
     for chain, columns in zip(chains, together, strict=True):
         alone, _ = follow([chain], lanes=narrow_window.ALONE)
         assert np.array_equal(alone[0], columns, equal_nan=True)
@@ -141,7 +142,7 @@ def test_window_too_narrow_behind_is_noticed():
     limits = (1e-8, np.inf, np.inf)
     assert (
         follow([chain], window=(9, 4), limits=limits, lanes=narrow_window.ALONE)[1][0]
-        == narrow_window.REAR_CUT
+        == rows.REAR_CUT
     )
     wrong = follow([chain], window=(9, 4), lanes=narrow_window.ALONE)[0][0][0]
     right = follow([chain], lanes=narrow_window.ALONE)[0][0][0]
@@ -153,9 +154,9 @@ def test_window_too_narrow_ahead_is_noticed():
     limits = (np.inf, 1e-9, np.inf)
     assert (
         follow([chain], window=(10, 8), limits=limits, lanes=narrow_window.ALONE)[1][0]
-        == narrow_window.FRONT_CUT
+        == rows.FRONT_CUT
     )
-    assert follow([chain], limits=limits, lanes=narrow_window.ALONE)[1][0] == narrow_window.FOLLOWED
+    assert follow([chain], limits=limits, lanes=narrow_window.ALONE)[1][0] == rows.FOLLOWED
 
 
 def test_too_long_steps_are_noticed():
@@ -163,15 +164,15 @@ def test_too_long_steps_are_noticed():
     limits = (np.inf, np.inf, 1e-6)
     assert (
         follow([chain], limits=limits, step=(0.6, 0.1), lanes=narrow_window.ALONE)[1][0]
-        == narrow_window.INACCURATE
+        == rows.INACCURATE
     )
-    assert follow([chain], limits=limits, lanes=narrow_window.ALONE)[1][0] == narrow_window.FOLLOWED
+    assert follow([chain], limits=limits, lanes=narrow_window.ALONE)[1][0] == rows.FOLLOWED
 
 
 @pytest.mark.parametrize("rate", [0.15, 0.3])
 def test_beads_out_of_order_are_noticed(rate):
     chain = hc.Chain.tapered("forward-exponential", rate, beads=40)
-    assert follow([chain], lanes=narrow_window.ALONE)[1][0] == narrow_window.OUT_OF_ORDER
+    assert follow([chain], lanes=narrow_window.ALONE)[1][0] == rows.OUT_OF_ORDER
 
 
 def test_stop_signal_ends_the_kernel():
@@ -180,8 +181,8 @@ def test_stop_signal_ends_the_kernel():
     status = np.zeros(3, np.int64)
     narrow_window.follow(
         narrow_window.ABREAST, (13, 8, *STEP), NO_LIMITS,
-        (batch.given, batch.first, batch.beads, None), np.empty((narrow_window.COLUMNS, 150)),
+        (batch.given, batch.first, batch.beads, None), np.empty((rows.COLUMNS, 150)),
         status, signal, narrow_window.scratch_of(narrow_window.ABREAST),
     )  # fmt: skip
-    assert np.all(status == narrow_window.WAITING)
+    assert np.all(status == rows.WAITING)
     assert signal[PASSED] == 0

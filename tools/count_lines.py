@@ -22,14 +22,8 @@ EXCEPTIONS = {
         "the loop over steps: as separate functions, its parts would each receive all arrays of "
         "the state, and calls of compiled functions with many arrays take time"
     ),
-    "kernels/narrow_window.py": (
-        "one chain per vector lane: numba vectorises the stages only if they are compiled as one"
-    ),
     "kernels/symplectic.py: advance": (
         "the loop over steps, between stops for events, saved times and checks of the energy"
-    ),
-    "kernels/wide_window.py": (
-        "the window of one chain and its events, which share arrays that only this file describes"
     ),
 }
 DEFINITIONS = ast.FunctionDef | ast.AsyncFunctionDef | ast.ClassDef

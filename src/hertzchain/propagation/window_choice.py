@@ -291,6 +291,7 @@ class _LawGroup:
     ) -> Indices:
         """Integrate chains with one window; return those for which it failed."""
         from ..kernels import narrow_window as kernel
+        from ..kernels.narrow_window_rows import FOLLOWED
 
         if not len(todo) or self.signal[STOP]:
             return todo
@@ -312,4 +313,4 @@ class _LawGroup:
             self.signal,
             kernel.scratch_of(lanes),
         )
-        return todo[status != kernel.FOLLOWED]
+        return todo[status != FOLLOWED]

@@ -81,7 +81,9 @@ def steps_alone(
     else:
         part = active_beads.general_part.py_func(equation, first, end, ends)
     y = np.empty(len(arrays["y"]) - 2 * (chain.beads - beads))
-    active_beads.take_out(arrays["y"], chain.beads, first, end, y)
+    y[:beads] = arrays["y"][first:end]
+    y[beads : 2 * beads] = arrays["y"][chain.beads :][first:end]
+    y[2 * beads :] = arrays["y"][2 * chain.beads :]
     # In the whole chain, errors of slow beads are relative to the fastest bead in contact.
     slow = error_scale.SLOW * fastest / max(float(np.abs(y[beads : 2 * beads]).max()), 1e-300)
     rtol = min(DEFAULT_RTOL * max(1.0, slow), 1e-6)

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
+from kernel_call import callable_from_python
 from scipy_chain import trajectory
 
 import hertzchain as hc
@@ -236,7 +237,8 @@ def test_pieces_of_drives_are_the_drives(drive):
     chain = hc.Chain.uniform(2).replace(drive=hc.StepDrive(1.0))
     setup = kernel_chain(chain)._replace(drive=PUSH, piece_starts=starts, pieces=pieces)
     times = np.linspace(0.013, 5.0, 97)
-    values = [drive_at(t, setup, np.searchsorted(starts, t, "right") - 1)[0] for t in times]
+    value = callable_from_python(drive_at)
+    values = [value(t, setup, np.searchsorted(starts, t, "right") - 1)[0] for t in times]
     np.testing.assert_allclose(values, drive.value(times), atol=1e-13)
 
 

@@ -6,6 +6,7 @@ import warnings
 
 import numpy as np
 import pytest
+from kernel_call import callable_from_python
 from long_double_steps import derivative
 from scipy_chain import trajectory
 
@@ -510,7 +511,7 @@ def released_sum(change, weights):
     for entry, size in change.items():
         w[entry] += size
     out = np.zeros(layout.RELEASE)
-    assert kernel.release(w, 2, 7, out)
+    assert callable_from_python(kernel.release)(w, 2, 7, out)
     states = np.r_[w[layout.X + 1 : layout.X + 5], w[layout.V + 1 : layout.V + 5]]
     return states @ weights, w, out
 
@@ -523,7 +524,7 @@ def test_the_release_of_a_contact_has_the_derivatives_of_its_differences():
     _, _, out = released_sum({}, weights)
     w = released_state(np.zeros(layout.END_OF_ROWS))
     w[layout.LX : layout.LX + 4], w[layout.LV : layout.LV + 4] = weights[:4], weights[4:]
-    kernel.reverse_release(w, out)
+    callable_from_python(kernel.reverse_release)(w, out)
     entries = [(layout.X + 1 + i, w[layout.LX + i]) for i in range(4)]
     entries += [(layout.V + 1 + i, w[layout.LV + i]) for i in range(4)]
     entries += [(layout.STIFFNESS + c, w[layout.BY_STIFFNESS + c]) for c in (1, 2, 3)]

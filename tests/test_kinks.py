@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from kernel_call import callable_from_python
 from scipy.integrate import quad
 
 import hertzchain as hc
@@ -18,7 +19,7 @@ def kink(sign, q):
     entries[layout.KINK_AT], entries[layout.KINK_SIGN] = AT, sign
     entries[layout.KINK_Q], entries[layout.KINK_A], entries[layout.KINK_B] = q, 1.3, -0.4
     entries[layout.KINK_LEFT], entries[layout.KINK_RIGHT] = LEFT, RIGHT
-    elastic_kinks.set_shifts(entries, H)
+    callable_from_python(elastic_kinks.set_shifts)(entries, H)
     return entries
 
 
@@ -56,9 +57,9 @@ def test_shifts_are_the_defects_of_the_method(sign, q):
 
 @pytest.mark.parametrize(("sign", "q"), [(1.0, -0.3), (-1.0, 0.4)])
 def test_the_motion_of_both_beads(sign, q):
-    entries = kink(sign, q)
+    entries, kink_motion = kink(sign, q), callable_from_python(elastic_kinks.kink_motion)
     for slot, mass in ((AT, -LEFT), (AT + layout.LANES, RIGHT), (AT + 2 * layout.LANES, 0.0)):
-        found = elastic_kinks.kink_motion(entries[np.newaxis], 1, slot, 0.5)
+        found = kink_motion(entries[np.newaxis], 1, slot, 0.5)
         position, velocity = motion(entries, 0.5)
         assert found[0] == pytest.approx(mass * position, abs=1e-12)
         assert found[1] == pytest.approx(mass * velocity, abs=1e-12)

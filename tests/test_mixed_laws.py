@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from kernel_call import callable_from_python
 from random_chains import mixed_case, random_law
 from scipy.integrate import quad
 from scipy.special import beta
@@ -113,6 +114,7 @@ def test_stored_energy_is_that_of_the_kernel(name):
     """The law's own formula, for saved states, and the kernel's, along a loading and unloading."""
     from hertzchain.kernels.contact_law import LOADED, RELEASED, Law, contact_force, potential
 
+    force_of, energy_of = callable_from_python(contact_force), callable_from_python(potential)
     rng = np.random.default_rng(3)
     class_name = LAWS[name].__name__
     for exponent in (1.5,) if name == "elastic-plastic" else (1.5, 2.2):
@@ -127,8 +129,8 @@ def test_stored_energy_is_that_of_the_kernel(name):
             for part in (1.0, 0.97, 0.6):
                 d = largest * (part if mode == RELEASED else 1.0)
                 state = d, 1e-300, mode, largest, 1.7, damping, numbers
-                force, _ = contact_force.py_func(*state)
-                expected = potential.py_func(d, 1.7, damping, mode, largest, numbers)
+                force, _ = force_of(*state)
+                expected = energy_of(d, 1.7, damping, mode, largest, numbers)
                 own = law.stored_energy(np.array([d]), np.array([force]), contacts)[0]
                 assert own == pytest.approx(expected, rel=1e-10, abs=1e-15)
 

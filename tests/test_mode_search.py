@@ -2,11 +2,11 @@
 
 import numpy as np
 import pytest
+from kernel_call import callable_from_python
 from random_chains import random_case
 from scipy_chain import trajectory
 
 import hertzchain as hc
-from hertzchain.kernels.compilation import uncompiled
 from hertzchain.kernels.contact_margins import vanishes_between
 
 DAMPING = ("Restitution", "Viscoelastic", "Dashpot", "VelocityPower")
@@ -36,7 +36,7 @@ def test_modes_within_a_step_are_found(seed, laws, rtol, most):
 
 
 def test_margins_that_may_vanish():
-    may_vanish = uncompiled(vanishes_between)
+    may_vanish = callable_from_python(vanishes_between)
     # A parabola with minimum m has tangents that meet at m - 1/4.
     for least, searched in ((-0.1, True), (0.2, True), (0.3, False)):
         assert may_vanish(least + 0.25, -1.0, least + 0.25, 1.0) == searched

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from kernel_call import callable_from_python
 from numba import njit
 
 import hertzchain as hc
@@ -81,12 +82,15 @@ def test_hermite_polynomial_reproduces_degree_7():
     p = np.polynomial.Polynomial(rng.normal(size=8))
     h = 0.7
     derivatives = [p, p.deriv(), p.deriv(2), p.deriv(3)]
-    c = hermite.hermite(h, *(d(0.0) for d in derivatives), *(d(h) for d in derivatives))
+    value, slope = callable_from_python(hermite.value), callable_from_python(hermite.slope)
+    curvature, third = callable_from_python(hermite.curvature), callable_from_python(hermite.third)
+    at_ends = [d(time) for time in (0.0, h) for d in derivatives]
+    c = callable_from_python(hermite.hermite)(h, *at_ends)
     s = 0.37
-    assert hermite.value(c, s) == pytest.approx(p(s * h), rel=1e-12)
-    assert hermite.slope(c, s) == pytest.approx(p.deriv()(s * h) * h, rel=1e-12)
-    assert hermite.curvature(c, s) == pytest.approx(p.deriv(2)(s * h) * h**2, rel=1e-12)
-    assert hermite.third(c, s) == pytest.approx(p.deriv(3)(s * h) * h**3, rel=1e-12)
+    assert value(c, s) == pytest.approx(p(s * h), rel=1e-12)
+    assert slope(c, s) == pytest.approx(p.deriv()(s * h) * h, rel=1e-12)
+    assert curvature(c, s) == pytest.approx(p.deriv(2)(s * h) * h**2, rel=1e-12)
+    assert third(c, s) == pytest.approx(p.deriv(3)(s * h) * h**3, rel=1e-12)
 
 
 def test_released_contact_gives_the_rest_of_the_impulse():
@@ -99,7 +103,7 @@ def test_released_contact_gives_the_rest_of_the_impulse():
     w[rows.VELOCITY + 1], w[rows.VELOCITY + 2] = -speed / 2, speed / 2
     w[rows.STAGE_0 + 2] = overlap**1.5
     w[rows.STAGE_0 + 1] = -(overlap**1.5)
-    narrow_window_events.release(w, 1, 1, overlap / speed, None)
+    callable_from_python(narrow_window_events.release)(w, 1, 1, overlap / speed, None)
     exact = np.sqrt(speed**2 + 1.6 * overlap**2.5) / 2.0
     assert w[rows.VELOCITY + 2] - speed / 2 == pytest.approx(exact - speed / 2, rel=1e-5)
     assert w[rows.STIFFNESS + 1] == 0.0

@@ -74,7 +74,7 @@ from .adjoint_layout import (
     V,
     X,
 )
-from .compilation import CONTRACTED
+from .compilation import CONTRACTED, internal
 from .dop853 import E3, E5, STEP_STAGES, A, B
 from .elastic_forces import LEAST
 from .powers import power
@@ -82,8 +82,9 @@ from .powers import power
 # Largest fraction of a step that may follow the release of a contact within the step.
 AFTER_RELEASE = 0.01
 
-compiled = njit(**CONTRACTED)
-inlined = njit(forceinline=True, **CONTRACTED)
+entry_point = njit(**CONTRACTED)
+compiled = internal(**CONTRACTED)
+inlined = internal(forceinline=True, **CONTRACTED)
 
 WEIGHTS = np.ascontiguousarray(A[:STEP_STAGES, :STEP_STAGES])
 STEP_WEIGHTS, THIRD, FIFTH = np.array(B), np.array(E3), np.array(E5)
@@ -158,7 +159,7 @@ def set_reduced(w, low, high):
         w[P + 1 + i] = w[V + 1 + i] - change
 
 
-@compiled
+@entry_point
 def release(w, low, high, switches):
     """Release contacts whose force is cut off, end the release of others, and update row P."""
     for c in range(low, high + 1):

@@ -28,7 +28,7 @@ from .adjoint_layout import (
     V,
     X,
 )
-from .adjoint_step import compiled, forces, try_step
+from .adjoint_step import compiled, entry_point, forces, try_step
 from .elastic_forces import LEAST
 
 # Number of parts of a step that are searched, one after the other, for the first maximum of a
@@ -121,7 +121,7 @@ def locate(w, beads, low, high, h, hertz, target, kept, last):
     return s
 
 
-@compiled
+@entry_point
 def locate_from(w, beads, low, high, h, hertz, target, kept, last, x, v):
     """`locate` in a step that starts from positions and velocities of the beads."""
     load_state(w, beads, low, high, hertz, x, v, kept)

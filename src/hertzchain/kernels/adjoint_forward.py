@@ -53,7 +53,7 @@ from .adjoint_layout import (
     V,
     X,
 )
-from .adjoint_step import compiled, error_of, try_step
+from .adjoint_step import compiled, entry_point, error_of, try_step
 from .rkn8_step import GROWTH, SAFETY, SHRINKAGE
 
 # Smallest step; factor by which a step is shortened if a contact may have closed unnoticed.
@@ -186,7 +186,7 @@ def keep_event(w, beads, contacts, room, out):
         out[x, i], out[v, i], out[a, i] = w[NEW_X + 1 + i], w[NEW_V + 1 + i], w[F8 + i]
 
 
-@compiled
+@entry_point
 def advance(
     w, events, beads, clock, counts, until, rtol, most_steps, stop_when_found, hertz, careful,
     resting, targets, found, located, candidates, positions, velocities, lengths, windows,

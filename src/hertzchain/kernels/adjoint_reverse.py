@@ -35,7 +35,7 @@ from .adjoint_layout import (
     U,
 )
 from .adjoint_release import reverse_release
-from .adjoint_step import compiled, inlined
+from .adjoint_step import compiled, entry_point, inlined
 from .adjoint_window import WINDOW
 from .powers import power
 from .rkn8 import A1, A2, A3, A4, A5, A6, A7, B_POSITION, B_VELOCITY, C1, C2, C3, C4, C5, C6, C7
@@ -139,7 +139,7 @@ def reverse_in_window(w, h, hertz, kept, gauge):
     reverse_stages(w, 0, WINDOW, h, hertz, kept, gauge, 0.0)
 
 
-@compiled
+@entry_point
 def reverse_step(w, low, high, h, hertz, kept, gauge, on):
     """Derivatives with respect to the state at the start of a step from those at its end.
 
@@ -152,14 +152,14 @@ def reverse_step(w, low, high, h, hertz, kept, gauge, on):
         reverse_elastic(w, low, high, h, hertz, kept, gauge, on)
 
 
-@compiled
+@entry_point
 def reverse(w, start, stop, lengths, windows, hertz, kept, gauge, on):
     """Apply `reverse_step` to steps ``start - 1`` down to ``stop`` of a block."""
     for n in range(start - 1, stop - 1, -1):
         reverse_step(w, windows[n, 0], windows[n, 1], lengths[n], hertz, kept[n], gauge, on)
 
 
-@compiled
+@entry_point
 def reverse_window(w, start, stop, lengths, windows, hertz, kept, releases, gauge):
     """`reverse` for steps in a window that moves, and for the contacts that are released."""
     last = len(releases) - 1

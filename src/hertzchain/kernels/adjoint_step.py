@@ -41,15 +41,16 @@ from .adjoint_layout import (
     V,
     X,
 )
-from .compilation import CONTRACTED
+from .compilation import CONTRACTED, internal
 from .elastic_forces import LEAST
 from .powers import power
 from .rkn8_stages import Rows, step_on
 from .rkn8_step import NEIGHBOURS, SLOW, SMALLEST
 
-compiled = njit(**CONTRACTED)
-inlined = njit(forceinline=True, **CONTRACTED)
-maximal = njit(forceinline=True, **(CONTRACTED | {"fastmath": True}))
+entry_point = njit(**CONTRACTED)
+compiled = internal(**CONTRACTED)
+inlined = internal(forceinline=True, **CONTRACTED)
+maximal = internal(forceinline=True, **(CONTRACTED | {"fastmath": True}))
 
 
 @inlined

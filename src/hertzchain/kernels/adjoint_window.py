@@ -42,7 +42,7 @@ from .adjoint_layout import (
     X,
 )
 from .adjoint_release import APART, release
-from .adjoint_step import compiled, elastic_forces, largest, take_step, velocity_error
+from .adjoint_step import compiled, elastic_forces, entry_point, largest, take_step, velocity_error
 from .rkn8_step import GROWTH, SAFETY, SHRINKAGE
 
 # Entries of the settings: beads behind the crest, the same if the contact there is open, beads
@@ -159,7 +159,7 @@ def next_event_of(targets, found):
     return first
 
 
-@compiled
+@entry_point
 def follow(
     w, events, beads, clock, counts, rtol, most_steps, settings, hertz, targets, found, located,
     candidates, lengths, windows, kept, releases, room,

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 from numba import njit
+from numba.core.registry import CPUDispatcher
 
 from . import compile_notice
 
@@ -23,8 +25,37 @@ CONTRACTED: dict[str, Any] = OPTIONS | {"fastmath": {"contract"}}
 # Sums and maxima may be evaluated in any order, so that the compiler can vectorise their loops.
 REDUCED: dict[str, Any] = OPTIONS | {"fastmath": {"contract", "reassoc", "nnan", "nsz"}}
 
-compiled = njit(**OPTIONS)
-reduced = njit(**REDUCED)
+
+class Internal(CPUDispatcher):
+    """A compiled function that only other kernels can call."""
+
+    def __call__(self, *arguments: object, **options: object) -> None:  # noqa: ARG002
+        """Without a wrapper, numba would call address 0."""
+        raise TypeError(
+            f"{self.py_func.__name__} has no wrapper for Python; call it from a function compiled "
+            "by numba.njit, or declare it as an entry point if Python has to call it"
+        )
+
+
+def internal(**options: Any) -> Callable[[Callable[..., Any]], Any]:
+    """Decorate a function that only kernels call.
+
+    Conversion of its arguments from Python, many of which are tuples of arrays, would take a
+    quarter of the time of compiling.
+    """
+
+    def decorate(function: Callable[..., Any]) -> Any:
+        dispatcher: Any = njit(**(options | {"no_cpython_wrapper": True}))(function)
+        dispatcher.__class__ = Internal
+        return dispatcher
+
+    return decorate
+
+
+# For functions that Python calls, and for those that only kernels call.
+entry_point = njit(**OPTIONS)
+compiled = internal(**OPTIONS)
+reduced = internal(**REDUCED)
 
 compile_notice.install()
 

@@ -11,9 +11,8 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
 
-from .compilation import OPTIONS, compiled
+from .compilation import OPTIONS, compiled, entry_point, internal
 from .elastic_events import FALL, record_events, record_fall, record_largest
 from .elastic_forces import closing_of, force_of, overlap_of
 from .elastic_kinks import drop_kinks, find_kinks, impulse_defect, pass_step
@@ -111,7 +110,7 @@ from .elastic_walls import (
 from .rkn8_step import GROWTH, SAFETY, SHRINKAGE, STAGES, impulse_of, take_step
 from .state_layout import STRIKER_PEAK_TIME
 
-inlined = njit(forceinline=True, **OPTIONS)
+inlined = internal(forceinline=True, **OPTIONS)
 
 MIN_STEP, HALF = 1e-280, 0.5
 # Steps longer than this fraction of the elapsed time occur only if all beads are in free flight.
@@ -326,7 +325,7 @@ def accept(w, beads, state):
         w[F0 + i] = w[F8 + i] if yes else w[F0 + i]
 
 
-@compiled
+@entry_point
 def follow(
     chains, numbers, places, rtol, most_steps, hertz, walled, careful,
     records, summary, readings, signal, w, state, pushes, gauges, which, kinks,

@@ -6,9 +6,7 @@ Within a step the motion is interpolated by a Hermite polynomial of degree 7
 
 from __future__ import annotations
 
-from numba import njit
-
-from .compilation import OPTIONS, compiled
+from .compilation import OPTIONS, compiled, internal
 from .elastic_forces import force_of, force_rate
 from .elastic_kinks import kink_motion, touches
 from .elastic_layout import (
@@ -49,7 +47,7 @@ from .elastic_layout import (
 )
 from .hermite import curvature, hermite, slope, third, value
 
-inlined = njit(forceinline=True, **OPTIONS)
+inlined = internal(forceinline=True, **OPTIONS)
 
 # The pulse has not reached a bead whose speed is less than this fraction, or this many tolerances,
 # of the speeds nearby; an overlap less than this fraction of the positions is ignored.

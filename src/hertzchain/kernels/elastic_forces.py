@@ -11,9 +11,8 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
 
-from .compilation import CONTRACTED
+from .compilation import CONTRACTED, internal
 from .elastic_layout import (
     AT_REST,
     BODY,
@@ -29,8 +28,8 @@ from .elastic_layout import (
 )
 from .powers import BIAS, MANTISSA, ONE, ROOT_2, SHIFT, exp2, log2
 
-compiled = njit(**CONTRACTED)
-inlined = njit(forceinline=True, **CONTRACTED)
+compiled = internal(**CONTRACTED)
+inlined = internal(forceinline=True, **CONTRACTED)
 
 LEAST = 1e-40
 

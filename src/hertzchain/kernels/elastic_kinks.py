@@ -22,9 +22,7 @@ from __future__ import annotations
 
 import math
 
-from numba import njit
-
-from .compilation import CONTRACTED, compiled
+from .compilation import CONTRACTED, compiled, internal
 from .elastic_forces import closing_of, overlap_of
 from .elastic_layout import (
     AT_REST,
@@ -55,8 +53,8 @@ from .elastic_layout import (
 from .rkn8 import A1, A2, A3, A4, A5, A6, A7, C1, C2, C3, C4, C5, C6
 from .rkn8_stages import B0, B2, B3, B4, B5, B6, E0, E2, E3, E4, E5, E6, E7, E8, V0, V2, V3, V4
 
-inlined = njit(forceinline=True, **CONTRACTED)
-summing = njit(forceinline=True, **(CONTRACTED | {"fastmath": True}))
+inlined = internal(forceinline=True, **CONTRACTED)
+summing = internal(forceinline=True, **(CONTRACTED | {"fastmath": True}))
 
 # Openings are subtracted if they are less than this part of a step after its end, closings if they
 # are less than this part of a step before its start.

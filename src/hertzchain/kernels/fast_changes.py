@@ -27,7 +27,7 @@ from typing import Any
 import numpy as np
 from numba import njit
 
-from .compilation import OPTIONS
+from .compilation import OPTIONS, internal
 
 STATES = 3
 # Contacts with separate responses after the impact and before the free end.
@@ -57,7 +57,8 @@ BACKWARD = 0.15
 # counting (`_nrt`), views of arrays cost nothing, but no array can be created: those that a
 # function needs are parts of its argument ``work``.
 REORDERED: dict[str, Any] = OPTIONS | {"fastmath": {"reassoc", "contract"}}
-compiled = njit(**REORDERED)
+entry_point = njit(**REORDERED)
+compiled = internal(**REORDERED)
 allocating = njit(**(REORDERED | {"_nrt": True}))
 
 

@@ -5,9 +5,7 @@ The functions do not depend on the splitting method (`hertzchain.kernels.symplec
 
 from __future__ import annotations
 
-from numba import njit
-
-from .compilation import CONTRACTED, compiled
+from .compilation import CONTRACTED, compiled, internal
 from .events import REACHED, store_crossing
 from .forces import copy
 from .hermite import curvature, slope, value
@@ -33,7 +31,7 @@ from .state_layout import (
 NEIGHBOURS, SLOW = 3, 1e-4
 BISECTIONS = 48
 
-inlined = njit(forceinline=True, **CONTRACTED)
+inlined = internal(forceinline=True, **CONTRACTED)
 
 
 @inlined

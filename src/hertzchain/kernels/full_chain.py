@@ -31,7 +31,7 @@ from .active_beads import (
     unresolved_speed,
     window_too_small,
 )
-from .compilation import compiled
+from .compilation import compiled, entry_point
 from .conservation import kinetic, update_drift
 from .contact_modes import (
     MIN_RELATIVE_SPEED,
@@ -131,7 +131,7 @@ def largest_speed(so_far, y, beads):
     return largest
 
 
-@compiled
+@entry_point
 def start(y, clock, counts, setup, contacts, first_step):
     """Set the clock to zero, the first modes of the contacts and the reference of the drift."""
     clock[:] = 0.0
@@ -285,7 +285,7 @@ def advance_window(
     return RUNNING, budget
 
 
-@compiled
+@entry_point
 def advance(
     y, clock, counts, setup, contacts, flights, until, stop_when_left, rtol, budget, bead_steps,
     pause, frame_times, growing, frames, frame_forces, peaks, crossings, walls, accelerations,

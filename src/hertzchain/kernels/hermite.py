@@ -7,11 +7,9 @@ accurate as the step.
 
 from __future__ import annotations
 
-from numba import njit
+from .compilation import CONTRACTED, internal
 
-from .compilation import CONTRACTED
-
-compiled = njit(**CONTRACTED)
+compiled = internal(**CONTRACTED)
 
 
 @compiled

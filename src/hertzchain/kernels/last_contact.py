@@ -18,7 +18,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from .fast_changes import STATES, allocating, combine, compiled, dot, interval_of, polynomials
+from .fast_changes import STATES, allocating, combine, dot, entry_point, interval_of, polynomials
 
 # Factors by which memories decay per contact, and that of the mean.
 MEMORIES = (0.0, 0.6, 0.85)
@@ -29,7 +29,7 @@ PRODUCTS = COUNT * (COUNT + 1) // 2
 LARGE = 0.1**2
 
 
-@compiled
+@entry_point
 def recall(slow, memories):
     """Write the memories at the last contact; returns the mean of the rates."""
     memories[:] = 0.0
@@ -42,7 +42,7 @@ def recall(slow, memories):
     return total / weight
 
 
-@compiled
+@entry_point
 def multiply_memories(memories, products):
     """Write all products of two memories, bounded; returns the factor that bounds them."""
     factor = 1.0 / (1.0 + memories[-1] ** 2 / LARGE)

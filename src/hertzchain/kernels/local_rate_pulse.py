@@ -14,6 +14,7 @@ from .fast_changes import (
     add_response,
     allocating,
     compiled,
+    entry_point,
     from_response,
     from_smooth,
     smooth,
@@ -64,7 +65,7 @@ def log_of_contact(powers, stiffness, state):
     return powers[2] * stiffness + powers[3] * state[1] + powers[4] * state[2]
 
 
-@compiled
+@entry_point
 def estimated_error(contact, parts, constants, lost):
     """Estimated relative error of the velocity behind a contact."""
     # The parts are errors of its logarithm.  Beyond a state that has diverged, it is unknown.

@@ -57,7 +57,7 @@ from .narrow_window_rows import (
     WAITING,
     WATCH,
     accelerate,
-    compiled,
+    entry_point,
     inlined,
     take_step,
     velocity_error,
@@ -154,7 +154,7 @@ def begin_steps(w, clock, slots, lanes):
             w[STEP + s * lanes + lane] = clock[NEXT_STEP + lane]
 
 
-@compiled
+@entry_point
 def follow(abreast, window, limits, given, results, status, signal, scratch):
     """Follow the pulse along many chains, ``len(abreast)`` at a time.
 

@@ -22,7 +22,7 @@ import math
 
 from numba import njit
 
-from .compilation import CONTRACTED
+from .compilation import CONTRACTED, internal
 from .powers import power
 from .rkn8_stages import Rows, step_on
 
@@ -61,8 +61,9 @@ MAX_STEPS = 400
 # In these short functions, reference counting would take longer than the computation; contraction
 # saves 5% of the time. The second option is for functions called in every step and for the events,
 # whose many arguments would take as long to pass as a step.
-compiled = njit(**CONTRACTED)
-inlined = njit(forceinline=True, **CONTRACTED)
+entry_point = njit(**CONTRACTED)
+compiled = internal(**CONTRACTED)
+inlined = internal(forceinline=True, **CONTRACTED)
 
 
 @inlined

@@ -13,9 +13,8 @@ the window, and stages are added in groups.
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
-from .compilation import CONTRACTED, compiled
+from .compilation import CONTRACTED, compiled, internal
 from .contact_law import HERTZ, force, law_of
 from .dop853 import STEP_STAGES
 from .dop853_step import in_groups
@@ -34,7 +33,7 @@ from .nystrom_interpolant import find_coefficients
 from .powers import powers
 from .rkn8 import B_POSITION, B_VELOCITY, E_VELOCITY, A, C
 
-contracted = njit(**CONTRACTED)
+contracted = internal(**CONTRACTED)
 
 # Number of evaluations of the forces per step, and the row of stage 1.
 EVALUATIONS_PER_STEP = 8

@@ -8,15 +8,14 @@ motion.  The coefficients are those of `hertzchain.kernels.interpolant`.
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
-from .compilation import CONTRACTED, compiled
+from .compilation import CONTRACTED, compiled, internal
 from .contact_law import HERTZ, force, law_of
 from .driving import MOVING_WALL, NOTHING, PUSH, drive_at
 from .forces import DRIVEN, LEFT_IMPULSE, PUSHED, RIGHT_IMPULSE, overlap_and_closing
 from .interpolant import COEFFICIENTS, value
 
-contracted = njit(**CONTRACTED)
+contracted = internal(**CONTRACTED)
 
 # Nodes at which the rates of accumulators are interpolated.
 RATE_NODES = np.linspace(0.0, 1.0, 6)

@@ -20,10 +20,10 @@ from typing import Any
 
 import numpy as np
 from llvmlite import ir
-from numba import njit, types
+from numba import types
 from numba.extending import intrinsic
 
-from .compilation import CONTRACTED, compiled
+from .compilation import CONTRACTED, compiled, internal
 
 # A float64 is 2^(exponent - BIAS) (1 + mantissa), where the exponent begins at bit SHIFT.
 SHIFT, BIAS = 52, 1023
@@ -58,7 +58,7 @@ def _log2_over_f(square: Any) -> Any:
 SHORT_LOGARITHM = _fitted(_log2_over_f, 6, 0.0, ((ROOT_2 - 1.0) / (ROOT_2 + 1.0)) ** 2)
 SHORT_EXPONENTIAL = _fitted(np.exp2, 10, -0.5, 0.5)
 
-inlined = njit(forceinline=True, **CONTRACTED)
+inlined = internal(forceinline=True, **CONTRACTED)
 
 
 @intrinsic

@@ -10,9 +10,7 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
-from numba import njit
-
-from .compilation import CONTRACTED
+from .compilation import CONTRACTED, internal
 from .rkn8 import (
     A1,
     A2,
@@ -34,7 +32,7 @@ from .rkn8 import (
 )
 
 # These functions are compiled into those that call them, which are cached.
-inlined = njit(forceinline=True, **(CONTRACTED | {"cache": False}))
+inlined = internal(forceinline=True, **(CONTRACTED | {"cache": False}))
 
 B0, _, B2, B3, B4, B5, B6 = B_POSITION
 V0, _, V2, V3, V4, _, _, _ = B_VELOCITY

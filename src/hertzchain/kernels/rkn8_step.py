@@ -6,9 +6,7 @@ The layout is that of `hertzchain.kernels.elastic_layout`, the method that of
 
 from __future__ import annotations
 
-from numba import njit
-
-from .compilation import CONTRACTED
+from .compilation import CONTRACTED, internal
 from .elastic_forces import forces
 from .elastic_kinks import shift
 from .elastic_layout import (
@@ -48,9 +46,9 @@ from .elastic_layout import (
 )
 from .rkn8_stages import V0, V2, V3, V4, Rows, step_on
 
-compiled = njit(**CONTRACTED)
-inlined = njit(forceinline=True, **CONTRACTED)
-summing = njit(forceinline=True, **(CONTRACTED | {"fastmath": True}))
+compiled = internal(**CONTRACTED)
+inlined = internal(forceinline=True, **CONTRACTED)
+summing = internal(forceinline=True, **(CONTRACTED | {"fastmath": True}))
 
 STAGES = 9
 # Safety factor, and bounds of the change of the step.

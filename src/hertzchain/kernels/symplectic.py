@@ -19,9 +19,8 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 import numpy as np
-from numba import njit
 
-from .compilation import CONTRACTED, compiled
+from .compilation import CONTRACTED, compiled, entry_point, internal
 from .conservation import update_drift
 from .fixed_step_events import record_events, save_frames, watch_wall
 from .forces import LEFT_IMPULSE, RIGHT_IMPULSE, copy
@@ -69,8 +68,8 @@ CHECK = 32
 # Smaller overlaps exert no force, because computing powers of them would be slow.
 TINY = 1e-40
 
-inlined = njit(forceinline=True, **CONTRACTED)
-contracted = njit(**CONTRACTED)
+inlined = internal(forceinline=True, **CONTRACTED)
+contracted = internal(**CONTRACTED)
 
 
 class Springs(NamedTuple):
@@ -257,7 +256,7 @@ def steps_before(stop, time, h, most):
     return number
 
 
-@compiled
+@entry_point
 def advance(
     y, clock, counts, setup, contacts, springs, kicks, drifts, gradients, until, stop_when_left,
     budget, bead_steps, pause, frame_times, growing, frames, frame_forces, peaks, crossings, walls,

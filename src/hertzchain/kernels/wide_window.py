@@ -27,7 +27,7 @@ from typing import Any
 
 import numpy as np
 
-from .compilation import compiled
+from .compilation import compiled, entry_point
 from .wide_window_events import record_events
 from .wide_window_rows import (
     BEADS,
@@ -205,7 +205,7 @@ def advance(scratch, window, exponent, given, results):
     return RUNNING
 
 
-@compiled
+@entry_point
 def follow(window, given, results, status, work, signal, scratch):
     """Follow the pulse along many chains, one after the other.
 

@@ -10,9 +10,7 @@ from __future__ import annotations
 
 import math
 
-from numba import njit
-
-from .compilation import OPTIONS, compiled
+from .compilation import OPTIONS, compiled, internal
 from .powers import power
 from .rkn8_stages import Rows, step_on
 
@@ -41,7 +39,7 @@ UNGRADED = 4
 # Lower bound of the speeds that scale the errors, as a fraction of the crest's velocity.
 AT_REST = 1e-9
 
-inlined = njit(forceinline=True, **OPTIONS)
+inlined = internal(forceinline=True, **OPTIONS)
 
 
 @inlined

@@ -6,8 +6,14 @@ and the second not, and the end at which it was last narrowed.
 
 from __future__ import annotations
 
-from .compilation import compiled
+from collections.abc import Callable
+from typing import Any
 
+from .compilation import OPTIONS, compiled, internal
+
+# Parts of a step that are searched for the first change, because a light bead may reverse its
+# direction twice in a step.
+PARTS = 8
 # Secants in a part of a step before bisection, and the least part of a step by which a search
 # continues.
 SECANTS, BISECTIONS, CLOSE = 16, 48, 2.0**-50
@@ -34,12 +40,30 @@ def narrowed(bracket, middle, found):
     return low, middle, 0.5 * rising if side < 0 else rising, found, -1
 
 
-@compiled
-def closing_within(c, beads, y, dense):
-    """Polynomial of the relative velocity of beads c and c + 1 (0-based): start, coefficients."""
-    i, j = beads + c, beads + c + 1
-    return (
-        y[i] - y[j], dense[0, i] - dense[0, j], dense[1, i] - dense[1, j],
-        dense[2, i] - dense[2, j], dense[3, i] - dense[3, j], dense[4, i] - dense[4, j],
-        dense[5, i] - dense[5, j], dense[6, i] - dense[6, j],
-    )  # fmt: skip
+def first_change_of(quantity: Callable[..., float]) -> Callable[..., float]:
+    """Search for the first change of sign of ``quantity(theta, *arguments)``.
+
+    The search, called with ``(start, arguments)``, returns the fraction theta of the step at which
+    the quantity, ``start`` at first, is first not positive; 2 if there is none.
+    """
+
+    # It is compiled into the functions that call it, which are cached.
+    @internal(**(OPTIONS | {"cache": False}))
+    def first_change(start: float, arguments: tuple[Any, ...]) -> float:
+        low, rising = 0.0, start
+        for part in range(1, PARTS + 1):
+            high = part / PARTS
+            falling = quantity(high, *arguments)
+            if not falling <= 0.0:
+                low, rising = high, falling
+                continue
+            bracket = low, high, rising, falling, 0
+            for tried in range(SECANTS + BISECTIONS):
+                if bracket[1] - bracket[0] <= 2.0 * CLOSE:
+                    break
+                middle = place_within(bracket, tried)
+                bracket = narrowed(bracket, middle, quantity(middle, *arguments))
+            return bracket[1]
+        return 2.0
+
+    return first_change

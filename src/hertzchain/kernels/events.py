@@ -7,14 +7,14 @@ bead's velocity and the largest overlap of each contact are located by secants.
 from __future__ import annotations
 
 from .active_beads import place_behind, put_back
-from .change_of_sign import BISECTIONS, CLOSE, SECANTS, closing_within, narrowed, place_within
+from .change_of_sign import first_change_of
 from .compilation import compiled
 from .contact_law import LOADED, force, law_of
 from .contact_modes import sharpest_turn
 from .dop853 import STEP_STAGES
 from .forces import copy
 from .implicit import FINEST, closes_throughout, first_rest
-from .interpolant import slope, state_within, value
+from .interpolant import difference, polynomial, slope, state_within, value
 from .leading_pulse import note_leading_pulse, rise_of
 from .nystrom import SHARPER
 from .state_layout import (
@@ -42,9 +42,6 @@ REACHED = 1e-11
 # The same limit for implicit steps, in tolerances: if all contacts are stiff, all beads move
 # simultaneously, and velocities below the tolerance may have any sign.
 TOLERANCES = 1e3
-# Parts of a step that are searched for the first event, because a light bead may reverse its
-# direction twice in a step.
-PARTS = 8
 
 
 @compiled
@@ -57,8 +54,8 @@ def least_speed(rtol, setup, contacts):
 
 
 @compiled
-def acceleration_within(k, theta, h, y, dense, setup, contacts):
-    """Acceleration of bead k, or net force on it, at the fraction theta of a completed step."""
+def acceleration_within(theta, k, h, y, dense, setup, contacts):
+    """Acceleration of a bead, or net force on it, at the fraction theta of a completed step."""
     if contacts is not None:
         return slope(len(setup.inverse_mass) + k, theta, h, dense)
     here = value(k, theta, y, dense)
@@ -72,68 +69,35 @@ def acceleration_within(k, theta, h, y, dense, setup, contacts):
     return net
 
 
-@compiled
-def peak_within(k, h, y, dense, setup, contacts):
-    """Fraction of the step at which the net force on bead k is first not positive; 2 if none."""
-    low, rising = 0.0, acceleration_within(k, 0.0, h, y, dense, setup, contacts)
-    for part in range(1, PARTS + 1):
-        high = part / PARTS
-        falling = acceleration_within(k, high, h, y, dense, setup, contacts)
-        if not falling <= 0.0:
-            low, rising = high, falling
-            continue
-        bracket = low, high, rising, falling, 0
-        for tried in range(SECANTS + BISECTIONS):
-            if bracket[1] - bracket[0] <= 2.0 * CLOSE:
-                break
-            middle = place_within(bracket, tried)
-            a = acceleration_within(k, middle, h, y, dense, setup, contacts)
-            bracket = narrowed(bracket, middle, a)
-        return bracket[1]
-    return 2.0
+first_peak = first_change_of(acceleration_within)
 
 
 @compiled
-def closing_at(c, beads, theta, closing, y, dense, setup, contacts):
+def closing_within(theta, c, closing, y, dense, setup, contacts):
     """Relative velocity of beads c and c + 1 at the fraction theta; not positive if they part.
 
     The speed at which a contact creeps may be less than the rounding error of the velocities.
     """
     if contacts is not None and setup.law.implicit and contacts.mode[c + 1] == LOADED:
         overlap = value(c, theta, y, dense) - value(c + 1, theta, y, dense) - setup.gap[c + 1]
-        ahead = value(beads + c + 1, theta, y, dense)
+        ahead = value(len(setup.inverse_mass) + c + 1, theta, y, dense)
         closes = closes_in(
-            value(beads + c, theta, y, dense) - ahead, abs(ahead),
+            value(len(setup.inverse_mass) + c, theta, y, dense) - ahead, abs(ahead),
             force_within(c + 1, theta, contacts.implicit), overlap, setup.stiffness[c + 1],
             law_of(c + 1, setup).exponent,
         )  # fmt: skip
         return 1.0 if closes else 0.0
-    start, c0, c1, c2, c3, c4, c5, c6 = closing
-    rest = 1.0 - theta
-    high = c3 + theta * (c4 + rest * (c5 + theta * c6))
-    return start + theta * (c0 + rest * (c1 + theta * (c2 + rest * high)))
+    return polynomial(theta, *closing)
+
+
+first_rest_of_pair = first_change_of(closing_within)
 
 
 @compiled
 def crossing_within(c, beads, y, dense, setup, contacts):
     """Fraction of the step at which beads c and c + 1 first have equal velocities; 2 if none."""
-    closing = closing_within(c, beads, y, dense)
-    low, rising = 0.0, closing[0]
-    for part in range(1, PARTS + 1):
-        high = part / PARTS
-        falling = closing_at(c, beads, high, closing, y, dense, setup, contacts)
-        if falling > 0.0:
-            low, rising = high, falling
-            continue
-        bracket = low, high, rising, falling, 0
-        for tried in range(SECANTS + BISECTIONS):
-            if bracket[1] - bracket[0] <= 2.0 * CLOSE:
-                break
-            middle = place_within(bracket, tried)
-            v = closing_at(c, beads, middle, closing, y, dense, setup, contacts)
-            bracket = narrowed(bracket, middle, v)
-        return bracket[1]
-    return 2.0
+    closing = difference(beads + c, beads + c + 1, y, dense)
+    return first_rest_of_pair(closing[0], (c, closing, y, dense, setup, contacts))
 
 
 @compiled
@@ -207,7 +171,8 @@ def record_peaks(h, time, y, y_new, stages, dense, setup, contacts, first, expec
     for k in range(beads):
         if not expected[k]:
             continue
-        theta = peak_within(k, h, y, dense, setup, contacts)
+        of_bead = k, h, y, dense, setup, contacts
+        theta = first_peak(acceleration_within(0.0, *of_bead), of_bead)
         if theta > 1.0 and is_implicit(setup, contacts):
             theta = first_rest(k, beads, stages)
         # Because of rounding, the interpolant may miss a change of sign at the end of the step.
@@ -218,7 +183,7 @@ def record_peaks(h, time, y, y_new, stages, dense, setup, contacts, first, expec
         peaks[PEAK_TIME, k] = time + theta * h
         # A bead that has left both neighbours permanently keeps the velocity at the step's end.
         in_flight = stages[STEP_STAGES, beads + k] == 0.0 and (
-            acceleration_within(k, theta, h, y, dense, setup, contacts) == 0.0
+            acceleration_within(theta, *of_bead) == 0.0
         )
         velocity = value(beads + k, theta, y, dense)
         peaks[PEAK_VELOCITY, k] = y_new[beads + k] if in_flight else velocity

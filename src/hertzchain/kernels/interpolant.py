@@ -19,11 +19,30 @@ SHORT = 1e-3
 
 
 @compiled
+def polynomial(theta, start, c0, c1, c2, c3, c4, c5, c6):
+    """The interpolant of one component, which has the value ``start`` at the step's start."""
+    rest = 1.0 - theta
+    high = c3 + theta * (c4 + rest * (c5 + theta * c6))
+    return start + theta * (c0 + rest * (c1 + theta * (c2 + rest * high)))
+
+
+@compiled
 def value(i, theta, y, dense):
     """Component i of the state at the fraction theta of the step."""
-    rest = 1.0 - theta
-    high = dense[3, i] + theta * (dense[4, i] + rest * (dense[5, i] + theta * dense[6, i]))
-    return y[i] + theta * (dense[0, i] + rest * (dense[1, i] + theta * (dense[2, i] + rest * high)))
+    return polynomial(
+        theta, y[i], dense[0, i], dense[1, i], dense[2, i], dense[3, i], dense[4, i], dense[5, i],
+        dense[6, i],
+    )  # fmt: skip
+
+
+@compiled
+def difference(i, j, y, dense):
+    """Arguments of `polynomial`, after the first, for the difference of two components."""
+    return (
+        y[i] - y[j], dense[0, i] - dense[0, j], dense[1, i] - dense[1, j],
+        dense[2, i] - dense[2, j], dense[3, i] - dense[3, j], dense[4, i] - dense[4, j],
+        dense[5, i] - dense[5, j], dense[6, i] - dense[6, j],
+    )  # fmt: skip
 
 
 @compiled

@@ -9,13 +9,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from .change_of_sign import BISECTIONS
+from .change_of_sign import BISECTIONS, PARTS
 from .compilation import compiled
 from .contact_law import LOADED, RELEASED, STUCK, force, has_modes, is_plastic, law_of
 from .contact_margins import leaves_mode, margin_of, must_switch, pull_free_force, vanishes_between
 from .dop853 import STEP_STAGES
 from .driving import wall_motion
-from .events import PARTS
 from .forces import LEFT_IMPULSE, PUSHED, derivative, overlap_and_closing
 from .interpolant import state_within, value
 from .law_kinds import DAMPED, UNLOADING

@@ -1,10 +1,11 @@
 r"""Events in the wide window: first velocity maximum of each bead, largest overlap of each contact.
 
-Nothing is assumed about their order; each is located by bisection on the motions of the step.
+Nothing is assumed about their order; each is located on the interpolated motion of the step.
 """
 
 from __future__ import annotations
 
+from .change_of_sign import first_change_of
 from .compilation import compiled
 from .hermite import hermite, slope, value
 from .wide_window_rows import (
@@ -40,9 +41,6 @@ from .wide_window_rows import (
 # The pulse has not reached a bead that is slower than this fraction of the speeds around it.  Ahead
 # of the pulse, rounding errors may have maxima.
 REACHED = 1e-11
-# Number of parts of a step that are searched, one after the other, for the first event (a light
-# bead may reverse its direction twice in a step), and of bisections of a part: to 1e-12 of a step.
-PARTS, BISECTIONS = 8, 36
 
 
 @compiled
@@ -77,44 +75,19 @@ def motion(w, i, h):
 
 
 @compiled
-def net_force(w, i, motions, s):
-    """Net force on slot i within the step, from the positions of the slot and its neighbours."""
-    left, here, right = motions
+def net_force(s, w, i, left, here, right):
+    """Net force on a slot within the step, from the positions of the slot and its neighbours."""
     x = value(here, s)
     return force(w, i - 1, value(left, s) - x) - force(w, i, x - value(right, s))
 
 
 @compiled
-def peak_within(w, i, motions):
-    """Fraction of the step at which the net force on slot i is first not positive; 2 if none."""
-    low = 0.0
-    for part in range(1, PARTS + 1):
-        high = part / PARTS
-        if net_force(w, i, motions, high) <= 0.0:
-            for _ in range(BISECTIONS):
-                middle = 0.5 * (low + high)
-                rising = net_force(w, i, motions, middle) > 0.0
-                low, high = (middle, high) if rising else (low, middle)
-            return high
-        low = high
-    return 2.0
+def closing(s, here, right):
+    """Difference of the velocities of two slots within the step, times its length."""
+    return slope(here, s) - slope(right, s)
 
 
-@compiled
-def crossing_within(motions):
-    """Fraction of the step at which a slot is first not faster than the next; 2 if none."""
-    here, right = motions
-    low = 0.0
-    for part in range(1, PARTS + 1):
-        high = part / PARTS
-        if slope(here, high) <= slope(right, high):
-            for _ in range(BISECTIONS):
-                middle = 0.5 * (low + high)
-                closing = slope(here, middle) > slope(right, middle)
-                low, high = (middle, high) if closing else (low, middle)
-            return high
-        low = high
-    return 2.0
+first_peak, first_crossing = first_change_of(net_force), first_change_of(closing)
 
 
 @compiled
@@ -141,13 +114,13 @@ def may_cross(w, i):
 @compiled
 def record_peak(w, i, h, time, at, results):
     """Record the velocity maximum of slot i, if it is within the step."""
-    left, here = motion(w, i - 1, h), motion(w, i, h)
-    motions = left, here, motion(w, i + 1, h)
-    part = peak_within(w, i, motions)
+    here = motion(w, i, h)
+    of_slot = w, i, motion(w, i - 1, h), here, motion(w, i + 1, h)
+    part = first_peak(net_force(0.0, *of_slot), of_slot)
     if part > 1.0:
         return
     # A bead that has left both neighbours keeps the velocity at the end of the step.
-    in_flight = w[STAGE_8 + i] == 0.0 and net_force(w, i, motions, part) == 0.0
+    in_flight = w[STAGE_8 + i] == 0.0 and net_force(part, *of_slot) == 0.0
     results[PEAK_VELOCITY, at] = w[NEW_VELOCITY + i] if in_flight else slope(here, part) / h
     results[PEAK_TIME, at] = time + part * h
 
@@ -160,7 +133,7 @@ def record_crossing(w, i, h, clock, place, at, results):
     would suffer from cancellation where the pulse becomes much faster.
     """
     here, right = motion(w, i, h), motion(w, i + 1, h)
-    part = crossing_within((here, right))
+    part = first_crossing(closing(0.0, here, right), (here, right))
     if part > 1.0:
         return
     overlap = value(here, part) - value(right, part)

@@ -22,7 +22,7 @@ DELAY: Final = 0.5
 PAUSE: Final = 1.0
 # Measured CPU seconds of compiling: usual, and for certain modules and types of arguments.
 USUAL: Final = 10
-SECONDS: Final = {"full_chain": 15, "GeneralChain": 55}
+SECONDS: Final = {"full_chain": 15, "GeneralChain": 40}
 
 # Function called with the line instead of `write_line`; set by the command line.
 _writers: list[Callable[[str], None]] = []

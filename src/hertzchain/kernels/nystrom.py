@@ -42,8 +42,9 @@ FIRST_ROW = STEP_STAGES - EVALUATIONS_PER_STEP + 1
 # runs are at least as accurate as those of DOP853 at equal tolerance.
 SHARPER = 10.0
 # Rows of the table of weights: rows 0 to 6 are those of stages 1 to 7; then follow the positions
-# and velocities at the end, and the error of the velocities.
-END_POSITION, END_VELOCITY, VELOCITY_ERROR = range(7, 10)
+# and velocities at the end, and the error of the velocities.  For Python integers, numba would
+# compile a further version of `sum_stages` for each.
+END_POSITION, END_VELOCITY, VELOCITY_ERROR = np.arange(7, 10)
 
 
 def _weights():

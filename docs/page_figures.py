@@ -266,7 +266,27 @@ def design_protector() -> Figure:
     return canvas
 
 
+def designs() -> Figure:
+    """Attenuation in chains of heavy and light beads, and published ratios that transmit best."""
+    ratios = np.geomspace(0.05, 0.6, 400)
+    chains = [hc.Chain.dimer(mass_ratio=ratio, beads=100) for ratio in ratios]
+    velocity = hc.propagate_many(chains).velocity
+    with figure_style():
+        canvas, axes = plt.subplots(figsize=(7.0, 3.4))
+        axes.loglog(ratios, 1.0 - velocity[:, 90] / velocity[:, 30], color=COLOURS[1])
+        for known in (0.3428, 0.1548, 0.0901, 0.0615):
+            line = axes.axvline(known, color=COLOURS[2], linestyle="--", linewidth=1.0)
+        line.set_label("Jayaprakash et al. (2011)")
+        axes.set_xticks([0.05, 0.1, 0.2, 0.4], labels=["0.05", "0.1", "0.2", "0.4"])
+        axes.minorticks_off()
+        axes.set_xlabel("mass of the light beads / mass of the heavy beads")
+        axes.set_ylabel("lost velocity $1 - v_{91}/v_{31}$")
+        axes.set_ylim(1e-6, 1.0)
+        axes.legend(loc="upper left", bbox_to_anchor=(0.0, 1.0))
+    return canvas
+
+
 PAGE_FIGURES: Final = (
     real_chains, chain_files, many_chains, closed_forms, theory, numerics, propagation,
-    precompressed, design_protector,
+    precompressed, design_protector, designs,
 )  # fmt: skip

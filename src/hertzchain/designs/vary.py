@@ -15,7 +15,13 @@ from ..chain.materials import MaterialLike
 from .ball_choice import BallChoice, OrderChoice
 from .sizes import Sizes
 
+__all__ = ("balls", "gaps", "masses", "order", "radii")
+
 Beads = str | Sequence[int]
+
+
+def __dir__() -> tuple[str, ...]:
+    return __all__  # for completion
 
 
 def radii(

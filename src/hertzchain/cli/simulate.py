@@ -112,7 +112,7 @@ def simulate(
 
     Several chain files are simulated one after another, and --plot compares them.
 
-    With --stream, trajectories are kept only on disk, in netCDF files, so that memory does not
+    With --stream, trajectories are kept only on disk, in netCDF files, and memory does not
     grow with the run.  If a run is interrupted, run the same command again and it resumes.
 
     \b

@@ -112,7 +112,7 @@ def _check_held_by_walls(loads: Loads) -> None:
     for side, wall in zip(("left", "right"), loads.walls, strict=True):
         if wall is None:
             raise InputError(
-                f"the {side} end of the precompressed chain is free: nothing holds it; "
+                f"the {side} end of the precompressed chain is free, and nothing holds it; "
                 f"give {side}_wall, or held_by='force' for a constant force at this end"
             )
 

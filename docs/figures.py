@@ -1,4 +1,4 @@
-"""Draw the figures of the documentation during its build, so that they are always current."""
+"""Draw the figures of the documentation during its build, which keeps them current."""
 
 import warnings
 from collections.abc import Callable

@@ -41,6 +41,39 @@ def steps() -> Figure:
     return canvas
 
 
+def local_rate() -> Figure:
+    """Velocities in four tapers by the law and the BCA; error of the law and its estimate."""
+    tapers = {
+        "backward-linear": hc.Chain.tapered("backward-linear", 0.5, beads=100),
+        "backward-exponential": hc.Chain.tapered("backward-exponential", 0.02, beads=100),
+        "wavy": hc.Chain.from_radii(np.exp(0.5 * np.sin(2.0 * np.pi * np.arange(100) / 60.0))),
+        "forward-exponential": hc.Chain.tapered("forward-exponential", 0.01, beads=100),
+    }
+    with figure_style():
+        canvas, (left, right) = plt.subplots(1, 2, figsize=(9.6, 3.6))
+        for i, (name, chain) in enumerate(tapers.items()):
+            law, exact, bca = hc.local_rate(chain), hc.propagate(chain), hc.bca(chain)
+            assert law.velocity_error is not None
+            _law_and_simulation(left, law, exact, i, name)
+            left.plot(bca.bead, bca.velocity, ":", color=COLOURS[i], linewidth=1.0)
+            error = np.abs(law.compare(exact).errors("velocity"))
+            shown = slice(1, 97)
+            right.plot(law.bead[shown], 100.0 * error[shown], color=COLOURS[i])
+            right.plot(law.bead[shown], 100.0 * law.velocity_error[shown], "--", color=COLOURS[i])
+        left.plot([], [], ":", color="0.4", label="BCA")
+        right.plot([], [], color="0.4", label="error")
+        right.plot([], [], "--", color="0.4", label="estimate")
+        for axes, what in ((left, "velocity $v_k$"), (right, "error of the velocity [%]")):
+            axes.set_yscale("log")
+            label_log_axis(axes.yaxis)
+            axes.set_xlabel("bead $k$")
+            axes.set_ylabel(what)
+        left.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=3, fontsize=8)
+        right.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=2, fontsize=8)
+        right.set_ylim(bottom=3e-4)
+    return canvas
+
+
 def strikers() -> Figure:
     """Velocities behind strikers of several masses, and the waves of heavy ones."""
     with figure_style():
@@ -244,6 +277,35 @@ def _collision(gamma: float) -> tuple[np.ndarray, np.ndarray]:
     return solution.y[0], force(*solution.y)
 
 
+def how_fast() -> Figure:
+    """Ratios of computing times, from the table of the page."""
+    page = (PAGES / "explanation" / "how_fast.md").read_text("utf-8")
+    cells = [line.strip("| ").split(" | ") for line in page.splitlines() if line.startswith("| ")]
+    rows = [(each[0], each[1].strip("`"), each[4].replace("`", ""), float(each[7]))
+            for each in cells[1:] if len(each) == 8]  # fmt: skip
+    assert len(rows) > 10
+    with figure_style():
+        canvas, axes = plt.subplots(figsize=(8.4, 0.27 * len(rows) + 0.8))
+        for place, (_, ours, other, ratio) in enumerate(rows):
+            colour = COLOURS[0] if ratio >= 1.0 else COLOURS[1]
+            axes.plot([1.0, ratio], [place, place], color=colour, linewidth=2.0)
+            axes.plot(ratio, place, "o", color=colour)
+            axes.annotate(
+                f"{ours} vs {other}", (max(ratio, 1.0), place), (6, 0),
+                textcoords="offset points", va="center", fontsize=7,
+            )  # fmt: skip
+        axes.axvline(1.0, color="0.4", linewidth=0.8)
+        axes.set_xscale("log")
+        # The labels need the space beyond the largest ratio.
+        axes.set_xlim(0.1, 3e6)
+        axes.set_xticks([0.1, 1, 10, 100, 1000, 10000], ["0.1", "1", "10", "100", "1000", "10000"])
+        axes.minorticks_off()
+        axes.set_yticks(range(len(rows)), [row[0] for row in rows], fontsize=7)
+        axes.invert_yaxis()
+        axes.set_xlabel("time of the other program / time of hertzchain")
+    return canvas
+
+
 def against_others() -> Figure:
     """Error and time of each program, from the table of the page."""
     page = (PAGES / "explanation" / "against_others.md").read_text("utf-8")
@@ -265,5 +327,6 @@ def against_others() -> Figure:
 
 
 LAW_FIGURES: Final = (
-    steps, strikers, disorder, attenuation, lossy_law, gradients, extend, against_others,
+    local_rate, steps, strikers, disorder, attenuation, lossy_law, gradients, extend, how_fast,
+    against_others,
 )  # fmt: skip

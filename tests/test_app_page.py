@@ -396,6 +396,42 @@ def test_numbers_are_stored_with_their_unit(page):
     assert chain_of(page.document()).velocities[0] == 0.1
 
 
+def test_percentages_and_fractions_of_inches_can_be_entered(page):
+    page.tab.fill("[id='c-chain.rate']", "4%")
+    page.tab.keyboard.press("Tab")
+    page.settle()
+    assert page.document()["chain"]["rate"] == "4%"
+    assert dict(check_numbers(page).taper_parameters)["rate"] == 0.04
+    drag(page, slider("rate"), 0.9)
+    rate = page.document()["chain"]["rate"]
+    assert rate.endswith("%")
+    assert dict(check_numbers(page).taper_parameters)["rate"] > 0.08
+    page.tab.select_option(MATERIAL, "steel-52100")
+    page.settle()
+    # A part of the text is a number: the field must not be rewritten while it is typed.
+    page.tab.click("[id='c-chain.radius']", click_count=3)
+    page.tab.keyboard.type("3/16 in", delay=40)
+    page.settle()
+    assert page.tab.input_value("[id='c-chain.radius']") == "3/16 in"
+    page.tab.keyboard.press("Tab")
+    page.settle()
+    assert page.document()["chain"]["radius"] == "3/16 in"
+    assert page.array("beads", "radii")[0] == 4.7625e-3
+    assert page.tab.input_value("[id='c-chain.radius']") == "0.1875"
+    page.tab.fill("[id='c-chain.radius']", "7%")
+    page.tab.keyboard.press("Tab")
+    page.settle()
+    with pytest.raises(hc.InputError, match="must have a unit such as m") as error:
+        chain_of(page.document())
+    assert page.tab.text_content("#problem") == str(error.value)
+    page.tab.fill("[id='c-chain.radius']", "9 mm")
+    page.tab.keyboard.press("Tab")
+    page.settle()
+    page.tab.select_option(MATERIAL, "")
+    page.settle()
+    assert page.document()["chain"]["rate"] == rate
+
+
 def test_two_tabs_do_not_disturb_each_other(page):
     other = page.new_tab(page.origin)
     page.tab.fill("[id='c-chain.beads']", "25")

@@ -2,8 +2,11 @@
 
 import numpy as np
 import pytest
+from attenuation_error import LAWS as OF_TOOL
+from attenuation_error import POWERS, chain_with, coefficients, velocity_power
 
 import hertzchain as hc
+from hertzchain.theory.attenuation import first_order_error
 
 WAVE = hc.solitary_wave()
 LAWS = {
@@ -103,6 +106,20 @@ def test_velocities_whose_powers_overflow_are_rejected(velocity):
 def test_a_large_loss_is_announced():
     with pytest.warns(hc.ModelRangeWarning, match="first order .* twice as large"):
         hc.attenuation(hc.Chain.uniform(3).replace(loss=hc.Restitution(0.7)), 1.0)
+
+
+@pytest.mark.filterwarnings("ignore::hertzchain.ModelRangeWarning")
+@pytest.mark.parametrize(
+    "law",
+    [*OF_TOOL.values(), *map(velocity_power, POWERS)],
+    ids=[*OF_TOOL, *(f"velocity-power-{alpha:g}" for alpha in POWERS)],
+)
+def test_the_stated_error_of_the_first_order_is_that_of_the_tool(law):
+    decay = 0.01
+    measured = float(np.median(coefficients(law, decay)))
+    stated = first_order_error(chain_with(law, decay).loss, decay)
+    # The coefficients in use are means over several decays, and linear in alpha.
+    assert stated == pytest.approx(1.0 / (1.0 - measured * decay) - 1.0, abs=0.007)
 
 
 @pytest.mark.parametrize(

@@ -58,7 +58,10 @@ def test_the_named_longest_forward_linear_chain_exists(rate):
         (lambda: Chain.tapered("forward-exponential", float("nan"), beads=5), "got nan"),
         (lambda: Chain.tapered("backward-linear", -0.1, beads=5), "positive and finite, got -0.1"),
         (lambda: Chain.tapered("backward-linear", float("inf"), beads=5), "finite, got inf"),
-        (lambda: Chain.tapered("backward-linear", "x", beads=5), "must be a number, got 'x'"),
+        (
+            lambda: Chain.tapered("backward-linear", "x", beads=5),
+            "must be a number or a percentage such as '5%', got 'x'",
+        ),
         (lambda: Chain.tapered("forward-linear", 1.5, beads=5), "below 1 even for two beads"),
         (lambda: Chain.tapered("bakward-linear", 0.1, beads=5), "did you mean 'backward-linear'"),
         (lambda: Chain.tapered("backward-exponential", 0.5, beads=2000), "bead 343 .*represented"),

@@ -211,7 +211,15 @@ def test_cite(run):
         (["reproduce", "--out", "/proc/nowhere"], "cannot write '/proc/nowhere'"),
         (["calibrate", "--taper", "forward-linaer"], "did you mean 'forward-linear'"),
         (["calibrate", "--rates", "0.1"], "requires exactly one --taper"),
-        (["calibrate", "--taper", "forward-linear", "--rates", "a"], "must look like 0.01,0.02"),
+        (["calibrate", "--taper", "forward-linear", "--rates", "a"],
+         "--rates must be a number or a percentage such as '5%', got 'a'"),
+        (["calibrate", "--taper", "forward-linear", "--rates", "1%,"], "must look like 0.01,0.02"),
+        (["pulse", "--taper", "forward-linear", "--rate", "much"],
+         "--rate must be a number or a percentage such as '5%', got 'much'"),
+        (["pulse", "--taper", "forward-linear", "--rate", "5 mm"], "must have no unit, got 'mm'"),
+        (["pulse", "--taper", "forward-exponential", "--rate", "150%"], "0 and 1, got 1.5"),
+        (["simulate", "--rtol", "1%"], "rtol must be at least 1e-14 and at most 1e-06, got 0.01"),
+        (["simulate", "--drift", "nan"], "--drift must be finite, got nan"),
         (["calibrate", "--taper", "forward-linear", "--rates", "0.5"], "reach zero at bead"),
         (["calibrate", "--taper", "forward-exponential", "--rates", "0.1"], "at least 3 different"),
         (["calibrate", "--window", "5-80"], "must look like 5:60"),
@@ -679,8 +687,23 @@ def test_scatter_of_small_deviations_follows_from_the_sensitivities(run, tmp_pat
     assert "wall_force.peak of 400 of 400 random chains" in out
     assert "peak force on the wall [N]" in picture.read_text()
     assert run("scatter", *BALLS)[0] == 2
-    assert "--relative must be a number" in run("scatter", *BALLS, "--relative", "much")[2]
+    assert (
+        "--relative must be a number or a percentage"
+        in run("scatter", *BALLS, "--relative", "much")[2]
+    )
     assert "at most 0.3, got '50%'" in run("scatter", *BALLS, "--relative", "50%")[2]
+
+
+def test_numbers_without_a_dimension_may_be_percentages(run):
+    taper = ("pulse", "--taper", "forward-exponential", "--beads", 12, "--csv")
+    assert run(*taper, "--rate", "5%")[1] == run(*taper, "--rate", 0.05)[1]
+    fixed = ("simulate", "--beads", 12, "--until", 15, "--method", "symplectic", "--json")
+    assert run(*fixed, "--drift", "0.01%")[1] == run(*fixed, "--drift", 1e-4)[1]
+    calibrate = ("calibrate", "--taper", "forward-exponential", "--window", "5:30", "--beads", 40)
+    assert (
+        run(*calibrate, "--rates", "2%, 4%,6 %")[1]
+        == run(*calibrate, "--rates", "0.02,0.04,0.06")[1]
+    )
 
 
 def test_help_lists_each_command_once(run):

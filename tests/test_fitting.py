@@ -535,6 +535,17 @@ def test_missing_columns_are_named(tmp_path):
     assert hc.load_traces(file, sensors=["ball 6"]).names == ("ball 6",)
 
 
+def test_priors_and_starts_may_have_units(traces):
+    chain = bench(hc.Restitution(0.97))
+    free = ["struck_by.velocity", "loss.coefficient", "time_offset", "gap[8-9]"]
+    priors = {"struck_by.velocity": ("30 cm/s", "3 mm/s"), "loss.coefficient": ("95%", "1%")}
+    found = free_parameters(traces, [chain], free, priors, {"time_offset": "2 us", "gap[8-9]": 0.0})
+    assert {str(each): each.prior for each in found[:2]} == {
+        "struck_by.velocity": (0.3, 0.003), "loss.coefficient": (0.95, 0.01)
+    }  # fmt: skip
+    assert [each.start for each in found] == [0.3, 0.95, 2e-6, 0.0]
+
+
 @pytest.mark.parametrize(
     ("changes", "words"),
     [
@@ -552,6 +563,11 @@ def test_missing_columns_are_named(tmp_path):
         ({"free": ["gain[*]"], "priors": {"gain[*]": (1, 0.01), "gain[wall]": (2, 0.01)}},
          "exclude each other"),
         ({"free": ["exponent"], "priors": {"exponent": 1.5}}, "a value and its standard deviation"),
+        ({"free": ["exponent"], "priors": {"exponent": ("1.5 m", 0.1)}}, "must have no unit"),
+        ({"free": ["time_offset"], "priors": {"time_offset": ("1 m", "1 m")}},
+         "prior of time_offset must have a unit such as s"),
+        ({"free": ["gap[3-4]"], "priors": {"gap[3-4]": ("1%", "1 um")}}, "must have a unit"),
+        ({"free": ["exponent"], "priors": {"exponent": ("much", 0.1)}}, "number or a percentage"),
         ({"start": {"exponent": 1.4}}, "unknown free parameter 'exponent'"),
         ({"chain": hc.Chain.uniform(20)}, "in scaled variables"),
         ({"chain": bench(LAW, beads=12)}, "a sensor in ball 16, but the chain has 12 balls"),

@@ -69,6 +69,36 @@ def test_completion_does_not_offer_internals():
         assert all(hasattr(item, name) for name in internal)
 
 
+def documented_names():
+    """Public names by module, from the tables and data of all pages of the reference."""
+    found = {}
+    for page in (ROOT / "docs" / "reference").glob("*.md"):
+        text = page.read_text("utf-8")
+        for module, name in entries(page):
+            found.setdefault(module, set()).add(name)
+        for module, name in re.findall(r"^\.\. py:data:: (hertzchain[\w.]*)\.(\w+)", text, re.M):
+            found.setdefault(module, set()).add(name)
+    return found
+
+
+def test_completion_offers_documented_names_only():
+    page = (ROOT / "docs" / "reference" / "api.md").read_text("utf-8")
+    packages = re.findall(r"^\| `hertzchain\.(\w+)`", page, re.M)
+    for name in hc.__all__:
+        getattr(hc, name)  # Loading submodules must not add names.
+    assert sorted(dir(hc)) == sorted(hc.__all__)
+    modules = {name for name in dir(hc) if inspect.ismodule(getattr(hc, name))}
+    assert modules == set(packages)
+    documented = documented_names()
+    anywhere = set().union(*documented.values()) | set(hc.__all__)
+    anywhere |= {name for name, _ in inspect.getmembers(hc.vary, inspect.isfunction)}
+    for package in packages:
+        module = getattr(hc, package)
+        offered = set(dir(module))
+        assert documented.get(module.__name__, set()) <= offered <= anywhere
+        assert all(getattr(module, name) is not None for name in offered)
+
+
 def test_every_public_name_is_in_the_api_reference():
     page = ROOT / "docs" / "reference" / "api.md"
     tables = [name for _, name in entries(page)]

@@ -710,6 +710,50 @@ def test_an_axis_is_in_the_unit_in_which_it_was_typed(entry, values, unit, tmp_p
     assert f"diameter = {values[1]:g} {unit}" in plot_sweep(found, diameters="1 cm").get_title()
 
 
+@pytest.mark.parametrize(
+    "entry",
+    [
+        ["1%", "3%", "5%"],
+        {"list": [1, 3, 5], "unit": "%"},
+        {"linspace": ["1%", "5 %", 3]},
+        {"linspace": [1, 5, 3], "unit": "%"},
+    ],
+)
+def test_an_axis_of_percentages(entry):
+    chain = {"taper": "forward-exponential", "beads": 10}
+    found = swept(chain, {"rate": entry}, keep=["velocity"], at="last")
+    assert found.rate.values.tolist() == [1.0, 3.0, 5.0]
+    assert found.rate.units == "%"
+    last = hc.propagate(hc.Chain.tapered("forward-exponential", 0.03, beads=10)).velocity[-1]
+    assert found.velocity.sel(rate=3.0).item() == pytest.approx(last, rel=1e-9)
+    assert plot_sweep(found).get_xlabel() == "rate [%]"
+    found = swept(chain, {"rate": entry}, keep=["velocity"])
+    assert "rate = 3%" in plot_sweep(found, rate="3%").get_title()
+    plain = swept(chain, {"rate": [0.01, 0.03, 0.05]}, keep=["velocity"])
+    assert "rate = 0.03" in plot_sweep(plain, rate="3%").get_title()
+    with pytest.raises(hc.InputError, match="bead must not be a percentage"):
+        plot_sweep(plain, bead="3%")
+
+
+def test_percentages_of_points_in_a_csv_file(tmp_path):
+    (tmp_path / "points.csv").write_text("rate,loss.coefficient\n1%,95%\n3%,90%\n")
+    (tmp_path / "plan.toml").write_text(
+        'points = "points.csv"\n[chain]\ntaper = "forward-exponential"\nbeads = 10\n'
+        '[chain.loss]\nlaw = "restitution"\n[sweep]\nmethods = "simulate"\n'
+    )
+    spec = read_specification(tmp_path / "plan.toml")
+    assert [axis.values for axis in spec.axes] == [[0.01, 0.03], [0.95, 0.9]]
+
+
+def test_the_ends_of_an_axis_may_have_units():
+    given = {"chain": BALLS, "axes": {"radii": {"linspace": ["1/8 in", "1/4 in", 3]}}}
+    spec = read_specification(given)
+    assert spec.axes[0].values == [3.175e-3, 4.7625e-3, 6.35e-3]
+    assert (spec.axes[0].typed, spec.axes[0].unit) == ([0.125, 0.1875, 0.25], "in")
+    assert read_specification(json.loads(spec.as_json())).as_json() == spec.as_json()
+    assert Axis(("radii",), ["3/16 in", "1/4 in"]).values == [4.7625e-3, 6.35e-3]
+
+
 def test_units_of_an_axis_are_kept_in_a_store(tmp_path):
     chain = {"diameters": "9 mm", "beads": 4, "materials": "glass", "velocity": "1 cm/s"}
     plan = {"chain": chain, "axes": {"diameters": ["8 mm", "10 mm"]}}
@@ -749,6 +793,12 @@ def test_an_axis_within_a_list_that_has_a_unit():
         ({"axes": {"right_wall.gap": {"list": [1, 2], "unit": "um"}}},
          "axes.right_wall.gap: has a unit, but the chains are in scaled variables"),
         ({"axes": {"right_wall.gap": ["1 um", "2 um"]}}, "gap: has a unit, but the chains are in"),
+        ({"axes": {"right_wall.gap": {"linspace": ["1 um", "2 um", 3]}}}, "gap: has a unit"),
+        ({"axes": {"right_wall.gap": {"linspace": ["1 um", "2 mm", 3]}}},
+         "axes.right_wall.gap: linspace's first and last must have the same unit, got um and mm"),
+        ({"axes": {"exponent": {"list": [150], "unit": "%"}}}, "unit '%', but exponent takes none"),
+        ({"axes": {"exponent": ["150%"]}}, "exponent of .chain. must be a number, got '150%'"),
+        ({"axes": {"rate": ["5 mm"]}}, "rate"),
         ({"axes": {"right_wall.gap": {"linspace": [1, 2, 3], "unit": "um"}}}, "gap: has a unit"),
         ({"method": {"until": "2 kg"}, "sweep": {"methods": ["simulate"]}}, "until must have a"),
         ({"method": {"until": "2 ms"}, "sweep": {"methods": ["simulate"]}}, "scaled variables"),

@@ -115,6 +115,9 @@ def test_ways_to_write_a_fraction():
         (lambda x: hc.WaltonBraun(x).ratio, 0.8),
         (lambda x: hc.bca(chain, restitution=x).velocity[1], 0.9),
         (lambda x: hc.Chain.tapered("forward-exponential", x, beads=4).radii[3], 0.05),
+        (lambda x: hc.Chain.tapered(first=2.0, ratio=x, beads=4).radii[3], 0.25),
+        (lambda x: hc.Chain.dimer(mass_ratio=x, beads=4).masses[1], 0.3),
+        (lambda x: chain.decorated(x).radii[1], 0.3),
     ):
         assert call(f"{100 * expected:g}%") == call(f"{100 * expected:g} %") == call(expected)
         for wrong, said in (("5 mm", "no unit|number"), ("1 foo", "plain number or a percentage"),

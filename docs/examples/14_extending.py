@@ -66,8 +66,8 @@ axes.legend()
 # A quantity
 # ----------
 #
-# A run has the positions and velocities of all beads at all saved times, so that any quantity can
-# be computed.  This one is the number of beads that share the kinetic energy,
+# A run has the positions and velocities of all beads at all saved times, from which any quantity
+# can be computed.  This one is the number of beads that share the kinetic energy,
 # :math:`(\sum_k E_k)^2 / \sum_k E_k^2`.
 
 

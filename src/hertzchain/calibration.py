@@ -258,8 +258,8 @@ def _fit_power_laws(
     c, d = np.array([fit_line(k.astype(float), row)[0] for row in inverse_ratios]).T
     if np.any(c <= 0.0) or np.any(d <= 0.0):
         raise InputError(
-            "c or d of the line c + d k is not positive for some rate, so that it cannot follow a "
-            "power law; use larger rates or another window"
+            "c or d of the line c + d k is not positive for some rate and cannot follow a power "
+            "law; use larger rates or another window"
         )
     (ln_c0, x), (ln_c0_error, x_error) = fit_line(np.log(rates), np.log(c))
     (ln_d0, y), (ln_d0_error, y_error) = fit_line(np.log(rates), np.log(d))

@@ -21,10 +21,19 @@ from numpy.typing import ArrayLike, NDArray
 
 from .errors import InputError, real_number, short_repr
 
+__all__ = (
+    "collision_cascade", "collision_overlap", "compression_time", "hertz_stiffness",
+    "reduced_mass", "velocity_transfer",
+)  # fmt: skip
+
 # Arrays of float64, unless a docstring states another type.
 Array: TypeAlias = NDArray[Any]
 
 HERTZ_EXPONENT = 1.5
+
+
+def __dir__() -> tuple[str, ...]:
+    return __all__  # for completion
 
 
 def _floats(values: ArrayLike) -> Array:

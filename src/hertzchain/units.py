@@ -95,6 +95,11 @@ def _parse(text: str) -> Unit | None:
     return Unit(factor, (first, second, third))
 
 
+def is_unit(text: str) -> bool:
+    """Whether text is a unit."""
+    return _parse(text) is not None
+
+
 def converted(what: str, number: str | float, unit: str, si: str) -> float:
     """Convert a number to the SI unit ``si``."""
     given, target = _parse(unit), _parse(si)

@@ -93,7 +93,7 @@ def warm_up(*, progress: Progress | None = None) -> float:
     """Compile all kernels, in two processes side by side.
 
     Otherwise each function compiles what it needs at its first use. The results are in numba's
-    cache, so that this is needed once per installation; later it takes seconds.
+    cache: this is needed once per installation, and later takes seconds.
 
     Parameters
     ----------

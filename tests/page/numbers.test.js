@@ -1,7 +1,9 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 
-import { STEPS, parsed, percent, placeAt, plain, positionOf, powers, prefixed, rangeOf, short, ticks, timeAt, valueAt, valued } from "../../src/hertzchain/app/static/js/numbers.js";
+import { FACTORS, STEPS, entered, parsed, percent, placeAt, plain, positionOf, powers, prefixed, rangeOf, short, ticks, timeAt, valueAt, valued } from "../../src/hertzchain/app/static/js/numbers.js";
+
+Object.assign(FACTORS, { m: 1, cm: 1e-2, mm: 1e-3, in: 25.4e-3, "m/s": 1, "mm/s": 1e-3, "%": 1e-2 });
 
 test("short numbers keep their size and sign", () => {
   assert.equal(short(0), "0");
@@ -48,6 +50,24 @@ test("values with units keep their decimal digits", () => {
   assert.equal(valued(0.1, ""), 0.1);
   assert.equal(valued(Infinity, "mm"), "inf");
   assert.equal(plain(0.1 + 0.2), "0.3");
+});
+
+test("percentages and fractions of inches are shown as numbers", () => {
+  assert.deepEqual(parsed("5%", ""), { number: 5, unit: "%" });
+  assert.equal(valued(6.5, "%"), "6.5%");
+  assert.deepEqual(parsed("3/16 in", "mm"), { number: 0.1875, unit: "in" });
+  assert.deepEqual(parsed("1 1/2 in", "mm"), { number: 1.5, unit: "in" });
+  assert.deepEqual(parsed("1-1/4 in", "mm"), { number: 1.25, unit: "in" });
+  assert.equal(parsed("1/0 in", "mm").unit, "/0 in"); // rejected by the server
+  const rate = { name: "rate", kind: "number", fraction: true }, plainRange = rangeOf(rate, false, 0.05);
+  const range = rangeOf(rate, false, 5, { unit: "%" });
+  assert.deepEqual([range.low, range.high], [100 * plainRange.low, 100 * plainRange.high]);
+});
+
+test("other text than numbers is left to the server", () => {
+  assert.deepEqual([" 0.25 ", "1e-3", "-2"].map(entered), [0.25, 1e-3, -2]);
+  assert.deepEqual(["5%", "3/16 in", " 9 mm ", "nan", "inf"].map(entered), ["5%", "3/16 in", "9 mm", "nan", "inf"]);
+  assert.deepEqual(["", "  "].map(entered), [undefined, undefined]);
 });
 
 test("sliders reach both ends, and positions return to their values", () => {

@@ -2,7 +2,10 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 
 import { listOf, resized } from "../../src/hertzchain/app/static/js/controls.js";
+import { FACTORS } from "../../src/hertzchain/app/static/js/numbers.js";
 import { History, VIEW, changed, copy, fromLink, toLink, withRadius } from "../../src/hertzchain/app/static/js/state.js";
+
+Object.assign(FACTORS, { m: 1, cm: 1e-2, mm: 1e-3, in: 25.4e-3, "m/s": 1, "mm/s": 1e-3, "%": 1e-2 });
 
 const TAPER = { chain: { taper: "backward-exponential", rate: 0.05, beads: 40 } };
 const RICH = {

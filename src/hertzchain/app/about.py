@@ -13,6 +13,7 @@ from ..chain.tapers import TAPERS
 from ..pulse.quantities import QUANTITIES
 from ..store.chain_schema import chain_schema
 from ..theory.catalogue import THEORIES
+from ..units import PERCENT, UNITS, converted
 from .documents import DEFAULT, MAX_BEADS, chain_of
 
 # Number of beads in a picture of the gallery.
@@ -35,6 +36,14 @@ def gallery() -> list[dict[str, Any]]:
     return found
 
 
+def _factors() -> dict[str, float]:
+    """Factors to SI of the units that the page shows; that of a stiffness depends on the chain."""
+    return {PERCENT: 0.01} | {
+        unit: converted(dimension, 1.0, unit, units[0])
+        for dimension, units in UNITS.items() if dimension != "stiffness" for unit in units
+    }  # fmt: skip
+
+
 def about(document: object = None) -> dict[str, Any]:
     """Description of the program for the page, with the initial document."""
     return {
@@ -47,6 +56,7 @@ def about(document: object = None) -> dict[str, Any]:
                         "per": each.per, "estimate": each.estimate}
             for each in QUANTITIES.values()
         },
+        "factors": _factors(),
         "theories": [*THEORIES, "effective-chain"],
         "gallery": gallery(),
         "max_beads": MAX_BEADS,

@@ -112,7 +112,7 @@ def _check_held_by_walls(loads: Loads) -> None:
     for side, wall in zip(("left", "right"), loads.walls, strict=True):
         if wall is None:
             raise InputError(
-                f"the {side} end of the precompressed chain is free, so that nothing holds it; "
+                f"the {side} end of the precompressed chain is free, and nothing holds it; "
                 f"give {side}_wall, or held_by='force' for a constant force at this end"
             )
 
@@ -126,5 +126,5 @@ def _check_held_by_force(loads: Loads) -> None:
     if loads.strikers and loads.walls[0] is not None:
         raise InputError(
             "the left wall is behind the strikers and cannot hold the precompressed "
-            "chain; omit left_wall, so that a constant force holds it"
+            "chain; omit left_wall to hold it by a constant force"
         )

@@ -20,7 +20,7 @@ from numpy.typing import ArrayLike
 from ..collision import HERTZ_EXPONENT
 from ..errors import InputError
 from ..validation.keywords import check_keywords, checked_arguments, checked_fields
-from ..validation.numbers import number, plain_magnitude, real_numbers, whole_number
+from ..validation.numbers import FRACTION, number, plain_magnitude, real_numbers, whole_number
 from ..validation.objects import check_list
 from . import contact_shapes, modifications, pieces
 from . import strikers as striking
@@ -423,7 +423,7 @@ class Chain(ChainFields):
                 return cls.from_radii(np.resize(sizes, count), **fields)
             kinds = pieces.repeated_materials(materials, 2, count)
             return cls.from_materials(np.resize(sizes, count), kinds, **fields)
-        ratio = number("mass ratio of a dimer", mass_ratio, above=0.0)
+        ratio = number("mass ratio of a dimer", mass_ratio, unit=FRACTION, above=0.0)
         check_keywords("Chain.dimer of a mass ratio", fields, pieces.DIMER_FIELDS)
         masses = np.where(np.arange(count) % 2, ratio, 1.0)
         return cls(np.cbrt(masses), masses=masses, stiffness=np.ones(count - 1), **fields)

@@ -79,8 +79,7 @@ class SineBurst(Part):
         _set(self, "cycles", number("cycles", self.cycles, above=0.0))
         if (2.0 * self.cycles) % 1.0:
             raise InputError(
-                "cycles must be a multiple of 1/2, so that the burst ends at 0, got "
-                f"{self.cycles:g}"
+                f"cycles must be a multiple of 1/2 for the burst to end at 0, got {self.cycles:g}"
             )
 
     @property

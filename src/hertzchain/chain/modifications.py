@@ -222,7 +222,8 @@ def _insert_radii(
     checked_beads(len(radii) + between * (len(radii) - 1))
     left, right = radii[:-1], radii[1:]
     if ratio is not None:
-        small = number("ratio of small to large beads", ratio, above=0.0) * np.sqrt(left * right)
+        part = number("ratio of small to large beads", ratio, unit=FRACTION, above=0.0)
+        small = part * np.sqrt(left * right)
     else:
         small = np.full(len(left), radius)
     too_large = np.flatnonzero(small >= np.minimum(left, right))

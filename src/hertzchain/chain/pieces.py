@@ -36,7 +36,7 @@ DIMER_FIELDS: Final = tuple(
 def part(self: C, beads: slice) -> C:
     """Return a piece of the chain: ``chain[10:]`` are all beads but the first ten.
 
-    Array indices start at 0, so that ``chain[10:30]`` has beads 11 to 30.  What belongs to an end
+    Array indices start at 0: ``chain[10:30]`` has beads 11 to 30.  What belongs to an end
     that is cut off (its wall, the strikers, a drive) is dropped.  If none of the remaining beads
     moves, the first one has the velocity that bead 1 had.
 
@@ -212,8 +212,8 @@ def _rescaled(chain: C, changes: dict[str, Any]) -> C:
         scaled = [name for name, there in present.items() if there]
         if scaled:
             raise InputError(
-                f"the first of these beads has a radius of {first:g}, so that the units of the "
-                f"scaled chain would change and with them its {', '.join(scaled)}; set "
+                f"the first of these beads has a radius of {first:g}, which would change the units "
+                f"of the scaled chain and with them its {', '.join(scaled)}; set "
                 "these afterwards, or build the chain in SI units"
             )
         with np.errstate(over="ignore", under="ignore"):

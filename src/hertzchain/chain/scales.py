@@ -239,8 +239,8 @@ class Scales:
     def to_scaled(self, item: T) -> T:
         """Convert a chain, run, pulse, drive, ... from SI units to the paper's scaled variables.
 
-        Masses and stiffness that follow from the radii are not set in the scaled chain, so that
-        the theories accept it.
+        Masses and stiffness that follow from the radii are not set in the scaled chain,
+        which the theories therefore accept.
 
         Parameters
         ----------

@@ -20,7 +20,7 @@ import numpy as np
 
 from ..collision import Array
 from ..errors import InputError
-from ..validation.numbers import number
+from ..validation.numbers import FRACTION, number
 from ..validation.objects import check_choice
 from .input_checks import checked_beads
 from .tapers import ROUNDING, TAPERS, taper_named, tapered_radii
@@ -69,7 +69,9 @@ class Sizes:
         if last is not None:
             return last
         if self.ratio is not None:
-            return first * number("ratio of the last to the first radius", self.ratio, above=0.0)
+            return first * number(
+                "ratio of the last to the first radius", self.ratio, unit=FRACTION, above=0.0
+            )
         return _last_of_length(shape, beads, first, number("length", self.length, unit=unit))
 
 

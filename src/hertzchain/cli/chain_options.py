@@ -11,6 +11,8 @@ from typing import TYPE_CHECKING, Any, Final
 
 import click
 
+from .options import Fraction, as_typed
+
 if TYPE_CHECKING:
     from ..chain.chain import Chain
     from ..chain.walls import Wall
@@ -29,7 +31,11 @@ OPTIONS: Final = (
         help="uniform, or backward-/forward- with linear/exponential; with two sizes, linear or "
         "exponential.  [default: uniform; with two sizes, exponential]",
     ),
-    click.option("--rate", type=float, help="Tapering parameter: S (linear), q (exponential)."),
+    click.option(
+        "--rate",
+        type=Fraction(),
+        help="Tapering parameter, such as 0.05 or 5%: S (linear), q (exponential).",
+    ),
     click.option("--beads", type=int, help="Number of beads N.  [default: 100]"),
     click.option(
         "--diameter",
@@ -154,7 +160,7 @@ def _require_units(options: ChainOptions, sizes: dict[str, Any]) -> None:
             raise click.UsageError(f"{option} {size:g} has no unit; write, for example, "
                                    f"{option} '{size:g} mm'")  # fmt: skip
     speed = options.speed
-    if speed is not None and isinstance(_plain(speed), float):
+    if speed is not None and isinstance(as_typed(speed), float):
         raise click.UsageError(f"--speed {speed} has no unit; write, for example, "
                                f"--speed '{speed.strip()} m/s'")  # fmt: skip
 
@@ -197,14 +203,7 @@ def _sizes(options: ChainOptions) -> dict[str, Any]:
     if len(parts) > 2 or not all(parts):
         raise click.UsageError(f"{option} must look like '20 mm' or '20 mm:5 mm', got {text!r}")
     suffix = "_diameter" if options.radius is None else ""
-    return {f"{end}{suffix}": _plain(part) for end, part in zip(("first", "last"), parts)}  # noqa: B905
-
-
-def _plain(text: str) -> str | float:
-    try:
-        return float(text)
-    except ValueError:
-        return text
+    return {f"{end}{suffix}": as_typed(part) for end, part in zip(("first", "last"), parts)}  # noqa: B905
 
 
 def _wall(options: ChainOptions, chain: Chain) -> Wall:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from .exit_codes import DONE, FAILED, OUTSIDE_TOLERANCE
-from .options import check_writable, figure_option, json_option, names_from
+from .options import as_typed, check_writable, figure_option, json_option, names_from
 from .output import save_figure, show_json
 from .progress import progress_bar
 
@@ -152,10 +152,10 @@ def _simulations() -> Iterator[Callable[[int, int], None]]:
         yield lambda done, _: update(done, done + 1)
 
 
-def _prior(text: str) -> tuple[str, tuple[float, float]]:
+def _prior(text: str) -> tuple[str, tuple[float | str, float | str]]:
     name, _, rest = text.rpartition("=")
     try:
-        value, error = (float(part) for part in rest.split(","))
+        value, error = (as_typed(part) for part in rest.split(","))
     except ValueError:
         raise click.UsageError(
             f"--prior must look like struck_by.velocity=0.3,0.003, got {text!r}"

@@ -18,6 +18,20 @@ Command: TypeAlias = Callable[..., Any]
 PICTURES: Final = (".png", ".svg", ".pdf")
 
 
+class Fraction(click.ParamType):  # type: ignore[type-arg]
+    """A number without a dimension, such as 0.05 or 5%."""
+
+    name = "number"
+
+    def convert(
+        self, value: Any, param: click.Parameter | None, ctx: click.Context | None
+    ) -> float:
+        """Convert the text of an option; the default is a number already."""
+        del ctx
+        option = "" if param is None else max(param.opts, key=len)
+        return value if isinstance(value, float) else fraction_from(option, value)
+
+
 class LateHelp(click.Option):
     """An option whose help is computed when it is shown, because it imports the library."""
 
@@ -31,17 +45,28 @@ class LateHelp(click.Option):
         return super().get_help_record(ctx)
 
 
+def as_typed(text: str) -> float | str:
+    """The number that a text is; any other text is left to the parser of units."""
+    try:
+        return float(text)
+    except ValueError:
+        return text
+
+
+def fraction_from(option: str, text: str) -> float:
+    """Parse a number or a percentage."""
+    from ..validation.numbers import FRACTION, number
+
+    return number(option, as_typed(text), unit=FRACTION)
+
+
 def time_from(option: str, text: str | None, chain: Chain) -> float | None:
     """Parse a time: a number or, for a chain in SI units, a number with a unit, such as 2ms."""
     from ..validation.numbers import SCALED, number
 
     if text is None:
         return None
-    try:
-        given: float | str = float(text)
-    except ValueError:
-        given = text
-    return number(option, given, unit="s" if chain.units == "SI" else SCALED)
+    return number(option, as_typed(text), unit="s" if chain.units == "SI" else SCALED)
 
 
 def window_from(option: str, text: str) -> tuple[int, int]:
@@ -54,11 +79,11 @@ def window_from(option: str, text: str) -> tuple[int, int]:
 
 
 def numbers_from(option: str, text: str) -> tuple[float, ...]:
-    """Parse numbers separated by commas."""
-    try:
-        return tuple(float(part) for part in text.split(","))
-    except ValueError:
-        raise click.UsageError(f"{option} must look like 0.01,0.02, got {text!r}") from None
+    """Parse numbers or percentages separated by commas."""
+    parts = text.split(",")
+    if not all(map(str.strip, parts)):
+        raise click.UsageError(f"{option} must look like 0.01,0.02 or 1%,2%, got {text!r}")
+    return tuple(fraction_from(option, part) for part in parts)
 
 
 def names_from(text: str | None) -> list[str] | None:
@@ -137,11 +162,7 @@ def with_width(parameter: str) -> Callable[[Command], Command]:
                 raise click.UsageError(f"--width requires a figure; add --{parameter} FILE")
             from ..plotting.style import figure_style
 
-            try:
-                chosen: float | str = float(width)
-            except ValueError:
-                chosen = width
-            with figure_style(chosen):
+            with figure_style(as_typed(width)):
                 return command(*arguments, **options)
 
         return with_option

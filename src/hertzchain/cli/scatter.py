@@ -9,7 +9,7 @@ import click
 
 from .chain_options import ChainOptions, chain_from, chain_options
 from .exit_codes import DONE, FAILED
-from .options import figure_option, json_option, measure_from, quantity_option
+from .options import as_typed, figure_option, json_option, measure_from, quantity_option
 from .output import save_figure, show_json
 from .progress import progress_bar
 
@@ -76,11 +76,7 @@ def _part(text: str) -> float:
     """A scatter, which need not be a percentage."""
     from ..chain.modifications import relative_scatter
 
-    try:
-        given: float | str = float(text)
-    except ValueError:
-        given = text
-    return relative_scatter("--relative", given, above=0.0)
+    return relative_scatter("--relative", as_typed(text), above=0.0)
 
 
 def _document(found: Distribution) -> dict[str, Any]:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Final
 import click
 
 from .chain_options import ChainOptions, chain_options, chains_from
-from .options import check_writable, figure_option, json_option, time_from
+from .options import Fraction, check_writable, figure_option, json_option, time_from
 from .output import save_figure, show_json
 from .progress import progress_bar
 from .run_summary import run_as_dict, show_run
@@ -40,7 +40,11 @@ USUAL_TIMES: Final = 400
     "without --out, 4000]",
 )
 @click.option(
-    "--rtol", type=float, default=1e-13, show_default=True, help="Relative tolerance per step."
+    "--rtol",
+    type=Fraction(),
+    default=1e-13,
+    show_default=True,
+    help="Relative tolerance per step.",
 )
 @click.option(
     "--method",
@@ -50,7 +54,7 @@ USUAL_TIMES: Final = 400
     help="Method; symplectic takes fixed steps, for long runs of elastic chains.",
 )
 @click.option("--step", metavar="TIME", help="Step of the symplectic method.")
-@click.option("--drift", type=float, help="Largest energy drift of the symplectic method.")
+@click.option("--drift", type=Fraction(), help="Largest energy drift of the symplectic method.")
 @click.option(
     "--max-steps", type=int, help="Step limit.  [default: 2000 per bead, at least a million]"
 )
@@ -108,7 +112,7 @@ def simulate(
 
     Several chain files are simulated one after another, and --plot compares them.
 
-    With --stream, trajectories are kept only on disk, in netCDF files, so that memory does not
+    With --stream, trajectories are kept only on disk, in netCDF files, and memory does not
     grow with the run.  If a run is interrupted, run the same command again and it resumes.
 
     \b

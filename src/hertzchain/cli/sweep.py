@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Final
 import click
 
 from .exit_codes import DONE, FAILED
-from .options import PICTURES, check_writable, json_option, with_width
+from .options import PICTURES, Fraction, as_typed, check_writable, json_option, with_width
 from .output import save_figure, show_json
 from .progress import progress_bar
 
@@ -176,11 +176,14 @@ def merge(into: Path, stores: tuple[Path, ...], skip_damaged: bool) -> int:
     "--at",
     multiple=True,
     metavar="NAME=VALUE",
-    help="Value along another dimension, such as bead=20 or diameters=10mm; the nearest value of "
-    "an axis is used.",
+    help="Value along another dimension, such as bead=20, diameters=10mm or rate=5%; the nearest "
+    "value of an axis is used.",
 )
 @click.option(
-    "--level", type=float, multiple=True, help="Draw a contour line at this value in a map."
+    "--level",
+    type=Fraction(),
+    multiple=True,
+    help="Draw a contour line at this value in a map, such as 0.01 or 1%.",
 )
 @click.option("--log", is_flag=True, help="Use a logarithmic scale for the quantity.")
 @_skip_damaged
@@ -234,10 +237,7 @@ def _place(text: str) -> tuple[str, Any]:
     name, _, value = text.partition("=")
     if not value:
         raise click.UsageError(f"--at must look like bead=20, got {text!r}")
-    try:
-        return name, float(value)
-    except ValueError:
-        return name, value
+    return name, as_typed(value)
 
 
 def _show_estimate(specification: Path, workers: int | None, as_json: bool) -> None:

@@ -110,7 +110,7 @@ def _check(chain: Chain) -> None:
         own.append("gaps")
     if own:
         raise InputError(
-            f"the {' and '.join(own)} of this chain are given bead by bead, so that its beads "
+            f"the {' and '.join(own)} of this chain are given bead by bead, and its beads "
             "cannot be exchanged: omit them"
         )
 

@@ -1,7 +1,7 @@
 """Descent with gradients: a sequence of linear programs within a growing and shrinking box.
 
 The derivatives of peak forces and CVaR jump: both are maxima over many peaks and samples.  Each
-step minimises the largest of the linear models at recent points (a bundle), so that the descent
+step minimises the largest of the linear models at recent points (a bundle).  The descent thus
 follows the edges between peaks; constraints are linear models, too.
 """
 

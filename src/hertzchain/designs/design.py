@@ -47,7 +47,7 @@ def design(
     """Search for a chain that does what a problem requires, and verify it.
 
     The result is the best chain that was found, with numbers from a new simulation; local optima
-    are common, so that it is not known to be the best of all chains.
+    are common, and a better chain may exist.
 
     Parameters
     ----------

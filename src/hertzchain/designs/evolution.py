@@ -1,7 +1,7 @@
 """Covariance matrix adaptation, an evolution strategy for continuous variables.
 
 N. Hansen, "The CMA Evolution Strategy: A Tutorial", arXiv:1604.00772, with the rank-based order of
-`Outcome.rank`, so that no gradients or penalties are needed.
+`Outcome.rank`, without gradients or penalties.
 """
 
 from __future__ import annotations

@@ -15,7 +15,13 @@ from ..chain.materials import MaterialLike
 from .ball_choice import BallChoice, OrderChoice
 from .sizes import Sizes
 
+__all__ = ("balls", "gaps", "masses", "order", "radii")
+
 Beads = str | Sequence[int]
+
+
+def __dir__() -> tuple[str, ...]:
+    return __all__  # for completion
 
 
 def radii(
@@ -38,7 +44,7 @@ def radii(
         list.  All others are fixed.
     by : str
         ``"bead"``, ``"spline"`` or ``"common"``.  A spline begins at the bead behind the first
-        that varies, so that the taper is smooth there.
+        that varies, which makes the taper smooth there.
     knots : int, optional
         Number of coefficients of a spline; by default a quarter of the beads, at most 24.
     symmetric : bool

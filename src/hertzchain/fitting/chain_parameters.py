@@ -15,6 +15,8 @@ from ..chain.laws.base import LAWS
 from ..chain.per_contact import MaterialPairs
 from ..chain.walls import Wall
 from ..errors import InputError, unknown_name_error
+from ..units import is_unit
+from ..validation.numbers import FRACTION
 from .names import Name
 
 ENDS: Final = ("left_wall", "right_wall")
@@ -37,6 +39,11 @@ class Kind:
     typical: float = 1.0
     step: float = 1e-4
     factor: bool = False
+
+    @property
+    def unit_of_text(self) -> str | None:
+        """Unit to which text is converted; None if the unit depends on an exponent."""
+        return FRACTION if not self.unit else self.unit if is_unit(self.unit) else None
 
 
 KINDS: Final[Mapping[str, Kind]] = {

@@ -1,7 +1,7 @@
 """Samples next to jumps of a simulated force.
 
-A sample between the old and the new time of a jump changes by the whole jump, so that chi-squared
-is not a smooth function of the parameters, and its derivatives do not determine their errors.
+A sample between the old and the new time of a jump changes by the whole jump: chi-squared is
+not a smooth function of the parameters, and its derivatives do not determine their errors.
 The last search of a fit therefore omits the samples next to jumps.
 """
 

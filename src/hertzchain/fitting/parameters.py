@@ -24,7 +24,7 @@ SYMBOLS: Final = {
     "gap": "gap[", "gaps": "gap[", "radius": "radius[", "R": "radius[", "mass": "mass[",
     "m": "mass[", "t0": "time_offset", "loss": "loss.", "e": "loss.",
 }  # fmt: skip
-Priors = Mapping[str, tuple[float, float]]
+Priors = Mapping[str, tuple[float | str, float | str]]
 
 
 @dataclass(frozen=True)
@@ -92,9 +92,9 @@ def free_parameters(
             names[name] = None
     if not names:
         raise InputError("no parameter is free; name at least one, such as 'stiffness'")
-    known_priors = _checked_priors(priors, traces, names, optional)
+    known_priors = _checked_priors(priors, traces, chains, names, optional)
     starts = {
-        name: number(f"start of {name}", value)
+        name: number(f"start of {name}", value, unit=_unit_of_text(name, names, traces, chains))
         for text, value in start.items()
         for name in expanded(parse_name(text), traces)
         if name in names or text not in optional
@@ -141,7 +141,11 @@ def expanded(name: Name, traces: Traces) -> list[Name]:
 
 
 def _checked_priors(
-    priors: Priors, traces: Traces, names: Mapping[Name, None], optional: Collection[str]
+    priors: Priors,
+    traces: Traces,
+    chains: Sequence[Chain],
+    names: Mapping[Name, None],
+    optional: Collection[str],
 ) -> dict[Name, tuple[float, float]]:
     if not isinstance(priors, Mapping):
         raise InputError(
@@ -150,13 +154,15 @@ def _checked_priors(
         )
     found: dict[Name, tuple[float, float]] = {}
     for text, given in priors.items():
-        pair = real_numbers(f"prior of {text}", given).ravel()
+        asked = expanded(parse_name(text), traces)
+        unit = _unit_of_text(asked[0], names, traces, chains)
+        pair = real_numbers(f"prior of {text}", given, unit=unit).ravel()
         if len(pair) != 2 or not pair[1] > 0.0 or not math.isfinite(pair.sum()):
             raise InputError(
                 f"the prior of {text!r} must be a value and its standard deviation > 0, such as "
                 f"(0.3, 0.003), got {short_repr(given)}"
             )
-        for name in expanded(parse_name(text), traces):
+        for name in asked:
             if name not in names and text in optional:
                 continue
             if name not in names:
@@ -172,6 +178,13 @@ def _checked_priors(
                 )
             found[name] = mean, sigma
     return found
+
+
+def _unit_of_text(
+    name: Name, names: Mapping[Name, None], traces: Traces, chains: Sequence[Chain]
+) -> str | None:
+    """Unit of the value of a free parameter that is given as text."""
+    return kind_and_value(name, traces, chains)[0].unit_of_text if name in names else None
 
 
 def _parameter(

@@ -359,8 +359,8 @@ def _signal(
         known = noise_of(before)
         if max(known, step) == 0.0:
             raise InputError(
-                f"the samples of {place.name} before the pulse are all equal, so that its noise "
-                "is unknown; give noise"
+                f"the samples of {place.name} before the pulse are all equal, which leaves its "
+                "noise unknown; give noise"
             )
     for each in (values, valid):
         each.setflags(write=False)

@@ -43,7 +43,7 @@ def _numbers(chain: Chain) -> dict[str, str]:
         return " .. ".join(ends)
 
     found = {"beads": f"{chain.beads}", "radii": range_of(chain.radii, "m"),
-             "mass in total": engineering(1e3 * chain.masses.sum(), "g") if units == "SI"
+             "total mass": engineering(1e3 * chain.masses.sum(), "g") if units == "SI"
              else f"{chain.masses.sum():.4g}"}  # fmt: skip
     if chain.taper is not None:
         found["taper"] = f"{chain.taper}, {chain.rate:g}"

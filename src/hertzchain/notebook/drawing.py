@@ -29,7 +29,8 @@ MARGINS: Final = (58, 12, 10, 34)
 PREFIXES: Final = {-12: "p", -9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G"}
 
 FONT = "font-family:system-ui,-apple-system,'Segoe UI',sans-serif"
-CELL = "padding:2px 16px 2px 0;border:0;background:none;color:inherit"
+CELL = "padding:2px 16px 2px 0;border:0;background:none;color:inherit;white-space:nowrap"
+FAINT = "font-weight:normal;opacity:0.65;font-size:11px"
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,8 +70,13 @@ def note(text: str) -> str:
 
 
 def numbers(values: Mapping[str, str]) -> str:
-    """Numbers in a row, each below its name."""
-    return table(values.keys(), [values.values()])
+    """Numbers in rows, each below its name."""
+    items = "".join(
+        f'<div><dt style="{FAINT};margin:0">{escape(name)}</dt>'
+        f'<dd style="margin:0;font-variant-numeric:tabular-nums">{escape(value)}</dd></div>'
+        for name, value in values.items()
+    )
+    return f'<dl style="display:flex;flex-wrap:wrap;gap:4px 16px;margin:4px 0">{items}</dl>'
 
 
 def table(head: Iterable[str], rows: Iterable[Iterable[str]], *, numeric: bool = False) -> str:
@@ -80,8 +86,7 @@ def table(head: Iterable[str], rows: Iterable[Iterable[str]], *, numeric: bool =
         side = "right" if numeric and column else "left"
         return f'<{tag} style="{CELL};text-align:{side};{style}">{escape(text)}</{tag}>'
 
-    faint = "font-weight:normal;opacity:0.65;font-size:11px"
-    top = "".join(cell("th", i, text, faint) for i, text in enumerate(head))
+    top = "".join(cell("th", i, text, FAINT) for i, text in enumerate(head))
     cells = (
         "".join(cell("td", i, text, "font-variant-numeric:tabular-nums")
                 for i, text in enumerate(row))

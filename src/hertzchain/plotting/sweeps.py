@@ -17,7 +17,8 @@ from ..pulse.quantities import QUANTITIES, WALL_QUANTITIES
 from ..representation import counted
 from ..store.sweep_export import check_sweep
 from ..store.sweep_store import FAILED, MISSING
-from ..validation.numbers import number
+from ..units import PERCENT
+from ..validation.numbers import FRACTION, number
 from ..validation.objects import check_bool, check_choice, check_list, check_type
 from .style import COLOURS, MARKERS, figure_style, label_log_axis, literal, set_title
 
@@ -193,7 +194,9 @@ def _index(coordinate: xr.DataArray, name: str, value: Any) -> int:
     what = name if unit == "1" else f"{name} [{unit}]"
     low, high = float(there.min()), float(there.max())
     slack = 1e-9 * max(abs(low), abs(high))
-    known = None if unit == "1" else unit
+    # Whole numbers, such as those of beads, are not percentages.
+    plain = FRACTION if there.dtype.kind == "f" else None
+    known = plain if unit == "1" else unit
     place = number(what, value, unit=known, least=low - slack, most=high + slack)
     nearest = int(np.abs(there - place).argmin())
     if there.dtype.kind == "i" and there[nearest] != place:
@@ -357,7 +360,8 @@ def _coordinate_text(value: xr.DataArray, name: str) -> str:
         return f"by {value.item()}"
     unit = value.attrs.get("units", "1")
     label = _axis_label(value).removesuffix(f" [{unit}]")
-    return f"{label} = {_short(value.item())}" + ("" if unit == "1" else f" {unit}")
+    shown = "" if unit == "1" else unit if unit == PERCENT else f" {unit}"
+    return f"{label} = {_short(value.item())}{shown}"
 
 
 def _short(value: Any) -> str:

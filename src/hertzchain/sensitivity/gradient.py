@@ -159,6 +159,11 @@ class Gradient(Frozen):
             f"relative error about {self.error:.1g}", self.status,
         )  # fmt: skip
 
+    def _repr_html_(self) -> str:
+        from ..notebook.gradients import gradient_html
+
+        return gradient_html(self)
+
 
 def gradient(
     chain: Chain,

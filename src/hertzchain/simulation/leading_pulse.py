@@ -18,10 +18,10 @@ The leading pulse has the momentum :math:`\sum_k w_k m_k v_k` and the kinetic en
 :math:`\tfrac12\sum_k w_k m_k v_k^2`.  Before a wall, bead N leaves the pulse when the wall has
 reversed its motion; before a free end it never leaves the pulse.
 
-The weights fall linearly and are multiplied by velocities that pass through zero, so that
-momentum and energy are continuous in time in every chain.  In a chain of equal beads they agree
-with the solitary wave within :math:`2 \cdot 10^{-5}`, and in a self-similar taper they are a
-constant multiple of the values of one bead.  The number 4 is the smallest for which both hold.
+The weights fall linearly and are multiplied by velocities that pass through zero, which makes
+momentum and energy continuous in time in every chain.  In a chain of equal beads they agree with
+the solitary wave within :math:`2 \cdot 10^{-5}`, and in a self-similar taper they are a constant
+multiple of the values of one bead.  The number 4 is the smallest for which both hold.
 
 .. warning::
 

@@ -67,7 +67,7 @@ class Reflection:
     entered_energy : float
         Energy of weak waves, of at most 5% in total, that entered from outside before the
         incident wave had left, relative to the incident energy.  It leaves with the counted
-        waves, so that the coefficients of energy have an error of at most this size.
+        waves, which limits the error of the coefficients of energy to this size.
 
     Examples
     --------

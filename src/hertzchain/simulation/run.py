@@ -122,7 +122,7 @@ class Run(Trajectory):
         >>> pulse.arrival[[0, 10, 20]].round(3)
         array([ 0.   , 21.03 , 38.853])
         >>> pulse.notes["residence"].partition(";")[0]
-        'bead 1: not struck, so that no pulse arrives there'
+        'bead 1: not struck, and no pulse arrives there'
         """
         if not self._reached:
             raise SimulationError(
@@ -230,8 +230,8 @@ class Run(Trajectory):
         """Time up to which the velocities are predictable, from a second integration.
 
         The chain is integrated again with ten times the tolerance (with a tenth of it if
-        rtol > 1e-7), which takes about as long as the run itself.  The result is stored, so that
-        the repr of the run shows it and further calls take no time.
+        rtol > 1e-7), which takes about as long as the run itself.  The result is stored:
+        the repr of the run shows it, and further calls take no time.
 
         Parameters
         ----------

@@ -82,7 +82,7 @@ def _notes(
     undefined[_without_residence(chain)] = True
     why, crests = "they move from the start, and the pulse does not pass from one to the next", ""
     if not moving_first(chain):
-        why = "not struck, so that no pulse arrives there"
+        why = "not struck, and no pulse arrives there"
         crests = "times are from crest to crest, which a slow drive shifts; see Run.fronts"
     absent, seen = np.isnan(residence) & ~undefined, passed & np.append(True, passed[:-1])
     stay = together(

@@ -170,7 +170,7 @@ class _Frames:
     """Saved times and states.
 
     If the end is not known, the grid starts too fine.  Whenever it is full, every second time is
-    removed and the spacing is doubled, so that the requested memory is not exceeded.
+    removed and the spacing is doubled, to keep within the requested memory.
     """
 
     def __init__(

@@ -9,7 +9,7 @@ chains was exceeded within ten transits.
 
 Walls are watched from the end of the first transit on, or from the end of the drive, at fixed
 times between the calls of the compiled loop.  The array ``completion`` of the state stores the
-result, so that a resumed run gives the same result.
+result; a resumed run therefore gives the same result.
 """
 
 from __future__ import annotations

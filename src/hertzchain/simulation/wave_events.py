@@ -108,7 +108,7 @@ class WaveEvent:
         """Twice the smaller part of the impulse, before or after the maximum [scaled, or N s].
 
         In a symmetric pulse, this is the impulse.  It is smaller where later waves have not
-        separated yet, so that the force does not fall between them.
+        separated yet and the force does not fall between them.
         """
         return 2.0 * min(self.impulse_before, self.impulse - self.impulse_before)
 

@@ -2,7 +2,7 @@
 
 The digests of a batch are one chunk of the array ``digest``, which is written after all other
 files of the batch: a batch without digests is not done, and is read as if it were empty.
-A digest also depends on the sweep and on the name of the file, so that files copied from another
+A digest also depends on the sweep and on the name of the file: files copied from another
 batch or another store are detected.
 """
 

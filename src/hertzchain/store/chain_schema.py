@@ -73,7 +73,8 @@ _CHAIN: Final = (
     _number("first_diameter", "diameter of the first bead, instead of its radius", "length",
             above=0.0),
     _number("last_diameter", "diameter of the last bead", "length", above=0.0),
-    _number("ratio", "radius of the last bead over that of the first", above=0.0),
+    _number("ratio", "radius of the last bead over that of the first", fraction=True,
+            above=0.0),
     _number("length", "sum of the diameters", "length", above=0.0),
     _number("radii", "radius of each bead; scaled, in any one unit", "length", above=0.0,
             per="bead", one_for_all=True),
@@ -83,7 +84,7 @@ _CHAIN: Final = (
             one_for_all=True),
     Key("cells", "integer", "number of repetitions of the cell", least=1),
     _number("mass_ratio", "mass of the light beads of a dimer over that of the heavy ones",
-            above=0.0),
+            fraction=True, above=0.0),
     Key("file", "file", "CSV file with one row per bead"),
     _number("exponent", "exponent of the contact force", default=1.5, above=1.0, most=50.0,
             per="contact", one_for_all=True),
@@ -108,7 +109,9 @@ _CHAIN: Final = (
 )  # fmt: skip
 
 _DECORATED: Final = (
-    _number("ratio", "radius over the geometric mean of the large neighbours", above=0.0),
+    _number(
+        "ratio", "radius over the geometric mean of the large neighbours", fraction=True, above=0.0
+    ),
     _number("radius", "radius, instead of the ratio", "length", above=0.0),
     Key("between", "integer", "number of small beads between two large ones", default=1, least=1),
     _MATERIAL,
@@ -274,6 +277,19 @@ def chain_schema() -> dict[str, Any]:
 
 def dimensions_of(path: Sequence[str]) -> set[str]:
     """Dimensions that the value at a path within [chain] can have; ``""`` for a plain number."""
+    found = _keys_at(path)
+    dimensions = {key.dimension for key in found}
+    dimensions |= {key.dimension_if_displacement for key in found if key.dimension_if_displacement}
+    return dimensions or {""}
+
+
+def is_fraction(path: Sequence[str]) -> bool:
+    """Whether the value at a path within [chain] may be a percentage."""
+    return any(key.fraction for key in _keys_at(path))
+
+
+def _keys_at(path: Sequence[str]) -> list[Key]:
+    """Keys to which a path within [chain] can lead: several if they belong to variants."""
     words = [word for word in path if not word.isdigit()]
     section = SECTIONS["chain"]
     if words and words[0] in TABLES:
@@ -281,10 +297,7 @@ def dimensions_of(path: Sequence[str]) -> set[str]:
     if len(words) > 1 and any(key.name == words[0] and key.kind == "law" for key in section.keys):
         section, words = SECTIONS["chain.loss"], words[1:]
     keys = itertools.chain(section.keys, *section.variants.values())
-    found = [key for key in keys if [key.name] == words]
-    dimensions = {key.dimension for key in found}
-    dimensions |= {key.dimension_if_displacement for key in found if key.dimension_if_displacement}
-    return dimensions or {""}
+    return [key for key in keys if [key.name] == words]
 
 
 def without_units(value: Any) -> Any:

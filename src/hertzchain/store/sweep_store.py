@@ -3,7 +3,7 @@
 Programs that read zarr can read it, even while the sweep is running.  A batch is written as a
 whole: first its data, then its chunk of ``status``, then the digests of both, which mark it as done
 (`hertzchain.store.batch_files`).  Digests of all other files are attributes of the group.
-The contents of the store do not depend on when or by which worker they were computed, so that a
+The contents of the store do not depend on when or by which worker they were computed: a
 sweep that was interrupted and resumed leaves the same bytes as one that was not.
 """
 

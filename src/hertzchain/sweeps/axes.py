@@ -14,11 +14,11 @@ import numpy as np
 
 from ..errors import InputError, short_repr, unknown_name_error
 from ..representation import counted, short
-from ..store.chain_schema import dimensions_of
+from ..store.chain_schema import dimensions_of, is_fraction
 from ..store.csv_tables import csv_rows
-from ..units import UNITS, converted, quantity
+from ..units import PERCENT, UNITS, converted, quantity
 from ..validation.json_types import to_json_types
-from ..validation.numbers import number, whole_number
+from ..validation.numbers import FRACTION, has_unit, number, whole_number
 from ..validation.objects import file_path
 
 SPACINGS: Final = ("list", "linspace", "geomspace")
@@ -40,7 +40,8 @@ class Axis:
         bead 5, ``("method", "rtol")`` an option of the simulation.
     entry : mapping or sequence
         Values as specified: a list, or ``{"linspace": [first, last, number]}``, or the same with
-        ``"geomspace"``; with ``"unit"`` if they are neither scaled nor in SI units.
+        ``"geomspace"``; with ``"unit"`` if they are neither scaled nor in SI units.  The first and
+        last value may be text with the same unit.
 
     Raises
     ------
@@ -68,7 +69,7 @@ class Axis:
         return short("Axis", self.long_name, counted(len(self), "value"), ends)
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "entry", to_json_types(self.entry))
+        object.__setattr__(self, "entry", _with_unit(to_json_types(self.entry)))
         if not self.values:
             raise InputError("has no values")
 
@@ -108,8 +109,9 @@ class Axis:
         """The unit of all values as specified; `None` if there is none, or if they have several."""
         if isinstance(self.entry, Mapping) and "unit" in self.entry:
             return self.entry["unit"]
-        units = {found[1] for each in self._given if (found := self._quantity(each))}
-        return units.pop() if self.has_units and len(units) == 1 else None
+        found = [self._quantity(each) for each in self._given]
+        units = {each[1] for each in found if each is not None}
+        return units.pop() if None not in found and len(units) == 1 else None
 
     @cached_property
     def values(self) -> list[Any]:
@@ -143,24 +145,34 @@ class Axis:
         return _listed(found) if given[0] == "list" else _spaced(given[0], found)
 
     def _quantity(self, value: Any) -> tuple[str, str] | None:
-        takes_units = self._dimensions != [""]
-        return quantity(value) if takes_units and isinstance(value, str) else None
+        """Number and unit of text such as "5 mm" or "5%", if the parameter takes such a unit."""
+        found = quantity(value) if isinstance(value, str) else None
+        takes = self._is_fraction if found and found[1] == PERCENT else self._dimensions != [""]
+        return found if takes else None
+
+    @property
+    def _is_fraction(self) -> bool:
+        return is_fraction(self.path)
 
     @property
     def has_units(self) -> bool:
         """Whether the values have units; the chains are then in SI units."""
         if isinstance(self.entry, Mapping):
-            return "unit" in self.entry or _all_quantities(self.entry.get("list", []))
+            listed = self.entry.get("list", [])
+            return self.entry.get("unit", PERCENT) != PERCENT or _all_quantities(listed)
         return _all_quantities(self.entry)
 
     def _plain(self, values: list[Any]) -> list[Any]:
         """Convert text with units, such as "5 mm", to numbers; keep other values."""
-        if not _all_quantities(values) or self._dimensions == [""]:
+        found = [self._quantity(each) for each in values]
+        if None in found:
             return values
-        return [self._in_si(*found) for each in values if (found := quantity(each))]
+        return [self._in_si(*each) for each in found if each is not None]
 
     def _in_si(self, number: str, unit: Any) -> float:
         """Convert a number with a unit to SI units."""
+        if unit == PERCENT and self._is_fraction:
+            return converted(self.long_name, number, unit, FRACTION)
         possible = [each for each in self._dimensions if each]
         if not possible:
             raise InputError(f"has the unit {short_repr(unit)}, but {self.long_name} takes none")
@@ -310,7 +322,32 @@ def _cells(cells: Sequence[str]) -> list[Any]:
 
 def _all_quantities(values: Any) -> bool:
     texts = isinstance(values, list) and all(isinstance(each, str) for each in values)
-    return texts and bool(values) and all(quantity(each) for each in values)
+    return texts and bool(values) and all(has_unit(each) for each in values)
+
+
+def _with_unit(entry: Any) -> Any:
+    """Write ``{linspace = ["1 mm", "2 mm", 5]}`` as ``{linspace = [1, 2, 5], unit = "mm"}``."""
+    spaced = entry if isinstance(entry, Mapping) and "unit" not in entry else {}
+    kind = next((kind for kind in SPACINGS[1:] if isinstance(spaced.get(kind), list)), None)
+    if kind is None:
+        return entry
+    found = [quantity(end) for end in spaced[kind][:2] if isinstance(end, str)]
+    ends = [end for end in found if end is not None]
+    if len(ends) < 2:
+        return entry
+    (first, unit), (last, other) = ends
+    if unit != other:
+        raise InputError(f"{kind}'s first and last must have the same unit, got {unit} and {other}")
+    return {
+        **entry,
+        kind: [_plain_number(first), _plain_number(last), *spaced[kind][2:]],
+        "unit": unit,
+    }
+
+
+def _plain_number(digits: str) -> float:
+    value = float(digits)
+    return int(value) if value == round(value) and abs(value) < 2**53 else value
 
 
 def _listed(values: Any) -> list[Any]:

@@ -39,7 +39,7 @@ def bca(chain: Chain, *, restitution: float = 1.0) -> Pulse:
 
     For e < 1, all loss of a collision is assumed to occur during unloading, as if the
     unloading force were :math:`e^2` times the loading force at the same overlap.  Loading
-    is then elastic, so that arrival times and overlaps follow from the elastic formulas at
+    is then elastic; arrival times and overlaps follow from the elastic formulas at
     the reduced velocities.
 
     A chain with a loss law loses less.  Its contacts unload only in part before the next bead
@@ -195,7 +195,7 @@ def exponential_rates(taper: str, rate: float) -> dict[str, float]:
     Raises
     ------
     InputError
-        If the taper is linear, so that there is no constant rate.
+        If the taper is linear and has no constant rate.
 
     Examples
     --------

@@ -1,9 +1,9 @@
 r"""The disorder law: the leading pulse of a chain whose beads scatter, mean and spread over lots.
 
-Deviations of the beads from their nominal radii reflect a part of the pulse, so that it decays by
+Deviations of the beads from their nominal radii reflect a part of the pulse, which decays by
 :math:`d\ln v/dk = -c\,\sigma^2` more than in the nominal chain.  The deviation of a single lot
-from this mean comes from the beads near the impact and from those that the pulse has just reached,
-so that the spread does not grow along the chain.
+from this mean comes from the beads near the impact and from those that the pulse has just reached;
+the spread therefore does not grow along the chain.
 """
 
 from __future__ import annotations

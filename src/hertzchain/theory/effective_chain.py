@@ -209,7 +209,7 @@ def effective_chain(chain: Chain, large: Sequence[int] | None = None) -> Effecti
     r"""Replace the small beads of a decorated chain by effective contacts and masses.
 
     All contacts between two neighbouring large beads a and b, with stiffness k_i, carry the
-    same force, so that their overlaps add up:
+    same force, and their overlaps add up:
 
     .. math::
 

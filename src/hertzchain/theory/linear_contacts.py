@@ -91,6 +91,6 @@ def _check_pressed(chain: Chain, forces: Array) -> None:
         contact = int(loose[0])
         name = {0: " (left wall)", chain.beads: " (right wall)"}.get(contact, "")
         raise InputError(
-            f"contact {contact}{name} carries no static force, so that its motion cannot be "
+            f"contact {contact}{name} carries no static force, and its motion cannot be "
             "linearised; give precompression, or gravity towards a wall"
         )

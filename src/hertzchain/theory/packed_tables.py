@@ -16,8 +16,8 @@ from ..collision import Array
 
 # Degree of the differences.
 DEGREE: Final = 2
-# Steps of all tables.  Changes of the rate are below 0.1 and mostly below 0.01, so that the
-# effect on the growth is below 1e-7.
+# Steps of all tables.  Changes of the rate are below 0.1 and mostly below 0.01: the effect
+# on the growth is below 1e-7.
 STEPS: Final = {
     "values": 1e-9, "single": 2e-6, "end": 2e-6, "end_slopes": 1e-5, "second": 1e-3, "last": 1e-3,
     "linear": 1e-5, "products": 1e-3,

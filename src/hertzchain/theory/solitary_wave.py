@@ -214,7 +214,7 @@ def solitary_wave(exponent: float = HERTZ_EXPONENT) -> SolitaryWave:
     Returns
     -------
     SolitaryWave
-        The wave, whose constants are accurate to about 1e-13.  It is cached, so that the same
+        The wave, whose constants are accurate to about 1e-13.  It is cached: the same
         object is returned for the same exponent.
 
     Raises

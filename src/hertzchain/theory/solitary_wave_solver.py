@@ -2,7 +2,7 @@ r"""Solve the solitary-wave equation, :math:`c^2 \varphi = \Lambda * \varphi^p`,
 
 Each iteration is one convolution with the triangle :math:`\Lambda(\xi) = (1 - |\xi|)_+`,
 computed by Fourier transform, after which the crest is normalised to one.  The wave is
-smooth and decays doubly exponentially, so that a periodic grid is exact to rounding.
+smooth and decays doubly exponentially: a periodic grid is exact to rounding.
 """
 
 from __future__ import annotations

@@ -270,7 +270,7 @@ def fast_tables(
 def _side_by_side(pieces: Array) -> Array:
     """Coefficients of the terms of each component, from (intervals, powers, stages, terms, states).
 
-    A zero follows those of each component, so that their number is a multiple of four.
+    A zero follows those of each component, to make their number a multiple of four.
     """
     intervals, powers, stages, terms, states = pieces.shape
     found = np.zeros((stages, intervals, powers, states, terms + 1))

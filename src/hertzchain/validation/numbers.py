@@ -54,6 +54,10 @@ def plain_magnitude(what: str, value: Any, unit: str | None, depth: int = 0) -> 
         found = quantity(value)
         if found is None:
             _reject_bare_number(what, value, unit)
+            if unit == FRACTION:
+                raise InputError(
+                    f"{what} must be a number or a percentage such as '5%', got {short_repr(value)}"
+                )
             return value
         if found[1] == PERCENT and unit in (None, SCALED):
             plain = converted(what, *found, FRACTION)

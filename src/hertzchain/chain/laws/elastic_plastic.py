@@ -188,7 +188,7 @@ class ElasticPlastic(Loss, name="elastic-plastic"):
         if np.any(contacts.overlap > self.strength(contacts)):
             raise InputError(
                 "contacts under ElasticPlastic that are compressed beyond yield close along "
-                "one curve and open along a steeper one, so that no motion is small enough to be "
+                "one curve and open along a steeper one; no motion is small enough to be "
                 "linear: use simulate, loss=None or less precompression"
             )
         return super().damper(contacts)

@@ -53,7 +53,7 @@ class UnloadingRatio(Loss, name="unloading-ratio"):
     def damper(self, contacts: ContactsAtRest) -> Array:
         if self.ratio > 0.0:
             raise InputError(
-                f"the force of {self} is discontinuous when a contact begins to open, so that "
+                f"the force of {self} is discontinuous when a contact begins to open; "
                 "no motion is small enough to be linear: use simulate, or loss=None"
             )
         return super().damper(contacts)

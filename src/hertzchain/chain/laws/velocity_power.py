@@ -63,7 +63,7 @@ class VelocityPower(Loss, name="velocity-power"):
             return np.full(len(contacts.spring), self.gamma)
         if self.alpha < 1.0:
             raise InputError(
-                f"the force of {self} rises infinitely fast from rest (alpha < 1), so that no "
+                f"the force of {self} rises infinitely fast from rest (alpha < 1); no "
                 "motion is small enough to be linear: use simulate, or loss=None"
             )
         warn_user(

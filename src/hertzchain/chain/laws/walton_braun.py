@@ -31,7 +31,7 @@ class WaltonBraun(Loss, name="walton-braun"):
     the dent :math:`d_r`.  With p = 1 it is the bilinear law of O. R. Walton, R. L. Braun,
     J. Rheol. 30, 949 (1986), doi:10.1122/1.549893, with stiffnesses :math:`K_1` and
     :math:`K_2`; here it has the exponent of the contact.  A collision returns the part
-    :math:`K_1/K_2` of its energy for any p, so that :math:`e = \sqrt{K_1/K_2}` at the
+    :math:`K_1/K_2` of its energy for any p, hence :math:`e = \sqrt{K_1/K_2}` at the
     first collision of a contact.
 
     Attributes

@@ -1,7 +1,7 @@
 // @ts-check
 /** Controls of a chain file, generated from its schema: a new law or taper appears by itself. */
 
-import { FACTORS, SHOWN, STEPS, parsed, plain, positionOf, rangeOf, valueAt, valued } from "./numbers.js";
+import { FACTORS, SHOWN, STEPS, entered, metres, parsed, plain, positionOf, rangeOf, valueAt, valued } from "./numbers.js";
 import { at, changed, listed } from "./state.js";
 
 /** @typedef {import("./state.js").Document} Document */
@@ -57,10 +57,9 @@ const SIZES = ["first", "first_diameter", "radii", "diameters", "cell", "last", 
  * @param {Record<string, any>} chain @param {boolean} si */
 export function resized(chain, si) {
   const result = { ...chain }, names = SIZES.filter((name) => name in chain);
-  const metres = (/** @type {any} */ each) => { const { number, unit } = parsed(each, "m"); return (number ?? 1) * (FACTORS[unit] ?? 1); };
-  const first = metres(listed(chain[names[0]])[0]), own = /diameter/.test(names[0]) ? 10 : 5;
+  const first = metres(listed(chain[names[0]])[0], 1), own = /diameter/.test(names[0]) ? 10 : 5;
   for (const name of names) {
-    const sizes = listed(chain[name]).map((each) => { const size = +(metres(each) / first).toPrecision(6); return si ? valued(size * own, "mm") : size; });
+    const sizes = listed(chain[name]).map((each) => { const size = +(metres(each, 1) / first).toPrecision(6); return si ? valued(size * own, "mm") : size; });
     result[name] = Array.isArray(chain[name]) ? sizes : sizes[0];
   }
   return result;
@@ -91,6 +90,10 @@ export class Controls {
     return this.chain.materials !== undefined || this.chain.units === "SI";
   }
 
+  get keysOfForms() {
+    return new Set(Object.entries(this.about.schema.forms).flat(2));
+  }
+
   /** Show a document; elements are rebuilt only if other controls are needed. @param {Document} document */
   show(document) {
     this.document = document;
@@ -110,9 +113,7 @@ export class Controls {
     const focused = /** @type {HTMLElement | null} */ (document.activeElement)?.id;
     const top = this.host.scrollTop;
     this.updates = [];
-    const chain = this.chain, forms = this.about.schema.forms;
-    const keys = this.schema.chain.keys;
-    const inForms = new Set(Object.values(forms).flat().concat(Object.keys(forms)));
+    const chain = this.chain, inForms = this.keysOfForms, keys = this.schema.chain.keys;
     const own = new Set(["materials", "velocity", "exponent"]);
     const rest = keys.filter((/** @type {any} */ key) => !inForms.has(key.name) && !own.has(key.name));
     // The exponent can be a number or tables.
@@ -163,7 +164,7 @@ export class Controls {
       cell: { cell: [1, 0.6], cells: 20 },
       mass_ratio: { mass_ratio: 0.3428, beads: 40 },
     };
-    const forms = this.about.schema.forms, dropped = new Set(Object.values(forms).flat().concat(Object.keys(forms)));
+    const dropped = this.keysOfForms;
     const kept = Object.fromEntries(Object.entries(chain).filter(([name]) => !dropped.has(name) && !(form === "mass_ratio" && ["materials", "velocity", "units"].includes(name))));
     this.change({ ...this.document, chain: { ...(si ? resized(begins[form], si) : begins[form]), ...kept } }, false, "form");
   }
@@ -319,35 +320,41 @@ export class Controls {
 
   /** Unit in which a key is shown. @param {any} key @param {any} [value] */
   unitOf(key, value) {
-    if (!key.dimension || (!this.si && !["density", "pressure"].includes(key.dimension))) return "";
     const own = parsed(value, "").unit;
+    if (key.fraction && own === "%") return own;
+    if (!key.dimension || (!this.si && !["density", "pressure"].includes(key.dimension))) return "";
     return own || (FACTORS[key.unit] === undefined ? "" : SHOWN[key.dimension] ?? key.unit);
   }
 
   /** Slider and exact number. @param {Path} place @param {any} key @param {string} label */
   numberField(place, key, label) {
     if (key.dimension_if_displacement && at(this.document, [...place.slice(0, -1), "of"]) === "displacement") key = { ...key, dimension: "length" };
-    const id = `c-${place.join(".")}`, read = () => at(this.document, place);
-    const box = make("input", { type: "number", id, step: "any", placeholder: key.default === null || key.default === undefined ? "auto" : plain(Number(key.default) || 0) });
+    const id = `c-${place.join(".")}`, read = () => at(this.document, place), usual = key.default ?? null;
+    const box = make("input", { type: "text", id, inputMode: key.kind === "integer" ? "numeric" : "", spellcheck: false, placeholder: usual === null ? "auto" : plain(usual) });
     const slider = make("input", { type: "range", min: "0", max: String(STEPS), step: "1", "aria-label": `${label}, slider` });
-    const unit = make("span", { className: "unit" });
-    const clear = make("button", { type: "button", className: "clear", title: `Use the default for ${label}`, "aria-label": `Use the default for ${label}`, onclick: () => this.put(place, undefined) }, "×");
+    const unit = make("span", { className: "unit" }), reset = `Use the default for ${label}`;
+    const clear = make("button", { type: "button", className: "clear", title: reset, "aria-label": reset, onclick: () => this.put(place, undefined) }, "×");
     const rangeNow = () => {
       const value = read(), unit = this.unitOf(key, value), chain = this.chain;
       return rangeOf(key, this.si, parsed(value, unit).number, { beads: chain.beads, taper: chain.taper, unit });
     };
-    let range = rangeNow();
+    let range = rangeNow(), typing = false;
     const write = (/** @type {number} */ value, /** @type {boolean} */ moving) => this.put(place, valued(value, this.unitOf(key, read())), moving);
     slider.onpointerdown = () => { range = rangeNow(); };
     slider.oninput = () => write(valueAt(Number(slider.value), range), true);
     slider.onchange = () => write(valueAt(Number(slider.value), range), false);
-    box.oninput = () => { if (box.value !== "" && box.validity.valid) write(Number(box.value), true); };
-    box.onchange = () => (box.value === "" ? this.put(place, undefined) : write(Number(box.value), false));
+    box.oninput = box.onchange = (/** @type {Event} */ { type }) => {
+      const given = entered(box.value);
+      typing = type === "input";
+      if (typeof given === "number") write(given, typing);
+      else if (!typing) this.put(place, given);
+    };
+    box.onblur = () => { typing = false; };
     this.updates.push(() => {
       const value = read(), shown = parsed(value, this.unitOf(key, value));
       if (document.activeElement !== slider) range = rangeNow();
-      if (document.activeElement !== box || Number(box.value) !== shown.number) box.value = shown.number === null ? "" : plain(shown.number);
-      const position = positionOf(shown.number ?? (typeof key.default === "number" ? key.default : null), range);
+      if (!typing) box.value = shown.number === null ? value ?? "" : plain(shown.number);
+      const position = positionOf(shown.number ?? usual, range);
       if (document.activeElement !== slider || Math.abs(valueAt(Number(slider.value), range) - (shown.number ?? NaN)) > 1e-9 * Math.abs(shown.number ?? 1)) slider.value = String(position);
       slider.setAttribute("aria-valuetext", shown.number === null ? "default" : `${plain(shown.number)} ${shown.unit}`);
       slider.classList.toggle("idle", value === undefined);
@@ -395,7 +402,7 @@ export class Controls {
     } else {
       for (const name of ["materials", "radius", "velocity", "units"]) delete chain[name];
       chain = resized(chain, false);
-      for (const name of Object.keys(chain)) if (this.isTable(name) || (typeof chain[name] === "string" && /^[\d.]/.test(chain[name]))) delete chain[name];
+      for (const name of Object.keys(chain)) if (this.isTable(name) || (typeof chain[name] === "string" && /^[\d.].*[^%]$/.test(chain[name]))) delete chain[name];
     }
     this.change({ ...this.document, chain }, false, this.last);
   }
@@ -443,7 +450,7 @@ export class Controls {
 /** @param {string} text @param {any} key */
 export function listOf(text, key) {
   const items = text.split(/[,;\n]+/).map((each) => each.trim()).filter(Boolean)
-    .map((each) => (key.kind === "number" && each !== "" && Number.isFinite(Number(each)) ? Number(each) : each));
+    .map((each) => (key.kind === "number" ? entered(each) : each));
   if (!items.length) return undefined;
   return items.length === 1 && key.one_for_all ? items[0] : key.kind === "text" ? text : items;
 }

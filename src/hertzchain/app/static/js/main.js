@@ -7,7 +7,7 @@ import { listen } from "./events.js";
 import { host, stored } from "./host.js";
 import { Link } from "./link.js";
 import { SpaceTime } from "./map.js";
-import { gapOf, inMillimetres, placeAt, timeAt } from "./numbers.js";
+import { FACTORS, gapOf, inMillimetres, placeAt, timeAt } from "./numbers.js";
 import { Results } from "./results.js";
 import { fillDialogs } from "./share.js";
 import { Stage } from "./stage.js";
@@ -23,6 +23,7 @@ const DURATION = 8;
 const SETTLE = 180;
 const MAX_SENSORS = 4;
 const about = await host.about();
+Object.assign(FACTORS, about.factors);
 /** @type {import("./state.js").State} */
 const state = (!stored && fromLink(location.hash)) || { A: about.document, B: stored?.view?.B ?? null, active: "A", view: { ...copy(VIEW), ...stored?.view?.view } };
 if (stored?.kind !== "saved" && !(!stored && fromLink(location.hash))) {

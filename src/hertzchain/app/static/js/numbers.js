@@ -3,15 +3,9 @@
 
 /** @typedef {{low: number, high: number, log: boolean, integer: boolean, zero: boolean}} Range */
 
-/** Factors to SI of the units that the page shows.
+/** Factors to SI by unit, from the server.
  * @type {Record<string, number>} */
-export const FACTORS = {
-  m: 1, cm: 1e-2, mm: 1e-3, um: 1e-6, "µm": 1e-6, nm: 1e-9, in: 25.4e-3,
-  kg: 1, g: 1e-3, mg: 1e-6, s: 1, ms: 1e-3, us: 1e-6, "µs": 1e-6, ns: 1e-9,
-  "m/s": 1, "cm/s": 1e-2, "mm/s": 1e-3, "m/s^2": 1, "cm/s^2": 1e-2, "mm/s^2": 1e-3,
-  N: 1, kN: 1e3, mN: 1e-3, Hz: 1, kHz: 1e3, MHz: 1e6,
-  Pa: 1, kPa: 1e3, MPa: 1e6, GPa: 1e9, "kg/m^3": 1, "g/cm^3": 1e3, "kg/s": 1, "g/s": 1e-3,
-};
+export const FACTORS = {};
 
 /** Units in which a quantity is shown and entered first, by dimension.
  * @type {Record<string, string>} */
@@ -104,16 +98,26 @@ export function prefixed(largest, unit) {
  * @returns {{number: number | null, unit: string}} */
 export function parsed(value, unit) {
   if (typeof value === "number") return { number: value / (FACTORS[unit] ?? 1), unit };
-  const found = typeof value === "string" ? /^\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(.*?)\s*$/.exec(value) : null;
+  const text = typeof value === "string" ? value.trim() : "";
+  const inches = /^(?:(\d+)[\s-]+)?(\d+)\s*\/\s*([1-9]\d*)\s*in$/.exec(text);
+  if (inches) return { number: +(inches[1] ?? 0) + +inches[2] / +inches[3], unit: "in" };
+  const found = /^([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(.*)$/.exec(text);
   if (found) return { number: Number(found[1]), unit: found[2] || unit };
-  return { number: value === "inf" ? Infinity : null, unit };
+  return { number: text === "inf" ? Infinity : null, unit };
+}
+
+/** A number, or other text, which the server reads.
+ * @param {string} text @returns {number | string | undefined} */
+export function entered(text) {
+  const given = text.trim();
+  return given !== "" && Number.isFinite(Number(given)) ? Number(given) : given || undefined;
 }
 
 /** Value of a document for a number in a unit; text with the unit keeps all decimal digits.
  * @param {number} number @param {string} unit @returns {number | string} */
 export function valued(number, unit) {
   if (number === Infinity) return "inf";
-  return unit ? `${plain(number)} ${unit}` : number;
+  return unit ? `${plain(number)}${unit === "%" ? "" : " "}${unit}` : number;
 }
 
 /** Time at a place of the animation, 0 .. 1. @param {ArrayLike<number>} times @param {number} u */
@@ -141,9 +145,12 @@ export function inMillimetres(length) {
 }
 
 /** Gap in front of the right wall [m, or scaled]. @param {any} document */
-export function gapOf(document) {
-  const { number, unit } = parsed(document?.chain?.right_wall?.gap ?? 0, "m");
-  return (number ?? 0) * (FACTORS[unit] ?? 1);
+export const gapOf = (document) => metres(document?.chain?.right_wall?.gap, 0);
+
+/** A length [m, or scaled]. @param {unknown} value @param {number} otherwise */
+export function metres(value, otherwise) {
+  const { number, unit } = parsed(value, "m");
+  return number === null ? otherwise : number * (FACTORS[unit] ?? 1);
 }
 
 /** Range of the slider of a key.
@@ -153,7 +160,7 @@ export function gapOf(document) {
 export function rangeOf(key, si, value, chain = {}) {
   const least = key.least ?? key.above, most = key.most ?? key.below;
   let [low, high] = (key.dimension && USUAL[key.dimension]?.[si ? 0 : 1]) || BY_NAME[key.name] || [0.01, 10];
-  if (si && chain.unit && FACTORS[chain.unit]) {
+  if (si && key.dimension && chain.unit && FACTORS[chain.unit]) {
     const factor = FACTORS[SHOWN[key.dimension] ?? key.unit] / FACTORS[chain.unit];
     [low, high] = [low * factor, high * factor];
   }
@@ -162,6 +169,7 @@ export function rangeOf(key, si, value, chain = {}) {
     high = chain.taper.startsWith("forward") ? 0.999 / (chain.beads - 1) : 1;
     low = high / 1000;
   }
+  if (chain.unit === "%") [low, high] = [100 * low, 100 * high];
   if (key.name === "bead" && chain.beads) [low, high] = [1, chain.beads];
   if (key.kind === "integer" && least !== undefined) low = Math.max(low, least);
   const finite = value !== null && Number.isFinite(value);

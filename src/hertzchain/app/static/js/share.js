@@ -8,7 +8,6 @@ import { host } from "./host.js";
 /** @typedef {{open: (example: any, slot: "A" | "B") => void, document: () => any, request: () => any, opened: (document: any) => void,
  *   say: (text: string, bad?: boolean) => void, link: () => string}} Handlers */
 
-
 /** Offer a file to save. @param {string} name @param {Blob} blob */
 function offer(name, blob) {
   const link = make("a", { href: URL.createObjectURL(blob), download: name });
@@ -31,6 +30,7 @@ function picture(radii) {
 /** @param {any} about @param {Handlers} on */
 export function fillDialogs(about, on) {
   const examples = $("examples"), share = $("share-dialog");
+  const failed = (/** @type {Error} */ error) => on.say(error.message, true);
   $("gallery").replaceChildren(...about.gallery.map((/** @type {any} */ example) => {
     const choose = (/** @type {"A" | "B"} */ slot) => {
       examples.close();
@@ -56,29 +56,22 @@ export function fillDialogs(about, on) {
     share.close();
   };
   $("open-file").onclick = () => $("file").click();
-  $("file").onchange = async () => {
+  $("file").onchange = () => {
     const file = $("file").files[0];
     $("file").value = "";
     if (!file) return;
     share.close();
-    try {
-      on.opened(await host.read(await file.text()));
-    } catch (error) {
-      on.say(/** @type {Error} */ (error).message, true);
-    }
+    file.text().then(host.read).then(on.opened).catch(failed);
   };
   for (const button of document.querySelectorAll("[data-export]")) {
-    button.addEventListener("click", async () => {
+    button.addEventListener("click", () => {
       const kind = /** @type {HTMLElement} */ (button).dataset.export;
       on.say("Preparing the file …");
       share.close();
-      try {
-        const { name, blob } = await host.save({ ...on.request(), kind, document: on.document(), figure: $("figure").value, format: $("format").value });
+      host.save({ ...on.request(), kind, document: on.document(), figure: $("figure").value, format: $("format").value }).then(({ name, blob }) => {
         offer(name, blob);
         on.say(`Saved ${name}.`);
-      } catch (error) {
-        on.say(/** @type {Error} */ (error).message, true);
-      }
+      }, failed);
     });
   }
 }

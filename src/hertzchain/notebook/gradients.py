@@ -1,0 +1,44 @@
+"""HTML representation of a gradient: relative derivatives by beads, and the largest ones."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..collision import Array
+from ..representation import measure
+from ..sensitivity.gradient import Gradient
+from .drawing import COLOURS, Curve, chart, legend, note, numbers, page, table
+
+
+def gradient_html(found: Gradient) -> str:
+    """Change of the quantity in % if a parameter of a bead or contact grows by 1%."""
+    known = np.isfinite(found.value) and found.value != 0.0
+    curves: list[Curve] = []
+    for name, values in found.gradient.items():
+        relative = found.relative(name) if known and values.ndim == 1 else np.zeros(1)
+        if len(relative) > 1 and relative.any():
+            place, colour = np.arange(1.0, len(relative) + 1.0), COLOURS[len(curves) % len(COLOURS)]
+            curves.append(Curve(place, relative, name, colour))
+    parts = []
+    if curves:
+        parts.append(legend((curve.label, curve.colour) for curve in curves))
+        parts.append(chart(curves, "bead or contact k", "change per 1% [%]", whole=True))
+    units = "scaled" if found.unit in ("", "1") else "SI"
+    value = measure(found.value, found.unit, units) if np.isfinite(found.value) else "none"
+    shown = {"value": value}
+    if np.isfinite(found.error):
+        shown["relative error"] = f"{found.error:.1g}"
+    parts.append(numbers(shown))
+    rows = [_row(name, values, found.units[name]) for name, values in found.gradient.items()]
+    parts.append(table(("parameter", "largest derivative", "at"), rows))
+    if found.status != "complete":
+        parts.append(note(f"{found.status[:1].upper()}{found.status[1:]}."))
+    return page("Gradient", found.quantity, *parts)
+
+
+def _row(name: str, values: Array, unit: str) -> list[str]:
+    flat = np.atleast_1d(values).ravel()
+    if not np.isfinite(flat).any():
+        return [name, "none", ""]
+    k = int(np.nanargmax(np.abs(flat)))
+    return [name, f"{flat[k]:.4g} {unit}".strip(), f"{k + 1}" if values.ndim == 1 else ""]

@@ -20,10 +20,11 @@ COVERED: Final = 0.98
 SMALLEST, LARGEST = 3e-7, 0.3
 # Errors by changes of the rate at the free end, and errors of short chains, concern few beads:
 # the last contacts count several times, and their terms are enlarged.  So are those of slow
-# changes, because the chains are rougher than smooth tapers.
+# changes, because the chains are rougher than smooth tapers, and that of alternating rates, which
+# only matters where few of the chains are.
 REPEATED: Final = 6
 SAFETY: Final = np.ones(PARTS)
-SAFETY[:4], SAFETY[9], SAFETY[11] = 1.5, 2.5, 2.0
+SAFETY[:4], SAFETY[9], SAFETY[11], SAFETY[12] = 1.5, 2.5, 2.0, 10.0
 
 
 def quantile_fit(parts: Array, errors: Array, covered: float = COVERED) -> Array:

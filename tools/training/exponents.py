@@ -33,7 +33,7 @@ from .error_fit import SAFETY, quantile_fit, terms_and_errors
 from .train import Effort, fast_changes, random_chains, slow_tables
 
 # Less than for Hertz contacts: the differences between neighbouring exponents would show no more.
-EFFORT: Final = Effort(2600, 1000, 6, 500, 2, 2, 5, ((63, 900, 120, 0, 0),), 0)
+EFFORT: Final = Effort(1600, 600, 9, 500, 2, 2, 5, ((63, 700, 100, 0, 0),), 0)
 # The constants of the error estimate are piecewise linear in the logarithm of the exponent.  They
 # are determined at that many random exponents, so that they include errors of the interpolation.
 ERROR_EXPONENTS: Final = np.geomspace(LOWEST, HIGHEST, 8)
@@ -52,11 +52,12 @@ def one_exponent(exponent: float, report: Callable[[str], None]) -> dict[str, Ar
     """Tables of one exponent."""
     shrink = shrink_of(exponent)
     slow = slow_tables(exponent, shrink, EFFORT, report)
-    measured, _ = fast_changes(exponent, slow, shrink, EFFORT, report)
-    anchors, response = slow
+    response, measured, _ = fast_changes(exponent, slow, shrink, EFFORT, report)
+    anchors = slow.anchors
     return {
         "nodes": anchors.nodes, "values": anchors.values, "knots": anchors.knots,
         "response": response, "places": measured["places"], "single": measured["single"],
+        "early": measured["early"],
         "end": measured["end"], "end_slopes": measured["end_slopes"],
         "fast_knots": measured["knots"], "second": measured["second"],
     }  # fmt: skip

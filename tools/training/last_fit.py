@@ -11,13 +11,14 @@ from scipy.interpolate import BSpline
 from hertzchain.chain.chain import Chain
 from hertzchain.collision import Array
 from hertzchain.kernels import last_contact as kernel
+from hertzchain.kernels.fast_changes import AHEAD, BEHIND
 from hertzchain.theory.local_rate import solve
 from hertzchain.theory.universal_functions import UniversalFunctions, padded_knots
 
 KNOTS: Final = np.array([-0.15, -0.11, -0.08, -0.05, -0.025, 0.0, 0.025, 0.06, 0.12, 0.25, 0.5])
 RIDGE: Final = 1e-3
 # Errors are relative to that of a second degree with typical coefficients.
-FLOOR, OF_CHANGE, OF_MEMORY = 3e-5, 20.0, 1.0
+FLOOR, OF_CHANGE, OF_MEMORY, OF_FAST = 3e-5, 20.0, 1.0, 1.0
 # Larger errors are not those of a second degree.
 LARGEST: Final = 0.1
 ROUNDS: Final = 6
@@ -30,13 +31,16 @@ def equations(functions: UniversalFunctions, rates: Sequence[Array]) -> tuple[Ar
     for i, row in enumerate(rates):
         radii = np.exp(np.concatenate([[0.0], np.cumsum(row)]))
         solution = solve(Chain.from_radii(radii, exponent=functions.exponent), functions)
-        means.append(kernel.recall(solution.slow, memories[i]))
+        fast = np.zeros(BEHIND + len(row) + AHEAD)
+        fast[BEHIND : BEHIND + len(row)] = row - solution.slow
+        means.append(kernel.recall(solution.slow, fast, memories[i]))
         kernel.multiply_memories(memories[i], products[i])
         states.append(solution.states[-1])
     knots = functions.fast.last_knots
     flat = np.clip(means, knots[0], knots[-1])
     splines = BSpline.design_matrix(flat, padded_knots(knots), 3).toarray()
-    size = FLOOR + OF_CHANGE * memories[:, 0] ** 2 + OF_MEMORY * memories[:, -1] ** 2
+    size = FLOOR + OF_CHANGE * memories[:, 0] ** 2 + OF_MEMORY * memories[:, kernel.SLOW - 1] ** 2
+    size += OF_FAST * (memories[:, kernel.SLOW :] ** 2).sum(axis=1)
     matrix = (products[:, :, None] * splines[:, None, :]).reshape(len(rates), -1)
     return matrix, size, np.array(states)
 
@@ -44,7 +48,7 @@ def equations(functions: UniversalFunctions, rates: Sequence[Array]) -> tuple[Ar
 def fit_last(
     functions: UniversalFunctions, rates: Sequence[Array], states: Sequence[Array]
 ) -> Array:
-    """Coefficients of B-splines, (splines, 18), for functions that have none yet."""
+    """Coefficients of B-splines, (splines, 84), for functions that have none yet."""
     matrix, size, law = equations(functions, rates)
     rest = np.array([each[-1] for each in states]) - law
     found = []

@@ -63,12 +63,14 @@ def measure(exponent: float, shrink: float = 1.0) -> dict[str, Array]:
     count, places = len(PLACES), scaled(PLACES, shrink)
     single = np.zeros((count, STAGES, STATES, TAPS))
     end, slopes = np.zeros((count, END, STATES, 1 + TAPS)), np.zeros((count, END, STATES))
+    impact = np.zeros((count, EARLY, STATES))
     for place, s in enumerate(places):
         contacts, middle = (CONTACTS_STRONG, MIDDLE_STRONG) if s > STRONG else (CONTACTS, MIDDLE)
         early, last = range(EARLY + AHEAD + 1), contacts - END - BEHIND - 1
         steps = [*early, middle, *range(last, contacts)]
         states, response = respond(s, contacts, steps, exponent)
         of = {step: response[i] for i, step in enumerate(steps)}
+        impact[place] = states[:EARLY]
         # Response to the step at an offset from a contact.
         within = np.array([of[middle][middle - o] for o in range(-BEHIND - 1, AHEAD + 1)])
         for k in range(EARLY):
@@ -92,6 +94,7 @@ def measure(exponent: float, shrink: float = 1.0) -> dict[str, Array]:
     return {
         "places": places,
         "single": single.reshape(count, STAGES, -1),
+        "early": impact,
         "end": end.reshape(count, END, -1),
         "end_slopes": slopes,
     }

@@ -7,7 +7,15 @@ from typing import Final
 import numpy as np
 
 from hertzchain.collision import Array
-from hertzchain.theory.universal_functions import START, WITHIN
+from hertzchain.kernels.fast_changes import AHEAD, BEHIND, END, WORK, add_response, write_steps
+from hertzchain.theory.universal_functions import (
+    INPUTS,
+    START,
+    STATE,
+    TERMS,
+    WITHIN,
+    UniversalFunctions,
+)
 
 from .response_fit import UNIT, Anchors, inputs, terms
 from .training_chains import BEADS, Sample
@@ -68,25 +76,47 @@ class Rollout:
         self.velocity_slopes += self.slopes[:, 0]
 
 
+def missing_states(functions: UniversalFunctions, rates: Array) -> Array:
+    """Terms that the law adds to the states of the recursion if rates are slow, (C, M, 3)."""
+    found = np.zeros((*rates.shape, len(STATE)))
+    fast = np.zeros(BEHIND + rates.shape[1] + AHEAD)
+    steps, work = np.empty_like(fast), np.empty(WORK)
+    for row, states in zip(rates, found, strict=True):
+        write_steps(row, steps)
+        # The chain continues beyond these contacts.
+        add_response(len(row) + END, row, fast, steps, functions.fast, work, states)
+    return found
+
+
 def refine(
-    anchors: Anchors, response: Array, sample: Sample, rounds: int = 3, every: int = 1
+    anchors: Anchors,
+    response: Array,
+    sample: Sample,
+    added: Array | float = 0.0,
+    rounds: int = 3,
+    every: int = 1,
 ) -> Array:
     """Fit the response to whole ramps by the Gauss-Newton method.
 
     Each ramp is weighted by its largest change of rate, and outliers by the root of their error.
-    Only every so many contacts are compared.
+    Only every so many contacts are compared.  If states that are ``added`` to those of the
+    recursion are given, they belong to its first order: only the second order is fitted.
     """
     roughest = np.abs(np.diff(sample.rates[:, START - 1 : UNTIL])).max(axis=1)
     weight = 1.0 / (MIN_ERROR + 0.03 * roughest)
-    growth = np.cumsum(sample.states[:, START:UNTIL, 0], axis=1)
+    wanted = sample.states - added
+    growth = np.cumsum(wanted[:, START:UNTIL, 0], axis=1)
+    products = np.arange(len(TERMS)) >= (0 if np.ndim(added) == 0 else len(INPUTS))
+    fitted = np.tile(np.repeat(products, response.shape[1]), len(STATE))
     for _ in range(rounds):
         rollout = Rollout(anchors, response, sample)
-        matrix, right = np.zeros((response.size, response.size)), np.zeros(response.size)
+        unknowns = int(fitted.sum())
+        matrix, right = np.zeros((unknowns, unknowns)), np.zeros(unknowns)
         for contact in range(START, UNTIL):
             rollout.step()
             if (contact - START) % every:
                 continue
-            true = sample.states[:, contact]
+            true = wanted[:, contact]
             errors = [rollout.log_velocity - growth[:, contact - START]]
             errors += [0.5 * (rollout.state[:, i] - true[:, i]) for i in (1, 2)]
             slopes = [rollout.velocity_slopes, *(0.5 * rollout.slopes[:, i] for i in (1, 2))]
@@ -94,11 +124,12 @@ def refine(
                 kept = ~rollout.lost
                 weighted = weight[kept] * error[kept]
                 robust = 1.0 / np.sqrt(1.0 + np.abs(weighted) / 3.0)
-                part = slope[kept] * (weight[kept] * robust)[:, None]
+                part = slope[np.ix_(kept, fitted)] * (weight[kept] * robust)[:, None]
                 matrix += part.T @ part
                 right += part.T @ (weighted * robust)
         scale = np.sqrt(np.diag(matrix))
         scale += 1e-3 * scale.max()
-        change = np.linalg.solve(matrix + 1e-4 * np.diag(scale**2), right)
+        change = np.zeros(response.size)
+        change[fitted] = np.linalg.solve(matrix + 1e-4 * np.diag(scale**2), right)
         response = response - np.moveaxis(change.reshape(3, *response.shape[:2]), 0, -1)
     return response

@@ -19,7 +19,7 @@ from .training_chains import NODES, RTOLS
 # Terms of the estimated error, in the order of `hertzchain.kernels.fast_changes.write_parts`.
 PARTS: Final = [
     "one", "deviations, start", "deviations, others", "third degree", "a^4", "a^3", "a^2 q",
-    "a^2 b^2", "fading", "end b^2", "end a^2", "end, short",
+    "a^2 b^2", "fading", "end b^2", "end a^2", "end, short", "alternating",
 ]  # fmt: skip
 
 

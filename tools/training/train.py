@@ -20,7 +20,6 @@ from hertzchain.theory.universal_functions import (
     WITHIN,
     UniversalFunctions,
     assemble,
-    fast_tables,
     read_response,
 )  # fmt: skip
 
@@ -29,7 +28,7 @@ from .last_fit import KNOTS as LAST_KNOTS
 from .last_fit import fit_last
 from .response_fit import UNIT, Anchors, fit_contact
 from .responses import measure
-from .rollout import UNTIL, refine
+from .rollout import UNTIL, missing_states, refine
 from .second_degree import KNOTS as FAST_KNOTS
 from .second_degree import fit
 from .table_writer import write_error, write_fast, write_tables
@@ -83,6 +82,8 @@ class Effort:
 
 
 FULL: Final = Effort(4000, DOUBLE_RAMPS, 3, 1500, 3, 3, 4, ((63, 2600, 300, 300, 0),), 4000)
+# Units of the terms of the response in the fits.
+UNITS: Final = UNIT ** np.array([1] * len(INPUTS) + [2] * len(PAIRS))[:, None, None]
 # Numbers of contacts, and of rough, smooth, odd and steep random chains of the error estimate.
 HELD_OUT: Final = (
     (63, 500, 400, 200, 300), (99, 250, 200, 100, 200), (199, 80, 60, 30, 40),
@@ -90,28 +91,65 @@ HELD_OUT: Final = (
 )  # fmt: skip
 
 
-def response(
+@dataclass(frozen=True, eq=False)
+class Slow:
+    """States of exponential chains, the response of all stages to slow changes, and ramps.
+
+    Attributes
+    ----------
+    anchors : Anchors
+        States of exponential chains.
+    response : ndarray, shape (stages, terms, splines, 3)
+        Response of all stages.
+    followed : Sample
+        Ramps and exponential chains of the Gauss-Newton fit.
+    """
+
+    anchors: Anchors
+    response: Array
+    followed: Sample
+
+
+def first_response(
+    exponent: float, anchors: Anchors, ramps: Sample, early: Sample
+) -> tuple[Array, Array]:
+    """Response of the first contacts, and of those within the chain, in units of the inputs."""
+    guess = first_guess(exponent)
+    if guess is not None:
+        return guess[:START] * UNITS, guess[WITHIN] * UNITS
+    early = join_samples([early, ramps.first(EARLY_CONTACTS)])
+    start = np.array([fit_contact(anchors, k, early, [k]) for k in range(START)])
+    return start, fit_contact(anchors, WITHIN, ramps, list(range(START, UNTIL)))
+
+
+def slow_response(
     exponent: float,
     anchors: Anchors,
     exponential: Sample,
     ramps: Sample,
     early: Sample,
     effort: Effort,
-) -> Array:
-    """Response of all stages, shape (stages, terms, splines, 3), in units of the inputs."""
-    units = UNIT ** np.array([1] * len(INPUTS) + [2] * len(PAIRS))[:, None, None]
-    guess = first_guess(exponent)
-    if guess is None:
-        early = join_samples([early, ramps.first(EARLY_CONTACTS)])
-        start = np.array([fit_contact(anchors, k, early, [k]) for k in range(START)])
-        within = fit_contact(anchors, WITHIN, ramps, list(range(START, UNTIL)))
-    else:
+) -> Slow:
+    """Fit the response of all stages."""
+    start, within = first_response(exponent, anchors, ramps, early)
+    if first_guess(exponent) is not None:
         # Sharp ramps are needed for a guess only: slow rates are those of gentle ones.
-        start, within = guess[:START] * units, guess[WITHIN] * units
         ramps = ramps.part(gentle(ramps.rates))
-    followed = [ramps.part(slice(effort.followed)), *[exponential] * effort.repeated]
-    within = refine(anchors, within, join_samples(followed), effort.rounds, effort.every)
-    return np.array([*start, within]) / units
+    parts = [ramps.part(slice(effort.followed)), *[exponential] * effort.repeated]
+    followed = join_samples(parts)
+    within = refine(anchors, within, followed, rounds=effort.rounds, every=effort.every)
+    return Slow(anchors, np.array([*start, within]) / UNITS, followed)
+
+
+def second_order(slow: Slow, functions: UniversalFunctions, effort: Effort) -> Array:
+    """Response whose second order is fitted once more, now that the first order is exact."""
+    added = missing_states(functions, slow.followed.rates)
+    within = slow.response[WITHIN] * UNITS
+    rounds = 2 * effort.rounds
+    refined = refine(slow.anchors, within, slow.followed, added, rounds, effort.every)
+    found = slow.response.copy()
+    found[WITHIN] = refined / UNITS
+    return found
 
 
 def first_guess(exponent: float) -> Array | None:
@@ -149,7 +187,7 @@ def simulated(rates: list[Array], exponent: float) -> tuple[list[Array], list[Ar
 
 def slow_tables(
     exponent: float, shrink: float, effort: Effort, report: Callable[[str], None]
-) -> tuple[Anchors, Array]:
+) -> Slow:
     """States of exponential chains, and the response to slow changes."""
     random = np.random.default_rng(0)
     report(f"p = {exponent:g}: {len(NODES)} exponential chains")
@@ -162,47 +200,44 @@ def slow_tables(
     # In random order, because only the first ones are used in the Gauss-Newton fit.
     ramps, early = follow(random.permutation(rates), exponent), follow(first, exponent)
     report("response to slow changes")
-    return anchors, response(exponent, anchors, exponential, ramps, early, effort)
+    return slow_response(exponent, anchors, exponential, ramps, early, effort)
 
 
 def fast_changes(
-    exponent: float,
-    slow: tuple[Anchors, Array],
-    shrink: float,
-    effort: Effort,
-    report: Callable[[str], None],
-) -> tuple[dict[str, Array], UniversalFunctions]:
-    """Tables of the response to fast changes, and functions without an error estimate."""
-    random, (anchors, found) = np.random.default_rng(1), slow
+    exponent: float, slow: Slow, shrink: float, effort: Effort, report: Callable[[str], None]
+) -> tuple[Array, dict[str, Array], UniversalFunctions]:
+    """Response, tables of fast changes, and functions without an error estimate."""
+    random, anchors, found = np.random.default_rng(1), slow.anchors, slow.response
     report("responses to single changes")
     measured = measure(exponent, shrink)
     measured["knots"] = scaled(FAST_KNOTS, shrink)
 
     def functions() -> UniversalFunctions:
-        fast = fast_tables(exponent, **measured)
         return assemble(
-            exponent, anchors.nodes, anchors.values, anchors.knots, found, fast, np.zeros(PARTS)
+            exponent, anchors.nodes, anchors.values, anchors.knots, found, measured, np.zeros(PARTS)
         )
 
-    report("products of fast changes")
     measured["second"] = np.zeros((len(FAST_KNOTS) + 2, STATES * PRODUCTS))
     measured["last_knots"] = scaled(LAST_KNOTS, shrink)
     measured["last"] = np.zeros((len(LAST_KNOTS) + 2, STATES * LAST_PRODUCTS))
+    report("second order of slow changes")
+    found = second_order(slow, functions(), effort)
+    report("products of fast changes")
     chains = random_chains(random, effort.random, exponent, shrink)
     measured["second"] = fit(functions(), *chains)
     if effort.ending:
         report("last contact")
         ending = simulated(ending_rates(random, effort.ending, shrink), exponent)
         measured["last"] = fit_last(functions(), *ending)
-    return measured, functions()
+    return found, measured, functions()
 
 
 def train(exponent: float, folder: Path, report: Callable[[str], None]) -> None:
     """Determine the universal functions of an exponent and write their tables."""
     folder = folder / f"p{exponent:g}"
     slow = slow_tables(exponent, 1.0, FULL, report)
-    write_tables(folder, *slow)
-    measured, functions = fast_changes(exponent, slow, 1.0, FULL, report)
+    found, measured, functions = fast_changes(exponent, slow, 1.0, FULL, report)
+    write_tables(folder, slow.anchors, found)
     write_fast(folder, measured)
     report("error estimate")
     train_error(functions, folder)

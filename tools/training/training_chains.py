@@ -228,7 +228,10 @@ def steep_rates(
 
 
 def ending_rates(random: np.random.Generator, count: int, shrink: float = 1.0) -> list[Array]:
-    """Rates of chains of 30 to 55 contacts that change slowly towards the free end."""
+    """Rates of chains of 30 to 55 contacts that change slowly towards the free end.
+
+    Half of them have some odd radii, too.
+    """
     found: list[Array] = []
     while len(found) < count:
         contacts = int(random.integers(30, 56))
@@ -248,6 +251,9 @@ def ending_rates(random: np.random.Generator, count: int, shrink: float = 1.0) -
                 shape = np.exp(-left / _size(random, 2.0, 20.0))
             shape *= _size(random, 0.003, 0.08) / np.abs(shape).max()
         rates = base + _sign(random) * shape
+        if random.random() < 0.5:
+            size, odd = _size(random, 2e-4, 0.01), random.normal(size=contacts + 1)
+            rates += np.diff(size * np.where(random.random(contacts + 1) < 0.5, odd, 0.0))
         gentle = rates.min() > shrink * LOWEST_RANDOM and rates.max() < 0.5
         if gentle and abs(rates.sum()) < LONGEST:
             found.append(rates)

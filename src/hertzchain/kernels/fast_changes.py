@@ -1,4 +1,4 @@
-r"""Response of the local-rate law to fast changes of the rate, and to the free end.
+r"""Linear response of the local-rate law, products of fast changes, and the free end.
 
 The rates are divided into slow rates q, by local cubic polynomials, and the rest e (which
 vanishes in strong backward tapers).  To the states
@@ -8,16 +8,17 @@ on a chain of the slow rates, this module adds
 
     \Delta z_k = \sum_o G_o(q_k)\,e_{k+o}
         + g_k \sum_{i\le j} A_{ij}(q_k)\,e_{k+i}\,e_{k+j}
-        + z^*_\text{end}(q_k) - z^*(q_k) + \sum_o H_o(q_k)\,(q_{k+o} - q_{k+o-1}),
+        + h(q_k) + \sum_o H_o(q_k)\,(q_{k+o} - q_{k+o-1}),
     \qquad
     g_k = \frac{c}{1 + \rho_k^2/\rho_0^2}
         + \frac{(4q_k^2 + \rho_k^2)^{1/4}}{(1 + \rho_k^2/\rho_0^2)^{5/4}},
 
 where :math:`\rho_k` is the root mean square of the fast changes near the contact and c depends on
 the exponent of the contact force.  G is the
-response of the simulated state to a small change of one rate, and H its difference between a
-contact near the free end and one within the chain.  The terms of the end apply to the last
-contacts only.
+response of the simulated state to a small change of one rate, and H the difference between the
+simulated response to slow rates and that of the recursion
+(`hertzchain.theory.linear_response`).  The state h on an exponential chain, less that of the
+recursion, differs from zero after the impact and near the free end.
 """
 
 from __future__ import annotations
@@ -35,7 +36,7 @@ EARLY, END = 12, 5
 WITHIN = EARLY
 STAGES = EARLY + 1 + END
 # Offsets o of the rates to which a contact responds.
-BEHIND, AHEAD = 8, 2
+BEHIND, AHEAD = 13, 2
 TAPS = BEHIND + 1 + AHEAD
 # Fast changes in products: those from offset -4 to 2.
 NEAR = BEHIND - 4
@@ -45,6 +46,8 @@ PRODUCTS = FACTORS * (FACTORS + 1) // 2
 FIRST, LAST = BEHIND - 2, BEHIND + 2
 # Square of the size beyond which products grow no more.
 LARGE = 0.06**2
+# Effect of products on a state from which on they are meaningless, in chains far outside the law.
+MEANINGLESS = 1.0
 TINY = 1e-12
 # Sum of squares of fast changes whose products are negligible.
 NEGLIGIBLE = 1e-12
@@ -230,12 +233,11 @@ def combine(pieces, weights, x, inside, values, slopes):
 
 
 @compiled
-def steps_of(slow, k, steps):
-    """Write 1, and the differences of the slow rates at offsets from a contact."""
-    steps[0] = 1.0
-    for i in range(TAPS):
-        m = k + i - BEHIND
-        steps[1 + i] = slow[m] - slow[m - 1] if 1 <= m < len(slow) else 0.0
+def write_steps(slow, steps):
+    """Write BEHIND zeros, the differences of the slow rates, AHEAD zeros."""
+    steps[:] = 0.0
+    for k in range(1, len(slow)):
+        steps[BEHIND + k] = slow[k] - slow[k - 1]
 
 
 @compiled
@@ -253,69 +255,85 @@ def parts_of(work):
     first = PRODUCTS
     second = first + STATES * PRODUCTS
     third = second + STATES * TAPS
-    fourth = third + STATES * (1 + TAPS)
-    return (
-        work[:first], work[first:second], work[second:third], work[third:fourth],
-        work[fourth : fourth + 1 + TAPS],
-    )  # fmt: skip
+    return work[:first], work[first:second], work[second:third], work[third : third + STATES * REST]
 
 
 # Numbers that `add_response` and `from_response` need for a contact.
-WORK = (1 + STATES) * (PRODUCTS + 1 + TAPS) + STATES * TAPS
+REST = 1 + TAPS
+WORK = (1 + STATES) * PRODUCTS + STATES * (TAPS + REST)
 
 
 # Arguments:
 # contacts: number of contacts of the chain
 # slow, fast: results of `smooth`, up to two contacts ahead of the last one followed
+# steps: result of `write_steps`
 # tables: `hertzchain.theory.universal_functions.FastTables`
 # work: (WORK,), is overwritten
 # states: (followed, 3), to which the response is added
 @compiled
-def add_response(contacts, slow, fast, tables, work, states):
-    """Add the response to fast changes and to the free end."""
-    products, bends, single, ends, steps = parts_of(work)
-    place, knot = 0, 0
+def add_response(contacts, slow, fast, steps, tables, work, states):
+    """Add the response to changes of the rate and to the free end.
+
+    Returns the first contact at which products are meaningless, or else ``followed``: from there
+    on, they are omitted.
+    """
+    products, bends, single, rest = parts_of(work)
+    place, knot, sound = 0, 0, len(states)
     for k in range(len(states)):
-        q, stage, around = slow[k], stage_of(k, contacts), fast[k : k + TAPS]
+        q, stage = slow[k], stage_of(k, contacts)
+        around, near = fast[k : k + TAPS], steps[k : k + TAPS]
         place, x = interval_of(q, tables.places, place)
         polynomials(tables.single[stage, place], x, single)
+        polynomials(tables.rest[stage, place], x, rest)
         for i in range(STATES):
             states[k, i] += dot(single[i * TAPS : (i + 1) * TAPS], around)
-        if not negligible(around):
+            states[k, i] += rest[i * REST] + dot(rest[i * REST + 1 : (i + 1) * REST], near)
+        if k < sound and not negligible(around):
             knot, distance = interval_of(q, tables.knots, knot)
             polynomials(tables.second[knot], distance, bends)
             multiply(around, products)
             g, _, _ = gain(q, size_of(around), tables.steady)
-            for i in range(STATES):
-                states[k, i] += g * dot(bends[i * PRODUCTS : (i + 1) * PRODUCTS], products)
-        if stage > WITHIN:
-            polynomials(tables.end[stage - WITHIN - 1, place], x, ends)
-            steps_of(slow, k, steps)
-            for i in range(STATES):
-                states[k, i] += dot(ends[i * (1 + TAPS) : (i + 1) * (1 + TAPS)], steps)
+            first = g * dot(bends[:PRODUCTS], products)
+            second = g * dot(bends[PRODUCTS : 2 * PRODUCTS], products)
+            third = g * dot(bends[2 * PRODUCTS :], products)
+            if max(abs(first), abs(second), abs(third)) < MEANINGLESS:
+                states[k, 0] += first
+                states[k, 1] += second
+                states[k, 2] += third
+            else:
+                sound = k
+    return sound
 
 
 # Arguments: as above, and
 # seeds: (followed, 3), derivatives with respect to the states
-# to_slow, to_fast: as long as slow and fast; results are added
+# sound: result of `add_response`
+# to_slow, to_fast, to_steps: as long as slow, fast and steps; results are added, and to_steps is
+#   overwritten
 @compiled
-def from_response(contacts, slow, fast, tables, seeds, work, to_slow, to_fast):
+def from_response(
+    contacts, slow, fast, steps, tables, seeds, work, sound, to_slow, to_fast, to_steps
+):  # fmt: skip
     """Add derivatives with respect to both parts of the rates."""
-    products, of_products, of_fast, of_end, steps = parts_of(work)
+    products, of_products, of_fast, of_rest = parts_of(work)
     bends, bend_slopes = of_products[:PRODUCTS], of_products[PRODUCTS : 2 * PRODUCTS]
     single, single_slopes = of_fast[:TAPS], of_fast[TAPS : 2 * TAPS]
-    ends, end_slopes = of_end[: 1 + TAPS], of_end[1 + TAPS : 2 + 2 * TAPS]
+    rest, rest_slopes = of_rest[:REST], of_rest[REST : 2 * REST]
+    to_steps[:] = 0.0
     place, knot = 0, 0
     for k in range(len(seeds)):
-        q, stage, around = slow[k], stage_of(k, contacts), fast[k : k + TAPS]
+        q, stage = slow[k], stage_of(k, contacts)
+        around, near = fast[k : k + TAPS], steps[k : k + TAPS]
         place, x = interval_of(q, tables.places, place)
         inside = tables.places[0] <= q <= tables.places[-1]
         combine(tables.single[stage, place], seeds[k], x, inside, single, single_slopes)
-        to_slow[k] += dot(single_slopes, around)
-        to_around = to_fast[k : k + TAPS]
+        combine(tables.rest[stage, place], seeds[k], x, inside, rest, rest_slopes)
+        to_slow[k] += dot(single_slopes, around) + rest_slopes[0] + dot(rest_slopes[1:], near)
+        to_around, to_near = to_fast[k : k + TAPS], to_steps[k : k + TAPS]
         for n in range(TAPS):
             to_around[n] += single[n]
-        if not negligible(around):
+            to_near[n] += rest[1 + n]
+        if k < sound and not negligible(around):
             knot, distance = interval_of(q, tables.knots, knot)
             within = tables.knots[0] <= q <= tables.knots[-1]
             combine(tables.second[knot], seeds[k], distance, within, bends, bend_slopes)
@@ -324,14 +342,9 @@ def from_response(contacts, slow, fast, tables, seeds, work, to_slow, to_fast):
             to_gain = dot(bends, products)
             to_slow[k] += g * dot(bend_slopes, products) + to_gain * by_rate
             from_products(around, g, bends, to_gain * by_size, to_around)
-        if stage > WITHIN:
-            pieces = tables.end[stage - WITHIN - 1, place]
-            combine(pieces, seeds[k], x, inside, ends, end_slopes)
-            steps_of(slow, k, steps)
-            to_slow[k] += dot(end_slopes, steps)
-            for n in range(max(0, 1 + BEHIND - k), min(TAPS, len(slow) - k + BEHIND)):
-                to_slow[k + n - BEHIND] += ends[1 + n]
-                to_slow[k + n - BEHIND - 1] -= ends[1 + n]
+    for k in range(1, len(slow)):
+        to_slow[k] += to_steps[BEHIND + k]
+        to_slow[k - 1] -= to_steps[BEHIND + k]
 
 
 @compiled
@@ -380,20 +393,23 @@ def train_behind(rate, train):
 
 
 # Terms of the estimated error: those of the slow rates, and of fast changes and the free end.
-SLOW_PARTS, PARTS = 4, 12
+SLOW_PARTS, PARTS = 4, 13
 OF_AHEAD = 0.2
+# Decay per contact of the memory of the amplitude of alternating rates.
+ALTERNATING = 0.85
 
 
 # doubts: (followed, 4), of `hertzchain.kernels.local_rate.forward`
-# parts: (followed, 12), result: these, and with the size a of fast changes, the slow rate q and
+# parts: (followed, 13), result: these, and with the size a of fast changes, the slow rate q and
 #   its change b: root of the sum of a^4, sums of a^3 and a^2 |q|, root of the sum of a^2 b^2; the
 #   sum of a^2 + b^2 fading along the chain, with `size_ahead`; b^2, a^2 and the shortness of the
-#   chain near its free end, with `lost_maximum` and waves that overtake the pulse
+#   chain near its free end, with `lost_maximum` and waves that overtake the pulse; the sum of
+#   the cube of the amplitude of alternating rates
 @compiled
 def write_parts(contacts, slow, fast, doubts, parts):
     """Write the terms of the estimated error of the velocity behind each contact."""
     fourth, third, tapered, mixed, faded = 0.0, 0.0, 0.0, 0.0, 0.0
-    train, overtaken = 0.0, 0.0
+    train, overtaken, turning, turned = 0.0, 0.0, 0.0, 0.0
     for k in range(len(parts)):
         size = size_of(fast[k : k + TAPS])
         root = np.sqrt(size)
@@ -420,3 +436,6 @@ def write_parts(contacts, slow, fast, doubts, parts):
         if slow[k] > CATCHING:
             overtaken = max(overtaken, 0.05 * min(1.0, train * train))
         parts[k, 11] = short + lost_maximum(contacts, k, slow) + overtaken
+        turning = (1.0 - ALTERNATING) * fast[BEHIND + k] - ALTERNATING * turning
+        turned += abs(turning) ** 3 * memory
+        parts[k, 12] = turned

@@ -19,6 +19,7 @@ from .fast_changes import (
     from_smooth,
     smooth,
     write_parts,
+    write_steps,
 )
 from .last_contact import add_last, from_last
 from .local_rate import WORK as SLOW_WORK
@@ -88,26 +89,32 @@ def divide(rates, followed):
 
 # slow_tables: nodes, anchors, knots and response, for `forward`; fast_tables: for `add_response`
 # states: (followed, 3), result; deviations, slopes: see `forward`
-# parts: (followed, 12), result, see `write_parts`
+# parts: (followed, 13), result, see `write_parts`
 @allocating
 def evaluate(
     contacts, slow, fast, slow_tables, fast_tables, states, deviations, slopes, parts
 ):  # fmt: skip
-    """Compute states of contacts; returns the first that diverges, or else their number."""
+    """Compute states of contacts.
+
+    Returns the first that diverges and the first at which products of fast changes are
+    meaningless, or else their number.
+    """
     nodes, anchors, knots, response = slow_tables
     doubts, work = np.empty((len(states), SLOW_PARTS)), np.empty(max(WORK, SLOW_WORK))
     lost = forward(
         slow, len(states), nodes, anchors, knots, response, work, states, deviations, slopes, doubts
     )
-    add_response(contacts, slow, fast, fast_tables, work, states)
+    steps = np.empty(len(fast))
+    write_steps(slow, steps)
+    sound = add_response(contacts, slow, fast, steps, fast_tables, work, states)
     if len(states) == contacts:
-        add_last(slow, fast_tables, states)
+        add_last(slow, fast, fast_tables, states)
     write_parts(contacts, slow, fast, doubts, parts)
-    return lost
+    return min(lost, sound), sound
 
 
 @compiled
-def sound(by_bead, by_contact):
+def all_sound(by_bead, by_contact):
     """Whether all results are finite and, except those of the struck bead, positive."""
     good = True
     for i in range(len(by_bead)):
@@ -125,7 +132,7 @@ def pulse(
 ):  # fmt: skip
     """Evaluate the law; returns the largest estimated error, and whether all values are sound."""
     # The error is infinite if a rate is outside the tables.
-    # slow_tables, fast_tables: as for `evaluate`; constants: (12,), of the estimated error
+    # slow_tables, fast_tables: as for `evaluate`; constants: (13,), of the estimated error
     # of_time, of_overlap: powers (a, b, c, d, e) of residence times and overlaps
     # by_bead (3, N): result: velocities, their estimated errors, arrivals
     # by_contact (2, N - 1): result: residence times, overlaps
@@ -134,7 +141,7 @@ def pulse(
     slow, fast = divide(rates, contacts)
     states, parts = np.empty((contacts, STATES)), np.empty((contacts, PARTS))
     deviations, slopes = np.empty((contacts, STATES)), np.empty((contacts, STATES, 2))
-    lost = evaluate(
+    lost, _ = evaluate(
         contacts, slow, fast, slow_tables, fast_tables, states, deviations, slopes, parts
     )
     velocity, error, arrival = by_bead[0], by_bead[1], by_bead[2]
@@ -152,7 +159,7 @@ def pulse(
         error[k + 1] = estimated_error(k, parts, constants, lost)
         arrival[k + 1] = arrival[k] + residence[k]
     largest = np.inf if any_outside(rates, slow_tables[0]) else np.max(error)
-    return largest, sound(by_bead, by_contact)
+    return largest, all_sound(by_bead, by_contact)
 
 
 @allocating
@@ -167,7 +174,7 @@ def gradient(
     slow, fast = divide(rates, followed)
     states, parts = np.empty((followed, STATES)), np.empty((followed, PARTS))
     deviations, slopes = np.empty((followed, STATES)), np.empty((followed, STATES, 2))
-    lost = evaluate(
+    lost, sound = evaluate(
         len(rates), slow, fast, slow_tables, fast_tables, states, deviations, slopes, parts
     )
     weights = np.empty(end - begin)
@@ -182,10 +189,13 @@ def gradient(
     seeds, to_rates = np.zeros((followed, STATES)), np.zeros(len(rates))
     seed_states(radii, begin, weights / total, powers, seeds, found)
     to_slow, to_fast = np.zeros(len(slow)), np.zeros(len(fast))
-    work = np.empty(max(WORK, SLOW_WORK))
-    from_response(len(rates), slow, fast, fast_tables, seeds, work, to_slow, to_fast)
+    work, steps, to_steps = np.empty(max(WORK, SLOW_WORK)), np.empty(len(fast)), np.empty(len(fast))
+    write_steps(slow, steps)
+    from_response(
+        len(rates), slow, fast, steps, fast_tables, seeds, work, sound, to_slow, to_fast, to_steps
+    )
     if followed == len(rates):
-        from_last(slow, fast_tables, seeds[-1], to_slow)
+        from_last(slow, fast, fast_tables, seeds[-1], to_slow, to_fast)
     _, _, knots, response = slow_tables
     backward(slow, knots, response, deviations, slopes, seeds, work, to_slow)
     from_smooth(rates, to_slow, to_fast, slow, to_rates)

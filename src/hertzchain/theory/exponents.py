@@ -25,7 +25,8 @@ FILE: Final = "exponents.npz"
 # Tables that are interpolated, with the axis of the rate, and places whose negative ones are
 # multiplied by `shrink_of`.  The response is stored as its linear terms and products.
 AXES: Final = {
-    "values": 1, "linear": 3, "products": 3, "single": 1, "end": 1, "end_slopes": 1, "second": 1,
+    "values": 1, "linear": 3, "products": 3, "single": 1, "early": 1, "end": 1,
+    "end_slopes": 1, "second": 1,
 }  # fmt: skip
 PLACES: Final = ("nodes", "knots", "places", "fast_knots")
 
@@ -91,7 +92,7 @@ def product_gain(exponent: float) -> float:
 def interpolated_tables(folder: Path, exponent: float) -> dict[str, Array]:
     """Tables of an exponent, their places, and the constants of the error."""
     stored, place = _stored(folder / FILE), place_of(exponent)
-    found = {name: np.asarray(chebval(place, stored[name])) for name in AXES}
+    found = {name: np.asarray(chebval(place, stored[name])) for name in AXES if name in stored}
     found["second"] /= product_gain(exponent)
     found["response"] = np.concatenate([found.pop("linear"), found.pop("products")], axis=1)
     shrink = shrink_of(exponent)

@@ -58,7 +58,9 @@ INPUTS: Final = (
 PAIRS: Final = tuple(combinations_with_replacement(range(len(INPUTS)), 2))
 TERMS: Final = INPUTS + tuple(f"({INPUTS[i]})({INPUTS[j]})" for i, j in PAIRS)
 # Tables of fast changes, as functions of the rate.
-FAST_VALUES: Final = ("single", "end", "end_slopes", "second", "last")
+FAST_VALUES: Final = ("single", "early", "end", "end_slopes", "second", "last")
+# Number of coefficients of the last contact.
+LAST: Final = 84
 MIN_BEADS: Final = 9
 
 
@@ -70,19 +72,19 @@ class FastTables(NamedTuple):
     Attributes
     ----------
     places : ndarray, shape (n + 1,)
-        Ends of the intervals of ``single`` and ``end``.
-    single : ndarray, shape (18, n, 4, 33)
+        Ends of the intervals of ``single`` and ``rest``.
+    single : ndarray, shape (18, n, 4, 48)
         Response G of each stage (twelve after the impact, within, five before the free end):
-        coefficients of the powers 3 to 0, each for the three components at eleven offsets.
-    end : ndarray, shape (5, n, 4, 36)
-        Effect of the free end: state on an exponential chain, and response H, less those within.
+        coefficients of the powers 3 to 0, each for the three components at sixteen offsets.
+    rest : ndarray, shape (18, n, 4, 51)
+        State on an exponential chain and response H to slow rates, less those of the recursion.
     knots : ndarray, shape (K + 1,)
         Ends of the intervals of ``second``.
     second : ndarray, shape (K, 4, 84)
         Coefficients A of the products of two fast changes.
     last_knots : ndarray, shape (L + 1,)
         Ends of the intervals of ``last``.
-    last : ndarray, shape (L, 4, 18)
+    last : ndarray, shape (L, 4, 84)
         Coefficients B of the last contact, see `hertzchain.kernels.last_contact`.
     steady : float
         Constant c of the factor of these products, see `hertzchain.theory.exponents.steady_gain`.
@@ -90,7 +92,7 @@ class FastTables(NamedTuple):
 
     places: Array
     single: Array
-    end: Array
+    rest: Array
     knots: Array
     second: Array
     last_knots: Array
@@ -119,7 +121,7 @@ class UniversalFunctions:
         each of the three components.
     fast : FastTables
         Responses to fast changes and to the free end.
-    error : ndarray, shape (12,)
+    error : ndarray, shape (13,)
         Constants of the error estimate; see `hertzchain.theory.local_rate.Solution`.
     """
 
@@ -210,7 +212,7 @@ def assemble(
     values: Array,
     knots: Array,
     coefficients: Array,
-    fast: FastTables,
+    fast: dict[str, Array],
     error: Array,
 ) -> UniversalFunctions:
     """Build universal functions from the numbers in their tables."""
@@ -223,28 +225,26 @@ def assemble(
     pieces = cubic_pieces(knots, np.moveaxis(coefficients, 2, 0))
     # From (powers, intervals, stages, states).
     anchors = np.einsum("pist->sipt", spline.c).reshape(len(STAGES), len(nodes) - 1, -1)
-    return UniversalFunctions(
-        exponent=exponent,
-        nodes=nodes,
-        anchors=np.ascontiguousarray(anchors),
-        knots=knots,
-        response=_side_by_side(pieces),
-        fast=fast,
-        error=error,
-    )
+    slow = nodes, np.ascontiguousarray(anchors), knots, _side_by_side(pieces)
+    return UniversalFunctions(exponent, *slow, fast_tables(exponent, slow, **fast), error)
 
 
 def fast_tables(
-    exponent: float, places: Array, single: Array, end: Array, end_slopes: Array, knots: Array,
-    second: Array, last_knots: Array, last: Array,
+    exponent: float, slow: tuple[Array, Array, Array, Array], places: Array, single: Array,
+    end: Array, end_slopes: Array, knots: Array, second: Array, last_knots: Array, last: Array,
+    early: Array | None = None,
 ) -> FastTables:  # fmt: skip
-    """Build the tables of fast changes.
+    """Build the tables of fast changes, and of the first order that the recursion misses.
 
-    Values at the places are ``single`` (n + 1, 18, 33), ``end`` (n + 1, 5, 36) and ``end_slopes``,
+    Values at the places are ``single`` (n + 1, 18, 48), ``early`` (n + 1, 12, 3), the states of
+    the first contacts on exponential chains, ``end`` (n + 1, 5, 51), and ``end_slopes``,
     the derivatives of those of exponential chains, (n + 1, 5, 3).  ``second`` (K + 3, 84) and
-    ``last`` (L + 3, 18) are coefficients of B-splines.
+    ``last`` (L + 3, 84) are coefficients of B-splines.  Without ``early``, the tables belong to a
+    recursion whose first order is not completed.
     """
     from scipy.interpolate import Akima1DInterpolator, CubicHermiteSpline, CubicSpline
+
+    from .linear_response import missing_response, pieces_of
 
     # Near the free end of steep forward tapers, functions of the rate have kinks: there,
     # interpolation must be local.
@@ -255,10 +255,17 @@ def fast_tables(
     # The first number of each component is the state on an exponential chain.
     each = slice(None, None, end.shape[2] // len(STATE))
     of_end[..., each] = CubicHermiteSpline(places, end[..., each], end_slopes).c
+    by_state = single.reshape(*single.shape[:2], len(STATE), -1)
+    missing = np.zeros((len(places), single.shape[1] - end.shape[1], len(STATE), end.shape[2] // 3))
+    if early is not None:
+        missing = missing_response(slow, places, by_state, early)
+    rest = pieces_of(places, missing)
+    # The effect of the free end is a difference from the response within.
+    rest = np.concatenate([rest, rest[-1] + np.transpose(of_end, (2, 1, 0, 3))])
     return FastTables(
         places=places,
         single=np.ascontiguousarray(np.transpose(pieces, (2, 1, 0, 3))),
-        end=np.ascontiguousarray(np.transpose(of_end, (2, 1, 0, 3))),
+        rest=np.ascontiguousarray(rest),
         knots=knots,
         second=np.ascontiguousarray(cubic_pieces(knots, second)),
         last_knots=last_knots,
@@ -295,13 +302,11 @@ def universal_functions(exponent: float) -> UniversalFunctions:
 
 def functions_of(exponent: float, of: dict[str, Array]) -> UniversalFunctions:
     """Universal functions from interpolated tables."""
-    # Rows of `exponents.VALUES` have the shapes of `assemble` and `fast_tables`.
     # The second order of the last contact has no table, as it varies too much with the exponent.
-    last_knots, last = of["fast_knots"][[0, -1]], np.zeros((4, 18))
-    fast = fast_tables(
-        exponent, of["places"], of["single"], of["end"], of["end_slopes"], of["fast_knots"],
-        of["second"], last_knots, last,
-    )  # fmt: skip
+    last = {"last_knots": of["fast_knots"][[0, -1]], "last": np.zeros((4, LAST))}
+    names = "places", "single", "early", "end", "end_slopes", "second"
+    fast = {name: of[name] for name in names if name in of}
+    fast |= last | {"knots": of["fast_knots"]}
     return assemble(
         exponent, of["nodes"], of["values"], of["knots"], of["response"], fast, of["error"]
     )
@@ -315,10 +320,9 @@ def read_tables(folder: Path, exponent: float) -> UniversalFunctions:
     with np.load(folder / "fast.npz") as stored:
         of = {name: unpack(stored[name], STEPS[name], 0) for name in FAST_VALUES}
         places = {name: stored[name] for name in ("places", "knots", "last_knots")}
-    fast = fast_tables(exponent, **of, **places)
     first, others = _numbers(folder / "error.csv")
     error = np.concatenate([first, others[0]])
-    return assemble(exponent, nodes, values, knots, coefficients, fast, error)
+    return assemble(exponent, nodes, values, knots, coefficients, of | places, error)
 
 
 def _rows(file: Path) -> Iterator[list[str]]:

@@ -232,7 +232,7 @@ def combine(pieces, weights, x, inside, values, slopes):
         slopes[i] = (3.0 * a * x + 2.0 * b) * x + c if inside else 0.0
 
 
-@compiled
+@entry_point
 def write_steps(slow, steps):
     """Write BEHIND zeros, the differences of the slow rates, AHEAD zeros."""
     steps[:] = 0.0
@@ -270,7 +270,7 @@ WORK = (1 + STATES) * PRODUCTS + STATES * (TAPS + REST)
 # tables: `hertzchain.theory.universal_functions.FastTables`
 # work: (WORK,), is overwritten
 # states: (followed, 3), to which the response is added
-@compiled
+@entry_point
 def add_response(contacts, slow, fast, steps, tables, work, states):
     """Add the response to changes of the rate and to the free end.
 

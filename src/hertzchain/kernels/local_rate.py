@@ -19,7 +19,15 @@ from __future__ import annotations
 
 import numpy as np
 
-from .fast_changes import STATES, combine, compiled, dot, interval_of, polynomials
+from .fast_changes import (
+    STATES,
+    combine,
+    compiled,
+    dot,
+    entry_point,
+    interval_of,
+    polynomials,
+)
 
 # Contacts with separate functions after the impact.
 START = 4
@@ -119,7 +127,7 @@ WORK = (1 + STATES) * ROW + INPUTS + 2 * STATES
 # doubts: (followed, 4), terms of the estimated error: one; norms of all inputs after the
 #   impact, of those at all other contacts up to this one, and of the products of their size and
 #   of the second degree of the growth
-@compiled
+@entry_point
 def forward(
     rates, followed, nodes, anchors, knots, response, work, states, deviations, slopes, doubts
 ):  # fmt: skip
@@ -169,7 +177,7 @@ def forward(
 # Arguments: as for `forward`, and
 # seeds: derivatives with respect to the states, (followed, 3), which are overwritten
 # to_rates: results are added
-@compiled
+@entry_point
 def backward(rates, knots, response, deviations, slopes, seeds, work, to_rates):
     """Add derivatives with respect to the slow rates."""
     terms, of_terms, inputs, _, _ = parts_of(work)

@@ -15,7 +15,15 @@ from ..frozen import Frozen
 from ..representation import counted, short
 from ..validation.numbers import number, real_numbers
 from ..validation.objects import check_list, check_type
-from .noise import MIN_QUIET, QUIET_PART, digitiser_step, noise_of, onset, saturated
+from .noise import (
+    MIN_QUIET,
+    QUIET_PART,
+    clipped_part,
+    digitiser_step,
+    noise_of,
+    onset,
+    saturated,
+)
 from .places import Place
 from .trace_headers import header_of
 
@@ -25,6 +33,8 @@ if TYPE_CHECKING:
 
 # Sampling is uneven if the relative difference of time steps exceeds this value.
 EVEN = 1e-3
+# Part of the samples of a pulse that may be saturated.
+MAX_CLIPPED = 0.5
 
 
 @dataclass(frozen=True, eq=False)
@@ -337,12 +347,14 @@ def _signal(
     present = np.isfinite(values)
     step = digitiser_step(values[present])
     valid = present.copy()
-    valid[present] = ~saturated(values[present], step)
-    high = present & (np.abs(values) > 0.5 * np.nanmax(np.abs(values)))
-    if high.any() and np.count_nonzero(high & ~valid) > 0.5 * np.count_nonzero(high):
+    flat = saturated(values[present])
+    valid[present] = ~flat
+    clipped, pulse = clipped_part(values[present], flat)
+    if clipped > MAX_CLIPPED * pulse:
         raise InputError(
             f"{place.name} is saturated at {np.nanmax(np.abs(values)):.4g} {unit} during most of "
-            "its pulse; record with a larger range, or remove the column"
+            f"its pulse ({clipped} of {pulse} samples); record with a larger range, or remove the "
+            "column"
         )
     known = noise.get(place.name) if isinstance(noise, Mapping) else noise
     used = 0

@@ -13,6 +13,7 @@ from ..errors import InputError
 from ..representation import counted
 from ..validation.numbers import whole_number
 from ..validation.objects import callback
+from .coupling import coupling_notes
 from .goodness import goodness_of
 from .least_squares import Solution, solve
 from .model import Model, make_model
@@ -65,7 +66,8 @@ def fit(
         The data; paths are read by `hertzchain.load_traces`, one shot per file.
     chain : Chain, path-like or sequence of Chain
         The chain with nominal values, in SI units; one for all shots or one for each.  The table
-        ``[fit]`` of a chain file gives ``free``, ``prior`` and ``start``; arguments replace them.
+        ``[fit]`` of a chain file gives ``free``, ``prior``, ``start`` and ``coupling``; arguments
+        replace them.
     free : sequence of str, optional
         Names of the free parameters.  By default, the stiffness of all contacts (a factor), the
         striker's velocity, the parameters of the loss law, the time offset and the gains of sensors
@@ -215,7 +217,7 @@ def result_of(problem: Problem, solution: Solution) -> FitResult:
     effects = effects_of(problem, values, solution.jacobian, solution.residuals)
     simulations = model.simulator.count
     duration = float(model.traces.shots[0].times[-1] - model.traces.shots[0].times[0])
-    notes += range_notes(chains[0], duration)
+    notes += (*coupling_notes(model.traces, chains), *range_notes(chains[0], duration))
     penalty = float(solution.residuals[count:] @ solution.residuals[count:])
     return FitResult(
         names, estimates, sigmas, covariance, good, solution.converged, solution.reason, weak,

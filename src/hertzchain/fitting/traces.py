@@ -2,19 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from ..collision import Array
-from ..errors import InputError, short_repr
+from ..errors import InputError, short_repr, unknown_name_error
 from ..frozen import Frozen
 from ..representation import counted, short
 from ..validation.numbers import number, real_numbers
-from ..validation.objects import check_list, check_type
+from ..validation.objects import check_choice, check_list, check_type
 from .noise import (
     MIN_QUIET,
     QUIET_PART,
@@ -33,6 +33,7 @@ if TYPE_CHECKING:
 
 # Sampling is uneven if the relative difference of time steps exceeds this value.
 EVEN = 1e-3
+COUPLINGS = ("AC", "DC")
 # Part of the samples of a pulse that may be saturated.
 MAX_CLIPPED = 0.5
 
@@ -57,6 +58,13 @@ class Signal(Frozen):
         Number of samples from which the noise was estimated; 0 if it was given.
     step : float
         Step of the digitiser; 0 if the samples are not on a grid.
+    level : float
+        Mean of the samples before the pulse, in the same unit; NaN without such samples.
+    before : int
+        Number of these samples.
+    coupling : str
+        ``"DC"`` if the signal contains the static force, ``"AC"`` if it does not, or empty if this
+        is decided by the level.
     """
 
     place: Place
@@ -66,6 +74,9 @@ class Signal(Frozen):
     noise: float
     quiet: int
     step: float
+    level: float = np.nan
+    before: int = 0
+    coupling: str = ""
 
     @property
     def name(self) -> str:
@@ -135,6 +146,7 @@ class Traces:
         signals: Mapping[str, ArrayLike],
         *,
         noise: float | Mapping[str, float] | None = None,
+        coupling: str | Mapping[str, str] | None = None,
     ) -> Traces:
         """One shot from arrays.
 
@@ -147,6 +159,10 @@ class Traces:
         noise : float or mapping, optional
             Standard deviation of the noise of all sensors, or by name, in the unit of the
             signal.  By default it is estimated from the samples before the pulse arrives.
+        coupling : {"AC", "DC"} or mapping, optional
+            Whether the signals of all sensors, or by name, contain the static force of a
+            precompressed chain (``"DC"``) or not (``"AC"``, also for piezoelectric sensors).  By
+            default, this is decided by their mean before the pulse.
 
         Returns
         -------
@@ -175,7 +191,7 @@ class Traces:
         for header, given in signals.items():
             place, unit, factor = header_of(header)
             columns[place, unit] = factor * real_numbers(header, given, "sample")
-        return cls((make_shot(moments, columns, noise),))
+        return with_coupling(cls((make_shot(moments, columns, noise),)), coupling)
 
     def __add__(self, other: Traces) -> Traces:
         return Traces(self.shots + other.shots)
@@ -357,11 +373,11 @@ def _signal(
             "column"
         )
     known = noise.get(place.name) if isinstance(noise, Mapping) else noise
-    used = 0
+    before = values[:quiet][present[:quiet]]
+    level, used = float(before.mean()) if len(before) else np.nan, 0
     if known is not None:
         known = number(f"noise of {place.name}", known, above=0.0)
     else:
-        before = values[:quiet][present[:quiet]]
         used = len(before)
         if used < MIN_QUIET:
             raise InputError(
@@ -376,4 +392,30 @@ def _signal(
             )
     for each in (values, valid):
         each.setflags(write=False)
-    return Signal(place, unit, values, valid, known, used, step)
+    return Signal(place, unit, values, valid, known, used, step, level, len(before))
+
+
+def with_coupling(traces: Traces, coupling: Any) -> Traces:
+    """Traces whose sensors have a coupling: one for all, or by name; `None` changes nothing."""
+    if coupling is None:
+        return traces
+    if isinstance(coupling, Mapping):
+        for name in coupling:
+            if name not in traces.names:
+                raise unknown_name_error("sensor of coupling", str(name), traces.names)
+        given = dict(coupling)
+    else:
+        given = dict.fromkeys(traces.names, coupling)
+    for name, value in given.items():
+        check_choice(f"coupling of {name}", value, COUPLINGS)
+    return with_couplings(traces, lambda _, signal: str(given.get(signal.name, signal.coupling)))
+
+
+def with_couplings(traces: Traces, choose: Callable[[int, Signal], str]) -> Traces:
+    """Traces with the coupling of each sensor that a function of shot and signal returns."""
+    return Traces(tuple(
+        Shot(shot.times, tuple(
+            replace(signal, coupling=choose(index, signal)) for signal in shot.signals
+        ))
+        for index, shot in enumerate(traces.shots)
+    ))  # fmt: skip

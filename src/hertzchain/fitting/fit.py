@@ -14,6 +14,7 @@ from ..representation import counted
 from ..validation.numbers import whole_number
 from ..validation.objects import callback
 from .coupling import coupling_notes
+from .diagnosis import diagnosed
 from .goodness import goodness_of
 from .least_squares import Solution, solve
 from .model import Model, make_model
@@ -115,7 +116,8 @@ def fit(
     callback("progress", progress)
     settings = settings.updated(free, priors, start)
     count = whole_number("starts", starts, least=1, most=6)
-    return fit_with(data, chains, settings, count, progress)
+    result = fit_with(data, chains, settings, count, progress)
+    return diagnosed(result, settings.start, fitted)
 
 
 def fit_with(

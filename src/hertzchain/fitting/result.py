@@ -61,6 +61,9 @@ class FitResult:
         Further remarks, one sentence each.
     simulations, starts : int
         Number of simulations and of starts.
+    advice : tuple of str
+        If the model does not describe the data: a cause that explains the residuals, which another
+        fit has confirmed, or what to consider.
     """
 
     names: tuple[str, ...]
@@ -82,6 +85,7 @@ class FitResult:
     variables: Array = field(repr=False)
     jacobian: Array = field(repr=False)
     residual_vector: Array = field(repr=False)
+    advice: tuple[str, ...] = ()
 
     @property
     def values(self) -> dict[str, float]:
@@ -119,6 +123,16 @@ class FitResult:
     def chi2(self) -> float:
         """Sum of the squared residuals of the data over their noise."""
         return self.goodness.chi2
+
+    @property
+    def chi2_per_sample(self) -> dict[str, float]:
+        """Mean of the squared residuals over their noise, by sensor; 1 is expected."""
+        found: dict[str, list[Array]] = {}
+        for _, name, values in self.residuals():
+            found.setdefault(name, []).append(values)
+        return {
+            name: float(np.nanmean(np.concatenate(parts) ** 2)) for name, parts in found.items()
+        }
 
     def bic(self, inflation: float | None = None) -> float:
         r"""Bayesian information criterion :math:`\chi^2/s + k \ln(n/s)`, priors included.
@@ -226,7 +240,11 @@ class FitResult:
         width = max(map(len, self.names))
         for name, row in self.rows():
             lines.append(f"  {name:<{width}}  {row}")
-        return "\n".join([*lines, self.verdict, *self.warnings])
+        lines.append(self.verdict)
+        if len(self.traces.names) > 1:
+            parts = ", ".join(f"{k} {v:.3g}" for k, v in self.chi2_per_sample.items())
+            lines.append(f"chi2 per sample: {parts}")
+        return "\n".join([*lines, *self.warnings])
 
     def rows(self) -> list[tuple[str, str]]:
         """Name, and value with error and unit, of each parameter.
@@ -282,7 +300,9 @@ class FitResult:
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        """Weak directions, effects of sensors, and notes, one sentence each."""
+        """Weak directions, effects of sensors or other causes, and notes, one sentence each."""
+        if not self.describes:
+            return (*self.advice, *(str(each) for each in self.weak), *self.notes)
         effects = sorted(self.effects, key=lambda each: (-each.present, -each.improvement))
         found = [each.note for each in effects if each.note]
         # Effects can be mistaken for each other, so only the strongest is reported.
@@ -342,6 +362,7 @@ class FitResult:
             "samples": self.goodness.samples,
             "effective_samples": self.goodness.effective_samples,
             "bic": self.bic(), "converged": self.converged, "reason": self.reason,
+            "chi2_per_sample": {k: plain(v) for k, v in self.chi2_per_sample.items()},
             "describes": self.describes, "warnings": list(self.warnings),
             "simulations": self.simulations,
         }  # fmt: skip

@@ -216,7 +216,7 @@ def result_of(problem: Problem, solution: Solution) -> FitResult:
             f"{counted(good.skipped, 'sample')} next to jumps of the force "
             f"{'is' if good.skipped == 1 else 'are'} not used",
         )
-    effects = effects_of(problem, values, solution.jacobian, solution.residuals)
+    effects = effects_of(problem, values, solution.jacobian, solution.residuals, good.inflation)
     simulations = model.simulator.count
     duration = float(model.traces.shots[0].times[-1] - model.traces.shots[0].times[0])
     notes += (*coupling_notes(model.traces, chains), *range_notes(chains[0], duration))

@@ -10,6 +10,10 @@ from ..collision import Array
 
 # Smallest number of samples from which a noise is estimated.
 MIN_QUIET: Final = 20
+# Correlations above this many times their error are significant.
+SIGNIFICANT: Final = 2.5
+# Least number of independent samples of a quiet part.
+MIN_INDEPENDENT: Final = 2.0
 # Number of samples at the beginning with which later ones are compared.
 FIRST: Final = 7
 # Number of successive samples that must differ from the first ones when a signal has begun.
@@ -47,14 +51,32 @@ def onset(values: Array) -> int:
 
 
 def noise_of(quiet: Array) -> float:
-    """Standard deviation of a quiet part about its mean."""
-    return float(np.std(quiet, ddof=1))
+    """Standard deviation of a quiet part, whose mean absorbs a part of slow noise."""
+    independent = independent_samples(quiet)
+    return float(np.std(quiet) * (independent / (independent - 1.0)) ** 0.5)
+
+
+def independent_samples(quiet: Array) -> float:
+    """Number of independent samples of a quiet part, from the correlation of successive ones.
+
+    For first-order noise, this is n (1 - rho)/(1 + rho); the estimate of rho is corrected for the
+    mean (M. G. Kendall, Biometrika 41, 403 (1954), doi:10.1093/biomet/41.3-4.403).
+    """
+    count, centred = len(quiet), quiet - quiet.mean()
+    size = float(centred @ centred)
+    if count < MIN_QUIET or size == 0.0:
+        return max(float(count), MIN_INDEPENDENT)
+    rho = float(centred[1:] @ centred[:-1]) / size
+    if rho < SIGNIFICANT / count**0.5:
+        return float(count)
+    rho = min(rho + (1.0 + 3.0 * rho) / count, 1.0)
+    return max(count * (1.0 - rho) / (1.0 + rho), MIN_INDEPENDENT)
 
 
 def digitiser_step(values: Array) -> float:
     """Smallest distance between different values; 0 if they are not on a grid."""
     levels = np.unique(values)
-    if len(levels) < 3:
+    if len(levels) < 3 or len(values) < MIN_QUIET:
         return 0.0
     gaps = np.diff(levels)
     step = float(gaps.min())

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -16,6 +15,7 @@ from ..validation.numbers import number
 from .goodness import Goodness
 from .model import Model
 from .problem import Problem
+from .shown_values import shown_value
 from .systematics import Effect
 from .traces import Traces
 from .weak_directions import WeakDirection
@@ -25,9 +25,6 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from .posterior import Posterior
-
-# Errors and values of factors, times and lengths are shown in these units.
-SHOWN: Mapping[str, tuple[float, str]] = {"s": (1e6, "us"), "m": (1e6, "um")}
 
 
 @dataclass(frozen=True, eq=False)
@@ -259,23 +256,13 @@ class FitResult:
         >>> hc.fit(*hc.example_experiment(), free=["time_offset"]).rows()[0][0]
         'time_offset'
         """
-        found = []
-        for each, value, sigma in zip(
-            self.model.parameters, self.estimates, self.sigmas, strict=True
-        ):
-            unit = each.kind.unit
-            if each.name.key == "gain" and not _calibrated(self.traces, each.name.item):
-                unit = "V/N"
-            factor, unit = SHOWN.get(unit, (1.0, unit))
-            if str(each) in self.at_bounds:
-                error = "(at its bound)"
-            elif np.isfinite(sigma):
-                error = f"+- {factor * sigma:.2g}"
-            else:
-                error = "(not determined)"
-            shown = _rounded(factor * value, factor * sigma)
-            found.append((str(each), " ".join(filter(None, (shown, error, unit)))))
-        return found
+        triples = zip(self.model.parameters, self.estimates, self.sigmas, strict=True)
+        return [
+            (str(each), shown_value(
+                each, self.traces, value, sigma, at_bound=str(each) in self.at_bounds
+            ))
+            for each, value, sigma in triples
+        ]  # fmt: skip
 
     @property
     def verdict(self) -> str:
@@ -453,15 +440,3 @@ class FitResult:
         told = ", ".join(f"{name} = {row}" for name, row in self.rows())
         more = f"{counted(len(self.warnings), 'warning')}: print(result.summary())"
         return short("FitResult", told, self.verdict, more if self.warnings else "")
-
-
-def _calibrated(traces: Traces, name: str) -> bool:
-    return all(signal.calibrated for _, signal in traces if not name or signal.name == name)
-
-
-def _rounded(value: float, error: float) -> str:
-    """A value with two digits beyond the first of its error."""
-    if not np.isfinite(error) or error <= 0.0 or value == 0.0:
-        return f"{value:.5g}"
-    digits = int(np.floor(np.log10(abs(value))) - np.floor(np.log10(error))) + 2
-    return f"{value:.{min(max(digits, 3), 12)}g}"

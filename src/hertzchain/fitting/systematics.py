@@ -80,9 +80,13 @@ class Effect:
 
 
 def effects_of(
-    problem: Problem, values: Mapping[Name, float], jacobian: Array, residuals: Array
-) -> tuple[Effect, ...]:
-    """All effects that a fit does not include, in the linearised problem at its optimum."""
+    problem: Problem, values: Mapping[Name, float], jacobian: Array, residuals: Array,
+    inflation: float,
+) -> tuple[Effect, ...]:  # fmt: skip
+    """All effects that a fit does not include, in the linearised problem at its optimum.
+
+    All variances are multiplied by the number of samples per independent sample.
+    """
     model = problem.model
     included = {name.key for name in model.names}
     found = []
@@ -93,7 +97,10 @@ def effects_of(
         extended = derivative(problem, values, Name(key), residuals)
         # There is no crosstalk between sensors in different units.
         if extended.any():
-            found.append(_effect(key, extended, model, jacobian, residuals))
+            scale = inflation**-0.5
+            found.append(_effect(
+                key, scale * extended, model, scale * jacobian, scale * residuals
+            ))  # fmt: skip
     return tuple(found)
 
 

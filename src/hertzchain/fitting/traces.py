@@ -85,8 +85,13 @@ class Signal(Frozen):
 
     @property
     def sigma(self) -> float:
-        """Standard deviation of a sample: its noise, at least that of the digitiser's step."""
-        return max(self.noise, self.step / 12.0**0.5)
+        """Standard deviation of a sample: its noise and, if this is larger, that of rounding."""
+        return float(np.hypot(self.noise, self.step / 12.0**0.5)) if self.coarse else self.noise
+
+    @property
+    def coarse(self) -> bool:
+        """Whether samples are rounded to steps that are larger than their noise."""
+        return self.step > self.noise
 
     @property
     def calibrated(self) -> bool:
@@ -213,7 +218,7 @@ class Traces:
         return sum(int(signal.valid.sum()) for _, signal in self)
 
     def notes(self) -> tuple[str, ...]:
-        """Remarks on missing and saturated samples and on uneven sampling.
+        """Remarks on missing, saturated and rounded samples and on uneven sampling.
 
         Returns
         -------
@@ -235,6 +240,7 @@ class Traces:
                     f"shot {index} is sampled unevenly, every {low:.3g} to {high:.3g} us; "
                     "nothing is resampled"
                 )
+            found += _coarse_notes(shot, index)
             for signal in shot.signals:
                 missing = int(np.isnan(signal.values).sum())
                 flat = int((~signal.valid).sum()) - missing
@@ -301,10 +307,23 @@ class Traces:
     def __repr__(self) -> str:
         shot = self.shots[0]
         steps = 1e6 * np.diff(shot.times)
-        noises = ", ".join(dict.fromkeys(f"{signal.noise:.3g} {signal.unit}" for _, signal in self))
+        noises = ", ".join(dict.fromkeys(f"{signal.sigma:.3g} {signal.unit}" for _, signal in self))
         every = f"{len(shot.times)} samples, every {np.median(steps):.3g} us"
         about = f"{counted(len(self.shots), 'shot')}, {', '.join(self.names)}"
         return short("Traces", about, every, f"noise {noises}", *self.notes())
+
+
+def _coarse_notes(shot: Shot, number: int) -> list[str]:
+    """Notes on signals that are rounded to steps larger than their noise."""
+    steps: dict[str, list[str]] = {}
+    for signal in shot.signals:
+        if signal.coarse:
+            steps.setdefault(f"{signal.step:.3g} {signal.unit}", []).append(signal.name)
+    return [
+        f"the samples of {', '.join(names)} in shot {number} are rounded to steps of {step}, more "
+        "than their noise: rounding errors are not random, and equal successive samples count once"
+        for step, names in steps.items()
+    ]
 
 
 def make_shot(

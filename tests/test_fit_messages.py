@@ -4,10 +4,11 @@ import re
 
 import numpy as np
 import pytest
-from scipy_row import FREE, TRUTH, chain, recorded, traces
+from scipy_row import BALLS, FREE, TRUTH, chain, recorded, traces
 
 import hertzchain as hc
 from hertzchain.fitting.noise import saturated
+from hertzchain.fitting.weak_directions import WeakDirection
 
 
 @pytest.fixture(scope="module")
@@ -99,3 +100,59 @@ def test_a_fit_without_clipped_samples_recovers_the_truth(limit):
     assert "samples of wall in shot 1 are saturated" in result.summary()
     deviations = [(result.values[name] - TRUTH[name]) / result.errors[name] for name in FREE]
     assert np.abs(deviations).max() < 3.5
+
+
+@pytest.mark.parametrize(
+    ("start", "words"),
+    [
+        ({"stiffness": -1.0}, "the start of stiffness must be from 0.001 to 1000, got -1"),
+        ({"loss.time": -1e-6}, "the start of loss.time must be at least 0, got -1e-06"),
+        ({"struck_by.velocity": 0.0}, "the start of struck_by.velocity must be above 0, got 0"),
+        ({"time_offset": np.inf}, "start of time_offset must be finite"),
+    ],
+)
+def test_starts_out_of_range_are_rejected(start, words):
+    with pytest.raises(hc.InputError, match=re.escape(words)):
+        hc.fit(traces(), chain(), free=FREE, start=start)
+
+
+def test_a_file_without_samples_is_named(tmp_path):
+    (tmp_path / "empty.csv").write_text("time [us],wall [N]\n")
+    with pytest.raises(hc.InputError, match=r"empty\.csv: the file has a header but no samples"):
+        hc.load_traces(tmp_path / "empty.csv")
+
+
+def test_times_in_another_unit_are_suspected():
+    times, columns = recorded()
+    data = hc.Traces.from_arrays(1e3 * times, columns)
+    with pytest.raises(hc.InputError, match="check that the times are in the unit of their header"):
+        hc.fit(data, chain(), free=FREE)
+
+
+def test_errors_of_a_model_that_does_not_describe_the_data_have_no_meaning(good):
+    assert "the errors above have no meaning" not in good.summary()
+    wrong = hc.fit(traces(gap=0.5e-6), chain(), free=FREE)
+    assert not wrong.describes
+    assert wrong.verdict.endswith("the errors above have no meaning")
+
+
+def test_the_overlap_at_which_a_stiffness_is_defined_is_stated():
+    free = ["stiffness", "exponent", "loss.time", "time_offset"]
+    result = hc.fit(traces(exponent=1.45), chain().replace(velocities=[0.25] + [0.0] * BALLS),
+                    free=free)  # fmt: skip
+    (note,) = [each for each in result.notes if each.startswith("stiffness is the factor")]
+    overlap = 1e-6 * float(re.findall(r"overlap of (\S+) um", note)[0])
+    # The forces of the data were defined at an overlap of 2 um, as those of Hertz times 0.97.
+    expected = TRUTH["stiffness"] * (overlap / 2e-6) ** (1.45 - 1.5)
+    assert result.describes
+    assert abs(result.values["stiffness"] - expected) < 4.0 * result.errors["stiffness"] < 0.01
+
+
+def test_offsets_have_the_unit_of_their_sensor():
+    result = hc.fit(traces(), chain(), free=[*FREE, "offset[wall]"])
+    assert dict(result.rows())["offset[wall]"].endswith(" N")
+
+
+def test_one_parameter_on_which_the_data_do_not_depend():
+    direction = WeakDirection({"highpass": 1.0}, np.inf, True, ())
+    assert str(direction).endswith("do not depend on highpass: fix it, or give it a prior")

@@ -211,6 +211,11 @@ def result_of(problem: Problem, solution: Solution) -> FitResult:
     chains = tuple(model.chain(shot, values) for shot in range(len(model.chains)))
     at_bounds = tuple(name for name, there in zip(names, bound, strict=True) if there)
     notes = _notes(model, sigmas, sizes, at_bounds, weak)
+    if {"stiffness", "exponent"} <= {name.key for name in model.names}:
+        notes += (
+            f"stiffness is the factor of the forces at an overlap of {1e6 * model.reference:.3g} "
+            "um, at which the exponent does not change them",
+        )
     if good.skipped:
         notes += (
             f"{counted(good.skipped, 'sample')} next to jumps of the force "

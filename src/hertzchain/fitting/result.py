@@ -26,6 +26,9 @@ if TYPE_CHECKING:
 
     from .posterior import Posterior
 
+# Addition to the verdict if the errors do not apply.
+NO_ERRORS = "; the errors above have no meaning"
+
 
 @dataclass(frozen=True, eq=False)
 class FitResult:
@@ -273,7 +276,7 @@ class FitResult:
             f"({good.effective_samples:.0f} independent samples)"
         )
         if not self.converged:
-            return f"{text}: the fit did not converge: {self.reason}"
+            return f"{text}: the fit did not converge: {self.reason}{NO_ERRORS}"
         if self.describes:
             return f"{text}: the model describes the data{good.reservation}"
         if good.excess < good.correlation:
@@ -283,7 +286,7 @@ class FitResult:
             )
         else:
             reason = f", {good.excess:.0f} standard deviations more than expected"
-        return f"{text}{reason}: the model does not describe the data"
+        return f"{text}{reason}: the model does not describe the data{NO_ERRORS}"
 
     @property
     def warnings(self) -> tuple[str, ...]:

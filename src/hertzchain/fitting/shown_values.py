@@ -21,7 +21,7 @@ def shown_value(
     factor, unit = SHOWN.get(unit := _unit(parameter, traces), (1.0, unit))
     if at_bound:
         error = "(at its bound)"
-    elif np.isfinite(sigma):
+    elif 0.0 < sigma < np.inf:
         error = f"+- {factor * sigma:.2g}"
     else:
         error = "(not determined)"

@@ -10,6 +10,7 @@ import numpy as np
 
 from ..collision import Array
 from ..errors import InputError
+from ..representation import counted
 from ..store.csv_tables import csv_rows, split_header
 from ..units import converted
 from ..validation.objects import check_list, file_path, shown_path, text
@@ -121,9 +122,16 @@ def _shots(
     if not rows:
         raise InputError("the file has no header; write time [us], ball 6 [N], ...")
     header, body = rows[0], rows[1:]
+    if not body:
+        raise InputError(
+            "the file has a header but no samples; write one row per time below the header"
+        )
     for number, row in enumerate(body, start=1):
         if len(row) != len(header):
-            raise InputError(f"row {number} has {len(row)} cells, the header has {len(header)}")
+            raise InputError(
+                f"row {number} has {counted(len(row), 'cell')}, the header has {len(header)}; "
+                "complete or remove the row"
+            )
     time, shot, columns = _columns(header, wanted)
     times = _numbers(body, time, header[time])
     times = _time_factor(header[time]) * times

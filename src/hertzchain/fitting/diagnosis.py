@@ -35,8 +35,8 @@ MAX_TRIED: Final = 4
 # effect of several sensors beyond this number of standard deviations.
 CERTAIN: Final = 5.0
 OTHERS: Final = (
-    "gaps and odd balls (scan_defects, --defects), the exponent, the loss law (--laws all), the "
-    "sizes and materials of striker, balls and wall, and the units of the columns"
+    "gaps and odd balls (scan_defects, --defects), the loss law (--laws all), the exponent of the "
+    "wall, the sizes and materials of striker, balls and wall, and the units of the columns"
 )
 NOTHING_EXPLAINS: Final = (
     "none of the effects tested explains the residuals (offsets, gains, signs, units and order of "

@@ -250,6 +250,56 @@ def fit_correlations() -> Figure:
     return hc.fit(*hc.example_experiment()).plot_correlations()
 
 
+def fit_causes() -> Figure:
+    """Residuals of one sensor for four causes that a fit does not include."""
+    balls = hc.Chain.from_materials("5 mm", "steel-52100", beads=15).struck_by(velocity=0.25)
+    chain = balls.replace(right_wall=hc.Wall(), loss=hc.Viscoelastic(6e-7))
+    gaps = np.zeros(15)
+    gaps[8] = 0.5e-6
+    # The forces at an overlap of 2 um do not depend on the exponent.
+    factor = 2e-6**0.05
+    softer = chain.replace(
+        exponent=1.45, stiffness=factor * chain.stiffness,
+        right_wall=hc.Wall(factor * chain.wall_stiffness[1]),
+    )  # fmt: skip
+    causes = {
+        "offset of 0.6 N": (chain, 0.6, 1.0), "gain of 1.02": (chain, 0.0, 1.02),
+        "gap of 0.5 µm between balls 8 and 9": (chain.replace(gaps=gaps), 0.0, 1.0),
+        "exponent 1.45 instead of 1.5": (softer, 0.0, 1.0),
+    }  # fmt: skip
+    free = ["stiffness", "loss.time", "struck_by.velocity", "time_offset"]
+    with figure_style():
+        canvas, panels = plt.subplots(2, 2, figsize=(8.0, 4.6), sharex=True, layout="constrained")
+        for axes, (title, (true, offset, gain)) in zip(panels.flat, causes.items(), strict=True):
+            result = hc.fit(_three_sensors(true, offset, gain), chain, free=free)
+            _, _, residuals = result.residuals()[1]
+            axes.plot(1e6 * result.traces.shots[0].times, residuals, ".", color="0.35",
+                      markersize=2.0)  # fmt: skip
+            axes.axhline(0.0, color="black", linewidth=0.6)
+            axes.set_title(title)
+            axes.margins(x=0.0)
+        for axes in panels[1]:
+            axes.set_xlabel("time [µs]")
+        for axes in panels[:, 0]:
+            axes.set_ylabel("residual of ball 10 / noise")
+    return canvas
+
+
+def _three_sensors(chain: hc.Chain, offset: float, gain: float) -> hc.Traces:
+    """Synthetic traces; ball 10 has an offset and a gain."""
+    run = hc.simulate(chain, times=np.arange(0.0, 7e-4, 1e-6))
+    forces = {
+        "ball 5 [N]": run.sensor("ball 5"), "ball 10 [N]": gain * run.sensor("ball 10") + offset,
+        "wall [N]": run.force(run.chain.beads),
+    }  # fmt: skip
+    rng = np.random.default_rng(1)
+    columns = {
+        name: np.pad(force, (100, 0), "edge") + 0.1 * rng.standard_normal(800)
+        for name, force in forces.items()
+    }
+    return hc.Traces.from_arrays(1e-6 * np.arange(800), columns)
+
+
 def design_shock_absorber() -> Figure:
     """The shock absorber of the how-to guide: before and after."""
     chain = hc.Chain.from_materials(
@@ -290,6 +340,7 @@ FIGURES: dict[str, Callable[[], Figure]] = {
     "fit-before": fit_before,
     "fit-result": fit_result,
     "fit-correlations": fit_correlations,
+    "fit-causes": fit_causes,
     "design-shock-absorber": design_shock_absorber,
     **{draw.__name__.replace("_", "-"): draw for draw in (*PAGE_FIGURES, *LAW_FIGURES)},
 }

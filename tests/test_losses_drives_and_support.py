@@ -241,7 +241,10 @@ def test_theories_take_masses_and_contacts_of_any_kind():
         (lambda: TableDrive([0.0, 1.0], [0.0]), "2 numbers for the value of the drive"),
         (lambda: Wall(gap=-0.1), "gap to a wall must be at least 0"),
         (lambda: Wall(stiffness=0.0), "stiffness of a wall must be above 0"),
-        (lambda: Wall(stiffness=1.0, material="brass"), "a stiffness or a material, not both"),
+        (
+            lambda: CHAIN.replace(left_wall=Wall(stiffness=1.0, material="brass")),
+            "wall of brass requires a chain with materials",
+        ),
         (lambda: Wall.of("bras"), "did you mean 'brass'"),
         (
             lambda: CHAIN.replace(left_wall=Wall.of("brass")),

@@ -259,21 +259,38 @@ def test_titles_name_strikers_walls_and_losses():
         assert chain_title(chain) == title
 
 
-@pytest.mark.parametrize("pulses", [1, 12])
-def test_the_crest_of_a_fit_covers_no_data(pulses):
+def crest_of(data):
+    """Axes with a signal, and the insets with its crest."""
     times = np.linspace(0.0, 1e-3, 400)
-    data = np.sin(np.pi * pulses * times / 1e-3) ** 2
     signal = hc.Traces.from_arrays(times, {"wall [N]": data}, noise=0.1).shots[0].signals[0]
     axes = plt.figure().subplots()
     axes.plot(1e6 * times, data)
+    limits = axes.get_ylim()
     _draw_crest(axes, times, signal, data)
     axes.figure.canvas.draw()
-    (inset,) = axes.child_axes
+    # The axes show the data, not room for the inset.
+    assert axes.get_ylim() == limits
+    return axes, axes.child_axes
+
+
+@pytest.mark.parametrize("at", [0.15, 0.6, 0.8])
+def test_the_crest_of_a_fit_covers_no_data(at):
+    times = np.linspace(0.0, 1.0, 400)
+    data = 60.0 * np.exp(-(((times - at) / 0.05) ** 2))
+    axes, (inset,) = crest_of(data)
     covered = inset.get_tightbbox()
-    drawn = axes.transData.transform(np.column_stack([1e6 * times, data]))
+    drawn = axes.transData.transform(np.column_stack([1e3 * times, data]))
     assert not any(covered.contains(*point) for point in drawn)
     assert axes.bbox.contains(covered.x0, covered.y0)
     assert axes.bbox.contains(covered.x1, covered.y1)
+    # It has scales.
+    assert len(inset.get_xticks()) >= 2
+    assert len(inset.get_yticks()) >= 2
+
+
+def test_there_is_no_crest_without_a_place_for_it():
+    times = np.linspace(0.0, 1.0, 400)
+    assert not crest_of(np.sin(12.0 * np.pi * times) ** 2)[1]
 
 
 def test_the_legend_of_bands_is_above_them():

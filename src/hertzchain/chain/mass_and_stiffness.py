@@ -63,6 +63,13 @@ def wall_stiffness(
     much for a rigid wall.  The argument ``hertz`` states whether all other contacts are Hertz
     contacts, so that the stiffness can be computed from the material.
     """
+    known = not scaled and material is not None
+    if wall.material is not None and math.isfinite(wall.material.young) and not known:
+        raise InputError(
+            f"a wall of {wall.material.name} requires a chain with materials "
+            "(Chain.from_materials); for a scaled chain use Wall(), Wall.rigid() or "
+            "Wall(stiffness=...)"
+        )
     if wall.stiffness is not None:
         return wall.stiffness
     if not hertz:
@@ -73,12 +80,6 @@ def wall_stiffness(
     if not scaled and material is not None:
         other = material if wall.material is None else wall.material
         return float(sphere_stiffness(radius, math.inf, contact_modulus(material, other)))
-    if wall.material is not None and math.isfinite(wall.material.young):
-        raise InputError(
-            f"a wall of {wall.material.name} requires a chain with materials "
-            "(Chain.from_materials); for a scaled chain use Wall(), Wall.rigid() or "
-            "Wall(stiffness=...)"
-        )
     return math.sqrt(2.0 * radius) * (1.0 if wall.material is None else 2.0)
 
 

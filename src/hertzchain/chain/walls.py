@@ -34,9 +34,11 @@ class Wall(Part):
     ----------
     stiffness : float or None
         Stiffness k > 0 of the contact of wall and bead [scaled, or N/m^p]; a unit is allowed
-        only if p = 3/2.
+        only if p = 3/2.  By default, it follows from the material.
     material : Material or None
-        Material of the wall; that of the bead if `None`.
+        Material of the wall; that of the bead if `None`.  If a stiffness is given, too, the
+        material determines only the limits of Hertz's law (`hertz_range`), first yield, and laws
+        by pairs of materials.
     gap : float
         Distance between wall and bead at time 0, >= 0 [scaled, or m].
     exponent : float or None
@@ -65,15 +67,10 @@ class Wall(Part):
     def __post_init__(self) -> None:
         super().__post_init__()
         if self.stiffness is not None:
-            if self.material is not None:
-                raise InputError(
-                    "a wall has a stiffness or a material, not both: the stiffness follows from "
-                    "the material"
-                )
             k = number("stiffness of a wall", self.stiffness, unit="N/m**1.5", above=0.0,
                        hint="for a rigid wall, use Wall.rigid()")  # fmt: skip
             object.__setattr__(self, "stiffness", k)
-        elif self.material is not None:
+        if self.material is not None:
             object.__setattr__(self, "material", material(self.material))
         gap = number("gap to a wall", self.gap, unit="m", least=0.0)
         object.__setattr__(self, "gap", gap)
@@ -133,15 +130,14 @@ class Wall(Part):
         return cls(material=RIGID, gap=gap)
 
     def __repr__(self) -> str:
-        what = "own material"
-        if self.stiffness is not None:
-            unit = " N/m^1.5" if "stiffness" in self.with_units else ""
-            what = f"stiffness = {self.stiffness:g}{unit}"
-        elif self.material is not None:
-            what = self.material.name
+        kind = "own material" if self.stiffness is None else ""
+        if self.material is not None:
+            kind = self.material.name
+        unit = " N/m^1.5" if "stiffness" in self.with_units else ""
+        stiffness = "" if self.stiffness is None else f"stiffness = {self.stiffness:g}{unit}"
         real = "gap" in self.with_units or self.material not in (None, RIGID)
         gap = length_in_words(self.gap) if real else f"{self.gap:g}"
-        parts = [what, f"gap = {gap}" if self.gap else ""]
+        parts = [kind, stiffness, f"gap = {gap}" if self.gap else ""]
         parts += [f"p = {self.exponent:g}" if self.exponent is not None else ""]
         parts += [f"loss = {self.loss}" if self.loss is not None else ""]
         return f"Wall({', '.join(filter(None, parts))})"

@@ -306,7 +306,7 @@ def _forces_and_speeds(
             wall: Wall | None = getattr(chain, end)
             if wall is not None:
                 changes[end] = dataclasses.replace(
-                    wall, stiffness=float(walls[side]), material=None,
+                    wall, stiffness=float(walls[side]),
                     exponent=wall.exponent if exponents[side] is None else exponents[side],
                 )  # fmt: skip
     return changes

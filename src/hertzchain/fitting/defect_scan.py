@@ -13,6 +13,7 @@ from ..errors import InputError, SimulationError
 from ..representation import short
 from ..validation.numbers import whole_number
 from ..validation.objects import callback, check_choice, check_type
+from .diagnosis import diagnosed
 from .fit import fitted
 from .model import Model
 from .names import Name
@@ -121,7 +122,8 @@ class DefectScan:
             progress(count, count)
         if not tried:
             raise SimulationError("no chain with one of the defects can be simulated")
-        return min(tried, key=lambda each: each.chi2 + each.penalty)
+        best = min(tried, key=lambda each: each.chi2 + each.penalty)
+        return diagnosed(best, {}, fitted)
 
     def __repr__(self) -> str:
         i = int(np.argmax(self.improvements))

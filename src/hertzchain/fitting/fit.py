@@ -13,6 +13,8 @@ from ..errors import InputError
 from ..representation import counted
 from ..validation.numbers import whole_number
 from ..validation.objects import callback
+from .coupling import coupling_notes
+from .diagnosis import diagnosed
 from .goodness import goodness_of
 from .least_squares import Solution, solve
 from .model import Model, make_model
@@ -65,7 +67,8 @@ def fit(
         The data; paths are read by `hertzchain.load_traces`, one shot per file.
     chain : Chain, path-like or sequence of Chain
         The chain with nominal values, in SI units; one for all shots or one for each.  The table
-        ``[fit]`` of a chain file gives ``free``, ``prior`` and ``start``; arguments replace them.
+        ``[fit]`` of a chain file gives ``free``, ``prior``, ``start`` and ``coupling``; arguments
+        replace them.
     free : sequence of str, optional
         Names of the free parameters.  By default, the stiffness of all contacts (a factor), the
         striker's velocity, the parameters of the loss law, the time offset and the gains of sensors
@@ -113,7 +116,8 @@ def fit(
     callback("progress", progress)
     settings = settings.updated(free, priors, start)
     count = whole_number("starts", starts, least=1, most=6)
-    return fit_with(data, chains, settings, count, progress)
+    result = fit_with(data, chains, settings, count, progress)
+    return diagnosed(result, settings.start, fitted)
 
 
 def fit_with(
@@ -207,15 +211,20 @@ def result_of(problem: Problem, solution: Solution) -> FitResult:
     chains = tuple(model.chain(shot, values) for shot in range(len(model.chains)))
     at_bounds = tuple(name for name, there in zip(names, bound, strict=True) if there)
     notes = _notes(model, sigmas, sizes, at_bounds, weak)
+    if {"stiffness", "exponent"} <= {name.key for name in model.names}:
+        notes += (
+            f"stiffness is the factor of the forces at an overlap of {1e6 * model.reference:.3g} "
+            "um, at which the exponent does not change them",
+        )
     if good.skipped:
         notes += (
             f"{counted(good.skipped, 'sample')} next to jumps of the force "
             f"{'is' if good.skipped == 1 else 'are'} not used",
         )
-    effects = effects_of(problem, values, solution.jacobian, solution.residuals)
+    effects = effects_of(problem, values, solution.jacobian, solution.residuals, good.inflation)
     simulations = model.simulator.count
     duration = float(model.traces.shots[0].times[-1] - model.traces.shots[0].times[0])
-    notes += range_notes(chains[0], duration)
+    notes += (*coupling_notes(model.traces, chains), *range_notes(chains[0], duration))
     penalty = float(solution.residuals[count:] @ solution.residuals[count:])
     return FitResult(
         names, estimates, sigmas, covariance, good, solution.converged, solution.reason, weak,

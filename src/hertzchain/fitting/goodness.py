@@ -8,10 +8,11 @@ from typing import Final
 import numpy as np
 
 from ..collision import Array
+from .noise import SIGNIFICANT, independent_samples
 from .traces import Signal, Traces
 
-# Correlations are summed up to this lag, and while they exceed this many times their error.
-MAX_LAG, SIGNIFICANT = 200, 2.5
+# Correlations are summed up to this lag, and while they are significant.
+MAX_LAG: Final = 200
 # The model describes the data if chi-squared exceeds its expectation by fewer standard deviations.
 MAX_EXCESS: Final = 4.0
 # Standard deviations from which a chi-squared is unlikely if the noise is known.
@@ -93,20 +94,37 @@ def goodness_of(traces: Traces, residuals: Array, used: Array, parameters: int) 
     for _, signal in traces:
         count = int(signal.valid.sum())
         own = slice(begin, begin + count)
-        parts.append((residuals[own][used[own]], signal.quiet))
+        parts.append((residuals[own][used[own]], signal))
         begin += count
-    effective = sum(len(part) / correlation_length(part) for part, _ in parts)
+    effective = sum(_independent(part, signal) for part, signal in parts)
     residuals = residuals[used]
     chi2, count = float(residuals @ residuals), len(residuals)
     freedom = count - parameters
     # The noise of each signal has a separate error.
-    noise = sum((len(part) / count) ** 2 * 2.0 / quiet for part, quiet in parts if quiet)
+    noise = sum(
+        (len(part) / count) ** 2 * 2.0 / independent_samples(_quiet(signal))
+        for part, signal in parts if signal.quiet and not signal.coarse
+    )  # fmt: skip
     variance = 2.0 / max(effective - parameters, 1.0) + noise
     excess = (chi2 / max(freedom, 1) - 1.0) / variance**0.5
     return Goodness(
         chi2, count, float(effective), int(np.sum(~used)), freedom, float(excess),
         _correlation(traces, [part for part, _ in parts]), float(noise**0.5),
     )  # fmt: skip
+
+
+def _independent(residuals: Array, signal: Signal) -> float:
+    """Number of independent residuals; of rounded samples, equal successive ones count once."""
+    found = len(residuals) / correlation_length(residuals)
+    if not signal.coarse:
+        return found
+    values = signal.values[signal.valid]
+    return min(found, 1.0 + np.count_nonzero(np.diff(values)))
+
+
+def _quiet(signal: Signal) -> Array:
+    quiet = signal.values[: signal.before]
+    return quiet[np.isfinite(quiet)]
 
 
 def _correlation(traces: Traces, residuals: list[Array]) -> float:
@@ -121,9 +139,8 @@ def _correlation(traces: Traces, residuals: list[Array]) -> float:
 
 def _has_white_noise(signal: Signal) -> bool:
     """Whether the samples before the pulse are known not to be correlated."""
-    quiet = signal.values[: signal.quiet]
-    quiet = quiet[np.isfinite(quiet)]
-    if not len(quiet) or np.ptp(quiet) == 0.0 or signal.sigma > signal.noise:
+    quiet = _quiet(signal) if signal.quiet else np.zeros(0)
+    if not len(quiet) or np.ptp(quiet) == 0.0 or signal.coarse:
         return False
     return float(autocorrelation(quiet, 1)[-1]) < SIGNIFICANT / len(quiet) ** 0.5
 

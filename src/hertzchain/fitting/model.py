@@ -23,7 +23,7 @@ from .parameters import Parameter
 from .sensors import Sensor, filtered, sampled, with_crosstalk
 from .simulations import Signals, Simulator
 from .symmetry import Units, units_of
-from .traces import Traces
+from .traces import Signal, Traces
 
 Values = Mapping[Name, float]
 # Largest logarithm of the ratio of a factor to its start.
@@ -156,7 +156,7 @@ class Model:
         last = float(times[-1]) - min(0.0, *(each.delay for each in sensors))
         run = self.simulator.signals(self.chain(shot, values), max(last, 1e-9))
         signals = [
-            each.gain * self._seen(run, signal.name, each, times) + each.offset
+            each.gain * self._seen(run, signal, each, times) + each.offset
             for signal, each in zip(data.signals, sensors, strict=True)
         ]
         share = given.get(Name("crosstalk"), 0.0)
@@ -177,15 +177,18 @@ class Model:
             found.append(next_to_jumps(times - sensor.delay, column, run.spacing, least_jump))
         return found
 
-    def _seen(self, run: Signals, name: str, sensor: Sensor, times: Array) -> Array:
+    def _seen(self, run: Signals, signal: Signal, sensor: Sensor, times: Array) -> Array:
         """Signal of a sensor before its gain and offset."""
-        key = (run.key, run.spacing, name, replace(sensor, gain=1.0, offset=0.0), times[0],
-               len(times))  # fmt: skip
+        key = (run.key, run.spacing, signal.name, signal.coupling,
+               replace(sensor, gain=1.0, offset=0.0), times[0], len(times))  # fmt: skip
         if key not in self._sampled:
             while len(self._sampled) >= KEPT:
                 del self._sampled[next(iter(self._sampled))]
             places = [place.name for place in self.simulator.places]
-            column = filtered(run.columns[:, places.index(name)], run.spacing, sensor)
+            column = run.columns[:, places.index(signal.name)]
+            if signal.coupling == "AC":
+                column = column - column[0]
+            column = filtered(column, run.spacing, sensor)
             self._sampled[key] = sampled(column, run.spacing, times - sensor.delay)
         return self._sampled[key]
 

@@ -10,6 +10,10 @@ from ..collision import Array
 
 # Smallest number of samples from which a noise is estimated.
 MIN_QUIET: Final = 20
+# Correlations above this many times their error are significant.
+SIGNIFICANT: Final = 2.5
+# Least number of independent samples of a quiet part.
+MIN_INDEPENDENT: Final = 2.0
 # Number of samples at the beginning with which later ones are compared.
 FIRST: Final = 7
 # Number of successive samples that must differ from the first ones when a signal has begun.
@@ -20,14 +24,24 @@ ONSET, ONSET_IN_NOISE, CERTAIN = 0.02, 5.0, 0.3
 # Fraction of the time before the onset that is regarded as quiet, because lags and crosstalk begin
 # earlier.
 QUIET_PART: Final = 0.8
-# Samples are saturated if at least this many successive samples have the same extreme value and the
-# signal next to them falls by more than this many steps.
-MIN_FLAT, FALL_IN_STEPS = 3, 2.5
+# Least number of samples with the same extreme value that may be saturated, and the relative
+# difference of samples that are regarded as equal.
+MIN_FLAT, EQUAL = 3, 1e-7
+# Depth of a crest as a fraction of its height, and at least this many steps of rounded samples.
+CREST, STEPS_OF_CREST = 0.1, 6.0
+# Rounded samples are saturated if there are this many times as many as at the top of a parabola,
+# and as one step below.
+WIDER, STEEPER = 1.5, 2.5
+# Saturated samples are omitted with this many neighbours on each side, because noise decides which
+# of these are saturated, too.
+BESIDE: Final = 1
+# Fraction of the height above which samples belong to a pulse.
+PULSE: Final = 0.05
 
 
 def onset(values: Array) -> int:
     """Index of the first sample at which a signal has begun."""
-    level, size = float(np.median(values[:FIRST])), float(np.ptp(values))
+    level, size = base_level(values), float(np.ptp(values))
     # The median of the differences is determined by the noise even if there is a pulse.
     noise = float(np.median(np.abs(np.diff(values[: MIN_QUIET + 1])))) / (0.6745 * 2.0**0.5)
     threshold = min(max(ONSET * size, ONSET_IN_NOISE * noise), CERTAIN * size)
@@ -37,14 +51,32 @@ def onset(values: Array) -> int:
 
 
 def noise_of(quiet: Array) -> float:
-    """Standard deviation of a quiet part about its mean."""
-    return float(np.std(quiet, ddof=1))
+    """Standard deviation of a quiet part, whose mean absorbs a part of slow noise."""
+    independent = independent_samples(quiet)
+    return float(np.std(quiet) * (independent / (independent - 1.0)) ** 0.5)
+
+
+def independent_samples(quiet: Array) -> float:
+    """Number of independent samples of a quiet part, from the correlation of successive ones.
+
+    For first-order noise, this is n (1 - rho)/(1 + rho); the estimate of rho is corrected for the
+    mean (M. G. Kendall, Biometrika 41, 403 (1954), doi:10.1093/biomet/41.3-4.403).
+    """
+    count, centred = len(quiet), quiet - quiet.mean()
+    size = float(centred @ centred)
+    if count < MIN_QUIET or size == 0.0:
+        return max(float(count), MIN_INDEPENDENT)
+    rho = float(centred[1:] @ centred[:-1]) / size
+    if rho < SIGNIFICANT / count**0.5:
+        return float(count)
+    rho = min(rho + (1.0 + 3.0 * rho) / count, 1.0)
+    return max(count * (1.0 - rho) / (1.0 + rho), MIN_INDEPENDENT)
 
 
 def digitiser_step(values: Array) -> float:
     """Smallest distance between different values; 0 if they are not on a grid."""
     levels = np.unique(values)
-    if len(levels) < 3:
+    if len(levels) < 3 or len(values) < MIN_QUIET:
         return 0.0
     gaps = np.diff(levels)
     step = float(gaps.min())
@@ -53,17 +85,66 @@ def digitiser_step(values: Array) -> float:
     return step if step > 0.0 and repeated and bool(on_grid.all()) else 0.0
 
 
-def saturated(values: Array, step: float) -> Array:
-    """Mask of samples at a flat top or bottom that the signal reaches with a steep slope."""
+def base_level(values: Array) -> float:
+    """Level of a signal before it begins."""
+    return float(np.median(values[:FIRST]))
+
+
+def saturated(values: Array) -> Array:
+    """Mask of samples at a flat top or bottom where the signal would have a crest.
+
+    The noise of a real crest makes its samples different.  If they are rounded, a crest has several
+    samples with the largest value, but hardly more than a parabola would have.
+    """
     mask = np.zeros(len(values), bool)
-    if not len(values) or np.ptp(values) == 0.0:
+    if len(values) < MIN_FLAT or np.ptp(values) == 0.0:
         return mask
-    usual = max(step, 0.002 * float(np.ptp(values)))
-    for extreme in (values.max(), values.min()):
-        edges = np.diff(np.concatenate(([0], (values == extreme).astype(int), [0])))
-        for begin, end in zip(np.flatnonzero(edges > 0), np.flatnonzero(edges < 0), strict=True):
-            beside = [values[i] for i in (begin - 1, end) if 0 <= i < len(values)]
-            fall = max((abs(extreme - each) for each in beside), default=0.0)
-            if end - begin >= MIN_FLAT and fall > FALL_IN_STEPS * usual:
-                mask[begin:end] = True
+    level = base_level(values)
+    for sign in (1.0, -1.0):
+        height = sign * (values - level)
+        if height.max() > CERTAIN * np.abs(values - level).max():
+            mask |= _flat_top(height)
     return mask
+
+
+def _flat_top(height: Array) -> Array:
+    """Mask of the samples at a flat top, and between and next to them."""
+    top = float(height.max())
+    flat = height >= top * (1.0 - EQUAL)
+    mask = np.zeros(len(height), bool)
+    below = np.unique(height[(height > CERTAIN * top) & ~flat])
+    step = float(np.diff(np.append(below, top)).min()) if len(below) else 0.0
+    depth = max(CREST * top, STEPS_OF_CREST * step)
+    crests = [part for part in runs(height > top - depth) if flat[part].any()]
+    if not _is_clipped(np.concatenate([height[part] for part in crests]), top, step, depth):
+        return mask
+    for part in crests:
+        inside = part.start + np.flatnonzero(flat[part])
+        mask[max(int(inside[0]) - BESIDE, 0) : int(inside[-1]) + BESIDE + 1] = True
+    return mask
+
+
+def _is_clipped(crest: Array, top: float, step: float, depth: float) -> bool:
+    """Whether more samples of crests have the largest value than rounding explains."""
+    flat = crest >= top * (1.0 - EQUAL)
+    count, others = int(flat.sum()), crest[~flat]
+    if count < MIN_FLAT:
+        return False
+    # A parabola is within one step of its top for this part of its width at the depth.
+    parabola = len(crest) * (step / depth) ** 0.5
+    next_to_top = int(np.sum(others > top - 1.5 * step))
+    return count > max(WIDER * parabola + 1.0, STEEPER * next_to_top)
+
+
+def runs(mask: Array) -> list[slice]:
+    """Successive samples of a mask."""
+    edges = np.diff(np.concatenate(([0], mask.astype(int), [0])))
+    pairs = zip(np.flatnonzero(edges > 0), np.flatnonzero(edges < 0), strict=True)
+    return [slice(int(begin), int(end)) for begin, end in pairs]
+
+
+def clipped_part(values: Array, mask: Array) -> tuple[int, int]:
+    """Number of saturated samples, and of all samples of the pulses that they belong to."""
+    height = np.abs(values - base_level(values))
+    pulses = [part for part in runs(height > PULSE * height.max()) if mask[part].any()]
+    return int(mask.sum()), sum(part.stop - part.start for part in pulses)

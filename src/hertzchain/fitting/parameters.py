@@ -202,8 +202,20 @@ def _parameter(
                 f"{kind.lower:g} to {kind.upper:g}, exclude each other; change the prior"
             )
         value = prior[0]
-    value = starts.get(name, value)
+    if name in starts:
+        value = starts[name]
+        if not kind.lower <= value <= kind.upper or (kind.factor and value <= 0.0):
+            raise InputError(f"the start of {name} must be {_allowed(kind)}, got {value:g}")
     return Parameter(name, kind, min(max(value, kind.lower), kind.upper), prior)
+
+
+def _allowed(kind: Kind) -> str:
+    """Values of a parameter, in words."""
+    if math.isfinite(kind.lower) and math.isfinite(kind.upper):
+        return f"from {kind.lower:g} to {kind.upper:g}"
+    if kind.factor and not kind.lower > 0.0:
+        return "above 0"
+    return f"at least {kind.lower:g}" if math.isfinite(kind.lower) else f"at most {kind.upper:g}"
 
 
 def kind_and_value(name: Name, traces: Traces, chains: Sequence[Chain]) -> tuple[Kind, float]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -16,6 +15,7 @@ from ..validation.numbers import number
 from .goodness import Goodness
 from .model import Model
 from .problem import Problem
+from .shown_values import shown_value
 from .systematics import Effect
 from .traces import Traces
 from .weak_directions import WeakDirection
@@ -26,8 +26,8 @@ if TYPE_CHECKING:
 
     from .posterior import Posterior
 
-# Errors and values of factors, times and lengths are shown in these units.
-SHOWN: Mapping[str, tuple[float, str]] = {"s": (1e6, "us"), "m": (1e6, "um")}
+# Addition to the verdict if the errors do not apply.
+NO_ERRORS = "; the errors above have no meaning"
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,6 +61,9 @@ class FitResult:
         Further remarks, one sentence each.
     simulations, starts : int
         Number of simulations and of starts.
+    advice : tuple of str
+        If the model does not describe the data: a cause that explains the residuals, which another
+        fit has confirmed, or what to consider.
     """
 
     names: tuple[str, ...]
@@ -82,6 +85,7 @@ class FitResult:
     variables: Array = field(repr=False)
     jacobian: Array = field(repr=False)
     residual_vector: Array = field(repr=False)
+    advice: tuple[str, ...] = ()
 
     @property
     def values(self) -> dict[str, float]:
@@ -119,6 +123,16 @@ class FitResult:
     def chi2(self) -> float:
         """Sum of the squared residuals of the data over their noise."""
         return self.goodness.chi2
+
+    @property
+    def chi2_per_sample(self) -> dict[str, float]:
+        """Mean of the squared residuals over their noise, by sensor; 1 is expected."""
+        found: dict[str, list[Array]] = {}
+        for _, name, values in self.residuals():
+            found.setdefault(name, []).append(values)
+        return {
+            name: float(np.nanmean(np.concatenate(parts) ** 2)) for name, parts in found.items()
+        }
 
     def bic(self, inflation: float | None = None) -> float:
         r"""Bayesian information criterion :math:`\chi^2/s + k \ln(n/s)`, priors included.
@@ -226,7 +240,11 @@ class FitResult:
         width = max(map(len, self.names))
         for name, row in self.rows():
             lines.append(f"  {name:<{width}}  {row}")
-        return "\n".join([*lines, self.verdict, *self.warnings])
+        lines.append(self.verdict)
+        if len(self.traces.names) > 1:
+            parts = ", ".join(f"{k} {v:.3g}" for k, v in self.chi2_per_sample.items())
+            lines.append(f"chi2 per sample: {parts}")
+        return "\n".join([*lines, *self.warnings])
 
     def rows(self) -> list[tuple[str, str]]:
         """Name, and value with error and unit, of each parameter.
@@ -241,23 +259,13 @@ class FitResult:
         >>> hc.fit(*hc.example_experiment(), free=["time_offset"]).rows()[0][0]
         'time_offset'
         """
-        found = []
-        for each, value, sigma in zip(
-            self.model.parameters, self.estimates, self.sigmas, strict=True
-        ):
-            unit = each.kind.unit
-            if each.name.key == "gain" and not _calibrated(self.traces, each.name.item):
-                unit = "V/N"
-            factor, unit = SHOWN.get(unit, (1.0, unit))
-            if str(each) in self.at_bounds:
-                error = "(at its bound)"
-            elif np.isfinite(sigma):
-                error = f"+- {factor * sigma:.2g}"
-            else:
-                error = "(not determined)"
-            shown = _rounded(factor * value, factor * sigma)
-            found.append((str(each), " ".join(filter(None, (shown, error, unit)))))
-        return found
+        triples = zip(self.model.parameters, self.estimates, self.sigmas, strict=True)
+        return [
+            (str(each), shown_value(
+                each, self.traces, value, sigma, at_bound=str(each) in self.at_bounds
+            ))
+            for each, value, sigma in triples
+        ]  # fmt: skip
 
     @property
     def verdict(self) -> str:
@@ -268,7 +276,7 @@ class FitResult:
             f"({good.effective_samples:.0f} independent samples)"
         )
         if not self.converged:
-            return f"{text}: the fit did not converge: {self.reason}"
+            return f"{text}: the fit did not converge: {self.reason}{NO_ERRORS}"
         if self.describes:
             return f"{text}: the model describes the data{good.reservation}"
         if good.excess < good.correlation:
@@ -278,11 +286,13 @@ class FitResult:
             )
         else:
             reason = f", {good.excess:.0f} standard deviations more than expected"
-        return f"{text}{reason}: the model does not describe the data"
+        return f"{text}{reason}: the model does not describe the data{NO_ERRORS}"
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        """Weak directions, effects of sensors, and notes, one sentence each."""
+        """Weak directions, effects of sensors or other causes, and notes, one sentence each."""
+        if not self.describes:
+            return (*self.advice, *(str(each) for each in self.weak), *self.notes)
         effects = sorted(self.effects, key=lambda each: (-each.present, -each.improvement))
         found = [each.note for each in effects if each.note]
         # Effects can be mistaken for each other, so only the strongest is reported.
@@ -342,6 +352,7 @@ class FitResult:
             "samples": self.goodness.samples,
             "effective_samples": self.goodness.effective_samples,
             "bic": self.bic(), "converged": self.converged, "reason": self.reason,
+            "chi2_per_sample": {k: plain(v) for k, v in self.chi2_per_sample.items()},
             "describes": self.describes, "warnings": list(self.warnings),
             "simulations": self.simulations,
         }  # fmt: skip
@@ -432,15 +443,3 @@ class FitResult:
         told = ", ".join(f"{name} = {row}" for name, row in self.rows())
         more = f"{counted(len(self.warnings), 'warning')}: print(result.summary())"
         return short("FitResult", told, self.verdict, more if self.warnings else "")
-
-
-def _calibrated(traces: Traces, name: str) -> bool:
-    return all(signal.calibrated for _, signal in traces if not name or signal.name == name)
-
-
-def _rounded(value: float, error: float) -> str:
-    """A value with two digits beyond the first of its error."""
-    if not np.isfinite(error) or error <= 0.0 or value == 0.0:
-        return f"{value:.5g}"
-    digits = int(np.floor(np.log10(abs(value))) - np.floor(np.log10(error))) + 2
-    return f"{value:.{min(max(digits, 3), 12)}g}"

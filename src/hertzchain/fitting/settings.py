@@ -12,9 +12,10 @@ from ..errors import InputError, short_repr, unknown_name_error
 from ..store.chain_files import chain_from, load_chain
 from ..store.toml_files import read_toml
 from ..validation.objects import file_path, shown_path
-from .traces import Traces
+from .coupling import resolved_coupling
+from .traces import Traces, with_coupling
 
-KEYS = ("free", "prior", "start")
+KEYS = ("free", "prior", "start", "coupling")
 
 
 @dataclass(frozen=True)
@@ -30,12 +31,15 @@ class Settings:
     optional : frozenset of str
         Names in priors and start that need not be free: those of a file whose ``free`` an argument
         replaces.
+    coupling : str, mapping or None
+        AC or DC coupling of all sensors, or by name.
     """
 
     free: Sequence[str] | None = None
     priors: Mapping[str, Any] = field(default_factory=dict)
     start: Mapping[str, Any] = field(default_factory=dict)
     optional: frozenset[str] = frozenset()
+    coupling: Any = None
 
     def updated(
         self, free: Sequence[str] | None, priors: Any, start: Mapping[str, float] | None
@@ -52,6 +56,7 @@ class Settings:
             {**self.start, **(start or {})},
             frozenset() if free is None
             else frozenset({*self.priors, *self.start} - {*(priors or {}), *(start or {})}),
+            self.coupling,
         )  # fmt: skip
 
 
@@ -85,6 +90,7 @@ def load_experiment(
                 "traces are in SI units, but the chain is in scaled variables; build it with "
                 "Chain.from_materials"
             )
+    traces = resolved_coupling(with_coupling(traces, settings.coupling), chains)
     return traces, tuple(chains), settings
 
 
@@ -102,7 +108,9 @@ def load_chain_and_settings(path: str | os.PathLike[str]) -> tuple[Chain, Settin
         for key in table:
             if key not in KEYS:
                 raise unknown_name_error("key of [fit]", key, KEYS)
-        settings = Settings().updated(table.get("free"), table.get("prior"), table.get("start"))
+        settings = Settings(coupling=table.get("coupling")).updated(
+            table.get("free"), table.get("prior"), table.get("start")
+        )
     except InputError as error:
         raise InputError(f"{shown_path(path)}: {error}") from None
     return chain, settings

@@ -109,7 +109,8 @@ class Simulator:
         if count > MAX_TIMES:
             raise InputError(
                 f"the traces last {duration:.3g} s, {count / PER_UNIT:.0f} contact times: too long "
-                "to fit; cut them after the pulse and its first echoes"
+                "to fit; check that the times are in the unit of their header, or cut the traces "
+                "after the pulse and its first echoes"
             )
         limit = None if not self._steps else max(MIN_STEPS, STEP_FACTOR * self._steps)
         with warnings.catch_warnings():

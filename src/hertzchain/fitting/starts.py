@@ -84,8 +84,12 @@ def _shapes(
     """Simulated signals of the sensors of a shot, without the sensor model."""
     _, spacing, columns = model.simulator.signals(model.chain(shot, values), duration)
     places = [place.name for place in model.simulator.places]
-    names = [signal.name for signal in model.traces.shots[shot].signals]
-    return spacing, [columns[:, places.index(name)] for name in names]
+    signals = model.traces.shots[shot].signals
+    found = [columns[:, places.index(signal.name)] for signal in signals]
+    return spacing, [
+        column - column[0] if signal.coupling == "AC" else column
+        for signal, column in zip(signals, found, strict=True)
+    ]
 
 
 def further_starts(

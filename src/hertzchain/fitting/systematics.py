@@ -80,9 +80,13 @@ class Effect:
 
 
 def effects_of(
-    problem: Problem, values: Mapping[Name, float], jacobian: Array, residuals: Array
-) -> tuple[Effect, ...]:
-    """All effects that a fit does not include, in the linearised problem at its optimum."""
+    problem: Problem, values: Mapping[Name, float], jacobian: Array, residuals: Array,
+    inflation: float,
+) -> tuple[Effect, ...]:  # fmt: skip
+    """All effects that a fit does not include, in the linearised problem at its optimum.
+
+    All variances are multiplied by the number of samples per independent sample.
+    """
     model = problem.model
     included = {name.key for name in model.names}
     found = []
@@ -90,27 +94,31 @@ def effects_of(
         neighbours = any(len(shot.signals) > 1 for shot in model.traces.shots)
         if key in included or (key == "crosstalk" and not neighbours):
             continue
-        extended = np.concatenate((_derivative(problem, values, key), np.zeros(
-            len(residuals) - len(problem.data))))  # fmt: skip
+        extended = derivative(problem, values, Name(key), residuals)
         # There is no crosstalk between sensors in different units.
         if extended.any():
-            found.append(_effect(key, extended, model, jacobian, residuals))
+            scale = inflation**-0.5
+            found.append(_effect(
+                key, scale * extended, model, scale * jacobian, scale * residuals
+            ))  # fmt: skip
     return tuple(found)
 
 
-def _derivative(problem: Problem, values: Mapping[Name, float], key: str) -> Array:
-    """Derivative of the residuals of the data with respect to an effect that is zero."""
-    kind = SENSOR_KINDS[key]
-    step = kind.step * kind.typical
-    name = Name(key)
+def derivative(
+    problem: Problem, values: Mapping[Name, float], name: Name, residuals: Array
+) -> Array:
+    """Derivative of all residuals with respect to an effect that the fit does not include."""
+    kind = SENSOR_KINDS[name.key]
+    step, neutral = kind.step * kind.typical, 1.0 if name.key == "gain" else 0.0
     model = problem.model
     more = Model(
-        model.traces, model.chains, (*model.parameters, Parameter(name, kind, 0.0)),
+        model.traces, model.chains, (*model.parameters, Parameter(name, kind, neutral)),
         model.simulator, model.reference,
     )  # fmt: skip
-    shifted = Problem(more).predicted({**values, name: step})
+    shifted = Problem(more).predicted({**values, name: neutral + step})
     change = (shifted - problem.predicted(values)) / problem.sigma / step
-    return np.where(problem.skipped, 0.0, change)
+    priors = np.zeros(len(residuals) - len(problem.data))
+    return np.concatenate((np.where(problem.skipped, 0.0, change), priors))
 
 
 def _effect(key: str, column: Array, model: Model, jacobian: Array, residuals: Array) -> Effect:

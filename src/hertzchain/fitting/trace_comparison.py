@@ -13,8 +13,9 @@ from ..representation import short
 from ..simulation.run import Run
 from ..validation.numbers import number
 from ..validation.objects import check_type
+from .coupling import coupling_notes, resolved_coupling, static_force
 from .sensors import sampled
-from .traces import Traces
+from .traces import Signal, Traces
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -32,11 +33,14 @@ class TraceComparison:
         Simulated signals at the times of the data [N or m/s]; NaN beyond the end of the run.
     time_offset : float
         Time of the data at which the simulation begins [s].
+    notes : tuple of str
+        Sensors whose signal does not contain the static force, in a sentence.
     """
 
     traces: Traces
     signals: tuple[Array, ...] = field(repr=False)
     time_offset: float
+    notes: tuple[str, ...] = ()
 
     @property
     def differences(self) -> dict[str, float]:
@@ -90,7 +94,7 @@ class TraceComparison:
     def __repr__(self) -> str:
         rows = ", ".join(f"{name} {value:.2%}" for name, value in self.differences.items())
         offset = f"time offset {1e6 * self.time_offset:.4g} us"
-        return short("TraceComparison", f"rms difference over peak: {rows}", offset)
+        return short("TraceComparison", f"rms difference over peak: {rows}", offset, *self.notes)
 
 
 def compare_traces(
@@ -112,9 +116,10 @@ def compare_traces(
         raise InputError(
             f"there are {len(traces.shots)} shots; compare a run with one shot: Traces(shots[:1])"
         )
+    traces = resolved_coupling(traces, [run.chain])
     shot = traces.shots[0]
     grid = np.linspace(run.times[0], run.times[-1], len(run.times))
-    columns = [np.interp(grid, run.times, signal.place.signal(run)) for signal in shot.signals]
+    columns = [np.interp(grid, run.times, _signal_of(run, signal)) for signal in shot.signals]
     spacing = float(grid[1] - grid[0])
     if time_offset is not None:
         time_offset = number("time_offset", time_offset, unit="s")
@@ -132,7 +137,14 @@ def compare_traces(
         values = np.full(len(moments), np.nan)
         values[inside] = sampled(column, spacing, moments[inside])
         signals.append(values)
-    return TraceComparison(traces, tuple(signals), float(time_offset))
+    notes = coupling_notes(traces, [run.chain])
+    return TraceComparison(traces, tuple(signals), float(time_offset), notes)
+
+
+def _signal_of(run: Run, signal: Signal) -> Array:
+    """Simulated signal of a sensor; with AC coupling, without the static force."""
+    found = signal.place.signal(run)
+    return found - static_force(signal.place, run.chain) if signal.coupling == "AC" else found
 
 
 def _best_offset(shot, columns: list[Array], spacing: float) -> float:  # type: ignore[no-untyped-def]

@@ -10,12 +10,13 @@ import numpy as np
 
 from ..collision import Array
 from ..errors import InputError
+from ..representation import counted
 from ..store.csv_tables import csv_rows, split_header
 from ..units import converted
 from ..validation.objects import check_list, file_path, shown_path, text
 from .places import Place, place_named
 from .trace_headers import header_of
-from .traces import Traces, make_shot
+from .traces import Traces, make_shot, with_coupling
 
 MISSING: Final = ("", "nan", "NaN", "NA")
 
@@ -24,6 +25,7 @@ def load_traces(
     *paths: str | os.PathLike[str],
     sensors: Sequence[str] | Mapping[str, str] | None = None,
     noise: float | Mapping[str, float] | None = None,
+    coupling: str | Mapping[str, str] | None = None,
 ) -> Traces:
     r"""Read measured traces from CSV files.
 
@@ -45,6 +47,10 @@ def load_traces(
     noise : float or mapping, optional
         Standard deviation of the noise of all sensors, or by name, in N, m/s or V.  By default it
         is estimated from the samples before the pulse arrives at the first sensor.
+    coupling : {"AC", "DC"} or mapping, optional
+        Whether the signals of all sensors, or by name, contain the static force of a precompressed
+        chain (``"DC"``) or not (``"AC"``, also for piezoelectric sensors).  By default, this is
+        decided by their mean before the pulse.
 
     Returns
     -------
@@ -85,7 +91,7 @@ def load_traces(
             shots += _shots(csv_rows(file), wanted, noise)
         except InputError as error:
             raise InputError(f"{shown_path(path)}: {error}") from None
-    return Traces(tuple(shots))
+    return with_coupling(Traces(tuple(shots)), coupling)
 
 
 def _wanted(sensors: object) -> dict[str, str] | None:
@@ -116,9 +122,16 @@ def _shots(
     if not rows:
         raise InputError("the file has no header; write time [us], ball 6 [N], ...")
     header, body = rows[0], rows[1:]
+    if not body:
+        raise InputError(
+            "the file has a header but no samples; write one row per time below the header"
+        )
     for number, row in enumerate(body, start=1):
         if len(row) != len(header):
-            raise InputError(f"row {number} has {len(row)} cells, the header has {len(header)}")
+            raise InputError(
+                f"row {number} has {counted(len(row), 'cell')}, the header has {len(header)}; "
+                "complete or remove the row"
+            )
     time, shot, columns = _columns(header, wanted)
     times = _numbers(body, time, header[time])
     times = _time_factor(header[time]) * times

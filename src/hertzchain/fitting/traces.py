@@ -2,20 +2,28 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from ..collision import Array
-from ..errors import InputError, short_repr
+from ..errors import InputError, short_repr, unknown_name_error
 from ..frozen import Frozen
 from ..representation import counted, short
 from ..validation.numbers import number, real_numbers
-from ..validation.objects import check_list, check_type
-from .noise import MIN_QUIET, QUIET_PART, digitiser_step, noise_of, onset, saturated
+from ..validation.objects import check_choice, check_list, check_type
+from .noise import (
+    MIN_QUIET,
+    QUIET_PART,
+    clipped_part,
+    digitiser_step,
+    noise_of,
+    onset,
+    saturated,
+)
 from .places import Place
 from .trace_headers import header_of
 
@@ -25,6 +33,9 @@ if TYPE_CHECKING:
 
 # Sampling is uneven if the relative difference of time steps exceeds this value.
 EVEN = 1e-3
+COUPLINGS = ("AC", "DC")
+# Part of the samples of a pulse that may be saturated.
+MAX_CLIPPED = 0.5
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,6 +58,13 @@ class Signal(Frozen):
         Number of samples from which the noise was estimated; 0 if it was given.
     step : float
         Step of the digitiser; 0 if the samples are not on a grid.
+    level : float
+        Mean of the samples before the pulse, in the same unit; NaN without such samples.
+    before : int
+        Number of these samples.
+    coupling : str
+        ``"DC"`` if the signal contains the static force, ``"AC"`` if it does not, or empty if this
+        is decided by the level.
     """
 
     place: Place
@@ -56,6 +74,9 @@ class Signal(Frozen):
     noise: float
     quiet: int
     step: float
+    level: float = np.nan
+    before: int = 0
+    coupling: str = ""
 
     @property
     def name(self) -> str:
@@ -64,8 +85,13 @@ class Signal(Frozen):
 
     @property
     def sigma(self) -> float:
-        """Standard deviation of a sample: its noise, at least that of the digitiser's step."""
-        return max(self.noise, self.step / 12.0**0.5)
+        """Standard deviation of a sample: its noise and, if this is larger, that of rounding."""
+        return float(np.hypot(self.noise, self.step / 12.0**0.5)) if self.coarse else self.noise
+
+    @property
+    def coarse(self) -> bool:
+        """Whether samples are rounded to steps that are larger than their noise."""
+        return self.step > self.noise
 
     @property
     def calibrated(self) -> bool:
@@ -125,6 +151,7 @@ class Traces:
         signals: Mapping[str, ArrayLike],
         *,
         noise: float | Mapping[str, float] | None = None,
+        coupling: str | Mapping[str, str] | None = None,
     ) -> Traces:
         """One shot from arrays.
 
@@ -137,6 +164,10 @@ class Traces:
         noise : float or mapping, optional
             Standard deviation of the noise of all sensors, or by name, in the unit of the
             signal.  By default it is estimated from the samples before the pulse arrives.
+        coupling : {"AC", "DC"} or mapping, optional
+            Whether the signals of all sensors, or by name, contain the static force of a
+            precompressed chain (``"DC"``) or not (``"AC"``, also for piezoelectric sensors).  By
+            default, this is decided by their mean before the pulse.
 
         Returns
         -------
@@ -165,7 +196,7 @@ class Traces:
         for header, given in signals.items():
             place, unit, factor = header_of(header)
             columns[place, unit] = factor * real_numbers(header, given, "sample")
-        return cls((make_shot(moments, columns, noise),))
+        return with_coupling(cls((make_shot(moments, columns, noise),)), coupling)
 
     def __add__(self, other: Traces) -> Traces:
         return Traces(self.shots + other.shots)
@@ -187,7 +218,7 @@ class Traces:
         return sum(int(signal.valid.sum()) for _, signal in self)
 
     def notes(self) -> tuple[str, ...]:
-        """Remarks on missing and saturated samples and on uneven sampling.
+        """Remarks on missing, saturated and rounded samples and on uneven sampling.
 
         Returns
         -------
@@ -209,6 +240,7 @@ class Traces:
                     f"shot {index} is sampled unevenly, every {low:.3g} to {high:.3g} us; "
                     "nothing is resampled"
                 )
+            found += _coarse_notes(shot, index)
             for signal in shot.signals:
                 missing = int(np.isnan(signal.values).sum())
                 flat = int((~signal.valid).sum()) - missing
@@ -275,10 +307,23 @@ class Traces:
     def __repr__(self) -> str:
         shot = self.shots[0]
         steps = 1e6 * np.diff(shot.times)
-        noises = ", ".join(dict.fromkeys(f"{signal.noise:.3g} {signal.unit}" for _, signal in self))
+        noises = ", ".join(dict.fromkeys(f"{signal.sigma:.3g} {signal.unit}" for _, signal in self))
         every = f"{len(shot.times)} samples, every {np.median(steps):.3g} us"
         about = f"{counted(len(self.shots), 'shot')}, {', '.join(self.names)}"
         return short("Traces", about, every, f"noise {noises}", *self.notes())
+
+
+def _coarse_notes(shot: Shot, number: int) -> list[str]:
+    """Notes on signals that are rounded to steps larger than their noise."""
+    steps: dict[str, list[str]] = {}
+    for signal in shot.signals:
+        if signal.coarse:
+            steps.setdefault(f"{signal.step:.3g} {signal.unit}", []).append(signal.name)
+    return [
+        f"the samples of {', '.join(names)} in shot {number} are rounded to steps of {step}, more "
+        "than their noise: rounding errors are not random, and equal successive samples count once"
+        for step, names in steps.items()
+    ]
 
 
 def make_shot(
@@ -337,19 +382,21 @@ def _signal(
     present = np.isfinite(values)
     step = digitiser_step(values[present])
     valid = present.copy()
-    valid[present] = ~saturated(values[present], step)
-    high = present & (np.abs(values) > 0.5 * np.nanmax(np.abs(values)))
-    if high.any() and np.count_nonzero(high & ~valid) > 0.5 * np.count_nonzero(high):
+    flat = saturated(values[present])
+    valid[present] = ~flat
+    clipped, pulse = clipped_part(values[present], flat)
+    if clipped > MAX_CLIPPED * pulse:
         raise InputError(
             f"{place.name} is saturated at {np.nanmax(np.abs(values)):.4g} {unit} during most of "
-            "its pulse; record with a larger range, or remove the column"
+            f"its pulse ({clipped} of {pulse} samples); record with a larger range, or remove the "
+            "column"
         )
     known = noise.get(place.name) if isinstance(noise, Mapping) else noise
-    used = 0
+    before = values[:quiet][present[:quiet]]
+    level, used = float(before.mean()) if len(before) else np.nan, 0
     if known is not None:
         known = number(f"noise of {place.name}", known, above=0.0)
     else:
-        before = values[:quiet][present[:quiet]]
         used = len(before)
         if used < MIN_QUIET:
             raise InputError(
@@ -364,4 +411,30 @@ def _signal(
             )
     for each in (values, valid):
         each.setflags(write=False)
-    return Signal(place, unit, values, valid, known, used, step)
+    return Signal(place, unit, values, valid, known, used, step, level, len(before))
+
+
+def with_coupling(traces: Traces, coupling: Any) -> Traces:
+    """Traces whose sensors have a coupling: one for all, or by name; `None` changes nothing."""
+    if coupling is None:
+        return traces
+    if isinstance(coupling, Mapping):
+        for name in coupling:
+            if name not in traces.names:
+                raise unknown_name_error("sensor of coupling", str(name), traces.names)
+        given = dict(coupling)
+    else:
+        given = dict.fromkeys(traces.names, coupling)
+    for name, value in given.items():
+        check_choice(f"coupling of {name}", value, COUPLINGS)
+    return with_couplings(traces, lambda _, signal: str(given.get(signal.name, signal.coupling)))
+
+
+def with_couplings(traces: Traces, choose: Callable[[int, Signal], str]) -> Traces:
+    """Traces with the coupling of each sensor that a function of shot and signal returns."""
+    return Traces(tuple(
+        Shot(shot.times, tuple(
+            replace(signal, coupling=choose(index, signal)) for signal in shot.signals
+        ))
+        for index, shot in enumerate(traces.shots)
+    ))  # fmt: skip

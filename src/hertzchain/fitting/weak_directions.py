@@ -50,7 +50,7 @@ class WeakDirection:
         if self.fixed_by:
             priors = f"prior{'s' if len(self.fixed_by) > 1 else ''}"
             return f"{text}; fixed only by the {priors} of {_grouped(list(self.fixed_by))}"
-        return f"{text}: fix one of them, or give it a prior"
+        return f"{text}: fix {'it' if alone else 'one of them'}, or give it a prior"
 
     def __repr__(self) -> str:
         return short("WeakDirection", str(self))

@@ -25,8 +25,10 @@ POINTS: Final = 4000
 # Fewest samples of a crest that is shown in an inset.
 CREST: Final = 5
 # Width and height of this inset, and its distance from data, in units of the axes.
-INSET: Final = (0.36, 0.42)
+INSET: Final = (0.32, 0.42)
 MARGIN: Final = 0.03
+# Width and height of the labels of its axes, in the same units.
+LABELS: Final = 0.09
 
 
 def plot_traces(traces: Traces, *, ax: Axes | None = None) -> Axes:
@@ -113,26 +115,28 @@ def _draw_crest(axes: Axes, times: Any, signal: Signal, model: Any) -> None:
     if end - begin < CREST:
         return
     shown = slice(begin, end + 1)
-    inset = axes.inset_axes(_free_place(axes, MICRO * times, (signal.values, model)))
+    place = _free_place(axes, MICRO * times, (signal.values, model))
+    if place is None:
+        return
+    inset = axes.inset_axes(place)
     _draw_data_and_model(inset, MICRO * times[shown], signal.values[shown], model[shown])
-    inset.set_xticks([])
-    inset.set_yticks([])
+    inset.locator_params(axis="x", nbins=3)
+    inset.locator_params(axis="y", nbins=4)
+    inset.tick_params(labelsize=6.0, length=2.0, pad=1.5)
     inset.set_title("crest", fontsize=7, pad=2.0)
 
 
-def _free_place(axes: Axes, times: Any, curves: Any) -> tuple[float, float, float, float]:
-    """Left, bottom, width and height of a place without data; above all of them, if necessary."""
+def _free_place(axes: Axes, times: Any, curves: Any) -> tuple[float, float, float, float] | None:
+    """Left, bottom, width and height of a place without data; none if there is no such place."""
     width, height = INSET
     x = (times - times[0]) / (times[-1] - times[0])
     low, high = axes.get_ylim()
     tops = [(np.where(np.isnan(values), low, values) - low) / (high - low) for values in curves]
-    for left in np.linspace(0.03, 0.97 - width, 20):
-        beside = (x > left - MARGIN) & (x < left + width + MARGIN)
-        if all(np.max(top[beside], initial=0.0) < 0.88 - height - MARGIN for top in tops):
+    for left in np.linspace(0.03 + LABELS, 0.97 - width, 20):
+        beside = (x > left - LABELS - MARGIN) & (x < left + width + MARGIN)
+        if all(np.max(top[beside], initial=0.0) < 0.88 - height - LABELS for top in tops):
             return float(left), 0.88 - height, width, height
-    # Data below 0.4 of the axes, and the inset above them.
-    axes.set_ylim(low, low + (high - low) / (0.86 - height - MARGIN))
-    return 0.5 * (1.0 - width), 0.86 - height, width, height
+    return None
 
 
 def _crest(values: Any, model: Any) -> tuple[int, int]:

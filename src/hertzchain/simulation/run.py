@@ -388,6 +388,8 @@ class Run(Trajectory):
     def compare(self, traces: Traces, *, time_offset: float | None = None) -> TraceComparison:
         """Compare the run with measured traces, without any fit.
 
+        The static force is subtracted for sensors with AC coupling, which are 0 before the pulse.
+
         Parameters
         ----------
         traces : Traces

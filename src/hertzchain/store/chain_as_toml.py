@@ -150,7 +150,7 @@ def _wall_entry(wall: Wall, names: Mapping[Material, str]) -> dict[str, Any]:
     entry: dict[str, Any] = {}
     if wall.stiffness is not None:
         entry["stiffness"] = wall.stiffness
-    elif wall.material == RIGID:
+    if wall.material == RIGID:
         entry["rigid"] = True
     elif wall.material is not None:
         entry["material"] = names[wall.material]

@@ -1,0 +1,204 @@
+"""Causes of residuals that a fit does not describe, each tried in another fit.
+
+A cause is named only if the model describes the data with it, or if it removes most of the excess
+of chi-squared.  Wrong columns are recognised by amplitudes and arrivals; effects of sensors are
+chosen by their prediction in the linearised fit.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Final
+
+import numpy as np
+
+from ..collision import Array
+from ..errors import SimulationError
+from .chain_parameters import known_names
+from .goodness import correlation_length
+from .misread_columns import misread_columns
+from .names import Name
+from .parameters import Parameter, kind_and_value
+from .problem import Problem
+from .result import FitResult
+from .systematics import EFFECTS, derivative
+
+Refit = Callable[[Problem, Mapping[str, float], int], FitResult]
+# Part of the excess of chi-squared that a cause must remove, and the part that it must remove in
+# the linearised fit to be tried.
+MOST, PROMISING = 0.75, 0.4
+# Largest number of effects that are tried.
+MAX_TRIED: Final = 4
+# Means before the pulse are reported beyond this number of standard errors, and values of an
+# effect of several sensors beyond this number of standard deviations.
+CERTAIN: Final = 5.0
+OTHERS: Final = (
+    "gaps and odd balls (scan_defects, --defects), the loss law (--laws all), the exponent of the "
+    "wall, the sizes and materials of striker, balls and wall, and the units of the columns"
+)
+NOTHING_EXPLAINS: Final = (
+    "none of the effects tested explains the residuals (offsets, gains, signs, units and order of "
+    f"the sensors, lag, highpass, crosstalk and exponent); consider {OTHERS}"
+)
+
+
+@dataclass(frozen=True)
+class Cause:
+    """A cause, the fit with it, and the advice to a user."""
+
+    what: str
+    advice: str
+    result: FitResult
+    added: int
+
+
+def diagnosed(result: FitResult, start: Mapping[str, float], refit: Refit) -> FitResult:
+    """A result with advice if the model does not describe the data."""
+    if result.describes:
+        return result
+    causes = [*_columns(result, start, refit), *_effects(result, refit)]
+    if not any(cause.result.describes for cause in causes):
+        causes += _exponent(result, refit)
+    good = [cause for cause in causes if _removed(result, cause.result) > MOST]
+    levels = _levels(result)
+    if not good:
+        return replace(result, advice=(*levels, NOTHING_EXPLAINS))
+    best = min(good, key=lambda each: (
+        not each.result.describes, each.added if each.result.describes else each.result.chi2
+    ))  # fmt: skip
+    if "offset" in best.what:
+        levels = ()
+    return replace(result, advice=(_sentence(result, best), *levels))
+
+
+def _removed(result: FitResult, other: FitResult) -> float:
+    """Part of the excess of chi-squared that another fit removes."""
+    if other.describes:
+        return 1.0
+    excess = result.chi2 - result.goodness.freedom
+    return (result.chi2 - other.chi2) / excess if excess > 0.0 else 0.0
+
+
+def _sentence(result: FitResult, cause: Cause) -> str:
+    text = f"with {cause.what}, chi2 falls from {result.chi2:.0f} to {cause.result.chi2:.0f}"
+    if cause.result.describes:
+        return f"{text}, and the model describes the data: {cause.advice}"
+    return (
+        f"{text}, by {_removed(result, cause.result):.0%} of its excess, but the model still does "
+        f"not describe the data: {cause.advice}, unless it imitates another cause; consider "
+        f"{OTHERS}"
+    )
+
+
+def _columns(result: FitResult, start: Mapping[str, float], refit: Refit) -> Iterator[Cause]:
+    """Fits to columns with another sign, unit or order."""
+    model = result.model
+    for each in misread_columns(model):
+        problem = Problem(replace(model, traces=each.traces, _sampled={}))
+        try:
+            yield Cause(each.what, each.advice, refit(problem, start, 1), 0)
+        except SimulationError:
+            continue
+
+
+def _effects(result: FitResult, refit: Refit) -> Iterator[Cause]:
+    """Fits with the effects of sensors that promise most in the linearised fit."""
+    groups = list(_groups(result))
+    excess = max(result.chi2 - result.goodness.freedom, 1.0)
+    values = result.model.values(result.variables)
+    inverse = np.linalg.pinv(result.jacobian, rcond=1e-12)
+    columns: dict[Name, Array] = {}
+    gained = []
+    for names in groups:
+        for name in names:
+            if name not in columns:
+                columns[name] = derivative(result.problem, values, name, result.residual_vector)
+        block = np.column_stack([columns[name] for name in names])
+        gained.append(_explained(result, block, inverse) / excess)
+    order = sorted(range(len(groups)), key=lambda i: (gained[i] < MOST, len(groups[i]), -gained[i]))
+    for i in [i for i in order if gained[i] > PROMISING][:MAX_TRIED]:
+        cause = _tried(result, groups[i], refit)
+        if cause is not None:
+            yield cause
+
+
+def _groups(result: FitResult) -> Iterator[tuple[Name, ...]]:
+    """Effects of sensors that are not free: single ones, and offsets or gains of all sensors."""
+    model = result.model
+    free = set(model.names)
+    keys = {name.key for name in free}
+    several = any(len(shot.signals) > 1 for shot in model.traces.shots)
+    for key in EFFECTS:
+        if key not in keys and (several or key != "crosstalk"):
+            yield (Name(key),)
+    for key in ("offset", "gain"):
+        names = [Name(key, item) for item in model.traces.names]
+        names = [each for each in names if each not in free and Name(key) not in free]
+        yield from ((name,) for name in names)
+        if len(names) > 1:
+            yield tuple(names)
+
+
+def _explained(result: FitResult, block: Array, inverse: Array) -> float:
+    """Reduction of chi-squared by parameters with these derivatives, in the linearised fit."""
+    rest = block - result.jacobian @ (inverse @ block)
+    scale = np.linalg.norm(block, axis=0)
+    scale[scale == 0.0] = 1.0
+    left, sizes, _ = np.linalg.svd(rest / scale, full_matrices=False)
+    left = left[:, sizes > 1e-6]
+    return float(np.sum((left.T @ result.residual_vector) ** 2))
+
+
+def _exponent(result: FitResult, refit: Refit) -> Iterator[Cause]:
+    """The fit with the exponent of all contacts, if they have one that is not free."""
+    name = Name("exponent")
+    if name not in result.model.names and str(name) in known_names(result.chain):
+        cause = _tried(result, (name,), refit)
+        if cause is not None:
+            yield cause
+
+
+def _tried(result: FitResult, names: Sequence[Name], refit: Refit) -> Cause | None:
+    """The fit with further parameters; none if it fails."""
+    model, values = result.model, result.values
+    parameters = [replace(each, start=values[str(each)]) for each in model.parameters]
+    for name in names:
+        kind, neutral = kind_and_value(name, model.traces, model.chains)
+        parameters.append(Parameter(name, kind, neutral))
+    try:
+        found = refit(Problem(replace(model, parameters=tuple(parameters))), values, 1)
+    except SimulationError:
+        return None
+    rows = dict(found.rows())
+    clear = [
+        name for name in map(str, names)
+        if len(names) == 1 or _far(name, found.values[name], found.errors[name])
+    ] or [str(name) for name in names]  # fmt: skip
+    shown = ", ".join(f"{name} = {rows[name]}" for name in clear)
+    add = f"{names[0].key}[*]" if len(names) > 1 else str(names[0])
+    return Cause(shown, f"add {add!r} to the free parameters", found, len(names))
+
+
+def _far(name: str, value: float, error: float) -> bool:
+    return abs(value - (1.0 if name.startswith("gain") else 0.0)) > CERTAIN * error
+
+
+def _levels(result: FitResult) -> tuple[str, ...]:
+    """Notes on sensors whose mean before the pulse is not that of the model."""
+    found: dict[str, str] = {}
+    flat = itertools.chain.from_iterable(result.predicted)
+    for (_, signal), model in zip(result.traces, flat, strict=True):
+        if not signal.before:
+            continue
+        quiet = signal.values[: signal.before]
+        independent = signal.before / correlation_length(quiet[np.isfinite(quiet)])
+        error = signal.sigma / max(independent, 1.0) ** 0.5
+        if abs(signal.level - model[0]) > CERTAIN * error:
+            found.setdefault(signal.name, (
+                f"before the pulse, {signal.name} is at {signal.level:.3g} {signal.unit}, the "
+                f"model at {model[0]:.3g} {signal.unit}: check its zero, or add "
+                f"'offset[{signal.name}]' to the free parameters"
+            ))  # fmt: skip
+    return tuple(found.values())

@@ -1,0 +1,134 @@
+"""Columns of traces whose sign, unit or place may be wrong, from amplitudes and arrivals."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+from typing import Final
+
+import numpy as np
+
+from ..collision import Array
+from .model import Model
+from .traces import Shot, Signal, Traces
+
+# Ratios of amplitudes that suggest another prefix of a unit, and their tolerance (a factor).
+PREFIXES: Final = (1e-6, 1e-3, 1e3, 1e6)
+TOLERANCE: Final = 3.0
+# A signal has arrived at this fraction of its largest value; arrivals that differ by less than this
+# number of samples have no order.
+ARRIVED, SAME_TIME = 0.5, 3
+
+
+@dataclass(frozen=True)
+class Misread:
+    """Traces in which columns are read differently, and the advice to check that."""
+
+    what: str
+    advice: str
+    traces: Traces
+
+
+def misread_columns(model: Model) -> Iterator[Misread]:
+    """Traces with signs, units or an order that agree better with the nominal chain."""
+    start = {each.name: each.start for each in model.parameters}
+    predicted = model.predict_shot(0, start)
+    signals = model.traces.shots[0].signals
+    ratios = {
+        signal.name: _largest(_seen(signal)) / _largest(own - own[0])
+        for signal, own in zip(signals, predicted, strict=True)
+        if np.ptp(own) > 0.0
+    }
+    yield from _signs(model.traces, ratios)
+    yield from _units(model.traces, {
+        signal.name: ratios[signal.name]
+        for signal in signals if signal.calibrated and signal.name in ratios
+    })  # fmt: skip
+    yield from _order(model, predicted)
+
+
+def _signs(traces: Traces, ratios: Mapping[str, float]) -> Iterator[Misread]:
+    turned = [name for name, ratio in ratios.items() if ratio < 0.0]
+    if turned:
+        yield Misread(
+            f"the opposite sign of {_listed(turned)}",
+            "check the polarity of the sensor and of its amplifier",
+            _scaled(traces, dict.fromkeys(turned, -1.0)),
+        )
+
+
+def _units(traces: Traces, ratios: Mapping[str, float]) -> Iterator[Misread]:
+    for name, ratio in ratios.items():
+        for prefix in PREFIXES:
+            if 1.0 / TOLERANCE < abs(ratio) / prefix < TOLERANCE:
+                yield Misread(
+                    f"the values of {name} multiplied by {1.0 / prefix:g}",
+                    "check the unit in the header of this column",
+                    _scaled(traces, {name: 1.0 / prefix}),
+                )
+
+
+def _order(model: Model, predicted: list[Array]) -> Iterator[Misread]:
+    """Columns of one quantity and unit in the order in which the pulse should arrive."""
+    signals = model.traces.shots[0].signals
+    expected = [_arrival(own - own[0]) for own in predicted]
+    seen = [_arrival(_seen(signal)) for signal in signals]
+    places: dict[str, str] = {}
+    for kind in dict.fromkeys((each.place.quantity, each.unit) for each in signals):
+        same = [i for i, each in enumerate(signals) if (each.place.quantity, each.unit) == kind]
+        by_model = sorted(same, key=lambda i: expected[i])
+        by_data = sorted(same, key=lambda i: seen[i])
+        for k, (wanted, found) in enumerate(zip(by_model, by_data, strict=True)):
+            if wanted != found and abs(seen[by_data[k]] - seen[wanted]) >= SAME_TIME:
+                places[signals[wanted].name] = signals[found].name
+    if places and set(places) == set(places.values()):
+        how = "exchanged" if len(places) == 2 else "in the order in which the pulse arrives"
+        yield Misread(
+            f"the columns of {_listed(list(places))} {how}",
+            "check the names of these columns",
+            _exchanged(model.traces, places),
+        )
+
+
+def _arrival(values: Array) -> int:
+    return int(np.argmax(np.abs(values) > ARRIVED * np.abs(values).max()))
+
+
+def _seen(signal: Signal) -> Array:
+    """Samples from the level before the pulse; 0 where they are missing."""
+    level = signal.level if np.isfinite(signal.level) else 0.0
+    return np.where(np.isfinite(signal.values), signal.values - level, 0.0)
+
+
+def _largest(values: Array) -> float:
+    return float(values[np.argmax(np.abs(values))])
+
+
+def _listed(names: list[str]) -> str:
+    return names[0] if len(names) == 1 else f"{', '.join(names[:-1])} and {names[-1]}"
+
+
+def _scaled(traces: Traces, factors: Mapping[str, float]) -> Traces:
+    def scaled(signal: Signal) -> Signal:
+        factor = factors.get(signal.name, 1.0)
+        return replace(
+            signal, values=factor * signal.values, noise=abs(factor) * signal.noise,
+            step=abs(factor) * signal.step, level=factor * signal.level,
+        )  # fmt: skip
+
+    return Traces(tuple(
+        Shot(shot.times, tuple(scaled(signal) for signal in shot.signals)) for shot in traces.shots
+    ))  # fmt: skip
+
+
+def _exchanged(traces: Traces, columns: Mapping[str, str]) -> Traces:
+    """Traces in which places get the samples of other columns."""
+    shots = []
+    for shot in traces.shots:
+        known = {signal.name: signal for signal in shot.signals}
+        shots.append(Shot(shot.times, tuple(
+            replace(known[columns.get(each.name, each.name)], place=each.place)
+            if columns.get(each.name, each.name) in known else each
+            for each in shot.signals
+        )))  # fmt: skip
+    return Traces(tuple(shots))

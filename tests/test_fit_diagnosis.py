@@ -1,0 +1,120 @@
+"""Causes that a fit names if the model does not describe the data, which are from SciPy."""
+
+import numpy as np
+import pytest
+from scipy_row import FREE, TRUTH, chain, traces
+
+import hertzchain as hc
+from hertzchain.fitting.diagnosis import NOTHING_EXPLAINS
+
+DESCRIBES = "and the model describes the data"
+A, B, WALL = "ball 5 [N]", "ball 10 [N]", "wall [N]"
+
+
+def fitted(change=None, **options):
+    result = hc.fit(traces(change=change, **options), chain(), free=FREE)
+    assert not result.describes
+    return result
+
+
+def refitted(change, free):
+    """A fit that follows the advice, which must recover the truth."""
+    result = hc.fit(traces(change=change), chain(), free=[*FREE, *free])
+    assert result.describes
+    deviations = [(result.values[name] - TRUTH[name]) / result.errors[name] for name in FREE]
+    assert np.abs(deviations).max() < 3.5
+    return result
+
+
+def test_offsets_are_named():
+    def change(columns):
+        return columns | {A: columns[A] + 0.6, WALL: columns[WALL] - 0.4}
+
+    result = fitted(change)
+    (advice,) = result.advice
+    assert DESCRIBES in advice
+    assert "offset[ball 5] = 0.6" in advice or "offset[ball 5] = 0.59" in advice
+    assert "offset[ball 10]" not in advice
+    assert "add 'offset[*]' to the free parameters" in advice
+    found = refitted(change, ["offset[*]"])
+    assert abs(found.values["offset[wall]"] + 0.4) < 3.5 * found.errors["offset[wall]"]
+
+
+def test_one_offset_is_named_alone():
+    (advice,) = fitted(lambda columns: columns | {B: columns[B] + 0.3}).advice
+    assert "add 'offset[ball 10]' to" in advice
+
+
+def test_chi2_is_stated_for_each_sensor():
+    result = fitted(lambda columns: columns | {B: columns[B] + 0.3})
+    found = result.chi2_per_sample
+    # An offset of 3 times the noise adds 9, as far as the other parameters do not absorb it.
+    assert 5.0 < found["ball 10"] < 10.5
+    assert max(found["ball 5"], found["wall"]) < 2.0
+    assert f"ball 10 {found['ball 10']:.3g}" in result.summary()
+    total = sum(found[s.name] * s.valid.sum() for _, s in result.traces)
+    assert total == pytest.approx(result.chi2, rel=1e-9)
+    assert result.as_dict()["chi2_per_sample"] == found
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        (lambda c: c | {A: c[B], B: c[A]}, "the columns of ball 5 and ball 10 exchanged"),
+        (lambda c: c | {A: c[WALL], B: c[A], WALL: c[B]},
+         "the columns of ball 5, ball 10 and wall in the order in which the pulse arrives"),
+        (lambda c: c | {A: -c[A]}, "the opposite sign of ball 5"),
+        (lambda c: c | {A: -c[A], WALL: -c[WALL]}, "the opposite sign of ball 5 and wall"),
+        (lambda c: c | {A: 1e-3 * c[A]}, "the values of ball 5 multiplied by 1000"),
+        (lambda c: c | {WALL: 1e3 * c[WALL]}, "the values of wall multiplied by 0.001"),
+        (lambda c: c | {B: 2.0 * c[B]}, "gain[ball 10] = 2"),
+    ],
+    ids=["two columns", "three columns", "sign", "two signs", "kN", "mN", "gain"],
+)  # fmt: skip
+def test_misread_columns_are_named(change, words):
+    (advice,) = fitted(change).advice
+    assert words in advice or words.replace("= 2", "= 1.99") in advice
+    assert DESCRIBES in advice
+
+
+def test_another_exponent_is_named_rather_than_a_lag():
+    result = fitted(exponent=1.45)
+    (advice,) = result.advice
+    assert "with exponent = 1.4" in advice
+    assert DESCRIBES in advice
+    assert "lag" not in advice
+
+
+@pytest.mark.parametrize("gap", [0.1e-6, 0.5e-6])
+def test_no_effect_of_sensors_is_named_for_a_gap(gap):
+    result = fitted(gap=gap)
+    assert result.advice == (NOTHING_EXPLAINS,)
+    assert "--defects" in result.summary()
+
+
+def test_levels_before_the_pulse_are_named_even_if_there_is_another_cause():
+    result = fitted(lambda columns: columns | {A: columns[A] + 0.1}, gap=0.5e-6)
+    level, other = result.advice
+    assert level.startswith("before the pulse, ball 5 is at ")
+    assert "the model at 0 N" in level
+    # The mean of 60 to 86 samples of noise 0.1.
+    assert float(level.split(" is at ")[1].split(" N")[0]) == pytest.approx(0.1, abs=0.05)
+    assert other == NOTHING_EXPLAINS
+
+
+def test_a_highpass_is_named_and_confirmed():
+    data, file = hc.example_experiment()
+    free = ["stiffness", "struck_by.velocity", "loss.time", "time_offset", "gain[*]"]
+    result = hc.fit(data, hc.load_chain(file), free=free,
+                    priors={"struck_by.velocity": (0.3, 0.003)})  # fmt: skip
+    (advice,) = result.advice
+    # The truth of tools/example_traces.py is 1/(6 ms).
+    assert "with highpass = 17" in advice
+    assert DESCRIBES in advice
+
+
+def test_a_good_fit_has_no_advice():
+    result = hc.fit(traces(), chain(), free=FREE)
+    assert result.describes
+    assert result.advice == ()
+    assert max(result.chi2_per_sample.values()) < 1.3

@@ -1,0 +1,158 @@
+"""Warnings and advice of fits to traces that SciPy computed."""
+
+import re
+
+import numpy as np
+import pytest
+from scipy_row import BALLS, FREE, TRUTH, chain, recorded, traces
+
+import hertzchain as hc
+from hertzchain.fitting.noise import saturated
+from hertzchain.fitting.weak_directions import WeakDirection
+
+
+@pytest.fixture(scope="module")
+def good():
+    return hc.fit(traces(), chain(), free=FREE)
+
+
+def test_traces_of_scipy_are_recovered(good):
+    assert good.describes
+    deviations = [(good.values[name] - true) / good.errors[name] for name, true in TRUTH.items()]
+    assert np.abs(deviations).max() < 3.5
+
+
+def test_a_fitted_wall_keeps_the_yield_strength_of_its_material(good):
+    # Johnson, Eq. (4.24): the pressure is proportional to the root of the overlap, which is
+    # proportional to (v^2/k)^(2/5).
+    start = hc.hertz_range(chain()).yield_ratio[-1]
+    change = (0.25 / 0.26) ** 0.4 * 0.97**-0.2
+    assert hc.hertz_range(good.chain).yield_ratio[-1] == pytest.approx(change * start, rel=2e-3)
+    # Annealed steel yields long before the balls do.
+    assert start > 5.0
+    assert good.chain.right_wall.material.name == "steel-304"
+    assert "pressure / yield" in good.summary()
+    with pytest.warns(hc.ModelRangeWarning, match="right wall"):
+        hc.simulate(good.chain)
+
+
+def test_a_wall_with_stiffness_and_material_is_kept_by_chain_files(good, tmp_path):
+    (tmp_path / "fitted.toml").write_text(good.chain_toml())
+    wall = hc.load_chain(tmp_path / "fitted.toml").right_wall
+    assert wall.stiffness == good.chain.right_wall.stiffness
+    assert wall.material.yield_strength == hc.material("steel-304").yield_strength
+    assert repr(wall).startswith("Wall(steel-304, stiffness = ")
+
+
+def clipped(columns, limit, step=0.0):
+    """Columns of which that of the wall is rounded and clipped by a digitiser."""
+    wall = columns["wall [N]"]
+    rounded = step * np.round(wall / step) if step else wall
+    return columns | {"wall [N]": np.minimum(rounded, limit)}
+
+
+@pytest.mark.parametrize("step", [0.0, 0.0122, 0.05, 0.25])
+@pytest.mark.parametrize("limit", [30, 38, 40, 43, 44, 45, 46, 47, 48, 49, 50, 51])
+def test_every_clipped_crest_is_recognised(limit, step):
+    # The largest force is 52.67 N.
+    level = step * round(limit / step) if step else float(limit)
+    for seed in range(10):
+        times, columns = recorded(seed)
+        wall = clipped(columns, level, step)["wall [N]"]
+        signal = hc.Traces.from_arrays(times, {"wall [N]": wall}).shots[0].signals[0]
+        assert not signal.valid[wall == level].any()
+        # Nothing else but two neighbours is omitted, apart from dips of the noise.
+        assert np.count_nonzero(~signal.valid) <= np.count_nonzero(wall == level) + 8
+
+
+@pytest.mark.parametrize("noise", [0.05, 0.2])
+@pytest.mark.parametrize("step", [0.05, 0.5, 1.0])
+def test_rounded_crests_are_not_regarded_as_clipped(step, noise):
+    found = 0
+    for seed in range(40):
+        _, columns = recorded(seed, noise=noise)
+        for values in columns.values():
+            found += bool(saturated(step * np.round(values / step)).any())
+            found += bool(saturated(values).any())
+    # Of 240 signals.
+    assert found <= 2
+
+
+def test_traces_are_rejected_if_most_of_a_pulse_is_clipped():
+    times, columns = recorded()
+    wall = columns["wall [N]"]
+    # Later pulses of the wall are smaller.
+    peak = int(np.argmax(wall))
+    ends = np.flatnonzero(wall < 0.05 * 13.0)
+    duration = ends[ends > peak][0] - ends[ends < peak][-1] - 1
+    above = np.count_nonzero(wall > 13.0)
+    with pytest.raises(hc.InputError, match="saturated at 13 N during most of its pulse") as caught:
+        hc.Traces.from_arrays(times, clipped(columns, 13.0))
+    counts = [int(each) for each in re.findall(r"\((\d+) of (\d+) samples\)", str(caught.value))[0]]
+    assert counts == pytest.approx([above, duration], rel=0.15)
+    assert above > 0.5 * duration
+
+
+@pytest.mark.parametrize("limit", [30.0, 45.0])
+def test_a_fit_without_clipped_samples_recovers_the_truth(limit):
+    result = hc.fit(traces(change=lambda columns: clipped(columns, limit)), chain(), free=FREE)
+    assert result.describes
+    assert "samples of wall in shot 1 are saturated" in result.summary()
+    deviations = [(result.values[name] - TRUTH[name]) / result.errors[name] for name in FREE]
+    assert np.abs(deviations).max() < 3.5
+
+
+@pytest.mark.parametrize(
+    ("start", "words"),
+    [
+        ({"stiffness": -1.0}, "the start of stiffness must be from 0.001 to 1000, got -1"),
+        ({"loss.time": -1e-6}, "the start of loss.time must be at least 0, got -1e-06"),
+        ({"struck_by.velocity": 0.0}, "the start of struck_by.velocity must be above 0, got 0"),
+        ({"time_offset": np.inf}, "start of time_offset must be finite"),
+    ],
+)
+def test_starts_out_of_range_are_rejected(start, words):
+    with pytest.raises(hc.InputError, match=re.escape(words)):
+        hc.fit(traces(), chain(), free=FREE, start=start)
+
+
+def test_a_file_without_samples_is_named(tmp_path):
+    (tmp_path / "empty.csv").write_text("time [us],wall [N]\n")
+    with pytest.raises(hc.InputError, match=r"empty\.csv: the file has a header but no samples"):
+        hc.load_traces(tmp_path / "empty.csv")
+
+
+def test_times_in_another_unit_are_suspected():
+    times, columns = recorded()
+    data = hc.Traces.from_arrays(1e3 * times, columns)
+    with pytest.raises(hc.InputError, match="check that the times are in the unit of their header"):
+        hc.fit(data, chain(), free=FREE)
+
+
+def test_errors_of_a_model_that_does_not_describe_the_data_have_no_meaning(good):
+    assert "the errors above have no meaning" not in good.summary()
+    wrong = hc.fit(traces(gap=0.5e-6), chain(), free=FREE)
+    assert not wrong.describes
+    assert wrong.verdict.endswith("the errors above have no meaning")
+
+
+def test_the_overlap_at_which_a_stiffness_is_defined_is_stated():
+    free = ["stiffness", "exponent", "loss.time", "time_offset"]
+    result = hc.fit(traces(exponent=1.45), chain().replace(velocities=[0.25] + [0.0] * BALLS),
+                    free=free)  # fmt: skip
+    (note,) = [each for each in result.notes if each.startswith("stiffness is the factor")]
+    overlap = 1e-6 * float(re.findall(r"overlap of (\S+) um", note)[0])
+    # The forces of the data were defined at an overlap of 2 um, as those of Hertz times 0.97.
+    expected = TRUTH["stiffness"] * (overlap / 2e-6) ** (1.45 - 1.5)
+    assert result.describes
+    assert abs(result.values["stiffness"] - expected) < 4.0 * result.errors["stiffness"] < 0.01
+
+
+def test_offsets_have_the_unit_of_their_sensor():
+    result = hc.fit(traces(), chain(), free=[*FREE, "offset[wall]"])
+    assert dict(result.rows())["offset[wall]"].endswith(" N")
+
+
+def test_one_parameter_on_which_the_data_do_not_depend():
+    direction = WeakDirection({"highpass": 1.0}, np.inf, True, ())
+    assert str(direction).endswith("do not depend on highpass: fix it, or give it a prior")

@@ -257,6 +257,14 @@ def test_reasons_for_incomplete_peaks():
     assert loaded.reason == f"the wall is still loaded with {run.forces[-1, -1]:.4g} N"
 
 
+def test_peaks_are_complete_when_all_beads_have_separated():
+    """Also if contacts may pull, so that momentum sets no limit."""
+    loss = hc.VelocityPower(0.5, 1.5, attractive=True)
+    run = hc.simulate(uniform(4, loss=loss), times=0)
+    assert run.status == "nothing more happens"
+    assert run.wall_force().bound == 0.0
+
+
 def test_the_peak_between_two_walls_is_an_estimate():
     held = hc.simulate(uniform(left_wall=WALL), times=0).wall_force()
     assert held.complete

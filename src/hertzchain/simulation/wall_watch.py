@@ -234,7 +234,9 @@ class WallWatch:
         return target.approach(overlaps, stored, self._velocities)
 
     def reach(self, target: Target, overlaps: Array, stored: Array) -> Approach:
-        """The motion that can reach a wall."""
+        """The motion that can reach a wall; that towards it, which is none, if all is over."""
+        if self.closed:
+            return self.approach(target, overlaps, stored)
         return target.reach(overlaps, stored, self._velocities)
 
     @property

@@ -147,7 +147,8 @@ def plot_forces(
                 factor * times,
                 force,
                 color=COLOURS[i % len(COLOURS)],
-                linestyle=("-", "--", "-.", ":")[i // len(COLOURS) % 4],
+                # Lines differ also in print without colours.
+                linestyle=("-", "--", "-.", ":")[i % 4],
                 marker="o" if cut_off else None,
                 markevery=[-1],
                 markerfacecolor="none",

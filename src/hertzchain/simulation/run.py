@@ -383,13 +383,15 @@ class Run(Trajectory):
 
         return animate(self, path, **options)
 
-    def compare(self, traces: Traces, *, time_offset: float | None = None) -> TraceComparison:
+    def compare(
+        self, traces: Traces | str | os.PathLike[str], *, time_offset: float | None = None
+    ) -> TraceComparison:
         """Compare the run with measured traces, without any fit.
 
         Parameters
         ----------
-        traces : Traces
-            Data of one shot, such as those of `hertzchain.load_traces`.
+        traces : Traces or path
+            Data of one shot; a path is read by `hertzchain.load_traces`.
         time_offset : float, optional
             Time of the data at which the run begins [s]; by default, that of the largest
             cross-correlation.
@@ -413,7 +415,10 @@ class Run(Trajectory):
         '4.0%'
         """
         from ..fitting.trace_comparison import compare_traces
+        from ..fitting.trace_files import load_traces
 
+        if isinstance(traces, str | os.PathLike):
+            traces = load_traces(traces)
         return compare_traces(self, traces, time_offset=time_offset)
 
     def _require_times(self) -> None:

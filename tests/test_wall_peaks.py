@@ -205,6 +205,17 @@ def test_the_largest_force_behind_a_rubber_bead_follows_much_later():
     assert late.peak > 1.25 * early.largest_so_far
 
 
+@pytest.mark.filterwarnings("ignore::hertzchain.ModelRangeWarning")
+def test_many_chains_have_the_same_complete_peaks():
+    chain = soft_chain(1)
+    for until, complete in ((1.5e-4, False), (0.1, True)):
+        run = hc.simulate(chain, until=until, times=0)
+        table = hc.simulate_many([chain], keep=["wall_peak_force"], until=until)
+        assert bool(run._complete[1]) == bool(table.complete[0]) == complete
+        if complete:
+            assert table["wall_peak_force"][0] == pytest.approx(run.wall_force().peak, rel=1e-6)
+
+
 def test_the_locked_energy_is_the_smallest_kinetic_energy():
     """Compared with a constrained minimisation by SciPy."""
     from scipy.optimize import LinearConstraint, minimize

@@ -694,3 +694,14 @@ def test_a_budget_without_a_search_is_reported():
     found = hc.design(problem, budget=82, method="gradient")
     assert found.runs <= 82
     assert "no search was completed: the budget was used up" in found.summary()
+
+
+def test_limits_of_the_model_are_stated_once_for_the_result(recwarn):
+    """Not once per trial: every chain of this search exceeds the yield pressure."""
+    chain = hc.Chain.from_materials("4 mm", "steel-52100", beads=6, velocity="1 m/s")
+    chain = chain.replace(right_wall=hc.Wall(), loss=hc.Restitution(0.95))
+    vary = [hc.vary.radii("3 mm", "6 mm")]
+    problem = hc.Design(chain, minimise="wall_force.peak", vary=vary)
+    result = hc.design(problem, budget=100, method="evolution", threads=1)
+    assert not recwarn.list
+    assert result.summary().count("pressure / yield") == 1

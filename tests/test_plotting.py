@@ -304,3 +304,33 @@ def test_the_legend_of_bands_is_above_them():
         assert axes.transData.transform((0.0, highest))[1] < legend.y0
         assert legend.y1 < axes.bbox.y1
         assert legend.width < axes.bbox.width
+
+
+def test_the_wall_has_a_name_where_sensors_are_named():
+    run = hc.simulate(hc.Chain.uniform(6).replace(right_wall=hc.Wall()))
+    np.testing.assert_array_equal(run.sensor("wall"), run.forces[:, -1])
+    np.testing.assert_array_equal(run.sensor("Right  wall"), run.forces[:, -1])
+    axes = run.plot_forces([3, "wall"])
+    assert [text.get_text() for text in axes.get_legend().get_texts()] == ["bead 3", "right wall"]
+    both = run.chain.replace(left_wall=hc.Wall())
+    held = hc.simulate(both, until=4.0)
+    np.testing.assert_array_equal(held.sensor("left wall"), held.forces[:, 0])
+    with pytest.raises(hc.InputError, match="two walls: give 'right wall' or 'left wall'"):
+        held.sensor("wall")
+    with pytest.raises(hc.InputError, match="no left wall; add a left_wall"):
+        run.sensor("left wall")
+    with pytest.raises(hc.InputError, match="no wall; add a right_wall"):
+        hc.simulate(hc.Chain.uniform(6)).sensor("wall")
+
+
+def test_narrow_figures_have_ticks_at_whole_beads_and_lines_that_survive_grey():
+    pulse = hc.propagate(hc.Chain.uniform(16))
+    axes = hc.plot_pulses([pulse, hc.bca(pulse.chain)], residuals=True)
+    axes.figure.set_size_inches(3.4, 2.5)
+    axes.figure.canvas.draw()
+    lower = axes.figure.axes[1]
+    np.testing.assert_array_equal(lower.get_xticks() % 1.0, 0.0)
+    assert lower.get_ylabel() == "difference\n[%]"
+    run = hc.simulate(hc.Chain.uniform(16).replace(right_wall=hc.Wall()))
+    styles = [line.get_linestyle() for line in run.plot_forces([4, 8, 12, "wall"]).lines]
+    assert len(set(styles)) == 4

@@ -352,3 +352,11 @@ def test_beads_that_do_not_part_again():
     with pytest.warns(hc.ModelRangeWarning, match="relaxation time"):
         run = hc.simulate(chain)
     assert run.pulse().velocity[-1] == pytest.approx(1.0 / 3.0, rel=1e-12)
+
+
+def test_a_run_is_compared_with_the_path_of_its_traces():
+    traces, chain = hc.example_experiment()
+    run = hc.simulate(hc.load_chain(chain), until=6e-4, times=1201)
+    by_path = run.compare(chain.parent / "fast.csv")
+    assert by_path.differences == run.compare(traces).differences
+    assert run.compare(str(chain.parent / "fast.csv")).differences == by_path.differences

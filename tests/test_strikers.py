@@ -117,3 +117,15 @@ def test_fast_changes_at_a_heavy_striker_are_announced():
     assert raised[0].filename == __file__
     errors = np.abs(law.compare(hc.propagate(chain)).errors("velocity"))
     assert (errors <= law.velocity_error)[:-3].all()
+
+
+def test_a_striker_can_be_given_by_its_diameter():
+    balls = hc.Chain.from_materials("4 mm", "steel-52100", beads=5)
+    by_diameter, by_radius = balls.struck_by(diameter="6 mm"), balls.struck_by(radius="3 mm")
+    np.testing.assert_array_equal(by_diameter.masses, by_radius.masses)
+    np.testing.assert_array_equal(by_diameter.stiffness, by_radius.stiffness)
+    assert by_diameter.masses[0] == pytest.approx(balls.masses[0] * (3.0 / 4.0) ** 3, rel=1e-12)
+    with pytest.raises(hc.InputError, match="a radius or a diameter, not both"):
+        balls.struck_by(diameter="6 mm", radius="3 mm")
+    with pytest.raises(hc.InputError, match="diameter of a striker"):
+        balls.struck_by(diameter=-1.0)

@@ -1,4 +1,4 @@
-"""Names of beads: ``ball 11`` is counted without the strikers, ``bead 12`` with them."""
+"""Names of beads and walls: ``ball 11`` is counted without the strikers, ``bead 12`` with them."""
 
 from __future__ import annotations
 
@@ -23,6 +23,26 @@ def bead_number(chain: Chain, bead: int | str, what: str = "bead") -> int:
             f"'bead 12' (with them), got {short_repr(bead)}"
         )
     return numbered_bead(chain, found[1], int(found[2]))
+
+
+def wall_number(chain: Chain, name: object) -> int | None:
+    """Number of a wall, 0 or N + 1, from its name; `None` for anything but the name of a wall.
+
+    The names are "right wall", "left wall" and, if the chain has only one, "wall".
+    """
+    words = " ".join(name.lower().split()) if isinstance(name, str) else ""
+    if words not in ("wall", "left wall", "right wall"):
+        return None
+    numbers = {"left wall": 0, "right wall": chain.beads + 1}
+    present = [each for each in numbers if each in chain.features]
+    if words == "wall" and len(present) == 1:
+        return numbers[present[0]]
+    if words in present:
+        return numbers[words]
+    if words == "wall" and present:
+        raise InputError("the chain has two walls: give 'right wall' or 'left wall'")
+    side = "left" if words == "left wall" else "right"
+    raise InputError(f"the chain has no {words}; add a {side}_wall")
 
 
 def numbered_bead(chain: Chain, body: str, number: int) -> int:

@@ -30,6 +30,7 @@ def struck_by(
     *,
     velocity: float = 1.0,
     radius: float | None = None,
+    diameter: float | None = None,
     mass: float | None = None,
     material: MaterialLike | None = None,
     stiffness: float | None = None,
@@ -49,6 +50,8 @@ def struck_by(
         Radius of a striker [scaled, or m].  If only a mass is given, the default is the
         radius of a sphere of this mass.  An infinite radius is a flat face, such as that
         of a piston; it requires a mass.
+    diameter : float, optional
+        Diameter of a striker, instead of its radius [scaled, or m].
     mass : float, optional
         Mass of a striker [scaled, or kg].  The default is that of a sphere.
     material : str or Material, optional
@@ -90,6 +93,11 @@ def struck_by(
     """
     count = whole_number("count of strikers", count, least=1)
     checked_beads(self.beads + count)
+    if diameter is not None:
+        if radius is not None:
+            raise InputError("a striker has a radius or a diameter, not both: omit one")
+        size = number("diameter of a striker", diameter, unit=self._unit("m"), above=0.0)
+        radius = 0.5 * size
     own, radius, mass, drawn = _striker(self, radius, mass, material)
     speed = number("velocity of the strikers", velocity, unit=self._unit("m/s"), least=0.0,
                    hint="positive velocities are towards the chain")  # fmt: skip

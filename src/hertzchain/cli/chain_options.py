@@ -46,7 +46,11 @@ OPTIONS: Final = (
     click.option(
         "--material", metavar="NAME", help="Material of the beads, such as steel-52100 (SI units)."
     ),
-    click.option("--speed", metavar="SPEED", help="Velocity of the impact, such as '1 m/s'."),
+    click.option(
+        "--speed",
+        metavar="SPEED",
+        help="Velocity of the impact, such as '1 m/s'; replaces that of a FILE.",
+    ),
     click.option(
         "--wall",
         metavar="NAME",
@@ -105,7 +109,8 @@ def chains_from(options: ChainOptions) -> dict[str, Chain]:
         }
     beside = [
         each.name for each in fields(options)
-        if each.name not in ("files", "chain_file") and getattr(options, each.name) is not None
+        if each.name not in ("files", "chain_file", "speed")
+        and getattr(options, each.name) is not None
     ]  # fmt: skip
     if beside:
         raise click.UsageError(f"give a chain FILE or --{' and --'.join(beside)}, not both")
@@ -114,7 +119,28 @@ def chains_from(options: ChainOptions) -> dict[str, Chain]:
         names = [os.fspath(file) for file in files]
     if len(set(names)) < len(names):
         raise click.UsageError(f"each chain FILE may be given once, got {', '.join(names)}")
-    return {name: load_chain(file) for name, file in zip(names, files, strict=True)}
+    chains = {name: load_chain(file) for name, file in zip(names, files, strict=True)}
+    if options.speed is not None:
+        return {name: _at_speed(chain, options.speed) for name, chain in chains.items()}
+    return chains
+
+
+def _at_speed(chain: Chain, speed: str) -> Chain:
+    """The chain of a file with another velocity of the impact."""
+    import numpy as np
+
+    from ..validation.numbers import number
+
+    moving = chain.velocities != 0.0
+    if chain.drive is not None or not moving.any() or np.ptp(chain.velocities[moving]) > 0.0:
+        raise click.UsageError(
+            "--speed replaces the velocity of the impact, but the file has a drive or beads with "
+            "different velocities: change them in the file"
+        )
+    if not chain.scaled:
+        _require_unit_of_speed(speed)
+    value = number("--speed", _plain(speed), unit=chain._unit("m/s"), above=0.0)
+    return chain.replace(velocities=np.where(moving, value, 0.0))
 
 
 def _described(options: ChainOptions) -> Chain:
@@ -159,8 +185,12 @@ def _require_units(options: ChainOptions, sizes: dict[str, Any]) -> None:
         if isinstance(size, float):
             raise click.UsageError(f"{option} {size:g} has no unit; write, for example, "
                                    f"{option} '{size:g} mm'")  # fmt: skip
-    speed = options.speed
-    if speed is not None and isinstance(as_typed(speed), float):
+    if options.speed is not None:
+        _require_unit_of_speed(options.speed)
+
+
+def _require_unit_of_speed(speed: str) -> None:
+    if isinstance(as_typed(speed), float):
         raise click.UsageError(f"--speed {speed} has no unit; write, for example, "
                                f"--speed '{speed.strip()} m/s'")  # fmt: skip
 

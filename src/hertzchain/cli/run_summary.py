@@ -86,7 +86,6 @@ def _numbers(force: WallForce | SensorForce) -> dict[str, object]:
 def _wall_lines(wall: WallForce) -> str:
     """Describe the force on a wall; an incomplete one has no peak."""
     from ..representation import counted, measure
-    from ..simulation.wall_force import may_follow
 
     if wall.largest_so_far == 0.0:
         return f"{wall.side} wall: not reached"
@@ -95,7 +94,7 @@ def _wall_lines(wall: WallForce) -> str:
     whole = f"{impulse} in the whole run"
     if not wall.complete:
         return (
-            f"{wall.side} wall: peak not complete, largest so far {largest}; {may_follow(wall)}\n"
+            f"{wall.side} wall: peak not complete, largest so far {largest}; {wall.reason}\n"
             f"  impulse {whole}"
         )
     of_impact = _impulse(wall.impulse_of_impact, wall.units)

@@ -81,7 +81,8 @@ USUAL_TIMES: Final = 400
     multiple=True,
     metavar="BEAD",
     help="Print the first maximum and the largest value of the force in a sensor in this bead, "
-    "such as 12 or, not counting the striker, 'ball 11'; repeatable.",
+    "such as 12 or, not counting the striker, 'ball 11'; repeatable.  With 'wall', --plot plots "
+    "the force on the wall.",
 )
 @click.option(
     "--stream",
@@ -108,7 +109,9 @@ def simulate(
     The forces on walls and in sensors are printed.  A wall receives the impulse of the impact
     until its peak force is complete, possibly in several contacts, and that of the whole run
     until its end.  The force in a sensor in a bead is the mean of the forces on both halves of
-    the bead.  Its first maximum belongs to the first pulse; a later wave may be larger.
+    the bead.  Its first maximum belongs to the first pulse; a later wave may be larger.  It is the
+    largest value before the force first falls by 10% of it, if it is above 1% of the largest
+    force; smaller ripples on a rising flank are not counted as maxima.
 
     Several chain files are simulated one after another, and --plot compares them.
 
@@ -168,7 +171,7 @@ def simulate(
             with progress_bar("frames") as progress:
                 run.animate(animation, progress=progress)
     if plot is not None:
-        _save_plot(runs, beads, plot)
+        _save_plot(runs, beads, plot, forces=bool(sensors))
     if as_json:
         found = [run_as_dict(run, beads[name], waves=waves) for name, run in runs.items()]
         show_json(found[0] if len(found) == 1 else _together(runs, found))
@@ -182,12 +185,16 @@ def simulate(
 
 
 def _beads(chain: Chain, sensors: tuple[str, ...]) -> list[int]:
-    """Numbers of the beads with sensors, from numbers or names such as ``ball 11``."""
-    from ..chain.bead_names import bead_number
+    """Numbers of the beads with sensors, from numbers or names such as ``ball 11``.
+
+    Walls are omitted, because their forces are always reported.
+    """
+    from ..chain.bead_names import bead_number, wall_number
 
     return [
         bead_number(chain, int(each) if each.strip().isdecimal() else each, "--sensor")
         for each in sensors
+        if wall_number(chain, each) is None
     ]
 
 
@@ -214,22 +221,24 @@ def _together(runs: dict[str, Run], found: list[dict[str, object]]) -> dict[str,
     return version | {"runs": named}
 
 
-def _save_plot(runs: dict[str, Run], beads: dict[str, list[int]], plot: Path) -> None:
+def _save_plot(
+    runs: dict[str, Run], beads: dict[str, list[int]], plot: Path, *, forces: bool
+) -> None:
     from ..errors import IncompleteWarning
 
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", IncompleteWarning)  # already shown
-        save_figure(_drawn(runs, beads), plot)
+        save_figure(_drawn(runs, beads, forces=forces), plot)
 
 
-def _drawn(runs: dict[str, Run], beads: dict[str, list[int]]) -> Axes:
+def _drawn(runs: dict[str, Run], beads: dict[str, list[int]], *, forces: bool) -> Axes:
     """Plot forces in sensors and on walls; or else velocities, of one run as a map."""
     from ..plotting.pulses import plot_pulses
     from ..simulation.wall_force import walls_of
 
     first, *others = runs.values()
     shown = {name: [*beads[name], *walls_of(run.chain).values()] for name, run in runs.items()}
-    if not others and not any(beads.values()):
+    if not others and not forces:
         return first.plot()
     if not all(shown.values()):
         return plot_pulses([run.pulse() for run in runs.values()], labels=list(runs))

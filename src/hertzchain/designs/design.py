@@ -11,7 +11,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from ..errors import InputError, InputWarning
+from ..errors import IncompleteWarning, InputError, InputWarning, ModelRangeWarning
 from ..representation import counted
 from ..store.file_lock import lock
 from ..store.journal import Journal
@@ -110,8 +110,10 @@ def design(
     _check_budget(problem, limit, 0 if reason is not None else count)
     options = f"{problem.identity} {chosen} {limit.runs} {limit.seconds} {seed} {count}"
     with _journal(store, options) as journal, warnings.catch_warnings():
-        # Trial chains are made in several threads, which share the filters of warnings.
-        warnings.simplefilter("ignore", InputWarning)
+        # Trial chains are made in several threads, which share the filters of warnings.  The
+        # limits of the models are notes of the chains that are reported.
+        for each in (InputWarning, ModelRangeWarning, IncompleteWarning):
+            warnings.simplefilter("ignore", each)
         trials = Trials(problem, limit, journal, seed, worker_count("threads", threads), progress)
         if reason is not None:
             return _result(trials, Found("none"), _given(trials), {}, (reason,))

@@ -20,6 +20,7 @@ from .elastic_layout import (
     AT_REST,
     BODY,
     BY_ITSELF,
+    CAN_ESCAPE,
     CROSSED,
     CROSSINGS,
     DONE,
@@ -98,12 +99,12 @@ from .elastic_layout import (
     X,
 )
 from .elastic_walls import (
-    ROUNDING,
-    bound_of,
     check_wall,
     close,
+    complete,
     expired,
     held,
+    note_at_end,
     nothing_can_happen,
     start_watch,
 )
@@ -164,7 +165,9 @@ def load(w, beads, lane, chain, numbers, places, pushes, state, gauges, records)
 
 
 @compiled
-def store(w, beads, lane, chain, status, state, gauges, places, records, summary, readings):
+def store(
+    w, beads, lane, chain, numbers, status, state, gauges, places, records, summary, readings
+):  # fmt: skip
     """Store the results of a chain that has ended."""
     for k in range(beads):
         records[FINAL_X, k] = w[X + (k + 1) * LANES + lane]
@@ -172,15 +175,16 @@ def store(w, beads, lane, chain, status, state, gauges, places, records, summary
     for g in range(len(places)):
         for row in range(gauges.shape[2]):
             readings[g, row] = gauges[lane, g, row]
-    peak, complete = gauges[lane, 0, PEAK], 0.0
-    if peak > 0.0 and held(lane, state):
-        complete = 1.0 * (bound_of(w, beads, lane, chain) <= (1.0 + ROUNDING) * peak)
+    peak, can_escape = gauges[lane, 0, PEAK], numbers[CAN_ESCAPE] != 0.0
+    note_at_end(w, beads, lane, chain, state, peak, gauges[lane, 0, IMPULSE])
     summary[END_TIME], summary[STATUS] = state[TIME, lane], status
     summary[TAKEN] = state[STEPS, lane]
     summary[REFUSED] = state[TRIED, lane] - state[STEPS, lane]
     summary[WALL_FIRST_IMPULSE] = state[FIRST_IMPULSE, lane]
     summary[WALL_FIRST_END] = state[FIRST_END, lane]
-    summary[WALL_SINCE], summary[WALL_COMPLETE] = state[SINCE, lane], complete
+    summary[WALL_SINCE] = state[SINCE, lane]
+    known = peak > 0.0 and complete(w, beads, lane, chain, can_escape, state, peak)
+    summary[WALL_COMPLETE] = 1.0 * known
     summary[WALL_IMPACT_IMPULSE] = state[IMPACT_IMPULSE, lane]
 
 
@@ -266,7 +270,8 @@ def ending(w, beads, lane, chain, numbers, walled, state, gauges, records):
         return 0
     if state[TRANSIT, lane] == 0.0:
         return NOTHING_MORE
-    if held(lane, state):
+    peak, can_escape = gauges[lane, 0, PEAK], numbers[CAN_ESCAPE] != 0.0
+    if held(lane, state) and complete(w, beads, lane, chain, can_escape, state, peak):
         return WALL_DONE
     return TRANSIT_LIMIT if expired(lane, state) else 0
 
@@ -400,7 +405,7 @@ def follow(
                 status = STEP_LIMIT
             if status == 0:
                 continue
-            store(w, beads, lane, chains[c], status, state, gauges, places, records[c],
+            store(w, beads, lane, chains[c], numbers[c], status, state, gauges, places, records[c],
                   summary[c], readings[c])  # fmt: skip
             signal[DONE] += 1
             which[lane], running = -1, running - 1

@@ -1,7 +1,7 @@
 """Criteria for the completeness of the largest force on the right wall, for elastic contacts.
 
 These are the compiled criteria of `hertzchain.simulation.wall_watch`;
-`hertzchain.simulation.wall_bound` has the equation of the bound.
+`hertzchain.simulation.wall_bound` has the equations of the bounds.
 """
 
 from __future__ import annotations
@@ -54,6 +54,51 @@ def bound_of(w, beads, lane, chain):
     p, k = w[EXPONENT + at], w[STIFFNESS + at]
     depth = ((p + 1.0) * energy / k) ** (1.0 / (p + 1.0)) + chain[STATIC_OVERLAP, beads]
     return k * depth**p
+
+
+@compiled
+def cannot_be_exceeded(w, beads, lane, peak):
+    """Whether it is proven that no later force on the wall exceeds a peak."""
+    energy, backward = 0.0, 0.0
+    for c in range(beads + 1):
+        at = c * LANES + lane
+        if c < beads:
+            kinetic = 0.5 * w[V + LANES + at] ** 2 / w[INVERSE_MASS + at]
+            energy += kinetic
+            backward += kinetic if w[V + LANES + at] < 0.0 else 0.0
+        d = overlap_of(w, at)
+        if w[STIFFNESS + at] > 0.0 and d > 0.0:
+            energy += force_of(w, at, d) * d / (w[EXPONENT + at] + 1.0)
+    at = beads * LANES + lane
+    p, k = w[EXPONENT + at], w[STIFFNESS + at]
+    enough = k / (p + 1.0) * ((1.0 + ROUNDING) * peak / k) ** ((p + 1.0) / p)
+    # Most checks end here.  The transfer of momentum to the other beads only reduces this energy,
+    # except for that of the last bead.
+    last = (beads - 1) * LANES + lane
+    pushed = min(0.0, w[V + LANES + last] / w[INVERSE_MASS + last])
+    if pushed == 0.0 and energy - backward > enough:
+        return False
+    return energy - locked_energy(w, beads, lane, pushed) <= enough
+
+
+@compiled
+def locked_energy(w, beads, lane, pushed):
+    """Smallest kinetic energy of beads 1 to N - 1, to which ``pushed`` is transferred."""
+    first, locked = 0, 0.0
+    while first < beads - 1:
+        mass, momentum, slope, energy, end = 0.0, 0.0, 0.0, 0.0, beads
+        for k in range(first, beads - 1):
+            at = k * LANES + lane
+            mass += 1.0 / w[INVERSE_MASS + at]
+            momentum += w[V + LANES + at] / w[INVERSE_MASS + at]
+            if k == beads - 2:
+                momentum += pushed
+            if momentum < slope * mass:
+                slope, end = momentum / mass, k + 1
+                energy = 0.5 * momentum * slope
+        locked += energy
+        first = end
+    return locked
 
 
 @compiled
@@ -112,24 +157,46 @@ def check_wall(w, beads, lane, chain, state, peak, impulse):
     if nothing_can_happen(w, beads, lane):
         close(lane, state, impulse)
         return
-    bound = bound_of(w, beads, lane, chain)
-    if peak == 0.0 or bound > (1.0 + ROUNDING) * peak:
+    if peak == 0.0 or bound_of(w, beads, lane, chain) > (1.0 + ROUNDING) * peak:
         state[SINCE, lane] = state[IMPACT_IMPULSE, lane] = 0.0
-        return
-    static = chain[STATIC_FORCE, beads]
-    if w[FORCE + beads * LANES + lane] - static <= RELEASED * (peak - static):
+    elif released(w, beads, lane, chain, peak):
         note(lane, state, impulse)
 
 
 @compiled
+def released(w, beads, lane, chain, peak):
+    """Whether the force on the wall has fallen to a small part of its peak."""
+    static = chain[STATIC_FORCE, beads]
+    return w[FORCE + beads * LANES + lane] - static <= RELEASED * (peak - static)
+
+
+@compiled
+def note_at_end(w, beads, lane, chain, state, peak, impulse):
+    """Record at the end of the run that the impact has ended after the last check."""
+    if peak == 0.0 or state[TRANSIT, lane] == 0.0:
+        return
+    bounded = bound_of(w, beads, lane, chain) <= (1.0 + ROUNDING) * peak
+    if bounded and released(w, beads, lane, chain, peak):
+        note(lane, state, impulse)
+
+
+@compiled
+def complete(w, beads, lane, chain, can_escape, state, peak):
+    """Whether the largest force so far is complete."""
+    if can_escape:
+        return state[SINCE, lane] > 0.0 and cannot_be_exceeded(w, beads, lane, peak)
+    return held(lane, state) and bound_of(w, beads, lane, chain) <= (1.0 + ROUNDING) * peak
+
+
+@compiled
 def held(lane, state):
-    """Whether the peak has been complete for half a transit."""
+    """Whether half a transit has passed since the end of the impact."""
     since = state[SINCE, lane]
     return since > 0.0 and state[TIME, lane] - since >= HELD * state[TRANSIT, lane]
 
 
 @compiled
 def expired(lane, state):
-    """Whether ten transits have passed and the bound is not below the peak."""
+    """Whether ten transits have passed, and half a transit since the end of the impact."""
     last = state[WATCH_START, lane] + (MAX_TRANSITS - 1) * state[TRANSIT, lane]
-    return state[TIME, lane] >= last and state[SINCE, lane] == 0.0
+    return state[TIME, lane] >= last and (state[SINCE, lane] == 0.0 or held(lane, state))

@@ -11,7 +11,7 @@ import numpy as np
 from ..simulation.budget import Budget
 from ..simulation.run import Run
 from ..simulation.sensor_force import SensorForce
-from ..simulation.wall_force import WallForce, may_follow
+from ..simulation.wall_force import WallForce
 from .drawing import (
     COLOURS,
     Curve,
@@ -136,7 +136,7 @@ def wall_force_html(wall: WallForce) -> str:
     }  # fmt: skip
     parts.append(numbers({name: value for name, value in found.items() if value}))
     if not complete:
-        parts.append(note(f"The run ended too early: {may_follow(wall)}."))
+        parts.append(note(f"The run ended too early: {wall.reason}."))
     return page("WallForce", f"{wall.side} wall", *parts)
 
 

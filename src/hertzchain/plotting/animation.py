@@ -135,7 +135,8 @@ def _pictures(run: Run, chosen: Array, magnify: float | None) -> Iterator[Image]
             beads, centres = _draw_beads(top, run, factor * moved)
             marker = _draw_force(below, run)
             set_title(top, chain_title(run.chain))
-            clock = below.text(0.995, 0.97, "", transform=below.transAxes, ha="right", va="top")
+            # Above the axes, where no curve is.
+            clock = below.set_title("t", loc="right", fontsize="medium")
             # The layout of the first frame is kept, to align all frames.
             figure.canvas.draw()
             figure.set_layout_engine("none")

@@ -99,7 +99,7 @@ def plot_sensitivity(result: DesignResult, *, ax: Axes | None = None) -> Axes:
         larger, smaller = result.changes
         beads = np.arange(1, len(larger) + 1)
         for shift, values, colour, label in (
-            (-0.2, larger, COLOURS[3], "+1%"), (0.2, smaller, COLOURS[1], "-1%"),
+            (-0.2, larger, COLOURS[3], "+1%"), (0.2, smaller, COLOURS[1], "\N{MINUS SIGN}1%"),
         ):  # fmt: skip
             axes.bar(beads + shift, 100.0 * values, 0.4, color=colour, label=label)
         axes.axhline(0.0, color="black", linewidth=0.8)

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.ticker import MaxNLocator
 
 from ..collision import Array
 from ..errors import InputError
@@ -97,7 +98,9 @@ def plot_pulses(
         axes.set_yscale("log" if log else "linear")
         if log:
             label_log_axis(axes.yaxis)
-        (axes if lower is None else lower).set_xlabel(f"{row.per} $k$")
+        lowest = axes if lower is None else lower
+        lowest.set_xlabel(f"{row.per} $k$")
+        lowest.xaxis.set_major_locator(MaxNLocator(integer=True))
         if lower is not None:
             _draw_residuals(lower, pulses, quantity)
         set_title(axes, literal(title))
@@ -156,4 +159,5 @@ def _draw_residuals(axes: Axes, pulses: Sequence[Pulse], quantity: str) -> None:
         both = min(len(first), len(other))
         with np.errstate(divide="ignore", invalid="ignore"):
             _draw(axes, pulse, 100.0 * (other[:both] / first[:both] - 1.0), i, None)
-    axes.set_ylabel("difference [%]")
+    # In two lines, the label is not taller than the panel of a narrow figure.
+    axes.set_ylabel("difference\n[%]")

@@ -9,7 +9,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.ticker import MaxNLocator
 
-from ..chain.bead_names import bead_label, bead_number
+from ..chain.bead_names import bead_label, bead_number, wall_number
 from ..collision import Array
 from ..errors import InputError
 from ..pulse.quantities import RUN_QUANTITIES
@@ -110,7 +110,8 @@ def plot_forces(
         A run with saved times.
     beads : sequence of int or str
         Numbers of the beads with a sensor; N + 1 is the right wall, 0 the left one.  Or names such
-        as ``"ball 11"``, counted without the strikers.
+        as ``"ball 11"``, counted without the strikers, and ``"wall"``, or ``"left wall"`` and
+        ``"right wall"`` if there are two.
     label : str
         Name of the run in the legend, if several runs are plotted into the same axes.
     ax : matplotlib.axes.Axes, optional
@@ -146,7 +147,8 @@ def plot_forces(
                 factor * times,
                 force,
                 color=COLOURS[i % len(COLOURS)],
-                linestyle=("-", "--", "-.", ":")[i // len(COLOURS) % 4],
+                # Lines differ also in print without colours.
+                linestyle=("-", "--", "-.", ":")[i % 4],
                 marker="o" if cut_off else None,
                 markevery=[-1],
                 markerfacecolor="none",
@@ -165,6 +167,8 @@ def plot_forces(
 def force_curve(run: Run, bead: int | str) -> tuple[Array, Array, str, bool]:
     """Times, forces and name of a curve, and whether the peak of a wall is not complete."""
     walls = {number: side for side, number in walls_of(run.chain).items()}
+    if (named := wall_number(run.chain, bead)) is not None:
+        bead = named
     if not isinstance(bead, str) and whole_number("bead", bead, least=0) in walls:
         wall = run.wall_force(walls[bead])
         largest = wall.largest_so_far_time, wall.largest_so_far

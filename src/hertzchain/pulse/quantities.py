@@ -234,13 +234,13 @@ QUANTITIES: Final = _by_name(
 WALL_QUANTITIES: Final = _by_name(
     (
         Quantity(
-            "wall_peak_force", "", "largest force on the right wall",
-            unit="N", scale="force", label="largest force on the wall", per="wall",
+            "wall_peak_force", "", "peak force on the right wall",
+            unit="N", scale="force", label="peak force on the wall", per="wall",
             attribute="peak",
         ),
         Quantity(
-            "wall_peak_time", "", "time of the largest force on the right wall",
-            unit="s", scale="time", label="time of the largest force on the wall", per="wall",
+            "wall_peak_time", "", "time of the peak force on the right wall",
+            unit="s", scale="time", label="time of the peak force on the wall", per="wall",
             attribute="peak_time",
         ),
         Quantity(

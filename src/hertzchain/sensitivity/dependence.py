@@ -275,7 +275,8 @@ class Reader:
         side = RIGHT if name.group == "wall_force" else LEFT
         contact = self._equation.beads if side == RIGHT else 0
         target, contacts = self._target(GAUGE, contact), (contact,)
-        note = "" if self.ending.complete(side, self.until) else "the peak is not complete"
+        complete = self.ending.complete(self.record, side, self.until)
+        note = "" if complete else "the peak is not complete"
         if name.item == "impulse":
             return [(name, self._impulse(contacts, self.record.steps), "")]
         if name.item == "first_contact_impulse":

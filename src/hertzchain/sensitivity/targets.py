@@ -8,12 +8,13 @@ from typing import Final
 import numpy as np
 
 from ..collision import Array
+from ..simulation.wall_bound import motion_can_escape, wall_targets
 from .equation import Equation
 from .names import Name
 from .record import Record, nothing_can_happen
 
-# The peak on a wall is complete when the bound of later forces has been below it for this
-# fraction of the first transit; runs without a complete peak end after this many transits.
+# As in `hertzchain.simulation.wall_watch`: a run continues for this fraction of the first transit
+# after the end of the impact; runs without a complete peak end after this many transits.
 HELD, MAX_TRANSITS = 0.5, 10
 ROUNDING, RELEASED = 1e-9, 1e-3
 LEFT, RIGHT = 0, 1
@@ -149,11 +150,26 @@ class Ending:
             self.since.setdefault(side, record.time)
         transit = self.peak_times.get(side, 0.0)
         held = side in self.since and record.time - self.since[side] >= HELD * transit
-        return held or (transit > 0.0 and record.time > MAX_TRANSITS * transit)
+        expired = transit > 0.0 and record.time > MAX_TRANSITS * transit
+        return expired or (held and self._proven(record, side))
 
-    def complete(self, side: int, until: float | None) -> bool:
+    def _proven(self, record: Record, side: int) -> bool:
+        """Whether no later force exceeds the peak, if this can be proven."""
+        equation = self.equation
+        if not motion_can_escape(equation.chain, side):
+            return True
+        target = next(each for each in wall_targets(equation.chain) if each.side == side)
+        overlaps = equation.overlaps_at(record.positions)
+        p = equation.exponents
+        stored = equation.stiffness * np.maximum(overlaps, 0.0) ** (p + 1.0) / (p + 1.0)
+        reach = target.reach(overlaps, stored, record.velocities)
+        return reach.bound <= (1.0 + ROUNDING) * self.peaks.get(side, 0.0)
+
+    def complete(self, record: Record, side: int, until: float | None) -> bool:
         """Whether the peak on a wall is complete at the end of the run."""
-        return side in self.since or (until is None and self.exhausted)
+        if until is None and self.exhausted:
+            return True
+        return side in self.since and self._proven(record, side)
 
 
 def is_past(record: Record, bead: int) -> bool:

@@ -14,7 +14,7 @@ from ..collision import HERTZ_EXPONENT, Array, compression_time
 from ..frozen import once
 from .kernel_input import static_closing
 from .time_scales import transit_times
-from .wall_bound import wall_targets
+from .wall_bound import RIGHT, motion_can_escape, wall_targets
 
 # First step as a fraction of the time in which the pulse passes the first contact; smallest impulse
 # of a first contact with the wall as a fraction of the initial momentum.
@@ -112,6 +112,8 @@ def kernel_input(chains: Sequence[Chain], until: float | None) -> KernelInput:
     numbers[:, layout.LEAST_PUSH] = LEAST_PART * (np.abs(speeds) / masses).sum(axis=1)
     numbers[:, layout.UNTIL] = math.inf if until is None else until
     numbers[:, layout.BY_ITSELF] = until is None
+    if walled:
+        numbers[:, layout.CAN_ESCAPE] = [motion_can_escape(chain, RIGHT) for chain in chains]
     return KernelInput(given, numbers, hertz, walled, careful)
 
 

@@ -22,7 +22,6 @@ from .reflection import reflection_of
 from .run_message import LONG_RUN, transits_between_walls
 from .run_pulse import pulse_of
 from .sensor_force import sensor_force_of
-from .time_scales import transit_times
 from .trajectory import Trajectory
 from .velocity_peaks import velocity_peaks_of
 from .wall_force import SIDES, Side, WallForce, incomplete_peak, wall_force_of
@@ -185,9 +184,8 @@ class Run(Trajectory):
         """
         wall = self._wall_force(side)
         if not wall.complete:
-            half_transit = 0.5 * float(transit_times(self.chain).sum())
             persistent = self.chain.lossless and bool(self.chain.static_state.forces.all())
-            sentence = incomplete_peak(wall, self.end_time, half_transit, persistent=persistent)
+            sentence = incomplete_peak(wall, self.end_time, persistent=persistent)
             warn_user(sentence, IncompleteWarning)
         return wall
 
@@ -198,7 +196,7 @@ class Run(Trajectory):
         trace = self.times, self.forces[:, 0 if side == "left" else -1]
         return wall_force_of(
             side, trace, self._walls, self._completion, self._approaches, self._complete,
-            self._impulses, self.chain.units,
+            self._impulses, self.chain,
         )  # fmt: skip
 
     def budget(self) -> Budget:
@@ -385,15 +383,17 @@ class Run(Trajectory):
 
         return animate(self, path, **options)
 
-    def compare(self, traces: Traces, *, time_offset: float | None = None) -> TraceComparison:
+    def compare(
+        self, traces: Traces | str | os.PathLike[str], *, time_offset: float | None = None
+    ) -> TraceComparison:
         """Compare the run with measured traces, without any fit.
 
         The static force is subtracted for sensors with AC coupling, which are 0 before the pulse.
 
         Parameters
         ----------
-        traces : Traces
-            Data of one shot, such as those of `hertzchain.load_traces`.
+        traces : Traces or path
+            Data of one shot; a path is read by `hertzchain.load_traces`.
         time_offset : float, optional
             Time of the data at which the run begins [s]; by default, that of the largest
             cross-correlation.
@@ -417,7 +417,10 @@ class Run(Trajectory):
         '4.0%'
         """
         from ..fitting.trace_comparison import compare_traces
+        from ..fitting.trace_files import load_traces
 
+        if isinstance(traces, str | os.PathLike):
+            traces = load_traces(traces)
         return compare_traces(self, traces, time_offset=time_offset)
 
     def _require_times(self) -> None:

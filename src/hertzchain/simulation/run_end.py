@@ -15,7 +15,6 @@ import numpy as np
 from ..chain.chain import Chain
 from ..collision import Array
 from ..kernels import state_layout
-from .wall_bound import RIGHT
 from .wall_watch import CHECKS, WallWatch
 
 Status = Literal[
@@ -101,21 +100,22 @@ class RunEnd:
             return None
         if watch.closed:
             return "nothing more happens"
-        if watch.complete(RIGHT):
+        if watch.ends_run(forces):
             return "wall force complete"
         return "transit limit" if watch.expired else None
 
     def assess(self, forces: Array) -> tuple[Array, Array]:
-        """Momentum, energy and bound of the motion towards each wall, and whether it is complete.
+        """Motion that can reach each wall, its bound, the force, and whether the peak is complete.
 
-        Returns arrays of shape (3, 2) and (2,), left wall first; NaN and false without a wall.
+        The first array, (4, 2), has the rows momentum, energy, bound and force at the end of the
+        run; the second one is (2,).  The left wall is first; NaN and false without a wall.
         """
-        approaches, complete = np.full((3, 2), np.nan), np.zeros(2, bool)
+        approaches, complete = np.full((4, 2), np.nan), np.zeros(2, bool)
         if self.watch is None:
             return approaches, complete
-        approaching = self.watch.approaches(forces)
-        for target, found in zip(self.watch.targets, approaching, strict=True):
-            side = target.side
-            approaches[:, side] = found.momentum, found.energy, found.bound
-            complete[side] = self.watch.complete(side) and self.watch.bounded(side, found)
+        reaching = self.watch.reaches(forces)
+        for target, found in zip(self.watch.targets, reaching, strict=True):
+            force = self.watch.force_on(target, forces)
+            approaches[:, target.side] = found.momentum, found.energy, found.bound, force
+            complete[target.side] = self.watch.complete(target, found)
         return approaches, complete

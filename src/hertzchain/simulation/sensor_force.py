@@ -36,8 +36,10 @@ class SensorForce:
     times, force : ndarray, shape (T,)
         Force at the saved times [scaled, or s and N].
     first_maximum, first_maximum_time : float
-        The first maximum and its time: above 1% of the largest force, and followed by a fall of
-        at least 10%, both counted from the force at rest.  NaN if there is none yet.
+        The first maximum and its time: the largest force before the first fall by 10% of it that
+        begins above 1% of the largest force, both counted from the force at rest.  Ripples after
+        which the force falls by less and rises further are part of the rising flank.  NaN if there
+        is none yet.
     largest_so_far, largest_so_far_time : float
         Largest force and its time.  Waves that follow the first one, or return from a wall, may
         exceed it later.

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from .. import __version__
-from ..chain.bead_names import bead_number
+from ..chain.bead_names import bead_number, wall_number
 from ..chain.chain import Chain
 from ..chain.contact_groups import loading_overlaps
 from ..chain.scales import scale
@@ -57,7 +57,7 @@ class Trajectory(ShortDir):
     _walls: Array = field(metadata=scale(ROW_SCALES["walls"]))
     _impulses: Array = field(metadata=scale("momentum"))
     _completion: Array = field(metadata=scale(ROW_SCALES["completion"]))
-    _approaches: Array = field(metadata=scale(("momentum", "energy", "force")))
+    _approaches: Array = field(metadata=scale(("momentum", "energy", "force", "force")))
     _complete: Array
 
     @cached_property
@@ -244,7 +244,8 @@ class Trajectory(ShortDir):
         ----------
         bead : int or str
             Number k of the bead, from 1, strikers included; or a name as in traces: ``"ball 11"``,
-            counted without the strikers, is bead 12 of a chain with one striker.
+            counted without the strikers, is bead 12 of a chain with one striker.  ``"wall"``, or
+            ``"left wall"`` and ``"right wall"`` if there are two, is the force on a wall.
 
         Returns
         -------
@@ -254,7 +255,7 @@ class Trajectory(ShortDir):
         Raises
         ------
         InputError
-            If there is no such bead.
+            If there is no such bead or wall.
 
         Examples
         --------
@@ -269,6 +270,8 @@ class Trajectory(ShortDir):
         >>> bool((run.sensor("ball 6") == run.sensor(7)).all())
         True
         """
+        if (wall := wall_number(self.chain, bead)) is not None:
+            return self.forces[:, 0 if wall == 0 else -1]
         k = bead_number(self.chain, bead)
         return 0.5 * (self.forces[:, k - 1] + self.forces[:, k])
 

@@ -1,6 +1,37 @@
-r"""Upper bound of the force that the motion towards a wall can still cause.
+r"""Upper bounds of the force that the motion of a chain can still cause on a wall.
 
-The energy that moves towards the right wall, counted from the state of rest, is
+**Proof.**  Let the end of the chain opposite to the right wall be free, and let no constant force
+push the beads towards the wall.  Contacts only push, so the momentum of beads 1 to c cannot
+increase by more than :math:`J_c`, the impulse of the attraction that is left in contact c:
+
+.. math::
+
+    \sum_{k \le c} m_k v_k(t') \le P_c = J_c + \sum_{k \le c} m_k v_k(t)
+    \quad (c = 1, \dots, N,\ t' \ge t) .
+
+When the force on the wall has a maximum, :math:`v_N \ge 0`, so that beads 1 to N - 1 have at most
+the momentum :math:`\min(P_{N-1}, P_N)`.  Under these conditions the kinetic energy is at least
+
+.. math:: K^- = \sum_{k < N} \tfrac12 m_k w_k^2 ,
+
+where :math:`w_k \le 0` are the negative slopes of the greatest convex minorant of the limits of
+momentum as a function of the mass of beads 1 to c, from (0, 0) on.  Without attraction, they are
+the negative velocities after perfectly plastic collisions of all beads that approach each other.
+The contact with the wall can therefore store no more than
+
+.. math:: E = \sum_k \tfrac12 m_k v_k^2 + \sum_c U(d_c) - K^- ,
+
+and the force on the wall cannot have a maximum above
+
+.. math:: B = k_w \left( \frac{(p+1)\,E}{k_w} \right)^{p/(p+1)}
+
+at any later time.  With gravity that pulls all beads away from the wall, this holds in the falling
+frame.  :math:`J_c = g\,d^{a+1}/(a+1)` if the damping force of a closed contact is
+:math:`g\,d^a d'` and may pull; a contact with another attraction sets no limit.
+
+**Estimate.**  If the other end is held, by a wall, a piston or a force, or if gravity acts towards
+the wall, all motion can return.  The energy that moves towards the right wall now, counted from
+the state of rest, is
 
 .. math::
 
@@ -12,18 +43,20 @@ is compressed) and, under gravity, over every open contact, because it includes 
 beads that will fall.  :math:`d_0` and :math:`F_0` are overlap and force at rest.  Since :math:`U`
 is convex, the force on the wall cannot exceed
 
-.. math:: B = k_w \left[ d_0 + \left( \frac{(p+1)\,E^+}{k_w} \right)^{1/(p+1)} \right]^p
+.. math:: B^+ = k_w \left[ d_0 + \left( \frac{(p+1)\,E^+}{k_w} \right)^{1/(p+1)} \right]^p
 
-until some of the backward motion is reversed.  Laws with damping add the damping force of the
-deepest and fastest impact; plastic laws use the overlap at which the contact would return
-:math:`E^+`, since reloading a dent requires less energy.  For the left wall, the chain is
-mirrored.
+until some of the backward motion is reversed or some of the energy in other contacts is released.
+
+Laws with damping add the damping force of the deepest and fastest impact to both bounds; plastic
+laws use the overlap at which the contact would return the energy, since reloading a dent requires
+less energy.  For the left wall, the chain is mirrored.
 """
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -32,7 +65,7 @@ from ..chain.chain import Chain
 from ..chain.contact_groups import loading_overlaps
 from ..collision import Array
 from ..frozen import once
-from ..kernels.law_kinds import DAMPED
+from ..kernels.law_kinds import DAMPED, UNLOADING
 from .kernel_input import kernel_chain
 
 if TYPE_CHECKING:
@@ -43,11 +76,37 @@ LEFT, RIGHT = 0, 1
 
 @dataclass(frozen=True)
 class Approach:
-    """Motion towards a wall: its momentum, its energy, and the bound of the force."""
+    """Motion that can reach a wall: its momentum, its energy, and the bound of the force."""
 
     momentum: float
     energy: float
     bound: float
+
+
+def motion_can_escape(chain: Chain, side: int) -> bool:
+    """Whether the beads can move away from a wall for ever, and nothing pushes them towards it."""
+    other, towards = (chain.left_wall, 1.0) if side == RIGHT else (chain.right_wall, -1.0)
+    piston = side == RIGHT and chain.drive is not None and chain.drive.of == "displacement"
+    held = other is not None or piston or chain.precompression > 0.0
+    return not held and towards * chain.gravity <= 0.0
+
+
+def locked_energy(masses: Array, momenta: Array) -> float:
+    """Smallest kinetic energy if the first c beads have at most momentum ``momenta[c - 1]``.
+
+    The positive direction is that towards the wall; infinite entries set no limit.
+    """
+    hull = [(0.0, 0.0)]
+    for mass, momentum in zip(np.cumsum(masses).tolist(), momenta.tolist(), strict=True):
+        if momentum == math.inf:
+            continue
+        while len(hull) > 1:
+            (m0, p0), (m1, p1) = hull[-2:]
+            if (p1 - p0) * (mass - m0) < (momentum - p0) * (m1 - m0):
+                break
+            hull.pop()
+        hull.append((mass, momentum))
+    return sum(0.5 * (p1 - p0) ** 2 / (m1 - m0) for (m0, p0), (m1, p1) in pairwise(hull) if p1 < p0)
 
 
 class Target:
@@ -65,6 +124,9 @@ class Target:
         row = self.law.row(self.wall.exponent)
         self.damping = float(equation.damping[contact]) if row.kind == DAMPED else 0.0
         self.powers = (row.overlap_power, row.speed_power)
+        self.reloads = row.kind == UNLOADING
+        self.can_escape = motion_can_escape(chain, side)
+        self.attraction, self.attraction_powers = self._attraction(equation)
 
         self.forces = self._forces_at_rest()
         forces = self._wall_last(self.forces)
@@ -79,6 +141,17 @@ class Target:
         """Order values, with those at the wall last."""
         return values if self.side == RIGHT else values[::-1]
 
+    def _attraction(self, equation: GeneralChain) -> tuple[Array, Array]:
+        """Largest impulse of attraction of each contact over a power of its overlap."""
+        strength, powers = np.zeros(self.chain.beads + 1), np.ones(self.chain.beads + 1)
+        for group in self.chain.contact_groups:
+            row, at = group.law.row(group.contacts.exponent), group.index
+            if row.kind == DAMPED and row.attractive:
+                powers[at] = row.overlap_power + 1.0
+                linear = row.speed_power == 1.0
+                strength[at] = equation.damping[at] / powers[at] if linear else np.inf
+        return self._wall_last(np.where(self.contacts, strength, 0.0)), self._wall_last(powers)
+
     def _forces_at_rest(self) -> Array:
         """Forces at rest if all contacts are closed: each carries the beads beyond it."""
         static = self.chain.static_state
@@ -89,7 +162,7 @@ class Target:
         return np.where(self.exists & (forces > rounding), forces, 0.0)
 
     def approach(self, overlaps: Array, stored: Array, velocities: Array) -> Approach:
-        """Motion towards the wall, from overlaps, energies stored in contacts and velocities."""
+        """Motion towards the wall now, from overlaps, stored energies and velocities."""
         overlaps, stored = self._wall_last(overlaps), self._wall_last(stored)
         velocity = self.towards * self._wall_last(velocities)
         padded = np.concatenate(([0.0], velocity, [0.0]))
@@ -100,6 +173,32 @@ class Target:
         energy = 0.5 * float(self.masses @ forward**2)
         energy += float(np.maximum(available[moving], 0.0).sum())
         return Approach(float(self.masses @ forward), energy, self._bound(energy))
+
+    def reach(self, overlaps: Array, stored: Array, velocities: Array) -> Approach:
+        """Motion that can ever reach the wall, or that moves towards it if none can escape."""
+        approach = self.approach(overlaps, stored, velocities)
+        if not self.can_escape:
+            return approach
+        overlaps, stored = self._wall_last(overlaps), self._wall_last(stored)
+        velocity = self.towards * self._wall_last(velocities)
+        # With a nonlinear attraction, a contact that is open now may pull later.
+        attraction = np.where(np.isinf(self.attraction), np.inf, 0.0)
+        some = (overlaps > 0.0) & ~np.isinf(self.attraction)
+        attraction[some] = self.attraction[some] * overlaps[some] ** self.attraction_powers[some]
+        momenta = np.cumsum(self.masses * velocity) + attraction[1:]
+        # The last bead does not recede from the wall while the force on it reaches a maximum.
+        momenta[-2] = momenta[-2:].min()
+        energy = 0.5 * float(self.masses @ velocity**2) + float(stored[self.exists].sum())
+        if self.reloads:
+            # The contact with the wall returns to its loading curve without that energy.
+            energy += self._loading_energy(float(overlaps[-1])) - float(stored[-1])
+        energy = max(0.0, energy - locked_energy(self.masses[:-1], momenta[:-1]))
+        return Approach(approach.momentum, energy, self._bound(energy))
+
+    def _loading_energy(self, overlap: float) -> float:
+        """Energy that the contact with the wall takes up when it is loaded to an overlap."""
+        p, k = self.wall.exponent, float(self.wall.stiffness[0])
+        return k * max(overlap, 0.0) ** (p + 1.0) / (p + 1.0)
 
     def _bound(self, energy: float) -> float:
         """Largest force on the wall that this energy can cause."""

@@ -9,6 +9,8 @@ from typing import Final, Literal
 from ..chain.chain import Chain
 from ..collision import Array
 from ..representation import counted, measure, short
+from .time_scales import transit_times
+from .wall_bound import motion_can_escape
 
 Side = Literal["left", "right"]
 SIDES: Final[tuple[Side, ...]] = ("left", "right")
@@ -18,12 +20,14 @@ SIDES: Final[tuple[Side, ...]] = ("left", "right")
 class WallForce:
     """The force on one wall.
 
-    The peak is complete if the force on the wall has fallen to 0.1% of it, and the bound on later
-    forces has not exceeded it for half a transit of the pulse since then.  This rule is empirical
-    (`hertzchain.simulation.wall_watch`).  Between two lossless walls the pulse returns repeatedly,
-    and the peak is that of its first passage.  In a precompressed chain without losses, contacts
-    do not open, waves may add up at any later time, and the peak usually remains incomplete: use
-    ``largest_so_far``.
+    The peak is complete if the force on the wall has fallen to 0.1% of it and no later force
+    exceeds it.  If the other end of the chain is free and no constant force pushes the beads
+    towards the wall, this is proven by the conservation of energy and momentum
+    (`hertzchain.simulation.wall_bound`).  Otherwise it is an estimate: the motion towards the wall
+    has not been able to exceed the peak for half a transit of the pulse.  Between two lossless
+    walls the pulse returns repeatedly, and the peak is that of its first passage.  In a
+    precompressed chain without losses, contacts do not open, waves may add up at any later time,
+    and the peak usually remains incomplete: use ``largest_so_far``.
 
     Attributes
     ----------
@@ -37,17 +41,22 @@ class WallForce:
         the peak is not complete.
     complete : bool
         Whether the peak is complete by the rule above.
+    proven : bool
+        Whether `bound` holds at all later times; completeness is then proven, and otherwise an
+        estimate.
+    reason : str
+        Why the peak is not complete; empty if it is complete.
     complete_since : float or None
-        Time from which the rule has been satisfied, half a transit or more before the end of the
-        run; `None` if the peak is not complete.
+        End of the impact: time at which the force had fallen to 0.1% of the peak and the motion
+        towards the wall could not exceed it; `None` if the peak is not complete.
     largest_so_far, largest_so_far_time : float
         Largest force of the run and its time, complete or not.
     bound : float
-        Largest force that the motion towards the wall at the end of the run can still cause.
-        Beads that move away from the wall and are turned back later are not included.
+        Upper bound of all forces after the end of the run.  If it is not ``proven``, beads that
+        move away from the wall and are turned back later are not included.
     momentum_on_its_way, energy_on_its_way : float
-        Momentum and energy of the motion towards the wall at the end of the run [scaled, or
-        kg m/s and J].
+        Momentum of the motion towards the wall at the end of the run, and energy that can still
+        reach the wall [scaled, or kg m/s and J].
     touches : int
         Number of separate contacts with the wall until ``complete_since``, or so far.
     impulse_of_impact : float
@@ -68,6 +77,8 @@ class WallForce:
     peak: float
     peak_time: float
     complete: bool
+    proven: bool
+    reason: str
     complete_since: float | None
     largest_so_far: float
     largest_so_far_time: float
@@ -96,13 +107,14 @@ class WallForce:
         impulse = f"impulse {measure(self.impulse, 'N s', self.units)} of the whole run"
         touches = counted(self.touches, "contact") + " with the wall"
         if self.complete:
-            peak = f"peak {at(self.peak, self.peak_time)}, complete"
+            known = "complete" if self.proven else "complete by estimate"
+            peak = f"peak {at(self.peak, self.peak_time)}, {known}"
             impact = f"{measure(self.impulse_of_impact, 'N s', self.units)} of the impact"
             return short("WallForce", f"{self.side} wall", peak, f"{impulse}, {impact}", touches)
         largest = f"largest so far {at(self.largest_so_far, self.largest_so_far_time)}"
         return short(
-            "WallForce", f"{self.side} wall", "peak not complete", largest, may_follow(self),
-            impulse, touches,
+            "WallForce", f"{self.side} wall", "peak not complete", largest, self.reason, impulse,
+            touches,
         )  # fmt: skip
 
     def _repr_html_(self) -> str:
@@ -119,7 +131,7 @@ def wall_force_of(
     approaches: Array,
     complete: Array,
     impulses: Array,
-    units: str,
+    chain: Chain,
 ) -> WallForce:
     """Determine the force on one wall from the records of a run."""
     from ..kernels import state_layout
@@ -130,7 +142,9 @@ def wall_force_of(
         float(walls[state_layout.WALL_PEAK, i]),
         float(walls[state_layout.WALL_PEAK_TIME, i]),
     )
-    momentum, energy, bound = map(float, approaches[:, i])
+    momentum, energy, bound, force = map(float, approaches[:, i])
+    proven, since = motion_can_escape(chain, i), float(completion[state_layout.SINCE, i])
+    reason = "" if done else _reason(chain, peak, bound, energy, force, proven, since > 0.0)
     return WallForce(
         side=side,
         times=trace[0],
@@ -138,7 +152,9 @@ def wall_force_of(
         peak=peak if done else math.nan,
         peak_time=time if done else math.nan,
         complete=done,
-        complete_since=float(completion[state_layout.SINCE, i]) if done else None,
+        proven=proven,
+        reason=reason,
+        complete_since=since if done else None,
         largest_so_far=peak,
         largest_so_far_time=time,
         bound=bound,
@@ -151,7 +167,7 @@ def wall_force_of(
         first_contact_end=float(walls[state_layout.FIRST_END, i]) if ended else None,
         first_contact_impulse=float(walls[state_layout.FIRST_IMPULSE, i]) if ended else None,
         impulse=float(impulses[i]),
-        units=units,
+        units=chain.units,
     )
 
 
@@ -161,16 +177,21 @@ def walls_of(chain: Chain) -> dict[Side, int]:
     return {side: number for side, number in numbers.items() if f"{side} wall" in chain.features}
 
 
-def may_follow(wall: WallForce) -> str:
-    """Force that may still follow at a wall whose peak is not complete, in words."""
-    if wall.bound > wall.largest_so_far:
-        return f"up to {measure(wall.bound, 'N', wall.units)} may follow"
-    return "the motion towards the wall cannot exceed it, but beads may still be turned back"
-
-
-def incomplete_peak(
-    wall: WallForce, end: float, half_transit: float, *, persistent: bool = False
+def _reason(
+    chain: Chain, peak: float, bound: float, energy: float, force: float, proven: bool, ended: bool
 ) -> str:
+    """Why the peak on a wall is not complete, in words."""
+    if bound > peak:
+        way = "can still reach" if proven else "moves towards"
+        moving = f"an energy of {measure(energy, 'J', chain.units)} {way} the wall"
+        return f"up to {measure(bound, 'N', chain.units)} may follow, because {moving}"
+    if not ended:
+        return f"the wall is still loaded with {measure(force, 'N', chain.units)}"
+    half_transit = measure(0.5 * float(transit_times(chain).sum()), "s", chain.units, digits=3)
+    return f"half a transit ({half_transit}) has not passed since the end of the impact"
+
+
+def incomplete_peak(wall: WallForce, end: float, *, persistent: bool = False) -> str:
     """State in a sentence why the peak on a wall is not complete.
 
     ``persistent`` states that the chain is precompressed and without losses.
@@ -178,10 +199,9 @@ def incomplete_peak(
     until = measure(end, "s", wall.units, digits=6)
     if not wall.largest_so_far:
         found = f"the {wall.side} wall was not reached before t = {until}"
-        return f"{found}, and {may_follow(wall)}; simulate for longer" if wall.bound else found
+        return f"{found}, and {wall.reason}; simulate for longer" if wall.bound else found
     largest = measure(wall.largest_so_far, "N", wall.units, digits=6)
-    wait = measure(half_transit, "s", wall.units, digits=3)
-    advice = f"simulate for longer, until no more can follow for half a transit ({wait})"
+    advice = "simulate for longer, or use largest_so_far"
     if persistent:
         advice = (
             "waves in a precompressed chain without losses do not decay: use largest_so_far, or "
@@ -189,5 +209,5 @@ def incomplete_peak(
         )
     return (
         f"the peak of the force on the {wall.side} wall is not complete: the largest until "
-        f"t = {until} is {largest}; {may_follow(wall)}; {advice}"
+        f"t = {until} is {largest}; {wall.reason}; {advice}"
     )

@@ -1,15 +1,18 @@
 """Criterion for a complete peak of the force on a wall, which also ends a run.
 
-The peak is complete when the force on the wall has fallen to 0.1% of it, without the static force,
-and since then the bound of `hertzchain.simulation.wall_bound` has not exceeded it for half a
-transit, where a transit is the time that the pulse took to pass the chain.  The contact with the
-wall need not have opened.  The bound is exact for motion towards the wall.  The half transit
-accounts for motion that is reversed later and is empirical: with it, no complete peak of 600 random
-chains was exceeded within ten transits.
+The impact on a wall has ended when the force on it has fallen to 0.1% of its peak, without the
+static force, and the motion towards the wall cannot exceed the peak (the estimate of
+`hertzchain.simulation.wall_bound`).  The contact with the wall need not have opened.
 
-Walls are watched from the end of the first transit on, or from the end of the drive, at fixed
-times between the calls of the compiled loop.  The array ``completion`` of the state stores the
-result; a resumed run therefore gives the same result.
+If motion can escape at the other end of the chain, the peak is complete when it is proven by the
+bound of the same module that no later force exceeds it.  Otherwise it is complete when the impact
+has ended and the estimate has not exceeded the peak for half a transit since then, where a transit
+is the time that the pulse took to pass the chain.  This rule is empirical.
+
+Without a given end, a run continues until the peak is complete and half a transit has passed since
+the end of the impact.  Walls are watched from the end of the first transit on, or from the end of
+the drive, at fixed times between the calls of the compiled loop.  The array ``completion`` of the
+state stores the result; a resumed run therefore gives the same result.
 """
 
 from __future__ import annotations
@@ -46,6 +49,9 @@ class WallWatch:
         self.chain, self.arrays, self.rest = chain, arrays, chain.static_state.positions
         self.clock, self.walls = arrays["clock"], arrays["walls"]
         self.completion, self.checks = arrays["completion"], checks
+        self.cut_off = np.zeros(chain.beads + 1, bool)
+        for group in chain.contact_groups:
+            self.cut_off[group.index] = not group.law.row(group.contacts.exponent).attractive
 
     @property
     def time(self) -> float:
@@ -66,6 +72,11 @@ class WallWatch:
     def started(self) -> bool:
         """Whether the time from which walls are watched is known."""
         return self.start > 0.0
+
+    @property
+    def driven(self) -> bool:
+        """Whether the drive has not ended."""
+        return self.chain.drive is not None and self.time < self.chain.drive.end
 
     @property
     def closed(self) -> bool:
@@ -121,9 +132,9 @@ class WallWatch:
 
     @property
     def expired(self) -> bool:
-        """Whether MAX_TRANSITS have passed and the bound is not below the right wall's peak."""
+        """Whether MAX_TRANSITS have passed, and half a transit since the end of the impact."""
         late = self.time >= self.start + (MAX_TRANSITS - 1) * self.transit
-        return late and self.completion[state_layout.SINCE, RIGHT] == 0.0
+        return late and (self.completion[state_layout.SINCE, RIGHT] == 0.0 or self.held(RIGHT))
 
     def check(self, forces: Array) -> None:
         """Compare the bound of each wall with its peak so far."""
@@ -134,13 +145,22 @@ class WallWatch:
             return
         stored = self._stored(overlaps, forces)
         for target in self.targets:
-            side, peak = target.side, float(self.walls[state_layout.WALL_PEAK, target.side])
+            side = target.side
+            peak = float(self.walls[state_layout.WALL_PEAK, side])
             if peak == 0.0 or not self.bounded(side, self.approach(target, overlaps, stored)):
                 self.completion[state_layout.SINCE :, side] = 0.0
-                continue
-            static, force = float(target.forces[-1]), float(forces[-1 if side == RIGHT else 0])
-            if force - static <= RELEASED * (peak - static):
+            elif self.released(target, forces):
                 self._note(side)
+
+    def released(self, target: Target, forces: Array) -> bool:
+        """Whether the force on a wall has fallen to a small part of its peak."""
+        peak = float(self.walls[state_layout.WALL_PEAK, target.side])
+        force, static = self.force_on(target, forces), float(target.forces[-1])
+        return force - static <= RELEASED * (peak - static)
+
+    def force_on(self, target: Target, forces: Array) -> float:
+        """Force on a wall, given the forces of all contacts."""
+        return float(forces[-1 if target.side == RIGHT else 0])
 
     def bounded(self, side: int, approach: Approach) -> bool:
         """Whether the motion towards a wall cannot exceed the peak so far."""
@@ -158,12 +178,9 @@ class WallWatch:
 
     def close_if_apart(self, overlaps: Array) -> None:
         """Close if no contact is closed or closing and no force acts on the beads."""
-        driven = self.chain.drive is not None and self.time < self.chain.drive.end
-        if self.closed or driven or self.chain.static_state.body_forces.any():
+        if self.closed or self.driven or self.chain.static_state.body_forces.any():
             return
-        beads = self.chain.beads
-        velocities = self.arrays["y"][beads : 2 * beads]
-        padded = np.concatenate(([0.0], velocities, [0.0]))
+        padded = np.concatenate(([0.0], self._velocities, [0.0]))
         meeting = (overlaps > 0.0) | (padded[:-1] > padded[1:])
         if not meeting[self.targets[0].contacts].any():
             self.close()
@@ -180,22 +197,54 @@ class WallWatch:
         for target in self.targets:
             self._note(target.side)
 
-    def complete(self, side: int) -> bool:
-        """Whether the peak of a wall has been complete for half a transit."""
+    def held(self, side: int) -> bool:
+        """Whether half a transit has passed since the end of the impact on a wall."""
         since = float(self.completion[state_layout.SINCE, side])
         return since > 0.0 and self._mark - since >= HELD * self.transit
 
-    def approaches(self, forces: Array) -> list[Approach]:
-        """The motion towards each wall now; close if there is none."""
+    def ends_run(self, forces: Array) -> bool:
+        """Whether the peak on the right wall is complete, half a transit after the impact."""
+        if not self.held(RIGHT):
+            return False
+        overlaps, target = self._overlaps(), self.targets[-1]
+        return self.complete(target, self.reach(target, overlaps, self._stored(overlaps, forces)))
+
+    def complete(self, target: Target, reach: Approach) -> bool:
+        """Whether the peak on a wall is complete, given the motion that can reach it."""
+        ended = self.completion[state_layout.SINCE, target.side] > 0.0
+        enough = bool(ended) if target.can_escape else self.held(target.side)
+        return enough and self.bounded(target.side, reach)
+
+    def reaches(self, forces: Array) -> list[Approach]:
+        """The motion that can reach each wall; close if there is none, and note ends of impacts."""
         overlaps = self._overlaps()
         self.close_if_apart(overlaps)
-        stored = self._stored(overlaps, forces)
-        return [self.approach(target, overlaps, stored) for target in self.targets]
+        stored, found = self._stored(overlaps, forces), []
+        for target in self.targets:
+            side = target.side
+            hit = self.started and self.walls[state_layout.WALL_PEAK, side] > 0.0
+            bounded = self.bounded(side, self.approach(target, overlaps, stored))
+            if hit and bounded and self.released(target, forces):
+                self._note(side)
+            found.append(self.reach(target, overlaps, stored))
+        return found
 
     def approach(self, target: Target, overlaps: Array, stored: Array) -> Approach:
         """The motion towards a wall now."""
+        return target.approach(overlaps, stored, self._velocities)
+
+    def reach(self, target: Target, overlaps: Array, stored: Array) -> Approach:
+        """The motion that can reach a wall; that towards it, which is none, if all is over."""
+        if self.closed:
+            return self.approach(target, overlaps, stored)
+        return target.reach(overlaps, stored, self._velocities)
+
+    @property
+    def _velocities(self) -> Array:
         beads = self.chain.beads
-        return target.approach(overlaps, stored, self.arrays["y"][beads : 2 * beads])
+        return self.arrays["y"][beads : 2 * beads]
 
     def _stored(self, overlaps: Array, forces: Array) -> Array:
+        # A contact whose force is cut off can return its energy if it is compressed again.
+        forces = np.where(self.cut_off & (overlaps > 0.0), np.maximum(forces, SMALLEST), forces)
         return stored_energy(self.chain, overlaps[np.newaxis], forces[np.newaxis])[0]

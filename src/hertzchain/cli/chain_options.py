@@ -139,7 +139,7 @@ def _at_speed(chain: Chain, speed: str) -> Chain:
         )
     if not chain.scaled:
         _require_unit_of_speed(speed)
-    value = number("--speed", _plain(speed), unit=chain._unit("m/s"), above=0.0)
+    value = number("--speed", as_typed(speed), unit=chain._unit("m/s"), above=0.0)
     return chain.replace(velocities=np.where(moving, value, 0.0))
 
 

@@ -31,7 +31,6 @@ STEEL = "steel-52100"
     (lambda: hc.Chain([1, 1], material=STEEL), "Chain has no argument 'material'; .* 'materials'"),
     (lambda: hc.Wall(materials=STEEL), "Wall has no argument 'materials'; did you mean 'material'"),
     (lambda: hc.Wall.of(material=STEEL), "Wall.of has no argument 'material'; .* 'name'"),
-    (lambda: hc.Chain.uniform(5).struck_by(diameter=3), "mean 'radius', half the diameter"),
     (lambda: hc.Chain.uniform(5).struck_by(3), "struck_by: too many positional arguments"),
     (lambda: hc.Chain.uniform(5).with_scatter(1, sigma=0.1), "with_scatter has no argument"),
     (lambda: hc.attenuation(hc.Chain.uniform(5)), "attenuation: missing the argument 'velocity'"),

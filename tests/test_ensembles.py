@@ -366,7 +366,7 @@ def test_tables():
     data = table.to_dataset()
     assert dict(data.sizes) == {"chain": 2, "bead": 6, "contact": 5, "sensor": 2}
     assert data.sensor.values.tolist() == [2, 4]
-    assert data.wall_peak_force.attrs["long_name"] == "largest force on the right wall"
+    assert data.wall_peak_force.attrs["long_name"] == "peak force on the right wall"
     frame = table.to_dataframe()
     assert frame["sensor_impulse_4"].tolist() == table["sensor_impulse"][:, 1].tolist()
     assert frame["status"].tolist() == ["wall force complete"] * 2

@@ -219,8 +219,8 @@ def test_a_run_ends_when_nothing_more_happens():
 
 def test_saved_times_are_right_where_the_grid_has_grown():
     chain = hc.Chain.tapered("backward-linear", 0.9, beads=20)
-    grown = hc.simulate(chain, times=3000, rtol=1e-6)
-    given = hc.simulate(chain, times=grown.times, rtol=1e-6)
+    grown = hc.simulate(chain, times=3000, rtol=1e-9)
+    given = hc.simulate(chain, times=grown.times, rtol=1e-9)
     np.testing.assert_allclose(grown.velocities, given.velocities, atol=1e-8)
 
 

@@ -103,7 +103,8 @@ def struck_by(
                    hint="positive velocities are towards the chain")  # fmt: skip
     distance = number("gap", gap, unit=self._unit("m"), least=0.0)
     # A sphere has the mass of its radius, which is then not given.
-    times = (drawn / self.radii.max()) ** 3 if mass is None else mass / self.masses.max()
+    with np.errstate(over="ignore"):
+        times = (drawn / self.radii.max()) ** 3 if mass is None else mass / self.masses.max()
     if self.units == "SI" and times > HEAVY:
         warn_user(
             f"the striker has {times:.2g} times the mass of the heaviest bead; masses are in kg, "

@@ -46,7 +46,9 @@ def internal(**options: Any) -> Callable[[Callable[..., Any]], Any]:
 
     def decorate(function: Callable[..., Any]) -> Any:
         dispatcher: Any = njit(**(options | {"no_cpython_wrapper": True}))(function)
-        dispatcher.__class__ = Internal
+        # With NUMBA_DISABLE_JIT, it is the function itself.
+        if isinstance(dispatcher, CPUDispatcher):
+            dispatcher.__class__ = Internal
         return dispatcher
 
     return decorate

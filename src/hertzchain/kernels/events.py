@@ -12,6 +12,7 @@ from .compilation import compiled
 from .contact_law import LOADED, force, law_of
 from .contact_modes import sharpest_turn
 from .dop853 import STEP_STAGES
+from .driving import NOTHING
 from .forces import copy
 from .implicit import FINEST, closes_throughout, first_rest
 from .interpolant import difference, polynomial, slope, state_within, value
@@ -54,9 +55,29 @@ def least_speed(rtol, setup, contacts):
 
 
 @compiled
+def net_force_within(theta, k, y, dense, setup):
+    """Net force on a bead of an elastic chain at the fraction theta of a completed step.
+
+    It follows from positions, because the slope of the velocity is inaccurate where the last
+    contact of a bead opens.
+    """
+    here = value(k, theta, y, dense)
+    left = value(k - 1, theta, y, dense) if k > 0 else 0.0
+    right = value(k + 1, theta, y, dense) if k < len(setup.inverse_mass) - 1 else 0.0
+    behind, ahead = left - here - setup.gap[k], here - right - setup.gap[k + 1]
+    return (
+        force(behind, setup.stiffness[k], law_of(k, setup).exponent)
+        - force(ahead, setup.stiffness[k + 1], law_of(k + 1, setup).exponent)
+        + setup.body_force[k]
+    )
+
+
+@compiled
 def acceleration_within(theta, k, h, y, dense, setup, contacts):
     """Acceleration of a bead, or net force on it, at the fraction theta of a completed step."""
     if contacts is not None:
+        if on_positions(contacts) and setup.drive == NOTHING:
+            return net_force_within(theta, k, y, dense, setup)
         return slope(len(setup.inverse_mass) + k, theta, h, dense)
     here = value(k, theta, y, dense)
     net = 0.0

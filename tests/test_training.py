@@ -112,6 +112,20 @@ def test_fit_finds_a_response_that_was_put_in(monkeypatch):
     np.testing.assert_allclose(np.einsum("nb,fbo->nfo", basis, found), expected, atol=1e-4)
 
 
+def test_fit_ignores_contacts_that_follow_another_law(monkeypatch):
+    """Behind steep forward tapers, later waves overtake the pulse at a few contacts."""
+    monkeypatch.setitem(response_fit.RIDGES, "within", 1e-12)
+    random = np.random.default_rng(12)
+    put_in = random.normal(0.0, 1.0, (len(tables.TERMS), len(response_fit.KNOTS) + 2, 3))
+    anchors, sample, contact = made_up(put_in, WITHIN)
+    sample.states[:40, contact] += random.normal(0.0, 0.1, (40, 3))
+    found = response_fit.fit_contact(anchors, WITHIN, sample, [contact])
+    basis = anchors.splines(np.linspace(-0.05, 0.25, 7))
+    difference = np.einsum("nb,fbo->nfo", basis, found - put_in)
+    # Measured: 1e-4; 0.16 if outliers have the same weight as all others.
+    assert np.abs(difference).max() < 1e-3
+
+
 def test_terms_have_the_slopes_they_say():
     random = np.random.default_rng(4)
     x = random.normal(size=(3, len(INPUTS)))

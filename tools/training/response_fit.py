@@ -30,6 +30,9 @@ KNOTS: Final = np.array(
 # Unit of the deviations in the fits, which penalise large coefficients.
 UNIT: Final = 0.1
 RIDGES: Final = {"start": 1e-4, "within": 1e-3}
+# Number of fits, in which outliers get a smaller weight each time.
+ROUNDS: Final = 4
+TINY: Final = 1e-12
 
 
 class Anchors:
@@ -96,11 +99,35 @@ def fit_contact(anchors: Anchors, stage: int, sample: Sample, contacts: list[int
     weight = 1.0 / (size + 1e-4) if stage == WITHIN else 1.0 / (np.sqrt(size) + 1e-2)
     used = (size > 3e-5) & (size < 0.5) if stage == WITHIN else np.full(len(size), True)
     x, y, rate, weight = x[used], y[used], rate[used], weight[used, None]
-    unknowns = len(TERMS) * (len(KNOTS) + 2)
+    basis, robust = anchors.splines(rate), np.ones((len(rate), 1))
+    for _ in range(ROUNDS):
+        found = _solve(x, basis, y, weight * robust, ridge)
+        # Outliers count with the root of their error: contacts at which later waves overtake the
+        # pulse, as behind steep forward tapers, follow other laws.
+        fitted = np.concatenate(
+            [_equations(x[rows], basis[rows]) @ found for rows in _portions(len(x))]
+        )
+        error = weight[:, 0] * np.linalg.norm(y - fitted, axis=1)
+        robust = (1.0 + error / (np.median(error) + TINY) / 3.0)[:, None] ** -0.5
+    return found.reshape(len(TERMS), -1, len(STATE))
+
+
+def _portions(rows: int) -> list[Array]:
+    """Indices of rows whose equations fit into memory."""
+    return np.array_split(np.arange(rows), 1 + rows // 5000)
+
+
+def _equations(x: Array, basis: Array) -> Array:
+    """Terms times B-splines."""
+    return np.asarray((terms(x)[0][:, :, None] * basis[:, None, :]).reshape(len(x), -1))
+
+
+def _solve(x: Array, basis: Array, y: Array, weight: Array, ridge: float) -> Array:
+    """Coefficients of all terms times B-splines by weighted least squares."""
+    unknowns = len(TERMS) * basis.shape[1]
     matrix, right = np.zeros((unknowns, unknowns)), np.zeros((unknowns, len(STATE)))
-    for rows in np.array_split(np.arange(len(x)), 1 + len(x) // 5000):
-        part = terms(x[rows])[0][:, :, None] * anchors.splines(rate[rows])[:, None, :]
-        part = part.reshape(len(rows), -1) * weight[rows]
+    for rows in _portions(len(x)):
+        part = _equations(x[rows], basis[rows]) * weight[rows]
         matrix += part.T @ part
         right += part.T @ (y[rows] * weight[rows])
     # Inputs that do not occur, such as differences before the struck bead, have no response.
@@ -109,4 +136,4 @@ def fit_contact(anchors: Anchors, stage: int, sample: Sample, contacts: list[int
     normal = matrix[np.ix_(occurs, occurs)] / scale[:, None] / scale + ridge * np.eye(len(scale))
     found = np.zeros((unknowns, len(STATE)))
     found[occurs] = np.linalg.solve(normal, right[occurs] / scale[:, None]) / scale[:, None]
-    return found.reshape(len(TERMS), -1, len(STATE))
+    return found

@@ -13,6 +13,7 @@ from ..collision import Array
 from ..errors import InputError
 from ..pulse.pulse import Pulse
 from ..pulse.quantities import QUANTITIES
+from ..validation.keywords import checked_arguments
 from ..validation.objects import check_bool, check_choice, check_list, check_type
 from .labels import distinguish
 from .style import (
@@ -26,6 +27,7 @@ from .style import (
 )
 
 
+@checked_arguments("plot_pulses")
 def plot_pulses(
     pulses: Sequence[Pulse],
     quantity: str = "velocity",

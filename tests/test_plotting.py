@@ -200,7 +200,7 @@ def test_labels_state_what_differs():
     assert legend(axes) == ["q = 0.01, 9 beads", "q = 0.02, 9 beads", "q = 0.02, 12 beads"]
     assert axes.get_title() == "BCA, forward-exponential"
     methods = hc.plot_pulses([hc.bca(tapers[0]), hc.propagate(tapers[0])])
-    assert legend(methods) == ["BCA", "propagation"]
+    assert legend(methods) == ["BCA", "propagation", "last bead (free end)"]
     assert methods.get_title() == "forward-exponential, q = 0.01, 9 beads"
     alone = hc.plot_pulses([hc.bca(tapers[0])])
     assert (legend(alone), alone.get_title()) == (["BCA"], methods.get_title())
@@ -334,3 +334,21 @@ def test_narrow_figures_have_ticks_at_whole_beads_and_lines_that_survive_grey():
     run = hc.simulate(hc.Chain.uniform(16).replace(right_wall=hc.Wall()))
     styles = [line.get_linestyle() for line in run.plot_forces([4, 8, 12, "wall"]).lines]
     assert len(set(styles)) == 4
+
+
+def test_the_last_bead_of_a_free_end_is_marked():
+    chain = hc.Chain.uniform(20)
+    exact, bca = hc.propagate(chain), hc.bca(chain)
+    axes = hc.plot_pulses([exact, bca])
+    assert legend(axes) == ["propagation", "BCA", "last bead (free end)"]
+    drawn = {tuple(line.get_xdata()): line for line in axes.lines}
+    free = drawn[(20,)]
+    assert free.get_ydata().tolist() == [exact.velocity[-1]]
+    assert free.get_linestyle() == "None"
+    # The binary collision approximation has no jump there.
+    assert drawn[tuple(range(1, 20))].get_ydata().tolist() == exact.velocity[:-1].tolist()
+    assert drawn[tuple(range(1, 21))].get_ydata().tolist() == bca.velocity.tolist()
+    wall = chain.replace(right_wall=hc.Wall())
+    walled = hc.simulate(wall).pulse().plot()
+    assert legend(walled) == ["simulation"]
+    assert hc.plot_pulses([exact], "peak_force").lines[0].get_xdata().size == 19

@@ -15,6 +15,7 @@ from ..errors import IncompleteWarning, InputError, InputWarning, ModelRangeWarn
 from ..representation import counted
 from ..store.file_lock import lock
 from ..store.journal import Journal
+from ..validation.keywords import checked_arguments
 from ..validation.numbers import whole_number, worker_count
 from ..validation.objects import callback, check_type, file_path
 from .ball_choice import BallSpace
@@ -33,6 +34,7 @@ RUNNERS_UP: Final = 4
 Progress = Callable[[int, int], None]
 
 
+@checked_arguments("design")
 def design(
     problem: Design,
     *,

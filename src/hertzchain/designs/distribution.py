@@ -14,6 +14,7 @@ from ..errors import InputError, SimulationError
 from ..frozen import Frozen
 from ..representation import measure as with_unit
 from ..representation import short
+from ..validation.keywords import checked_arguments
 from ..validation.numbers import number, whole_number
 from ..validation.objects import check_type
 from .measured import measured
@@ -139,6 +140,7 @@ class Distribution(Frozen):
         )  # fmt: skip
 
 
+@checked_arguments("distribution")
 def distribution(
     chain: Chain,
     quantity: str,

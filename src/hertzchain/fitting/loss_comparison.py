@@ -13,6 +13,7 @@ from ..chain.laws import LAWS, Loss
 from ..collision import Array
 from ..errors import InputError, SimulationError, short_repr, unknown_name_error
 from ..representation import short
+from ..validation.keywords import checked_arguments
 from ..validation.objects import callback, check_list
 from .chain_parameters import TYPICAL
 from .fit import ChainLike, TracesLike, fit_with
@@ -172,6 +173,7 @@ class LossComparison:
         return short("LossComparison", f"{len(self.fits)} laws", self.statement)
 
 
+@checked_arguments("compare_losses")
 def compare_losses(
     traces: TracesLike,
     chain: ChainLike,

@@ -19,6 +19,7 @@ from ..collision import Array
 from ..errors import InputError
 from ..frozen import Frozen
 from ..representation import measure, short
+from ..validation.keywords import checked_arguments
 from ..validation.numbers import number, real_numbers
 from ..validation.objects import check_choice, text
 from .columns import derive, with_columns
@@ -335,6 +336,7 @@ class Pulse(Frozen):
         }
         return table
 
+    @checked_arguments("Pulse.plot")
     def plot(
         self, quantity: str = "velocity", *, log: bool = False, ax: Axes | None = None
     ) -> Axes:

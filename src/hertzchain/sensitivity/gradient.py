@@ -14,6 +14,7 @@ from ..collision import Array
 from ..errors import IncompleteWarning, InputError, unknown_name_error, warn_user
 from ..frozen import Frozen
 from ..representation import short
+from ..validation.keywords import checked_arguments
 from ..validation.numbers import number, whole_number
 from ..validation.objects import check_list
 from .accuracy import relative_error
@@ -165,6 +166,7 @@ class Gradient(Frozen):
         return gradient_html(self)
 
 
+@checked_arguments("gradient")
 def gradient(
     chain: Chain,
     quantity: str,
@@ -266,6 +268,7 @@ def gradient(
     return found[0]
 
 
+@checked_arguments("gradients")
 def gradients(
     chain: Chain,
     quantities: Iterable[str],

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, Literal
 from ..errors import IncompleteWarning, InputError, SimulationError, warn_user
 from ..pulse.pulse import Pulse
 from ..representation import short
+from ..validation.keywords import checked_arguments
 from ..validation.objects import check_choice
 from .budget import Budget, budget_of
 from .energy_flux import energy_flux_of
@@ -307,6 +308,7 @@ class Run(Trajectory):
 
         save_run(self, path)
 
+    @checked_arguments("Run.plot")
     def plot(
         self, quantity: Literal["velocity", "force"] = "velocity", *, ax: Axes | None = None
     ) -> Axes:
@@ -329,6 +331,7 @@ class Run(Trajectory):
 
         return plot_run(self, quantity, ax=ax)
 
+    @checked_arguments("Run.plot_forces")
     def plot_forces(
         self, beads: Sequence[int | str], *, label: str = "", ax: Axes | None = None
     ) -> Axes:
@@ -337,8 +340,7 @@ class Run(Trajectory):
         Parameters
         ----------
         beads : sequence of int or str
-            Numbers or names of the beads with a sensor, such as 6 or ``"ball 5"``; N + 1 is the
-            right wall, 0 the left one.
+            Beads with a sensor, such as 6 or ``"ball 5"``; N + 1 is the right wall, 0 the left one.
         label : str
             Name of the run in the legend.
         ax : matplotlib.axes.Axes, optional
@@ -364,11 +366,6 @@ class Run(Trajectory):
             File to write, ``.gif``.
         **options
             ``frames``, ``seconds``, ``magnify`` and ``progress``, as for `hertzchain.animate`.
-
-        Returns
-        -------
-        pathlib.Path
-            The file.
 
         Examples
         --------

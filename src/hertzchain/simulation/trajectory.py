@@ -65,7 +65,8 @@ class Trajectory(ShortDir):
         """Forces in the contacts at the saved times, shape (T, N + 1) [scaled, or N].
 
         Contact numbers include the walls: contact 0 is the one with the left wall, contact k joins
-        beads k and k + 1, and contact N is the one with the right wall.
+        beads k and k + 1, and contact N is the one with the right wall.  At an end without a wall,
+        the force is zero.
         """
         if self._forces is not None:
             return self._forces
@@ -140,7 +141,7 @@ class Trajectory(ShortDir):
         ----------
         contact : int
             Number of the contact, as in `forces`: 0 is the contact with the left wall, N the one
-            with the right wall.
+            with the right wall.  At an end without a wall, the force is zero.
 
         Returns
         -------

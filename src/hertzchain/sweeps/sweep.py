@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, Any, Final
 from .. import __version__
 from ..errors import InputError, short_repr
 from ..store.sweep_store import SweepStore, locked
+from ..validation.keywords import checked_arguments
 from ..validation.numbers import whole_number, worker_count
 from ..validation.objects import callback, check_bool, check_list, check_type, file_path
 from .batches import run_planned
@@ -57,6 +58,7 @@ class Estimate:
     seconds: float
 
 
+@checked_arguments("sweep")
 def sweep(
     specification: Any,
     store: str | os.PathLike[str] | None = None,

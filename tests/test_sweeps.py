@@ -538,6 +538,7 @@ def test_curves_and_maps():
         plot_sweep(found, "speed")
 
 
+@pytest.mark.filterwarnings("ignore::hertzchain.ModelRangeWarning")
 def test_an_axis_with_few_values_gives_one_curve_per_value():
     chain = {"materials": "steel-52100", "beads": 4}
     speeds = {"linspace": [0.1, 0.8, 8], "unit": "m/s"}
@@ -585,6 +586,7 @@ def test_cells_of_a_map_meet_halfway_on_its_scales_for_any_order_of_values():
     assert drawn.collections[0].get_array()[-1].tolist() == pytest.approx(longest.tolist())
 
 
+@pytest.mark.filterwarnings("ignore::hertzchain.ModelRangeWarning")
 def test_axes_of_pictures_say_what_varies():
     chain = {"radii": 5e-3, "materials": "steel-316", "beads": 5, "loss": {"law": "restitution",
              "coefficient": 1.0}, "struck_by": {"velocity": 0.1}}  # fmt: skip

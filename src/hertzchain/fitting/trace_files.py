@@ -89,6 +89,11 @@ def load_traces(
     shots = []
     for path in paths:
         file = file_path("file of traces", path)
+        if file.suffix.lower() == ".toml":
+            raise InputError(
+                f"{shown_path(path)} is a chain file, where a CSV file of traces is required; give "
+                "the traces first and the chain file last, as in fit data.csv chain.toml"
+            )
         try:
             shots += _shots(csv_rows(file), wanted, noise)
         except InputError as error:

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..chain.chain import Chain
+from ..chain.hertz_range import warn_outside_hertz
 from ..collision import Array
 from ..errors import IncompleteWarning, InputError, unknown_name_error, warn_user
 from ..frozen import Frozen
@@ -248,6 +249,8 @@ def gradient(
     IncompleteWarning
         If the quantity does not exist in the run or is not complete at its end; ``status``
         states why.
+    ModelRangeWarning
+        If a chain of materials exceeds the limits of Hertz's law in the run (`hertz_range`).
 
     Examples
     --------
@@ -310,6 +313,8 @@ def gradients(
     for each in found:
         if each.status != "complete":
             warn_user(f"{each.quantity}: {each.status}", IncompleteWarning)
+    if chain.units == "SI":
+        warn_outside_hertz(chain, reader.record.largest_overlaps())
     return found
 
 

@@ -385,7 +385,8 @@ class Run(Trajectory):
     ) -> TraceComparison:
         """Compare the run with measured traces, without any fit.
 
-        The static force is subtracted for sensors with AC coupling, which are 0 before the pulse.
+        ``print`` shows peaks, arrivals and residuals.  The static force is subtracted for sensors
+        with AC coupling, which are 0 before the pulse.
 
         Parameters
         ----------
@@ -402,8 +403,8 @@ class Run(Trajectory):
         Raises
         ------
         InputError
-            If the run is in scaled variables or saved few times, for several shots, or for
-            sensors that the chain does not have.
+            If the run is in scaled variables, saved few times or ends before the pulse, for several
+            shots or unknown sensors, and if the times of the data are in another unit.
 
         Examples
         --------
@@ -411,7 +412,7 @@ class Run(Trajectory):
         >>> traces, chain = hc.example_experiment()
         >>> compared = hc.simulate(hc.load_chain(chain), until=6e-4, times=1201).compare(traces)
         >>> f"{compared.differences['ball 6']:.1%}"
-        '4.0%'
+        '4.2%'
         """
         from ..fitting.trace_comparison import compare_traces
         from ..fitting.trace_files import load_traces

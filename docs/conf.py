@@ -8,8 +8,9 @@ from importlib import metadata
 from pathlib import Path
 from typing import Any
 
+from sphinx.util.inspect import TypeAliasForwardRef
+
 HERE = Path(__file__).parent
-ALIAS = re.compile(r"TypeAliasForwardRef\('(\w+)'\)")
 ARRAY = re.compile(r"\bArray\b")
 sys.path.insert(0, os.fspath(HERE))
 import reference_pages  # noqa: E402
@@ -45,6 +46,8 @@ autodoc_typehints_format = "short"
 autodoc_type_aliases = {
     "Array": "ndarray", "ArrayLike": "ArrayLike", "MaterialLike": "MaterialLike",
 }  # fmt: skip
+# Within unions, Sphinx shows the representation of its class of aliases.
+TypeAliasForwardRef.__repr__ = lambda self: self.name
 autodoc_member_order = "bysource"
 numpydoc_show_class_members = False
 # One page per object; `reference_pages` provides the names of the members for the templates.
@@ -163,11 +166,9 @@ def write_tables(_: Any) -> None:
 
 
 def name_aliases(_: Any, *about: Any) -> tuple[str | None, str | None]:
-    """Write names of type aliases within unions, too, where Sphinx shows how it stores them."""
+    """Write the name of the type of arrays where Sphinx does not evaluate annotations."""
     signature, result = about[-2:]
-    return tuple(
-        text and ARRAY.sub("ndarray", ALIAS.sub(r"\1", text)) for text in (signature, result)
-    )
+    return tuple(text and ARRAY.sub("ndarray", text) for text in (signature, result))
 
 
 def strip_blocks(_: Any, doctree: Any) -> None:

@@ -363,6 +363,8 @@ def test_views_without_results_say_that_they_are_compiled(page):
     assert page.tab.text_content("#map-note") == reason
     for name in ("pulse", "error", "budget", "force", "modes"):
         assert page.tab.text_content(f"#chart-{name} .nothing") == reason
+    # Numbers of earlier chains are not shown next to this message.
+    assert page.tab.locator("#legend-error table").count() == 0
     both = "taper=uniform&beads=9&b.radii=5+mm&b.beads=9&b.materials=steel-52100"
     page.tab.evaluate("hash => { location.hash = hash }", f"{both}&~errors=difference")
     page.settle()

@@ -27,6 +27,8 @@ STEEL = "steel-52100"
                        "axes": {"velocity": [1.0]}}), "has materials and material"),
     (lambda: hc.Design(hc.Chain.uniform(5), minimize="momentum@last"),
      "Design has no argument 'minimize'; did you mean 'minimise'\\?"),
+    (lambda: hc.vary.radii(0.5, 1.0, bead="2:"), "vary.radii has no argument 'bead'; .* 'beads'"),
+    (lambda: hc.vary.gaps(0.0), "vary.gaps: missing the argument 'high'; it takes low, high"),
     (lambda: hc.Restitution(), "Restitution: missing the argument 'coefficient'"),
     (lambda: hc.Restitution(coefficients=0.9), "no argument 'coefficients'; .* 'coefficient'"),
     (lambda: hc.StepDrive(amplitudes=0.9), "StepDrive has no argument .* 'amplitude'"),

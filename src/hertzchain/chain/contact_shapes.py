@@ -15,7 +15,7 @@ from typing import Any, ClassVar, Final, TypeAlias, TypeVar
 import numpy as np
 
 from ..errors import InputError, short_repr
-from ..validation.keywords import checked_fields
+from ..validation.keywords import checked_arguments, checked_fields
 from ..validation.numbers import number, whole_number
 from .fields import ChainFields
 from .materials import contact_modulus
@@ -211,6 +211,7 @@ def _ellipse(one: float, other: float, angle: float) -> tuple[float, float]:
     return radius, 2.0 * k * math.sqrt(q) / (math.pi * first)
 
 
+@checked_arguments("with_contacts")
 def with_contacts(self: C, shapes: Shape | Mapping[int, Shape]) -> C:
     """The same chain with contacts of bodies other than spheres.
 

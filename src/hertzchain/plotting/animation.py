@@ -21,6 +21,7 @@ from ..collision import Array
 from ..errors import IncompleteWarning, InputError
 from ..simulation.run import Run
 from ..store.writing import write_bytes
+from ..validation.keywords import checked_arguments
 from ..validation.numbers import number, whole_number
 from ..validation.objects import callback, check_type, file_path
 from .chains import bead_centres, draw_walls
@@ -39,6 +40,7 @@ COLOURS: Final = "RdBu_r"
 MARKER: Final = (213, 94, 0)
 
 
+@checked_arguments("animate")
 def animate(
     run: Run,
     path: str | os.PathLike[str],

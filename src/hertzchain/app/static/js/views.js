@@ -83,11 +83,11 @@ export class Views {
     const { quantity, hidden } = state.view, exact = own.exact(quantity);
     const label = "error relative to the simulation";
     if (state.view.errors === "difference") {
-      if (!other) replace($("legend-error"), []);
+      const late = [own, other].find((each) => each && !each.pulse.header);
+      if (!other || late) replace($("legend-error"), []);
       const theirs = other?.exact(quantity);
       const common = other && other.si === own.si && exact && theirs;
       const series = common ? [difference("other", "other chain", theirs, exact)] : [];
-      const late = [own, other].find((each) => each && !each.pulse.header);
       const message = common ? "" : !other ? "Choose Compare to add a second chain." : late ? whyBlank(late) : other.si === own.si ? "No value" : "Chains in SI units and in scaled variables cannot be compared.";
       this.error.draw(series, { xLabel: "bead k", yLabel: "other chain relative to this one", percent: true, message }, `Difference of the chains: ${summary(series)}`);
       return;

@@ -3,6 +3,7 @@
 import itertools
 import re
 
+import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 from scipy_chain import trajectory, wall_peak
@@ -622,6 +623,21 @@ def test_results_are_exported(softest, tmp_path):
     assert softest.as_dict()["value"] == softest.value
     assert "optimal" not in softest.summary()
     assert "best of" in softest.summary()
+
+
+def test_forces_that_differ_much_have_their_own_panels():
+    chain = hc.Chain.uniform(8).replace(right_wall=hc.Wall())
+    problem = hc.Design(chain, minimise="wall_force.peak", vary=[hc.vary.radii(0.05, 1.0)])
+    result = hc.design(problem, budget=200)
+    initial = hc.simulate(chain).wall_force().peak
+    assert initial > 5.0 * result.value
+    for figure, first in ((result.plot(), 1), (result.plot("forces").figure, 0)):
+        panels = figure.axes[first : first + 2]
+        tops = [float(line.get_ydata().max()) for axes in panels for line in axes.lines]
+        assert tops == pytest.approx([initial, result.value], rel=1e-3)
+        for axes, top in zip(panels, tops, strict=True):
+            assert top < axes.get_ylim()[1] < 1.2 * top
+    assert len(result.plot("forces", ax=plt.figure().add_subplot()).lines) == 2
 
 
 def test_figures_show_both_chains(softest):

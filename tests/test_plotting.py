@@ -9,7 +9,7 @@ from hertzchain.plotting.animation import animate
 from hertzchain.plotting.budget import plot_budget
 from hertzchain.plotting.chains import bead_centres, plot_chain
 from hertzchain.plotting.fits import _draw_crest
-from hertzchain.plotting.runs import plot_forces
+from hertzchain.plotting.runs import plot_forces, plot_forces_of_runs
 from hertzchain.plotting.titles import chain_title
 
 
@@ -334,3 +334,35 @@ def test_narrow_figures_have_ticks_at_whole_beads_and_lines_that_survive_grey():
     run = hc.simulate(hc.Chain.uniform(16).replace(right_wall=hc.Wall()))
     styles = [line.get_linestyle() for line in run.plot_forces([4, 8, 12, "wall"]).lines]
     assert len(set(styles)) == 4
+
+
+def long_run(speed, beads):
+    balls = hc.Chain.from_materials(5e-3, "steel-52100", beads=beads, velocity=speed)
+    return hc.simulate(balls.replace(right_wall=hc.Wall()))
+
+
+def test_runs_whose_forces_or_durations_differ_much_have_their_own_panels():
+    runs = {"strong": long_run(0.1, 8), "weak": long_run(1e-3, 60)}
+    beads = {"strong": [9], "weak": [61]}
+    first = plot_forces_of_runs(runs, beads)
+    strong, weak = first.figure.axes
+    assert first is strong
+    assert (strong.get_xlabel(), weak.get_xlabel()) == ("time [µs]", "time [ms]")
+    for axes, run, factor in ((strong, runs["strong"], 1e6), (weak, runs["weak"], 1e3)):
+        (line,) = axes.lines
+        wall = run.wall_force()
+        assert line.get_ydata().max() == wall.peak
+        assert line.get_xdata()[-1] == pytest.approx(factor * run.times[-1])
+        # The curve fills its panel.
+        assert axes.get_ylim()[1] < 1.2 * wall.peak
+
+
+def test_similar_runs_share_axes_and_their_unit_of_time():
+    # Only the second run is longer than 2 ms.
+    runs = {"fast": long_run(0.01, 30), "slow": long_run(0.005, 34)}
+    ends = [1e3 * run.times[-1] for run in runs.values()]
+    assert ends[0] < 2.0 < ends[1]
+    axes = plot_forces_of_runs(runs, {"fast": [31], "slow": [35]})
+    assert len(axes.figure.axes) == 1
+    assert axes.get_xlabel() == "time [µs]"
+    assert [line.get_xdata()[-1] for line in axes.lines] == pytest.approx([1e3 * t for t in ends])

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import Literal
+from collections.abc import Mapping, Sequence
+from types import MappingProxyType
+from typing import Final, Literal
 
+import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.ticker import MaxNLocator
@@ -20,6 +22,7 @@ from ..validation.numbers import whole_number
 from ..validation.objects import check_choice, check_list, text
 from .style import (
     COLOURS,
+    differ_much,
     figure_style,
     get_axes,
     literal,
@@ -28,9 +31,12 @@ from .style import (
     time_axis,
 )
 from .titles import chain_title
+from .widths import figure_size
 
 # Added to the legend of a wall whose force may still exceed the plotted values.
 CUT_OFF = " (peak not complete)"
+# Factors of the labels of time axes in SI units.
+TIME_LABELS: Final = MappingProxyType({"time [µs]": 1e6, "time [ms]": 1e3})
 # Velocities that are less negative, relative to the largest, are not given separate colours.
 NO_RETURN = 0.01
 
@@ -136,11 +142,13 @@ def plot_forces(
     if not given:
         raise InputError("beads must contain at least one bead number, such as [3, 6]")
     curves = [force_curve(run, each) for each in given]
-    factor, time_label = time_axis(run.chain)
+    factor, time_label = time_axis(run.chain, float(run.times[-1]))
     with figure_style():
         axes = get_axes(ax)
-        # Curves of several runs in the same axes have different colours.
+        # Curves of several runs in the same axes have different colours and one unit of time.
         drawn = len(axes.lines)
+        if axes.get_xlabel() in TIME_LABELS:
+            factor, time_label = TIME_LABELS[axes.get_xlabel()], axes.get_xlabel()
         for i, (times, force, curve, cut_off) in enumerate(curves, drawn):
             legend = ", ".join(filter(None, (literal(name), curve))) + CUT_OFF * cut_off
             axes.plot(
@@ -159,9 +167,49 @@ def plot_forces(
         axes.set_ylabel("force [N]" if run.chain.units == "SI" else "force $F$")
         set_title(axes, chain_title(run.chain))
         axes.margins(x=0.0)
-        mark_horizon(axes, run.known_horizon)
+        mark_horizon(axes, run.known_horizon, factor)
         axes.legend()
     return axes
+
+
+def plot_forces_of_runs(runs: Mapping[str, Run], beads: Mapping[str, Sequence[int]]) -> Axes:
+    """Plot forces of several runs: in one panel each if durations or forces differ much.
+
+    Parameters
+    ----------
+    runs : mapping of str to Run
+        Runs with saved times, by name.
+    beads : mapping of str to sequence of int
+        Beads of each run, as for `plot_forces`.
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+        The first panel.
+
+    Examples
+    --------
+    >>> import hertzchain as hc
+    >>> from hertzchain.plotting.runs import plot_forces_of_runs
+    >>> chain = hc.Chain.uniform(9).replace(right_wall=hc.Wall())
+    >>> runs = {"short": hc.simulate(chain), "long": hc.simulate(chain, until=300.0)}
+    >>> len(plot_forces_of_runs(runs, {"short": [10], "long": [10]}).figure.axes)
+    2
+    """
+    largest = [
+        max(float(force_curve(run, bead)[1].max()) for bead in beads[name])
+        for name, run in runs.items()
+    ]
+    apart = differ_much(largest) or differ_much(float(run.times[-1]) for run in runs.values())
+    count = len(runs) if apart else 1
+    with figure_style():
+        size = figure_size(6.0, 2.6 * count) if apart else None
+        figure, panels = plt.subplots(count, 1, squeeze=False, figsize=size)
+    for i, (name, run) in enumerate(runs.items()):
+        axes = plot_forces(run, beads[name], label=name, ax=panels[i if apart else 0, 0])
+        axes.set_title("")
+    first: Axes = figure.axes[0]
+    return first
 
 
 def force_curve(run: Run, bead: int | str) -> tuple[Array, Array, str, bool]:

@@ -9,7 +9,7 @@ import pytest
 from scipy_chain import trajectory, wall_peak
 
 import hertzchain as hc
-from hertzchain.designs.balls import load_balls
+from hertzchain.designs.balls import Ball, load_balls
 from hertzchain.designs.bundle_descent import Model, _step
 from hertzchain.designs.evolution import Strategy, reflected
 from hertzchain.designs.exact_gradients import covered, values_and_slopes
@@ -721,3 +721,13 @@ def test_limits_of_the_model_are_stated_once_for_the_result(recwarn):
     result = hc.design(problem, budget=100, method="evolution", threads=1)
     assert not recwarn.list
     assert result.summary().count("pressure / yield") == 1
+
+
+@pytest.mark.parametrize(
+    ("diameter", "inch"),
+    [(7.1438e-3, "9/32"), (6.35e-3, "1/4"), (25.4e-3, "1"), (38.1e-3, "1 1/2"), (4e-3, ""),
+     (8e-3, ""), (6.351e-3, "")],
+)  # fmt: skip
+def test_sizes_in_inches_are_stated(diameter, inch):
+    ball = Ball(diameter, hc.material("steel-52100"))
+    assert f"({inch} in)" in str(ball) if inch else "in" not in str(ball)

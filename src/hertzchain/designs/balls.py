@@ -46,7 +46,7 @@ class Ball:
 
 
 def inch_fraction(diameter: float) -> str:
-    """A size [m] in inches, such as ``9/32``; empty if it is no multiple of 1/64 in."""
+    """A size [m] in inches, such as ``9/32``; empty if it is another size than n/64 in."""
     parts = round(diameter / INCH * FINEST)
     if not parts or abs(diameter - parts * INCH / FINEST) > ROUNDED:
         return ""

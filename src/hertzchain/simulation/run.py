@@ -55,7 +55,7 @@ class Run(Trajectory):
         ``"pulse left"`` (see `closed_contacts`); for a chain with a right wall, ``"wall force
         complete"`` or, after ten transits, ``"transit limit"``; and ``"nothing more happens"`` if
         all beads are in free flight earlier.  ``"step limit"``, ``"step too small"``
-        and ``"underflow"`` are failures, which `simulate` raises as errors unless told not to.
+        and ``"underflow"`` are failures, which `simulate` raises as errors by default.
     end_time : float
         Time at which the simulation stopped [scaled, or s].
     energy_drift : float

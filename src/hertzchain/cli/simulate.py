@@ -36,7 +36,8 @@ USUAL_TIMES: Final = 400
 @click.option(
     "--times",
     type=int,
-    help="Number of saved times.  [default: 400; with --sensor, or with several files, and "
+    help="Number of saved times; without --until, whose value is the end, at most this number and "
+    "usually more than half of it.  [default: 400; with --sensor, or with several files, and "
     "without --out, 4000]",
 )
 @click.option(

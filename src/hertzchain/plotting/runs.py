@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Mapping, Sequence
 from types import MappingProxyType
 from typing import Final, Literal
@@ -12,6 +13,7 @@ from matplotlib.axes import Axes
 from matplotlib.ticker import MaxNLocator
 
 from ..chain.bead_names import bead_label, bead_number, wall_number
+from ..chain.chain import Chain
 from ..collision import Array
 from ..errors import InputError
 from ..pulse.quantities import RUN_QUANTITIES
@@ -37,6 +39,8 @@ from .widths import figure_size
 CUT_OFF = " (peak not complete)"
 # Factors of the labels of time axes in SI units.
 TIME_LABELS: Final = MappingProxyType({"time [µs]": 1e6, "time [ms]": 1e3})
+# Fewest equal beads of a section, and largest number of sections with boundaries in a map.
+SECTION, MAX_SECTIONS = 2, 8
 # Velocities that are less negative, relative to the largest, are not given separate colours.
 NO_RETURN = 0.01
 
@@ -45,6 +49,8 @@ def plot_run(
     run: Run, quantity: Literal["velocity", "force"] = "velocity", *, ax: Axes | None = None
 ) -> Axes:
     """Plot velocities or contact forces over time as a map, bead 1 at the bottom.
+
+    Dashed lines separate sections of equal beads.
 
     Parameters
     ----------
@@ -97,9 +103,22 @@ def plot_run(
         axes.set_xlabel("time [µs]" if real else "time $t$")
         axes.set_ylabel(f"{drawn.per} $k$")
         axes.yaxis.set_major_locator(MaxNLocator(integer=True))
+        for k in section_ends(run.chain):
+            at = k if quantity == "force" else k + 0.5
+            axes.axhline(at, color="0.25", linewidth=0.7, linestyle="--")
         mark_horizon(axes, run.known_horizon)
         set_title(axes, chain_title(run.chain))
     return axes
+
+
+def section_ends(chain: Chain) -> list[int]:
+    """Last bead k of each section of equal beads but the last; empty if there are no sections."""
+    kinds = chain.materials or (None,) * chain.beads
+    beads = zip(chain.radii.tolist(), chain.masses.tolist(), kinds, strict=True)
+    lengths = [len(list(group)) for _, group in itertools.groupby([*beads][chain.strikers :])]
+    if not 1 < len(lengths) <= MAX_SECTIONS or min(lengths) < SECTION:
+        return []
+    return (chain.strikers + np.cumsum(lengths[:-1])).tolist()
 
 
 def plot_forces(

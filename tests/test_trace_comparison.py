@@ -80,6 +80,13 @@ def test_runs_that_end_before_the_measured_pulse_are_rejected():
         simulated(5e-4).compare(traces(["wall"]), time_offset=-3e-4)
 
 
+@pytest.mark.parametrize(("offset", "words"), [(1.0, "begins after the last sample"),
+                                              (7e-4, "pulse arrives after the last")])  # fmt: skip
+def test_runs_that_begin_too_late_are_rejected(offset, words):
+    with pytest.raises(hc.InputError, match=words):
+        simulated(7e-4).compare(traces(["wall"]), time_offset=offset)
+
+
 @pytest.mark.parametrize("factor", [1e3, 1e-3, 1e6])
 def test_times_in_another_unit_are_rejected(factor):
     with pytest.raises(hc.InputError, match="check the unit of the times"):

@@ -207,11 +207,21 @@ def compare_traces(
             f"with time_offset = {time_offset:g} s, the run ends before the first sample of the "
             "traces; give another one, or simulate for longer"
         )
+    if moments[-1] <= 0.0:
+        raise InputError(
+            f"with time_offset = {time_offset:g} s, the run begins after the last sample of the "
+            "traces; give an earlier one"
+        )
     check_contained(shot, inside)
     signals = []
     for column in columns:
         values = np.full(len(moments), np.nan)
         values[inside] = sampled(column, spacing, moments[inside])
+        if np.ptp(values[inside]) == 0.0:
+            raise InputError(
+                f"with time_offset = {time_offset:g} s, the simulated pulse arrives after the last "
+                "sample of the traces; give an earlier one"
+            )
         signals.append(values)
     until = float(shot.times[-1]) - time_offset
     found = TraceComparison(traces, tuple(signals), float(time_offset), given)

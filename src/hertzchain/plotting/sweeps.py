@@ -31,7 +31,7 @@ FLAGS = ("outside_range", "incomplete")
 MAX_CURVES: Final = 6
 # Total area of the markers of all cells of a map, in square points.
 MARKED_AREA: Final = 9000.0
-# Labels of parameters whose names are too short for an axis.
+# Labels of parameters that are ratios, whose names do not state both quantities.
 LABELS: Final = MappingProxyType(
     {
         "ratio": "radius of the last bead / that of the first",

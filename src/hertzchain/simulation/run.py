@@ -53,10 +53,10 @@ class Run(Trajectory):
         Velocities [scaled, or m/s].
     status : str
         Reason for the end of the run.  With ``until`` it is ``"time reached"``.  Without, it is
-        ``"pulse left"``; for a chain with a right wall, ``"wall force complete"`` or, after ten
-        transits, ``"transit limit"``; and ``"nothing more happens"`` if all beads are in free
-        flight earlier.  ``"step limit"``, ``"step too small"`` and ``"underflow"`` are failures,
-        for which `simulate` raises an error unless ``check`` is false.
+        ``"pulse left"`` (see `closed_contacts`); for a chain with a right wall, ``"wall force
+        complete"`` or, after ten transits, ``"transit limit"``; and ``"nothing more happens"`` if
+        all beads are in free flight earlier.  ``"step limit"``, ``"step too small"``
+        and ``"underflow"`` are failures, which `simulate` raises as errors by default.
     end_time : float
         Time at which the simulation stopped [scaled, or s].
     energy_drift : float
@@ -385,8 +385,7 @@ class Run(Trajectory):
     ) -> TraceComparison:
         """Compare the run with measured traces, without any fit.
 
-        ``print`` shows peaks, arrivals and residuals.  The static force is subtracted for sensors
-        with AC coupling, which are 0 before the pulse.
+        The static force is subtracted for sensors with AC coupling, which are 0 before the pulse.
 
         Parameters
         ----------
@@ -427,7 +426,8 @@ class Run(Trajectory):
 
     def __repr__(self) -> str:
         saved = f"{len(self.times)} times saved, energy drift {self.energy_drift:.1e}"
-        return short("Run", self.chain.description, self.message, self.prediction, saved)
+        message = self.message, self._unfinished_collision, self.prediction
+        return short("Run", self.chain.description, *message, saved)
 
     def _repr_html_(self) -> str:
         from ..notebook.runs import run_html

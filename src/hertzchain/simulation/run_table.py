@@ -16,6 +16,7 @@ from ..chain.hertz_range import hertz_range
 from ..collision import Array
 from ..frozen import Frozen
 from ..representation import short
+from ..validation.numbers import whole_number
 from ..validation.objects import check_choice
 from .ensemble_columns import KEPT
 
@@ -127,6 +128,11 @@ class RunTable(Frozen):
         tuple of str
             Empty within the limits, without materials, and if the chain failed.
 
+        Raises
+        ------
+        InputError
+            If there is no such chain.
+
         Examples
         --------
         >>> import hertzchain as hc
@@ -135,6 +141,7 @@ class RunTable(Frozen):
         pressure / yield is 2.63 at contact 1, and above 1 at 7 more (limit 1 of Hertz's law);
         reduce the velocity or use loss=ElasticPlastic()
         """
+        index = whole_number("index of a chain", index, least=0, most=len(self) - 1)
         chain = self.chains[index]
         if chain is None or index in self.reasons or chain.materials is None:
             return ()

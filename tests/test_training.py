@@ -7,6 +7,7 @@ import pytest
 from numpy.polynomial.chebyshev import chebval
 from training import (
     error_fit,
+    estimate_chains,
     last_fit,
     response_fit,
     responses,
@@ -185,7 +186,7 @@ def test_tables_are_read_as_they_were_written(tmp_path):
         "last_knots": last_fit.KNOTS,
         "last": 100.0 * random.normal(size=(len(last_fit.KNOTS) + 2, 84)),
     }
-    error = np.geomspace(1e-5, 5.0, 13)
+    error = np.geomspace(1e-5, 5.0, 16)
     write_tables(tmp_path / "p3", anchors, response)
     write_fast(tmp_path / "p3", measured)
     write_error(tmp_path / "p3", error)
@@ -285,6 +286,37 @@ def test_the_estimate_exceeds_the_fraction_of_errors_that_is_required():
     assert np.mean(errors <= parts @ constants) == pytest.approx(error_fit.COVERED, abs=0.01)
     # The quantile of a normal distribution.
     np.testing.assert_allclose(constants, 2.33 * np.array([0.3, 2.0]), rtol=0.3)
+
+
+def test_weights_of_the_estimate_are_those_of_repeated_errors():
+    random = np.random.default_rng(10)
+    parts = np.exp(random.normal(size=(6000, 2)) - 5.0)
+    errors = np.abs(random.normal(size=6000)) * (parts @ [0.3, 2.0])
+    often = np.where(np.arange(6000) < 500, 7, 1)
+    expected = error_fit.quantile_fit(np.repeat(parts, often, axis=0), np.repeat(errors, often))
+    found = error_fit.quantile_fit(parts, errors, weights=often)
+    np.testing.assert_allclose(found, expected, rtol=0.02)
+
+
+def test_a_term_that_never_occurs_does_not_disturb_the_others():
+    random = np.random.default_rng(11)
+    parts = np.exp(random.normal(size=(5000, 2)) - 5.0)
+    errors = np.abs(random.normal(size=5000)) * parts[:, 0]
+    parts[:, 1] = 0.0
+    alone = error_fit.quantile_fit(parts[:, :1], errors)
+    assert error_fit.quantile_fit(parts, errors)[0] == pytest.approx(alone[0], rel=1e-3)
+
+
+@pytest.mark.parametrize("shrink", [1.0, 0.4])
+def test_chains_of_the_estimate_are_of_twelve_classes_within_the_range(shrink):
+    classes = estimate_chains.estimate_chains(np.random.default_rng(4), 20, shrink)
+    assert [len(chains) for chains in classes] == [20] * 12
+    tapers = [row for chains in classes[:2] + classes[4:9] for row in chains]
+    assert min(row.min() for row in tapers) > shrink * training_chains.LOWEST_RANDOM
+    everything = [row for chains in classes for row in chains]
+    assert max(row.max() for row in tapers) < training_chains.HIGHEST
+    assert max(abs(row.sum()) for row in everything) < training_chains.LONGEST
+    assert min(len(row) for row in everything) >= 8
 
 
 def test_the_interpolation_is_exact_at_the_tables_and_for_polynomials():

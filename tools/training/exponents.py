@@ -15,7 +15,7 @@ from typing import Final
 import numpy as np
 
 from hertzchain.collision import Array
-from hertzchain.kernels.fast_changes import PARTS
+from hertzchain.kernels.error_terms import PARTS
 from hertzchain.theory.exponents import (
     EXPONENTS,
     FILE,
@@ -29,8 +29,9 @@ from hertzchain.theory.exponents import (
 )
 from hertzchain.theory.universal_functions import INPUTS, functions_of
 
-from .error_fit import SAFETY, quantile_fit, terms_and_errors
-from .train import Effort, fast_changes, random_chains, slow_tables
+from .error_fit import FITTED, JAGGED, SAFETY, quantile_fit, terms_and_errors
+from .estimate_chains import estimate_chains
+from .train import Effort, fast_changes, simulated, slow_tables
 
 # Less than for Hertz contacts: the differences between neighbouring exponents would show no more.
 EFFORT: Final = Effort(1600, 600, 9, 500, 2, 2, 5, ((63, 700, 100, 0, 0),), 0)
@@ -38,14 +39,14 @@ EFFORT: Final = Effort(1600, 600, 9, 500, 2, 2, 5, ((63, 700, 100, 0, 0),), 0)
 # are determined at that many random exponents, so that they include errors of the interpolation.
 ERROR_EXPONENTS: Final = np.geomspace(LOWEST, HIGHEST, 8)
 TRIED: Final = 160
-# There are fewer chains of each exponent, so that the estimate must be more cautious.
-COVERED: Final = 0.99
-CAUTION: Final = SAFETY.copy()
-CAUTION[9] = 4.0
-HELD_OUT: Final = (
-    (63, 5, 5, 3, 4), (99, 3, 2, 2, 2), (150, 1, 1, 0, 1), (12, 2, 1, 1, 1), (22, 2, 1, 1, 1),
-    (8, 1, 1, 1, 1),
-)  # fmt: skip
+# Number of chains of each class at each exponent.
+HELD_OUT: Final = 8
+# Fewer chains of each exponent require more caution, above all about changes in strong backward
+# tapers, where the response to slow changes is less accurate, and at the free end.
+CAUTION: Final = 1.3 * SAFETY
+CAUTION[5], CAUTION[11], CAUTION[12] = 4.0, 2.6, 2.6
+# Share of the beads below which a term is too rare for a fit.
+RARE: Final = 0.01
 
 
 def one_exponent(exponent: float, report: Callable[[str], None]) -> dict[str, Array]:
@@ -99,29 +100,36 @@ def add_estimate(folder: Path, report: Callable[[str], None]) -> None:
     # One exponent in each of so many intervals.
     cells = (np.arange(TRIED) + random.random(TRIED)) / TRIED
     logs = np.log(LOWEST) + np.log(HIGHEST / LOWEST) * cells
-    parts, errors = [], []
+    found = []
     for count, log in enumerate(logs):
         exponent = float(np.exp(log))
         report(f"error estimate, {count + 1} of {TRIED}: p = {exponent:.4g}")
-        chains = random_chains(random, HELD_OUT, exponent, shrink_of(exponent))
+        classes = estimate_chains(random, HELD_OUT, shrink_of(exponent))
+        chains = [rates for each in classes for rates in each]
         functions = functions_of(exponent, interpolated_tables(folder, exponent))
-        part, error = terms_and_errors(functions, *chains)
-        share = [
-            np.interp(log, np.log(ERROR_EXPONENTS), hat) for hat in np.eye(len(ERROR_EXPONENTS))
-        ]
-        parts.append((np.array(share)[:, None] * part[:, None, :]).reshape(len(part), -1))
-        errors.append(error)
-    constants = quantile_fit(np.concatenate(parts), np.concatenate(errors), COVERED)
+        found.append(terms_and_errors(functions, *simulated(chains, exponent)))
     with np.load(folder / FILE) as stored:
         tables = dict(stored)
-    # Terms that are rarely large differ by chance: each exponent has the larger constant of its
-    # neighbours.
-    fitted = CAUTION * constants.reshape(len(ERROR_EXPONENTS), PARTS)
-    padded = np.concatenate([fitted[:1], fitted, fitted[-1:]])
-    tables["errors"] = np.max([padded[:-2], padded[1:-1], padded[2:]], axis=0)
-    # An error of 1.4% at the end of a short chain was without a warning.
-    tables["errors"][0] *= 2.0
+    tables["errors"] = error_constants(logs, found)
     np.savez_compressed(folder / FILE, **tables)
+
+
+def error_constants(logs: Array, found: list[tuple[Array, Array, Array]]) -> Array:
+    """Constants of the estimate, from terms, errors and weights at all tried exponents."""
+    at, constants, known = np.log(ERROR_EXPONENTS), [], []
+    for hat in np.eye(len(at)):
+        shares = np.interp(logs, at, hat)
+        near = np.flatnonzero(shares)
+        parts, errors = (np.concatenate([found[i][n] for i in near]) for n in (0, 1))
+        parts = parts[:, :FITTED]
+        weights = np.concatenate([shares[i] * found[i][2] for i in near])
+        constants.append(CAUTION * quantile_fit(parts, errors, weights=weights))
+        known.append(weights @ (parts > 0.0) > RARE * weights.sum())
+    fitted, often = np.array(constants), np.array(known)
+    # Steep forward tapers are outside the tables of small exponents.
+    largest = np.max(fitted, axis=0, where=often, initial=0.0)
+    fitted = np.where(often | ~often.any(axis=0), fitted, largest)
+    return np.column_stack([fitted, np.full(len(at), JAGGED)])
 
 
 def main(work: Path, folder: Path) -> None:

@@ -16,10 +16,11 @@ from hertzchain.theory.universal_functions import FAST_VALUES, STAGES, STATE, TE
 from .response_fit import KNOTS, Anchors
 from .training_chains import NODES, RTOLS
 
-# Terms of the estimated error, in the order of `hertzchain.kernels.fast_changes.write_parts`.
+# Terms of the estimated error, in the order of `hertzchain.kernels.error_terms.write_parts`.
 PARTS: Final = [
-    "one", "deviations, start", "deviations, others", "third degree", "a^4", "a^3", "a^2 q",
-    "a^2 b^2", "fading", "end b^2", "end a^2", "end, short", "alternating",
+    "one", "exponential", "start", "impact", "deviations", "third degree", "a^3", "a^2 q",
+    "a^2 b^2", "fading", "fading, steep", "end b^2", "end a^2", "end, short", "maxima",
+    "jagged",
 ]  # fmt: skip
 
 

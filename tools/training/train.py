@@ -10,7 +10,8 @@ from typing import Final
 import numpy as np
 
 from hertzchain.collision import Array
-from hertzchain.kernels.fast_changes import PARTS, PRODUCTS, STATES
+from hertzchain.kernels.error_terms import PARTS
+from hertzchain.kernels.fast_changes import PRODUCTS, STATES
 from hertzchain.kernels.last_contact import PRODUCTS as LAST_PRODUCTS
 from hertzchain.theory.exponents import scaled
 from hertzchain.theory.universal_functions import (
@@ -24,6 +25,7 @@ from hertzchain.theory.universal_functions import (
 )  # fmt: skip
 
 from .error_fit import error_constants
+from .estimate_chains import estimate_chains
 from .last_fit import KNOTS as LAST_KNOTS
 from .last_fit import fit_last
 from .response_fit import UNIT, Anchors, fit_contact
@@ -84,11 +86,8 @@ class Effort:
 FULL: Final = Effort(4000, DOUBLE_RAMPS, 3, 1500, 3, 3, 4, ((63, 2600, 300, 300, 0),), 4000)
 # Units of the terms of the response in the fits.
 UNITS: Final = UNIT ** np.array([1] * len(INPUTS) + [2] * len(PAIRS))[:, None, None]
-# Numbers of contacts, and of rough, smooth, odd and steep random chains of the error estimate.
-HELD_OUT: Final = (
-    (63, 500, 400, 200, 300), (99, 250, 200, 100, 200), (199, 80, 60, 30, 40),
-    (12, 120, 120, 60, 60), (22, 120, 100, 60, 80), (8, 100, 100, 40, 40),
-)  # fmt: skip
+# Number of chains of each class of the error estimate.
+HELD_OUT: Final = 600
 
 
 @dataclass(frozen=True, eq=False)
@@ -245,5 +244,6 @@ def train(exponent: float, folder: Path, report: Callable[[str], None]) -> None:
 
 def train_error(functions: UniversalFunctions, folder: Path) -> None:
     """Determine the constants of the error estimate, and write their table."""
-    held_out = random_chains(np.random.default_rng(2), HELD_OUT, functions.exponent)
-    write_error(folder, error_constants(functions, *held_out))
+    classes = estimate_chains(np.random.default_rng(2), HELD_OUT)
+    held_out = [simulated(rates, functions.exponent) for rates in classes]
+    write_error(folder, error_constants(functions, held_out))

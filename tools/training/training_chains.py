@@ -114,7 +114,7 @@ def double_ramp_rates(random: np.random.Generator, count: int, shrink: float = 1
         first = int(random.choice((0, 1, 3, 8, 16, 24)))
         for _ in range(2):
             length = int(random.choice((5, 6, 8, 12, 18, 30)))
-            change = _sign(random) * _size(random, 0.003, 0.2)
+            change = random_sign(random) * random_size(random, 0.003, 0.2)
             rates += change * np.clip((contact - first) / length, 0.0, 1.0)
             first += length + int(random.choice((0, 0, 2, 5)))
         if rates.min() >= LOWEST and rates.max() <= HIGHEST:
@@ -144,32 +144,36 @@ def random_rates(
         rates = np.full(contacts, base)
         if random.random() < 0.15:
             # Radii grow like a power of the distance, which begins with large rates.
-            rates = random.uniform(0.3, 1.5) * np.log1p(1.0 / (k + _size(random, 0.7, 20.0)))
+            rates = random.uniform(0.3, 1.5) * np.log1p(1.0 / (k + random_size(random, 0.7, 20.0)))
         chosen = random.random(5) < (
             (0.7, 0.6, 0.0, 0.0, 0.0) if smooth else (0.5, 0.4, 0.5, 0.25, 0.15)
         )
         if chosen[0]:
-            period = _size(random, 50.0 if smooth else 8.0, 200.0)
+            period = random_size(random, 50.0 if smooth else 8.0, 200.0)
             rates += (
-                _sign(random)
-                * _size(random, 0.003, 0.08)
+                random_sign(random)
+                * random_size(random, 0.003, 0.08)
                 * np.sin(2.0 * np.pi * (k / period + random.random()))
             )
         if chosen[1]:
             for _ in range(random.integers(1, 4)):
                 length = random.choice((9, 20, 40) if smooth else (1, 1, 2, 4, 9, 20))
                 position = (k - random.integers(-5, contacts)) / length
-                change = _sign(random) * _size(random, 0.003, 0.1)
+                change = random_sign(random) * random_size(random, 0.003, 0.1)
                 rates += change * np.clip(position, 0.0, 1.0)
         if chosen[2]:
-            rates += np.diff(_size(random, 5e-4, 0.02) * random.normal(size=contacts + 1))
+            rates += np.diff(random_size(random, 5e-4, 0.02) * random.normal(size=contacts + 1))
         if chosen[3]:
             # Bead by bead, or every third to fifth bead is odd.
             odd = np.arange(contacts + 1) % random.choice((2, 2, 2, 3, 4, 5)) == 0
-            rates += _sign(random) * _size(random, 1e-3, 0.08) * np.diff(odd.astype(float))
+            rates += (
+                random_sign(random) * random_size(random, 1e-3, 0.08) * np.diff(odd.astype(float))
+            )
         if chosen[4]:
             odd = random.random(contacts + 1) < random.choice((1.0, 3.0)) / contacts
-            rates += _sign(random) * _size(random, 3e-3, 0.1) * np.diff(odd.astype(float))
+            rates += (
+                random_sign(random) * random_size(random, 3e-3, 0.1) * np.diff(odd.astype(float))
+            )
         gentle = rates.min() > lowest and rates.max() < HIGHEST and abs(rates.sum()) < LONGEST
         if chosen.any() and gentle:
             found.append(rates)
@@ -186,14 +190,22 @@ def odd_rates(
         base = 0.0 if equal else random.uniform(-0.1 * shrink, 0.1)
         kind, beads = random.integers(4), np.arange(contacts + 1)
         if kind == 0:
-            odd = _size(random, 3e-4, 0.02) * random.normal(size=contacts + 1)
+            odd = random_size(random, 3e-4, 0.02) * random.normal(size=contacts + 1)
         elif kind == 1:
-            odd = _sign(random) * _size(random, 3e-3, 0.15) * (beads == random.choice(beads))
+            odd = (
+                random_sign(random)
+                * random_size(random, 3e-3, 0.15)
+                * (beads == random.choice(beads))
+            )
         elif kind == 2:
             every = beads % random.choice((2, 2, 3, 4)) == 1
-            odd = _sign(random) * _size(random, 3e-4, 0.1) * every
+            odd = random_sign(random) * random_size(random, 3e-4, 0.1) * every
         else:
-            odd = _sign(random) * _size(random, 3e-3, 0.1) * (beads >= random.choice(beads))
+            odd = (
+                random_sign(random)
+                * random_size(random, 3e-3, 0.1)
+                * (beads >= random.choice(beads))
+            )
         rates = base + np.diff(odd)
         if rates.min() > LOWEST * shrink and abs(rates.sum()) < LONGEST:
             found.append(rates)
@@ -221,7 +233,9 @@ def steep_rates(
             odd = random.normal(size=contacts + 1) * (abs(beads - random.choice(beads)) < 3)
         else:
             odd = np.maximum(beads - random.choice(beads), 0)
-        rates = rates + _sign(random) * _size(random, 1e-4, 0.04) * np.diff(odd.astype(float))
+        rates = rates + random_sign(random) * random_size(random, 1e-4, 0.04) * np.diff(
+            odd.astype(float)
+        )
         if rates.min() > shrink * LOWEST_RANDOM and abs(rates.sum()) < LONGEST:
             found.append(rates)
     return found
@@ -240,19 +254,21 @@ def ending_rates(random: np.random.Generator, count: int, shrink: float = 1.0) -
         base = 0.02 * random.normal() if near_zero else random.uniform(-0.13 * shrink, 0.2)
         kind = random.integers(4)
         if kind == 0:
-            shape = _size(random, 3e-4, 0.015) * np.clip(left, 0, random.integers(3, 40))
+            shape = random_size(random, 3e-4, 0.015) * np.clip(left, 0, random.integers(3, 40))
         else:
             if kind == 1:
-                shape = np.sin(2.0 * np.pi * (k / _size(random, 20.0, 150.0) + random.random()))
+                shape = np.sin(
+                    2.0 * np.pi * (k / random_size(random, 20.0, 150.0) + random.random())
+                )
             elif kind == 2:
                 white = random.normal(size=contacts + 120)
-                shape = gaussian_filter1d(white, _size(random, 4.0, 25.0))[60 : 60 + contacts]
+                shape = gaussian_filter1d(white, random_size(random, 4.0, 25.0))[60 : 60 + contacts]
             else:
-                shape = np.exp(-left / _size(random, 2.0, 20.0))
-            shape *= _size(random, 0.003, 0.08) / np.abs(shape).max()
-        rates = base + _sign(random) * shape
+                shape = np.exp(-left / random_size(random, 2.0, 20.0))
+            shape *= random_size(random, 0.003, 0.08) / np.abs(shape).max()
+        rates = base + random_sign(random) * shape
         if random.random() < 0.5:
-            size, odd = _size(random, 2e-4, 0.01), random.normal(size=contacts + 1)
+            size, odd = random_size(random, 2e-4, 0.01), random.normal(size=contacts + 1)
             rates += np.diff(size * np.where(random.random(contacts + 1) < 0.5, odd, 0.0))
         gentle = rates.min() > shrink * LOWEST_RANDOM and rates.max() < 0.5
         if gentle and abs(rates.sum()) < LONGEST:
@@ -260,12 +276,13 @@ def ending_rates(random: np.random.Generator, count: int, shrink: float = 1.0) -
     return found
 
 
-def _size(random: np.random.Generator, low: float, high: float) -> float:
+def random_size(random: np.random.Generator, low: float, high: float) -> float:
     """A number whose logarithm is uniform."""
     return float(np.exp(random.uniform(np.log(low), np.log(high))))
 
 
-def _sign(random: np.random.Generator) -> int:
+def random_sign(random: np.random.Generator) -> int:
+    """1 or -1."""
     return int(random.choice((-1, 1)))
 
 

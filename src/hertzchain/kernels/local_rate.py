@@ -19,6 +19,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from .error_terms import FIRST, MORE_ACCURATE, RECURSIVE, SETTLED, slow_weight
 from .fast_changes import (
     STATES,
     combine,
@@ -124,9 +125,9 @@ WORK = (1 + STATES) * ROW + INPUTS + 2 * STATES
 # states: (followed, 3)
 # deviations: (followed, 3), of the states from the anchors that the next contact refers to
 # slopes: (followed, 3, 2): derivatives of the anchor of the contact, and of that reference
-# doubts: (followed, 4), terms of the estimated error: one; norms of all inputs after the
-#   impact, of those at all other contacts up to this one, and of the products of their size and
-#   of the second degree of the growth
+# doubts: (followed, 4), terms of the estimated error: norms of the differences of the rates at
+#   the first contacts, of the deviations that the impact left, of all inputs at the other contacts
+#   up to this one, and of the products of their size and of the second degree of the growth
 @entry_point
 def forward(
     rates, followed, nodes, anchors, knots, response, work, states, deviations, slopes, doubts
@@ -134,7 +135,7 @@ def forward(
     """Compute states of contacts; returns the first that diverges, or else ``followed``."""
     terms, coefficients, inputs, value, slope = parts_of(work)
     terms[TERMS] = 0.0
-    start, others, third = 0.0, 0.0, 0.0
+    start, impact, others, third = 0.0, 0.0, 0.0, 0.0
     node, interval = 0, 0
     lost = followed
     for k in range(followed):
@@ -157,16 +158,24 @@ def forward(
             slopes[k, i, 0] = slopes[k, i, 1] = slope[i]
             if not abs(change) < FARTHEST:
                 away = True
-        square = 0.0
-        for i in range(INPUTS):
-            square += inputs[i] * inputs[i]
-        if k < START:
-            start += square
+        of_state, of_rates = 0.0, 0.0
+        for i in range(STATES):
+            of_state += inputs[i] * inputs[i]
+        for i in range(STATES, INPUTS):
+            of_rates += inputs[i] * inputs[i]
+        if k < RECURSIVE:
+            # The state after the impact is known, and only changes of the rate are in doubt.
+            start += of_rates
         else:
-            others += square
-            third += square * second_degree(coefficients, terms) ** 2
-        doubts[k, 0], doubts[k, 1] = 1.0, np.sqrt(start)
-        doubts[k, 2], doubts[k, 3] = np.sqrt(others), np.sqrt(third)
+            weight = slow_weight(rates[k]) ** 2
+            third += (of_state + of_rates) * second_degree(coefficients, terms) ** 2
+            others += of_rates * weight
+            if k < SETTLED:
+                impact += of_state * weight
+            else:
+                others += of_state * weight
+        doubts[k, 0] = np.sqrt(start) * (MORE_ACCURATE if k < FIRST else 1.0)
+        doubts[k, 1], doubts[k, 2], doubts[k, 3] = np.sqrt(impact), np.sqrt(others), np.sqrt(third)
         if away:
             for i in range(STATES):
                 states[k, i], deviations[k, i] = value[i], 0.0

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
+from .error_terms import PARTS, SLOW_PARTS, write_parts
 from .fast_changes import (
     AHEAD,
     BEHIND,
-    PARTS,
-    SLOW_PARTS,
     STATES,
     WORK,
     add_response,
@@ -18,7 +17,6 @@ from .fast_changes import (
     from_response,
     from_smooth,
     smooth,
-    write_parts,
     write_steps,
 )
 from .last_contact import add_last, from_last
@@ -89,7 +87,7 @@ def divide(rates, followed):
 
 # slow_tables: nodes, anchors, knots and response, for `forward`; fast_tables: for `add_response`
 # states: (followed, 3), result; deviations, slopes: see `forward`
-# parts: (followed, 13), result, see `write_parts`
+# parts: (followed, 16), result, see `write_parts`
 @allocating
 def evaluate(
     contacts, slow, fast, slow_tables, fast_tables, states, deviations, slopes, parts
@@ -132,7 +130,7 @@ def pulse(
 ):  # fmt: skip
     """Evaluate the law; returns the largest estimated error, and whether all values are sound."""
     # The error is infinite if a rate is outside the tables.
-    # slow_tables, fast_tables: as for `evaluate`; constants: (13,), of the estimated error
+    # slow_tables, fast_tables: as for `evaluate`; constants: (16,), of the estimated error
     # of_time, of_overlap: powers (a, b, c, d, e) of residence times and overlaps
     # by_bead (3, N): result: velocities, their estimated errors, arrivals
     # by_contact (2, N - 1): result: residence times, overlaps

@@ -121,7 +121,7 @@ class UniversalFunctions:
         each of the three components.
     fast : FastTables
         Responses to fast changes and to the free end.
-    error : ndarray, shape (13,)
+    error : ndarray, shape (16,)
         Constants of the error estimate; see `hertzchain.theory.local_rate.Solution`.
     """
 

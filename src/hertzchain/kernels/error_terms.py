@@ -1,0 +1,136 @@
+"""Terms of the estimated error of the local-rate law.
+
+The logarithm of a velocity is the sum of the growth at all contacts before, and so is its error.
+Each term is a size of errors that were observed on random chains (`tools/training`), which also
+determine its constant.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from .fast_changes import AHEAD, BACKWARD, BEHIND, END, HALF, LARGE, TAPS, compiled, size_of
+
+# Terms of `hertzchain.kernels.local_rate.forward`, and all of them.
+SLOW_PARTS, PARTS = 4, 16
+# Contacts from which on the state of the recursion counts, and from which on the pulse has
+# forgotten the impact.  The first contacts have functions of their own, which are more accurate.
+RECURSIVE, SETTLED = 12, 24
+FIRST, MORE_ACCURATE = 4, 0.05
+# Decay per contact of errors that do not accumulate, and weight of changes out of sight.
+FADING, OF_AHEAD = 0.75, 0.2
+# Rates below which a pulse leaves a train of waves behind, and above which these overtake it.
+TRAIN, CATCHING = -0.13, -0.05
+
+
+@compiled
+def memory(rate, scale):
+    """Weight of errors that the pulse forgets at once in strong backward tapers."""
+    return 1.0 / (1.0 + (max(rate, 0.0) / scale) ** 4)
+
+
+@compiled
+def steepness(rate):
+    """Excess of a forward taper's rate, in units in which 4 is the end of the tables."""
+    return max(-0.08 - rate, 0.0) / 0.02
+
+
+@compiled
+def slow_weight(rate):
+    """Weight of deviations: near the rate 0, the first order is smoothed, beyond it is exact."""
+    ratio = (max(rate, 0.0) / 0.075) ** 4
+    return (1.0 + 0.15 * steepness(rate) ** 2) / (1.0 + ratio * ratio)
+
+
+@compiled
+def of_exponential(contact, rate):
+    """Error on exponential chains, besides that of the very first contacts."""
+    excess = steepness(rate)
+    value = 0.15 * excess**2 * (1.0 + (excess / 2.4) ** 5)
+    return value + (memory(rate, 0.02) if contact >= RECURSIVE else 0.0)
+
+
+@compiled
+def size_ahead(contact, fast):
+    """Sum of squares of the fast changes that a contact sees through its slow rate alone."""
+    # The filter is wider than the response, whose first order is exact only up to `AHEAD`.
+    total = 0.0
+    for i in range(contact + BEHIND + AHEAD, min(contact + BEHIND + HALF + 1, len(fast))):
+        total += fast[i] * fast[i]
+    return total
+
+
+@compiled
+def lost_maximum(contacts, contact, slow):
+    """Doubt about the last two beads, as the first maximum of the last but one may be lost."""
+    # In long exponential chains below the rate -0.1325, its velocity is another by 23%.
+    if contacts - contact > 2:
+        return 0.0
+    lowest = 0.0
+    for k in range(contact - 3, min(contact + 2, len(slow))):
+        lowest = min(lowest, slow[k])
+    return 0.2 * min(1.0, max(0.0, (-0.122 - lowest) / 0.01) ** 2)
+
+
+@compiled
+def train_behind(rate, train):
+    """Length of the part of the chain in which the pulse left a train of waves behind."""
+    return train + max(TRAIN - rate, 0.0) / 0.1
+
+
+@compiled
+def overlap(contacts, contact, mean_size, mean):
+    """Effect of the impact on the free end of a short chain, nearly all of it on the last bead."""
+    if contacts - contact > END:
+        return 0.0
+    share = 1.0 if contact == contacts - 1 else 0.03
+    return share * np.exp(-0.25 * contacts - 60.0 * max(mean, 0.0)) * mean_size
+
+
+# doubts: (followed, 4), of `hertzchain.kernels.local_rate.forward`
+# parts: (followed, 16), result.  With the size a of fast changes, the slow rate q, its change b,
+#   and weights that decrease in strong backward tapers: one; the largest error of an exponential
+#   chain; the doubts; sums of bounded a^3 and of a^2 |q|, root of the sum of a^2 b^2; the sum of
+#   a^2 + b^2 fading along the chain, with `size_ahead`, and the same in steep forward tapers;
+#   b^2, a^2 and `overlap` near the free end; `lost_maximum` and waves that overtake the pulse;
+#   the sum of squares of alternating b that strong backward tapers leave to the slow rates
+@compiled
+def write_parts(contacts, slow, fast, doubts, parts):
+    """Write the terms of the estimated error of the velocity behind each contact."""
+    exponential, third, tapered, mixed, faded, steep = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    train, overtaken, mean, mean_size, weight = 0.0, 0.0, 0.0, 0.0, 0.0
+    before, jagged = 0.0, 0.0
+    for k in range(len(parts)):
+        q, size = slow[k], size_of(fast[k : k + TAPS])
+        step = slow[k] - slow[k - 1] if k > 0 else 0.0
+        forgotten = memory(q, 0.1)
+        exponential = max(exponential, of_exponential(k, q))
+        third += size * np.sqrt(size) / (1.0 + size / LARGE)
+        # Errors of the attenuation by periodic changes have the same sign at all contacts.
+        remembered = memory(q, BACKWARD)
+        tapered += size * abs(q) * remembered
+        jagged += (1.0 - remembered) * max(-step * before, 0.0)
+        before = step
+        mixed += size * step * step * forgotten
+        both = size + step * step * (MORE_ACCURATE if k < FIRST else 1.0)
+        doubtful = (max(-0.11 - q, 0.0) / 0.01) ** 2
+        ahead = OF_AHEAD * size_ahead(k, fast)
+        faded = FADING * faded + both * forgotten
+        steep = FADING * steep + both * doubtful
+        mean, mean_size = FADING * mean + q, FADING * mean_size + abs(q)
+        weight = FADING * weight + 1.0
+        train = train_behind(q, train)
+        if q > CATCHING:
+            overtaken = max(overtaken, 0.05 * min(1.0, train * train))
+        at_end = contacts - k <= END
+        # Near the free end of steep forward tapers, the state has kinks.
+        kinks = 1.0 + 100.0 * (max(-0.1 - q, 0.0) / 0.03) ** 2
+        parts[k, 0], parts[k, 1] = 1.0, exponential
+        for i in range(SLOW_PARTS):
+            parts[k, 2 + i] = doubts[k, i]
+        parts[k, 6], parts[k, 7], parts[k, 8] = third, tapered, np.sqrt(mixed)
+        parts[k, 9], parts[k, 10] = faded + ahead * forgotten, steep + ahead * doubtful
+        parts[k, 11] = step * step * kinks if at_end else 0.0
+        parts[k, 12] = size if at_end else 0.0
+        parts[k, 13] = overlap(contacts, k, mean_size / weight, mean / weight)
+        parts[k, 14], parts[k, 15] = lost_maximum(contacts, k, slow) + overtaken, jagged

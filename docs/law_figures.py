@@ -141,11 +141,10 @@ def attenuation() -> Figure:
             for _ in range(10, 95):
                 theory.append(theory[-1] * np.exp(-hc.attenuation(chain, theory[-1])))
             bead = np.arange(10, 96)
-            axes.plot(bead, theory, color=COLOURS[i], label=type(law).__name__)
+            name = type(law).__name__
+            axes.plot(bead, theory, color=COLOURS[i], label=f"{name}, closed form")
             axes.plot(bead, velocity[9:95], MARKERS[i], color=COLOURS[i], markerfacecolor="none",
-                      markevery=(3 * i, 8))  # fmt: skip
-        axes.plot([], [], color="0.4", label="lines: closed form")
-        axes.plot([], [], "o", color="0.4", markerfacecolor="none", label="symbols: simulation")
+                      markevery=(3 * i, 8), label=f"{name}, simulation")  # fmt: skip
         axes.set_xlabel("bead $k$")
         axes.set_ylabel("velocity $v_k$")
         axes.legend()

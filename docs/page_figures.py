@@ -240,11 +240,12 @@ def design_protector() -> Figure:
         warnings.simplefilter("ignore", hc.ModelRangeWarning)
         # Single beads bounce after the last maximum that is drawn.
         warnings.simplefilter("ignore", hc.IncompleteWarning)
+        # One above the other, the panels are legible on a narrow page.
         canvas, panels = plt.subplots(
-            2, 2, figsize=(9.6, 4.6), layout="constrained", height_ratios=[1.0, 3.6], sharey="row"
+            4, 1, figsize=(6.4, 7.2), layout="constrained", height_ratios=[1.0, 3.2, 1.0, 3.2]
         )
         for (row, axes), (name, each) in zip(
-            panels.T, {"equal balls": equal, "design": found.chain}.items(), strict=True
+            panels.reshape(2, 2), {"equal balls": equal, "design": found.chain}.items(), strict=True
         ):
             draw_beads(each, 1e3, row)
             row.set_aspect("equal")
@@ -258,11 +259,12 @@ def design_protector() -> Figure:
                 run = hc.simulate(each.replace(loss=law), until=1.3e-3, times=2000)
                 force = run.wall_force().force
                 axes.plot(1e3 * run.times, force, dashes, color=colour, label=label)
-            axes.set_xlabel("time $t$ [ms]")
             axes.set_xlim(0.0, 1.3)
-        panels[1, 0].set_ylabel("force on the wall [N]")
-        panels[1, 0].legend()
-        material_legend([found.chain], panels[1, 1], loc="upper right")
+            axes.set_ylabel("force on the wall [N]")
+        panels[3].set_ylim(panels[1].get_ylim())
+        panels[3].set_xlabel("time $t$ [ms]")
+        panels[1].legend()
+        material_legend([found.chain], panels[3], loc="upper right")
     return canvas
 
 

@@ -306,6 +306,72 @@ def test_two_chains_are_computed_and_compared(page):
     assert page.document("B") is None
 
 
+def open_file(page, path):
+    """Open a chain file, which the server reads first."""
+    with page.tab.expect_response("**/api/chain"):
+        page.tab.set_input_files("#file", path)
+    page.settle()
+
+
+def open_example(page, title, action="Open"):
+    page.tab.click("#open-examples")
+    label = {"Open": "Open ", "Open as chain B": "Open as chain B: "}[action] + title
+    page.tab.click(f"button[aria-label='{label}']")
+    page.settle()
+
+
+def test_opening_a_chain_removes_an_older_chain_b(page, tmp_path):
+    open_example(page, "Shock absorber")
+    assert page.document("B") == gallery()[7]["other"]
+    assert page.tab.locator("#legend-error table").count() == 1
+    open_example(page, "Steel and PTFE shock absorber")
+    assert page.document("B") is None
+    assert not page.tab.locator("#lane-B").is_visible()
+    assert page.tab.locator("#legend-error table").count() == 0
+    open_example(page, "Equal beads: a solitary wave", "Open as chain B")
+    assert page.document("A") == gallery()[8]["document"]
+    assert page.document("B") == gallery()[0]["document"]
+    path = tmp_path / "chain.toml"
+    path.write_text('[chain]\ntaper = "uniform"\nbeads = 12\n')
+    open_file(page, path)
+    assert page.document("B") == {"chain": {"taper": "uniform", "beads": 12}}
+    assert page.document("A") == gallery()[8]["document"]
+    page.tab.click("#tab-A")
+    open_file(page, path)
+    assert page.document("A") == {"chain": {"taper": "uniform", "beads": 12}}
+    assert page.document("B") is None
+    page.tab.click("#undo")
+    page.settle()
+    assert page.document("B") == {"chain": {"taper": "uniform", "beads": 12}}
+    page.tab.evaluate("location.hash = 'taper=uniform&beads=9'")
+    page.settle()
+    assert page.document("B") is None
+    check_numbers(page)
+
+
+def test_views_without_results_say_that_they_are_compiled(page):
+    open_example(page, "Shock absorber")
+    page.tab.evaluate("""() => {
+      const { A, B } = hertzchain.results;
+      A.motion = null;
+      A.pending = ["simulate"];
+      A.pulse = B.pulse = { header: null, arrays: new Map() };
+    }""")
+    page.tab.select_option("#quantity", "momentum")
+    page.tab.wait_for_timeout(100)
+    reason = "Compiling simulate: once after an installation, about a minute …"
+    assert page.tab.text_content("#map-note") == reason
+    for name in ("pulse", "error", "budget", "force", "modes"):
+        assert page.tab.text_content(f"#chart-{name} .nothing") == reason
+    # Numbers of earlier chains are not shown next to this message.
+    assert page.tab.locator("#legend-error table").count() == 0
+    both = "taper=uniform&beads=9&b.radii=5+mm&b.beads=9&b.materials=steel-52100"
+    page.tab.evaluate("hash => { location.hash = hash }", f"{both}&~errors=difference")
+    page.settle()
+    assert page.tab.text_content("#map-note") == ""
+    assert "cannot be compared" in page.tab.text_content("#chart-error .nothing")
+
+
 STEEL_BALLS = (
     "first_diameter=20+mm&last_diameter={}+mm&beads=20&materials=steel-52100&velocity=0.1+m/s&"
     "right_wall.rigid=false"
@@ -470,8 +536,7 @@ def test_files_are_saved_and_opened(page, tmp_path):
     chain_file = save("[data-export=toml]")
     assert hc.load_chain(chain_file).description == chain_of(page.document()).description
     chain_file.write_text('[chain]\ntaper = "uniform"\nbeads = 12\nright_wall = {rigid = true}\n')
-    page.tab.set_input_files("#file", chain_file)
-    page.settle()
+    open_file(page, chain_file)
     table = {"taper": "uniform", "beads": 12, "right_wall": {"rigid": True}}
     assert page.document() == {"chain": table}
     chain_file.write_text("[chain]\nbead = 12\n")

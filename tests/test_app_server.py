@@ -149,6 +149,52 @@ def test_examples_have_results(example):
     assert example["look_for"].endswith(".")
 
 
+def example_chain(title, part="document"):
+    return chain_of(next(each for each in gallery() if each["title"] == title)[part])
+
+
+def shares(parts):
+    """Shares of the parts of a budget in its total at the last saved time."""
+    total = sum(values[-1] for values in parts.values())
+    return {name: values[-1] / total for name, values in parts.items()}
+
+
+def test_numbers_in_texts_of_examples_are_those_of_simulations():
+    texts = {each["title"]: each["look_for"] for each in gallery()}
+
+    def stated(title, *values):
+        found = [float(each) for each in re.findall(r"([\d.]+)%", texts[title])]
+        assert len(found) == len(values), title
+        assert found == pytest.approx([100 * value for value in values], abs=0.5), title
+
+    equal = hc.simulate(example_chain("Equal beads: a solitary wave"))
+    stated("Equal beads: a solitary wave", equal.pulse().velocity[30], -equal.velocities[-1, 0])
+    forward = hc.simulate(example_chain("Forward-exponential taper"))
+    budget = forward.budget()
+    energy, momentum = shares(budget.energy), shares(budget.momentum)
+    radii = forward.chain.radii
+    stated(
+        "Forward-exponential taper", 1.0 - radii[1], energy["leading pulse"], momentum["lagging"]
+    )
+    linear = example_chain("Forward-linear taper")
+    left = hc.simulate(linear).budget().momentum["leading pulse"][-1]
+    stated("Forward-linear taper", linear.radii[-1], left)
+    absorber, equal_beads = (
+        hc.simulate(example_chain("Shock absorber", part)).wall_force()
+        for part in ("document", "other")
+    )
+    stated("Shock absorber", absorber.peak / equal_beads.peak)
+    assert absorber.duration / equal_beads.duration == pytest.approx(3, abs=0.1)
+    backward = hc.simulate(example_chain("Backward-exponential taper")).velocities[-1]
+    assert (backward[:-2] < 0).all()
+    assert (backward[-2:] > 0).all()
+    decorated = example_chain("Decorated chain")
+    effective = hc.effective_chain(decorated)
+    alone = hc.Chain(np.ones(25), masses=effective.masses, stiffness=effective.stiffness)
+    ratio = hc.propagate(decorated).velocity[::2] / hc.simulate(alone).pulse().velocity
+    assert abs(ratio[2:-1] - 1.0).max() < 0.01 < abs(ratio[1] - 1.0)
+
+
 def test_drives_without_end_and_chains_at_rest_have_results_or_a_reason():
     step = {"chain": {"taper": "uniform", "beads": 9, "drive": {"kind": "step", "amplitude": 0.1}}}
     assert computed(step)["run"][0]["success"]

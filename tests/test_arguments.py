@@ -12,8 +12,35 @@ STEEL = "steel-52100"
 @pytest.mark.parametrize(("call", "said"), [
     (lambda: hc.Chain.tapered(**BALLS, material=STEEL, speed=1),
      "Chain.tapered has no argument 'speed'; did you mean 'velocity'\\?"),
-    (lambda: hc.Chain.tapered(**BALLS, materials=STEEL, speed=1),
-     "no argument 'materials' and no argument 'speed'; did you mean 'material', 'velocity'"),
+    (lambda: hc.Chain.tapered(**BALLS),
+     "sizes with a unit \\(first_diameter = '20 mm'\\) need the material .*: give materials"),
+    (lambda: hc.Chain.tapered(first=2, length="1 m", beads=5), "length = '1 m'.* give materials"),
+    (lambda: hc.Chain.tapered(**BALLS, materials=STEEL, material=STEEL),
+     "materials and material are the same: give one of them"),
+    (lambda: hc.Chain.periodic([1e-2], cells=4, material="brass", materials="ptfe"), "the same"),
+    (lambda: hc.Chain.uniform(5).with_scatter(1, seed=1, relative=0.1), "multiple values"),
+    (lambda: hc.Chain.uniform(5).with_scatter(rng=1, seed=1, relative=0.1), "rng and seed are the"),
+    (lambda: chain_from({"chain": {"radii": 5e-3, "beads": 3, "material": STEEL,
+                                   "materials": STEEL}}),
+     "\\[chain\\] has materials and material, which are the same: omit one"),
+    (lambda: hc.sweep({"chain": {"radii": 5e-3, "beads": 3, "material": STEEL, "materials": STEEL},
+                       "axes": {"velocity": [1.0]}}), "has materials and material"),
+    (lambda: hc.Design(hc.Chain.uniform(5), minimize="momentum@last"),
+     "Design has no argument 'minimize'; did you mean 'minimise'\\?"),
+    (lambda: hc.vary.radii(0.5, 1.0, bead="2:"), "vary.radii has no argument 'bead'; .* 'beads'"),
+    (lambda: hc.vary.gaps(0.0), "vary.gaps: missing the argument 'high'; it takes low, high"),
+    (lambda: hc.Restitution(), "Restitution: missing the argument 'coefficient'"),
+    (lambda: hc.Restitution(coefficients=0.9), "no argument 'coefficients'; .* 'coefficient'"),
+    (lambda: hc.StepDrive(amplitudes=0.9), "StepDrive has no argument .* 'amplitude'"),
+    (lambda: hc.Cone(half_angel=40.0), "Cone has no argument .* 'half_angle'"),
+    (lambda: hc.Material("x", rho=1.0), "Material has no argument 'rho'; did you mean 'density'"),
+    (lambda: hc.simulate(hc.Chain.uniform(4), steps=1.0), "simulate has no .* 'step'"),
+    (lambda: hc.simulate(hc.Chain.uniform(4)).plot_forces([2], labels=["x"]),
+     "Run.plot_forces has no argument 'labels'; did you mean 'label'\\?"),
+    (lambda: hc.plot_pulses([], residual=True), "plot_pulses has no .* 'residuals'"),
+    (lambda: hc.Wall(STEEL), "its stiffness, .*'steel-52100'; .* is Wall.of\\('steel-52100'\\)"),
+    (lambda: hc.Wall(hc.material("ptfe")), "Wall.of\\('ptfe'\\)"),
+    (lambda: hc.Chain.dimer(diameters=[1, 2, 3], beads=4), "a dimer has one or two sizes, got 3"),
     (lambda: hc.Chain.tapered("forward-linear", 0.1),
      "Chain.tapered: missing the argument 'beads'; it takes taper, rate, beads"),
     (lambda: hc.Chain.from_materials(5e-3, STEEL, beads=3, speed=3),
@@ -27,7 +54,6 @@ STEEL = "steel-52100"
     (lambda: hc.Chain.dimer(0.5, beads=4, masses=[1.0]), "of a mass ratio has no argument"),
     (lambda: hc.Chain.uniform(5, material=STEEL),
      "no argument 'material'; .*; Chain.from_materials and Chain.tapered make chains of materials"),
-    (lambda: hc.Chain.dimer(diameters=[1, 2], beads=4, material=STEEL), "did you mean 'materials'"),
     (lambda: hc.Chain([1, 1], material=STEEL), "Chain has no argument 'material'; .* 'materials'"),
     (lambda: hc.Wall(materials=STEEL), "Wall has no argument 'materials'; did you mean 'material'"),
     (lambda: hc.Wall.of(material=STEEL), "Wall.of has no argument 'material'; .* 'name'"),
@@ -76,3 +102,63 @@ def test_the_yield_overlap_gives_the_restitution_in_si_units():
 def test_kilometres_per_hour_are_a_unit_of_speed():
     chain = hc.Chain.from_materials(5e-3, "brass", beads=3, velocity="3.6 km/h")
     assert chain.velocities[0] == pytest.approx(1.0, rel=1e-15)
+
+
+@pytest.mark.parametrize("name", ["material", "materials"])
+def test_the_materials_of_a_chain_have_two_names(name):
+    one, two = {name: STEEL}, {name: [STEEL, "ptfe"]}
+    for chain in (
+        hc.Chain.tapered(**BALLS, **one),
+        hc.Chain.from_materials(5e-3, beads=5, **one),
+        hc.Chain.periodic([5e-3], cells=5, **one),
+        hc.Chain.dimer(diameters="10 mm", beads=5, **one),
+        chain_from({"chain": {"diameters": "10 mm", "beads": 5, **one}}),
+        chain_from({"chain": BALLS | one}),
+    ):
+        assert [each.name for each in chain.materials] == 5 * [STEEL]
+    for chain in (
+        hc.Chain.tapered(first="10 mm", last="9 mm", beads=2, **two),
+        hc.Chain.dimer(diameters="10 mm", beads=2, **two),
+        chain_from({"chain": {"cell": [5e-3, 4e-3], "cells": 1, **two}}),
+    ):
+        assert [each.name for each in chain.materials] == [STEEL, "ptfe"]
+    found = hc.sweep({
+        "chain": {"radii": 5e-3, "beads": 5, **one}, "axes": {name: [STEEL, "ptfe"]},
+        "sweep": {"at": "last", "keep": "arrival"},
+    })  # fmt: skip
+    assert found.arrival.dims[0] == "materials"
+    assert found.arrival.values[0] < found.arrival.values[1]
+
+
+def test_one_size_of_a_dimer_is_that_of_both_kinds():
+    one = hc.Chain.dimer(diameters="10 mm", materials=[STEEL, "ptfe"], beads=5)
+    two = hc.Chain.dimer(diameters=["10 mm", "10 mm"], materials=[STEEL, "ptfe"], beads=5)
+    assert one.radii.tolist() == two.radii.tolist() == 5 * [5e-3]
+    assert one.materials == two.materials
+
+
+def test_strikers_keep_their_sizes_if_radii_scatter():
+    balls = hc.Chain.from_materials(5e-3, STEEL, beads=6)
+    struck = balls.struck_by(velocity=0.1, diameter="8 mm", count=2, gap="1 mm")
+    chain = struck.with_scatter(seed=3, relative=0.05)
+    assert chain.radii[:2].tolist() == [4e-3, 4e-3]
+    assert (chain.radii[2:] != 5e-3).all()
+    assert chain.strikers == 2
+    assert chain.velocities.tolist() == struck.velocities.tolist()
+    assert chain.gaps.tolist() == struck.gaps.tolist()
+    # The masses follow from the radii.
+    assert chain.masses[2:] == pytest.approx(balls.masses[0] * (chain.radii[2:] / 5e-3) ** 3)
+    assert struck.with_scatter(3, relative=0.05).radii.tolist() == chain.radii.tolist()
+    every = struck.with_scatter(3, relative=0.05, beads="1:")
+    assert (every.radii[:2] != 4e-3).all()
+    assert every.radii[2:].tolist() == chain.radii[2:].tolist()
+    scaled = hc.Chain.uniform(6).struck_by(radius=2.0).with_scatter(3, relative=0.05)
+    assert scaled.radii[:2].tolist() == [2.0, 1.0]
+    with pytest.raises(hc.InputError, match="changes the masses, .* first, then struck_by"):
+        balls.struck_by(mass="1 g", radius="5 mm").with_scatter(3, relative=0.05)
+
+
+def test_an_end_without_a_wall_has_no_force():
+    run = hc.simulate(hc.Chain.uniform(5), until=10.0)
+    assert not run.force(0).any()
+    assert not run.force(5).any()

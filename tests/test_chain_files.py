@@ -1,10 +1,13 @@
 """Chains from TOML and CSV files: each feature once, and invalid files."""
 
+import tomllib
+
 import numpy as np
 import pytest
 
 import hertzchain as hc
 from hertzchain import Chain, InputError, Wall
+from hertzchain.store.chain_files import chain_from
 
 FIELDS = (
     "radii", "exponent", "taper", "rate", "masses", "stiffness", "units", "velocities", "gaps",
@@ -200,7 +203,7 @@ def test_drives_from_a_table(tmp_path):
         ("radius [mm],material\n5,bras\n5,brass\n", "unknown material 'bras'"),
         ("bead,radius\n1,5\n3,5\n", "column 'bead' must count 1, 2, 3"),
         ("radius [mm]\n5\n5\n", "requires masses or materials"),
-        ("radius [mm],material\n5,brass\n", "at least two"),
+        ("radius [mm],material\n5,brass\n", "at least 2 beads, got 1"),
         ("", "no header"),
     ],
 )
@@ -308,7 +311,7 @@ def test_errors_of_chain_files_state_the_problem(tmp_path, text, said):
         ("radius\n1\nnan\n", "row 2 of column 'radius' is 'nan': it must be finite"),
         ("radius\n-inf\n1\n", "row 1 of column 'radius' is '-inf': it must be finite"),
         ("radius\n1\nbig\n", "row 2 of column 'radius' is 'big': it must be a number"),
-        ("radius\n5\n", r"at least two numbers, got \[5.0\]$"),
+        ("radius\n5\n", "at least 2 beads, got 1"),
         ("radius [mm]\n", r"at least two numbers, got \[\]$"),
     ],
 )
@@ -463,3 +466,85 @@ def test_text_in_a_table_is_exactly_what_it_says(tmp_path):
         written(tmp_path, "radius [mm],material\n9.3,brass\n4.1,brass\n", "b.csv")
     )
     assert chain.radii.tolist() == [9.3e-3, 4.1e-3]
+
+
+STEEL = "steel-52100"
+COMPACT = {
+    "equal": (
+        lambda: Chain.from_materials("10 mm", STEEL, beads=20, velocity="0.1 m/s"),
+        {"radii": 0.01, "beads": 20, "materials": STEEL, "velocity": 0.1},
+    ),
+    "struck": (
+        lambda: Chain.from_materials("10 mm", STEEL, beads=20).struck_by(velocity=0.2),
+        {"radii": 0.01, "beads": 21, "materials": STEEL, "strikers": 1, "velocity": 0.2},
+    ),
+    "uniform": (
+        lambda: Chain.uniform(7, exponent=2.5),
+        {"taper": "uniform", "beads": 7, "exponent": 2.5},
+    ),
+    "sizes": (
+        lambda: Chain.tapered(first="10 mm", last="2.5 mm", beads=40, materials=STEEL),
+        {"first": 0.01, "last": 0.0025, "taper": "exponential", "beads": 40, "materials": STEEL},
+    ),
+    "linear sizes": (
+        lambda: Chain.tapered("linear", first="3 mm", last="8 mm", beads=11, materials="ptfe"),
+        {"first": 0.003, "last": 0.008, "taper": "linear", "beads": 11, "materials": "ptfe"},
+    ),
+    "rate": (
+        lambda: chain_from({"chain": {
+            "taper": "forward-exponential", "rate": 0.0625, "radius": "7 mm", "beads": 31,
+            "materials": "brass"}}),
+        {"taper": "forward-exponential", "rate": 0.0625, "radius": 0.007, "beads": 31,
+         "materials": "brass"},
+    ),
+    "dimer": (
+        lambda: Chain.dimer(diameters=["10 mm", "6 mm"], materials=STEEL, beads=20),
+        {"cell": [0.005, 0.003], "cells": 10, "materials": STEEL},
+    ),
+    "two materials": (
+        lambda: Chain.periodic([9.5e-3, 9.5e-3], cells=5, materials=["steel-316", "ptfe"]),
+        {"cell": [0.0095, 0.0095], "cells": 5, "materials": ["steel-316", "ptfe"]},
+    ),
+    "trimer": (
+        lambda: Chain.periodic([2.0, 1.0, 0.3], cells=4),
+        {"cell": [1.0, 0.5, 0.15], "cells": 4},
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("case", COMPACT)
+def test_regular_chains_are_written_compactly_and_exactly(case):
+    make, keys = COMPACT[case]
+    chain = make()
+    text = hc.chain_as_toml(chain)
+    document = tomllib.loads(text)
+    assert keys.items() <= document["chain"].items()
+    assert set(document) == {"chain"}
+    again = chain_from(document)
+    for name in ("radii", "masses", "stiffness", "velocities", "gaps"):
+        assert np.array_equal(getattr(again, name), getattr(chain, name)), name
+    assert again.materials == chain.materials
+    assert again.strikers == chain.strikers
+    assert hc.chain_as_toml(again) == text
+
+
+def test_irregular_chains_are_written_bead_by_bead():
+    radii = np.array([5e-3, 5e-3, 5e-3, 5e-3, np.nextafter(5e-3, 1.0)])
+    chain = Chain.from_materials(radii, STEEL)
+    document = tomllib.loads(hc.chain_as_toml(chain))
+    assert document["chain"]["radii"] == radii.tolist()
+    taper = Chain.tapered(first="10 mm", last="2.5 mm", beads=9, materials=STEEL)
+    bent = taper.radii.copy()
+    bent[4] = np.nextafter(bent[4], 0.0)
+    document = tomllib.loads(hc.chain_as_toml(Chain.from_materials(bent, STEEL)))
+    assert document["chain"]["radii"] == bent.tolist()
+
+
+def test_only_own_materials_are_written_with_their_properties():
+    own = hc.Material(STEEL, density=7800.0, young=2.0e11, poisson=0.3)
+    document = tomllib.loads(hc.chain_as_toml(Chain.from_materials(5e-3, own, beads=4)))
+    assert document["materials"][STEEL]["young"] == 2.0e11
+    assert document["chain"]["materials"] == STEEL
+    mixed = Chain.from_materials(5e-3, [own, STEEL, own])
+    again = chain_from(tomllib.loads(hc.chain_as_toml(mixed)))
+    assert [each.young for each in again.materials] == [each.young for each in mixed.materials]

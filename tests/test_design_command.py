@@ -61,12 +61,12 @@ def test_a_design_file_describes_the_problem(file):
 
 def test_a_search_that_is_cut_off_ten_times_gives_the_same_result(tmp_path):
     whole = hc.design(problem(), budget=200, store=tmp_path / "whole")
-    content = (tmp_path / "whole" / "trials.journal").read_bytes()
+    content = (tmp_path / "whole" / "gradient-200-simulations-seed-0.journal").read_bytes()
     lengths = np.random.default_rng(1).integers(1, len(content), 10)
     for i, length in enumerate(sorted(lengths)):
         folder = tmp_path / f"cut-{i}"
         folder.mkdir()
-        (folder / "trials.journal").write_bytes(content[:length])
+        (folder / "gradient-200-simulations-seed-0.journal").write_bytes(content[:length])
         again = hc.design(problem(), budget=200, store=folder)
         assert again.chain.radii.tolist() == whole.chain.radii.tolist()
         assert (again.value, again.runs, again.history.tolist()) == (
@@ -121,6 +121,23 @@ def test_another_problem_does_not_use_the_same_store(tmp_path):
         hc.design(problem(minimise="wall_force.impulse"), budget=90, store=tmp_path / "store")
 
 
+def test_searches_with_other_options_have_their_own_journals(file, tmp_path, run):
+    options = ([], ["--seed", "3"], ["--budget", "150"], ["--method", "evolution"], ["--seed", "3"])
+    found = [json.loads(run(file, "--json", *each).stdout) for each in options]
+    assert found[1]["radii"] == found[4]["radii"]
+    names = sorted(each.name for each in (tmp_path / "problem.design").glob("*.journal"))
+    assert len(names) == 4
+    assert [name.partition("-")[2] for name in names if name.startswith("evolution")] == [
+        "400-simulations-seed-2.journal"
+    ]
+    file.write_text(PROBLEM.replace("[0.5, 1.0]", "[0.6, 1.0]"))
+    changed = run(file)
+    assert changed.returncode == 2
+    assert "belongs to another problem" in changed.stderr
+    assert "--store" in changed.stderr
+    assert run(file, "--store", "other").returncode == 0
+
+
 def test_the_command_writes_chain_figure_and_json(file, tmp_path, run):
     found = run(file, "--out", "chain.toml", "--plot", "design.png", "--json")
     assert found.returncode == 0, found.stderr
@@ -129,7 +146,7 @@ def test_the_command_writes_chain_figure_and_json(file, tmp_path, run):
     assert chain.radii.tolist() == document["radii"]
     assert document["value"] == pytest.approx(wall_peak(chain, 30.0), rel=1e-7)
     assert (tmp_path / "design.png").stat().st_size > 20_000
-    assert (tmp_path / "problem.design" / "trials.journal").exists()
+    assert list((tmp_path / "problem.design").glob("*-400-simulations-seed-2.journal"))
 
 
 def test_constraints_that_cannot_be_met_give_exit_code_3(file, run):

@@ -3,12 +3,13 @@
 import itertools
 import re
 
+import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 from scipy_chain import trajectory, wall_peak
 
 import hertzchain as hc
-from hertzchain.designs.balls import load_balls
+from hertzchain.designs.balls import Ball, load_balls
 from hertzchain.designs.bundle_descent import Model, _step
 from hertzchain.designs.evolution import Strategy, reflected
 from hertzchain.designs.exact_gradients import covered, values_and_slopes
@@ -624,6 +625,21 @@ def test_results_are_exported(softest, tmp_path):
     assert "best of" in softest.summary()
 
 
+def test_forces_that_differ_much_have_their_own_panels():
+    chain = hc.Chain.uniform(8).replace(right_wall=hc.Wall())
+    problem = hc.Design(chain, minimise="wall_force.peak", vary=[hc.vary.radii(0.05, 1.0)])
+    result = hc.design(problem, budget=200)
+    initial = hc.simulate(chain).wall_force().peak
+    assert initial > 5.0 * result.value
+    for figure, first in ((result.plot(), 1), (result.plot("forces").figure, 0)):
+        panels = figure.axes[first : first + 2]
+        tops = [float(line.get_ydata().max()) for axes in panels for line in axes.lines]
+        assert tops == pytest.approx([initial, result.value], rel=1e-3)
+        for axes, top in zip(panels, tops, strict=True):
+            assert top < axes.get_ylim()[1] < 1.2 * top
+    assert len(result.plot("forces", ax=plt.figure().add_subplot()).lines) == 2
+
+
 def test_figures_show_both_chains(softest):
     figure = softest.plot()
     assert [axes.get_xlabel() for axes in figure.axes] == [
@@ -705,3 +721,13 @@ def test_limits_of_the_model_are_stated_once_for_the_result(recwarn):
     result = hc.design(problem, budget=100, method="evolution", threads=1)
     assert not recwarn.list
     assert result.summary().count("pressure / yield") == 1
+
+
+@pytest.mark.parametrize(
+    ("diameter", "inch"),
+    [(7.1438e-3, "9/32"), (6.35e-3, "1/4"), (25.4e-3, "1"), (38.1e-3, "1 1/2"), (4e-3, ""),
+     (8e-3, ""), (6.351e-3, "")],
+)  # fmt: skip
+def test_sizes_in_inches_are_stated(diameter, inch):
+    ball = Ball(diameter, hc.material("steel-52100"))
+    assert f"({inch} in)" in str(ball) if inch else "in" not in str(ball)

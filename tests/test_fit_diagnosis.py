@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from scipy_row import FREE, TRUTH, chain, traces
+from scipy_row import BALLS, FREE, RADIUS, TRUTH, chain, traces
 
 import hertzchain as hc
 from hertzchain.fitting.diagnosis import NOTHING_EXPLAINS
@@ -111,6 +111,35 @@ def test_a_highpass_is_named_and_confirmed():
     # The truth of tools/example_traces.py is 1/(6 ms).
     assert "with highpass = 17" in advice
     assert DESCRIBES in advice
+
+
+@pytest.mark.parametrize("loss", [None, hc.Viscoelastic(0.05e-6)])
+def test_a_missing_or_fixed_loss_is_named(loss):
+    free = [name for name in FREE if name != "loss.time"]
+    result = hc.fit(traces(), chain(loss=loss), free=free)
+    assert not result.describes
+    (advice,) = result.advice
+    assert DESCRIBES in advice
+    assert ("add a loss to the chain" in advice) == (loss is None)
+    assert "'loss.time'" in advice
+    # The advice states the true time, and following it recovers the truth.
+    assert float(advice.split("loss.time = ")[1].split()[0]) == pytest.approx(0.6, abs=0.005)
+    law = hc.Viscoelastic(0.6e-6) if loss is None else loss
+    found = hc.fit(traces(), chain(loss=law), free=[*free, "loss.time"])
+    deviations = [(found.values[name] - TRUTH[name]) / found.errors[name] for name in FREE]
+    assert np.abs(deviations).max() < 3.5
+
+
+@pytest.mark.parametrize(("change", "words"), [(-1, "one ball more"), (1, "one ball fewer")])
+def test_a_wrong_number_of_balls_is_named(change, words):
+    row = hc.Chain.from_materials(RADIUS, "steel-52100", beads=BALLS + change)
+    wrong = row.struck_by(velocity=0.26).replace(
+        right_wall=hc.Wall.of("steel-304"), loss=hc.Viscoelastic(0.4e-6)
+    )
+    (advice,) = hc.fit(traces(), wrong, free=FREE).advice
+    assert advice.startswith(f"with {words} ({BALLS}), chi2 falls from ")
+    assert DESCRIBES in advice
+    assert "check the number of balls" in advice
 
 
 def test_a_good_fit_has_no_advice():

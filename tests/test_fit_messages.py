@@ -156,3 +156,12 @@ def test_offsets_have_the_unit_of_their_sensor():
 def test_one_parameter_on_which_the_data_do_not_depend():
     direction = WeakDirection({"highpass": 1.0}, np.inf, True, ())
     assert str(direction).endswith("do not depend on highpass: fix it, or give it a prior")
+
+
+def test_files_in_the_wrong_order_are_named(run, tmp_path):
+    (tmp_path / "base.toml").write_text("[chain]\ntaper = 'uniform'\nbeads = 9\n")
+    (tmp_path / "m.csv").write_text("time [us],wall [N]\n0,0\n1,2\n")
+    code, _, err = run("fit", tmp_path / "base.toml", tmp_path / "m.csv")
+    assert code == 2
+    assert "base.toml is a chain file" in err
+    assert "the traces first and the chain file last" in err

@@ -153,6 +153,7 @@ def test_radii_against_differences_of_simulations():
         assert found["radii"][k] == pytest.approx(reference, abs=3e-5)
 
 
+@pytest.mark.filterwarnings("ignore::hertzchain.ModelRangeWarning")
 def test_materials_against_differences_of_simulations():
     chain = hc.Chain.from_materials(
         np.full(4, 5e-3), ["steel-316", "ptfe", "steel-316", "ptfe"], velocity=0.5,
@@ -680,6 +681,7 @@ def test_invalid_input_is_rejected_in_one_sentence(arguments, message):
         hc.gradient(given.pop("chain"), given.pop("quantity"), **given)
 
 
+@pytest.mark.filterwarnings("ignore::hertzchain.ModelRangeWarning")
 def test_relative_derivatives_of_a_homogeneous_chain_are_powers():
     """Closed form: the force of Hertz's law scales as v^(6/5) E^(2/5) rho^(3/5) R^2."""
     chain = hc.Chain.from_materials(

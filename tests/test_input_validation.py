@@ -323,6 +323,7 @@ def public_calls(folder):
             rtol=1e-6,
             max_steps=9999,
         ),
+        "RunTable.exceeded_limits": tried(runs.exceeded_limits, index=0),
         "RunTable[...]": tried(lambda name: runs[name], name="velocity"),
         "Comparison": tried(hc.Comparison, pulse=pulse, reference=pulse),
         "Comparison.errors": tried(compared.errors, quantity="velocity"),

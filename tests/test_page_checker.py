@@ -28,6 +28,8 @@ def test_good_pages_have_no_problems(tmp_path):
         ('<img src="a.png">', "a.html: image a.png has no alternative text"),
         ('<img src="a.png" alt="">', "a.html: image a.png has no alternative text"),
         ('<img src="a.png" alt="Figure">', "a.html: image a.png has no alternative text"),
+        ("<em>radii: <span>_SupportsArray</span></em>",
+         "a.html: a signature shows _SupportsArray"),
         ('<script src="https://cdn.org/x.js">',
          "a.html: https://cdn.org/x.js is loaded from another host"),
         ('<link rel="stylesheet" href="//cdn.org/x.css">',

@@ -5,11 +5,11 @@ from matplotlib.animation import FFMpegWriter
 from PIL import Image
 
 import hertzchain as hc
-from hertzchain.plotting.animation import animate
+from hertzchain.plotting.animation import _with_more_times, animate
 from hertzchain.plotting.budget import plot_budget
 from hertzchain.plotting.chains import bead_centres, plot_chain
 from hertzchain.plotting.fits import _draw_crest
-from hertzchain.plotting.runs import plot_forces
+from hertzchain.plotting.runs import plot_forces, plot_forces_of_runs, section_ends
 from hertzchain.plotting.titles import chain_title
 
 
@@ -167,7 +167,8 @@ def test_an_animation_shows_the_wall(tmp_path):
     for chain in (walled, walled.replace(right_wall=None)):
         file = hc.animate(hc.simulate(chain, until=9.0, times=5), tmp_path / "x.gif", frames=2)
         with Image.open(file) as image:
-            shown.append(np.asarray(image.convert("L"), int))
+            # Above the text, whose edges are grey.
+            shown.append(np.asarray(image.convert("L"), int)[:95])
     # The wall is the only grey thing before anything moves but the striker.
     grey = [np.count_nonzero(np.abs(each - 0xBB) < 12) for each in shown]
     assert grey[0] > 3 * grey[1]
@@ -200,7 +201,7 @@ def test_labels_state_what_differs():
     assert legend(axes) == ["q = 0.01, 9 beads", "q = 0.02, 9 beads", "q = 0.02, 12 beads"]
     assert axes.get_title() == "BCA, forward-exponential"
     methods = hc.plot_pulses([hc.bca(tapers[0]), hc.propagate(tapers[0])])
-    assert legend(methods) == ["BCA", "propagation"]
+    assert legend(methods) == ["BCA", "propagation", "last bead (free end)"]
     assert methods.get_title() == "forward-exponential, q = 0.01, 9 beads"
     alone = hc.plot_pulses([hc.bca(tapers[0])])
     assert (legend(alone), alone.get_title()) == (["BCA"], methods.get_title())
@@ -334,3 +335,82 @@ def test_narrow_figures_have_ticks_at_whole_beads_and_lines_that_survive_grey():
     run = hc.simulate(hc.Chain.uniform(16).replace(right_wall=hc.Wall()))
     styles = [line.get_linestyle() for line in run.plot_forces([4, 8, 12, "wall"]).lines]
     assert len(set(styles)) == 4
+
+
+def test_the_last_bead_of_a_free_end_is_marked():
+    chain = hc.Chain.uniform(20)
+    exact, bca = hc.propagate(chain), hc.bca(chain)
+    axes = hc.plot_pulses([exact, bca])
+    assert legend(axes) == ["propagation", "BCA", "last bead (free end)"]
+    drawn = {tuple(line.get_xdata()): line for line in axes.lines}
+    free = drawn[(20,)]
+    assert free.get_ydata().tolist() == [exact.velocity[-1]]
+    assert free.get_linestyle() == "None"
+    # The binary collision approximation has no jump there.
+    assert drawn[tuple(range(1, 20))].get_ydata().tolist() == exact.velocity[:-1].tolist()
+    assert drawn[tuple(range(1, 21))].get_ydata().tolist() == bca.velocity.tolist()
+    wall = chain.replace(right_wall=hc.Wall())
+    walled = hc.simulate(wall).pulse().plot()
+    assert legend(walled) == ["simulation"]
+    assert hc.plot_pulses([exact], "peak_force").lines[0].get_xdata().size == 19
+
+
+def long_run(speed, beads):
+    balls = hc.Chain.from_materials(5e-3, "steel-52100", beads=beads, velocity=speed)
+    return hc.simulate(balls.replace(right_wall=hc.Wall()))
+
+
+def test_runs_whose_forces_or_durations_differ_much_have_their_own_panels():
+    runs = {"strong": long_run(0.1, 8), "weak": long_run(1e-3, 60)}
+    beads = {"strong": [9], "weak": [61]}
+    first = plot_forces_of_runs(runs, beads)
+    strong, weak = first.figure.axes
+    assert first is strong
+    assert (strong.get_xlabel(), weak.get_xlabel()) == ("time [µs]", "time [ms]")
+    for axes, run, factor in ((strong, runs["strong"], 1e6), (weak, runs["weak"], 1e3)):
+        (line,) = axes.lines
+        wall = run.wall_force()
+        assert line.get_ydata().max() == wall.peak
+        assert line.get_xdata()[-1] == pytest.approx(factor * run.times[-1])
+        # The curve fills its panel.
+        assert axes.get_ylim()[1] < 1.2 * wall.peak
+
+
+def test_similar_runs_share_axes_and_their_unit_of_time():
+    # Only the second run is longer than 2 ms.
+    runs = {"fast": long_run(0.01, 30), "slow": long_run(0.005, 34)}
+    ends = [1e3 * run.times[-1] for run in runs.values()]
+    assert ends[0] < 2.0 < ends[1]
+    axes = plot_forces_of_runs(runs, {"fast": [31], "slow": [35]})
+    assert len(axes.figure.axes) == 1
+    assert axes.get_xlabel() == "time [µs]"
+    assert [line.get_xdata()[-1] for line in axes.lines] == pytest.approx([1e3 * t for t in ends])
+
+
+def test_maps_show_the_boundaries_of_sections():
+    kinds = ["steel-52100"] * 5 + ["ptfe"] * 4 + ["brass"] * 6
+    run = hc.simulate(hc.Chain.from_materials(5e-3, kinds, velocity=1e-3))
+    lines = {what: [line.get_ydata()[0] for line in run.plot(what).lines]
+             for what in ("velocity", "force")}  # fmt: skip
+    # Contact 5 joins beads 5 and 6.
+    assert lines == {"velocity": [5.5, 9.5], "force": [5.0, 9.0]}
+    struck = hc.Chain.from_materials(5e-3, kinds).struck_by(velocity=1e-3, diameter="6 mm")
+    assert section_ends(struck) == [6, 10]
+    for plain in (hc.Chain.uniform(9), hc.Chain.tapered("forward-linear", 0.02, beads=9),
+                  hc.Chain.dimer(diameters=["10 mm", "6 mm"], materials=["brass", "ptfe"], beads=9,
+                                 velocity=1e-3)):  # fmt: skip
+        assert section_ends(plain) == []
+
+
+def test_animations_of_few_times_have_smooth_forces():
+    chain = hc.Chain.uniform(20).replace(right_wall=hc.Wall())
+    few = hc.simulate(chain, until=36.0, times=30)
+    dense = _with_more_times(few)
+    reference = hc.simulate(chain, until=36.0, times=4001)
+    expected = np.interp(dense.times, reference.times, reference.forces[:, -1])
+    assert len(dense.times) > 700
+    assert np.abs(dense.forces[:, -1] - expected).max() < 1e-3 * expected.max()
+    # Runs that began with another state are not repeated.
+    state = hc.simulate(chain, until=20.0).state
+    backwards = hc.simulate(chain, start=state.reversed(), until=30.0, times=20)
+    assert _with_more_times(backwards) is backwards

@@ -98,3 +98,15 @@ def test_run_plot_draws_every_bead():
 def test_a_pulse_holds_no_doubtful_numbers(columns, said):
     with pytest.raises(hc.InputError, match=said):
         hc.Pulse(hc.Chain.uniform(3), "test", **columns)
+
+
+def test_the_representation_states_speed_and_force():
+    steel = hc.Chain.from_materials(5e-3, "steel-52100", beads=20, velocity=0.1)
+    pulse = hc.propagate(steel)
+    text = " ".join(repr(pulse).split())
+    numbers = f"speed {pulse.speed[9]:.4g} m/s, force {pulse.peak_force[9]:.4g} N at contact 10"
+    assert text.endswith(f"v_20 = {pulse.velocity[-1]:.4g} m/s; {numbers})")
+    assert numbers in str(pulse)
+    scaled = hc.propagate(hc.Chain.uniform(9))
+    assert repr(scaled).endswith(f"speed {scaled.speed[3]:.4g} at contact 4)")
+    assert "contact" not in repr(hc.hard_sphere(hc.Chain.uniform(9)))

@@ -176,14 +176,6 @@ def test_what_does_not_fit_ends_in_an_ellipsis():
         assert any("t = 1.25 s" in line for line in lines)
 
 
-def test_tables_of_runs_state_what_their_range_covers():
-    chains = [balls(5, "SI"), balls(6, "SI")]
-    words = "outside_range is that of the leading pulse and the right wall"
-    assert words in " ".join(repr(hc.simulate_many(chains)).split())
-    assert words not in repr(hc.simulate_many(chains, keep=["velocity", "largest_overlap"]))
-    assert words not in repr(hc.simulate_many([balls(5, "scaled")]))
-
-
 @pytest.mark.parametrize(
     ("item", "expected"),
     [

@@ -17,6 +17,33 @@ UNIFORM_TIMES = [1.8828111864, 3.1210959390, 4.3295734157, 5.5272747592,
                  6.7206217128, 7.9120858067, 9.1026863759]  # fmt: skip
 
 
+@pytest.mark.parametrize(
+    "loss", [hc.Restitution(0.5), hc.Viscoelastic(0.3), hc.Dashpot(0.1), hc.WaltonBraun(0.8)]
+)
+def test_collisions_whose_contact_still_acts_say_so(loss):
+    pair = hc.Chain.uniform(2).replace(loss=loss)
+    early, late = hc.simulate(pair), hc.simulate(pair, until=30.0)
+    assert early.closed_contacts.tolist() == [1]
+    assert "1 contact still closed, velocities not final" in " ".join(repr(early).split())
+    assert late.closed_contacts.tolist() == []
+    assert "closed" not in repr(late)
+    rebound = [float(run.velocities[-1] @ [-1.0, 1.0]) for run in (early, late)]
+    # Only the later velocity is that of the rebound.
+    final = hc.simulate(pair, until=60.0).velocities[-1] @ [-1.0, 1.0]
+    assert rebound[1] == pytest.approx(final, rel=1e-12)
+    assert abs(rebound[0] - final) > 1e-7
+
+
+def test_closed_contacts_are_those_with_overlaps_at_the_end():
+    run = hc.simulate(hc.Chain.tapered("forward-exponential", 0.05, beads=20))
+    end = hc.simulate(run.chain, until=run.end_time, times=2)
+    expected = 1 + np.flatnonzero(~end.open_contacts()[-1])
+    assert run.closed_contacts.tolist() == expected.tolist()
+    assert len(expected) > 5
+    assert "closed" not in repr(run)
+    assert hc.simulate(hc.Chain.uniform(2)).closed_contacts.tolist() == []
+
+
 def test_peaks_and_times_of_the_uniform_chain(uniform_run):
     pulse = uniform_run.pulse()
     np.testing.assert_allclose(pulse.velocity[1:8], UNIFORM_VELOCITIES, rtol=1e-11)

@@ -15,6 +15,7 @@ import hertzchain as hc
 from hertzchain.plotting.sweeps import plot_sweep
 from hertzchain.store import sweep_export
 from hertzchain.store.sweep_export import export_sweep, tables_of
+from hertzchain.store.sweep_store import FAILED
 from hertzchain.sweeps.axes import Axis
 from hertzchain.sweeps.batches import Stopped, _Batch, run_batch
 from hertzchain.sweeps.methods import record_warnings
@@ -538,6 +539,7 @@ def test_curves_and_maps():
         plot_sweep(found, "speed")
 
 
+@pytest.mark.filterwarnings("ignore::hertzchain.ModelRangeWarning")
 def test_an_axis_with_few_values_gives_one_curve_per_value():
     chain = {"materials": "steel-52100", "beads": 4}
     speeds = {"linspace": [0.1, 0.8, 8], "unit": "m/s"}
@@ -574,8 +576,9 @@ def test_cells_of_a_map_meet_halfway_on_its_scales_for_any_order_of_values():
     })  # fmt: skip
     assert len(plot_sweep(found, "momentum").lines) == 3
     drawn = plot_sweep(found, "momentum", levels=[0.1])
-    # Nothing is drawn beyond the values of the axes.
-    assert (drawn.get_xlim(), drawn.get_ylim()) == (pytest.approx((1e-4, 1e-2)), (20.0, 40.0))
+    # All cells are whole.
+    assert drawn.get_xlim() == pytest.approx((10**-4.5, 10**-1.5))
+    assert drawn.get_ylim() == (15.0, 45.0)
     corners = drawn.collections[0].get_coordinates()
     assert corners[0, :, 0].tolist() == pytest.approx(
         [10**-4.5, 10**-3.5, 10**-2.5, 10**-1.5], rel=1e-12
@@ -585,6 +588,33 @@ def test_cells_of_a_map_meet_halfway_on_its_scales_for_any_order_of_values():
     assert drawn.collections[0].get_array()[-1].tolist() == pytest.approx(longest.tolist())
 
 
+@pytest.mark.filterwarnings("ignore::hertzchain.ModelRangeWarning")
+@pytest.mark.filterwarnings("ignore::hertzchain.IncompleteWarning")
+def test_maps_mark_cells_outside_the_range_and_failed_ones():
+    found = hc.sweep({
+        "chain": {"first_diameter": "10 mm", "materials": "steel-52100", "beads": 6},
+        "axes": {"velocity": [0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7],
+                 "ratio": [0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0]},
+        "sweep": {"methods": ["simulate"], "keep": ["velocity"], "at": "last"},
+    })  # fmt: skip
+    outside = found.outside_range.values[:, :, 0].astype(bool)
+    assert 5 < outside.sum() < 44
+    found.status[6, 2] = FAILED
+    found.velocity[6, 2] = np.nan
+    outside[6, 2] = False
+    axes = plot_sweep(found, "velocity")
+    marks = {each.get_label(): each.get_offsets().tolist() for each in axes.collections[1:]}
+    assert marks.pop("failed") == [[0.7, 0.6]]
+    (places,) = marks.values()
+    expected = [[float(found.chain_velocity[i]), float(found.ratio[j])]
+                for i, j in np.argwhere(outside)]  # fmt: skip
+    assert sorted(places) == sorted(expected)
+    names = [each.get_text() for each in axes.get_legend().get_texts()]
+    assert names == ["failed", "outside the range of the method or of Hertz's law"]
+    assert axes.get_ylabel() == "radius of the last bead / that of the first"
+
+
+@pytest.mark.filterwarnings("ignore::hertzchain.ModelRangeWarning")
 def test_axes_of_pictures_say_what_varies():
     chain = {"radii": 5e-3, "materials": "steel-316", "beads": 5, "loss": {"law": "restitution",
              "coefficient": 1.0}, "struck_by": {"velocity": 0.1}}  # fmt: skip

@@ -3,9 +3,10 @@
     python tools/check_pages.py FOLDER [--browser CHROMIUM]
 
 Every link within the documentation must lead to an existing file and anchor, every image needs an
-alternative text, and no address outside may be loaded.  With a Chromium, every page is also shown
-400 px wide, in light and dark colours: it must not scroll sideways, and text needs a contrast of
-4.5 (3 if it is large).  The exit code is 1 if anything is found.
+alternative text, no address outside may be loaded, and no signature may show internal types.  With
+a Chromium, every page is also shown 400 px wide, in light and dark colours: it must not scroll
+sideways, and text needs a contrast of 4.5 (3 if it is large).  The exit code is 1 if anything is
+found.
 """
 
 import argparse
@@ -19,6 +20,8 @@ WIDTH = 400
 # Alternative texts that say nothing.
 EMPTY = ("", "image", "figure", "plot")
 THUMBNAIL = "_thumb.png"
+# Names of types that signatures must not show; `autodoc_type_aliases` in docs/conf.py names others.
+INTERNAL = ("_SupportsArray", "_NestedSequence", "TypeAliasForwardRef")
 # Returns the texts whose contrast is too small, each with its ratio.
 CONTRAST = """
 () => {
@@ -103,10 +106,16 @@ def check_files(folder: Path) -> Iterator[str]:
                 anchor = unquote(parts.fragment)
                 if anchor not in pages[target].anchors:
                     yield f"{here}: link to {link}, but there is no such anchor"
-        for source, text in page.texts:
+        for source, alternative in page.texts:
             # The title is next to the thumbnail of a notebook, which needs no text.
-            if text is None or (text.strip().lower() in EMPTY and THUMBNAIL not in source):
+            if alternative is None or (
+                alternative.strip().lower() in EMPTY and THUMBNAIL not in source
+            ):
                 yield f"{here}: image {source} has no alternative text"
+        text = path.read_text("utf-8")
+        for name in INTERNAL:
+            if name in text:
+                yield f"{here}: a signature shows {name}"
         for source in page.loaded:
             if urlsplit(source).netloc:
                 yield f"{here}: {source} is loaded from another host"

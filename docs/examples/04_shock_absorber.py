@@ -80,10 +80,9 @@ axes.legend(fontsize=9, ncols=2, loc="upper center", bbox_to_anchor=(0.5, -0.16)
 # Is it a minimum?
 # ----------------
 #
-# Exchange each pair of balls of the result.  If any exchange reduced the force, the search would
-# not have ended at a minimum, and this notebook would stop with an error.  The map shows by how
-# much exchanges increase the force; the ring marks the pair with the smallest increase.  Balls of
-# equal size cannot be exchanged (blank).
+# Exchange each pair of balls of the result.  Every exchange increases the force.  The map shows by
+# how much; the ring marks the pair with the smallest increase.  Balls of equal size cannot be
+# exchanged (blank).
 
 count = len(best)
 pairs = [(i, j) for i in range(count) for j in range(i) if best[i] != best[j]]

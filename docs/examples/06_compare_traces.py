@@ -37,11 +37,16 @@ traces
 # --------------
 #
 # Simulate the chain for the duration of the measurement.  ``Run.compare`` finds the trigger time,
-# scales the signal of an uncalibrated sensor, and reports the difference of every sensor in
-# units of its largest signal.
+# scales the signal of an uncalibrated sensor, and reports peaks, arrivals and the difference of
+# every sensor in units of its measured peak.
 
 run = hc.simulate(hc.load_chain(chain_file), until=600e-6, times=1201)
 compared = run.compare(traces)
+print(compared)
+
+# %%
+# The same as a figure:
+
 compared.plot()
 
 # %%
@@ -53,7 +58,7 @@ from scipy.optimize import minimize_scalar
 
 
 def differ(chain):
-    """Mean difference of all sensors, in units of their largest signals."""
+    """Mean difference of all sensors, in units of their measured peaks."""
     found = hc.simulate(chain, until=600e-6, times=1201).compare(traces).differences
     return np.mean(list(found.values()))
 

@@ -36,7 +36,7 @@ axes.set_ylabel("peak force over that in the chain")
 
 # %%
 # A soft wall acts for a long time on several beads, and more than one pulse returns.  A stiff wall
-# returns a single pulse.
+# returns a single pulse with almost all of the energy.
 
 figure, panels = plt.subplots(1, 2, figsize=(9.6, 3.6), sharey=True)
 for axes, value in zip(panels, (0.05, 20.0), strict=True):

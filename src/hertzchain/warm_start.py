@@ -53,6 +53,10 @@ def _ensembles(chain: Chain) -> object:
     return [simulate_many([each] * 4, keep=["wall_peak_force"]) for each in (walled, other)]
 
 
+def _all_beads(chain: Chain) -> object:
+    return simulate(chain, rtol=1e-6)
+
+
 def _fixed_steps(chain: Chain) -> object:
     return [simulate(chain, method="symplectic", until=1.0, drift=drift) for drift in (1e-3, 1e-9)]
 
@@ -65,7 +69,7 @@ def _gradients(chain: Chain) -> object:
 FIRST: Final = (
     Stage("the simulation of the pulse", propagate),
     Stage("the local-rate law", local_rate),
-    Stage("the simulation of all beads", lambda chain: simulate(chain, rtol=1e-6)),
+    Stage("the simulation of all beads", _all_beads),
     Stage("walls", lambda chain: _walled(chain, None), general=True),
     Stage("losses", lambda chain: _walled(chain, Dashpot(0.1)), general=True),
     Stage("heterogeneous chains", _uneven),

@@ -13,7 +13,7 @@ from ..chain.chain import Chain
 from ..errors import InputError
 from ..store.chain_as_toml import chain_as_toml
 from ..store.chain_files import chain_from, load_chain
-from ..store.chain_schema import SECTIONS
+from ..store.chain_schema import SECTIONS, with_usual_names
 from ..store.toml_files import toml_key, toml_text
 
 MAX_BEADS: Final = 2_000
@@ -78,7 +78,7 @@ def document_of_toml(text: str) -> dict[str, Any]:
         document = tomllib.loads(text.removeprefix("\ufeff"))
     except (tomllib.TOMLDecodeError, RecursionError, ValueError) as error:
         raise InputError(f"this file is not valid TOML: {error}") from None
-    document = as_json(document)
+    document = as_json(with_usual_names(document))
     chain_of(document)
     return document
 
@@ -88,7 +88,7 @@ def document_of_file(path: str | os.PathLike[str]) -> dict[str, Any]:
     chain = load_chain(path)
     _check_beads(chain.beads)
     if Path(path).suffix.lower() != ".csv":
-        document: dict[str, Any] = tomllib.loads(Path(path).read_text("utf-8-sig"))
+        document = with_usual_names(tomllib.loads(Path(path).read_text("utf-8-sig")))
         if not any(_files(document)):
             return as_json(document)
     return as_json(tomllib.loads(chain_as_toml(chain)))

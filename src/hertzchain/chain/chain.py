@@ -19,7 +19,7 @@ from numpy.typing import ArrayLike
 
 from ..collision import HERTZ_EXPONENT
 from ..errors import InputError
-from ..validation.keywords import check_keywords, checked_arguments, checked_fields
+from ..validation.keywords import MATERIAL_TOO, check_keywords, checked_arguments, checked_fields
 from ..validation.numbers import FRACTION, number, plain_magnitude, real_numbers, whole_number
 from ..validation.objects import check_list
 from . import contact_shapes, modifications, pieces
@@ -122,7 +122,7 @@ class Chain(ChainFields):
     """
 
     @classmethod
-    @checked_arguments("Chain.tapered", PARAMETERS)
+    @checked_arguments("Chain.tapered", PARAMETERS, MATERIAL_TOO)
     def tapered(
         cls,
         taper: str | None = None,
@@ -135,10 +135,10 @@ class Chain(ChainFields):
         last_diameter: float | str | None = None,
         ratio: float | None = None,
         length: float | str | None = None,
-        material: MaterialLike | None = None,
+        materials: MaterialLike | Sequence[MaterialLike] | None = None,
         velocity: float | str | None = None,
         exponent: float = HERTZ_EXPONENT,
-        **parameters: float,
+        **parameters: Any,
     ) -> Chain:
         r"""A chain whose radii grow (backward) or shrink (forward) along it.
 
@@ -171,8 +171,9 @@ class Chain(ChainFields):
             Radius of the last bead over that of the first.
         length : float or str, optional
             Length of the touching beads, the sum of their diameters [as ``first``].
-        material : str or Material, optional
-            Material of all beads; the chain is then in SI units, and ``first`` is required.
+        materials : str, Material or sequence of them, optional
+            Material of all beads, or of each; the chain is then in SI units, and ``first`` is
+            required.  In all builders, ``material`` is another name of this argument.
         velocity : float or str, optional
             Velocity of bead 1 at time 0 [m/s], in a chain of a material; 1 if not given.
         exponent : float
@@ -199,14 +200,13 @@ class Chain(ChainFields):
         count = checked_beads(beads)
         sizes = Sizes(first, last, first_diameter, last_diameter, ratio, length)
         kind, values, radii, unit = taper_of_sizes(
-            taper, rate, parameters, count, sizes, si=material is not None
+            taper, rate, parameters, count, sizes, si=materials is not None
         )
-        if material is not None:
-            fields = {"velocity": velocity, "exponent": exponent}
-            return cls.from_materials(unit * radii, material, **fields)  # type: ignore[arg-type]
+        if materials is not None:
+            return cls.from_materials(unit * radii, materials, velocity=velocity, exponent=exponent)
         if velocity is not None:
             raise InputError(
-                "velocity requires a material: the velocity of the impact is 1 in scaled variables"
+                "velocity requires materials: the velocity of the impact is 1 in scaled variables"
             )
         return cls(radii, exponent, taper=kind, taper_parameters=tuple(values.items()))
 
@@ -264,7 +264,7 @@ class Chain(ChainFields):
             return cls(given / given[0], exponent)
 
     @classmethod
-    @checked_arguments("Chain.from_materials", pieces.OTHER_FIELDS)
+    @checked_arguments("Chain.from_materials", pieces.OTHER_FIELDS, MATERIAL_TOO)
     def from_materials(
         cls,
         radii: ArrayLike | None = None,
@@ -327,7 +327,7 @@ class Chain(ChainFields):
         return cls(given, units="SI", materials=kinds, **fields)
 
     @classmethod
-    @checked_arguments("Chain.periodic", ("velocity", *pieces.OTHER_FIELDS))
+    @checked_arguments("Chain.periodic", ("velocity", *pieces.OTHER_FIELDS), MATERIAL_TOO)
     def periodic(
         cls,
         cell: ArrayLike,
@@ -372,7 +372,7 @@ class Chain(ChainFields):
         return cls.from_materials(radii, materials, **fields)
 
     @classmethod
-    @checked_arguments("Chain.dimer", ("velocity", *pieces.OTHER_FIELDS))
+    @checked_arguments("Chain.dimer", ("velocity", *pieces.OTHER_FIELDS), MATERIAL_TOO)
     def dimer(
         cls,
         mass_ratio: float | None = None,
@@ -396,8 +396,8 @@ class Chain(ChainFields):
             Mass of the light beads over that of the heavy, > 0; the first bead is heavy.
         beads : int
             Number of beads.
-        radii, diameters : array_like, shape (2,), optional
-            Two radii or two diameters, instead of the mass ratio [m with materials].
+        radii, diameters : array_like, optional
+            Two radii or diameters, or one for both, instead of the mass ratio [m with materials].
         materials : str, Material or sequence of two, optional
             Material of both kinds of beads, or of each.  The chain is then in SI units.
         **fields

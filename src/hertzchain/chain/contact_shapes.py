@@ -15,6 +15,7 @@ from typing import Any, ClassVar, Final, TypeAlias, TypeVar
 import numpy as np
 
 from ..errors import InputError, short_repr
+from ..validation.keywords import checked_arguments, checked_fields
 from ..validation.numbers import number, whole_number
 from .fields import ChainFields
 from .materials import contact_modulus
@@ -28,6 +29,7 @@ ROUND: Final = 1e-7
 MIN_ANGLE: Final = 1.0
 
 
+@checked_fields
 @dataclass(frozen=True)
 class CrossedCylinders:
     r"""Two cylinders whose axes cross at an angle: a Hertz contact on an ellipse, p = 3/2.
@@ -122,6 +124,7 @@ class CrossedCylinders:
         return dataclasses.replace(self, radius=radius, other_radius=other_radius)
 
 
+@checked_fields
 @dataclass(frozen=True)
 class Cone:
     r"""The tip of a cone on a plane, p = 2.
@@ -208,6 +211,7 @@ def _ellipse(one: float, other: float, angle: float) -> tuple[float, float]:
     return radius, 2.0 * k * math.sqrt(q) / (math.pi * first)
 
 
+@checked_arguments("with_contacts")
 def with_contacts(self: C, shapes: Shape | Mapping[int, Shape]) -> C:
     """The same chain with contacts of bodies other than spheres.
 

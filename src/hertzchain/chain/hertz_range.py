@@ -208,14 +208,14 @@ def hertz_range(chain: Chain, overlaps: ArrayLike | None = None) -> HertzRange:
     )
 
 
-def warn_outside_hertz(chain: Chain, overlaps: ArrayLike) -> None:
+def warn_outside_hertz(chain: Chain, overlaps: ArrayLike | None = None) -> None:
     """Issue a warning for each limit of Hertz's law that a chain in SI units exceeds.
 
     Parameters
     ----------
     chain : Chain
         Any chain; there is no warning if it has no materials.
-    overlaps : array_like
+    overlaps : array_like, optional
         Largest overlap of each contact, as for `hertz_range`.
 
     Examples

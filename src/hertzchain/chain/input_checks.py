@@ -22,8 +22,18 @@ LARGE_RADIUS: Final = 1.0
 LARGE_RATIO: Final = 100.0
 
 
+def _refuse_one_bead(count: object) -> None:
+    """State how to compute the collision of one bead with a wall, which is not a chain."""
+    if type(count) is int and count == 1:
+        raise InputError(
+            "a chain has at least 2 beads, got 1; for one ball that hits a wall, place a second "
+            "one at rest behind it: beads=2, velocities=[0.0, 0.1], gaps=['10 mm']"
+        )
+
+
 def checked_beads(beads: int) -> int:
     """Check a number of beads: whole, at least two, and not more than fit in memory."""
+    _refuse_one_bead(beads)
     count = whole_number("beads", beads, least=2)
     # Any machine has memory for a hundred thousand beads, and the check takes time.
     if count > 100_000:
@@ -49,6 +59,7 @@ def checked_exponent(exponent: float) -> float:
 def checked_radii(radii: ArrayLike) -> Array:
     """Check at least two radii, positive and finite, and return a copy."""
     values = real_numbers("radius", radii, "bead")
+    _refuse_one_bead(values.size if values.ndim == 1 else 0)
     if values.ndim != 1 or len(values) < 2:
         raise InputError(f"radii must be a list of at least two numbers, got {short_repr(radii)}")
     checked_beads(len(values))

@@ -21,6 +21,7 @@ from numpy.typing import ArrayLike
 from ..collision import Array
 from ..errors import InputError, InputWarning, unknown_name_error, warn_user
 from ..representation import short
+from ..validation.keywords import checked_fields
 from ..validation.numbers import number, real_numbers
 from ..validation.objects import check_list, check_type, text
 
@@ -43,6 +44,7 @@ OTHER_NAMES: Final = {
 }  # fmt: skip
 
 
+@checked_fields
 @dataclass(frozen=True)
 class Material:
     """Material of a bead or a wall, in SI units.

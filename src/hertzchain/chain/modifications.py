@@ -128,7 +128,7 @@ def with_defects(self: C, radii: Mapping[int, float], *, material: MaterialLike 
     return _with_beads(self, "with_defects", row, None if kinds is None else tuple(kinds))
 
 
-@checked_arguments("with_scatter")
+@checked_arguments("with_scatter", aliases={"seed": "rng"})
 def with_scatter(
     self: C,
     rng: np.random.Generator | int,
@@ -139,12 +139,13 @@ def with_scatter(
 ) -> C:
     """Return the chain with random deviations of the radii, like those of real balls.
 
-    Bead 1 often is the projectile, whose size changes the impact itself: ``beads="2:"`` keeps it.
+    Strikers keep their sizes.  Without strikers, bead 1 often is the projectile, whose size
+    changes the impact itself: ``beads="2:"`` keeps it.
 
     Parameters
     ----------
     rng : numpy.random.Generator or int
-        Random number generator, or a seed.
+        Random number generator, or a seed; ``seed``, the name in chain files, is accepted, too.
     relative : float, optional
         Standard deviation of the logarithm of the radius, up to 0.3, such as 0.01 or ``"1%"``.
     grade : int, optional
@@ -152,8 +153,8 @@ def with_scatter(
         units.  Diameters are distributed uniformly over the variation that the grade allows
         within a lot, 5 um for grade 100.
     beads : str or list of int, optional
-        Beads that deviate, such as ``"2:"`` or ``[3, 4]``; all by default.  The deviation of a bead
-        does not depend on this choice.
+        Beads that deviate, such as ``"2:"`` or ``[3, 4]``; by default all but the strikers.  The
+        deviation of a bead does not depend on this choice.
 
     Raises
     ------
@@ -177,10 +178,27 @@ def with_scatter(
         rng = whole_number("seed of a scatter", rng, least=0)
     chance = np.random.default_rng(rng)
     row = _scatter(self.radii, chance, relative=relative, grade=grade)
+    deviate: Any = range(self.strikers, self.beads)
     if beads is not None:
-        kept = np.delete(np.arange(self.beads), places_from(beads, self.beads, "bead"))
-        row[kept] = self.radii[kept]
+        deviate = places_from(beads, self.beads, "bead")
+    kept = np.delete(np.arange(self.beads), deviate)
+    row[kept] = self.radii[kept]
+    if self.strikers:
+        return _scattered_behind_strikers(self, row)
     return _with_beads(self, "with_scatter", row, self.materials)
+
+
+def _scattered_behind_strikers(chain: C, radii: Array) -> C:
+    """Replace the radii of a chain with strikers, whose other features stay."""
+    own = [name for name in ("masses", "stiffness") if name in chain.given]
+    if own:
+        raise InputError(
+            f"a scatter of radii changes the {' and '.join(own)}, which the strikers or the chain "
+            "give; call with_scatter first, then struck_by"
+        )
+    if chain.units == "scaled":
+        radii[chain.strikers] = 1.0
+    return chain.replace(radii=radii)
 
 
 def relative_scatter(

@@ -307,11 +307,11 @@ def two_sizes(
         ("radius", radii, 1.0) if radii is not None else ("diameter", diameters, 0.5)
     )
     sizes = factor * real_numbers(what, given, "bead", unit="m")
-    if sizes.shape != (2,):
+    if sizes.shape not in ((), (1,), (2,)):
         raise InputError(
-            f"a dimer has two sizes, got {sizes.size}; Chain.periodic repeats any cell"
+            f"a dimer has one or two sizes, got {sizes.size}; Chain.periodic repeats any cell"
         )
-    return sizes
+    return np.resize(sizes, 2)
 
 
 def repeated_materials(

@@ -19,8 +19,8 @@ from typing import Any, Final
 import numpy as np
 
 from ..collision import Array
-from ..errors import InputError
-from ..validation.numbers import FRACTION, number
+from ..errors import InputError, short_repr
+from ..validation.numbers import FRACTION, has_unit, number
 from ..validation.objects import check_choice
 from .input_checks import checked_beads
 from .tapers import ROUNDING, TAPERS, taper_named, tapered_radii
@@ -91,6 +91,8 @@ def taper_of_sizes(
 ) -> tuple[str | None, dict[str, float], Array, float]:  # fmt: skip
     """Name, parameters and radii in units of the first one (which is the last result)."""
     unit = "m" if si else None
+    if not si:
+        _refuse_units(sizes)
     first = sizes.first_radius(unit)
     if si and first is None:
         raise InputError(
@@ -124,6 +126,18 @@ def taper_of_sizes(
         return None, {}, np.ones(beads), first
     name, slope, radii = taper_between(shape, beads, first, last)
     return name, {"rate": slope}, radii, first
+
+
+def _refuse_units(sizes: Sizes) -> None:
+    """Ask for the material of beads whose sizes have units."""
+    for name in ("first", "last", "first_diameter", "last_diameter", "length"):
+        value = getattr(sizes, name)
+        if has_unit(value):
+            raise InputError(
+                f"sizes with a unit ({name} = {short_repr(value)}) need the material of the beads: "
+                "give materials, such as materials='steel-52100', or sizes without units for a "
+                "scaled chain"
+            )
 
 
 def si_radii(taper: str | None, beads: int, sizes: Sizes) -> Array:

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 
 from ..errors import InputError, short_repr
 from ..validation.keywords import checked_arguments, checked_fields
-from ..validation.numbers import number
+from ..validation.numbers import is_word, number
 from .description import length_in_words
 from .input_checks import checked_exponent
 from .laws import Loss
@@ -66,6 +66,12 @@ class Wall(Part):
 
     def __post_init__(self) -> None:
         super().__post_init__()
+        if isinstance(self.stiffness, Material) or is_word(self.stiffness):
+            name = getattr(self.stiffness, "name", self.stiffness)
+            raise InputError(
+                f"the first argument of Wall is its stiffness, a number, got {name!r}; a wall of a "
+                f"material is Wall.of({name!r})"
+            )
         if self.stiffness is not None:
             k = number("stiffness of a wall", self.stiffness, unit="N/m**1.5", above=0.0,
                        hint="for a rigid wall, use Wall.rigid()")  # fmt: skip

@@ -159,7 +159,7 @@ def _described(options: ChainOptions) -> Chain:
         )
     if options.material is not None:
         _require_units(options, sizes)
-    kind: dict[str, Any] = {"material": options.material, "velocity": options.speed}
+    kind: dict[str, Any] = {"materials": options.material, "velocity": options.speed}
     if any(name.startswith("last") for name in sizes):
         if options.rate is not None:
             raise click.UsageError("two sizes determine the rate of a taper: omit --rate")
@@ -230,8 +230,11 @@ def _sizes(options: ChainOptions) -> dict[str, Any]:
     if text is None:
         return {}
     parts = [part.strip() for part in text.split(":")]
-    if len(parts) > 2 or not all(parts):
-        raise click.UsageError(f"{option} must look like '20 mm' or '20 mm:5 mm', got {text!r}")
+    if len(parts) > 2 or not all(parts) or "," in text:
+        raise click.UsageError(
+            f"{option} must look like '20 mm' or, with a colon between first and last, "
+            f"'20 mm:5 mm', got {text!r}"
+        )
     suffix = "_diameter" if options.radius is None else ""
     return {f"{end}{suffix}": as_typed(part) for end, part in zip(("first", "last"), parts)}  # noqa: B905
 

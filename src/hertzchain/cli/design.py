@@ -32,7 +32,8 @@ from .progress import progress_bar
     "--store",
     type=click.Path(path_type=Path),
     metavar="FOLDER",
-    help="Folder of the journal of trials.  [default: the name of FILE with .design]",
+    help="Folder of the journals of trials, one for each method, budget and seed.  [default: the "
+    "name of FILE with .design]",
 )
 @click.option("--threads", type=int, help="Number of threads.  [default: one per processor]")
 @click.option(

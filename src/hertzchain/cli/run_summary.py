@@ -31,6 +31,7 @@ def run_as_dict(run: Run, beads: Sequence[int], *, waves: bool) -> dict[str, obj
         "energy_drift": run.energy_drift,
         "momentum_drift": run.momentum_drift,
         "saved_times": len(run.times),
+        "closed_contacts": run.closed_contacts.tolist(),
         "walls": [*map(_numbers, _walls(run))],
         "sensors": [_numbers(run.sensor_force(bead)) for bead in beads],
     }
@@ -49,6 +50,8 @@ def show_run(run: Run, beads: Sequence[int], *, waves: bool, hint: bool) -> None
     click.echo(f"{run.chain.description}\n{run.message}")
     click.echo(f"energy drift {run.energy_drift:.1e}, momentum drift {run.momentum_drift:.1e}")
     click.echo(f"{len(run.times)} times saved, {run.evaluations} evaluations of the force")
+    if run._unfinished:
+        click.echo(f"{run._unfinished}: for the velocities after the impact, give --until")
     for wall in _walls(run):
         click.echo(_wall_lines(wall))
     for bead in beads:

@@ -91,6 +91,7 @@ def _document(found: Distribution) -> dict[str, Any]:
         "standard_deviation": found.standard_deviation,
         "percentiles": {str(percent): found.percentile(percent) for percent in PERCENTILES},
         "failed": found.failed,
+        "outside_range": found.outside_range,
         "values": found.values.tolist(),
     }
 

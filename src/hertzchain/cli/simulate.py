@@ -36,7 +36,8 @@ USUAL_TIMES: Final = 400
 @click.option(
     "--times",
     type=int,
-    help="Number of saved times.  [default: 400; with --sensor, or with several files, and "
+    help="Number of saved times; without --until, whose value is the end, at most this number and "
+    "usually more than half of it.  [default: 400; with --sensor, or with several files, and "
     "without --out, 4000]",
 )
 @click.option(
@@ -234,6 +235,7 @@ def _save_plot(
 def _drawn(runs: dict[str, Run], beads: dict[str, list[int]], *, forces: bool) -> Axes:
     """Plot forces in sensors and on walls; or else velocities, of one run as a map."""
     from ..plotting.pulses import plot_pulses
+    from ..plotting.runs import plot_forces_of_runs
     from ..simulation.wall_force import walls_of
 
     first, *others = runs.values()
@@ -244,8 +246,4 @@ def _drawn(runs: dict[str, Run], beads: dict[str, list[int]], *, forces: bool) -
         return plot_pulses([run.pulse() for run in runs.values()], labels=list(runs))
     if not others:
         return first.plot_forces(*shown.values())
-    axes: Axes = first.plot_forces(shown[next(iter(runs))], label=next(iter(runs)))
-    for name, run in [*runs.items()][1:]:
-        run.plot_forces(shown[name], label=name, ax=axes)
-    axes.set_title("")
-    return axes
+    return plot_forces_of_runs(runs, shown)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
@@ -104,6 +105,9 @@ def run(
     with ExitStack() as stack:
         pool = stack.enter_context(_pool(scheduler, processes, workers))
         progress = stack.enter_context(progress_bar("points done", rate=True))
+        # The outcome states the number of points outside the range.
+        stack.enter_context(warnings.catch_warnings())
+        warnings.simplefilter("ignore", hertzchain.ModelRangeWarning)
         try:
             hertzchain.sweep(
                 specification, target, executor=pool, shard=part, skip_damaged=skip_damaged,

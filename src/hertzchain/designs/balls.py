@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from dataclasses import dataclass
+from fractions import Fraction
 from importlib.resources import as_file, files
 from pathlib import Path
 from typing import Final
@@ -15,6 +16,9 @@ from ..units import converted
 from ..validation.objects import file_path, shown_path
 
 SHIPPED: Final = "bearing-balls"
+# Inch [m], divisor of the smallest fraction of it that is a size of balls, and the largest
+# rounding error of catalogues in mm with four digits, such as 7.1438 mm.
+INCH, FINEST, ROUNDED = 25.4e-3, 64, 0.6e-7
 COLUMNS: Final = ("diameter", "material", "grade", "price", "name")
 
 
@@ -36,7 +40,18 @@ class Ball:
     def __str__(self) -> str:
         grade = f", grade {self.grade}" if self.grade else ""
         label = f" ({self.name})" if self.name else ""
-        return f"{1e3 * self.diameter:g} mm {self.material.name}{grade}{label}"
+        inch = inch_fraction(self.diameter)
+        size = f"{1e3 * self.diameter:g} mm" + (f" ({inch} in)" if inch else "")
+        return f"{size} {self.material.name}{grade}{label}"
+
+
+def inch_fraction(diameter: float) -> str:
+    """A size [m] in inches, such as ``9/32``; empty if it is another size than n/64 in."""
+    parts = round(diameter / INCH * FINEST)
+    if not parts or abs(diameter - parts * INCH / FINEST) > ROUNDED:
+        return ""
+    whole, rest = divmod(Fraction(parts, FINEST), 1)
+    return " ".join(str(each) for each in (whole, rest) if each)
 
 
 def load_balls(catalogue: str | os.PathLike[str]) -> tuple[Ball, ...]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 import warnings
 from collections.abc import Callable, Iterator
@@ -15,6 +16,7 @@ from ..errors import IncompleteWarning, InputError, InputWarning, ModelRangeWarn
 from ..representation import counted
 from ..store.file_lock import lock
 from ..store.journal import Journal
+from ..validation.keywords import checked_arguments
 from ..validation.numbers import whole_number, worker_count
 from ..validation.objects import callback, check_type, file_path
 from .ball_choice import BallSpace
@@ -28,11 +30,11 @@ from .search_budget import Budget, budget_from
 from .trials import Outcome, Trials
 from .verified import Verified, met, quietly
 
-JOURNAL: Final = "trials.journal"
 RUNNERS_UP: Final = 4
 Progress = Callable[[int, int], None]
 
 
+@checked_arguments("design")
 def design(
     problem: Design,
     *,
@@ -65,8 +67,8 @@ def design(
     points : int
         Number of points of a Pareto front.
     store : path-like, optional
-        Folder of a journal of all trials.  A search that was interrupted resumes from it and gives
-        the result that it would have given.
+        Folder of journals of all trials, one for each method, budget and seed.  A search that was
+        interrupted resumes from its journal and gives the result that it would have given.
     threads : int, optional
         Number of threads.  The default is one per processor.
     progress : callable, optional
@@ -109,7 +111,8 @@ def design(
     reason = impossible(problem)
     _check_budget(problem, limit, 0 if reason is not None else count)
     options = f"{problem.identity} {chosen} {limit.runs} {limit.seconds} {seed} {count}"
-    with _journal(store, options) as journal, warnings.catch_warnings():
+    name = _journal_name(chosen, limit, seed, count if len(problem.objectives) == 2 else 0)
+    with _journal(store, name, options) as journal, warnings.catch_warnings():
         # Trial chains are made in several threads, which share the filters of warnings.  The
         # limits of the models are notes of the chains that are reported.
         for each in (InputWarning, ModelRangeWarning, IncompleteWarning):
@@ -141,8 +144,15 @@ def _check_budget(problem: Design, limit: Budget, points: int) -> None:
         )
 
 
+def _journal_name(method: str, limit: Budget, seed: int, points: int) -> str:
+    """Name of the journal of a search: searches with other options have their own."""
+    budget = f"{limit.runs:g}-simulations" if limit.runs < math.inf else f"{limit.seconds:g}-s"
+    front = f"-{points}-points" if points else ""
+    return f"{method}-{budget}-seed-{seed}{front}.journal"
+
+
 @contextmanager
-def _journal(store: Any, options: str) -> Iterator[Journal]:
+def _journal(store: Any, name: str, options: str) -> Iterator[Journal]:
     from .. import __version__
 
     if store is None:
@@ -152,7 +162,7 @@ def _journal(store: Any, options: str) -> Iterator[Journal]:
     if folder.exists() and not folder.is_dir():
         raise InputError(f"the store {os.fspath(store)!r} is a file; give the name of a folder")
     with lock(Path(folder) / "lock", store):
-        journal = Journal(Path(folder) / JOURNAL, f"{__version__} {options}")
+        journal = Journal(Path(folder) / name, f"{__version__} {options}")
         try:
             yield journal
         finally:

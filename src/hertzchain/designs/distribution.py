@@ -2,18 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import warnings
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ..chain.chain import Chain
+from ..chain.hertz_range import hertz_range
 from ..collision import Array
-from ..errors import InputError, SimulationError
+from ..errors import InputError, ModelRangeWarning, SimulationError, warn_user
 from ..frozen import Frozen
 from ..representation import measure as with_unit
 from ..representation import short
+from ..simulation.run_table import RunTable
+from ..validation.keywords import checked_arguments
 from ..validation.numbers import number, whole_number
 from ..validation.objects import check_type
 from .measured import measured
@@ -42,6 +46,9 @@ class Distribution(Frozen):
         Its values for the other chains [scaled, or SI].
     failed : int
         Number of chains without a value, which are not among the ``values``.
+    outside_range : int
+        Number of random chains of materials that have left the range of Hertz's law in the
+        leading pulse or at the right wall (`RunTable.outside_range`).
     """
 
     chain: Chain
@@ -50,6 +57,7 @@ class Distribution(Frozen):
     nominal: float
     values: Array
     failed: int = 0
+    outside_range: int = 0
 
     @property
     def mean(self) -> float:
@@ -136,9 +144,11 @@ class Distribution(Frozen):
             "Distribution", f"{self.quantity} of {len(self.values)} random chains",
             f"mean {mean}", f"standard deviation {deviation}", f"nominal {nominal}",
             f"{self.failed} chains failed" if self.failed else "",
+            f"{self.outside_range} chains outside Hertz's range" if self.outside_range else "",
         )  # fmt: skip
 
 
+@checked_arguments("distribution")
 def distribution(
     chain: Chain,
     quantity: str,
@@ -182,6 +192,11 @@ def distribution(
     SimulationError
         If fewer than two chains have a value.
 
+    Warns
+    -----
+    ModelRangeWarning
+        If chains exceed the limits of Hertz's law.
+
     See Also
     --------
     disorder : Theory of the mean and spread of the leading pulse, without simulations.
@@ -209,12 +224,40 @@ def distribution(
         )
     whole_number("seed", seed, least=0)
     chains = [chain, *deviations.sample(chain, seed)]
-    values, _ = measured(chains, [measure], threads=threads, progress=progress)
-    nominal, found = values[0, 0], values[1:, 0]
+    with warnings.catch_warnings():
+        # Chains with losses would warn one by one, in several threads that share the filters.
+        warnings.simplefilter("ignore", ModelRangeWarning)
+        simulated = measured(chains, [measure], threads=threads, progress=progress)
+    outside = _outside_range(chains, simulated.table)
+    nominal, found = simulated.values[0, 0], simulated.values[1:, 0]
     good = found[np.isfinite(found)]
     if len(good) < 2 or not np.isfinite(nominal):
         raise SimulationError(f"fewer than two chains have a value of {measure}")
     good.setflags(write=False)
     return Distribution(
-        chain, deviations, str(measure), float(nominal), good, len(found) - len(good)
+        chain, deviations, str(measure), float(nominal), good, len(found) - len(good), outside
     )
+
+
+def _outside_range(chains: Sequence[Chain], table: RunTable | None) -> int:
+    """Number of random chains outside the range of Hertz's law; warns once if there are any.
+
+    Without a table of the runs, overlaps are those of isolated collisions.
+    """
+    if chains[0].units != "SI" or chains[0].materials is None:
+        return 0
+    exceeded = {}
+    for i, chain in enumerate(chains):
+        found = hertz_range(chain).violations if table is None else table.exceeded_limits(i)
+        if found:
+            exceeded[i] = found[0]
+    outside = len(exceeded) - (0 in exceeded)
+    for i, violation in exceeded.items():
+        which = f"random chain {i}" if i else "the chain without deviations"
+        warn_user(
+            f"{outside} of {len(chains) - 1} random chains exceed the limits of Hertz's law; in "
+            f"{which}, {violation}",
+            ModelRangeWarning,
+        )
+        break
+    return outside

@@ -13,7 +13,7 @@ from ..chain.chain import Chain
 from ..chain.laws.dashpot import Dashpot
 from ..chain.laws.velocity_power import VelocityPower
 from ..collision import Array
-from ..errors import IncompleteWarning, InputError, SimulationError
+from ..errors import IncompleteWarning, InputError, ModelRangeWarning, SimulationError
 from ..sensitivity.equation import has_gradient
 from ..sensitivity.gradient import gradients, quantity_values
 from .measures import LARGEST, PULSE, SHARES, Measure
@@ -90,7 +90,8 @@ def value_in_whole_run(measure: Measure, chain: Chain, until: float | None, rtol
 def slopes_by_field(problem: Design, chain: Chain) -> tuple[Array, dict[str, Array], int]:
     """`_slopes_by_field` at the usual tolerance, without warnings."""
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore", IncompleteWarning)
+        for each in (IncompleteWarning, ModelRangeWarning):
+            warnings.simplefilter("ignore", each)
         return _slopes_by_field(problem, chain, RTOL)
 
 
@@ -178,7 +179,8 @@ def scattered_slopes(
         return values, space.pull(point, slopes)
 
     with warnings.catch_warnings(), ThreadPoolExecutor(threads) as executor:
-        warnings.simplefilter("ignore", IncompleteWarning)
+        for each in (IncompleteWarning, ModelRangeWarning):
+            warnings.simplefilter("ignore", each)
         by_sample = dict(zip(wanted, executor.map(slopes_of, wanted), strict=True))
     rows = [
         np.mean([by_sample[int(i)][1][row] for i in group], axis=0)

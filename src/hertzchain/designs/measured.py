@@ -4,15 +4,25 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
+from typing import NamedTuple
 
 import numpy as np
 
 from ..chain.chain import Chain
 from ..collision import Array
+from ..simulation.run_table import RunTable
 from ..simulation.simulate_many import DEFAULT_RTOL, simulate_many
 from ..validation.numbers import worker_count
 from .exact_gradients import value_in_whole_run
 from .measures import Measure
+
+
+class Measured(NamedTuple):
+    """Values (C, M), NaN for prices; reasons of failed runs; the table if one was simulated."""
+
+    values: Array
+    reasons: list[str]
+    table: RunTable | None
 
 
 def measured(
@@ -23,9 +33,10 @@ def measured(
     rtol: float = DEFAULT_RTOL,
     threads: int | None = None,
     progress: Callable[[int, int], None] | None = None,
-) -> tuple[Array, list[str]]:
-    """Values of measures, shape (C, M), and reasons of failed runs; values of prices are NaN."""
+) -> Measured:
+    """Simulate chains and collect measures."""
     values, reasons = np.full((len(chains), len(measures)), np.nan), list[str]()
+    table: RunTable | None = None
     names = sorted({name for each in measures for name in each.columns})
     if names and chains:
         table = simulate_many(
@@ -35,11 +46,11 @@ def measured(
     for j, each in enumerate(measures):
         if each.of_chain:
             values[:, j] = [each.from_chain(chain, np.nan) for chain in chains]
-        elif each.columns and chains:
+        elif each.columns and table is not None:
             values[:, j] = each.from_table(table)
         elif chains:
             values[:, j] = _in_whole_runs(each, chains, until, rtol, threads)
-    return values, reasons
+    return Measured(values, reasons, table)
 
 
 def _in_whole_runs(

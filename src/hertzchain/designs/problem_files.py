@@ -90,25 +90,24 @@ def _variable(entry: Any, folder: Path) -> Variable:
             f"each table [[design.vary]] has one of {', '.join(KINDS)}, got {short_repr(entry)}"
         )
     (kind,), rest = kinds, {key: entry[key] for key in entry if key != kinds[0]}
-    try:
-        if kind in SIZES:
-            return _sizes(kind, entry[kind], rest)
-        if kind == "order":
-            if entry[kind] is not True:
-                raise InputError(
-                    f"order must be true, got {short_repr(entry[kind])}; state the beads that may "
-                    'change places in the same table, such as beads = "2:"'
-                )
-            return variables.order(**rest)
-        catalogue = entry[kind]
-        if not isinstance(catalogue, str):
-            raise InputError(f"balls must be {SHIPPED!r} or a file, got {short_repr(catalogue)}")
-        place = catalogue if catalogue == SHIPPED else folder / catalogue
-        return variables.balls(place, **rest)
-    except TypeError:
-        known = variables_of(kind)
-        unknown = next(key for key in rest if key not in known)
-        raise unknown_name_error(f"key of {kind} in [[design.vary]]", unknown, known) from None
+    known = variables_of(kind)
+    for key in rest:
+        if key not in known:
+            raise unknown_name_error(f"key of {kind} in [[design.vary]]", key, known)
+    if kind in SIZES:
+        return _sizes(kind, entry[kind], rest)
+    if kind == "order":
+        if entry[kind] is not True:
+            raise InputError(
+                f"order must be true, got {short_repr(entry[kind])}; state the beads that may "
+                'change places in the same table, such as beads = "2:"'
+            )
+        return variables.order(**rest)
+    catalogue = entry[kind]
+    if not isinstance(catalogue, str):
+        raise InputError(f"balls must be {SHIPPED!r} or a file, got {short_repr(catalogue)}")
+    place = catalogue if catalogue == SHIPPED else folder / catalogue
+    return variables.balls(place, **rest)
 
 
 def variables_of(kind: str) -> tuple[str, ...]:

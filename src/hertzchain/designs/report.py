@@ -28,8 +28,8 @@ def summary(result: DesignResult) -> str:
         other = result.objective_of(found)
         ratio = best / other if other else math.nan
         unmet = "" if met(problem, found.values) else ", which does NOT meet the constraints"
-        lines.append(f"  {name}: {result._shown(other)}{unmet}; this design has {ratio:.1%} of it"
-                     f"{_yielding(result, found)}")  # fmt: skip
+        lines.append(f"  {name}: {result._shown(other)}{unmet}; this design: {ratio:.1%} of "
+                     f"this value{_yielding(result, found)}")  # fmt: skip
     if result.promise is not None:
         value, error = result.promise
         lines.append(f"  the local-rate law promised {value:.6g} with an estimated error of "

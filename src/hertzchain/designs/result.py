@@ -319,10 +319,12 @@ class DesignResult:
 
     def __repr__(self) -> str:
         state = "constraints met" if self.met else "constraints NOT met"
+        limits = self.verified.hertz_range
         return short(
             "DesignResult",
             f"{self.problem.objective}: {self._shown(self.value)}",
             f"best of {counted(len(self.finals), 'start')}",
             state if self.problem.requirements else "",
             f"{self.runs} simulations",
+            "outside Hertz's range" if limits is not None and limits.violations else "",
         )

@@ -48,8 +48,7 @@ def changes_at_kink(chain: Chain, found: Gradient, by: str) -> tuple[Array, Arra
     expected = 0.01 * found.relative(by)
 
     def peaks(chains: list[Chain]) -> Array:
-        values, _ = measured(chains, [PEAK], rtol=RTOL)
-        return values[:, 0]
+        return measured(chains, [PEAK], rtol=RTOL).values[:, 0]
 
     up, down = np.expm1(_changes_of_logarithm(peaks, chain, by, (1.01, 0.99)))
     if chain.scaled and by == "radii":
@@ -65,8 +64,8 @@ def _changes_of_objective(problem: Design, chain: Chain, factors: tuple[float, f
     objective = problem.objective
 
     def scores(chains: list[Chain]) -> Array:
-        values, _ = measured(chains, objective.measures, rtol=RTOL, until=problem.until)
-        return np.abs(objective.score(values))
+        found = measured(chains, objective.measures, rtol=RTOL, until=problem.until)
+        return np.abs(objective.score(found.values))
 
     return _changes_of_logarithm(scores, chain, "radii", factors)
 

@@ -242,11 +242,12 @@ class Trials:
             return by_model(self.problem.model, chains, self.measures, self._reject)
         values = np.full((len(chains), len(self.measures)), np.nan)
         made = [chain is not None for chain in chains]
-        values[made], reasons = measured(
+        found = measured(
             [chain for chain in chains if chain is not None], self.measures,
             rtol=rtol, until=self.problem.until, threads=self.threads, progress=self._progress,
         )  # fmt: skip
-        for reason in reasons:
+        values[made] = found.values
+        for reason in found.reasons:
             self._reject(reason)
         return values
 

@@ -12,6 +12,7 @@ from collections.abc import Iterable, Sequence
 from typing import Any
 
 from ..chain.materials import MaterialLike
+from ..validation.keywords import checked_arguments
 from .ball_choice import BallChoice, OrderChoice
 from .sizes import Sizes
 
@@ -24,6 +25,7 @@ def __dir__() -> tuple[str, ...]:
     return __all__  # for completion
 
 
+@checked_arguments("vary.radii")
 def radii(
     low: Any, high: Any, *, beads: Beads = "2:", by: str = "bead", knots: int | None = None,
     symmetric: bool = False, monotone: str | None = None,
@@ -66,6 +68,7 @@ def radii(
     return Sizes("radii", low, high, beads, by, knots, symmetric, monotone)
 
 
+@checked_arguments("vary.masses")
 def masses(
     low: Any, high: Any, *, beads: Beads = "2:", by: str = "bead", knots: int | None = None,
     symmetric: bool = False, monotone: str | None = None,
@@ -88,6 +91,7 @@ def masses(
     return Sizes("masses", low, high, beads, by, knots, symmetric, monotone)
 
 
+@checked_arguments("vary.gaps")
 def gaps(
     low: Any, high: Any, *, contacts: Beads = "1:", by: str = "bead", knots: int | None = None
 ) -> Sizes:
@@ -109,6 +113,7 @@ def gaps(
     return Sizes("gaps", low, high, contacts, by, knots, False, None)
 
 
+@checked_arguments("vary.balls")
 def balls(
     catalogue: str | os.PathLike[str] = "bearing-balls", *,
     materials: Iterable[MaterialLike] | None = None, diameters: Iterable[Any] | None = None,
@@ -142,6 +147,7 @@ def balls(
     return BallChoice(catalogue, materials, diameters, beads, optional)
 
 
+@checked_arguments("vary.order")
 def order(*, beads: Beads = "2:") -> OrderChoice:
     """Order of the beads that the chain has.
 

@@ -173,7 +173,7 @@ def _scattered(problem: Design, chain: Chain, seed: int) -> dict[str, float]:
         return {}
     found: dict[str, float] = {}
     measures = [m for m in problem.measures if not m.of_chain]
-    columns, _ = measured(chains, measures, until=problem.until)
+    columns = measured(chains, measures, until=problem.until).values
     for measure, values in zip(measures, columns.T, strict=True):
         sign = _bad_sign(problem, measure)
         ordered = np.sort(sign * values)

@@ -11,6 +11,7 @@ import numpy as np
 from ..collision import Array
 from ..errors import InputError, SimulationError
 from ..representation import short
+from ..validation.keywords import checked_arguments
 from ..validation.numbers import whole_number
 from ..validation.objects import callback, check_choice, check_type
 from .diagnosis import diagnosed
@@ -139,6 +140,7 @@ class DefectScan:
         return short("DefectScan", self.kind, text, other)
 
 
+@checked_arguments("scan_defects")
 def scan_defects(
     result: FitResult, kind: str = "gap", *, progress: Callable[[int, int], None] | None = None
 ) -> DefectScan:

@@ -10,15 +10,18 @@ from __future__ import annotations
 import itertools
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 
+from ..chain.chain import Chain
 from ..collision import Array
-from ..errors import SimulationError
-from .chain_parameters import known_names
+from ..errors import InputError, SimulationError
+from .chain_parameters import known_names, loss_parameters
 from .goodness import correlation_length
+from .loss_laws import typical_law, with_law
 from .misread_columns import misread_columns
+from .model import Model, make_model
 from .names import Name
 from .parameters import Parameter, kind_and_value
 from .problem import Problem
@@ -31,16 +34,19 @@ Refit = Callable[[Problem, Mapping[str, float], int], FitResult]
 MOST, PROMISING = 0.75, 0.4
 # Largest number of effects that are tried.
 MAX_TRIED: Final = 4
+# Law that is tried if the chain has no loss.
+LOSS: Final = "viscoelastic"
 # Means before the pulse are reported beyond this number of standard errors, and values of an
 # effect of several sensors beyond this number of standard deviations.
 CERTAIN: Final = 5.0
 OTHERS: Final = (
-    "gaps and odd balls (scan_defects, --defects), the loss law (--laws all), the exponent of the "
-    "wall, the sizes and materials of striker, balls and wall, and the units of the columns"
+    "gaps and odd balls (scan_defects, --defects), other loss laws (--laws all), the exponent of "
+    "the wall, and the sizes and materials of striker, balls and wall"
 )
 NOTHING_EXPLAINS: Final = (
     "none of the effects tested explains the residuals (offsets, gains, signs, units and order of "
-    f"the sensors, lag, highpass, crosstalk and exponent); consider {OTHERS}"
+    f"the sensors, lag, highpass, crosstalk, a loss, the exponent, one ball more or fewer); "
+    f"consider {OTHERS}"
 )
 
 
@@ -59,8 +65,9 @@ def diagnosed(result: FitResult, start: Mapping[str, float], refit: Refit) -> Fi
     if result.describes:
         return result
     causes = [*_columns(result, start, refit), *_effects(result, refit)]
-    if not any(cause.result.describes for cause in causes):
-        causes += _exponent(result, refit)
+    for further in (_losses, _exponent, _beads):
+        if not any(cause.result.describes for cause in causes):
+            causes += further(result, start, refit)
     good = [cause for cause in causes if _removed(result, cause.result) > MOST]
     levels = _levels(result)
     if not good:
@@ -104,7 +111,7 @@ def _columns(result: FitResult, start: Mapping[str, float], refit: Refit) -> Ite
 
 
 def _effects(result: FitResult, refit: Refit) -> Iterator[Cause]:
-    """Fits with the effects of sensors that promise most in the linearised fit."""
+    """Fits with the effects of sensors that reduce chi-squared most in the linearised fit."""
     groups = list(_groups(result))
     excess = max(result.chi2 - result.goodness.freedom, 1.0)
     values = result.model.values(result.variables)
@@ -151,7 +158,56 @@ def _explained(result: FitResult, block: Array, inverse: Array) -> float:
     return float(np.sum((left.T @ result.residual_vector) ** 2))
 
 
-def _exponent(result: FitResult, refit: Refit) -> Iterator[Cause]:
+def _losses(result: FitResult, _: Mapping[str, float], refit: Refit) -> Iterator[Cause]:
+    """Fits with a loss, if the chains have none, or with the parameters of their losses."""
+    model = result.model
+    if not all(chain.lossless for chain in model.chains):
+        for key in loss_parameters(result.chain):
+            name = Name(f"loss.{key}")
+            cause = _tried(result, (name,), refit) if name not in model.names else None
+            if cause is not None:
+                yield cause
+        return
+    law = typical_law(LOSS, model.chains[0])
+    chains = tuple(with_law(chain, law) for chain in model.chains)
+    name = Name("loss.time")
+    cause = _tried(result, (name,), refit, replace(model, chains=chains, _sampled={}))
+    if cause is not None:
+        yield replace(cause, what=f"a {LOSS} loss, {cause.what}", advice=(
+            f"add a loss to the chain, such as loss = {{law = '{LOSS}', time = "
+            f"'{1e6 * cause.result.values[str(name)]:.3g} us'}}, and {str(name)!r} to the free "
+            "parameters; compare_losses (--laws all) compares other laws"
+        ))  # fmt: skip
+
+
+def _beads(result: FitResult, start: Mapping[str, float], refit: Refit) -> Iterator[Cause]:
+    """Fits with one ball more and one fewer at the end of the chains."""
+    model = result.model
+    for change, words in ((1, "one ball more"), (-1, "one ball fewer")):
+        try:
+            chains = tuple(_with_length(chain, change) for chain in model.chains)
+            other = make_model(model.traces, chains, model.parameters, model.simulator)
+            found = refit(Problem(other), start, 1)
+        except (InputError, SimulationError):
+            continue
+        count = chains[0].beads - chains[0].strikers
+        yield Cause(f"{words} ({count})", "check the number of balls", found, 0)
+
+
+def _with_length(chain: Chain, change: int) -> Chain:
+    """The chain with one bead more or fewer at its end, like the last one."""
+    given = [name for name in ("masses", "velocities", "stiffness", "gaps") if name in chain.given]
+    changes: dict[str, Any] = {}
+    for name in ("radii", *given):
+        values = getattr(chain, name)
+        changes[name] = np.append(values, values[-1]) if change > 0 else values[:-1]
+    if chain.materials is not None:
+        kinds = chain.materials
+        changes["materials"] = (*kinds, kinds[-1]) if change > 0 else kinds[:-1]
+    return chain.replace(**changes)
+
+
+def _exponent(result: FitResult, _: Mapping[str, float], refit: Refit) -> Iterator[Cause]:
     """The fit with the exponent of all contacts, if they have one that is not free."""
     name = Name("exponent")
     if name not in result.model.names and str(name) in known_names(result.chain):
@@ -160,9 +216,11 @@ def _exponent(result: FitResult, refit: Refit) -> Iterator[Cause]:
             yield cause
 
 
-def _tried(result: FitResult, names: Sequence[Name], refit: Refit) -> Cause | None:
-    """The fit with further parameters; none if it fails."""
-    model, values = result.model, result.values
+def _tried(
+    result: FitResult, names: Sequence[Name], refit: Refit, model: Model | None = None
+) -> Cause | None:
+    """The fit with further parameters, by default of the same chains; none if it fails."""
+    model, values = model or result.model, result.values
     parameters = [replace(each, start=values[str(each)]) for each in model.parameters]
     for name in names:
         kind, neutral = kind_and_value(name, model.traces, model.chains)

@@ -11,6 +11,7 @@ from ..chain.chain import Chain
 from ..collision import Array
 from ..errors import InputError
 from ..representation import counted
+from ..validation.keywords import checked_arguments
 from ..validation.numbers import whole_number
 from ..validation.objects import callback
 from .coupling import coupling_notes
@@ -37,6 +38,7 @@ AT_BOUND = 1e-6
 LARGE_ERROR = 1.0
 
 
+@checked_arguments("fit")
 def fit(
     traces: TracesLike,
     chain: ChainLike,

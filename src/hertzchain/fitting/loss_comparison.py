@@ -8,14 +8,14 @@ from typing import Any, Final
 
 import numpy as np
 
-from ..chain.chain import Chain
-from ..chain.laws import LAWS, Loss
+from ..chain.laws import Loss
 from ..collision import Array
-from ..errors import InputError, SimulationError, short_repr, unknown_name_error
+from ..errors import InputError, SimulationError
 from ..representation import short
+from ..validation.keywords import checked_arguments
 from ..validation.objects import callback, check_list
-from .chain_parameters import TYPICAL
 from .fit import ChainLike, TracesLike, fit_with
+from .loss_laws import typical_law, with_law
 from .names import Name, parse_name
 from .parameters import Priors, default_names
 from .result import FitResult
@@ -172,6 +172,7 @@ class LossComparison:
         return short("LossComparison", f"{len(self.fits)} laws", self.statement)
 
 
+@checked_arguments("compare_losses")
 def compare_losses(
     traces: TracesLike,
     chain: ChainLike,
@@ -232,8 +233,8 @@ def compare_losses(
     kept = [name for name in names if "loss." not in parse_name(name).key]
     fits = []
     for done, each in enumerate(wanted, start=1):
-        law = _law(each, chains[0])
-        lossy = [_with_law(one, law) for one in chains]
+        law = typical_law(each, chains[0])
+        lossy = [with_law(one, law) for one in chains]
         own = [f"loss.{name}" for name, about in law.parameters().items()
                if not about.boolean and getattr(law, name) is not None]  # fmt: skip
         known = {n: v for n, v in settings.priors.items() if "loss" not in n or n in own}
@@ -263,36 +264,6 @@ def _ranked(fits: Sequence[LossFit]) -> tuple[LossFit, ...]:
         for each in fits
     ]
     return tuple(sorted(known, key=lambda each: each.bic))
-
-
-def _law(given: str | Loss, chain: Chain) -> Loss:
-    """A law with typical values for a chain."""
-    if isinstance(given, Loss):
-        return given
-    if not isinstance(given, str):
-        raise InputError(f"a law must be a name or a Loss, got {short_repr(given)}")
-    if given not in LAWS:
-        raise unknown_name_error("law", given, LAWS)
-    kind = LAWS[given]
-    scales = units_of(chain).scales
-    values = dict(TYPICAL.get(kind, {}))
-    for name in ("alpha", "time", "gamma", "yield_overlap"):
-        if name in values and name != "alpha":
-            unit = {"time": "time", "yield_overlap": "length"}.get(
-                name, f"force/velocity^{values.get('alpha', 1.0)}"
-            )
-            values[name] *= scales.unit(unit)
-    return kind(**values)
-
-
-def _with_law(chain: Chain, law: Loss) -> Chain:
-    """The chain with one law for all contacts."""
-    changes: dict[str, Any] = {"loss": law}
-    for end in ("left_wall", "right_wall"):
-        wall = getattr(chain, end)
-        if wall is not None:
-            changes[end] = replace(wall, loss=None)
-    return chain.replace(**changes)
 
 
 def _further_shots(comparison: LossComparison) -> dict[float, float]:

@@ -2,18 +2,29 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ..collision import Array
-from ..errors import InputError
-from ..representation import short
+from ..errors import InputError, InputWarning, warn_user
+from ..representation import measure, short
 from ..simulation.run import Run
 from ..validation.numbers import number
 from ..validation.objects import check_type
 from .coupling import coupling_notes, resolved_coupling, static_force
+from .sensor_comparison import (
+    HEADING,
+    SensorComparison,
+    check_arrivals,
+    check_contained,
+    compared_sensor,
+    level_of,
+    pulse_notes,
+    unit_notes,
+)
 from .sensors import sampled
 from .traces import Signal, Traces
 
@@ -33,44 +44,93 @@ class TraceComparison:
         Simulated signals at the times of the data [N or m/s]; NaN beyond the end of the run.
     time_offset : float
         Time of the data at which the simulation begins [s].
+    time_offset_given : bool
+        Whether the time offset was given; otherwise, it is that of the largest cross-correlation.
     notes : tuple of str
-        Sensors whose signal does not contain the static force, in a sentence.
+        Remarks, one sentence each: samples that the run does not cover, incomplete peaks, peaks
+        that suggest another unit, and sensors without the static force.
+
+    Examples
+    --------
+    >>> import hertzchain as hc
+    >>> traces, chain = hc.example_experiment()
+    >>> run = hc.simulate(hc.load_chain(chain), until=600e-6, times=1201)
+    >>> ball = run.compare(traces).sensors[0]
+    >>> ball.name, round(ball.measured_peak, 1), round(ball.simulated_peak, 1)
+    ('ball 6', 29.3, 30.5)
     """
 
     traces: Traces
     signals: tuple[Array, ...] = field(repr=False)
     time_offset: float
+    time_offset_given: bool = False
     notes: tuple[str, ...] = ()
+
+    @cached_property
+    def sensors(self) -> tuple[SensorComparison, ...]:
+        """Peaks, arrivals and residual of each sensor."""
+        shot = self.traces.shots[0]
+        return tuple(
+            compared_sensor(shot.times, signal, model, scale)
+            for signal, model, scale in zip(shot.signals, self.signals, self.scales, strict=True)
+        )
 
     @property
     def differences(self) -> dict[str, float]:
-        """Rms of data minus simulation, relative to the largest simulated value, by sensor.
+        """Rms of data minus simulation, relative to the measured peak, by sensor.
 
         Uncalibrated sensors are first scaled to the simulation.
         """
-        return {signal.name: self._difference(i) for i, signal in enumerate(self._signals)}
+        return {each.name: each.residual for each in self.sensors}
 
     @property
-    def _signals(self) -> tuple:  # type: ignore[type-arg]
-        return self.traces.shots[0].signals
+    def interval(self) -> tuple[float, float]:
+        """First and last time of the data that are compared [s]."""
+        times = self.traces.shots[0].times[np.isfinite(self.signals[0])]
+        return float(times[0]), float(times[-1])
+
+    @property
+    def covered(self) -> float:
+        """Part of the record that is compared."""
+        times = self.traces.shots[0].times
+        begin, end = self.interval
+        return (end - begin) / float(times[-1] - times[0])
 
     @property
     def scales(self) -> tuple[float, ...]:
         """Factors of the simulation that fit the data best; 1 for calibrated sensors."""
-        return tuple(map(self._scale, range(len(self.signals))))
+        signals = self.traces.shots[0].signals
+        return tuple(map(_scale, signals, self.signals))
 
-    def _scale(self, i: int) -> float:
-        signal, model = self._signals[i], self.signals[i]
-        if signal.calibrated:
-            return 1.0
-        ok = signal.valid & np.isfinite(model)
-        return float(signal.values[ok] @ model[ok] / (model[ok] @ model[ok]))
+    def summary(self) -> str:
+        """Table of peaks, arrivals and residuals, the compared interval, and notes.
 
-    def _difference(self, i: int) -> float:
-        signal, model = self._signals[i], self._scale(i) * self.signals[i]
-        ok = signal.valid & np.isfinite(model)
-        rest = signal.values[ok] - model[ok]
-        return float(np.sqrt(np.mean(rest**2)) / np.abs(model[ok]).max())
+        Returns
+        -------
+        str
+
+        Examples
+        --------
+        >>> import hertzchain as hc
+        >>> traces, chain = hc.example_experiment()
+        >>> run = hc.simulate(hc.load_chain(chain), until=600e-6, times=1201)
+        >>> print(run.compare(traces).summary().splitlines()[0])
+        data from 0 s to 639 us, 100% of the record; time offset 79 us, by cross-correlation
+        """
+        begin, end = self.interval
+        how = "given" if self.time_offset_given else "by cross-correlation"
+        lines = [
+            f"data from {measure(begin, 's')} to {measure(end, 's')}, {self.covered:.0%} of the "
+            f"record; time offset {measure(self.time_offset, 's')}, {how}",
+            HEADING,
+            *(each.row for each in self.sensors),
+            "peak: from the level before the pulse; arrival: at half of the peak;",
+            "residual: rms of data minus simulation over the measured peak",
+        ]
+        scaled = [f"{each.name} by {each.scaling}" for each in self.sensors if each.unit == "V"]
+        if scaled:
+            lines.append(f"without calibration, the simulation is scaled: {', '.join(scaled)}")
+        return "\n".join((*lines, *self.notes))
 
     def plot(self) -> Figure:
         """Plot data and simulation, one panel per sensor.
@@ -91,10 +151,23 @@ class TraceComparison:
 
         return plot_comparison(self)
 
+    def __str__(self) -> str:
+        return self.summary()
+
     def __repr__(self) -> str:
         rows = ", ".join(f"{name} {value:.2%}" for name, value in self.differences.items())
-        offset = f"time offset {1e6 * self.time_offset:.4g} us"
-        return short("TraceComparison", f"rms difference over peak: {rows}", offset, *self.notes)
+        offset = f"time offset {measure(self.time_offset, 's')}"
+        covered = f"{self.covered:.0%} of the record"
+        about = "rms difference over measured peak"
+        return short("TraceComparison", about, rows, covered, offset, *self.notes)
+
+
+def _scale(signal: Signal, model: Array) -> float:
+    """Factor of a simulated signal that fits an uncalibrated one best; otherwise 1."""
+    if signal.calibrated:
+        return 1.0
+    ok = signal.valid & np.isfinite(model)
+    return float(signal.values[ok] @ model[ok] / (model[ok] @ model[ok]))
 
 
 def compare_traces(
@@ -120,7 +193,9 @@ def compare_traces(
     shot = traces.shots[0]
     grid = np.linspace(run.times[0], run.times[-1], len(run.times))
     columns = [np.interp(grid, run.times, _signal_of(run, signal)) for signal in shot.signals]
+    check_arrivals(run, shot, columns, grid)
     spacing = float(grid[1] - grid[0])
+    given = time_offset is not None
     if time_offset is not None:
         time_offset = number("time_offset", time_offset, unit="s")
     else:
@@ -132,13 +207,32 @@ def compare_traces(
             f"with time_offset = {time_offset:g} s, the run ends before the first sample of the "
             "traces; give another one, or simulate for longer"
         )
+    if moments[-1] <= 0.0:
+        raise InputError(
+            f"with time_offset = {time_offset:g} s, the run begins after the last sample of the "
+            "traces; give an earlier one"
+        )
+    check_contained(shot, inside)
     signals = []
     for column in columns:
         values = np.full(len(moments), np.nan)
         values[inside] = sampled(column, spacing, moments[inside])
+        if np.ptp(values[inside]) == 0.0:
+            raise InputError(
+                f"with time_offset = {time_offset:g} s, the simulated pulse arrives after the last "
+                "sample of the traces; give an earlier one"
+            )
         signals.append(values)
-    notes = coupling_notes(traces, [run.chain])
-    return TraceComparison(traces, tuple(signals), float(time_offset), notes)
+    until = float(shot.times[-1]) - time_offset
+    found = TraceComparison(traces, tuple(signals), float(time_offset), given)
+    suspicious = unit_notes(found.sensors)
+    for note in suspicious:
+        warn_user(note, InputWarning)
+    notes = (
+        *suspicious, *pulse_notes(run, shot, columns, inside, until),
+        *coupling_notes(traces, [run.chain]),
+    )  # fmt: skip
+    return replace(found, notes=notes)
 
 
 def _signal_of(run: Run, signal: Signal) -> Array:
@@ -155,7 +249,8 @@ def _best_offset(shot, columns: list[Array], spacing: float) -> float:  # type: 
     count = int((shot.times[-1] - shot.times[0]) / spacing) + 1
     grid = shot.times[0] + spacing * np.arange(count)
     for signal, column in zip(shot.signals, columns, strict=True):
-        seen = np.interp(grid, shot.times[signal.valid], signal.values[signal.valid])
-        total = total + correlate(seen, column) / (np.std(seen) * np.linalg.norm(column) + 1e-300)
+        values = signal.values[signal.valid] - level_of(signal)
+        seen, own = np.interp(grid, shot.times[signal.valid], values), column - column[0]
+        total = total + correlate(seen, own) / (np.std(seen) * np.linalg.norm(own))
     best = int(np.argmax(total)) - (len(columns[0]) - 1)
     return float(shot.times[0] + best * spacing)

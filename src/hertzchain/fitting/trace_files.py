@@ -13,6 +13,7 @@ from ..errors import InputError
 from ..representation import counted
 from ..store.csv_tables import csv_rows, split_header
 from ..units import converted
+from ..validation.keywords import checked_arguments
 from ..validation.objects import check_list, file_path, shown_path, text
 from .places import Place, place_named
 from .trace_headers import header_of
@@ -21,6 +22,7 @@ from .traces import Traces, make_shot, with_coupling
 MISSING: Final = ("", "nan", "NaN", "NA")
 
 
+@checked_arguments("load_traces")
 def load_traces(
     *paths: str | os.PathLike[str],
     sensors: Sequence[str] | Mapping[str, str] | None = None,
@@ -87,6 +89,11 @@ def load_traces(
     shots = []
     for path in paths:
         file = file_path("file of traces", path)
+        if file.suffix.lower() == ".toml":
+            raise InputError(
+                f"{shown_path(path)} is a chain file, where a CSV file of traces is required; give "
+                "the traces first and the chain file last, as in fit data.csv chain.toml"
+            )
         try:
             shots += _shots(csv_rows(file), wanted, noise)
         except InputError as error:

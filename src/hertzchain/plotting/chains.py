@@ -14,6 +14,7 @@ from matplotlib.patches import Circle, Patch
 from ..chain.chain import Chain
 from ..chain.feature_support import require_chain
 from ..collision import Array
+from ..validation.keywords import checked_arguments
 from .style import COLOURS, figure_style, get_axes, literal, set_title
 from .titles import chain_title
 
@@ -29,6 +30,7 @@ OTHERS: Final = ("#D3E8DC", "#F7C6C6", "#C9D66B", "#E0A8D0", "#8FD0B0", "#FBEFC9
 UNKNOWN: Final = "#DDE6EE"
 
 
+@checked_arguments("plot_chain")
 def plot_chain(chain: Chain, *, ax: Axes | None = None) -> Axes:
     """Draw a chain to scale: beads, gaps and walls; an arrow marks strikers.
 

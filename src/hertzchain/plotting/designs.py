@@ -3,18 +3,20 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Callable
-from typing import TYPE_CHECKING, Final
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING, Final, NamedTuple
 
 import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.gridspec import GridSpecBase
 
+from ..collision import Array
 from ..errors import InputError
 from ..simulation.simulate import simulate
 from .chains import bead_centres, draw_beads, material_legend
-from .style import COLOURS, figure_style, get_axes, label_log_axis, time_axis
+from .style import COLOURS, differ_much, figure_style, get_axes, label_log_axis, time_axis
 from .widths import figure_size
 
 if TYPE_CHECKING:
@@ -51,30 +53,76 @@ def plot_beads(result: DesignResult, *, ax: Axes | None = None) -> Axes:
 
 
 def plot_forces(result: DesignResult, *, ax: Axes | None = None) -> Axes:
-    """Plot the force on the wall over time, or without a wall the leading pulse by bead."""
-    with figure_style(), warnings.catch_warnings():
+    """Plot the force on the wall over time, or without a wall the leading pulse by bead.
+
+    Forces or durations that differ much are in two panels, unless axes are given.
+    """
+    with figure_style():
+        curves = _curves(result)
+        if ax is not None or not _differ(result, curves):
+            return _draw_curves(result, curves, get_axes(ax))
+        figure = plt.figure()
+        return _draw_panels(result, curves, figure.add_gridspec(2, 1))
+
+
+class _Curve(NamedTuple):
+    """Velocity by bead, or force on the wall over time."""
+
+    label: str
+    colour: str
+    x: Array
+    y: Array
+
+
+def _curves(result: DesignResult) -> list[_Curve]:
+    """Curves of the initial chain and the design."""
+    found = []
+    with warnings.catch_warnings():
         warnings.simplefilter("ignore")
-        axes = get_axes(ax)
         for chain, label, colour in (
             (result.problem.chain, "initial", COLOURS[0]), (result.chain, "design", COLOURS[2]),
         ):  # fmt: skip
             if chain.right_wall is None:
                 pulse = simulate(chain, times=0, rtol=RTOL).pulse()
-                axes.plot(np.arange(1, chain.beads + 1), pulse.velocity, color=colour, label=label)
+                found.append(_Curve(label, colour, np.arange(1, chain.beads + 1), pulse.velocity))
                 continue
             end = simulate(chain, times=0, rtol=RTOL, until=result.problem.until).end_time
             run = simulate(chain, times=TIMES, rtol=RTOL, until=end)
-            factor, axis = time_axis(chain)
-            axes.plot(factor * run.times, run.wall_force().force, color=colour, label=label)
-            axes.set_xlabel(axis)
-        si = result.chain.units == "SI"
-        if result.chain.right_wall is None:
-            axes.set_xlabel("bead $k$")
-            axes.set_ylabel("velocity $v_k$" + (" [m/s]" if si else ""))
-        else:
-            axes.set_ylabel("force on the wall" + (" [N]" if si else ""))
-        axes.margins(x=0.0)
-        axes.legend()
+            found.append(_Curve(label, colour, run.times, run.wall_force().force))
+    return found
+
+
+def _differ(result: DesignResult, curves: Sequence[_Curve]) -> bool:
+    """Whether durations or forces differ by so much that the curves need their own axes."""
+    if result.chain.right_wall is None:
+        return False
+    last = (float(each.x[-1]) for each in curves)
+    return differ_much(last) or differ_much(float(each.y.max()) for each in curves)
+
+
+def _draw_panels(result: DesignResult, curves: Sequence[_Curve], grid: GridSpecBase) -> Axes:
+    """Draw each curve in its own panel; the first is returned."""
+    panels = [grid.figure.add_subplot(part) for part in grid]  # type: ignore[attr-defined]
+    for curve, axes in zip(curves, panels, strict=True):
+        _draw_curves(result, [curve._replace(label=f"{curve.label}, force on the wall")], axes)
+        # Panels are low.
+        axes.set_ylabel("force [N]" if result.chain.units == "SI" else "force $F$")
+    first: Axes = panels[0]
+    return first
+
+
+def _draw_curves(result: DesignResult, curves: Sequence[_Curve], axes: Axes) -> Axes:
+    si, walled = result.chain.units == "SI", result.chain.right_wall is not None
+    factor, label = 1.0, "bead $k$"
+    if walled:
+        factor, label = time_axis(result.chain, max(float(each.x[-1]) for each in curves))
+    for each in curves:
+        axes.plot(factor * each.x, each.y, color=each.colour, label=each.label)
+    axes.set_xlabel(label)
+    name, unit = ("force on the wall", " [N]") if walled else ("velocity $v_k$", " [m/s]")
+    axes.set_ylabel(name + (unit if si else ""))
+    axes.margins(x=0.0)
+    axes.legend()
     return axes
 
 
@@ -129,11 +177,17 @@ def plot_front(result: DesignResult, *, ax: Axes | None = None) -> Axes:
 def plot_design(result: DesignResult) -> Figure:
     """Plot beads, forces, history, and the sensitivity or the Pareto front."""
     with figure_style():
-        figure, axes = plt.subplots(2, 2, figsize=figure_size(10.0, 6.4), layout="constrained")
-        plot_beads(result, ax=axes[0, 0])
-        plot_forces(result, ax=axes[0, 1])
-        plot_history(result, ax=axes[1, 0])
-        last = axes[1, 1]
+        figure = plt.figure(figsize=figure_size(10.0, 6.4), layout="constrained")
+        grid = figure.add_gridspec(2, 2)
+        curves = _curves(result)
+        apart = _differ(result, curves)
+        plot_beads(result, ax=figure.add_subplot(grid[0, 0]))
+        if apart:
+            _draw_panels(result, curves, grid[0, 1].subgridspec(2, 1))
+        else:
+            _draw_curves(result, curves, figure.add_subplot(grid[0, 1]))
+        plot_history(result, ax=figure.add_subplot(grid[1, 0]))
+        last = figure.add_subplot(grid[1, 1])
         if result.front:
             plot_front(result, ax=last)
         elif "masses" in result.chain.given:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Final
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -13,6 +14,7 @@ from ..collision import Array
 from ..errors import InputError
 from ..pulse.pulse import Pulse
 from ..pulse.quantities import QUANTITIES
+from ..validation.keywords import checked_arguments
 from ..validation.objects import check_bool, check_choice, check_list, check_type
 from .labels import distinguish
 from .style import (
@@ -25,7 +27,13 @@ from .style import (
     set_title,
 )
 
+# Quantities of a bead whose values at a free end are larger than those before it.
+FREE: Final = ("velocity", "momentum", "energy")
+# Smallest factor by which the last value exceeds the continuation of those before it.
+JUMP: Final = 1.2
 
+
+@checked_arguments("plot_pulses")
 def plot_pulses(
     pulses: Sequence[Pulse],
     quantity: str = "velocity",
@@ -38,7 +46,8 @@ def plot_pulses(
     r"""Plot one quantity of several pulses against the bead number.
 
     By default a label states what distinguishes a pulse from the others (its method, taper, rate,
-    number of beads, ...); the title has the parts that all of them share.
+    number of beads, ...); the title has the parts that all of them share.  If the last
+    bead leaves a free end at a larger velocity, its value has a filled symbol without a line.
 
     Parameters
     ----------
@@ -73,7 +82,7 @@ def plot_pulses(
     >>> pulses = [hc.propagate(hc.Chain.tapered(ratio=r, beads=40)) for r in (0.5, 0.25)]
     >>> axes = hc.plot_pulses(pulses, "momentum", log=True)
     >>> [text.get_text() for text in axes.get_legend().get_texts()]
-    ['q = 0.0179319', 'q = 0.0361853']
+    ['q = 0.0179319', 'q = 0.0361853', 'last bead (free end)']
     >>> axes.get_title()
     'propagation, forward-exponential, 40 beads'
     """
@@ -92,7 +101,11 @@ def plot_pulses(
     with figure_style():
         axes, lower = _axes(ax, residuals=residuals)
         for i, (pulse, name) in enumerate(zip(pulses, names, strict=True)):
-            _draw(axes, pulse, pulse.columns()[quantity], i, literal(str(name)))
+            values = pulse.columns()[quantity]
+            if free := _ends_free(pulse, quantity):
+                _draw_free_end(axes, pulse, values[-1], i)
+            _draw(axes, pulse, values[:-1] if free else values, i, literal(str(name)))
+        _label_free_ends(axes, pulses, quantity)
         row = QUANTITIES[quantity]
         axes.set_ylabel(row.label_in(pulses[0].chain.units))
         axes.set_yscale("log" if log else "linear")
@@ -136,6 +149,26 @@ def _axes(ax: Axes | None, *, residuals: bool) -> tuple[Axes, Axes | None]:
     return upper, lower
 
 
+def _ends_free(pulse: Pulse, quantity: str) -> bool:
+    """Whether the last bead is much faster than the others, because nothing decelerates it."""
+    values = pulse.columns()[quantity]
+    if quantity not in FREE or pulse.chain.right_wall is not None or len(values) < 3:
+        return False
+    return bool(values[-1] * values[-3] > JUMP * values[-2] ** 2)
+
+
+def _draw_free_end(axes: Axes, pulse: Pulse, value: float, i: int) -> None:
+    """A filled symbol, which no line joins to the other beads."""
+    colour, marker = COLOURS[i % len(COLOURS)], MARKERS[i % len(MARKERS)]
+    axes.plot(pulse.bead[-1:], [value], color=colour, marker=marker, linestyle="none")
+
+
+def _label_free_ends(axes: Axes, pulses: Sequence[Pulse], quantity: str) -> None:
+    if any(_ends_free(pulse, quantity) for pulse in pulses):
+        label = "last bead (free end)"
+        axes.plot([], [], color="0.4", marker=MARKERS[0], linestyle="none", label=label)
+
+
 def _draw(axes: Axes, pulse: Pulse, values: Array, i: int, label: str | None) -> None:
     axes.plot(
         pulse.bead[: len(values)],
@@ -144,7 +177,7 @@ def _draw(axes: Axes, pulse: Pulse, values: Array, i: int, label: str | None) ->
         marker=MARKERS[i % len(MARKERS)],
         markerfacecolor="none",
         # Markers of different pulses at different beads do not hide each other.
-        markevery=(i * max(1, len(values) // 60), max(1, len(values) // 20)),
+        markevery=(i * max(1, pulse.chain.beads // 60), max(1, pulse.chain.beads // 20)),
         linewidth=0.9,
         label=label,
     )

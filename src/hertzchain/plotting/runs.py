@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import Literal
+import itertools
+from collections.abc import Mapping, Sequence
+from types import MappingProxyType
+from typing import Final, Literal
 
+import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.ticker import MaxNLocator
 
 from ..chain.bead_names import bead_label, bead_number, wall_number
+from ..chain.chain import Chain
 from ..collision import Array
 from ..errors import InputError
 from ..pulse.quantities import RUN_QUANTITIES
@@ -20,6 +24,7 @@ from ..validation.numbers import whole_number
 from ..validation.objects import check_choice, check_list, text
 from .style import (
     COLOURS,
+    differ_much,
     figure_style,
     get_axes,
     literal,
@@ -28,9 +33,14 @@ from .style import (
     time_axis,
 )
 from .titles import chain_title
+from .widths import figure_size
 
 # Added to the legend of a wall whose force may still exceed the plotted values.
 CUT_OFF = " (peak not complete)"
+# Factors of the labels of time axes in SI units.
+TIME_LABELS: Final = MappingProxyType({"time [µs]": 1e6, "time [ms]": 1e3})
+# Fewest equal beads of a section, and largest number of sections with boundaries in a map.
+SECTION, MAX_SECTIONS = 2, 8
 # Velocities that are less negative, relative to the largest, are not given separate colours.
 NO_RETURN = 0.01
 
@@ -39,6 +49,8 @@ def plot_run(
     run: Run, quantity: Literal["velocity", "force"] = "velocity", *, ax: Axes | None = None
 ) -> Axes:
     """Plot velocities or contact forces over time as a map, bead 1 at the bottom.
+
+    Dashed lines separate sections of equal beads.
 
     Parameters
     ----------
@@ -91,9 +103,22 @@ def plot_run(
         axes.set_xlabel("time [µs]" if real else "time $t$")
         axes.set_ylabel(f"{drawn.per} $k$")
         axes.yaxis.set_major_locator(MaxNLocator(integer=True))
+        for k in section_ends(run.chain):
+            at = k if quantity == "force" else k + 0.5
+            axes.axhline(at, color="0.25", linewidth=0.7, linestyle="--")
         mark_horizon(axes, run.known_horizon)
         set_title(axes, chain_title(run.chain))
     return axes
+
+
+def section_ends(chain: Chain) -> list[int]:
+    """Last bead k of each section of equal beads but the last; empty if there are no sections."""
+    kinds = chain.materials or (None,) * chain.beads
+    beads = zip(chain.radii.tolist(), chain.masses.tolist(), kinds, strict=True)
+    lengths = [len(list(group)) for _, group in itertools.groupby([*beads][chain.strikers :])]
+    if not 1 < len(lengths) <= MAX_SECTIONS or min(lengths) < SECTION:
+        return []
+    return (chain.strikers + np.cumsum(lengths[:-1])).tolist()
 
 
 def plot_forces(
@@ -136,11 +161,13 @@ def plot_forces(
     if not given:
         raise InputError("beads must contain at least one bead number, such as [3, 6]")
     curves = [force_curve(run, each) for each in given]
-    factor, time_label = time_axis(run.chain)
+    factor, time_label = time_axis(run.chain, float(run.times[-1]))
     with figure_style():
         axes = get_axes(ax)
-        # Curves of several runs in the same axes have different colours.
+        # Curves of several runs in the same axes have different colours and one unit of time.
         drawn = len(axes.lines)
+        if axes.get_xlabel() in TIME_LABELS:
+            factor, time_label = TIME_LABELS[axes.get_xlabel()], axes.get_xlabel()
         for i, (times, force, curve, cut_off) in enumerate(curves, drawn):
             legend = ", ".join(filter(None, (literal(name), curve))) + CUT_OFF * cut_off
             axes.plot(
@@ -159,9 +186,49 @@ def plot_forces(
         axes.set_ylabel("force [N]" if run.chain.units == "SI" else "force $F$")
         set_title(axes, chain_title(run.chain))
         axes.margins(x=0.0)
-        mark_horizon(axes, run.known_horizon)
+        mark_horizon(axes, run.known_horizon, factor)
         axes.legend()
     return axes
+
+
+def plot_forces_of_runs(runs: Mapping[str, Run], beads: Mapping[str, Sequence[int]]) -> Axes:
+    """Plot forces of several runs: in one panel each if durations or forces differ much.
+
+    Parameters
+    ----------
+    runs : mapping of str to Run
+        Runs with saved times, by name.
+    beads : mapping of str to sequence of int
+        Beads of each run, as for `plot_forces`.
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+        The first panel.
+
+    Examples
+    --------
+    >>> import hertzchain as hc
+    >>> from hertzchain.plotting.runs import plot_forces_of_runs
+    >>> chain = hc.Chain.uniform(9).replace(right_wall=hc.Wall())
+    >>> runs = {"short": hc.simulate(chain), "long": hc.simulate(chain, until=300.0)}
+    >>> len(plot_forces_of_runs(runs, {"short": [10], "long": [10]}).figure.axes)
+    2
+    """
+    largest = [
+        max(float(force_curve(run, bead)[1].max()) for bead in beads[name])
+        for name, run in runs.items()
+    ]
+    apart = differ_much(largest) or differ_much(float(run.times[-1]) for run in runs.values())
+    count = len(runs) if apart else 1
+    with figure_style():
+        size = figure_size(6.0, 2.6 * count) if apart else None
+        figure, panels = plt.subplots(count, 1, squeeze=False, figsize=size)
+    for i, (name, run) in enumerate(runs.items()):
+        axes = plot_forces(run, beads[name], label=name, ax=panels[i if apart else 0, 0])
+        axes.set_title("")
+    first: Axes = figure.axes[0]
+    return first
 
 
 def force_curve(run: Run, bead: int | str) -> tuple[Array, Array, str, bool]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import io
 import re
 import textwrap
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from importlib import resources
 from typing import TYPE_CHECKING, Final
@@ -36,6 +36,8 @@ INCHES_PER_LETTER: Final = 0.07
 
 # Ratio of the limits of a logarithmic axis up to which it has plain numbers.
 MAX_PLAIN: Final = 100.0
+# Times [s] above which they are in ms, and ratio above which curves need axes of their own.
+LONG, MUCH = 2e-3, 5.0
 
 
 @contextmanager
@@ -128,9 +130,17 @@ def set_title(axes: Axes, text: str) -> None:
     axes.set_title("\n".join(lines).replace("\u00a0", " "))
 
 
-def time_axis(chain: Chain) -> tuple[float, str]:
-    """Factor and label of a time axis: microseconds for a chain in SI units."""
-    return (1e6, "time [µs]") if chain.units == "SI" else (1.0, "time $t$")
+def time_axis(chain: Chain, longest: float = 0.0) -> tuple[float, str]:
+    """Factor and label of a time axis: in SI units microseconds or, for long times, ms."""
+    if chain.units != "SI":
+        return 1.0, "time $t$"
+    return (1e3, "time [ms]") if longest > LONG else (1e6, "time [µs]")
+
+
+def differ_much(values: Iterable[float]) -> bool:
+    """Whether positive values differ by so much that small ones are not visible beside large."""
+    present = [each for each in values if each > 0.0]
+    return bool(present) and max(present) > MUCH * min(present)
 
 
 def label_log_axis(axis: Axis) -> None:
@@ -143,11 +153,11 @@ def label_log_axis(axis: Axis) -> None:
         axis.set_minor_formatter(NullFormatter())
 
 
-def mark_horizon(axes: Axes, horizon: Horizon | None) -> None:
+def mark_horizon(axes: Axes, horizon: Horizon | None, factor: float | None = None) -> None:
     """Mark the horizon of a run, and shade the times beyond it."""
     if horizon is None or not np.isfinite(horizon.time):
         return
-    factor = time_axis(horizon.chain)[0]
+    factor = time_axis(horizon.chain)[0] if factor is None else factor
     begin, end = factor * horizon.time, factor * horizon.times[-1]
     axes.axvspan(begin, max(begin, end), color="0.5", alpha=0.25, linewidth=0.0)
     label = f"error above {100.0 * horizon.within:g}%"

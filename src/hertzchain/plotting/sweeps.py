@@ -29,6 +29,16 @@ if TYPE_CHECKING:
 FLAGS = ("outside_range", "incomplete")
 # Largest number of values of an axis for one curve per value.
 MAX_CURVES: Final = 6
+# Total area of the markers of all cells of a map, in square points.
+MARKED_AREA: Final = 9000.0
+# Labels of parameters that are ratios, whose names do not state both quantities.
+LABELS: Final = MappingProxyType(
+    {
+        "ratio": "radius of the last bead / that of the first",
+        "mass_ratio": "mass of light beads / that of heavy ones",
+        "decorated.ratio": "radius of small beads / mean of neighbours",
+    }
+)
 # Names of parameters with one value for each bead or contact, in a label.
 SINGULARS: Final = MappingProxyType({
     "radii": "radius", "diameters": "diameter", "masses": "mass", "velocities": "velocity",
@@ -46,6 +56,9 @@ def plot_sweep(
     **at: Any,
 ) -> Axes:
     """Plot one quantity of a sweep: curves over one axis, or a map over two.
+
+    Markers show points outside the range of a method or of Hertz's law and, in maps, points that
+    have failed, are missing or not complete.
 
     If one of two axes has at most six values, the plot has one curve per value of the shorter axis
     instead of a map.
@@ -79,7 +92,8 @@ def plot_sweep(
     Warns
     -----
     IncompleteWarning
-        If some of the points to plot are missing or have failed; they remain blank.
+        If some of the points to plot are missing or have failed; they remain blank, in maps with a
+        marker.
 
     Examples
     --------
@@ -110,6 +124,7 @@ def plot_sweep(
             _curves(drawn, _outside(dataset, drawn, at), axes, by=by, log=log)
         else:
             _map(drawn, axes, log=log, levels=levels)
+            _mark_cells(dataset, drawn, axes, at)
         caption = [literal(str(dataset.attrs.get("title", "")))]
         only = {"approach"} if dataset.sizes.get("approach") == 1 else set()
         caption += [
@@ -247,7 +262,7 @@ def _curves(drawn: xr.DataArray, outside: xr.DataArray, axes: Axes, *, by: str, 
             marked = True
     if marked:
         axes.plot([], [], "o", color="0.6", alpha=0.5, markersize=9.0, markeredgecolor="none",
-                  label="outside the range of the theory")  # fmt: skip
+                  label="outside the range of the method or of Hertz's law")  # fmt: skip
     axes.set_ylabel(_quantity_label(drawn))
     axes.set_yscale("log" if log else "linear")
     _set_axis(axes, "x", drawn[along])
@@ -288,10 +303,36 @@ def _map(drawn: xr.DataArray, axes: Axes, *, log: bool, levels: list[float] | No
         axes.clabel(lines, fmt="%g", fontsize=8)
     _set_axis(axes, "x", drawn[across])
     _set_axis(axes, "y", drawn[down])
-    # Cells are centred on their values; halves of the outer ones were not computed.
-    for name, limit, places in ((across, axes.set_xlim, x), (down, axes.set_ylim, y)):
-        if drawn[name].dtype.kind in "if":
-            limit(places[0], places[-1])
+    for edges, limit in ((_edges(x), axes.set_xlim), (_edges(y), axes.set_ylim)):
+        limit(edges[0], edges[-1])
+
+
+def _mark_cells(
+    dataset: xr.Dataset, drawn: xr.DataArray, axes: Axes, at: Mapping[str, Any]
+) -> None:
+    """Mark cells outside the range of a method, incomplete ones and those that failed."""
+    status = _flags(dataset, "status", at).broadcast_like(drawn)
+    kinds: dict[str, tuple[xr.DataArray, dict[str, Any]]] = {
+        "failed": (status == FAILED, {"marker": "x", "c": "0.1", "linewidths": 1.0}),
+        "missing": (status == MISSING, {"marker": "_", "c": "0.1", "linewidths": 1.0}),
+    }
+    if "incomplete" in dataset:
+        incomplete = _flags(dataset, "incomplete", at).astype(bool).broadcast_like(drawn)
+        kinds["not complete"] = (incomplete, {"marker": "+", "c": "0.1", "linewidths": 1.0})
+    if "outside_range" in dataset:
+        kinds["outside the range of the method or of Hertz's law"] = (
+            _outside(dataset, drawn, at) & (status != FAILED) & (status != MISSING),
+            {"marker": "o", "c": "white", "edgecolors": "black", "linewidths": 0.5},
+        )
+    down, across = drawn.dims[1], drawn.dims[0]
+    x, y = np.meshgrid(_places(drawn[across]), _places(drawn[down]))
+    size = min(24.0, MARKED_AREA / drawn.size)
+    for label, (flags, style) in kinds.items():
+        there = flags.transpose(down, across).to_numpy().astype(bool)
+        if there.any():
+            axes.scatter(x[there], y[there], size, label=label, zorder=3.0, **style)
+    if axes.get_legend_handles_labels()[1]:
+        axes.legend(loc="upper left", bbox_to_anchor=(0.0, -0.15), fontsize=8)
 
 
 def _set_axis(axes: Axes, which: Literal["x", "y"], coordinate: xr.DataArray) -> None:
@@ -335,6 +376,8 @@ def _axis_label(coordinate: xr.DataArray) -> str:
     if name in ("bead", "contact"):
         return f"{name} $k$"
     words = coordinate.attrs.get("long_name", name) if name not in ("approach", "point") else name
+    if words in LABELS:
+        return _with_unit(LABELS[words], coordinate)
     plain = words.removeprefix("method.").removeprefix("with_").replace("struck_by", "striker")
     parts = [SINGULARS.get(part, part) for part in plain.split(".")]
     return _with_unit(" ".join(parts).replace("_", " "), coordinate)

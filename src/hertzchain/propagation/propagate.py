@@ -25,6 +25,7 @@ from ..frozen import once
 from ..pulse.chain_units import warn_outside_hertz_once
 from ..pulse.pulse import Pulse, assemble_pulse
 from ..pulse.pulse_table import PulseTable
+from ..validation.keywords import checked_arguments
 from ..validation.numbers import number, real_numbers, worker_count
 from ..validation.objects import callback, check_list
 from .batch import COLUMNS, PASSED, STOP, Batch, PulseData
@@ -51,6 +52,7 @@ SHORT: Final = 20_000
 POLL: Final = 0.1
 
 
+@checked_arguments("propagate")
 def propagate(
     chain: Chain, *, rtol: float = DEFAULT_RTOL, progress: Progress | None = None
 ) -> Pulse:
@@ -118,6 +120,7 @@ def propagate(
     )  # fmt: skip
 
 
+@checked_arguments("propagate_many")
 def propagate_many(
     chains: Iterable[Chain | ArrayLike] | ArrayLike,
     *,

@@ -19,6 +19,7 @@ from ..collision import Array
 from ..errors import InputError
 from ..frozen import Frozen
 from ..representation import measure, short
+from ..validation.keywords import checked_arguments
 from ..validation.numbers import number, real_numbers
 from ..validation.objects import check_choice, text
 from .columns import derive, with_columns
@@ -335,6 +336,7 @@ class Pulse(Frozen):
         }
         return table
 
+    @checked_arguments("Pulse.plot")
     def plot(
         self, quantity: str = "velocity", *, log: bool = False, ax: Axes | None = None
     ) -> Axes:
@@ -361,14 +363,28 @@ class Pulse(Frozen):
         return plot_pulses([self], quantity, log=log, ax=ax)
 
     def __repr__(self) -> str:
-        last = measure(self.velocity[-1], "m/s", self.chain.units)
-        return short("Pulse", self.method, self.chain.description, f"v_{self.chain.beads} = {last}")
+        return short("Pulse", self.method, self.chain.description, self._main_numbers(4))
 
     def __str__(self) -> str:
         names = ", ".join(self.columns())
-        last = f"v_{self.chain.beads} = {self.velocity[-1]:.9g}"
-        lines = [f"{self.method}, {self.chain.description}", f"  {last}; has {names}"]
+        lines = [f"{self.method}, {self.chain.description}"]
+        lines.append(f"  {self._main_numbers(9)}; has {names}")
         return "\n".join(lines + [f"  {note}" for note in self._all_notes()])
+
+    def _main_numbers(self, digits: int) -> str:
+        """Velocity of the last bead; speed and, in SI units, force in the middle of the chain."""
+        units, contact = self.chain.units, self.chain.beads // 2
+        last = measure(self.velocity[-1], "m/s", units, digits)
+        middle = [
+            f"{name} {measure(values[contact - 1], unit, units)}"
+            for name, values, unit in (
+                ("speed", self.speed, "m/s"),
+                ("force", self.peak_force if units == "SI" else None, "N"),
+            )
+            if values is not None
+        ]
+        shown = f"v_{self.chain.beads} = {last}"
+        return f"{shown}; {', '.join(middle)} at contact {contact}" if middle else shown
 
     def _all_notes(self) -> list[str]:
         """The notes, and a sentence if a theory does not estimate its error."""

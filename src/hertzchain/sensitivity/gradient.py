@@ -10,10 +10,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..chain.chain import Chain
+from ..chain.hertz_range import warn_outside_hertz
 from ..collision import Array
 from ..errors import IncompleteWarning, InputError, unknown_name_error, warn_user
 from ..frozen import Frozen
 from ..representation import short
+from ..validation.keywords import checked_arguments
 from ..validation.numbers import number, whole_number
 from ..validation.objects import check_list
 from .accuracy import relative_error
@@ -165,6 +167,7 @@ class Gradient(Frozen):
         return gradient_html(self)
 
 
+@checked_arguments("gradient")
 def gradient(
     chain: Chain,
     quantity: str,
@@ -246,6 +249,8 @@ def gradient(
     IncompleteWarning
         If the quantity does not exist in the run or is not complete at its end; ``status``
         states why.
+    ModelRangeWarning
+        If a chain of materials exceeds the limits of Hertz's law in the run (`hertz_range`).
 
     Examples
     --------
@@ -266,6 +271,7 @@ def gradient(
     return found[0]
 
 
+@checked_arguments("gradients")
 def gradients(
     chain: Chain,
     quantities: Iterable[str],
@@ -307,6 +313,8 @@ def gradients(
     for each in found:
         if each.status != "complete":
             warn_user(f"{each.quantity}: {each.status}", IncompleteWarning)
+    if chain.units == "SI":
+        warn_outside_hertz(chain, reader.record.largest_overlaps())
     return found
 
 

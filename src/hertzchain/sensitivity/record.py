@@ -87,6 +87,19 @@ class Record:
         block, n = self.block_of(steps)
         return block.positions[n], released
 
+    def largest_overlaps(self) -> Array:
+        """Largest overlap of contacts 0..N at the stages of the steps."""
+        equation = self.equation
+        found = np.maximum(equation.overlaps, 0.0)
+        for block in self.blocks:
+            tops = block.kept[:, : equation.stages].max(axis=1)
+            tops = tops**2 if equation.hertz else tops
+            for low in np.unique(block.windows[:, 0]):
+                part = tops[block.windows[:, 0] == low].max(axis=0)[: len(found) - low]
+                there = slice(low, low + len(part))
+                found[there] = np.maximum(found[there], part)
+        return np.where(equation.stiffness > 0.0, found, 0.0)
+
     def in_contact(self, contact: int, stage: int = 0) -> Array:
         """Number kept for a contact's overlap at a stage of each step."""
         return np.concatenate([block.kept[:, stage, contact] for block in self.blocks])

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,12 +16,16 @@ from ..chain.hertz_range import hertz_range
 from ..collision import Array
 from ..frozen import Frozen
 from ..representation import short
+from ..validation.numbers import whole_number
 from ..validation.objects import check_choice
 from .ensemble_columns import KEPT
 
 if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
+
+# Largest number of chains whose ranges a representation states, which takes a second.
+MOST_CHECKED: Final = 3000
 
 
 @dataclass(frozen=True, eq=False)
@@ -109,12 +113,54 @@ class RunTable(Frozen):
         Overlaps are those of the leading pulse and of the right wall.  Reflected pulses may be
         stronger: keep ``"largest_overlap"`` to check the whole run.
         """
-        outside = np.zeros(len(self), bool)
-        for i, chain in enumerate(self.chains):
-            if chain is not None and i not in self.reasons and chain.materials is not None:
-                overlaps = self._overlaps[i, : chain.beads + 1]
-                outside[i] = bool(hertz_range(chain, overlaps).violations)
-        return outside
+        return np.array([bool(self.exceeded_limits(i)) for i in range(len(self))])
+
+    def exceeded_limits(self, index: int) -> tuple[str, ...]:
+        """Limits of Hertz's law that a chain exceeds, a sentence each, as for `outside_range`.
+
+        Parameters
+        ----------
+        index : int
+            Index of the chain, from 0.
+
+        Returns
+        -------
+        tuple of str
+            Empty within the limits, without materials, and if the chain failed.
+
+        Raises
+        ------
+        InputError
+            If there is no such chain.
+
+        Examples
+        --------
+        >>> import hertzchain as hc
+        >>> chain = hc.Chain.from_materials(5e-3, "ptfe", beads=9, velocity=0.5)
+        >>> print(*hc.simulate_many([chain]).exceeded_limits(0))
+        pressure / yield is 2.63 at contact 1, and above 1 at 7 more (limit 1 of Hertz's law);
+        reduce the velocity or use loss=ElasticPlastic()
+        """
+        index = whole_number("index of a chain", index, least=0, most=len(self) - 1)
+        chain = self.chains[index]
+        if chain is None or index in self.reasons or chain.materials is None:
+            return ()
+        return hertz_range(chain, self._overlaps[index, : chain.beads + 1]).violations
+
+    @property
+    def _range_note(self) -> str:
+        """Number of chains that have left the range of Hertz's law, and what was checked."""
+        checked = sum(
+            each is not None and each.materials is not None and i not in self.reasons
+            for i, each in enumerate(self.chains)
+        )
+        if not checked:
+            return ""
+        part = "" if "largest_overlap" in self.columns else " (reflections not checked)"
+        if len(self) > MOST_CHECKED:
+            return f"outside_range states which chains are outside Hertz's range{part}"
+        outside = int(self.outside_range.sum())
+        return f"{outside} of {checked} chains outside Hertz's range{part}"
 
     def to_dataset(self) -> xr.Dataset:
         """Labelled dataset with dimensions ``chain``, ``bead``, ``contact`` and ``sensor``.
@@ -185,8 +231,5 @@ class RunTable(Frozen):
         failed = f", {len(self.reasons)} failed" if self.reasons else ""
         units = ", SI" if self.units == "SI" else ""
         names = ", ".join(self.columns)
-        some = any(each is not None and each.materials for each in self.chains)
-        partly = some and "largest_overlap" not in self.columns
-        checked = "outside_range is that of the leading pulse and the right wall" if partly else ""
-        about = f"{len(self)} chains of up to {longest} beads{units}{failed}; {names}"
-        return short("RunTable", "; ".join(filter(None, (about, checked))))
+        about = f"{len(self)} chains of up to {longest} beads{units}{failed}"
+        return short("RunTable", "; ".join(filter(None, (about, self._range_note, names))))

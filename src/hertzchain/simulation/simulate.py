@@ -19,6 +19,7 @@ from ..chain.hertz_range import warn_outside_hertz
 from ..chain.loss_range import warn_outside_losses
 from ..collision import Array
 from ..errors import InputError, SimulationError, short_repr
+from ..validation.keywords import checked_arguments
 from ..validation.numbers import number, real_numbers, whole_number
 from ..validation.objects import callback, check_bool
 from .checked_state import check_start
@@ -46,6 +47,7 @@ MIN_ACCELERATION: Final = 1e-290
 MAX_FIXED_STEPS: Final = 10**12
 
 
+@checked_arguments("simulate")
 def simulate(
     chain: Chain,
     *,

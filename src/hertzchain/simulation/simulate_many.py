@@ -14,6 +14,7 @@ from ..chain.feature_support import require_chain
 from ..collision import Array
 from ..errors import InputError, SimulationError
 from ..pulse.quantities import SENSOR_QUANTITIES
+from ..validation.keywords import checked_arguments
 from ..validation.numbers import number, whole_number, worker_count
 from ..validation.objects import callback, check_choice, check_list
 from .ensemble_columns import (
@@ -43,6 +44,7 @@ class _Stopped(Exception):
     """Raised in a run that must stop."""
 
 
+@checked_arguments("simulate_many")
 def simulate_many(
     chains: Iterable[Chain],
     *,

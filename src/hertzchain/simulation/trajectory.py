@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
@@ -21,6 +21,7 @@ from ..collision import Array
 from ..errors import InputError
 from ..frozen import ShortDir
 from ..pulse.quantities import BEAD_QUANTITIES, RUN_QUANTITIES, TIME
+from ..representation import counted
 from ..validation.numbers import whole_number
 from .budget import overlaps_of
 from .run_end import Status
@@ -30,6 +31,13 @@ from .state import ACCUMULATOR_SCALES, ROW_SCALES, State
 if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
+
+# Overlap, relative to its maximum, below which a contact is regarded as open.
+OPEN: Final = 1e-9
+# Number of beads up to which a run is regarded as a collision.
+FEW: Final = 3
+# Status of runs that end by themselves although contacts may still act.
+NATURAL_ENDS: Final = ("pulse left", "wall force complete")
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,7 +73,8 @@ class Trajectory(ShortDir):
         """Forces in the contacts at the saved times, shape (T, N + 1) [scaled, or N].
 
         Contact numbers include the walls: contact 0 is the one with the left wall, contact k joins
-        beads k and k + 1, and contact N is the one with the right wall.
+        beads k and k + 1, and contact N is the one with the right wall.  At an end without a wall,
+        the force is zero.
         """
         if self._forces is not None:
             return self._forces
@@ -109,6 +118,45 @@ class Trajectory(ShortDir):
         return np.asarray(np.maximum(passed, saved))
 
     @property
+    def closed_contacts(self) -> Array:
+        """Numbers k of the contacts between beads that still act at the end of the run.
+
+        Without ``until``, a run ends when the pulse has left the last bead or the force on the
+        wall is complete.  Contacts may then still act, and velocities are not yet final.
+
+        Examples
+        --------
+        The relative velocity after a collision requires that the contact has opened:
+
+        >>> import hertzchain as hc
+        >>> pair = hc.Chain.uniform(2).replace(loss=hc.Restitution(0.5))
+        >>> for run in (hc.simulate(pair), hc.simulate(pair, until=10.0)):
+        ...     print(run.closed_contacts, round(float(run.velocities[-1] @ [-1.0, 1.0]), 3))
+        [1] 0.549
+        [] 0.5
+        """
+        end = self.state.arrays["y"][np.newaxis, : self.chain.beads]
+        overlaps = overlaps_of(self.chain, np.array([self.end_time]), end)[0, 1:-1]
+        closed = overlaps > OPEN * self.largest_overlaps[1:-1]
+        if len(self.times):
+            # Contacts that do not attract are released before their overlap vanishes.
+            closed &= self.forces[-1, 1:-1] != 0.0
+        return np.flatnonzero(closed) + 1
+
+    @property
+    def _unfinished(self) -> str:
+        """That contacts still act after a run without ``until``; empty if none, or if all do."""
+        if self.status not in NATURAL_ENDS or self.chain.static_state.forces.any():
+            return ""
+        closed = len(self.closed_contacts)
+        return f"{counted(closed, 'contact')} still closed, velocities not final" if closed else ""
+
+    @property
+    def _unfinished_collision(self) -> str:
+        """The same for few beads, whose final velocities are often the result."""
+        return self._unfinished if self.chain.beads <= FEW else ""
+
+    @property
     def success(self) -> bool:
         """Whether the run reached its requested end."""
         return self.status not in FAILURES
@@ -140,7 +188,7 @@ class Trajectory(ShortDir):
         ----------
         contact : int
             Number of the contact, as in `forces`: 0 is the contact with the left wall, N the one
-            with the right wall.
+            with the right wall.  At an end without a wall, the force is zero.
 
         Returns
         -------

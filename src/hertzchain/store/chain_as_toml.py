@@ -13,19 +13,22 @@ from ..chain.chain import Chain
 from ..chain.feature_support import require_chain
 from ..chain.laws import Loss
 from ..chain.laws.elastic import Elastic
-from ..chain.materials import RIGID, Material
+from ..chain.materials import RIGID, Material, catalogue
 from ..chain.per_contact import MaterialPairs
 from ..chain.walls import Wall
 from ..errors import InputError
 from ..simulation.state import fingerprint
 from .chain_files import ARRAYS, DRIVES, LATER, chain_from
+from .compact_beads import compact_beads, listed_beads, one_for_all
 from .toml_files import toml_key, toml_text
 
 
 def chain_as_toml(chain: Chain) -> str:
     """Write a chain as a TOML chain file, which `load_chain` reads as the same chain.
 
-    Different materials of one name are given different names.
+    Equal beads, repeated cells and tapers are written as such if their radii are the same, bit for
+    bit.  Materials of the catalogue are written by name, others with their properties; different
+    materials of one name are given different names.
 
     Parameters
     ----------
@@ -42,16 +45,23 @@ def chain_as_toml(chain: Chain) -> str:
     >>> import hertzchain as hc
     >>> print(hc.chain_as_toml(hc.Chain.uniform(2).replace(right_wall=hc.Wall.rigid())))
     [chain]
-    radii = [1.0, 1.0]
+    taper = "uniform"
+    beads = 2
     right_wall = {rigid = true, gap = 0.0}
     """
     require_chain("chain_as_toml", chain)
+    try:
+        return _checked_text(chain, compact=True)
+    except InputError:
+        return _checked_text(chain, compact=False)
+
+
+def _checked_text(chain: Chain, *, compact: bool) -> str:
+    """Text of the chain, which describes the same chain if it is read."""
     # The materials of a scaled chain have no effect, but in a file they would select SI units.
     materials = chain.materials or () if chain.units == "SI" else ()
     names = _names_of_materials(chain, materials)
-    entries = _beads_entries(chain, names)
-    if materials:
-        entries["materials"] = [names[each] for each in materials]
+    entries = _beads_entries(chain, names, [names[each] for each in materials], compact=compact)
     for name in ("left_wall", "right_wall"):
         wall = getattr(chain, name)
         if wall is not None:
@@ -62,7 +72,10 @@ def chain_as_toml(chain: Chain) -> str:
         kind = next(label for label, cls in DRIVES.items() if type(chain.drive) is cls)
         entries["drive"] = {"kind": kind} | _fields(chain.drive)
     lines = ["[chain]", *(f"{name} = {toml_text(value)}" for name, value in entries.items())]
+    known = catalogue()
     for each, name in names.items():
+        if known.get(name) == each:
+            continue
         lines += ["", f"[materials.{toml_key(name)}]"]
         lines += [
             f"{key} = {toml_text(value)}" for key, value in _fields(each).items() if key != "name"
@@ -72,13 +85,11 @@ def chain_as_toml(chain: Chain) -> str:
     return text
 
 
-def _beads_entries(chain: Chain, names: Mapping[Material, str]) -> dict[str, Any]:
-    """Keys of [chain] that describe the beads."""
-    entries: dict[str, Any] = {}
-    if chain.taper is not None and chain.units == "scaled":
-        entries |= {"taper": chain.taper, **dict(chain.taper_parameters), "beads": chain.beads}
-    else:
-        entries["radii"] = chain.radii.tolist()
+def _beads_entries(
+    chain: Chain, names: Mapping[Material, str], kinds: Sequence[str], *, compact: bool
+) -> dict[str, Any]:
+    """Keys of [chain] that describe the beads, of which ``kinds`` are the materials."""
+    entries = compact_beads(chain, kinds) if compact else listed_beads(chain, kinds)
     usual = {item.name: item.default for item in dataclasses.fields(chain)}
     if isinstance(chain.exponent, MaterialPairs):
         entries["exponent"] = [
@@ -87,9 +98,14 @@ def _beads_entries(chain: Chain, names: Mapping[Material, str]) -> dict[str, Any
     elif np.any(chain.exponents != usual["exponent"]):
         entries["exponent"] = np.asarray(chain.exponents).tolist()
     for name in ("units", "strikers", *LATER):
-        if (value := getattr(chain, name)) != usual[name]:
+        # Materials imply SI units.
+        if (value := getattr(chain, name)) != usual[name] and not (name == "units" and kinds):
             entries[name] = value
-    return entries | {name: getattr(chain, name).tolist() for name in ARRAYS if name in chain.given}
+    entries |= {name: one_for_all(getattr(chain, name)) for name in ARRAYS if name in chain.given}
+    if kinds and "velocities" in chain.given and not chain.velocities[1:].any():
+        entries["velocity"] = float(chain.velocities[0])
+        del entries["velocities"]
+    return entries
 
 
 def _names_of_materials(chain: Chain, kinds: Sequence[Material]) -> dict[Material, str]:

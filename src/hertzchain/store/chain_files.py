@@ -19,12 +19,13 @@ A TOML file has a table ``[chain]`` with the beads in one of these forms::
 
     file = "beads.csv"               # one row per bead
 
-With ``materials`` (one, or one per bead) the chain is in SI units; a taper then requires the
-``radius`` of its first bead, and ``velocity`` is that of the impact.  All other keys are
-fields of `hertzchain.Chain`.  The tables ``[chain.decorated]``, ``[[chain.with_defects]]``,
-``[chain.with_scatter]``, ``[[chain.struck_by]]`` and ``[[chain.with_contacts]]`` are its methods,
-applied in this order; ``[chain.left_wall]``, ``[chain.right_wall]``, ``[chain.loss]`` and
-``[chain.drive]`` are its parts.  Custom materials are tables ``[materials.NAME]``.
+With ``materials`` (one, or one per bead; also called ``material``) the chain is in SI units; a
+taper then requires the ``radius`` of its first bead, and ``velocity`` is that of the impact.  All
+other keys are fields of `hertzchain.Chain`.  The tables ``[chain.decorated]``,
+``[[chain.with_defects]]``, ``[chain.with_scatter]``, ``[[chain.struck_by]]`` and
+``[[chain.with_contacts]]`` are its methods, applied in this order; ``[chain.left_wall]``,
+``[chain.right_wall]``, ``[chain.loss]`` and ``[chain.drive]`` are its parts.  Custom
+materials are tables ``[materials.NAME]``.
 """
 
 from __future__ import annotations
@@ -51,7 +52,7 @@ from ..errors import InputError, raise_all
 from ..validation.numbers import number, real_numbers, whole_number
 from ..validation.objects import file_path, shown_path
 from .bead_tables import load_beads, load_drive
-from .chain_schema import FORMS, without_units
+from .chain_schema import FORMS, with_usual_names, without_units
 from .schema_checks import check_document, has_tables
 from .toml_files import read_toml
 
@@ -111,6 +112,7 @@ def load_chain(path: str | os.PathLike[str]) -> Chain:
 
 def chain_from(document: Mapping[str, Any], folder: Path = Path()) -> Chain:
     """Build the chain that a parsed chain file describes."""
+    document = with_usual_names(document)
     raise_all([*check_document(document)])
     return _ChainFile(document, folder).chain()
 

@@ -20,6 +20,7 @@ from ..chain.laws.base import Parameter
 from ..chain.modifications import MAX_SCATTER
 from ..chain.taper_sizes import SHAPES
 from ..chain.tapers import PARAMETERS, TAPERS, parameter_description
+from ..errors import InputError
 from ..units import UNITS
 from .schema_keys import Key, Kind, Section, section_as_dict
 
@@ -90,7 +91,7 @@ _CHAIN: Final = (
             per="contact", one_for_all=True),
     Key("units", "choice", "units of the chain; SI follows from materials",
         choices=("scaled", "SI")),
-    Key("materials", "material", "material of all beads, or of each bead (of the cell)",
+    Key("materials", "material", "material of all beads, or of each (of the cell); or material",
         per="bead", one_for_all=True),
     _number("velocity", "velocity of bead 1 of a chain of materials", "velocity"),
     Key("strikers", "integer", "number of beads at the front that are strikers", default=0,
@@ -274,6 +275,17 @@ def chain_schema() -> dict[str, Any]:
         "forms": forms,
         "units": {name: list(units) for name, units in UNITS.items()},
     }
+
+
+def with_usual_names(document: Mapping[str, Any]) -> Mapping[str, Any]:
+    """The document with ``material`` of [chain] under its usual name, ``materials``."""
+    table = document.get("chain")
+    if not isinstance(table, Mapping) or "material" not in table:
+        return document
+    if "materials" in table:
+        raise InputError("[chain] has materials and material, which are the same: omit one")
+    names = ("materials" if name == "material" else name for name in table)
+    return {**document, "chain": dict(zip(names, table.values(), strict=True))}
 
 
 def dimensions_of(path: Sequence[str]) -> set[str]:

@@ -53,8 +53,8 @@ class Journal:
         lines = content.split(b"\n")
         if len(lines) > 1 and lines[0] + b"\n" != first.encode():
             raise InputError(
-                f"{os.fspath(path)!r} belongs to another problem, other options or another "
-                "version of hertzchain; choose another folder"
+                f"{os.fspath(path)!r} belongs to another problem or another version of hertzchain; "
+                "remove it, or choose another folder with store (on the command line: --store)"
             )
         if len(lines) < 2:
             return 0
@@ -75,7 +75,8 @@ class Journal:
         if found != key:
             raise InputError(
                 f"{os.fspath(self.path or '')!r} does not repeat the same search, perhaps because "
-                "a library or the computer has changed; choose another folder"
+                "a library or the computer has changed; remove it, or choose another folder with "
+                "store (on the command line: --store)"
             )
         self.seconds = seconds
         return values

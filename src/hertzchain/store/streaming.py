@@ -41,6 +41,7 @@ from ..representation import short
 from ..simulation.run import Run, beginning_of
 from ..simulation.simulate import DEFAULT_RTOL, Progress, checked_rtol, simulate
 from ..simulation.state import State, fingerprint
+from ..validation.keywords import checked_arguments
 from ..validation.numbers import real_numbers
 from ..validation.objects import callback, check_bool, file_path
 from .damage import DamagedFileError
@@ -192,6 +193,7 @@ class StoredRun:
                 yield _dataset(self.folder / part.file, content)
 
 
+@checked_arguments("stream")
 def stream(
     chain: Chain,
     folder: str | os.PathLike[str],

@@ -234,6 +234,7 @@ def flattened(table: Mapping[str, Any], path: tuple[str, ...] = ()) -> Iterator[
     """Yield the path and the entry of each axis in nested tables."""
     for key, entry in table.items():
         place = (*path, *str(key).split("."))
+        place = ("materials",) if place == ("material",) else place
         if isinstance(entry, Mapping) and not set(entry) & {*SPACINGS, "unit"}:
             yield from flattened(entry, place)
         else:

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from .. import __version__
+from ..errors import ModelRangeWarning, warn_user
 from ..pulse.quantities import QUANTITIES, WALL_QUANTITIES
 from ..store.sweep_layout import STATUS, Variable
 from ..store.sweep_store import MEANINGS, plain_text
@@ -183,3 +184,16 @@ def _axis_labels(axis: Axis, plan: Plan) -> dict[str, str]:
 def _coordinate(along: str, values: np.ndarray[Any, Any], attributes: dict[str, Any]) -> Variable:
     dtype = {"i": "i8", "f": "f8"}.get(values.dtype.kind, "str")
     return Variable((along,), values.shape, values.shape, dtype, attributes, values)
+
+
+def warn_outside_range(found: xr.Dataset) -> None:
+    """Warn once if points are outside the range of a method or of Hertz's law."""
+    if "outside_range" not in found:
+        return
+    outside = int((found["outside_range"] == 1).sum())
+    if outside:
+        warn_user(
+            f"{outside} of {found['outside_range'].size} points are outside the validity range of "
+            "a method or of Hertz's law (variable outside_range)",
+            ModelRangeWarning,
+        )

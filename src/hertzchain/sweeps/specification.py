@@ -38,7 +38,7 @@ from ..pulse.quantities import QUANTITIES, WALL_QUANTITIES
 from ..representation import short
 from ..store.chain_as_toml import chain_as_toml
 from ..store.chain_files import chain_from
-from ..store.chain_schema import KEYS, chain_schema, without_units
+from ..store.chain_schema import KEYS, chain_schema, with_usual_names, without_units
 from ..store.schema_checks import check_document
 from ..store.schema_keys import Key, Section, section_as_dict
 from ..store.toml_files import read_toml
@@ -247,8 +247,12 @@ class _Reader:
     """Read a document and collect all errors in it."""
 
     def __init__(self, document: Mapping[str, Any], folder: Path, heading: str = "") -> None:
-        self.document, self.folder, self.heading = document, folder, heading
+        self.folder, self.heading = folder, heading
         self.problems: list[str] = []
+        try:
+            self.document = with_usual_names(document)
+        except InputError as error:
+            raise InputError(f"{heading}{error}") from None
 
     def specification(self) -> Specification:
         for key in self.document:

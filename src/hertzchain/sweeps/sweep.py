@@ -17,10 +17,18 @@ from typing import TYPE_CHECKING, Any, Final
 from .. import __version__
 from ..errors import InputError, short_repr
 from ..store.sweep_store import SweepStore, locked
+from ..validation.keywords import checked_arguments
 from ..validation.numbers import whole_number, worker_count
 from ..validation.objects import callback, check_bool, check_list, check_type, file_path
 from .batches import run_planned
-from .dataset import MemoryStore, attributes_of, bytes_of, columns_of, variables_of
+from .dataset import (
+    MemoryStore,
+    attributes_of,
+    bytes_of,
+    columns_of,
+    variables_of,
+    warn_outside_range,
+)
 from .dispatch import results_of
 from .executors import local_pool, workers_of
 from .plan import Plan, check_plan
@@ -57,6 +65,7 @@ class Estimate:
     seconds: float
 
 
+@checked_arguments("sweep")
 def sweep(
     specification: Any,
     store: str | os.PathLike[str] | None = None,
@@ -107,6 +116,11 @@ def sweep(
         If the disk is full or a worker has ended.  The batches in the store remain valid, and the
         same call resumes the sweep.
 
+    Warns
+    -----
+    ModelRangeWarning
+        Once, if points of a sweep in SI units are outside the range of a method or of Hertz's law.
+
     Examples
     --------
     >>> import hertzchain as hc
@@ -146,7 +160,10 @@ def sweep(
         for result in results:
             target.write(result.batch, plan.region(result.batch), columns_of(plan, result))
             report(result.batch)
-        return target.open()
+        found = target.open()
+    if plan.units == "SI":
+        warn_outside_range(found)
+    return found
 
 
 def _target(

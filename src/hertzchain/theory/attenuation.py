@@ -18,6 +18,7 @@ from numpy.typing import ArrayLike
 from ..chain.chain import Chain
 from ..chain.contact_groups import ContactGroup
 from ..chain.feature_support import require_supported
+from ..chain.hertz_range import warn_outside_hertz
 from ..chain.laws import Loss
 from ..chain.laws.velocity_power import VelocityPower
 from ..collision import Array
@@ -85,7 +86,8 @@ def attenuation(chain: Chain, velocity: ArrayLike) -> Array:
     Warns
     -----
     ModelRangeWarning
-        If the decay exceeds 0.01 per bead.
+        If the decay exceeds 0.01 per bead, or the largest wave in a chain of materials the limits
+        of Hertz's law.
 
     Notes
     -----
@@ -119,7 +121,10 @@ def attenuation(chain: Chain, velocity: ArrayLike) -> Array:
     wave = solitary_wave(group.contacts.exponent)
     speeds = v.reshape(-1)
     energy = wave.energy_constant * mass * speeds**2
-    decay = _dissipated(group, wave, mass, speeds) / (2.0 * energy)
+    overlaps = _overlaps(group, wave, mass, speeds)
+    decay = _dissipated(group, wave, mass, speeds, overlaps) / (2.0 * energy)
+    if overlaps.size:
+        warn_outside_hertz(chain, np.full(chain.beads - 1, overlaps.max()))
     if decay.size and not decay.max() <= MAX_DECAY:
         warn_user(
             f"the decay by {group.law} is {decay.max():.2g} per bead: attenuation is of first "
@@ -149,14 +154,21 @@ def _error_in_words(law: Loss, decay: float) -> str:
     return f"and too {'large' if error > 0.0 else 'small'} by about {abs(error):.0%} here"
 
 
-def _dissipated(group: ContactGroup, wave: SolitaryWave, mass: float, v: Array) -> Array:
+def _overlaps(group: ContactGroup, wave: SolitaryWave, mass: float, v: Array) -> Array:
+    """Largest overlaps in waves of peak velocities v."""
+    p, k = group.contacts.exponent, float(group.contacts.stiffness[0])
+    force = wave.force_constant * k ** (1 / (p + 1)) * (mass * v**2) ** (p / (p + 1))
+    return np.asarray((force / k) ** (1 / p))
+
+
+def _dissipated(
+    group: ContactGroup, wave: SolitaryWave, mass: float, v: Array, largest: Array
+) -> Array:
     """Energies that one contact dissipates as waves of peak velocities v pass."""
     law, contacts = group.law, group.contacts
     p, k = contacts.exponent, float(contacts.stiffness[0])
     row, strength = law.row(p), law.strength(contacts)
     speed = wave.speed_constant * (k / mass) ** (1 / (p + 1)) * v ** ((p - 1) / (p + 1))
-    force = wave.force_constant * k ** (1 / (p + 1)) * (mass * v**2) ** (p / (p + 1))
-    largest = (force / k) ** (1 / p)
     if row.kind == DAMPED:
         a, b = row.overlap_power, row.speed_power
         shape = damping_integral(p, a, b)

@@ -13,6 +13,7 @@ from typing import Final
 import numpy as np
 
 from ..chain.chain import Chain
+from ..chain.hertz_range import warn_outside_hertz
 from ..collision import Array
 from ..errors import InputError
 from ..pulse.chain_units import in_units_of, scaled_chain
@@ -116,7 +117,10 @@ def disorder(chain: Chain, scatter: float = 0.0, *, modulus_scatter: float = 0.0
     )
     if chain is scaled:
         return pulse
-    return in_units_of(chain, pulse)
+    pulse = in_units_of(chain, pulse)
+    assert pulse.peak_overlap is not None
+    warn_outside_hertz(chain, pulse.peak_overlap)
+    return pulse
 
 
 def _checked_rates(chain: Chain) -> Array:

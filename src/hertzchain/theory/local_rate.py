@@ -17,6 +17,7 @@ from typing import Final
 import numpy as np
 
 from ..chain.chain import Chain
+from ..chain.hertz_range import warn_outside_hertz
 from ..collision import Array
 from ..errors import InputError, ModelRangeWarning, warn_user
 from ..pulse.chain_units import for_any_units, scaled_chain, unit_of
@@ -228,6 +229,8 @@ def local_rate_gradient(
     )
     if not error <= DOUBTFUL:
         _warn_outside(scaled, functions, followed + 1)
+    if chain.units == "SI" and chain.materials is not None:
+        warn_outside_hertz(chain)
     value *= (0.5 if quantity == "energy" else 1.0) * unit_of(chain, quantity)
     return value, found
 

@@ -18,18 +18,23 @@ SYNONYMS: Final[Mapping[str, tuple[str, ...]]] = MappingProxyType(
         "n": ("beads",), "number": ("beads",), "wall": ("right_wall",),
         "diameter": ("diameters", "first_diameter", "radius"), "q": ("rate",), "s": ("rate",),
         "losses": ("loss",), "damping": ("loss",), "preload": ("precompression",),
-        "material": ("name",), "materials": ("name",),
+        "material": ("name",), "materials": ("name",), "rho": ("density",),
     }
 )  # fmt: skip
 MATERIALS: Final = frozenset(("material", "materials"))
+# The materials of a chain have both names, also if there is only one.
+MATERIAL_TOO: Final[Mapping[str, str]] = MappingProxyType({"material": "materials"})
 P = ParamSpec("P")
 R = TypeVar("R")
 
 
 def checked_arguments(
-    label: str, more: Iterable[str] = ()
+    label: str, more: Iterable[str] = (), aliases: Mapping[str, str] = MappingProxyType({})
 ) -> Callable[[Callable[P, R]], Callable[P, R]]:
-    """Raise `InputError` for unknown and missing arguments; ``more`` are names of ``**fields``."""
+    """Raise `InputError` for unknown and missing arguments; ``more`` are names of ``**fields``.
+
+    ``aliases`` are other names of arguments.
+    """
     others = tuple(more)
 
     def decorate(function: Callable[P, R]) -> Callable[P, R]:
@@ -41,12 +46,10 @@ def checked_arguments(
 
         @functools.wraps(function)
         def checked(*given: P.args, **keywords: P.kwargs) -> R:
+            if not aliases.keys().isdisjoint(keywords):
+                _rename(keywords, aliases)
             check_keywords(label, keywords, known)
-            try:
-                signature.bind(*given, **keywords)
-            except TypeError as error:
-                reason = str(error).replace("a required argument: ", "the argument ")
-                raise InputError(f"{label}: {reason}; it takes {', '.join(known)}") from None
+            _check_call(label, signature, known, *given, **keywords)
             return function(*given, **keywords)
 
         return checked
@@ -54,14 +57,37 @@ def checked_arguments(
     return decorate
 
 
+def _rename(given: dict[str, Any], aliases: Mapping[str, str]) -> None:
+    """Replace other names of arguments by their usual names."""
+    for other in aliases.keys() & given.keys():
+        name, value = aliases[other], given.pop(other)
+        if given.get(name) is None:
+            given[name] = value
+        elif value is not None:
+            raise InputError(f"{name} and {other} are the same: give one of them")
+
+
+def _check_call(
+    label: str, signature: inspect.Signature, known: Iterable[str], /, *given: Any, **keywords: Any
+) -> None:
+    """Raise an error for missing arguments and for too many of them."""
+    try:
+        signature.bind(*given, **keywords)
+    except TypeError as error:
+        reason = str(error).replace("a required argument: ", "the argument ")
+        raise InputError(f"{label}: {reason}; it takes {', '.join(known)}") from None
+
+
 def checked_fields(cls: type[R]) -> type[R]:
-    """Raise `InputError` for unknown arguments of a class."""
+    """Raise `InputError` for unknown and missing arguments of a class."""
     constructor = cls.__init__
-    known = tuple(name for name in inspect.signature(constructor).parameters if name != "self")
+    signature = inspect.signature(constructor)
+    known = tuple(name for name in signature.parameters if name != "self")
 
     @functools.wraps(constructor)
     def checked(self: R, *given: Any, **keywords: Any) -> None:
         check_keywords(cls.__name__, keywords, known)
+        _check_call(cls.__name__, signature, known, self, *given, **keywords)
         constructor(self, *given, **keywords)
 
     cls.__init__ = checked  # type: ignore[assignment]

@@ -46,6 +46,17 @@ def has_unit(value: Any) -> bool:
     return _is_quantity(value)
 
 
+def is_word(value: Any) -> bool:
+    """Whether a value is text other than a number with or without a unit."""
+    if not isinstance(value, str) or quantity(value) is not None:
+        return False
+    try:
+        float(value)
+    except ValueError:
+        return True
+    return False
+
+
 def plain_magnitude(what: str, value: Any, unit: str | None, depth: int = 0) -> Any:
     """Convert a value with a unit to plain numbers; return any other value unchanged."""
     if type(value) in (float, int) or (type(value) is np.ndarray and value.dtype.kind in "iuf"):

@@ -8,9 +8,11 @@ import numpy as np
 
 from ...collision import Array
 from ...kernels.law_kinds import DAMPED, LawRow
+from ...validation.keywords import checked_fields
 from .base import ContactArrays, ContactsAtRest, Loss, may_pull, parameter
 
 
+@checked_fields
 @dataclass(frozen=True)
 class Dashpot(Loss, name="dashpot"):
     r"""A linear dashpot in parallel with the spring of each contact.

@@ -5,9 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from ...kernels.law_kinds import ELASTIC, LawRow
+from ...validation.keywords import checked_fields
 from .base import ContactArrays, Loss
 
 
+@checked_fields
 @dataclass(frozen=True)
 class Elastic(Loss, name="elastic"):
     r"""No loss: the contact returns all energy.

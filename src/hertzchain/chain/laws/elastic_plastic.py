@@ -12,6 +12,7 @@ import numpy as np
 from ...collision import HERTZ_EXPONENT, Array
 from ...errors import InputError
 from ...kernels.law_kinds import YIELDING, LawRow
+from ...validation.keywords import checked_fields
 from ..materials import FIRST_YIELD
 from .base import ContactArrays, ContactsAtRest, Loss, parameter
 
@@ -21,6 +22,7 @@ BISECTIONS: Final = 60
 ROUNDING: Final = 1e-13
 
 
+@checked_fields
 @dataclass(frozen=True)
 class ElasticPlastic(Loss, name="elastic-plastic"):
     r"""Spheres that yield: Hertz contacts up to a pressure, plastic beyond.

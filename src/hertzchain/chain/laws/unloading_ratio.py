@@ -10,9 +10,11 @@ import numpy as np
 from ...collision import Array
 from ...errors import InputError
 from ...kernels.law_kinds import UNLOADING, LawRow
+from ...validation.keywords import checked_fields
 from .base import ContactArrays, ContactsAtRest, Loss, parameter
 
 
+@checked_fields
 @dataclass(frozen=True)
 class UnloadingRatio(Loss, name="unloading-ratio"):
     r"""A force that is smaller while the beads separate than while they approach.

@@ -9,9 +9,11 @@ import numpy as np
 from ...collision import Array
 from ...errors import InputError, ModelRangeWarning, warn_user
 from ...kernels.law_kinds import DAMPED, LawRow
+from ...validation.keywords import checked_fields
 from .base import ContactArrays, ContactsAtRest, Loss, may_pull, parameter
 
 
+@checked_fields
 @dataclass(frozen=True)
 class VelocityPower(Loss, name="velocity-power"):
     r"""A loss by a power of the relative velocity.

@@ -8,9 +8,11 @@ import numpy as np
 
 from ...collision import Array
 from ...kernels.law_kinds import DAMPED, LawRow
+from ...validation.keywords import checked_fields
 from .base import ContactArrays, ContactsAtRest, Loss, may_pull, parameter
 
 
+@checked_fields
 @dataclass(frozen=True)
 class Viscoelastic(Loss, name="viscoelastic"):
     r"""Spheres of a viscoelastic material, after Kuwabara and Kono.

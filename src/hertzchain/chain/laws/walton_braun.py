@@ -10,9 +10,11 @@ import numpy as np
 from ...collision import Array
 from ...errors import InputError
 from ...kernels.law_kinds import PLASTIC, LawRow
+from ...validation.keywords import checked_fields
 from .base import ContactArrays, ContactsAtRest, Loss, parameter
 
 
+@checked_fields
 @dataclass(frozen=True)
 class WaltonBraun(Loss, name="walton-braun"):
     r"""Plastic contacts: unloading is steeper, and ends at a permanent dent.

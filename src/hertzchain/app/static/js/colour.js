@@ -28,14 +28,12 @@ export function readColours() {
   // Colours carry meaning here, also where the system replaces those of the page.
   resolver.style.setProperty("forced-color-adjust", "none");
   document.body.append(resolver);
-  for (const name of NAMES) {
+  const own = (/** @type {string} */ name) => {
     resolver.style.color = style.getPropertyValue(`--${name}`);
-    COLOURS[name] = getComputedStyle(resolver).color;
-  }
-  const ends = ["back-2", "back", "zero", "forward", "forward-2"].map((name) => {
-    resolver.style.color = style.getPropertyValue(`--${name}`);
-    return rgb(getComputedStyle(resolver).color);
-  });
+    return getComputedStyle(resolver).color;
+  };
+  for (const name of NAMES) COLOURS[name] = own(name);
+  const ends = ["back-2", "back", "zero", "forward", "forward-2"].map((name) => rgb(own(name)));
   resolver.remove();
   for (let i = 0; i < 512; i++) {
     const x = Math.abs(i - 256) / 256, side = i < 256 ? [ends[2], ends[1], ends[0]] : [ends[2], ends[3], ends[4]];

@@ -237,7 +237,7 @@ export class Controls {
     return table;
   }
 
-  /** A triangle of force or displacement, for a drive that is a table. @param {any} key */
+  /** A triangle, for a drive that is a table. @param {any} key */
   rows(key) {
     if (this.si) return key.name === "times" ? ["0 µs", "50 µs", "100 µs"] : ["0 N", "10 N", "0 N"];
     return key.name === "times" ? [0, 5, 10] : [0, 0.1, 0];

@@ -12,7 +12,6 @@ import { fromLink } from "./state.js";
  *   radiusOf: (bead: number) => number, resize: (bead: number, radius: number, moving: boolean) => void,
  *   beads: () => number, redraw: (...what: Part[]) => void, open: (next: State) => void}} App */
 
-
 /** @param {App} app */
 export function listen(app) {
   const { about, state, view } = app;

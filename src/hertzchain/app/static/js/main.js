@@ -12,7 +12,7 @@ import { Results } from "./results.js";
 import { fillDialogs } from "./share.js";
 import { Stage } from "./stage.js";
 import { History, VIEW, changed, copy, fromLink, toLink, withRadius } from "./state.js";
-import { Views, showClock } from "./views.js";
+import { Views, showClock, whyBlank } from "./views.js";
 
 /** @typedef {import("./state.js").Slot} Slot */
 
@@ -41,7 +41,7 @@ const dirty = { pulse: true, times: true, map: true, table: true };
 /** @type {Record<Slot, boolean>} */
 const moved = { A: false, B: false };
 
-const controls = new Controls($("controls-body"), about, (document, moving, path) => change(document, moving, path));
+const controls = new Controls($("controls-body"), about, change);
 const views = new Views(about, {
   bead: (bead) => select(Math.max(1, Math.min(own().beads.header?.beads ?? 1, bead))),
   time: (time) => goToTime(time),
@@ -81,12 +81,10 @@ function snapshot() {
   return JSON.stringify({ A: state.A, B: state.B, sensors: state.view.sensors });
 }
 
-/** The document of the active chain has changed.
- * @param {any} document @param {boolean} moving @param {string} [path] */
-function change(document, moving, path) {
+/** The document of the active chain has changed. @param {any} document @param {boolean} moving */
+function change(document, moving) {
   history.note(snapshot(), moving);
   state[state.active] = document;
-  if (path === undefined) controls.last = "";
   controls.show(document);
   request([state.active], moving);
   showHistory();
@@ -119,7 +117,6 @@ function showHistory() {
   $("redo").disabled = !history.future.length;
 }
 
-/** Show everything that the state determines. */
 function showAll() {
   if (state.B && !["A", "B"].includes(state.active)) state.active = "A";
   document.body.classList.toggle("comparing", state.B !== null);
@@ -186,19 +183,19 @@ function resize(bead, radius, moving) {
   }
   if (document.chain.with_scatter) return say("Radii that scatter cannot be dragged; remove the random scatter first.", true);
   if (!si && bead === 1 + own().beads.header.strikers) return say("Bead 1 is the unit of length of a scaled chain; change the others, or choose a material.", true);
-  change(withRadius(document, bead, si ? inMillimetres(radius) : +radius.toPrecision(3)), moving, "chain.with_defects");
+  change(withRadius(document, bead, si ? inMillimetres(radius) : +radius.toPrecision(3)), moving);
 }
 
 /** @param {number} gap @param {boolean} moving */
 function moveWall(gap, moving) {
   const document = /** @type {any} */ (state[state.active]);
   if (!own().si) return say("Gaps of a scaled chain are in units of overlaps, too small to be seen; use the control of the wall.", true);
-  change(changed(document, ["chain", "right_wall", "gap"], inMillimetres(gap)), moving, "chain.right_wall.gap");
+  change(changed(document, ["chain", "right_wall", "gap"], inMillimetres(gap)), moving);
 }
 
 // Requests
 
-/** Ask for results with the next frame: a draft during a drag, the exact ones when it has settled.
+/** Ask for results: a draft during a drag, the exact ones when it has settled.
  * @param {Slot[]} slots @param {boolean} moving */
 function request(slots, moving) {
   const input = performance.now();
@@ -261,7 +258,7 @@ function problem(slot) {
   controls.problem(found.problem);
   if (found.problem) return say(found.problem, true);
   const message = found.run.header?.message;
-  if (found.pending.length && !found.motion) say(`Compiling ${found.pending[0]}: once after an installation, about a minute. Theories are shown already.`);
+  if (found.pending.length && !found.motion) say(whyBlank(found));
   else if (message) say(`${message.charAt(0).toUpperCase()}${message.slice(1)}; energy is conserved to ${found.run.header.energy_drift.toExponential(0)}.`, !found.run.header.success);
 }
 
@@ -273,7 +270,7 @@ function wake() {
   requestAnimationFrame(tick);
 }
 
-/** Place of a chain in its animation: both chains are shown at the same time. @param {Slot} slot */
+/** Both chains are shown at the same time. @param {Slot} slot */
 function placeOf(slot) {
   const place = Math.min(1, u), mine = own().motion, { motion, si } = results[slot];
   return mine && motion && slot !== state.active && si === own().si ? placeAt(motion.times, timeAt(mine.times, place)) : place;
@@ -299,13 +296,11 @@ function tick(now) {
   if (playing && results.A.motion) wake();
 }
 
-/** Whether the last results are shown. */
 function settled() {
   return !moved.A && !moved.B && !asked && SLOTS.every((slot) => !state[slot] || ((results[slot].settled || results[slot].problem) && !links[slot].busy));
 }
 
 let later = 0;
-/** Look again whether everything has settled. */
 function wakeLater() {
   clearTimeout(later);
   later = setTimeout(() => {
@@ -321,6 +316,8 @@ function draw() {
     const { motion } = results[slot], place = placeOf(slot);
     stages[slot].draw(place * ((motion?.count ?? 1) - 1), results[slot].front(motion ? timeAt(motion.times, place) : 0));
   }
+  map.motion = found.motion;
+  $("map-note").textContent = found.motion ? "" : whyBlank(found);
   if (dirty.map && found.motion) {
     map.paint(found.motion, /** @type {any} */ (state.view.map), state.view.scale);
     dirty.map = false;
@@ -403,6 +400,28 @@ function repaint() {
   wake();
 }
 
+/** Show other chains. @param {Partial<import("./state.js").State>} next */
+function open(next) {
+  history.note(snapshot(), false);
+  Object.assign(state, next);
+  for (const slot of SLOTS) {
+    if (!(slot in next)) continue;
+    results[slot] = new Results();
+    links[slot].current = links[slot].waiting = null;
+  }
+  controls.last = "";
+  u = 0;
+  showAll();
+  request(SLOTS, false);
+}
+
+/** Open a chain as B, or as A with its own chain B, if any.
+ * @param {Slot} slot @param {any} document @param {any} other @param {number[]} sensors */
+function openAs(slot, document, other, sensors) {
+  const view = { ...state.view, sensors, errors: slot === "B" || other ? "difference" : "theories" };
+  open(slot === "B" ? { B: document, active: slot, view } : { A: document, B: other, active: slot, view });
+}
+
 function start() {
   document.body.classList.toggle("saved", stored?.kind === "saved");
   readColours();
@@ -412,24 +431,14 @@ function start() {
     beads: () => own().beads.header?.beads ?? 1,
     redraw: (...what) => { for (const each of what) dirty[each] = true; wake(); },
     open: (next) => {
-      history.note(snapshot(), false);
       written = location.hash;
-      Object.assign(state, next);
-      showAll();
-      request(SLOTS, false);
+      open(next);
     },
   });
   fillDialogs(about, {
     open: (example, slot) => {
-      history.note(snapshot(), false);
-      if (slot === "B") Object.assign(state, { B: copy(example.document), active: "B" });
-      else Object.assign(state, { A: copy(example.document), B: example.other ? copy(example.other) : state.B, active: "A" });
-      state.view.sensors = example.view.sensors ?? (slot === "B" ? state.view.sensors : []);
-      state.view.errors = state.B ? "difference" : "theories";
-      controls.last = "";
-      u = 0;
-      showAll();
-      request(SLOTS, false);
+      const { document, other = null } = copy(example), sensors = example.view.sensors ?? (slot === "B" ? state.view.sensors : []);
+      openAs(slot, document, other, sensors);
       say(example.look_for);
     },
     document: () => state[state.active],
@@ -438,7 +447,7 @@ function start() {
       until: own().run.header?.peaks.right?.first ? undefined : own().motion?.times.at(-1), other: state.B ? state[state.active === "A" ? "B" : "A"] : undefined,
       view: { view: state.view, B: state.B && state[state.active === "A" ? "B" : "A"] },
     }),
-    opened: (document) => { controls.last = ""; change(document, false); },
+    opened: (document) => openAs(state.active, document, null, state.view.sensors),
     say,
     link: () => (stored ? "http://127.0.0.1:8765/" : location.origin + location.pathname) + toLink(state),
   });

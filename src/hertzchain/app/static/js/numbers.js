@@ -55,8 +55,7 @@ export function percent(value) {
   return (size >= 1e-4 && size < 1e-3 ? value.toFixed(4).replace("-", "−") : short(value)) + "%";
 }
 
-/** Text for a number field: the shortest text that is the same number to 12 digits.
- * @param {number} value */
+/** The shortest text of a number to 12 digits. @param {number} value */
 export function plain(value) {
   return String(+value.toPrecision(12));
 }
@@ -106,8 +105,7 @@ export function parsed(value, unit) {
   return { number: text === "inf" ? Infinity : null, unit };
 }
 
-/** A number, or other text, which the server reads.
- * @param {string} text @returns {number | string | undefined} */
+/** A number, or text for the server. @param {string} text @returns {number | string | undefined} */
 export function entered(text) {
   const given = text.trim();
   return given !== "" && Number.isFinite(Number(given)) ? Number(given) : given || undefined;

@@ -21,9 +21,7 @@ export class Stage {
     this.canvas = canvas;
     this.on = on;
     /** @type {Float64Array<ArrayBufferLike>} */
-    this.radii = new Float64Array(0);
-    /** @type {Float64Array<ArrayBufferLike>} */
-    this.centres = new Float64Array(0);
+    this.radii = this.centres = new Float64Array(0);
     /** @type {string[]} */
     this.walls = [];
     this.strikers = 0;

@@ -126,8 +126,7 @@ function value(given) {
   }
 }
 
-/** The readable part of an address: `#taper=...&rate=...`, then B's with `b.` and the view's with
- * `~`. @param {State} state */
+/** `#taper=...&rate=...`, then B's with `b.` and the view's with `~`. @param {State} state */
 export function toLink(state) {
   const pairs = flat(state.A.chain, "");
   if (state.A.materials) pairs.push(...flat(state.A.materials, "own"));

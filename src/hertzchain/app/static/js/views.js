@@ -73,7 +73,7 @@ export class Views {
 
   /** Why no curve is shown. @param {Results} own @param {string} quantity */
   reason(own, quantity) {
-    if (!own.pulse.header) return own.pending.length ? `Compiling ${own.pending[0]} …` : "Computing …";
+    if (!own.pulse.header) return whyBlank(own);
     const refusal = own.theories.map(([, each]) => each.refusal).find(Boolean);
     return this.about.quantities[quantity].estimate ? "Only theories that estimate their own error have this quantity." : refusal ?? "No value";
   }
@@ -83,11 +83,12 @@ export class Views {
     const { quantity, hidden } = state.view, exact = own.exact(quantity);
     const label = "error relative to the simulation";
     if (state.view.errors === "difference") {
-      if (!other) replace($("legend-error"), []);
+      const late = [own, other].find((each) => each && !each.pulse.header);
+      if (!other || late) replace($("legend-error"), []);
       const theirs = other?.exact(quantity);
       const common = other && other.si === own.si && exact && theirs;
       const series = common ? [difference("other", "other chain", theirs, exact)] : [];
-      const message = common ? "" : other ? "Chains in SI units and in scaled variables cannot be compared." : "Choose Compare to add a second chain.";
+      const message = common ? "" : !other ? "Choose Compare to add a second chain." : late ? whyBlank(late) : other.si === own.si ? "No value" : "Chains in SI units and in scaled variables cannot be compared.";
       this.error.draw(series, { xLabel: "bead k", yLabel: "other chain relative to this one", percent: true, message }, `Difference of the chains: ${summary(series)}`);
       return;
     }
@@ -99,7 +100,7 @@ export class Views {
     this.error.draw(series, { xLabel: "bead k", yLabel: label, log: true, percent: true, message, most: 1000 }, `Errors of the theories: ${summary(series)}`);
   }
 
-  /** Buttons that show and hide curves, with the largest errors, and what is not covered.
+  /** Buttons that show and hide curves, and notes.
    * @param {Results} own @param {Results | null} other @param {string} quantity @param {string[]} hidden */
   legend(own, other, quantity, hidden) {
     const exact = own.exact(quantity);
@@ -135,8 +136,8 @@ export class Views {
   drawTimes(state, own, other) {
     const motion = own.motion;
     if (!own.ready || !motion || !own.run.header) {
-      const message = own.problem ? "" : own.pending.length ? `Compiling ${own.pending[0]}: once after an installation, about a minute …` : "Computing …";
-      for (const chart of [this.budget, this.force]) chart.draw([], { xLabel: "time", yLabel: "", message }, message);
+      const message = whyBlank(own);
+      for (const chart of [this.budget, this.force, this.modes]) chart.draw([], { xLabel: "time", yLabel: "", message }, message);
       return;
     }
     const axis = this.timeAxis(own), x = times(motion.times, axis.factor);
@@ -242,6 +243,11 @@ export class Views {
   }
 }
 
+/** Why a chain has no results yet. @param {Results} own */
+export function whyBlank(own) {
+  return own.problem ? "" : own.pending.length ? `Compiling ${own.pending[0]}: once after an installation, about a minute …` : "Computing …";
+}
+
 /** @param {string} text @param {string} unit */
 const inUnit = (text, unit) => (unit ? `${text} [${unit}]` : text);
 
@@ -263,7 +269,7 @@ function key(name, text) {
   return make("span", { className: "key" }, sample(name), text);
 }
 
-/** Replace children only if they differ: a button in use must not be replaced.
+/** Replace children if they differ: a button in use must not be replaced.
  * @param {HTMLElement} host @param {HTMLElement[]} children */
 function replace(host, children) {
   const fresh = make("div", {}, ...children);

@@ -1,0 +1,42 @@
+"""Loss laws with typical values, for chains whose losses are not known."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+from ..chain.chain import Chain
+from ..chain.laws import LAWS, Loss
+from ..errors import InputError, short_repr, unknown_name_error
+from .chain_parameters import TYPICAL
+from .symmetry import units_of
+
+
+def typical_law(given: str | Loss, chain: Chain) -> Loss:
+    """A law with typical values for a chain."""
+    if isinstance(given, Loss):
+        return given
+    if not isinstance(given, str):
+        raise InputError(f"a law must be a name or a Loss, got {short_repr(given)}")
+    if given not in LAWS:
+        raise unknown_name_error("law", given, LAWS)
+    kind = LAWS[given]
+    scales = units_of(chain).scales
+    values = dict(TYPICAL.get(kind, {}))
+    for name in ("alpha", "time", "gamma", "yield_overlap"):
+        if name in values and name != "alpha":
+            unit = {"time": "time", "yield_overlap": "length"}.get(
+                name, f"force/velocity^{values.get('alpha', 1.0)}"
+            )
+            values[name] *= scales.unit(unit)
+    return kind(**values)
+
+
+def with_law(chain: Chain, law: Loss) -> Chain:
+    """The chain with one law for all contacts."""
+    changes: dict[str, Any] = {"loss": law}
+    for end in ("left_wall", "right_wall"):
+        wall = getattr(chain, end)
+        if wall is not None:
+            changes[end] = replace(wall, loss=None)
+    return chain.replace(**changes)

@@ -1,0 +1,234 @@
+"""Peaks and arrivals of a measured and a simulated signal, and signs of mistakes in the data."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from ..collision import Array
+from ..errors import InputError
+from ..representation import measure
+from ..simulation.run import Run
+from .misread_columns import PREFIXES, TOLERANCE
+from .traces import Shot, Signal
+
+# A signal has arrived at this fraction of its peak, where its width is measured, too.
+HALF: Final = 0.5
+# A simulated signal that is still rising at the end of the run below this fraction of the measured
+# peak, or of the largest value anywhere in the run, shows that the pulse has not arrived.
+ARRIVING: Final = 0.1
+# ... and so does any signal below this fraction.
+NOTHING: Final = 1e-9
+# Part of the measured peak that the compared samples must contain.
+CONTAINED: Final = 0.3
+# Part of the samples that a run must cover; otherwise, this is noted.
+COMPLETE: Final = 0.995
+# Ratio of peaks that is noted, and multiple of the noise below which data have no pulse.
+NOTED, ABOVE_NOISE = 3.0, 6.0
+
+
+@dataclass(frozen=True)
+class SensorComparison:
+    """Measured and simulated signal of one sensor.
+
+    Peaks are the largest deviations from the level before the pulse, arrivals the times of the
+    data at which a signal reaches half of its peak, in the compared interval.
+
+    Attributes
+    ----------
+    name, unit : str
+        Name of the sensor, and the unit of its signal.
+    quantity : str
+        ``"force"`` or ``"velocity"``.
+    measured_peak, simulated_peak : float
+        Peaks, in this unit.
+    measured_arrival, simulated_arrival : float
+        Arrivals [s].
+    residual : float
+        Rms of data minus simulation, relative to the measured peak.
+    scale : float
+        Factor of the simulation; 1 for calibrated sensors.
+    """
+
+    name: str
+    unit: str
+    quantity: str
+    measured_peak: float
+    simulated_peak: float
+    measured_arrival: float
+    simulated_arrival: float
+    residual: float
+    scale: float
+
+    @property
+    def peak_ratio(self) -> float:
+        """Simulated over measured peak."""
+        return self.simulated_peak / self.measured_peak
+
+    @property
+    def delay(self) -> float:
+        """Simulated minus measured arrival [s]."""
+        return self.simulated_arrival - self.measured_arrival
+
+    @property
+    def scaling(self) -> str:
+        """Factor of the simulation with its unit."""
+        return f"{self.scale:.4g} {'V/N' if self.quantity == 'force' else 'V s/m'}"
+
+    @property
+    def row(self) -> str:
+        """Row of a table."""
+        cells = (
+            f"{self.measured_peak:.4g} {self.unit}", f"{self.simulated_peak:.4g} {self.unit}",
+            f"{self.peak_ratio - 1.0:+.1%}", f"{1e6 * self.measured_arrival:.2f} us",
+            f"{1e6 * self.simulated_arrival:.2f} us", f"{1e6 * self.delay:+.2f} us",
+            f"{self.residual:.1%}",
+        )  # fmt: skip
+        return _aligned(self.name, *cells)
+
+
+def _aligned(name: str, *cells: str) -> str:
+    return f"  {name:<15}" + "".join(f"{cell:>12}" for cell in cells)
+
+
+HEADING: Final = _aligned(
+    "sensor", "peak", "simulated", "difference", "arrival", "simulated", "difference", "residual"
+)
+
+
+def compared_sensor(times: Array, signal: Signal, model: Array, scale: float) -> SensorComparison:
+    """Peaks, arrivals and residual of a signal and its model at the same times."""
+    ok = signal.valid & np.isfinite(model)
+    seen, own = signal.values - level_of(signal), scale * model
+    measured, simulated = seen[ok], (own - own[0])[ok]
+    rest = float(np.sqrt(np.mean((signal.values - own)[ok] ** 2)))
+    return SensorComparison(
+        signal.name, signal.unit, signal.place.quantity, _extreme(measured), _extreme(simulated),
+        _arrival(times[ok], measured), _arrival(times[ok], simulated),
+        rest / abs(_extreme(measured)), scale,
+    )  # fmt: skip
+
+
+def level_of(signal: Signal) -> float:
+    """Level of a signal before the pulse; 0 if it is not known."""
+    return signal.level if np.isfinite(signal.level) else 0.0
+
+
+def _extreme(values: Array) -> float:
+    return float(values[np.argmax(np.abs(values))])
+
+
+def _arrival(times: Array, values: Array) -> float:
+    """Time at which a signal first reaches half of its peak, between samples."""
+    height = values / _extreme(values)
+    first = int(np.argmax(height >= HALF))
+    if first == 0:
+        return float(times[0])
+    pair = slice(first - 1, first + 1)
+    return float(np.interp(HALF, height[pair], times[pair]))
+
+
+def _width(times: Array, values: Array) -> float:
+    """Time during which a signal exceeds half of its peak, around the peak."""
+    height = values / _extreme(values)
+    peak = int(np.argmax(height))
+    below = np.flatnonzero(height < HALF)
+    before, after = below[below < peak], below[below > peak]
+    first = int(before[-1]) if len(before) else 0
+    last = int(after[0]) if len(after) else len(times) - 1
+    return float(times[last] - times[first])
+
+
+def check_arrivals(run: Run, shot: Shot, columns: Sequence[Array], grid: Array) -> None:
+    """Raise `InputError` if the run has no pulse at a sensor, or one of another duration."""
+    for signal, column in zip(shot.signals, columns, strict=True):
+        own, seen = column - column[0], (signal.values - level_of(signal))[signal.valid]
+        here, measured = np.abs(own).max(), abs(_extreme(seen))
+        there = run.forces if signal.place.quantity == "force" else run.velocities
+        needed = measured if signal.calibrated else float(np.abs(there).max())
+        rising = np.argmax(np.abs(own)) >= len(own) - 2
+        if here <= NOTHING * needed or (rising and here < ARRIVING * needed):
+            raise InputError(_too_short(run, shot, signal, here, measured))
+        lasting = _width(shot.times[signal.valid], seen) / max(_width(grid, own), grid[1] - grid[0])
+        for prefix in PREFIXES:
+            if 1.0 / TOLERANCE < lasting / prefix < TOLERANCE:
+                raise InputError(
+                    f"the measured pulse of {signal.name} lasts {lasting:.3g} times as long as the "
+                    "simulated one; check the unit of the times of the data, such as 'time [us]'"
+                )
+
+
+def _too_short(run: Run, shot: Shot, signal: Signal, here: float, measured: float) -> str:
+    unit = "N" if signal.place.quantity == "force" else "m/s"
+    end, record = float(run.times[-1]), float(shot.times[-1] - shot.times[0])
+    advice = "check the place of the sensor and the chain"
+    if end < record:
+        advice = (
+            f"simulate for longer, for example with until={measure(record, 's')!r}, the duration "
+            "of the record, and check the unit of the times of the data"
+        )
+    return (
+        f"the simulated pulse does not arrive at {signal.name} before the run ends at "
+        f"{measure(end, 's')}: the signal is {here:.2g} {unit}, the measured one "
+        f"{measured:.3g} {signal.unit}; {advice}"
+    )
+
+
+def check_contained(shot: Shot, inside: Array) -> None:
+    """Raise `InputError` if the run ends before the measured pulse of a sensor."""
+    end = float(shot.times[inside][-1])
+    for signal in shot.signals:
+        seen = np.where(signal.valid, np.abs(signal.values - level_of(signal)), 0.0)
+        if seen[inside].max() < CONTAINED * seen.max():
+            raise InputError(
+                f"the largest signal of {signal.name} is at "
+                f"{measure(float(shot.times[np.argmax(seen)]), 's')} of the data, but the run ends "
+                f"at {measure(end, 's')} of the data; simulate for longer, or check time_offset "
+                "and the unit of the times"
+            )
+
+
+def unit_notes(sensors: Sequence[SensorComparison]) -> list[str]:
+    """Notes on peaks of calibrated sensors that differ by a power of ten, or much."""
+    notes = []
+    for each in sensors:
+        ratio = 1.0 / each.peak_ratio
+        if each.quantity == "velocity":
+            ratio = abs(ratio)  # reflected waves change the sign of the largest velocity
+        if each.unit == "V" or 1.0 / NOTED < ratio < NOTED:
+            continue
+        problem = f"the measured peak of {each.name} is {ratio:.3g} times the simulated one"
+        if ratio < 0.0:
+            notes.append(f"{problem}: check the polarity of the sensor")
+        elif any(1.0 / TOLERANCE < ratio / prefix < TOLERANCE for prefix in PREFIXES):
+            notes.append(f"{problem}: check the unit in the header of this column")
+        else:
+            notes.append(
+                f"{problem}: check its gain and unit, and the velocity and sizes of the chain"
+            )
+    return notes
+
+
+def pulse_notes(
+    run: Run, shot: Shot, columns: Sequence[Array], inside: Array, until: float
+) -> list[str]:
+    """Notes on data without a pulse, on incomplete peaks and on the end of the record."""
+    notes = []
+    for signal, column in zip(shot.signals, columns, strict=True):
+        seen = np.abs((signal.values - level_of(signal))[signal.valid & inside])
+        if seen.max() < ABOVE_NOISE * signal.sigma:
+            notes.append(f"the data of {signal.name} have no pulse above their noise")
+        if np.argmax(np.abs(column - column[0])) >= len(column) - 2:
+            notes.append(
+                f"the simulated peak of {signal.name} is not complete: the run ends first, and a "
+                "time offset by cross-correlation is then wrong"
+            )
+    if np.mean(inside) < COMPLETE:
+        notes.append(
+            f"the run ends at {measure(float(run.times[-1]), 's')}, before the record; simulate "
+            f"until={measure(until, 's')!r} to compare the whole record"
+        )
+    return notes

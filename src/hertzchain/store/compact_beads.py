@@ -1,0 +1,107 @@
+"""Shorter descriptions of beads in chain files: equal beads, repeated cells and tapers."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any, Final
+
+import numpy as np
+
+from ..chain.chain import Chain
+from ..chain.taper_sizes import SHAPES, Sizes, si_radii, taper_between
+from ..chain.tapers import TAPERS, tapered_radii
+from ..collision import Array
+from ..errors import InputError
+
+# Significant digits of rates and radii that are tried, from few to all.
+DIGITS: Final = (2, 4, 6, 9, 12, 15, 17)
+# Beads of the largest cell that is tried.
+MAX_CELL: Final = 12
+
+
+def compact_beads(chain: Chain, names: Sequence[str]) -> dict[str, Any]:
+    """Keys of [chain] with the radii of a chain, and the names of its materials.
+
+    Radii that the keys give are those of the chain, bit for bit.
+    """
+    if chain.units == "scaled" and (chain.taper is not None or chain.strikers):
+        return listed_beads(chain, names)
+    for entries in (_equal(chain, names), _periodic(chain, names), _tapered(chain, names)):
+        if entries is not None:
+            return entries
+    return listed_beads(chain, names)
+
+
+def one_for_all(values: Array) -> Any:
+    """A list, or one value if all are equal."""
+    listed = values.tolist()
+    return listed[0] if len(listed) > 1 and len(set(listed)) == 1 else listed
+
+
+def _materials(names: Sequence[str]) -> dict[str, Any]:
+    if not names:
+        return {}
+    return {"materials": names[0] if len(set(names)) == 1 else list(names)}
+
+
+def listed_beads(chain: Chain, names: Sequence[str]) -> dict[str, Any]:
+    """The same keys with one radius per bead, unless the chain names its taper."""
+    if chain.units == "scaled" and chain.taper is not None:
+        parameters: Mapping[str, float] = dict(chain.taper_parameters)
+        return {"taper": chain.taper, **parameters, "beads": chain.beads}
+    return {"radii": chain.radii.tolist(), **_materials(names)}
+
+
+def _equal(chain: Chain, names: Sequence[str]) -> dict[str, Any] | None:
+    radius = float(chain.radii[0])
+    if not (chain.radii == radius).all():
+        return None
+    if chain.units == "scaled":
+        return {"taper": "uniform", "beads": chain.beads}
+    if len(set(names)) != 1:
+        return None
+    return {"radii": radius, "beads": chain.beads, **_materials(names)}
+
+
+def _periodic(chain: Chain, names: Sequence[str]) -> dict[str, Any] | None:
+    radii = chain.radii
+    for size in range(2, min(MAX_CELL, chain.beads // 2) + 1):
+        if chain.beads % size or not np.array_equal(radii[size:], radii[:-size]):
+            continue
+        if names and list(names[size:]) != list(names[:-size]):
+            continue
+        cell = {"cell": radii[:size].tolist(), "cells": chain.beads // size}
+        return cell | _materials(names[:size])
+    return None
+
+
+def _tapered(chain: Chain, names: Sequence[str]) -> dict[str, Any] | None:
+    """A taper of a rate or of two sizes of few digits, if it has exactly the radii of the chain."""
+    if not names or chain.beads < 3:
+        return None
+    for entries, radii in _tapers(chain.radii):
+        if np.array_equal(radii, chain.radii):
+            return entries | {"beads": chain.beads} | _materials(names)
+    return None
+
+
+def _tapers(radii: Array) -> Iterator[tuple[dict[str, Any], Array]]:
+    """Keys and radii of tapers between the first and the last radius, by their digits."""
+    beads, first, last = len(radii), float(radii[0]), float(radii[-1])
+    for digits, shape in itertools.product(DIGITS, SHAPES):
+        try:
+            size = _rounded(last, digits)
+            entries = {"first": first, "last": size, "taper": shape}
+            yield entries, si_radii(shape, beads, Sizes(first=first, last=size))
+            taper, rate, _ = taper_between(shape, beads, first, last)
+            rate = _rounded(rate, digits)
+            TAPERS[taper].check(beads, rate=rate)
+            entries = {"taper": taper, "rate": rate, "radius": first}
+            yield entries, first * tapered_radii(taper, rate, beads)
+        except InputError:
+            continue  # Beads cannot shrink this fast.
+
+
+def _rounded(value: float, digits: int) -> float:
+    return float(f"{value:.{digits}g}")

@@ -1,0 +1,136 @@
+"""Every command and function reports once that chains are outside the range of Hertz's law."""
+
+import json
+import warnings
+
+import numpy as np
+import pytest
+
+import hertzchain as hc
+from hertzchain.sensitivity.gradient import _recorded
+
+WALLED = ["--material", "ptfe", "--diameter", "10 mm", "--beads", "10", "--wall", "same"]
+
+
+def row(speed=0.5, **fields):
+    return hc.Chain.from_materials(5e-3, "ptfe", beads=12, velocity=speed).replace(**fields)
+
+
+def walled(speed=0.5, **fields):
+    return row(speed, right_wall=hc.Wall.of("ptfe"), **fields)
+
+
+def warned(function):
+    """Result of a function, and messages of its warnings about ranges."""
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        found = function()
+    return found, [str(each.message) for each in caught if each.category is hc.ModelRangeWarning]
+
+
+def scattered(chain):
+    return hc.distribution(chain, "velocity@12", hc.Scatter(radius=0.01, samples=8))
+
+
+# Yield begins at 2.63 times lower pressure, which is proportional to the speed to the power 2/5.
+SLOW, FAST = 0.5 / 2.63**2.5 / 1.3, 0.5
+
+REPORTS = {
+    "gradient of the pulse": lambda v: hc.gradient(row(v), "pulse.velocity@12"),
+    "gradient of the wall": lambda v: hc.gradient(walled(v), "wall_force.peak"),
+    "gradient with damping": lambda v: hc.gradient(
+        row(v, loss=hc.Viscoelastic(1e-7)), "pulse.velocity@12"
+    ),
+    "local_rate_gradient": lambda v: hc.local_rate_gradient(row(v), "velocity", bead=12),
+    "disorder": lambda v: hc.disorder(row(v), 0.01),
+    "attenuation": lambda v: hc.attenuation(row(v, loss=hc.Restitution(0.99)), velocity=v),
+    "distribution": lambda v: scattered(row(v)),
+    "distribution with losses": lambda v: scattered(row(v, loss=hc.Restitution(0.99))),
+    "sweep": lambda v: hc.sweep({
+        "chain": {"diameters": "10 mm", "materials": "ptfe", "velocity": v},
+        "axes": {"beads": [12, 14]},
+        "sweep": {"methods": ["simulate"], "keep": ["velocity"], "at": "last"},
+    }),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", REPORTS)
+def test_results_outside_the_range_of_hertz_law_warn_once(name):
+    _, messages = warned(lambda: REPORTS[name](FAST))
+    limits = [each for each in messages if "pressure / yield" in each or "points are" in each]
+    assert len(limits) == 1
+    _, messages = warned(lambda: REPORTS[name](SLOW))
+    assert messages == []
+
+
+@pytest.mark.parametrize("chain", [row(), walled(), row(loss=hc.Viscoelastic(1e-7))])
+def test_overlaps_of_gradients_are_those_of_the_run(chain):
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", hc.ModelRangeWarning)
+        run = hc.simulate(chain, until=3e-3)
+        reader, *_ = _recorded(chain, ["final.velocity@1"], to="radii", until=3e-3)
+    found = reader.record.largest_overlaps()
+    # Overlaps between the stages of steps are larger by less than this.
+    assert np.allclose(found, run.largest_overlaps, rtol=2e-3, atol=0.0)
+    assert (found[-1] > 0.0) == (chain.right_wall is not None)
+
+
+def test_distributions_count_chains_outside_the_range():
+    # The chain without deviations is just inside the range; about half of the others are not.
+    speed = 0.5
+    for _ in range(40):
+        if not warned(lambda v=speed: hc.propagate(row(v)))[1]:
+            break
+        speed *= 0.9
+    low, high = speed, speed / 0.9
+    for _ in range(20):
+        middle = 0.5 * (low + high)
+        inside = not warned(lambda v=middle: hc.propagate(row(v)))[1]
+        low, high = (middle, high) if inside else (low, middle)
+    found, messages = warned(lambda: hc.distribution(
+        row(low), "velocity@12", hc.Scatter(radius=0.01, samples=40)
+    ))  # fmt: skip
+    chains = hc.Scatter(radius=0.01, samples=40).sample(row(low), 1)
+    expected = sum(bool(warned(lambda c=chain: hc.propagate(c))[1]) for chain in chains)
+    assert 0 < expected < 40
+    assert found.outside_range == pytest.approx(expected, abs=1)
+    assert f"{found.outside_range} chains outside Hertz's range" in " ".join(repr(found).split())
+    (message,) = messages
+    assert message.startswith(f"{found.outside_range} of 40 random chains exceed the limits")
+    assert "in random chain" in message
+
+
+@pytest.mark.filterwarnings("default::hertzchain.ModelRangeWarning")
+@pytest.mark.parametrize("command", [["scatter", "--relative", "1%", "--chains", "5"],
+                                     ["sensitivity"]])  # fmt: skip
+def test_commands_report_the_range_once(command, run):
+    code, _, err = run(*command, *WALLED, "--speed", "0.5 m/s")
+    assert code == 0
+    assert err.count("pressure / yield is 2.63 at contact 1") == 1
+    _, _, err = run(*command, *WALLED, "--speed", "5 mm/s")
+    assert "Warning" not in err
+
+
+@pytest.mark.filterwarnings("default::hertzchain.ModelRangeWarning")
+def test_the_document_of_scatter_counts_chains_outside_the_range(run):
+    options = ["scatter", "--relative", "1%", "--chains", "5", "--json", "--speed", "0.5 m/s"]
+    _, out, _ = run(*options, *WALLED)
+    assert json.loads(out)["outside_range"] == 5
+
+
+def test_tables_of_runs_state_the_number_of_chains_outside_the_range():
+    words = "1 of 2 chains outside Hertz's range (reflections not checked)"
+    table = hc.simulate_many([walled(FAST), walled(SLOW)])
+    assert words in " ".join(repr(table).split())
+    assert table.exceeded_limits(0)[0].startswith("pressure / yield is 2.63 at contact 1")
+    assert table.exceeded_limits(1) == ()
+    whole = hc.simulate_many([walled(FAST)], keep=["velocity", "largest_overlap"])
+    assert "1 of 1 chains outside Hertz's range;" in " ".join(repr(whole).split())
+    assert "range" not in repr(hc.simulate_many([hc.Chain.uniform(5)]))
+
+
+def test_designs_state_that_the_range_is_exceeded():
+    problem = hc.Design(
+        walled(), minimise="wall_force.peak", vary=[hc.vary.radii(4e-3, 6e-3, by="common")]
+    )
+    assert "outside Hertz's range" in " ".join(repr(hc.design(problem, budget=20)).split())

@@ -1,0 +1,138 @@
+"""Comparison of runs with traces; the data are from SciPy."""
+
+import re
+import warnings
+
+import numpy as np
+import pytest
+from scipy_row import BEFORE, FACTOR, LOSS_TIME, RADIUS, SPACING, VELOCITY, chain, forces
+
+import hertzchain as hc
+
+pytestmark = pytest.mark.filterwarnings("ignore::hertzchain.errors.ModelRangeWarning")
+NOISE = 0.05
+END = BEFORE * SPACING
+
+
+def traces(names=("ball 5", "wall"), time=1.0, factor=1.0, unit="N"):
+    """Data of SciPy with noise; times and forces may be multiplied."""
+    rng, found = np.random.default_rng(7), {}
+    for name in names:
+        seen = np.concatenate((np.zeros(BEFORE), forces()[name]))
+        found[f"{name} [{unit}]"] = factor * (seen + NOISE * rng.standard_normal(len(seen)))
+    return hc.Traces.from_arrays(time * SPACING * np.arange(len(seen)), found)
+
+
+def simulated(until=None, **fields):
+    return hc.simulate(chain(**fields), until=until, times=3000)
+
+
+def true_chain():
+    """The chain of the data."""
+    row = hc.Chain.from_materials(RADIUS, "steel-52100", beads=15).struck_by(velocity=VELOCITY)
+    row = row.replace(right_wall=hc.Wall.of("steel-304"), loss=hc.Viscoelastic(LOSS_TIME))
+    wall = hc.Wall(FACTOR * row.wall_stiffness[1])
+    return row.replace(stiffness=FACTOR * row.stiffness, right_wall=wall)
+
+
+def test_peaks_and_arrivals_of_the_true_chain_agree_with_the_data():
+    data = traces()
+    compared = hc.simulate(true_chain(), until=7e-4, times=6000).compare(data, time_offset=END)
+    for sensor in compared.sensors:
+        force = forces()[sensor.name]
+        first = int(np.argmax(force > 0.5 * force.max()))
+        arrival = END + SPACING * np.interp(
+            0.5 * force.max(), force[first - 1 : first + 1], [first - 1, first]
+        )
+        # The data have noise, the run only errors of interpolation.
+        assert sensor.simulated_peak == pytest.approx(force.max(), rel=1e-3)
+        assert sensor.measured_peak == pytest.approx(force.max(), abs=4 * NOISE)
+        assert sensor.simulated_arrival == pytest.approx(arrival, abs=2e-9)
+        assert sensor.delay == pytest.approx(0.0, abs=0.2 * SPACING)
+        assert sensor.residual == pytest.approx(NOISE / force.max(), rel=0.1)
+    assert compared.covered == 1.0
+    assert compared.notes == ()
+
+
+def test_the_summary_states_peaks_arrivals_and_the_compared_interval():
+    data = traces()
+    compared = simulated(7e-4).compare(data)
+    lines = compared.summary().splitlines()
+    last = 1e6 * data.shots[0].times[-1]
+    assert lines[0].startswith(f"data from 0 s to {last:.4g} us, 100% of the record; time")
+    assert "by cross-correlation" in lines[0]
+    row = next(line for line in lines if line.startswith("  wall"))
+    sensor = compared.sensors[1]
+    assert row.split()[1:4] == [f"{sensor.measured_peak:.4g}", "N", f"{sensor.simulated_peak:.4g}"]
+    assert f"{sensor.simulated_peak / sensor.measured_peak - 1:+.1%}" in row
+    assert f"{1e6 * (sensor.simulated_arrival - sensor.measured_arrival):+.2f} us" in row
+    assert str(compared) == compared.summary()
+
+
+@pytest.mark.parametrize("until", [2e-4, 1e-4])
+def test_runs_that_end_before_the_pulse_arrives_are_rejected(until):
+    with pytest.raises(hc.InputError, match=r"does not arrive at wall.*simulate for longer"):
+        simulated(until).compare(traces(["wall"]))
+
+
+def test_runs_that_end_before_the_measured_pulse_are_rejected():
+    with pytest.raises(hc.InputError, match="the largest signal of wall is at"):
+        simulated(5e-4).compare(traces(["wall"]), time_offset=-3e-4)
+
+
+@pytest.mark.parametrize(("offset", "words"), [(1.0, "begins after the last sample"),
+                                              (7e-4, "pulse arrives after the last")])  # fmt: skip
+def test_runs_that_begin_too_late_are_rejected(offset, words):
+    with pytest.raises(hc.InputError, match=words):
+        simulated(7e-4).compare(traces(["wall"]), time_offset=offset)
+
+
+@pytest.mark.parametrize("factor", [1e3, 1e-3, 1e6])
+def test_times_in_another_unit_are_rejected(factor):
+    with pytest.raises(hc.InputError, match="check the unit of the times"):
+        simulated(7e-4).compare(traces(["wall"], time=factor))
+
+
+@pytest.mark.parametrize("factor", [1e3, 1e-3])
+def test_peaks_in_another_unit_are_noted(factor):
+    with pytest.warns(hc.InputWarning, match="check the unit in the header"):
+        compared = simulated(7e-4).compare(traces(["wall"], factor=factor))
+    assert "check the unit in the header" in compared.summary()
+    # The residual is relative to the measured peak, which is 1000 times larger or smaller.
+    rest = compared.sensors[0].residual
+    assert 0.01 < rest < 0.5 if factor > 1.0 else 10.0 < rest < 500.0
+
+
+def test_opposite_signs_are_noted():
+    with pytest.warns(hc.InputWarning, match="check the polarity"):
+        simulated(7e-4).compare(traces(["wall"], factor=-1.0), time_offset=END)
+
+
+def test_a_run_that_ends_before_the_record_says_so():
+    data = traces(["wall"])
+    record = data.shots[0].times[-1]
+    with warnings.catch_warnings():
+        warnings.simplefilter("error", hc.InputWarning)
+        compared = simulated(4.5e-4).compare(data)
+    assert compared.interval[1] == pytest.approx(compared.time_offset + 4.5e-4, abs=SPACING)
+    assert compared.covered == pytest.approx(compared.interval[1] / record)
+    (note,) = (each for each in compared.notes if "before the record" in each)
+    until = float(re.search(r"until='([0-9.]+) us'", note)[1]) * 1e-6
+    whole = simulated(1.001 * until).compare(data, time_offset=compared.time_offset)
+    assert whole.covered == 1.0
+    assert not whole.notes
+
+
+def test_incomplete_peaks_are_noted():
+    arrival = simulated(7e-4).compare(traces(["wall"])).sensors[0].simulated_arrival
+    compared = simulated(arrival - END).compare(traces(["wall"]))
+    assert any("peak of wall is not complete" in each for each in compared.notes)
+
+
+def test_data_without_a_pulse_are_noted():
+    rng = np.random.default_rng(1)
+    noise = NOISE * rng.standard_normal(1000)
+    data = hc.Traces.from_arrays(0.7e-6 * np.arange(1000), {"wall [N]": noise}, noise=NOISE)
+    with pytest.warns(hc.InputWarning, match="check its gain and unit"):
+        compared = simulated(7e-4).compare(data)
+    assert "no pulse above their noise" in compared.summary()

@@ -123,7 +123,8 @@ def test_the_materials_of_a_chain_have_two_names(name):
     ):
         assert [each.name for each in chain.materials] == [STEEL, "ptfe"]
     found = hc.sweep({
-        "chain": {"radii": 5e-3, "beads": 5, **one}, "axes": {name: [STEEL, "ptfe"]},
+        "chain": {"radii": 5e-3, "beads": 5, "velocity": 1e-3, **one},
+        "axes": {name: [STEEL, "ptfe"]},
         "sweep": {"at": "last", "keep": "arrival"},
     })  # fmt: skip
     assert found.arrival.dims[0] == "materials"

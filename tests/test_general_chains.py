@@ -12,7 +12,7 @@ from scipy_chain import trajectory
 import hertzchain as hc
 from hertzchain.chain.equilibrium import equilibrium
 from hertzchain.simulation.kernel_input import drive_pieces, kernel_chain, steps_are_implicit
-from hertzchain.simulation.trajectory import _largest_between
+from hertzchain.simulation.largest_overlaps import largest_between
 
 LAWS = [
     None,
@@ -423,7 +423,7 @@ def test_largest_overlaps_exist_at_the_foot_of_a_pulse():
     times = np.array([0.0, 5e-8])
     overlaps = np.array([[0.0, 1e-6, 5e-324, 0.0], [0.0, 1.2e-6, 5e-324, 0.0]])
     velocities = np.array([[0.0, 1.43089e-317, 0.0], [0.0, -4.085854e-318, 0.0]])
-    found = _largest_between(times, overlaps, velocities)
+    found = largest_between(times, overlaps, velocities)
     np.testing.assert_allclose(found, overlaps[1], rtol=1e-12, atol=1e-300)
 
 

@@ -7,6 +7,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..collision import Array
 from ..errors import InputError, InputWarning, warn_user
@@ -174,6 +175,35 @@ def compare_traces(
     run: Run, traces: Traces, *, time_offset: float | None = None
 ) -> TraceComparison:
     """Compare a run with measured traces of one shot; `hertzchain.Run.compare` documents it."""
+    _require_comparable(run, traces)
+    traces = resolved_coupling(traces, [run.chain])
+    shot = traces.shots[0]
+    grid = np.linspace(run.times[0], run.times[-1], len(run.times))
+    columns = [np.interp(grid, run.times, _signal_of(run, signal)) for signal in shot.signals]
+    check_arrivals(run, shot, columns, grid)
+    spacing = float(grid[1] - grid[0])
+    given = time_offset is not None
+    if time_offset is not None:
+        time_offset = number("time_offset", time_offset, unit="s")
+    else:
+        time_offset = _best_offset(shot, columns, spacing)
+    moments = shot.times - time_offset - run.times[0]
+    inside = _inside(moments, float(grid[-1] - grid[0]), time_offset)
+    check_contained(shot, inside)
+    signals = tuple(_at(moments, inside, column, spacing, time_offset) for column in columns)
+    found = TraceComparison(traces, signals, float(time_offset), given)
+    suspicious = unit_notes(found.sensors)
+    for note in suspicious:
+        warn_user(note, InputWarning)
+    notes = (
+        *suspicious,
+        *pulse_notes(run, shot, columns, inside, float(shot.times[-1]) - time_offset),
+        *coupling_notes(traces, [run.chain]),
+    )
+    return replace(found, notes=notes)
+
+
+def _require_comparable(run: Run, traces: Traces) -> None:
     check_type("traces", traces, Traces, "hc.load_traces returns them")
     if run.chain.scaled:
         raise InputError(
@@ -189,19 +219,11 @@ def compare_traces(
         raise InputError(
             f"there are {len(traces.shots)} shots; compare a run with one shot: Traces(shots[:1])"
         )
-    traces = resolved_coupling(traces, [run.chain])
-    shot = traces.shots[0]
-    grid = np.linspace(run.times[0], run.times[-1], len(run.times))
-    columns = [np.interp(grid, run.times, _signal_of(run, signal)) for signal in shot.signals]
-    check_arrivals(run, shot, columns, grid)
-    spacing = float(grid[1] - grid[0])
-    given = time_offset is not None
-    if time_offset is not None:
-        time_offset = number("time_offset", time_offset, unit="s")
-    else:
-        time_offset = _best_offset(shot, columns, spacing)
-    moments = shot.times - time_offset - run.times[0]
-    inside = moments <= grid[-1] - grid[0]
+
+
+def _inside(moments: Array, duration: float, time_offset: float) -> NDArray[np.bool_]:
+    """Mask of the samples up to the end of the run."""
+    inside = moments <= duration
     if not inside.any():
         raise InputError(
             f"with time_offset = {time_offset:g} s, the run ends before the first sample of the "
@@ -212,27 +234,21 @@ def compare_traces(
             f"with time_offset = {time_offset:g} s, the run begins after the last sample of the "
             "traces; give an earlier one"
         )
-    check_contained(shot, inside)
-    signals = []
-    for column in columns:
-        values = np.full(len(moments), np.nan)
-        values[inside] = sampled(column, spacing, moments[inside])
-        if np.ptp(values[inside]) == 0.0:
-            raise InputError(
-                f"with time_offset = {time_offset:g} s, the simulated pulse arrives after the last "
-                "sample of the traces; give an earlier one"
-            )
-        signals.append(values)
-    until = float(shot.times[-1]) - time_offset
-    found = TraceComparison(traces, tuple(signals), float(time_offset), given)
-    suspicious = unit_notes(found.sensors)
-    for note in suspicious:
-        warn_user(note, InputWarning)
-    notes = (
-        *suspicious, *pulse_notes(run, shot, columns, inside, until),
-        *coupling_notes(traces, [run.chain]),
-    )  # fmt: skip
-    return replace(found, notes=notes)
+    return inside
+
+
+def _at(
+    moments: Array, inside: NDArray[np.bool_], column: Array, spacing: float, time_offset: float
+) -> Array:
+    """A simulated signal at the times of the data; NaN beyond the end of the run."""
+    values = np.full(len(moments), np.nan)
+    values[inside] = sampled(column, spacing, moments[inside])
+    if np.ptp(values[inside]) == 0.0:
+        raise InputError(
+            f"with time_offset = {time_offset:g} s, the simulated pulse arrives after the last "
+            "sample of the traces; give an earlier one"
+        )
+    return values
 
 
 def _signal_of(run: Run, signal: Signal) -> Array:

@@ -1,11 +1,15 @@
 """Causes that a fit names if the model does not describe the data, which are from SciPy."""
 
+import re
+
 import numpy as np
 import pytest
-from scipy_row import BALLS, FREE, RADIUS, TRUTH, chain, traces
+from scipy.signal import lsim
+from scipy_row import BALLS, FREE, RADIUS, SPACING, TRUTH, chain, forces, traces
 
 import hertzchain as hc
-from hertzchain.fitting.diagnosis import NOTHING_EXPLAINS
+from hertzchain.fitting.diagnosis import NOTHING_EXPLAINS, _exponent
+from hertzchain.fitting.fit import fitted as solved
 
 DESCRIBES = "and the model describes the data"
 A, B, WALL = "ball 5 [N]", "ball 10 [N]", "wall [N]"
@@ -140,6 +144,60 @@ def test_a_wrong_number_of_balls_is_named(change, words):
     assert advice.startswith(f"with {words} ({BALLS}), chi2 falls from ")
     assert DESCRIBES in advice
     assert "check the number of balls" in advice
+
+
+def after_sensors(lag, rate):
+    """Signals of SciPy after the lag and the high-pass of sensors."""
+    times = SPACING * np.arange(len(forces()["wall"]))
+    found = {}
+    for name, force in forces().items():
+        force = lsim(([1.0], [lag, 1.0]), force, times)[1]
+        found[name] = lsim(([1.0, 0.0], [1.0, rate]), force, times)[1]
+    return found
+
+
+def test_the_advised_lag_is_that_of_another_fit():
+    data = traces(signals=after_sensors(2e-6, 0.0), noise=0.2)
+    result = hc.fit(data, chain(), free=FREE)
+    assert result.describes
+    (advice,) = result.advice
+    assert advice in result.summary()
+    value, error = map(float, re.findall(r"with lag = (\S+) \+- (\S+) us", advice)[0])
+    assert abs(value - 2.0) < 3.0 * error < 0.6
+    again = hc.fit(data, chain(), free=[*FREE, "lag"])
+    assert dict(again.rows())["lag"] == f"{value:g} +- {error:g} us"
+    # The shift is that between both fits, too.
+    shift = abs(again.values["loss.time"] - result.values["loss.time"]) / result.errors["loss.time"]
+    assert f"loss.time moves by {shift:.1f} sigma" in advice
+
+
+def test_sensors_with_several_effects_are_not_described():
+    def drifting(columns):
+        part = np.linspace(0.0, 1.0, len(columns[WALL]))
+        drift = 0.5 * part + 0.15 * np.sin(2.0 * np.pi * 1.1 * part)
+        return {name: values + drift for name, values in columns.items()}
+
+    data = traces(1, signals=after_sensors(2e-6, 333.0), noise=0.13, before=170, change=drifting)
+    result = hc.fit(data, chain(), free=FREE)
+    # The residuals are slow, and so is the noise before the pulse, which contains the drift.
+    assert result.goodness.effective_samples < 100.0
+    assert result.goodness.correlation == 0.0
+    # With the independent residuals alone, the error of chi-squared would be 40%.
+    assert result.goodness.excess > 10.0
+    assert not result.describes
+    assert not result.goodness.undecided
+    assert "the model does not describe the data" in result.verdict
+    assert not any("with exponent" in each for each in result.advice)
+
+
+def test_a_parameter_near_its_fixed_value_is_not_a_cause():
+    good = hc.fit(traces(), chain(), free=FREE)
+    assert list(_exponent(good, {}, solved)) == []
+    # It can be fitted, with an error that contains the true value of 1.5.
+    free = hc.fit(traces(), chain(), free=[*FREE, "exponent"])
+    assert abs(free.values["exponent"] - 1.5) < 2.0 * free.errors["exponent"] < 0.01
+    (cause,) = _exponent(fitted(exponent=1.45), {}, solved)
+    assert "exponent = 1.4" in cause.what
 
 
 def test_a_good_fit_has_no_advice():

@@ -15,6 +15,7 @@ from hertzchain.fitting import least_squares
 from hertzchain.fitting.chain_parameters import with_motion, with_sizes
 from hertzchain.fitting.goodness import Goodness, correlation_length, goodness_of
 from hertzchain.fitting.jumps import next_to_jumps
+from hertzchain.fitting.loss_comparison import LossComparison, LossFit
 from hertzchain.fitting.model import make_model
 from hertzchain.fitting.names import parse_name
 from hertzchain.fitting.parameters import free_parameters
@@ -87,15 +88,44 @@ def test_chi_squared_scatters_as_stated_if_the_noise_is_estimated():
 
 
 def test_the_verdict_names_an_uncertain_noise(example):
-    good = Goodness(2266.9, 1990, 1990.0, 0, 1977, 1.5, 0.2, noise_error=0.091)
+    # (0.091^2 + 2/1977)^(1/2) = 0.096, from the noise and from the scatter of chi-squared.
+    good = Goodness(2266.9, 1990, 1990.0, 0, 1977, 0.096, 0.2, noise_error=0.091)
     verdict = dataclasses.replace(example, goodness=good).verdict
     assert "within the uncertainty of their noise" in verdict
-    assert "an error of 9%" in verdict
+    assert "1.147 +- 0.096 times the expectation" in verdict
     # (2266.9/1977)^(1/2), as for any fit whose residuals measure the noise.
     assert verdict.endswith("multiply all errors by 1.07")
-    given = dataclasses.replace(good, noise_error=0.0, excess=4.6)
+    given = dataclasses.replace(good, noise_error=0.0, uncertainty=0.0318)
+    assert given.excess == pytest.approx(4.6, abs=0.02)
     assert not given.describes
+    assert not given.undecided
     assert not given.noise_uncertain
+
+
+@pytest.mark.parametrize(
+    ("uncertainty", "words"),
+    [
+        (0.11, "15 standard deviations more than expected: the model does not describe the data"),
+        (0.25, "7 standard deviations more than expected: the model does not describe the data"),
+        (0.35, "cannot be decided, because chi2 is known to +-35% only"),
+        (0.60, "cannot be decided, because chi2 is known to +-60% only"),
+    ],
+)
+def test_a_large_chi_squared_never_counts_as_a_description(example, uncertainty, words):
+    good = Goodness(5665.3, 2160, 16.0, 0, 2156, uncertainty, 0.2, noise_error=0.1)
+    assert not good.describes
+    result = dataclasses.replace(example, goodness=good)
+    assert words in result.verdict
+    assert "2.63 +- " in result.verdict
+    # The residuals of an undecided fit may be used with the factor (5665.3/2156)^(1/2).
+    assert ("multiply all errors by 1.62" in result.verdict) == good.undecided
+    assert ("have no meaning" in result.verdict) == (not good.undecided)
+
+
+def test_laws_are_not_compared_if_the_noise_is_too_uncertain(example):
+    good = Goodness(5665.3, 2160, 16.0, 0, 2156, 0.6, 0.2, noise_error=0.6)
+    laws = LossComparison((LossFit("viscoelastic", dataclasses.replace(example, goodness=good)),))
+    assert "the noise is too uncertain to decide whether it describes" in laws.statement
 
 
 def test_two_shots_share_their_material():
@@ -348,11 +378,11 @@ def test_gap_as_large_as_the_overlaps_is_found_among_all_contacts():
     assert abs(found.values["stiffness"] - 1.0) < 3.0 * found.errors["stiffness"]
     assert found.describes
     # A gap at the wrong contact lowers chi-squared so much that the noise, of which 40 samples are
-    # known, could explain the rest; but the residuals are correlated and the noise is not.
+    # known, could almost explain the rest; but the residuals are correlated and the noise is not.
     only = np.array(scan.names) == "gap[7-8]"
     wrong = dataclasses.replace(scan, improvements=only.astype(float)).fit(candidates=1)
     assert "gap[7-8]" in wrong.names
-    assert wrong.goodness.excess < 4.0 < wrong.goodness.correlation
+    assert 3.0 < wrong.goodness.excess < 5.0 < wrong.goodness.correlation
     assert not wrong.describes
     assert "successive residuals are correlated" in wrong.verdict
 

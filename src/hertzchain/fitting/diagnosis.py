@@ -32,6 +32,8 @@ Refit = Callable[[Problem, Mapping[str, float], int], FitResult]
 # Part of the excess of chi-squared that a cause must remove, and the part that it must remove in
 # the linearised fit to be tried.
 MOST, PROMISING = 0.75, 0.4
+# A parameter that is nearer to its fixed value, in standard deviations, is not a cause.
+CLEAR: Final = 2.0
 # Largest number of effects that are tried.
 MAX_TRIED: Final = 4
 # Law that is tried if the chain has no loss.
@@ -61,9 +63,9 @@ class Cause:
 
 
 def diagnosed(result: FitResult, start: Mapping[str, float], refit: Refit) -> FitResult:
-    """A result with advice if the model does not describe the data."""
-    if result.describes:
-        return result
+    """A result with advice if the model does not describe the data, or if they show an effect."""
+    if result.describes or result.goodness.undecided:
+        return _with_effect(result, refit)
     causes = [*_columns(result, start, refit), *_effects(result, refit)]
     for further in (_losses, _exponent, _beads):
         if not any(cause.result.describes for cause in causes):
@@ -78,6 +80,22 @@ def diagnosed(result: FitResult, start: Mapping[str, float], refit: Refit) -> Fi
     if "offset" in best.what:
         levels = ()
     return replace(result, advice=(_sentence(result, best), *levels))
+
+
+def _with_effect(result: FitResult, refit: Refit) -> FitResult:
+    """A result with the value of the clearest effect of the sensors, from another fit."""
+    clearest = max(result.effects, key=lambda each: each.improvement, default=None)
+    if clearest is None or not clearest.present:
+        return result
+    cause = _tried(result, (Name(clearest.name),), refit)
+    if cause is None or not cause.result.converged:
+        return result
+    text = f"with {cause.what}, chi2 falls from {result.chi2:.0f} to {cause.result.chi2:.0f}"
+    moved = clearest.moved
+    shift, error = abs(cause.result.values[moved] - result.values[moved]), result.errors[moved]
+    if 0.0 < error < np.inf:
+        text += f", and {moved} moves by {shift / error:.1f} sigma"
+    return replace(result, advice=(f"{text}: {cause.advice}",))
 
 
 def _removed(result: FitResult, other: FitResult) -> float:
@@ -171,7 +189,8 @@ def _losses(result: FitResult, _: Mapping[str, float], refit: Refit) -> Iterator
     law = typical_law(LOSS, model.chains[0])
     chains = tuple(with_law(chain, law) for chain in model.chains)
     name = Name("loss.time")
-    cause = _tried(result, (name,), refit, replace(model, chains=chains, _sampled={}))
+    lossy = replace(model, chains=chains, _sampled={})
+    cause = _tried(result, (name,), refit, lossy, neutral=0.0)
     if cause is not None:
         yield replace(cause, what=f"a {LOSS} loss, {cause.what}", advice=(
             f"add a loss to the chain, such as loss = {{law = '{LOSS}', time = "
@@ -217,30 +236,41 @@ def _exponent(result: FitResult, _: Mapping[str, float], refit: Refit) -> Iterat
 
 
 def _tried(
-    result: FitResult, names: Sequence[Name], refit: Refit, model: Model | None = None
-) -> Cause | None:
-    """The fit with further parameters, by default of the same chains; none if it fails."""
+    result: FitResult, names: Sequence[Name], refit: Refit, model: Model | None = None,
+    neutral: float | None = None,
+) -> Cause | None:  # fmt: skip
+    """The fit with further parameters, by default of the same chains.
+
+    None if it fails, or if no parameter differs clearly from the value without the cause, which is
+    by default that of the model.
+    """
     model, values = model or result.model, result.values
     parameters = [replace(each, start=values[str(each)]) for each in model.parameters]
+    fixed = {}
     for name in names:
-        kind, neutral = kind_and_value(name, model.traces, model.chains)
-        parameters.append(Parameter(name, kind, neutral))
+        kind, value = kind_and_value(name, model.traces, model.chains)
+        parameters.append(Parameter(name, kind, value))
+        fixed[str(name)] = value if neutral is None else neutral
     try:
         found = refit(Problem(replace(model, parameters=tuple(parameters))), values, 1)
     except SimulationError:
         return None
+    if not _beyond(CLEAR, fixed, found):
+        return None
     rows = dict(found.rows())
-    clear = [
-        name for name in map(str, names)
-        if len(names) == 1 or _far(name, found.values[name], found.errors[name])
-    ] or [str(name) for name in names]  # fmt: skip
+    clear = list(fixed)
+    if len(names) > 1:
+        clear = _beyond(CERTAIN, fixed, found) or clear
     shown = ", ".join(f"{name} = {rows[name]}" for name in clear)
     add = f"{names[0].key}[*]" if len(names) > 1 else str(names[0])
     return Cause(shown, f"add {add!r} to the free parameters", found, len(names))
 
 
-def _far(name: str, value: float, error: float) -> bool:
-    return abs(value - (1.0 if name.startswith("gain") else 0.0)) > CERTAIN * error
+def _beyond(times: float, fixed: Mapping[str, float], found: FitResult) -> list[str]:
+    """Parameters that differ by more than some standard errors from their fixed values."""
+    values, errors = found.values, found.errors
+    return [name for name, value in fixed.items()
+            if abs(values[name] - value) > times * errors[name]]  # fmt: skip
 
 
 def _levels(result: FitResult) -> tuple[str, ...]:

@@ -13,8 +13,12 @@ from .traces import Signal, Traces
 
 # Correlations are summed up to this lag, and while they are significant.
 MAX_LAG: Final = 200
-# The model describes the data if chi-squared exceeds its expectation by fewer standard deviations.
-MAX_EXCESS: Final = 4.0
+# The model describes the data if chi-squared exceeds its expectation by fewer standard deviations,
+# and if the correlation of successive residuals is smaller, in standard deviations.
+MAX_EXCESS, MAX_CORRELATION = 3.0, 4.0
+# A chi-squared that is larger than its expectation by this factor does not support the model,
+# even if the noise is so uncertain that it does not exclude it either.
+FAR: Final = 1.5
 # Standard deviations from which a chi-squared is unlikely if the noise is known.
 UNLIKELY: Final = 3.0
 
@@ -33,9 +37,9 @@ class Goodness:
         Number of valid samples that are not used, because they are next to a jump of the force.
     freedom : int
         Samples minus free parameters.
-    excess : float
-        Deviation of chi-squared from its expectation, in standard deviations, including the
-        uncertainty of a noise that was estimated from a few samples.
+    uncertainty : float
+        Standard deviation of `ratio`: chi-squared scatters, and the noise may have been estimated
+        from a few samples.
     correlation : float
         Correlation of successive residuals, in standard deviations, of the signals whose noise is
         not correlated before the pulse begins.  A model that misses something leaves residuals that
@@ -50,25 +54,47 @@ class Goodness:
     effective_samples: float
     skipped: int
     freedom: int
-    excess: float
+    uncertainty: float
     correlation: float
     noise_error: float = 0.0
 
     @property
+    def ratio(self) -> float:
+        """Chi-squared over its expectation."""
+        return self.chi2 / max(self.freedom, 1)
+
+    @property
+    def excess(self) -> float:
+        """Deviation of chi-squared from its expectation, in standard deviations."""
+        return (self.ratio - 1.0) / self.uncertainty
+
+    @property
     def describes(self) -> bool:
         """Whether the residuals are consistent with the noise."""
-        return max(self.excess, self.correlation) < MAX_EXCESS
+        return self.excess < MAX_EXCESS and self.ratio <= FAR and self._random
+
+    @property
+    def undecided(self) -> bool:
+        """Whether the noise is too uncertain to accept or to reject the model."""
+        # The logarithm of a ratio of two estimated variances is nearly normally distributed
+        # (Fisher's z); the ratio itself is not, if one of them has few independent samples.
+        possible = self.ratio < np.exp(MAX_EXCESS * self.uncertainty)
+        return bool(possible) and self._random and not self.describes
+
+    @property
+    def _random(self) -> bool:
+        return self.correlation < MAX_CORRELATION
 
     @property
     def scale(self) -> float:
         """Factor sqrt(chi2/freedom) of all errors if the residuals measure the noise."""
-        return float((self.chi2 / max(self.freedom, 1)) ** 0.5)
+        return float(self.ratio**0.5)
 
     @property
     def noise_uncertain(self) -> bool:
         """Whether only the uncertainty of the noise makes the residuals consistent with it."""
         known = 2.0 / max(self.effective_samples - (self.samples - self.freedom), 1.0)
-        far = abs(self.chi2 / max(self.freedom, 1) - 1.0) > UNLIKELY * known**0.5
+        far = abs(self.ratio - 1.0) > UNLIKELY * known**0.5
         return self.describes and self.noise_error > 0.0 and bool(far)
 
     @property
@@ -77,10 +103,14 @@ class Goodness:
         if not self.noise_uncertain:
             return ""
         return (
-            " within the uncertainty of their noise, whose estimate from the samples before the "
-            f"pulse gives chi2 an error of {self.noise_error:.0%}; if the noise is that of the "
-            f"residuals, multiply all errors by {self.scale:.2f}"
+            " within the uncertainty of their noise, which is estimated from the samples before "
+            f"the pulse; {self.if_measured}"
         )
+
+    @property
+    def if_measured(self) -> str:
+        """Advice on the errors, for the case that the residuals measure the noise."""
+        return f"if the noise is that of the residuals, multiply all errors by {self.scale:.2f}"
 
     @property
     def inflation(self) -> float:
@@ -105,10 +135,10 @@ def goodness_of(traces: Traces, residuals: Array, used: Array, parameters: int) 
         (len(part) / count) ** 2 * 2.0 / independent_samples(_quiet(signal))
         for part, signal in parts if signal.quiet and not signal.coarse
     )  # fmt: skip
-    variance = 2.0 / max(effective - parameters, 1.0) + noise
-    excess = (chi2 / max(freedom, 1) - 1.0) / variance**0.5
+    independent = sum(_independent_noise(part, signal) for part, signal in parts)
+    variance = 2.0 / max(independent - parameters, 1.0) + noise
     return Goodness(
-        chi2, count, float(effective), int(np.sum(~used)), freedom, float(excess),
+        chi2, count, float(effective), int(np.sum(~used)), freedom, float(variance**0.5),
         _correlation(traces, [part for part, _ in parts]), float(noise**0.5),
     )  # fmt: skip
 
@@ -120,6 +150,19 @@ def _independent(residuals: Array, signal: Signal) -> float:
         return found
     values = signal.values[signal.valid]
     return min(found, 1.0 + np.count_nonzero(np.diff(values)))
+
+
+def _independent_noise(residuals: Array, signal: Signal) -> float:
+    """Number of independent samples of the noise among the residuals.
+
+    An incomplete model has slow residuals, and their own number is then too small: used alone, it
+    would excuse them.
+    """
+    found = _independent(residuals, signal)
+    if signal.coarse or not signal.quiet:
+        return found
+    quiet = _quiet(signal)
+    return max(found, len(residuals) * independent_samples(quiet) / len(quiet))
 
 
 def _quiet(signal: Signal) -> Array:

@@ -116,6 +116,11 @@ class LossComparison:
     def statement(self) -> str:
         """Sentence on the laws between which the data can and cannot decide."""
         first = self.fits[0]
+        if self.best.goodness.undecided:
+            return (
+                f"{first.law} comes closest, but the noise is too uncertain to decide whether it "
+                "describes the data; give the noise, or record more samples before the pulse"
+            )
         if not self.best.describes:
             return (
                 f"none of the laws describes the data; {first.law} comes closest; check the "
@@ -188,7 +193,7 @@ def compare_losses(
     .. math:: \mathrm{BIC} = \chi^2 + k \ln n
 
     with the number k of parameters and the effective number n of samples
-    (`FitResult.bic`).  Differences above 10 decide.
+    (`FitResult.bic`).  If the best law describes the data, differences above 10 decide.
 
     Parameters
     ----------

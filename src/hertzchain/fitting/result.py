@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -63,7 +64,8 @@ class FitResult:
         Number of simulations and of starts.
     advice : tuple of str
         If the model does not describe the data: a cause that explains the residuals, which another
-        fit has confirmed, or what to consider.
+        fit has confirmed, or what to consider.  If it does, an effect of the sensors that the data
+        show, with its value in another fit.
     """
 
     names: tuple[str, ...]
@@ -271,14 +273,22 @@ class FitResult:
     def verdict(self) -> str:
         """Whether the model describes the data, in a sentence."""
         good = self.goodness
+        digits = max(1 - math.floor(math.log10(good.uncertainty)), 0)
         text = (
             f"chi2 {good.chi2:.1f} for {good.freedom} degrees of freedom "
-            f"({good.effective_samples:.0f} independent samples)"
+            f"({good.effective_samples:.0f} independent samples), "
+            f"{good.ratio:.{digits}f} +- {good.uncertainty:.{digits}f} times the expectation"
         )
         if not self.converged:
             return f"{text}: the fit did not converge: {self.reason}{NO_ERRORS}"
         if self.describes:
             return f"{text}: the model describes the data{good.reservation}"
+        if good.undecided:
+            return (
+                f"{text}: whether the model describes the data cannot be decided, because chi2 is "
+                f"known to +-{good.uncertainty:.0%} only; give the noise, or record more samples "
+                f"before the pulse; {good.if_measured}"
+            )
         if good.excess < good.correlation:
             reason = (
                 f"; successive residuals are correlated ({good.correlation:.0f} standard "
@@ -291,13 +301,13 @@ class FitResult:
     @property
     def warnings(self) -> tuple[str, ...]:
         """Weak directions, effects of sensors or other causes, and notes, one sentence each."""
-        if not self.describes:
+        if not self.describes and not self.goodness.undecided:
             return (*self.advice, *(str(each) for each in self.weak), *self.notes)
         effects = sorted(self.effects, key=lambda each: (-each.present, -each.improvement))
         found = [each.note for each in effects if each.note]
         # Effects can be mistaken for each other, so only the strongest is reported.
         if effects and effects[0].present:
-            found = found[:1]
+            found = list(self.advice) or found[:1]
         return (*(str(each) for each in self.weak), *found, *self.notes)
 
     def to_dataset(self) -> xr.Dataset:

@@ -65,9 +65,8 @@ class Effect:
         value, error = factor * self.value, factor * self.error
         if self.present:
             return (
-                f"the residuals show a {self.name} of {value:.2g} +- {error:.1g} {unit}, which "
-                f"moves {self.moved} by {self.shift:.1f} sigma: add {self.name!r} to the free "
-                "parameters"
+                f"the residuals show a {self.name}, which moves {self.moved}: add {self.name!r} to "
+                "the free parameters"
             )
         if self.shift < MOVES:
             return ""

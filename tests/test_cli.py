@@ -466,10 +466,11 @@ def test_simulate_prints_what_walls_and_sensors_felt(run, tmp_path):
     assert (code, err) == (0, "")
     felt = hertzchain.simulate(hertzchain.load_chain(file), until=3e-4, times=101)
     wall, sensor = felt.wall_force(), felt.sensor_force(3)
-    assert f"right wall: peak {wall.peak:.5g} N at t = {1e6 * wall.peak_time:.5g} us\n" in out
+    peak = f"right wall: peak {wall.peak:.5g} N at t = {1e6 * wall.peak_time:.5g} us"
+    assert f"{peak}, no later force can exceed it\n" in out
     assert f"  impulse {1e3 * wall.impulse_of_impact:.4g} mN s in the impact (1 contact)\n" in out
     lasts = 1e6 * wall.impulse_of_impact / wall.peak
-    assert f"  duration {lasts:.4g} us (impulse in the impact / peak)\n" in out
+    assert f"  impulse in the impact / peak = {lasts:.4g} us\n" in out
     first, time = sensor.first_maximum, sensor.first_maximum_time
     told = f"sensor in bead 3: first maximum {first:.5g} N at t = {1e6 * time:.5g} us"
     assert sensor.largest_so_far_time == time
@@ -482,6 +483,21 @@ def test_simulate_prints_what_walls_and_sensors_felt(run, tmp_path):
     assert {"peak", "complete", "largest_so_far", "bound", "duration"} < document["walls"][0].keys()
     assert document["sensors"][0]["largest_so_far"] == felt.sensor_force(2).largest_so_far
     assert document["sensors"][0]["bead"] == 2
+
+
+@pytest.mark.filterwarnings("ignore::hertzchain.IncompleteWarning")
+def test_simulate_says_that_a_held_chain_may_hit_the_wall_harder_later(run, tmp_path):
+    file = tmp_path / "experiment.toml"
+    file.write_text(EXPERIMENT + "[chain.left_wall]\n")
+    code, out, _ = run("simulate", file)
+    assert code == 0
+    assert "the impact on the right wall has ended at t = " in out
+    assert "the beads can return to the wall, and a later impact may be stronger\n" in out
+    line = next(line for line in out.splitlines() if line.startswith("right wall: "))
+    assert line.startswith("right wall: peak so far ")
+    assert line.endswith(", a later impact may be stronger")
+    assert "is complete" not in out
+    assert "can exceed" not in out
 
 
 def test_simulate_says_what_a_wall_has_not_felt(run, tmp_path):

@@ -106,10 +106,12 @@ def _wall_lines(wall: WallForce) -> str:
         first = _impulse(wall.first_contact_impulse, wall.units)
         parts.insert(0, f"{first} in the first contact")
     parts += [whole] * (impulse != of_impact)
-    duration = measure(wall.duration, "s", wall.units)
+    ratio = measure(wall.duration, "s", wall.units)
+    so_far = "" if wall.proven else " so far"
     return (
-        f"{wall.side} wall: peak {largest}\n  impulse {', '.join(parts)}\n"
-        f"  duration {duration} (impulse in the impact / peak)"
+        f"{wall.side} wall: peak{so_far} {largest}, {wall._later}\n"
+        f"  impulse {', '.join(parts)}\n"
+        f"  impulse in the impact / peak = {ratio}"
     )
 
 

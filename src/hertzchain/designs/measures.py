@@ -52,7 +52,8 @@ OF_CHAIN: Final = {
 AT_BEAD: Final = (*PULSE, *SHARES, *LARGEST)
 WORDS: Final = {
     "wall_force.peak": "peak force on the wall", "wall_force.impulse": "impulse on the wall",
-    "wall_force.duration": "duration of the force on the wall", "largest_force": "largest force",
+    "wall_force.duration": "impulse / peak of the force on the wall",
+    "largest_force": "largest force",
     "yield_ratio": "pressure / pressure at first yield", "overlap_ratio": "overlap / radius",
     "length": "length of the chain", "mass": "mass of the chain", "beads": "number of beads",
 }  # fmt: skip

@@ -60,6 +60,7 @@ from .elastic_layout import (
     NOISE,
     NOTHING_MORE,
     PEAK,
+    PEAK_TIME,
     PEAKED,
     PEAKS,
     PULSE_LEFT,
@@ -106,6 +107,7 @@ from .elastic_walls import (
     held,
     note_at_end,
     nothing_can_happen,
+    restart,
     start_watch,
 )
 from .rkn8_step import GROWTH, SAFETY, SHRINKAGE, STAGES, impulse_of, take_step
@@ -176,6 +178,7 @@ def store(
         for row in range(gauges.shape[2]):
             readings[g, row] = gauges[lane, g, row]
     peak, can_escape = gauges[lane, 0, PEAK], numbers[CAN_ESCAPE] != 0.0
+    restart(lane, state, gauges[lane, 0, PEAK_TIME])
     note_at_end(w, beads, lane, chain, state, peak, gauges[lane, 0, IMPULSE])
     summary[END_TIME], summary[STATUS] = state[TIME, lane], status
     summary[TAKEN] = state[STEPS, lane]
@@ -265,6 +268,7 @@ def ending(w, beads, lane, chain, numbers, walled, state, gauges, records):
         return NOTHING_MORE if closed and by_itself else 0
     if time + state[STEP, lane] < state[DUE, lane] or state[DUE, lane] > numbers[UNTIL]:
         return 0
+    restart(lane, state, gauges[lane, 0, PEAK_TIME])
     check_wall(w, beads, lane, chain, state, gauges[lane, 0, PEAK], impulse)
     if not by_itself:
         return 0

@@ -143,6 +143,13 @@ def note(lane, state, impulse):
 
 
 @compiled
+def restart(lane, state, peak_time):
+    """Forget the end of an impact that a larger force has followed."""
+    if peak_time > state[SINCE, lane]:
+        state[SINCE, lane] = state[IMPACT_IMPULSE, lane] = 0.0
+
+
+@compiled
 def close(lane, state, impulse):
     """Record that nothing more can happen, so that the peak is complete."""
     state[WATCH_START, lane] = state[TIME, lane]

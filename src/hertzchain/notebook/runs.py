@@ -120,14 +120,16 @@ def wall_force_html(wall: WallForce) -> str:
         largest = engineering(wall.largest_so_far, "N", units)
         mark = Mark(
             slow * wall.largest_so_far_time, strong * wall.largest_so_far,
-            f"peak {largest}" if wall.complete else f"{largest} so far", open=not wall.complete,
+            f"peak {largest}" if wall.complete and wall.proven else f"{largest} so far",
+            open=not wall.complete,
         )  # fmt: skip
         marks = [mark] if wall.largest_so_far > 0.0 else []
         curve = Curve(slow * wall.times, strong * wall.force)
         parts.append(chart([curve], f"time{second}", f"force{newton}", marks=marks))
     complete = wall.complete
     found = {
-        "peak": engineering(wall.peak, "N", units) if complete else "not complete",
+        "peak so far" if complete and not wall.proven else "peak":
+        engineering(wall.peak, "N", units) if complete else "not complete",
         "peak time": engineering(wall.peak_time, "s", units) if complete else "",
         "impulse of the impact": engineering(wall.impulse_of_impact, "N s", units)
         if complete else "",
@@ -137,6 +139,8 @@ def wall_force_html(wall: WallForce) -> str:
     parts.append(numbers({name: value for name, value in found.items() if value}))
     if not complete:
         parts.append(note(f"The run ended too early: {wall.reason}."))
+    else:
+        parts.append(note(f"{wall._later[:1].upper()}{wall._later[1:]}."))
     return page("WallForce", f"{wall.side} wall", *parts)
 
 

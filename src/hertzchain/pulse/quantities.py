@@ -267,7 +267,7 @@ WALL_QUANTITIES: Final = _by_name(
         ),
         Quantity(
             "wall_duration", "", "impulse of the impact on the right wall over its largest force",
-            unit="s", scale="time", label="duration of the impact on the wall", per="wall",
+            unit="s", scale="time", label="impulse / peak of the impact on the wall", per="wall",
             attribute="duration",
         ),
     )

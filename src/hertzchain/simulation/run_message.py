@@ -10,6 +10,7 @@ from ..chain.chain import Chain
 from ..representation import measure
 from .run_end import Status
 from .time_scales import transit_times
+from .wall_bound import RIGHT, motion_can_escape
 from .wall_watch import MAX_TRANSITS
 
 FAILURES: Final = ("step limit", "step too small", "underflow")
@@ -38,7 +39,7 @@ def end_message(chain: Chain, status: Status, time: float, steps: int, passed: i
     so_far = f"the pulse had passed {passed} of {chain.beads} beads"
     return {
         "pulse left": f"the pulse left the chain {at}",
-        "wall force complete": f"the force on the right wall is complete {at}",
+        "wall force complete": _complete(chain, at),
         "transit limit": (
             f"stopped after {MAX_TRANSITS} transits of the pulse {at}; the force on the right "
             "wall is not complete"
@@ -54,6 +55,16 @@ def end_message(chain: Chain, status: Status, time: float, steps: int, passed: i
             f"the step size fell below the resolution of t {at}; {so_far}; use {milder}"
         ),
     }[status]
+
+
+def _complete(chain: Chain, at: str) -> str:
+    """Message of a run that ended with a complete peak on the right wall."""
+    if motion_can_escape(chain, RIGHT):
+        return f"the force on the right wall is complete {at}; no later force exceeds its peak"
+    return (
+        f"the impact on the right wall has ended {at}; the beads can return to the wall, and a "
+        "later impact may be stronger"
+    )
 
 
 def _milder(chain: Chain) -> str:

@@ -9,7 +9,6 @@ from typing import Final, Literal
 from ..chain.chain import Chain
 from ..collision import Array
 from ..representation import counted, measure, short
-from .time_scales import transit_times
 from .wall_bound import motion_can_escape
 
 Side = Literal["left", "right"]
@@ -20,12 +19,13 @@ SIDES: Final[tuple[Side, ...]] = ("left", "right")
 class WallForce:
     """The force on one wall.
 
-    The peak is complete if the force on the wall has fallen to 0.1% of it and no later force
-    exceeds it.  If the other end of the chain is free and no constant force pushes the beads
-    towards the wall, this is proven by the conservation of energy and momentum
-    (`hertzchain.simulation.wall_bound`).  Otherwise it is an estimate: the motion towards the wall
-    has not been able to exceed the peak for half a transit of the pulse.  Between two lossless
-    walls the pulse returns repeatedly, and the peak is that of its first passage.  In a
+    The peak is complete if the force on the wall has fallen to 0.1% of it and no stronger impact
+    is expected.  If the other end of the chain is free and no constant force pushes the beads
+    towards the wall, the conservation of energy and momentum proves that no later force exceeds
+    it (`hertzchain.simulation.wall_bound`).  Otherwise it is an estimate: the motion towards the
+    wall has not been able to exceed the peak for half a transit of the pulse, but the beads can
+    return, and a later impact may be stronger.  Between two walls the pulse returns repeatedly,
+    and the peak of a run without ``until`` is usually that of its first passage.  In a
     precompressed chain without losses, contacts do not open, waves may add up at any later time,
     and the peak usually remains incomplete: use ``largest_so_far``.
 
@@ -42,8 +42,8 @@ class WallForce:
     complete : bool
         Whether the peak is complete by the rule above.
     proven : bool
-        Whether `bound` holds at all later times; completeness is then proven, and otherwise an
-        estimate.
+        Whether `bound` holds at all later times.  If so, no later force exceeds a complete peak;
+        otherwise a later impact may be stronger.
     reason : str
         Why the peak is not complete; empty if it is complete.
     complete_since : float or None
@@ -96,9 +96,15 @@ class WallForce:
     def duration(self) -> float:
         """Impulse of the impact over its largest force [scaled, or s]; NaN if incomplete.
 
-        The contact lasts longer, by a factor of about 1.6 if the force is a half sine.
+        This is an effective duration.  A single contact lasts longer, by a factor of about 1.6 if
+        its force is a half sine; an impact of several contacts may have a much shorter peak.
         """
         return self.impulse_of_impact / self.peak if self.peak else math.nan
+
+    @property
+    def _later(self) -> str:
+        """Statement about forces after a complete peak."""
+        return "no later force can exceed it" if self.proven else "a later impact may be stronger"
 
     def __repr__(self) -> str:
         def at(force: float, time: float) -> str:
@@ -107,8 +113,8 @@ class WallForce:
         impulse = f"impulse {measure(self.impulse, 'N s', self.units)} of the whole run"
         touches = counted(self.touches, "contact") + " with the wall"
         if self.complete:
-            known = "complete" if self.proven else "complete by estimate"
-            peak = f"peak {at(self.peak, self.peak_time)}, {known}"
+            known = "" if self.proven else " so far"
+            peak = f"peak{known} {at(self.peak, self.peak_time)}, {self._later}"
             impact = f"{measure(self.impulse_of_impact, 'N s', self.units)} of the impact"
             return short("WallForce", f"{self.side} wall", peak, f"{impulse}, {impact}", touches)
         largest = f"largest so far {at(self.largest_so_far, self.largest_so_far_time)}"
@@ -143,8 +149,10 @@ def wall_force_of(
         float(walls[state_layout.WALL_PEAK_TIME, i]),
     )
     momentum, energy, bound, force = map(float, approaches[:, i])
-    proven, since = motion_can_escape(chain, i), float(completion[state_layout.SINCE, i])
-    reason = "" if done else _reason(chain, peak, bound, energy, force, proven, since > 0.0)
+    transit, since = map(float, completion[[state_layout.TRANSIT, state_layout.SINCE], i])
+    over = transit == 0.0 and float(completion[state_layout.WATCH_START, i]) > 0.0
+    proven = over or motion_can_escape(chain, i)
+    reason = "" if done else _reason(chain, peak, bound, energy, force, proven, since, transit)
     return WallForce(
         side=side,
         times=trace[0],
@@ -178,17 +186,27 @@ def walls_of(chain: Chain) -> dict[Side, int]:
 
 
 def _reason(
-    chain: Chain, peak: float, bound: float, energy: float, force: float, proven: bool, ended: bool
+    chain: Chain,
+    peak: float,
+    bound: float,
+    energy: float,
+    force: float,
+    proven: bool,
+    since: float,
+    transit: float,
 ) -> str:
     """Why the peak on a wall is not complete, in words."""
     if bound > peak:
         way = "can still reach" if proven else "moves towards"
         moving = f"an energy of {measure(energy, 'J', chain.units)} {way} the wall"
         return f"up to {measure(bound, 'N', chain.units)} may follow, because {moving}"
-    if not ended:
+    if not since:
         return f"the wall is still loaded with {measure(force, 'N', chain.units)}"
-    half_transit = measure(0.5 * float(transit_times(chain).sum()), "s", chain.units, digits=3)
-    return f"half a transit ({half_transit}) has not passed since the end of the impact"
+    half, start = (measure(t, "s", chain.units) for t in (0.5 * transit, since))
+    return (
+        "the motion towards the wall is known to be too weak to exceed it only since "
+        f"t = {start}, for less than half a transit ({half})"
+    )
 
 
 def incomplete_peak(wall: WallForce, end: float, *, persistent: bool = False) -> str:

@@ -7,7 +7,8 @@ static force, and the motion towards the wall cannot exceed the peak (the estima
 If motion can escape at the other end of the chain, the peak is complete when it is proven by the
 bound of the same module that no later force exceeds it.  Otherwise it is complete when the impact
 has ended and the estimate has not exceeded the peak for half a transit since then, where a transit
-is the time that the pulse took to pass the chain.  This rule is empirical.
+is the time that the pulse took to pass the chain.  This rule is empirical, and it starts again if
+a larger force follows.
 
 Without a given end, a run continues until the peak is complete and half a transit has passed since
 the end of the impact.  Walls are watched from the end of the first transit on, or from the end of
@@ -139,6 +140,7 @@ class WallWatch:
     def check(self, forces: Array) -> None:
         """Compare the bound of each wall with its peak so far."""
         self._set_due()
+        self._restart()
         overlaps = self._overlaps()
         self.close_if_apart(overlaps)
         if self.closed:
@@ -176,6 +178,11 @@ class WallWatch:
             touches = self.walls[state_layout.TOUCHES, side]
             self.completion[state_layout.SINCE :, side] = self._mark, impulse, touches
 
+    def _restart(self) -> None:
+        """Forget ends of impacts that a larger force has followed."""
+        risen = self.walls[state_layout.WALL_PEAK_TIME] > self.completion[state_layout.SINCE]
+        self.completion[state_layout.SINCE :, risen] = 0.0
+
     def close_if_apart(self, overlaps: Array) -> None:
         """Close if no contact is closed or closing and no force acts on the beads."""
         if self.closed or self.driven or self.chain.static_state.body_forces.any():
@@ -194,6 +201,7 @@ class WallWatch:
         """Record that nothing more can happen: every peak is complete."""
         self.completion[state_layout.WATCH_START] = self._mark
         self.completion[[state_layout.TRANSIT, state_layout.DUE]] = 0.0
+        self._restart()
         for target in self.targets:
             self._note(target.side)
 
@@ -217,6 +225,7 @@ class WallWatch:
 
     def reaches(self, forces: Array) -> list[Approach]:
         """The motion that can reach each wall; close if there is none, and note ends of impacts."""
+        self._restart()
         overlaps = self._overlaps()
         self.close_if_apart(overlaps)
         stored, found = self._stored(overlaps, forces), []

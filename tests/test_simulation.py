@@ -365,6 +365,10 @@ def test_motion_too_fast_for_any_clock_is_rejected():
         ({"right_wall": hc.Wall(stiffness=1e30)}, "use a softer right wall if"),
         ({}, "use fewer beads if"),
         ({"radii": [1.0, 0.9, 0.8]}, "use fewer beads or a weaker taper if"),
+        ({"right_wall": hc.Wall()}, "use fewer beads if"),
+        ({"radii": [1.0, 0.9, 0.8], "right_wall": hc.Wall.rigid()}, "beads or a weaker taper if"),
+        ({"radii": [1.0, 1e-18, 1e-36]}, "must resolve both; use fewer beads or a weaker taper"),
+        ({"radii": [1.0, 1e-36, 1e-18]}, "resolve both; use fewer beads or more similar beads"),
     ],
 )
 def test_advice_fits_what_is_stiff(changes, advice):

@@ -130,9 +130,11 @@ def simulate(
 
     Notes
     -----
-    Without walls, the computing time grows with the number of beads N, because only beads that
-    move are integrated.  With a wall it grows with at least the square of N, because all beads
-    move until the force on the wall is complete: seconds for 2000 equal beads, minutes for 5000.
+    Without walls, the computing time of equal beads grows with their number, because only beads
+    near the pulse are integrated.  With a wall it grows faster than the square of the number,
+    because the run goes on, with all beads in motion, until no larger force on the wall can
+    follow: seconds for 2000 equal beads, more than a minute for 5000.  A value of ``until`` shortly after
+    the pulse arrives at the wall avoids this.
 
     Examples
     --------

@@ -132,9 +132,9 @@ def simulate(
     -----
     Without walls, the computing time of equal beads grows with their number, because only beads
     near the pulse are integrated.  With a wall it grows faster than the square of the number,
-    because the run goes on, with all beads in motion, until no larger force on the wall can
-    follow: seconds for 2000 equal beads, more than a minute for 5000.  A value of ``until`` shortly after
-    the pulse arrives at the wall avoids this.
+    because the run continues, with all beads in motion, until no larger force on the wall can
+    follow: seconds for 2000 equal beads, more than a minute for 5000.  A value of ``until``
+    shortly after the pulse arrives at the wall avoids this.
 
     Examples
     --------

@@ -113,17 +113,18 @@ def horizon() -> Figure:
         left.semilogy(times[1:], true[1:], color=COLOURS[0], linewidth=0.8,
                       label="difference from rtol = 1e-14")  # fmt: skip
         left.axhline(found.within, color="0.5", linewidth=0.8)
+        left.set_ylim(1e-15, 1e5)
         right.plot(times, run.velocity(50), color=COLOURS[1], label="bead 50, rtol = 1e-13")
         right.plot(times, tight.velocity(50), "--", color=COLOURS[2], label="bead 50, rtol = 1e-14")
         right.set_xlim(250.0, 700.0)
         for axes in (left, right):
             mark_horizon(axes, found)
             axes.set_xlabel("time $t$")
-        left.legend(loc="lower right")
-        right.legend(loc="lower right")
+        left.legend(loc="upper left")
+        right.legend(loc="upper left")
         left.set_ylabel("error / largest velocity")
         right.set_ylabel("velocity $v_{50}$")
-        right.set_ylim(-1.3, 1.0)
+        right.set_ylim(-0.9, 1.7)
     return canvas
 
 

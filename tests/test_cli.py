@@ -175,6 +175,12 @@ def test_cite(run):
     assert f"hertzchain {hertzchain.__version__};" in out
     assert code == 0
     assert "arXiv:1307.1191" in out
+    package = Path(hertzchain.__file__).parent
+    sources = [*package.glob("theory/*.py"), *package.glob("chain/laws/*.py")]
+    text = " ".join(file.read_text(encoding="utf-8") for file in sources)
+    cited = set(re.findall(r"doi:(10[^\s;]+[^\s;.,)])", text))
+    assert len(cited) >= 10
+    assert not [doi for doi in cited if doi not in out]
 
 
 @pytest.mark.parametrize(

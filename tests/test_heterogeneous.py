@@ -1,5 +1,7 @@
 """Heterogeneous chains: the wide window, its checks, and chains that raise an error."""
 
+import re
+
 import numpy as np
 import pytest
 import scipy_reference
@@ -227,13 +229,23 @@ def test_a_hopeless_chain_ends_soon_with_advice_that_can_be_followed(monkeypatch
     """Light beads that rattle: a million steps of the whole chain were not enough."""
     monkeypatch.setattr(heterogeneous, "WHOLE_BEAD_STEPS", 200_000)
     chain = hc.Chain.from_radii(10.0 ** np.random.default_rng(5).uniform(-2.0, 0.5, 40))
-    with pytest.raises(hc.SimulationError, match="Light beads bounce") as raised:
+    with pytest.raises(hc.SimulationError, match="light beads bounce") as raised:
         hc.propagate(chain)
     said = str(raised.value)
     assert "after 5000 steps" in said
     assert "max_steps" not in said
     table = hc.propagate_many([chain, hc.Chain.uniform(5)])
     assert table.reasons == {0: said}
+
+
+def test_the_cause_in_a_steep_taper_is_the_range_of_its_contacts(monkeypatch):
+    monkeypatch.setattr(heterogeneous, "WHOLE_BEAD_STEPS", 200_000)
+    with pytest.raises(hc.SimulationError, match="step limit reached") as raised:
+        hc.propagate(hc.Chain.tapered("forward-exponential", 0.5, beads=60))
+    said = str(raised.value)
+    assert re.search(r"passes contact 59 \de\+1\d times faster than contact 1,", said)
+    assert "use fewer beads or a weaker taper" in said
+    assert "bounce" not in said
 
 
 def test_a_contact_counts_as_passed_when_its_bead_turns_round_within_the_step():

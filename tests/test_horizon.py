@@ -122,7 +122,7 @@ def test_pictures_show_where_it_begins():
     ):  # fmt: skip
         begins = [line.get_xdata()[0] for line in axes.lines if line.get_linestyle() == ":"]
         assert begins == [pytest.approx(horizon.time)]
-    assert "error above 1%" in [text.get_text() for text in axes.get_legend().get_texts()]
+    assert "horizon: error 1%" in [text.get_text() for text in axes.get_legend().get_texts()]
 
 
 def test_what_has_no_horizon():

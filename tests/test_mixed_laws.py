@@ -541,3 +541,22 @@ def test_restitution_of_the_weakest_losses(gamma):
 def test_restitution_beyond_floating_point_numbers_is_refused():
     with pytest.raises(hc.InputError, match="outside the range of floating-point numbers"):
         hc.Dashpot(1.0).restitution(1e200, reduced_mass=1e300)
+
+
+def test_a_wall_of_a_chain_with_given_stiffness():
+    """The advice is exact: sqrt(R) against sqrt(R/2), for the same elastic modulus."""
+    said = r"in a chain with given stiffness; give Wall\(stiffness=\.\.\.\), which is sqrt\(2\)"
+    for chain in (
+        Chain.dimer(0.3, beads=8),
+        Chain(np.ones(5), units="SI", masses=np.ones(5), stiffness=np.ones(4)),
+    ):
+        with pytest.raises(InputError, match=said):
+            chain.replace(right_wall=Wall())
+        assert chain.replace(right_wall=Wall(stiffness=2.0)).wall_stiffness == (0.0, 2.0)
+    steel = Chain.from_materials(5e-3, "steel-316", beads=5).replace(right_wall=Wall())
+    ratio = steel.wall_stiffness[1] / steel.stiffness[-1]
+    assert ratio == pytest.approx(np.sqrt(2.0), rel=1e-14)
+    with pytest.raises(
+        InputError, match=r"only for Hertz contacts \(exponent 1.5\), not for p = 2;"
+    ):
+        Chain.uniform(5).replace(exponent=2.0, right_wall=Wall())

@@ -209,7 +209,7 @@ np.testing.assert_array_equal(pulse.to_dataframe()[name].to_numpy()[:11], values
 assert name in str(other.compare(pulse)) and other.compare(pulse).worst(name) > 0.0
 variable = pulse.to_xarray()[name]
 table = hc.PulseTable(
-    np.tile(chain.radii, (2, 1)), np.array([12, 12]), np.array([1.5, 1.5]),
+    np.tile(chain.radii, (2, 1)), np.array([20, 20]), np.array([1.5, 1.5]),
     *(np.tile(column, (2, 1)) for column in (
         pulse.velocity, pulse.arrival, pulse.arrival, pulse.peak_overlap, pulse.residence)),
     {}, **({name: np.tile(values, (2, 1))} if sys.argv[2:] else {}),

@@ -7,6 +7,8 @@ from scipy_reference import peaks, trajectory
 
 import hertzchain as hc
 from hertzchain import collision
+from hertzchain.kernels import compile_notice
+from hertzchain.simulation import slow_run
 
 # Constants of the uniform chain (scaled, p = 3/2), from an integration at rtol 1e-13 and,
 # for amplitude and speed, from the fixed point of the travelling wave: two methods that
@@ -365,6 +367,10 @@ def test_motion_too_fast_for_any_clock_is_rejected():
         ({"right_wall": hc.Wall(stiffness=1e30)}, "use a softer right wall if"),
         ({}, "use fewer beads if"),
         ({"radii": [1.0, 0.9, 0.8]}, "use fewer beads or a weaker taper if"),
+        ({"right_wall": hc.Wall()}, "use fewer beads if"),
+        ({"radii": [1.0, 0.9, 0.8], "right_wall": hc.Wall.rigid()}, "beads or a weaker taper if"),
+        ({"radii": [1.0, 1e-18, 1e-36]}, "must resolve both; use fewer beads or a weaker taper"),
+        ({"radii": [1.0, 1e-36, 1e-18]}, "resolve both; use fewer beads or more similar beads"),
     ],
 )
 def test_advice_fits_what_is_stiff(changes, advice):
@@ -387,3 +393,26 @@ def test_a_run_is_compared_with_the_path_of_its_traces():
     by_path = run.compare(chain.parent / "fast.csv")
     assert by_path.differences == run.compare(traces).differences
     assert run.compare(str(chain.parent / "fast.csv")).differences == by_path.differences
+
+
+def test_a_long_run_writes_a_line_every_five_seconds():
+    lines, now = [], [100.0]
+    report = slow_run.slow_run_notice(lines.append, lambda: now[0])
+    for second in range(15):
+        now[0] = 100.0 + second
+        report(second, 40)
+    assert lines == [
+        f"hertzchain: simulating for {second} s; the pulse has passed {second} of 40 beads"
+        for second in (5, 10)
+    ]
+
+
+def test_only_runs_without_progress_write_lines(monkeypatch):
+    lines, calls = [], []
+    monkeypatch.setattr(slow_run, "INTERVAL", 0.0)
+    monkeypatch.setattr(compile_notice, "write_line", lines.append)
+    chain = hc.Chain.uniform(5)
+    hc.simulate(chain, progress=lambda *passed: calls.append(passed))
+    assert (lines, calls[-1]) == ([], (5, 5))
+    hc.simulate(chain)
+    assert lines[-1].endswith("the pulse has passed 5 of 5 beads")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Final
 
 import numpy as np
 
@@ -11,12 +12,16 @@ from ..representation import measure
 from .materials import Material
 from .tapers import taper_named
 
+# Longest cell that is searched for in the radii.
+LONGEST_CELL: Final = 10
+
 
 def beads_description(
     radii: Array,
     materials: Sequence[Material] | None,
     taper: str | None,
     parameters: Sequence[tuple[str, float]],
+    cells: str = "",
     *,
     scaled: bool,
 ) -> str:
@@ -27,11 +32,27 @@ def beads_description(
         values = ", ".join(f"{symbols[name]} = {value:g}" for name, value in parameters)
         return f"{taper}, {values}, {beads}"
     if scaled:
-        return f"{'uniform' if np.all(radii == 1.0) else 'free radii'}, {beads}"
+        return f"{cells or ('uniform' if np.all(radii == 1.0) else 'free radii')}, {beads}"
     names = list(dict.fromkeys(each.name for each in materials or ()))
     diameters = "diameter" if np.ptp(radii) == 0.0 else "diameters"
     counted = beads_of(len(radii), "beads", names or ["SI"])
     return f"{counted}, {diameters} {sizes_in_words(radii)}"
+
+
+def cells_in_words(radii: Array, masses: Array, *, given: bool) -> str:
+    """Such as ``dimer, mass ratio 0.3`` or ``cells of 3 beads``; empty without repeated cells.
+
+    The argument ``given`` states whether masses are given, instead of computed from radii.
+    """
+    if np.ptp(radii) == 0.0 and np.ptp(masses) == 0.0:
+        return ""
+    for length in range(2, min(LONGEST_CELL, len(radii) // 2) + 1):
+        if all(np.array_equal(each[length:], each[:-length]) for each in (radii, masses)):
+            if length > 2:
+                return f"cells of {length} beads"
+            name, values = ("mass", masses) if given else ("radius", radii)
+            return f"dimer, {name} ratio {values[1] / values[0]:.4g}"
+    return ""
 
 
 def beads_of(count: int, noun: str, materials: Sequence[str]) -> str:

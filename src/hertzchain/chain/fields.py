@@ -33,7 +33,7 @@ from .boundary_checks import (
     check_precompression,
 )
 from .contact_groups import ContactGroup, group_contacts, loading_forces
-from .description import beads_description, impact_in_words
+from .description import beads_description, cells_in_words, impact_in_words
 from .drives import Drive
 from .input_checks import checked_radii, positive_derived, scaled_radii, warn_large_radius
 from .laws import Loss
@@ -270,8 +270,6 @@ class ChainFields(Frozen):
         In scaled variables it is :math:`\sqrt{2R}` for a flat wall of the bead's own material and
         twice as much for a rigid wall.
         """
-        # In SI units it follows from the materials, also if other contacts have a given stiffness.
-        hertz = "stiffness" not in self.given or self.materials is not None
         left, right = (
             0.0
             if wall is None
@@ -280,7 +278,8 @@ class ChainFields(Frozen):
                 float(self.radii[bead]),
                 None if self.materials is None else self.materials[bead],
                 scaled=self.scaled,
-                hertz=hertz and self.contact_exponents[bead] == HERTZ_EXPONENT,
+                given="stiffness" in self.given,
+                exponent=float(self.contact_exponents[bead]),
             )
             for wall, bead in ((self.left_wall, 0), (self.right_wall, -1))
         )
@@ -431,10 +430,14 @@ class ChainFields(Frozen):
         """Short description of the chain, for titles of tables and figures."""
         p = self.exponents
         law = f", p = {p:g}" if isinstance(p, float) and p != HERTZ_EXPONENT else ""
-        rest = "".join(f", {name}" for name in self.features if name != "SI units")
-        beads = beads_description(
-            self.radii, self.materials, self.taper, self.taper_parameters, scaled=self.scaled
-        )
+        own, given = slice(self.strikers, None), "masses" in self.given
+        cells = cells_in_words(self.radii[own], self.masses[own], given=given)
+        # The name of a dimer implies equal contacts.
+        implied = cells.startswith("dimer, mass") and self.scaled and (self.stiffness == 1.0).all()
+        left_out = ["SI units", "masses", "stiffness"] if implied else ["SI units"]
+        rest = "".join(f", {name}" for name in self.features if name not in left_out)
+        shape = self.radii, self.materials, self.taper, self.taper_parameters
+        beads = beads_description(*shape, cells, scaled=self.scaled)
         still = self._at_rest_by_default and self.drive is None and not self.velocities.any()
         return f"{beads}{law}{rest}{', at rest' * still}"
 

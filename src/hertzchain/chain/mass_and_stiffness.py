@@ -55,13 +55,19 @@ def contact_stiffness(
 
 
 def wall_stiffness(
-    wall: Wall, radius: float, material: Material | None, *, scaled: bool, hertz: bool
+    wall: Wall,
+    radius: float,
+    material: Material | None,
+    *,
+    scaled: bool,
+    given: bool,
+    exponent: float,
 ) -> float:
     r"""Stiffness of the contact of a bead with a flat wall.
 
     In scaled variables it is :math:`\sqrt{2R}` for a wall of the bead's own material and twice as
-    much for a rigid wall.  The argument ``hertz`` states whether all other contacts are Hertz
-    contacts, so that the stiffness can be computed from the material.
+    much for a rigid wall.  The argument ``given`` states whether the stiffness of the contacts of
+    the beads is given; ``exponent`` is that of the contact with the wall.
     """
     known = not scaled and material is not None
     if wall.material is not None and math.isfinite(wall.material.young) and not known:
@@ -72,10 +78,16 @@ def wall_stiffness(
         )
     if wall.stiffness is not None:
         return wall.stiffness
-    if not hertz:
+    if exponent != HERTZ_EXPONENT:
         raise InputError(
-            "the stiffness of a wall follows from materials only if all other contacts are "
-            "Hertz contacts; give Wall(stiffness=...)"
+            "the stiffness of a wall follows from materials only for Hertz contacts (exponent "
+            f"1.5), not for p = {exponent:g}; give Wall(stiffness=...)"
+        )
+    if given and (scaled or material is None):
+        raise InputError(
+            "the stiffness of a wall follows from the material of the beads, which is unknown in "
+            "a chain with given stiffness; give Wall(stiffness=...), which is sqrt(2) times the "
+            "stiffness of the contacts for equal beads and a wall of their material"
         )
     if not scaled and material is not None:
         other = material if wall.material is None else wall.material

@@ -2,17 +2,25 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.ticker import LogLocator, NullFormatter
 
 from ..evaluation.cases import GROUPS
 from ..evaluation.scoreboard import Scoreboard, Statistic
 from .style import COLOURS, MARKERS, figure_style
 from .widths import figure_size
 
-# Vertical distance between the symbols of two theories, in rows.
-DODGE = 0.09
+if TYPE_CHECKING:
+    import pandas as pd
+
+# Vertical distance between the symbols of neighbouring theories, in rows.
+DODGE = 0.11
+# Relative difference up to which errors of two theories count as equal.
+EQUAL = 1e-6
 
 
 def plot_scoreboard(
@@ -38,7 +46,8 @@ def plot_scoreboard(
     -------
     matplotlib.axes.Axes
         The x axis shows the error on a logarithmic scale.  A pale symbol marks a theory outside
-        its range, for which it issues a warning.  Unsupported chains have no symbol.
+        its range, for which it issues a warning.  Unsupported chains have no symbol.  Theories
+        with equal errors share a symbol.
 
     Examples
     --------
@@ -50,31 +59,33 @@ def plot_scoreboard(
     outside = board.outside()
     heights, headings = _scoreboard_rows(board)
     with figure_style():
-        size = figure_size(8.0, 0.28 * max(heights) + 1.1)
+        size = figure_size(8.0, 0.19 * max(heights) + 1.1)
         axes = ax if ax is not None else plt.subplots(figsize=size)[1]
-        for t, theory in enumerate(board.theories):
-            if errors[theory].isna().all():
-                continue
-            # Theories with equal errors are drawn below each other.
-            raised = np.array(heights) + DODGE * (t - 0.5 * (len(board.theories) - 1))
+        shared = _equal_theories(errors, outside)
+        for t, theories in enumerate(shared):
+            theory, style = theories[0], board.theories.index(theories[0])
+            raised = np.array(heights) + DODGE * (t - 0.5 * (len(shared) - 1))
             for warned, strength in ((False, 1.0), (True, 0.35)):
                 rows = outside[theory].to_numpy() == warned
                 axes.plot(
                     100.0 * errors[theory].to_numpy()[rows],
                     raised[rows],
-                    MARKERS[t % len(MARKERS)],
-                    color=COLOURS[t % len(COLOURS)],
+                    MARKERS[style % len(MARKERS)],
+                    color=COLOURS[style % len(COLOURS)],
                     markerfacecolor="none",
-                    markeredgewidth=1.3,
-                    markersize=7.5,
+                    markeredgewidth=1.2,
+                    markersize=6.0,
                     alpha=strength,
-                    label=None if warned else theory,
+                    label=None if warned else ", ".join(theories),
                 )
         if (outside & errors.notna()).to_numpy().any():
-            axes.plot([], [], "o", color="0.7", markerfacecolor="none", markersize=7.5,
+            axes.plot([], [], "o", color="0.7", markerfacecolor="none", markersize=6.0,
                       label="pale: outside the range of the theory")  # fmt: skip
         axes.set_xscale("log")
-        axes.xaxis.set_major_formatter(lambda percent, _: f"{percent:g} %")
+        axes.xaxis.set_major_locator(LogLocator(numticks=6))
+        axes.xaxis.set_minor_locator(LogLocator(numticks=20))
+        axes.xaxis.set_major_formatter(lambda percent, _: f"{percent:g}%")
+        axes.xaxis.set_minor_formatter(NullFormatter())
         axes.set_yticks(heights, list(errors.index))
         axes.set_ylim(max(heights) + 0.7, -0.7)
         axes.tick_params(axis="y", length=0)
@@ -89,6 +100,22 @@ def plot_scoreboard(
         )
         axes.legend(loc="lower center", bbox_to_anchor=(0.4, 1.0), ncols=3, frameon=False)
     return axes
+
+
+def _equal_theories(errors: pd.DataFrame, outside: pd.DataFrame) -> list[list[str]]:
+    """Theories with errors, those with equal errors together."""
+    found: list[list[str]] = []
+    for theory in errors.columns[errors.notna().any()]:
+        for others in found:
+            equal = np.allclose(
+                errors[theory], errors[others[0]], rtol=EQUAL, atol=0.0, equal_nan=True
+            )
+            if equal and outside[theory].equals(outside[others[0]]):
+                others.append(theory)
+                break
+        else:
+            found.append([theory])
+    return found
 
 
 def _scoreboard_rows(board: Scoreboard) -> tuple[list[float], list[tuple[float, str]]]:

@@ -160,7 +160,7 @@ def mark_horizon(axes: Axes, horizon: Horizon | None, factor: float | None = Non
     factor = time_axis(horizon.chain)[0] if factor is None else factor
     begin, end = factor * horizon.time, factor * horizon.times[-1]
     axes.axvspan(begin, max(begin, end), color="0.5", alpha=0.25, linewidth=0.0)
-    label = f"error above {100.0 * horizon.within:g}%"
+    label = f"horizon: error {100.0 * horizon.within:g}%"
     axes.axvline(begin, color="black", linestyle=":", linewidth=1.2, label=label)
 
 

@@ -169,6 +169,7 @@ def integrate_full_chain(chain: Chain, rtol: float, signal: Indices) -> Array:
 
 
 def _simulate(chain: Chain, tolerance: float, signal: Indices) -> Array:
+    from ..simulation.run_message import wide_range
     from ..simulation.simulate import simulate
 
     def watch(passed: int, _: int) -> None:
@@ -180,10 +181,13 @@ def _simulate(chain: Chain, tolerance: float, signal: Indices) -> Array:
     steps = max(steps, WHOLE_STEPS_PER_BEAD * chain.beads)
     run = simulate(chain, times=0, rtol=tolerance, max_steps=steps, progress=watch, check=False)
     if run.status == "step limit":
+        cause = wide_range(chain) or (
+            "light beads bounce between heavy ones; use fewer beads or more similar radii, or call "
+            "hertzchain.simulate, which allows more steps"
+        )
         raise SimulationError(
             f"step limit reached: the pulse had passed {run.beads_passed} of {chain.beads} beads "
-            f"after {steps} steps. Light beads bounce between heavy ones; use fewer beads or more "
-            "similar radii, or call hertzchain.simulate, which allows more steps"
+            f"after {steps} steps; {cause}"
         )
     if not run.success or run.beads_passed < chain.beads:
         raise SimulationError(run.message)

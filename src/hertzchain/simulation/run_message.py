@@ -28,6 +28,12 @@ MILDER: Final = {
     "stiffness": "less unequal stiffness",
 }
 
+# Ratio of the times in which a pulse passes two contacts, beyond which more steps hardly help.
+WIDE_RANGE: Final = 1e9
+# Stiffness of the contact with a wall, relative to that of the last two beads: up to 2.83 for a
+# rigid wall and equal beads of the same material.
+STIFF_WALL: Final = 3.0
+
 # Transits of a pulse after which a run between walls may have become unpredictable.
 LONG_RUN: Final = 3.0
 
@@ -46,10 +52,7 @@ def end_message(chain: Chain, status: Status, time: float, steps: int, passed: i
         ),
         "nothing more happens": f"all beads are in free flight and separating {at}; {so_far}",
         "time reached": f"stopped as requested {at}; {so_far}",
-        "step limit": (
-            f"stopped by the step limit {at}; {so_far}; raise max_steps, or use {milder} if the "
-            "time hardly advances"
-        ),
+        "step limit": f"stopped by the step limit {at}; {so_far}; {_more_steps(chain, milder)}",
         "underflow": f"the motion became too small to represent {at}; {so_far}; use {milder}",
         "step too small": (
             f"the step size fell below the resolution of t {at}; {so_far}; use {milder}"
@@ -67,11 +70,42 @@ def _complete(chain: Chain, at: str) -> str:
     )
 
 
+def wide_range(chain: Chain) -> str:
+    """State that a chain has contacts of very different durations; empty if it has not."""
+    times = transit_times(chain)
+    fast, slow = int(np.argmin(times)), int(np.argmax(times))
+    if not times[slow] > WIDE_RANGE * times[fast]:
+        return ""
+    steps = np.diff(chain.radii)
+    taper = (steps <= 0.0).all() or (steps >= 0.0).all()
+    change = "a weaker taper" if taper else "more similar beads"
+    return (
+        f"a pulse passes contact {fast + 1} {times[slow] / times[fast]:.0e} times faster than "
+        f"contact {slow + 1}, and the steps must resolve both; use fewer beads or {change}"
+    )
+
+
+def _more_steps(chain: Chain, milder: str) -> str:
+    return wide_range(chain) or f"raise max_steps, or use {milder} if the time hardly advances"
+
+
 def _milder(chain: Chain) -> str:
     """Changes of this chain that would make its motion less stiff."""
-    found = [advice for name, advice in MILDER.items() if name in chain.features]
+    found = [
+        advice
+        for name, advice in MILDER.items()
+        if name in chain.features and (not name.endswith("wall") or _stiff_wall(chain, name))
+    ]
     even = np.ptp(chain.radii) == 0.0
     return " or ".join(found or ["fewer beads" if even else "fewer beads or a weaker taper"])
+
+
+def _stiff_wall(chain: Chain, name: str) -> bool:
+    """Whether a softer wall could help: it is stiffer than the contacts of the beads."""
+    end = 0 if name == "left wall" else -1
+    if chain.beads == 1 or np.ptp(chain.contact_exponents[[end, 1 if end == 0 else -2]]) != 0.0:
+        return True
+    return bool(chain.wall_stiffness[end] > STIFF_WALL * chain.stiffness[end])
 
 
 def transits_between_walls(chain: Chain, time: float) -> float:

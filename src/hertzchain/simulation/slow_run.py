@@ -1,0 +1,33 @@
+"""Write lines to standard error during a long run that nothing else reports."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from typing import Final
+
+# Seconds before the first line, and between two lines.
+INTERVAL: Final = 5.0
+
+
+def slow_run_notice(
+    write: Callable[[str], None] | None = None, clock: Callable[[], float] = time.monotonic
+) -> Callable[[int, int], None]:
+    """Progress function that writes to a terminal or notebook, at most once per interval."""
+    begin = clock()
+    last = begin
+
+    def report(passed: int, beads: int) -> None:
+        nonlocal last
+        now = clock()
+        if now - last < INTERVAL:
+            return
+        last = now
+        from ..kernels.compile_notice import write_line
+
+        (write or write_line)(
+            f"hertzchain: simulating for {now - begin:.0f} s; the pulse has passed {passed} of "
+            f"{beads} beads"
+        )
+
+    return report

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Final
 
@@ -21,6 +22,7 @@ MAX_EXCESS, MAX_CORRELATION = 3.0, 4.0
 FAR: Final = 1.5
 # Standard deviations from which a chi-squared is unlikely if the noise is known.
 UNLIKELY: Final = 3.0
+NO_ERRORS: Final = "; the errors above have no meaning"
 
 
 @dataclass(frozen=True)
@@ -111,6 +113,34 @@ class Goodness:
     def if_measured(self) -> str:
         """Advice on the errors, for the case that the residuals measure the noise."""
         return f"if the noise is that of the residuals, multiply all errors by {self.scale:.2f}"
+
+    @property
+    def verdict(self) -> str:
+        """End of a sentence: whether the model describes the data."""
+        if self.describes:
+            return f": the model describes the data{self.reservation}"
+        if self.undecided:
+            return (
+                ": whether the model describes the data cannot be decided, because chi2 is known "
+                f"to +-{self.uncertainty:.0%} only; give the noise, or record more samples before "
+                f"the pulse; {self.if_measured}"
+            )
+        if self.excess < self.correlation:
+            reason = (
+                f"; successive residuals are correlated ({self.correlation:.0f} standard "
+                "deviations) although the noise before the pulse is not"
+            )
+        else:
+            reason = f", {self.excess:.0f} standard deviations more than expected"
+        return f"{reason}: the model does not describe the data{NO_ERRORS}"
+
+    def __str__(self) -> str:
+        digits = max(1 - math.floor(math.log10(self.uncertainty)), 0)
+        return (
+            f"chi2 {self.chi2:.1f} for {self.freedom} degrees of freedom "
+            f"({self.effective_samples:.0f} independent samples), "
+            f"{self.ratio:.{digits}f} +- {self.uncertainty:.{digits}f} times the expectation"
+        )
 
     @property
     def inflation(self) -> float:

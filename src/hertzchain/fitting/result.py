@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -13,7 +12,7 @@ from ..chain.chain import Chain
 from ..collision import Array
 from ..representation import counted, short
 from ..validation.numbers import number
-from .goodness import Goodness
+from .goodness import NO_ERRORS, Goodness
 from .model import Model
 from .problem import Problem
 from .shown_values import shown_value
@@ -28,7 +27,6 @@ if TYPE_CHECKING:
     from .posterior import Posterior
 
 # Addition to the verdict if the errors do not apply.
-NO_ERRORS = "; the errors above have no meaning"
 
 
 @dataclass(frozen=True, eq=False)
@@ -272,31 +270,9 @@ class FitResult:
     @property
     def verdict(self) -> str:
         """Whether the model describes the data, in a sentence."""
-        good = self.goodness
-        digits = max(1 - math.floor(math.log10(good.uncertainty)), 0)
-        text = (
-            f"chi2 {good.chi2:.1f} for {good.freedom} degrees of freedom "
-            f"({good.effective_samples:.0f} independent samples), "
-            f"{good.ratio:.{digits}f} +- {good.uncertainty:.{digits}f} times the expectation"
-        )
         if not self.converged:
-            return f"{text}: the fit did not converge: {self.reason}{NO_ERRORS}"
-        if self.describes:
-            return f"{text}: the model describes the data{good.reservation}"
-        if good.undecided:
-            return (
-                f"{text}: whether the model describes the data cannot be decided, because chi2 is "
-                f"known to +-{good.uncertainty:.0%} only; give the noise, or record more samples "
-                f"before the pulse; {good.if_measured}"
-            )
-        if good.excess < good.correlation:
-            reason = (
-                f"; successive residuals are correlated ({good.correlation:.0f} standard "
-                "deviations) although the noise before the pulse is not"
-            )
-        else:
-            reason = f", {good.excess:.0f} standard deviations more than expected"
-        return f"{text}{reason}: the model does not describe the data{NO_ERRORS}"
+            return f"{self.goodness}: the fit did not converge: {self.reason}{NO_ERRORS}"
+        return f"{self.goodness}{self.goodness.verdict}"
 
     @property
     def warnings(self) -> tuple[str, ...]:

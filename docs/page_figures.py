@@ -61,6 +61,25 @@ def chain_files() -> Figure:
     )  # fmt: skip
 
 
+def sensor_places() -> Figure:
+    """Signals of sensors in four beads and in the wall, and the force in one contact."""
+    balls = hc.Chain.from_materials(diameters="10 mm", materials="steel-52100", beads=30)
+    chain = balls.struck_by(velocity="0.1 m/s").replace(right_wall=hc.Wall())
+    run = hc.simulate(chain, until="1.2 ms", times=6001)
+    time = 1e6 * run.times
+    with figure_style():
+        canvas, axes = plt.subplots(figsize=(7.2, 3.2))
+        for colour, bead in zip(COLOURS[1:], (2, 15, 28, 30), strict=False):
+            axes.plot(time, run.sensor(bead), color=colour, label=f"bead {bead}")
+        axes.plot(time, run.sensor("wall"), color=COLOURS[0], label="wall")
+        axes.plot(time, run.force(15), color=COLOURS[2], linestyle=":", label="contact 15")
+        axes.set_xlim(0.0, 1000.0)
+        axes.set_xlabel("time [µs]")
+        axes.set_ylabel("force [N]")
+        axes.legend(loc="upper left")
+    return canvas
+
+
 def many_chains() -> Figure:
     """Momentum in random chains, and the sensitivity of a force to all radii."""
     radii = np.exp(0.05 * np.random.default_rng(1).standard_normal((2000, 40)))
@@ -289,6 +308,6 @@ def designs() -> Figure:
 
 
 PAGE_FIGURES: Final = (
-    real_chains, chain_files, many_chains, closed_forms, theory, numerics, propagation,
-    precompressed, design_protector, designs,
+    real_chains, chain_files, sensor_places, many_chains, closed_forms, theory, numerics,
+    propagation, precompressed, design_protector, designs,
 )  # fmt: skip

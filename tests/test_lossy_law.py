@@ -219,3 +219,14 @@ def test_other_chains_are_refused():
         hc.local_rate(hc.Chain.uniform(40, exponent=2.0).replace(loss=hc.Restitution(0.95)))
     with pytest.raises(hc.InputError, match="does not support a loss"):
         hc.local_rate_gradient(chain, bead=20)
+
+
+def test_one_warning_states_what_is_uncertain():
+    """The law without loss has warned; the total exceeds the limit of the law with loss, too."""
+    chain = hc.Chain.tapered("forward-exponential", 0.038, beads=14)
+    with pytest.warns(hc.ModelRangeWarning):
+        without = hc.local_rate(chain).velocity_error.max()
+    with pytest.warns(hc.ModelRangeWarning) as raised:
+        total = hc.local_rate(chain.replace(loss=hc.Restitution(0.9))).velocity_error.max()
+    assert without < lossy_law.DOUBTFUL < total
+    assert len(raised) == 1

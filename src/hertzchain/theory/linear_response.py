@@ -3,7 +3,7 @@
 The response of the recursion is fitted to finite changes of the rate; that to a small change of
 one rate is known from the simulation.  Near a constant rate, this module differentiates the
 recursion, and tabulates what is missing in its states and in their response to differences of the
-rate.  The law adds it, so that it is exact in first order.
+rate.  With these additions, the law is exact in first order.
 """
 
 from __future__ import annotations

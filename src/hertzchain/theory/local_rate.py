@@ -38,8 +38,8 @@ from .universal_functions import (
 # Quantities that have a gradient.
 DIFFERENTIABLE: Final = ("velocity", "momentum", "energy", "arrival", "residence", "peak_force")
 METHOD, ALTERNATIVE = "the local-rate law", "use simulate"
-# Estimated velocity error above which a chain is outside the law's range.  An estimate covers most
-# errors, but not all; those above 1% are thus announced.
+# Estimated velocity error above which a chain is outside the law's range.  Because an estimate does
+# not cover every error, this is half of the error of 1% that must not remain without a warning.
 DOUBTFUL: Final = 0.005
 
 
@@ -110,7 +110,7 @@ def local_rate(chain: Chain) -> Pulse:
     from ..kernels import local_rate_pulse as kernel
 
     if "loss" in chain.features:
-        return lossy_pulse(chain, METHOD, local_rate)
+        return lossy_pulse(chain, METHOD, local_rate, DOUBTFUL)
     if chain.features:
         return struck_pulse(chain, METHOD, local_rate)
     functions, of = _checked_functions(chain), powers(chain.exponents)

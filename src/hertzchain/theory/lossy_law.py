@@ -42,8 +42,13 @@ MARGIN: Final = 0.02
 STEPS: Final = np.arange(1.0, REACH + 1.0)
 
 
-def lossy_pulse(chain: Chain, method: str, theory: Callable[[Chain], Pulse]) -> Pulse:
-    """The pulse of a scaled chain with loss, from that without loss by a theory of tapers."""
+def lossy_pulse(
+    chain: Chain, method: str, theory: Callable[[Chain], Pulse], warns_above: float
+) -> Pulse:
+    """The pulse of a scaled chain with loss, from that without loss by a theory of tapers.
+
+    The theory has warned if its own estimated velocity error is larger than ``warns_above``.
+    """
     require_supported(chain, method, supported=("loss",), alternative="use simulate")
     law = chain.contact_losses[1]
     name = _checked_name(chain, law, method)
@@ -64,8 +69,7 @@ def lossy_pulse(chain: Chain, method: str, theory: Callable[[Chain], Pulse]) -> 
     _check_tail(chain, tabulated.label(law), relative, method)
     error = np.concatenate(([0.0], table.error @ parts))
     total = pulse.velocity_error + error
-    # The theory without loss has warned about larger errors.
-    if pulse.velocity_error.max() <= DOUBTFUL < total.max():
+    if pulse.velocity_error.max() <= warns_above and total.max() > DOUBTFUL:
         _warn_doubtful(chain, tabulated.label(law), method, total)
     p = chain.exponents
     residence = pulse.residence * np.exp(effect[2] - (p - 1) / (p + 1) * decay[:-1])

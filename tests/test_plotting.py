@@ -5,7 +5,7 @@ from matplotlib.animation import FFMpegWriter
 from PIL import Image
 
 import hertzchain as hc
-from hertzchain.plotting.animation import _with_more_times, animate
+from hertzchain.plotting.animation import animate
 from hertzchain.plotting.budget import plot_budget
 from hertzchain.plotting.chains import bead_centres, plot_chain
 from hertzchain.plotting.fits import _draw_crest
@@ -400,17 +400,3 @@ def test_maps_show_the_boundaries_of_sections():
                   hc.Chain.dimer(diameters=["10 mm", "6 mm"], materials=["brass", "ptfe"], beads=9,
                                  velocity=1e-3)):  # fmt: skip
         assert section_ends(plain) == []
-
-
-def test_animations_of_few_times_have_smooth_forces():
-    chain = hc.Chain.uniform(20).replace(right_wall=hc.Wall())
-    few = hc.simulate(chain, until=36.0, times=30)
-    dense = _with_more_times(few)
-    reference = hc.simulate(chain, until=36.0, times=4001)
-    expected = np.interp(dense.times, reference.times, reference.forces[:, -1])
-    assert len(dense.times) > 700
-    assert np.abs(dense.forces[:, -1] - expected).max() < 1e-3 * expected.max()
-    # Runs that began with another state are not repeated.
-    state = hc.simulate(chain, until=20.0).state
-    backwards = hc.simulate(chain, start=state.reversed(), until=30.0, times=20)
-    assert _with_more_times(backwards) is backwards

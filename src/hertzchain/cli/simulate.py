@@ -37,8 +37,8 @@ USUAL_TIMES: Final = 400
     "--times",
     type=int,
     help="Number of saved times; without --until, whose value is the end, at most this number and "
-    "usually more than half of it.  [default: 400; with --sensor, or with several files, and "
-    "without --out, 4000]",
+    "usually more than half of it.  [default: 400; with --sensor, --animate or several files, "
+    "and without --out, 4000]",
 )
 @click.option(
     "--rtol",
@@ -138,7 +138,7 @@ def simulate(
     if budget and as_json:
         raise click.UsageError("--budget and --json cannot be combined")
     if times is None:
-        fine = out is None and (sensors or len(options.files) > 1)
+        fine = out is None and (sensors or animation or len(options.files) > 1)
         times = MANY_TIMES if fine else USUAL_TIMES
     if times < 2 and (out or plot or animation or sensors or stream or budget or waves or horizon):
         raise click.UsageError(

@@ -20,7 +20,6 @@ from matplotlib.collections import EllipseCollection
 from ..collision import Array
 from ..errors import IncompleteWarning, InputError
 from ..simulation.run import Run
-from ..simulation.simulate import simulate
 from ..store.writing import write_bytes
 from ..validation.keywords import checked_arguments
 from ..validation.numbers import number, whole_number
@@ -39,9 +38,6 @@ RESOLUTION: Final = 100
 # Colour map of velocities, and colour (red, green, blue) of the marker of the time.
 COLOURS: Final = "RdBu_r"
 MARKER: Final = (213, 94, 0)
-# Times of a smooth force curve, most steps of a run that is repeated for it, and the largest
-# difference of positions of the same run, relative to the largest position.
-SMOOTH, MOST_STEPS, SAME = 800, 20_000, 1e-6
 
 
 @checked_arguments("animate")
@@ -200,32 +196,15 @@ def _draw_force(axes: Axes, run: Run) -> Any:
     if run.chain.right_wall is not None:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", IncompleteWarning)
-            times, values, *_ = force_curve(_with_more_times(run), run.chain.beads + 1)
+            times, values, *_ = force_curve(run, run.chain.beads + 1)
         what = "force on wall"
     else:
-        dense = _with_more_times(run)
-        times, values, what = dense.times, dense.forces.max(axis=1), "largest force"
+        times, values, what = run.times, run.forces.max(axis=1), "largest force"
     axes.plot(unit * times, values, color="black", linewidth=0.9)
     axes.set_xlim(unit * run.times[0], unit * run.times[-1])
     axes.set_xlabel(label)
     axes.set_ylabel(what + newton)
     return axes.axvline(unit * run.times[0], color=np.divide(MARKER, 255.0), linewidth=1.2)
-
-
-def _with_more_times(run: Run) -> Run:
-    """The same run with enough times for a smooth curve, if repeating it takes little time."""
-    if len(run.times) >= SMOOTH or run.steps > MOST_STEPS or np.isnan(run.rtol):
-        return run
-    times = np.union1d(run.times, np.linspace(run.times[0], run.times[-1], SMOOTH))
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")
-        dense = simulate(run.chain, times=times, rtol=run.rtol, check=False)
-    # A run that began with another state is not repeated.
-    same = dense.success and np.allclose(
-        dense.positions[np.searchsorted(times, run.times)], run.positions,
-        rtol=0.0, atol=SAME * float(np.abs(run.positions).max()),
-    )  # fmt: skip
-    return dense if same else run
 
 
 def _gif(pictures: list[Image], seconds: float) -> bytes:

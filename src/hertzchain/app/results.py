@@ -323,8 +323,9 @@ def _run_part(
             # This property does not issue the warning of `wall_force`.
             wall = whole._wall_force(side)  # type: ignore[arg-type]
             arrays[f"force.{side}"] = run.forces[:, contact]
+            # A peak that a later impact may exceed is shown as the largest force so far.
             peaks[side] = {
-                "first": wall.peak, "time": wall.peak_time, "largest": wall.largest_so_far,
+                "first": wall.peak if wall.proven else None, "time": wall.peak_time, "largest": wall.largest_so_far,
                 "largest_time": wall.largest_so_far_time, "impulse": wall.impulse,
             }  # fmt: skip
     if not request.draft or chain.beads <= MAX_BEADS_OF_DRAFT_BUDGET:

@@ -252,12 +252,12 @@ def _outside_range(chains: Sequence[Chain], table: RunTable | None) -> int:
         if found:
             exceeded[i] = found[0]
     outside = len(exceeded) - (0 in exceeded)
-    for i, violation in exceeded.items():
-        which = f"random chain {i}" if i else "the chain without deviations"
+    if exceeded:
+        first = min(exceeded)
+        which = f"random chain {first}" if first else "the chain without deviations"
         warn_user(
             f"{outside} of {len(chains) - 1} random chains exceed the limits of Hertz's law; in "
-            f"{which}, {violation}",
+            f"{which}, {exceeded[first]}",
             ModelRangeWarning,
         )
-        break
     return outside

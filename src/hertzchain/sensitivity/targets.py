@@ -9,14 +9,11 @@ import numpy as np
 
 from ..collision import Array
 from ..simulation.wall_bound import motion_can_escape, wall_targets
+from ..simulation.wall_watch import HELD, MAX_TRANSITS, RELEASED, ROUNDING
 from .equation import Equation
 from .names import Name
 from .record import Record, nothing_can_happen
 
-# As in `hertzchain.simulation.wall_watch`: a run continues for this fraction of the first transit
-# after the end of the impact; runs without a complete peak end after this many transits.
-HELD, MAX_TRANSITS = 0.5, 10
-ROUNDING, RELEASED = 1e-9, 1e-3
 LEFT, RIGHT = 0, 1
 SAMPLE: Final = 8
 

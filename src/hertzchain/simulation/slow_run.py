@@ -25,9 +25,9 @@ def slow_run_notice(
         last = now
         from ..kernels.compile_notice import write_line
 
+        part = "all beads" if passed == beads else f"{passed} of {beads} beads"
         (write or write_line)(
-            f"hertzchain: simulating for {now - begin:.0f} s; the pulse has passed {passed} of "
-            f"{beads} beads"
+            f"hertzchain: simulating for {now - begin:.0f} s; the pulse has passed {part}"
         )
 
     return report

@@ -325,8 +325,9 @@ def _run_part(
             arrays[f"force.{side}"] = run.forces[:, contact]
             # A peak that a later impact may exceed is shown as the largest force so far.
             peaks[side] = {
-                "first": wall.peak if wall.proven else None, "time": wall.peak_time, "largest": wall.largest_so_far,
-                "largest_time": wall.largest_so_far_time, "impulse": wall.impulse,
+                "first": wall.peak if wall.proven else None, "time": wall.peak_time,
+                "largest": wall.largest_so_far, "largest_time": wall.largest_so_far_time,
+                "impulse": wall.impulse,
             }  # fmt: skip
     if not request.draft or chain.beads <= MAX_BEADS_OF_DRAFT_BUDGET:
         arrays |= _budget_arrays(run)

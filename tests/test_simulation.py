@@ -415,4 +415,4 @@ def test_only_runs_without_progress_write_lines(monkeypatch):
     hc.simulate(chain, progress=lambda *passed: calls.append(passed))
     assert (lines, calls[-1]) == ([], (5, 5))
     hc.simulate(chain)
-    assert lines[-1].endswith("the pulse has passed 5 of 5 beads")
+    assert lines[-1].endswith("the pulse has passed all beads")

@@ -4,7 +4,8 @@ BIN := .venv/bin
 
 .PHONY: reproduce test static-checks compile pytest test-long style benchmark benchmark-app docs calibrate universal constraints clean
 
-reproduce: .venv/installed
+# The kernels that it needs are compiled in two processes.
+reproduce: .venv/compiled
 	$(BIN)/hertzchain reproduce
 
 # Kernels are compiled before the tests, because both processes of pytest would compile them.  The
@@ -74,6 +75,10 @@ clean:
 
 .venv/installed: .venv/python constraints.txt
 	$(BIN)/pip install --constraint constraints.txt --editable .
+	touch $@
+
+.venv/compiled: .venv/installed $(wildcard src/hertzchain/kernels/*.py)
+	$(BIN)/hertzchain warm-up --first
 	touch $@
 
 .venv/installed-test: .venv/python constraints.txt

@@ -31,6 +31,8 @@ hc.local_rate(chain), hc.local_rate_gradient(chain, "velocity", bead=2)
 for loss in (None, hc.Dashpot(0.2), hc.Viscoelastic(0.1), hc.Restitution(0.8), hc.WaltonBraun(0.6)):
     walled = chain.replace(right_wall=hc.Wall(), loss=loss)
     hc.simulate(walled, rtol=1e-6, until=2.0)
+hc.simulate(chain.replace(right_wall=hc.Wall(), exponent=[1.5] * 4 + [2.0] * 4), until=2.0)
+hc.simulate(chain.replace(loss=[None] * 4 + [hc.Dashpot(0.2)] * 4), until=2.0)
 hc.simulate(chain), hc.simulate(chain, method="symplectic", until=2.0)
 hc.simulate_many([chain, chain], keep=["peak_force"])
 print(sorted(set(found)))
@@ -49,6 +51,9 @@ def test_progress_reaches_the_end_and_the_time_is_returned():
     seconds = hc.warm_up(progress=lambda *each: counts.append(each))
     assert counts == [(done, len(STAGES)) for done in range(1, len(STAGES) + 1)]
     assert 0.0 < seconds < 600.0
+    counts.clear()
+    hc.warm_up(first=True, progress=lambda *each: counts.append(each))
+    assert counts[-1] == (len(FIRST), len(FIRST))
 
 
 def test_one_processor_compiles_in_this_process(monkeypatch):
@@ -80,6 +85,8 @@ def test_the_command_says_how_long_it_took():
     command = [sys.executable, "-c", "from hertzchain.cli import main; main()", "warm-up"]
     done = subprocess.run(command, capture_output=True, text=True, check=True)
     assert done.stdout.startswith("All kernels are compiled (")
+    done = subprocess.run([*command, "--first"], capture_output=True, text=True, check=True)
+    assert done.stdout.startswith("The first kernels are compiled (")
     done = subprocess.run([*command, "--json"], capture_output=True, text=True, check=True)
     assert json.loads(done.stdout)["seconds"] > 0.0
 

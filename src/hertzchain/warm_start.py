@@ -1,4 +1,4 @@
-"""Compile kernels before they are needed: all of them in two processes, or the first ones here."""
+"""Compile kernels before they are needed: all of them, or those that are needed first."""
 
 from __future__ import annotations
 
@@ -93,7 +93,7 @@ BEADS: Final = 12
 Progress = Callable[[int, int], None]
 
 
-def warm_up(*, progress: Progress | None = None) -> float:
+def warm_up(*, first: bool = False, progress: Progress | None = None) -> float:
     """Compile all kernels, in two processes side by side.
 
     Otherwise each function compiles what it needs at its first use. The results are in numba's
@@ -101,6 +101,10 @@ def warm_up(*, progress: Progress | None = None) -> float:
 
     Parameters
     ----------
+    first : bool, optional
+        Whether to compile only the kernels that are usually needed first, which takes about half
+        of the time: those of pulses, of the local-rate law, and of `simulate` with walls and most
+        losses.
     progress : callable, optional
         Called as ``progress(stages_done, stages)``.
 
@@ -120,6 +124,7 @@ def warm_up(*, progress: Progress | None = None) -> float:
     >>> seconds = hc.warm_up()  # doctest: +SKIP
     """
     callback("progress", progress)
+    stages = FIRST if first else STAGES
     began, done, lock = time.perf_counter(), 0, threading.Lock()
 
     def count() -> None:
@@ -127,11 +132,11 @@ def warm_up(*, progress: Progress | None = None) -> float:
         with lock:
             done += 1
             if progress is not None:
-                progress(done, len(STAGES))
+                progress(done, len(stages))
 
     # They take equally long, and have few functions in common, which are compiled twice.
     groups = [
-        [i for i, each in enumerate(STAGES) if each.general is general] for general in (True, False)
+        [i for i, each in enumerate(stages) if each.general is general] for general in (True, False)
     ]
     if worker_count("workers", None) > 1:
         _compile_beside(groups, count)

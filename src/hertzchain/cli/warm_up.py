@@ -10,22 +10,27 @@ from .progress import progress_bar
 
 
 @click.command("warm-up")
+@click.option(
+    "--first", is_flag=True, help="Only the kernels needed first: pulses, walls, most losses."
+)
 @json_option("Print the time as JSON.")
-def warm_up(as_json: bool) -> None:
+def warm_up(first: bool, as_json: bool) -> None:
     """Compile all kernels now instead of at their first use.
 
     This is required once per installation and uses two processes.  If everything is already
     compiled, the command takes a few seconds.
 
     \b
-    Example:
+    Examples:
       hertzchain warm-up
+      hertzchain warm-up --first
     """
     import hertzchain
 
     with progress_bar("groups of kernels compiled") as progress:
-        seconds = hertzchain.warm_up(progress=progress)
+        seconds = hertzchain.warm_up(first=first, progress=progress)
     if as_json:
         show_json({"seconds": seconds})
     else:
-        click.echo(f"All kernels are compiled ({seconds:.1f} s).")
+        kernels = "The first kernels" if first else "All kernels"
+        click.echo(f"{kernels} are compiled ({seconds:.1f} s).")

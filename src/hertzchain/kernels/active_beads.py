@@ -30,7 +30,7 @@ from numba import types
 from numba.extending import overload
 
 from .compilation import OPTIONS, compiled
-from .contact_law import force, has_modes, law_of, laws_within
+from .contact_law import force, has_modes, law_of
 from .driving import NOTHING
 from .forces import (
     Contacts,
@@ -308,7 +308,7 @@ def general_part(setup, low, high, ends):
         stiffness[last] = damping[last] = 0.0
     return GeneralChain(
         setup.inverse_mass[low:high], stiffness, setup.exponent, setup.gap[low : high + 1],
-        damping, setup.law, laws_within(setup.laws, low, high), setup.body_force[low:high],
+        damping, setup.law, setup.laws[low : high + 1], setup.body_force[low:high],
         setup.drive, setup.piece_starts, setup.pieces,
     )  # fmt: skip
 
@@ -331,7 +331,7 @@ def general_contacts_within(contacts, low, high):
     return Contacts(
         contacts.mode[low : high + 1], contacts.largest[low : high + 1],
         contacts.force[low : high + 1], contacts.last_force[low : high + 1], contacts.scratch,
-        contacts.powers, contacts.implicit, contacts.search, contacts.on_positions,
+        contacts.powers, contacts.implicit, contacts.on_positions,
     )  # fmt: skip
 
 

@@ -21,8 +21,8 @@ DELAY: Final = 0.5
 # A compilation that begins this many seconds after the previous one is a new wait.
 PAUSE: Final = 1.0
 # Measured CPU seconds of compiling: usual, and for certain modules and types of arguments.
-USUAL: Final = 10
-SECONDS: Final = {"full_chain": 15, "GeneralChain": 40}
+USUAL: Final = 6
+SECONDS: Final = {"full_chain": 10, "GeneralChain": 20}
 
 # Function called with the line instead of `write_line`; set by the command line.
 _writers: list[Callable[[str], None]] = []

@@ -104,7 +104,7 @@ def energy_in_contacts(y, wall, setup, contacts):
     beads, stiffness, gap = len(setup.inverse_mass), setup.stiffness, setup.gap
     energy = 0.0
     if contacts.on_positions is not None:
-        if setup.laws is None and setup.law.exponent == HERTZ:
+        if setup.law.shared and setup.law.exponent == HERTZ:
             return hertz_potential(y, wall[0], stiffness, gap)
         for c in range(beads + 1):
             overlap, _ = overlap_and_closing(c, y, beads, gap[c], wall)

@@ -18,7 +18,7 @@ A new kind of law is a branch of `contact_force` and, if its stored energy diffe
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -30,7 +30,7 @@ HERTZ = 1.5
 
 
 class Law(NamedTuple):
-    """Numbers of a law that all of its contacts share."""
+    """Numbers of a law, and of the steps of a chain."""
 
     kind: int
     exponent: float
@@ -44,46 +44,23 @@ class Law(NamedTuple):
     implicit: bool
     # Lower bound of the unit in which errors of velocities are measured, for chains at rest.
     slowest: float
+    # Whether all contacts have this law, so that loops over contacts can be vectorised.
+    shared: bool
 
 
-class LawTable(NamedTuple):
-    """Laws of a chain whose contacts differ: one row per law, and the row of each contact."""
-
-    row: Any  # (N + 1,)
-    kind: Any  # (rows,), as all below
-    exponent: Any
-    overlap_power: Any
-    speed_power: Any
-    kept: Any
-    attractive: Any
+# Columns of a table of laws, which has one row per contact: the fields of a law.
+KIND, EXPONENT, OVERLAP_POWER, SPEED_POWER, KEPT, ATTRACTIVE, COLUMNS = range(7)
 
 
 @compiled
 def law_of(c, setup):
     """Law of contact c: `setup.law`, unless the contacts have different laws."""
-    return law_in(c, setup.law, setup.laws)
-
-
-@compiled
-def law_in(c, law, laws):
-    """Law of contact c from the table of laws, which is `None` if all contacts have one law."""
-    if laws is None:
+    law, laws = setup.law, setup.laws
+    if law.shared:
         return law
-    row = laws.row[c]
     return Law(
-        laws.kind[row], laws.exponent[row], laws.overlap_power[row], laws.speed_power[row],
-        laws.kept[row], laws.attractive[row], law.implicit, law.slowest,
-    )  # fmt: skip
-
-
-@compiled
-def laws_within(laws, low, high):
-    """Table of laws for the contacts of a window."""
-    if laws is None:
-        return None
-    return LawTable(
-        laws.row[low : high + 1], laws.kind, laws.exponent, laws.overlap_power, laws.speed_power,
-        laws.kept, laws.attractive,
+        int(laws[c, KIND]), laws[c, EXPONENT], laws[c, OVERLAP_POWER], laws[c, SPEED_POWER],
+        laws[c, KEPT], laws[c, ATTRACTIVE] != 0.0, law.implicit, law.slowest, False,
     )  # fmt: skip
 
 

@@ -203,9 +203,9 @@ def equalise_velocities(c, wall_speed, y, inverse_mass, mode):
 
 
 @compiled
-def forget_unloading(y, wall, setup, contacts, search):
+def forget_unloading(y, wall, setup, contacts, on_positions):
     """Set the mode of open contacts to loading, the mode in which they will close."""
-    if search is None or setup.law.kind != UNLOADING:
+    if on_positions is not None or setup.law.kind != UNLOADING:
         return
     beads, mode = len(setup.inverse_mass), contacts.mode
     for c in range(beads + 1):
@@ -216,13 +216,13 @@ def forget_unloading(y, wall, setup, contacts, search):
 
 
 @compiled
-def switch(first, time, y, setup, contacts, segment, still, scratch, search):
+def switch(first, time, y, setup, contacts, segment, still, scratch, on_positions):
     """Change the mode of contact ``first``, and of all others that must change at this time.
 
     A contact that changes its mode alters the forces that stuck contacts on both sides must carry.
-    Without modes ``search`` is `None`, as for `hertzchain.kernels.mode_search.first_switch`.
+    ``on_positions`` has the meaning that it has for `hertzchain.kernels.mode_search.first_switch`.
     """
-    if search is None:
+    if on_positions is not None:
         return
     changed = switch_once(first, time, y, setup, contacts, segment, still, scratch)
     for _ in range(len(setup.inverse_mass) + 1):
@@ -269,13 +269,13 @@ def switch_once(first, time, y, setup, contacts, segment, still, scratch):
 
 
 @compiled
-def follow_wall(time, y, setup, contacts, segment, still, scratch, search):
+def follow_wall(time, y, setup, contacts, segment, still, scratch, on_positions):
     """Set the mode of the contact with the left wall after a jump of the wall's velocity."""
-    if search is None or setup.law.kind != UNLOADING:
+    if on_positions is not None or setup.law.kind != UNLOADING:
         return
     wall = wall_motion(time, setup, segment)
     _, closing = overlap_and_closing(0, y, len(setup.inverse_mass), setup.gap[0], wall)
     if law_of(0, setup).kind == UNLOADING and abs(closing) > still:
         contacts.mode[0] = LOADED if closing > 0.0 else RELEASED
         derivative(time, y, setup, contacts, segment, scratch)
-        switch(ANY, time, y, setup, contacts, segment, still, scratch, search)
+        switch(ANY, time, y, setup, contacts, segment, still, scratch, on_positions)

@@ -58,7 +58,7 @@ class GeneralChain(NamedTuple):
     gap: Any  # (N + 1,)
     damping: Any  # (N + 1,): damping constant, or the overlap at yield
     law: Law  # of all contacts; if they differ, its kind is the one with the most checks
-    laws: Any  # a LawTable; None if all contacts have one law
+    laws: Any  # (N + 1, COLUMNS): the law of each contact, used unless `law` is that of all
     body_force: Any  # (N,): weight along the chain, and forces that hold free ends
     drive: int
     piece_starts: Any  # (pieces,)
@@ -80,9 +80,8 @@ class Contacts(NamedTuple):
     powers: Any  # (4, N + 1): scratch of powers
     # Scratch of implicit steps; None if steps are explicit.
     implicit: Any
-    # None if no contact has modes, so that changes of modes need not be searched for.
-    search: Any
     # None if forces depend on velocities; selects the method (`hertzchain.kernels.stepping`).
+    # Otherwise no contact has modes.
     on_positions: Any
 
 
@@ -341,11 +340,11 @@ def elastic_overlaps(overlap, mode, largest, kept):
 
 
 @compiled
-def contact_forces(overlap, closing, drive, wall, setup, laws, contacts):
+def contact_forces(overlap, closing, drive, wall, setup, contacts):
     """Write the forces of all contacts; returns the power lost."""
-    if laws is not None:
-        return differing_forces(overlap, closing, drive, wall, setup, contacts)
     law, mode, pushing = setup.law, contacts.mode, contacts.force
+    if not law.shared:
+        return differing_forces(overlap, closing, drive, wall, setup, contacts)
     if law.kind == PLASTIC:
         elastic_overlaps(overlap, mode, contacts.largest, law.kept)
     loading_curve(overlap, setup.stiffness, law.exponent, pushing, contacts.powers)
@@ -389,7 +388,7 @@ def full_derivative(time, y, setup, contacts, segment, out):
     drive = drive_at(time, setup, segment) if setup.drive != NOTHING else (0.0, 0.0, 0.0)
     wall = drive if setup.drive == MOVING_WALL else (0.0, 0.0, 0.0)
     overlaps_and_rates(y, setup.gap, wall, overlap, closing)
-    lost = contact_forces(overlap, closing, drive, wall, setup, setup.laws, contacts)
+    lost = contact_forces(overlap, closing, drive, wall, setup, contacts)
     copy(y[beads : 2 * beads], out[:beads])
     acceleration = out[beads : 2 * beads]
     for k in range(beads):

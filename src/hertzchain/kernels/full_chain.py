@@ -219,7 +219,7 @@ def advance_window(
             still = MIN_RELATIVE_SPEED * largest_speed(clock[FASTEST], y_new, beads)
             switching, theta, dense_is_found = first_switch(
                 time, y, h, y_new, stages, dense, setup, contacts, segment, still, trial, scratch,
-                contacts.search,
+                contacts.on_positions,
             )  # fmt: skip
             if switching >= 0 and theta < 1.0:
                 h *= theta
@@ -249,17 +249,18 @@ def advance_window(
         counts[STEPS] += 1
         if contacts is not None and switching >= 0:
             switch(
-                switching, time_new, y, setup, contacts, segment, still, scratch, contacts.search
-            )
+                switching, time_new, y, setup, contacts, segment, still, scratch,
+                contacts.on_positions,
+            )  # fmt: skip
             counts[SWITCHES] += 1
         if contacts is not None:
             wall = wall_motion(time_new, setup, segment)
-            forget_unloading(y, wall, setup, contacts, contacts.search)
+            forget_unloading(y, wall, setup, contacts, contacts.on_positions)
         if cut and stop == piece_end:
             counts[SEGMENT] += 1
             if contacts is not None and setup.drive == MOVING_WALL:
                 follow_wall(time_new, y, setup, contacts, counts[SEGMENT], still, scratch,
-                            contacts.search)  # fmt: skip
+                            contacts.on_positions)  # fmt: skip
         if switching >= 0 or cut:
             begin(time_new, y, clock[STEP], setup, contacts, counts[SEGMENT], rtol, stages, work,
                   scale)  # fmt: skip

@@ -273,14 +273,14 @@ def switch_within(c, time, y, h, dense, setup, contacts, segment, still, trial, 
 
 @compiled
 def first_switch(
-    time, y, h, y_new, stages, dense, setup, contacts, segment, still, trial, scratch, search
+    time, y, h, y_new, stages, dense, setup, contacts, segment, still, trial, scratch, on_positions
 ):
     """Find the first contact that must leave its mode within the step, and when; -1 if none.
 
     Also returns whether the stages are complete and the coefficients in ``dense`` are computed.
-    ``search`` is `None` if no contact has modes: numba then omits the search.
+    Contacts have no modes if ``on_positions`` is not `None`: numba then omits the search.
     """
-    if search is None:
+    if on_positions is not None or not has_modes(setup.law):
         return -1, 2.0, False
     beads = len(setup.inverse_mass)
     walls = wall_motion(time, setup, segment), wall_motion(time + h, setup, segment)

@@ -119,10 +119,10 @@ def find_overlaps(x, gap, wall, overlap):
 
 
 @compiled
-def elastic_forces(overlap, setup, laws, contacts):
+def elastic_forces(overlap, setup, contacts):
     """Write the forces of elastic contacts."""
     pushing = contacts.force
-    if laws is None:
+    if setup.law.shared:
         loading_curve(overlap, setup.stiffness, setup.law.exponent, pushing, contacts.powers)
         return
     for c in range(len(pushing)):
@@ -145,7 +145,7 @@ def evaluate(time, first, y, setup, contacts, segment, scratch, out):
     wall = drive if setup.drive == MOVING_WALL else (0.0, 0.0, 0.0)
     overlap = contacts.scratch[0, : beads + 1]
     find_overlaps(y, setup.gap, wall[0], overlap)
-    elastic_forces(overlap, setup, setup.laws, contacts)
+    elastic_forces(overlap, setup, contacts)
     acceleration, rates = out[beads : 2 * beads], out[2 * beads :]
     for k in range(beads):
         acceleration[k] = (pushing[k] - pushing[k + 1] + outside[k]) * inverse_mass[k]

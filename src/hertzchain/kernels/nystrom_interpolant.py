@@ -90,7 +90,7 @@ def find_jerks(time, y, h, setup, contacts, segment, jerks):
     rates = jerks[beads : 2 * beads + 1]
     drive = drive_at(time, setup, segment) if setup.drive != NOTHING else (0.0, 0.0, 0.0)
     wall = drive if setup.drive == MOVING_WALL else (0.0, 0.0, 0.0)
-    if setup.laws is None and setup.law.exponent == HERTZ:
+    if setup.law.shared and setup.law.exponent == HERTZ:
         hertz_rates(x, v, h, setup, wall, rates)
     else:
         for c in range(beads + 1):

@@ -19,7 +19,7 @@ from ..kernels.law_kinds import DAMPED, ELASTIC, PLASTIC, UNLOADING, VECTORISED,
 from .time_scales import typical_speed
 
 if TYPE_CHECKING:
-    from ..kernels.contact_law import Law, LawTable
+    from ..kernels.contact_law import Law
 
 # Steps are implicit if the duration of a contact exceeds this many relaxation times of its damping:
 # explicit steps would then be so short that a run would take longer.
@@ -31,8 +31,11 @@ RIGID: Final = 1e250
 SLOWEST: Final = 1e-3
 
 
-def kernel_laws(chain: Chain) -> tuple[Law, LawTable | None, Array]:
-    """Law of all contacts, table of laws if they differ, and damping of each contact, (N + 1,)."""
+def kernel_laws(chain: Chain) -> tuple[Law, Array, Array]:
+    """Law that all contacts share, table of the law of each, (N + 1, COLUMNS), and their damping.
+
+    If they differ, the first result has the kind of the law with the most checks.
+    """
     from ..kernels.contact_law import Law
 
     groups = chain.contact_groups
@@ -45,24 +48,25 @@ def kernel_laws(chain: Chain) -> tuple[Law, LawTable | None, Array]:
     slowest = SLOWEST * typical_speed(chain) if implicit else 0.0
     exponent = groups[0].contacts.exponent
     if len(groups) == 1 and rows[0].kind in VECTORISED:
-        law = Law(**rows[0]._asdict(), exponent=exponent, implicit=implicit, slowest=slowest)
-        return law, None, damping
+        own = rows[0]._asdict()
+        law = Law(**own, exponent=exponent, implicit=implicit, slowest=slowest, shared=True)
+        return law, _table(groups, rows), damping
     if implicit:
         # Implicit steps support only damped contacts.
         rows = [row._replace(kind=DAMPED) for row in rows]
-    table = _table(groups, rows)
-    return Law(_checked_for(rows), exponent, 0.0, 1.0, 1.0, True, implicit, slowest), table, damping
+    law = Law(_checked_for(rows), exponent, 0.0, 1.0, 1.0, True, implicit, slowest, shared=False)
+    return law, _table(groups, rows), damping
 
 
-def _table(groups: Sequence[ContactGroup], rows: Sequence[LawRow]) -> LawTable:
-    from ..kernels.contact_law import LawTable
+def _table(groups: Sequence[ContactGroup], rows: Sequence[LawRow]) -> Array:
+    from ..kernels import contact_law
 
-    row = np.zeros(sum(len(group.index) for group in groups), np.int64)
-    for number, group in enumerate(groups):
-        row[group.index] = number
-    columns = {name: np.array([getattr(each, name) for each in rows]) for name in LawRow._fields}
-    exponents = np.array([group.contacts.exponent for group in groups])
-    return LawTable(row=row, exponent=exponents, **columns)
+    table = np.zeros((sum(len(group.index) for group in groups), contact_law.COLUMNS))
+    for group, row in zip(groups, rows, strict=True):
+        table[group.index, contact_law.EXPONENT] = group.contacts.exponent
+        for name, value in row._asdict().items():
+            table[group.index, getattr(contact_law, name.upper())] = value
+    return table
 
 
 def _checked_for(rows: Sequence[LawRow]) -> int:

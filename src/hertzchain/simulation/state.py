@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
@@ -204,8 +204,6 @@ def first_state(chain: Chain) -> State:
 
 def contacts_of(arrays: dict[str, Array], equation: DefaultChain | GeneralChain) -> Contacts | None:
     """Modes and history of the contacts, as arrays of the kernel."""
-    from ..kernels.compilation import uncompiled
-    from ..kernels.contact_law import has_modes
     from ..kernels.forces import Contacts, DefaultChain
     from ..kernels.stiff_law import new_implicit
 
@@ -215,20 +213,19 @@ def contacts_of(arrays: dict[str, Array], equation: DefaultChain | GeneralChain)
     force, last_force = np.zeros((2, number))
     scratch, powers = np.zeros((3, number)), np.zeros((4, number))
     within = new_implicit(number) if equation.law.implicit else None
-    search = True if uncompiled(has_modes)(equation.law) else None
     positions = True if depends_on_positions(equation) else None
     return Contacts(
-        arrays["mode"], arrays["largest"], force, last_force, scratch, powers, within, search,
+        arrays["mode"], arrays["largest"], force, last_force, scratch, powers, within,
         positions,
     )  # fmt: skip
 
 
 def depends_on_positions(equation: GeneralChain) -> bool:
     """Whether the forces on a chain depend on positions and time only."""
+    from ..kernels.contact_law import KIND
     from ..kernels.law_kinds import ELASTIC
 
-    kinds = equation.law.kind if equation.laws is None else equation.laws.kind
-    return bool(np.all(np.asarray(kinds) == ELASTIC))
+    return bool(np.all(equation.laws[:, KIND] == ELASTIC))
 
 
 def same_motion(chain: Chain, other: Chain) -> bool:
@@ -236,19 +233,9 @@ def same_motion(chain: Chain, other: Chain) -> bool:
     return chain is other or fingerprint(chain) == fingerprint(other)
 
 
-def _arrays_of(part: Any) -> list[Array]:
-    """Arrays of a part of the kernel's chain; those of its table of laws differ in length."""
-    if part is None:
-        return []
-    if isinstance(part, tuple) and np.ndim(part[0]) > 0:
-        return [np.asarray(column) for column in part]
-    return [np.asarray(part)]
-
-
 def fingerprint(chain: Chain) -> str:
     """A hash of the equation of motion and the initial state."""
     digest = hashlib.sha256(initial_state(chain).tobytes())
     for part in kernel_chain(chain):
-        for values in _arrays_of(part):
-            digest.update(values.tobytes())
+        digest.update(np.asarray(part).tobytes())
     return digest.hexdigest()

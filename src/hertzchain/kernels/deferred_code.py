@@ -1,0 +1,67 @@
+"""Compile functions that only kernels call to intermediate code, as parts of their callers.
+
+Numba optimises each function together with all those that it calls, writes its machine code, and
+does the same once more for each of its callers.  This takes a third of the time of compiling, and
+the machine code of functions that Python does not call is never used.  With the compiler of this
+module, only the functions that Python calls are optimised and become machine code.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from llvmlite import binding
+from numba.core.codegen import JITCodeLibrary
+from numba.core.compiler import CompilerBase, DefaultPassBuilder
+from numba.core.compiler_machinery import AnalysisPass, register_pass
+from numba.core.typed_passes import AnnotateTypes
+
+# The prefix of variables that hold the address of a function's environment.
+ENVIRONMENT = "_ZN08NumbaEnv"
+
+
+class DeferredLibrary(JITCodeLibrary):
+    """Intermediate code of a function and of those that it calls."""
+
+    def _optimize_final_module(self) -> None:
+        """Leave the optimisation to the callers."""
+
+    def _finalize_final_module(self) -> None:
+        """Make the code available to callers, but not to the engine that writes machine code."""
+        self._finalize_dynamic_globals()
+        self._verify_declare_only_symbols()
+        # Numba writes the address of each environment to a variable, which is as wide as this.
+        engine = self._codegen._engine
+        names = [each.name for each in self._final_module.global_variables]
+        new = [name for name in names
+               if name.startswith(ENVIRONMENT) and not engine.is_symbol_defined(name)]  # fmt: skip
+        if new:
+            lines = [f'@"{name}" = common global i64 0' for name in new]
+            engine.add_module(binding.parse_assembly("\n".join(lines)))
+        self._finalized = True
+
+
+@register_pass(mutates_CFG=False, analysis_only=True)
+class DeferMachineCode(AnalysisPass):
+    """Let the function that is compiled have a `DeferredLibrary`."""
+
+    _name = "defer_machine_code"
+
+    def __init__(self) -> None:
+        AnalysisPass.__init__(self)
+
+    def run_pass(self, state: Any) -> bool:
+        """Choose the library, which numba otherwise does when it lowers the function."""
+        state.library = DeferredLibrary(state.targetctx.codegen(), state.func_id.func_qualname)
+        return False
+
+
+class DeferringCompiler(CompilerBase):
+    """Numba's usual passes and `DeferMachineCode`."""
+
+    def define_pipelines(self) -> list[Any]:
+        """Extend the usual passes."""
+        passes = DefaultPassBuilder.define_nopython_pipeline(self.state)
+        passes.add_pass_after(DeferMachineCode, AnnotateTypes)
+        passes.finalize()
+        return [passes]

@@ -9,7 +9,7 @@ from numba import njit
 from numba.core.registry import CPUDispatcher
 
 from . import compile_notice
-from .deferred_code import DeferringCompiler
+from .deferred_code import deferring
 
 # Reference counting is off (`_nrt`): it would take as long as the forces. No kernel is called
 # from C.
@@ -42,12 +42,12 @@ def internal(**options: Any) -> Callable[[Callable[..., Any]], Any]:
     """Decorate a function that only kernels call.
 
     Conversion of its arguments from Python, many of which are tuples of arrays, would take a
-    quarter of the time of compiling.  Numba's cache holds its code as a part of its callers.
+    quarter of the time of compiling.
     """
-    parts = {"no_cpython_wrapper": True, "pipeline_class": DeferringCompiler, "cache": False}
+    own = {"no_cpython_wrapper": True} | deferring()
 
     def decorate(function: Callable[..., Any]) -> Any:
-        dispatcher: Any = njit(**(options | parts))(function)
+        dispatcher: Any = njit(**(options | own))(function)
         # With NUMBA_DISABLE_JIT, it is the function itself.
         if isinstance(dispatcher, CPUDispatcher):
             dispatcher.__class__ = Internal

@@ -18,6 +18,11 @@ from numba.core.typed_passes import AnnotateTypes
 
 # The prefix of variables that hold the address of a function's environment.
 ENVIRONMENT = "_ZN08NumbaEnv"
+# Methods of numba that its documentation does not describe.
+UNDOCUMENTED = (
+    "_optimize_final_module", "_finalize_final_module", "_finalize_dynamic_globals",
+    "_verify_declare_only_symbols",
+)  # fmt: skip
 
 
 class DeferredLibrary(JITCodeLibrary):
@@ -65,3 +70,11 @@ class DeferringCompiler(CompilerBase):
         passes.add_pass_after(DeferMachineCode, AnnotateTypes)
         passes.finalize()
         return [passes]
+
+
+def deferring() -> dict[str, Any]:
+    """Options of `numba.njit` that defer machine code, if this version of numba can do it."""
+    if not all(hasattr(JITCodeLibrary, name) for name in UNDOCUMENTED):
+        return {}
+    # Numba's cache holds the code as a part of the callers.
+    return {"pipeline_class": DeferringCompiler, "cache": False}

@@ -118,7 +118,7 @@ def horizon() -> Figure:
         right.plot(times, tight.velocity(50), "--", color=COLOURS[2], label="bead 50, rtol = 1e-14")
         right.set_xlim(250.0, 700.0)
         for axes in (left, right):
-            mark_horizon(axes, found)
+            mark_horizon(axes, found, 1.0)
             axes.set_xlabel("time $t$")
         left.legend(loc="upper left")
         right.legend(loc="upper left")

@@ -665,6 +665,21 @@ def test_simulate_compares_several_chain_files(run, tmp_path):
     assert "may be given once" in run("simulate", files[0], files[0])[2]
 
 
+def test_animations_have_the_requested_magnification(run, tmp_path, monkeypatch):
+    factors = []
+    monkeypatch.setattr("hertzchain.plotting.animation._scales",
+                        lambda _, factor: factors.append(factor) or "")  # fmt: skip
+    chain = ("--beads", 5, "--until", 9, "--times", 3, "--animate", tmp_path / "a.gif")
+    assert run("simulate", *chain, "--magnify", 0.25)[0] == 0
+    assert factors == [0.25]
+    code, _, message = run("simulate", "--beads", 5, "--magnify", 2)
+    assert code == 2
+    assert "--magnify requires --animate" in message
+    code, _, message = run("simulate", *chain, "--magnify", -1)
+    assert code == 2
+    assert "--magnify" in message
+
+
 BALLS = ("--material", "steel-52100", "--diameter", "10 mm", "--beads", 12, "--speed", "0.1 m/s",
          "--wall", "same")  # fmt: skip
 

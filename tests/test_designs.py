@@ -648,8 +648,36 @@ def test_figures_show_both_chains(softest):
     lines = figure.axes[1].lines
     assert lines[1].get_ydata().max() == pytest.approx(softest.value, rel=1e-2)
     assert len(softest.plot_all().axes) == 4
+    labels = [text.get_text() for text in figure.axes[1].get_legend().get_texts()]
+    assert labels[1] == f"design, peak {softest.value:.4g}"
     with pytest.raises(hc.InputError, match="ax takes one kind"):
         softest.plot(ax=figure.axes[0])
+
+
+def test_forces_of_both_chains_end_at_the_same_time_and_do_not_end_rising():
+    diameters = ["20 mm"] * 4 + ["15 mm"] * 3 + ["10 mm"] * 3
+    chain = hc.Chain.from_materials(
+        diameters=diameters, materials="steel-52100", velocity="0.1 m/s", right_wall=hc.Wall()
+    )
+    problem = hc.Design(chain, minimise="wall_force.peak", vary=[hc.vary.order(beads="2:")])
+    result = hc.design(problem, budget=50, seed=1)
+    ends = [hc.simulate(each).end_time for each in (chain, result.chain)]
+    initial, design = result.plot("forces").lines
+    for line, each in ((initial, chain), (design, result.chain)):
+        assert 0.8e6 * max(ends) < line.get_xdata()[-1] <= 1.001e6 * max(ends)
+        peak = hc.simulate(each).wall_force().peak
+        assert line.get_ydata().max() == pytest.approx(peak, rel=1e-3)
+        assert line.get_ydata()[-1] < 0.01 * peak
+
+
+def test_changes_that_mirror_each_other_are_drawn_once(softest, monkeypatch):
+    larger = np.array([0.02, -0.01, 0.005])
+    for smaller, bars in ((-1.01 * larger, 3), (np.abs(larger), 6)):
+        monkeypatch.setitem(softest.__dict__, "changes", (larger, smaller))
+        axes = softest.plot("sensitivity")
+        heights = [bar.get_height() for bar in axes.patches]
+        assert heights == pytest.approx([*(100.0 * larger), *(100.0 * smaller)][:bars])
+        assert ("grows" in axes.get_ylabel()) == (bars == 3)
 
 
 def test_any_chain_can_be_evaluated(softest):

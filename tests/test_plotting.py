@@ -5,6 +5,7 @@ from matplotlib.animation import FFMpegWriter
 from PIL import Image
 
 import hertzchain as hc
+from hertzchain.plotting import animation
 from hertzchain.plotting.animation import animate
 from hertzchain.plotting.budget import plot_budget
 from hertzchain.plotting.chains import bead_centres, plot_chain
@@ -161,17 +162,78 @@ def test_a_budget_in_real_units_has_a_prefix(of, label):
     assert axes.yaxis.get_major_formatter()(line, 0).startswith(start)
 
 
-def test_an_animation_shows_the_wall(tmp_path):
-    walled = hc.Chain.uniform(5).replace(right_wall=hc.Wall())
-    shown = []
-    for chain in (walled, walled.replace(right_wall=None)):
-        file = hc.animate(hc.simulate(chain, until=9.0, times=5), tmp_path / "x.gif", frames=2)
-        with Image.open(file) as image:
-            # Above the text, whose edges are grey.
-            shown.append(np.asarray(image.convert("L"), int)[:95])
-    # The wall is the only grey thing before anything moves but the striker.
-    grey = [np.count_nonzero(np.abs(each - 0xBB) < 12) for each in shown]
-    assert grey[0] > 3 * grey[1]
+def animated(run, tmp_path, monkeypatch, **options):
+    """Centres of the beads and the walls of each frame, and the texts of the last."""
+    frames = []
+
+    def recorded(axes, *args):
+        beads, left = drawn(axes, *args)
+        frames.append((beads, axes))
+        return beads, left
+
+    drawn = animation._draw_beads
+    positions = []
+    monkeypatch.setattr(animation, "_draw_beads", recorded)
+    monkeypatch.setattr(animation, "_gif", lambda *_: b"GIF")
+
+    def each(*_):
+        beads, axes = frames[0]
+        walls = [wall.get_bbox().intervalx for wall in axes.patches]
+        positions.append((beads.get_offsets()[:, 0].copy(), np.array(walls)))
+
+    animate(run, tmp_path / "x.gif", progress=each, **options)
+    below = frames[0][1].figure.axes[1]
+    texts = [below.get_title("left"), below.get_title("right"), below.get_xlabel()]
+    return positions, texts, frames[0][1]
+
+
+@pytest.mark.parametrize("gap", ["0 mm", "1 mm", "20 um"])
+def test_animated_bodies_never_pass_through_each_other(gap, tmp_path, monkeypatch):
+    balls = hc.Chain.from_materials("10 mm", "steel-52100", beads=5, gaps=gap)
+    chain = balls.struck_by(velocity="0.1 m/s", gap=gap).replace(
+        right_wall=hc.Wall(gap=gap), left_wall=hc.Wall(gap=gap), loss=hc.Restitution(0.9)
+    )
+    run = hc.simulate(chain, until="60 ms" if gap == "1 mm" else "3 ms", times=1500)
+    frames, _, axes = animated(run, tmp_path, monkeypatch, frames=60)
+    radius, touched = 0.01, 0
+    pixel = np.diff(axes.get_xlim())[0] / axes.get_window_extent().width
+    for centres, walls in frames:
+        ends = [walls[0, 1] - radius, *centres, walls[1, 0] + radius]
+        overlaps = 2.0 * radius - np.diff(ends)
+        # Positions are rounded to pixels.
+        assert overlaps.max() < 0.2 * radius + pixel
+        touched += np.any(overlaps > -pixel)
+    assert touched > 5 if gap == "0 mm" else touched
+    # Walls are in front of the beads.
+    assert min(wall.get_zorder() for wall in axes.patches) > axes.collections[0].get_zorder()
+
+
+def test_gaps_are_magnified_like_displacements(tmp_path, monkeypatch):
+    balls = hc.Chain.from_materials("10 mm", "steel-52100", beads=3, gaps="1 mm")
+    chain = balls.struck_by(velocity="0.1 m/s", gap="2 mm").replace(right_wall=hc.Wall(gap="1 mm"))
+    run = hc.simulate(chain, until="21 ms", times=100)
+    frames, texts, axes = animated(run, tmp_path, monkeypatch, frames=5, magnify=3.0)
+    centres, walls = frames[0]
+    pixel = np.diff(axes.get_xlim())[0] / axes.get_window_extent().width
+    np.testing.assert_allclose(np.diff(centres), [0.026, 0.023, 0.023], atol=pixel)
+    assert walls[0, 0] - centres[-1] == pytest.approx(0.013, abs=pixel)
+    # After 20 ms, the striker has touched bead 2 and transferred its velocity.
+    assert frames[-1][0][0] - centres[0] == pytest.approx(0.006, abs=pixel)
+    assert texts == [
+        "displacements and gaps times 3; velocity up to 0.1 m/s: red to the right, "
+        "blue to the left",
+        "t = 21.00 ms", "time [ms]",
+    ]  # fmt: skip
+
+
+def test_a_driven_wall_moves_in_an_animation(tmp_path, monkeypatch):
+    drive = hc.SineBurst("5 um", 5e3, cycles=0.5, of="displacement", window="none")
+    balls = hc.Chain.from_materials("10 mm", "steel-52100", beads=3)
+    chain = balls.replace(left_wall=hc.Wall(), drive=drive)
+    run = hc.simulate(chain, until="0.2 ms", times=101)
+    frames, _, _ = animated(run, tmp_path, monkeypatch, frames=101, magnify=100.0)
+    edges = np.array([walls[0, 1] for _, walls in frames])
+    np.testing.assert_allclose(edges, 100.0 * drive.value(run.times), atol=1e-9)
 
 
 def test_an_animation_reports_its_progress_and_needs_ffmpeg_for_mp4(run, tmp_path, monkeypatch):
@@ -260,38 +322,33 @@ def test_titles_name_strikers_walls_and_losses():
         assert chain_title(chain) == title
 
 
-def crest_of(data):
-    """Axes with a signal, and the insets with its crest."""
-    times = np.linspace(0.0, 1e-3, 400)
+def test_every_sensor_of_a_fit_has_a_legible_crest_with_points_and_line():
+    result = hc.fit(*hc.example_experiment())
+    figure = result.plot()
+    figure.canvas.draw()
+    sensors = result.traces.shots[0].signals
+    assert len(figure.axes) == 3 * len(sensors)
+    panels = np.reshape(figure.axes, (3, len(sensors)))
+    for signal, upper, crest in zip(sensors, panels[0], panels[2], strict=True):
+        assert upper.get_title() == signal.name
+        data, model = crest.lines
+        assert 5 < len(data.get_xdata()) < 0.2 * len(upper.lines[0].get_xdata())
+        assert model.get_ydata().max() == upper.lines[1].get_ydata().max()
+        # Above, narrow points lie on a broad line; in the crest, a narrow line on broad points.
+        for axes, in_front in ((upper, 0), (crest, 1)):
+            points, line = axes.lines[:2]
+            assert (points.get_zorder() > line.get_zorder()) == (in_front == 0)
+            assert (points.get_markersize() < line.get_linewidth()) == (in_front == 0)
+    assert min(text.get_fontsize() for text in figure.findobj(plt.Text)) >= 8.0
+
+
+def test_a_crest_with_few_samples_says_so():
+    times = np.linspace(0.0, 1e-3, 20)
+    data = np.where(np.arange(20) == 7, 5.0, 0.0)
     signal = hc.Traces.from_arrays(times, {"wall [N]": data}, noise=0.1).shots[0].signals[0]
     axes = plt.figure().subplots()
-    axes.plot(1e6 * times, data)
-    limits = axes.get_ylim()
     _draw_crest(axes, times, signal, data)
-    axes.figure.canvas.draw()
-    # The axes show the data, not room for the inset.
-    assert axes.get_ylim() == limits
-    return axes, axes.child_axes
-
-
-@pytest.mark.parametrize("at", [0.15, 0.6, 0.8])
-def test_the_crest_of_a_fit_covers_no_data(at):
-    times = np.linspace(0.0, 1.0, 400)
-    data = 60.0 * np.exp(-(((times - at) / 0.05) ** 2))
-    axes, (inset,) = crest_of(data)
-    covered = inset.get_tightbbox()
-    drawn = axes.transData.transform(np.column_stack([1e3 * times, data]))
-    assert not any(covered.contains(*point) for point in drawn)
-    assert axes.bbox.contains(covered.x0, covered.y0)
-    assert axes.bbox.contains(covered.x1, covered.y1)
-    # It has scales.
-    assert len(inset.get_xticks()) >= 2
-    assert len(inset.get_yticks()) >= 2
-
-
-def test_there_is_no_crest_without_a_place_for_it():
-    times = np.linspace(0.0, 1.0, 400)
-    assert not crest_of(np.sin(12.0 * np.pi * times) ** 2)[1]
+    assert [text.get_text() for text in axes.texts] == ["too few samples"]
 
 
 def test_the_legend_of_bands_is_above_them():
@@ -355,9 +412,9 @@ def test_the_last_bead_of_a_free_end_is_marked():
     assert hc.plot_pulses([exact], "peak_force").lines[0].get_xdata().size == 19
 
 
-def long_run(speed, beads):
+def long_run(speed, beads, times=400):
     balls = hc.Chain.from_materials(5e-3, "steel-52100", beads=beads, velocity=speed)
-    return hc.simulate(balls.replace(right_wall=hc.Wall()))
+    return hc.simulate(balls.replace(right_wall=hc.Wall()), times=times)
 
 
 def test_runs_whose_forces_or_durations_differ_much_have_their_own_panels():
@@ -374,6 +431,21 @@ def test_runs_whose_forces_or_durations_differ_much_have_their_own_panels():
         assert line.get_xdata()[-1] == pytest.approx(factor * run.times[-1])
         # The curve fills its panel.
         assert axes.get_ylim()[1] < 1.2 * wall.peak
+
+
+def test_all_plots_of_a_run_have_the_same_unit_of_time():
+    for run, label, factor in ((long_run(0.1, 8), "time [µs]", 1e6),
+                               (long_run(1e-3, 60, 2000), "time [ms]", 1e3)):  # fmt: skip
+        plots = [run.plot(), run.plot("force"), run.plot_forces([3]), run.budget().plot(),
+                 run.waves().plot()]  # fmt: skip
+        assert {axes.get_xlabel() for axes in plots} == {label}
+        assert plots[0].get_xlim()[1] == pytest.approx(factor * run.times[-1], rel=0.01)
+        traces = hc.Traces.from_arrays(
+            run.times, {"wall [N]": run.forces[:, -1].round(9)}, noise=0.1
+        )
+        axes = traces.plot()
+        assert axes.get_xlabel() == label
+        assert axes.lines[0].get_xdata()[-1] == pytest.approx(factor * run.times[-1])
 
 
 def test_similar_runs_share_axes_and_their_unit_of_time():

@@ -77,6 +77,13 @@ USUAL_TIMES: Final = 400
     help="Write an animation of the beads to FILE (.gif, or .mp4 with ffmpeg).",
 )
 @click.option(
+    "--magnify",
+    type=click.FloatRange(min=0.0, min_open=True),
+    metavar="FACTOR",
+    help="With --animate, the factor on displacements, gaps and overlaps.  [default: motion is "
+    "visible and no overlap exceeds 0.2 radii]",
+)
+@click.option(
     "--sensor",
     "sensors",
     multiple=True,
@@ -102,8 +109,8 @@ USUAL_TIMES: Final = 400
 def simulate(
     options: ChainOptions, until: str | None, times: int | None, rtol: float, method: str,
     step: str | None, drift: float | None, max_steps: int | None, out: Path | None,
-    plot: Path | None, animation: Path | None, sensors: tuple[str, ...], stream: Path | None,
-    budget: bool, waves: bool, horizon: bool, as_json: bool,
+    plot: Path | None, animation: Path | None, magnify: float | None, sensors: tuple[str, ...],
+    stream: Path | None, budget: bool, waves: bool, horizon: bool, as_json: bool,
 ) -> None:  # fmt: skip
     """Integrate the whole chain and keep its trajectories.
 
@@ -135,6 +142,8 @@ def simulate(
 
     check_writable(animation, "--animate", (".gif", ".mp4"))
     check_writable(out, "--out", (".nc", ".csv"))
+    if magnify is not None and animation is None:
+        raise click.UsageError("--magnify requires --animate")
     if budget and as_json:
         raise click.UsageError("--budget and --json cannot be combined")
     if times is None:
@@ -170,7 +179,7 @@ def simulate(
             run.save(out)
         if animation is not None:
             with progress_bar("frames") as progress:
-                run.animate(animation, progress=progress)
+                run.animate(animation, magnify=magnify, progress=progress)
     if plot is not None:
         _save_plot(runs, beads, plot, forces=bool(sensors))
     if as_json:

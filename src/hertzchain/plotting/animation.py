@@ -16,15 +16,17 @@ from matplotlib import colormaps
 from matplotlib.animation import FFMpegWriter
 from matplotlib.axes import Axes
 from matplotlib.collections import EllipseCollection
+from matplotlib.patches import Rectangle
 
+from ..chain.chain import Chain
 from ..collision import Array
 from ..errors import IncompleteWarning, InputError
+from ..simulation.budget import overlaps_of
 from ..simulation.run import Run
 from ..store.writing import write_bytes
 from ..validation.keywords import checked_arguments
 from ..validation.numbers import number, whole_number
 from ..validation.objects import callback, check_type, file_path
-from .chains import bead_centres, draw_walls
 from .runs import check_times, force_curve
 from .style import figure_style, set_title, time_axis
 from .titles import chain_title
@@ -38,6 +40,9 @@ RESOLUTION: Final = 100
 # Colour map of velocities, and colour (red, green, blue) of the marker of the time.
 COLOURS: Final = "RdBu_r"
 MARKER: Final = (213, 94, 0)
+# Length of the largest motion, and limit of the overlaps, in radii.
+MOTION: Final = 2.0
+MAX_OVERLAP: Final = 0.2
 
 
 @checked_arguments("animate")
@@ -52,9 +57,9 @@ def animate(
 ) -> Path:
     """Write an animation of the beads as GIF or MP4.
 
-    The beads move with magnified displacements; their colour is their velocity.  Below, a trace
-    with a marker at the present time shows the force on the right wall or, without one, the
-    largest contact force.
+    Displacements, gaps and overlaps are magnified by the same factor, which keeps contacts where
+    they are; the colour of a bead is its velocity.  Below, a trace with a marker at the present
+    time shows the force on the right wall or, without one, the largest contact force.
 
     Parameters
     ----------
@@ -67,7 +72,8 @@ def animate(
     seconds : float
         Duration of the animation.
     magnify : float, optional
-        Factor on the displacements.  By default the largest displacement becomes two radii.
+        Factor on displacements, gaps and overlaps.  By default, the largest displacement or gap
+        becomes two radii, unless an overlap would then exceed 0.2 radii.
     progress : callable, optional
         Called with the number of frames drawn and their total number.
 
@@ -124,18 +130,19 @@ def _pictures(run: Run, chosen: Array, magnify: float | None) -> Iterator[Image]
     """One picture for each chosen time."""
     from PIL import Image
 
-    moved = run.positions - run.positions[0]
-    largest = float(np.abs(moved).max())
-    factor = magnify or 2.0 * float(run.chain.radii.mean()) / max(largest, np.finfo(float).tiny)
-    unit, _ = time_axis(run.chain)
-    suffix = " µs" if run.chain.units == "SI" else ""
+    factor = magnify or _magnification(run)
+    unit, label = time_axis(run.chain, float(run.times[-1]))
+    # Such as "ms" of "time [ms]".
+    clock_unit = label.partition("[")[2].rstrip("]")
+    digits = 2 if clock_unit == "ms" else 1
+    centres = _centres(run, factor)
     with figure_style():
         figure, (top, below) = plt.subplots(
             2, figsize=(8.0, 3.0), dpi=RESOLUTION, height_ratios=(1.4, 1.0)
         )
         try:
-            beads, centres = _draw_beads(top, run, factor * moved)
-            marker = _draw_force(below, run)
+            beads, left_wall = _draw_beads(top, run, centres, factor)
+            marker = _draw_force(below, run, unit, label)
             set_title(top, chain_title(run.chain))
             below.set_title(_scales(run, factor), loc="left", fontsize="small")
             # Above the axes, where no curve is.
@@ -146,11 +153,13 @@ def _pictures(run: Run, chosen: Array, magnify: float | None) -> Iterator[Image]
             # Beads at whole pixels have equal edges in most frames, which compress well.
             pixel = np.diff(top.get_xlim())[0] / top.get_window_extent().width
             for i in chosen:
-                shifts = pixel * np.round(factor * moved[i] / pixel)
-                beads.set_offsets(np.column_stack([centres + shifts, 0.0 * centres]))
+                at = pixel * np.round(centres[i] / pixel)
+                beads.set_offsets(np.column_stack([at, 0.0 * at]))
                 beads.set_array(run.velocities[i])
+                if left_wall is not None:
+                    left_wall.set_x(_left_edge(run, factor)[i] - left_wall.get_width())
                 marker.set_xdata([unit * run.times[i]] * 2)
-                clock.set_text(f"t = {unit * run.times[i]:.1f}{suffix}")
+                clock.set_text(f"t = {unit * run.times[i]:.{digits}f} {clock_unit}".rstrip())
                 figure.canvas.draw()
                 pixels = np.asarray(figure.canvas.buffer_rgba())  # type: ignore[attr-defined]
                 yield Image.fromarray(pixels[:, :, :3].copy())
@@ -158,40 +167,101 @@ def _pictures(run: Run, chosen: Array, magnify: float | None) -> Iterator[Image]
             plt.close(figure)
 
 
+def _magnification(run: Run) -> float:
+    """Factor that makes motion visible without overlaps that look impossible."""
+    chain = run.chain
+    radii = np.pad(chain.radii, 1, constant_values=np.inf)
+    overlaps = _overlaps(run)
+    moved = float(np.abs(run.positions - run.positions[0]).max())
+    largest = max(moved, float(_gaps(chain).max()), np.finfo(float).tiny)
+    deepest = np.max(overlaps.max(axis=0) / np.minimum(radii[:-1], radii[1:]), initial=0.0)
+    visible = MOTION * float(chain.radii.mean()) / largest
+    return min(visible, MAX_OVERLAP / deepest) if deepest > 0.0 else visible
+
+
+def _overlaps(run: Run) -> Array:
+    """Overlaps of all contacts; 0 at free ends."""
+    overlaps = overlaps_of(run.chain, run.times, run.positions)
+    return np.where(run.chain.contact_stiffness > 0.0, overlaps, 0.0)
+
+
+def _gaps(chain: Chain) -> Array:
+    """Gaps of all contacts, those with the walls included."""
+    left, right = (wall.gap if wall else 0.0 for wall in (chain.left_wall, chain.right_wall))
+    return np.array([left, *chain.gaps, right])
+
+
+def _centres(run: Run, factor: float) -> Array:
+    """Centres of the beads at all times, if lengths other than radii are magnified."""
+    radii = run.chain.radii
+    touching = np.cumsum(radii) + np.concatenate(([0.0], np.cumsum(radii[:-1])))
+    apart = np.concatenate(([0.0], np.cumsum(run.chain.gaps)))
+    return np.asarray(touching + factor * (apart + run.positions))
+
+
+def _left_edge(run: Run, factor: float) -> Array:
+    """Position of the left wall at all times, which a drive may move."""
+    overlap, gap = _overlaps(run)[:, 0], _gaps(run.chain)[0]
+    driven = overlap + run.positions[:, 0] + gap
+    return np.asarray(factor * (driven - gap))
+
+
+def _right_edge(run: Run, factor: float) -> float:
+    """Position of the right wall."""
+    return float(2.0 * run.chain.radii.sum() + factor * _gaps(run.chain)[1:].sum())
+
+
 def _scales(run: Run, factor: float) -> str:
-    """Magnification of the displacements, and meaning of the colours."""
+    """Magnification, and meaning of the colours."""
     fastest, unit = float(np.abs(run.velocities).max()), " m/s" * (run.chain.units == "SI")
+    lengths = "displacements and gaps" if _gaps(run.chain).any() else "displacements"
     return (
-        f"displacements times {float(f'{factor:.3g}'):g}; velocity up to {fastest:.3g}{unit}: "
+        f"{lengths} times {float(f'{factor:.3g}'):g}; velocity up to {fastest:.3g}{unit}: "
         "red to the right, blue to the left"
     )
 
 
-def _draw_beads(axes: Axes, run: Run, moved: Array) -> tuple[EllipseCollection, Array]:
+def _draw_beads(
+    axes: Axes, run: Run, centres: Array, factor: float
+) -> tuple[EllipseCollection, Rectangle | None]:
+    """Draw the beads, and the walls in front of them; returns the beads and the left wall."""
     chain, radii = run.chain, run.chain.radii
-    centres = bead_centres(chain)
     fastest = float(np.abs(run.velocities).max())
     beads = EllipseCollection(
         2 * radii, 2 * radii, np.zeros(chain.beads), units="xy", cmap=COLOURS,
-        offsets=np.column_stack([centres, 0.0 * centres]), offset_transform=axes.transData,
+        offsets=np.column_stack([centres[0], 0.0 * centres[0]]), offset_transform=axes.transData,
         edgecolor="black", linewidth=0.4,
     )  # fmt: skip
     beads.set_clim(-fastest, fastest)
     axes.add_collection(beads)
-    low = min(0.0, float((centres + moved - radii).min()))
-    high = max(float(centres[-1] + radii[-1]), float((centres + moved + radii).max()))
-    tall = 1.2 * radii.max()
-    draw_walls(chain, 1.0, tall, axes)
-    axes.set_xlim(low - 0.6 * radii.max(), high + 0.6 * radii.max())
-    axes.set_ylim(-tall, tall)
+    largest = float(radii.max())
+    ends = [float((centres - radii).min()), float((centres + radii).max())]
+    left_wall = None
+    if chain.left_wall is not None:
+        edge = _left_edge(run, factor)
+        left_wall = _draw_wall(axes, float(edge[0]) - 0.5 * largest, largest)
+        ends.append(float(edge.min()) - 0.5 * largest)
+    if chain.right_wall is not None:
+        _draw_wall(axes, _right_edge(run, factor), largest)
+        ends.append(_right_edge(run, factor) + 0.5 * largest)
+    axes.set_xlim(min(ends) - 0.1 * largest, max(ends) + 0.1 * largest)
+    axes.set_ylim(-1.2 * largest, 1.2 * largest)
     axes.set_aspect("equal")
     axes.set_axis_off()
-    return beads, centres
+    return beads, left_wall
 
 
-def _draw_force(axes: Axes, run: Run) -> Any:
+def _draw_wall(axes: Axes, begin: float, largest: float) -> Rectangle:
+    wall = Rectangle(
+        (begin, -1.2 * largest), 0.5 * largest, 2.4 * largest, facecolor="#BBBBBB", hatch="///",
+        edgecolor="black", linewidth=0.0, zorder=3,
+    )  # fmt: skip
+    axes.add_patch(wall)
+    return wall
+
+
+def _draw_force(axes: Axes, run: Run, unit: float, label: str) -> Any:
     """The force on the right wall, or the largest contact force; returns the marker of the time."""
-    unit, label = time_axis(run.chain)
     newton = " [N]" if run.chain.units == "SI" else ""
     if run.chain.right_wall is not None:
         with warnings.catch_warnings():

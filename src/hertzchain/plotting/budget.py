@@ -78,7 +78,7 @@ def plot_budget(
     there = budget.energy if of == "energy" else budget.momentum
     given = budget.energy_given if of == "energy" else budget.momentum_given
     shown = {name: values for name, values in there.items() if np.abs(values).max() > 0.0}
-    factor, label = time_axis(budget.chain)
+    factor, label = time_axis(budget.chain, float(budget.times[-1]))
     times, total = factor * budget.times, np.sum([*given.values()], axis=0)
     with figure_style():
         axes = get_axes(ax)
@@ -110,7 +110,7 @@ def plot_budget(
         axes.set_xlabel(label)
         set_title(axes, chain_title(budget.chain))
         axes.margins(x=0.0)
-        mark_horizon(axes, horizon)
+        mark_horizon(axes, horizon, factor)
         axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
     return axes
 

@@ -25,6 +25,10 @@ if TYPE_CHECKING:
 # Saved times of the forces.
 TIMES: Final = 2000
 RTOL: Final = 1e-8
+# Force, relative to its peak, that counts as none at the end of a curve.
+QUIET: Final = 0.01
+# Sum of the changes for +1% and -1%, relative to their difference, below which one suffices.
+MIRRORED: Final = 0.05
 
 
 def plot_beads(result: DesignResult, *, ax: Axes | None = None) -> Axes:
@@ -75,21 +79,37 @@ class _Curve(NamedTuple):
 
 
 def _curves(result: DesignResult) -> list[_Curve]:
-    """Curves of the initial chain and the design."""
-    found = []
+    """Curves of the initial chain and the design, over the same time unless theirs differ much."""
+    chains = {"initial": (result.problem.chain, COLOURS[0]), "design": (result.chain, COLOURS[2])}
+    until = result.problem.until
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
-        for chain, label, colour in (
-            (result.problem.chain, "initial", COLOURS[0]), (result.chain, "design", COLOURS[2]),
-        ):  # fmt: skip
-            if chain.right_wall is None:
-                pulse = simulate(chain, times=0, rtol=RTOL).pulse()
-                found.append(_Curve(label, colour, np.arange(1, chain.beads + 1), pulse.velocity))
-                continue
-            end = simulate(chain, times=0, rtol=RTOL, until=result.problem.until).end_time
-            run = simulate(chain, times=TIMES, rtol=RTOL, until=end)
-            found.append(_Curve(label, colour, run.times, run.wall_force().force))
-    return found
+        if result.chain.right_wall is None:
+            return [
+                _Curve(label, colour, np.arange(1, chain.beads + 1),
+                       simulate(chain, times=0, rtol=RTOL).pulse().velocity)
+                for label, (chain, colour) in chains.items()
+            ]  # fmt: skip
+        ends = [simulate(chain, times=0, rtol=RTOL, until=until).end_time
+                for chain, _ in chains.values()]  # fmt: skip
+        together = not differ_much(ends)
+        if together:
+            ends = [max(ends)] * 2
+        found = []
+        for (label, (chain, colour)), end in zip(chains.items(), ends, strict=True):
+            force = simulate(chain, times=TIMES, rtol=RTOL, until=end).wall_force()
+            unit = " N" if chain.units == "SI" else ""
+            label = f"{label}, peak {force.largest_so_far:.4g}{unit}"
+            found.append(_Curve(label, colour, force.times, force.force))
+    return _until_quiet(found) if together else [_until_quiet([each])[0] for each in found]
+
+
+def _until_quiet(curves: Sequence[_Curve]) -> list[_Curve]:
+    """Cut curves with the same times where all forces are small, before a further impact begins."""
+    quiet = np.all([each.y < QUIET * each.y.max() for each in curves], axis=0)
+    quiet[: max(int(each.y.argmax()) for each in curves)] = False
+    end = int(np.flatnonzero(quiet)[-1]) + 1 if quiet.any() else None
+    return [each._replace(x=each.x[:end], y=each.y[:end]) for each in curves]
 
 
 def _differ(result: DesignResult, curves: Sequence[_Curve]) -> bool:
@@ -104,7 +124,7 @@ def _draw_panels(result: DesignResult, curves: Sequence[_Curve], grid: GridSpecB
     """Draw each curve in its own panel; the first is returned."""
     panels = [grid.figure.add_subplot(part) for part in grid]  # type: ignore[attr-defined]
     for curve, axes in zip(curves, panels, strict=True):
-        _draw_curves(result, [curve._replace(label=f"{curve.label}, force on the wall")], axes)
+        _draw_curves(result, [curve._replace(label=f"force on the wall, {curve.label}")], axes)
         # Panels are low.
         axes.set_ylabel("force [N]" if result.chain.units == "SI" else "force $F$")
     first: Axes = panels[0]
@@ -141,17 +161,24 @@ def plot_history(result: DesignResult, *, ax: Axes | None = None) -> Axes:
 
 
 def plot_sensitivity(result: DesignResult, *, ax: Axes | None = None) -> Axes:
-    """Plot by how many percent the objective changes if one radius changes by +1% or -1%."""
+    """Plot by how many percent the objective changes if one radius grows by 1%.
+
+    Where it does not shrink by as much if the radius shrinks by 1%, both changes are drawn.
+    """
     with figure_style():
         axes = get_axes(ax)
-        larger, smaller = result.changes
+        larger, smaller = (100.0 * each for each in result.changes)
         beads = np.arange(1, len(larger) + 1)
+        axes.axhline(0.0, color="black", linewidth=0.8)
+        axes.set_xlabel("bead $k$")
+        if np.abs(larger + smaller).max() < MIRRORED * np.abs(larger - smaller).max():
+            axes.bar(beads, larger, 0.7, color=COLOURS[3])
+            axes.set_ylabel("change [%] if $R_k$ grows by 1%")
+            return axes
         for shift, values, colour, label in (
             (-0.2, larger, COLOURS[3], "+1%"), (0.2, smaller, COLOURS[1], "\N{MINUS SIGN}1%"),
         ):  # fmt: skip
-            axes.bar(beads + shift, 100.0 * values, 0.4, color=colour, label=label)
-        axes.axhline(0.0, color="black", linewidth=0.8)
-        axes.set_xlabel("bead $k$")
+            axes.bar(beads + shift, values, 0.4, color=colour, label=label)
         axes.set_ylabel("change [%] if $R_k$ changes by 1%")
         axes.legend()
     return axes

@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from ..fitting.goodness import autocorrelation
-from .style import COLOURS, figure_style, get_axes
+from .style import COLOURS, figure_style, get_axes, seconds_axis
 from .widths import figure_size
 
 if TYPE_CHECKING:
@@ -19,70 +19,73 @@ if TYPE_CHECKING:
     from ..fitting.trace_comparison import TraceComparison
     from ..fitting.traces import Signal, Traces
 
-MICRO: Final = 1e6
 # Samples of a posterior that are drawn as points.
 POINTS: Final = 4000
-# Fewest samples of a crest that is shown in an inset.
+# Fewest samples of a crest that is shown enlarged.
 CREST: Final = 5
-# Width and height of this inset, and its distance from data, in units of the axes.
-INSET: Final = (0.32, 0.42)
-MARGIN: Final = 0.03
-# Width and height of the labels of its axes, in the same units.
-LABELS: Final = 0.09
 
 
 def plot_traces(traces: Traces, *, ax: Axes | None = None) -> Axes:
     """Plot measured signals over time."""
     with figure_style():
         axes = get_axes(ax)
+        factor, label = _time_axis(traces)
         for i, (index, signal) in enumerate(traces):
-            times = MICRO * traces.shots[index].times
-            label = signal.name + (f", shot {index + 1}" if len(traces.shots) > 1 else "")
+            times = factor * traces.shots[index].times
+            name = signal.name + (f", shot {index + 1}" if len(traces.shots) > 1 else "")
             colour = COLOURS[i % len(COLOURS)]
             axes.plot(times, np.where(signal.valid, signal.values, np.nan), color=colour,
-                      label=label)  # fmt: skip
+                      label=name)  # fmt: skip
             unused = ~signal.valid & np.isfinite(signal.values)
             axes.plot(times[unused], signal.values[unused], "x", color=colour)
         units = " or ".join(dict.fromkeys(signal.unit for _, signal in traces))
-        axes.set_xlabel("time [µs]")
+        axes.set_xlabel(label)
         axes.set_ylabel(f"signal [{units}]")
         axes.margins(x=0.0)
         axes.legend()
     return axes
 
 
+def _time_axis(traces: Traces) -> tuple[float, str]:
+    """Factor and label of the time axes of all shots."""
+    return seconds_axis(max(float(np.ptp(shot.times)) for shot in traces.shots))
+
+
 def plot_fit(result: FitResult) -> Figure:
-    """Plot data, fit and residuals over noise of every sensor."""
+    """Plot data, fit, residuals over noise and, enlarged, the crest of every sensor."""
     residuals = result.residuals()
     shots = result.traces.shots
     most = max(len(shot.signals) for shot in shots)
+    factor, label = _time_axis(result.traces)
     with figure_style():
         figure, panels = plt.subplots(
-            2 * len(shots), most, squeeze=False, layout="constrained",
-            figsize=figure_size(3.2 * most, 4.0 * len(shots)),
-            gridspec_kw={"height_ratios": [2.2, 1.0] * len(shots)},
+            3 * len(shots), most, squeeze=False, layout="constrained",
+            figsize=figure_size(3.2 * most, 5.6 * len(shots)),
+            gridspec_kw={"height_ratios": [2.2, 1.0, 1.5] * len(shots)},
         )  # fmt: skip
         rest = iter(residuals)
         largest = max(float(np.nanmax(np.abs(values))) for _, _, values in residuals)
         limit = 1.1 * max(4.0, largest)
         for index, shot in enumerate(shots):
             for column in range(most):
-                upper, lower = panels[2 * index, column], panels[2 * index + 1, column]
+                upper, middle, lower = panels[3 * index : 3 * index + 3, column]
                 if column >= len(shot.signals):
-                    upper.remove()
-                    lower.remove()
+                    for axes in (upper, middle, lower):
+                        axes.remove()
                     continue
-                signal = shot.signals[column]
-                model = result.predicted[index][column]
-                _draw_signal(upper, shot.times, signal, model)
-                _draw_crest(upper, shot.times, signal, model)
-                lower.plot(MICRO * shot.times, next(rest)[2], ".", color="0.35", markersize=2.0)
-                lower.axhline(0.0, color="black", linewidth=0.6)
-                lower.set_ylim(-limit, limit)
-                lower.set_xlim(upper.get_xlim())
-                lower.set_xlabel("time [µs]")
+                signal, model = shot.signals[column], result.predicted[index][column]
+                times = factor * shot.times
+                _draw_signal(upper, times, signal, model)
+                upper.tick_params(labelbottom=False)
+                middle.plot(times, next(rest)[2], ".", color="0.35", markersize=2.0)
+                middle.axhline(0.0, color="black", linewidth=0.6)
+                middle.set_ylim(-limit, limit)
+                middle.set_xlim(upper.get_xlim())
+                _draw_crest(lower, times, signal, model)
+                lower.set_xlabel(label)
                 if column == 0:
-                    lower.set_ylabel("residual / noise")
+                    middle.set_ylabel("residual\n/ noise")
+                    lower.set_ylabel("crest")
                 if len(shots) > 1:
                     upper.set_title(f"{signal.name}, shot {index + 1}")
         figure.legend(*panels[0, 0].get_legend_handles_labels(), loc="outside upper right", ncols=2)
@@ -91,52 +94,41 @@ def plot_fit(result: FitResult) -> Figure:
 
 def _draw_signal(axes: Axes, times: Any, signal: Signal, model: Any) -> None:
     shown = np.where(signal.valid, signal.values, np.nan)
-    _draw_data_and_model(axes, MICRO * times, shown, model)
+    _draw_data_and_model(axes, times, shown, model, point=1.8, line=3.5)
     unused = ~signal.valid & np.isfinite(signal.values)
-    axes.plot(MICRO * times[unused], signal.values[unused], "x", color="0.55", markersize=3.0)
+    axes.plot(times[unused], signal.values[unused], "x", color="0.55", markersize=3.0)
     what = "force" if signal.place.quantity == "force" else "velocity"
     axes.set_ylabel(f"{what} [{signal.unit}]" if signal.calibrated else f"signal [{signal.unit}]")
     axes.set_title(signal.name)
     axes.margins(x=0.0)
 
 
-def _draw_data_and_model(axes: Axes, times: Any, data: Any, model: Any) -> None:
-    axes.plot(times, data, "o", color="0.6", markersize=2.2, markeredgewidth=0.0, label="data")
-    axes.plot(times, model, color=COLOURS[2], linewidth=0.6, label="model")
+def _draw_data_and_model(
+    axes: Axes, times: Any, data: Any, model: Any, *, point: float, line: float
+) -> None:
+    """Draw the narrower of points and line in front, which hides neither."""
+    axes.plot(times, data, "o", color="0.25", markersize=point, markeredgewidth=0.0, label="data",
+              zorder=3.0)  # fmt: skip
+    axes.plot(times, model, color=COLOURS[6], linewidth=line, label="model",
+              zorder=2.0 if line > point else 4.0)  # fmt: skip
 
 
 def _draw_crest(axes: Axes, times: Any, signal: Signal, model: Any) -> None:
-    """Enlarge the crest of the signal in an inset that covers no data."""
+    """Draw the crest of the signal, enlarged."""
     values = np.where(signal.valid, signal.values, -np.inf)
     begin, end = _crest(values, model)
     if end == len(times) - 1 and begin > 1:
         # The record ends before this wave has passed: show the one before it.
         begin, end = _crest(values[:begin], model[:begin])
     if end - begin < CREST:
+        axes.text(0.5, 0.5, "too few samples", ha="center", va="center", transform=axes.transAxes)
+        axes.set_xticks([])
+        axes.set_yticks([])
         return
     shown = slice(begin, end + 1)
-    place = _free_place(axes, MICRO * times, (signal.values, model))
-    if place is None:
-        return
-    inset = axes.inset_axes(place)
-    _draw_data_and_model(inset, MICRO * times[shown], signal.values[shown], model[shown])
-    inset.locator_params(axis="x", nbins=3)
-    inset.locator_params(axis="y", nbins=4)
-    inset.tick_params(labelsize=6.0, length=2.0, pad=1.5)
-    inset.set_title("crest", fontsize=7, pad=2.0)
-
-
-def _free_place(axes: Axes, times: Any, curves: Any) -> tuple[float, float, float, float] | None:
-    """Left, bottom, width and height of a place without data; none if there is no such place."""
-    width, height = INSET
-    x = (times - times[0]) / (times[-1] - times[0])
-    low, high = axes.get_ylim()
-    tops = [(np.where(np.isnan(values), low, values) - low) / (high - low) for values in curves]
-    for left in np.linspace(0.03 + LABELS, 0.97 - width, 20):
-        beside = (x > left - LABELS - MARGIN) & (x < left + width + MARGIN)
-        if all(np.max(top[beside], initial=0.0) < 0.88 - height - LABELS for top in tops):
-            return float(left), 0.88 - height, width, height
-    return None
+    data = np.where(signal.valid, signal.values, np.nan)[shown]
+    _draw_data_and_model(axes, times[shown], data, model[shown], point=4.5, line=1.5)
+    axes.locator_params(nbins=4)
 
 
 def _crest(values: Any, model: Any) -> tuple[int, int]:
@@ -205,6 +197,7 @@ def plot_comparison(comparison: TraceComparison) -> Figure:
     count = len(shot.signals)
     columns = min(count, 2)
     rows = -(-count // columns)
+    factor, label = _time_axis(comparison.traces)
     with figure_style():
         figure, panels = plt.subplots(
             rows, columns, squeeze=False, sharex=True, layout="constrained",
@@ -214,10 +207,10 @@ def plot_comparison(comparison: TraceComparison) -> Figure:
             if i >= count:
                 axes.remove()
                 continue
-            _draw_signal(axes, shot.times, shot.signals[i],
+            _draw_signal(axes, factor * shot.times, shot.signals[i],
                          comparison.scales[i] * comparison.signals[i])  # fmt: skip
             if i >= count - columns:
-                axes.set_xlabel("time [µs]")
+                axes.set_xlabel(label)
                 axes.tick_params(labelbottom=True)
         panels[0, 0].legend()
     return figure

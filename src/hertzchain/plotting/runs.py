@@ -75,7 +75,7 @@ def plot_run(
     if len(run.times) < 2:
         raise InputError(f"a map needs at least 2 saved times, the run has {len(run.times)}")
     check_choice("quantity of a map", quantity, ("velocity", "force"))
-    real = run.chain.units == "SI"
+    factor, time_label = time_axis(run.chain, float(run.times[-1]))
     # White is at rest, red forwards, blue backwards; without backward motion, a scale from 0.
     values, low, colours = run.velocities, -1.0, "RdBu_r"
     numbers = np.arange(1, run.chain.beads + 1)
@@ -83,14 +83,14 @@ def plot_run(
         values, low, colours = run.forces, 0.0, "afmhot_r"
         numbers = np.arange(run.chain.beads + 1)
     drawn = RUN_QUANTITIES[quantity]
-    label = f"{quantity} [{drawn.unit}]" if real else drawn.label
+    label = f"{quantity} [{drawn.unit}]" if run.chain.units == "SI" else drawn.label
     with figure_style():
         axes = get_axes(ax)
         largest = float(np.abs(values).max())
         if low < 0.0 and values.min() > -NO_RETURN * largest:
             low, colours = 0.0, "Reds"
         mesh = axes.pcolormesh(
-            run.times * (1e6 if real else 1.0),
+            factor * run.times,
             numbers,
             values.T,
             cmap=colours,
@@ -100,13 +100,13 @@ def plot_run(
             rasterized=True,
         )
         axes.figure.colorbar(mesh, ax=axes, label=label)
-        axes.set_xlabel("time [µs]" if real else "time $t$")
+        axes.set_xlabel(time_label)
         axes.set_ylabel(f"{drawn.per} $k$")
         axes.yaxis.set_major_locator(MaxNLocator(integer=True))
         for k in section_ends(run.chain):
             at = k if quantity == "force" else k + 0.5
             axes.axhline(at, color="0.25", linewidth=0.7, linestyle="--")
-        mark_horizon(axes, run.known_horizon)
+        mark_horizon(axes, run.known_horizon, factor)
         set_title(axes, chain_title(run.chain))
     return axes
 

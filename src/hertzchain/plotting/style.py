@@ -130,10 +130,13 @@ def set_title(axes: Axes, text: str) -> None:
     axes.set_title("\n".join(lines).replace("\u00a0", " "))
 
 
-def time_axis(chain: Chain, longest: float = 0.0) -> tuple[float, str]:
+def time_axis(chain: Chain, longest: float) -> tuple[float, str]:
     """Factor and label of a time axis: in SI units microseconds or, for long times, ms."""
-    if chain.units != "SI":
-        return 1.0, "time $t$"
+    return seconds_axis(longest) if chain.units == "SI" else (1.0, "time $t$")
+
+
+def seconds_axis(longest: float) -> tuple[float, str]:
+    """The same for times in seconds, such as those of measured data."""
     return (1e3, "time [ms]") if longest > LONG else (1e6, "time [µs]")
 
 
@@ -153,11 +156,10 @@ def label_log_axis(axis: Axis) -> None:
         axis.set_minor_formatter(NullFormatter())
 
 
-def mark_horizon(axes: Axes, horizon: Horizon | None, factor: float | None = None) -> None:
+def mark_horizon(axes: Axes, horizon: Horizon | None, factor: float) -> None:
     """Mark the horizon of a run, and shade the times beyond it."""
     if horizon is None or not np.isfinite(horizon.time):
         return
-    factor = time_axis(horizon.chain)[0] if factor is None else factor
     begin, end = factor * horizon.time, factor * horizon.times[-1]
     axes.axvspan(begin, max(begin, end), color="0.5", alpha=0.25, linewidth=0.0)
     label = f"horizon: error {100.0 * horizon.within:g}%"

@@ -31,7 +31,8 @@ def plot_waves(waves: Waves, *, ax: Axes | None = None) -> Axes:
     >>> [text.get_text() for text in axes.get_legend().get_texts()]
     ['to the right']
     """
-    factor, label = time_axis(waves.chain)
+    last = max((float(wave.times[-1]) for wave in waves), default=0.0)
+    factor, label = time_axis(waves.chain, last)
     strongest = max((wave.energy for wave in waves), default=1.0)
     with figure_style():
         axes = get_axes(ax)

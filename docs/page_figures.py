@@ -270,7 +270,7 @@ def design_protector() -> Figure:
             row.set_aspect("equal")
             row.autoscale_view()
             row.set_axis_off()
-            row.set_title(name)
+            row.set_title(name, pad=10.0)
             for label, law, colour, dashes in (
                 ("elastic", None, COLOURS[0], "-"),
                 ("with yield", hc.ElasticPlastic(), COLOURS[2], "--"),
@@ -280,10 +280,13 @@ def design_protector() -> Figure:
                 axes.plot(1e3 * run.times, force, dashes, color=colour, label=label)
             axes.set_xlim(0.0, 1.3)
             axes.set_ylabel("force on the wall [N]")
+            axes.set_xlabel("time [ms]")
         panels[3].set_ylim(panels[1].get_ylim())
-        panels[3].set_xlabel("time $t$ [ms]")
-        panels[1].legend()
-        material_legend([found.chain], panels[3], loc="upper right")
+        lines, _ = panels[1].get_legend_handles_labels()
+        material_legend([found.chain], panels[1])
+        kinds = panels[1].get_legend().legend_handles
+        panels[1].get_legend().remove()
+        canvas.legend(handles=[*kinds, *lines], loc="outside upper center", ncols=4)
     return canvas
 
 

@@ -1,7 +1,11 @@
+import re
+from importlib import resources
+
 import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 from matplotlib.animation import FFMpegWriter
+from matplotlib.colors import to_hex
 from PIL import Image
 
 import hertzchain as hc
@@ -294,9 +298,56 @@ def test_strikers_are_marked_above_the_chain():
         axes = plot_chain(chain.struck_by(count=count, radius=0.5))
         assert axes.texts[-1].get_text() == word
         arrow = axes.texts[0]
-        assert arrow.xy[0] > arrow.xyann[0]
+        # The arrow is as long as the strikers, of radius 0.5.
+        assert arrow.xy[0] - arrow.xyann[0] == pytest.approx(count)
         assert 1.0 < arrow.xy[1] < axes.get_ylim()[1]
         assert axes.get_ylim()[1] > top
+
+
+def test_all_plots_of_a_run_have_the_same_title():
+    balls = hc.Chain.from_materials("5 mm", "steel-52100", beads=8)
+    chain = balls.struck_by(velocity=0.1, count=2).replace(
+        right_wall=hc.Wall(), loss=hc.Restitution(0.95)
+    )
+    run = hc.simulate(chain)
+    for axes in (run.plot(), run.plot_forces([3]), run.pulse().plot(), run.budget().plot()):
+        title = axes.get_title().replace("\n", " ")
+        assert title == "8 steel balls and 2 strikers, 10 mm, restitution 0.95"
+    # Chains that differ in what titles do not contain are distinguished.
+    gap = chain.replace(gaps=[0.0] * 5 + [1e-6] + [0.0] * 3)
+    axes = hc.plot_pulses([run.pulse(), hc.simulate(gap).pulse()])
+    assert len(set(legend(axes))) == 2
+    assert legend(axes)[1] == "gaps"
+
+
+def test_locations_have_the_same_colour_in_every_budget():
+    chain = hc.Chain.uniform(8).replace(right_wall=hc.Wall(), loss=hc.Restitution(0.8))
+    budget = hc.simulate(chain, until=20.0).budget()
+    axes = budget.plot()
+    handles, labels = axes.get_legend_handles_labels()
+    drawn = {label: to_hex(handle.get_facecolor()[0]) for handle, label in
+             zip(handles, labels, strict=True) if label != "total input"}  # fmt: skip
+    assert {"leading pulse", "lagging", "scattered back", "contacts", "lost"} <= set(drawn)
+    static = resources.files("hertzchain.app").joinpath("static/app.css").read_text()
+    html = budget._repr_html_()
+    for name, colour in drawn.items():
+        of_app = re.search(rf"\.{name.replace(' ', '-')}(?:, [-.a-z]+)? {{ --part: (#\w+);", static)
+        assert of_app is not None
+        assert of_app[1] == colour
+        assert f'fill="{colour}"' in html
+    # Locations that are drawn together have different colours.
+    assert len(set(drawn.values())) == len(drawn)
+
+
+def test_maps_of_short_runs_are_smooth():
+    run = hc.simulate(hc.Chain.uniform(3), until=5.0, times=12)
+    for quantity, values in (("velocity", run.velocities), ("force", run.forces)):
+        axes = run.plot(quantity)
+        drawn = axes.collections[0].get_array()
+        assert drawn.shape[1] >= 1000
+        # Between the saved times, values are interpolated.
+        assert np.abs(np.diff(drawn, axis=1)).max() < 0.02 * np.ptp(values)
+        np.testing.assert_allclose(drawn[:, [0, -1]], values[[0, -1]].T, atol=1e-12)
 
 
 def test_titles_name_strikers_walls_and_losses():

@@ -78,10 +78,9 @@ later = 1e6 * (table["wall_peak_time"] - table["wall_peak_time"][0])
 overlap = 1e6 * hc.simulate(gapped[0]).largest_overlaps[15]
 
 figure, (top, bottom) = plt.subplots(2, 1, figsize=(6.4, 5.6), sharex=True)
-top.plot(gaps, 100.0 * table["wall_peak_force"] / nominal, "o-")
-top.set_title("Peak force with one open contact")
-top.set_ylabel("force over that without gap [%]")
-top.set_ylim(0.0, 110.0)
+top.plot(gaps, 100.0 * (table["wall_peak_force"] / nominal - 1.0), "o-")
+top.set_title("Change of the peak force by one open contact")
+top.set_ylabel("change [%]")
 bottom.plot(gaps, later, "o-")
 bottom.set_title("Delay of the peak")
 bottom.set_ylabel("delay [µs]")

@@ -8,6 +8,7 @@ from typing import Final
 
 import numpy as np
 
+from ..simulation.budget import COLOURS as LOCATION_COLOURS
 from ..simulation.budget import Budget
 from ..simulation.run import Run
 from ..simulation.sensor_force import SensorForce
@@ -74,8 +75,8 @@ def budget_html(budget: Budget) -> str:
     there = {name: values for name, values in budget.energy.items() if np.any(values > 0.0)}
     factor, joule = axis_unit(np.sum([*there.values()], axis=0), "J", units)
     curves, base = [], np.zeros(len(budget.times))
-    for colour, (name, values) in zip(COLOURS, there.items(), strict=False):
-        top = base + values
+    for name, values in there.items():
+        top, colour = base + values, LOCATION_COLOURS[name]
         curves.append(Curve(slow * budget.times, factor * top, name, colour, factor * base))
         base = top
     rows = [*_balances(budget, factor)]

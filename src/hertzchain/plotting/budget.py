@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.ticker import FuncFormatter
 
 from ..errors import InputError
-from ..simulation.budget import BALANCED, Balanced, Budget
+from ..simulation.budget import BALANCED, COLOURS, Balanced, Budget
 from ..simulation.horizon import Horizon
 from ..validation.objects import check_choice, check_type
 from .style import (
@@ -22,19 +22,8 @@ from .style import (
 )
 from .titles import chain_title
 
-# Locations, with colour and hatching.
-PARTS: Final[dict[str, tuple[str, str]]] = {
-    "leading pulse": ("#0072B2", ""),
-    "lagging": ("#56B4E9", ""),
-    "scattered back": ("#E69F00", "//"),
-    "contacts": ("#D9D9D9", ""),
-    "walls": ("#CC79A7", ""),
-    "left wall": ("#999999", "\\\\"),
-    "right wall": ("#666666", ""),
-    "lost": ("#D55E00", ".."),
-}
-
-
+# Hatching of locations, besides their colours.
+HATCHES: Final = {"scattered back": "//", "left wall": "\\\\", "lost": ".."}
 TICK: Final = {"energy": ("energy", "J"), "momentum": ("momentum", "N s")}
 
 
@@ -84,7 +73,7 @@ def plot_budget(
         axes = get_axes(ax)
         above, below = np.zeros(len(times)), np.zeros(len(times))
         for name, values in shown.items():
-            colour, hatch = PARTS[name]
+            colour, hatch = COLOURS[name], HATCHES.get(name, "")
             for base, part in ((above, np.maximum(values, 0.0)), (below, np.minimum(values, 0.0))):
                 if np.any(part != 0.0):
                     axes.fill_between(

@@ -73,17 +73,19 @@ def plot_chain(chain: Chain, *, ax: Axes | None = None) -> Axes:
 
 
 def mark_strikers(chain: Chain, factor: float, axes: Axes) -> None:
-    """Mark strikers by an arrow above them, with more room at the top."""
+    """Mark strikers by an arrow above them, of their length, with more room at the top."""
     if not chain.strikers:
         return
     largest = factor * chain.radii.max()
-    begin = factor * (bead_centres(chain)[0] - chain.radii[0])
+    centres, last = factor * bead_centres(chain), chain.strikers - 1
+    begin = centres[0] - factor * chain.radii[0]
+    end = centres[last] + factor * chain.radii[last]
     height = 1.3 * largest
-    axes.annotate("", (begin + 2.0 * largest, height), (begin, height),
+    axes.annotate("", (end, height), (begin, height),
                   arrowprops={"arrowstyle": "-|>", "color": COLOURS[2], "shrinkA": 0.0,
                               "shrinkB": 0.0})  # fmt: skip
     word = "striker" if chain.strikers == 1 else f"{chain.strikers} strikers"
-    axes.annotate(word, (begin + 2.1 * largest, height), color=COLOURS[2], va="center", fontsize=8)
+    axes.annotate(word, (end + 0.1 * largest, height), color=COLOURS[2], va="center", fontsize=8)
     axes.set_ylim(top=max(axes.get_ylim()[1], height + 0.35 * largest))
 
 

@@ -26,6 +26,7 @@ from .style import (
     literal,
     set_title,
 )
+from .titles import chain_words
 
 # Quantities of a bead whose values at a free end are larger than those before it.
 FREE: Final = ("velocity", "momentum", "energy")
@@ -88,7 +89,7 @@ def plot_pulses(
     """
     pulses = _checked(pulses, quantity)
     log, residuals = check_bool("log", log), check_bool("residuals", residuals)
-    names, title = distinguish([_words(pulse) for pulse in pulses])
+    names, title = distinguish(_words(pulses))
     if labels is not None:
         names = check_list("labels", labels, "labels")
         if len(names) != len(pulses):
@@ -134,9 +135,15 @@ def _checked(pulses: Sequence[Pulse], quantity: str) -> list[Pulse]:
     return checked
 
 
-def _words(pulse: Pulse) -> list[str]:
-    """Method and description of the chain, in parts that can be compared."""
-    return [pulse.method, *pulse.chain.description.split(", ")]
+def _words(pulses: Sequence[Pulse]) -> list[list[str]]:
+    """Method and chain of each pulse, in parts that can be compared."""
+    described = [[pulse.method, *pulse.chain.description.split(", ")] for pulse in pulses]
+    if any(pulse.chain.scaled for pulse in pulses):
+        return described
+    # The words of other plots of these chains, unless these do not distinguish the pulses.
+    titles = [[pulse.method, *chain_words(pulse.chain).split(", ")] for pulse in pulses]
+    count = [len({*map(tuple, each)}) for each in (titles, described)]
+    return titles if count[0] == count[1] else described
 
 
 def _axes(ax: Axes | None, *, residuals: bool) -> tuple[Axes, Axes | None]:

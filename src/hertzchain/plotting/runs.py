@@ -41,6 +41,8 @@ CUT_OFF = " (peak not complete)"
 TIME_LABELS: Final = MappingProxyType({"time [µs]": 1e6, "time [ms]": 1e3})
 # Fewest equal beads of a section, and largest number of sections with boundaries in a map.
 SECTION, MAX_SECTIONS = 2, 8
+# Fewest times of a map.
+MAP_TIMES: Final = 1000
 # Velocities that are less negative, relative to the largest, are not given separate colours.
 NO_RETURN = 0.01
 
@@ -89,8 +91,9 @@ def plot_run(
         largest = float(np.abs(values).max())
         if low < 0.0 and values.min() > -NO_RETURN * largest:
             low, colours = 0.0, "Reds"
+        times, values = _with_many_times(run.times, values)
         mesh = axes.pcolormesh(
-            factor * run.times,
+            factor * times,
             numbers,
             values.T,
             cmap=colours,
@@ -109,6 +112,14 @@ def plot_run(
         mark_horizon(axes, run.known_horizon, factor)
         set_title(axes, chain_title(run.chain))
     return axes
+
+
+def _with_many_times(times: Array, values: Array) -> tuple[Array, Array]:
+    """Values between few saved times, by linear interpolation, for a map without coarse steps."""
+    if len(times) >= MAP_TIMES:
+        return times, values
+    fine = np.linspace(times[0], times[-1], MAP_TIMES)
+    return fine, np.column_stack([np.interp(fine, times, column) for column in values.T])
 
 
 def section_ends(chain: Chain) -> list[int]:

@@ -14,7 +14,7 @@ from ..collision import HERTZ_EXPONENT
 from .style import literal
 
 
-def chain_title(chain: Chain) -> str:
+def chain_words(chain: Chain) -> str:
     """Such as ``20 steel balls, 20 mm to 8 mm, PTFE wall``; strikers are named, not counted."""
     count, first = chain.beads, chain.strikers
     title, *_ = chain.description.partition(f"{count} beads")
@@ -26,7 +26,12 @@ def chain_title(chain: Chain) -> str:
         title = f"{count} equal beads"
     p = chain.exponents
     law = f", p = {p:g}" if isinstance(p, float) and p != HERTZ_EXPONENT else ""
-    return literal(", ".join(filter(None, (title + law, _wall(chain), _loss(chain)))))
+    return ", ".join(filter(None, (title + law, _wall(chain), _loss(chain))))
+
+
+def chain_title(chain: Chain) -> str:
+    """The same, escaped for Matplotlib."""
+    return literal(chain_words(chain))
 
 
 def _strikers(chain: Chain) -> str:

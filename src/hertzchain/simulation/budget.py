@@ -41,6 +41,12 @@ if TYPE_CHECKING:
 
 Balanced = Literal["energy", "momentum"]
 BALANCED: Final[tuple[Balanced, ...]] = ("energy", "momentum")
+# Colour of each location in all figures, from those of Okabe and Ito.
+COLOURS: Final = {
+    "leading pulse": "#0072b2", "lagging": "#56b4e9", "scattered back": "#e69f00",
+    "contacts": "#b8b8b8", "walls": "#cc79a7", "left wall": "#e3b5cf", "right wall": "#cc79a7",
+    "lost": "#d55e00",
+}  # fmt: skip
 MOVING: Final = ("leading pulse", "lagging", "scattered back")
 
 

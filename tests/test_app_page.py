@@ -151,9 +151,14 @@ def test_errors_are_those_of_the_library(page):
     for quantity in ("velocity", "arrival"):
         page.tab.select_option("#quantity", quantity)
         page.tab.wait_for_timeout(100)
-        for name, theory in (("bca", hc.bca), ("local-rate", hc.local_rate)):
+        methods = {"bca": hc.bca, "local-rate": hc.local_rate}
+        if quantity == "velocity":
+            methods["modified-bca"] = hc.modified_bca
+        for name, theory in methods.items():
             shown = page.tab.text_content(f"[data-curve='{name}']").rpartition(" ")[2]
-            worst = 100.0 * theory(chain).compare(exact).worst(quantity)
+            # The last bead, at the free end, is not described by theories.
+            errors = theory(chain).compare(exact).errors(quantity)[1 : chain.beads - 1]
+            worst = 100.0 * np.abs(errors).max()
             assert float(shown.removesuffix("%").replace("\N{MINUS SIGN}", "-")) == float(
                 f"{worst:.2g}"
             )
@@ -538,6 +543,7 @@ def test_files_are_saved_and_opened(page, tmp_path):
     chain_file.write_text('[chain]\ntaper = "uniform"\nbeads = 12\nright_wall = {rigid = true}\n')
     open_file(page, chain_file)
     table = {"taper": "uniform", "beads": 12, "right_wall": {"rigid": True}}
+    assert "undefined" not in page.tab.text_content("body")
     assert page.document() == {"chain": table}
     chain_file.write_text("[chain]\nbead = 12\n")
     page.tab.set_input_files("#file", chain_file)

@@ -13,6 +13,7 @@ import sys
 import threading
 import time
 import tomllib
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -299,11 +300,33 @@ def test_the_script_gives_the_numbers_of_the_page(client, document, tmp_path, mo
         arrays |= each
     script = exported(client, document, "python", until=float(arrays["times"][-1]))
     monkeypatch.chdir(tmp_path)
+    Path("chain.toml").write_text("a file of the user")
     names = {}
     exec(compile(script, "chain.py", "exec"), names)
-    assert capsys.readouterr().out
+    printed = capsys.readouterr().out
+    assert [each.name for each in tmp_path.iterdir()] == ["chain.toml"]
+    assert Path("chain.toml").read_text() == "a file of the user"
+    walled = names["chain"].right_wall is not None
+    assert ("WallForce" in printed) == walled
     for quantity in ("velocity", "arrival"):
         assert np.array_equal(arrays[f"exact.{quantity}"], getattr(names["pulse"], quantity))
+
+
+def test_a_run_is_described_by_its_own_warnings_and_units(client):
+    """A soft wall: the run for the page is shorter than that up to the peak on the wall."""
+    pad = {"chain": {"diameters": "20 mm", "materials": "steel-52100", "beads": 20,
+                     "struck_by": [{"velocity": "0.5 m/s"}],
+                     "right_wall": {"material": "rubber"}}}  # fmt: skip
+    headers = {header["part"]: header for header, _ in client.results(pad, 77)}
+    run = headers["run"]
+    limits = [text.partition(" is ")[0] for text in run["warnings"]]
+    assert len(set(limits)) == len(limits) == 2
+    # The overlap at the wall is that of the peak, which the whole run contains.
+    with pytest.warns(hc.ModelRangeWarning) as issued:
+        hc.simulate(chain_of(pad), until=8e-3, times=0)
+    assert run["warnings"][0] == str(issued[0].message)
+    assert run["warnings"][0].startswith("overlap / radius")
+    assert re.fullmatch(r"the run ends at t = \d\.\d+ ms", run["message"])
 
 
 def test_tables_have_all_digits(client):

@@ -70,16 +70,17 @@ def _python(given: Mapping[str, Any], _: Stop) -> Export:
     source = f"{literal}\\\n{text}{literal}" if literal else repr(text)
     lines = [
         f'"""{chain.description.replace(chr(34), chr(39))}."""'.replace("\\", "/"),
-        "", "from pathlib import Path", "", "import hertzchain as hc", "",
-        f"CHAIN = {source}", "", 'file = Path("chain.toml")',
-        'file.write_text(CHAIN, "utf-8")', "chain = hc.load_chain(file)",
+        "", "import tempfile", "from pathlib import Path", "", "import hertzchain as hc", "",
+        f"CHAIN = {source}", "", "with tempfile.TemporaryDirectory() as folder:",
+        '    file = Path(folder) / "chain.toml"', '    file.write_text(CHAIN, "utf-8")',
+        "    chain = hc.load_chain(file)",
     ]  # fmt: skip
     end = given.get("until")
     until = "" if end is None else f"until={number('until', end, above=0.0)!r}, "
     lines += [f"run = hc.simulate(chain, {until}rtol=1e-9)"]
     exact = "hc.propagate(chain)" if _supported(chain) else "run.pulse()"
     lines += [f"pulse = {exact}", "print(pulse)"]
-    lines += ["print(run.wall_force())"] if chain.right_wall is not None and not until else []
+    lines += ["print(run.wall_force())"] if chain.right_wall is not None else []
     lines += [f"print(run.sensor_force({k}))" for k in _sensors(chain, given.get("sensors"))]
     lines += [""]
     return Export("chain.py", "text/x-python", "\n".join(lines).encode())
@@ -134,7 +135,7 @@ def _run(chain: Chain, exact: Pulse | None, stop: Stop) -> Run:
     """The run of the page at equally spaced times, until the peak on the wall is complete."""
     request = Request("figure", "A", 0, None, frames=FRAMES, clock="time")
     progress = limited(stop)
-    run, whole = motion(chain, exact, request, progress)
+    run, whole, _ = motion(chain, exact, request, progress)
     if whole is run:
         return run
     times = np.linspace(0.0, PAST_THE_END * whole.end_time, FRAMES)

@@ -11,6 +11,7 @@ import numpy as np
 from ..chain.chain import Chain
 from ..collision import Array
 from ..errors import InputError, SimulationError
+from ..notebook.drawing import engineering
 from ..propagation.propagate import propagate
 from ..pulse.pulse import Pulse
 from ..simulation.run import Run
@@ -67,9 +68,10 @@ def _results(request: Request, stop: Stop) -> Iterator[Part]:
         chain = chain_of(request.document)
         table = _Theories(chain)
         table.add([name for name in THEORIES if name not in COMPILED])
+    before = [str(each) for each in warned]
     yield Part(
         {"part": "beads", **identity, **_description(chain), "theories": table.header,
-         "warnings": [str(each) for each in warned], "seconds": time.perf_counter() - began},
+         "warnings": before, "seconds": time.perf_counter() - began},
         _bead_arrays(chain) | table.arrays,
     )  # fmt: skip
     began = time.perf_counter()
@@ -85,15 +87,23 @@ def _results(request: Request, stop: Stop) -> Iterator[Part]:
     if stop():
         raise Cancelled
     progress = limited(stop)
-    with record_warnings() as warned:
-        run, whole = motion(chain, exact, request, progress)
+    with record_warnings():
+        run, whole, warned = motion(chain, exact, request, progress)
         sensed = _sensor_run(run, request, progress)
         if exact is None:
             pulse = _pulse_of(run)
             note = refusal if pulse is None else ""
             yield _pulse_part(request, pulse, compiled, [], began, note)
         if request.run:
-            yield _run_part(run, whole, sensed, request, warned, time.perf_counter() - began)
+            found = _not_repeated(before, [str(each) for each in warned])
+            yield _run_part(run, whole, sensed, request, found, time.perf_counter() - began)
+
+
+def _not_repeated(before: list[str], found: list[str]) -> list[str]:
+    """Warnings of a run, after those of its chain about other limits: "pressure / yield is ..."."""
+    limits = {each.partition(" is ")[0] for each in found}
+    rest = [each for each in before if each.partition(" is ")[0] not in limits]
+    return list(dict.fromkeys((*rest, *found)))
 
 
 def _description(chain: Chain) -> dict[str, Any]:
@@ -206,30 +216,33 @@ def limited(stop: Stop) -> Callable[..., None]:
 
 def motion(
     chain: Chain, exact: Pulse | None, request: Request, progress: Callable[..., None]
-) -> tuple[Run, Run]:
+) -> tuple[Run, Run, list[Warning]]:
     """The run that is shown, and the same run continued until the peak on the wall is complete.
 
-    The run that is shown includes this peak.  Drafts are not continued.
+    The run that is shown includes this peak.  Drafts are not continued.  The warnings are those of
+    the longest run: earlier ones state smaller overlaps.
     """
     options: dict[str, Any] = {"rtol": request.rtol, "check": False, "progress": progress}
     with record_warnings():
         times = saved_times(chain, exact, request.frames, request.clock, progress)
-    run = simulate(chain, times=times, **options)
+    with record_warnings() as warned:
+        run = simulate(chain, times=times, **options)
     if request.draft or chain.right_wall is None or not run.success:
-        return run, run
+        return run, run, warned
     if run._wall_force("right").complete:
-        return run, run
+        return run, run, warned
     try:
-        whole = simulate(chain, start=run.state, times=0, **options)
+        with record_warnings() as of_whole:
+            whole = simulate(chain, start=run.state, times=0, **options)
     except (InputError, SimulationError):
         # Nothing ends this run, for example because its drive does not end, or it takes too long.
-        return run, run
+        return run, run, warned
     later = END_AFTER_PEAK * whole._wall_force("right").largest_so_far_time
     if later > times[-1]:
         with record_warnings():
             times = saved_times(chain, exact, request.frames, request.clock, progress, later)
-        run = simulate(chain, times=times, **options)
-    return run, whole
+            run = simulate(chain, times=times, **options)
+    return run, whole, of_whole
 
 
 def _sensors(chain: Chain, request: Request) -> list[int]:
@@ -303,7 +316,7 @@ def _rough_arrivals(chain: Chain, progress: Any) -> tuple[Array, float]:
 
 
 def _run_part(
-    run: Run, whole: Run, sensed: Run, request: Request, warned: list[Warning], took: float
+    run: Run, whole: Run, sensed: Run, request: Request, warnings: list[str], took: float
 ) -> Part:
     began, chain = time.perf_counter(), run.chain
     arrays: dict[str, Any] = {"times": run.times}
@@ -333,14 +346,21 @@ def _run_part(
         arrays |= _budget_arrays(run)
     modes = "" if request.draft else _add_spectrum(chain, arrays)
     header = {
-        "part": "run", **request.identity, "status": run.status, "message": run.message,
+        "part": "run", **request.identity, "status": run.status, "message": _end(run),
         "success": run.success, "rtol": run.rtol, "steps": run.steps, "sensors": sensors,
         "peaks": peaks, "energy_drift": run.energy_drift, "momentum_drift": run.momentum_drift,
         "beads_passed": run.beads_passed, "spectrum": modes,
-        "warnings": list(dict.fromkeys(map(str, warned))),
+        "warnings": warnings,
         "seconds": {"simulate": took, "pack": time.perf_counter() - began},
     }  # fmt: skip
     return Part(header, arrays)
+
+
+def _end(run: Run) -> str:
+    """How the run ended; its end time is the choice of the page, not a request of the user."""
+    if run.status != "time reached":
+        return run.message
+    return f"the run ends at t = {engineering(run.end_time, 's', run.chain.units)}"
 
 
 def _budget_arrays(run: Run) -> dict[str, Any]:

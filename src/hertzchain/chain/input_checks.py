@@ -26,8 +26,8 @@ def _refuse_one_bead(count: object) -> None:
     """State how to compute the collision of one bead with a wall, which is not a chain."""
     if type(count) is int and count == 1:
         raise InputError(
-            "a chain has at least 2 beads, got 1; for one ball that hits a wall, place a second "
-            "one at rest behind it: beads=2, velocities=[0.0, 0.1], gaps=['10 mm']"
+            "a chain has at least 2 beads, got 1; for one ball that hits a wall, place another one "
+            "at rest behind it: 2 beads with velocities 0 and 0.1 m/s and a gap of 10 mm"
         )
 
 

@@ -15,7 +15,7 @@ const TITLES = {
   decorated: "Small beads between", with_defects: "Defects", with_scatter: "Random scatter", with_contacts: "Shapes of contacts",
 };
 /** @type {Record<string, string>} */
-const FORMS = { taper: "a taper and its rate", first: "end radii", first_diameter: "end diameters", radii: "their radii", diameters: "their diameters", cell: "a repeated cell", mass_ratio: "a dimer of two masses" };
+const FORMS = { taper: "a taper and its rate", first: "end radii", first_diameter: "end diameters", radii: "a list of radii", diameters: "a list of diameters", cell: "a repeated cell", mass_ratio: "a dimer’s mass ratio" };
 /** Values with which a new table begins, where its schema has no default.
  * @type {Record<string, any>} */
 const BEGIN = {
@@ -50,7 +50,6 @@ const button = (text, onclick, more) => make("button", { type: "button", classNa
 /** @param {string} text */
 const hint = (text) => make("p", { className: "hint" }, text);
 
-/** Keys of sizes of beads. */
 const SIZES = ["first", "first_diameter", "radii", "diameters", "cell", "last", "last_diameter", "length"];
 
 /** A chain whose first bead has a radius of 5 mm, or has the size 1 in a scaled chain.
@@ -144,7 +143,7 @@ export class Controls {
       // The last bead has one control.
       .filter((key) => !/^(last|ratio|length)/.test(key.name) || key.name in chain);
     const fields = shown.map((key) => this.field(["chain"], key, symbols[key.name] ? `${words(key.name)} ${symbols[key.name]}` : undefined));
-    const select = this.select("form", "given by", choices.map((name) => [name, FORMS[name] ?? words(name)]), () => form, (name) => this.changeForm(name));
+    const select = this.select("form", "defined by", choices.map((name) => [name, FORMS[name] ?? words(name)]), () => form, (name) => this.changeForm(name));
     const material = this.materialField(keys.find((key) => key.name === "materials"));
     const more = ["velocity", "exponent"].filter((name) => (name !== "velocity" || this.si) && typeof listed(chain[name])[0] !== "object")
       .map((name) => this.field(["chain"], keys.find((key) => key.name === name), name === "velocity" ? "impact velocity" : undefined));

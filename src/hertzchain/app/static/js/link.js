@@ -14,7 +14,6 @@ const BETWEEN_MAPS = 120;
 let numbers = 0;
 const session = Array.from(crypto.getRandomValues(new Uint8Array(12)), (each) => each.toString(36)).join("").slice(0, 24);
 
-/** Requests for one of the chains. */
 export class Link {
   /** @param {string} slot @param {Handlers} on */
   constructor(slot, on) {

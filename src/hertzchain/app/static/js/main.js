@@ -1,5 +1,4 @@
 // @ts-check
-/** The page: state, requests, drawing. */
 
 import { readColours } from "./colour.js";
 import { $, Controls } from "./controls.js";
@@ -74,8 +73,6 @@ function say(text, bad = false) {
   $("status").textContent = text;
   $("status").classList.toggle("bad", bad);
 }
-
-// State
 
 function snapshot() {
   return JSON.stringify({ A: state.A, B: state.B, sensors: state.view.sensors });
@@ -193,8 +190,6 @@ function moveWall(gap, moving) {
   change(changed(document, ["chain", "right_wall", "gap"], inMillimetres(gap)), moving);
 }
 
-// Requests
-
 /** Ask for results: a draft during a drag, the exact ones when it has settled.
  * @param {Slot[]} slots @param {boolean} moving */
 function request(slots, moving) {
@@ -262,8 +257,6 @@ function problem(slot) {
   else if (message) say(`${message.charAt(0).toUpperCase()}${message.slice(1)}; energy is conserved to ${found.run.header.energy_drift.toExponential(0)}.`, !found.run.header.success);
 }
 
-// Drawing
-
 function wake() {
   if (awake) return;
   awake = true;
@@ -281,7 +274,7 @@ function tick(now) {
   awake = false;
   const began = performance.now();
   if (playing && last) u += (Math.min(100, now - last) / 1000 / DURATION) * state.view.speed;
-  if (u >= 1) u = u >= 1.06 ? 0 : u; // Rest at the end for a moment.
+  if (u >= 1) u = u >= 1.06 ? 0 : u;
   last = playing ? now : 0;
   draw();
   frames.push(performance.now() - began);
@@ -324,9 +317,9 @@ function draw() {
   }
   const axis = found.motion ? views.timeAxis(found) : { factor: 1, label: "" };
   map.draw(time, state.view.bead, axis);
+  if (dirty.pulse || dirty.times) showTitles();
   if (dirty.pulse) {
     views.drawPulse(state, found, other());
-    showTitles();
     dirty.pulse = false;
   }
   if (dirty.times) {
@@ -348,7 +341,7 @@ function showTitles() {
   if (beads) $("bead").max = String(beads);
   if (beads < state.view.bead) select(beads);
   $("warnings").hidden = !list.length;
-  $("warnings-count").textContent = list.length === 1 ? list[0] : `${list.length} warnings: ${list[0]}`;
+  $("warnings-count").textContent = list.length > 1 ? `${list.length} warnings: ${list[0]}` : list.join();
   $("warnings-list").replaceChildren(...list.slice(1).map((text) => Object.assign(document.createElement("li"), { textContent: text })));
 }
 
@@ -382,8 +375,6 @@ function keepAddress() {
   if (hash !== written) window.history.replaceState(null, "", hash);
   written = location.hash;
 }
-
-// Events
 
 function compare() {
   history.note(snapshot(), false);

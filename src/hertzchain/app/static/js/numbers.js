@@ -177,7 +177,6 @@ export function rangeOf(key, si, value, chain = {}) {
   return { low, high, log, integer, zero: log && key.least === 0 };
 }
 
-/** Number of steps of a slider. */
 export const STEPS = 1000;
 
 /** Value at a position of a slider. @param {number} position 0 .. STEPS @param {Range} range */

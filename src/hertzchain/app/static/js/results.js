@@ -1,5 +1,4 @@
 // @ts-check
-/** Results of one chain, as they arrive. */
 
 /** @typedef {import("./parts.js").Part} Part */
 
@@ -71,8 +70,9 @@ export class Results {
 
   /** Sentences about the validity of the results. @returns {string[]} */
   get warnings() {
-    const note = this.pulse.header?.note;
-    return [...new Set([...(this.beads.header?.warnings ?? []), ...(this.run.header?.warnings ?? []), ...(note ? [note] : [])])];
+    const note = this.pulse.header?.note, beads = this.beads.header, run = this.run.header;
+    // Those of a run include those of its chain.
+    return [...new Set([...((run?.number === beads?.number ? run : beads)?.warnings ?? []), ...(note ? [note] : [])])];
   }
 
   /** Bead that the pulse reaches at a time, counted from 0, with a fraction. @param {number} time */

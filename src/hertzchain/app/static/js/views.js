@@ -36,7 +36,6 @@ export class Views {
     this.on = on;
     this.pulse = new Chart($("chart-pulse"), (x) => on.bead(Math.round(x)));
     this.error = new Chart($("chart-error"), (x) => on.bead(Math.round(x)));
-    /** Factor of the unit of times. */
     this.factor = 1;
     const picked = (/** @type {number} */ x) => on.time(x / this.factor);
     this.budget = new Chart($("chart-budget"), picked);
@@ -95,15 +94,17 @@ export class Views {
     const series = exact ? shown.map((name) => difference(name, title(name), own.theory(name, quantity), exact, true)) : [];
     const estimate = quantity === "velocity" ? own.theory("local-rate", "velocity_error") : undefined;
     if (exact && estimate && !hidden.includes("local-rate")) series.push({ ...line("estimate", "estimate of the local-rate law", estimate, 100) });
-    replace($("legend-error"), series.at(-1)?.name === "estimate" ? [key("estimate", "the law’s own estimate")] : []);
-    const message = series.length ? "" : !own.pulse.header ? this.reason(own, quantity) : shown.length ? "The simulation has no values to compare with." : "No theory that is shown covers this chain.";
+    replace($("legend-error"), series.at(-1)?.name === "estimate" ? [key("estimate", "error estimated by the law")] : []);
+    const message = series.length ? "" : !own.pulse.header ? this.reason(own, quantity) : shown.length ? "The simulation has no values to compare with." : "None of the theories shown supports this chain.";
     this.error.draw(series, { xLabel: "bead k", yLabel: label, log: true, percent: true, message, most: 1000 }, `Errors of the theories: ${summary(series)}`);
   }
 
   /** Buttons that show and hide curves, and notes.
    * @param {Results} own @param {Results | null} other @param {string} quantity @param {string[]} hidden */
   legend(own, other, quantity, hidden) {
-    const exact = own.exact(quantity);
+    const exact = own.exact(quantity), { beads, walls } = own.beads.header ?? {};
+    // Theories do not describe the last bead of a free end.
+    const free = exact?.length === beads && !walls?.includes("right");
     const entry = (/** @type {string} */ name, /** @type {string} */ text, /** @type {string} */ note) => {
       const button = make("button", { title: note, "aria-pressed": String(!hidden.includes(name)), onclick: () => this.on.hide(name) }, sample(name), text);
       button.dataset.curve = name;
@@ -115,8 +116,8 @@ export class Views {
     const reasons = new Map();
     for (const [name, each] of own.theories) {
       if (own.theory(name, quantity)) {
-        const error = exact && !this.about.quantities[quantity].estimate ? worst(own.theory(name, quantity), exact) : NaN;
-        entries.push(entry(name, title(name) + (error >= 0 ? ` ${short(error, 2)}%` : ""), each.note || "largest error from bead 2 on"));
+        const error = exact && !this.about.quantities[quantity].estimate ? worst(own.theory(name, quantity), exact, free) : NaN;
+        entries.push(entry(name, title(name) + (error >= 0 ? ` ${short(error, 2)}%` : ""), each.note || `largest error from bead 2 on${free ? ", without the last bead" : ""}`));
         if (each.note) reasons.set(each.note, [...(reasons.get(each.note) ?? []), title(name)]);
       } else {
         const reason = each.refusal ?? `has no ${this.about.quantities[quantity].description}`;
@@ -311,11 +312,11 @@ function forcesOf(results) {
 }
 
 /** Largest error from bead 2 on in percent, as `Comparison.worst`; NaN if there is none.
- * @param {ArrayLike<number>} values @param {ArrayLike<number>} exact */
-function worst(values, exact) {
+ * @param {ArrayLike<number>} values @param {ArrayLike<number>} exact @param {boolean} free without the last bead */
+function worst(values, exact, free) {
   const { y } = difference("", "", values, exact, true);
   let most = NaN;
-  for (let i = 1; i < y.length; i++) if (!(y[i] <= most) && Number.isFinite(y[i])) most = y[i];
+  for (let i = 1; i < y.length - Number(free); i++) if (!(y[i] <= most) && Number.isFinite(y[i])) most = y[i];
   return most;
 }
 

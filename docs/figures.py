@@ -46,7 +46,7 @@ def first_force() -> Figure:
     run = hc.simulate(chain, times=400)
     with figure_style():
         canvas, axes = plt.subplots(figsize=(7.0, 3.6))
-        run.plot_forces([4, 7, 10, 14], ax=axes)
+        run.plot_forces(["ball 3", "ball 6", "ball 9", "wall"], ax=axes)
     return canvas
 
 
@@ -57,7 +57,7 @@ def force_trace() -> Figure:
     run = hc.simulate(struck, until=700e-6, times=1401)
     with figure_style():
         canvas, axes = plt.subplots(figsize=(7.0, 3.6))
-        run.plot_forces([6, 11, 16, 22], ax=axes)
+        run.plot_forces(["ball 5", "ball 10", "ball 15", "wall"], ax=axes)
     return canvas
 
 

@@ -69,14 +69,51 @@ def sensor_places() -> Figure:
     time = 1e6 * run.times
     with figure_style():
         canvas, axes = plt.subplots(figsize=(7.2, 3.2))
-        for colour, bead in zip(COLOURS[1:], (2, 15, 28, 30), strict=False):
-            axes.plot(time, run.sensor(bead), color=colour, label=f"bead {bead}")
+        for colour, ball in zip(COLOURS[1:], (1, 14, 27, 29), strict=False):
+            axes.plot(time, run.sensor(f"ball {ball}"), color=colour, label=f"ball {ball}")
         axes.plot(time, run.sensor("wall"), color=COLOURS[0], label="wall")
-        axes.plot(time, run.force(15), color=COLOURS[2], linestyle=":", label="contact 15")
+        axes.plot(
+            time, run.force(15), color=COLOURS[2], linestyle=":", label="between balls\n14 and 15"
+        )
         axes.set_xlim(0.0, 1000.0)
         axes.set_xlabel("time [µs]")
         axes.set_ylabel("force [N]")
         axes.legend(loc="upper left")
+    return canvas
+
+
+def teaching() -> Figure:
+    """Newton's cradle over many impacts, and the force behind touching and separate balls."""
+    material = {"diameters": "20 mm", "materials": "steel-52100"}
+    cradle = hc.Chain.from_materials(**material, beads=5, loss=hc.Restitution(0.95))
+    velocities = np.array([0.1, 0.0, 0.0, 0.0, 0.0])
+    after = []
+    for impact in range(40):
+        run = hc.simulate(cradle.replace(velocities=velocities), until="20 ms")
+        velocities = -run.velocities[-1]
+        # Every second impact has the opposite direction.
+        after.append(run.velocities[-1] if impact % 2 == 0 else velocities[::-1])
+    balls = hc.Chain.from_materials(**material, beads=20).struck_by(velocity="0.1 m/s")
+    with figure_style():
+        canvas, (left, right) = plt.subplots(1, 2, figsize=(9.0, 3.4), layout="constrained")
+        for ball, marker in zip((5, 4, 3, 2, 1), "o^sDv", strict=True):
+            left.plot(
+                range(1, 41), 1e3 * np.array(after)[:, ball - 1], color=COLOURS[ball],
+                marker=marker, markersize=3.5, linewidth=0.7, label=f"ball {ball}",
+            )  # fmt: skip
+        left.set_xlabel("impact")
+        left.set_ylabel("velocity [mm/s]")
+        left.legend(ncols=2)
+        for gap, label, colour, dashes in (
+            (0.0, "touching", COLOURS[0], "-"), ("5 um", "gaps of 5 µm", COLOURS[2], "--"),
+        ):  # fmt: skip
+            row = balls.replace(right_wall=hc.Wall(), gaps=gap)
+            run = hc.simulate(row, until="4 ms", times=4001)
+            right.plot(1e3 * run.times, run.sensor("wall"), dashes, color=colour, label=label)
+        right.set_xlabel("time [ms]")
+        right.set_ylabel("force on the wall [N]")
+        right.set_xlim(0.0, 4.0)
+        right.legend(loc="upper right")
     return canvas
 
 
@@ -312,5 +349,5 @@ def designs() -> Figure:
 
 PAGE_FIGURES: Final = (
     real_chains, chain_files, sensor_places, many_chains, closed_forms, theory, numerics,
-    propagation, precompressed, design_protector, designs,
+    teaching, propagation, precompressed, design_protector, designs,
 )  # fmt: skip

@@ -1,5 +1,6 @@
 """Import times, public docstrings, tracked files and versions of the project."""
 
+import ast
 import doctest
 import inspect
 import os
@@ -185,6 +186,21 @@ def test_files_and_functions_are_short():
 def test_docstrings_are_slim():
     code, documentation, _ = count_lines.count()
     assert documentation < count_lines.MAX_RATIO * code
+
+
+def test_lists_of_attributes_and_parameters_contain_nothing_else():
+    """A paragraph after such a list would be rendered as the name of an attribute."""
+    section = re.compile(
+        r"^(Attributes|Parameters)\n-+\n(.*?)(?=^\w[\w ]*\n-{3,}\n|\Z)", re.M | re.S
+    )
+    for path in (ROOT / "src" / "hertzchain").rglob("*.py"):
+        for node in ast.walk(ast.parse(path.read_text("utf-8"))):
+            if not isinstance(node, ast.FunctionDef | ast.ClassDef):
+                continue
+            for _, body in section.findall(ast.get_docstring(node) or ""):
+                lines = [line for line in body.splitlines() if re.match(r"\w", line)]
+                wrong = [line for line in lines if not re.match(r"\w+(, \w+)*( : |$)", line)]
+                assert not wrong, (path, node.name, wrong)
 
 
 def test_versions_agree():

@@ -26,7 +26,7 @@ def test_collisions_whose_contact_still_acts_say_so(loss):
     pair = hc.Chain.uniform(2).replace(loss=loss)
     early, late = hc.simulate(pair), hc.simulate(pair, until=30.0)
     assert early.closed_contacts.tolist() == [1]
-    assert "1 contact still closed, velocities not final" in " ".join(repr(early).split())
+    assert "1 contact still closed, so velocities are not final" in " ".join(repr(early).split())
     assert late.closed_contacts.tolist() == []
     assert "closed" not in repr(late)
     rebound = [float(run.velocities[-1] @ [-1.0, 1.0]) for run in (early, late)]

@@ -2,7 +2,7 @@ r"""
 Which dimers weaken a pulse, and which let it pass?
 ===================================================
 
-In a *dimer*, heavy and light beads alternate.  For some mass ratios the pulse passes like in a
+In a *dimer*, heavy and light beads alternate.  For some mass ratios the pulse passes as in a
 uniform chain, for others it becomes weaker from cell to cell.  Which mass ratios are these?
 """
 

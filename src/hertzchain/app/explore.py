@@ -117,7 +117,7 @@ def _widget_class() -> Any:
     except ImportError:
         raise InputError(
             "explore requires the package anywidget; install it with pip install "
-            "'hertzchain[notebook]', or use hertzchain app"
+            "'.[notebook]' in the folder of the source code, or use hertzchain app"
         ) from None
 
     class Explorer(anywidget.AnyWidget):  # type: ignore[misc, unused-ignore]

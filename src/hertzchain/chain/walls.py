@@ -28,7 +28,9 @@ class Wall(Part):
     ``Wall.rigid()`` cannot be deformed; ``Wall(stiffness=...)`` sets the stiffness of the
     contact.  On a flat wall a sphere of radius R has the Hertz stiffness
     :math:`\frac43 E^*\sqrt{R}`: :math:`\sqrt2` times that of two such spheres if all have
-    one material, :math:`2\sqrt2` times if the wall is rigid.
+    one material, :math:`2\sqrt2` times if the wall is rigid.  If exponents or losses of a chain
+    differ, those of the contact next to the wall are used or, by pairs of materials, those for the
+    materials of wall and bead.
 
     Attributes
     ----------
@@ -45,9 +47,6 @@ class Wall(Part):
         Exponent p of the contact of wall and bead; that of the chain if `None`.
     loss : Restitution, Viscoelastic, ... or None
         Law of loss of this contact; that of the chain if `None`, no loss with ``Elastic()``.
-
-    If exponents or losses of a chain differ, those of the contact next to the wall are used or, by
-    pairs of materials, those for the materials of wall and bead.
 
     Examples
     --------

@@ -51,7 +51,7 @@ def show_run(run: Run, beads: Sequence[int], *, waves: bool, hint: bool) -> None
     click.echo(f"energy drift {run.energy_drift:.1e}, momentum drift {run.momentum_drift:.1e}")
     click.echo(f"{len(run.times)} times saved, {run.evaluations} evaluations of the force")
     if run._unfinished:
-        click.echo(f"{run._unfinished}: for the velocities after the impact, give --until")
+        click.echo(f"{run._unfinished}; to see the velocities after the impact, give --until")
     for wall in _walls(run):
         click.echo(_wall_lines(wall))
     for bead in beads:

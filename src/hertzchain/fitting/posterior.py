@@ -130,7 +130,8 @@ def sample(
         import emcee
     except ImportError:
         raise InputError(
-            "sampling requires emcee, which is not installed: pip install 'hertzchain[fit]'"
+            "sampling requires emcee, which is not installed: pip install '.[fit]' in the folder "
+            "of the source code"
         ) from None
     problem = result.problem
     low, high = problem.bounds()

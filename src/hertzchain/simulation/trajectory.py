@@ -150,7 +150,11 @@ class Trajectory(ShortDir):
         if self.status not in NATURAL_ENDS or self.chain.static_state.forces.any():
             return ""
         closed = len(self.closed_contacts)
-        return f"{counted(closed, 'contact')} still closed, velocities not final" if closed else ""
+        return (
+            f"{counted(closed, 'contact')} still closed, so velocities are not final"
+            if closed
+            else ""
+        )
 
     @property
     def _unfinished_collision(self) -> str:

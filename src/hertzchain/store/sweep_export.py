@@ -61,7 +61,8 @@ def export_sweep(dataset: xr.Dataset, path: str | os.PathLike[str]) -> None:
         beside.replace(target)
     except ImportError as error:
         raise InputError(
-            f"{target.suffix} files need the package {error.name}: pip install 'hertzchain[export]'"
+            f"{target.suffix} files need the package {error.name}: pip install '.[export]' in the "
+            "folder of the source code"
         ) from None
     except OSError as error:
         raise cannot_write(path, error) from None

@@ -153,7 +153,8 @@ def dask_pool(address: str, *, workers: int = 1) -> Iterator[Executor]:
         from distributed import Security
     except ImportError:
         raise InputError(
-            "a dask scheduler needs the package distributed: pip install 'hertzchain[cluster]'"
+            "a dask scheduler needs the package distributed: pip install '.[cluster]' in the "
+            "folder of the source code"
         ) from None
     # For an invalid address, dask would show a second, long error at exit.
     if not isinstance(address, str) or not ADDRESS.fullmatch(address):

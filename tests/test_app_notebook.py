@@ -74,5 +74,5 @@ def test_a_missing_package_is_named(monkeypatch):
 
     module._widget_class.cache_clear()
     monkeypatch.setitem(__import__("sys").modules, "anywidget", None)
-    with pytest.raises(hc.InputError, match=r"hertzchain\[notebook\]"):
+    with pytest.raises(hc.InputError, match=r"'\.\[notebook\]'"):
         hc.explore()

@@ -650,7 +650,7 @@ def test_results_can_be_shown_and_written(example, tmp_path):
 
 def test_sampling_needs_its_extra(example, monkeypatch):
     monkeypatch.setitem(sys.modules, "emcee", None)
-    with pytest.raises(hc.InputError, match=r"pip install 'hertzchain\[fit\]'"):
+    with pytest.raises(hc.InputError, match=r"pip install '\.\[fit\]'"):
         example.sample(10)
 
 

@@ -379,8 +379,10 @@ def test_every_sensor_of_a_fit_has_a_legible_crest_with_points_and_line():
     figure.canvas.draw()
     sensors = result.traces.shots[0].signals
     assert len(figure.axes) == 3 * len(sensors)
-    panels = np.reshape(figure.axes, (3, len(sensors)))
-    for signal, upper, crest in zip(sensors, panels[0], panels[2], strict=True):
+    # Two blocks of two sensors, each with a panel above another.
+    blocks = np.reshape(figure.axes, (2, 3, 2))
+    uppers, crests = blocks[:, 0].ravel(), blocks[:, 2].ravel()
+    for signal, upper, crest in zip(sensors, uppers, crests, strict=True):
         assert upper.get_title() == signal.name
         data, model = crest.lines
         assert 5 < len(data.get_xdata()) < 0.2 * len(upper.lines[0].get_xdata())

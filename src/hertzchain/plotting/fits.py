@@ -23,6 +23,8 @@ if TYPE_CHECKING:
 POINTS: Final = 4000
 # Fewest samples of a crest that is shown enlarged.
 CREST: Final = 5
+# More sensors than this are in two columns, which keeps text legible on a page.
+MAX_COLUMNS: Final = 3
 
 
 def plot_traces(traces: Traces, *, ax: Axes | None = None) -> Axes:
@@ -53,43 +55,48 @@ def _time_axis(traces: Traces) -> tuple[float, str]:
 
 def plot_fit(result: FitResult) -> Figure:
     """Plot data, fit, residuals over noise and, enlarged, the crest of every sensor."""
-    residuals = result.residuals()
-    shots = result.traces.shots
+    shots, residuals = result.traces.shots, result.residuals()
     most = max(len(shot.signals) for shot in shots)
+    columns = most if most <= MAX_COLUMNS else 2
+    blocks = -(-most // columns)  # of three rows of panels, for each shot
     factor, label = _time_axis(result.traces)
     with figure_style():
-        figure, panels = plt.subplots(
-            3 * len(shots), most, squeeze=False, layout="constrained",
-            figsize=figure_size(3.2 * most, 5.6 * len(shots)),
-            gridspec_kw={"height_ratios": [2.2, 1.0, 1.5] * len(shots)},
+        figure, grid = plt.subplots(
+            3 * blocks * len(shots), columns, squeeze=False, layout="constrained",
+            figsize=figure_size(3.2 * columns, 4.8 * blocks * len(shots)),
+            gridspec_kw={"height_ratios": [2.0, 1.0, 1.5] * (blocks * len(shots))},
         )  # fmt: skip
         rest = iter(residuals)
-        largest = max(float(np.nanmax(np.abs(values))) for _, _, values in residuals)
-        limit = 1.1 * max(4.0, largest)
+        limit = 1.1 * max(4.0, *(float(np.nanmax(np.abs(values))) for *_, values in residuals))
         for index, shot in enumerate(shots):
-            for column in range(most):
-                upper, middle, lower = panels[3 * index : 3 * index + 3, column]
-                if column >= len(shot.signals):
-                    for axes in (upper, middle, lower):
+            for place in range(blocks * columns):
+                row, column = 3 * (index * blocks + place // columns), place % columns
+                panels = grid[row : row + 3, column]
+                if place >= len(shot.signals):
+                    for axes in panels:
                         axes.remove()
                     continue
-                signal, model = shot.signals[column], result.predicted[index][column]
+                signal, model = shot.signals[place], result.predicted[index][place]
                 times = factor * shot.times
-                _draw_signal(upper, times, signal, model)
-                upper.tick_params(labelbottom=False)
-                middle.plot(times, next(rest)[2], ".", color="0.35", markersize=2.0)
-                middle.axhline(0.0, color="black", linewidth=0.6)
-                middle.set_ylim(-limit, limit)
-                middle.set_xlim(upper.get_xlim())
-                _draw_crest(lower, times, signal, model)
-                lower.set_xlabel(label)
+                _draw_signal(panels[0], times, signal, model)
+                _draw_residuals(panels[1], times, next(rest)[2], limit)
+                _draw_crest(panels[2], times, signal, model)
+                panels[0].tick_params(labelbottom=False)
+                panels[1].set_xlim(panels[0].get_xlim())
+                panels[2].set_xlabel(label)
                 if column == 0:
-                    middle.set_ylabel("residual\n/ noise")
-                    lower.set_ylabel("crest")
+                    panels[1].set_ylabel("residual\n/ noise")
+                    panels[2].set_ylabel("crest")
                 if len(shots) > 1:
-                    upper.set_title(f"{signal.name}, shot {index + 1}")
-        figure.legend(*panels[0, 0].get_legend_handles_labels(), loc="outside upper right", ncols=2)
+                    panels[0].set_title(f"{signal.name}, shot {index + 1}")
+        figure.legend(*grid[0, 0].get_legend_handles_labels(), loc="outside upper right", ncols=2)
     return figure
+
+
+def _draw_residuals(axes: Axes, times: Any, residuals: Any, limit: float) -> None:
+    axes.plot(times, residuals, ".", color="0.35", markersize=2.0)
+    axes.axhline(0.0, color="black", linewidth=0.6)
+    axes.set_ylim(-limit, limit)
 
 
 def _draw_signal(axes: Axes, times: Any, signal: Signal, model: Any) -> None:

@@ -26,6 +26,7 @@ from .theory.modified_bca import (
     RatioCorrection,
     printed_correction,
 )
+from .validation.keywords import checked_arguments, checked_methods
 from .validation.numbers import whole_number
 from .validation.objects import callback, check_choice, check_list
 
@@ -43,6 +44,7 @@ WINDOW: Final[Window] = (5, 80)
 BEADS: Final = 100
 
 
+@checked_methods
 @dataclass(frozen=True, eq=False)
 class Calibration:
     """Fitted constants of one taper's correction, with their errors.
@@ -151,6 +153,7 @@ class Calibration:
         }
 
 
+@checked_arguments("calibrate")
 def calibrate(
     taper: str,
     *,

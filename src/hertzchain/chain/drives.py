@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike
 
 from ..collision import Array
 from ..errors import InputError
-from ..validation.keywords import checked_fields
+from ..validation.keywords import checked_fields, checked_methods
 from ..validation.numbers import number, per_bead_array, real_numbers
 from ..validation.objects import check_choice
 from .parts import Part
@@ -30,6 +30,7 @@ _UNIT: Final[dict[str, str]] = {"force": "N", "displacement": "m"}
 _DRIVEN_SCALE: Final = scale(lambda drive: {"force": "force", "displacement": "length"}[drive.of])
 
 
+@checked_methods
 @checked_fields
 @dataclass(frozen=True)
 class SineBurst(Part):
@@ -115,6 +116,7 @@ class SineBurst(Part):
         return np.asarray(np.where((periods > 0.0) & (periods < self.cycles), carrier, 0.0))
 
 
+@checked_methods
 @checked_fields
 @dataclass(frozen=True)
 class StepDrive(Part):
@@ -185,6 +187,7 @@ class StepDrive(Part):
         return np.asarray(self.amplitude * u**2 * (3.0 - 2.0 * u))
 
 
+@checked_methods
 @checked_fields
 @dataclass(frozen=True, eq=False)
 class TableDrive(Part):

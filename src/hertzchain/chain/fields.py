@@ -14,6 +14,7 @@ from ..collision import HERTZ_EXPONENT, Array
 from ..errors import InputError, InputWarning, unknown_name_error, warn_user
 from ..frozen import Frozen
 from ..representation import short
+from ..validation.keywords import checked_methods
 from ..validation.numbers import (
     SCALED,
     number,
@@ -61,6 +62,7 @@ FROM_OTHERS: Final[Any] = None
 DERIVED: Final = ("masses", "stiffness", "velocities", "gaps")
 
 
+@checked_methods
 @dataclass(frozen=True, eq=False)
 class ChainFields(Frozen):
     """Fields of `hertzchain.Chain`, which documents them; each is checked when it is set."""
@@ -368,13 +370,9 @@ class ChainFields(Frozen):
     @property
     def loads(self) -> Loads:
         """Quantities that determine the static contact forces."""
+        walls = self.left_wall, self.right_wall
         return Loads(
-            self.masses,
-            self.gaps,
-            self.strikers,
-            self.precompression,
-            self.gravity,
-            (self.left_wall, self.right_wall),
+            self.masses, self.gaps, self.strikers, self.precompression, self.gravity, walls
         )
 
     @property

@@ -29,6 +29,7 @@ from numpy.typing import ArrayLike
 from ..collision import Array, collision_overlap
 from ..errors import InputError, ModelRangeWarning, warn_user
 from ..representation import counted, short
+from ..validation.keywords import checked_arguments
 from ..validation.numbers import per_bead_array, real_numbers
 from .chain import Chain
 from .contact_groups import effective_radii, reduced_masses
@@ -149,6 +150,7 @@ class HertzRange:
         )
 
 
+@checked_arguments("hertz_range")
 def hertz_range(chain: Chain, overlaps: ArrayLike | None = None) -> HertzRange:
     """Compare a chain with the limits of Hertz's law.
 

@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 
 from ..collision import HERTZ_EXPONENT, Array
 from ..errors import InputError
+from ..validation.keywords import checked_arguments
 from ..validation.numbers import real_numbers
 from ..validation.objects import check_list
 from .fields import ChainFields
@@ -84,6 +85,7 @@ def part(self: C, beads: slice) -> C:
     return _rescaled(self, changes)
 
 
+@checked_arguments("reversed")
 def reversed_beads(self: C) -> C:
     """Return the chain with its beads in reverse order, struck at what was its last bead.
 

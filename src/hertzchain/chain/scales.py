@@ -24,6 +24,7 @@ from typing import TYPE_CHECKING, Any, Final, TypeAlias, TypeVar
 from ..collision import HERTZ_EXPONENT
 from ..errors import InputError
 from ..representation import wrapped
+from ..validation.keywords import checked_arguments, checked_fields, checked_methods
 from ..validation.numbers import number
 from ..validation.objects import text
 from .input_checks import checked_exponent
@@ -51,6 +52,8 @@ def scale(unit: Scale, *, axis: int = 0) -> dict[str, Any]:
     return {"scale": unit, "axis": axis}
 
 
+@checked_fields
+@checked_methods
 @dataclass(frozen=True)
 class Scales:
     r"""The units of the paper's scaled variables, in SI.
@@ -106,6 +109,7 @@ class Scales:
             )
 
     @classmethod
+    @checked_arguments("Scales.of")
     def of(cls, chain: Chain, *, velocity: float | None = None) -> Scales:
         """Scales in which a chain in SI units has the variables of the paper.
 

@@ -114,6 +114,7 @@ class Wall(Part):
         return cls(material=material(name), gap=gap)
 
     @classmethod
+    @checked_arguments("Wall.rigid")
     def rigid(cls, *, gap: float = 0.0) -> Wall:
         """A rigid wall: its contact is twice as stiff as that of a wall of the bead's material.
 

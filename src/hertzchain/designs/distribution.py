@@ -17,7 +17,7 @@ from ..frozen import Frozen
 from ..representation import measure as with_unit
 from ..representation import short
 from ..simulation.run_table import RunTable
-from ..validation.keywords import checked_arguments
+from ..validation.keywords import checked_arguments, checked_methods
 from ..validation.numbers import number, whole_number
 from ..validation.objects import check_type
 from .measured import measured
@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 
+@checked_methods
 @dataclass(frozen=True, eq=False)
 class Distribution(Frozen):
     """Values of a quantity for many chains with random deviations; result of `distribution`.

@@ -12,11 +12,13 @@ from ..errors import InputError, ModelRangeWarning
 from ..propagation.propagate import propagate_many
 from ..pulse.pulse import Pulse
 from ..theory.catalogue import THEORIES, Theory
+from ..validation.keywords import checked_arguments
 from ..validation.objects import callback, check_choice, check_list
 from .cases import Case, paper_cases, unseen_cases
 from .scoreboard import QUANTITIES, Scoreboard
 
 
+@checked_arguments("scoreboard")
 def scoreboard(
     *,
     theories: Sequence[str] | None = None,

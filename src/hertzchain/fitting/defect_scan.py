@@ -11,7 +11,7 @@ import numpy as np
 from ..collision import Array
 from ..errors import InputError, SimulationError
 from ..representation import short
-from ..validation.keywords import checked_arguments
+from ..validation.keywords import checked_arguments, checked_methods
 from ..validation.numbers import whole_number
 from ..validation.objects import callback, check_choice, check_type
 from .diagnosis import diagnosed
@@ -34,6 +34,7 @@ KINDS: Final = {
 FOUND: Final = 20.0
 
 
+@checked_methods
 @dataclass(frozen=True, eq=False)
 class DefectScan:
     """Part of chi-squared that a defect at each contact or bead would explain.

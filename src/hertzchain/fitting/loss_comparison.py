@@ -12,7 +12,7 @@ from ..chain.laws import Loss
 from ..collision import Array
 from ..errors import InputError, SimulationError
 from ..representation import short
-from ..validation.keywords import checked_arguments
+from ..validation.keywords import checked_arguments, checked_methods
 from ..validation.objects import callback, check_list
 from .fit import ChainLike, TracesLike, fit_with
 from .loss_laws import typical_law, with_law
@@ -57,6 +57,7 @@ class LossFit:
     bic: float = np.inf
 
 
+@checked_methods
 @dataclass(frozen=True, eq=False)
 class LossComparison:
     """Fits of several loss laws to the same data, the best first.

@@ -12,6 +12,7 @@ import psutil
 from ..collision import Array
 from ..errors import InputError, SimulationError
 from ..representation import short
+from ..validation.keywords import checked_methods
 from ..validation.numbers import whole_number
 from ..validation.objects import callback
 
@@ -28,6 +29,7 @@ LONG_ENOUGH: Final = 50
 BURN_IN: Final = 0.25
 
 
+@checked_methods
 @dataclass(frozen=True, eq=False)
 class Posterior:
     """Samples of the posterior of a fit.

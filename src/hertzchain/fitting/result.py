@@ -11,6 +11,7 @@ import numpy as np
 from ..chain.chain import Chain
 from ..collision import Array
 from ..representation import counted, short
+from ..validation.keywords import checked_methods
 from ..validation.numbers import number
 from .goodness import NO_ERRORS, Goodness
 from .model import Model
@@ -29,6 +30,7 @@ if TYPE_CHECKING:
 # Addition to the verdict if the errors do not apply.
 
 
+@checked_methods
 @dataclass(frozen=True, eq=False)
 class FitResult:
     """Parameters of chains and sensors that describe measured traces best.

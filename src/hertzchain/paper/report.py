@@ -35,6 +35,7 @@ from ..evaluation.scoreboard import QUANTITIES, Scoreboard, percentage
 from ..plotting.scoreboard import plot_scoreboard
 from ..store.file_lock import lock
 from ..store.writing import cannot_write
+from ..validation.keywords import checked_arguments
 from ..verification.case import ORIGINS
 from ..verification.verify import as_dict
 from .drawings import Drawing, drawn
@@ -52,6 +53,7 @@ LEFT_BEHIND: Final = re.compile(rf"{re.escape(WRITING)}[a-z0-9_]{{8}}")
 OUR_FIGURE: Final = re.compile(r"(figure\d+|errata|scoreboard)\.(svg|png|csv)")
 
 
+@checked_arguments("write_report")
 def write_report(
     reproduction: Reproduction,
     out: Path,
@@ -149,6 +151,7 @@ def check_writable(out: Path) -> None:
         raise cannot_write(out, error, "choose another folder with --out") from None
 
 
+@checked_arguments("verdict")
 def verdict(reproduction: Reproduction) -> dict[str, Any]:
     """Content of ``verdict.json``."""
     return {

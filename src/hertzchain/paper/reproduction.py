@@ -17,6 +17,7 @@ from ..evaluation.evaluate import scoreboard
 from ..evaluation.scoreboard import Scoreboard, percentage
 from ..pulse.pulse import Pulse
 from ..simulation.simulate import DEFAULT_RTOL, simulate
+from ..validation.keywords import checked_arguments
 from ..verification.verify import Verdict, verify
 from .errata import Erratum, errata, errata_chains
 from .figures import Figure, figure_chains, reproduce_figure
@@ -124,6 +125,7 @@ def checked_parts(only: Collection[str] | None) -> set[str]:
     return parts
 
 
+@checked_arguments("reproduce")
 def reproduce(
     only: Collection[str] | None = None,
     *,

@@ -10,12 +10,15 @@ import numpy as np
 from ..collision import Array
 from ..errors import InputError, ModelRangeWarning, short_repr, warn_user
 from ..representation import short
+from ..validation.keywords import checked_fields, checked_methods
 from ..validation.numbers import whole_number
 from .chain_units import in_same_units, same_beads
 from .pulse import Pulse
 from .quantities import QUANTITIES
 
 
+@checked_fields
+@checked_methods
 @dataclass(frozen=True, eq=False)
 class Comparison:
     """Relative errors of one pulse with respect to another of the same chain.

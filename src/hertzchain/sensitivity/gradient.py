@@ -15,7 +15,7 @@ from ..collision import Array
 from ..errors import IncompleteWarning, InputError, unknown_name_error, warn_user
 from ..frozen import Frozen
 from ..representation import short
-from ..validation.keywords import checked_arguments
+from ..validation.keywords import checked_arguments, checked_methods
 from ..validation.numbers import number, whole_number
 from ..validation.objects import check_list
 from .accuracy import relative_error
@@ -37,6 +37,7 @@ DEFAULT_RTOL, WINDOW_RTOL, DAMPED_RTOL = 1e-10, 3e-8, 1e-12
 MIN_RTOL, MAX_RTOL = 1e-14, 1e-5
 
 
+@checked_methods
 @dataclass(frozen=True, eq=False)
 class Gradient(Frozen):
     """Value of a quantity and its derivatives; unpacks as ``value, gradient``.

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, Literal
 from ..errors import IncompleteWarning, InputError, SimulationError, warn_user
 from ..pulse.pulse import Pulse
 from ..representation import short
-from ..validation.keywords import checked_arguments
+from ..validation.keywords import checked_methods
 from ..validation.objects import check_choice
 from .budget import Budget, budget_of
 from .energy_flux import energy_flux_of
@@ -35,6 +35,7 @@ if TYPE_CHECKING:
     from .horizon import Horizon
 
 
+@checked_methods
 @dataclass(frozen=True, eq=False)
 class Run(Trajectory):
     r"""The motion of a chain; the result of `hertzchain.simulate`.
@@ -308,7 +309,6 @@ class Run(Trajectory):
 
         save_run(self, path)
 
-    @checked_arguments("Run.plot")
     def plot(
         self, quantity: Literal["velocity", "force"] = "velocity", *, ax: Axes | None = None
     ) -> Axes:
@@ -331,7 +331,6 @@ class Run(Trajectory):
 
         return plot_run(self, quantity, ax=ax)
 
-    @checked_arguments("Run.plot_forces")
     def plot_forces(
         self, beads: Sequence[int | str], *, label: str = "", ax: Axes | None = None
     ) -> Axes:

@@ -16,6 +16,7 @@ from ..chain.hertz_range import hertz_range
 from ..collision import Array
 from ..frozen import Frozen
 from ..representation import short
+from ..validation.keywords import checked_methods
 from ..validation.numbers import whole_number
 from ..validation.objects import check_choice
 from .ensemble_columns import KEPT
@@ -28,6 +29,7 @@ if TYPE_CHECKING:
 MOST_CHECKED: Final = 3000
 
 
+@checked_methods
 @dataclass(frozen=True, eq=False)
 class RunTable(Frozen):
     """Quantities of C simulated chains; the result of `hertzchain.simulate_many`.

@@ -22,6 +22,7 @@ from ..errors import InputError
 from ..frozen import ShortDir
 from ..pulse.quantities import BEAD_QUANTITIES, RUN_QUANTITIES, TIME
 from ..representation import counted
+from ..validation.keywords import checked_methods
 from ..validation.numbers import whole_number
 from .budget import overlaps_of
 from .largest_overlaps import largest_between
@@ -41,6 +42,7 @@ FEW: Final = 3
 NATURAL_ENDS: Final = ("pulse left", "wall force complete")
 
 
+@checked_methods
 @dataclass(frozen=True, eq=False)
 class Trajectory(ShortDir):
     """The motion of a chain as recorded by the compiled loop; `hertzchain.Run` has the fields."""

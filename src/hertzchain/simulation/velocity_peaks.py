@@ -10,6 +10,7 @@ import numpy as np
 from ..collision import Array
 from ..errors import InputError
 from ..representation import counted, measure, short
+from ..validation.keywords import checked_methods
 from ..validation.numbers import whole_number
 from .trajectory import Trajectory
 
@@ -20,6 +21,7 @@ if TYPE_CHECKING:
 RIPPLE: Final = 0.01
 
 
+@checked_methods
 @dataclass(frozen=True, eq=False)
 class VelocityPeaks:
     """Forward maxima and backward minima of a bead's velocity, in order of time.

@@ -12,6 +12,7 @@ from ..chain.chain import Chain
 from ..chain.drives import TableDrive
 from ..chain.materials import Material, material
 from ..errors import InputError
+from ..validation.keywords import checked_arguments
 from ..validation.objects import file_path, shown_path
 from .csv_tables import Column, CsvTable, read_csv
 
@@ -96,6 +97,7 @@ def _chain_of(table: CsvTable, own: Mapping[str, Material]) -> Chain:
     return chain.replace(**fields) if fields else chain
 
 
+@checked_arguments("load_drive")
 def load_drive(path: str | os.PathLike[str]) -> TableDrive:
     r"""Read a drive from a CSV file with columns such as ``time [us]`` and ``force [N]``.
 

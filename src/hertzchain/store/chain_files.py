@@ -49,6 +49,7 @@ from ..chain.taper_sizes import Sizes, si_radii
 from ..chain.tapers import PARAMETERS, taper_named
 from ..chain.walls import Wall
 from ..errors import InputError, raise_all
+from ..validation.keywords import checked_arguments
 from ..validation.numbers import number, real_numbers, whole_number
 from ..validation.objects import file_path, shown_path
 from .bead_tables import load_beads, load_drive
@@ -72,6 +73,7 @@ DRIVES: Final[Mapping[str, type[Drive]]] = {
 }
 
 
+@checked_arguments("load_chain")
 def load_chain(path: str | os.PathLike[str]) -> Chain:
     r"""Read a chain from a TOML or CSV file.
 

@@ -41,7 +41,7 @@ from ..representation import short
 from ..simulation.run import Run, beginning_of
 from ..simulation.simulate import DEFAULT_RTOL, Progress, checked_rtol, simulate
 from ..simulation.state import State, fingerprint
-from ..validation.keywords import checked_arguments
+from ..validation.keywords import checked_arguments, checked_fields, checked_methods
 from ..validation.numbers import real_numbers
 from ..validation.objects import callback, check_bool, file_path
 from .damage import DamagedFileError
@@ -71,6 +71,8 @@ STATE_FILE: Final = "state.npz"
 TEMPORARY: Final = re.compile(r"\.(part-\d{6}\.nc|state\.npz|manifest\.json)\.\d+\.partial")
 
 
+@checked_fields
+@checked_methods
 @dataclass(frozen=True)
 class StoredRun:
     """A streamed run in a folder.

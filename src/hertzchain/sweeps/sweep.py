@@ -216,6 +216,7 @@ def estimate(specification: Any, *, workers: int | None = None) -> Estimate:
     return Estimate(plan.points, plan.batches, size, seconds)
 
 
+@checked_arguments("merge_sweeps")
 def merge_sweeps(
     stores: Sequence[str | os.PathLike[str]],
     into: str | os.PathLike[str],
@@ -281,6 +282,7 @@ def merge_sweeps(
         return target.open(), target.counts()["missing"]
 
 
+@checked_arguments("open_sweep")
 def open_sweep(store: str | os.PathLike[str], *, skip_damaged: bool = False) -> xr.Dataset:
     """Open the store of a sweep, even while the sweep is running.
 
@@ -406,9 +408,7 @@ def _checked_shard(shard: Any) -> tuple[int, int] | None:
         return None
     parts = check_list("shard", shard, "two whole numbers")
     if len(parts) != 2:
-        raise InputError(
-            f"shard must be two whole numbers, such as (1, 4), got {short_repr(shard)}"
-        )
+        raise InputError(f"shard must be two whole numbers such as (1, 4), got {short_repr(shard)}")
     i, n = (whole_number("shard", part, least=1) for part in parts)
     if not 1 <= i <= n:
         raise InputError(f"shard {i} of {n} does not exist: shards are numbered 1 to {n}")

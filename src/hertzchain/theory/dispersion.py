@@ -18,11 +18,13 @@ from ..chain.chain import Chain
 from ..chain.feature_support import require_supported
 from ..collision import HERTZ_EXPONENT, Array, hertz_stiffness
 from ..errors import InputError, unknown_name_error
+from ..validation.keywords import checked_arguments
 from ..validation.numbers import number, real_numbers
 
 End = Literal["free", "fixed"]
 
 
+@checked_arguments("linear_stiffness")
 def linear_stiffness(stiffness: ArrayLike, force: float, exponent: float = HERTZ_EXPONENT) -> Array:
     r"""Spring constant of a contact about its static overlap.
 
@@ -61,6 +63,7 @@ def linear_stiffness(stiffness: ArrayLike, force: float, exponent: float = HERTZ
     return exponent * k ** (1.0 / exponent) * f ** (1.0 - 1.0 / exponent)
 
 
+@checked_arguments("dispersion_uniform")
 def dispersion_uniform(wave_number: ArrayLike, *, mass: float = 1.0, spring: float = 1.0) -> Array:
     r"""Frequencies of plane waves in a chain of equal beads.
 
@@ -98,6 +101,7 @@ def dispersion_uniform(wave_number: ArrayLike, *, mass: float = 1.0, spring: flo
     return np.asarray(2.0 * np.sqrt(scale) * np.abs(np.sin(half)))
 
 
+@checked_arguments("dispersion_diatomic")
 def dispersion_diatomic(
     wave_number: ArrayLike, *, mass: float = 1.0, other_mass: float, spring: float = 1.0
 ) -> tuple[Array, Array]:
@@ -143,6 +147,7 @@ def dispersion_diatomic(
     return np.asarray(2.0 * k * np.abs(np.sin(half)) / (np.sqrt(a * b) * optical)), optical
 
 
+@checked_arguments("band_edges")
 def band_edges(*, mass: float = 1.0, other_mass: float, spring: float = 1.0) -> Array:
     r"""Edges of the two frequency bands of a diatomic chain.
 
@@ -179,6 +184,7 @@ def band_edges(*, mass: float = 1.0, other_mass: float, spring: float = 1.0) -> 
     return np.sqrt(k * np.array(squares))
 
 
+@checked_arguments("modes")
 def modes(
     chain: Chain, force: float, *, ends: tuple[End, End] = ("free", "free")
 ) -> tuple[Array, Array]:
@@ -239,6 +245,7 @@ def modes(
     return spring_modes(chain.masses, springs, (held[0], held[1]))
 
 
+@checked_arguments("spring_modes")
 def spring_modes(
     masses: ArrayLike, springs: ArrayLike, ends: tuple[float, float] = (0.0, 0.0)
 ) -> tuple[Array, Array]:

@@ -19,10 +19,12 @@ from ..collision import collision_cascade
 from ..errors import InputError
 from ..pulse.chain_units import for_any_units
 from ..pulse.pulse import Pulse
+from ..validation.keywords import checked_arguments
 from ..validation.numbers import FRACTION, number
 from .decoration import warn_if_decorated
 
 
+@checked_arguments("hard_sphere")
 @for_any_units("the hard-sphere theory", supported=("masses", "stiffness", "gaps"))
 def hard_sphere(chain: Chain, *, restitution: float = 1.0) -> Pulse:
     r"""Leading pulse of hard spheres that collide one pair after the other.
@@ -70,6 +72,7 @@ def hard_sphere(chain: Chain, *, restitution: float = 1.0) -> Pulse:
     return pulse
 
 
+@checked_arguments("hard_sphere_energy_ratio")
 def hard_sphere_energy_ratio(chain: Chain, *, restitution: float = 1.0) -> float:
     r"""Ratio of the kinetic energy of the last bead to that of the first.
 
@@ -115,6 +118,7 @@ def hard_sphere_energy_ratio(chain: Chain, *, restitution: float = 1.0) -> float
     return float(np.prod((1.0 + e) ** 2 * mass_ratio / (1.0 + mass_ratio) ** 2))
 
 
+@checked_arguments("exponential_energy_ratio")
 def exponential_energy_ratio(q: float, beads: int, *, restitution: float = 1.0) -> float:
     r"""Closed form of `hard_sphere_energy_ratio` for spheres with :math:`R_{k+1} = (1-q) R_k`.
 
@@ -156,6 +160,7 @@ def exponential_energy_ratio(q: float, beads: int, *, restitution: float = 1.0) 
     return float(((1.0 + e) ** 2 * mass_ratio / (1.0 + mass_ratio) ** 2) ** (beads - 1))
 
 
+@checked_arguments("restitution_from_unloading")
 def restitution_from_unloading(loss: float) -> float:
     r"""Coefficient of restitution of contacts with a reduced unloading force.
 

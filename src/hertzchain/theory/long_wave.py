@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike
 
 from ..collision import HERTZ_EXPONENT, Array
 from ..errors import InputError
+from ..validation.keywords import checked_arguments
 from ..validation.numbers import number, real_numbers
 from ..validation.objects import check_type
 from .solitary_wave import SolitaryWave
@@ -23,6 +24,7 @@ from .solitary_wave import SolitaryWave
 QUOTED_COEFFICIENTS = (2.39536, 0.268529, 0.0061347)
 
 
+@checked_arguments("long_wave_speed_constant")
 def long_wave_speed_constant(exponent: float = HERTZ_EXPONENT) -> float:
     r"""Speed constant of the solitary wave in the long-wave theory.
 
@@ -52,6 +54,7 @@ def long_wave_speed_constant(exponent: float = HERTZ_EXPONENT) -> float:
     return (2.0 / (p + 1.0)) ** (1.0 / (p + 1.0))
 
 
+@checked_arguments("long_wave_velocity")
 def long_wave_velocity(distance: ArrayLike, exponent: float = HERTZ_EXPONENT) -> Array:
     r"""Velocity profile of the solitary wave in the long-wave theory, normalised to its peak.
 
@@ -94,6 +97,7 @@ def long_wave_velocity(distance: ArrayLike, exponent: float = HERTZ_EXPONENT) ->
     return np.where(angle < 0.5 * np.pi, np.cos(angle), 0.0) ** (2.0 / (p - 1.0))
 
 
+@checked_arguments("sen_manciu_coefficients")
 def sen_manciu_coefficients(wave: SolitaryWave) -> tuple[float, float, float]:
     r"""Coefficients of the Sen-Manciu form that match the exact wave at its crest.
 
@@ -134,6 +138,7 @@ def sen_manciu_coefficients(wave: SolitaryWave) -> tuple[float, float, float]:
     return 2.0 * a1, 2.0 * (a3 + a1**3 / 3.0), 2.0 * (a5 + a1**2 * a3 + a1**5 / 5.0)
 
 
+@checked_arguments("sen_manciu_velocity")
 def sen_manciu_velocity(
     distance: ArrayLike, coefficients: tuple[float, float, float] = QUOTED_COEFFICIENTS
 ) -> Array:
@@ -170,6 +175,7 @@ def sen_manciu_velocity(
     return np.asarray(slope * 4.0 * decay / (1.0 + decay) ** 2)
 
 
+@checked_arguments("precompressed_speed")
 def precompressed_speed(force_ratio: ArrayLike, exponent: float = HERTZ_EXPONENT) -> Array:
     r"""Speed of a solitary wave on a precompressed chain over the sound speed.
 

@@ -16,6 +16,7 @@ from .. import __version__
 from ..errors import InputError
 from ..representation import short
 from ..simulation.simulate import Progress
+from ..validation.keywords import checked_arguments
 from ..validation.objects import callback, check_choice, check_list
 from .case import ORIGINS, Case, forget_shared
 from .cases import cases
@@ -61,6 +62,7 @@ class Verdict:
         return short("Verdict", about, f"{self.ours:.10g}, expected {known}", agrees)
 
 
+@checked_arguments("verify")
 def verify(
     groups: Sequence[str] | None = None, *, progress: Progress | None = None
 ) -> list[Verdict]:

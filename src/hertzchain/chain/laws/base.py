@@ -20,6 +20,7 @@ from ...collision import Array, collision_overlap, compression_time
 from ...errors import InputError
 from ...kernels.law_kinds import LawRow
 from ...units import UNITS
+from ...validation.keywords import checked_arguments
 from ...validation.numbers import FRACTION, number
 from ...validation.objects import check_bool
 from ..parts import Part
@@ -191,6 +192,7 @@ class Loss(Part):
         """Damping constants for small motions; `InputError` if no motion is small enough."""
         return np.zeros(len(contacts.spring))
 
+    @checked_arguments("restitution")
     def restitution(
         self, speed: float, *, reduced_mass: float = 0.5, stiffness: float = 1.0,
         exponent: float = 1.5,

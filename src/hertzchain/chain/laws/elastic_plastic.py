@@ -12,7 +12,7 @@ import numpy as np
 from ...collision import HERTZ_EXPONENT, Array
 from ...errors import InputError
 from ...kernels.law_kinds import YIELDING, LawRow
-from ...validation.keywords import checked_fields
+from ...validation.keywords import checked_arguments, checked_fields
 from ..materials import FIRST_YIELD
 from .base import ContactArrays, ContactsAtRest, Loss, parameter
 
@@ -101,6 +101,7 @@ class ElasticPlastic(Loss, name="elastic-plastic"):
             )
         return LawRow(YIELDING)
 
+    @checked_arguments("restitution")
     def restitution(
         self, speed: float, *, reduced_mass: float = 0.5, stiffness: float = 1.0,
         exponent: float = HERTZ_EXPONENT,

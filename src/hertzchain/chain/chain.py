@@ -19,7 +19,7 @@ from numpy.typing import ArrayLike
 
 from ..collision import HERTZ_EXPONENT
 from ..errors import InputError
-from ..validation.keywords import MATERIAL_TOO, check_keywords, checked_arguments, checked_fields
+from ..validation.keywords import FIELD_ALIASES, check_keywords, checked_arguments, checked_fields
 from ..validation.numbers import FRACTION, number, plain_magnitude, real_numbers, whole_number
 from ..validation.objects import check_list
 from . import contact_shapes, modifications, pieces
@@ -122,7 +122,7 @@ class Chain(ChainFields):
     """
 
     @classmethod
-    @checked_arguments("Chain.tapered", PARAMETERS, MATERIAL_TOO)
+    @checked_arguments("Chain.tapered", PARAMETERS, FIELD_ALIASES)
     def tapered(
         cls,
         taper: str | None = None,
@@ -264,7 +264,7 @@ class Chain(ChainFields):
             return cls(given / given[0], exponent)
 
     @classmethod
-    @checked_arguments("Chain.from_materials", pieces.OTHER_FIELDS, MATERIAL_TOO)
+    @checked_arguments("Chain.from_materials", pieces.OTHER_FIELDS, FIELD_ALIASES)
     def from_materials(
         cls,
         radii: ArrayLike | None = None,
@@ -327,7 +327,7 @@ class Chain(ChainFields):
         return cls(given, units="SI", materials=kinds, **fields)
 
     @classmethod
-    @checked_arguments("Chain.periodic", ("velocity", *pieces.OTHER_FIELDS), MATERIAL_TOO)
+    @checked_arguments("Chain.periodic", ("velocity", *pieces.OTHER_FIELDS), FIELD_ALIASES)
     def periodic(
         cls,
         cell: ArrayLike,
@@ -372,7 +372,7 @@ class Chain(ChainFields):
         return cls.from_materials(radii, materials, **fields)
 
     @classmethod
-    @checked_arguments("Chain.dimer", ("velocity", *pieces.OTHER_FIELDS), MATERIAL_TOO)
+    @checked_arguments("Chain.dimer", ("velocity", *pieces.OTHER_FIELDS), FIELD_ALIASES)
     def dimer(
         cls,
         mass_ratio: float | None = None,

@@ -22,6 +22,7 @@ from ..chain.taper_sizes import SHAPES
 from ..chain.tapers import PARAMETERS, TAPERS, parameter_description
 from ..errors import InputError
 from ..units import UNITS
+from ..validation.keywords import FIELD_ALIASES
 from .schema_keys import Key, Kind, Section, section_as_dict
 
 
@@ -278,13 +279,14 @@ def chain_schema() -> dict[str, Any]:
 
 
 def with_usual_names(document: Mapping[str, Any]) -> Mapping[str, Any]:
-    """The document with ``material`` of [chain] under its usual name, ``materials``."""
+    """The document with the usual names of the fields of [chain]."""
     table = document.get("chain")
-    if not isinstance(table, Mapping) or "material" not in table:
+    if not isinstance(table, Mapping) or FIELD_ALIASES.keys().isdisjoint(table):
         return document
-    if "materials" in table:
-        raise InputError("[chain] has materials and material, which are the same: omit one")
-    names = ("materials" if name == "material" else name for name in table)
+    for other, name in FIELD_ALIASES.items():
+        if {other, name} <= table.keys():
+            raise InputError(f"[chain] has {name} and {other}, which are the same: omit one")
+    names = (FIELD_ALIASES.get(name, name) for name in table)
     return {**document, "chain": dict(zip(names, table.values(), strict=True))}
 
 

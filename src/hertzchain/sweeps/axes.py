@@ -18,6 +18,7 @@ from ..store.chain_schema import dimensions_of, is_fraction
 from ..store.csv_tables import csv_rows
 from ..units import PERCENT, UNITS, converted, quantity
 from ..validation.json_types import to_json_types
+from ..validation.keywords import FIELD_ALIASES
 from ..validation.numbers import FRACTION, has_unit, number, whole_number
 from ..validation.objects import file_path
 
@@ -234,7 +235,8 @@ def flattened(table: Mapping[str, Any], path: tuple[str, ...] = ()) -> Iterator[
     """Yield the path and the entry of each axis in nested tables."""
     for key, entry in table.items():
         place = (*path, *str(key).split("."))
-        place = ("materials",) if place == ("material",) else place
+        if len(place) == 1:
+            place = (FIELD_ALIASES.get(place[0], place[0]),)
         if isinstance(entry, Mapping) and not set(entry) & {*SPACINGS, "unit"}:
             yield from flattened(entry, place)
         else:

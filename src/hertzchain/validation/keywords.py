@@ -22,8 +22,8 @@ SYNONYMS: Final[Mapping[str, tuple[str, ...]]] = MappingProxyType(
     }
 )  # fmt: skip
 MATERIALS: Final = frozenset(("material", "materials"))
-# The materials of a chain have both names, also if there is only one.
-MATERIAL_TOO: Final[Mapping[str, str]] = MappingProxyType({"material": "materials"})
+# Other names of fields of a chain, accepted by builders, chain files and sweeps.
+FIELD_ALIASES: Final[Mapping[str, str]] = MappingProxyType({"material": "materials"})
 P = ParamSpec("P")
 R = TypeVar("R")
 

@@ -7,12 +7,12 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
-import psutil
 
 from ..collision import Array
 from ..errors import InputError, SimulationError
 from ..representation import short
 from ..validation.keywords import checked_methods
+from ..validation.memory import check_memory
 from ..validation.numbers import whole_number
 from ..validation.objects import callback
 
@@ -150,7 +150,8 @@ def sample(
 
     count = len(result.variables)
     walkers = max(MIN_WALKERS, 2 * count + 2)
-    _check_memory(steps, walkers, count)
+    needed = 8 * steps * walkers * (count + 1)
+    check_memory(f"{steps} steps of {walkers} walkers", needed, "use fewer steps")
     random = np.random.default_rng(seed)
     inverse = np.linalg.pinv(result.jacobian, rcond=1e-10)
     spread = np.linalg.svd(inverse @ inverse.T)
@@ -171,13 +172,3 @@ def sample(
         length = np.nan
     accepted = float(np.mean(sampler.acceptance_fraction))
     return Posterior(result.names, values, accepted, length, steps, result.estimates)
-
-
-def _check_memory(steps: int, walkers: int, count: int) -> None:
-    """Reject more samples than fit in memory."""
-    free, needed = psutil.virtual_memory().available, 8 * steps * walkers * (count + 1)
-    if needed > free:
-        raise InputError(
-            f"{steps} steps of {walkers} walkers do not fit in memory: {free / 2**30:.1f} GiB are "
-            f"free, enough for {free // (8 * walkers * (count + 1))} steps; use fewer"
-        )

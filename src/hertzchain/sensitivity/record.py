@@ -11,7 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..collision import Array
-from ..errors import InputError, SimulationError
+from ..errors import SimulationError
+from ..validation.memory import check_memory
 from .equation import Equation
 
 # Numbers in a block of steps, and bounds of its steps.
@@ -185,7 +186,11 @@ def run(
     # Without a stop, beads in free flight would reach infinity within a block.
     stop = equation.passage if math.isinf(until) and not stop_when_found else until
     while status == layout.BLOCK_FULL:
-        _check_memory(record, size)
+        check_memory(
+            f"the next {size} steps of {beads} beads, from t = {record.time:g} on,",
+            8.0 * size * 10 * beads, "use a larger rtol, an earlier until, or fewer beads",
+            MEMORY_PART,
+        )  # fmt: skip
         positions, velocities = np.zeros((size, beads)), np.zeros((size, beads))
         lengths, windows = np.empty(size), np.empty((size, 2), np.int64)
         kept, candidates = np.zeros((size, numbers, beads + 1)), np.empty((size * len(targets), 2))
@@ -223,22 +228,6 @@ def _failure(limit: bool, most_steps: int, time: float) -> SimulationError:
         f"the integration for the gradient {reason} at t = {time:g}; use a larger rtol or a "
         "shorter until"
     )
-
-
-def _check_memory(record: Record, size: int) -> None:
-    """Raise `InputError` if the steps stored so far fill the memory."""
-    needed = 8.0 * (record.steps + size) * 10 * record.equation.beads
-    if needed < 2**28:
-        return
-    import psutil
-
-    free = psutil.virtual_memory().available
-    if 8.0 * size * 10 * record.equation.beads > MEMORY_PART * free:
-        raise InputError(
-            f"the {record.steps} steps until t = {record.time:g} of {record.equation.beads} beads "
-            f"need {needed / 2**30:.1f} GiB, and {free / 2**30:.1f} GiB are free; use a larger "
-            "rtol, an earlier until, or fewer beads"
-        )
 
 
 def nothing_can_happen(record: Record) -> bool:

@@ -8,6 +8,7 @@ from numpy.typing import ArrayLike
 from ..chain.chain import Chain
 from ..collision import Array
 from ..errors import InputError, short_repr
+from ..validation.memory import check_memory
 from ..validation.numbers import real_numbers
 
 
@@ -22,7 +23,7 @@ def checked_times(chain: Chain, times: ArrayLike, begin: float, until: float | N
         raise InputError(
             f"times must be a whole number or a list of increasing numbers, got {short_repr(times)}"
         )
-    check_memory(chain, values.size)
+    check_memory_for(chain, values.size)
     good = np.isfinite(values) & (np.diff(values, prepend=-np.inf) > 0.0) & (values >= 0.0)
     if not good.all():
         bad = int(np.argmin(good))
@@ -41,16 +42,10 @@ def checked_times(chain: Chain, times: ArrayLike, begin: float, until: float | N
     return values
 
 
-def check_memory(chain: Chain, frames: int) -> None:
-    """Raise `InputError` if the saved times do not fit in memory."""
+def check_memory_for(chain: Chain, frames: int) -> None:
+    """Raise `InputError` if the states at the saved times do not fit in memory."""
     # Positions and velocities, 8 bytes each, and a second copy while they are combined.
-    if (needed := frames * chain.beads * 2 * 8 * 2) < 2**28:
-        return
-    import psutil
-
-    free = psutil.virtual_memory().available
-    if needed > free:
-        raise InputError(
-            f"{frames} saved times of {chain.beads} beads need {needed / 2**30:.1f} GiB, "
-            f"but {free / 2**30:.1f} GiB are free; save fewer times"
-        )
+    check_memory(
+        f"{frames} saved times of {chain.beads} beads", frames * chain.beads * 2 * 8 * 2,
+        "save fewer times",
+    )  # fmt: skip

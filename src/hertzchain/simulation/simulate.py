@@ -27,7 +27,7 @@ from .fixed_steps import FixedLoop, FixedSteps, fixed_steps
 from .kernel_input import kernel_chain
 from .run import Run
 from .run_end import RunEnd, Status
-from .saved_times import check_memory, checked_times
+from .saved_times import check_memory_for, checked_times
 from .slow_run import slow_run_notice
 from .state import State, contacts_of, first_state
 from .time_scales import check_clock, check_length, transit_times
@@ -206,7 +206,7 @@ class _Frames:
         elif (count := whole_number("times", times, least=0)) == 1:
             raise InputError("times must be 0 or at least 2 when it is a number, got 1")
         else:
-            check_memory(chain, count)
+            check_memory_for(chain, count)
             if until is None and count > 0:
                 self.spacing = 0.5 * float(transit_times(chain).sum()) / count
                 self.times = begin + self.spacing * np.arange(count)

@@ -15,6 +15,7 @@ from ..collision import Array
 from ..errors import InputError, SimulationError
 from ..pulse.quantities import SENSOR_QUANTITIES
 from ..validation.keywords import checked_arguments
+from ..validation.memory import check_memory
 from ..validation.numbers import number, whole_number, worker_count
 from ..validation.objects import callback, check_choice, check_list
 from .ensemble_columns import (
@@ -192,17 +193,10 @@ class _Ensemble:
         ]
         needed = 8 * sum(int(np.prod(shape, dtype=float)) for shape in shapes)
         needed += 8 * self.count * (longest + 1) + SCRATCH * min(self.count, 512) * longest
-        if needed < 2**28:
-            return
-        import psutil
-
-        free = psutil.virtual_memory().available
-        if needed > free:
-            raise InputError(
-                f"the quantities of {self.count} chains of up to {longest} beads need "
-                f"{needed / 2**30:.1f} GiB, but {free / 2**30:.1f} GiB are free; keep fewer "
-                "quantities, or simulate fewer chains at a time"
-            )
+        check_memory(
+            f"the quantities of {self.count} chains of up to {longest} beads", needed,
+            "keep fewer quantities, or simulate fewer chains at a time",
+        )  # fmt: skip
 
     def _tasks(self, threads: int) -> list[list[int]]:
         """Rows that are integrated together; single rows for `simulate`."""

@@ -18,6 +18,7 @@ from .. import __version__
 from ..errors import InputError, short_repr
 from ..store.sweep_store import SweepStore, locked
 from ..validation.keywords import checked_arguments
+from ..validation.memory import check_memory
 from ..validation.numbers import whole_number, worker_count
 from ..validation.objects import callback, check_bool, check_list, check_type, file_path
 from .batches import run_planned
@@ -333,37 +334,30 @@ def _opened(plan: Plan, folder: str | os.PathLike[str], skip_damaged: bool) -> S
 
 def _check_room(plan: Plan, folder: str | os.PathLike[str] | None) -> None:
     """Raise `InputError` if the results do not fit on the disk, or into memory without a store."""
-    size = bytes_of(plan)
+    size, advice = bytes_of(plan), "keep fewer quantities, at = 'last', or"
     if folder is None:
-        import psutil
-
-        free, where, other = psutil.virtual_memory().available, "there are", "give a store"
-        what = "GB of memory free"
-    # Path.exists raises OSError for a name that is too long.
-    elif os.path.exists(folder):  # noqa: PTH110
+        what = f"the results of {plan.points} points"
+        check_memory(what, size, f"{advice} give a store", USABLE_PART)
         return
-    else:
-        parent = next(p for p in Path(folder).absolute().parents if os.path.exists(p))  # noqa: PTH110
-        free, where, other = shutil.disk_usage(parent).free, f"{parent} has", "another place"
-        what = "GB free"
+    # Path.exists raises OSError for a name that is too long.
+    if os.path.exists(folder):  # noqa: PTH110
+        return
+    parent = next(p for p in Path(folder).absolute().parents if os.path.exists(p))  # noqa: PTH110
+    free = shutil.disk_usage(parent).free
     if size > USABLE_PART * free:
         raise InputError(
-            f"the sweep needs {size / 1e9:.3g} GB for {plan.points} points, but {where} "
-            f"{free / 1e9:.3g} {what}: keep fewer quantities, at = 'last', or {other}"
+            f"the results of {plan.points} points need {size / 2**30:.3g} GiB, but {parent} has "
+            f"{free / 2**30:.3g} GiB free; {advice} another place"
         )
 
 
 def _check_memory(plan: Plan, workers: int) -> None:
     """Raise `InputError` if the batches of all workers together do not fit into memory."""
-    import psutil
-
-    size, free = workers * plan.bytes_in_memory, psutil.virtual_memory().available
-    if size > USABLE_PART * free:
-        raise InputError(
-            f"{workers} batches of {math.prod(plan.block)} points of {plan.longest} beads need "
-            f"about {size / 1e9:.3g} GB of memory at a time, but {free / 1e9:.3g} GB are free: use "
-            "a smaller batch, fewer workers or shorter chains"
-        )
+    check_memory(
+        f"{workers} batches of {math.prod(plan.block)} points of {plan.longest} beads",
+        workers * plan.bytes_in_memory, "use a smaller batch, fewer workers or shorter chains",
+        USABLE_PART,
+    )  # fmt: skip
 
 
 def _check_same(store: SweepStore, text: str, what: str) -> None:

@@ -307,7 +307,7 @@ class Chain(ChainFields):
         >>> chain = hc.Chain.from_materials(5e-3, "steel-52100", beads=20)
         >>> chain
         Chain(20 steel-52100 beads, diameter 10 mm, impact at 1 m/s)
-        >>> round(float(chain.masses[0]), 9), float(chain.stiffness[0]).__round__(-3)
+        >>> round(float(chain.masses[0]), 9), round(float(chain.stiffness[0]), -3)
         (0.004073598, 7435897000.0)
         >>> hc.Chain.from_materials(diameters="10 mm", materials="steel-52100", beads=20)
         Chain(20 steel-52100 beads, diameter 10 mm, impact at 1 m/s)

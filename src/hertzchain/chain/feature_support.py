@@ -56,6 +56,16 @@ def require_supported(
         )
 
 
+def require_same_units(method: str, chains: Sequence[object]) -> None:
+    """Raise an error for a list in which only some of the chains are in SI units."""
+    in_si = sum(isinstance(each, Chain) and each.units == "SI" for each in chains)
+    if 0 < in_si < len(chains):
+        raise InputError(
+            f"{in_si} of {len(chains)} chains are in SI units and the others are scaled: call "
+            f"{method} separately for each kind, so that a table has one set of units"
+        )
+
+
 def _listed(features: Sequence[str]) -> str:
     *first, last = [f"a {name}" if name in COUNTABLE else name for name in features]
     return f"{', '.join(first)} or {last}" if first else last

@@ -184,11 +184,11 @@ def with_scatter(
     kept = np.delete(np.arange(self.beads), deviate)
     row[kept] = self.radii[kept]
     if self.strikers:
-        return _scattered_behind_strikers(self, row)
+        return _scattered_after_strikers(self, row)
     return _with_beads(self, "with_scatter", row, self.materials)
 
 
-def _scattered_behind_strikers(chain: C, radii: Array) -> C:
+def _scattered_after_strikers(chain: C, radii: Array) -> C:
     """Replace the radii of a chain with strikers, whose other features stay."""
     own = [name for name in ("masses", "stiffness") if name in chain.given]
     if own:

@@ -113,7 +113,7 @@ class Scales:
     def of(cls, chain: Chain, *, velocity: float | None = None) -> Scales:
         """Scales in which a chain in SI units has the variables of the paper.
 
-        In these scales the first bead behind the strikers has radius and mass 1.
+        In these scales the first bead after the strikers has radius and mass 1.
 
         Parameters
         ----------
@@ -233,8 +233,8 @@ class Scales:
         >>> import hertzchain as hc
         >>> scales = hc.Scales(radius=5e-3, mass=4e-3, velocity=1.0, length=12e-6)
         >>> pulse = scales.to_si(hc.bca(hc.Chain.uniform(20)))
-        >>> float(pulse.peak_time is None), round(float(pulse.arrival[1] * 1e6), 3)
-        (1.0, 14.633)
+        >>> round(float(pulse.arrival[1] * 1e6), 3)
+        14.633
         """
         from .conversion import converted
 

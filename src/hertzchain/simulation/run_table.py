@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
 # Largest number of chains whose ranges a representation states, which takes a second.
-MOST_CHECKED: Final = 3000
+MAX_CHECKED: Final = 3000
 
 
 @checked_methods
@@ -159,7 +159,7 @@ class RunTable(Frozen):
         if not checked:
             return ""
         part = "" if "largest_overlap" in self.columns else " (reflections not checked)"
-        if len(self) > MOST_CHECKED:
+        if len(self) > MAX_CHECKED:
             return f"outside_range states which chains are outside Hertz's range{part}"
         outside = int(self.outside_range.sum())
         return f"{outside} of {checked} chains outside Hertz's range{part}"

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..chain.chain import Chain
-from ..chain.feature_support import require_chain
+from ..chain.feature_support import require_chain, require_same_units
 from ..collision import Array
 from ..errors import InputError, SimulationError
 from ..pulse.quantities import SENSOR_QUANTITIES
@@ -119,7 +119,7 @@ def simulate_many(
         raise InputError("simulate_many requires a list of chains, got one; use simulate(chain)")
     given = check_list("chains", chains, "chains")
     real = [each for each in given if isinstance(each, Chain)]
-    _check_units(real, len(given))
+    require_same_units("simulate_many", real)
     if until is not None:
         unit = real[0]._unit("s") if real else None
         until = number("until", until, unit=unit, above=0.0)
@@ -133,15 +133,6 @@ def simulate_many(
     ensemble = _Ensemble(given, request)
     ensemble.run(worker_count("threads", threads), progress)
     return ensemble.table()
-
-
-def _check_units(chains: Sequence[Chain], count: int) -> None:
-    si = sum(each.units == "SI" for each in chains)
-    if 0 < si < len(chains):
-        raise InputError(
-            f"{si} of {count} chains are in SI units and the others are scaled: call simulate_many "
-            "separately for each kind, so that a table has one set of units"
-        )
 
 
 def _checked_names(keep: str | Iterable[str]) -> tuple[str, ...]:

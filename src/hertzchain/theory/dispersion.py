@@ -16,6 +16,7 @@ from numpy.typing import ArrayLike
 
 from ..chain.chain import Chain
 from ..chain.feature_support import require_supported
+from ..chain.input_checks import checked_exponent
 from ..collision import HERTZ_EXPONENT, Array, hertz_stiffness
 from ..errors import InputError, unknown_name_error
 from ..validation.keywords import checked_arguments
@@ -59,7 +60,7 @@ def linear_stiffness(stiffness: ArrayLike, force: float, exponent: float = HERTZ
     """
     k = _checked_positive("stiffness", stiffness)
     f = float(_checked_positive("force", number("force", force)))
-    exponent = number("exponent", exponent)
+    exponent = checked_exponent(exponent)
     return exponent * k ** (1.0 / exponent) * f ** (1.0 - 1.0 / exponent)
 
 
@@ -292,7 +293,9 @@ def spring_modes(
     rows = np.zeros((n + 1, n))
     inner = np.arange(n - 1)
     rows[inner, inner], rows[inner, inner + 1] = np.sqrt(k / m[:-1]), -np.sqrt(k / m[1:])
-    left, right = (_checked_end(end) for end in ends)
+    left, right = (
+        number("spring of an end", end, least=0.0, hint="0 is a free end") for end in ends
+    )
     rows[n - 1, 0], rows[n, n - 1] = math.sqrt(left / m[0]), math.sqrt(right / m[-1])
     _, frequencies, vectors = np.linalg.svd(rows)
     frequencies = frequencies[::-1].copy()
@@ -312,7 +315,3 @@ def _checked_positive(name: str, values: ArrayLike) -> Array:
     return array
 
 
-def _checked_end(spring: float) -> float:
-    if not 0.0 <= spring < math.inf:
-        raise InputError(f"spring of an end must be 0 (free) or positive, got {spring:g}")
-    return float(spring)

@@ -12,10 +12,11 @@ import math
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ..chain.input_checks import checked_exponent
 from ..collision import HERTZ_EXPONENT, Array
 from ..errors import InputError
 from ..validation.keywords import checked_arguments
-from ..validation.numbers import number, real_numbers
+from ..validation.numbers import real_numbers
 from ..validation.objects import check_type
 from .solitary_wave import SolitaryWave
 
@@ -50,7 +51,7 @@ def long_wave_speed_constant(exponent: float = HERTZ_EXPONENT) -> float:
     >>> round(hc.theory.long_wave_speed_constant(), 6)
     0.91461
     """
-    p = _checked_exponent(exponent)
+    p = checked_exponent(exponent)
     return (2.0 / (p + 1.0)) ** (1.0 / (p + 1.0))
 
 
@@ -90,7 +91,7 @@ def long_wave_velocity(distance: ArrayLike, exponent: float = HERTZ_EXPONENT) ->
     >>> hc.theory.long_wave_velocity([0.0, 1.0, 2.5]).round(4)
     array([1.    , 0.4232, 0.    ])
     """
-    p = _checked_exponent(exponent)
+    p = checked_exponent(exponent)
     kappa = (p - 1.0) / (p + 1.0) * math.sqrt(6.0 * (p + 1.0) / p)
     angle = np.minimum(kappa * np.abs(real_numbers("distance", distance)), 0.5 * np.pi)
     # In floating point, cos(pi/2) is 6e-17 instead of 0.
@@ -219,7 +220,7 @@ def precompressed_speed(force_ratio: ArrayLike, exponent: float = HERTZ_EXPONENT
     >>> hc.theory.precompressed_speed([1.0, 2.0]).round(4)
     array([1.    , 1.0449])
     """
-    p, f = _checked_exponent(exponent), real_numbers("force ratio", force_ratio)
+    p, f = checked_exponent(exponent), real_numbers("force ratio", force_ratio)
     if not np.all((f >= 1.0) & (f < math.inf)):
         bad = float(f.flat[np.argmin((f >= 1.0) & (f < math.inf))])
         raise InputError(
@@ -238,5 +239,3 @@ def precompressed_speed(force_ratio: ArrayLike, exponent: float = HERTZ_EXPONENT
     return np.sqrt(2.0 / (p * (p + 1.0)) * np.where(near, series, closed))
 
 
-def _checked_exponent(exponent: float) -> float:
-    return number("exponent of the contact force", exponent, above=1.0)

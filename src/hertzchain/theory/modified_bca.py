@@ -24,7 +24,7 @@ import numpy as np
 
 from ..chain.chain import Chain
 from ..chain.tapers import PAPER_TAPERS, rate_symbol
-from ..collision import Array
+from ..collision import HERTZ_EXPONENT, Array
 from ..errors import InputError, ModelRangeWarning, warn_user
 from ..pulse.chain_units import for_any_units
 from ..pulse.pulse import Pulse
@@ -230,7 +230,7 @@ def modified_bca(
             f"modified_bca requires a tapered chain ({', '.join(FITTED_RATES)}), got "
             f"{chain.description}; use bca for other chains"
         )
-    if chain.exponents != 1.5:
+    if chain.exponents != HERTZ_EXPONENT:
         raise InputError(
             f"modified_bca has constants for Hertz contacts (exponent 1.5), got p = "
             f"{chain.exponents:g}; use bca"

@@ -23,6 +23,7 @@ from ...units import UNITS
 from ...validation.keywords import checked_arguments
 from ...validation.numbers import FRACTION, number
 from ...validation.objects import check_bool
+from ..input_checks import checked_exponent
 from ..parts import Part
 from ..scales import Scale, scale
 
@@ -228,7 +229,7 @@ class Loss(Part):
         0.7562
         """
         contacts = ContactArrays(
-            number("exponent of the contact force", exponent, above=1.0, most=50.0),
+            checked_exponent(exponent),
             np.array([number("stiffness", stiffness, above=0.0)]),
             np.array([number("reduced mass", reduced_mass, above=0.0)]),
         )

@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike
 from ..collision import Array
 from ..errors import InputError
 from ..validation.keywords import checked_fields, checked_methods
-from ..validation.numbers import number, per_bead_array, real_numbers
+from ..validation.numbers import bounded_numbers, number, per_bead_array, real_numbers
 from ..validation.objects import check_choice
 from .parts import Part
 from .scales import scale
@@ -109,7 +109,7 @@ class SineBurst(Part):
         >>> round(float(hc.SineBurst(1.0, 1.0, cycles=1.0).value(0.25)), 6)
         0.5
         """
-        periods = self.frequency * _finite_times(times)
+        periods = self.frequency * bounded_numbers("time of a drive", times)
         carrier = self.amplitude * np.sin(2.0 * math.pi * periods)
         if self.window == "hann":
             carrier = carrier * np.sin(math.pi * periods / self.cycles) ** 2
@@ -180,7 +180,7 @@ class StepDrive(Part):
         >>> float(hc.StepDrive(3.0).value(1.0))
         3.0
         """
-        t = _finite_times(times)
+        t = bounded_numbers("time of a drive", times)
         if self.rise == 0.0:
             return np.asarray(np.where(t >= 0.0, self.amplitude, 0.0))
         u = np.clip(t / self.rise, 0.0, 1.0)
@@ -258,7 +258,8 @@ class TableDrive(Part):
         >>> float(hc.TableDrive([0.0, 1.0], [0.0, 1.0]).value(0.25))
         0.25
         """
-        return np.asarray(np.interp(_finite_times(times), self.times, self.values))
+        t = bounded_numbers("time of a drive", times)
+        return np.asarray(np.interp(t, self.times, self.values))
 
     def __repr__(self) -> str:
         return (
@@ -268,13 +269,6 @@ class TableDrive(Part):
 
 
 Drive: TypeAlias = SineBurst | StepDrive | TableDrive
-
-
-def _finite_times(times: ArrayLike) -> Array:
-    moments = real_numbers("time", times)
-    if not np.isfinite(moments).all():
-        raise InputError("times of a drive must be finite")
-    return moments
 
 
 def _check_driven(of: str) -> None:

@@ -189,6 +189,4 @@ def restitution_from_unloading(loss: float) -> float:
     >>> round(hc.theory.restitution_from_unloading(0.19), 12)
     0.9
     """
-    return math.sqrt(
-        1.0 - number("loss w of unloading", loss, unit=FRACTION, least=0.0, below=1.0)
-    )
+    return math.sqrt(1.0 - number("loss w of unloading", loss, unit=FRACTION, least=0.0, below=1.0))

@@ -29,7 +29,7 @@ from ..errors import InputError, ModelRangeWarning, warn_user
 from ..pulse.chain_units import for_any_units
 from ..pulse.pulse import Pulse
 from ..validation.keywords import checked_arguments
-from ..validation.numbers import number, real_numbers
+from ..validation.numbers import bounded_numbers, number
 from ..validation.objects import check_choice
 from .bca import bca
 
@@ -324,7 +324,7 @@ def printed_velocity(taper: str, rate: float, k: Array) -> Array:
     array([0.083333])
     """
     check_choice("taper", taper, PAPER_TAPERS)
-    rate, k = number("rate", rate), real_numbers("bead", k)
+    rate, k = number("rate", rate, above=0.0), bounded_numbers("bead", k)
     if taper == "backward-linear":
         return PRINTED_RATIO[taper] * k**-1.5
     if taper == "forward-linear":

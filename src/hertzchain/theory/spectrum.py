@@ -28,8 +28,8 @@ from ..errors import InputError
 from ..frozen import Frozen
 from ..representation import measure, short
 from ..validation.keywords import checked_arguments, checked_methods
-from ..validation.numbers import whole_number
-from .bands import checked_finite, plane_waves, repeating_cell, slow_wave_speed
+from ..validation.numbers import bounded_numbers, whole_number
+from .bands import plane_waves, repeating_cell, slow_wave_speed
 from .eigenmodes import eigenmodes
 from .linear_contacts import LinearContacts, linear_contacts
 from .response import Complex, Response, WallName, driven_place
@@ -263,7 +263,7 @@ class Spectrum(Frozen):
         array([0.389848])
         """
         size = repeating_cell(self.contacts, cell, self.chain.description)
-        return plane_waves(self.contacts, size, checked_finite("phase", phase, -math.inf))
+        return plane_waves(self.contacts, size, bounded_numbers("phase", phase))
 
     def band_edges(self, *, cell: int | None = None) -> Array:
         """Edges of the frequency bands of an infinite chain with the same cell.
@@ -447,4 +447,4 @@ def spectrum(chain: Chain) -> Spectrum:
 
 
 def _angular(frequencies: ArrayLike) -> Array:
-    return 2.0 * math.pi * checked_finite("frequency", frequencies, 0.0)
+    return 2.0 * math.pi * bounded_numbers("frequency", frequencies, least=0.0)

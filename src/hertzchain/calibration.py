@@ -7,7 +7,7 @@ parameters and any range of beads.
 from __future__ import annotations
 
 import operator
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, Final
 
@@ -28,7 +28,7 @@ from .theory.modified_bca import (
 )
 from .validation.keywords import checked_arguments, checked_methods
 from .validation.numbers import whole_number
-from .validation.objects import callback, check_choice, check_list
+from .validation.objects import Progress, callback, check_choice, check_list
 
 Window = tuple[int, int]
 
@@ -160,7 +160,7 @@ def calibrate(
     rates: Sequence[float] | None = None,
     window: Window = WINDOW,
     beads: int = BEADS,
-    progress: Callable[[int, int], None] | None = None,
+    progress: Progress | None = None,
 ) -> Calibration:
     r"""Fit the correction of one taper to the simulation.
 

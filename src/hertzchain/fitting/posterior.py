@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Final
 
@@ -14,7 +13,7 @@ from ..representation import short
 from ..validation.keywords import checked_methods
 from ..validation.memory import check_memory
 from ..validation.numbers import whole_number
-from ..validation.objects import callback
+from ..validation.objects import Progress, callback
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -121,9 +120,7 @@ class Posterior:
         return short("Posterior", f"{len(self.samples)} samples", length, rows)
 
 
-def sample(
-    result: FitResult, steps: int, seed: int, progress: Callable[[int, int], None] | None
-) -> Posterior:
+def sample(result: FitResult, steps: int, seed: int, progress: Progress | None) -> Posterior:
     """Sample the posterior from the optimum of a fit; `FitResult.sample` documents it."""
     steps = whole_number("steps", steps, least=10)
     seed = whole_number("seed", seed, least=0, most=2**32 - 1)

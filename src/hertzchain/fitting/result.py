@@ -13,6 +13,7 @@ from ..collision import Array
 from ..representation import counted, short
 from ..validation.keywords import checked_methods
 from ..validation.numbers import number
+from ..validation.objects import Progress
 from .goodness import NO_ERRORS, Goodness
 from .model import Model
 from .problem import Problem
@@ -26,8 +27,6 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from .posterior import Posterior
-
-# Addition to the verdict if the errors do not apply.
 
 
 @checked_methods
@@ -396,7 +395,9 @@ class FitResult:
 
         return plot_correlations(self)
 
-    def sample(self, steps: int = 500, *, seed: int = 0, progress: Any = None) -> Posterior:
+    def sample(
+        self, steps: int = 500, *, seed: int = 0, progress: Progress | None = None
+    ) -> Posterior:
         """Sample the posterior with emcee, as a check of the errors; requires the extra ``fit``.
 
         Parameters

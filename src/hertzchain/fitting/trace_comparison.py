@@ -17,13 +17,13 @@ from ..validation.keywords import checked_methods
 from ..validation.numbers import number
 from ..validation.objects import check_type
 from .coupling import coupling_notes, resolved_coupling, static_force
+from .misread_columns import level_of
 from .sensor_comparison import (
     HEADING,
     SensorComparison,
     check_arrivals,
     check_contained,
     compared_sensor,
-    level_of,
     pulse_notes,
     unit_notes,
 )

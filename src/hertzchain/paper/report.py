@@ -20,7 +20,7 @@ import platform
 import re
 import shutil
 import tempfile
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from concurrent.futures import Executor
 from pathlib import Path
 from typing import Any, Final
@@ -36,6 +36,7 @@ from ..plotting.scoreboard import plot_scoreboard
 from ..store.file_lock import lock
 from ..store.writing import cannot_write
 from ..validation.keywords import checked_arguments
+from ..validation.objects import Progress
 from ..verification.case import ORIGINS
 from ..verification.verify import as_dict
 from .drawings import Drawing, drawn
@@ -58,7 +59,7 @@ def write_report(
     reproduction: Reproduction,
     out: Path,
     *,
-    progress: Callable[[int, int], None] | None = None,
+    progress: Progress | None = None,
 ) -> Path:
     """Write the report of a reproduction to a folder.
 
@@ -97,7 +98,7 @@ def write_reserved(
     reproduction: Reproduction,
     out: Path,
     *,
-    progress: Callable[[int, int], None] | None = None,
+    progress: Progress | None = None,
     pool: Executor | None = None,
 ) -> Path:
     """Write a report to a folder that is `reserved`; a pool of processes draws figures, too."""
@@ -223,7 +224,7 @@ def method(reproduction: Reproduction) -> dict[str, Any]:
 def _write_figures(
     reproduction: Reproduction,
     folder: Path,
-    progress: Callable[[int, int], None] | None,
+    progress: Progress | None,
     pool: Executor | None,
 ) -> dict[str, str]:
     """Save all figures; return them as data URLs for the page."""

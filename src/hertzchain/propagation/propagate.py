@@ -8,7 +8,7 @@ equation of motion as `hertzchain.simulate`, but only for the beads around the p
 from __future__ import annotations
 
 import numbers
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
 from dataclasses import dataclass, field
 from typing import Final, TypeGuard
@@ -27,12 +27,10 @@ from ..pulse.pulse import Pulse, assemble_pulse
 from ..pulse.pulse_table import PulseTable
 from ..validation.keywords import checked_arguments
 from ..validation.numbers import number, real_numbers, worker_count
-from ..validation.objects import callback, check_list
+from ..validation.objects import Progress, callback, check_list
 from .batch import COLUMNS, PASSED, STOP, Batch, PulseData
 from .heterogeneous import MAX_RTOL
 from .window_choice import follow
-
-Progress = Callable[[int, int], None]
 
 # Features of a chain, in addition to its radii, that are supported.
 SUPPORTED: Final = (

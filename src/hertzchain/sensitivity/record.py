@@ -186,11 +186,7 @@ def run(
     # Without a stop, beads in free flight would reach infinity within a block.
     stop = equation.passage if math.isinf(until) and not stop_when_found else until
     while status == layout.BLOCK_FULL:
-        check_memory(
-            f"the next {size} steps of {beads} beads, from t = {record.time:g} on,",
-            8.0 * size * 10 * beads, "use a larger rtol, an earlier until, or fewer beads",
-            MEMORY_PART,
-        )  # fmt: skip
+        _check_memory(record, size)
         positions, velocities = np.zeros((size, beads)), np.zeros((size, beads))
         lengths, windows = np.empty(size), np.empty((size, 2), np.int64)
         kept, candidates = np.zeros((size, numbers, beads + 1)), np.empty((size * len(targets), 2))
@@ -228,6 +224,16 @@ def _failure(limit: bool, most_steps: int, time: float) -> SimulationError:
         f"the integration for the gradient {reason} at t = {time:g}; use a larger rtol or a "
         "shorter until"
     )
+
+
+def _check_memory(record: Record, size: int) -> None:
+    """Raise `InputError` if the next block of steps does not fit in memory."""
+    beads = record.equation.beads
+    check_memory(
+        f"the next {size} steps of {beads} beads, from t = {record.time:g} on,",
+        8.0 * size * 10 * beads, "use a larger rtol, an earlier until, or fewer beads",
+        MEMORY_PART,
+    )  # fmt: skip
 
 
 def nothing_can_happen(record: Record) -> bool:

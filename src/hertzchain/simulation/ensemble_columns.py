@@ -6,7 +6,7 @@ each run.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, Final
 
@@ -24,6 +24,7 @@ from ..pulse.quantities import (
     WALL_QUANTITIES,
     Quantity,
 )
+from ..validation.objects import Progress
 from .budget import budget_of
 from .ensemble_input import kernel_input
 from .run import Run
@@ -31,7 +32,7 @@ from .run_end import Status
 from .run_message import FAILURES, end_message
 from .run_pulse import pulse_of
 from .sensor_force import MANY_TIMES, MIN_HEIGHT, sensor_maxima
-from .simulate import MAX_RTOL, MIN_RTOL, simulate
+from .simulate import MAX_RTOL, MIN_RTOL, default_step_limit, simulate
 
 # Quantities of the leading pulse that a simulation determines.
 PULSE_QUANTITIES: Final = {
@@ -103,7 +104,7 @@ def by_kernel(chains: Sequence[Chain], request: Request, signal: NDArray[np.int6
     records = np.zeros((count, layout.RECORDS, beads))
     summary = np.zeros((count, layout.SUMMARY))
     readings = np.zeros((count, len(places), layout.GAUGE_ROWS))
-    limit = request.max_steps or max(2000 * beads, 1_000_000)
+    limit = request.max_steps or default_step_limit(beads)
     scratch = _scratch(kernel, layout, len(places), beads)
     kernel.follow(
         given.chains, given.numbers, places, request.rtol, float(limit), given.hertz,
@@ -296,7 +297,7 @@ def energy_parts(
         return {name: np.asarray(values / total) for name, values in parts.items()}
 
 
-def by_simulate(chain: Chain, request: Request, progress: Callable[[int, int], None]) -> Outcome:
+def by_simulate(chain: Chain, request: Request, progress: Progress) -> Outcome:
     """Integrate one chain by `simulate`."""
     keep = request.keep
     rtol = min(max(TIGHTER * request.rtol, MIN_RTOL), MAX_RTOL)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
@@ -12,7 +12,7 @@ from ..errors import IncompleteWarning, InputError, SimulationError, warn_user
 from ..pulse.pulse import Pulse
 from ..representation import short
 from ..validation.keywords import checked_methods
-from ..validation.objects import check_choice
+from ..validation.objects import Progress, check_choice
 from .budget import Budget, budget_of
 from .energy_flux import energy_flux_of
 from .find_waves import find_waves
@@ -224,9 +224,7 @@ class Run(Trajectory):
             self.state.start,
         )  # fmt: skip
 
-    def horizon(
-        self, *, within: float = 0.01, progress: Callable[[int, int], None] | None = None
-    ) -> Horizon:
+    def horizon(self, *, within: float = 0.01, progress: Progress | None = None) -> Horizon:
         """Time up to which the velocities are predictable, from a second integration.
 
         The chain is integrated again with ten times the tolerance (with a tenth of it if

@@ -7,7 +7,6 @@ leading pulse is needed.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from typing import Any, Final
 
 import numpy as np
@@ -21,7 +20,7 @@ from ..collision import Array
 from ..errors import InputError, SimulationError
 from ..validation.keywords import checked_arguments
 from ..validation.numbers import number, whole_number
-from ..validation.objects import callback, check_bool
+from ..validation.objects import Progress, callback, check_bool
 from .checked_state import check_start
 from .fixed_steps import FixedLoop, FixedSteps, fixed_steps
 from .kernel_input import kernel_chain
@@ -32,8 +31,6 @@ from .slow_run import slow_run_notice
 from .state import State, contacts_of, first_state
 from .time_scales import check_clock, check_length, transit_times
 from .wall_watch import CHECKS, FEW_CHECKS
-
-Progress = Callable[[int, int], None]
 
 DEFAULT_RTOL: Final = 1e-13
 MIN_RTOL, MAX_RTOL = 1e-14, 1e-6
@@ -160,7 +157,7 @@ def simulate(
         until = number("until", until, unit=chain._unit("s"), above=0.0)
         check_length(chain, until)
     fixed = fixed_steps(chain, method, step, drift, until)
-    usual = max(STEPS_PER_BEAD * chain.beads, MIN_STEP_LIMIT) if fixed is None else MAX_FIXED_STEPS
+    usual = default_step_limit(chain.beads) if fixed is None else MAX_FIXED_STEPS
     limit = usual if max_steps is None else whole_number("max_steps", max_steps, least=1)
     check_clock(chain)
     if start is None:
@@ -187,6 +184,11 @@ def simulate(
 def checked_rtol(rtol: float) -> float:
     """Check the tolerance per step, 1e-14 .. 1e-6."""
     return number("rtol", rtol, least=MIN_RTOL, most=MAX_RTOL)
+
+
+def default_step_limit(beads: int) -> int:
+    """Largest number of steps of a run, unless another one is given."""
+    return max(STEPS_PER_BEAD * beads, MIN_STEP_LIMIT)
 
 
 class _Frames:

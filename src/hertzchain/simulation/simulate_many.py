@@ -17,7 +17,7 @@ from ..pulse.quantities import SENSOR_QUANTITIES
 from ..validation.keywords import checked_arguments
 from ..validation.memory import check_memory
 from ..validation.numbers import number, whole_number, worker_count
-from ..validation.objects import callback, check_choice, check_list
+from ..validation.objects import Progress, callback, check_choice, check_list
 from .ensemble_columns import (
     KEPT,
     Outcome,
@@ -30,7 +30,6 @@ from .ensemble_columns import (
 )
 from .ensemble_input import is_covered, kind_of
 from .run_table import RunTable
-from .simulate import Progress
 
 DEFAULT_RTOL: Final = 1e-8
 MIN_RTOL, MAX_RTOL = 1e-14, 1e-5

@@ -39,11 +39,11 @@ from ..errors import (
 )
 from ..representation import short
 from ..simulation.run import Run, beginning_of
-from ..simulation.simulate import DEFAULT_RTOL, Progress, checked_rtol, simulate
+from ..simulation.simulate import DEFAULT_RTOL, checked_rtol, simulate
 from ..simulation.state import State, fingerprint
 from ..validation.keywords import checked_arguments, checked_fields, checked_methods
 from ..validation.numbers import real_numbers
-from ..validation.objects import callback, check_bool, file_path
+from ..validation.objects import Progress, callback, check_bool, file_path
 from .damage import DamagedFileError
 from .file_lock import lock
 from .manifest import (

@@ -20,7 +20,7 @@ from ..store.sweep_store import SweepStore, locked
 from ..validation.keywords import checked_arguments
 from ..validation.memory import check_memory
 from ..validation.numbers import whole_number, worker_count
-from ..validation.objects import callback, check_bool, check_list, check_type, file_path
+from ..validation.objects import Progress, callback, check_bool, check_list, check_type, file_path
 from .batches import run_planned
 from .dataset import (
     MemoryStore,
@@ -38,7 +38,6 @@ from .specification import read_specification, specification_from_json
 if TYPE_CHECKING:
     import xarray as xr
 
-Progress = Callable[[int, int], None]
 
 # A whole batch is timed for an estimate if it is expected to take at most this many seconds.
 SAMPLE_SECONDS: Final = 5.0

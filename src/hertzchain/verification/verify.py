@@ -15,9 +15,8 @@ from dataclasses import dataclass
 from .. import __version__
 from ..errors import InputError
 from ..representation import short
-from ..simulation.simulate import Progress
 from ..validation.keywords import checked_arguments
-from ..validation.objects import callback, check_choice, check_list
+from ..validation.objects import Progress, callback, check_choice, check_list
 from .case import ORIGINS, Case, forget_shared
 from .cases import cases
 

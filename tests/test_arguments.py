@@ -182,6 +182,29 @@ def test_the_materials_of_a_chain_have_two_names(name):
     assert found.arrival.values[0] < found.arrival.values[1]
 
 
+@pytest.mark.parametrize("name", ["material", "materials"])
+def test_points_of_a_sweep_name_materials_in_two_ways(name, tmp_path):
+    file = tmp_path / "points.csv"
+    file.write_text(f"{name},velocity\n{STEEL},1e-3\nptfe,1e-3\n")
+    rows = [{name: STEEL, "velocity": 1e-3}, {name: "ptfe", "velocity": 1e-3}]
+    chain = {"radii": 5e-3, "beads": 5, name: "brass"}
+    for points in (str(file), rows):
+        found = hc.sweep({
+            "chain": chain, "points": points, "sweep": {"at": "last", "keep": "arrival"},
+        })  # fmt: skip
+        assert found.materials.values.tolist() == [STEEL, "ptfe"]
+        assert found.arrival.values[0] < found.arrival.values[1]
+
+
+def test_points_of_a_sweep_name_materials_once(tmp_path):
+    file = tmp_path / "points.csv"
+    file.write_text("material,materials\nbrass,ptfe\n")
+    row = {"material": "brass", "materials": "ptfe"}
+    for points, said in ((str(file), "two columns 'materials'"), ([row], "twice, by two names")):
+        with pytest.raises(hc.InputError, match=said):
+            hc.sweep({"chain": {"radii": 5e-3, "beads": 5}, "points": points})
+
+
 def test_one_size_of_a_dimer_is_that_of_both_kinds():
     one = hc.Chain.dimer(diameters="10 mm", materials=[STEEL, "ptfe"], beads=5)
     two = hc.Chain.dimer(diameters=["10 mm", "10 mm"], materials=[STEEL, "ptfe"], beads=5)

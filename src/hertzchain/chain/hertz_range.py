@@ -31,6 +31,7 @@ from ..errors import InputError, ModelRangeWarning, warn_user
 from ..representation import counted, short
 from ..validation.keywords import checked_arguments
 from ..validation.numbers import per_bead_array, real_numbers
+from .bisection import bisected
 from .chain import Chain
 from .contact_groups import effective_radii, reduced_masses
 from .feature_support import require_chain
@@ -308,12 +309,11 @@ def _overlap_under_load(
         return free
     unit, q = static + free, exponent + 1.0
     rest, energy = static / unit, (free / unit) ** q
-    low, high = rest, np.ones_like(rest)
-    for _ in range(BISECTIONS):
-        d = 0.5 * (low + high)
-        below = d**q - rest**q - q * rest**exponent * (d - rest) < energy
-        low, high = np.where(below, d, low), np.where(below, high, d)
-    return np.asarray(unit * high)
+
+    def below(d: Array) -> Array:
+        return np.asarray(d**q - rest**q - q * rest**exponent * (d - rest) < energy)
+
+    return np.asarray(unit * bisected(below, rest, np.ones_like(rest), BISECTIONS))
 
 
 def _with_walls(chain: Chain, overlaps: ArrayLike) -> Array:

@@ -52,7 +52,7 @@ from .per_contact import (
 )
 from .static_forces import Loads, check_static_overlaps, static_forces
 from .tapers import parameter_pairs, taper_named
-from .walls import Wall
+from .walls import Wall, materials_with_walls
 
 Units = Literal["scaled", "SI"]
 UNITS: Final[tuple[Units, ...]] = get_args(Units)
@@ -318,9 +318,7 @@ class ChainFields(Frozen):
         """All contacts, walls included, by law and exponent."""
         kinds = None
         if self.materials is not None and not self.scaled:
-            walls = zip((self.left_wall, self.right_wall), (0, -1), strict=True)
-            ends = [(wall and wall.material) or self.materials[bead] for wall, bead in walls]
-            kinds = [ends[0], *self.materials, ends[1]]
+            kinds = materials_with_walls(self.materials, (self.left_wall, self.right_wall))
         radii = None if self.scaled else self.radii
         return group_contacts(
             self.contact_losses, self.contact_exponents, self.contact_stiffness, self.masses,

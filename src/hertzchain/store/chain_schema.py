@@ -14,7 +14,9 @@ from types import MappingProxyType
 from typing import Any, Final
 
 from ..chain.boundary_checks import HELD_BY
+from ..chain.contact_shapes import MIN_ANGLE
 from ..chain.drives import DRIVEN, WINDOWS
+from ..chain.input_checks import MAX_EXPONENT
 from ..chain.laws import LAWS
 from ..chain.laws.base import Parameter
 from ..chain.modifications import MAX_SCATTER
@@ -44,7 +46,9 @@ _WALL: Final = (
     Key("rigid", "boolean", "whether the wall is rigid", default=False),
     _number("stiffness", "stiffness of its contact", "stiffness", above=0.0),
     _number("gap", "distance to the bead at time 0", "length", default=0.0, least=0.0),
-    _number("exponent", "exponent of its contact; the chain's if omitted", above=1.0, most=50.0),
+    _number(
+        "exponent", "exponent of its contact; the chain's if omitted", above=1.0, most=MAX_EXPONENT
+    ),
     Key("loss", "law", "law of loss of its contact; the chain's if omitted"),
 )
 
@@ -88,7 +92,7 @@ _CHAIN: Final = (
     _number("mass_ratio", "mass of the light beads of a dimer over that of the heavy ones",
             fraction=True, above=0.0),
     Key("file", "file", "CSV file with one row per bead"),
-    _number("exponent", "exponent of the contact force", default=1.5, above=1.0, most=50.0,
+    _number("exponent", "exponent of the contact force", default=1.5, above=1.0, most=MAX_EXPONENT,
             per="contact", one_for_all=True),
     Key("units", "choice", "units of the chain; SI follows from materials",
         choices=("scaled", "SI")),
@@ -150,7 +154,7 @@ _BETWEEN: Final = Key(
 )
 _EXPONENTS: Final = (
     Key("between", "material", "the two materials of the contacts", required=True, per="item"),
-    _number("value", "exponent of these contacts", required=True, above=1.0, most=50.0),
+    _number("value", "exponent of these contacts", required=True, above=1.0, most=MAX_EXPONENT),
 )
 _CONTACTS: Final = Key(
     "contacts", "integer", "numbers of the contacts, 0 and N of walls; all of two beads if omitted",
@@ -167,7 +171,7 @@ _SHAPES: Final[Mapping[str, tuple[Key, ...]]] = MappingProxyType(
                     above=0.0),
             _number("other_radius", "radius of the other; that of the other bead if omitted",
                     "length", above=0.0),
-            _number("angle", "angle between the axes, in degrees", default=90.0, least=1.0,
+            _number("angle", "angle between the axes, in degrees", default=90.0, least=MIN_ANGLE,
                     most=90.0),
         ),
     }

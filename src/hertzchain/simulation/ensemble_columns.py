@@ -30,7 +30,7 @@ from .ensemble_input import kernel_input
 from .run import Run
 from .run_end import Status
 from .run_message import FAILURES, end_message
-from .run_pulse import pulse_of
+from .run_pulse import pulse_of, times_between
 from .sensor_force import MANY_TIMES, MIN_HEIGHT, sensor_maxima
 from .simulate import MAX_RTOL, MIN_RTOL, default_step_limit, simulate
 
@@ -198,10 +198,7 @@ class _KernelResults:
     def _residence(self, times: Array) -> Array:
         """Residence times as in `hertzchain.simulation.run_pulse`, for struck chains."""
         since = self.records[:, self.layout.RECORD_RESIDENCE, :-1]
-        residence = np.where(since > 0.0, since, np.diff(times, prepend=0.0))
-        passed = times > 0.0
-        behind = np.pad(passed[:, :-1], ((0, 0), (1, 0)), constant_values=True)
-        residence[~passed | ~behind] = np.nan
+        residence = times_between(times, since)
         moving = np.pad(self.given[:, self.layout.START_V, :-1] > 0.0, ((0, 0), (0, 1)))
         first = np.argmin(moving, axis=1)
         undefined = np.arange(residence.shape[1]) < first[:, np.newaxis]

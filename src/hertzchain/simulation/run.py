@@ -417,10 +417,6 @@ class Run(Trajectory):
             traces = load_traces(traces)
         return compare_traces(self, traces, time_offset=time_offset)
 
-    def _require_times(self) -> None:
-        if not len(self.times):
-            raise InputError("the run has no saved times; give simulate times of at least 2")
-
     def __repr__(self) -> str:
         saved = f"{len(self.times)} times saved, energy drift {self.energy_drift:.1e}"
         message = self.message, self._unfinished_collision, self.prediction

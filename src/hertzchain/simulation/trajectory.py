@@ -184,6 +184,10 @@ class Trajectory(ShortDir):
         seen = self.largest_overlaps[1:-1] > np.maximum(-gaps, 0.0) * (1.0 + 1e-9)
         return bool(np.any(seen | compressed))
 
+    def _require_times(self) -> None:
+        if not len(self.times):
+            raise InputError("the run has no saved times; give simulate times of at least 2")
+
     def force(self, contact: int) -> Array:
         """Force in one contact at the saved times.
 

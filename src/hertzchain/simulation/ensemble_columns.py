@@ -6,6 +6,8 @@ each run.
 
 from __future__ import annotations
 
+import threading
+from collections import deque
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, Final
@@ -46,8 +48,9 @@ KEPT: Final[dict[str, Quantity]] = {
 OVERLAP_TIMES: Final = 1000
 # Factor of the tolerance for `simulate`, whose method has larger errors at equal tolerance.
 TIGHTER: Final = 0.1
-# Scratch arrays of the kernel that are not in use, by number of gauges.
-_SPARE: dict[int, list[tuple[Array, ...]]] = {}
+# Scratch arrays of the kernel that are not in use, each with its number of gauges; a set has 8 MB.
+_SPARE: Final[deque[tuple[int, tuple[Array, ...]]]] = deque(maxlen=16)
+_LOCK: Final = threading.Lock()
 
 STATUS: Final[tuple[Status, ...]] = (
     "step limit", "pulse left", "time reached", "wall force complete", "transit limit",
@@ -110,17 +113,22 @@ def by_kernel(chains: Sequence[Chain], request: Request, signal: NDArray[np.int6
         given.chains, given.numbers, places, request.rtol, float(limit), given.hertz,
         given.walled, given.careful, records, summary, readings, signal, *scratch,
     )  # fmt: skip
-    _SPARE.setdefault(len(places), []).append(scratch)
+    with _LOCK:
+        _SPARE.append((len(places), scratch))
     found = _KernelResults(chains, given.chains, records, summary, readings)
     return found.outcome(request)
 
 
 def _scratch(kernel: Any, layout: Any, gauges: int, beads: int) -> tuple[Array, ...]:
     """Zeros as scratch arrays of the kernel, if possible those of an earlier call."""
-    try:
-        rows, *others = scratch = _SPARE[gauges].pop()
-    except (KeyError, IndexError):
+    with _LOCK:
+        place = next((i for i, (number, _) in enumerate(_SPARE) if number == gauges), None)
+        if place is not None:
+            _, scratch = _SPARE[place]
+            del _SPARE[place]
+    if place is None:
         return tuple(kernel.scratch_for(gauges))
+    rows, *others = scratch
     # The kernel uses up to seven entries per lane in addition to the beads.
     rows.reshape(-1, layout.ROW)[:, : layout.LANES * (beads + 7)] = 0.0
     for values in others:

@@ -47,7 +47,13 @@ def part(self: C, beads: slice) -> C:
         _refuse_bead(beads)
     if beads == slice(None, None, -1):
         return reversed_beads(self)
-    start, stop, step = beads.indices(self.beads)
+    try:
+        start, stop, step = beads.indices(self.beads)
+    except (TypeError, ValueError) as error:
+        raise InputError(
+            f"a piece of a chain has whole numbers, such as chain[10:20], got [{_shown(beads)}]: "
+            f"{error}"
+        ) from None
     if step != 1 or stop - start < 2:
         raise InputError(
             "a piece of a chain has at least two neighbouring beads, such as chain[10:] or "

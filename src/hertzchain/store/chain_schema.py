@@ -19,6 +19,7 @@ from ..chain.drives import DRIVEN, WINDOWS
 from ..chain.input_checks import MAX_EXPONENT
 from ..chain.laws import LAWS
 from ..chain.laws.base import Parameter
+from ..chain.materials import MAX_DENSITY, MIN_DENSITY
 from ..chain.modifications import MAX_SCATTER
 from ..chain.taper_sizes import SHAPES
 from ..chain.tapers import PARAMETERS, TAPERS, parameter_description
@@ -223,7 +224,7 @@ _DRIVES: Final[Mapping[str, tuple[Key, ...]]] = MappingProxyType(
     }
 )  # fmt: skip
 _MATERIALS: Final = (
-    _number("density", "density", "density", required=True, above=0.0),
+    _number("density", "density", "density", required=True, least=MIN_DENSITY, most=MAX_DENSITY),
     _number("young", "Young's modulus; inf is rigid", "pressure", required=True, above=0.0),
     _number("poisson", "Poisson's ratio", required=True, above=-1.0, below=0.5),
     _number(

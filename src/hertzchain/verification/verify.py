@@ -15,6 +15,7 @@ from dataclasses import dataclass
 from .. import __version__
 from ..errors import InputError
 from ..representation import short
+from ..store.results import SCHEMA_VERSION
 from ..validation.keywords import checked_arguments
 from ..validation.objects import Progress, callback, check_choice, check_list
 from .case import ORIGINS, Case, forget_shared
@@ -130,7 +131,7 @@ def as_dict(verdicts: Sequence[Verdict]) -> dict[str, object]:
     17
     """
     return {
-        "schema_version": 1,
+        "schema_version": SCHEMA_VERSION,
         "hertzchain_version": __version__,
         "agreeing": sum(verdict.agrees for verdict in verdicts),
         "origins": ORIGINS,

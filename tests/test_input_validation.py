@@ -286,7 +286,7 @@ def public_calls(folder):
         ),
         "plot_chain": tried(hc.plot_chain, chain=chain, ax=None),
         "figure_style": tried(styled, width="120 mm"),
-        "warm_up": tried(hc.warm_up, first=True, progress=None),
+        "warm_up": tried(hc.warm_up, progress=None),
         "propagate": tried(hc.propagate, chain=chain, rtol=1e-8, progress=None),
         "propagate_many": tried(
             hc.propagate_many, chains=[chain], rtol=1e-8, threads=1, progress=None

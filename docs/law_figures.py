@@ -75,7 +75,7 @@ def local_rate() -> Figure:
 
 
 def strikers() -> Figure:
-    """Velocities behind strikers of several masses, and the waves of heavy ones."""
+    """Velocities ahead of strikers of several masses, and the waves of heavy ones."""
     with figure_style():
         canvas, (left, right) = plt.subplots(1, 2, figsize=(9.6, 3.6))
         for i, mass in enumerate((0.25, 1.0, 4.0)):

@@ -208,7 +208,7 @@ class Contacts:
         masses, k = masses_of(chain), stiffness_of(chain)
         forces = static_forces(chain, masses)
         self.free = k == 0.0
-        # A chain behind strikers is supported by a force on its first bead, not by their contact.
+        # A chain after strikers is supported by a force on its first bead, not by their contact.
         held = (
             (forces > 0.0)
             & ~self.free

@@ -15,9 +15,9 @@ import hertzchain as hc
 from hertzchain.app.about import about, gallery
 from hertzchain.app.documents import chain_of, document_as_toml
 from hertzchain.app.explore import Conversation
-from hertzchain.app.messages import finite
 from hertzchain.app.saved_page import embedded_page
 from hertzchain.app.serve import RunningServer
+from hertzchain.validation.json_types import finite
 
 NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
 BROWSER = os.environ.get("HERTZCHAIN_CHROMIUM") or next(

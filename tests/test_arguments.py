@@ -1,6 +1,9 @@
 """Messages about unknown and missing arguments of builders and functions."""
 
+import inspect
+
 import pytest
+from test_input_validation import INTERNAL, RESULTS, error_of
 
 import hertzchain as hc
 from hertzchain.store.chain_files import chain_from
@@ -72,6 +75,54 @@ def test_a_wrong_call_is_explained(call, said):
         call()
 
 
+def documented_calls():
+    """Public functions and methods by name; methods of objects without values."""
+    for module in (hc, hc.evaluation, hc.paper, hc.plotting, hc.theory):
+        for name in dir(module):
+            item = getattr(module, name)
+            if inspect.isfunction(item) and not name.startswith("_"):
+                yield name, item
+    for name, item in vars(hc).items():
+        if not inspect.isclass(item) or issubclass(item, Exception):
+            continue
+        if name not in RESULTS:
+            yield name, item
+        for method, function in inspect.getmembers(item, callable):
+            if not method.startswith("_") and method not in (*INTERNAL, "parameters", "replace"):
+                # Class methods are bound; other methods get an object without values.
+                bound = inspect.ismethod(function)
+                yield (
+                    f"{name}.{method}",
+                    function if bound else function.__get__(object.__new__(item)),
+                )
+
+
+def test_unknown_arguments_of_public_functions_are_explained():
+    for name in hc.__all__:
+        getattr(hc, name)
+    calls = dict(documented_calls())
+    assert len(calls) > 200
+    for name, function in calls.items():
+        error = error_of(function, {"nonsense": 1})
+        assert isinstance(error, hc.InputError), (name, error)
+        assert "has no argument 'nonsense'" in str(error), name
+
+
+def test_errors_of_types_within_a_function_are_not_taken_for_wrong_arguments():
+    def progress(done):
+        """A callback that lacks its second argument."""
+
+    with pytest.raises(TypeError, match=r"progress\(\) takes 1 positional argument"):
+        hc.simulate(hc.Chain.uniform(4), progress=progress)
+
+
+def test_missing_arguments_of_functions_and_methods_are_named():
+    with pytest.raises(hc.InputError, match="local_rate: missing the argument 'chain'"):
+        hc.local_rate()
+    with pytest.raises(hc.InputError, match="Run.force: missing the argument 'contact'"):
+        hc.simulate(hc.Chain.uniform(4)).force()
+
+
 def test_a_run_in_place_of_its_chain_is_explained():
     run = hc.simulate(hc.Chain.uniform(4))
     with pytest.raises(hc.InputError, match=r"hertz_range\(run.chain, run.largest_overlaps\)"):
@@ -129,6 +180,29 @@ def test_the_materials_of_a_chain_have_two_names(name):
     })  # fmt: skip
     assert found.arrival.dims[0] == "materials"
     assert found.arrival.values[0] < found.arrival.values[1]
+
+
+@pytest.mark.parametrize("name", ["material", "materials"])
+def test_points_of_a_sweep_name_materials_in_two_ways(name, tmp_path):
+    file = tmp_path / "points.csv"
+    file.write_text(f"{name},velocity\n{STEEL},1e-3\nptfe,1e-3\n")
+    rows = [{name: STEEL, "velocity": 1e-3}, {name: "ptfe", "velocity": 1e-3}]
+    chain = {"radii": 5e-3, "beads": 5, name: "brass"}
+    for points in (str(file), rows):
+        found = hc.sweep({
+            "chain": chain, "points": points, "sweep": {"at": "last", "keep": "arrival"},
+        })  # fmt: skip
+        assert found.materials.values.tolist() == [STEEL, "ptfe"]
+        assert found.arrival.values[0] < found.arrival.values[1]
+
+
+def test_points_of_a_sweep_name_materials_once(tmp_path):
+    file = tmp_path / "points.csv"
+    file.write_text("material,materials\nbrass,ptfe\n")
+    row = {"material": "brass", "materials": "ptfe"}
+    for points, said in ((str(file), "two columns 'materials'"), ([row], "twice, by two names")):
+        with pytest.raises(hc.InputError, match=said):
+            hc.sweep({"chain": {"radii": 5e-3, "beads": 5}, "points": points})
 
 
 def test_one_size_of_a_dimer_is_that_of_both_kinds():

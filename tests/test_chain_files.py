@@ -342,7 +342,7 @@ DEEP = "[" * 3000 + "]" * 3000
         ('cell = [5e-3]\ncells = "2"\nmaterials = "brass"', "cells .* whole number, got '2'"),
         ('cell = [5e-3]\ncells = 2.5\nmaterials = "brass"', "cells .* whole number, got 2.5"),
         ('cell = [5e-3]\ncells = -2\nmaterials = "brass"', "cells must be .* at least 1, got -2"),
-        ('cell = [5e-3]\ncells = 9000000000000\nmaterials = "brass"', "do not fit in memory"),
+        ('cell = [5e-3]\ncells = 9000000000000\nmaterials = "brass"', "GiB of memory, but"),
         ("cell = [[1], [1, 2]]\ncells = 2", "cell of .chain. must be a list of numbers, got"),
         ("radii = [[1, 2], [3, 4]]", "radii of .chain. must be a list of numbers, got"),
         (U + "with_defects = [{bead = [1], radius = 0.5}]", "bead .* whole number, got .1."),

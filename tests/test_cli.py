@@ -195,7 +195,7 @@ def test_cite(run):
         (["pulse", "--taper", "sideways", "--rate", "1"], "unknown taper 'sideways'"),
         (["pulse", "--beads", "1"], "at least 2"),
         (["pulse", "--beads", "2.5"], "not a valid integer"),
-        (["pulse", "--beads", "1000000000000000"], "do not fit in memory"),
+        (["pulse", "--beads", "1000000000000000"], "beads need 372529029.8 GiB of memory"),
         (["pulse", "--method", "bcaa"], "did you mean 'bca'"),
         (["pulse", "--quantity", "sped"], "unknown quantity 'sped'"),
         (["pulse", "--json", "--csv"], "cannot be combined"),

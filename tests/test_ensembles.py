@@ -12,7 +12,7 @@ from hertzchain.pulse.quantities import (
     SENSOR_QUANTITIES,
     WALL_QUANTITIES,
 )
-from hertzchain.simulation import ensemble_input
+from hertzchain.simulation import ensemble_columns, ensemble_input
 
 PULSE = [name for name, row in QUANTITIES.items() if not row.estimate]
 WALL = hc.Wall()
@@ -345,6 +345,16 @@ def test_incomplete_peaks():
 def test_bad_options(options, said):
     with pytest.raises(hc.InputError, match=said):
         hc.simulate_many(**({"chains": [hc.Chain.uniform(3)]} | options))
+
+
+def test_scratch_arrays_of_few_sizes_are_kept():
+    """A set of 8 MB of each number of beads would fill the memory in a sweep of lengths."""
+    chains = [hc.Chain.uniform(beads).replace(right_wall=WALL) for beads in range(4, 40)]
+    runs = hc.simulate_many(chains, keep=["largest_overlap"], threads=2)
+    kept = [scratch for _, scratch in ensemble_columns._SPARE]
+    assert 0 < sum(values.nbytes for scratch in kept for values in scratch) < 2**28
+    again = hc.simulate_many(chains, keep=["largest_overlap"], threads=2)
+    np.testing.assert_array_equal(again["largest_overlap"], runs["largest_overlap"])
 
 
 def test_too_little_memory(monkeypatch):

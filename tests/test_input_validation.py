@@ -1,6 +1,7 @@
 """All public functions with invalid arguments raise `InputError` with one sentence."""
 
 import inspect
+import itertools
 import warnings
 
 import numpy as np
@@ -285,7 +286,7 @@ def public_calls(folder):
         ),
         "plot_chain": tried(hc.plot_chain, chain=chain, ax=None),
         "figure_style": tried(styled, width="120 mm"),
-        "warm_up": tried(hc.warm_up, first=True, progress=None),
+        "warm_up": tried(hc.warm_up, progress=None),
         "propagate": tried(hc.propagate, chain=chain, rtol=1e-8, progress=None),
         "propagate_many": tried(
             hc.propagate_many, chains=[chain], rtol=1e-8, threads=1, progress=None
@@ -523,6 +524,49 @@ def error_of(function, arguments):
     except Exception as error:  # noqa: BLE001
         return error
     return None
+
+
+# Formulas with valid arguments, by their names in `hertzchain.theory`.
+FORMULAS = {
+    "backward_linear_prefactor": {"rate": 0.1},
+    "band_edges": {"mass": 1.0, "other_mass": 2.0, "spring": 1.0},
+    "bca_velocity_closed_form": {"taper": "backward-linear", "rate": 0.1, "beads": 9},
+    "dispersion_diatomic": {"wave_number": 0.1, "mass": 1.0, "other_mass": 2.0, "spring": 1.0},
+    "dispersion_uniform": {"wave_number": 0.1, "mass": 1.0, "spring": 1.0},
+    "exponential_energy_ratio": {"q": 0.1, "beads": 4, "restitution": 1.0},
+    "exponential_rates": {"taper": "backward-exponential", "rate": 0.1},
+    "forward_linear_momentum_slope": {"rate": 0.1},
+    "hard_sphere_energy_ratio": {"chain": Chain.uniform(4), "restitution": 1.0},
+    "linear_stiffness": {"stiffness": 1.0, "force": 1.0, "exponent": 1.5},
+    "long_wave_speed_constant": {"exponent": 1.5},
+    "long_wave_velocity": {"distance": 0.1, "exponent": 1.5},
+    "modes": {"chain": Chain.uniform(4), "force": 1.0, "ends": ("free", "free")},
+    "precompressed_speed": {"force_ratio": 2.0, "exponent": 1.5},
+    "printed_correction": {"taper": "forward-linear"},
+    "printed_velocity": {"taper": "forward-linear", "rate": 0.005, "k": [1.0, 2.0]},
+    "restitution_from_unloading": {"loss": 0.1},
+    "sen_manciu_coefficients": {"wave": hc.solitary_wave()},
+    "sen_manciu_velocity": {"distance": 0.1, "coefficients": (1.0, 1.0, 1.0)},
+    "spring_modes": {"masses": [1.0, 1.0], "springs": [1.0], "ends": (0.0, 0.0)},
+    "two_thirds_bca": {"chain": Chain.uniform(4)},
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", FORMULAS)
+def test_invalid_arguments_of_formulas_raise_one_sentence(name):
+    function, good = getattr(hc.theory, name), FORMULAS[name]
+    function(**good)
+    for argument, value in itertools.product(good, [*TRIED.values(), 0, -1.0]):
+        error = error_of(function, good | {argument: value})
+        never = value is None or (type(value) in (object, float) and value != -1.0)
+        assert isinstance(error, hc.InputError) or (error is None and not never), (argument, error)
+        assert "\n" not in str(error)
+
+
+def test_every_formula_is_called():
+    documented = [name for name in dir(hc.theory) if inspect.isfunction(getattr(hc.theory, name))]
+    assert set(FORMULAS) <= set(documented)
+    assert {name for name in documented if not name.startswith("_")} <= set(FORMULAS)
 
 
 # A whole number is a possible row of a longer table, number of steps, or end of a count of waves.

@@ -133,6 +133,8 @@ def test_joined_chains_are_the_chain_of_all_beads():
         (lambda: STEEL[3], "a bead is not a chain: use a slice"),
         (lambda: STEEL[3:4], r"\[3:4\] has 1 of 40 beads"),
         (lambda: STEEL[::2], "and a step of 2"),
+        (lambda: STEEL["a":], r"whole numbers, such as chain\[10:20\], got \[a:\]"),
+        (lambda: STEEL[::0], "step cannot be zero"),
         (lambda: STEEL.struck_by(count=2)[1:], "begins with 2 strikers"),
         (lambda: STEEL.struck_by(count=2).reversed(), "call reversed first"),
         (lambda: STEEL + hc.Chain.uniform(5), "only chains of the same kind"),

@@ -383,7 +383,7 @@ def test_batches_too_large_for_memory_are_rejected():
     given = {"chain": {"taper": "backward-exponential", "beads": 10_000_000},
              "axes": {"rate": {"linspace": [1e-9, 2e-9, 1000]}},
              "sweep": {"at": "last", "batch": 1000}}  # fmt: skip
-    with pytest.raises(hc.InputError, match=r"1000 points of 10000000 beads need about .* GB of"):
+    with pytest.raises(hc.InputError, match=r"1000 points of 10000000 beads need .* GiB of"):
         hc.sweep(given, workers=1)
 
 

@@ -378,7 +378,9 @@ def test_scaled_rates_leave_growing_tapers_alone():
 def test_interpolated_functions_are_those_of_the_tables_of_hertz_contacts():
     """Two trainings with different chains: exponential chains agree to the rounding of tables."""
     own = universal_functions(1.5)
-    found = tables.functions_of(1.5, exponents.interpolated_tables(tables.tables(1.5).parent, 1.5))
+    found = tables.functions_of(
+        1.5, exponents.interpolated_tables(tables.table_folder(1.5).parent, 1.5)
+    )
     for rate in (-0.05, -0.02, 0.0, 0.05, 0.3):
         chain = hc.Chain.from_radii(np.exp(rate * np.arange(60)))
         difference = solve(chain, found).states[40] - solve(chain, own).states[40]

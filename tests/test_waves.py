@@ -352,6 +352,8 @@ def test_weak_waves_that_are_not_resolved_are_marked():
         (lambda run: run.reflection(3, 9, since=5.0, until=4.0), "until must be above 5"),
         (lambda run: run.waves().passing(12), "contact must be a whole number from 1 to 11"),
         (lambda run: run.velocity_peaks(1), "bead must be a whole number from 2"),
+        (lambda run: run.velocity_peaks("bead 1"), "bead must be a whole number from 2"),
+        (lambda run: run.velocity_peaks("wall"), "a name such as 'ball 11'"),
     ],
 )
 def test_what_cannot_be_asked(ask, said):

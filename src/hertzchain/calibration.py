@@ -7,7 +7,7 @@ parameters and any range of beads.
 from __future__ import annotations
 
 import operator
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, Final
 
@@ -26,8 +26,9 @@ from .theory.modified_bca import (
     RatioCorrection,
     printed_correction,
 )
+from .validation.keywords import checked_arguments, checked_methods
 from .validation.numbers import whole_number
-from .validation.objects import callback, check_choice, check_list
+from .validation.objects import Progress, callback, check_choice, check_list
 
 Window = tuple[int, int]
 
@@ -43,6 +44,7 @@ WINDOW: Final[Window] = (5, 80)
 BEADS: Final = 100
 
 
+@checked_methods
 @dataclass(frozen=True, eq=False)
 class Calibration:
     """Fitted constants of one taper's correction, with their errors.
@@ -151,13 +153,14 @@ class Calibration:
         }
 
 
+@checked_arguments("calibrate")
 def calibrate(
     taper: str,
     *,
     rates: Sequence[float] | None = None,
     window: Window = WINDOW,
     beads: int = BEADS,
-    progress: Callable[[int, int], None] | None = None,
+    progress: Progress | None = None,
 ) -> Calibration:
     r"""Fit the correction of one taper to the simulation.
 

@@ -21,7 +21,8 @@ import difflib
 import numbers
 import sys
 import warnings
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager
 from typing import Final
 
 # Least similarity of two names, as measured by difflib, for one to be suggested instead of the
@@ -65,6 +66,15 @@ def warn_user(message: str, category: type[Warning]) -> None:
     while frame.f_back and frame.f_globals.get("__name__", "").partition(".")[0] == "hertzchain":
         level, frame = level + 1, frame.f_back
     warnings.warn(message, category, stacklevel=level)
+
+
+@contextmanager
+def errors_at(place: str) -> Iterator[None]:
+    """Begin the messages of `InputError` with a place, such as the name of a file."""
+    try:
+        yield
+    except InputError as error:
+        raise InputError(f"{place}: {error}") from None
 
 
 def raise_all(problems: Sequence[str], heading: str = "") -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import textwrap
+from collections.abc import Sequence
 from typing import Final
 
 MAX_LINES: Final = 3
@@ -43,6 +44,11 @@ def measure(value: float, unit: str, units: str = "SI", digits: int = 4) -> str:
     elif unit == "s" and 0.0 < abs(value) < MILLISECONDS:
         factor, prefix = 1e3, "m"
     return f"{factor * value:.{digits}g} {prefix}{unit}"
+
+
+def listed(words: Sequence[str], last: str = "and") -> str:
+    """``a``, ``a and b``, ``a, b and c``."""
+    return words[0] if len(words) == 1 else f"{', '.join(words[:-1])} {last} {words[-1]}"
 
 
 def counted(count: int, noun: str) -> str:

@@ -22,8 +22,9 @@ from .sensitivity.gradient import gradients
 from .simulation.simulate import simulate
 from .simulation.simulate_many import simulate_many
 from .theory.local_rate import local_rate, local_rate_gradient
+from .validation.keywords import checked_arguments
 from .validation.numbers import worker_count
-from .validation.objects import callback
+from .validation.objects import Progress, callback
 
 
 class Stage(NamedTuple):
@@ -90,9 +91,9 @@ STAGES: Final = (
     Stage("sensitivities", lambda chain: local_rate_gradient(chain, "velocity", bead=3)),
 )
 BEADS: Final = 12
-Progress = Callable[[int, int], None]
 
 
+@checked_arguments("warm_up")
 def warm_up(*, first: bool = False, progress: Progress | None = None) -> float:
     """Compile all kernels, in two processes side by side.
 

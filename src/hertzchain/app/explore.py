@@ -13,12 +13,13 @@ from ..chain.chain import Chain
 from ..chain.feature_support import require_chain
 from ..errors import InputError, SimulationError
 from ..store.chain_as_toml import chain_as_toml
+from ..validation.json_types import finite
+from ..validation.keywords import checked_arguments
 from ..validation.numbers import whole_number
 from .about import about
 from .documents import as_json, chain_of, document_of_toml
 from .exports import export
 from .latest import Latest
-from .messages import finite
 from .requests import Request
 from .results import Cancelled, results
 from .saved_page import embedded_page
@@ -27,6 +28,7 @@ from .saved_page import embedded_page
 Send = Callable[[Mapping[str, Any], list[bytes]], None]
 
 
+@checked_arguments("explore")
 def explore(chain: Chain | None = None, *, height: int = 900) -> Any:
     """Show a chain in a notebook, with the controls and views of ``hertzchain app``.
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import math
 import struct
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -12,6 +11,7 @@ from typing import Any, Final
 import numpy as np
 
 from ..collision import Array
+from ..validation.json_types import finite
 
 VERSION: Final = 1
 # The page need not copy arrays that begin at multiples of this number of bytes.
@@ -39,17 +39,6 @@ class Part:
         header += b" " * (-(len(header) + 8) % ALIGNMENT)
         body = b"".join((struct.pack("<II", len(header), VERSION), header, *chunks))
         return struct.pack("<I", len(body)) + body
-
-
-def finite(item: Any) -> Any:
-    """The item with None instead of numbers that JSON cannot represent."""
-    if isinstance(item, Mapping):
-        return {key: finite(value) for key, value in item.items()}
-    if isinstance(item, list | tuple):
-        return [finite(value) for value in item]
-    if isinstance(item, np.generic):
-        return finite(item.item())
-    return item if not isinstance(item, float) or math.isfinite(item) else None
 
 
 def columns_as_int16(name: str, values: Array) -> dict[str, np.ndarray[Any, Any]]:

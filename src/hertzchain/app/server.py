@@ -80,8 +80,8 @@ class App:
     async def about(self, _: HttpRequest) -> Response:
         """Schema, materials, gallery, and the initial chain."""
         await _loaded()
+        from ..validation.json_types import finite
         from .about import about
-        from .messages import finite
 
         loop = asyncio.get_running_loop()
         return JSONResponse(finite(await loop.run_in_executor(None, about, self.document)))

@@ -51,7 +51,7 @@ def numbered_bead(chain: Chain, body: str, number: int) -> int:
     count = chain.beads - shift
     if not 1 <= number <= count:
         raise InputError(
-            f"the chain has {count} {body}s{' behind its strikers' if shift else ''}, "
+            f"the chain has {count} {body}s{' after its strikers' if shift else ''}, "
             f"no {body} {number}"
         )
     return number + shift

@@ -19,11 +19,11 @@ from numpy.typing import ArrayLike
 
 from ..collision import HERTZ_EXPONENT
 from ..errors import InputError
-from ..validation.keywords import MATERIAL_TOO, check_keywords, checked_arguments, checked_fields
+from ..validation.keywords import FIELD_ALIASES, check_keywords, checked_arguments, checked_fields
 from ..validation.numbers import FRACTION, number, plain_magnitude, real_numbers, whole_number
 from ..validation.objects import check_list
-from . import contact_shapes, modifications, pieces
-from . import strikers as striking
+from . import builder_arguments as builder
+from . import contact_shapes, modifications, pieces, strikers
 from .fields import ChainFields
 from .input_checks import checked_beads, checked_radii
 from .materials import Material, MaterialLike, material
@@ -122,7 +122,7 @@ class Chain(ChainFields):
     """
 
     @classmethod
-    @checked_arguments("Chain.tapered", PARAMETERS, MATERIAL_TOO)
+    @checked_arguments("Chain.tapered", PARAMETERS, FIELD_ALIASES)
     def tapered(
         cls,
         taper: str | None = None,
@@ -264,7 +264,7 @@ class Chain(ChainFields):
             return cls(given / given[0], exponent)
 
     @classmethod
-    @checked_arguments("Chain.from_materials", pieces.OTHER_FIELDS, MATERIAL_TOO)
+    @checked_arguments("Chain.from_materials", builder.OTHER_FIELDS, FIELD_ALIASES)
     def from_materials(
         cls,
         radii: ArrayLike | None = None,
@@ -307,7 +307,7 @@ class Chain(ChainFields):
         >>> chain = hc.Chain.from_materials(5e-3, "steel-52100", beads=20)
         >>> chain
         Chain(20 steel-52100 beads, diameter 10 mm, impact at 1 m/s)
-        >>> round(float(chain.masses[0]), 9), float(chain.stiffness[0]).__round__(-3)
+        >>> round(float(chain.masses[0]), 9), round(float(chain.stiffness[0]), -3)
         (0.004073598, 7435897000.0)
         >>> hc.Chain.from_materials(diameters="10 mm", materials="steel-52100", beads=20)
         Chain(20 steel-52100 beads, diameter 10 mm, impact at 1 m/s)
@@ -319,7 +319,7 @@ class Chain(ChainFields):
             )
         one = isinstance(materials, str | Material)
         named = [materials] if one else check_list("materials", materials, "names")
-        given = pieces.radii_of_beads(radii, diameters, beads, None if one else len(named))
+        given = builder.radii_of_beads(radii, diameters, beads, None if one else len(named))
         kinds = tuple(map(material, named)) * (len(given) if one else 1)
         if velocity is not None:
             fields["velocities"] = np.zeros(len(given))
@@ -327,7 +327,7 @@ class Chain(ChainFields):
         return cls(given, units="SI", materials=kinds, **fields)
 
     @classmethod
-    @checked_arguments("Chain.periodic", ("velocity", *pieces.OTHER_FIELDS), MATERIAL_TOO)
+    @checked_arguments("Chain.periodic", ("velocity", *builder.OTHER_FIELDS), FIELD_ALIASES)
     def periodic(
         cls,
         cell: ArrayLike,
@@ -368,11 +368,11 @@ class Chain(ChainFields):
         radii = np.tile(np.atleast_1d(one), cells)
         if materials is None:
             return cls.from_radii(radii, **fields)
-        materials = pieces.repeated_materials(materials, one.size, len(radii))
+        materials = builder.repeated_materials(materials, one.size, len(radii))
         return cls.from_materials(radii, materials, **fields)
 
     @classmethod
-    @checked_arguments("Chain.dimer", ("velocity", *pieces.OTHER_FIELDS), MATERIAL_TOO)
+    @checked_arguments("Chain.dimer", ("velocity", *builder.OTHER_FIELDS), FIELD_ALIASES)
     def dimer(
         cls,
         mass_ratio: float | None = None,
@@ -418,13 +418,13 @@ class Chain(ChainFields):
         """
         count = checked_beads(beads)
         if radii is not None or diameters is not None or mass_ratio is None:
-            sizes = pieces.two_sizes(mass_ratio, radii, diameters)
+            sizes = builder.two_sizes(mass_ratio, radii, diameters)
             if materials is None:
                 return cls.from_radii(np.resize(sizes, count), **fields)
-            kinds = pieces.repeated_materials(materials, 2, count)
+            kinds = builder.repeated_materials(materials, 2, count)
             return cls.from_materials(np.resize(sizes, count), kinds, **fields)
         ratio = number("mass ratio of a dimer", mass_ratio, unit=FRACTION, above=0.0)
-        check_keywords("Chain.dimer of a mass ratio", fields, pieces.DIMER_FIELDS)
+        check_keywords("Chain.dimer of a mass ratio", fields, builder.DIMER_FIELDS)
         masses = np.where(np.arange(count) % 2, ratio, 1.0)
         return cls(np.cbrt(masses), masses=masses, stiffness=np.ones(count - 1), **fields)
 
@@ -441,7 +441,7 @@ class Chain(ChainFields):
     decorated = modifications.decorated
     with_defects = modifications.with_defects
     with_scatter = modifications.with_scatter
-    struck_by = striking.struck_by
+    struck_by = strikers.struck_by
     with_contacts = contact_shapes.with_contacts
 
     def _repr_html_(self) -> str:

@@ -34,7 +34,7 @@ def group_contacts(
     stiffness: Array,
     masses: Array,
     radii: Array | None = None,
-    materials: Sequence[Material | None] | None = None,
+    materials: Sequence[Material] | None = None,
 ) -> tuple[ContactGroup, ...]:
     """Groups of contacts 0..N, in the order in which they are first met.
 
@@ -42,7 +42,7 @@ def group_contacts(
     """
     reduced = reduced_masses(masses)
     effective = None if radii is None else effective_radii(radii)
-    strength = None if materials is None else _yield_strengths(materials)
+    strength = None if materials is None else yield_strengths(materials)
     if all(law is losses[0] for law in losses) and np.all(exponents == exponents[0]):
         contacts = ContactArrays(float(exponents[0]), stiffness, reduced, effective, strength)
         return (ContactGroup(losses[0], np.arange(len(stiffness)), contacts),)
@@ -71,10 +71,9 @@ def effective_radii(radii: Array) -> Array:
     return np.asarray(1.0 / (curvature[:-1] + curvature[1:]))
 
 
-def _yield_strengths(materials: Sequence[Material | None]) -> Array:
+def yield_strengths(materials: Sequence[Material]) -> Array:
     """Yield strength of the softer material of each contact; infinite where none is known."""
-    known = np.array([(None if each is None else each.yield_strength) or np.inf
-                      for each in materials])  # fmt: skip
+    known = np.array([each.yield_strength or np.inf for each in materials])
     return np.minimum(known[:-1], known[1:])
 
 

@@ -15,7 +15,7 @@ from typing import Any, ClassVar, Final, TypeAlias, TypeVar
 import numpy as np
 
 from ..errors import InputError, short_repr
-from ..validation.keywords import checked_arguments, checked_fields
+from ..validation.keywords import checked_arguments, checked_fields, checked_methods
 from ..validation.numbers import number, whole_number
 from .fields import ChainFields
 from .materials import contact_modulus
@@ -29,6 +29,7 @@ ROUND: Final = 1e-7
 MIN_ANGLE: Final = 1.0
 
 
+@checked_methods
 @checked_fields
 @dataclass(frozen=True)
 class CrossedCylinders:
@@ -124,6 +125,7 @@ class CrossedCylinders:
         return dataclasses.replace(self, radius=radius, other_radius=other_radius)
 
 
+@checked_methods
 @checked_fields
 @dataclass(frozen=True)
 class Cone:

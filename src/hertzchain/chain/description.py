@@ -3,17 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Final
 
 import numpy as np
 
 from ..collision import Array
 from ..representation import measure
 from .materials import Material
+from .repeated_cells import smallest_cell
 from .tapers import taper_named
-
-# Longest cell that is searched for in the radii.
-LONGEST_CELL: Final = 10
 
 
 def beads_description(
@@ -46,13 +43,11 @@ def cells_in_words(radii: Array, masses: Array, *, given: bool) -> str:
     """
     if np.ptp(radii) == 0.0 and np.ptp(masses) == 0.0:
         return ""
-    for length in range(2, min(LONGEST_CELL, len(radii) // 2) + 1):
-        if all(np.array_equal(each[length:], each[:-length]) for each in (radii, masses)):
-            if length > 2:
-                return f"cells of {length} beads"
-            name, values = ("mass", masses) if given else ("radius", radii)
-            return f"dimer, {name} ratio {values[1] / values[0]:.4g}"
-    return ""
+    size = smallest_cell(radii, masses)
+    if size == 2:
+        name, values = ("mass", masses) if given else ("radius", radii)
+        return f"dimer, {name} ratio {values[1] / values[0]:.4g}"
+    return "" if size is None else f"cells of {size} beads"
 
 
 def beads_of(count: int, noun: str, materials: Sequence[str]) -> str:

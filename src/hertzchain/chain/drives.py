@@ -15,8 +15,8 @@ from numpy.typing import ArrayLike
 
 from ..collision import Array
 from ..errors import InputError
-from ..validation.keywords import checked_fields
-from ..validation.numbers import number, per_bead_array, real_numbers
+from ..validation.keywords import checked_fields, checked_methods
+from ..validation.numbers import bounded_numbers, number, per_bead_array, real_numbers
 from ..validation.objects import check_choice
 from .parts import Part
 from .scales import scale
@@ -30,6 +30,7 @@ _UNIT: Final[dict[str, str]] = {"force": "N", "displacement": "m"}
 _DRIVEN_SCALE: Final = scale(lambda drive: {"force": "force", "displacement": "length"}[drive.of])
 
 
+@checked_methods
 @checked_fields
 @dataclass(frozen=True)
 class SineBurst(Part):
@@ -108,13 +109,14 @@ class SineBurst(Part):
         >>> round(float(hc.SineBurst(1.0, 1.0, cycles=1.0).value(0.25)), 6)
         0.5
         """
-        periods = self.frequency * _saved_times(times)
+        periods = self.frequency * bounded_numbers("time of a drive", times)
         carrier = self.amplitude * np.sin(2.0 * math.pi * periods)
         if self.window == "hann":
             carrier = carrier * np.sin(math.pi * periods / self.cycles) ** 2
         return np.asarray(np.where((periods > 0.0) & (periods < self.cycles), carrier, 0.0))
 
 
+@checked_methods
 @checked_fields
 @dataclass(frozen=True)
 class StepDrive(Part):
@@ -178,13 +180,14 @@ class StepDrive(Part):
         >>> float(hc.StepDrive(3.0).value(1.0))
         3.0
         """
-        t = _saved_times(times)
+        t = bounded_numbers("time of a drive", times)
         if self.rise == 0.0:
             return np.asarray(np.where(t >= 0.0, self.amplitude, 0.0))
         u = np.clip(t / self.rise, 0.0, 1.0)
         return np.asarray(self.amplitude * u**2 * (3.0 - 2.0 * u))
 
 
+@checked_methods
 @checked_fields
 @dataclass(frozen=True, eq=False)
 class TableDrive(Part):
@@ -255,7 +258,8 @@ class TableDrive(Part):
         >>> float(hc.TableDrive([0.0, 1.0], [0.0, 1.0]).value(0.25))
         0.25
         """
-        return np.asarray(np.interp(_saved_times(times), self.times, self.values))
+        t = bounded_numbers("time of a drive", times)
+        return np.asarray(np.interp(t, self.times, self.values))
 
     def __repr__(self) -> str:
         return (
@@ -265,13 +269,6 @@ class TableDrive(Part):
 
 
 Drive: TypeAlias = SineBurst | StepDrive | TableDrive
-
-
-def _saved_times(times: ArrayLike) -> Array:
-    moments = real_numbers("time", times)
-    if not np.isfinite(moments).all():
-        raise InputError("times of a drive must be finite")
-    return moments
 
 
 def _check_driven(of: str) -> None:

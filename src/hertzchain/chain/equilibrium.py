@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from ..validation.keywords import checked_arguments
 from .chain import Chain
 from .feature_support import require_chain
 from .hertz_range import warn_outside_static
 from .static_state import StaticState
 
 
+@checked_arguments("equilibrium")
 def equilibrium(chain: Chain) -> StaticState:
     r"""Compute the static state from which a chain starts.
 

@@ -6,6 +6,7 @@ import os
 from collections.abc import Sequence
 
 from ..errors import InputError, short_repr
+from ..representation import listed
 from .chain import Chain
 
 # Features that are named with an article in messages.
@@ -50,12 +51,18 @@ def require_supported(
         advice = alternative or "remove them from the chain"
         if others == ["SI units"]:
             advice = "use Scales.of(chain).to_scaled(chain)"
+        names = [f"a {name}" if name in COUNTABLE else name for name in others]
         raise InputError(
-            f"{method} does not support {_listed(others)}; {advice} "
+            f"{method} does not support {listed(names, 'or')}; {advice} "
             f"(chain: {description or chain.description})"
         )
 
 
-def _listed(features: Sequence[str]) -> str:
-    *first, last = [f"a {name}" if name in COUNTABLE else name for name in features]
-    return f"{', '.join(first)} or {last}" if first else last
+def require_same_units(method: str, chains: Sequence[object]) -> None:
+    """Raise an error for a list in which only some of the chains are in SI units."""
+    in_si = sum(isinstance(each, Chain) and each.units == "SI" for each in chains)
+    if 0 < in_si < len(chains):
+        raise InputError(
+            f"{in_si} of {len(chains)} chains are in SI units and the others are scaled: call "
+            f"{method} separately for each kind, so that a table has one set of units"
+        )

@@ -14,6 +14,7 @@ from ..collision import HERTZ_EXPONENT, Array
 from ..errors import InputError, InputWarning, unknown_name_error, warn_user
 from ..frozen import Frozen
 from ..representation import short
+from ..validation.keywords import checked_methods
 from ..validation.numbers import (
     SCALED,
     number,
@@ -51,7 +52,7 @@ from .per_contact import (
 )
 from .static_forces import Loads, check_static_overlaps, static_forces
 from .tapers import parameter_pairs, taper_named
-from .walls import Wall
+from .walls import Wall, materials_with_walls
 
 Units = Literal["scaled", "SI"]
 UNITS: Final[tuple[Units, ...]] = get_args(Units)
@@ -61,6 +62,7 @@ FROM_OTHERS: Final[Any] = None
 DERIVED: Final = ("masses", "stiffness", "velocities", "gaps")
 
 
+@checked_methods
 @dataclass(frozen=True, eq=False)
 class ChainFields(Frozen):
     """Fields of `hertzchain.Chain`, which documents them; each is checked when it is set."""
@@ -316,9 +318,7 @@ class ChainFields(Frozen):
         """All contacts, walls included, by law and exponent."""
         kinds = None
         if self.materials is not None and not self.scaled:
-            walls = zip((self.left_wall, self.right_wall), (0, -1), strict=True)
-            ends = [(wall and wall.material) or self.materials[bead] for wall, bead in walls]
-            kinds = [ends[0], *self.materials, ends[1]]
+            kinds = materials_with_walls(self.materials, (self.left_wall, self.right_wall))
         radii = None if self.scaled else self.radii
         return group_contacts(
             self.contact_losses, self.contact_exponents, self.contact_stiffness, self.masses,
@@ -368,13 +368,9 @@ class ChainFields(Frozen):
     @property
     def loads(self) -> Loads:
         """Quantities that determine the static contact forces."""
+        walls = self.left_wall, self.right_wall
         return Loads(
-            self.masses,
-            self.gaps,
-            self.strikers,
-            self.precompression,
-            self.gravity,
-            (self.left_wall, self.right_wall),
+            self.masses, self.gaps, self.strikers, self.precompression, self.gravity, walls
         )
 
     @property

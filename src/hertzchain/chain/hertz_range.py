@@ -18,7 +18,6 @@ doi:10.1017/CBO9781139171731.
 
 from __future__ import annotations
 
-import itertools
 import math
 from dataclasses import dataclass, replace
 from typing import Final
@@ -29,12 +28,14 @@ from numpy.typing import ArrayLike
 from ..collision import Array, collision_overlap
 from ..errors import InputError, ModelRangeWarning, warn_user
 from ..representation import counted, short
+from ..validation.keywords import checked_arguments
 from ..validation.numbers import per_bead_array, real_numbers
+from .bisection import bisected
 from .chain import Chain
-from .contact_groups import effective_radii, reduced_masses
+from .contact_groups import effective_radii, reduced_masses, yield_strengths
 from .feature_support import require_chain
-from .materials import FIRST_YIELD, Material
-from .walls import Wall
+from .materials import FIRST_YIELD
+from .walls import materials_with_walls
 
 MAX_OVERLAP_RATIO: Final = 0.01
 MAX_SPEED_RATIO: Final = 0.01
@@ -149,6 +150,7 @@ class HertzRange:
         )
 
 
+@checked_arguments("hertz_range")
 def hertz_range(chain: Chain, overlaps: ArrayLike | None = None) -> HertzRange:
     """Compare a chain with the limits of Hertz's law.
 
@@ -252,15 +254,10 @@ def warn_outside_static(chain: Chain) -> None:
 def _ratios(chain: Chain, d: Array) -> tuple[Array, Array]:
     """Overlap over radius and pressure over yield of all contacts, walls included."""
     assert chain.materials is not None
-    bodies = [_wall_material(chain, chain.left_wall, 0), *chain.materials]
-    bodies.append(_wall_material(chain, chain.right_wall, -1))
-    pairs = list(itertools.pairwise(bodies))
-    modulus = 1.0 / np.array([one.compliance + other.compliance for one, other in pairs])
-    radius = effective_radii(chain.radii)
-    strength = np.array(
-        [min(one.yield_strength or math.inf, other.yield_strength or math.inf)
-         for one, other in pairs]
-    )  # fmt: skip
+    bodies = materials_with_walls(chain.materials, (chain.left_wall, chain.right_wall))
+    compliance = np.array([each.compliance for each in bodies])
+    modulus = 1.0 / (compliance[:-1] + compliance[1:])
+    radius, strength = effective_radii(chain.radii), yield_strengths(bodies)
     # Johnson, Eqs. (4.23) and (4.24): a^2 = R d and p_0 = 2 E* d/(pi a).
     pressure = 2.0 / math.pi * modulus * np.sqrt(d / radius)
     elastic = np.array([not law.yields for law in chain.contact_losses])
@@ -306,12 +303,11 @@ def _overlap_under_load(
         return free
     unit, q = static + free, exponent + 1.0
     rest, energy = static / unit, (free / unit) ** q
-    low, high = rest, np.ones_like(rest)
-    for _ in range(BISECTIONS):
-        d = 0.5 * (low + high)
-        below = d**q - rest**q - q * rest**exponent * (d - rest) < energy
-        low, high = np.where(below, d, low), np.where(below, high, d)
-    return np.asarray(unit * high)
+
+    def below(d: Array) -> Array:
+        return np.asarray(d**q - rest**q - q * rest**exponent * (d - rest) < energy)
+
+    return np.asarray(unit * bisected(below, rest, np.ones_like(rest), BISECTIONS))
 
 
 def _with_walls(chain: Chain, overlaps: ArrayLike) -> Array:
@@ -319,13 +315,6 @@ def _with_walls(chain: Chain, overlaps: ArrayLike) -> Array:
     if values.size == chain.beads - 1:
         values = np.pad(values.reshape(-1), 1)
     return per_bead_array("overlap", values, chain.beads + 1, "contact", least=0.0)
-
-
-def _wall_material(chain: Chain, wall: Wall | None, bead: int) -> Material:
-    """Material of a wall; by default that of the bead next to it."""
-    assert chain.materials is not None
-    named = None if wall is None else wall.material
-    return chain.materials[bead] if named is None else named
 
 
 def _place(contact: int, found: HertzRange) -> str:

@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 
 from ..collision import Array
 from ..errors import InputError, InputWarning, short_repr, warn_user
+from ..validation.memory import check_memory
 from ..validation.numbers import number, real_numbers, whole_number
 
 # Memory of a simulation per bead: sixteen stages and the state, at 8 bytes per number.
@@ -35,16 +36,7 @@ def checked_beads(beads: int) -> int:
     """Check a number of beads: whole, at least two, and not more than fit in memory."""
     _refuse_one_bead(beads)
     count = whole_number("beads", beads, least=2)
-    # Any machine has memory for a hundred thousand beads, and the check takes time.
-    if count > 100_000:
-        import psutil
-
-        free = psutil.virtual_memory().available
-        if count * BYTES_PER_BEAD > free:
-            raise InputError(
-                f"{count} beads do not fit in memory: {free / 2**30:.1f} GiB are free, enough for "
-                f"{free // BYTES_PER_BEAD} beads of {BYTES_PER_BEAD} bytes; use fewer beads"
-            )
+    check_memory(f"{count} beads", count * BYTES_PER_BEAD, "use fewer beads")
     return count
 
 

@@ -21,7 +21,7 @@ from numpy.typing import ArrayLike
 from ..collision import Array
 from ..errors import InputError, InputWarning, unknown_name_error, warn_user
 from ..representation import short
-from ..validation.keywords import checked_fields
+from ..validation.keywords import checked_arguments, checked_fields
 from ..validation.numbers import number, real_numbers
 from ..validation.objects import check_list, check_type, text
 
@@ -153,6 +153,7 @@ def catalogue() -> dict[str, Material]:
     return {name: Material(name, **entry) for name, entry in document.items()}
 
 
+@checked_arguments("material")
 def material(name: MaterialLike) -> Material:
     """Find a material by its name in the catalogue; a `Material` is returned unchanged.
 
@@ -251,7 +252,8 @@ def sphere_stiffness(radius: ArrayLike, next_radius: ArrayLike, modulus: ArrayLi
 
 def material_per_bead(given: Sequence[MaterialLike], beads: int) -> tuple[Material, ...]:
     """Look up the materials of all beads."""
-    kinds = tuple(map(material, check_list("materials", given, "names")))
+    listed = check_list("materials", given, "names")
+    kinds = tuple(each if isinstance(each, Material) else material(each) for each in listed)
     if len(kinds) != beads:
         raise InputError(f"there must be {beads} materials, one for each bead, got {len(kinds)}")
     return kinds

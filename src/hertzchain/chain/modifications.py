@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import itertools
 import math
 from collections.abc import Mapping
@@ -16,6 +17,7 @@ from ..validation.keywords import checked_arguments
 from ..validation.numbers import FRACTION, number, whole_number
 from .fields import ChainFields
 from .input_checks import checked_beads
+from .laws import Loss
 from .materials import Material, MaterialLike
 from .materials import material as material_named
 from .places import places_from
@@ -184,11 +186,20 @@ def with_scatter(
     kept = np.delete(np.arange(self.beads), deviate)
     row[kept] = self.radii[kept]
     if self.strikers:
-        return _scattered_behind_strikers(self, row)
+        return _scattered_after_strikers(self, row)
     return _with_beads(self, "with_scatter", row, self.materials)
 
 
-def _scattered_behind_strikers(chain: C, radii: Array) -> C:
+def with_one_loss(chain: C, loss: Loss | None) -> C:
+    """The chain with one law of loss, or none, for all contacts, those with walls included."""
+    changes: dict[str, Any] = {"loss": loss}
+    for end in ("left_wall", "right_wall"):
+        if (wall := getattr(chain, end)) is not None:
+            changes[end] = dataclasses.replace(wall, loss=None)
+    return chain.replace(**changes)
+
+
+def _scattered_after_strikers(chain: C, radii: Array) -> C:
     """Replace the radii of a chain with strikers, whose other features stay."""
     own = [name for name in ("masses", "stiffness") if name in chain.given]
     if own:

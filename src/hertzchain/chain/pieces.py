@@ -2,35 +2,21 @@
 
 from __future__ import annotations
 
-import dataclasses
-from collections.abc import Sequence
-from typing import Any, Final, NoReturn, TypeVar
+from typing import Any, NoReturn, TypeVar
 
 import numpy as np
-from numpy.typing import ArrayLike
 
-from ..collision import HERTZ_EXPONENT, Array
+from ..collision import HERTZ_EXPONENT
 from ..errors import InputError
-from ..validation.numbers import real_numbers
-from ..validation.objects import check_list
+from ..validation.keywords import checked_arguments
 from .fields import ChainFields
-from .input_checks import checked_beads
 from .laws import Loss
 from .mass_and_stiffness import contact_stiffness
-from .materials import Material, MaterialLike
 from .per_contact import MaterialPairs, given_laws
 
 C = TypeVar("C", bound=ChainFields)
 # Features of the set-up, which must agree where chains are joined.
 COMMON = ("gravity", "precompression", "held_by")
-# Fields that builders pass on to a chain, and those of a dimer of a mass ratio.
-OTHER_FIELDS: Final = tuple(
-    item.name for item in dataclasses.fields(ChainFields)
-    if item.init and item.name not in ("radii", "units", "materials")
-)  # fmt: skip
-DIMER_FIELDS: Final = tuple(
-    name for name in OTHER_FIELDS if name not in ("masses", "stiffness", "taper")
-)
 
 
 def part(self: C, beads: slice) -> C:
@@ -61,7 +47,13 @@ def part(self: C, beads: slice) -> C:
         _refuse_bead(beads)
     if beads == slice(None, None, -1):
         return reversed_beads(self)
-    start, stop, step = beads.indices(self.beads)
+    try:
+        start, stop, step = beads.indices(self.beads)
+    except (TypeError, ValueError) as error:
+        raise InputError(
+            f"a piece of a chain has whole numbers, such as chain[10:20], got [{_shown(beads)}]: "
+            f"{error}"
+        ) from None
     if step != 1 or stop - start < 2:
         raise InputError(
             "a piece of a chain has at least two neighbouring beads, such as chain[10:] or "
@@ -84,6 +76,7 @@ def part(self: C, beads: slice) -> C:
     return _rescaled(self, changes)
 
 
+@checked_arguments("reversed")
 def reversed_beads(self: C) -> C:
     """Return the chain with its beads in reverse order, struck at what was its last bead.
 
@@ -274,55 +267,3 @@ def _joined_values(what: str, one: ChainFields, other: ChainFields, first: Any, 
     ]
     values = [*listed[0], listed[0][-1], *listed[1]]
     return values[0] if all(each == values[0] for each in values) else values
-
-
-def radii_of_beads(radii: Any, diameters: Any, beads: int | None, materials: int | None) -> Array:
-    """Radii [m] from radii or diameters; the number of equal ones is that of the materials."""
-    if diameters is None:
-        given = real_numbers("radius", radii, "bead", unit="m")
-    else:
-        given = 0.5 * real_numbers("diameter", diameters, "bead", unit="m")
-    if given.ndim > 0:
-        if beads is not None and checked_beads(beads) != len(given):
-            raise InputError(f"beads = {beads}, but there are {len(given)} radii: omit beads")
-        return given
-    count = materials if beads is None else beads
-    if count is None:
-        raise InputError(
-            "one radius or diameter and one material for all beads need their number: give beads"
-        )
-    return np.full(checked_beads(count), given)
-
-
-def two_sizes(
-    mass_ratio: float | None, radii: ArrayLike | None, diameters: ArrayLike | None
-) -> Array:
-    """Radii of the two kinds of beads of a dimer."""
-    if mass_ratio is not None or (radii is None) == (diameters is None):
-        raise InputError(
-            "Chain.dimer needs a mass ratio, two radii or two diameters, such as "
-            "Chain.dimer(diameters=['10 mm', '6 mm'], materials='steel-52100', beads=40)"
-        )
-    what, given, factor = (
-        ("radius", radii, 1.0) if radii is not None else ("diameter", diameters, 0.5)
-    )
-    sizes = factor * real_numbers(what, given, "bead", unit="m")
-    if sizes.shape not in ((), (1,), (2,)):
-        raise InputError(
-            f"a dimer has one or two sizes, got {sizes.size}; Chain.periodic repeats any cell"
-        )
-    return np.resize(sizes, 2)
-
-
-def repeated_materials(
-    materials: MaterialLike | Sequence[MaterialLike], size: int, beads: int
-) -> MaterialLike | Sequence[MaterialLike]:
-    """Materials of all beads, from those of a cell."""
-    if isinstance(materials, str | Material):
-        return materials
-    kinds = check_list("materials of the cell", materials, "names")
-    if len(kinds) != size:
-        raise InputError(
-            f"the cell has {size} beads, but {len(kinds)} materials; give one for each bead"
-        )
-    return (kinds * beads)[:beads]

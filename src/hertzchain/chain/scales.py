@@ -24,6 +24,7 @@ from typing import TYPE_CHECKING, Any, Final, TypeAlias, TypeVar
 from ..collision import HERTZ_EXPONENT
 from ..errors import InputError
 from ..representation import wrapped
+from ..validation.keywords import checked_arguments, checked_fields, checked_methods
 from ..validation.numbers import number
 from ..validation.objects import text
 from .input_checks import checked_exponent
@@ -51,6 +52,8 @@ def scale(unit: Scale, *, axis: int = 0) -> dict[str, Any]:
     return {"scale": unit, "axis": axis}
 
 
+@checked_fields
+@checked_methods
 @dataclass(frozen=True)
 class Scales:
     r"""The units of the paper's scaled variables, in SI.
@@ -106,10 +109,11 @@ class Scales:
             )
 
     @classmethod
+    @checked_arguments("Scales.of")
     def of(cls, chain: Chain, *, velocity: float | None = None) -> Scales:
         """Scales in which a chain in SI units has the variables of the paper.
 
-        In these scales the first bead behind the strikers has radius and mass 1.
+        In these scales the first bead after the strikers has radius and mass 1.
 
         Parameters
         ----------
@@ -229,8 +233,8 @@ class Scales:
         >>> import hertzchain as hc
         >>> scales = hc.Scales(radius=5e-3, mass=4e-3, velocity=1.0, length=12e-6)
         >>> pulse = scales.to_si(hc.bca(hc.Chain.uniform(20)))
-        >>> float(pulse.peak_time is None), round(float(pulse.arrival[1] * 1e6), 3)
-        (1.0, 14.633)
+        >>> round(float(pulse.arrival[1] * 1e6), 3)
+        14.633
         """
         from .conversion import converted
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 from ..errors import InputError, short_repr
@@ -13,6 +14,17 @@ from .laws import Loss
 from .materials import RIGID, Material, MaterialLike, material
 from .parts import Part
 from .scales import scale
+
+
+def materials_with_walls(
+    materials: Sequence[Material], walls: tuple[Wall | None, Wall | None]
+) -> list[Material]:
+    """Materials of left wall, beads and right wall; by default, a wall has that of its bead."""
+    left, right = (
+        materials[bead] if wall is None or wall.material is None else wall.material
+        for wall, bead in zip(walls, (0, -1), strict=True)
+    )
+    return [left, *materials, right]
 
 
 def _stiffness_unit(wall: Wall) -> str:
@@ -113,6 +125,7 @@ class Wall(Part):
         return cls(material=material(name), gap=gap)
 
     @classmethod
+    @checked_arguments("Wall.rigid")
     def rigid(cls, *, gap: float = 0.0) -> Wall:
         """A rigid wall: its contact is twice as stiff as that of a wall of the bead's material.
 

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Final
 
 from ..chain.materials import Material, material
-from ..errors import InputError
+from ..errors import InputError, errors_at
 from ..store.csv_tables import csv_rows
 from ..units import converted
 from ..validation.objects import file_path, shown_path
@@ -60,10 +60,8 @@ def load_balls(catalogue: str | os.PathLike[str]) -> tuple[Ball, ...]:
         with as_file(files("hertzchain.designs") / f"{SHIPPED}.csv") as path:
             return _read(path)
     path = file_path("catalogue of balls", catalogue)
-    try:
+    with errors_at(f"catalogue {shown_path(path)!r}"):
         return _read(path)
-    except InputError as error:
-        raise InputError(f"catalogue {shown_path(path)!r}: {error}") from None
 
 
 def _read(path: Path) -> tuple[Ball, ...]:
@@ -102,9 +100,7 @@ def _ball(row: int, cells: dict[str, str], unit: str, width: int, given: list[st
     diameter = converted(f"diameter in row {row}", read("diameter"), unit, "m")
     if not 0.0 < diameter < float("inf"):
         raise InputError(f"diameter in row {row} must be above 0, got {cells['diameter']}")
-    try:
+    with errors_at(f"row {row}"):
         kind = material(cells["material"])
-    except InputError as error:
-        raise InputError(f"row {row}: {error}") from None
     price = read("price") if cells.get("price") else float("nan")
     return Ball(diameter, kind, cells.get("grade", ""), price, cells.get("name", ""))

@@ -67,14 +67,14 @@ def _energy(chain: Chain) -> float:
 
 def bounds_of(problem: Design) -> tuple[Bound, ...]:
     """Bounds of all measures of a problem, if its impact does not vary."""
-    if _impact_varies(problem):
+    if impact_varies(problem):
         return ()
     found = [bound_of(problem, measure) for measure in problem.measures]
     return tuple(each for each in found if each is not None and math.isfinite(each.value))
 
 
-def _impact_varies(problem: Design) -> bool:
-    """Whether a variable changes the beads that move at time 0."""
+def impact_varies(problem: Design) -> bool:
+    """Whether a variable changes the masses of beads that move at time 0."""
     moving = set(np.flatnonzero(problem.chain.velocities).tolist())
     space = problem.space
     if hasattr(space, "places"):

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import os
 import warnings
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, Final
@@ -18,7 +18,7 @@ from ..store.file_lock import lock
 from ..store.journal import Journal
 from ..validation.keywords import checked_arguments
 from ..validation.numbers import whole_number, worker_count
-from ..validation.objects import callback, check_type, file_path
+from ..validation.objects import Progress, callback, check_type, file_path
 from .ball_choice import BallSpace
 from .bounds import bounds_of, impossible
 from .methods import Found, method_for, price_of, run_method
@@ -31,7 +31,6 @@ from .trials import Outcome, Trials
 from .verified import Verified, met, quietly
 
 RUNNERS_UP: Final = 4
-Progress = Callable[[int, int], None]
 
 
 @checked_arguments("design")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -17,9 +17,9 @@ from ..frozen import Frozen
 from ..representation import measure as with_unit
 from ..representation import short
 from ..simulation.run_table import RunTable
-from ..validation.keywords import checked_arguments
+from ..validation.keywords import checked_arguments, checked_methods
 from ..validation.numbers import number, whole_number
-from ..validation.objects import check_type
+from ..validation.objects import Progress, check_type
 from .measured import measured
 from .measures import Measure, parse_measure
 from .scatter import Scatter, scatter_from
@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 
+@checked_methods
 @dataclass(frozen=True, eq=False)
 class Distribution(Frozen):
     """Values of a quantity for many chains with random deviations; result of `distribution`.
@@ -156,7 +157,7 @@ def distribution(
     *,
     seed: int = 1,
     threads: int | None = None,
-    progress: Callable[[int, int], None] | None = None,
+    progress: Progress | None = None,
 ) -> Distribution:
     r"""Simulate chains with random deviations of the radii and collect a quantity.
 

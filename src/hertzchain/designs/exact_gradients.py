@@ -16,6 +16,7 @@ from ..collision import Array
 from ..errors import IncompleteWarning, InputError, ModelRangeWarning, SimulationError
 from ..sensitivity.equation import has_gradient
 from ..sensitivity.gradient import gradients, quantity_values
+from .bounds import impact_varies
 from .measures import LARGEST, PULSE, SHARES, Measure
 from .problem import Design
 from .size_space import SizeSpace
@@ -61,20 +62,10 @@ def covered(problem: Design) -> bool:
     jumps = any(isinstance(law, Dashpot | VelocityPower) for law in chain.contact_losses)
     if jumps and any(m.has_kinks for m in problem.measures):
         return False
-    shares_vary = any(m.key in SHARES for m in problem.measures) and _start_varies(problem)
+    shares_vary = any(m.key in SHARES for m in problem.measures) and impact_varies(problem)
     needed = [m for m in problem.measures if not m.of_chain]
     known = [name_of(m, chain.beads) is not None for m in needed]
     return bool(needed) and all(known) and not shares_vary
-
-
-def _start_varies(problem: Design) -> bool:
-    """Whether the masses of beads that move at time 0 vary."""
-    assert isinstance(problem.space, SizeSpace)
-    moving = set(np.flatnonzero(problem.chain.velocities).tolist())
-    return any(
-        moving & set(block.places.tolist()) for block in problem.space.blocks
-        if block.field != "gaps"
-    )  # fmt: skip
 
 
 def value_in_whole_run(measure: Measure, chain: Chain, until: float | None, rtol: float) -> float:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from typing import NamedTuple
 
@@ -13,6 +13,7 @@ from ..collision import Array
 from ..simulation.run_table import RunTable
 from ..simulation.simulate_many import DEFAULT_RTOL, simulate_many
 from ..validation.numbers import worker_count
+from ..validation.objects import Progress
 from .exact_gradients import value_in_whole_run
 from .measures import Measure
 
@@ -32,7 +33,7 @@ def measured(
     until: float | None = None,
     rtol: float = DEFAULT_RTOL,
     threads: int | None = None,
-    progress: Callable[[int, int], None] | None = None,
+    progress: Progress | None = None,
 ) -> Measured:
     """Simulate chains and collect measures."""
     values, reasons = np.full((len(chains), len(measures)), np.nan), list[str]()

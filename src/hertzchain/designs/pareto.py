@@ -52,8 +52,14 @@ def compared_points(problem: Design) -> int:
     return 1 if problem.scatter is None else 2
 
 
-def _solve(  # type: ignore[no-untyped-def]
-    trials: Trials, problem, method: str, end: float, finish: Finish, *, compare: bool = True
+def _solve(
+    trials: Trials,
+    problem: Design,
+    method: str,
+    end: float,
+    finish: Finish,
+    *,
+    compare: bool = True,
 ) -> DesignResult:
     part = dataclasses.replace(trials, problem=problem, best=[], history=[])
     part.clock = trials.clock
@@ -66,7 +72,7 @@ def _solve(  # type: ignore[no-untyped-def]
     return finish(part, found, ())
 
 
-def _dominated(each: DesignResult, others: list[DesignResult], problem) -> bool:  # type: ignore[no-untyped-def]
+def _dominated(each: DesignResult, others: list[DesignResult], problem: Design) -> bool:
     def costs(result: DesignResult) -> list[float]:
         return [
             float(np.sign(o.weights[0])) * result.values[str(o.single)] for o in problem.objectives

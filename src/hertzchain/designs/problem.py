@@ -13,7 +13,7 @@ from ..chain.chain import Chain
 from ..errors import InputError, short_repr
 from ..representation import counted, short
 from ..simulation.state import fingerprint
-from ..validation.keywords import checked_fields
+from ..validation.keywords import checked_fields, checked_methods
 from ..validation.numbers import number
 from ..validation.objects import check_choice, check_type
 from .ball_choice import BallChoice, BallSpace, OrderChoice
@@ -32,6 +32,7 @@ Variable = Sizes | BallChoice | OrderChoice
 Space = SizeSpace | BallSpace
 
 
+@checked_methods
 @checked_fields
 @dataclass(frozen=True, eq=False, repr=False)
 class Design:

@@ -31,7 +31,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, Final
 
-from ..errors import InputError, short_repr, unknown_name_error
+from ..errors import InputError, errors_at, short_repr, unknown_name_error
 from ..store.chain_files import chain_from
 from ..store.toml_files import read_toml
 from ..validation.objects import file_path, shown_path
@@ -60,7 +60,7 @@ def load_design(path: str | os.PathLike[str]) -> tuple[Design, dict[str, Any]]:
     file = file_path("design file", path)
     document = read_toml("design file", path, "give the path of a TOML file")
     table = document.pop("design", None)
-    try:
+    with errors_at(shown_path(path)):
         if not isinstance(table, Mapping):
             raise InputError("it has no table [design] with the objective")
         for key in table:
@@ -77,8 +77,6 @@ def load_design(path: str | os.PathLike[str]) -> tuple[Design, dict[str, Any]]:
             entries = [entries]
         given["vary"] = [_variable(entry, file.parent) for entry in entries]
         problem = Design(chain_from(document, file.parent), **given)
-    except InputError as error:
-        raise InputError(f"{shown_path(path)}: {error}") from None
     return problem, {key: table[key] for key in OPTIONS if key in table}
 
 

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..representation import counted
+from ..validation.json_types import finite
 from .ball_choice import BallSpace
 from .measures import Measure
 from .verified import Verified, met
@@ -180,17 +181,8 @@ def as_dict(result: DesignResult) -> dict[str, Any]:
         "front": [dict(point.values) for point in result.front],
         "notes": list(result.notes),
     }  # fmt: skip
-    return _finite(document)
-
-
-def _finite(value: Any) -> Any:
-    if isinstance(value, dict):
-        return {name: _finite(item) for name, item in value.items()}
-    if isinstance(value, list):
-        return [_finite(item) for item in value]
-    if isinstance(value, float | np.floating):
-        return float(value) if math.isfinite(value) else None
-    return value
+    found: dict[str, Any] = finite(document)
+    return found
 
 
 def dataset(result: DesignResult) -> xr.Dataset:

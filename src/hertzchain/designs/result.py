@@ -13,6 +13,7 @@ from ..chain.chain import Chain
 from ..collision import Array
 from ..errors import InputError
 from ..representation import counted, measure, short
+from ..validation.keywords import checked_methods
 from ..validation.objects import check_choice, check_type
 from .ball_choice import BallSpace
 from .bounds import Bound
@@ -25,6 +26,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
+@checked_methods
 @dataclass(frozen=True, eq=False, repr=False)
 class DesignResult:
     """The best chain that was found; the result of `hertzchain.design`.

@@ -14,12 +14,15 @@ from ..chain.modifications import BALL_GRADES, relative_scatter
 from ..chain.places import places_from
 from ..collision import Array
 from ..errors import InputError, short_repr
+from ..validation.keywords import checked_fields, checked_methods
 from ..validation.numbers import whole_number
 from ..validation.objects import check_choice, check_type, text
 
 _CVAR: Final = re.compile(r"cvar(\d\d?)")
 
 
+@checked_fields
+@checked_methods
 @dataclass(frozen=True)
 class Scatter:
     r"""Random deviations of the radii of all beads, and how a measure is summarised.

@@ -17,6 +17,7 @@ from ..collision import Array
 from ..errors import InputError
 from ..store.journal import Journal
 from ..validation.numbers import worker_count
+from ..validation.objects import Progress
 from . import exact_gradients
 from .finite_differences import STEP_RTOL, differences
 from .measured import measured
@@ -63,7 +64,7 @@ class Trials:
     journal: Journal
     seed: int
     threads: int | None = None
-    progress: Callable[[int, int], None] | None = None
+    progress: Progress | None = None
     runs: int = 0
     rejected: int = 0
     gradients: int = 0

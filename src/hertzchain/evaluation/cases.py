@@ -10,6 +10,7 @@ from ..chain.chain import Chain
 from ..chain.tapers import PAPER_TAPERS, rate_symbol
 from ..errors import InputError, unknown_name_error
 from ..representation import short
+from ..validation.keywords import checked_arguments
 from .unseen_tapers import is_smooth, unseen_radii
 
 Group = Literal["paper", "beyond", "smooth", "rough"]
@@ -77,6 +78,7 @@ class Case:
         return self.chain.beads - FREE_END
 
 
+@checked_arguments("paper_cases")
 def paper_cases() -> list[Case]:
     """Return the paper's four tapers, at its rates and beyond them.
 
@@ -106,6 +108,7 @@ def paper_cases() -> list[Case]:
     return found
 
 
+@checked_arguments("unseen_cases")
 def unseen_cases() -> list[Case]:
     """Return the tapers to which no theory was fitted, smooth ones first.
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 
 import numpy as np
 
@@ -12,15 +12,17 @@ from ..errors import InputError, ModelRangeWarning
 from ..propagation.propagate import propagate_many
 from ..pulse.pulse import Pulse
 from ..theory.catalogue import THEORIES, Theory
-from ..validation.objects import callback, check_choice, check_list
+from ..validation.keywords import checked_arguments
+from ..validation.objects import Progress, callback, check_choice, check_list
 from .cases import Case, paper_cases, unseen_cases
 from .scoreboard import QUANTITIES, Scoreboard
 
 
+@checked_arguments("scoreboard")
 def scoreboard(
     *,
     theories: Sequence[str] | None = None,
-    progress: Callable[[int, int], None] | None = None,
+    progress: Progress | None = None,
 ) -> Scoreboard:
     """Compare theories with the simulation on the paper's tapers and on unseen ones.
 

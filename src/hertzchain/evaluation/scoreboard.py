@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from ..collision import Array
 from ..errors import InputError
 from ..pulse.quantities import QUANTITIES as TABLE
+from ..validation.keywords import checked_arguments, checked_methods
 from ..validation.numbers import whole_number
 from ..validation.objects import check_choice
 from .cases import FIRST_BEADS, Case
@@ -35,6 +36,7 @@ STATISTICS: Final[tuple[Statistic, ...]] = get_args(Statistic)
 QUANTITIES: Final = tuple(name for name, quantity in TABLE.items() if quantity.scored)
 
 
+@checked_methods
 @dataclass(frozen=True, eq=False)
 class Scoreboard:
     """Relative errors of theories on chains, bead by bead.
@@ -406,6 +408,7 @@ class Scoreboard:
         return f"Scoreboard({len(self.theories)} theories on {len(self.cases)} chains)"
 
 
+@checked_arguments("percentage")
 def percentage(error: float) -> str:
     """Format a relative error in % with two digits, or a dash for NaN.
 

@@ -15,6 +15,7 @@ from typing import Final
 import numpy as np
 
 from ..collision import Array
+from ..validation.keywords import checked_arguments
 
 MAX_LOCAL_RATE: Final = 0.1
 MAX_CHANGE: Final = 0.005
@@ -96,6 +97,7 @@ UNSEEN_TAPERS: Final[dict[str, Callable[[Array], Array]]] = {
 }
 
 
+@checked_arguments("unseen_radii")
 def unseen_radii(beads: int = 100) -> dict[str, Array]:
     """Radii of all unseen tapers, by name.
 
@@ -120,6 +122,7 @@ def unseen_radii(beads: int = 100) -> dict[str, Array]:
     return {name: taper(k) for name, taper in UNSEEN_TAPERS.items()}
 
 
+@checked_arguments("is_smooth")
 def is_smooth(radii: Array) -> bool:
     r"""Whether :math:`|s_k| \le 0.1` and :math:`|s_{k+1} - s_k| \le 0.005` for the whole chain.
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from typing import Final
 
@@ -11,9 +10,9 @@ import numpy as np
 from ..collision import Array
 from ..errors import InputError, SimulationError
 from ..representation import short
-from ..validation.keywords import checked_arguments
+from ..validation.keywords import checked_arguments, checked_methods
 from ..validation.numbers import whole_number
-from ..validation.objects import callback, check_choice, check_type
+from ..validation.objects import Progress, callback, check_choice, check_type
 from .diagnosis import diagnosed
 from .fit import fitted
 from .model import Model
@@ -34,6 +33,7 @@ KINDS: Final = {
 FOUND: Final = 20.0
 
 
+@checked_methods
 @dataclass(frozen=True, eq=False)
 class DefectScan:
     """Part of chi-squared that a defect at each contact or bead would explain.
@@ -68,9 +68,7 @@ class DefectScan:
         """Whether the best defect explains more than noise would."""
         return float(self.improvements.max()) > FOUND
 
-    def fit(
-        self, candidates: int | None = None, *, progress: Callable[[int, int], None] | None = None
-    ) -> FitResult:
+    def fit(self, candidates: int | None = None, *, progress: Progress | None = None) -> FitResult:
         """Fit the defects, each in a separate fit, and return the best fit.
 
         Parameters
@@ -142,7 +140,7 @@ class DefectScan:
 
 @checked_arguments("scan_defects")
 def scan_defects(
-    result: FitResult, kind: str = "gap", *, progress: Callable[[int, int], None] | None = None
+    result: FitResult, kind: str = "gap", *, progress: Progress | None = None
 ) -> DefectScan:
     """Find the contact or bead where one defect explains most of the residuals of a fit.
 

@@ -15,11 +15,12 @@ from typing import Any, Final
 import numpy as np
 
 from ..chain.chain import Chain
+from ..chain.modifications import with_one_loss
 from ..collision import Array
 from ..errors import InputError, SimulationError
 from .chain_parameters import known_names, loss_parameters
 from .goodness import correlation_length
-from .loss_laws import typical_law, with_law
+from .loss_laws import typical_law
 from .misread_columns import misread_columns
 from .model import Model, make_model
 from .names import Name
@@ -187,7 +188,7 @@ def _losses(result: FitResult, _: Mapping[str, float], refit: Refit) -> Iterator
                 yield cause
         return
     law = typical_law(LOSS, model.chains[0])
-    chains = tuple(with_law(chain, law) for chain in model.chains)
+    chains = tuple(with_one_loss(chain, law) for chain in model.chains)
     name = Name("loss.time")
     lossy = replace(model, chains=chains, _sampled={})
     cause = _tried(result, (name,), refit, lossy, neutral=0.0)

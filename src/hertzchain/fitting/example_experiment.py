@@ -5,6 +5,7 @@ from __future__ import annotations
 from importlib.resources import files
 from pathlib import Path
 
+from ..validation.keywords import checked_arguments
 from ..validation.objects import check_choice
 from .trace_files import load_traces
 from .traces import Traces
@@ -12,6 +13,7 @@ from .traces import Traces
 FILES = {"fast": "fast.csv", "slow": "slow.csv"}
 
 
+@checked_arguments("example_experiment")
 def example_experiment(*shots: str) -> tuple[Traces, Path]:
     """Traces and chain file of a synthetic experiment, an example for `hertzchain.fit`.
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
@@ -13,17 +13,19 @@ from ..errors import InputError
 from ..representation import counted
 from ..validation.keywords import checked_arguments
 from ..validation.numbers import whole_number
-from ..validation.objects import callback
+from ..validation.objects import Progress, callback
 from .coupling import coupling_notes
 from .diagnosis import diagnosed
 from .goodness import goodness_of
 from .least_squares import Solution, solve
 from .model import Model, make_model
+from .names import Name
 from .parameters import Parameter, Priors, free_parameters
 from .problem import Problem, differences
 from .result import FitResult
 from .settings import Settings, load_experiment
 from .simulations import Simulator, range_notes
+from .symmetry import units_of
 from .systematics import effects_of
 from .trace_files import load_traces
 from .traces import Traces
@@ -47,7 +49,7 @@ def fit(
     priors: Priors | None = None,
     start: Mapping[str, float] | None = None,
     starts: int = 4,
-    progress: Callable[[int, int], None] | None = None,
+    progress: Progress | None = None,
 ) -> FitResult:
     r"""Fit a chain and its sensors to measured traces.
 
@@ -124,7 +126,7 @@ def fit(
 
 def fit_with(
     data: Traces, chains: Sequence[Chain], settings: Settings, starts: int,
-    progress: Callable[[int, int], None] | None = None,
+    progress: Progress | None = None,
 ) -> FitResult:  # fmt: skip
     """Fit with checked traces and chains."""
     parameters = free_parameters(
@@ -151,8 +153,6 @@ def fitted(problem: Problem, start: Mapping[str, float], starts: int) -> FitResu
 
 def _nonzero_loss(model: Model, parameter: Parameter) -> float:
     """Start of a parameter; instead of a zero loss, where derivatives vanish, a typical one."""
-    from .symmetry import units_of
-
     if "loss." not in parameter.name.key or parameter.start != parameter.kind.lower:
         return parameter.start
     if parameter.kind.scale == "1":
@@ -161,7 +161,7 @@ def _nonzero_loss(model: Model, parameter: Parameter) -> float:
     return parameter.kind.typical * unit
 
 
-def _start_gains(problem: Problem, values: dict, start: Mapping[str, float]) -> None:  # type: ignore[type-arg]
+def _start_gains(problem: Problem, values: dict[Name, float], start: Mapping[str, float]) -> None:
     """Start the gains of sensors without calibration at the ratio of largest signals."""
     model = problem.model
     for each in model.parameters:
@@ -170,8 +170,8 @@ def _start_gains(problem: Problem, values: dict, start: Mapping[str, float]) -> 
         for index, signal in model.traces:
             if signal.name == each.name.item and not signal.calibrated:
                 shot = model.traces.shots[index]
-                fitted = model.predict_shot(index, {**values, each.name: 1.0})
-                own = fitted[[s.name for s in shot.signals].index(signal.name)]
+                predicted = model.predict_shot(index, {**values, each.name: 1.0})
+                own = predicted[[s.name for s in shot.signals].index(signal.name)]
                 seen = signal.values[signal.valid]
                 extreme = seen[np.argmax(np.abs(seen))]
                 values[each.name] = float(extreme / own[np.argmax(np.abs(own))])
@@ -250,8 +250,6 @@ def _covariance(jacobian: Array, change: Array, free: Array) -> Array:
 
 def _sizes(model: Model, estimates: Array) -> Array:
     """Sizes to which changes of the parameters are relative."""
-    from .symmetry import units_of
-
     found = []
     for each, value in zip(model.parameters, estimates, strict=True):
         typical = each.kind.typical

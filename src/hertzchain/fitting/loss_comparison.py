@@ -2,20 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, Final
 
 import numpy as np
 
 from ..chain.laws import Loss
+from ..chain.modifications import with_one_loss
 from ..collision import Array
 from ..errors import InputError, SimulationError
-from ..representation import short
-from ..validation.keywords import checked_arguments
-from ..validation.objects import callback, check_list
+from ..representation import listed, short
+from ..validation.keywords import checked_arguments, checked_methods
+from ..validation.objects import Progress, callback, check_list
 from .fit import ChainLike, TracesLike, fit_with
-from .loss_laws import typical_law, with_law
+from .loss_laws import typical_law
 from .names import Name, parse_name
 from .parameters import Priors, default_names
 from .result import FitResult
@@ -57,6 +58,7 @@ class LossFit:
     bic: float = np.inf
 
 
+@checked_methods
 @dataclass(frozen=True, eq=False)
 class LossComparison:
     """Fits of several loss laws to the same data, the best first.
@@ -134,7 +136,7 @@ class LossComparison:
                 f"the data decide for {first.law}: the next, {self.fits[1].law}, has a BIC larger "
                 f"by {gap:.0f}"
             )
-        text = f"the data cannot decide between {_listed(self.undecided)}"
+        text = f"the data cannot decide between {listed(self.undecided)}"
         if not self.further_shots:
             return text
         speed, difference = max(self.further_shots.items(), key=lambda item: item[1])
@@ -186,7 +188,7 @@ def compare_losses(
     free: Sequence[str] | None = None,
     priors: Priors | None = None,
     start: Mapping[str, float] | None = None,
-    progress: Callable[[int, int], None] | None = None,
+    progress: Progress | None = None,
 ) -> LossComparison:
     r"""Fit all loss laws to the same data and compare them by their BIC.
 
@@ -239,7 +241,7 @@ def compare_losses(
     fits = []
     for done, each in enumerate(wanted, start=1):
         law = typical_law(each, chains[0])
-        lossy = [with_law(one, law) for one in chains]
+        lossy = [with_one_loss(one, law) for one in chains]
         own = [f"loss.{name}" for name, about in law.parameters().items()
                if not about.boolean and getattr(law, name) is not None]  # fmt: skip
         known = {n: v for n, v in settings.priors.items() if "loss" not in n or n in own}
@@ -317,7 +319,3 @@ def _difference(first: tuple[Array, ...], second: tuple[Array, ...]) -> float:
     solution = np.linalg.lstsq(columns / scale, difference, rcond=None)[0]
     rest = difference - (columns / scale) @ solution
     return float(rest @ rest)
-
-
-def _listed(names: Sequence[str]) -> str:
-    return names[0] if len(names) == 1 else f"{', '.join(names[:-1])} and {names[-1]}"

@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-from typing import Any
-
 from ..chain.chain import Chain
 from ..chain.laws import LAWS, Loss
 from ..errors import InputError, short_repr, unknown_name_error
@@ -30,13 +27,3 @@ def typical_law(given: str | Loss, chain: Chain) -> Loss:
             )
             values[name] *= scales.unit(unit)
     return kind(**values)
-
-
-def with_law(chain: Chain, law: Loss) -> Chain:
-    """The chain with one law for all contacts."""
-    changes: dict[str, Any] = {"loss": law}
-    for end in ("left_wall", "right_wall"):
-        wall = getattr(chain, end)
-        if wall is not None:
-            changes[end] = replace(wall, loss=None)
-    return chain.replace(**changes)

@@ -9,6 +9,7 @@ from typing import Final
 import numpy as np
 
 from ..collision import Array
+from ..representation import listed
 from .model import Model
 from .traces import Shot, Signal, Traces
 
@@ -35,7 +36,7 @@ def misread_columns(model: Model) -> Iterator[Misread]:
     predicted = model.predict_shot(0, start)
     signals = model.traces.shots[0].signals
     ratios = {
-        signal.name: _largest(_seen(signal)) / _largest(own - own[0])
+        signal.name: extreme(_seen(signal)) / extreme(own - own[0])
         for signal, own in zip(signals, predicted, strict=True)
         if np.ptp(own) > 0.0
     }
@@ -51,7 +52,7 @@ def _signs(traces: Traces, ratios: Mapping[str, float]) -> Iterator[Misread]:
     turned = [name for name, ratio in ratios.items() if ratio < 0.0]
     if turned:
         yield Misread(
-            f"the opposite sign of {_listed(turned)}",
+            f"the opposite sign of {listed(turned)}",
             "check the polarity of the sensor and of its amplifier",
             _scaled(traces, dict.fromkeys(turned, -1.0)),
         )
@@ -84,7 +85,7 @@ def _order(model: Model, predicted: list[Array]) -> Iterator[Misread]:
     if places and set(places) == set(places.values()):
         how = "exchanged" if len(places) == 2 else "in the order in which the pulse arrives"
         yield Misread(
-            f"the columns of {_listed(list(places))} {how}",
+            f"the columns of {listed(list(places))} {how}",
             "check the names of these columns",
             _exchanged(model.traces, places),
         )
@@ -96,16 +97,17 @@ def _arrival(values: Array) -> int:
 
 def _seen(signal: Signal) -> Array:
     """Samples from the level before the pulse; 0 where they are missing."""
-    level = signal.level if np.isfinite(signal.level) else 0.0
-    return np.where(np.isfinite(signal.values), signal.values - level, 0.0)
+    return np.where(np.isfinite(signal.values), signal.values - level_of(signal), 0.0)
 
 
-def _largest(values: Array) -> float:
+def level_of(signal: Signal) -> float:
+    """Level of a signal before the pulse; 0 if it is not known."""
+    return signal.level if np.isfinite(signal.level) else 0.0
+
+
+def extreme(values: Array) -> float:
+    """The value that is largest without its sign."""
     return float(values[np.argmax(np.abs(values))])
-
-
-def _listed(names: list[str]) -> str:
-    return names[0] if len(names) == 1 else f"{', '.join(names[:-1])} and {names[-1]}"
 
 
 def _scaled(traces: Traces, factors: Mapping[str, float]) -> Traces:

@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
-import psutil
 
 from ..collision import Array
 from ..errors import InputError, SimulationError
 from ..representation import short
+from ..validation.keywords import checked_methods
+from ..validation.memory import check_memory
 from ..validation.numbers import whole_number
-from ..validation.objects import callback
+from ..validation.objects import Progress, callback
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -28,6 +28,7 @@ LONG_ENOUGH: Final = 50
 BURN_IN: Final = 0.25
 
 
+@checked_methods
 @dataclass(frozen=True, eq=False)
 class Posterior:
     """Samples of the posterior of a fit.
@@ -119,9 +120,7 @@ class Posterior:
         return short("Posterior", f"{len(self.samples)} samples", length, rows)
 
 
-def sample(
-    result: FitResult, steps: int, seed: int, progress: Callable[[int, int], None] | None
-) -> Posterior:
+def sample(result: FitResult, steps: int, seed: int, progress: Progress | None) -> Posterior:
     """Sample the posterior from the optimum of a fit; `FitResult.sample` documents it."""
     steps = whole_number("steps", steps, least=10)
     seed = whole_number("seed", seed, least=0, most=2**32 - 1)
@@ -149,7 +148,8 @@ def sample(
 
     count = len(result.variables)
     walkers = max(MIN_WALKERS, 2 * count + 2)
-    _check_memory(steps, walkers, count)
+    needed = 8 * steps * walkers * (count + 1)
+    check_memory(f"{steps} steps of {walkers} walkers", needed, "use fewer steps")
     random = np.random.default_rng(seed)
     inverse = np.linalg.pinv(result.jacobian, rcond=1e-10)
     spread = np.linalg.svd(inverse @ inverse.T)
@@ -170,13 +170,3 @@ def sample(
         length = np.nan
     accepted = float(np.mean(sampler.acceptance_fraction))
     return Posterior(result.names, values, accepted, length, steps, result.estimates)
-
-
-def _check_memory(steps: int, walkers: int, count: int) -> None:
-    """Reject more samples than fit in memory."""
-    free, needed = psutil.virtual_memory().available, 8 * steps * walkers * (count + 1)
-    if needed > free:
-        raise InputError(
-            f"{steps} steps of {walkers} walkers do not fit in memory: {free / 2**30:.1f} GiB are "
-            f"free, enough for {free // (8 * walkers * (count + 1))} steps; use fewer"
-        )

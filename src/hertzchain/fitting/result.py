@@ -11,7 +11,10 @@ import numpy as np
 from ..chain.chain import Chain
 from ..collision import Array
 from ..representation import counted, short
+from ..validation.json_types import finite
+from ..validation.keywords import checked_methods
 from ..validation.numbers import number
+from ..validation.objects import Progress
 from .goodness import NO_ERRORS, Goodness
 from .model import Model
 from .problem import Problem
@@ -26,9 +29,8 @@ if TYPE_CHECKING:
 
     from .posterior import Posterior
 
-# Addition to the verdict if the errors do not apply.
 
-
+@checked_methods
 @dataclass(frozen=True, eq=False)
 class FitResult:
     """Parameters of chains and sensors that describe measured traces best.
@@ -324,24 +326,21 @@ class FitResult:
         >>> hc.fit(*hc.example_experiment(), free=["time_offset"]).as_dict()["converged"]
         True
         """
-
-        def plain(value: float) -> float | None:
-            return float(value) if np.isfinite(value) else None
-
-        return {
+        found: dict[str, Any] = finite({
             "parameters": {
-                name: {"value": plain(value), "error": plain(error)}
+                name: {"value": value, "error": error}
                 for name, value, error in zip(self.names, self.estimates, self.sigmas, strict=True)
             },
-            "correlation": [[plain(each) for each in row] for row in self.correlation],
+            "correlation": self.correlation.tolist(),
             "chi2": self.chi2, "degrees_of_freedom": self.goodness.freedom,
             "samples": self.goodness.samples,
             "effective_samples": self.goodness.effective_samples,
             "bic": self.bic(), "converged": self.converged, "reason": self.reason,
-            "chi2_per_sample": {k: plain(v) for k, v in self.chi2_per_sample.items()},
+            "chi2_per_sample": self.chi2_per_sample,
             "describes": self.describes, "warnings": list(self.warnings),
             "simulations": self.simulations,
-        }  # fmt: skip
+        })  # fmt: skip
+        return found
 
     def plot(self) -> Figure:
         """Plot data, fit and residuals of every sensor.
@@ -394,7 +393,9 @@ class FitResult:
 
         return plot_correlations(self)
 
-    def sample(self, steps: int = 500, *, seed: int = 0, progress: Any = None) -> Posterior:
+    def sample(
+        self, steps: int = 500, *, seed: int = 0, progress: Progress | None = None
+    ) -> Posterior:
         """Sample the posterior with emcee, as a check of the errors; requires the extra ``fit``.
 
         Parameters

@@ -12,7 +12,7 @@ from ..collision import Array
 from ..errors import InputError
 from ..representation import measure
 from ..simulation.run import Run
-from .misread_columns import PREFIXES, TOLERANCE
+from .misread_columns import PREFIXES, TOLERANCE, extreme, level_of
 from .traces import Shot, Signal
 
 # A signal has arrived at this fraction of its peak, where its width is measured, too.
@@ -106,24 +106,15 @@ def compared_sensor(times: Array, signal: Signal, model: Array, scale: float) ->
     measured, simulated = seen[ok], (own - own[0])[ok]
     rest = float(np.sqrt(np.mean((signal.values - own)[ok] ** 2)))
     return SensorComparison(
-        signal.name, signal.unit, signal.place.quantity, _extreme(measured), _extreme(simulated),
+        signal.name, signal.unit, signal.place.quantity, extreme(measured), extreme(simulated),
         _arrival(times[ok], measured), _arrival(times[ok], simulated),
-        rest / abs(_extreme(measured)), scale,
+        rest / abs(extreme(measured)), scale,
     )  # fmt: skip
-
-
-def level_of(signal: Signal) -> float:
-    """Level of a signal before the pulse; 0 if it is not known."""
-    return signal.level if np.isfinite(signal.level) else 0.0
-
-
-def _extreme(values: Array) -> float:
-    return float(values[np.argmax(np.abs(values))])
 
 
 def _arrival(times: Array, values: Array) -> float:
     """Time at which a signal first reaches half of its peak, between samples."""
-    height = values / _extreme(values)
+    height = values / extreme(values)
     first = int(np.argmax(height >= HALF))
     if first == 0:
         return float(times[0])
@@ -133,7 +124,7 @@ def _arrival(times: Array, values: Array) -> float:
 
 def _width(times: Array, values: Array) -> float:
     """Time during which a signal exceeds half of its peak, around the peak."""
-    height = values / _extreme(values)
+    height = values / extreme(values)
     peak = int(np.argmax(height))
     below = np.flatnonzero(height < HALF)
     before, after = below[below < peak], below[below > peak]
@@ -146,7 +137,7 @@ def check_arrivals(run: Run, shot: Shot, columns: Sequence[Array], grid: Array) 
     """Raise `InputError` if the run has no pulse at a sensor, or one of another duration."""
     for signal, column in zip(shot.signals, columns, strict=True):
         own, seen = column - column[0], (signal.values - level_of(signal))[signal.valid]
-        here, measured = np.abs(own).max(), abs(_extreme(seen))
+        here, measured = np.abs(own).max(), abs(extreme(seen))
         there = run.forces if signal.place.quantity == "force" else run.velocities
         needed = measured if signal.calibrated else float(np.abs(there).max())
         rising = np.argmax(np.abs(own)) >= len(own) - 2

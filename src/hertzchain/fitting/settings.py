@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from ..chain.chain import Chain
-from ..errors import InputError, short_repr, unknown_name_error
+from ..errors import InputError, errors_at, short_repr, unknown_name_error
 from ..store.chain_files import chain_from, load_chain
 from ..store.toml_files import read_toml
 from ..validation.objects import file_path, shown_path
@@ -101,7 +101,7 @@ def load_chain_and_settings(path: str | os.PathLike[str]) -> tuple[Chain, Settin
         return load_chain(path), Settings()
     document = read_toml("chain file", path, "give the path of a TOML or CSV file")
     table = document.pop("fit", {})
-    try:
+    with errors_at(shown_path(path)):
         chain = chain_from(document, file.parent)
         if not isinstance(table, Mapping):
             raise InputError(f"[fit] must be a table, got {short_repr(table)}")
@@ -111,6 +111,4 @@ def load_chain_and_settings(path: str | os.PathLike[str]) -> tuple[Chain, Settin
         settings = Settings(coupling=table.get("coupling")).updated(
             table.get("free"), table.get("prior"), table.get("start")
         )
-    except InputError as error:
-        raise InputError(f"{shown_path(path)}: {error}") from None
     return chain, settings

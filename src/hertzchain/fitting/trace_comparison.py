@@ -13,16 +13,17 @@ from ..collision import Array
 from ..errors import InputError, InputWarning, warn_user
 from ..representation import measure, short
 from ..simulation.run import Run
+from ..validation.keywords import checked_methods
 from ..validation.numbers import number
 from ..validation.objects import check_type
 from .coupling import coupling_notes, resolved_coupling, static_force
+from .misread_columns import level_of
 from .sensor_comparison import (
     HEADING,
     SensorComparison,
     check_arrivals,
     check_contained,
     compared_sensor,
-    level_of,
     pulse_notes,
     unit_notes,
 )
@@ -33,6 +34,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
+@checked_methods
 @dataclass(frozen=True, eq=False)
 class TraceComparison:
     """Measured signals and those of a run at the same times.

@@ -9,7 +9,7 @@ from typing import Final
 import numpy as np
 
 from ..collision import Array
-from ..errors import InputError
+from ..errors import InputError, errors_at
 from ..representation import counted
 from ..store.csv_tables import csv_rows, split_header
 from ..units import converted
@@ -94,10 +94,8 @@ def load_traces(
                 f"{shown_path(path)} is a chain file, where a CSV file of traces is required; give "
                 "the traces first and the chain file last, as in fit data.csv chain.toml"
             )
-        try:
+        with errors_at(shown_path(path)):
             shots += _shots(csv_rows(file), wanted, noise)
-        except InputError as error:
-            raise InputError(f"{shown_path(path)}: {error}") from None
     return with_coupling(Traces(tuple(shots)), coupling)
 
 

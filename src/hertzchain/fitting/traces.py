@@ -13,6 +13,7 @@ from ..collision import Array
 from ..errors import InputError, short_repr, unknown_name_error
 from ..frozen import Frozen
 from ..representation import counted, short
+from ..validation.keywords import checked_arguments, checked_fields, checked_methods
 from ..validation.numbers import number, real_numbers
 from ..validation.objects import check_choice, check_list, check_type
 from .noise import (
@@ -115,6 +116,8 @@ class Shot(Frozen):
     signals: tuple[Signal, ...]
 
 
+@checked_fields
+@checked_methods
 @dataclass(frozen=True, eq=False)
 class Traces:
     """Measured traces; `hertzchain.load_traces` reads them from CSV files.
@@ -145,6 +148,7 @@ class Traces:
         object.__setattr__(self, "shots", tuple(shots))
 
     @classmethod
+    @checked_arguments("Traces.from_arrays")
     def from_arrays(
         cls,
         times: ArrayLike,

@@ -9,7 +9,7 @@ from typing import Final
 import numpy as np
 
 from ..collision import Array
-from ..representation import short
+from ..representation import listed, short
 
 # Relative error along a direction above which it is reported; fraction of the largest singular
 # value below which a direction cannot be distinguished from an exact degeneracy.
@@ -61,7 +61,7 @@ def _grouped(names: list[str]) -> str:
     gains = [name for name in names if name.startswith("gain[")]
     if len(gains) > 1:
         names = [name for name in names if name not in gains] + ["the gains"]
-    return names[0] if len(names) == 1 else f"{', '.join(names[:-1])} and {names[-1]}"
+    return listed(names)
 
 
 def weak_directions(

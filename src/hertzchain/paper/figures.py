@@ -20,6 +20,7 @@ from ..plotting.style import figure_style, label_right_ends
 from ..pulse.pulse import Pulse
 from ..theory.bca import bca, forward_linear_momentum_slope
 from ..theory.modified_bca import modified_bca
+from ..validation.keywords import checked_arguments
 from .published import FigureQuantity, PublishedFigure, published_figures
 from .tables import Pulses
 
@@ -147,6 +148,7 @@ def figure_chains(name: str) -> set[tuple[str, float]]:
     return {(published.taper, rate) for rate in published.rates}
 
 
+@checked_arguments("reproduce_figure")
 def reproduce_figure(name: str, pulses: Pulses) -> Figure:
     """Collect the data of one figure and check its statement."""
     published = published_figures()[name]
@@ -160,6 +162,7 @@ def reproduce_figure(name: str, pulses: Pulses) -> Figure:
     return Figure(published, tuple(curves), STATEMENTS[published.number](curves))
 
 
+@checked_arguments("draw_figure")
 def draw_figure(figure: Figure) -> MatplotlibFigure:
     """Draw one figure as described in its caption.
 

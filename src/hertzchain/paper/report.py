@@ -20,7 +20,7 @@ import platform
 import re
 import shutil
 import tempfile
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from concurrent.futures import Executor
 from pathlib import Path
 from typing import Any, Final
@@ -35,6 +35,8 @@ from ..evaluation.scoreboard import QUANTITIES, Scoreboard, percentage
 from ..plotting.scoreboard import plot_scoreboard
 from ..store.file_lock import lock
 from ..store.writing import cannot_write
+from ..validation.keywords import checked_arguments
+from ..validation.objects import Progress
 from ..verification.case import ORIGINS
 from ..verification.verify import as_dict
 from .drawings import Drawing, drawn
@@ -52,11 +54,12 @@ LEFT_BEHIND: Final = re.compile(rf"{re.escape(WRITING)}[a-z0-9_]{{8}}")
 OUR_FIGURE: Final = re.compile(r"(figure\d+|errata|scoreboard)\.(svg|png|csv)")
 
 
+@checked_arguments("write_report")
 def write_report(
     reproduction: Reproduction,
     out: Path,
     *,
-    progress: Callable[[int, int], None] | None = None,
+    progress: Progress | None = None,
 ) -> Path:
     """Write the report of a reproduction to a folder.
 
@@ -95,7 +98,7 @@ def write_reserved(
     reproduction: Reproduction,
     out: Path,
     *,
-    progress: Callable[[int, int], None] | None = None,
+    progress: Progress | None = None,
     pool: Executor | None = None,
 ) -> Path:
     """Write a report to a folder that is `reserved`; a pool of processes draws figures, too."""
@@ -149,6 +152,7 @@ def check_writable(out: Path) -> None:
         raise cannot_write(out, error, "choose another folder with --out") from None
 
 
+@checked_arguments("verdict")
 def verdict(reproduction: Reproduction) -> dict[str, Any]:
     """Content of ``verdict.json``."""
     return {
@@ -220,7 +224,7 @@ def method(reproduction: Reproduction) -> dict[str, Any]:
 def _write_figures(
     reproduction: Reproduction,
     folder: Path,
-    progress: Callable[[int, int], None] | None,
+    progress: Progress | None,
     pool: Executor | None,
 ) -> dict[str, str]:
     """Save all figures; return them as data URLs for the page."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import functools
 import threading
 import time
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from concurrent.futures import CancelledError, Future, ThreadPoolExecutor
 from contextlib import contextmanager
 from dataclasses import dataclass, field
@@ -17,14 +17,14 @@ from ..evaluation.evaluate import scoreboard
 from ..evaluation.scoreboard import Scoreboard, percentage
 from ..pulse.pulse import Pulse
 from ..simulation.simulate import DEFAULT_RTOL, simulate
+from ..validation.keywords import checked_arguments
+from ..validation.objects import Progress
 from ..verification.verify import Verdict, verify
 from .errata import Erratum, errata, errata_chains
 from .figures import Figure, figure_chains, reproduce_figure
 from .published import Fit, published_figures, published_tables
 from .tables import WINDOWS, Pulses, Table, reproduce_table, table_chains
 from .velocity_formulas import printed_and_corrected_errors
-
-Progress = Callable[[int, int], None]
 
 
 @dataclass(frozen=True, eq=False)
@@ -124,6 +124,7 @@ def checked_parts(only: Collection[str] | None) -> set[str]:
     return parts
 
 
+@checked_arguments("reproduce")
 def reproduce(
     only: Collection[str] | None = None,
     *,

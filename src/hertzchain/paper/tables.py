@@ -11,6 +11,7 @@ import numpy as np
 from ..calibration import Window, beads_in_window, fit_line
 from ..pulse.pulse import Pulse
 from ..theory.bca import exponential_rates, forward_linear_momentum_slope
+from ..validation.keywords import checked_arguments
 from .published import Fit, Printed, PublishedTable, published_tables
 
 Pulses = Mapping[tuple[str, float], Pulse]
@@ -97,6 +98,7 @@ def table_chains(name: str) -> set[tuple[str, float]]:
     return {(column.taper, rate.value) for column in columns for rate in column.rates}
 
 
+@checked_arguments("reproduce_table")
 def reproduce_table(name: str, pulses: Pulses, window: Window | None = None) -> Table:
     """Recompute one table.
 

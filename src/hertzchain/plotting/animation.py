@@ -6,7 +6,7 @@ import io
 import os
 import tempfile
 import warnings
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
@@ -26,7 +26,7 @@ from ..simulation.run import Run
 from ..store.writing import write_bytes
 from ..validation.keywords import checked_arguments
 from ..validation.numbers import number, whole_number
-from ..validation.objects import callback, check_type, file_path
+from ..validation.objects import Progress, callback, check_type, file_path
 from .runs import check_times, force_curve
 from .style import figure_style, set_title, time_axis
 from .titles import chain_title
@@ -53,7 +53,7 @@ def animate(
     frames: int = 120,
     seconds: float = 6.0,
     magnify: float | None = None,
-    progress: Callable[[int, int], object] | None = None,
+    progress: Progress | None = None,
 ) -> Path:
     """Write an animation of the beads as GIF or MP4.
 

@@ -12,6 +12,7 @@ from matplotlib.ticker import FuncFormatter
 from ..errors import InputError
 from ..simulation.budget import BALANCED, COLOURS, Balanced, Budget
 from ..simulation.horizon import Horizon
+from ..validation.keywords import checked_arguments
 from ..validation.objects import check_choice, check_type
 from .style import (
     figure_style,
@@ -27,6 +28,7 @@ HATCHES: Final = {"scattered back": "//", "left wall": "\\\\", "lost": ".."}
 TICK: Final = {"energy": ("energy", "J"), "momentum": ("momentum", "N s")}
 
 
+@checked_arguments("plot_budget")
 def plot_budget(
     budget: Budget,
     of: Balanced = "energy",

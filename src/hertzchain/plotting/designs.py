@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Final, NamedTuple
 
@@ -12,21 +11,15 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.gridspec import GridSpecBase
 
-from ..collision import Array
+from ..designs.curves import Curve, initial_and_final
 from ..errors import InputError
-from ..simulation.simulate import simulate
 from .chains import bead_centres, draw_beads, material_legend
-from .style import COLOURS, differ_much, figure_style, get_axes, label_log_axis, time_axis
+from .style import COLOURS, MUCH, differ_much, figure_style, get_axes, label_log_axis, time_axis
 from .widths import figure_size
 
 if TYPE_CHECKING:
     from ..designs.result import DesignResult
 
-# Saved times of the forces.
-TIMES: Final = 2000
-RTOL: Final = 1e-8
-# Force, relative to its peak, that counts as none at the end of a curve.
-QUIET: Final = 0.01
 # Sum of the changes for +1% and -1%, relative to their difference, below which one suffices.
 MIRRORED: Final = 0.05
 
@@ -62,82 +55,60 @@ def plot_forces(result: DesignResult, *, ax: Axes | None = None) -> Axes:
     Forces or durations that differ much are in two panels, unless axes are given.
     """
     with figure_style():
-        curves = _curves(result)
-        if ax is not None or not _differ(result, curves):
-            return _draw_curves(result, curves, get_axes(ax))
+        lines = _lines(result)
+        if ax is not None or not _differ(result, lines):
+            return _draw_lines(result, lines, get_axes(ax))
         figure = plt.figure()
-        return _draw_panels(result, curves, figure.add_gridspec(2, 1))
+        return _draw_panels(result, lines, figure.add_gridspec(2, 1))
 
 
-class _Curve(NamedTuple):
-    """Velocity by bead, or force on the wall over time."""
+class _Line(NamedTuple):
+    """Curve of one chain, and how to draw it."""
 
     label: str
     colour: str
-    x: Array
-    y: Array
+    curve: Curve
 
 
-def _curves(result: DesignResult) -> list[_Curve]:
-    """Curves of the initial chain and the design, over the same time unless theirs differ much."""
-    chains = {"initial": (result.problem.chain, COLOURS[0]), "design": (result.chain, COLOURS[2])}
-    until = result.problem.until
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")
-        if result.chain.right_wall is None:
-            return [
-                _Curve(label, colour, np.arange(1, chain.beads + 1),
-                       simulate(chain, times=0, rtol=RTOL).pulse().velocity)
-                for label, (chain, colour) in chains.items()
-            ]  # fmt: skip
-        ends = [simulate(chain, times=0, rtol=RTOL, until=until).end_time
-                for chain, _ in chains.values()]  # fmt: skip
-        together = not differ_much(ends)
-        if together:
-            ends = [max(ends)] * 2
-        found = []
-        for (label, (chain, colour)), end in zip(chains.items(), ends, strict=True):
-            force = simulate(chain, times=TIMES, rtol=RTOL, until=end).wall_force()
-            unit = " N" if chain.units == "SI" else ""
-            label = f"{label}, peak {force.largest_so_far:.4g}{unit}"
-            found.append(_Curve(label, colour, force.times, force.force))
-    return _until_quiet(found) if together else [_until_quiet([each])[0] for each in found]
+def _lines(result: DesignResult) -> list[_Line]:
+    """Lines of the initial chain and the design, with the peaks of forces."""
+    names = {"initial": COLOURS[0], "design": COLOURS[2]}
+    unit = " N" if result.chain.units == "SI" else ""
+    return [
+        _Line(f"{name}, peak {curve.peak:.4g}{unit}" if result.chain.right_wall else name,
+              colour, curve)
+        for (name, colour), curve in zip(
+            names.items(), initial_and_final(result, MUCH), strict=True
+        )
+    ]  # fmt: skip
 
 
-def _until_quiet(curves: Sequence[_Curve]) -> list[_Curve]:
-    """Cut curves with the same times where all forces are small, before a further impact begins."""
-    quiet = np.all([each.y < QUIET * each.y.max() for each in curves], axis=0)
-    quiet[: max(int(each.y.argmax()) for each in curves)] = False
-    end = int(np.flatnonzero(quiet)[-1]) + 1 if quiet.any() else None
-    return [each._replace(x=each.x[:end], y=each.y[:end]) for each in curves]
-
-
-def _differ(result: DesignResult, curves: Sequence[_Curve]) -> bool:
+def _differ(result: DesignResult, lines: Sequence[_Line]) -> bool:
     """Whether durations or forces differ by so much that the curves need their own axes."""
     if result.chain.right_wall is None:
         return False
-    last = (float(each.x[-1]) for each in curves)
-    return differ_much(last) or differ_much(float(each.y.max()) for each in curves)
+    last = (float(each.curve.x[-1]) for each in lines)
+    return differ_much(last) or differ_much(float(each.curve.y.max()) for each in lines)
 
 
-def _draw_panels(result: DesignResult, curves: Sequence[_Curve], grid: GridSpecBase) -> Axes:
-    """Draw each curve in its own panel; the first is returned."""
+def _draw_panels(result: DesignResult, lines: Sequence[_Line], grid: GridSpecBase) -> Axes:
+    """Draw each line in its own panel; the first is returned."""
     panels = [grid.figure.add_subplot(part) for part in grid]  # type: ignore[attr-defined]
-    for curve, axes in zip(curves, panels, strict=True):
-        _draw_curves(result, [curve._replace(label=f"force on the wall, {curve.label}")], axes)
+    for line, axes in zip(lines, panels, strict=True):
+        _draw_lines(result, [line._replace(label=f"force on the wall, {line.label}")], axes)
         # Panels are low.
         axes.set_ylabel("force [N]" if result.chain.units == "SI" else "force $F$")
     first: Axes = panels[0]
     return first
 
 
-def _draw_curves(result: DesignResult, curves: Sequence[_Curve], axes: Axes) -> Axes:
+def _draw_lines(result: DesignResult, lines: Sequence[_Line], axes: Axes) -> Axes:
     si, walled = result.chain.units == "SI", result.chain.right_wall is not None
     factor, label = 1.0, "bead $k$"
     if walled:
-        factor, label = time_axis(result.chain, max(float(each.x[-1]) for each in curves))
-    for each in curves:
-        axes.plot(factor * each.x, each.y, color=each.colour, label=each.label)
+        factor, label = time_axis(result.chain, max(float(each.curve.x[-1]) for each in lines))
+    for each in lines:
+        axes.plot(factor * each.curve.x, each.curve.y, color=each.colour, label=each.label)
     axes.set_xlabel(label)
     name, unit = ("force on the wall", " [N]") if walled else ("velocity $v_k$", " [m/s]")
     axes.set_ylabel(name + (unit if si else ""))
@@ -206,13 +177,13 @@ def plot_design(result: DesignResult) -> Figure:
     with figure_style():
         figure = plt.figure(figsize=figure_size(10.0, 6.4), layout="constrained")
         grid = figure.add_gridspec(2, 2)
-        curves = _curves(result)
-        apart = _differ(result, curves)
+        lines = _lines(result)
+        apart = _differ(result, lines)
         plot_beads(result, ax=figure.add_subplot(grid[0, 0]))
         if apart:
-            _draw_panels(result, curves, grid[0, 1].subgridspec(2, 1))
+            _draw_panels(result, lines, grid[0, 1].subgridspec(2, 1))
         else:
-            _draw_curves(result, curves, figure.add_subplot(grid[0, 1]))
+            _draw_lines(result, lines, figure.add_subplot(grid[0, 1]))
         plot_history(result, ax=figure.add_subplot(grid[1, 0]))
         last = figure.add_subplot(grid[1, 1])
         if result.front:

@@ -20,6 +20,7 @@ from ..pulse.quantities import RUN_QUANTITIES
 from ..simulation.run import Run
 from ..simulation.sensor_force import sensor_maxima
 from ..simulation.wall_force import walls_of
+from ..validation.keywords import checked_arguments
 from ..validation.numbers import whole_number
 from ..validation.objects import check_choice, check_list, text
 from .style import (
@@ -47,6 +48,7 @@ MAP_TIMES: Final = 1000
 NO_RETURN = 0.01
 
 
+@checked_arguments("plot_run")
 def plot_run(
     run: Run, quantity: Literal["velocity", "force"] = "velocity", *, ax: Axes | None = None
 ) -> Axes:
@@ -132,6 +134,7 @@ def section_ends(chain: Chain) -> list[int]:
     return (chain.strikers + np.cumsum(lengths[:-1])).tolist()
 
 
+@checked_arguments("plot_forces")
 def plot_forces(
     run: Run, beads: Sequence[int | str], *, label: str = "", ax: Axes | None = None
 ) -> Axes:

@@ -11,6 +11,7 @@ from matplotlib.ticker import LogLocator, NullFormatter
 
 from ..evaluation.cases import GROUPS
 from ..evaluation.scoreboard import Scoreboard, Statistic
+from ..validation.keywords import checked_arguments
 from .style import COLOURS, MARKERS, figure_style
 from .widths import figure_size
 
@@ -23,6 +24,7 @@ DODGE = 0.11
 EQUAL = 1e-6
 
 
+@checked_arguments("plot_scoreboard")
 def plot_scoreboard(
     board: Scoreboard,
     quantity: str = "velocity",

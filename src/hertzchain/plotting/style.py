@@ -20,6 +20,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from ..chain.chain import Chain
+from ..validation.keywords import checked_arguments
 from ..validation.objects import check_type
 from .widths import figure_size, journal_settings, journal_width, width_in_inches
 
@@ -40,6 +41,7 @@ MAX_PLAIN: Final = 100.0
 LONG, MUCH = 2e-3, 5.0
 
 
+@checked_arguments("figure_style")
 @contextmanager
 def figure_style(width: str | float | None = None) -> Iterator[None]:
     """Apply hertzchain's Matplotlib style to the figures created inside a ``with`` block.

@@ -18,6 +18,7 @@ from ..representation import counted
 from ..store.sweep_export import check_sweep
 from ..store.sweep_store import FAILED, MISSING
 from ..units import PERCENT
+from ..validation.keywords import checked_arguments
 from ..validation.numbers import FRACTION, number
 from ..validation.objects import check_bool, check_choice, check_list, check_type
 from .style import COLOURS, MARKERS, figure_style, label_log_axis, literal, set_title
@@ -46,6 +47,7 @@ SINGULARS: Final = MappingProxyType({
 })  # fmt: skip
 
 
+@checked_arguments("plot_sweep")
 def plot_sweep(
     dataset: xr.Dataset,
     quantity: str | None = None,

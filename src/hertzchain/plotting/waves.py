@@ -6,12 +6,14 @@ from matplotlib.axes import Axes
 from matplotlib.ticker import MaxNLocator
 
 from ..simulation.waves import DIRECTIONS, Waves
+from ..validation.keywords import checked_arguments
 from .style import COLOURS, figure_style, get_axes, set_title, time_axis
 from .titles import chain_title
 
 LINES = {1: (COLOURS[1], "-"), -1: (COLOURS[2], "--")}
 
 
+@checked_arguments("plot_waves")
 def plot_waves(waves: Waves, *, ax: Axes | None = None) -> Axes:
     """Plot the track of every wave: contact against time, coloured by direction.
 

@@ -8,7 +8,7 @@ equation of motion as `hertzchain.simulate`, but only for the beads around the p
 from __future__ import annotations
 
 import numbers
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
 from dataclasses import dataclass, field
 from typing import Final, TypeGuard
@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..chain.chain import Chain
-from ..chain.feature_support import require_chain, require_supported
+from ..chain.feature_support import require_chain, require_same_units, require_supported
 from ..chain.hertz_range import warn_outside_hertz
 from ..collision import HERTZ_EXPONENT, Array
 from ..errors import InputError, SimulationError, short_repr
@@ -27,12 +27,10 @@ from ..pulse.pulse import Pulse, assemble_pulse
 from ..pulse.pulse_table import PulseTable
 from ..validation.keywords import checked_arguments
 from ..validation.numbers import number, real_numbers, worker_count
-from ..validation.objects import callback, check_list
+from ..validation.objects import Progress, callback, check_list
 from .batch import COLUMNS, PASSED, STOP, Batch, PulseData
 from .heterogeneous import MAX_RTOL
 from .window_choice import follow
-
-Progress = Callable[[int, int], None]
 
 # Features of a chain, in addition to its radii, that are supported.
 SUPPORTED: Final = (
@@ -258,7 +256,7 @@ class _Ensemble:
         rows = [item for item in given if _is_row(item)]
         if len(rows) == len(given) > 0:
             return cls._of_rows(*_pad(rows))
-        _check_units(given)
+        require_same_units("propagate_many", given)
         found: list[Chain | None] = []
         lengths, reasons = [], {}
         for row, item in enumerate(given):
@@ -336,16 +334,6 @@ class _Ensemble:
             velocity, peak_time, arrival, overlap[:, :-1], residence[:, :-1], self.reasons,
             tuple(self.chains) if own else (),
         )  # fmt: skip
-
-
-def _check_units(given: Sequence[Chain | ArrayLike]) -> None:
-    """Raise an error for a list in which only some of the chains are in SI units."""
-    in_si = sum(isinstance(item, Chain) and item.units == "SI" for item in given)
-    if 0 < in_si < len(given):
-        raise InputError(
-            f"{in_si} of {len(given)} chains are in SI units and the others are scaled: call "
-            "propagate_many separately for each kind, so that a table has one set of units"
-        )
 
 
 def _is_row(item: object) -> TypeGuard[NDArray[np.float64]]:

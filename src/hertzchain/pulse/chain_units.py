@@ -132,10 +132,10 @@ def warn_outside_hertz_once(table: PulseTable) -> None:
             overlaps = table.peak_overlap[row, : chain.beads - 1]
             if violations := hertz_range(chain, overlaps).violations:
                 exceeded[row] = violations[0]
-    for row, violation in exceeded.items():
+    if exceeded:
+        first, violation = next(iter(exceeded.items()))
         warn_user(
             f"{len(exceeded)} of {len(table)} chains exceed the limits of Hertz's law; in the "
-            f"first of them, chain {row}, {violation}",
+            f"first of them, chain {first}, {violation}",
             ModelRangeWarning,
         )
-        return

@@ -8,14 +8,18 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..collision import Array
-from ..errors import InputError, ModelRangeWarning, short_repr, warn_user
+from ..errors import InputError, ModelRangeWarning, warn_user
 from ..representation import short
+from ..validation.keywords import checked_fields, checked_methods
 from ..validation.numbers import whole_number
+from ..validation.objects import check_type
 from .chain_units import in_same_units, same_beads
 from .pulse import Pulse
 from .quantities import QUANTITIES
 
 
+@checked_fields
+@checked_methods
 @dataclass(frozen=True, eq=False)
 class Comparison:
     """Relative errors of one pulse with respect to another of the same chain.
@@ -53,12 +57,7 @@ class Comparison:
 
     def __post_init__(self) -> None:
         for name in ("pulse", "reference"):
-            given = getattr(self, name)
-            if not (hasattr(given, "notes") and hasattr(given, "compare")):
-                raise InputError(
-                    f"{name} must be a Pulse, got {short_repr(given)}; "
-                    "propagate and the theories return one"
-                )
+            check_type(name, getattr(self, name), Pulse, "propagate and the theories return one")
         pulse, reference = in_same_units(self.pulse, self.reference)
         object.__setattr__(self, "pulse", pulse)
         object.__setattr__(self, "reference", reference)

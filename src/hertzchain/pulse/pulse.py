@@ -19,7 +19,7 @@ from ..collision import Array
 from ..errors import InputError
 from ..frozen import Frozen
 from ..representation import measure, short
-from ..validation.keywords import checked_arguments
+from ..validation.keywords import checked_fields, checked_methods
 from ..validation.numbers import number, real_numbers
 from ..validation.objects import check_choice, text
 from .columns import derive, with_columns
@@ -41,6 +41,8 @@ NOT_ESTIMATED: Final = (
 )
 
 
+@checked_fields
+@checked_methods
 @dataclass(frozen=True, eq=False)
 @with_columns
 class Pulse(Frozen):
@@ -336,7 +338,6 @@ class Pulse(Frozen):
         }
         return table
 
-    @checked_arguments("Pulse.plot")
     def plot(
         self, quantity: str = "velocity", *, log: bool = False, ax: Axes | None = None
     ) -> Axes:

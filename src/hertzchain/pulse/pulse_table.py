@@ -15,6 +15,7 @@ from ..chain.chain import Chain
 from ..collision import Array, hertz_stiffness
 from ..errors import InputError, SimulationError, short_repr
 from ..frozen import Frozen
+from ..validation.keywords import checked_methods
 from ..validation.objects import check_choice
 from .columns import with_columns
 from .pulse import Pulse
@@ -24,6 +25,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
 
+@checked_methods
 @dataclass(frozen=True, eq=False)
 @with_columns
 class PulseTable(Frozen):

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from ..collision import Array
+from ..simulation.ensemble_input import LEAST_PART
 from .gauges import (
     LOWEST,
     Missing,
@@ -27,9 +28,6 @@ from .names import Name
 from .record import Record
 from .sweep import Dependence, Place, Slopes, place_of_event
 from .targets import LEFT, RIGHT, Ending, is_moving
-
-# Smallest impulse of a first contact with a wall as a fraction of the momentum at time 0.
-LEAST_PART = 1e-6
 
 
 @dataclass(eq=False)

@@ -18,14 +18,11 @@ from ..chain.laws.velocity_power import VelocityPower
 from ..chain.laws.viscoelastic import Viscoelastic
 from ..collision import HERTZ_EXPONENT, Array
 from ..errors import InputError
+from ..simulation.ensemble_input import FIRST_PART, ROUNDING
 from ..simulation.kernel_input import static_closing
 from ..simulation.time_scales import transit_times
 
 METHOD: Final = "gradient"
-# First step as a fraction of the shortest time in which a pulse passes a contact.
-FIRST_PART: Final = 1e-3
-# Rounding of static forces, as in `hertzchain.kernels.dop853_step`.
-ROUNDING: Final = 5e-15
 
 
 @dataclass(frozen=True, eq=False)

@@ -15,7 +15,8 @@ from ..collision import Array
 from ..errors import IncompleteWarning, InputError, unknown_name_error, warn_user
 from ..frozen import Frozen
 from ..representation import short
-from ..validation.keywords import checked_arguments
+from ..simulation.simulate import default_step_limit
+from ..validation.keywords import checked_arguments, checked_methods
 from ..validation.numbers import number, whole_number
 from ..validation.objects import check_list
 from .accuracy import relative_error
@@ -26,7 +27,7 @@ from .names import Name, parse
 from .parameters import by_fields, checked_parameters
 from .record import run
 from .relative import per_unit, unit_of_parameter, unit_of_quantity, value_of_parameter
-from .sweep import sweep
+from .sweep import Slopes, sweep
 from .targets import Ending, targets_of
 from .window import follow_pulse
 
@@ -37,6 +38,7 @@ DEFAULT_RTOL, WINDOW_RTOL, DAMPED_RTOL = 1e-10, 3e-8, 1e-12
 MIN_RTOL, MAX_RTOL = 1e-14, 1e-5
 
 
+@checked_methods
 @dataclass(frozen=True, eq=False)
 class Gradient(Frozen):
     """Value of a quantity and its derivatives; unpacks as ``value, gradient``.
@@ -348,8 +350,9 @@ def _recorded(
         until = number("until", until, unit=chain._unit("s"), above=0.0)
     if rtol is not None:
         rtol = number("rtol", rtol, least=MIN_RTOL, most=MAX_RTOL)
-    limit = max(2000 * chain.beads, 1_000_000)
-    limit = limit if max_steps is None else whole_number("max_steps", max_steps, least=1)
+    limit = default_step_limit(chain.beads)
+    if max_steps is not None:
+        limit = whole_number("max_steps", max_steps, least=1)
     given = check_list("quantities", quantities, "names of quantities")
     names = [parse(chain, each, bead, until) for each in given]
     parameters = checked_parameters(chain, to)
@@ -401,7 +404,5 @@ def _read(reader: Reader, name: Name, to: tuple[str, ...], rtol: float) -> list[
 
 
 def _nan_like(equation: Equation, name: str) -> Array:
-    from .sweep import Slopes
-
     shape = by_fields(equation, Slopes.zero(equation.beads), [name])[name].shape
     return np.full(shape, math.nan)

@@ -32,6 +32,12 @@ KNOWN: Final = (
     *(f"bead.{each}" for each in BEAD),
     *(f"energy.{each}" for each in ENERGY),
 )
+NEED_END: Final = ("sensor.impulse", "sensor.largest", "sensor.largest_time")
+# Times of maxima need rates of forces; the stored energy depends on whether a contact pushes.
+NOT_DAMPED: Final = (
+    "pulse.peak_time", "wall_force.peak_time", "left_wall_force.peak_time",
+    "sensor.first_maximum_time", "sensor.largest_time", "energy.contacts", "energy.walls",
+)  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -90,11 +96,3 @@ def parse(chain: Chain, given: object, bead: int | None, until: float | None) ->
             "a velocity or an arrival"
         )
     return Name(group, item, at_bead)
-
-
-NEED_END: Final = ("sensor.impulse", "sensor.largest", "sensor.largest_time")
-# Times of maxima need rates of forces; the stored energy depends on whether a contact pushes.
-NOT_DAMPED: Final = (
-    "pulse.peak_time", "wall_force.peak_time", "left_wall_force.peak_time",
-    "sensor.first_maximum_time", "sensor.largest_time", "energy.contacts", "energy.walls",
-)  # fmt: skip

@@ -11,7 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..collision import Array
-from ..errors import InputError, SimulationError
+from ..errors import SimulationError
+from ..validation.memory import check_memory
 from .equation import Equation
 
 # Numbers in a block of steps, and bounds of its steps.
@@ -226,19 +227,13 @@ def _failure(limit: bool, most_steps: int, time: float) -> SimulationError:
 
 
 def _check_memory(record: Record, size: int) -> None:
-    """Raise `InputError` if the steps stored so far fill the memory."""
-    needed = 8.0 * (record.steps + size) * 10 * record.equation.beads
-    if needed < 2**28:
-        return
-    import psutil
-
-    free = psutil.virtual_memory().available
-    if 8.0 * size * 10 * record.equation.beads > MEMORY_PART * free:
-        raise InputError(
-            f"the {record.steps} steps until t = {record.time:g} of {record.equation.beads} beads "
-            f"need {needed / 2**30:.1f} GiB, and {free / 2**30:.1f} GiB are free; use a larger "
-            "rtol, an earlier until, or fewer beads"
-        )
+    """Raise `InputError` if the next block of steps does not fit in memory."""
+    beads = record.equation.beads
+    check_memory(
+        f"the next {size} steps of {beads} beads, from t = {record.time:g} on,",
+        8.0 * size * 10 * beads, "use a larger rtol, an earlier until, or fewer beads",
+        MEMORY_PART,
+    )  # fmt: skip
 
 
 def nothing_can_happen(record: Record) -> bool:

@@ -30,6 +30,7 @@ from ..chain.chain import Chain
 from ..collision import Array
 from ..pulse.quantities import QUANTITIES
 from ..representation import measure, short
+from ..validation.keywords import checked_methods
 from ..validation.objects import check_choice
 from .kernel_input import steps_are_implicit
 
@@ -50,6 +51,7 @@ COLOURS: Final = {
 MOVING: Final = ("leading pulse", "lagging", "scattered back")
 
 
+@checked_methods
 @dataclass(frozen=True, eq=False)
 class Budget:
     """Energy and momentum at the saved times of a run; see `hertzchain.simulation.budget`.

@@ -18,6 +18,7 @@ import numpy as np
 from ..chain.chain import Chain
 from ..collision import Array
 from ..representation import measure, short
+from ..validation.keywords import checked_methods
 from .trajectory import Trajectory
 from .wave_events import (
     ContactCurves,
@@ -32,6 +33,7 @@ if TYPE_CHECKING:
     import pandas as pd
 
 
+@checked_methods
 @dataclass(frozen=True, eq=False)
 class EnergyFlux:
     """Energy that passed each contact from the first saved time to the last.

@@ -6,7 +6,9 @@ each run.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+import threading
+from collections import deque
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, Final
 
@@ -24,14 +26,15 @@ from ..pulse.quantities import (
     WALL_QUANTITIES,
     Quantity,
 )
+from ..validation.objects import Progress
 from .budget import budget_of
 from .ensemble_input import kernel_input
 from .run import Run
 from .run_end import Status
 from .run_message import FAILURES, end_message
-from .run_pulse import pulse_of
+from .run_pulse import pulse_of, times_between
 from .sensor_force import MANY_TIMES, MIN_HEIGHT, sensor_maxima
-from .simulate import MAX_RTOL, MIN_RTOL, simulate
+from .simulate import MAX_RTOL, MIN_RTOL, default_step_limit, simulate
 
 # Quantities of the leading pulse that a simulation determines.
 PULSE_QUANTITIES: Final = {
@@ -45,8 +48,9 @@ KEPT: Final[dict[str, Quantity]] = {
 OVERLAP_TIMES: Final = 1000
 # Factor of the tolerance for `simulate`, whose method has larger errors at equal tolerance.
 TIGHTER: Final = 0.1
-# Scratch arrays of the kernel that are not in use, by number of gauges.
-_SPARE: dict[int, list[tuple[Array, ...]]] = {}
+# Scratch arrays of the kernel that are not in use, each with its number of gauges; a set has 8 MB.
+_SPARE: Final[deque[tuple[int, tuple[Array, ...]]]] = deque(maxlen=16)
+_LOCK: Final = threading.Lock()
 
 STATUS: Final[tuple[Status, ...]] = (
     "step limit", "pulse left", "time reached", "wall force complete", "transit limit",
@@ -103,23 +107,28 @@ def by_kernel(chains: Sequence[Chain], request: Request, signal: NDArray[np.int6
     records = np.zeros((count, layout.RECORDS, beads))
     summary = np.zeros((count, layout.SUMMARY))
     readings = np.zeros((count, len(places), layout.GAUGE_ROWS))
-    limit = request.max_steps or max(2000 * beads, 1_000_000)
+    limit = request.max_steps or default_step_limit(beads)
     scratch = _scratch(kernel, layout, len(places), beads)
     kernel.follow(
         given.chains, given.numbers, places, request.rtol, float(limit), given.hertz,
         given.walled, given.careful, records, summary, readings, signal, *scratch,
     )  # fmt: skip
-    _SPARE.setdefault(len(places), []).append(scratch)
+    with _LOCK:
+        _SPARE.append((len(places), scratch))
     found = _KernelResults(chains, given.chains, records, summary, readings)
     return found.outcome(request)
 
 
 def _scratch(kernel: Any, layout: Any, gauges: int, beads: int) -> tuple[Array, ...]:
     """Zeros as scratch arrays of the kernel, if possible those of an earlier call."""
-    try:
-        rows, *others = scratch = _SPARE[gauges].pop()
-    except (KeyError, IndexError):
+    with _LOCK:
+        place = next((i for i, (number, _) in enumerate(_SPARE) if number == gauges), None)
+        if place is not None:
+            _, scratch = _SPARE[place]
+            del _SPARE[place]
+    if place is None:
         return tuple(kernel.scratch_for(gauges))
+    rows, *others = scratch
     # The kernel uses up to seven entries per lane in addition to the beads.
     rows.reshape(-1, layout.ROW)[:, : layout.LANES * (beads + 7)] = 0.0
     for values in others:
@@ -197,10 +206,7 @@ class _KernelResults:
     def _residence(self, times: Array) -> Array:
         """Residence times as in `hertzchain.simulation.run_pulse`, for struck chains."""
         since = self.records[:, self.layout.RECORD_RESIDENCE, :-1]
-        residence = np.where(since > 0.0, since, np.diff(times, prepend=0.0))
-        passed = times > 0.0
-        behind = np.pad(passed[:, :-1], ((0, 0), (1, 0)), constant_values=True)
-        residence[~passed | ~behind] = np.nan
+        residence = times_between(times, since)
         moving = np.pad(self.given[:, self.layout.START_V, :-1] > 0.0, ((0, 0), (0, 1)))
         first = np.argmin(moving, axis=1)
         undefined = np.arange(residence.shape[1]) < first[:, np.newaxis]
@@ -296,7 +302,7 @@ def energy_parts(
         return {name: np.asarray(values / total) for name, values in parts.items()}
 
 
-def by_simulate(chain: Chain, request: Request, progress: Callable[[int, int], None]) -> Outcome:
+def by_simulate(chain: Chain, request: Request, progress: Progress) -> Outcome:
     """Integrate one chain by `simulate`."""
     keep = request.keep
     rtol = min(max(TIGHTER * request.rtol, MIN_RTOL), MAX_RTOL)

@@ -14,7 +14,6 @@ which it exceeds a bound.  The factor 10 is empirical.
 from __future__ import annotations
 
 import warnings
-from collections.abc import Callable
 from dataclasses import replace
 from typing import Final
 
@@ -22,7 +21,7 @@ import numpy as np
 
 from ..errors import InputError, ModelRangeWarning, SimulationError
 from ..validation.numbers import FRACTION, number
-from ..validation.objects import callback
+from ..validation.objects import Progress, callback
 from .horizon import Horizon
 from .run import Run
 from .simulate import MAX_RTOL, simulate
@@ -36,9 +35,7 @@ STEPS: Final = 100
 MIN_STEP_LIMIT: Final = 10_000_000
 
 
-def horizon_of(
-    run: Run, within: float = 0.01, progress: Callable[[int, int], None] | None = None
-) -> Horizon:
+def horizon_of(run: Run, within: float = 0.01, progress: Progress | None = None) -> Horizon:
     """Integrate a run's chain again and compare; see `hertzchain.Run.horizon`."""
     within = number("within", within, unit=FRACTION, above=0.0, below=1.0)
     callback("progress", progress)

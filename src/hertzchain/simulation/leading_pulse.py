@@ -42,10 +42,12 @@ from ..chain.scales import scale
 from ..collision import Array
 from ..errors import InputError
 from ..representation import measure, short
+from ..validation.keywords import checked_methods
 from ..validation.numbers import real_numbers
 from .missing_values import reason, together
 
 
+@checked_methods
 @dataclass(frozen=True, eq=False)
 class LeadingPulse:
     r"""The leading pulse of a run; see `hertzchain.simulation.leading_pulse`.

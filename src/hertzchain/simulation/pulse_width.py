@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..chain.bead_names import bead_number
 from ..errors import SimulationError
 from ..validation.numbers import whole_number
 from .run_pulse import residence_of
@@ -11,7 +12,7 @@ from .trajectory import Trajectory
 from .velocity_peaks import velocity_peaks_of
 
 
-def pulse_width_of(self: Trajectory, bead: int) -> float:
+def pulse_width_of(self: Trajectory, bead: int | str) -> float:
     r"""Width of the leading pulse where it passes a bead, in beads.
 
     .. math:: w_k = \frac{\Delta t_k}{T_k}
@@ -23,8 +24,8 @@ def pulse_width_of(self: Trajectory, bead: int) -> float:
 
     Parameters
     ----------
-    bead : int
-        Number k of the bead, 2 to N - 1.
+    bead : int or str
+        Number k of the bead, 2 to N - 1, or a name such as ``"ball 11"``, as for `Run.sensor`.
 
     Returns
     -------
@@ -46,7 +47,8 @@ def pulse_width_of(self: Trajectory, bead: int) -> float:
     >>> round(run.pulse_width(40), 3)
     1.579
     """
-    k = whole_number("bead", bead, least=2, most=self.chain.beads - 1)
+    number = bead_number(self.chain, bead)
+    k = whole_number("bead", number, least=2, most=self.chain.beads - 1)
     if self._peaks[0, k - 1] == 0.0 or np.any(self._crossings[0, k - 2 : k] == 0.0):
         raise SimulationError(
             f"no width of the pulse at bead {k}: {self.message}; simulate for longer"

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Any, Literal
 from ..errors import IncompleteWarning, InputError, SimulationError, warn_user
 from ..pulse.pulse import Pulse
 from ..representation import short
-from ..validation.keywords import checked_arguments
-from ..validation.objects import check_choice
+from ..validation.keywords import checked_methods
+from ..validation.objects import Progress, check_choice
 from .budget import Budget, budget_of
 from .energy_flux import energy_flux_of
 from .find_waves import find_waves
@@ -35,6 +35,7 @@ if TYPE_CHECKING:
     from .horizon import Horizon
 
 
+@checked_methods
 @dataclass(frozen=True, eq=False)
 class Run(Trajectory):
     r"""The motion of a chain; the result of `hertzchain.simulate`.
@@ -223,9 +224,7 @@ class Run(Trajectory):
             self.state.start,
         )  # fmt: skip
 
-    def horizon(
-        self, *, within: float = 0.01, progress: Callable[[int, int], None] | None = None
-    ) -> Horizon:
+    def horizon(self, *, within: float = 0.01, progress: Progress | None = None) -> Horizon:
         """Time up to which the velocities are predictable, from a second integration.
 
         The chain is integrated again with ten times the tolerance (with a tenth of it if
@@ -308,7 +307,6 @@ class Run(Trajectory):
 
         save_run(self, path)
 
-    @checked_arguments("Run.plot")
     def plot(
         self, quantity: Literal["velocity", "force"] = "velocity", *, ax: Axes | None = None
     ) -> Axes:
@@ -331,7 +329,6 @@ class Run(Trajectory):
 
         return plot_run(self, quantity, ax=ax)
 
-    @checked_arguments("Run.plot_forces")
     def plot_forces(
         self, beads: Sequence[int | str], *, label: str = "", ax: Axes | None = None
     ) -> Axes:
@@ -419,10 +416,6 @@ class Run(Trajectory):
         if isinstance(traces, str | os.PathLike):
             traces = load_traces(traces)
         return compare_traces(self, traces, time_offset=time_offset)
-
-    def _require_times(self) -> None:
-        if not len(self.times):
-            raise InputError("the run has no saved times; give simulate times of at least 2")
 
     def __repr__(self) -> str:
         saved = f"{len(self.times)} times saved, energy drift {self.energy_drift:.1e}"

@@ -103,7 +103,7 @@ def _milder(chain: Chain) -> str:
 def _stiff_wall(chain: Chain, name: str) -> bool:
     """Whether a softer wall could help: it is stiffer than the contacts of the beads."""
     end = 0 if name == "left wall" else -1
-    if chain.beads == 1 or np.ptp(chain.contact_exponents[[end, 1 if end == 0 else -2]]) != 0.0:
+    if np.ptp(chain.contact_exponents[[end, 1 if end == 0 else -2]]) != 0.0:
         return True
     return bool(chain.wall_stiffness[end] > STIFF_WALL * chain.stiffness[end])
 

@@ -40,10 +40,9 @@ def residence_of(chain: Chain, crossings: Array) -> Array:
     """Times between the crossings of successive contacts; NaN where they are not defined."""
     from ..kernels import state_layout
 
-    times, since_last = crossings[state_layout.CROSSING_TIME], crossings[state_layout.RESIDENCE]
-    residence = np.where(since_last > 0.0, since_last, np.diff(times, prepend=0.0))
-    passed = times > 0.0
-    residence[~passed | ~np.append(True, passed[:-1])] = np.nan
+    residence = times_between(
+        crossings[state_layout.CROSSING_TIME], crossings[state_layout.RESIDENCE]
+    )
     residence[_without_residence(chain)] = np.nan
     # Beads that stick together arrive at the same time.
     residence[residence == 0.0] = np.nan
@@ -51,6 +50,19 @@ def residence_of(chain: Chain, crossings: Array) -> Array:
         # These are crests of the drive, not of a pulse that moves from contact to contact.
         residence[residence < 0.0] = np.nan
     return residence
+
+
+def times_between(times: Array, since_last: Array) -> Array:
+    """Times between the crossings of successive contacts, shape (..., N - 1).
+
+    They are NaN unless the pulse has passed both.  Recorded times ``since_last`` are more precise
+    than differences; 0 if there are none.
+    """
+    found = np.where(since_last > 0.0, since_last, np.diff(times, prepend=0.0))
+    passed = times > 0.0
+    found[..., 1:][~passed[..., :-1]] = np.nan
+    found[~passed] = np.nan
+    return found
 
 
 def moving_first(chain: Chain) -> int:

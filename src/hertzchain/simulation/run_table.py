@@ -16,6 +16,7 @@ from ..chain.hertz_range import hertz_range
 from ..collision import Array
 from ..frozen import Frozen
 from ..representation import short
+from ..validation.keywords import checked_methods
 from ..validation.numbers import whole_number
 from ..validation.objects import check_choice
 from .ensemble_columns import KEPT
@@ -25,9 +26,10 @@ if TYPE_CHECKING:
     import xarray as xr
 
 # Largest number of chains whose ranges a representation states, which takes a second.
-MOST_CHECKED: Final = 3000
+MAX_CHECKED: Final = 3000
 
 
+@checked_methods
 @dataclass(frozen=True, eq=False)
 class RunTable(Frozen):
     """Quantities of C simulated chains; the result of `hertzchain.simulate_many`.
@@ -157,7 +159,7 @@ class RunTable(Frozen):
         if not checked:
             return ""
         part = "" if "largest_overlap" in self.columns else " (reflections not checked)"
-        if len(self) > MOST_CHECKED:
+        if len(self) > MAX_CHECKED:
             return f"outside_range states which chains are outside Hertz's range{part}"
         outside = int(self.outside_range.sum())
         return f"{outside} of {checked} chains outside Hertz's range{part}"

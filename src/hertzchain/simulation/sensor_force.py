@@ -9,7 +9,7 @@ import numpy as np
 
 from ..chain.bead_names import bead_number
 from ..collision import Array
-from ..errors import IncompleteWarning, InputError, warn_user
+from ..errors import IncompleteWarning, warn_user
 from ..representation import measure, short
 from .sensor_curve import maximum_near
 from .trajectory import Trajectory
@@ -132,9 +132,8 @@ def sensor_force_of(self: Trajectory, bead: int | str) -> SensorForce:
 
 def sensor_maxima(run: Trajectory, bead: int) -> SensorForce:
     """As `sensor_force_of`, without warnings."""
+    run._require_times()
     force = run.sensor(bead)
-    if not len(run.times):
-        raise InputError("the run has no saved times; give simulate times of at least 2")
     at_rest = 0.5 * float(run.chain.static_state.forces[bead - 1 : bead + 1].sum())
     found = find_maxima(bead, run.times, force, at_rest, run.chain.units)
     places = [found.first_maximum_time, found.largest_so_far_time]

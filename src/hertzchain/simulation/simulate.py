@@ -7,7 +7,6 @@ leading pulse is needed.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from typing import Any, Final
 
 import numpy as np
@@ -21,19 +20,17 @@ from ..collision import Array
 from ..errors import InputError, SimulationError
 from ..validation.keywords import checked_arguments
 from ..validation.numbers import number, whole_number
-from ..validation.objects import callback, check_bool
+from ..validation.objects import Progress, callback, check_bool
 from .checked_state import check_start
 from .fixed_steps import FixedLoop, FixedSteps, fixed_steps
 from .kernel_input import kernel_chain
 from .run import Run
 from .run_end import RunEnd, Status
-from .saved_times import check_memory, checked_times
+from .saved_times import check_memory_for, checked_times
 from .slow_run import slow_run_notice
 from .state import State, contacts_of, first_state
 from .time_scales import check_clock, check_length, transit_times
 from .wall_watch import CHECKS, FEW_CHECKS
-
-Progress = Callable[[int, int], None]
 
 DEFAULT_RTOL: Final = 1e-13
 MIN_RTOL, MAX_RTOL = 1e-14, 1e-6
@@ -160,7 +157,7 @@ def simulate(
         until = number("until", until, unit=chain._unit("s"), above=0.0)
         check_length(chain, until)
     fixed = fixed_steps(chain, method, step, drift, until)
-    usual = max(STEPS_PER_BEAD * chain.beads, MIN_STEP_LIMIT) if fixed is None else MAX_FIXED_STEPS
+    usual = default_step_limit(chain.beads) if fixed is None else MAX_FIXED_STEPS
     limit = usual if max_steps is None else whole_number("max_steps", max_steps, least=1)
     check_clock(chain)
     if start is None:
@@ -189,6 +186,11 @@ def checked_rtol(rtol: float) -> float:
     return number("rtol", rtol, least=MIN_RTOL, most=MAX_RTOL)
 
 
+def default_step_limit(beads: int) -> int:
+    """Largest number of steps of a run, unless another one is given."""
+    return max(STEPS_PER_BEAD * beads, MIN_STEP_LIMIT)
+
+
 class _Frames:
     """Saved times and states.
 
@@ -206,7 +208,7 @@ class _Frames:
         elif (count := whole_number("times", times, least=0)) == 1:
             raise InputError("times must be 0 or at least 2 when it is a number, got 1")
         else:
-            check_memory(chain, count)
+            check_memory_for(chain, count)
             if until is None and count > 0:
                 self.spacing = 0.5 * float(transit_times(chain).sum()) / count
                 self.times = begin + self.spacing * np.arange(count)

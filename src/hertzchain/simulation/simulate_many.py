@@ -10,13 +10,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..chain.chain import Chain
-from ..chain.feature_support import require_chain
+from ..chain.feature_support import require_chain, require_same_units
 from ..collision import Array
 from ..errors import InputError, SimulationError
 from ..pulse.quantities import SENSOR_QUANTITIES
 from ..validation.keywords import checked_arguments
+from ..validation.memory import check_memory
 from ..validation.numbers import number, whole_number, worker_count
-from ..validation.objects import callback, check_choice, check_list
+from ..validation.objects import Progress, callback, check_choice, check_list
 from .ensemble_columns import (
     KEPT,
     Outcome,
@@ -29,7 +30,6 @@ from .ensemble_columns import (
 )
 from .ensemble_input import is_covered, kind_of
 from .run_table import RunTable
-from .simulate import Progress
 
 DEFAULT_RTOL: Final = 1e-8
 MIN_RTOL, MAX_RTOL = 1e-14, 1e-5
@@ -118,7 +118,7 @@ def simulate_many(
         raise InputError("simulate_many requires a list of chains, got one; use simulate(chain)")
     given = check_list("chains", chains, "chains")
     real = [each for each in given if isinstance(each, Chain)]
-    _check_units(real, len(given))
+    require_same_units("simulate_many", real)
     if until is not None:
         unit = real[0]._unit("s") if real else None
         until = number("until", until, unit=unit, above=0.0)
@@ -132,15 +132,6 @@ def simulate_many(
     ensemble = _Ensemble(given, request)
     ensemble.run(worker_count("threads", threads), progress)
     return ensemble.table()
-
-
-def _check_units(chains: Sequence[Chain], count: int) -> None:
-    si = sum(each.units == "SI" for each in chains)
-    if 0 < si < len(chains):
-        raise InputError(
-            f"{si} of {count} chains are in SI units and the others are scaled: call simulate_many "
-            "separately for each kind, so that a table has one set of units"
-        )
 
 
 def _checked_names(keep: str | Iterable[str]) -> tuple[str, ...]:
@@ -192,17 +183,10 @@ class _Ensemble:
         ]
         needed = 8 * sum(int(np.prod(shape, dtype=float)) for shape in shapes)
         needed += 8 * self.count * (longest + 1) + SCRATCH * min(self.count, 512) * longest
-        if needed < 2**28:
-            return
-        import psutil
-
-        free = psutil.virtual_memory().available
-        if needed > free:
-            raise InputError(
-                f"the quantities of {self.count} chains of up to {longest} beads need "
-                f"{needed / 2**30:.1f} GiB, but {free / 2**30:.1f} GiB are free; keep fewer "
-                "quantities, or simulate fewer chains at a time"
-            )
+        check_memory(
+            f"the quantities of {self.count} chains of up to {longest} beads", needed,
+            "keep fewer quantities, or simulate fewer chains at a time",
+        )  # fmt: skip
 
     def _tasks(self, threads: int) -> list[list[int]]:
         """Rows that are integrated together; single rows for `simulate`."""

@@ -6,13 +6,15 @@ import time
 from collections.abc import Callable
 from typing import Final
 
+from ..validation.objects import Progress
+
 # Seconds before the first line, and between two lines.
 INTERVAL: Final = 5.0
 
 
 def slow_run_notice(
     write: Callable[[str], None] | None = None, clock: Callable[[], float] = time.monotonic
-) -> Callable[[int, int], None]:
+) -> Progress:
     """Progress function that writes to a terminal or notebook, at most once per interval."""
     begin = clock()
     last = begin

@@ -14,6 +14,7 @@ from ..chain.scales import Scale, scale
 from ..collision import Array
 from ..errors import InputError
 from ..representation import measure, short
+from ..validation.keywords import checked_methods
 from .kernel_input import initial_state, kernel_chain
 from .time_scales import transit_times
 
@@ -46,6 +47,7 @@ def _array_scales(state: State) -> Mapping[str, Scale]:
     return {"y": motion[: len(state.arrays["y"])], "largest": "length", **ROW_SCALES}
 
 
+@checked_methods
 @dataclass(frozen=True, eq=False)
 class State:
     """The complete state of a run, such as ``run.state``.

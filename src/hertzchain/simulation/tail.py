@@ -11,12 +11,12 @@ is more than twice that of the same chain without losses.
 from __future__ import annotations
 
 import warnings
-from dataclasses import replace
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 
 from ..chain.chain import Chain
+from ..chain.modifications import with_one_loss
 from ..collision import Array
 from ..errors import InputError, SimulationError
 from .simulate import simulate
@@ -61,15 +61,11 @@ def _without_losses(chain: Chain, crossings: Array) -> Array:
     """Ratios of the same chain without losses; 1 where its pulse does not arrive."""
     from ..kernels import state_layout
 
-    changes: dict[str, Any] = {"loss": None}
-    for name in ("left_wall", "right_wall"):
-        if (wall := getattr(chain, name)) is not None:
-            changes[name] = replace(wall, loss=None)
     last = float(crossings[state_layout.CROSSING_TIME].max())
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         try:
-            run = simulate(chain.replace(**changes), until=last, times=0, rtol=RTOL, check=False)
+            run = simulate(with_one_loss(chain, None), until=last, times=0, rtol=RTOL, check=False)
         except (InputError, SimulationError):
             return np.ones(chain.beads - 1)
     found = _ratios(run._crossings)

@@ -22,6 +22,7 @@ from ..errors import InputError
 from ..frozen import ShortDir
 from ..pulse.quantities import BEAD_QUANTITIES, RUN_QUANTITIES, TIME
 from ..representation import counted
+from ..validation.keywords import checked_methods
 from ..validation.numbers import whole_number
 from .budget import overlaps_of
 from .largest_overlaps import largest_between
@@ -41,6 +42,7 @@ FEW: Final = 3
 NATURAL_ENDS: Final = ("pulse left", "wall force complete")
 
 
+@checked_methods
 @dataclass(frozen=True, eq=False)
 class Trajectory(ShortDir):
     """The motion of a chain as recorded by the compiled loop; `hertzchain.Run` has the fields."""
@@ -185,6 +187,10 @@ class Trajectory(ShortDir):
         compressed = moved[:-1] - moved[1:] > np.maximum(gaps, 0.0)
         seen = self.largest_overlaps[1:-1] > np.maximum(-gaps, 0.0) * (1.0 + 1e-9)
         return bool(np.any(seen | compressed))
+
+    def _require_times(self) -> None:
+        if not len(self.times):
+            raise InputError("the run has no saved times; give simulate times of at least 2")
 
     def force(self, contact: int) -> Array:
         """Force in one contact at the saved times.

@@ -7,9 +7,11 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
+from ..chain.bead_names import bead_number
 from ..collision import Array
 from ..errors import InputError
 from ..representation import counted, measure, short
+from ..validation.keywords import checked_methods
 from ..validation.numbers import whole_number
 from .trajectory import Trajectory
 
@@ -20,6 +22,7 @@ if TYPE_CHECKING:
 RIPPLE: Final = 0.01
 
 
+@checked_methods
 @dataclass(frozen=True, eq=False)
 class VelocityPeaks:
     """Forward maxima and backward minima of a bead's velocity, in order of time.
@@ -92,13 +95,13 @@ class VelocityPeaks:
         return len(self.times)
 
 
-def velocity_peaks_of(self: Trajectory, bead: int) -> VelocityPeaks:
+def velocity_peaks_of(self: Trajectory, bead: int | str) -> VelocityPeaks:
     """Find the peaks of the velocity of one bead, forwards and backwards.
 
     Parameters
     ----------
-    bead : int
-        Number k of the bead, 2 or more.
+    bead : int or str
+        Number k of the bead, 2 or more, or a name such as ``"ball 11"``, as for `Run.sensor`.
 
     Returns
     -------
@@ -120,7 +123,8 @@ def velocity_peaks_of(self: Trajectory, bead: int) -> VelocityPeaks:
     >>> run.velocity_peaks(25).velocities[:2].round(3)
     array([ 0.682, -0.681])
     """
-    k = whole_number("bead", bead, least=2, most=self.chain.beads)
+    number = bead_number(self.chain, bead)
+    k = whole_number("bead", number, least=2, most=self.chain.beads)
     net = self.forces[:, k - 1] - self.forces[:, k] + self.chain.static_state.body_forces[k - 1]
     acceleration = net / self.chain.masses[k - 1]
     return find_peaks(k, self.times, self.velocity(k), acceleration, self.chain.units)

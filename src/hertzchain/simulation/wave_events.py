@@ -25,6 +25,7 @@ from typing import Any, Final
 
 import numpy as np
 
+from ..chain.bisection import bisected
 from ..collision import Array
 from ..errors import InputError
 from ..representation import measure, short
@@ -247,11 +248,7 @@ def _crests(force: Array, floor: float) -> Array:
 def sign_change(curve: Callable[[Array], Array], low: Array, high: Array) -> Array:
     """Find a change of sign of a function between two times by bisection."""
     negative = curve(low) < 0.0
-    for _ in range(BISECTIONS):
-        middle = 0.5 * (low + high)
-        before = (curve(middle) < 0.0) == negative
-        low, high = np.where(before, middle, low), np.where(before, high, middle)
-    return 0.5 * (low + high)
+    return bisected(lambda time: (curve(time) < 0.0) == negative, low, high, BISECTIONS)
 
 
 def _integrals(curve: Any, begin: Array, end: Array) -> Array:

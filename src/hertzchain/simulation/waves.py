@@ -12,6 +12,7 @@ import numpy as np
 from ..chain.chain import Chain
 from ..collision import Array
 from ..representation import measure, short, wrapped
+from ..validation.keywords import checked_methods
 from ..validation.numbers import whole_number
 from .wave_events import MIN_SAMPLES, WaveEvent
 
@@ -22,6 +23,7 @@ if TYPE_CHECKING:
 DIRECTIONS: Final = {1: "right", -1: "left"}
 
 
+@checked_methods
 @dataclass(frozen=True)
 class Wave:
     """One travelling wave.
@@ -173,6 +175,7 @@ class Wave:
         )
 
 
+@checked_methods
 @dataclass(frozen=True, eq=False)
 class Waves:
     """The waves of a run, ordered by the time at their first contact.

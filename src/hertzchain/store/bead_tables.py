@@ -11,7 +11,8 @@ import numpy as np
 from ..chain.chain import Chain
 from ..chain.drives import TableDrive
 from ..chain.materials import Material, material
-from ..errors import InputError
+from ..errors import InputError, errors_at
+from ..validation.keywords import checked_arguments
 from ..validation.objects import file_path, shown_path
 from .csv_tables import Column, CsvTable, read_csv
 
@@ -61,10 +62,8 @@ def load_beads(path: str | os.PathLike[str], own: Mapping[str, Material] | None 
     Chain(2 beads of brass and glass, diameters 10 mm to 8 mm, impact at 1 m/s)
     """
     file = file_path("table of beads", path)
-    try:
+    with errors_at(shown_path(path)):
         return _chain_of(read_csv(file, BEAD_COLUMNS), own or {})
-    except InputError as error:
-        raise InputError(f"{shown_path(path)}: {error}") from None
 
 
 def _chain_of(table: CsvTable, own: Mapping[str, Material]) -> Chain:
@@ -96,6 +95,7 @@ def _chain_of(table: CsvTable, own: Mapping[str, Material]) -> Chain:
     return chain.replace(**fields) if fields else chain
 
 
+@checked_arguments("load_drive")
 def load_drive(path: str | os.PathLike[str]) -> TableDrive:
     r"""Read a drive from a CSV file with columns such as ``time [us]`` and ``force [N]``.
 
@@ -122,7 +122,7 @@ def load_drive(path: str | os.PathLike[str]) -> TableDrive:
     TableDrive(3 times, 0 to 3e-05, of='force')
     """
     file = file_path("table of a drive", path)
-    try:
+    with errors_at(shown_path(path)):
         table = read_csv(file, DRIVE_COLUMNS)
         of = [name for name in ("force", "displacement") if name in table.columns]
         if "time" not in table.columns or len(of) != 1:
@@ -135,5 +135,3 @@ def load_drive(path: str | os.PathLike[str]) -> TableDrive:
             np.array(table.columns[of[0]], float),
             of[0],  # type: ignore[arg-type]
         )
-    except InputError as error:
-        raise InputError(f"{shown_path(path)}: {error}") from None

@@ -18,11 +18,13 @@ from ..chain.per_contact import MaterialPairs
 from ..chain.walls import Wall
 from ..errors import InputError
 from ..simulation.state import fingerprint
+from ..validation.keywords import checked_arguments
 from .chain_files import ARRAYS, DRIVES, LATER, chain_from
 from .compact_beads import compact_beads, listed_beads, one_for_all
 from .toml_files import toml_key, toml_text
 
 
+@checked_arguments("chain_as_toml")
 def chain_as_toml(chain: Chain) -> str:
     """Write a chain as a TOML chain file, which `load_chain` reads as the same chain.
 

@@ -48,7 +48,8 @@ from ..chain.materials import RIGID, Material, material
 from ..chain.taper_sizes import Sizes, si_radii
 from ..chain.tapers import PARAMETERS, taper_named
 from ..chain.walls import Wall
-from ..errors import InputError, raise_all
+from ..errors import InputError, errors_at, raise_all
+from ..validation.keywords import checked_arguments
 from ..validation.numbers import number, real_numbers, whole_number
 from ..validation.objects import file_path, shown_path
 from .bead_tables import load_beads, load_drive
@@ -72,6 +73,7 @@ DRIVES: Final[Mapping[str, type[Drive]]] = {
 }
 
 
+@checked_arguments("load_chain")
 def load_chain(path: str | os.PathLike[str]) -> Chain:
     r"""Read a chain from a TOML or CSV file.
 
@@ -104,10 +106,8 @@ def load_chain(path: str | os.PathLike[str]) -> Chain:
     if file.suffix.lower() == ".csv":
         return load_beads(path)
     document = read_toml("chain file", path, "give the path of a TOML or CSV file")
-    try:
+    with errors_at(shown_path(path)):
         return chain_from(document, file.parent)
-    except InputError as error:
-        raise InputError(f"{shown_path(path)}: {error}") from None
 
 
 def chain_from(document: Mapping[str, Any], folder: Path = Path()) -> Chain:

@@ -14,14 +14,18 @@ from types import MappingProxyType
 from typing import Any, Final
 
 from ..chain.boundary_checks import HELD_BY
+from ..chain.contact_shapes import MIN_ANGLE
 from ..chain.drives import DRIVEN, WINDOWS
+from ..chain.input_checks import MAX_EXPONENT
 from ..chain.laws import LAWS
 from ..chain.laws.base import Parameter
+from ..chain.materials import MAX_DENSITY, MIN_DENSITY
 from ..chain.modifications import MAX_SCATTER
 from ..chain.taper_sizes import SHAPES
 from ..chain.tapers import PARAMETERS, TAPERS, parameter_description
 from ..errors import InputError
 from ..units import UNITS
+from ..validation.keywords import FIELD_ALIASES
 from .schema_keys import Key, Kind, Section, section_as_dict
 
 
@@ -43,7 +47,9 @@ _WALL: Final = (
     Key("rigid", "boolean", "whether the wall is rigid", default=False),
     _number("stiffness", "stiffness of its contact", "stiffness", above=0.0),
     _number("gap", "distance to the bead at time 0", "length", default=0.0, least=0.0),
-    _number("exponent", "exponent of its contact; the chain's if omitted", above=1.0, most=50.0),
+    _number(
+        "exponent", "exponent of its contact; the chain's if omitted", above=1.0, most=MAX_EXPONENT
+    ),
     Key("loss", "law", "law of loss of its contact; the chain's if omitted"),
 )
 
@@ -87,7 +93,7 @@ _CHAIN: Final = (
     _number("mass_ratio", "mass of the light beads of a dimer over that of the heavy ones",
             fraction=True, above=0.0),
     Key("file", "file", "CSV file with one row per bead"),
-    _number("exponent", "exponent of the contact force", default=1.5, above=1.0, most=50.0,
+    _number("exponent", "exponent of the contact force", default=1.5, above=1.0, most=MAX_EXPONENT,
             per="contact", one_for_all=True),
     Key("units", "choice", "units of the chain; SI follows from materials",
         choices=("scaled", "SI")),
@@ -149,7 +155,7 @@ _BETWEEN: Final = Key(
 )
 _EXPONENTS: Final = (
     Key("between", "material", "the two materials of the contacts", required=True, per="item"),
-    _number("value", "exponent of these contacts", required=True, above=1.0, most=50.0),
+    _number("value", "exponent of these contacts", required=True, above=1.0, most=MAX_EXPONENT),
 )
 _CONTACTS: Final = Key(
     "contacts", "integer", "numbers of the contacts, 0 and N of walls; all of two beads if omitted",
@@ -166,7 +172,7 @@ _SHAPES: Final[Mapping[str, tuple[Key, ...]]] = MappingProxyType(
                     above=0.0),
             _number("other_radius", "radius of the other; that of the other bead if omitted",
                     "length", above=0.0),
-            _number("angle", "angle between the axes, in degrees", default=90.0, least=1.0,
+            _number("angle", "angle between the axes, in degrees", default=90.0, least=MIN_ANGLE,
                     most=90.0),
         ),
     }
@@ -218,7 +224,7 @@ _DRIVES: Final[Mapping[str, tuple[Key, ...]]] = MappingProxyType(
     }
 )  # fmt: skip
 _MATERIALS: Final = (
-    _number("density", "density", "density", required=True, above=0.0),
+    _number("density", "density", "density", required=True, least=MIN_DENSITY, most=MAX_DENSITY),
     _number("young", "Young's modulus; inf is rigid", "pressure", required=True, above=0.0),
     _number("poisson", "Poisson's ratio", required=True, above=-1.0, below=0.5),
     _number(
@@ -278,13 +284,14 @@ def chain_schema() -> dict[str, Any]:
 
 
 def with_usual_names(document: Mapping[str, Any]) -> Mapping[str, Any]:
-    """The document with ``material`` of [chain] under its usual name, ``materials``."""
+    """The document with the usual names of the fields of [chain]."""
     table = document.get("chain")
-    if not isinstance(table, Mapping) or "material" not in table:
+    if not isinstance(table, Mapping) or FIELD_ALIASES.keys().isdisjoint(table):
         return document
-    if "materials" in table:
-        raise InputError("[chain] has materials and material, which are the same: omit one")
-    names = ("materials" if name == "material" else name for name in table)
+    for other, name in FIELD_ALIASES.items():
+        if {other, name} <= table.keys():
+            raise InputError(f"[chain] has {name} and {other}, which are the same: omit one")
+    names = (FIELD_ALIASES.get(name, name) for name in table)
     return {**document, "chain": dict(zip(names, table.values(), strict=True))}
 
 

@@ -9,6 +9,7 @@ from typing import Any, Final
 import numpy as np
 
 from ..chain.chain import Chain
+from ..chain.repeated_cells import smallest_cell
 from ..chain.taper_sizes import SHAPES, Sizes, si_radii, taper_between
 from ..chain.tapers import TAPERS, tapered_radii
 from ..collision import Array
@@ -16,8 +17,6 @@ from ..errors import InputError
 
 # Significant digits of rates and radii that are tried, from few to all.
 DIGITS: Final = (2, 4, 6, 9, 12, 15, 17)
-# Beads of the largest cell that is tried.
-MAX_CELL: Final = 12
 
 
 def compact_beads(chain: Chain, names: Sequence[str]) -> dict[str, Any]:
@@ -65,15 +64,11 @@ def _equal(chain: Chain, names: Sequence[str]) -> dict[str, Any] | None:
 
 
 def _periodic(chain: Chain, names: Sequence[str]) -> dict[str, Any] | None:
-    radii = chain.radii
-    for size in range(2, min(MAX_CELL, chain.beads // 2) + 1):
-        if chain.beads % size or not np.array_equal(radii[size:], radii[:-size]):
-            continue
-        if names and list(names[size:]) != list(names[:-size]):
-            continue
-        cell = {"cell": radii[:size].tolist(), "cells": chain.beads // size}
-        return cell | _materials(names[:size])
-    return None
+    size = smallest_cell(chain.radii, *([np.array(names)] if names else []))
+    if size is None or chain.beads % size:
+        return None
+    cell = {"cell": chain.radii[:size].tolist(), "cells": chain.beads // size}
+    return cell | _materials(names[:size])
 
 
 def _tapered(chain: Chain, names: Sequence[str]) -> dict[str, Any] | None:

@@ -22,6 +22,7 @@ from ..pulse.pulse import Pulse
 from ..simulation.checked_state import check_state
 from ..simulation.run import Run
 from ..simulation.state import State, fingerprint
+from ..validation.keywords import checked_arguments
 from ..validation.objects import check_type, file_path
 from .writing import write_bytes
 
@@ -129,6 +130,7 @@ def pulses_as_csv(pulses: Sequence[Pulse]) -> str:
     return lines.getvalue()
 
 
+@checked_arguments("save_run")
 def save_run(run: Run, path: str | os.PathLike[str]) -> None:
     """Save the trajectories of a run as ``.nc`` (netCDF) or ``.csv``, by the file's extension.
 
@@ -170,6 +172,7 @@ def run_as_netcdf(run: Run) -> bytes:
     return bytes(run.to_xarray().to_netcdf(engine="scipy"))
 
 
+@checked_arguments("save_state")
 def save_state(state: State, path: str | os.PathLike[str]) -> None:
     """Save the state of a run to a ``.npz`` file, from which the run can be resumed.
 
@@ -205,6 +208,7 @@ def save_state(state: State, path: str | os.PathLike[str]) -> None:
     write_bytes(target, content.getvalue())
 
 
+@checked_arguments("load_state")
 def load_state(path: str | os.PathLike[str], chain: Chain) -> State:
     """Load a state from a file of `save_state`.
 

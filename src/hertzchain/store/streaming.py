@@ -34,16 +34,15 @@ from ..errors import (
     ModelRangeWarning,
     StoreError,
     real_number,
-    short_repr,
     warn_user,
 )
 from ..representation import short
 from ..simulation.run import Run, beginning_of
-from ..simulation.simulate import DEFAULT_RTOL, Progress, checked_rtol, simulate
+from ..simulation.saved_times import increasing_times
+from ..simulation.simulate import DEFAULT_RTOL, checked_rtol, simulate
 from ..simulation.state import State, fingerprint
-from ..validation.keywords import checked_arguments
-from ..validation.numbers import real_numbers
-from ..validation.objects import callback, check_bool, file_path
+from ..validation.keywords import checked_arguments, checked_fields, checked_methods
+from ..validation.objects import Progress, callback, check_bool, file_path
 from .damage import DamagedFileError
 from .file_lock import lock
 from .manifest import (
@@ -71,6 +70,8 @@ STATE_FILE: Final = "state.npz"
 TEMPORARY: Final = re.compile(r"\.(part-\d{6}\.nc|state\.npz|manifest\.json)\.\d+\.partial")
 
 
+@checked_fields
+@checked_methods
 @dataclass(frozen=True)
 class StoredRun:
     """A streamed run in a folder.
@@ -241,12 +242,7 @@ def stream(
     callback("progress", progress)
     rtol = checked_rtol(rtol)
     stored = StoredRun(file_path("folder", folder))
-    wanted = real_numbers("time", times, unit=chain._unit("s"))
-    row = wanted.ndim == 1 and wanted.size > 0
-    if not (row and np.isfinite(wanted).all() and wanted[0] >= 0.0 and np.all(np.diff(wanted) > 0)):
-        raise InputError(
-            f"times to save at must be a list of increasing numbers >= 0, got {short_repr(times)}"
-        )
+    wanted = increasing_times(chain, times)
     _make_folder(stored.folder)
     with lock(stored.folder / ".lock", stored.folder):
         _resume(chain, stored, wanted, rtol, progress)

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
 from ..errors import InputError
+from ..validation.keywords import checked_arguments
 from ..validation.objects import check_type, file_path
 from .writing import cannot_write
 
@@ -21,6 +22,7 @@ ENDINGS: Final = (".csv", ".parquet", ".nc")
 ROWS: Final = 500_000
 
 
+@checked_arguments("export_sweep")
 def export_sweep(dataset: xr.Dataset, path: str | os.PathLike[str]) -> None:
     """Write a sweep to a table with one row per point, method and bead, or to netCDF.
 

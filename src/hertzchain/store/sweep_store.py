@@ -13,7 +13,7 @@ import contextlib
 import hashlib
 import itertools
 import os
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
@@ -21,6 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import DamageWarning, InputError, StoreError, warn_user
+from ..validation.objects import Progress
 from .batch_files import DIGEST, TEMPORARY, BatchFiles
 from .damage import DamagedFileError
 from .file_lock import lock
@@ -39,7 +40,6 @@ from .writing import cannot_write, replace_file, temporary_name
 if TYPE_CHECKING:
     import xarray as xr
 
-Progress = Callable[[int, int], None]
 
 # Meanings of the values of `status`.
 MEANINGS: Final = ("missing", "done", "failed")

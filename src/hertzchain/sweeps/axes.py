@@ -12,12 +12,13 @@ from typing import Any, Final
 
 import numpy as np
 
-from ..errors import InputError, short_repr, unknown_name_error
+from ..errors import InputError, errors_at, short_repr, unknown_name_error
 from ..representation import counted, short
 from ..store.chain_schema import dimensions_of, is_fraction
 from ..store.csv_tables import csv_rows
 from ..units import PERCENT, UNITS, converted, quantity
 from ..validation.json_types import to_json_types
+from ..validation.keywords import FIELD_ALIASES
 from ..validation.numbers import FRACTION, has_unit, number, whole_number
 from ..validation.objects import file_path
 
@@ -230,11 +231,15 @@ class Axis:
         return None
 
 
+def path_of(name: Any) -> tuple[str, ...]:
+    """Path of a parameter from its name with dots."""
+    return tuple(FIELD_ALIASES.get(str(name), str(name)).split("."))
+
+
 def flattened(table: Mapping[str, Any], path: tuple[str, ...] = ()) -> Iterator[tuple[Any, ...]]:
     """Yield the path and the entry of each axis in nested tables."""
     for key, entry in table.items():
-        place = (*path, *str(key).split("."))
-        place = ("materials",) if place == ("material",) else place
+        place = (*path, *str(key).split(".")) if path else path_of(key)
         if isinstance(entry, Mapping) and not set(entry) & {*SPACINGS, "unit"}:
             yield from flattened(entry, place)
         else:
@@ -280,8 +285,11 @@ def columns_of_points(points: Any, folder: Path) -> dict[tuple[str, ...], list[A
             raise InputError(
                 f"points[{place}]: must be a table of parameters, got {short_repr(row)}"
             )
-    rows = [dict(flattened(row)) for row in points]
+    listed = [[*flattened(row)] for row in points]
+    rows = [dict(each) for each in listed]
     for place, row in enumerate(rows, start=1):
+        if len(row) < len(listed[place - 1]):
+            raise InputError(f"points[{place}]: gives the same parameter twice, by two names")
         if row.keys() != rows[0].keys():
             names = ", ".join(".".join(path) for path in rows[0])
             raise InputError(
@@ -292,24 +300,22 @@ def columns_of_points(points: Any, folder: Path) -> dict[tuple[str, ...], list[A
 
 def _columns_of_csv(file: Path) -> dict[tuple[str, ...], list[Any]]:
     """Columns of a CSV file: numbers if all cells of a column are numbers, otherwise text."""
-    try:
+    with errors_at(f"points: {os.fspath(file)!r}"):
         rows = csv_rows(file)
         if len(rows) < 2:
             raise InputError("must have a header with parameters and one row per point")
         header, *body = rows
-        for column in header:
-            if header.count(column) > 1:
-                raise InputError(f"has two columns {column!r}: remove one")
+        paths = [path_of(column) for column in header]
+        for path in paths:
+            if paths.count(path) > 1:
+                raise InputError(f"has two columns {'.'.join(path)!r}: remove one")
         for place, row in enumerate(body, start=1):
             if len(row) != len(header):
                 raise InputError(f"row {place} has {len(row)} cells, the header has {len(header)}")
             if "" in row:
                 raise InputError(f"row {place} has no {header[row.index('')]}")
-    except InputError as error:
-        raise InputError(f"points: {os.fspath(file)!r}: {error}") from None
     columns = zip(*body, strict=True)
-    return {tuple(key.split(".")): _cells(cells)
-            for key, cells in zip(header, columns, strict=True)}  # fmt: skip
+    return {path: _cells(cells) for path, cells in zip(paths, columns, strict=True)}
 
 
 def _cells(cells: Sequence[str]) -> list[Any]:

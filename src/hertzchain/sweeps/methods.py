@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import threading
 import warnings
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from typing import Any, Final
 
@@ -16,8 +16,7 @@ from ..simulation.simulate import checked_rtol as checked_rtol_of_simulate
 from ..simulation.simulate import simulate
 from ..theory.catalogue import THEORIES
 from ..validation.numbers import number, whole_number
-
-Progress = Callable[[int, int], None]
+from ..validation.objects import Progress
 
 SIMULATIONS: Final = ("propagate", "simulate")
 METHODS: Final[tuple[str, ...]] = (*SIMULATIONS, *THEORIES)

@@ -18,8 +18,9 @@ from .. import __version__
 from ..errors import InputError, short_repr
 from ..store.sweep_store import SweepStore, locked
 from ..validation.keywords import checked_arguments
+from ..validation.memory import check_memory
 from ..validation.numbers import whole_number, worker_count
-from ..validation.objects import callback, check_bool, check_list, check_type, file_path
+from ..validation.objects import Progress, callback, check_bool, check_list, check_type, file_path
 from .batches import run_planned
 from .dataset import (
     MemoryStore,
@@ -37,7 +38,6 @@ from .specification import read_specification, specification_from_json
 if TYPE_CHECKING:
     import xarray as xr
 
-Progress = Callable[[int, int], None]
 
 # A whole batch is timed for an estimate if it is expected to take at most this many seconds.
 SAMPLE_SECONDS: Final = 5.0
@@ -216,6 +216,7 @@ def estimate(specification: Any, *, workers: int | None = None) -> Estimate:
     return Estimate(plan.points, plan.batches, size, seconds)
 
 
+@checked_arguments("merge_sweeps")
 def merge_sweeps(
     stores: Sequence[str | os.PathLike[str]],
     into: str | os.PathLike[str],
@@ -281,6 +282,7 @@ def merge_sweeps(
         return target.open(), target.counts()["missing"]
 
 
+@checked_arguments("open_sweep")
 def open_sweep(store: str | os.PathLike[str], *, skip_damaged: bool = False) -> xr.Dataset:
     """Open the store of a sweep, even while the sweep is running.
 
@@ -331,37 +333,30 @@ def _opened(plan: Plan, folder: str | os.PathLike[str], skip_damaged: bool) -> S
 
 def _check_room(plan: Plan, folder: str | os.PathLike[str] | None) -> None:
     """Raise `InputError` if the results do not fit on the disk, or into memory without a store."""
-    size = bytes_of(plan)
+    size, advice = bytes_of(plan), "keep fewer quantities, at = 'last', or"
     if folder is None:
-        import psutil
-
-        free, where, other = psutil.virtual_memory().available, "there are", "give a store"
-        what = "GB of memory free"
-    # Path.exists raises OSError for a name that is too long.
-    elif os.path.exists(folder):  # noqa: PTH110
+        what = f"the results of {plan.points} points"
+        check_memory(what, size, f"{advice} give a store", USABLE_PART)
         return
-    else:
-        parent = next(p for p in Path(folder).absolute().parents if os.path.exists(p))  # noqa: PTH110
-        free, where, other = shutil.disk_usage(parent).free, f"{parent} has", "another place"
-        what = "GB free"
+    # Path.exists raises OSError for a name that is too long.
+    if os.path.exists(folder):  # noqa: PTH110
+        return
+    parent = next(p for p in Path(folder).absolute().parents if os.path.exists(p))  # noqa: PTH110
+    free = shutil.disk_usage(parent).free
     if size > USABLE_PART * free:
         raise InputError(
-            f"the sweep needs {size / 1e9:.3g} GB for {plan.points} points, but {where} "
-            f"{free / 1e9:.3g} {what}: keep fewer quantities, at = 'last', or {other}"
+            f"the results of {plan.points} points need {size / 2**30:.3g} GiB, but {parent} has "
+            f"{free / 2**30:.3g} GiB free; {advice} another place"
         )
 
 
 def _check_memory(plan: Plan, workers: int) -> None:
     """Raise `InputError` if the batches of all workers together do not fit into memory."""
-    import psutil
-
-    size, free = workers * plan.bytes_in_memory, psutil.virtual_memory().available
-    if size > USABLE_PART * free:
-        raise InputError(
-            f"{workers} batches of {math.prod(plan.block)} points of {plan.longest} beads need "
-            f"about {size / 1e9:.3g} GB of memory at a time, but {free / 1e9:.3g} GB are free: use "
-            "a smaller batch, fewer workers or shorter chains"
-        )
+    check_memory(
+        f"{workers} batches of {math.prod(plan.block)} points of {plan.longest} beads",
+        workers * plan.bytes_in_memory, "use a smaller batch, fewer workers or shorter chains",
+        USABLE_PART,
+    )  # fmt: skip
 
 
 def _check_same(store: SweepStore, text: str, what: str) -> None:
@@ -406,9 +401,7 @@ def _checked_shard(shard: Any) -> tuple[int, int] | None:
         return None
     parts = check_list("shard", shard, "two whole numbers")
     if len(parts) != 2:
-        raise InputError(
-            f"shard must be two whole numbers, such as (1, 4), got {short_repr(shard)}"
-        )
+        raise InputError(f"shard must be two whole numbers such as (1, 4), got {short_repr(shard)}")
     i, n = (whole_number("shard", part, least=1) for part in parts)
     if not 1 <= i <= n:
         raise InputError(f"shard {i} of {n} does not exist: shards are numbered 1 to {n}")

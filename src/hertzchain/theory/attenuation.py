@@ -25,7 +25,7 @@ from ..collision import Array
 from ..errors import InputError, ModelRangeWarning, warn_user
 from ..kernels.law_kinds import DAMPED, YIELDING
 from ..validation.keywords import checked_arguments
-from ..validation.numbers import real_numbers
+from ..validation.numbers import bounded_numbers
 from .solitary_wave import MAX_SCALE, SolitaryWave, solitary_wave
 
 SUPPORTED: Final = (
@@ -108,10 +108,7 @@ def attenuation(chain: Chain, velocity: ArrayLike) -> Array:
     0.002244
     """
     group = _equal_contacts(chain)
-    v = real_numbers("velocity of a wave", velocity, unit=chain._unit("m/s"))
-    if not (np.isfinite(v) & (v > 0.0)).all():
-        worst = float(v.flat[np.argmin(np.isfinite(v) & (v > 0.0))])
-        raise InputError(f"velocity of a wave must be positive and finite, got {worst:g}")
+    v = bounded_numbers("velocity of a wave", velocity, unit=chain._unit("m/s"), above=0.0)
     if not ((v >= 1.0 / MAX_SCALE) & (v <= MAX_SCALE)).all():
         raise InputError(
             f"velocities of waves must be {1.0 / MAX_SCALE:g} to {MAX_SCALE:g}, so that no power "

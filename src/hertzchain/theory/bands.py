@@ -6,11 +6,10 @@ import math
 from typing import Final
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from ..collision import Array
 from ..errors import InputError
-from ..validation.numbers import real_numbers, whole_number
+from ..validation.numbers import whole_number
 from .linear_contacts import LinearContacts
 
 # Relative difference below which two cells of a periodic chain are equal, except for rounding.
@@ -56,14 +55,3 @@ def slow_wave_speed(contacts: LinearContacts, distances: Array) -> float:
     cell = len(distances)
     compliance = float(np.sum(1.0 / contacts.springs[1 : cell + 1]))
     return float(distances.sum()) / math.sqrt(float(contacts.masses[:cell].sum()) * compliance)
-
-
-def checked_finite(what: str, given: ArrayLike, least: float) -> Array:
-    """Check that numbers are finite and not below a bound."""
-    values = real_numbers(what, given)
-    good = np.isfinite(values) & (values >= least)
-    if not good.all():
-        worst = float(values.flat[int(np.argmin(good))])
-        bound = " and at least 0" if least == 0.0 else ""
-        raise InputError(f"{what} must be finite{bound}, got {worst:g}")
-    return values

@@ -20,10 +20,12 @@ from ..collision import (
 from ..errors import InputError
 from ..pulse.chain_units import for_any_units
 from ..pulse.pulse import Pulse
+from ..validation.keywords import checked_arguments
 from ..validation.numbers import FRACTION, number
 from .decoration import warn_if_decorated
 
 
+@checked_arguments("bca")
 @for_any_units("the BCA", supported=("masses", "stiffness"), alternative="use simulate")
 def bca(chain: Chain, *, restitution: float = 1.0) -> Pulse:
     r"""Leading pulse of any chain by the binary collision approximation.
@@ -109,6 +111,7 @@ def bca(chain: Chain, *, restitution: float = 1.0) -> Pulse:
     return pulse
 
 
+@checked_arguments("bca_velocity_closed_form")
 def bca_velocity_closed_form(taper: str, rate: float, beads: int) -> Array:
     r"""Closed form of the product of the BCA, for the four tapers of the paper.
 
@@ -168,6 +171,7 @@ def bca_velocity_closed_form(taper: str, rate: float, beads: int) -> Array:
     return np.asarray(np.exp(log_mass_part + _log_g(a - k + 1.5) - _log_g(np.array(a + 0.5))))
 
 
+@checked_arguments("exponential_rates")
 def exponential_rates(taper: str, rate: float) -> dict[str, float]:
     r"""Rates per bead of velocity, momentum and energy of an exponential taper.
 
@@ -217,6 +221,7 @@ def exponential_rates(taper: str, rate: float) -> dict[str, float]:
     }
 
 
+@checked_arguments("backward_linear_prefactor")
 def backward_linear_prefactor(rate: float) -> float:
     r"""Prefactor of the asymptotic law of backward linear tapers.
 
@@ -248,6 +253,7 @@ def backward_linear_prefactor(rate: float) -> float:
     return float(np.exp(_log_g(np.array(a + 0.5)) - 3.0 * loggamma(a)))
 
 
+@checked_arguments("forward_linear_momentum_slope")
 def forward_linear_momentum_slope(rate: float) -> float:
     r"""Slope of the linear decay of momentum in a forward linear taper.
 

@@ -14,10 +14,11 @@ import numpy as np
 
 from ..chain.chain import Chain
 from ..chain.hertz_range import warn_outside_hertz
-from ..collision import Array
+from ..collision import HERTZ_EXPONENT, Array
 from ..errors import InputError
 from ..pulse.chain_units import in_units_of, scaled_chain
 from ..pulse.pulse import Pulse
+from ..validation.keywords import checked_arguments
 from ..validation.numbers import FRACTION, number
 from .disorder_table import END, RATES, SCATTERS, START, DisorderTables, disorder_tables
 from .local_rate import local_rate
@@ -28,6 +29,7 @@ MAX_MODULUS_SCATTER: Final = 0.1
 MIN_BEADS: Final = START + END + 2
 
 
+@checked_arguments("disorder")
 def disorder(chain: Chain, scatter: float = 0.0, *, modulus_scatter: float = 0.0) -> Pulse:
     r"""Leading pulse of a lot of beads that scatter about a nominal chain: mean and spread.
 
@@ -124,7 +126,7 @@ def disorder(chain: Chain, scatter: float = 0.0, *, modulus_scatter: float = 0.0
 
 
 def _checked_rates(chain: Chain) -> Array:
-    if chain.exponents != 1.5:
+    if chain.exponents != HERTZ_EXPONENT:
         raise InputError(
             f"{METHOD} has tables for Hertz contacts (exponent 1.5) only, got "
             f"{chain.exponents:g}; use propagate_many with Chain.with_scatter"

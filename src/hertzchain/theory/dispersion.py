@@ -9,20 +9,25 @@ speed is zero, and this theory does not apply.
 from __future__ import annotations
 
 import math
-from typing import Literal
+from typing import Any, Final, Literal, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from ..chain.chain import Chain
 from ..chain.feature_support import require_supported
+from ..chain.input_checks import checked_exponent
 from ..collision import HERTZ_EXPONENT, Array, hertz_stiffness
-from ..errors import InputError, unknown_name_error
-from ..validation.numbers import number, real_numbers
+from ..errors import InputError, short_repr
+from ..validation.keywords import checked_arguments
+from ..validation.numbers import bounded_numbers, number
+from ..validation.objects import check_choice, check_list
 
 End = Literal["free", "fixed"]
+ENDS: Final[tuple[End, ...]] = get_args(End)
 
 
+@checked_arguments("linear_stiffness")
 def linear_stiffness(stiffness: ArrayLike, force: float, exponent: float = HERTZ_EXPONENT) -> Array:
     r"""Spring constant of a contact about its static overlap.
 
@@ -55,12 +60,13 @@ def linear_stiffness(stiffness: ArrayLike, force: float, exponent: float = HERTZ
     >>> float(hc.theory.linear_stiffness(1.0, 1.0))
     1.5
     """
-    k = _checked_positive("stiffness", stiffness)
-    f = float(_checked_positive("force", number("force", force)))
-    exponent = number("exponent", exponent)
+    k = bounded_numbers("stiffness", stiffness, above=0.0)
+    f = number("force", force, above=0.0)
+    exponent = checked_exponent(exponent)
     return exponent * k ** (1.0 / exponent) * f ** (1.0 - 1.0 / exponent)
 
 
+@checked_arguments("dispersion_uniform")
 def dispersion_uniform(wave_number: ArrayLike, *, mass: float = 1.0, spring: float = 1.0) -> Array:
     r"""Frequencies of plane waves in a chain of equal beads.
 
@@ -93,11 +99,12 @@ def dispersion_uniform(wave_number: ArrayLike, *, mass: float = 1.0, spring: flo
     >>> float(hc.theory.dispersion_uniform(np.pi))
     2.0
     """
-    scale = _checked_positive("spring", spring) / _checked_positive("mass", mass)
-    half = 0.5 * real_numbers("wave number", wave_number)
+    scale = number("spring", spring, above=0.0) / number("mass", mass, above=0.0)
+    half = 0.5 * bounded_numbers("wave number", wave_number)
     return np.asarray(2.0 * np.sqrt(scale) * np.abs(np.sin(half)))
 
 
+@checked_arguments("dispersion_diatomic")
 def dispersion_diatomic(
     wave_number: ArrayLike, *, mass: float = 1.0, other_mass: float, spring: float = 1.0
 ) -> tuple[Array, Array]:
@@ -133,8 +140,8 @@ def dispersion_diatomic(
     >>> (float(acoustic) ** 2, float(optical) ** 2)
     (2.0, 8.0)
     """
-    a, b = _checked_positive("mass", mass), _checked_positive("other_mass", other_mass)
-    k, half = _checked_positive("spring", spring), 0.5 * real_numbers("wave number", wave_number)
+    a, b = number("mass", mass, above=0.0), number("other_mass", other_mass, above=0.0)
+    k, half = number("spring", spring, above=0.0), 0.5 * bounded_numbers("wave number", wave_number)
     # s^2 - 4 sin^2/(m1 m2), in a form without cancellation for equal masses.
     root = np.sqrt((1.0 / a - 1.0 / b) ** 2 + 4.0 * np.cos(half) ** 2 / (a * b))
     upper = 1.0 / a + 1.0 / b + root
@@ -143,6 +150,7 @@ def dispersion_diatomic(
     return np.asarray(2.0 * k * np.abs(np.sin(half)) / (np.sqrt(a * b) * optical)), optical
 
 
+@checked_arguments("band_edges")
 def band_edges(*, mass: float = 1.0, other_mass: float, spring: float = 1.0) -> Array:
     r"""Edges of the two frequency bands of a diatomic chain.
 
@@ -173,12 +181,13 @@ def band_edges(*, mass: float = 1.0, other_mass: float, spring: float = 1.0) -> 
     >>> hc.theory.band_edges(other_mass=0.5).round(6)
     array([0.      , 1.414214, 2.      , 2.44949 ])
     """
-    a, b = _checked_positive("mass", mass), _checked_positive("other_mass", other_mass)
-    k = _checked_positive("spring", spring)
+    a, b = number("mass", mass, above=0.0), number("other_mass", other_mass, above=0.0)
+    k = number("spring", spring, above=0.0)
     squares = [0.0, 2.0 / max(a, b), 2.0 / min(a, b), 2.0 * (1.0 / a + 1.0 / b)]
     return np.sqrt(k * np.array(squares))
 
 
+@checked_arguments("modes")
 def modes(
     chain: Chain, force: float, *, ends: tuple[End, End] = ("free", "free")
 ) -> tuple[Array, Array]:
@@ -227,10 +236,8 @@ def modes(
     )
     springs = linear_stiffness(chain.stiffness, force, chain.exponents)
     held = [0.0, 0.0]
-    for side, end in enumerate(ends):
-        if end not in ("free", "fixed"):
-            raise unknown_name_error("end", end, ("free", "fixed"))
-        if end == "fixed":
+    for side, end in enumerate(_both_ends(ends)):
+        if check_choice("end", end, ENDS) == "fixed":
             radius = chain.radii[-side]
             wall = hertz_stiffness(radius, radius)
             if "stiffness" in chain.given:
@@ -239,6 +246,7 @@ def modes(
     return spring_modes(chain.masses, springs, (held[0], held[1]))
 
 
+@checked_arguments("spring_modes")
 def spring_modes(
     masses: ArrayLike, springs: ArrayLike, ends: tuple[float, float] = (0.0, 0.0)
 ) -> tuple[Array, Array]:
@@ -278,14 +286,20 @@ def spring_modes(
     >>> hc.theory.spring_modes([2.0], [], (1.0, 1.0))[0]
     array([1.])
     """
-    m, k = _checked_positive("masses", masses), _checked_positive("springs", springs)
+    m = bounded_numbers("masses", masses, above=0.0)
+    k = bounded_numbers("springs", springs, above=0.0)
+    if m.ndim != 1 or not m.size:
+        raise InputError(f"masses must be a list of numbers, got {short_repr(masses)}")
     n = len(m)
     if k.shape != (n - 1,):
-        raise InputError(f"{n} masses require {n - 1} springs between them, got {len(k)}")
+        raise InputError(f"{n} masses require {n - 1} springs between them, got {k.size}")
     rows = np.zeros((n + 1, n))
     inner = np.arange(n - 1)
     rows[inner, inner], rows[inner, inner + 1] = np.sqrt(k / m[:-1]), -np.sqrt(k / m[1:])
-    left, right = (_checked_end(end) for end in ends)
+    left, right = (
+        number("spring of an end", end, least=0.0, hint="0 is a free end")
+        for end in _both_ends(ends)
+    )
     rows[n - 1, 0], rows[n, n - 1] = math.sqrt(left / m[0]), math.sqrt(right / m[-1])
     _, frequencies, vectors = np.linalg.svd(rows)
     frequencies = frequencies[::-1].copy()
@@ -295,17 +309,8 @@ def spring_modes(
     return frequencies, vectors[::-1].T / np.sqrt(m)[:, None]
 
 
-def _checked_positive(name: str, values: ArrayLike) -> Array:
-    array = real_numbers(name, values)
-    good = (array > 0.0) & np.isfinite(array)
-    if not good.all():
-        raise InputError(
-            f"{name} must be positive and finite, got {float(array.flat[np.argmin(good)]):g}"
-        )
-    return array
-
-
-def _checked_end(spring: float) -> float:
-    if not 0.0 <= spring < math.inf:
-        raise InputError(f"spring of an end must be 0 (free) or positive, got {spring:g}")
-    return float(spring)
+def _both_ends(ends: Any) -> list[Any]:
+    found = check_list("ends", ends, "two values")
+    if len(found) != 2:
+        raise InputError(f"ends must be those of the left and the right end, got {len(found)}")
+    return found

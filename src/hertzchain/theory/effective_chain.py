@@ -30,6 +30,7 @@ from ..collision import (
 from ..errors import InputError, ModelRangeWarning, short_repr, warn_user
 from ..frozen import Frozen
 from ..representation import measure, short
+from ..validation.keywords import checked_arguments, checked_methods
 from ..validation.numbers import real_numbers, whole_number
 from ..validation.objects import check_list
 from .decoration import SMALL, small_beads
@@ -40,6 +41,7 @@ from .solitary_wave import solitary_wave
 MAX_LOAD: Final = 0.125
 
 
+@checked_methods
 @dataclass(frozen=True, eq=False)
 class EffectiveChain(Frozen):
     r"""Large beads of a decorated chain, with effective contacts between them.
@@ -205,6 +207,7 @@ class EffectivePulse(Frozen):
         return short("EffectivePulse", f"{len(self.bead)} large beads", *facts)
 
 
+@checked_arguments("effective_chain")
 def effective_chain(chain: Chain, large: Sequence[int] | None = None) -> EffectiveChain:
     r"""Replace the small beads of a decorated chain by effective contacts and masses.
 

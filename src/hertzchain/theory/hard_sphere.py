@@ -16,13 +16,14 @@ import numpy as np
 from ..chain.chain import Chain
 from ..chain.feature_support import require_supported
 from ..collision import collision_cascade
-from ..errors import InputError
 from ..pulse.chain_units import for_any_units
 from ..pulse.pulse import Pulse
-from ..validation.numbers import FRACTION, number
+from ..validation.keywords import checked_arguments
+from ..validation.numbers import FRACTION, number, whole_number
 from .decoration import warn_if_decorated
 
 
+@checked_arguments("hard_sphere")
 @for_any_units("the hard-sphere theory", supported=("masses", "stiffness", "gaps"))
 def hard_sphere(chain: Chain, *, restitution: float = 1.0) -> Pulse:
     r"""Leading pulse of hard spheres that collide one pair after the other.
@@ -70,6 +71,7 @@ def hard_sphere(chain: Chain, *, restitution: float = 1.0) -> Pulse:
     return pulse
 
 
+@checked_arguments("hard_sphere_energy_ratio")
 def hard_sphere_energy_ratio(chain: Chain, *, restitution: float = 1.0) -> float:
     r"""Ratio of the kinetic energy of the last bead to that of the first.
 
@@ -115,6 +117,7 @@ def hard_sphere_energy_ratio(chain: Chain, *, restitution: float = 1.0) -> float
     return float(np.prod((1.0 + e) ** 2 * mass_ratio / (1.0 + mass_ratio) ** 2))
 
 
+@checked_arguments("exponential_energy_ratio")
 def exponential_energy_ratio(q: float, beads: int, *, restitution: float = 1.0) -> float:
     r"""Closed form of `hard_sphere_energy_ratio` for spheres with :math:`R_{k+1} = (1-q) R_k`.
 
@@ -148,14 +151,13 @@ def exponential_energy_ratio(q: float, beads: int, *, restitution: float = 1.0) 
     0.893718
     """
     e = number("restitution", restitution, unit=FRACTION, above=0.0, most=1.0)
-    if not 0.0 <= q < 1.0:
-        raise InputError(f"q must be at least 0 and below 1, got {q:g}; try 0.05")
-    if beads < 2:
-        raise InputError(f"beads must be at least 2, got {beads}")
+    q = number("q", q, unit=FRACTION, least=0.0, below=1.0, hint="try 0.05")
+    beads = whole_number("beads", beads, least=2)
     mass_ratio = (1.0 - q) ** 3
     return float(((1.0 + e) ** 2 * mass_ratio / (1.0 + mass_ratio) ** 2) ** (beads - 1))
 
 
+@checked_arguments("restitution_from_unloading")
 def restitution_from_unloading(loss: float) -> float:
     r"""Coefficient of restitution of contacts with a reduced unloading force.
 
@@ -187,6 +189,4 @@ def restitution_from_unloading(loss: float) -> float:
     >>> round(hc.theory.restitution_from_unloading(0.19), 12)
     0.9
     """
-    if not 0.0 <= loss < 1.0:
-        raise InputError(f"loss w of unloading must be at least 0 and below 1, got {loss:g}")
-    return math.sqrt(1.0 - loss)
+    return math.sqrt(1.0 - number("loss w of unloading", loss, unit=FRACTION, least=0.0, below=1.0))

@@ -23,6 +23,7 @@ from ..errors import InputError, ModelRangeWarning, warn_user
 from ..pulse.chain_units import for_any_units, scaled_chain, unit_of
 from ..pulse.pulse import Pulse, assemble_pulse
 from ..pulse.quantities import QUANTITIES
+from ..validation.keywords import checked_arguments
 from ..validation.numbers import whole_number
 from ..validation.objects import check_choice
 from .lossy_law import lossy_pulse
@@ -43,6 +44,7 @@ METHOD, ALTERNATIVE = "the local-rate law", "use simulate"
 DOUBTFUL: Final = 0.005
 
 
+@checked_arguments("local_rate")
 @for_any_units(METHOD, supported=(*STRIKERS, "loss"), alternative=ALTERNATIVE)
 def local_rate(chain: Chain) -> Pulse:
     r"""Leading pulse of a chain of any taper by the local-rate law.
@@ -152,6 +154,7 @@ def velocity_errors(radii: Array, exponent: float) -> Array | None:
     return by_bead[1] if np.isfinite(largest) else None
 
 
+@checked_arguments("local_rate_gradient")
 def local_rate_gradient(
     chain: Chain, quantity: str = "velocity", *, bead: int
 ) -> tuple[float, Array]:

@@ -12,10 +12,12 @@ import math
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ..chain.input_checks import checked_exponent
 from ..collision import HERTZ_EXPONENT, Array
 from ..errors import InputError
-from ..validation.numbers import number, real_numbers
-from ..validation.objects import check_type
+from ..validation.keywords import checked_arguments
+from ..validation.numbers import bounded_numbers, number
+from ..validation.objects import check_list, check_type
 from .solitary_wave import SolitaryWave
 
 # Coefficients of Sen and Manciu for p = 3/2, as commonly quoted.  They agree with the Taylor
@@ -23,6 +25,7 @@ from .solitary_wave import SolitaryWave
 QUOTED_COEFFICIENTS = (2.39536, 0.268529, 0.0061347)
 
 
+@checked_arguments("long_wave_speed_constant")
 def long_wave_speed_constant(exponent: float = HERTZ_EXPONENT) -> float:
     r"""Speed constant of the solitary wave in the long-wave theory.
 
@@ -48,10 +51,11 @@ def long_wave_speed_constant(exponent: float = HERTZ_EXPONENT) -> float:
     >>> round(hc.theory.long_wave_speed_constant(), 6)
     0.91461
     """
-    p = _checked_exponent(exponent)
+    p = checked_exponent(exponent)
     return (2.0 / (p + 1.0)) ** (1.0 / (p + 1.0))
 
 
+@checked_arguments("long_wave_velocity")
 def long_wave_velocity(distance: ArrayLike, exponent: float = HERTZ_EXPONENT) -> Array:
     r"""Velocity profile of the solitary wave in the long-wave theory, normalised to its peak.
 
@@ -87,13 +91,14 @@ def long_wave_velocity(distance: ArrayLike, exponent: float = HERTZ_EXPONENT) ->
     >>> hc.theory.long_wave_velocity([0.0, 1.0, 2.5]).round(4)
     array([1.    , 0.4232, 0.    ])
     """
-    p = _checked_exponent(exponent)
+    p = checked_exponent(exponent)
     kappa = (p - 1.0) / (p + 1.0) * math.sqrt(6.0 * (p + 1.0) / p)
-    angle = np.minimum(kappa * np.abs(real_numbers("distance", distance)), 0.5 * np.pi)
+    angle = np.minimum(kappa * np.abs(bounded_numbers("distance", distance)), 0.5 * np.pi)
     # In floating point, cos(pi/2) is 6e-17 instead of 0.
     return np.where(angle < 0.5 * np.pi, np.cos(angle), 0.0) ** (2.0 / (p - 1.0))
 
 
+@checked_arguments("sen_manciu_coefficients")
 def sen_manciu_coefficients(wave: SolitaryWave) -> tuple[float, float, float]:
     r"""Coefficients of the Sen-Manciu form that match the exact wave at its crest.
 
@@ -134,6 +139,7 @@ def sen_manciu_coefficients(wave: SolitaryWave) -> tuple[float, float, float]:
     return 2.0 * a1, 2.0 * (a3 + a1**3 / 3.0), 2.0 * (a5 + a1**2 * a3 + a1**5 / 5.0)
 
 
+@checked_arguments("sen_manciu_velocity")
 def sen_manciu_velocity(
     distance: ArrayLike, coefficients: tuple[float, float, float] = QUOTED_COEFFICIENTS
 ) -> Array:
@@ -161,8 +167,11 @@ def sen_manciu_velocity(
     >>> round(float(hc.theory.sen_manciu_velocity(1.0)), 5)
     0.32687
     """
-    c1, c3, c5 = coefficients
-    xi = real_numbers("distance", distance)
+    given = check_list("coefficients", coefficients, "numbers")
+    if len(given) != 3:
+        raise InputError(f"the Sen-Manciu form has three coefficients, got {len(given)}")
+    c1, c3, c5 = (number("coefficient", each) for each in given)
+    xi = bounded_numbers("distance", distance)
     f = c1 * xi + c3 * xi**3 + c5 * xi**5
     slope = 1.0 + (3.0 * c3 * xi**2 + 5.0 * c5 * xi**4) / c1
     # 4 e^-f / (1 + e^-f)^2 equals sech^2(f/2) and cannot overflow.
@@ -170,6 +179,7 @@ def sen_manciu_velocity(
     return np.asarray(slope * 4.0 * decay / (1.0 + decay) ** 2)
 
 
+@checked_arguments("precompressed_speed")
 def precompressed_speed(force_ratio: ArrayLike, exponent: float = HERTZ_EXPONENT) -> Array:
     r"""Speed of a solitary wave on a precompressed chain over the sound speed.
 
@@ -213,13 +223,8 @@ def precompressed_speed(force_ratio: ArrayLike, exponent: float = HERTZ_EXPONENT
     >>> hc.theory.precompressed_speed([1.0, 2.0]).round(4)
     array([1.    , 1.0449])
     """
-    p, f = _checked_exponent(exponent), real_numbers("force ratio", force_ratio)
-    if not np.all((f >= 1.0) & (f < math.inf)):
-        bad = float(f.flat[np.argmin((f >= 1.0) & (f < math.inf))])
-        raise InputError(
-            "force_ratio, the largest force divided by the static force, must be finite and at "
-            f"least 1, got {bad:g}"
-        )
+    what = "force_ratio, the largest force divided by the static force,"
+    p, f = checked_exponent(exponent), bounded_numbers(what, force_ratio, least=1.0)
     excess = np.expm1(np.log(f) / p)
     # Near f = 1 the closed form approaches 0/0; the binomial series converges fast there.
     near = excess < 0.05
@@ -230,7 +235,3 @@ def precompressed_speed(force_ratio: ArrayLike, exponent: float = HERTZ_EXPONENT
         series += term
         term = term * np.where(near, excess, 0.0) * (p + 1.0 - j) / (j + 1.0)
     return np.sqrt(2.0 / (p * (p + 1.0)) * np.where(near, series, closed))
-
-
-def _checked_exponent(exponent: float) -> float:
-    return number("exponent of the contact force", exponent, above=1.0)

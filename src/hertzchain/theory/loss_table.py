@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import functools
 from dataclasses import dataclass
-from importlib import resources
 from typing import Final
 
 import numpy as np
 from numpy.polynomial.chebyshev import chebvander
 
 from ..collision import Array
+from .table_files import stored_arrays
 
 # Rates of the tables.
 RATES: Final = (-0.1, 0.12)
@@ -111,12 +111,10 @@ def strength_polynomials(strength: Array, largest: float, count: int) -> Array:
 @functools.cache
 def loss_tables() -> dict[str, LossTable]:
     """Tables by the name of the law; see `hertzchain.theory.lossy_law.LAWS`."""
-    path = resources.files("hertzchain.theory") / "loss_table.npz"
-    with path.open("rb") as file, np.load(file) as stored:
-        parts: dict[str, dict[str, Array]] = {}
-        for key in stored.files:
-            law, name = key.split("/")
-            parts.setdefault(law, {})[name] = np.asarray(stored[key], dtype=float)
+    parts: dict[str, dict[str, Array]] = {}
+    for key, values in stored_arrays("loss_table.npz").items():
+        law, name = key.split("/")
+        parts.setdefault(law, {})[name] = values
     return {
         law: LossTable(largest=float(part.pop("largest")), **part) for law, part in parts.items()
     }

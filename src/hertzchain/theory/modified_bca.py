@@ -24,11 +24,12 @@ import numpy as np
 
 from ..chain.chain import Chain
 from ..chain.tapers import PAPER_TAPERS, rate_symbol
-from ..collision import Array
+from ..collision import HERTZ_EXPONENT, Array
 from ..errors import InputError, ModelRangeWarning, warn_user
 from ..pulse.chain_units import for_any_units
 from ..pulse.pulse import Pulse
-from ..validation.numbers import number, real_numbers
+from ..validation.keywords import checked_arguments
+from ..validation.numbers import bounded_numbers, number
 from ..validation.objects import check_choice
 from .bca import bca
 
@@ -162,6 +163,7 @@ FITTED_RATES: dict[str, tuple[float, float]] = {
 PRINTED_RATIO: dict[str, float] = {"backward-linear": 2.0 / 3.0, "forward-linear": 0.680}
 
 
+@checked_arguments("modified_bca")
 @for_any_units("modified_bca", alternative="use simulate")
 def modified_bca(
     chain: Chain,
@@ -228,7 +230,7 @@ def modified_bca(
             f"modified_bca requires a tapered chain ({', '.join(FITTED_RATES)}), got "
             f"{chain.description}; use bca for other chains"
         )
-    if chain.exponents != 1.5:
+    if chain.exponents != HERTZ_EXPONENT:
         raise InputError(
             f"modified_bca has constants for Hertz contacts (exponent 1.5), got p = "
             f"{chain.exponents:g}; use bca"
@@ -257,6 +259,7 @@ def modified_bca(
     return Pulse(chain=chain, method=method, velocity=velocity)
 
 
+@checked_arguments("two_thirds_bca")
 @for_any_units("the BCA", supported=("masses", "stiffness"), alternative="use simulate")
 def two_thirds_bca(chain: Chain) -> Pulse:
     r"""Leading pulse of any chain with two thirds of the velocity of the BCA.
@@ -295,6 +298,7 @@ def two_thirds_bca(chain: Chain) -> Pulse:
     return Pulse(chain=chain, method="2/3 BCA", velocity=velocity)
 
 
+@checked_arguments("printed_velocity")
 def printed_velocity(taper: str, rate: float, k: Array) -> Array:
     """Velocity by the four formulas of the paper's summary, including their misprints.
 
@@ -320,7 +324,7 @@ def printed_velocity(taper: str, rate: float, k: Array) -> Array:
     array([0.083333])
     """
     check_choice("taper", taper, PAPER_TAPERS)
-    rate, k = number("rate", rate), real_numbers("bead", k)
+    rate, k = number("rate", rate, above=0.0), bounded_numbers("bead", k)
     if taper == "backward-linear":
         return PRINTED_RATIO[taper] * k**-1.5
     if taper == "forward-linear":
@@ -330,6 +334,7 @@ def printed_velocity(taper: str, rate: float, k: Array) -> Array:
     return PRINTED_EXPONENTIAL[taper].velocity(unmodified, rate, k)
 
 
+@checked_arguments("printed_correction")
 def printed_correction(taper: str) -> Correction:
     """Correction of a taper with the constants printed in the paper.
 

@@ -21,6 +21,7 @@ from ..collision import Array
 from ..errors import InputError, ModelRangeWarning, warn_user
 from ..pulse.chain_units import for_any_units
 from ..pulse.pulse import Pulse
+from ..validation.keywords import checked_arguments
 from .local_rate import local_rate
 from .step_table import AFTER, BEFORE, LOG_RATIOS, RATES, jump_effect
 
@@ -62,6 +63,7 @@ class Jump:
         return JUMP_ERROR + abs(float(other[0, -1] - self.effect()[0, -1]))
 
 
+@checked_arguments("piecewise_local_rate")
 @for_any_units(METHOD, alternative="use simulate")
 def piecewise_local_rate(chain: Chain) -> Pulse:
     r"""Leading pulse of smooth parts joined by steps of the radius or single odd beads.

@@ -19,6 +19,7 @@ from typing import Final
 import numpy as np
 
 from ..collision import HERTZ_EXPONENT, Array
+from ..validation.keywords import checked_arguments, checked_methods
 from ..validation.numbers import number
 from .solitary_wave_solver import (
     POINTS_PER_BEAD,
@@ -36,6 +37,7 @@ MAX_EXPONENT: Final = 20.0
 MAX_SCALE: Final = 1e60
 
 
+@checked_methods
 @dataclass(frozen=True, eq=False)
 class SolitaryWave:
     r"""Solitary wave of a uniform chain, as returned by `solitary_wave`.
@@ -198,6 +200,7 @@ class SolitaryWave:
         return f"SolitaryWave(p = {self.exponent:g}, C = {self.speed_constant:.10f})"
 
 
+@checked_arguments("solitary_wave")
 def solitary_wave(exponent: float = HERTZ_EXPONENT) -> SolitaryWave:
     r"""Solve for the solitary wave of a uniform chain.
 

@@ -27,8 +27,9 @@ from ..collision import Array
 from ..errors import InputError
 from ..frozen import Frozen
 from ..representation import measure, short
-from ..validation.numbers import whole_number
-from .bands import checked_finite, plane_waves, repeating_cell, slow_wave_speed
+from ..validation.keywords import checked_arguments, checked_methods
+from ..validation.numbers import bounded_numbers, whole_number
+from .bands import plane_waves, repeating_cell, slow_wave_speed
 from .eigenmodes import eigenmodes
 from .linear_contacts import LinearContacts, linear_contacts
 from .response import Complex, Response, WallName, driven_place
@@ -37,6 +38,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 
+@checked_methods
 @dataclass(frozen=True, eq=False)
 class Spectrum(Frozen):
     r"""Small oscillations of a chain, as returned by `spectrum`.
@@ -105,8 +107,7 @@ class Spectrum(Frozen):
         .. math:: c_0 = L \left(\sum_k m_k \sum_k \frac1{K_k}\right)^{-1/2}
 
         with the length L, the masses and the springs of a cell; :math:`2R\sqrt{K/m}` for equal
-        beads.  Shorter waves are slower, so a weak pulse has its front at this speed, and its
-        crests behind.
+        beads.  Shorter waves are slower: the front of a weak pulse has this speed, its crests lag.
 
         Raises
         ------
@@ -262,7 +263,7 @@ class Spectrum(Frozen):
         array([0.389848])
         """
         size = repeating_cell(self.contacts, cell, self.chain.description)
-        return plane_waves(self.contacts, size, checked_finite("phase", phase, -math.inf))
+        return plane_waves(self.contacts, size, bounded_numbers("phase", phase))
 
     def band_edges(self, *, cell: int | None = None) -> Array:
         """Edges of the frequency bands of an infinite chain with the same cell.
@@ -295,8 +296,7 @@ class Spectrum(Frozen):
         array([[0.  , 2.82],
                [4.85, 5.61]])
         """
-        edges = self.bands([0.0, math.pi], cell=cell)
-        return np.sort(edges, axis=0).T.copy()
+        return np.sort(self.bands([0.0, math.pi], cell=cell), axis=0).T.copy()
 
     def plot(
         self, kind: str | None = None, *, cell: int | None = None, ax: Axes | None = None
@@ -383,8 +383,7 @@ class Spectrum(Frozen):
         return plot_transfer(self, contact, drive=drive, at=at, frequencies=frequencies, ax=ax)
 
     def __repr__(self) -> str:
-        f = self.frequencies
-        unit = " Hz" if self.chain.units == "SI" else ""
+        f, unit = self.frequencies, " Hz" if self.chain.units == "SI" else ""
         about = f"{len(f)} modes, {f[0]:g} .. {f[-1]:g}{unit}"
         with suppress(InputError):
             about += f", sound speed {measure(self.sound_speed, 'm/s', self.chain.units)}"
@@ -396,6 +395,7 @@ class Spectrum(Frozen):
         return spectrum_html(self)
 
 
+@checked_arguments("spectrum")
 def spectrum(chain: Chain) -> Spectrum:
     r"""Frequencies, decay rates and modes of a chain about its static equilibrium.
 
@@ -447,4 +447,4 @@ def spectrum(chain: Chain) -> Spectrum:
 
 
 def _angular(frequencies: ArrayLike) -> Array:
-    return 2.0 * math.pi * checked_finite("frequency", frequencies, 0.0)
+    return 2.0 * math.pi * bounded_numbers("frequency", frequencies, least=0.0)

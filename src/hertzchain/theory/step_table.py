@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import functools
 import math
-from importlib import resources
 from typing import Final
 
 import numpy as np
 
 from ..collision import Array
+from .table_files import stored_arrays
 from .table_weights import spline_weights
 
 # Rates on both sides, and logarithms of the ratio of radii.
@@ -25,9 +25,7 @@ def step_table() -> dict[str, Array]:
 
     Each has the shape (rates before, rates after, ratios, 3, contacts).
     """
-    path = resources.files("hertzchain.theory") / "step_table.npz"
-    with path.open("rb") as file, np.load(file) as stored:
-        return {name: np.asarray(stored[name], dtype=float) for name in stored.files}
+    return stored_arrays("step_table.npz")
 
 
 def jump_effect(kind: str, rates: tuple[float, float], log_ratio: float) -> Array:

@@ -11,6 +11,7 @@ from typing import Final
 import numpy as np
 
 from ..collision import Array
+from ..validation.keywords import checked_arguments
 from ..validation.numbers import number
 from .solitary_wave import solitary_wave
 from .striker_table import striker_table
@@ -20,6 +21,7 @@ MASS_RATIOS: Final = (1.25, 1.5, 1.75, 2.0, 2.5, 3.0, 3.5, 4.0, 5.0, 6.0, 7.0, 8
 WAVES: Final = 10
 
 
+@checked_arguments("striker_train")
 def striker_train(mass_ratio: float, velocity: float = 1.0) -> Array:
     r"""Peak velocities of the waves that a heavy striker sends into a chain of equal beads.
 

@@ -18,7 +18,7 @@ import numpy as np
 
 from ..chain.chain import Chain
 from ..chain.feature_support import require_supported
-from ..collision import Array, hertz_stiffness
+from ..collision import HERTZ_EXPONENT, Array, hertz_stiffness
 from ..errors import InputError, ModelRangeWarning, warn_user
 from ..pulse.pulse import Pulse
 from .striker_table import striker_table
@@ -102,7 +102,7 @@ def striker_of(chain: Chain, method: str) -> Striker:
 
 def _struck(chain: Chain, striker: Striker, pulse: Pulse) -> Pulse:
     """The pulse of a striker from that of the bead that would continue the taper."""
-    if chain.exponents != 1.5:
+    if chain.exponents != HERTZ_EXPONENT:
         raise InputError(
             f"strikers other than a bead are tabulated for the exponent 1.5 only, got "
             f"{chain.exponents:g}; use propagate"

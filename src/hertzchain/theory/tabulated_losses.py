@@ -16,6 +16,7 @@ from ..chain.laws.unloading_ratio import UnloadingRatio
 from ..chain.laws.viscoelastic import Viscoelastic
 from ..collision import HERTZ_EXPONENT, Array
 from ..errors import InputError
+from ..representation import listed
 
 # Limits of the laws, within those of the tables.
 MIN_RESTITUTION, MAX_RATIO, MAX_VISCOELASTIC = 0.9, 0.1, 0.06
@@ -137,6 +138,5 @@ def tabulated_loss(law: Loss, method: str) -> str:
             return name
     kinds = sorted({tabulated.kind.__name__ for tabulated in LAWS.values()})
     raise InputError(
-        f"{method} has no tables for {type(law).__name__}, only for {', '.join(kinds[:-1])} and "
-        f"{kinds[-1]}; use simulate"
+        f"{method} has no tables for {type(law).__name__}, only for {listed(kinds)}; use simulate"
     )

@@ -201,7 +201,7 @@ def padded_knots(knots: Array) -> Array:
     return np.concatenate([[knots[0]] * 3, knots, [knots[-1]] * 3])
 
 
-def tables(exponent: float) -> Path:
+def table_folder(exponent: float) -> Path:
     """Folder of the tables for an exponent, which need not exist."""
     return Path(str(resources.files("hertzchain.theory"))) / "universal_tables" / f"p{exponent:g}"
 
@@ -289,7 +289,7 @@ def _side_by_side(pieces: Array) -> Array:
 @functools.lru_cache(maxsize=32)
 def universal_functions(exponent: float) -> UniversalFunctions:
     """Universal functions of an exponent, from the tables of the package."""
-    folder = tables(exponent)
+    folder = table_folder(exponent)
     if folder.is_dir():
         return read_tables(folder, exponent)
     if not exponents.LOWEST <= exponent <= exponents.HIGHEST:

@@ -1,4 +1,4 @@
-"""Convert a specification to JSON types; errors name the path of the invalid value."""
+"""Convert specifications, whose errors name the path of a value, and results to JSON types."""
 
 from __future__ import annotations
 
@@ -17,6 +17,17 @@ MAX_DEPTH: Final = 20
 def to_json_types(given: Any, place: str = "") -> Any:
     """Convert to tables, lists, numbers, text and truth values; arrays become lists."""
     return _plain(given, place, 0)
+
+
+def finite(item: Any) -> Any:
+    """The item with plain numbers, and None instead of those that JSON cannot represent."""
+    if isinstance(item, Mapping):
+        return {key: finite(value) for key, value in item.items()}
+    if isinstance(item, list | tuple):
+        return [finite(value) for value in item]
+    if isinstance(item, np.generic):
+        return finite(item.item())
+    return item if not isinstance(item, float) or math.isfinite(item) else None
 
 
 def _plain(given: Any, place: str, depth: int) -> Any:

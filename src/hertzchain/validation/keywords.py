@@ -1,4 +1,4 @@
-"""Check the arguments of a function before it begins: unknown and missing ones."""
+"""Report unknown and missing arguments of functions, methods and classes as `InputError`."""
 
 from __future__ import annotations
 
@@ -22,8 +22,8 @@ SYNONYMS: Final[Mapping[str, tuple[str, ...]]] = MappingProxyType(
     }
 )  # fmt: skip
 MATERIALS: Final = frozenset(("material", "materials"))
-# The materials of a chain have both names, also if there is only one.
-MATERIAL_TOO: Final[Mapping[str, str]] = MappingProxyType({"material": "materials"})
+# Other names of fields of a chain, accepted by builders, chain files and sweeps.
+FIELD_ALIASES: Final[Mapping[str, str]] = MappingProxyType({"material": "materials"})
 P = ParamSpec("P")
 R = TypeVar("R")
 
@@ -38,23 +38,41 @@ def checked_arguments(
     others = tuple(more)
 
     def decorate(function: Callable[P, R]) -> Callable[P, R]:
-        signature = inspect.signature(function)
-        named = [name for name, each in signature.parameters.items()
-                 if each.kind in (each.POSITIONAL_OR_KEYWORD, each.KEYWORD_ONLY)
-                 and name not in ("self", "cls")]  # fmt: skip
-        known = tuple(dict.fromkeys((*named, *others)))
-
         @functools.wraps(function)
         def checked(*given: P.args, **keywords: P.kwargs) -> R:
             if not aliases.keys().isdisjoint(keywords):
                 _rename(keywords, aliases)
-            check_keywords(label, keywords, known)
-            _check_call(label, signature, known, *given, **keywords)
-            return function(*given, **keywords)
+            if others:
+                check_keywords(label, keywords, _arguments(function, others))
+            try:
+                return function(*given, **keywords)
+            except TypeError:
+                _check_call(label, function, others, given, keywords)
+                raise
 
         return checked
 
     return decorate
+
+
+def checked_methods(cls: type[R]) -> type[R]:
+    """Raise `InputError` for unknown and missing arguments of the public methods of a class."""
+    for name, method in list(vars(cls).items()):
+        if inspect.isfunction(method) and not name.startswith("_"):
+            setattr(cls, name, _checked_method(name, method))
+    return cls
+
+
+def _checked_method(name: str, method: Callable[..., R]) -> Callable[..., R]:
+    @functools.wraps(method)
+    def checked(self: Any, *given: Any, **keywords: Any) -> R:
+        try:
+            return method(self, *given, **keywords)
+        except TypeError:
+            _check_call(f"{type(self).__name__}.{name}", method, (), (self, *given), keywords)
+            raise
+
+    return checked
 
 
 def _rename(given: dict[str, Any], aliases: Mapping[str, str]) -> None:
@@ -67,12 +85,30 @@ def _rename(given: dict[str, Any], aliases: Mapping[str, str]) -> None:
             raise InputError(f"{name} and {other} are the same: give one of them")
 
 
+@functools.cache
+def _arguments(function: Callable[..., Any], others: tuple[str, ...]) -> list[str]:
+    """Names of the arguments of a function, and other names that it accepts."""
+    named = [name for name, each in inspect.signature(function).parameters.items()
+             if each.kind in (each.POSITIONAL_OR_KEYWORD, each.KEYWORD_ONLY)
+             and name not in ("self", "cls")]  # fmt: skip
+    return list(dict.fromkeys((*named, *others)))
+
+
 def _check_call(
-    label: str, signature: inspect.Signature, known: Iterable[str], /, *given: Any, **keywords: Any
+    label: str,
+    function: Callable[..., Any],
+    others: tuple[str, ...],
+    given: tuple[Any, ...],
+    keywords: Mapping[str, Any],
 ) -> None:
-    """Raise an error for missing arguments and for too many of them."""
+    """Raise `InputError` if the arguments do not fit a function, which has raised a `TypeError`.
+
+    A check before each call would take longer than some of the functions.
+    """
+    known = _arguments(function, others)
+    check_keywords(label, keywords, known)
     try:
-        signature.bind(*given, **keywords)
+        inspect.signature(function).bind(*given, **keywords)
     except TypeError as error:
         reason = str(error).replace("a required argument: ", "the argument ")
         raise InputError(f"{label}: {reason}; it takes {', '.join(known)}") from None
@@ -80,15 +116,15 @@ def _check_call(
 
 def checked_fields(cls: type[R]) -> type[R]:
     """Raise `InputError` for unknown and missing arguments of a class."""
-    constructor = cls.__init__
-    signature = inspect.signature(constructor)
-    known = tuple(name for name in signature.parameters if name != "self")
+    constructor: Callable[..., None] = cls.__init__
 
     @functools.wraps(constructor)
     def checked(self: R, *given: Any, **keywords: Any) -> None:
-        check_keywords(cls.__name__, keywords, known)
-        _check_call(cls.__name__, signature, known, self, *given, **keywords)
-        constructor(self, *given, **keywords)
+        try:
+            constructor(self, *given, **keywords)
+        except TypeError:
+            _check_call(cls.__name__, constructor, (), (self, *given), keywords)
+            raise
 
     cls.__init__ = checked  # type: ignore[assignment]
     return cls
@@ -106,7 +142,8 @@ def check_keywords(label: str, given: Iterable[str], known: Iterable[str]) -> No
     hint = f"did you mean {found}?" if found else f"it takes {', '.join(names)}"
     if label.startswith("Chain.") and not found and MATERIALS & set(unknown):
         hint += "; Chain.from_materials and Chain.tapered make chains of materials"
-    raise InputError(f"{label} has no argument {said}; {hint}")
+    # The `TypeError` of Python says the same.
+    raise InputError(f"{label} has no argument {said}; {hint}") from None
 
 
 def _meant(name: str, known: list[str]) -> str:

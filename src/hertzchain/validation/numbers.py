@@ -2,8 +2,9 @@
 
 Text with a unit (``"5 mm"``) and quantities of `pint` (anything with ``to`` and ``magnitude``) are
 converted to floats in SI; all other modules work with these.  Every numeric public argument passes
-through `number`, `whole_number`, `per_bead_array` or `real_numbers`.  A unit is therefore never
-dropped silently: it is converted if the argument has a dimension, and rejected otherwise.
+through `number`, `whole_number`, `per_bead_array`, `bounded_numbers` or `real_numbers`.  A unit is
+therefore never dropped silently: it is converted if the argument has a dimension, and rejected
+otherwise.
 """
 
 from __future__ import annotations
@@ -241,6 +242,9 @@ def real_numbers(
         values = np.asarray(given)
     except (ValueError, TypeError):
         raise InputError(f"{what} must be a list of numbers, got {short_repr(given)}") from None
+    # NumPy converts None to NaN.
+    if values.dtype.kind == "O" and values.ndim == 0 and not isinstance(given, numbers.Real):
+        raise InputError(f"{what} must be a number or a list of numbers, got {short_repr(given)}")
     listed = isinstance(given, Sequence) and not isinstance(given, str)
     # NumPy converts booleans in a list of numbers to 0 and 1.
     if listed or values.dtype.kind not in "iuf":
@@ -261,6 +265,26 @@ def real_numbers(
     except (TypeError, ValueError):
         pass
     raise InputError(f"{what} must be a list of numbers, got {short_repr(given)}")
+
+
+def bounded_numbers(
+    what: str,
+    given: ArrayLike | Any,
+    place: str = "entry",
+    *,
+    unit: str | None = None,
+    above: float = -math.inf,
+    least: float = -math.inf,
+) -> Array:
+    """Convert finite real numbers above a bound, or at least at it, to an array of any shape."""
+    values = real_numbers(what, given, place, unit=unit)
+    good = np.isfinite(values) & (values > above) & (values >= least)
+    if not good.all():
+        bounds = (("above", above), ("at least", least))
+        limits = [f" and {text} {bound:g}" for text, bound in bounds if math.isfinite(bound)]
+        worst = float(values.flat[int(np.argmin(good))])
+        raise InputError(f"{what} must be finite{''.join(limits)}, got {worst:g}")
+    return values
 
 
 def worker_count(what: str, given: int | None) -> int:

@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 
 from ..errors import InputError, short_repr, unknown_name_error
+
+# A function that is called with the amount done and the total.
+Progress: TypeAlias = Callable[[int, int], None]
 
 
 def check_choice(what: str, name: object, known: Iterable[str]) -> str:

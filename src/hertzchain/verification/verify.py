@@ -15,8 +15,9 @@ from dataclasses import dataclass
 from .. import __version__
 from ..errors import InputError
 from ..representation import short
-from ..simulation.simulate import Progress
-from ..validation.objects import callback, check_choice, check_list
+from ..store.results import SCHEMA_VERSION
+from ..validation.keywords import checked_arguments
+from ..validation.objects import Progress, callback, check_choice, check_list
 from .case import ORIGINS, Case, forget_shared
 from .cases import cases
 
@@ -61,6 +62,7 @@ class Verdict:
         return short("Verdict", about, f"{self.ours:.10g}, expected {known}", agrees)
 
 
+@checked_arguments("verify")
 def verify(
     groups: Sequence[str] | None = None, *, progress: Progress | None = None
 ) -> list[Verdict]:
@@ -129,7 +131,7 @@ def as_dict(verdicts: Sequence[Verdict]) -> dict[str, object]:
     17
     """
     return {
-        "schema_version": 1,
+        "schema_version": SCHEMA_VERSION,
         "hertzchain_version": __version__,
         "agreeing": sum(verdict.agrees for verdict in verdicts),
         "origins": ORIGINS,

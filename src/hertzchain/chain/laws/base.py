@@ -20,8 +20,10 @@ from ...collision import Array, collision_overlap, compression_time
 from ...errors import InputError
 from ...kernels.law_kinds import LawRow
 from ...units import UNITS
+from ...validation.keywords import checked_arguments
 from ...validation.numbers import FRACTION, number
 from ...validation.objects import check_bool
+from ..input_checks import checked_exponent
 from ..parts import Part
 from ..scales import Scale, scale
 
@@ -191,6 +193,7 @@ class Loss(Part):
         """Damping constants for small motions; `InputError` if no motion is small enough."""
         return np.zeros(len(contacts.spring))
 
+    @checked_arguments("restitution")
     def restitution(
         self, speed: float, *, reduced_mass: float = 0.5, stiffness: float = 1.0,
         exponent: float = 1.5,
@@ -226,7 +229,7 @@ class Loss(Part):
         0.7562
         """
         contacts = ContactArrays(
-            number("exponent of the contact force", exponent, above=1.0, most=50.0),
+            checked_exponent(exponent),
             np.array([number("stiffness", stiffness, above=0.0)]),
             np.array([number("reduced mass", reduced_mass, above=0.0)]),
         )

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Final
 
@@ -12,7 +11,8 @@ import numpy as np
 from ...collision import HERTZ_EXPONENT, Array
 from ...errors import InputError
 from ...kernels.law_kinds import YIELDING, LawRow
-from ...validation.keywords import checked_fields
+from ...validation.keywords import checked_arguments, checked_fields
+from ..bisection import bisected
 from ..materials import FIRST_YIELD
 from .base import ContactArrays, ContactsAtRest, Loss, parameter
 
@@ -101,6 +101,7 @@ class ElasticPlastic(Loss, name="elastic-plastic"):
             )
         return LawRow(YIELDING)
 
+    @checked_arguments("restitution")
     def restitution(
         self, speed: float, *, reduced_mass: float = 0.5, stiffness: float = 1.0,
         exponent: float = HERTZ_EXPONENT,
@@ -166,9 +167,9 @@ class ElasticPlastic(Loss, name="elastic-plastic"):
         d = np.maximum(overlap, 0.0)
         with np.errstate(divide="ignore", invalid="ignore"):
             # The force falls with the largest overlap m, and is 0 at the second bound.
-            furthest = _bisected(
+            furthest = bisected(
                 lambda m: _unloading(d, m, k, first) > force, np.maximum(d, first),
-                2.0 * d + 2.25 * first,
+                2.0 * d + 2.25 * first, BISECTIONS,
             )  # fmt: skip
             width = d - furthest + _loading(furthest, k, first) / (k * np.sqrt(furthest))
         elastic = (d <= first) & (force >= (1.0 - ROUNDING) * _loading(d, k, first))
@@ -184,7 +185,7 @@ class ElasticPlastic(Loss, name="elastic-plastic"):
 
         with np.errstate(invalid="ignore"):
             most = (elastic**2.5 / first) ** (2.0 / 3.0)
-            return np.where(elastic > first, _bisected(less, elastic, most), elastic)
+            return np.where(elastic > first, bisected(less, elastic, most, BISECTIONS), elastic)
 
     def damper(self, contacts: ContactsAtRest) -> Array:
         if np.any(contacts.overlap > self.strength(contacts)):
@@ -222,13 +223,3 @@ def _unloading(overlap: Array, furthest: Array, k: Array, first: Array) -> Array
     width = peak / (k * np.sqrt(furthest))
     part = np.maximum(1.0 - (furthest - overlap) / width, 0.0)
     return np.asarray(peak * part * np.sqrt(part))
-
-
-def _bisected(below: Callable[[Array], Array], low: Array, high: Array) -> Array:
-    """Find by bisection where a condition that is true at ``low`` becomes false."""
-    low, high = np.broadcast_arrays(low, high)
-    for _ in range(BISECTIONS):
-        middle = 0.5 * (low + high)
-        inside = below(middle)
-        low, high = np.where(inside, middle, low), np.where(inside, high, middle)
-    return 0.5 * (low + high)

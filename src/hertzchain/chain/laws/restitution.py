@@ -9,11 +9,12 @@ import numpy as np
 
 from ...collision import HERTZ_EXPONENT, Array
 from ...kernels.law_kinds import DAMPED, LawRow
-from ...validation.keywords import checked_fields
+from ...validation.keywords import checked_fields, checked_methods
 from ..input_checks import checked_exponent
 from .base import ContactArrays, ContactsAtRest, Loss, may_pull, parameter
 
 
+@checked_methods
 @checked_fields
 @dataclass(frozen=True)
 class Restitution(Loss, name="restitution"):

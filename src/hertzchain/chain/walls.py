@@ -36,9 +36,9 @@ class Wall(Part):
         Stiffness k > 0 of the contact of wall and bead [scaled, or N/m^p]; a unit is allowed
         only if p = 3/2.  By default, it follows from the material.
     material : Material or None
-        Material of the wall; that of the bead if `None`.  If a stiffness is given, too, the
-        material determines only the limits of Hertz's law (`hertz_range`), first yield, and laws
-        by pairs of materials.
+        Material of the wall; that of the bead if `None`.  If a stiffness is given, the material
+        determines only the limits of Hertz's law under the force of the contact (`hertz_range`),
+        first yield, and laws by pairs of materials.
     gap : float
         Distance between wall and bead at time 0, >= 0 [scaled, or m].
     exponent : float or None

@@ -43,7 +43,7 @@ _WALL: Final = (
     Key("rigid", "boolean", "whether the wall is rigid", default=False),
     _number("stiffness", "stiffness of its contact", "stiffness", above=0.0),
     _number("gap", "distance to the bead at time 0", "length", default=0.0, least=0.0),
-    _number("exponent", "exponent of its contact; the chain's if omitted", above=1.0, most=50.0),
+    _number("exponent", "exponent of its contact; the chain's if omitted", least=1.0, most=50.0),
     Key("loss", "law", "law of loss of its contact; the chain's if omitted"),
 )
 

@@ -250,7 +250,7 @@ def incomplete_peak(
         longer += f", until t = {measure(enough, 's', wall.units, digits=6)}"
     elif last > end:
         latest = measure(last, "s", wall.units, digits=4)
-        longer += f" (without until, a run ends when the peak is complete, or at t = {latest})"
+        longer += f" (without until, a run ends by itself, at t = {latest} at the latest)"
     until = measure(end, "s", wall.units, digits=6)
     if not wall.largest_so_far:
         found = f"the {wall.side} wall was not reached before t = {until}"

@@ -623,8 +623,15 @@ def test_quantities_that_do_not_exist_are_nan_with_a_reason():
     assert math.isnan(found.value)
     assert np.isnan(found["radii"]).all()
     with pytest.warns(IncompleteWarning, match="not complete"):
-        found = hc.gradient(chain, "wall_force.peak", until=13.5)
+        found = hc.gradient(chain, "wall_force.peak", until=12.6)
     assert found.status == "the peak is not complete"
+    with pytest.warns(IncompleteWarning, match="impact on the wall has not ended"):
+        peak, *others = hc.gradients(
+            chain, ["wall_force." + name for name in ("peak", "duration", "impulse_of_impact")],
+            until=13.5,
+        )  # fmt: skip
+    assert peak.status == "complete"
+    assert all(each.status == "the impact on the wall has not ended" for each in others)
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         assert hc.gradient(chain, "wall_force.peak").status == "complete"

@@ -222,6 +222,51 @@ def first_pressure(force, chain, contact):
     return pressure / 1.6 / min(one.yield_strength, other.yield_strength)
 
 
+@pytest.mark.parametrize("stiffness", [8.8e5, 1e7, 1e8])
+def test_the_pressure_on_a_wall_of_given_stiffness_follows_from_its_force(stiffness):
+    row = Chain.from_materials(diameters="20 mm", materials=STEEL, beads=20).struck_by(velocity=0.1)
+    walled = row.replace(right_wall=Wall(stiffness=stiffness))
+    with warnings.catch_warnings():
+        warnings.simplefilter("error", hc.ModelRangeWarning)
+        run = hc.simulate(walled, until="5 ms", times=0)
+    force = run._wall_force("right").largest_so_far
+    modulus, radius = contact_modulus(STEEL, STEEL), 10e-3
+    pressure = np.cbrt(6 * force * modulus**2 / math.pi**3 / radius**2)
+    found = hc.hertz_range(walled, run.largest_overlaps)
+    assert found.yield_ratio[-1] == pytest.approx(pressure / 1.6 / STEEL.yield_strength, rel=1e-6)
+    # Johnson 1985, Eq. (4.22), for the radius of the circle of contact.
+    circle = np.cbrt(3 * force * radius / 4 / modulus)
+    assert found.overlap_ratio[-1] == pytest.approx((circle / radius) ** 2, rel=1e-6)
+    assert list(found.given.nonzero()[0]) == [walled.beads]
+
+
+def test_a_contact_of_given_stiffness_yields_at_the_force_of_its_materials():
+    row = Chain.from_materials(5e-3, STEEL, beads=4)
+    stiffness = row.stiffness * [1.0, 1e-3, 1.0]
+    soft = row.replace(stiffness=stiffness)
+    # Johnson 1985, Eq. (4.24): the force at which the largest pressure is 1.6 Y.
+    yielding = math.pi**3 * 2.5e-3**2 / 6 * (1.6 * STEEL.yield_strength) ** 3
+    yielding /= contact_modulus(STEEL, STEEL) ** 2
+    for part in (0.99, 1.01):
+        overlaps = (part**3 * yielding / stiffness) ** (2 / 3)
+        found = hc.hertz_range(soft, [0.0, overlaps[1], 0.0])
+        assert found.yield_ratio[2] == pytest.approx(part, rel=1e-9)
+        assert len(found.violations) == (part > 1.0)
+    (violation,) = found.violations
+    assert "at contact 2 (limit 1 of Hertz's law) for spheres of these materials" in violation
+    assert "loss=ElasticPlastic(yield_overlap=...)" in violation
+
+
+def test_contacts_of_other_exponents_are_compared_by_their_force():
+    row = Chain.from_materials(5e-3, STEEL, beads=3).with_contacts({1: hc.Cone(80.0)})
+    force = 100.0
+    overlaps = (force / row.stiffness) ** (1 / row.exponent)
+    found = hc.hertz_range(row, overlaps)
+    assert found.yield_ratio[1] == pytest.approx(first_pressure(force, row, 1), rel=1e-9)
+    assert found.yield_ratio[1] == pytest.approx(found.yield_ratio[2], rel=1e-9)
+    assert list(found.given) == [False, True, False, False]
+
+
 @pytest.mark.parametrize("use", [hc.equilibrium, hc.spectrum])
 def test_precompression_beyond_yield_is_reported(use):
     dimer = Chain.dimer(diameters=["10 mm", "6 mm"], materials=["steel-52100", "ptfe"], beads=20)

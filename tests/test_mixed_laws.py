@@ -234,7 +234,7 @@ def test_laws_by_pairs_of_materials():
         (lambda: STEEL_AND_PTFE.replace(loss={}), "loss by materials has no pairs"),
         (lambda: STEEL_AND_PTFE.replace(exponent=[1.5, 2, 1.5, 1.5, 1.5]), "not of p = 2; give st"),
         (lambda: Wall(loss=0.9), "loss of a wall must be a law of .* got 0.9; Elastic"),
-        (lambda: Wall(exponent=0.5), "exponent of the contact force must be above 1"),
+        (lambda: Wall(exponent=0.5), "the contact with a wall must be at least 1 and"),
         (
             lambda: Chain.uniform(3).replace(right_wall=Wall(exponent=2.0)),
             r"give Wall\(stiffness=...\)",

@@ -262,10 +262,10 @@ def test_reasons_for_incomplete_peaks():
     assert f"up to {early.bound:.4g} may follow, because an energy of" in early.reason
     soft = hc.Chain.from_materials(5e-3, "steel-52100", beads=20, velocity=0.1)
     run = hc.simulate(soft.replace(right_wall=hc.Wall.of("ptfe")), until=1.8e-3, times=50)
-    with pytest.warns(hc.IncompleteWarning, match="still loaded with"):
-        loaded = run.wall_force()
-    assert loaded.bound < loaded.largest_so_far
-    assert loaded.reason == f"the wall is still loaded with {run.forces[-1, -1]:.4g} N"
+    loaded = run.wall_force()
+    assert loaded.bound < loaded.largest_so_far == loaded.peak
+    end = f"the wall is still loaded with {run.forces[-1, -1]:.4g} N"
+    assert loaded.reason == f"the impact has not ended: {end}"
 
 
 def test_peaks_are_complete_when_all_beads_have_separated():
@@ -346,7 +346,7 @@ def test_an_impact_starts_again_when_the_largest_force_rises(until, complete):
 
 @pytest.mark.long
 def test_complete_peaks_between_two_walls_are_often_exceeded():
-    """The rate that boundaries_and_losses.md states: 55 of 126 complete peaks, by up to 2.09."""
+    """The rate that boundaries_and_losses.md states: 56 of 126 complete peaks, by up to 2.39."""
     ratios = []
     for seed in range(240):
         chain = random_chain(seed).replace(left_wall=WALL)

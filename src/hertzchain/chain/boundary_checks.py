@@ -66,7 +66,8 @@ def _check_units(name: str, part: Part, *, scaled: bool, exponent: float) -> Non
             f"{name} has a unit in its {fields}, but the chain is in scaled variables; give plain "
             "numbers or build a chain in SI units"
         )
-    if isinstance(part, Wall) and "stiffness" in part.with_units and exponent != HERTZ_EXPONENT:
+    wall = isinstance(part, Wall) and "stiffness" in part.with_units
+    if wall and exponent not in (HERTZ_EXPONENT, 1.0):
         raise InputError(
             f"the stiffness of {name} was given in N/m^1.5, but its contact has p = "
             f"{exponent:g}; give a plain number in N/m^{exponent:g}"

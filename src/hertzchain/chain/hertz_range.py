@@ -12,6 +12,19 @@ pressure / yield       :math:`p_0/(1.60\,Y)`, first yield below the    1
 speed / sound          closing speed over :math:`\sqrt{E/\rho}`        0.01
 =====================  ==============================================  ========
 
+Overlap, contact radius and pressure are those of spheres of the materials under the force of the
+contact:
+
+.. math::
+
+    a^3 = \frac{3 F R}{4 E^*}, \qquad d = \frac{a^2}{R}, \qquad
+    p_0 = \left(\frac{6 F E^{*2}}{\pi^3 R^2}\right)^{1/3} .
+
+This overlap is that of the simulation if the stiffness of the contact follows from the materials.
+A given stiffness or exponent only changes the force.  If the contact is softer than that of the
+materials, because a spring or a load cell gives way behind it, :math:`p_0` is exact; if its surface
+is softer, :math:`p_0` is an upper limit.
+
 K. L. Johnson, *Contact Mechanics*, Cambridge 1985, Secs. 4.2, 6.1 and 11.4,
 doi:10.1017/CBO9781139171731.
 """
@@ -23,9 +36,9 @@ from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
-from ..collision import Array, collision_overlap
+from ..collision import HERTZ_EXPONENT, Array, collision_overlap
 from ..errors import InputError, ModelRangeWarning, warn_user
 from ..representation import counted, short
 from ..validation.keywords import checked_arguments
@@ -34,11 +47,14 @@ from .bisection import bisected
 from .chain import Chain
 from .contact_groups import effective_radii, reduced_masses, yield_strengths
 from .feature_support import require_chain
-from .materials import FIRST_YIELD
+from .materials import FIRST_YIELD, Material
 from .walls import materials_with_walls
 
 MAX_OVERLAP_RATIO: Final = 0.01
 MAX_SPEED_RATIO: Final = 0.01
+# Ratio of the stiffness of a contact to that of its materials, or its inverse, from which yield of
+# `ElasticPlastic()`, which follows from the stiffness, differs from that of the materials.
+OTHER_STIFFNESS: Final = 2.0
 # Halvings of an interval of overlaps, to rounding.
 BISECTIONS: Final = 53
 
@@ -53,7 +69,7 @@ class HertzRange:
     Attributes
     ----------
     overlap_ratio : ndarray, shape (N + 1,)
-        Overlap over effective radius of each contact.
+        Overlap of spheres of the materials under the force of each contact over effective radius.
     yield_ratio : ndarray, shape (N + 1,)
         Largest pressure over the pressure at first yield; 0 if no yield strength is known, or if
         the law of the contact describes what happens beyond it.
@@ -64,6 +80,9 @@ class HertzRange:
         The first two ratios under the static force alone.
     causes : tuple of two str
         Causes of the motion and of the static force, as `violations` name them.
+    given : ndarray of bool, shape (N + 1,)
+        Whether the exponent of a contact is not 3/2, or its stiffness differs by more than a factor
+        of 2 from that of spheres of its materials.
 
     Examples
     --------
@@ -81,6 +100,7 @@ class HertzRange:
     static_overlap_ratio: Array
     static_yield_ratio: Array
     causes: tuple[str, str]
+    given: NDArray[np.bool_]
 
     @property
     def violations(self) -> tuple[str, ...]:
@@ -91,7 +111,7 @@ class HertzRange:
             advice = self._advice(ratio, self.static_overlap_ratio, MAX_OVERLAP_RATIO, 2)
             found.append(
                 f"overlap / radius is {ratio:.2g} at {_place(at, self)} "
-                f"(limit {MAX_OVERLAP_RATIO:g} of Hertz's law); {advice}"
+                f"(limit {MAX_OVERLAP_RATIO:g} of Hertz's law){self._basis(at)}; {advice}"
             )
         at = int(np.argmax(self.yield_ratio))
         if (ratio := self.yield_ratio[at]) > 1.0:
@@ -100,8 +120,9 @@ class HertzRange:
             digits = 3 if ratio > 1.05 else 5
             found.append(
                 f"pressure / yield is {ratio:.{digits}g} at {_place(at, self)}{besides} (limit 1 "
-                f"of Hertz's law); {self._advice(ratio, self.static_yield_ratio, 1.0, digits)} or "
-                "use loss=ElasticPlastic()"
+                f"of Hertz's law){self._basis(at)}; "
+                f"{self._advice(ratio, self.static_yield_ratio, 1.0, digits)} or "
+                f"use loss=ElasticPlastic({'yield_overlap=...' if self.given[at] else ''})"
             )
         if self.speed_ratio > MAX_SPEED_RATIO:
             found.append(
@@ -109,6 +130,10 @@ class HertzRange:
                 "law); reduce the velocity"
             )
         return tuple(found)
+
+    def _basis(self, contact: int) -> str:
+        """Basis of the ratios of a contact whose stiffness is not that of its materials."""
+        return " for spheres of these materials under its force" if self.given[contact] else ""
 
     def _advice(self, ratio: float, static: Array, limit: float, digits: int) -> str:
         """Advice to reduce the motion, or the static force if it exceeds the limit by itself."""
@@ -159,11 +184,11 @@ def hertz_range(chain: Chain, overlaps: ArrayLike | None = None) -> HertzRange:
     chain : Chain
         A chain in SI units with materials.
     overlaps : array_like, optional
-        Largest overlap of each contact [m], of length N - 1, or N + 1 with the walls, such as
-        ``run.largest_overlaps``.  By default, the motion towards the right end is treated as a
-        sequence of isolated lossless collisions of two beads, and of the last bead with a wall,
-        under the static force of their contact.  Overlaps of a simulation differ by up to about
-        20% in smooth chains.
+        Largest overlap of each contact in a simulation [m], of length N - 1, or N + 1 with the
+        walls, such as ``run.largest_overlaps``.  By default, the motion towards the right end is
+        treated as a sequence of isolated lossless collisions of two beads, and of the last bead
+        with a wall, under the static force of their contact.  Overlaps of a simulation differ by
+        up to about 20% in smooth chains.
 
     Raises
     ------
@@ -207,6 +232,7 @@ def hertz_range(chain: Chain, overlaps: ArrayLike | None = None) -> HertzRange:
         static_overlap_ratio=at_rest,
         static_yield_ratio=static_yield,
         causes=_causes(chain),
+        given=_given(chain),
     )
 
 
@@ -251,17 +277,36 @@ def warn_outside_static(chain: Chain) -> None:
             warn_user(violation, ModelRangeWarning)
 
 
-def _ratios(chain: Chain, d: Array) -> tuple[Array, Array]:
+def _ratios(chain: Chain, overlaps: Array) -> tuple[Array, Array]:
     """Overlap over radius and pressure over yield of all contacts, walls included."""
-    assert chain.materials is not None
-    bodies = materials_with_walls(chain.materials, (chain.left_wall, chain.right_wall))
-    compliance = np.array([each.compliance for each in bodies])
-    modulus = 1.0 / (compliance[:-1] + compliance[1:])
-    radius, strength = effective_radii(chain.radii), yield_strengths(bodies)
-    # Johnson, Eqs. (4.23) and (4.24): a^2 = R d and p_0 = 2 E* d/(pi a).
+    modulus, radius = _moduli(chain), effective_radii(chain.radii)
+    strength = yield_strengths(_bodies(chain))
+    # Johnson, Eqs. (4.22) to (4.24): a^3 = 3 F R/(4 E*), a^2 = R d and p_0 = 2 E* d/(pi a).
+    force = chain.contact_stiffness * overlaps**chain.contact_exponents
+    d = np.cbrt(0.75 * force / (modulus * np.sqrt(radius))) ** 2
     pressure = 2.0 / math.pi * modulus * np.sqrt(d / radius)
     elastic = np.array([not law.yields for law in chain.contact_losses])
     return d / radius, elastic * pressure / (FIRST_YIELD * strength)
+
+
+def _given(chain: Chain) -> NDArray[np.bool_]:
+    """Contacts that are not those of spheres of their materials; none at free ends."""
+    own = 4.0 / 3.0 * _moduli(chain) * np.sqrt(effective_radii(chain.radii))
+    ratio, there = chain.contact_stiffness / own, chain.contact_stiffness > 0.0
+    other = (ratio > OTHER_STIFFNESS) | (ratio * OTHER_STIFFNESS < 1.0)
+    return np.asarray(there & (other | (chain.contact_exponents != HERTZ_EXPONENT)))
+
+
+def _bodies(chain: Chain) -> list[Material]:
+    """Materials of left wall, beads and right wall."""
+    assert chain.materials is not None
+    return materials_with_walls(chain.materials, (chain.left_wall, chain.right_wall))
+
+
+def _moduli(chain: Chain) -> Array:
+    """Effective modulus of the materials of each contact."""
+    compliance = np.array([each.compliance for each in _bodies(chain)])
+    return 1.0 / (compliance[:-1] + compliance[1:])
 
 
 def _causes(chain: Chain) -> tuple[str, str]:

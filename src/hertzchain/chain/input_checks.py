@@ -48,6 +48,14 @@ def checked_exponent(exponent: float) -> float:
     )  # fmt: skip
 
 
+def checked_wall_exponent(exponent: float) -> float:
+    """Check an exponent of the contact with a wall, which may be a linear spring."""
+    return number(
+        "exponent of the contact with a wall", exponent, least=1.0, most=MAX_EXPONENT,
+        hint="Hertz contacts have 1.5, and linear springs 1",
+    )  # fmt: skip
+
+
 def checked_radii(radii: ArrayLike) -> Array:
     """Check at least two radii, positive and finite, and return a copy."""
     values = real_numbers("radius", radii, "bead")

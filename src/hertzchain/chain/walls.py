@@ -9,7 +9,7 @@ from ..errors import InputError, short_repr
 from ..validation.keywords import checked_arguments, checked_fields
 from ..validation.numbers import is_word, number
 from .description import length_in_words
-from .input_checks import checked_exponent
+from .input_checks import checked_wall_exponent
 from .laws import Loss
 from .materials import RIGID, Material, MaterialLike, material
 from .parts import Part
@@ -48,15 +48,16 @@ class Wall(Part):
     ----------
     stiffness : float or None
         Stiffness k > 0 of the contact of wall and bead [scaled, or N/m^p]; a unit is allowed
-        only if p = 3/2.  By default, it follows from the material.
+        only if p is 3/2 or 1.  By default, it follows from the material.
     material : Material or None
-        Material of the wall; that of the bead if `None`.  If a stiffness is given, too, the
-        material determines only the limits of Hertz's law (`hertz_range`), first yield, and laws
-        by pairs of materials.
+        Material of the wall; that of the bead if `None`.  If a stiffness is given, the material
+        determines only the limits of Hertz's law under the force of the contact (`hertz_range`),
+        first yield, and laws by pairs of materials.
     gap : float
         Distance between wall and bead at time 0, >= 0 [scaled, or m].
     exponent : float or None
-        Exponent p of the contact of wall and bead; that of the chain if `None`.
+        Exponent p of the contact of wall and bead, >= 1; that of the chain if `None`.  A linear
+        spring, such as a pad or a load cell, has 1.
     loss : Restitution, Viscoelastic, ... or None
         Law of loss of this contact; that of the chain if `None`, no loss with ``Elastic()``.
 
@@ -67,6 +68,8 @@ class Wall(Part):
     Wall(own material, gap = 0.1)
     >>> hc.Wall.of("steel-52100", gap="10 um")
     Wall(steel-52100, gap = 10 um)
+    >>> hc.Wall("2 kN/mm", exponent=1)
+    Wall(stiffness = 2e+06 N/m, p = 1)
     """
 
     stiffness: float | None = field(default=None, metadata=scale(_stiffness_unit))
@@ -83,16 +86,17 @@ class Wall(Part):
                 f"the first argument of Wall is its stiffness, a number, got {name!r}; a wall of a "
                 f"material is Wall.of({name!r})"
             )
+        if self.exponent is not None:
+            object.__setattr__(self, "exponent", checked_wall_exponent(self.exponent))
         if self.stiffness is not None:
-            k = number("stiffness of a wall", self.stiffness, unit="N/m**1.5", above=0.0,
+            unit = "N/m" if self.exponent == 1.0 else "N/m**1.5"
+            k = number("stiffness of a wall", self.stiffness, unit=unit, above=0.0,
                        hint="for a rigid wall, use Wall.rigid()")  # fmt: skip
             object.__setattr__(self, "stiffness", k)
         if self.material is not None:
             object.__setattr__(self, "material", material(self.material))
         gap = number("gap to a wall", self.gap, unit="m", least=0.0)
         object.__setattr__(self, "gap", gap)
-        if self.exponent is not None:
-            object.__setattr__(self, "exponent", checked_exponent(self.exponent))
         if self.loss is not None and not isinstance(self.loss, Loss):
             raise InputError(
                 f"loss of a wall must be a law of hertzchain.chain.laws or None, got "
@@ -151,7 +155,8 @@ class Wall(Part):
         kind = "own material" if self.stiffness is None else ""
         if self.material is not None:
             kind = self.material.name
-        unit = " N/m^1.5" if "stiffness" in self.with_units else ""
+        unit = " N/m" if self.exponent == 1.0 else " N/m^1.5"
+        unit = unit if "stiffness" in self.with_units else ""
         stiffness = "" if self.stiffness is None else f"stiffness = {self.stiffness:g}{unit}"
         real = "gap" in self.with_units or self.material not in (None, RIGID)
         gap = length_in_words(self.gap) if real else f"{self.gap:g}"

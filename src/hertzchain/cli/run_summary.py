@@ -100,6 +100,10 @@ def _wall_lines(wall: WallForce) -> str:
             f"{wall.side} wall: peak not complete, largest so far {largest}; {wall.reason}\n"
             f"  impulse {whole}"
         )
+    so_far = "" if wall.proven else " so far"
+    peak = f"{wall.side} wall: peak{so_far} {largest}, {wall._later}"
+    if wall.complete_since is None:
+        return f"{peak}; {wall.reason}\n  impulse {whole}"
     of_impact = _impulse(wall.impulse_of_impact, wall.units)
     parts = [f"{of_impact} in the impact ({counted(wall.touches, 'contact')})"]
     if wall.first_contact_impulse is not None and wall.touches > 1:
@@ -107,12 +111,8 @@ def _wall_lines(wall: WallForce) -> str:
         parts.insert(0, f"{first} in the first contact")
     parts += [whole] * (impulse != of_impact)
     ratio = measure(wall.duration, "s", wall.units)
-    so_far = "" if wall.proven else " so far"
-    return (
-        f"{wall.side} wall: peak{so_far} {largest}, {wall._later}\n"
-        f"  impulse {', '.join(parts)}\n"
-        f"  impulse in the impact / peak = {ratio}"
-    )
+    impulses = ", ".join(parts)
+    return f"{peak}\n  impulse {impulses}\n  impulse in the impact / peak = {ratio}"
 
 
 def _at(force: float, time: float, units: str) -> str:

@@ -30,8 +30,8 @@ USUAL_TIMES: Final = 400
     "--until",
     metavar="TIME",
     help="Stop time, such as 2e-3 or, in SI units, 2ms.  [default: when the peak force on the "
-    "right wall is complete, at most 10 transits of the pulse; without a right wall, when the "
-    "pulse has left the chain]",
+    "right wall is complete, at most 10 transits of the pulse, or more if the wall is soft; "
+    "without a right wall, when the pulse has left the chain]",
 )
 @click.option(
     "--times",

@@ -54,7 +54,9 @@ def changes_at_kink(chain: Chain, found: Gradient, by: str) -> tuple[Array, Arra
     if chain.scaled and by == "radii":
         up[chain.strikers], down[chain.strikers] = np.array([1, -1]) * expected[chain.strikers]
     differences = np.maximum(np.abs(up - expected), np.abs(down + expected))
-    return (up, down) if np.nanmax(differences) > MISLEADING * np.abs(expected).max() else None
+    # Chains without a complete peak have no changes.
+    largest = np.nanmax(differences, initial=0.0)
+    return (up, down) if largest > MISLEADING * np.abs(expected).max() else None
 
 
 def _changes_of_objective(problem: Design, chain: Chain, factors: tuple[float, float]) -> Array:

@@ -64,6 +64,7 @@ from .elastic_layout import (
     PEAKED,
     PEAKS,
     PULSE_LEFT,
+    REBOUNDS,
     RECORD_PEAK,
     RECORD_PEAK_TIME,
     REFUSED,
@@ -275,9 +276,11 @@ def ending(w, beads, lane, chain, numbers, walled, state, gauges, records):
     if state[TRANSIT, lane] == 0.0:
         return NOTHING_MORE
     peak, can_escape = gauges[lane, 0, PEAK], numbers[CAN_ESCAPE] != 0.0
-    if held(lane, state) and complete(w, beads, lane, chain, can_escape, state, peak):
-        return WALL_DONE
-    return TRANSIT_LIMIT if expired(lane, state) else 0
+    late = expired(lane, state, numbers[REBOUNDS])
+    if late or held(lane, state):
+        if complete(w, beads, lane, chain, can_escape, state, peak):
+            return WALL_DONE
+    return TRANSIT_LIMIT if late else 0
 
 
 @compiled

@@ -23,9 +23,9 @@ MOST_BEADS = ROW // LANES - 7
 (START_V, GIVEN_INVERSE_MASS, GIVEN_BODY, GIVEN_NOISE, GIVEN_AT_REST, GIVEN_STIFFNESS,
  GIVEN_EXPONENT, STATIC_FORCE, STATIC_OVERLAP, GIVEN_ROWS) = range(10)  # fmt: skip
 # Scalars of a chain: time to stop at, first step, whether the run ends without that time, number of
-# strikers, least momentum transferred by the first contact with the wall, and whether motion can
-# escape from the wall.
-UNTIL, FIRST_STEP, BY_ITSELF, STRIKERS, LEAST_PUSH, CAN_ESCAPE, NUMBERS = range(7)
+# strikers, least momentum transferred by the first contact with the wall, whether motion can escape
+# from the wall, and the time after the first transit that a run on a soft wall may take.
+UNTIL, FIRST_STEP, BY_ITSELF, STRIKERS, LEAST_PUSH, CAN_ESCAPE, REBOUNDS, NUMBERS = range(8)
 
 # Entries of a lane.
 (TIME, STEP, LENGTH, WORST, FASTEST, MOST, TRIED, STEPS, GOOD, SINCE_CROSSING, LAST_CROSSING, PEAKS,

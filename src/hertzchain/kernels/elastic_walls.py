@@ -30,7 +30,7 @@ from .elastic_layout import (
 )
 
 # As in `hertzchain.simulation.wall_watch`.
-HELD, MAX_TRANSITS, CHECKS = 0.5, 10, 16
+HELD, MAX_TRANSITS, MOST_TRANSITS, CHECKS = 0.5, 10, 500, 16
 ROUNDING, RELEASED = 1e-9, 1e-3
 
 
@@ -117,7 +117,10 @@ def nothing_can_happen(w, beads, lane):
 @compiled
 def set_due(lane, state):
     """Set the next check to the first one after the next step."""
-    time, spacing = state[TIME, lane] + state[STEP, lane], state[TRANSIT, lane] / CHECKS
+    spacing = state[TRANSIT, lane] / CHECKS
+    # After free flight the predicted step may be longer than many transits.
+    state[STEP, lane] = min(state[STEP, lane], spacing)
+    time = state[TIME, lane] + state[STEP, lane]
     number = max(0.0, (time - state[WATCH_START, lane]) // spacing) + 1.0
     state[DUE, lane] = state[WATCH_START, lane] + number * spacing
 
@@ -137,7 +140,7 @@ def start_watch(w, beads, lane, state, records):
 
 @compiled
 def note(lane, state, impulse):
-    """Record that the peak is complete from now on, unless this is already recorded."""
+    """Record that the impact has ended, unless this is already recorded."""
     if state[SINCE, lane] == 0.0:
         state[SINCE, lane], state[IMPACT_IMPULSE, lane] = state[TIME, lane], impulse
 
@@ -191,7 +194,7 @@ def note_at_end(w, beads, lane, chain, state, peak, impulse):
 def complete(w, beads, lane, chain, can_escape, state, peak):
     """Whether the largest force so far is complete."""
     if can_escape:
-        return state[SINCE, lane] > 0.0 and cannot_be_exceeded(w, beads, lane, peak)
+        return peak > 0.0 and cannot_be_exceeded(w, beads, lane, peak)
     return held(lane, state) and bound_of(w, beads, lane, chain) <= (1.0 + ROUNDING) * peak
 
 
@@ -203,7 +206,9 @@ def held(lane, state):
 
 
 @compiled
-def expired(lane, state):
-    """Whether ten transits have passed, and half a transit since the end of the impact."""
-    last = state[WATCH_START, lane] + (MAX_TRANSITS - 1) * state[TRANSIT, lane]
-    return state[TIME, lane] >= last and (state[SINCE, lane] == 0.0 or held(lane, state))
+def expired(lane, state, rebounds):
+    """Whether the longest run has ended, and half a transit since the end of the impact."""
+    transit = state[TRANSIT, lane]
+    length = min(max((MAX_TRANSITS - 1) * transit, rebounds), (MOST_TRANSITS - 1) * transit)
+    late = state[TIME, lane] >= state[WATCH_START, lane] + length
+    return late and (state[SINCE, lane] == 0.0 or held(lane, state))

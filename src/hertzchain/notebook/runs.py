@@ -127,13 +127,13 @@ def wall_force_html(wall: WallForce) -> str:
         marks = [mark] if wall.largest_so_far > 0.0 else []
         curve = Curve(slow * wall.times, strong * wall.force)
         parts.append(chart([curve], f"time{second}", f"force{newton}", marks=marks))
-    complete = wall.complete
+    complete, ended = wall.complete, wall.complete_since is not None
     found = {
         "peak so far" if complete and not wall.proven else "peak":
         engineering(wall.peak, "N", units) if complete else "not complete",
         "peak time": engineering(wall.peak_time, "s", units) if complete else "",
         "impulse of the impact": engineering(wall.impulse_of_impact, "N s", units)
-        if complete else "",
+        if ended else "",
         "impulse of the run": engineering(wall.impulse, "N s", units),
         "contacts with the wall": f"{wall.touches}",
     }  # fmt: skip
@@ -141,7 +141,8 @@ def wall_force_html(wall: WallForce) -> str:
     if not complete:
         parts.append(note(f"The run ended too early: {wall.reason}."))
     else:
-        parts.append(note(f"{wall._later[:1].upper()}{wall._later[1:]}."))
+        sentences = [wall._later] if ended else [wall._later, wall.reason]
+        parts.extend(note(f"{each[:1].upper()}{each[1:]}.") for each in sentences)
     return page("WallForce", f"{wall.side} wall", *parts)
 
 

@@ -251,7 +251,7 @@ WALL_QUANTITIES: Final = _by_name(
         ),
         Quantity(
             "wall_impulse_of_impact", "",
-            "impulse of the right wall until its largest force is complete",
+            "impulse of the right wall until the end of the impact",
             unit="N s", scale="momentum", label="impulse of the impact on the wall", per="wall",
             attribute="impulse_of_impact",
         ),

@@ -275,6 +275,7 @@ class Reader:
         target, contacts = self._target(GAUGE, contact), (contact,)
         complete = self.ending.complete(self.record, side, self.until)
         note = "" if complete else "the peak is not complete"
+        ended = "" if side in self.ending.since else "the impact on the wall has not ended"
         if name.item == "impulse":
             return [(name, self._impulse(contacts, self.record.steps), "")]
         if name.item == "first_contact_impulse":
@@ -282,7 +283,7 @@ class Reader:
         if name.item == "maxima":
             return [(name, each, note) for each in self._maxima(target, contacts)]
         if name.item == "impulse_of_impact":
-            return [(name, self._impulse(contacts, self._impact(side)), note)]
+            return [(name, self._impulse(contacts, self._impact(side)), note or ended)]
         place = largest(self.record, target)
         if place is None:
             raise Missing(
@@ -299,7 +300,7 @@ class Reader:
         found = _combined(
             duration, (total, 1.0 / peak.value), (peak, -duration / peak.value)
         )  # fmt: skip
-        return [(name, found, note)]
+        return [(name, found, note or ended)]
 
     def _maxima(self, target: int, contacts: tuple[int, ...]) -> list[Dependence]:
         """All maxima of at least half the largest one, the largest one first."""

@@ -8,8 +8,9 @@ from typing import Final
 import numpy as np
 
 from ..collision import Array
+from ..simulation.time_scales import rebound_time
 from ..simulation.wall_bound import motion_can_escape, wall_targets
-from ..simulation.wall_watch import HELD, MAX_TRANSITS, RELEASED, ROUNDING
+from ..simulation.wall_watch import HELD, MAX_REBOUNDS, MAX_TRANSITS, RELEASED, ROUNDING
 from .equation import Equation
 from .names import Name
 from .record import Record, nothing_can_happen
@@ -76,7 +77,7 @@ class Ending:
     equation: Equation
     names: list[Name]
     targets: Targets
-    # Time from which the peak on a wall is complete, by side.
+    # End of the impact on a wall, by side.
     since: dict[int, float] = field(default_factory=dict)
     watched: int = 0
     exhausted: bool = False
@@ -147,8 +148,18 @@ class Ending:
             self.since.setdefault(side, record.time)
         transit = self.peak_times.get(side, 0.0)
         held = side in self.since and record.time - self.since[side] >= HELD * transit
-        expired = transit > 0.0 and record.time > MAX_TRANSITS * transit
+        expired = transit > 0.0 and record.time > max(
+            MAX_TRANSITS * transit, transit + self._rebounds(side)
+        )
         return expired or (held and self._proven(record, side))
+
+    def _rebounds(self, side: int) -> float:
+        """Time that the impact of the whole chain on a soft right wall may take."""
+        chain = self.equation.chain
+        if side == LEFT:
+            return 0.0
+        momentum = float(chain.masses @ np.maximum(chain.velocities, 0.0))
+        return MAX_REBOUNDS * rebound_time(chain, momentum)
 
     def _proven(self, record: Record, side: int) -> bool:
         """Whether no later force exceeds the peak, if this can be proven."""
@@ -166,7 +177,9 @@ class Ending:
         """Whether the peak on a wall is complete at the end of the run."""
         if until is None and self.exhausted:
             return True
-        return side in self.since and self._proven(record, side)
+        if motion_can_escape(self.equation.chain, side):
+            return self.peaks.get(side, 0.0) > 0.0 and self._proven(record, side)
+        return side in self.since
 
 
 def is_past(record: Record, bead: int) -> bool:

@@ -217,7 +217,8 @@ class _KernelResults:
         layout, wall = self.layout, self.readings[:, 0]
         done = self.summary[:, layout.WALL_COMPLETE] > 0.0
         peak = np.where(done, wall[:, layout.PEAK], np.nan)
-        impact = np.where(done, self.summary[:, layout.WALL_IMPACT_IMPULSE], np.nan)
+        over = done & (self.summary[:, layout.WALL_SINCE] > 0.0)
+        impact = np.where(over, self.summary[:, layout.WALL_IMPACT_IMPULSE], np.nan)
         ended = self.summary[:, layout.WALL_FIRST_END] > 0.0
         first = self.summary[:, layout.WALL_FIRST_IMPULSE]
         with np.errstate(divide="ignore", invalid="ignore"):

@@ -15,6 +15,7 @@ from ..frozen import once
 from .kernel_input import static_closing
 from .time_scales import transit_times
 from .wall_bound import RIGHT, motion_can_escape, wall_targets
+from .wall_watch import MAX_REBOUNDS
 
 # First step as a fraction of the time in which the pulse passes the first contact; smallest impulse
 # of a first contact with the wall as a fraction of the initial momentum.
@@ -113,8 +114,19 @@ def kernel_input(chains: Sequence[Chain], until: float | None) -> KernelInput:
     numbers[:, layout.UNTIL] = math.inf if until is None else until
     numbers[:, layout.BY_ITSELF] = until is None
     if walled:
+        numbers[:, layout.REBOUNDS] = MAX_REBOUNDS * _rebounds(given, speeds, masses)
         numbers[:, layout.CAN_ESCAPE] = [motion_can_escape(chain, RIGHT) for chain in chains]
     return KernelInput(given, numbers, hertz, walled, careful)
+
+
+def _rebounds(given: Array, speeds: Array, inverse_masses: Array) -> Array:
+    """`hertzchain.simulation.time_scales.rebound_time` of struck chains."""
+    from ..kernels import elastic_layout as layout
+
+    mass = (1.0 / inverse_masses).sum(axis=1)
+    momentum = (np.maximum(speeds, 0.0) / inverse_masses).sum(axis=1)
+    stiffness, p = given[:, layout.GIVEN_STIFFNESS, -1], given[:, layout.GIVEN_EXPONENT, -1]
+    return 2.0 * compression_time(mass, stiffness, momentum / mass, p)
 
 
 def _add_static_state(chain: Chain, rows: Array) -> float:

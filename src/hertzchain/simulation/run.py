@@ -25,7 +25,7 @@ from .run_pulse import pulse_of
 from .sensor_force import sensor_force_of
 from .trajectory import Trajectory
 from .velocity_peaks import velocity_peaks_of
-from .wall_force import SIDES, Side, WallForce, incomplete_peak, wall_force_of
+from .wall_force import SIDES, Side, WallForce, incomplete_peak, later_ends, wall_force_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -55,8 +55,8 @@ class Run(Trajectory):
     status : str
         Reason for the end of the run.  With ``until`` it is ``"time reached"``.  Without, it is
         ``"pulse left"`` (see `closed_contacts`); for a chain with a right wall, ``"wall force
-        complete"`` or, after ten transits, ``"transit limit"``; and ``"nothing more happens"`` if
-        all beads are in free flight earlier.  ``"step limit"``, ``"step too small"``
+        complete"`` or, after the longest such run, ``"transit limit"``; and ``"nothing more
+        happens"`` if all beads are in free flight earlier.  ``"step limit"``, ``"step too small"``
         and ``"underflow"`` are failures, which `simulate` raises as errors by default.
     end_time : float
         Time at which the simulation stopped [scaled, or s].
@@ -187,7 +187,8 @@ class Run(Trajectory):
         wall = self._wall_force(side)
         if not wall.complete:
             persistent = self.chain.lossless and bool(self.chain.static_state.forces.all())
-            sentence = incomplete_peak(wall, self.end_time, persistent=persistent)
+            ends = later_ends(side, self._completion, self._approaches, self.chain)
+            sentence = incomplete_peak(wall, self.end_time, ends, persistent=persistent)
             warn_user(sentence, IncompleteWarning)
         return wall
 

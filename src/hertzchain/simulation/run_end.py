@@ -1,7 +1,7 @@
 """Criteria for the end of a run, and for the end of the next call of the compiled loop.
 
 Without ``until``, a chain with a right wall runs until the largest force on the wall is complete
-(`hertzchain.simulation.wall_watch`), at most ten transits; any other chain runs until the pulse has
+(`hertzchain.simulation.wall_watch`), or to a longest time; any other chain runs until the pulse has
 left.  With ``until``, the run stops at that time, and walls are watched in the same way.
 """
 
@@ -15,7 +15,7 @@ import numpy as np
 from ..chain.chain import Chain
 from ..collision import Array
 from ..kernels import state_layout
-from .wall_watch import CHECKS, WallWatch
+from .wall_watch import CHECKS, FEW_CHECKS, WallWatch
 
 Status = Literal[
     "pulse left", "time reached", "wall force complete", "transit limit", "nothing more happens",
@@ -35,14 +35,16 @@ class RunEnd:
         chain: Chain,
         arrays: dict[str, Array],
         until: float | None,
-        checks: int = CHECKS,
+        *,
+        fixed: bool = False,
     ) -> None:
         self.chain, self.counts, self.default = chain, arrays["counts"], until is None
         self.until = math.inf if until is None else until
         self.struck = bool(chain.velocities[0] > 0.0) and chain.drive is None
         self.watch: WallWatch | None = None
         if any(chain.wall_stiffness):
-            self.watch = WallWatch(chain, arrays, checks)
+            checks = FEW_CHECKS if fixed and until is not None else CHECKS
+            self.watch = WallWatch(chain, arrays, checks, fixed=fixed)
 
     def goal(self) -> tuple[float, bool]:
         """Time at which the next call ends, and whether it ends earlier if the pulse has left."""
@@ -107,15 +109,17 @@ class RunEnd:
     def assess(self, forces: Array) -> tuple[Array, Array]:
         """Motion that can reach each wall, its bound, the force, and whether the peak is complete.
 
-        The first array, (4, 2), has the rows momentum, energy, bound and force at the end of the
-        run; the second one is (2,).  The left wall is first; NaN and false without a wall.
+        The first array, (5, 2), has the rows momentum, energy, bound and force at the end of the
+        run, and the latest end of a run without a given end; the second one is (2,).  The left wall
+        is first; NaN and false without a wall.
         """
-        approaches, complete = np.full((4, 2), np.nan), np.zeros(2, bool)
+        approaches, complete = np.full((5, 2), np.nan), np.zeros(2, bool)
         if self.watch is None:
             return approaches, complete
         reaching = self.watch.reaches(forces)
         for target, found in zip(self.watch.targets, reaching, strict=True):
             force = self.watch.force_on(target, forces)
-            approaches[:, target.side] = found.momentum, found.energy, found.bound, force
+            last = self.watch.last if self.watch.started else math.nan
+            approaches[:, target.side] = found.momentum, found.energy, found.bound, force, last
             complete[target.side] = self.watch.complete(target, found)
         return approaches, complete

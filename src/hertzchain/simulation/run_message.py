@@ -11,7 +11,6 @@ from ..representation import measure
 from .run_end import Status
 from .time_scales import transit_times
 from .wall_bound import RIGHT, motion_can_escape
-from .wall_watch import MAX_TRANSITS
 
 FAILURES: Final = ("step limit", "step too small", "underflow")
 
@@ -47,8 +46,8 @@ def end_message(chain: Chain, status: Status, time: float, steps: int, passed: i
         "pulse left": f"the pulse left the chain {at}",
         "wall force complete": _complete(chain, at),
         "transit limit": (
-            f"stopped after {MAX_TRANSITS} transits of the pulse {at}; the force on the right "
-            "wall is not complete"
+            f"stopped {at}, the longest run without until; the force on the right wall is not "
+            "complete"
         ),
         "nothing more happens": f"all beads are in free flight and separating {at}; {so_far}",
         "time reached": f"stopped as requested {at}; {so_far}",

@@ -52,7 +52,8 @@ class RunTable(Frozen):
         Reasons why chains failed, by their index; empty if none did.
     complete : ndarray of bool, shape (C,)
         Whether the largest force on the right wall is complete, as `WallForce.complete`; if not,
-        ``wall_peak_force`` is NaN.
+        ``wall_peak_force`` is NaN.  Impulse of the impact and duration are NaN as long as the
+        impact has not ended.
     outside_range : ndarray of bool, shape (C,)
         Whether a chain of materials has left the range of Hertz's law in the leading pulse or at
         the right wall; in the whole run, if ``"largest_overlap"`` is kept.

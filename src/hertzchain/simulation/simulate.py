@@ -30,7 +30,6 @@ from .saved_times import check_memory_for, checked_times
 from .slow_run import slow_run_notice
 from .state import State, contacts_of, first_state
 from .time_scales import check_clock, check_length, transit_times
-from .wall_watch import CHECKS, FEW_CHECKS
 
 DEFAULT_RTOL: Final = 1e-13
 MIN_RTOL, MAX_RTOL = 1e-14, 1e-6
@@ -78,10 +77,11 @@ def simulate(
         The chain.
     until : float, optional
         Stop time [scaled, or s]; by default the last of the given ``times``.  If ``times`` is a
-        number, a chain with a right wall runs until the largest force on the wall is complete
-        (see `hertzchain.simulation.wall_bound`), which takes 1.5 to 10 transits of the pulse, and
-        at most ten transits.  Any other chain runs until the pulse has left, that is, until every
-        bead has passed its first velocity maximum.  Required for a drive without an end.
+        number, a chain with a right wall runs until the largest force on the wall is complete and
+        the impact has ended (see `hertzchain.simulation.wall_watch`), at most for ten transits of
+        the pulse or, on a soft wall, for the first transit and twice the time in which all beads,
+        moving as one, would rebound.  Any other chain runs until the pulse has left, that is, until
+        every bead has passed its first velocity maximum.  Required for a drive without an end.
     times : int or array_like
         Times at which to save the state: increasing numbers >= 0, or the number of evenly spaced
         times.  If ``until`` is given, exactly this number of times is saved, otherwise at most
@@ -329,8 +329,7 @@ def _integrate(
     progress = progress or slow_run_notice()
     going = _Integration(chain, start, frames, rtol, fixed)
     kernel, counts = going.kernel, going.counts
-    checks = CHECKS if fixed is None or until is None else FEW_CHECKS
-    end = RunEnd(chain, going.state.arrays, until, checks)
+    end = RunEnd(chain, going.state.arrays, until, fixed=fixed is not None)
     first = int(counts[state_layout.STEPS])
     status: Status | None = None
     # A longer run resumes bit for bit from the state before the last, shortened step.

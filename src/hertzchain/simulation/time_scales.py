@@ -31,6 +31,17 @@ def check_clock(chain: Chain) -> None:
         )
 
 
+def rebound_time(chain: Chain, momentum: float) -> float:
+    """Time in which all beads, moving as one with a momentum, rebound from the right wall.
+
+    It is half a period of their mass on the wall; 0 without momentum, or without this wall.
+    """
+    if chain.right_wall is None or not momentum > 0.0:
+        return 0.0
+    mass, p = float(chain.masses.sum()), float(chain.contact_exponents[-1])
+    return 2.0 * float(compression_time(mass, chain.wall_stiffness[1], momentum / mass, p))
+
+
 def typical_speed(chain: Chain) -> float:
     """Estimate the largest speed from initial velocities and drive, or else from static forces."""
     fastest = float(np.abs(chain.velocities).max())

@@ -68,7 +68,7 @@ class Trajectory(ShortDir):
     _walls: Array = field(metadata=scale(ROW_SCALES["walls"]))
     _impulses: Array = field(metadata=scale("momentum"))
     _completion: Array = field(metadata=scale(ROW_SCALES["completion"]))
-    _approaches: Array = field(metadata=scale(("momentum", "energy", "force", "force")))
+    _approaches: Array = field(metadata=scale(("momentum", "energy", "force", "force", "time")))
     _complete: Array
 
     @cached_property

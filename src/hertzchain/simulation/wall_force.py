@@ -10,21 +10,24 @@ from ..chain.chain import Chain
 from ..collision import Array
 from ..representation import counted, measure, short
 from .wall_bound import motion_can_escape
+from .wall_watch import HELD
 
 Side = Literal["left", "right"]
 SIDES: Final[tuple[Side, ...]] = ("left", "right")
+# Relative excess of a sufficient time, which messages round.
+MARGIN: Final = 0.02
 
 
 @dataclass(frozen=True, eq=False)
 class WallForce:
     """The force on one wall.
 
-    The peak is complete if the force on the wall has fallen to 0.1% of it and no stronger impact
-    is expected.  If the other end of the chain is free and no constant force pushes the beads
-    towards the wall, the conservation of energy and momentum proves that no later force exceeds
-    it (`hertzchain.simulation.wall_bound`).  Otherwise it is an estimate: the motion towards the
-    wall has not been able to exceed the peak for half a transit of the pulse, but the beads can
-    return, and a later impact may be stronger.  Between two walls the pulse returns repeatedly,
+    If the other end of the chain is free and no constant force pushes the beads towards the wall,
+    the peak is complete as soon as the conservation of energy and momentum proves that no later
+    force exceeds it (`hertzchain.simulation.wall_bound`).  Otherwise it is an estimate: the force
+    has fallen to 0.1% of the peak, and the motion towards the wall has not been able to exceed the
+    peak for half a transit of the pulse, but the beads can return, and a later impact may be
+    stronger.  Between two walls the pulse returns repeatedly,
     and the peak of a run without ``until`` is usually that of its first passage.  In a
     precompressed chain without losses, contacts do not open, waves may add up at any later time,
     and the peak usually remains incomplete: use ``largest_so_far``.
@@ -45,10 +48,11 @@ class WallForce:
         Whether `bound` holds at all later times.  If so, no later force exceeds a complete peak;
         otherwise a later impact may be stronger.
     reason : str
-        Why the peak is not complete; empty if it is complete.
+        Why the peak is not complete, or why the impact has not ended; empty otherwise.
     complete_since : float or None
         End of the impact: time at which the force had fallen to 0.1% of the peak and the motion
-        towards the wall could not exceed it; `None` if the peak is not complete.
+        towards the wall could not exceed it; `None` if the peak is not complete or the impact has
+        not ended, as on a soft wall that is still loaded.
     largest_so_far, largest_so_far_time : float
         Largest force of the run and its time, complete or not.
     bound : float
@@ -60,7 +64,7 @@ class WallForce:
     touches : int
         Number of separate contacts with the wall until ``complete_since``, or so far.
     impulse_of_impact : float
-        Impulse on the wall until ``complete_since``; NaN if the peak is not complete.
+        Impulse on the wall until ``complete_since``; NaN if this is `None`.
     first_contact_end, first_contact_impulse : float or None
         End of the first contact, and its impulse; `None` before that.  Pushes by less than 1e-9
         of the momentum are ignored.  With a very stiff wall, many short contacts follow.
@@ -94,7 +98,7 @@ class WallForce:
 
     @property
     def duration(self) -> float:
-        """Impulse of the impact over its largest force [scaled, or s]; NaN if incomplete.
+        """Impulse of the impact over its largest force [scaled, or s]; NaN if it has not ended.
 
         This is an effective duration.  A single contact lasts longer, by a factor of about 1.6 if
         its force is a half sine; an impact of several contacts may have a much shorter peak.
@@ -115,7 +119,9 @@ class WallForce:
         if self.complete:
             known = "" if self.proven else " so far"
             peak = f"peak{known} {at(self.peak, self.peak_time)}, {self._later}"
-            impact = f"{measure(self.impulse_of_impact, 'N s', self.units)} of the impact"
+            impact = self.reason
+            if not impact:
+                impact = f"{measure(self.impulse_of_impact, 'N s', self.units)} of the impact"
             return short("WallForce", f"{self.side} wall", peak, f"{impulse}, {impact}", touches)
         largest = f"largest so far {at(self.largest_so_far, self.largest_so_far_time)}"
         return short(
@@ -143,16 +149,22 @@ def wall_force_of(
     from ..kernels import state_layout
 
     i = SIDES.index(side)
-    done, ended = bool(complete[i]), walls[state_layout.FIRST_END, i] > 0.0
+    done, opened = bool(complete[i]), walls[state_layout.FIRST_END, i] > 0.0
     peak, time = (
         float(walls[state_layout.WALL_PEAK, i]),
         float(walls[state_layout.WALL_PEAK_TIME, i]),
     )
-    momentum, energy, bound, force = map(float, approaches[:, i])
+    momentum, energy, bound, force = map(float, approaches[:4, i])
     transit, since = map(float, completion[[state_layout.TRANSIT, state_layout.SINCE], i])
     over = transit == 0.0 and float(completion[state_layout.WATCH_START, i]) > 0.0
     proven = over or motion_can_escape(chain, i)
-    reason = "" if done else _reason(chain, peak, bound, energy, force, proven, since, transit)
+    ended = done and since > 0.0
+    reason = ""
+    if not done:
+        reason = _reason(chain, peak, bound, energy, force, proven, since, transit)
+    elif not ended:
+        loaded = f"the wall is still loaded with {measure(force, 'N', chain.units)}"
+        reason = "the impact has not ended: " + (loaded if force else "beads may still reach it")
     return WallForce(
         side=side,
         times=trace[0],
@@ -162,18 +174,18 @@ def wall_force_of(
         complete=done,
         proven=proven,
         reason=reason,
-        complete_since=since if done else None,
+        complete_since=since if ended else None,
         largest_so_far=peak,
         largest_so_far_time=time,
         bound=bound,
         momentum_on_its_way=momentum,
         energy_on_its_way=energy,
         touches=int(
-            (completion[state_layout.IMPACT_TOUCHES] if done else walls[state_layout.TOUCHES])[i]
+            (completion[state_layout.IMPACT_TOUCHES] if ended else walls[state_layout.TOUCHES])[i]
         ),
-        impulse_of_impact=float(completion[state_layout.IMPACT_IMPULSE, i]) if done else math.nan,
-        first_contact_end=float(walls[state_layout.FIRST_END, i]) if ended else None,
-        first_contact_impulse=float(walls[state_layout.FIRST_IMPULSE, i]) if ended else None,
+        impulse_of_impact=float(completion[state_layout.IMPACT_IMPULSE, i]) if ended else math.nan,
+        first_contact_end=float(walls[state_layout.FIRST_END, i]) if opened else None,
+        first_contact_impulse=float(walls[state_layout.FIRST_IMPULSE, i]) if opened else None,
         impulse=float(impulses[i]),
         units=chain.units,
     )
@@ -209,17 +221,42 @@ def _reason(
     )
 
 
-def incomplete_peak(wall: WallForce, end: float, *, persistent: bool = False) -> str:
+def later_ends(
+    side: Side, completion: Array, approaches: Array, chain: Chain
+) -> tuple[float, float]:
+    """End of a run that suffices if no larger force follows, and latest end without a given one.
+
+    NaN if they are not known.
+    """
+    from ..kernels import state_layout
+
+    i = SIDES.index(side)
+    transit, since = map(float, completion[[state_layout.TRANSIT, state_layout.SINCE], i])
+    estimated = since > 0.0 and not motion_can_escape(chain, i)
+    enough = since + (1.0 + MARGIN) * HELD * transit if estimated else math.nan
+    return enough, float(approaches[-1, i]) if side == "right" else math.nan
+
+
+def incomplete_peak(
+    wall: WallForce, end: float, ends: tuple[float, float], *, persistent: bool = False
+) -> str:
     """State in a sentence why the peak on a wall is not complete.
 
-    ``persistent`` states that the chain is precompressed and without losses.
+    ``ends`` are those of `later_ends`; ``persistent`` states that the chain is precompressed and
+    without losses.
     """
+    longer, (enough, last) = "simulate for longer", ends
+    if enough > end:
+        longer += f", until t = {measure(enough, 's', wall.units, digits=6)}"
+    elif last > end:
+        latest = measure(last, "s", wall.units, digits=4)
+        longer += f" (without until, a run ends by itself, at t = {latest} at the latest)"
     until = measure(end, "s", wall.units, digits=6)
     if not wall.largest_so_far:
         found = f"the {wall.side} wall was not reached before t = {until}"
-        return f"{found}, and {wall.reason}; simulate for longer" if wall.bound else found
+        return f"{found}, and {wall.reason}; {longer}" if wall.bound else found
     largest = measure(wall.largest_so_far, "N", wall.units, digits=6)
-    advice = "simulate for longer, or use largest_so_far"
+    advice = f"{longer}, or use largest_so_far"
     if persistent:
         advice = (
             "waves in a precompressed chain without losses do not decay: use largest_so_far, or "

@@ -1,19 +1,23 @@
 """Criterion for a complete peak of the force on a wall, which also ends a run.
 
-The impact on a wall has ended when the force on it has fallen to 0.1% of its peak, without the
-static force, and the motion towards the wall cannot exceed the peak (the estimate of
-`hertzchain.simulation.wall_bound`).  The contact with the wall need not have opened.
+If motion can escape at the other end of the chain, the peak is complete as soon as the bound of
+`hertzchain.simulation.wall_bound` proves that no later force exceeds it.
 
-If motion can escape at the other end of the chain, the peak is complete when it is proven by the
-bound of the same module that no later force exceeds it.  Otherwise it is complete when the impact
-has ended and the estimate has not exceeded the peak for half a transit since then, where a transit
-is the time that the pulse took to pass the chain.  This rule is empirical, and it starts again if
-a larger force follows.
+The impact on a wall has ended when the force on it has fallen to 0.1% of its peak, without the
+static force, and the motion towards the wall cannot exceed the peak (the estimate of the same
+module).  The contact with the wall need not have opened.  If motion cannot escape, the peak is
+complete when the impact has ended and the estimate has not exceeded the peak for half a transit
+since then, where a transit is the time that the pulse took to pass the chain.  This rule is
+empirical, and it starts again if a larger force follows.
 
 Without a given end, a run continues until the peak is complete and half a transit has passed since
-the end of the impact.  Walls are watched from the end of the first transit on, or from the end of
-the drive, at fixed times between the calls of the compiled loop.  The array ``completion`` of the
-state stores the result; a resumed run therefore gives the same result.
+the end of the impact, or until `WallWatch.last`: ten transits or, on a soft wall, the first transit
+and twice the time in which all beads, moving as one with the momentum of the impact, would rebound
+from the wall.
+
+Walls are watched from the end of the first transit on, or from the end of the drive, at fixed times
+between the calls of the compiled loop.  The array ``completion`` of the state stores the result; a
+resumed run therefore gives the same result.
 """
 
 from __future__ import annotations
@@ -27,13 +31,17 @@ from ..chain.chain import Chain
 from ..collision import Array
 from ..kernels import state_layout
 from .budget import overlaps_of, stored_energy
-from .time_scales import transit_times
+from .time_scales import rebound_time, transit_times
 from .wall_bound import RIGHT, Approach, Target, wall_targets
 
-# Time for which the bound must have been below the peak, and maximum length of a run, in transits;
-# number of checks per transit.
+# Time for which the bound must have been below the peak, in transits.
 HELD: Final = 0.5
+# Maximum length of a run in transits, or in rebounds of the whole chain from a soft wall, but not
+# more than MOST_TRANSITS.  Impacts on soft walls end after up to 1.3 rebounds.
 MAX_TRANSITS: Final = 10
+MAX_REBOUNDS: Final = 2.0
+MOST_TRANSITS: Final = 500
+# Number of checks per transit.
 CHECKS: Final = 16
 # Checks per transit of a run by fixed steps to a given time, which may be very long.
 FEW_CHECKS: Final = 2
@@ -43,13 +51,18 @@ ROUNDING, RELEASED = 1e-9, 1e-3
 
 
 class WallWatch:
-    """The walls of a chain during a run; ``arrays`` are the arrays of its state."""
+    """The walls of a chain during a run; ``arrays`` are the arrays of its state.
 
-    def __init__(self, chain: Chain, arrays: dict[str, Array], checks: int = CHECKS) -> None:
+    Steps are ``fixed``, or adapted to the motion.
+    """
+
+    def __init__(
+        self, chain: Chain, arrays: dict[str, Array], checks: int = CHECKS, *, fixed: bool = False
+    ) -> None:
         self.targets = wall_targets(chain)
         self.chain, self.arrays, self.rest = chain, arrays, chain.static_state.positions
         self.clock, self.walls = arrays["clock"], arrays["walls"]
-        self.completion, self.checks = arrays["completion"], checks
+        self.completion, self.checks, self.fixed = arrays["completion"], checks, fixed
         self.cut_off = np.zeros(chain.beads + 1, bool)
         for group in chain.contact_groups:
             self.cut_off[group.index] = not group.law.row(group.contacts.exponent).attractive
@@ -125,16 +138,36 @@ class WallWatch:
 
     def _set_due(self) -> None:
         """Set the next check to the first one after the next step."""
-        time, spacing = self.time + float(self.clock[state_layout.STEP]), self.transit / self.checks
+        spacing = self.transit / self.checks
+        if not self.fixed:
+            # After free flight the predicted step may be longer than many transits.  It would be
+            # reduced at the next collision, but the next check would remain late.
+            self.clock[state_layout.STEP] = min(self.clock[state_layout.STEP], spacing)
+        time = self.time + float(self.clock[state_layout.STEP])
         number = max(0, math.floor((time - self.start) / spacing)) + 1
         self.completion[state_layout.DUE] = max(
             self.start + number * spacing, math.nextafter(time, math.inf)
         )
 
     @property
+    def momentum(self) -> float:
+        """Momentum towards the right wall at time 0 or, after a drive, that which it has given."""
+        chain = self.chain
+        if chain.velocities.any():
+            return float(chain.masses @ np.maximum(chain.velocities, 0.0))
+        return float(chain.masses @ self._velocities + self._impulse(RIGHT))
+
+    @property
+    def last(self) -> float:
+        """Time at which a run without a given end stops at the latest."""
+        rebounds = MAX_REBOUNDS * rebound_time(self.chain, self.momentum)
+        shortest, longest = ((most - 1) * self.transit for most in (MAX_TRANSITS, MOST_TRANSITS))
+        return self.start + min(max(shortest, rebounds), longest)
+
+    @property
     def expired(self) -> bool:
-        """Whether MAX_TRANSITS have passed, and half a transit since the end of the impact."""
-        late = self.time >= self.start + (MAX_TRANSITS - 1) * self.transit
+        """Whether the longest run has ended, and half a transit since the end of the impact."""
+        late = self.time >= self.last
         return late and (self.completion[state_layout.SINCE, RIGHT] == 0.0 or self.held(RIGHT))
 
     def check(self, forces: Array) -> None:
@@ -170,13 +203,16 @@ class WallWatch:
         return approach.bound <= (1.0 + ROUNDING) * peak
 
     def _note(self, side: int) -> None:
-        """Record that a peak is complete from now on, unless it was before."""
+        """Record that the impact on a wall has ended, unless it had before."""
+        if self.completion[state_layout.SINCE, side] == 0.0:
+            impulse, touches = self._impulse(side), self.walls[state_layout.TOUCHES, side]
+            self.completion[state_layout.SINCE :, side] = self._mark, impulse, touches
+
+    def _impulse(self, side: int) -> float:
+        """Impulse on a wall so far."""
         from ..kernels.forces import LEFT_IMPULSE
 
-        if self.completion[state_layout.SINCE, side] == 0.0:
-            impulse = self.arrays["y"][2 * self.chain.beads + LEFT_IMPULSE + side]
-            touches = self.walls[state_layout.TOUCHES, side]
-            self.completion[state_layout.SINCE :, side] = self._mark, impulse, touches
+        return float(self.arrays["y"][2 * self.chain.beads + LEFT_IMPULSE + side])
 
     def _restart(self) -> None:
         """Forget ends of impacts that a larger force has followed."""
@@ -211,17 +247,18 @@ class WallWatch:
         return since > 0.0 and self._mark - since >= HELD * self.transit
 
     def ends_run(self, forces: Array) -> bool:
-        """Whether the peak on the right wall is complete, half a transit after the impact."""
-        if not self.held(RIGHT):
+        """Whether the peak on the right wall is complete, and enough time has passed."""
+        if not (self.held(RIGHT) or self.expired):
             return False
         overlaps, target = self._overlaps(), self.targets[-1]
         return self.complete(target, self.reach(target, overlaps, self._stored(overlaps, forces)))
 
     def complete(self, target: Target, reach: Approach) -> bool:
         """Whether the peak on a wall is complete, given the motion that can reach it."""
-        ended = self.completion[state_layout.SINCE, target.side] > 0.0
-        enough = bool(ended) if target.can_escape else self.held(target.side)
-        return enough and self.bounded(target.side, reach)
+        if not target.can_escape:
+            return self.held(target.side) and self.bounded(target.side, reach)
+        known = self.closed or float(self.walls[state_layout.WALL_PEAK, target.side]) > 0.0
+        return known and not self.driven and self.bounded(target.side, reach)
 
     def reaches(self, forces: Array) -> list[Approach]:
         """The motion that can reach each wall; close if there is none, and note ends of impacts."""

@@ -48,7 +48,7 @@ _WALL: Final = (
     _number("stiffness", "stiffness of its contact", "stiffness", above=0.0),
     _number("gap", "distance to the bead at time 0", "length", default=0.0, least=0.0),
     _number(
-        "exponent", "exponent of its contact; the chain's if omitted", above=1.0, most=MAX_EXPONENT
+        "exponent", "exponent of its contact; the chain's if omitted", least=1.0, most=MAX_EXPONENT
     ),
     Key("loss", "law", "law of loss of its contact; the chain's if omitted"),
 )

@@ -11,7 +11,7 @@ import numpy as np
 from .. import __version__
 from ..chain.chain import Chain
 from ..collision import HERTZ_EXPONENT, Array
-from ..errors import IncompleteWarning, InputError, ModelRangeWarning, SimulationError
+from ..errors import IncompleteWarning, InputError, ModelRangeWarning, SimulationError, warn_user
 from ..propagation.propagate import propagate_many
 from ..pulse.notes import notes_in_words
 from ..pulse.pulse import Pulse
@@ -28,6 +28,8 @@ from .plan import Index, Plan, plan_of
 SIMULATED_TOGETHER = {
     "wall_peak_force", "wall_peak_time", "wall_largest_so_far", "wall_first_contact_impulse",
 }  # fmt: skip
+# Quantities that are known when the impact has ended, which may be later than the peak is complete.
+IMPULSES = {"wall_impulse_of_impact", "wall_duration"}
 
 Stop = Callable[[], bool]
 
@@ -55,7 +57,8 @@ class Result:
     outside_range : ndarray of int, shape (points, methods)
         1 where the method warned that it is used outside its range.
     incomplete : ndarray of int, shape (points, methods)
-        1 where the largest force on the wall is incomplete.
+        1 where the largest force on the wall is incomplete, or where its impulse is kept and the
+        impact has not ended.
     beads : ndarray of int, shape (points,)
         Number of beads; 0 if the chain cannot be made.
     """
@@ -243,6 +246,8 @@ class _Batch:
         wanted = [name for name in self.single if name in WALL_QUANTITIES]
         if wanted:
             wall = run.wall_force("right")
+            if wall.complete and wall.complete_since is None and IMPULSES.intersection(wanted):
+                warn_user(wall.reason, IncompleteWarning)
             for name in wanted:
                 value = getattr(wall, WALL_QUANTITIES[name].attribute)
                 self.single[name][row, place] = np.nan if value is None else value

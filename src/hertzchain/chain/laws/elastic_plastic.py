@@ -36,7 +36,8 @@ class ElasticPlastic(Loss, name="elastic-plastic"):
         F = F_y + \pi p_y R\,(d - d_y) \ (d > d_y), \qquad
         d_y = R \left(\frac{\pi p_y}{2 E^*}\right)^2 ,
 
-    where R and :math:`E^*` are the effective radius and modulus.  Below the largest overlap so far,
+    where R is the effective radius and :math:`E^*` the effective modulus that the stiffness
+    :math:`k = \frac43 E^* \sqrt{R}` implies.  Below the largest overlap so far,
     :math:`d_m` with force :math:`F_m`, the contact unloads and reloads as a Hertz contact of the
     larger radius :math:`R_p`, and opens at the dent :math:`d_p`:
 

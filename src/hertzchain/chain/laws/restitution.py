@@ -10,7 +10,7 @@ import numpy as np
 from ...collision import HERTZ_EXPONENT, Array
 from ...kernels.law_kinds import DAMPED, LawRow
 from ...validation.keywords import checked_fields, checked_methods
-from ..input_checks import checked_exponent
+from ..input_checks import checked_wall_exponent
 from .base import ContactArrays, ContactsAtRest, Loss, may_pull, parameter
 
 
@@ -88,7 +88,7 @@ class Restitution(Loss, name="restitution"):
         >>> hc.Restitution(1.0).damping()
         0.0
         """
-        return math.sqrt(2.0 * (checked_exponent(exponent) + 1.0)) * self.damping_ratio
+        return math.sqrt(2.0 * (checked_wall_exponent(exponent) + 1.0)) * self.damping_ratio
 
     def row(self, exponent: float) -> LawRow:
         return LawRow(DAMPED, overlap_power=0.5 * (exponent - 1.0), attractive=self.attractive)

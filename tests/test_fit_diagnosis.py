@@ -165,7 +165,7 @@ def test_the_advised_lag_is_that_of_another_fit():
     value, error = map(float, re.findall(r"with lag = (\S+) \+- (\S+) us", advice)[0])
     assert abs(value - 2.0) < 3.0 * error < 0.6
     again = hc.fit(data, chain(), free=[*FREE, "lag"])
-    assert dict(again.rows())["lag"] == f"{value:g} +- {error:g} us"
+    assert f"with lag = {dict(again.rows())['lag']}, " in advice
     # The shift is that between both fits, too.
     shift = abs(again.values["loss.time"] - result.values["loss.time"]) / result.errors["loss.time"]
     assert f"loss.time moves by {shift:.1f} sigma" in advice

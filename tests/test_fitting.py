@@ -105,7 +105,7 @@ def test_the_verdict_names_an_uncertain_noise(example):
 @pytest.mark.parametrize(
     ("uncertainty", "words"),
     [
-        (0.11, "15 standard deviations more than expected: the model does not describe the data"),
+        (0.11, ", far more than expected: the model does not describe the data"),
         (0.25, "7 standard deviations more than expected: the model does not describe the data"),
         (0.35, "cannot be decided, because chi2 is known to +-35% only"),
         (0.60, "cannot be decided, because chi2 is known to +-60% only"),

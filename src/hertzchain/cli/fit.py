@@ -72,7 +72,8 @@ def fit(
     table [fit] of the chain file names free parameters and priors.
 
     The exit code is 1 if the search does not converge, and 3 if the model does not describe the
-    data within their noise.
+    data within their noise.  If --defects finds a gap, the fit with it is printed first, and exit
+    code, --out, --plot and --sample are those of this fit.
 
     \b
     Examples:
@@ -91,7 +92,7 @@ def fit(
     with _simulations() as progress:
         result = hertzchain.fit(traces, files[-1], starts=starts, progress=progress, **settings)
     document = result.as_dict()
-    lines = [result.summary()]
+    lines = []
     if laws is not None:
         with progress_bar("laws fitted") as progress:
             compared = hertzchain.compare_losses(
@@ -101,7 +102,9 @@ def fit(
         document["comparison"] = compared.as_dict()
         lines.append(compared.summary())
     if defects:
-        lines += _defects(result, document)
+        result, found = _defects(result, document)
+        lines += found
+    lines.insert(0, result.summary())
     posterior = None
     if sample is not None:
         with progress_bar("steps of the walkers", rate=True) as progress:
@@ -126,8 +129,8 @@ def fit(
     return DONE if result.describes else OUTSIDE_TOLERANCE
 
 
-def _defects(result: FitResult, document: dict[str, Any]) -> list[str]:
-    """Scan for a gap and fit it if there is one; return lines to print, and add to the document."""
+def _defects(result: FitResult, document: dict[str, Any]) -> tuple[FitResult, list[str]]:
+    """Scan for a gap and fit it if there is one; return the last fit and lines to print."""
     import hertzchain
 
     with progress_bar("contacts tried") as progress:
@@ -137,11 +140,12 @@ def _defects(result: FitResult, document: dict[str, Any]) -> list[str]:
         for name, size, gained in zip(scan.names, scan.sizes, scan.improvements, strict=True)
     ]
     if not scan.found:
-        return [repr(scan)]
+        return result, [repr(scan)]
     with progress_bar("defects fitted") as progress:
         with_defect = scan.fit(progress=progress)
     document["fit_with_defect"] = with_defect.as_dict()
-    return [repr(scan), with_defect.summary()]
+    gap = with_defect.names[-1]
+    return with_defect, [repr(scan), f"without {gap}: {result.verdict}"]
 
 
 @contextmanager

@@ -11,7 +11,7 @@ import psutil
 
 from ..collision import Array
 from ..errors import InputError, SimulationError
-from ..representation import short
+from ..representation import short, with_error
 from ..validation.numbers import whole_number
 from ..validation.objects import callback
 
@@ -110,7 +110,7 @@ class Posterior:
 
     def __repr__(self) -> str:
         rows = ", ".join(
-            f"{name} = {self.means[name]:.5g} +- {self.errors[name]:.2g}" for name in self.names
+            f"{name} = {with_error(self.means[name], self.errors[name])}" for name in self.names
         )
         length = ""
         if not self.long_enough:

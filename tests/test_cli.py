@@ -340,6 +340,21 @@ def test_two_beads_can_be_compared(run):
     assert "BCA against" in out
 
 
+@pytest.mark.parametrize("simulation", ["propagate", "simulate"])
+def test_theories_are_compared_with_the_simulation_whatever_the_order(run, simulation):
+    names = {"propagate": "propagation", "simulate": "simulation"}
+    methods = ("--method", "bca", "--method", simulation, "--method", "local-rate")
+    shown = run("pulse", "--beads", 9, *methods).stdout
+    found = re.findall(r"^(.+) against (.+?), uniform", shown, re.MULTILINE)
+    assert found == [("BCA", names[simulation]), ("local-rate law", names[simulation])]
+    # Output for other programs has the order of the options.
+    rows = json.loads(run("pulse", "--beads", 9, *methods, "--json").stdout)["pulses"]
+    assert [each["method"] for each in rows] == ["BCA", names[simulation], "local-rate law"]
+    # Without a simulation, the first is the reference.
+    shown = run("pulse", "--beads", 9, "--method", "local-rate", "--method", "bca").stdout
+    assert "BCA against local-rate law, uniform" in shown
+
+
 def test_a_closed_pipe_is_no_failure_of_ours():
     script = "from hertzchain.cli import main; main()"
     done = subprocess.run(

@@ -13,6 +13,7 @@ from .exit_codes import DONE, FAILED, OUTSIDE_TOLERANCE
 from .options import as_typed, check_writable, figure_option, json_option, names_from
 from .output import save_figure, show_json
 from .progress import progress_bar
+from .wording import on_command_line
 
 if TYPE_CHECKING:
     from ..fitting.result import FitResult
@@ -123,7 +124,7 @@ def fit(
 
         show_json({"schema_version": results.SCHEMA_VERSION} | document)
     else:
-        click.echo("\n\n".join(lines))
+        click.echo(on_command_line("\n\n".join(lines)))
     if not result.converged:
         return FAILED
     return DONE if result.describes else OUTSIDE_TOLERANCE

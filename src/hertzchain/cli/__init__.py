@@ -18,6 +18,7 @@ from . import (
     app,
     calibrate,
     cite,
+    compare,
     design,
     fit,
     pulse,
@@ -38,7 +39,7 @@ GROUPS: Final = {
     "See": (app.app,),
     "Simulate and predict": (simulate.simulate, pulse.pulse),
     "Design": (design.design, sensitivity.sensitivity, scatter.scatter),
-    "Fit": (fit.fit,),
+    "Measured traces": (compare.compare, fit.fit),
     "Sweeps": (sweep.sweep,),
     "The paper and other known results": (
         reproduce.reproduce, scoreboard.scoreboard, calibrate.calibrate, verify.verify, cite.cite,

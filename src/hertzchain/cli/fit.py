@@ -10,7 +10,15 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from .exit_codes import DONE, FAILED, OUTSIDE_TOLERANCE
-from .options import as_typed, check_writable, figure_option, json_option, names_from
+from .options import (
+    as_typed,
+    check_writable,
+    figure_option,
+    json_option,
+    names_from,
+    sensors_from,
+    sensors_option,
+)
 from .output import save_figure, show_json
 from .progress import progress_bar
 from .wording import on_command_line
@@ -21,6 +29,7 @@ if TYPE_CHECKING:
 
 @click.command()
 @click.argument("files", nargs=-1, required=True, type=click.Path(path_type=Path))
+@sensors_option
 @click.option(
     "--free",
     multiple=True,
@@ -62,9 +71,9 @@ if TYPE_CHECKING:
 )
 @json_option()
 def fit(
-    files: tuple[Path, ...], free: tuple[str, ...], priors: tuple[str, ...], starts: int,
-    laws: str | None, defects: bool, sample: int | None, plot: Path | None, out: Path | None,
-    as_json: bool,
+    files: tuple[Path, ...], sensors: tuple[str, ...], free: tuple[str, ...],
+    priors: tuple[str, ...], starts: int, laws: str | None, defects: bool, sample: int | None,
+    plot: Path | None, out: Path | None, as_json: bool,
 ) -> int:  # fmt: skip
     """Fit a chain and its sensors to measured traces.
 
@@ -80,6 +89,7 @@ def fit(
     Examples:
       hertzchain fit data.csv experiment.toml
       hertzchain fit fast.csv slow.csv experiment.toml --plot fit.png --out fitted.toml
+      hertzchain fit scope.csv experiment.toml --sensor CH1=wall
       hertzchain fit data.csv experiment.toml --free stiffness --free loss.time --laws all
     """
     import hertzchain
@@ -87,7 +97,7 @@ def fit(
     if len(files) < 2:
         raise click.UsageError("give at least one CSV file of traces and, last, the chain file")
     check_writable(out, "--out", (".toml",))
-    traces = hertzchain.load_traces(*files[:-1])
+    traces = hertzchain.load_traces(*files[:-1], sensors=sensors_from(sensors))
     known = dict(_prior(text) for text in priors)
     settings: dict[str, Any] = {"free": list(free) or None, "priors": known}
     with _simulations() as progress:

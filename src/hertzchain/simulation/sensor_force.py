@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from ..chain.bead_names import bead_number
+from ..chain.bead_names import bead_number, wall_number
 from ..collision import Array
 from ..errors import IncompleteWarning, InputError, warn_user
 from ..representation import measure, short, with_error
@@ -116,6 +116,12 @@ def sensor_force_of(self: Trajectory, bead: int | str) -> SensorForce:
     >>> sensor.first_maximum_time < 15.0 and sensor.largest_so_far >= sensor.first_maximum
     True
     """
+    if (wall := wall_number(self.chain, bead)) is not None:
+        side = "left" if wall == 0 else "right"
+        raise InputError(
+            f"sensor_force is the force in a bead, got {bead!r}; run.wall_force({side!r}) is that "
+            "on the wall, with its peak"
+        )
     bead = bead_number(self.chain, bead)
     found = sensor_maxima(self, bead)
     if math.isnan(found.first_maximum):

@@ -545,6 +545,14 @@ def test_command_line_lists_waves(run):
     assert code == 0
     assert "waves: 1 to the right, 0 to the left" in out
     assert "1..39" in out
+    chain = ("--material", "steel-52100", "--diameter", "10 mm", "--beads", 20, "--wall", "same")
+    si = ("simulate", *chain, "--speed", "0.1 m/s", "--until", "1 ms", "--waves")
+    out, found = run(*si).stdout, json.loads(run(*si, "--json").stdout)["waves"]
+    assert "times [us]" in out
+    assert "width [us]" in out
+    first = found[0]
+    assert f"{1e6 * first['first_time']:.4g}..{1e6 * first['last_time']:.4g} " in out
+    assert f" {1e6 * first['width']:.4g} " in out
     code, out, _ = run("simulate", "--beads", 40, "--until", 60, "--waves", "--json")
     (wave,) = json.loads(out)["waves"]
     assert wave["direction"] == "right"

@@ -32,7 +32,9 @@ def chain(**fields):
 
 
 @functools.cache
-def forces(spacing=SPACING, gap=0.0, behind=8, exponent=1.5, static=0.0, velocity=VELOCITY, heavier=1.0):
+def forces(
+    spacing=SPACING, gap=0.0, behind=8, exponent=1.5, static=0.0, velocity=VELOCITY, heavier=1.0
+):
     """Forces of the sensors after the impact, by name."""
     count = BALLS + 1
     masses = np.full(count, DENSITY * 4.0 / 3.0 * math.pi * RADIUS**3)

@@ -124,7 +124,9 @@ def test_strikers_of_files_are_not_doubled(run, file):
 def test_messages_have_the_words_of_the_command_line(run):
     err = run("simulate", *BALLS).stderr
     assert "use the loss law elastic-plastic\n" in err
-    err = run("simulate", *BALLS, "--wall", "same", "--speed", "0.1 m/s", "--until", "200 us").stderr
+    err = run(
+        "simulate", *BALLS, "--wall", "same", "--speed", "0.1 m/s", "--until", "200 us"
+    ).stderr
     assert "the largest until" in err
     assert "use the largest force so far" in err
     err = run("simulate", "--beads", 20, "--max-steps", 20).stderr

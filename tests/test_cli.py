@@ -676,7 +676,10 @@ def test_simulate_compares_several_chain_files(run, tmp_path):
     code, out, _ = run("simulate", *files, "--plot", picture, "--sensor", "ball 2")
     assert code == 0
     assert "equal: 4 steel-52100 beads, diameter 10 mm, right wall, impact at 0.2 m/s\n" in out
-    assert "tapered: 4 steel-52100 beads, diameters 10 mm to 6 mm, right wall, impact at 0.2 m/s\n" in out
+    assert (
+        "tapered: 4 steel-52100 beads, diameters 10 mm to 6 mm, right wall, impact at 0.2 m/s\n"
+        in out
+    )
     drawn = picture.read_text()
     assert all(f"<!-- {name}, right wall -->" in drawn for name in ("equal", "tapered"))
     found = json.loads(run("simulate", *files, "--json")[1])["runs"]

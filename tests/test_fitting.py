@@ -549,7 +549,7 @@ def test_columns_of_an_oscilloscope_are_given_places(tmp_path):
     assert wall.values.max() == pytest.approx(20e3)
     assert ball.values.max() == pytest.approx(20e-3)
     assert hc.load_traces(file, sensors={"Force": "wall"}).names == ("wall",)
-    with pytest.raises(hc.InputError, match=r"give load_traces sensors=\{'force': 'wall'\}"):
+    with pytest.raises(hc.InputError, match=r"give load_traces sensors=\{'Force': 'wall'\}"):
         hc.load_traces(file)
     with pytest.raises(hc.InputError, match="no column 'ch3'; the file has force, ch2"):
         hc.load_traces(file, sensors={"CH3": "wall"})

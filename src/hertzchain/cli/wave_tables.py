@@ -37,7 +37,10 @@ def wave_table(waves: Waves) -> Table:
         table.add_column(escape(shown), justify="right", no_wrap=True)
     for row in rows:
         width = None if row["width"] is None else factor * row["width"]
-        numbers = (width if name == "width" else row[name] for name in ("amplitude", "momentum", "energy", "width", "speed"))
+        numbers = (
+            width if name == "width" else row[name]
+            for name in ("amplitude", "momentum", "energy", "width", "speed")
+        )
         table.add_row(
             row["direction"] + ("" if row["resolved"] else " *"),
             f"{row['first_contact']}..{row['last_contact']}",

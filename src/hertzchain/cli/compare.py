@@ -56,17 +56,22 @@ def compare(
     import hertzchain
 
     from ..fitting.settings import load_experiment
+    from ..validation.numbers import number
 
     data = _one_shot(hertzchain.load_traces(traces, sensors=sensors_from(sensors)), shot)
     data, (described,), _ = load_experiment(data, chain, hertzchain.load_traces)
     times = data.shots[0].times
-    end = float(times[-1] - times[0]) if until is None else as_typed(until)
+    end = float(times[-1] - times[0])
+    if until is not None:
+        end = number("--until", as_typed(until), unit="s", above=0.0)
     with progress_bar("beads passed") as progress:
         run = hertzchain.simulate(
             described, until=end, times=max(MIN_TIMES, len(times)), progress=progress
         )
-    offset = None if time_offset is None else as_typed(time_offset)
-    found = run.compare(data, time_offset=offset)  # type: ignore[arg-type]
+    offset = None
+    if time_offset is not None:
+        offset = number("--time-offset", as_typed(time_offset), unit="s")
+    found = run.compare(data, time_offset=offset)
     if plot is not None:
         save_figure(found.plot().axes[0], plot)
     if as_json:

@@ -242,13 +242,13 @@ def unit_notes(sensors: Sequence[SensorComparison]) -> list[str]:
 def order_notes(shot: Shot, columns: Sequence[Array], grid: Array) -> list[str]:
     """A note if the pulse arrives in another order than in the simulation."""
     least = SAME_TIME * float(np.median(np.diff(shot.times)))
-    arrivals = []
+    arrivals: list[tuple[Signal, float, float]] = []
     for signal, column in zip(shot.signals, columns, strict=True):
         ok = signal.valid | _saturated(signal)
         pairs = (shot.times[ok], (signal.values - level_of(signal))[ok]), (grid, column - column[0])
-        times = (_reached(each, values, HALF * _extreme(values)) for each, values in pairs)
+        seen, own = (_reached(each, values, HALF * _extreme(values)) for each, values in pairs)
         if abs(_extreme(pairs[0][1])) > ABOVE_NOISE * signal.sigma:
-            arrivals.append((signal, *times))
+            arrivals.append((signal, seen, own))
     for (one, seen, own), (two, seen_later, own_later) in itertools.combinations(arrivals, 2):
         measured, simulated = seen_later - seen, own_later - own
         same_kind = (one.place.quantity, one.unit) == (two.place.quantity, two.unit)

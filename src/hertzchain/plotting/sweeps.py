@@ -87,8 +87,8 @@ def plot_sweep(
     ------
     InputError
         If the quantity, a dimension or a value does not exist, if the number of remaining
-        dimensions, apart from the methods, is not 1 or 2, or if none of the points to plot is done or
-        has a value.
+        dimensions, apart from the methods, is not 1 or 2, or if none of the points to plot is done
+        or has a value.
 
     Warns
     -----

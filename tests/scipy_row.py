@@ -32,10 +32,13 @@ def chain(**fields):
 
 
 @functools.cache
-def forces(spacing=SPACING, gap=0.0, behind=8, exponent=1.5, static=0.0, velocity=VELOCITY):
+def forces(
+    spacing=SPACING, gap=0.0, behind=8, exponent=1.5, static=0.0, velocity=VELOCITY, heavier=1.0
+):
     """Forces of the sensors after the impact, by name."""
     count = BALLS + 1
-    mass = DENSITY * 4.0 / 3.0 * math.pi * RADIUS**3
+    masses = np.full(count, DENSITY * 4.0 / 3.0 * math.pi * RADIUS**3)
+    masses[[ball for ball in SENSORS.values() if ball is not None]] *= heavier
     softness = (1.0 - POISSON**2) / YOUNG
     inner = 4.0 / 3.0 / (2.0 * softness) * math.sqrt(RADIUS / 2.0)
     wall = 4.0 / 3.0 / (softness + (1.0 - POISSON**2) / WALL_YOUNG) * math.sqrt(RADIUS)
@@ -58,7 +61,7 @@ def forces(spacing=SPACING, gap=0.0, behind=8, exponent=1.5, static=0.0, velocit
     def derivatives(_, y):
         force = forces_of(y[:count], y[count:])
         push = np.concatenate(([static], force[:-1])) - force
-        return np.concatenate((y[count:], push / mass))
+        return np.concatenate((y[count:], push / masses))
 
     times = np.arange(0.0, 7e-4, spacing)
     start = np.concatenate((np.zeros(count), [velocity], np.zeros(count - 1)))

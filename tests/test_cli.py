@@ -340,6 +340,21 @@ def test_two_beads_can_be_compared(run):
     assert "BCA against" in out
 
 
+@pytest.mark.parametrize("simulation", ["propagate", "simulate"])
+def test_theories_are_compared_with_the_simulation_whatever_the_order(run, simulation):
+    names = {"propagate": "propagation", "simulate": "simulation"}
+    methods = ("--method", "bca", "--method", simulation, "--method", "local-rate")
+    shown = run("pulse", "--beads", 9, *methods).stdout
+    found = re.findall(r"^(.+) against (.+?), uniform", shown, re.MULTILINE)
+    assert found == [("BCA", names[simulation]), ("local-rate law", names[simulation])]
+    # Output for other programs has the order of the options.
+    rows = json.loads(run("pulse", "--beads", 9, *methods, "--json").stdout)["pulses"]
+    assert [each["method"] for each in rows] == ["BCA", names[simulation], "local-rate law"]
+    # Without a simulation, the first is the reference.
+    shown = run("pulse", "--beads", 9, "--method", "local-rate", "--method", "bca").stdout
+    assert "BCA against local-rate law, uniform" in shown
+
+
 def test_a_closed_pipe_is_no_failure_of_ours():
     script = "from hertzchain.cli import main; main()"
     done = subprocess.run(
@@ -530,6 +545,14 @@ def test_command_line_lists_waves(run):
     assert code == 0
     assert "waves: 1 to the right, 0 to the left" in out
     assert "1..39" in out
+    chain = ("--material", "steel-52100", "--diameter", "10 mm", "--beads", 20, "--wall", "same")
+    si = ("simulate", *chain, "--speed", "0.1 m/s", "--until", "1 ms", "--waves")
+    out, found = run(*si).stdout, json.loads(run(*si, "--json").stdout)["waves"]
+    assert "times [us]" in out
+    assert "width [us]" in out
+    first = found[0]
+    assert f"{1e6 * first['first_time']:.4g}..{1e6 * first['last_time']:.4g} " in out
+    assert f" {1e6 * first['width']:.4g} " in out
     code, out, _ = run("simulate", "--beads", 40, "--until", 60, "--waves", "--json")
     (wave,) = json.loads(out)["waves"]
     assert wave["direction"] == "right"
@@ -652,8 +675,11 @@ def test_simulate_compares_several_chain_files(run, tmp_path):
     files, picture = (tmp_path / "equal.toml", tmp_path / "tapered.toml"), tmp_path / "both.svg"
     code, out, _ = run("simulate", *files, "--plot", picture, "--sensor", "ball 2")
     assert code == 0
-    assert "equal: 4 steel-52100 beads, diameter 10 mm, right wall\n" in out
-    assert "tapered: 4 steel-52100 beads, diameters 10 mm to 6 mm, right wall\n" in out
+    assert "equal: 4 steel-52100 beads, diameter 10 mm, right wall, impact at 0.2 m/s\n" in out
+    assert (
+        "tapered: 4 steel-52100 beads, diameters 10 mm to 6 mm, right wall, impact at 0.2 m/s\n"
+        in out
+    )
     drawn = picture.read_text()
     assert all(f"<!-- {name}, right wall -->" in drawn for name in ("equal", "tapered"))
     found = json.loads(run("simulate", *files, "--json")[1])["runs"]

@@ -347,3 +347,17 @@ def test_trials_that_cannot_be_simulated_are_rejected_and_counted():
     found = hc.design(given, budget=200, method="evolution")
     assert found.rejected > 0
     assert "rejected" in found.summary()
+
+
+def test_a_search_without_any_result_does_not_block_a_corrected_file(file, tmp_path, run):
+    # The peak on a wall that no pulse reaches within this time is not known.
+    file.write_text(PROBLEM.replace("seed = 2", "seed = 2\nuntil = 1.0"))
+    failed = run(file)
+    assert failed.returncode == 2
+    assert "could be simulated with the required quantities" in failed.stderr
+    assert not list((tmp_path / "problem.design").glob("*.journal"))
+    file.write_text(PROBLEM)
+    corrected = run(file, "--json")
+    assert corrected.returncode == 0, corrected.stderr
+    fresh = run(file, "--json", "--store", "other")
+    assert json.loads(corrected.stdout)["radii"] == json.loads(fresh.stdout)["radii"]

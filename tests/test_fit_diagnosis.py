@@ -165,7 +165,7 @@ def test_the_advised_lag_is_that_of_another_fit():
     value, error = map(float, re.findall(r"with lag = (\S+) \+- (\S+) us", advice)[0])
     assert abs(value - 2.0) < 3.0 * error < 0.6
     again = hc.fit(data, chain(), free=[*FREE, "lag"])
-    assert dict(again.rows())["lag"] == f"{value:g} +- {error:g} us"
+    assert f"with lag = {dict(again.rows())['lag']}, " in advice
     # The shift is that between both fits, too.
     shift = abs(again.values["loss.time"] - result.values["loss.time"]) / result.errors["loss.time"]
     assert f"loss.time moves by {shift:.1f} sigma" in advice
@@ -205,3 +205,48 @@ def test_a_good_fit_has_no_advice():
     assert result.describes
     assert result.advice == ()
     assert max(result.chi2_per_sample.values()) < 1.3
+
+
+@pytest.mark.parametrize(("name", "column"), [("ball 10", B), ("wall", WALL)])
+def test_the_delay_of_one_sensor_is_named(name, column):
+    def late(columns):
+        # A whole number of samples; the values before the pulse are independent noise.
+        return columns | {column: np.roll(columns[column], 5)}
+
+    (advice,) = fitted(late).advice
+    assert DESCRIBES in advice
+    assert f"add 'delay[{name}]' to the free parameters" in advice
+    value, error = map(float, re.findall(r"delay\S* *\d*\] = (\S+) \+- (\S+) us", advice)[0])
+    assert abs(value - 1e6 * 5 * SPACING) < 3.5 * error < 0.2
+    refitted(late, [f"delay[{name}]"])
+
+
+@pytest.mark.parametrize("heavier", [1.15, 0.9])
+def test_another_mass_of_the_balls_with_sensors_is_named(heavier):
+    (advice,) = fitted(heavier=heavier).advice
+    assert "with another mass of the balls with sensors, mass[5,10] = " in advice
+    assert DESCRIBES in advice
+    value, error = map(float, re.findall(r"= (\S+) \+- (\S+) kg", advice)[0])
+    mass = 7780.0 * 4.0 / 3.0 * np.pi * RADIUS**3 * heavier
+    assert abs(value - mass) < 3.5 * error < 5e-3 * mass
+    # Following the advice recovers the truth from the nominal mass.
+    found = hc.fit(traces(heavier=heavier), chain(), free=[*FREE, "mass[5,10]"])
+    assert found.describes
+    deviations = [(found.values[name] - TRUTH[name]) / found.errors[name] for name in FREE]
+    assert np.abs(deviations).max() < 3.5
+    assert found.chain.masses[[5, 10]] == pytest.approx(found.values["mass[5,10]"])
+    assert found.chain.masses[6] == chain().masses[6]
+
+
+@pytest.mark.parametrize(
+    ("name", "words"),
+    [
+        ("mass[5,16]", "mass[5,16] are not balls of this chain, whose balls are 1 to 15"),
+        ("mass[5,]", "mass[5,] are not balls of this chain"),
+        ("radius[4,5]", "radius[4,5] requires balls of one radius, but theirs are 0.005 to 0.006"),
+    ],
+)
+def test_balls_with_one_mass_are_checked(name, words):
+    row = chain().replace(radii=np.where(np.arange(BALLS + 1) == 5, 6e-3, RADIUS))
+    with pytest.raises(hc.InputError, match=re.escape(words)):
+        hc.fit(traces(), row, free=[*FREE, name])

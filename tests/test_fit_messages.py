@@ -9,6 +9,7 @@ from scipy_row import BALLS, FREE, TRUTH, chain, recorded, traces
 import hertzchain as hc
 from hertzchain.fitting.noise import saturated
 from hertzchain.fitting.weak_directions import WeakDirection
+from hertzchain.representation import with_error
 
 
 @pytest.fixture(scope="module")
@@ -165,3 +166,43 @@ def test_files_in_the_wrong_order_are_named(run, tmp_path):
     assert code == 2
     assert "base.toml is a chain file" in err
     assert "the traces first and the chain file last" in err
+
+
+def written(path, **options):
+    """A CSV file of traces that SciPy computed, and the chain file of the nominal chain."""
+    times, columns = recorded(**options)
+    header = ",".join(["time [us]", *columns])
+    rows = np.column_stack([1e6 * times, *columns.values()])
+    np.savetxt(path / "data.csv", rows, delimiter=",", header=header, comments="", fmt="%.6g")
+    (path / "row.toml").write_text(hc.chain_as_toml(chain()))
+    return path / "data.csv", path / "row.toml"
+
+
+def test_the_exit_code_is_that_of_the_fit_with_a_gap(run, tmp_path):
+    files = written(tmp_path, gap=0.4e-6)
+    free = [part for name in FREE for part in ("--free", name)]
+    code, out, err = run("fit", *files, *free, "--starts", 1, "--defects",
+                         "--out", tmp_path / "fitted.toml")  # fmt: skip
+    assert code == 0, err
+    first, scan, without = out.strip().split("\n\n")
+    value, error = map(float, re.findall(r"gap\[8-9\] +(\S+) \+- (\S+) um", first)[0])
+    assert abs(value - 0.4) < 3.0 * error < 0.02
+    assert ": the model describes the data" in first
+    assert scan.startswith("DefectScan(gap: gap[8-9]")
+    assert without.startswith("without gap[8-9]: chi2 ")
+    assert ", far more than expected: the model does not describe the data" in without
+    assert hc.load_chain(tmp_path / "fitted.toml").gaps[8] == pytest.approx(1e-6 * value, rel=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("value", "error", "text"),
+    [
+        (0.6231, 0.002, "0.6231 +- 0.0020"), (171.5, 3.0, "171.5 +- 3.0"),
+        (1.0, 0.01, "1.000 +- 0.010"), (-1e-9, 0.1, "0.00 +- 0.10"), (3.0, 0.0999, "3.00 +- 0.10"),
+        (1234.5, 130.0, "1230 +- 130"), (1.2004e9, 1.3e6, "(1.2004 +- 0.0013)e+09"),
+        (0.03, 0.5, "0.03 +- 0.50"), (1.2346e-6, 3.2e-8, "(1.235 +- 0.032)e-06"),
+        (1.0, 1e-15, "1 +- 1e-15"), (1.5, np.inf, "1.5"), (1.5, 0.0, "1.5"),
+    ],
+)  # fmt: skip
+def test_value_and_error_have_the_same_decimals(value, error, text):
+    assert with_error(value, error) == text

@@ -63,3 +63,18 @@ def test_tables_at_the_top_of_a_chain_file(tmp_path, table, message):
     path.write_text(f"[chain]\nbeads = 5\n\n[{table}]\n")
     with pytest.raises(hc.InputError, match=message):
         hc.load_chain(path)
+
+
+def test_the_bca_of_a_lossy_chain_names_its_own_restitution():
+    lossy = BALLS.replace(loss=hc.Restitution(0.9))
+    advised = r"use simulate, or bca\(chain.replace\(loss=None\), restitution=e\)"
+    with pytest.raises(hc.InputError, match=advised):
+        hc.bca(lossy)
+    with pytest.raises(hc.InputError, match=r"use simulate \(chain"):
+        hc.bca(lossy.replace(right_wall=hc.Wall()))
+
+
+def test_the_force_on_a_wall_is_found_from_that_in_a_bead():
+    run = hc.simulate(BALLS.replace(right_wall=hc.Wall()), times=50)
+    with pytest.raises(hc.InputError, match=r"run.wall_force\('right'\) is that on the wall"):
+        run.sensor_force("wall")

@@ -568,6 +568,18 @@ def test_missing_points_are_counted_in_a_plot_and_an_empty_sweep_is_rejected(tmp
         plot_sweep(empty)
 
 
+@pytest.mark.filterwarnings("ignore::hertzchain.errors.IncompleteWarning")
+def test_a_plot_without_any_value_is_rejected():
+    chain = {"taper": "uniform", "right_wall": {"gap": 0.0}}
+    # The runs end before the pulse arrives.
+    found = hc.sweep({"chain": chain, "axes": {"beads": [10, 20]}, "method": {"until": 3.0},
+                      "sweep": {"methods": ["simulate"], "keep": ["wall_peak_force"]}})  # fmt: skip
+    assert (found.status == 1).all()
+    words = "no value of wall_peak_force at any of the 2 points to plot; set until, or keep"
+    with pytest.raises(hc.InputError, match=words):
+        plot_sweep(found)
+
+
 def test_cells_of_a_map_meet_halfway_on_its_scales_for_any_order_of_values():
     found = hc.sweep({
         "chain": {"taper": "forward-linear"},

@@ -136,3 +136,46 @@ def test_data_without_a_pulse_are_noted():
     with pytest.warns(hc.InputWarning, match="check its gain and unit"):
         compared = simulated(7e-4).compare(data)
     assert "no pulse above their noise" in compared.summary()
+
+
+@pytest.mark.parametrize("limit", [30.0, 45.0])
+def test_saturated_signals_are_noted_and_compared_at_the_same_height(limit):
+    times, columns = traces().shots[0].times, {}
+    for signal in traces().shots[0].signals:
+        columns[f"{signal.name} [N]"] = signal.values
+    columns["wall [N]"] = np.minimum(columns["wall [N]"], limit)
+    data = hc.Traces.from_arrays(times, columns)
+    compared = hc.simulate(true_chain(), until=7e-4, times=6000).compare(data, time_offset=END)
+    ball, wall = compared.sensors
+    assert (ball.saturated, wall.saturated) == (False, True)
+    assert wall.measured_peak == pytest.approx(limit, abs=4 * NOISE)
+    # The simulated peak is that of the whole pulse, including the samples that are missing.
+    assert wall.simulated_peak == pytest.approx(forces()["wall"].max(), rel=1e-3)
+    assert wall.delay == pytest.approx(0.0, abs=0.2 * SPACING)
+    assert wall.residual == pytest.approx(NOISE / limit, rel=0.1)
+    row = next(line for line in str(compared).splitlines() if line.startswith("  wall"))
+    assert row.split()[1] == f">{wall.measured_peak:.4g}"
+    assert row.split()[5] == "saturated"
+    (note,) = compared.notes
+    assert note.startswith("wall is saturated at ")
+    # A simulation that does not reach half of the measured peak has no arrival.
+    gentle = chain().replace(velocities=0.2 * chain().velocities)
+    slow = hc.simulate(gentle, until=1.5e-3, times=6000)
+    with pytest.warns(hc.InputWarning, match="times the simulated one"):
+        weak = slow.compare(data)
+    assert "nan" not in str(weak)
+    assert np.isnan(weak.sensors[1].delay)
+
+
+@pytest.mark.parametrize(("first", "second"), [("ball 5", "wall"), ("ball 5", "ball 10")])
+def test_arrivals_in_another_order_are_noted(first, second):
+    data = traces((first, second))
+    one, two = data.shots[0].signals
+    turned = {f"{first} [N]": two.values, f"{second} [N]": one.values}
+    turned = hc.Traces.from_arrays(data.shots[0].times, turned)
+    run = simulated(7e-4)
+    words = f"the measured pulse arrives at {second} .* us before {first}, the simulated one .* us"
+    with pytest.warns(hc.InputWarning, match=words):
+        compared = run.compare(turned)
+    assert "check the names of these columns" in compared.summary()
+    assert not any("before" in each for each in run.compare(data).notes)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 import textwrap
 from collections.abc import Sequence
@@ -12,6 +13,9 @@ MAX_WIDTH: Final = 100
 # Times [s] up to which they are shown in us, and in ms.
 MICROSECONDS: Final = 0.01
 MILLISECONDS: Final = 1.0
+# Powers of ten of the smallest and largest values with errors that have no exponent, and the
+# largest number of their digits.
+SMALLEST, LARGEST, MAX_DIGITS = -4, 5, 12
 NO_BREAK: Final = "\N{NO-BREAK SPACE}"
 # Spaces around an equals sign, and between a number and its unit.
 KEPT_TOGETHER: Final = re.compile(
@@ -49,6 +53,22 @@ def measure(value: float, unit: str, units: str = "SI", digits: int = 4) -> str:
 def listed(words: Sequence[str], last: str = "and") -> str:
     """``a``, ``a and b``, ``a, b and c``."""
     return words[0] if len(words) == 1 else f"{', '.join(words[:-1])} {last} {words[-1]}"
+
+
+def with_error(value: float, error: float) -> str:
+    """``0.6231 +- 0.0020``: the error with two digits, the value with the same decimals."""
+    if not 0.0 < error < math.inf:
+        return f"{value:.5g}"
+    last = int(f"{error:.1e}".partition("e")[2]) - 1
+    first = math.floor(math.log10(max(abs(value), error)))
+    if first - last > MAX_DIGITS:
+        return f"{value:.{MAX_DIGITS}g} +- {error:.2g}"
+    if first < SMALLEST or first > LARGEST:
+        unit, decimals = 10.0**first, first - last
+        return f"({value / unit:z.{decimals}f} +- {error / unit:.{decimals}f})e{first:+03d}"
+    decimals = max(-last, 0)
+    both = (round(each, -last) for each in (value, error))
+    return " +- ".join(f"{each:z.{decimals}f}" for each in both)
 
 
 def counted(count: int, noun: str) -> str:

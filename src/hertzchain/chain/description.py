@@ -70,6 +70,18 @@ def sizes_in_words(radii: Array) -> str:
     return f"{length_in_words(2.0 * first)} to {length_in_words(2.0 * last)}"
 
 
+def features_in_words(
+    names: Sequence[str], left_out: Sequence[str], strikers: int, velocities: Array
+) -> str:
+    """Such as ``, 2 strikers, right wall``; equal velocities of all strikers are not named."""
+    moving = velocities[:strikers]
+    usual = strikers > 0 and np.ptp(moving) == 0.0 and not velocities[strikers:].any()
+    number = f"{strikers} strikers" if strikers > 1 else "strikers"
+    hidden = {*left_out, *["velocities"] * usual}
+    shown = (number if name == "strikers" else name for name in names if name not in hidden)
+    return "".join(f", {name}" for name in shown)
+
+
 def impact_in_words(velocities: Array, units: str) -> str:
     """Speed of the fastest bead at time 0, unless it is that of most scaled chains, 1."""
     speed = velocities.max()

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from typing import TypeAlias
 
 from ..errors import InputError, short_repr
 from ..representation import listed
 from .chain import Chain
 
+# Advice for a chain that a method does not support, perhaps depending on the features.
+Alternative: TypeAlias = str | Callable[[Sequence[str]], str]
 # Features that are named with an article in messages.
 COUNTABLE = ("left wall", "right wall", "drive", "loss")
 
@@ -41,14 +44,15 @@ def require_supported(
     method: str,
     *,
     supported: Sequence[str] = (),
-    alternative: str = "",
+    alternative: Alternative = "",
     description: str = "",
 ) -> None:
     """Raise an error for a chain with a feature that a method does not support."""
     require_chain(method, chain)
     others = [name for name in chain.features if name not in supported]
     if others:
-        advice = alternative or "remove them from the chain"
+        advice = alternative if isinstance(alternative, str) else alternative(others)
+        advice = advice or "remove them from the chain"
         if others == ["SI units"]:
             advice = "use Scales.of(chain).to_scaled(chain)"
         names = [f"a {name}" if name in COUNTABLE else name for name in others]

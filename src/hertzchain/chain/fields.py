@@ -34,7 +34,7 @@ from .boundary_checks import (
     check_precompression,
 )
 from .contact_groups import ContactGroup, group_contacts, loading_forces
-from .description import beads_description, cells_in_words, impact_in_words
+from .description import beads_description, cells_in_words, features_in_words, impact_in_words
 from .drives import Drive
 from .input_checks import checked_radii, positive_derived, scaled_radii, warn_large_radius
 from .laws import Loss
@@ -431,7 +431,7 @@ class ChainFields(Frozen):
         # The name of a dimer implies equal contacts.
         implied = cells.startswith("dimer, mass") and self.scaled and (self.stiffness == 1.0).all()
         left_out = ["SI units", "masses", "stiffness"] if implied else ["SI units"]
-        rest = "".join(f", {name}" for name in self.features if name not in left_out)
+        rest = features_in_words(self.features, left_out, self.strikers, self.velocities)
         shape = self.radii, self.materials, self.taper, self.taper_parameters
         beads = beads_description(*shape, cells, scaled=self.scaled)
         still = self._at_rest_by_default and self.drive is None and not self.velocities.any()

@@ -130,10 +130,10 @@ def with_defects(self: C, radii: Mapping[int, float], *, material: MaterialLike 
     return _with_beads(self, "with_defects", row, None if kinds is None else tuple(kinds))
 
 
-@checked_arguments("with_scatter", aliases={"seed": "rng"})
+@checked_arguments("with_scatter", aliases={"rng": "seed"})
 def with_scatter(
     self: C,
-    rng: np.random.Generator | int,
+    seed: np.random.Generator | int,
     *,
     relative: float | None = None,
     grade: int | None = None,
@@ -146,8 +146,8 @@ def with_scatter(
 
     Parameters
     ----------
-    rng : numpy.random.Generator or int
-        Random number generator, or a seed; ``seed``, the name in chain files, is accepted, too.
+    seed : int or numpy.random.Generator
+        Seed of the random numbers, or their generator; ``rng`` is accepted, too.
     relative : float, optional
         Standard deviation of the logarithm of the radius, up to 0.3, such as 0.01 or ``"1%"``.
     grade : int, optional
@@ -176,9 +176,9 @@ def with_scatter(
         raise InputError(
             "ball grades are tolerances in micrometres; use Chain.from_materials, or relative"
         )
-    if not isinstance(rng, np.random.Generator):
-        rng = whole_number("seed of a scatter", rng, least=0)
-    chance = np.random.default_rng(rng)
+    if not isinstance(seed, np.random.Generator):
+        seed = whole_number("seed of a scatter", seed, least=0)
+    chance = np.random.default_rng(seed)
     row = _scatter(self.radii, chance, relative=relative, grade=grade)
     deviate: Any = range(self.strikers, self.beads)
     if beads is not None:

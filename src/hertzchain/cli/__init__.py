@@ -18,6 +18,7 @@ from . import (
     app,
     calibrate,
     cite,
+    compare,
     design,
     fit,
     pulse,
@@ -32,12 +33,13 @@ from . import (
 )  # fmt: skip
 from .environment import prepare_environment
 from .exit_codes import BAD_INPUT, DONE, FAILED, INTERRUPTED
+from .wording import on_command_line
 
 GROUPS: Final = {
     "See": (app.app,),
     "Simulate and predict": (simulate.simulate, pulse.pulse),
     "Design": (design.design, sensitivity.sensitivity, scatter.scatter),
-    "Fit": (fit.fit,),
+    "Measured traces": (compare.compare, fit.fit),
     "Sweeps": (sweep.sweep,),
     "The paper and other known results": (
         reproduce.reproduce, scoreboard.scoreboard, calibrate.calibrate, verify.verify, cite.cite,
@@ -106,10 +108,10 @@ def main() -> None:
         click.echo("interrupted", err=True)
         code = INTERRUPTED
     except InputError as error:
-        click.echo(f"Error: {error}", err=True)
+        click.echo(f"Error: {on_command_line(str(error))}", err=True)
         code = BAD_INPUT
     except (SimulationError, StoreError) as error:
-        click.echo(f"Error: {error}", err=True)
+        click.echo(f"Error: {on_command_line(str(error))}", err=True)
         code = FAILED
     except OSError as error:
         # For example, a closed pipe or a full disk.
@@ -121,4 +123,4 @@ def main() -> None:
 
 
 def _show_warning(message: Warning | str, *_: object, **__: object) -> None:
-    click.echo(f"Warning: {message}", err=True)
+    click.echo(f"Warning: {on_command_line(str(message))}", err=True)

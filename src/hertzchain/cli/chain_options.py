@@ -11,11 +11,11 @@ from typing import TYPE_CHECKING, Any, Final
 
 import click
 
+from .chain_changes import at_speed, law_from, require_unit_of_speed, struck, wall_named
 from .options import Fraction, as_typed
 
 if TYPE_CHECKING:
     from ..chain.chain import Chain
-    from ..chain.walls import Wall
 
 OPTIONS: Final = (
     click.argument("files", nargs=-1, metavar="[FILE]...", type=click.Path(path_type=Path)),
@@ -48,15 +48,34 @@ OPTIONS: Final = (
     ),
     click.option(
         "--speed",
+        "--velocity",
+        "speed",
         metavar="SPEED",
-        help="Velocity of the impact, such as '1 m/s'; replaces that of a FILE.",
+        help="Velocity of the impact, such as '0.1 m/s'; replaces that of a FILE.  [default: "
+        "1 m/s, at which steel balls yield]",
+    ),
+    click.option(
+        "--striker",
+        type=int,
+        metavar="COUNT",
+        help="Strike the chain, at rest, with this number of beads like the first.  [default: "
+        "bead 1 moves]",
     ),
     click.option(
         "--wall",
         metavar="NAME",
-        help="Wall at the last bead: same (as the bead), rigid, or a material.",
+        help="Wall at the last bead: same (as the bead), rigid, or a material; replaces that of a "
+        "FILE.",
+    ),
+    click.option(
+        "--loss",
+        metavar="LAW",
+        help="Law of loss with its parameters, such as restitution=0.96, viscoelastic='0.6 us' or "
+        "elastic-plastic; replaces that of a FILE.",
     ),
 )
+# Options that can be used with a FILE.
+CHANGES: Final = ("speed", "striker", "wall", "loss")
 
 
 @dataclass(frozen=True)
@@ -72,7 +91,9 @@ class ChainOptions:
     radius: str | None = None
     material: str | None = None
     speed: str | None = None
+    striker: int | None = None
     wall: str | None = None
+    loss: str | None = None
 
 
 def chain_options(command: Callable[..., Any]) -> Callable[..., Any]:
@@ -103,13 +124,10 @@ def chains_from(options: ChainOptions) -> dict[str, Chain]:
         raise click.UsageError("give the chain as FILE or as --chain FILE, not both")
     files = options.files or tuple(filter(None, (options.chain_file,)))
     if not files:
-        chain = _described(options)
-        return {
-            "": chain if options.wall is None else chain.replace(right_wall=_wall(options, chain))
-        }
+        return {"": _changed(_described(options), options)}
     beside = [
         each.name for each in fields(options)
-        if each.name not in ("files", "chain_file", "speed")
+        if each.name not in ("files", "chain_file", *CHANGES)
         and getattr(options, each.name) is not None
     ]  # fmt: skip
     if beside:
@@ -121,26 +139,19 @@ def chains_from(options: ChainOptions) -> dict[str, Chain]:
         raise click.UsageError(f"each chain FILE may be given once, got {', '.join(names)}")
     chains = {name: load_chain(file) for name, file in zip(names, files, strict=True)}
     if options.speed is not None:
-        return {name: _at_speed(chain, options.speed) for name, chain in chains.items()}
-    return chains
+        chains = {name: at_speed(chain, options.speed) for name, chain in chains.items()}
+    return {name: _changed(chain, options) for name, chain in chains.items()}
 
 
-def _at_speed(chain: Chain, speed: str) -> Chain:
-    """The chain of a file with another velocity of the impact."""
-    import numpy as np
-
-    from ..validation.numbers import number
-
-    moving = chain.velocities != 0.0
-    if chain.drive is not None or not moving.any() or np.ptp(chain.velocities[moving]) > 0.0:
-        raise click.UsageError(
-            "--speed replaces the velocity of the impact, but the file has a drive or beads with "
-            "different velocities: change them in the file"
-        )
-    if not chain.scaled:
-        _require_unit_of_speed(speed)
-    value = number("--speed", as_typed(speed), unit=chain._unit("m/s"), above=0.0)
-    return chain.replace(velocities=np.where(moving, value, 0.0))
+def _changed(chain: Chain, options: ChainOptions) -> Chain:
+    """The chain with the strikers, wall and loss of the options."""
+    if options.striker is not None:
+        chain = struck(chain, options.striker)
+    if options.wall is not None:
+        chain = chain.replace(right_wall=wall_named(options.wall, chain))
+    if options.loss is not None:
+        chain = chain.replace(loss=law_from(options.loss, chain))
+    return chain
 
 
 def _described(options: ChainOptions) -> Chain:
@@ -186,13 +197,7 @@ def _require_units(options: ChainOptions, sizes: dict[str, Any]) -> None:
             raise click.UsageError(f"{option} {size:g} has no unit; write, for example, "
                                    f"{option} '{size:g} mm'")  # fmt: skip
     if options.speed is not None:
-        _require_unit_of_speed(options.speed)
-
-
-def _require_unit_of_speed(speed: str) -> None:
-    if isinstance(as_typed(speed), float):
-        raise click.UsageError(f"--speed {speed} has no unit; write, for example, "
-                               f"--speed '{speed.strip()} m/s'")  # fmt: skip
+        require_unit_of_speed(options.speed)
 
 
 def _refuse_rate(options: ChainOptions) -> None:
@@ -237,22 +242,3 @@ def _sizes(options: ChainOptions) -> dict[str, Any]:
         )
     suffix = "_diameter" if options.radius is None else ""
     return {f"{end}{suffix}": as_typed(part) for end, part in zip(("first", "last"), parts)}  # noqa: B905
-
-
-def _wall(options: ChainOptions, chain: Chain) -> Wall:
-    from ..chain.walls import Wall
-    from ..errors import InputError
-
-    if options.wall == "same":
-        return Wall()
-    if options.wall == "rigid":
-        return Wall.rigid()
-    if chain.scaled:
-        raise click.UsageError(
-            f"--wall {options.wall} requires --material; a scaled chain has the walls same and "
-            "rigid"
-        )
-    try:
-        return Wall.of(str(options.wall))
-    except InputError as error:
-        raise click.UsageError(f"--wall must be same, rigid or a material: {error}") from None

@@ -12,6 +12,7 @@ from .interrupts import exit_soon
 from .options import check_writable, figure_option, json_option
 from .output import save_figure, show_json
 from .progress import progress_bar
+from .wording import on_command_line
 
 
 @click.command()
@@ -80,7 +81,7 @@ def design(
 
         show_json({"schema_version": results.SCHEMA_VERSION} | result.as_dict())
     else:
-        click.echo(result.summary())
+        click.echo(on_command_line(result.summary()))
     return DONE if result.met else OUTSIDE_TOLERANCE
 
 

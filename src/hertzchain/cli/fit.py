@@ -10,9 +10,18 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from .exit_codes import DONE, FAILED, OUTSIDE_TOLERANCE
-from .options import as_typed, check_writable, figure_option, json_option, names_from
+from .options import (
+    as_typed,
+    check_writable,
+    figure_option,
+    json_option,
+    names_from,
+    sensors_from,
+    sensors_option,
+)
 from .output import save_figure, show_json
 from .progress import progress_bar
+from .wording import on_command_line
 
 if TYPE_CHECKING:
     from ..fitting.result import FitResult
@@ -20,6 +29,7 @@ if TYPE_CHECKING:
 
 @click.command()
 @click.argument("files", nargs=-1, required=True, type=click.Path(path_type=Path))
+@sensors_option
 @click.option(
     "--free",
     multiple=True,
@@ -61,9 +71,9 @@ if TYPE_CHECKING:
 )
 @json_option()
 def fit(
-    files: tuple[Path, ...], free: tuple[str, ...], priors: tuple[str, ...], starts: int,
-    laws: str | None, defects: bool, sample: int | None, plot: Path | None, out: Path | None,
-    as_json: bool,
+    files: tuple[Path, ...], sensors: tuple[str, ...], free: tuple[str, ...],
+    priors: tuple[str, ...], starts: int, laws: str | None, defects: bool, sample: int | None,
+    plot: Path | None, out: Path | None, as_json: bool,
 ) -> int:  # fmt: skip
     """Fit a chain and its sensors to measured traces.
 
@@ -72,12 +82,14 @@ def fit(
     table [fit] of the chain file names free parameters and priors.
 
     The exit code is 1 if the search does not converge, and 3 if the model does not describe the
-    data within their noise.
+    data within their noise.  If --defects finds a gap, the fit with it is printed first, and exit
+    code, --out, --plot and --sample are those of this fit.
 
     \b
     Examples:
       hertzchain fit data.csv experiment.toml
       hertzchain fit fast.csv slow.csv experiment.toml --plot fit.png --out fitted.toml
+      hertzchain fit scope.csv experiment.toml --sensor CH1=wall
       hertzchain fit data.csv experiment.toml --free stiffness --free loss.time --laws all
     """
     import hertzchain
@@ -85,13 +97,13 @@ def fit(
     if len(files) < 2:
         raise click.UsageError("give at least one CSV file of traces and, last, the chain file")
     check_writable(out, "--out", (".toml",))
-    traces = hertzchain.load_traces(*files[:-1])
+    traces = hertzchain.load_traces(*files[:-1], sensors=sensors_from(sensors))
     known = dict(_prior(text) for text in priors)
     settings: dict[str, Any] = {"free": list(free) or None, "priors": known}
     with _simulations() as progress:
         result = hertzchain.fit(traces, files[-1], starts=starts, progress=progress, **settings)
     document = result.as_dict()
-    lines = [result.summary()]
+    lines = []
     if laws is not None:
         with progress_bar("laws fitted") as progress:
             compared = hertzchain.compare_losses(
@@ -101,7 +113,9 @@ def fit(
         document["comparison"] = compared.as_dict()
         lines.append(compared.summary())
     if defects:
-        lines += _defects(result, document)
+        result, found = _defects(result, document)
+        lines += found
+    lines.insert(0, result.summary())
     posterior = None
     if sample is not None:
         with progress_bar("steps of the walkers", rate=True) as progress:
@@ -120,14 +134,14 @@ def fit(
 
         show_json({"schema_version": results.SCHEMA_VERSION} | document)
     else:
-        click.echo("\n\n".join(lines))
+        click.echo(on_command_line("\n\n".join(lines)))
     if not result.converged:
         return FAILED
     return DONE if result.describes else OUTSIDE_TOLERANCE
 
 
-def _defects(result: FitResult, document: dict[str, Any]) -> list[str]:
-    """Scan for a gap and fit it if there is one; return lines to print, and add to the document."""
+def _defects(result: FitResult, document: dict[str, Any]) -> tuple[FitResult, list[str]]:
+    """Scan for a gap and fit it if there is one; return the last fit and lines to print."""
     import hertzchain
 
     with progress_bar("contacts tried") as progress:
@@ -137,11 +151,12 @@ def _defects(result: FitResult, document: dict[str, Any]) -> list[str]:
         for name, size, gained in zip(scan.names, scan.sizes, scan.improvements, strict=True)
     ]
     if not scan.found:
-        return [repr(scan)]
+        return result, [repr(scan)]
     with progress_bar("defects fitted") as progress:
         with_defect = scan.fit(progress=progress)
     document["fit_with_defect"] = with_defect.as_dict()
-    return [repr(scan), with_defect.summary()]
+    gap = with_defect.names[-1]
+    return with_defect, [repr(scan), f"without {gap}: {result.verdict}"]
 
 
 @contextmanager

@@ -111,6 +111,22 @@ def check_writable(path: Path | None, option: str, endings: tuple[str, ...]) -> 
         raise click.UsageError(f"{option} {path}: the folder {path.parent} does not exist")
 
 
+sensors_option = click.option(
+    "--sensor",
+    "sensors",
+    multiple=True,
+    metavar="COLUMN[=PLACE]",
+    help="Column to read and, if its header does not name it, the place of the sensor, such as "
+    "CH1=wall or 'CH2=ball 5'; repeatable.  [default: all columns]",
+)
+
+
+def sensors_from(texts: tuple[str, ...]) -> dict[str, str] | None:
+    """Places of sensors by the names of their columns; None for all columns."""
+    pairs = (text.partition("=") for text in texts)
+    return {column.strip(): place.strip() or column.strip() for column, _, place in pairs} or None
+
+
 quantity_option = click.option(
     "--quantity",
     metavar="NAME",

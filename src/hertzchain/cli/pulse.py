@@ -57,7 +57,7 @@ def _method_help() -> str:
 @click.option("--csv", "as_csv", is_flag=True, help="Print everything as CSV.")
 @figure_option(
     "Also plot the quantity to FILE; with several methods, below it their differences from the "
-    "first."
+    "reference."
 )
 def pulse(
     options: ChainOptions, methods: tuple[str, ...], quantity: str, every_bead: bool,
@@ -67,7 +67,7 @@ def pulse(
 
     The chain is given by options or by FILE (TOML or CSV); --plot compares several files.  For a
     chain in SI units, the pulse is computed in the paper's scaled variables and printed in SI
-    units.
+    units.  Several methods are compared with the simulation; without one, with the first.
 
     \b
     Examples:
@@ -78,13 +78,17 @@ def pulse(
       hertzchain pulse equal.toml tapered.toml --quantity momentum --plot momentum.png
     """
     from ..store import results
-    from ..sweeps.methods import METHODS, pulse_by
+    from ..sweeps.methods import METHODS, SIMULATIONS, pulse_by
     from ..validation.objects import check_choice
 
     if as_json and as_csv:
         raise click.UsageError("--json and --csv cannot be combined")
     for method in methods:
         check_choice("method", method, METHODS)
+    chosen = list(dict.fromkeys(methods))
+    if not (as_json or as_csv):
+        # The first pulse is the reference of comparisons.
+        chosen.sort(key=lambda each: each not in SIMULATIONS)
     quantity = SYNONYMS.get(quantity, quantity)
     check_choice("quantity", quantity, QUANTITIES)
     chains = chains_from(options)
@@ -93,7 +97,7 @@ def pulse(
     found = {}
     with progress_bar("beads passed") as progress:
         for name, chain in chains.items():
-            found[name] = [pulse_by(each, chain, progress) for each in dict.fromkeys(methods)]
+            found[name] = [pulse_by(each, chain, progress) for each in chosen]
     pulses = [pulse for each in found.values() for pulse in each]
     if plot is not None:
         from ..plotting.pulses import plot_pulses

@@ -9,8 +9,10 @@ from typing import TYPE_CHECKING
 import click
 
 from .output import show_table
+from .wording import on_command_line
 
 if TYPE_CHECKING:
+    from ..chain.chain import Chain
     from ..simulation.run import Run
     from ..simulation.sensor_force import SensorForce
     from ..simulation.wall_force import WallForce
@@ -47,7 +49,7 @@ def show_run(run: Run, beads: Sequence[int], *, waves: bool, hint: bool) -> None
     from ..simulation.run_message import LONG_RUN, transits_between_walls
     from .wave_tables import wave_table
 
-    click.echo(f"{run.chain.description}\n{run.message}")
+    click.echo(f"{run.chain.description}{_impact(run.chain)}\n{on_command_line(run.message)}")
     click.echo(f"energy drift {run.energy_drift:.1e}, momentum drift {run.momentum_drift:.1e}")
     click.echo(f"{len(run.times)} times saved, {run.evaluations} evaluations of the force")
     if run._unfinished:
@@ -66,6 +68,14 @@ def show_run(run: Run, beads: Sequence[int], *, waves: bool, hint: bool) -> None
         )
     if waves:
         show_table(wave_table(run.waves()))
+
+
+def _impact(chain: Chain) -> str:
+    """Speed of the impact, and whether it is that of chains without a given one."""
+    from ..chain.description import impact_in_words
+
+    found = impact_in_words(chain.velocities, chain.units)
+    return f"{found} (default)" if found and "velocities" not in chain.given else found
 
 
 def _walls(run: Run) -> list[WallForce]:

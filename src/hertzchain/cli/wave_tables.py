@@ -27,20 +27,39 @@ def wave_table(waves: Waves) -> Table:
     table = Table(
         title=f"waves: {counts}", caption=caption, box=box.SIMPLE_HEAD, title_justify="left"
     )
+    factor, time_unit = _unit_of_times(rows, waves.chain.units)
     for name in ("", "contacts", "times", "amplitude", "momentum", "energy", "width", "speed"):
         quantity = WAVE_QUANTITIES.get("first_time" if name == "times" else name)
         real = quantity is not None and waves.chain.units == "SI"
-        shown = f"{name} [{quantity.unit}]" if quantity is not None and real else name
+        unit = "" if quantity is None else quantity.unit
+        unit = time_unit if unit == "s" else unit
+        shown = f"{name} [{unit}]" if real else name
         table.add_column(escape(shown), justify="right", no_wrap=True)
     for row in rows:
-        numbers = (row[name] for name in ("amplitude", "momentum", "energy", "width", "speed"))
+        width = None if row["width"] is None else factor * row["width"]
+        numbers = (
+            width if name == "width" else row[name]
+            for name in ("amplitude", "momentum", "energy", "width", "speed")
+        )
         table.add_row(
             row["direction"] + ("" if row["resolved"] else " *"),
             f"{row['first_contact']}..{row['last_contact']}",
-            f"{row['first_time']:.4g}..{row['last_time']:.4g}",
+            f"{factor * row['first_time']:.4g}..{factor * row['last_time']:.4g}",
             *("" if value is None else f"{value:.4g}" for value in numbers),
         )
     return table
+
+
+def _unit_of_times(rows: list[dict[str, Any]], units: str) -> tuple[float, str]:
+    """Factor and name of the unit in which the times of waves are shown."""
+    from ..representation import MICROSECONDS, MILLISECONDS
+
+    if units != "SI":
+        return 1.0, ""
+    last = max((row["last_time"] for row in rows), default=0.0)
+    if last < MICROSECONDS:
+        return 1e6, "us"
+    return (1e3, "ms") if last < MILLISECONDS else (1.0, "s")
 
 
 def waves_as_list(waves: Waves) -> list[dict[str, Any]]:

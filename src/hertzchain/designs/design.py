@@ -187,6 +187,8 @@ def _given(trials: Trials) -> Outcome:
 def finish(trials: Trials, found: Found, notes: tuple[str, ...]) -> DesignResult:
     """Verify the best trials, and return the best one that keeps its promise."""
     if not trials.best or not np.isfinite(trials.best[0].values).all():
+        # A corrected problem may use the same store.
+        trials.journal.remove()
         reasons = "; ".join(sorted(trials.reasons)[:2])
         raise InputError(
             f"none of {trials.runs} trial chains could be simulated with the required quantities"

@@ -82,6 +82,8 @@ SMOOTH_STEP, SWITCHING_STEP = 1e-3, 2e-2
 JUMPING: Final = tuple(LAWS[name] for name in ("unloading-ratio", "dashpot", "velocity-power"))
 # Smaller exponents of `VelocityPower` need very short steps.
 MIN_ALPHA: Final = 0.5
+# Relative difference up to which radii or masses are equal.
+SAME: Final = 1e-9
 
 
 def known_names(chain: Chain) -> list[str]:
@@ -191,12 +193,25 @@ def contact_index(chain: Chain, name: Name) -> int:
     return index
 
 
-def bead_index(chain: Chain, name: Name) -> int:
-    """Index of a ball, counted without the strikers."""
+def bead_indices(chain: Chain, name: Name) -> list[int]:
+    """Indices of balls such as ``8`` or ``5,10``, which are counted without the strikers."""
     balls = chain.beads - chain.strikers
-    if not name.item.isdigit() or not 1 <= int(name.item) <= balls:
-        raise InputError(f"{name} is not a ball of this chain, whose balls are 1 to {balls}")
-    return int(name.item) + chain.strikers - 1
+    numbers = [part.strip() for part in name.item.split(",")]
+    if not all(each.isdigit() and 1 <= int(each) <= balls for each in numbers):
+        which = "is not a ball" if len(numbers) == 1 else "are not balls"
+        raise InputError(f"{name} {which} of this chain, whose balls are 1 to {balls}")
+    return [int(each) + chain.strikers - 1 for each in numbers]
+
+
+def _common(chain: Chain, name: Name) -> float:
+    """Radius or mass that one or several balls have in common."""
+    values = (chain.radii if name.key == "radius" else chain.masses)[bead_indices(chain, name)]
+    if np.ptp(values) > SAME * values[0]:
+        raise InputError(
+            f"{name} requires balls of one {name.key}, but theirs are {values.min():.5g} to "
+            f"{values.max():.5g} {KINDS[name.key].unit}; name each ball in a separate parameter"
+        )
+    return float(values[0])
 
 
 def value_of(chain: Chain, name: Name) -> float:
@@ -207,7 +222,7 @@ def value_of(chain: Chain, name: Name) -> float:
             contact_index(chain, name)
         return 1.0
     if key in ("radius", "mass"):
-        return float((chain.radii if key == "radius" else chain.masses)[bead_index(chain, name)])
+        return _common(chain, name)
     if key == "gap":
         return float(chain.gaps[contact_index(chain, name)])
     if key == "struck_by.velocity":
@@ -251,7 +266,7 @@ def with_sizes(chain: Chain, values: Mapping[Name, float], reference: float) -> 
                 chain.radii if field == "radius" else chain.masses
             ).copy()
             for name, value in chosen.items():
-                array[bead_index(chain, name)] = value
+                array[bead_indices(chain, name)] = value
     materials = {name: value for name, value in values.items() if name.key.startswith("materials.")}
     if materials:
         changes["materials"] = _changed_materials(chain, materials)

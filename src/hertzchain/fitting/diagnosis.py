@@ -37,6 +37,9 @@ MOST, PROMISING = 0.75, 0.4
 CLEAR: Final = 2.0
 # Largest number of effects that are tried.
 MAX_TRIED: Final = 4
+# Starts of a mass: a fit from the mass of the other balls can end there, because a heavier ball
+# reflects the pulse and a lighter one leaves its neighbour.
+MASSES: Final = (1.05, 0.95)
 # Law that is tried if the chain has no loss.
 LOSS: Final = "viscoelastic"
 # Means before the pulse are reported beyond this number of standard errors, and values of an
@@ -47,9 +50,9 @@ OTHERS: Final = (
     "the wall, and the sizes and materials of striker, balls and wall"
 )
 NOTHING_EXPLAINS: Final = (
-    "none of the effects tested explains the residuals (offsets, gains, signs, units and order of "
-    f"the sensors, lag, highpass, crosstalk, a loss, the exponent, one ball more or fewer); "
-    f"consider {OTHERS}"
+    "none of the effects tested explains the residuals (offsets, gains, delays, signs, units and "
+    "order of the sensors, lag, highpass, crosstalk, a loss, the exponent, the mass of balls with "
+    f"sensors, one ball more or fewer); consider {OTHERS}"
 )
 
 
@@ -68,7 +71,7 @@ def diagnosed(result: FitResult, start: Mapping[str, float], refit: Refit) -> Fi
     if result.describes or result.goodness.undecided:
         return _with_effect(result, refit)
     causes = [*_columns(result, start, refit), *_effects(result, refit)]
-    for further in (_losses, _exponent, _beads):
+    for further in (_losses, _exponent, _masses, _beads):
         if not any(cause.result.describes for cause in causes):
             causes += further(result, start, refit)
     good = [cause for cause in causes if _removed(result, cause.result) > MOST]
@@ -151,7 +154,7 @@ def _effects(result: FitResult, refit: Refit) -> Iterator[Cause]:
 
 
 def _groups(result: FitResult) -> Iterator[tuple[Name, ...]]:
-    """Effects of sensors that are not free: single ones, and offsets or gains of all sensors."""
+    """Effects of sensors that are not free: of one sensor, and offsets or gains of all."""
     model = result.model
     free = set(model.names)
     keys = {name.key for name in free}
@@ -159,11 +162,12 @@ def _groups(result: FitResult) -> Iterator[tuple[Name, ...]]:
     for key in EFFECTS:
         if key not in keys and (several or key != "crosstalk"):
             yield (Name(key),)
-    for key in ("offset", "gain"):
+    # One sensor has no delay apart from the time offset, and all sensors have none in common.
+    for key in ("offset", "gain", "delay") if several else ("offset", "gain"):
         names = [Name(key, item) for item in model.traces.names]
         names = [each for each in names if each not in free and Name(key) not in free]
         yield from ((name,) for name in names)
-        if len(names) > 1:
+        if len(names) > 1 and key != "delay":
             yield tuple(names)
 
 
@@ -236,9 +240,30 @@ def _exponent(result: FitResult, _: Mapping[str, float], refit: Refit) -> Iterat
             yield cause
 
 
+def _masses(result: FitResult, _: Mapping[str, float], refit: Refit) -> Iterator[Cause]:
+    """The fit with one mass of the balls that contain sensors, if they are equal."""
+    model = result.model
+    inside = {
+        signal.place.bead(result.chain) - result.chain.strikers
+        for _, signal in model.traces if signal.place.body in ("ball", "bead")
+    }  # fmt: skip
+    balls = sorted(each for each in inside if each > 0)
+    if not balls or any(name.key == "mass" for name in model.names):
+        return
+    name = Name("mass", ",".join(map(str, balls)))
+    for factor in MASSES:
+        try:
+            cause = _tried(result, (name,), refit, factor=factor)
+        except InputError:
+            # The balls have several masses.
+            return
+        if cause is not None:
+            yield replace(cause, what=f"another mass of the balls with sensors, {cause.what}")
+
+
 def _tried(
     result: FitResult, names: Sequence[Name], refit: Refit, model: Model | None = None,
-    neutral: float | None = None,
+    neutral: float | None = None, factor: float = 1.0,
 ) -> Cause | None:  # fmt: skip
     """The fit with further parameters, by default of the same chains.
 
@@ -250,7 +275,7 @@ def _tried(
     fixed = {}
     for name in names:
         kind, value = kind_and_value(name, model.traces, model.chains)
-        parameters.append(Parameter(name, kind, value))
+        parameters.append(Parameter(name, kind, factor * value))
         fixed[str(name)] = value if neutral is None else neutral
     try:
         found = refit(Problem(replace(model, parameters=tuple(parameters))), values, 1)

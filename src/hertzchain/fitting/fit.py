@@ -78,11 +78,12 @@ def fit(
         striker's velocity, the parameters of the loss law, the time offset and the gains of sensors
         without calibration.  Of the chain: ``stiffness``, ``exponent``, ``loss.time``, ...,
         ``struck_by.velocity``, ``materials[NAME].young``, ``gap[8-9]``, ``stiffness[8-9]``,
-        ``loss[8-9].time``, ``radius[8]``, ``mass[8]``, ``precompression``, ``gravity``,
-        ``right_wall.stiffness``, ...; balls are counted without strikers.  Of the sensors:
-        ``gain[ball 6]``, ``gain[*]`` for each, ``offset[...]``, ``delay[...]``, ``lag``,
-        ``highpass`` (1/time constant), ``crosstalk``.  Of the clock: ``time_offset``.  With
-        several shots, ``NAME@2`` is of the second shot and ``NAME@*`` of each.
+        ``loss[8-9].time``, ``radius[8]``, ``mass[8]``, ``mass[5,10]`` (common),
+        ``precompression``, ``gravity``, ``right_wall.stiffness``, ...; balls are counted without
+        strikers.  Of the sensors: ``gain[ball 6]``, ``gain[*]`` for each, ``offset[...]``,
+        ``delay[...]``, ``lag``, ``highpass`` (1/time constant), ``crosstalk``.  Of the clock:
+        ``time_offset``.  With several shots, ``NAME@2`` is of the second shot and ``NAME@*`` of
+        each.
     priors : mapping, optional
         Value and standard deviation by name, such as ``{"struck_by.velocity": (0.3, 0.003)}``.
     start : mapping, optional

@@ -22,6 +22,8 @@ MAX_EXCESS, MAX_CORRELATION = 3.0, 4.0
 FAR: Final = 1.5
 # Standard deviations from which a chi-squared is unlikely if the noise is known.
 UNLIKELY: Final = 3.0
+# Larger numbers of standard deviations are not stated, because they have no meaning.
+MANY: Final = 10.0
 NO_ERRORS: Final = "; the errors above have no meaning"
 
 
@@ -126,12 +128,15 @@ class Goodness:
                 f"the pulse; {self.if_measured}"
             )
         if self.excess < self.correlation:
+            size = f" ({self.correlation:.0f} standard deviations)"
             reason = (
-                f"; successive residuals are correlated ({self.correlation:.0f} standard "
-                "deviations) although the noise before the pulse is not"
+                f"; successive residuals are correlated{size * (self.correlation < MANY)} although "
+                "the noise before the pulse is not"
             )
-        else:
+        elif self.excess < MANY:
             reason = f", {self.excess:.0f} standard deviations more than expected"
+        else:
+            reason = ", far more than expected"
         return f"{reason}: the model does not describe the data{NO_ERRORS}"
 
     def __str__(self) -> str:

@@ -62,6 +62,8 @@ def solve(problem: Problem, values: dict[Name, float], starts: int, *, align: bo
     first = aligned(problem.model, values) if align else dict(values)
     best = _from(problem, problem.model.variables(first))
     tried = 1
+    # A mass has one optimum above and one below that of the other balls.
+    least = 2 if any(name.key == "mass" for name in problem.model.names) else 1
     if best.cost > GOOD * len(best.residuals):
         for start in further_starts(problem.model, first, starts):
             found = _from(problem, problem.model.variables(start))
@@ -70,7 +72,7 @@ def solve(problem: Problem, values: dict[Name, float], starts: int, *, align: bo
             same = abs(found.cost - best.cost) < SAME * best.cost
             if found.cost < best.cost:
                 best = found
-            if same or best.cost <= GOOD * len(best.residuals):
+            if (same and tried > least) or best.cost <= GOOD * len(best.residuals):
                 break
     if problem.jumps:
         best = _without_jumps(problem, best)

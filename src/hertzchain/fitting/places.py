@@ -63,16 +63,16 @@ class Place:
         return run.sensor(bead) if self.quantity == "force" else run.velocity(bead)
 
 
-def place_named(name: str) -> Place:
-    """The place with a name; raises `InputError` for any other text."""
+def place_named(name: str, written: str | None = None) -> Place:
+    """The place with a name; raises `InputError`, with the name as it is written, for others."""
     text = " ".join(name.lower().split())
     found = NAME.fullmatch(text)
     quantity = (found[4] or "force") if found else ""
     if found is None or quantity not in QUANTITIES or (found[1] is None and quantity != "force"):
         raise InputError(
-            f"column {name!r} does not name the place of its sensor; write 'ball 6', 'bead 7', "
-            "'wall' or 'ball 3 velocity', with a unit such as [N], or give load_traces "
-            f"sensors={{{name!r}: 'wall'}}"
+            f"column {written or name!r} does not name the place of its sensor; write 'ball 6', "
+            "'bead 7', 'wall' or 'ball 3 velocity', with a unit such as [N], or give load_traces "
+            f"sensors={{{written or name!r}: 'wall'}}"
         )
     body = found[1] or found[3] or "right"
     return Place(text.removesuffix(" force"), body, int(found[2] or 0), quantity)

@@ -9,7 +9,7 @@ import numpy as np
 
 from ..collision import Array
 from ..errors import InputError, SimulationError
-from ..representation import short
+from ..representation import short, with_error
 from ..validation.keywords import checked_methods
 from ..validation.memory import check_memory
 from ..validation.numbers import whole_number
@@ -111,7 +111,7 @@ class Posterior:
 
     def __repr__(self) -> str:
         rows = ", ".join(
-            f"{name} = {self.means[name]:.5g} +- {self.errors[name]:.2g}" for name in self.names
+            f"{name} = {with_error(self.means[name], self.errors[name])}" for name in self.names
         )
         length = ""
         if not self.long_enough:

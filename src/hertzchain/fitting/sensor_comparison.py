@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final
@@ -28,6 +29,8 @@ CONTAINED: Final = 0.3
 COMPLETE: Final = 0.995
 # Ratio of peaks that is noted, and multiple of the noise below which data have no pulse.
 NOTED, ABOVE_NOISE = 3.0, 6.0
+# Arrivals that differ by less than this number of samples have no order.
+SAME_TIME: Final = 3
 
 
 @dataclass(frozen=True)
@@ -35,7 +38,8 @@ class SensorComparison:
     """Measured and simulated signal of one sensor.
 
     Peaks are the largest deviations from the level before the pulse, arrivals the times of the
-    data at which a signal reaches half of its peak, in the compared interval.
+    data at which a signal reaches half of its peak, in the compared interval.  The measured peak of
+    a saturated signal is the level of saturation, and both arrivals are those at half of it.
 
     Attributes
     ----------
@@ -51,6 +55,8 @@ class SensorComparison:
         Rms of data minus simulation, relative to the measured peak.
     scale : float
         Factor of the simulation; 1 for calibrated sensors.
+    saturated : bool
+        Whether the data are saturated, so that their crest is missing.
     """
 
     name: str
@@ -62,6 +68,7 @@ class SensorComparison:
     simulated_arrival: float
     residual: float
     scale: float
+    saturated: bool = False
 
     @property
     def peak_ratio(self) -> float:
@@ -81,13 +88,19 @@ class SensorComparison:
     @property
     def row(self) -> str:
         """Row of a table."""
+        difference = "saturated" if self.saturated else f"{self.peak_ratio - 1.0:+.1%}"
         cells = (
-            f"{self.measured_peak:.4g} {self.unit}", f"{self.simulated_peak:.4g} {self.unit}",
-            f"{self.peak_ratio - 1.0:+.1%}", f"{1e6 * self.measured_arrival:.2f} us",
-            f"{1e6 * self.simulated_arrival:.2f} us", f"{1e6 * self.delay:+.2f} us",
+            f"{'>' * self.saturated}{self.measured_peak:.4g} {self.unit}",
+            f"{self.simulated_peak:.4g} {self.unit}", difference,
+            *(_time(each) for each in (self.measured_arrival, self.simulated_arrival)),
+            _time(self.delay, "+"),
             f"{self.residual:.1%}",
         )  # fmt: skip
         return _aligned(self.name, *cells)
+
+
+def _time(value: float, sign: str = "") -> str:
+    return f"{1e6 * value:{sign}.2f} us" if np.isfinite(value) else "-"
 
 
 def _aligned(name: str, *cells: str) -> str:
@@ -103,23 +116,37 @@ def compared_sensor(times: Array, signal: Signal, model: Array, scale: float) ->
     """Peaks, arrivals and residual of a signal and its model at the same times."""
     ok = signal.valid & np.isfinite(model)
     seen, own = signal.values - level_of(signal), scale * model
-    measured, simulated = seen[ok], (own - own[0])[ok]
     rest = float(np.sqrt(np.mean((signal.values - own)[ok] ** 2)))
+    clipped = _saturated(signal) & np.isfinite(model)
+    ok |= clipped
+    measured, simulated = seen[ok], (own - own[0])[ok]
+    peaks = extreme(measured), extreme(simulated)
+    saturated = bool(clipped.any())
+    # A saturated signal and its model are compared at the same height.
+    half = HALF * (abs(peaks[0]) if saturated else abs(peaks[1]))
+    levels = HALF * peaks[0], float(np.copysign(half, peaks[1]))
     return SensorComparison(
-        signal.name, signal.unit, signal.place.quantity, extreme(measured), extreme(simulated),
-        _arrival(times[ok], measured), _arrival(times[ok], simulated),
-        rest / abs(extreme(measured)), scale,
+        signal.name, signal.unit, signal.place.quantity, *peaks,
+        _reached(times[ok], measured, levels[0]), _reached(times[ok], simulated, levels[1]),
+        rest / abs(peaks[0]), scale, saturated,
     )  # fmt: skip
 
 
-def _arrival(times: Array, values: Array) -> float:
-    """Time at which a signal first reaches half of its peak, between samples."""
-    height = values / extreme(values)
-    first = int(np.argmax(height >= HALF))
+def _saturated(signal: Signal) -> Array:
+    """Mask of the saturated samples; the others that a fit does not use are missing."""
+    return ~signal.valid & np.isfinite(signal.values)
+
+
+def _reached(times: Array, values: Array, level: float) -> float:
+    """Time at which a signal first reaches a level, between samples; NaN if it does not."""
+    height = values / level
+    first = int(np.argmax(height >= 1.0))
+    if height[first] < 1.0:
+        return np.nan
     if first == 0:
         return float(times[0])
     pair = slice(first - 1, first + 1)
-    return float(np.interp(HALF, height[pair], times[pair]))
+    return float(np.interp(1.0, height[pair], times[pair]))
 
 
 def _width(times: Array, values: Array) -> float:
@@ -201,6 +228,38 @@ def unit_notes(sensors: Sequence[SensorComparison]) -> list[str]:
                 f"{problem}: check its gain and unit, and the velocity and sizes of the chain"
             )
     return notes
+
+
+def order_notes(shot: Shot, columns: Sequence[Array], grid: Array) -> list[str]:
+    """A note if the pulse arrives in another order than in the simulation."""
+    least = SAME_TIME * float(np.median(np.diff(shot.times)))
+    arrivals: list[tuple[Signal, float, float]] = []
+    for signal, column in zip(shot.signals, columns, strict=True):
+        ok = signal.valid | _saturated(signal)
+        pairs = (shot.times[ok], (signal.values - level_of(signal))[ok]), (grid, column - column[0])
+        seen, own = (_reached(each, values, HALF * extreme(values)) for each, values in pairs)
+        if abs(extreme(pairs[0][1])) > ABOVE_NOISE * signal.sigma:
+            arrivals.append((signal, seen, own))
+    for (one, seen, own), (two, seen_later, own_later) in itertools.combinations(arrivals, 2):
+        measured, simulated = seen_later - seen, own_later - own
+        same_kind = (one.place.quantity, one.unit) == (two.place.quantity, two.unit)
+        if same_kind and measured * simulated < 0.0 and min(abs(measured), abs(simulated)) > least:
+            early, late = (one, two) if measured > 0.0 else (two, one)
+            return [
+                f"the measured pulse arrives at {early.name} {measure(abs(measured), 's')} before "
+                f"{late.name}, the simulated one {measure(abs(simulated), 's')} after it: check "
+                "the names of these columns"
+            ]
+    return []
+
+
+def saturation_notes(sensors: Sequence[SensorComparison]) -> list[str]:
+    """Notes on saturated sensors."""
+    return [
+        f"{each.name} is saturated at {each.measured_peak:.4g} {each.unit}: its crest is missing, "
+        "and is not part of the residual"
+        for each in sensors if each.saturated
+    ]  # fmt: skip
 
 
 def pulse_notes(

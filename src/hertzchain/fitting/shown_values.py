@@ -7,6 +7,7 @@ from typing import Final
 
 import numpy as np
 
+from ..representation import with_error
 from .parameters import Parameter
 from .traces import Traces
 
@@ -19,13 +20,11 @@ def shown_value(
 ) -> str:
     """Value, error and unit of a parameter."""
     factor, unit = SHOWN.get(unit := _unit(parameter, traces), (1.0, unit))
-    if at_bound:
-        error = "(at its bound)"
-    elif 0.0 < sigma < np.inf:
-        error = f"+- {factor * sigma:.2g}"
+    if 0.0 < sigma < np.inf and not at_bound:
+        shown = with_error(factor * value, factor * sigma)
     else:
-        error = "(not determined)"
-    return " ".join(filter(None, (_rounded(factor * value, factor * sigma), error, unit)))
+        shown = f"{factor * value:.5g} ({'at its bound' if at_bound else 'not determined'})"
+    return f"{shown} {unit}".rstrip()
 
 
 def _unit(parameter: Parameter, traces: Traces) -> str:
@@ -38,11 +37,3 @@ def _unit(parameter: Parameter, traces: Traces) -> str:
     if name.key == "offset" and len(units) == 1:
         return units.pop()
     return parameter.kind.unit
-
-
-def _rounded(value: float, error: float) -> str:
-    """A value with two digits beyond the first of its error."""
-    if not np.isfinite(error) or error <= 0.0 or value == 0.0:
-        return f"{value:.5g}"
-    digits = int(np.floor(np.log10(abs(value))) - np.floor(np.log10(error))) + 2
-    return f"{value:.{min(max(digits, 3), 12)}g}"

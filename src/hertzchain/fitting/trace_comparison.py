@@ -24,7 +24,9 @@ from .sensor_comparison import (
     check_arrivals,
     check_contained,
     compared_sensor,
+    order_notes,
     pulse_notes,
+    saturation_notes,
     unit_notes,
 )
 from .sensors import sampled
@@ -51,7 +53,8 @@ class TraceComparison:
         Whether the time offset was given; otherwise, it is that of the largest cross-correlation.
     notes : tuple of str
         Remarks, one sentence each: samples that the run does not cover, incomplete peaks, peaks
-        that suggest another unit, and sensors without the static force.
+        that suggest another unit, arrivals in another order, saturated sensors, and sensors without
+        the static force.
 
     Examples
     --------
@@ -194,11 +197,12 @@ def compare_traces(
     check_contained(shot, inside)
     signals = tuple(_at(moments, inside, column, spacing, time_offset) for column in columns)
     found = TraceComparison(traces, signals, float(time_offset), given)
-    suspicious = unit_notes(found.sensors)
+    suspicious = [*unit_notes(found.sensors), *order_notes(shot, columns, grid)]
     for note in suspicious:
         warn_user(note, InputWarning)
     notes = (
         *suspicious,
+        *saturation_notes(found.sensors),
         *pulse_notes(run, shot, columns, inside, float(shot.times[-1]) - time_offset),
         *coupling_notes(traces, [run.chain]),
     )

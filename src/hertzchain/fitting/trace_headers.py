@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+import re
+from typing import Final
+
 from ..errors import InputError
 from ..store.csv_tables import split_header
 from ..units import converted
 from .places import Place, place_named
 
+# Unit at the end of a header.
+UNIT: Final = re.compile(r"\s*[\[(][^\[(]*$")
 VOLTS = {"V": 1.0, "mV": 1e-3, "uV": 1e-6, "µV": 1e-6}
 UNITS = {"force": "N", "velocity": "m/s"}
 
@@ -17,7 +22,7 @@ def header_of(text: str, named: str | None = None) -> tuple[Place, str, float]:
     if found is None:
         raise InputError(f"column {text!r} must have the form 'ball 6 [N]'")
     name, unit = found
-    place = place_named(name if named is None else named)
+    place = place_named(name, _as_written(text)) if named is None else place_named(named)
     if not unit:
         raise InputError(
             f"column {text!r} has no unit; write {name if named else place.name} "
@@ -30,3 +35,8 @@ def header_of(text: str, named: str | None = None) -> tuple[Place, str, float]:
         return place, si, converted(f"column {place.name!r}", 1.0, unit, si)
     except InputError as error:
         raise InputError(f"{error}, or V or mV for a sensor without calibration") from None
+
+
+def _as_written(header: str) -> str:
+    """Name of a column without its unit, in its own letters."""
+    return UNIT.sub("", header).strip()

@@ -89,7 +89,8 @@ def plot_sweep(
     ------
     InputError
         If the quantity, a dimension or a value does not exist, if the number of remaining
-        dimensions, apart from the methods, is not 1 or 2, or if none of the points to plot is done.
+        dimensions, apart from the methods, is not 1 or 2, or if none of the points to plot is done
+        or has a value.
 
     Warns
     -----
@@ -119,6 +120,7 @@ def plot_sweep(
     if not along or drawn.ndim > 2:
         raise InputError(_undrawable(drawn, at))
     _check_done(dataset, at)
+    _check_values(drawn)
     by = "approach" if len(along) == 1 else None if levels else _short_axis(drawn)
     with figure_style():
         axes = ax if ax is not None else plt.subplots()[1]
@@ -194,6 +196,16 @@ def _check_done(dataset: xr.Dataset, at: Mapping[str, Any]) -> None:
             f"of the {counted(status.size, 'point')} to plot, {' and '.join(parts)}: left blank",
             IncompleteWarning,
         )
+
+
+def _check_values(drawn: xr.DataArray) -> None:
+    """Reject a plot of points that are done but have no value."""
+    values = drawn.to_numpy()
+    if values.dtype.kind == "f" and not np.isfinite(values).any():
+        unfinished = str(drawn.name).startswith("wall_")
+        advice = "; set until, or keep wall_largest_so_far" if unfinished else ""
+        points = "the point" if values.size == 1 else f"any of the {values.size} points"
+        raise InputError(f"there is no value of {drawn.name} at {points} to plot{advice}")
 
 
 def _short_axis(drawn: xr.DataArray) -> str | None:

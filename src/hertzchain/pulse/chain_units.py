@@ -15,7 +15,7 @@ from typing import Any, Final, TypeVar
 import numpy as np
 
 from ..chain.chain import Chain
-from ..chain.feature_support import require_chain, require_supported
+from ..chain.feature_support import Alternative, require_chain, require_supported
 from ..chain.hertz_range import hertz_range, warn_outside_hertz
 from ..chain.scales import Scales
 from ..errors import InputError, ModelRangeWarning, warn_user
@@ -32,7 +32,7 @@ ROUNDING: Final = 1e-12
 
 
 def for_any_units(
-    method: str, *, supported: Sequence[str] = (), alternative: str = ""
+    method: str, *, supported: Sequence[str] = (), alternative: Alternative = ""
 ) -> Callable[[F], F]:
     """Decorate a function of a scaled chain that returns a `Pulse`.
 
@@ -65,7 +65,7 @@ def for_any_units(
 
 
 def scaled_chain(
-    chain: Chain, method: str, supported: Sequence[str] = (), alternative: str = ""
+    chain: Chain, method: str, supported: Sequence[str] = (), alternative: Alternative = ""
 ) -> Chain:
     """The chain in scaled variables, after checking that a method supports it."""
     require_chain(method, chain)

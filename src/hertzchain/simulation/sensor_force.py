@@ -7,10 +7,10 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from ..chain.bead_names import bead_number
+from ..chain.bead_names import bead_number, wall_number
 from ..collision import Array
-from ..errors import IncompleteWarning, warn_user
-from ..representation import measure, short
+from ..errors import IncompleteWarning, InputError, warn_user
+from ..representation import measure, short, with_error
 from .sensor_curve import maximum_near
 from .trajectory import Trajectory
 
@@ -62,10 +62,14 @@ class SensorForce:
     error: float = 0.0
 
     def __repr__(self) -> str:
-        known = f" +- {measure(self.error, 'N', self.units)}"
-        known *= self.error > SHOWN * abs(self.largest_so_far)
+        def shown(force: float) -> str:
+            if self.error > SHOWN * abs(self.largest_so_far):
+                unit = " N" if self.units == "SI" else ""
+                return f"{with_error(force, self.error)}{unit}"
+            return measure(force, "N", self.units)
+
         first, largest = (
-            f"{measure(force, 'N', self.units)}{known} at t = {measure(time, 's', self.units)}"
+            f"{shown(force)} at t = {measure(time, 's', self.units)}"
             for force, time in (
                 (self.first_maximum, self.first_maximum_time),
                 (self.largest_so_far, self.largest_so_far_time),
@@ -112,6 +116,12 @@ def sensor_force_of(self: Trajectory, bead: int | str) -> SensorForce:
     >>> sensor.first_maximum_time < 15.0 and sensor.largest_so_far >= sensor.first_maximum
     True
     """
+    if (wall := wall_number(self.chain, bead)) is not None:
+        side = "left" if wall == 0 else "right"
+        raise InputError(
+            f"sensor_force is the force in a bead, got {bead!r}; run.wall_force({side!r}) is that "
+            "on the wall, with its peak"
+        )
     bead = bead_number(self.chain, bead)
     found = sensor_maxima(self, bead)
     if math.isnan(found.first_maximum):

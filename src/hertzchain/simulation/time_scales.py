@@ -16,8 +16,8 @@ from .drive_pieces import drive_pieces
 # Smallest contact time: steps are fractions of it, which must be representable.
 MIN_CONTACT_TIME: Final = 1e-280
 # Time [s] and transits beyond which the unit of the end of a run is probably wrong.
-LONG_TIME: Final = 30.0
-MANY_TRANSITS: Final = 1e4
+LONG_TIME: Final = 0.5
+MANY_TRANSITS: Final = 1e3
 
 
 def check_clock(chain: Chain) -> None:
@@ -112,13 +112,13 @@ def _times(chain: Chain, energy: float | None) -> Array:
 
 
 def check_length(chain: Chain, until: float) -> None:
-    """Warn about a run of many seconds, whose time was probably meant in us or ms."""
+    """Warn about a run of many transits, whose time was probably meant in us or ms."""
     if chain.units != "SI" or until < LONG_TIME:
         return
     transits = until / float(transit_times(chain).sum())
     if transits > MANY_TRANSITS:
         warn_user(
-            f"until = {until:g} s is {transits:.2g} transits of a pulse; times are in s, so check "
+            f"until = {until:g} s is {transits:.0f} transits of a pulse; times are in s, so check "
             "the unit ('500 us' is possible, too)",
             InputWarning,
         )

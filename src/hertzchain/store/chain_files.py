@@ -280,8 +280,6 @@ class _ChainFile:
                 arguments["material"] = self._material(arguments["material"])
             if name == "with_defects":
                 arguments["radii"] = {arguments.pop("bead"): arguments.pop("radius")}
-            if name == "with_scatter":
-                arguments["rng"] = arguments.pop("seed")
             yield arguments
 
     def _part(self, name: str) -> Any:

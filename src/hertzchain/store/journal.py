@@ -100,6 +100,12 @@ class Journal:
         except OSError as error:
             raise cannot_write(self.path, error) from None
 
+    def remove(self) -> None:
+        """Close the file and remove it, because the search gave no result."""
+        self.close()
+        if self.path is not None:
+            self.path.unlink(missing_ok=True)
+
     def close(self) -> None:
         """Close the file."""
         if self._stream is not None:

@@ -6,6 +6,8 @@ collision, and is then left behind.  Secs. 2 to 4 of the paper.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from ..chain.chain import Chain
@@ -25,8 +27,14 @@ from ..validation.numbers import FRACTION, number
 from .decoration import warn_if_decorated
 
 
+def _alternative(features: Sequence[str]) -> str:
+    if {*features} <= {"SI units", "loss"}:
+        return "use simulate, or bca(chain.replace(loss=None), restitution=e)"
+    return "use simulate"
+
+
 @checked_arguments("bca")
-@for_any_units("the BCA", supported=("masses", "stiffness"), alternative="use simulate")
+@for_any_units("the BCA", supported=("masses", "stiffness"), alternative=_alternative)
 def bca(chain: Chain, *, restitution: float = 1.0) -> Pulse:
     r"""Leading pulse of any chain by the binary collision approximation.
 

@@ -1,0 +1,110 @@
+"""Options that change a chain, of a file or of other options: speed, strikers, wall and loss."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, Final
+
+import click
+
+from .options import as_typed
+
+if TYPE_CHECKING:
+    from ..chain.chain import Chain
+    from ..chain.laws import Loss
+    from ..chain.walls import Wall
+
+BOOLEANS: Final = {"true": True, "false": False}
+MANY_VELOCITIES: Final = (
+    "replaces the velocity of the impact, but the file has a drive or beads with different "
+    "velocities: change them in the file"
+)
+
+
+def at_speed(chain: Chain, speed: str) -> Chain:
+    """The chain of a file with another velocity of the impact."""
+    import numpy as np
+
+    from ..validation.numbers import number
+
+    moving = chain.velocities != 0.0
+    if chain.drive is not None or not moving.any() or np.ptp(chain.velocities[moving]) > 0.0:
+        raise click.UsageError(f"--speed {MANY_VELOCITIES}")
+    if not chain.scaled:
+        require_unit_of_speed(speed)
+    value = number("--speed", as_typed(speed), unit=chain._unit("m/s"), above=0.0)
+    return chain.replace(velocities=np.where(moving, value, 0.0))
+
+
+def require_unit_of_speed(speed: str) -> None:
+    """Reject a speed without a unit, which could be meant in any."""
+    if isinstance(as_typed(speed), float):
+        raise click.UsageError(f"--speed {speed} has no unit; write, for example, "
+                               f"--speed '{speed.strip()} m/s'")  # fmt: skip
+
+
+def struck(chain: Chain, count: int) -> Chain:
+    """The chain struck by beads like its first one, at the velocity of its impact."""
+    from ..validation.numbers import whole_number
+
+    whole_number("--striker", count, least=1)
+    if chain.strikers:
+        raise click.UsageError("--striker adds strikers, but the file has some: change them there")
+    moving = chain.velocities[1:].any() or not chain.velocities[0] > 0.0
+    if chain.drive is not None or moving:
+        raise click.UsageError(
+            "--striker replaces the impact of bead 1, but in the file other beads move, or no bead "
+            "moves: add strikers to the file"
+        )
+    return chain.struck_by(velocity=float(chain.velocities[0]), count=count)
+
+
+def wall_named(name: str, chain: Chain) -> Wall:
+    """The wall of ``--wall NAME``."""
+    from ..chain.walls import Wall
+    from ..errors import InputError
+
+    if name == "same":
+        return Wall()
+    if name == "rigid":
+        return Wall.rigid()
+    if chain.scaled:
+        raise click.UsageError(
+            f"--wall {name} requires --material; a scaled chain has the walls same and rigid"
+        )
+    try:
+        return Wall.of(name)
+    except InputError as error:
+        raise click.UsageError(f"--wall must be same, rigid or a material: {error}") from None
+
+
+def law_from(text: str, chain: Chain) -> Loss:
+    """The law of ``--loss``: ``restitution=0.96``, or ``velocity-power=2,alpha=1.2``."""
+    from ..chain.laws.base import LAWS
+    from ..errors import InputError
+    from ..units import UNITS
+    from ..validation.objects import check_choice
+
+    first, *others = text.split(",")
+    name, equals, value = (part.strip() for part in first.partition("="))
+    check_choice("law of --loss", name, LAWS)
+    parameters = LAWS[name].parameters()
+    if equals and not parameters:
+        raise click.UsageError(f"the law {name} has no parameters: write --loss {name}")
+    given = [(next(iter(parameters), ""), value)] if equals else []
+    for each in others:
+        key, _, value = (part.strip() for part in each.partition("="))
+        given.append((key, value))
+    values: dict[str, Any] = {}
+    for key, value in given:
+        about = parameters.get(key)
+        values[key] = BOOLEANS.get(value, as_typed(value))
+        number = isinstance(values[key], float) and not chain.scaled
+        if number and about is not None and about.dimension:
+            raise click.UsageError(
+                f"{key} = {value} of --loss {name} has no unit; write, for example, --loss "
+                f"'{name}={value} {UNITS[about.dimension][:3][-1]}'"
+            )
+    try:
+        return LAWS[name](**values)
+    except InputError as error:
+        raise click.UsageError(f"--loss {text}: {error}") from None

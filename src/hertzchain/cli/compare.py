@@ -1,0 +1,109 @@
+"""The command `compare`: compare a simulation with measured traces, without a fit."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Final
+
+import click
+
+from .options import as_typed, figure_option, json_option, sensors_from, sensors_option
+from .output import save_figure, show_json
+from .progress import progress_bar
+from .wording import on_command_line
+
+if TYPE_CHECKING:
+    from ..fitting.trace_comparison import TraceComparison
+    from ..fitting.traces import Traces
+
+# Least number of saved times; signals are interpolated between them.
+MIN_TIMES: Final = 4000
+
+
+@click.command()
+@click.argument("traces", type=click.Path(path_type=Path))
+@click.argument("chain", type=click.Path(path_type=Path))
+@sensors_option
+@click.option("--shot", type=int, metavar="NUMBER", help="Shot of the traces, from 1.")
+@click.option(
+    "--until", metavar="TIME", help="Stop time, such as 700us.  [default: duration of the record]"
+)
+@click.option(
+    "--time-offset",
+    metavar="TIME",
+    help="Time of the data at which the simulation begins.  [default: that of the largest "
+    "cross-correlation]",
+)
+@json_option()
+@figure_option("Plot data and simulation to FILE.")
+def compare(
+    traces: Path, chain: Path, sensors: tuple[str, ...], shot: int | None, until: str | None,
+    time_offset: str | None, as_json: bool, plot: Path | None,
+) -> None:  # fmt: skip
+    """Compare a simulation with measured traces, without a fit.
+
+    TRACES is a CSV file and CHAIN a chain file, as for `hertzchain fit`.  The chain is simulated,
+    and peaks, arrivals and residuals of all sensors are printed.
+
+    \b
+    Examples:
+      hertzchain compare data.csv experiment.toml
+      hertzchain compare scope.csv experiment.toml --sensor CH1=wall --sensor "CH2=ball 5"
+      hertzchain compare data.csv experiment.toml --time-offset 80us --plot compared.png
+    """
+    import hertzchain
+
+    from ..fitting.settings import load_experiment
+    from ..validation.numbers import number
+
+    data = _one_shot(hertzchain.load_traces(traces, sensors=sensors_from(sensors)), shot)
+    data, (described,), _ = load_experiment(data, chain, hertzchain.load_traces)
+    times = data.shots[0].times
+    end = float(times[-1] - times[0])
+    if until is not None:
+        end = number("--until", as_typed(until), unit="s", above=0.0)
+    with progress_bar("beads passed") as progress:
+        run = hertzchain.simulate(
+            described, until=end, times=max(MIN_TIMES, len(times)), progress=progress
+        )
+    offset = None
+    if time_offset is not None:
+        offset = number("--time-offset", as_typed(time_offset), unit="s")
+    found = run.compare(data, time_offset=offset)
+    if plot is not None:
+        save_figure(found.plot().axes[0], plot)
+    if as_json:
+        show_json(_as_dict(found))
+    else:
+        click.echo(f"{described.description}\n{on_command_line(found.summary())}")
+
+
+def _one_shot(traces: Traces, shot: int | None) -> Traces:
+    from ..fitting.traces import Traces
+    from ..validation.numbers import whole_number
+
+    count = len(traces.shots)
+    if shot is None and count > 1:
+        raise click.UsageError(f"the file has {count} shots: add --shot with a number from 1")
+    number = whole_number("--shot", 1 if shot is None else shot, least=1, most=count)
+    return Traces(traces.shots[number - 1 : number])
+
+
+def _as_dict(found: TraceComparison) -> dict[str, Any]:
+    """Plain values for JSON: numbers that do not exist are `None`."""
+    from ..store import results
+
+    def plain(value: Any) -> Any:
+        return None if isinstance(value, float) and not math.isfinite(value) else value
+
+    sensors = [
+        {name: plain(value) for name, value in dataclasses.asdict(each).items()}
+        for each in found.sensors
+    ]
+    return {
+        "schema_version": results.SCHEMA_VERSION, "time_offset": found.time_offset,
+        "interval": list(found.interval), "covered": found.covered, "sensors": sensors,
+        "notes": list(found.notes),
+    }  # fmt: skip

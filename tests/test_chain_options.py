@@ -1,0 +1,134 @@
+"""Options that describe or change a chain, and messages in the words of the command line."""
+
+import json
+import re
+
+import numpy as np
+import pytest
+
+import hertzchain as hc
+
+BALLS = ("--material", "steel-52100", "--diameter", "10 mm", "--beads", 8)
+FILE = """
+[chain]
+diameters = "10 mm"
+materials = "steel-52100"
+beads = 8
+velocity = "0.1 m/s"
+[chain.right_wall]
+rigid = true
+"""
+
+
+def row(speed=0.1):
+    return hc.Chain.from_materials(5e-3, "steel-52100", beads=8, velocity=speed)
+
+
+@pytest.fixture
+def file(tmp_path):
+    path = tmp_path / "row.toml"
+    path.write_text(FILE)
+    return path
+
+
+def wall_peak(run, *options):
+    code, out, err = run("simulate", *options, "--json")
+    assert code == 0, err
+    (wall,) = json.loads(out)["walls"]
+    return wall["peak"]
+
+
+@pytest.mark.parametrize(
+    ("options", "changes"),
+    [
+        (("--wall", "brass"), {"right_wall": hc.Wall.of("brass")}),
+        (("--wall", "rigid", "--loss", "restitution=90%"),
+         {"right_wall": hc.Wall.rigid(), "loss": hc.Restitution(0.9)}),
+        (("--wall", "same", "--loss", "viscoelastic=0.6us"),
+         {"right_wall": hc.Wall(), "loss": hc.Viscoelastic(0.6e-6)}),
+        (("--wall", "same", "--loss", "viscoelastic=0.6 us,attractive=true"),
+         {"right_wall": hc.Wall(), "loss": hc.Viscoelastic(0.6e-6, attractive=True)}),
+        (("--wall", "same", "--loss", "elastic-plastic"),
+         {"right_wall": hc.Wall(), "loss": hc.ElasticPlastic()}),
+        (("--wall", "same", "--loss", "velocity-power=900,alpha=1.2"),
+         {"right_wall": hc.Wall(), "loss": hc.VelocityPower(900.0, 1.2)}),
+    ],
+)  # fmt: skip
+@pytest.mark.filterwarnings("ignore::hertzchain.errors.ModelRangeWarning")
+def test_wall_and_loss_change_described_chains_and_files(run, file, options, changes):
+    expected = hc.simulate(row().replace(**changes)).wall_force().peak
+    assert wall_peak(run, *BALLS, "--speed", "0.1 m/s", *options) == pytest.approx(expected)
+    assert wall_peak(run, file, *options) == pytest.approx(expected)
+
+
+def test_strikers_are_beads_like_the_first_one_at_the_speed_of_the_impact(run, file):
+    struck = row().struck_by(velocity=0.1, count=2).replace(right_wall=hc.Wall.rigid())
+    expected = hc.simulate(struck).wall_force().peak
+    options = ("--speed", "0.1 m/s", "--striker", 2, "--wall", "rigid")
+    assert wall_peak(run, *BALLS, *options) == pytest.approx(expected)
+    assert wall_peak(run, file, "--striker", 2) == pytest.approx(expected)
+    faster = struck.replace(velocities=2.0 * struck.velocities)
+    found = wall_peak(run, file, "--striker", 2, "--velocity", "20 cm/s")
+    assert found == pytest.approx(hc.simulate(faster).wall_force().peak)
+    shown = run("simulate", file, "--striker", 2).stdout
+    assert "diameter 10 mm, 2 strikers, right wall, impact at 0.1 m/s\n" in shown
+    found = json.loads(run("pulse", "--beads", 8, "--striker", 1, "--json").stdout)["pulses"][0]
+    scaled = hc.Chain.uniform(8).struck_by()
+    np.testing.assert_allclose(found["velocity"], hc.propagate(scaled).velocity, rtol=1e-9)
+
+
+@pytest.mark.filterwarnings("always::UserWarning")
+def test_simulate_states_the_speed_of_the_impact(run, file):
+    out = run("simulate", *BALLS).stdout
+    assert out.splitlines()[0].endswith("diameter 10 mm, impact at 1 m/s (default)")
+    out = run("simulate", *BALLS, "--velocity", "1 m/s").stdout
+    assert out.splitlines()[0].endswith("diameter 10 mm, impact at 1 m/s")
+    assert ", impact at 0.1 m/s\n" in run("simulate", file).stdout
+    # In scaled variables, the speed is the unit.
+    assert "impact" not in run("simulate", "--beads", 8).stdout
+    assert "default: 1 m/s" in " ".join(run("simulate", "--help").stdout.split())
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        (("--loss", "visco=2us"), "did you mean 'viscoelastic'"),
+        (("--loss", "viscoelastic=2"), "no unit; write, for example, --loss 'viscoelastic=2 us'"),
+        (("--loss", "restitution"), "missing the argument 'coefficient'"),
+        (("--loss", "restitution=1.1"), "coefficient of restitution must be"),
+        (("--loss", "restitution=0.9,foo=2"), "has no argument 'foo'"),
+        (("--loss", "elastic=2"), "has no parameters: write --loss elastic"),
+        (("--striker", "0"), "--striker must be"),
+        (("--wall", "butter"), "--wall must be same, rigid or a material"),
+    ],
+)
+def test_bad_changes_are_rejected(run, file, options, words):
+    for chain in ((*BALLS, "--speed", "0.1 m/s"), (file,)):
+        code, out, err = run("simulate", *chain, *options)
+        assert (code, out) == (2, "")
+        assert words in " ".join(err.split())
+
+
+def test_strikers_of_files_are_not_doubled(run, file):
+    file.write_text(FILE + "[[chain.struck_by]]\nvelocity = 0.2\n")
+    code, _, err = run("simulate", file, "--striker", 2)
+    assert code == 2
+    assert "but the file has some" in err
+    file.write_text(FILE.replace('velocity = "0.1 m/s"', "velocities = [0, 0.1, 0, 0, 0, 0, 0, 0]"))
+    code, _, err = run("simulate", file, "--striker", 2)
+    assert code == 2
+    assert "other beads move" in err
+
+
+@pytest.mark.filterwarnings("always::UserWarning")
+def test_messages_have_the_words_of_the_command_line(run):
+    err = run("simulate", *BALLS).stderr
+    assert "use the loss law elastic-plastic\n" in err
+    err = run(
+        "simulate", *BALLS, "--wall", "same", "--speed", "0.1 m/s", "--until", "200 us"
+    ).stderr
+    assert "the largest until" in err
+    assert "use the largest force so far" in err
+    err = run("simulate", "--beads", 20, "--max-steps", 20).stderr
+    assert "raise --max-steps" in err
+    assert not re.search(r"ElasticPlastic|largest_so_far|[^-]max_steps", err)

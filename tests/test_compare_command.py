@@ -1,0 +1,90 @@
+"""The command `compare`, and columns of oscilloscopes."""
+
+import json
+
+import numpy as np
+import pytest
+from scipy_row import SPACING, chain, recorded
+
+import hertzchain as hc
+
+pytestmark = pytest.mark.filterwarnings("ignore::hertzchain.errors.ModelRangeWarning")
+
+
+@pytest.fixture
+def files(tmp_path):
+    """Traces that SciPy computed, as of an oscilloscope, and the chain file of the nominal row."""
+    times, columns = recorded()
+    rows = np.column_stack([1e6 * times, columns["ball 5 [N]"], columns["wall [N]"]])
+    header = "Time (us),Ch1 (N),Ch2 (N)"
+    for name, shots in (("one.csv", 1), ("two.csv", 2)):
+        table = np.vstack([np.insert(rows, 0, k + 1, axis=1) for k in range(shots)])
+        fmt = ["%d", *["%.6g"] * 3]
+        if shots == 1:
+            table, fmt = rows, "%.6g"
+        head = header if shots == 1 else f"shot,{header}"
+        np.savetxt(tmp_path / name, table, delimiter=",", header=head, comments="", fmt=fmt)
+    (tmp_path / "row.toml").write_text(hc.chain_as_toml(chain()))
+    return tmp_path
+
+
+PLACES = ("--sensor", "Ch1=ball 5", "--sensor", "ch2=wall")
+
+
+def test_compare_prints_the_comparison_of_the_library(run, files):
+    data = hc.load_traces(files / "one.csv", sensors={"Ch1": "ball 5", "Ch2": "wall"})
+    record = float(np.ptp(data.shots[0].times))
+    expected = hc.simulate(chain(), until=record, times=4000).compare(data)
+    code, out, err = run("compare", files / "one.csv", files / "row.toml", *PLACES)
+    assert code == 0, err
+    first, *rest = out.splitlines()
+    assert first.endswith("diameter 10 mm, strikers, right wall, loss")
+    assert rest == expected.summary().splitlines()
+    code, out, _ = run("compare", files / "one.csv", files / "row.toml", *PLACES, "--json",
+                       "--plot", files / "compared.svg")  # fmt: skip
+    document = json.loads(out)
+    assert document["time_offset"] == pytest.approx(expected.time_offset, abs=SPACING)
+    for each, sensor in zip(document["sensors"], expected.sensors, strict=True):
+        assert each["name"] == sensor.name
+        assert each["measured_peak"] == pytest.approx(sensor.measured_peak)
+        assert each["simulated_peak"] == pytest.approx(sensor.simulated_peak)
+        assert each["saturated"] is False
+    assert document["notes"] == list(expected.notes)
+    assert (files / "compared.svg").stat().st_size > 10_000
+
+
+def test_times_of_compare_have_units(run, files):
+    code, out, _ = run("compare", files / "one.csv", files / "row.toml", *PLACES, "--json",
+                       "--time-offset", "70 us", "--until", "0.5 ms")  # fmt: skip
+    assert code == 0
+    document = json.loads(out)
+    assert document["time_offset"] == pytest.approx(70e-6)
+    assert document["interval"][1] == pytest.approx(570e-6, abs=SPACING)
+    assert any("before the record" in each for each in document["notes"])
+
+
+@pytest.mark.parametrize("command", ["compare", "fit"])
+def test_columns_without_places_are_explained(run, files, command):
+    code, _, err = run(command, files / "one.csv", files / "row.toml")
+    assert code == 2
+    assert "column 'Ch1' does not name the place of its sensor" in err
+    assert "add --sensor 'Ch1=wall'" in err
+
+
+def test_fit_reads_the_columns_of_an_oscilloscope(run, files):
+    free = ["--free", "stiffness", "--free", "loss.time", "--free", "time_offset"]
+    options = ("--starts", 1, "--prior", "stiffness=0.97,0.001", "--json")
+    out = run("fit", files / "one.csv", files / "row.toml", *PLACES, *free, *options).stdout
+    assert {*json.loads(out)["chi2_per_sample"]} == {"ball 5", "wall"}
+
+
+def test_mistakes_of_compare_are_explained(run, files):
+    code, _, err = run("compare", files / "two.csv", files / "row.toml", *PLACES)
+    assert code == 2
+    assert "the file has 2 shots: add --shot" in err
+    assert run("compare", files / "two.csv", files / "row.toml", *PLACES, "--shot", 2)[0] == 0
+    assert run("compare", files / "two.csv", files / "row.toml", *PLACES, "--shot", 3)[0] == 2
+    code, _, err = run("compare", files / "one.csv", files / "row.toml", *PLACES, "--until", "1e-4")
+    assert code == 2
+    assert "for example with --until '" in err
+    assert run("compare", files / "row.toml", files / "one.csv")[0] == 2

@@ -206,7 +206,7 @@ class StoredRun:
                 raise error
             warn_user(f"{os.fspath(error.file)} {error.how}; it is omitted", DamageWarning)
 
-        parts = _listed(self.folder, damaged)
+        parts = _checked_parts(self.folder, damaged)
         for part in parts:
             if part.last >= start and part.first <= stop:
                 try:
@@ -394,7 +394,7 @@ def _remove_temporary(folder: Path) -> None:
         raise cannot_write(folder, error) from None
 
 
-def _listed(folder: Path, damaged: Callable[[DamagedFileError], None]) -> tuple[Part, ...]:
+def _checked_parts(folder: Path, damaged: Callable[[DamagedFileError], None]) -> tuple[Part, ...]:
     """The parts of a folder; reports files that are missing or not listed."""
     # The folder is read before the manifest, because a part is listed before it is written.
     found = sorted(file.name for file in folder.glob("part-*.nc"))

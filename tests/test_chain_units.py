@@ -1,5 +1,6 @@
 """Theories and propagation of chains in SI units: conversion by themselves and by hand."""
 
+import re
 import warnings
 from dataclasses import fields
 
@@ -202,3 +203,19 @@ def test_scaled_chains_are_passed_on_as_they_are():
         warnings.simplefilter("error")
         assert hc.bca(SCALED).chain is SCALED
         assert hc.bca(chain=SCALED).chain is SCALED
+
+
+@pytest.mark.parametrize("theory", [hc.modified_bca, hc.local_rate])
+def test_messages_of_theories_describe_the_chain_as_given(theory):
+    radii = 5e-3 * hc.Chain.tapered("forward-exponential", 0.3, beads=20).radii
+    chain = hc.Chain.from_materials(radii, "steel-316", velocity="1 um/s")
+    described = re.escape(chain.description)
+    assert described == r"20\ steel\-316\ beads,\ diameters\ 10\ mm\ to\ 68\.4\ um"
+    with (
+        pytest.raises(hc.InputError, match=described)
+        if theory is hc.modified_bca
+        else pytest.warns(hc.ModelRangeWarning, match=described)
+    ):
+        theory(chain)
+    # A scaled copy that the user makes has its own description.
+    assert hc.Scales.of(chain).to_scaled(chain).description == "free radii, 20 beads"

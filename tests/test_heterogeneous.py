@@ -11,7 +11,8 @@ from scipy.optimize import brentq
 import hertzchain as hc
 from hertzchain.kernels import wide_window, wide_window_rows
 from hertzchain.propagation import heterogeneous
-from hertzchain.propagation.batch import PASSED, Batch
+from hertzchain.propagation.batch import Batch
+from hertzchain.threads import COUNT
 
 COLUMNS = ("velocity", "peak_time", "arrival", "peak_overlap")
 RADII = np.array([1, 0.3, 3, 0.5, 1, 2, 0.4, 0.6, 1, 0.3, 1, 1, 3, 0.3, 0.3, 1])
@@ -116,7 +117,7 @@ def test_stop_signal_ends_the_kernel():
         columns, status, np.full(3, 10**9), signal, wide_window.new_scratch(),
     )  # fmt: skip
     assert list(status) == [wide_window.STOPPED, wide_window.RUNNING, wide_window.RUNNING]
-    assert signal[PASSED] == 0
+    assert signal[COUNT] == 0
 
 
 # Results of `propagate`.

@@ -8,7 +8,8 @@ from numba import njit
 import hertzchain as hc
 from hertzchain.kernels import hermite, narrow_window, narrow_window_events, rkn8
 from hertzchain.kernels import narrow_window_rows as rows
-from hertzchain.propagation.batch import PASSED, Batch
+from hertzchain.propagation.batch import Batch
+from hertzchain.threads import COUNT
 
 STEP = (0.15, 0.1)
 NO_LIMITS = (np.inf, np.inf, np.inf)
@@ -189,4 +190,4 @@ def test_stop_signal_ends_the_kernel():
         status, signal, narrow_window.scratch_of(narrow_window.ABREAST),
     )  # fmt: skip
     assert np.all(status == rows.WAITING)
-    assert signal[PASSED] == 0
+    assert signal[COUNT] == 0

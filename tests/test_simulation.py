@@ -348,6 +348,9 @@ def test_run_as_dataset(uniform_run):
     assert dataset.bead.values[0] == 1
     label = {"units": "1", "long_name": "velocity of the bead", "symbol": "v"}
     assert dataset.velocity.attrs == label
+    assert "rate" not in dataset.attrs
+    taper = hc.Chain.tapered("forward-exponential", 0.03, beads=5)
+    assert hc.simulate(taper, until=1.0, times=2).to_xarray().attrs["rate"] == 0.03
 
 
 def test_motion_too_fast_for_any_clock_is_rejected():

@@ -32,6 +32,31 @@ def test_what_is_streamed_is_the_run(tmp_path):
     assert stored.load(start=10.0, stop=20.0).time.values[[0, -1]].tolist() == [10.0, 20.0]
 
 
+def test_times_of_parts_have_the_units_of_the_chain(tmp_path, monkeypatch):
+    monkeypatch.setattr(streaming, "FILE_SIZE", 10 * 8 * (3 * 5 + 1))
+    chain = hc.Chain.from_materials("5 mm", "steel-316", beads=5, velocity="1 mm/s")
+    times = np.linspace(0.0, 1e-4, 51)
+    stored = hc.stream(chain, tmp_path / "SI", times=times)
+    np.testing.assert_array_equal(stored.load("19 us", "0.061 ms").time, times[10:31])
+    with pytest.raises(hc.InputError, match="start must have a unit such as s, .* got 'm'"):
+        stored.load("1 m")
+    with pytest.raises(hc.InputError, match="stop must be a time, got nan"):
+        stored.load(stop=float("nan"))
+    # The unit does not depend on a part that is omitted.
+    lost = next(stored.parts()).sizes["time"]
+    stored.files[0].write_bytes(b"")
+    with pytest.warns(hc.DamageWarning, match="part-000001.nc is not as it was written"):
+        rest = stored.load("0 s", "0.061 ms", skip_damaged=True)
+    np.testing.assert_array_equal(rest.time, times[lost:31])
+    for file in stored.files:
+        file.write_bytes(b"")
+    with pytest.raises(hc.InputError, match="part-000001.nc is not as it was written"):
+        stored.load("0 s")
+    scaled = hc.stream(CHAIN, tmp_path / "scaled", times=[1.0, 2.0])
+    with pytest.raises(hc.InputError, match="start .*'1 ms'"):
+        scaled.load("1 ms")
+
+
 @pytest.mark.usefixtures("_small_files")
 def test_an_interrupted_stream_resumes_bit_for_bit(tmp_path):
     class Stopped(Exception):

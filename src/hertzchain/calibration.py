@@ -206,7 +206,7 @@ def calibrate(
     needed = 1 if rate_symbol(taper) == "S" else 3
     if len(set(used)) < needed:
         raise InputError(
-            f"calibrating {taper} needs at least {needed} different rates, got {_listed(used)}"
+            f"calibrating {taper} needs at least {needed} different rates, got {_joined(used)}"
         )
     k = beads_in_window(window, beads)
     chains = [Chain.tapered(taper, rate, beads=beads) for rate in used]
@@ -305,7 +305,7 @@ def calibrated_toml(calibrations: Sequence[Calibration]) -> str:
         lines += [
             "",
             f"[corrections.{result.taper}]",
-            f"# {rate_symbol(result.taper)} = {_listed(result.rates)}; beads {first}..{last} of "
+            f"# {rate_symbol(result.taper)} = {_joined(result.rates)}; beads {first}..{last} of "
             f"{result.beads}",
         ]
         for name, error in result.standard_errors.items():
@@ -316,5 +316,5 @@ def calibrated_toml(calibrations: Sequence[Calibration]) -> str:
     return "\n".join(lines) + "\n"
 
 
-def _listed(rates: Sequence[float]) -> str:
+def _joined(rates: Sequence[float]) -> str:
     return ", ".join(f"{rate:g}" for rate in rates)

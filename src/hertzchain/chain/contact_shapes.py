@@ -19,6 +19,7 @@ from ..validation.keywords import checked_arguments, checked_fields, checked_met
 from ..validation.numbers import number, whole_number
 from .fields import ChainFields
 from .materials import contact_modulus
+from .walls import material_of_wall
 
 C = TypeVar("C", bound=ChainFields)
 
@@ -267,7 +268,7 @@ def with_contacts(self: C, shapes: Shape | Mapping[int, Shape]) -> C:
         if wall is None:
             raise InputError(f"contact {c} has no shape: the chain has no {name}")
         solid = self.materials[bead]
-        modulus = contact_modulus(solid, wall.material or solid)
+        modulus = contact_modulus(solid, material_of_wall(wall, solid))
         changes[name] = dataclasses.replace(
             wall, stiffness=shape.stiffness(modulus), material=None, exponent=shape.exponent
         )

@@ -9,7 +9,7 @@ import numpy as np
 from ..collision import Array
 from ..representation import measure
 from .materials import Material
-from .repeated_cells import smallest_cell
+from .repeated_cells import cell_repeats, smallest_cell
 from .tapers import taper_named
 
 
@@ -63,7 +63,7 @@ def sizes_in_words(radii: Array) -> str:
     low, high = radii.min(), radii.max()
     if low == high:
         return length_in_words(2.0 * low)
-    if len(radii) > 2 and np.all(radii[2:] == radii[:-2]):
+    if len(radii) > 2 and cell_repeats(2, radii):
         one, other = (length_in_words(2.0 * radius) for radius in radii[:2])
         return f"{one} and {other} in turn"
     first, last = (high, low) if np.all(np.diff(radii) <= 0.0) else (low, high)

@@ -45,7 +45,6 @@ def require_supported(
     *,
     supported: Sequence[str] = (),
     alternative: Alternative = "",
-    description: str = "",
 ) -> None:
     """Raise an error for a chain with a feature that a method does not support."""
     require_chain(method, chain)
@@ -58,7 +57,7 @@ def require_supported(
         names = [f"a {name}" if name in COUNTABLE else name for name in others]
         raise InputError(
             f"{method} does not support {listed(names, 'or')}; {advice} "
-            f"(chain: {description or chain.description})"
+            f"(chain: {chain.description})"
         )
 
 

@@ -424,6 +424,9 @@ class ChainFields(Frozen):
     @property
     def description(self) -> str:
         """Short description of the chain, for titles of tables and figures."""
+        return self.__dict__.get("_described_as") or self._own_description()
+
+    def _own_description(self) -> str:
         p = self.exponents
         law = f", p = {p:g}" if isinstance(p, float) and p != HERTZ_EXPONENT else ""
         own, given = slice(self.strikers, None), "masses" in self.given

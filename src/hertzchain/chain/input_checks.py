@@ -23,7 +23,7 @@ LARGE_RADIUS: Final = 1.0
 LARGE_RATIO: Final = 100.0
 
 
-def _refuse_one_bead(count: object) -> None:
+def _require_two_beads(count: object) -> None:
     """State how to compute the collision of one bead with a wall, which is not a chain."""
     if type(count) is int and count == 1:
         raise InputError(
@@ -34,7 +34,7 @@ def _refuse_one_bead(count: object) -> None:
 
 def checked_beads(beads: int) -> int:
     """Check a number of beads: whole, at least two, and not more than fit in memory."""
-    _refuse_one_bead(beads)
+    _require_two_beads(beads)
     count = whole_number("beads", beads, least=2)
     check_memory(f"{count} beads", count * BYTES_PER_BEAD, "use fewer beads")
     return count
@@ -59,7 +59,7 @@ def checked_wall_exponent(exponent: float) -> float:
 def checked_radii(radii: ArrayLike) -> Array:
     """Check at least two radii, positive and finite, and return a copy."""
     values = real_numbers("radius", radii, "bead")
-    _refuse_one_bead(values.size if values.ndim == 1 else 0)
+    _require_two_beads(values.size if values.ndim == 1 else 0)
     if values.ndim != 1 or len(values) < 2:
         raise InputError(f"radii must be a list of at least two numbers, got {short_repr(radii)}")
     checked_beads(len(values))

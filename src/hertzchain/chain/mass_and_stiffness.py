@@ -10,7 +10,7 @@ import numpy as np
 from ..collision import HERTZ_EXPONENT, Array, hertz_stiffness
 from ..errors import InputError
 from .materials import Material, contact_modulus, sphere_stiffness
-from .walls import Wall
+from .walls import Wall, material_of_wall
 
 Materials = Sequence[Material] | None
 
@@ -90,8 +90,8 @@ def wall_stiffness(
             "stiffness of the contacts for equal beads and a wall of their material"
         )
     if not scaled and material is not None:
-        other = material if wall.material is None else wall.material
-        return float(sphere_stiffness(radius, math.inf, contact_modulus(material, other)))
+        modulus = contact_modulus(material, material_of_wall(wall, material))
+        return float(sphere_stiffness(radius, math.inf, modulus))
     return math.sqrt(2.0 * radius) * (1.0 if wall.material is None else 2.0)
 
 

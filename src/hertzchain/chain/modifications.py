@@ -144,6 +144,11 @@ def with_scatter(
     Strikers keep their sizes.  Without strikers, bead 1 often is the projectile, whose size
     changes the impact itself: ``beads="2:"`` keeps it.
 
+    In scaled variables the radii are divided by that of bead 1, the unit of length.  Velocities
+    are those of a lot, but times, forces and momenta are in units of each chain's own first bead;
+    for their spread, use a chain in SI units.  After strikers, the first bead is the unit and
+    keeps its size.
+
     Parameters
     ----------
     seed : int or numpy.random.Generator
@@ -278,13 +283,21 @@ def _scatter(
         raise InputError("give either a relative scatter or a ball grade")
     if relative is not None:
         spread = relative_scatter("relative scatter", relative, least=0.0)
-        return np.asarray(radii * np.exp(spread * rng.standard_normal(len(radii))))
+        return deviating_radii(radii, rng.standard_normal(len(radii)), spread, None)
     if type(grade) is not int or grade not in BALL_GRADES:
         known = ", ".join(map(str, BALL_GRADES))
         raise InputError(f"ISO 3290-1 has no ball grade {short_repr(grade)}; choose from {known}")
-    half = 0.25 * BALL_GRADES[grade]
-    if half >= radii.min():
+    if 0.25 * BALL_GRADES[grade] >= radii.min():
         raise InputError(
             f"a radius of {radii.min():g} m is too small for the deviations of grade {grade}"
         )
-    return np.asarray(radii + rng.uniform(-half, half, len(radii)))
+    return deviating_radii(radii, rng.uniform(-1.0, 1.0, len(radii)), None, grade)
+
+
+def deviating_radii(radii: Array, draws: Array, relative: float | None, grade: int | None) -> Array:
+    """Radii with normal deviations of the logarithm, or those of a grade, from -1 to 1."""
+    if relative is not None:
+        return np.asarray(radii * np.exp(relative * draws))
+    assert grade is not None
+    # The grade limits the variation of diameters, which is four times the largest deviation.
+    return np.asarray(radii + 0.25 * BALL_GRADES[grade] * draws)

@@ -15,7 +15,7 @@ from .input_checks import checked_exponent
 from .laws import Loss
 from .laws.elastic import Elastic
 from .materials import Material, material
-from .walls import Wall
+from .walls import Wall, material_of_wall
 
 T = TypeVar("T")
 Materials: TypeAlias = Sequence[Material] | None
@@ -158,8 +158,9 @@ def spread(given: Any, own: tuple[Any, Any], materials: Materials, walls: Walls,
             ends[end] = own[end]
         elif wall is not None and isinstance(given, MaterialPairs):
             assert materials is not None
-            other = materials[bead] if wall.material is None else wall.material
-            ends[end] = given.between(materials[bead], other, f"the {('left', 'right')[end]} wall")
+            place, own_material = f"the {('left', 'right')[end]} wall", materials[bead]
+            other = material_of_wall(wall, own_material)
+            ends[end] = given.between(own_material, other, place)
     return [ends[0], *inner, ends[1]]
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, NoReturn, TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -43,8 +43,7 @@ def part(self: C, beads: slice) -> C:
     >>> hc.Chain.from_radii([8.0, 4.0, 2.0, 1.0])[1:].radii
     array([1.  , 0.5 , 0.25])
     """
-    if not isinstance(beads, slice):
-        _refuse_bead(beads)
+    _require_slice(beads)
     if beads == slice(None, None, -1):
         return reversed_beads(self)
     try:
@@ -159,11 +158,12 @@ def _shown(beads: slice) -> str:
     return ":".join(ends) + ("" if beads.step is None else f":{beads.step}")
 
 
-def _refuse_bead(index: object) -> NoReturn:
-    raise InputError(
-        f"a bead is not a chain: use a slice such as chain[10:], or chain.radii[{index!r}] for "
-        "the radius of one bead"
-    )
+def _require_slice(beads: object) -> None:
+    if not isinstance(beads, slice):
+        raise InputError(
+            f"a bead is not a chain: use a slice such as chain[10:], or chain.radii[{beads!r}] for "
+            "the radius of one bead"
+        )
 
 
 def _cut(chain: ChainFields, start: int, stop: int) -> dict[str, Any]:

@@ -92,7 +92,7 @@ def taper_of_sizes(
     """Name, parameters and radii in units of the first one (which is the last result)."""
     unit = "m" if si else None
     if not si:
-        _refuse_units(sizes)
+        _require_no_units(sizes)
     first = sizes.first_radius(unit)
     if si and first is None:
         raise InputError(
@@ -128,7 +128,7 @@ def taper_of_sizes(
     return name, {"rate": slope}, radii, first
 
 
-def _refuse_units(sizes: Sizes) -> None:
+def _require_no_units(sizes: Sizes) -> None:
     """Ask for the material of beads whose sizes have units."""
     for name in ("first", "last", "first_diameter", "last_diameter", "length"):
         value = getattr(sizes, name)

@@ -16,15 +16,19 @@ from .parts import Part
 from .scales import scale
 
 
+def material_of_wall(wall: Wall | None, bead: Material) -> Material:
+    """Material of a wall; by default, and at a free end, that of the bead next to it."""
+    return bead if wall is None or wall.material is None else wall.material
+
+
 def materials_with_walls(
     materials: Sequence[Material], walls: tuple[Wall | None, Wall | None]
 ) -> list[Material]:
-    """Materials of left wall, beads and right wall; by default, a wall has that of its bead."""
-    left, right = (
-        materials[bead] if wall is None or wall.material is None else wall.material
-        for wall, bead in zip(walls, (0, -1), strict=True)
-    )
-    return [left, *materials, right]
+    """Materials of left wall, beads and right wall."""
+    left, right = walls
+    return [
+        material_of_wall(left, materials[0]), *materials, material_of_wall(right, materials[-1])
+    ]  # fmt: skip
 
 
 def _stiffness_unit(wall: Wall) -> str:

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-import math
 from typing import TYPE_CHECKING, Any
+
+from ..validation.json_types import finite
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -69,18 +70,21 @@ def waves_as_list(waves: Waves) -> list[dict[str, Any]]:
     rows = waves.to_dataframe().to_dict("records")
     for row, wave in zip(rows, waves, strict=True):
         row["direction"] = DIRECTIONS[wave.direction]
-        row["width"] = row["width"] if math.isfinite(row["width"]) else None
         row["resolved"] = wave.resolved
-    return rows
+    found: list[dict[str, Any]] = finite(rows)
+    return found
 
 
 def horizon_as_dict(horizon: Horizon) -> dict[str, Any]:
     """A horizon as plain data; the time is None if it was not reached."""
-    return {
-        "within": horizon.within,
-        "time": horizon.time if math.isfinite(horizon.time) else None,
-        "last_time": float(horizon.times[-1]),
-        "error": float(horizon.error[-1]),
-        "rtol": horizon.rtol,
-        "shadow_rtol": horizon.shadow_rtol,
-    }
+    found: dict[str, Any] = finite(
+        {
+            "within": horizon.within,
+            "time": horizon.time,
+            "last_time": float(horizon.times[-1]),
+            "error": float(horizon.error[-1]),
+            "rtol": horizon.rtol,
+            "shadow_rtol": horizon.shadow_rtol,
+        }
+    )
+    return found

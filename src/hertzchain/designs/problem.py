@@ -217,7 +217,7 @@ class Design:
         """A text that differs for different problems."""
         parts = [
             fingerprint(self.chain), repr(self.minimise), repr(self.maximise), repr(self.match),
-            repr([dataclasses.astuple(each) for each in _listed(self.vary)]),
+            repr([dataclasses.astuple(each) for each in _variable_list(self.vary)]),
             repr(dict(self.subject_to)), repr(self.scatter), repr(self.until),
             self.model,
         ]  # fmt: skip
@@ -234,7 +234,7 @@ class Design:
         return short("Design", about, what, limits, scatter)
 
 
-def _listed(vary: Any) -> list[Variable]:
+def _variable_list(vary: Any) -> list[Variable]:
     found = [vary] if isinstance(vary, Variable) else vary
     if not isinstance(found, Sequence) or isinstance(found, str):
         raise InputError(
@@ -248,7 +248,7 @@ def _listed(vary: Any) -> list[Variable]:
 
 
 def _space(chain: Chain, vary: Any) -> Space:
-    given = _listed(vary)
+    given = _variable_list(vary)
     if not given:
         raise InputError("vary has no variables; give at least one, such as hc.vary.radii(0.5, 1)")
     sizes = [each for each in given if isinstance(each, Sizes)]

@@ -10,7 +10,7 @@ from typing import Any, Final
 import numpy as np
 
 from ..chain.chain import Chain
-from ..chain.modifications import BALL_GRADES, relative_scatter
+from ..chain.modifications import BALL_GRADES, deviating_radii, relative_scatter
 from ..chain.places import places_from
 from ..collision import Array
 from ..errors import InputError, short_repr
@@ -27,6 +27,10 @@ _CVAR: Final = re.compile(r"cvar(\d\d?)")
 class Scatter:
     r"""Random deviations of the radii of all beads, and how a measure is summarised.
 
+    In a scaled chain, the bead of radius 1 is the unit of length and does not deviate, so that
+    all samples have the same units.  If it scatters, too, velocities of equal beads scatter more
+    than twice as much (`hertzchain.disorder`): for such lots, use a chain in SI units.
+
     Attributes
     ----------
     radius : float, optional
@@ -38,7 +42,8 @@ class Scatter:
     samples : int
         Number of samples, the same for all trial designs.
     beads : str or list of int, optional
-        Beads that deviate, such as ``"2:"``; all by default, with the projectile (bead 1).
+        Beads that deviate, such as ``"2:"``; all by default, in SI units with the projectile
+        (bead 1).
 
     Examples
     --------
@@ -132,11 +137,7 @@ class Scatter:
             fixed[places_from(self.beads, chain.beads, "bead")] = False
             draws[:, fixed] = 0.0
         for draw in draws:
-            if self.grade is None:
-                assert self.radius is not None
-                radii = chain.radii * np.exp(self.radius * draw)
-            else:
-                radii = chain.radii + 0.25 * BALL_GRADES[self.grade] * draw
+            radii = deviating_radii(chain.radii, draw, self.radius, self.grade)
             if chain.units == "scaled":
                 radii[chain.strikers] = 1.0
             found.append(chain.replace(radii=radii))

@@ -86,6 +86,14 @@ MIN_ALPHA: Final = 0.5
 SAME: Final = 1e-9
 
 
+class UnknownParameterError(InputError):
+    """A chain does not have the parameter of a name."""
+
+    def __init__(self, chain: Chain, name: Name) -> None:
+        known = known_names(chain)
+        super().__init__(*unknown_name_error("parameter of this chain", str(name), known).args)
+
+
 def known_names(chain: Chain) -> list[str]:
     """Names of the parameters that a chain has."""
     names = ["stiffness", "stiffness[8-9]", "gap[8-9]", "mass[8]", "gravity", "precompression"]
@@ -128,7 +136,7 @@ def kind_of(chain: Chain, name: Name) -> Kind:
     known = known_names(chain)
     shown = {each.split("[")[0].split(".")[0] for each in known} | {"wall"}
     if key not in KINDS or key.split(".")[0] not in shown:
-        raise unknown_name_error("parameter of this chain", str(name), known)
+        raise UnknownParameterError(chain, name)
     if key == "exponent" and "exponent" not in known:
         raise InputError("the contacts of this chain have several exponents; they cannot be fitted")
     if key.split(".")[0] in example and not name.item:
@@ -168,7 +176,7 @@ def _law_with(chain: Chain, name: Name, field: str) -> Loss:
     for law in laws:
         if _has(law, field):
             return law
-    raise unknown_name_error("parameter of this chain", str(name), known_names(chain))
+    raise UnknownParameterError(chain, name)
 
 
 def _has(law: Loss, field: str) -> bool:

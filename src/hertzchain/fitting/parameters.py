@@ -11,7 +11,14 @@ from ..chain.chain import Chain
 from ..errors import InputError, short_repr, unknown_name_error
 from ..validation.numbers import number, real_numbers
 from ..validation.objects import check_list
-from .chain_parameters import Kind, kind_of, known_names, loss_parameters, value_of
+from .chain_parameters import (
+    Kind,
+    UnknownParameterError,
+    kind_of,
+    known_names,
+    loss_parameters,
+    value_of,
+)
 from .names import Name, parse_name
 from .sensors import COMMON_ONLY, SENSOR_KINDS
 from .traces import Traces
@@ -232,7 +239,6 @@ def kind_and_value(name: Name, traces: Traces, chains: Sequence[Chain]) -> tuple
     chain = chains[int(name.shot) - 1 if name.shot else 0]
     try:
         return kind_of(chain, name), value_of(chain, name)
-    except InputError as error:
-        if "unknown parameter" in str(error):
-            raise unknown_name_error("parameter", str(name), every_name(chain)) from None
-        raise
+    except UnknownParameterError:
+        # The parameters of the sensors are known, too.
+        raise unknown_name_error("parameter", str(name), every_name(chain)) from None

@@ -17,9 +17,6 @@ from ..collision import HERTZ_EXPONENT, Array, hertz_stiffness
 
 Indices = NDArray[np.int64]
 
-# Entries of the array with which another thread stops the computation and reads its progress.
-STOP, PASSED = 0, 1
-
 # Rows of the result.
 VELOCITY, PEAK_TIME, ARRIVAL, PEAK_OVERLAP, RESIDENCE, COLUMNS = range(6)
 # Velocity, peak time and arrival of the struck bead.

@@ -17,12 +17,11 @@ import numpy as np
 from ..chain.chain import Chain
 from ..collision import Array
 from ..errors import InputError, SimulationError
+from ..threads import COUNT, STOP
 from .batch import (
     ARRIVAL,
-    PASSED,
     PEAK_OVERLAP,
     RESIDENCE,
-    STOP,
     STRIKER_COLUMNS,
     STRUCK,
     Batch,
@@ -126,7 +125,7 @@ def _widen(
         if not len(todo) or signal[STOP]:
             break
         found, status = np.zeros_like(columns), np.zeros(len(todo), np.int64)
-        signal[PASSED] = 0
+        signal[COUNT] = 0
         left = work[todo]
         kernel.follow(
             window.window(rtol),
@@ -173,7 +172,7 @@ def _simulate(chain: Chain, tolerance: float, signal: Indices) -> Array:
     from ..simulation.simulate import simulate
 
     def watch(passed: int, _: int) -> None:
-        signal[PASSED] = passed
+        signal[COUNT] = passed
         if signal[STOP]:
             raise SimulationError("stopped")
 

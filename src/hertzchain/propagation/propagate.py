@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import numbers
 from collections.abc import Iterable, Iterator, Sequence
-from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
 from dataclasses import dataclass, field
 from typing import Final, TypeGuard
 
@@ -25,10 +24,11 @@ from ..frozen import once
 from ..pulse.chain_units import warn_outside_hertz_once
 from ..pulse.pulse import Pulse, assemble_pulse
 from ..pulse.pulse_table import PulseTable
+from ..threads import run_in_threads
 from ..validation.keywords import checked_arguments
 from ..validation.numbers import number, real_numbers, worker_count
 from ..validation.objects import Progress, callback, check_list
-from .batch import COLUMNS, PASSED, STOP, Batch, PulseData
+from .batch import COLUMNS, Batch, PulseData
 from .heterogeneous import MAX_RTOL
 from .window_choice import follow
 
@@ -47,7 +47,6 @@ MIN_RTOL: Final = 1e-10
 BLOCK_BEADS, MIN_BLOCK = 100_000, 5_000
 # Chains up to this length take so little time that they need not be interruptible.
 SHORT: Final = 20_000
-POLL: Final = 0.1
 
 
 @checked_arguments("propagate")
@@ -97,11 +96,10 @@ def propagate(
     batch = _batch_of(chain) if short else _new_batch(chain)
     callback("progress", progress)
     rtol = checked_rtol(rtol)
-    signal = np.zeros(2, np.int64)
     if short and progress is None:
-        data = follow(batch, rtol, signal)
+        data = follow(batch, rtol, np.zeros(2, np.int64))
     else:
-        data = _follow_with_progress(batch, rtol, signal, progress)
+        data = _follow_with_progress(batch, rtol, progress)
     if data.reasons:
         raise SimulationError(data.reasons[0])
     columns = data.columns
@@ -163,29 +161,11 @@ def propagate_many(
     rtol, threads = checked_rtol(rtol), worker_count("threads", threads)
     ensemble = _Ensemble.of(chains)
     blocks = list(ensemble.blocks(threads))
-    bad = len(ensemble.reasons)
-    done, signals = bad, [np.zeros(2, np.int64) for _ in blocks]
-    executor = ThreadPoolExecutor(max_workers=threads)
-    try:
-        running: dict[Future[PulseData], NDArray[np.int64]] = {
-            executor.submit(_follow_block, ensemble, rows, rtol, signal): rows
-            for rows, signal in zip(blocks, signals, strict=True)
-        }
-        while running:
-            finished, _ = wait(running, timeout=POLL, return_when=FIRST_COMPLETED)
-            for future in finished:
-                rows = running.pop(future)
-                ensemble.store(rows, future.result())
-                done += len(rows)
-            if progress is not None:
-                progress(done, len(ensemble.beads))
-    except BaseException as error:
-        for signal in signals:
-            signal[STOP] = 1
-        error.add_note(f"stopped after {done} of {len(ensemble.beads)} chains")
-        raise
-    finally:
-        executor.shutdown(wait=True, cancel_futures=True)
+    run_in_threads(
+        blocks, lambda rows, signal: follow(ensemble.batch(rows), rtol, signal), ensemble.store,
+        threads=threads, of="chains", total=len(ensemble.beads), done=len(ensemble.reasons),
+        counted=False, progress=progress,
+    )  # fmt: skip
     table = ensemble.table()
     warn_outside_hertz_once(table)
     return table
@@ -349,30 +329,15 @@ def _pad(rows: Sequence[NDArray[np.float64]]) -> tuple[Array, NDArray[np.int64]]
     return padded, lengths
 
 
-def _follow_block(
-    ensemble: _Ensemble, rows: NDArray[np.int64], rtol: float, signal: NDArray[np.int64]
-) -> PulseData:
-    return follow(ensemble.batch(rows), rtol, signal)
-
-
-def _follow_with_progress(
-    batch: Batch, rtol: float, signal: NDArray[np.int64], progress: Progress | None
-) -> PulseData:
+def _follow_with_progress(batch: Batch, rtol: float, progress: Progress | None) -> PulseData:
     """Integrate in another thread, to handle interrupts and report progress."""
-    beads = len(batch.masses)
-    with ThreadPoolExecutor(max_workers=1) as executor:
-        future = executor.submit(follow, batch, rtol, signal)
-        try:
-            while not wait([future], timeout=POLL).done:
-                if progress is not None:
-                    progress(min(int(signal[PASSED]), beads), beads)
-        except BaseException as error:
-            signal[STOP] = 1
-            error.add_note(f"stopped after {min(int(signal[PASSED]), beads)} of {beads} beads")
-            raise
-        if progress is not None:
-            progress(beads, beads)
-        return future.result()
+    beads = range(len(batch.masses))
+    found: list[PulseData] = []
+    run_in_threads(
+        [beads], lambda _, signal: follow(batch, rtol, signal), lambda _, data: found.append(data),
+        threads=1, of="beads", total=len(beads), progress=progress,
+    )  # fmt: skip
+    return found[0]
 
 
 def checked_rtol(rtol: float) -> float:

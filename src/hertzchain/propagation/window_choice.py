@@ -29,9 +29,9 @@ from numpy.typing import NDArray
 
 from ..collision import HERTZ_EXPONENT, Array
 from ..frozen import once
+from ..threads import STOP
 from .batch import (
     COLUMNS,
-    STOP,
     STRIKER_COLUMNS,
     STRUCK,
     Batch,

@@ -44,14 +44,7 @@ def for_any_units(
         @functools.wraps(function)
         def convert(chain: Chain, *args: Any, **options: Any) -> Any:
             scaled = scaled_chain(chain, method, supported, alternative)
-            try:
-                pulse = function(scaled, *args, **options)
-            except InputError as error:
-                if scaled.description not in str(error):
-                    raise
-                # Messages name the chain as it was given.
-                given = str(error).replace(scaled.description, chain.description)
-                raise InputError(given) from None
+            pulse = function(scaled, *args, **options)
             if scaled is chain:
                 return pulse
             pulse = in_units_of(chain, pulse)
@@ -81,9 +74,9 @@ def scaled_chain(
             f"({chain.description}): give it a velocity"
         )
     scaled = Scales.of(chain).to_scaled(chain)
-    require_supported(
-        scaled, method, supported=supported, alternative=alternative, description=chain.description
-    )
+    # Messages describe the chain as it was given.
+    scaled._set("_described_as", chain.description)
+    require_supported(scaled, method, supported=supported, alternative=alternative)
     return scaled
 
 

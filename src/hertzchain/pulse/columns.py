@@ -6,9 +6,68 @@ from dataclasses import field
 from typing import Any, TypeVar
 
 from ..chain.scales import scale
+from ..collision import Array
+from ..frozen import Frozen
+from ..validation.keywords import checked_methods
+from ..validation.objects import check_choice
 from .quantities import QUANTITIES, Quantity
 
 C = TypeVar("C")
+
+
+@checked_methods
+class Columns(Frozen):
+    """Quantities by name, of a pulse or of a table of pulses."""
+
+    def column(self, quantity: str) -> Array | None:
+        """One quantity by its name, as the attribute of that name.
+
+        Parameters
+        ----------
+        quantity : str
+            A name in `hertzchain.pulse.quantities.QUANTITIES`.
+
+        Returns
+        -------
+        ndarray or None
+            Of length N, or N - 1 for quantities per contact; in a `PulseTable` with a leading
+            axis of chains.  `None` if the method does not predict it, as ``velocity_error`` of a
+            simulation.
+
+        Raises
+        ------
+        InputError
+            If there is no such quantity.
+
+        Examples
+        --------
+        >>> import hertzchain as hc
+        >>> float(hc.bca(hc.Chain.uniform(3)).column("velocity")[2])
+        1.0
+        >>> hc.propagate_many([[1.0, 1.0], [1.0, 2.0]]).column("momentum").round(4)
+        array([[1.    , 1.    ],
+               [1.    , 1.7778]])
+        """
+        check_choice("quantity", quantity, QUANTITIES)
+        values: Array | None = getattr(self, quantity)
+        return values
+
+    def columns(self) -> dict[str, Array]:
+        """Every quantity that the method predicts, by name.
+
+        Returns
+        -------
+        dict
+            Arrays as those of `column`.
+
+        Examples
+        --------
+        >>> import hertzchain as hc
+        >>> list(hc.modified_bca(hc.Chain.tapered("forward-linear", 0.005, beads=9)).columns())
+        ['velocity', 'momentum', 'energy']
+        """
+        found = {name: self.column(name) for name in QUANTITIES}
+        return {name: values for name, values in found.items() if values is not None}
 
 
 def with_columns(cls: type[C]) -> type[C]:

@@ -17,12 +17,11 @@ from ..chain.chain import Chain
 from ..chain.feature_support import require_chain
 from ..collision import Array
 from ..errors import InputError
-from ..frozen import Frozen
 from ..representation import measure, short
 from ..validation.keywords import checked_fields, checked_methods
 from ..validation.numbers import number, real_numbers
 from ..validation.objects import check_choice, text
-from .columns import derive, with_columns
+from .columns import Columns, derive, with_columns
 from .notes import checked_notes, notes_in_words
 from .quantities import BEAD_QUANTITIES, QUANTITIES, Quantity
 
@@ -45,7 +44,7 @@ NOT_ESTIMATED: Final = (
 @checked_methods
 @dataclass(frozen=True, eq=False)
 @with_columns
-class Pulse(Frozen):
+class Pulse(Columns):
     r"""The effect of the leading pulse on each bead of a chain.
 
     Its columns are the quantities of `hertzchain.pulse.quantities.QUANTITIES`, in scaled variables
@@ -177,34 +176,6 @@ class Pulse(Frozen):
         """
         return None if self.residence is None else self.chain.centre_distances / self.residence
 
-    def column(self, quantity: str) -> Array | None:
-        """One quantity by its name, as the attribute of that name.
-
-        Parameters
-        ----------
-        quantity : str
-            A name in `hertzchain.pulse.quantities.QUANTITIES`.
-
-        Returns
-        -------
-        ndarray or None
-            `None` if the method does not predict it.
-
-        Raises
-        ------
-        InputError
-            If there is no such quantity.
-
-        Examples
-        --------
-        >>> import hertzchain as hc
-        >>> float(hc.bca(hc.Chain.uniform(3)).column("velocity")[2])
-        1.0
-        """
-        check_choice("quantity", quantity, QUANTITIES)
-        values: Array | None = getattr(self, quantity)
-        return values
-
     def unit(self, quantity: str) -> str:
         """Unit of a quantity, ``"1"`` if it is scaled.
 
@@ -226,23 +197,6 @@ class Pulse(Frozen):
         """
         check_choice("quantity", quantity, QUANTITIES)
         return QUANTITIES[quantity].unit_in(self.chain.units)
-
-    def columns(self) -> dict[str, Array]:
-        """Every quantity that the method predicts, by name.
-
-        Returns
-        -------
-        dict
-            Arrays of length N, or N - 1 for quantities per contact.
-
-        Examples
-        --------
-        >>> import hertzchain as hc
-        >>> list(hc.modified_bca(hc.Chain.tapered("forward-linear", 0.005, beads=9)).columns())
-        ['velocity', 'momentum', 'energy']
-        """
-        found = {name: self.column(name) for name in QUANTITIES}
-        return {name: values for name, values in found.items() if values is not None}
 
     def compare(self, reference: Pulse) -> Comparison:
         """Compare this pulse with another one of the same chain.

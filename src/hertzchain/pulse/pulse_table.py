@@ -14,10 +14,8 @@ from numpy.typing import NDArray
 from ..chain.chain import Chain
 from ..collision import Array, hertz_stiffness
 from ..errors import InputError, SimulationError, short_repr
-from ..frozen import Frozen
 from ..validation.keywords import checked_methods
-from ..validation.objects import check_choice
-from .columns import with_columns
+from .columns import Columns, with_columns
 from .pulse import Pulse
 from .quantities import BEAD_QUANTITIES, QUANTITIES
 
@@ -28,7 +26,7 @@ if TYPE_CHECKING:
 @checked_methods
 @dataclass(frozen=True, eq=False)
 @with_columns
-class PulseTable(Frozen):
+class PulseTable(Columns):
     """The effect of the leading pulse on each bead of C chains.
 
     Chains may differ in length: N is the length of the longest, and rows of shorter chains are
@@ -206,52 +204,6 @@ class PulseTable(Frozen):
                 known = self.chain(row) if chain is None else chain
                 rows[row, : known.beads - fewer] = getattr(known, name)
         return rows
-
-    def column(self, quantity: str) -> Array | None:
-        """One quantity of all chains by its name, as the attribute of that name.
-
-        Parameters
-        ----------
-        quantity : str
-            A name in `hertzchain.pulse.quantities.QUANTITIES`.
-
-        Returns
-        -------
-        ndarray, shape (C, N) or (C, N - 1), or None
-            `None` if a simulation does not predict it, such as ``velocity_error``.
-
-        Raises
-        ------
-        InputError
-            For an unknown name.
-
-        Examples
-        --------
-        >>> import hertzchain as hc
-        >>> hc.propagate_many([[1.0, 1.0], [1.0, 2.0]]).column("momentum").round(4)
-        array([[1.    , 1.    ],
-               [1.    , 1.7778]])
-        """
-        check_choice("quantity", quantity, QUANTITIES)
-        found: Array | None = getattr(self, quantity)
-        return found
-
-    def columns(self) -> dict[str, Array]:
-        """Every quantity that is known, by name.
-
-        Returns
-        -------
-        dict
-            Arrays of shape (C, N), or (C, N - 1) for quantities per contact.
-
-        Examples
-        --------
-        >>> import hertzchain as hc
-        >>> "energy" in hc.propagate_many([[1.0, 1.0]]).columns()
-        True
-        """
-        found = {name: self.column(name) for name in QUANTITIES}
-        return {name: values for name, values in found.items() if values is not None}
 
     def to_xarray(self) -> xr.Dataset:
         """Labelled dataset with dimensions ``chain``, ``bead`` = 1..N and ``contact``.

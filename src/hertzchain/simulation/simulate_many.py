@@ -3,17 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..chain.chain import Chain
 from ..chain.feature_support import require_chain, require_same_units
 from ..collision import Array
 from ..errors import InputError, SimulationError
 from ..pulse.quantities import SENSOR_QUANTITIES
+from ..threads import STOP, Signal, run_in_threads
 from ..validation.keywords import checked_arguments
 from ..validation.memory import check_memory
 from ..validation.numbers import number, whole_number, worker_count
@@ -35,7 +34,6 @@ DEFAULT_RTOL: Final = 1e-8
 MIN_RTOL, MAX_RTOL = 1e-14, 1e-5
 # Beads of a task: a fraction of a second, and enough to use all lanes of the kernel.
 TASK_BEADS, MIN_TASK = 20_000, 16
-POLL: Final = 0.1
 # Bytes per bead that a task of the kernel uses in addition to the columns.
 SCRATCH: Final = 8 * 20
 
@@ -173,7 +171,6 @@ class _Ensemble:
         self.overlaps = np.zeros((self.count, longest + 1))
         self.status = np.full(self.count, "failed", dtype="<U24")
         self.complete = np.zeros(self.count, bool)
-        self.stopping = False
 
     def _check_memory(self, longest: int) -> None:
         """Raise `InputError` if the table does not fit in memory."""
@@ -200,51 +197,28 @@ class _Ensemble:
 
     def run(self, threads: int, progress: Progress | None) -> None:
         """Integrate all chains, in threads."""
-        tasks, alone = self._tasks(threads), set(self.alone)
-        signals = [np.zeros(2, np.int64) for _ in tasks]
-        done, executor = len(self.reasons), ThreadPoolExecutor(max_workers=threads)
-        running: dict[Future[Outcome], tuple[list[int], NDArray[np.int64]]] = {}
-        try:
-            for rows, signal in zip(tasks, signals, strict=True):
-                if rows[0] in alone:
-                    future = executor.submit(self._alone, rows[0])
-                else:
-                    future = executor.submit(self._together, rows, signal)
-                running[future] = rows, signal
-            while running:
-                finished, _ = wait(running, timeout=POLL, return_when=FIRST_COMPLETED)
-                for future in finished:
-                    rows, _ = running.pop(future)
-                    self._store(rows, future.result())
-                    done += len(rows)
-                if progress is not None:
-                    ahead = sum(int(signal[1]) for _, signal in running.values())
-                    progress(done + ahead, self.count)
-        except BaseException as error:
-            self.stopping = True
-            for signal in signals:
-                signal[0] = 1
-            error.add_note(f"stopped after {done} of {self.count} chains")
-            raise
-        finally:
-            executor.shutdown(wait=True, cancel_futures=True)
+        run_in_threads(
+            self._tasks(threads), self._outcome, self._store,
+            threads=threads, of="chains", total=self.count, done=len(self.reasons),
+            progress=progress,
+        )  # fmt: skip
 
-    def _together(self, rows: list[int], signal: NDArray[np.int64]) -> Outcome:
-        members = [self.chains[row] for row in rows]
-        return by_kernel(members, self.request, signal)  # type: ignore[arg-type]
+    def _outcome(self, rows: list[int], signal: Signal) -> Outcome:
+        members = [chain for row in rows if (chain := self.chains[row]) is not None]
+        if is_covered(members[0], self.request.until):
+            return by_kernel(members, self.request, signal)
+        return self._alone(members[0], signal)
 
-    def _alone(self, row: int) -> Outcome:
-        chain = self.chains[row]
-        assert chain is not None
+    def _alone(self, chain: Chain, signal: Signal) -> Outcome:
+        def check_stop(*_: int) -> None:
+            if signal[STOP]:
+                raise _Stopped
+
         try:
-            return by_simulate(chain, self.request, self._check_stop)
+            return by_simulate(chain, self.request, check_stop)
         except (InputError, SimulationError) as error:
             nothing: Array = np.zeros((1, chain.beads + 1))
             return Outcome({}, ["failed"], np.zeros(1, bool), nothing, {0: str(error)})
-
-    def _check_stop(self, *_: int) -> None:
-        if self.stopping:
-            raise _Stopped
 
     def _store(self, rows: list[int], found: Outcome) -> None:
         for name, values in found.columns.items():

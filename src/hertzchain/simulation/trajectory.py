@@ -361,7 +361,8 @@ class Trajectory(ShortDir):
         -------
         xarray.Dataset
             ``position`` and ``velocity``, both (time, bead), ``force`` (time, contact),
-            ``radius`` and ``mass``, with their units ("1": scaled).
+            ``radius`` and ``mass``, with their units ("1": scaled).  The attribute ``rate`` is
+            that of a taper; other chains have none.
 
         Examples
         --------
@@ -391,7 +392,7 @@ class Trajectory(ShortDir):
                 "hertzchain_version": __version__,
                 "chain": chain.description,
                 "taper": chain.taper or "",
-                "rate": chain.rate or 0.0,
+                **({} if chain.rate is None else {"rate": chain.rate}),
                 "exponent": chain.exponents,
                 "status": self.status,
                 "energy_drift": self.energy_drift,

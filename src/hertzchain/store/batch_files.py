@@ -101,7 +101,7 @@ class BatchFiles:
             raise self._damaged(file, "is missing")
         if content == b"" and written:
             raise self._damaged(file, "is empty")
-        if self._digest(name, batch, content) != written:
+        if self._checksum(name, batch, content) != written:
             raise self._damaged(file, "is not as it was written")
         return content
 
@@ -133,7 +133,7 @@ class BatchFiles:
         for column, name in enumerate(self.arrays):
             file = self.file(name, batch)
             if file.exists():
-                row[column] = self._digest(name, batch, file.read_bytes())
+                row[column] = self._checksum(name, batch, file.read_bytes())
         file = self.file(DIGEST, batch)
         file.parent.mkdir(parents=True, exist_ok=True)
         replace_file(temporary_name(file), file, row.tobytes())
@@ -171,7 +171,7 @@ class BatchFiles:
         more = [0] * (array.ndim - len(corner))
         return f"{array.path}/{array.metadata.encode_chunk_key((*corner, *more))}"
 
-    def _digest(self, name: str, batch: int, content: bytes | None) -> int:
+    def _checksum(self, name: str, batch: int, content: bytes | None) -> int:
         if content is None:
             return 0
         label = f"{self.sweep}\0{self._key(name, batch)}\0"

@@ -130,7 +130,7 @@ class _ChainFile:
 
     def chain(self) -> Chain:
         # Lists of one value per bead are set with the beads, unless a method changes these first.
-        listed = (*ARRAYS, "exponent") if self._listed("exponent") else ARRAYS
+        listed = (*ARRAYS, "exponent") if self._is_list("exponent") else ARRAYS
         own: dict[str, Any] = {name: self.table[name] for name in listed if name in self.table}
         changed = any(name in self.table for name in MORE_BEADS)
         chain = self._beads({} if changed else own)
@@ -153,7 +153,7 @@ class _ChainFile:
             chain = chain.with_contacts(dict.fromkeys([numbers] if one else numbers, shape))
         return chain
 
-    def _listed(self, name: str) -> bool:
+    def _is_list(self, name: str) -> bool:
         """Whether a key has one value per contact."""
         value = self.table.get(name)
         return isinstance(value, list | tuple | np.ndarray) and not has_tables(value)
@@ -169,8 +169,8 @@ class _ChainFile:
             )
         form = self._form = present[0]
         keys = {key for more in FORMS.values() for key in more} | set(FORMS)
-        self._refuse_beside(form, sorted(keys - {form, *FORMS[form]}))
-        one = "exponent" in table and not self._listed("exponent")
+        self._require_without(form, sorted(keys - {form, *FORMS[form]}))
+        one = "exponent" in table and not self._is_list("exponent")
         law = {"exponent": self._exponent()} if one else {}
         if table.get("units") == "scaled" and "materials" in table:
             raise InputError(
@@ -190,8 +190,8 @@ class _ChainFile:
         return self._scaled_beads(form, law, own)
 
     def _beads_of_file(self, law: dict[str, Any]) -> Chain:
-        self._refuse_beside("file", ["materials"], "name them in the file")
-        self._refuse_beside("file", ["velocity"], "give velocities, or a column velocity")
+        self._require_without("file", ["materials"], "name them in the file")
+        self._require_without("file", ["velocity"], "give velocities, or a column velocity")
         chain = load_beads(self.folder / self.table["file"], self.materials)
         units = self.table.get("units", chain.units)
         if units != chain.units:
@@ -204,7 +204,7 @@ class _ChainFile:
     def _scaled_beads(self, form: str, law: dict[str, Any], own: dict[str, Any]) -> Chain:
         table = self.table
         if form in ("radii", "diameters"):
-            self._refuse_beside(form, ["beads"])
+            self._require_without(form, ["beads"])
             if form == "radii" and table.get("strikers"):
                 return Chain(table["radii"], strikers=table["strikers"], **law, **own)
             chain = Chain.from_radii(table[form], **law)
@@ -223,7 +223,7 @@ class _ChainFile:
             given = {name: table[name] for name in SIZE_KEYS if name in table}
             return Chain.tapered(table.get("taper"), beads=beads, **given, **law)
         if table["taper"] == "uniform":
-            self._refuse_beside('taper = "uniform"', list(PARAMETERS))
+            self._require_without('taper = "uniform"', list(PARAMETERS))
             return Chain.uniform(beads, **law)
         symbols = taper_named(table["taper"]).symbols
         for name, symbol in symbols.items():
@@ -232,7 +232,7 @@ class _ChainFile:
                     f"[chain] has taper = {table['taper']!r} but no {name}, its parameter {symbol}"
                 )
         others = [name for name in PARAMETERS if name not in symbols]
-        self._refuse_beside(f"taper = {table['taper']!r}", others)
+        self._require_without(f"taper = {table['taper']!r}", others)
         parameters = {name: table[name] for name in symbols}
         return Chain.tapered(table["taper"], beads=beads, **parameters, **law)
 
@@ -241,7 +241,7 @@ class _ChainFile:
         if form == "mass_ratio":
             raise InputError("[chain] has mass_ratio, a scaled chain, and also materials or SI")
         if "velocity" in table:
-            self._refuse_beside("velocity", ["velocities"])
+            self._require_without("velocity", ["velocities"])
         radii: Any = None
         if form == "taper":
             first = number("radius", self._needed("radius"), unit="m", above=0.0)
@@ -254,7 +254,7 @@ class _ChainFile:
         else:
             radii = table[form]
         if "materials" not in table:
-            self._refuse_beside('units = "SI" without materials', ["beads", "velocity"])
+            self._require_without('units = "SI" without materials', ["beads", "velocity"])
             return Chain(self._repeated(radii), units="SI", **law, **own)
         kinds = self._material(table["materials"])
         fields = law | own | {"velocity": table.get("velocity")}
@@ -352,7 +352,7 @@ class _ChainFile:
             raise InputError(f"[chain] has no {key}, which goes with {self._form}")
         return self.table[key]
 
-    def _refuse_beside(self, what: str, others: Sequence[str], advice: str = "omit one") -> None:
+    def _require_without(self, what: str, others: Sequence[str], advice: str = "omit one") -> None:
         present = [key for key in others if key in self.table]
         if present:
             raise InputError(f"[chain] has {what} and also {', '.join(present)}: {advice}")

@@ -114,7 +114,7 @@ class Manifest:
         """Replace the manifest of a folder."""
         document: dict[str, Any] = {"schema": SCHEMA, "hertzchain_version": __version__}
         document |= asdict(self)
-        document["sha256"] = _digest(document)
+        document["sha256"] = _document_digest(document)
         write_bytes(folder / MANIFEST_FILE, json.dumps(document, indent=1).encode())
 
 
@@ -129,7 +129,7 @@ def load_manifest(folder: Path) -> Manifest:
     try:
         document = json.loads(file.read_bytes())
         digest = document.pop("sha256")
-        whole = digest == _digest(document)
+        whole = digest == _document_digest(document)
     except FileNotFoundError:
         raise InputError(
             f"{os.fspath(folder)!r} has no {MANIFEST_FILE}: it is not a run of stream, or the "
@@ -162,5 +162,5 @@ def _manifest_from(file: Path, document: Mapping[str, Any]) -> Manifest:
     return Manifest(document["chain"], document["rtol"], parts, announced)
 
 
-def _digest(document: Mapping[str, Any]) -> str:
+def _document_digest(document: Mapping[str, Any]) -> str:
     return hashlib.sha256(json.dumps(document, sort_keys=True).encode()).hexdigest()

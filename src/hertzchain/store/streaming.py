@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import io
 import math
+import numbers
 import os
 import re
 import sys
@@ -42,6 +43,7 @@ from ..simulation.saved_times import increasing_times
 from ..simulation.simulate import DEFAULT_RTOL, checked_rtol, simulate
 from ..simulation.state import State, fingerprint
 from ..validation.keywords import checked_arguments, checked_fields, checked_methods
+from ..validation.numbers import SCALED, plain_magnitude
 from ..validation.objects import Progress, callback, check_bool, file_path
 from .damage import DamagedFileError
 from .file_lock import lock
@@ -133,14 +135,18 @@ class StoredRun:
         yield from self._read(-math.inf, math.inf, check_bool("skip_damaged", skip_damaged))
 
     def load(
-        self, start: float = -np.inf, stop: float = np.inf, *, skip_damaged: bool = False
+        self,
+        start: float | str = -np.inf,
+        stop: float | str = np.inf,
+        *,
+        skip_damaged: bool = False,
     ) -> xr.Dataset:
         """Load the saved times from ``start`` to ``stop`` into one dataset.
 
         Parameters
         ----------
-        start, stop : float
-            First and last time, both included [scaled, or s].
+        start, stop : float or str
+            First and last time, both included [scaled, or s]; in SI units also ``"1 ms"``.
         skip_damaged : bool
             Whether to omit damaged files, with a `DamageWarning`.
 
@@ -160,20 +166,37 @@ class StoredRun:
         """
         import xarray as xr
 
-        for name, given in (("start", start), ("stop", stop)):
-            if math.isnan(real_number(name, given)):
-                raise InputError(f"{name} must be a time, got nan")
+        check_bool("skip_damaged", skip_damaged)
+        first, last = self._checked_time("start", start), self._checked_time("stop", stop)
         within = (
-            part.sel(time=slice(start, stop))
-            for part in self._read(start, stop, check_bool("skip_damaged", skip_damaged))
+            part.sel(time=slice(first, last)) for part in self._read(first, last, skip_damaged)
         )
         # A view would keep the other times of the part in memory.
         chosen = [part.copy(deep=True) for part in within if part.sizes["time"]]
         if not chosen:
             raise InputError(
-                f"{os.fspath(self.folder)!r} has no saved times from {start:g} to {stop:g}"
+                f"{os.fspath(self.folder)!r} has no saved times from {first:g} to {last:g}"
             )
         return xr.concat(chosen, "time", data_vars="minimal", combine_attrs="override")
+
+    def _checked_time(self, name: str, given: object) -> float:
+        # The unit is in the parts, which need not be read for a plain number.
+        unit = None if isinstance(given, numbers.Real) else self._unit_of_time()
+        time = real_number(name, plain_magnitude(name, given, unit))
+        if math.isnan(time):
+            raise InputError(f"{name} must be a time, got nan")
+        return time
+
+    def _unit_of_time(self) -> str:
+        """Unit of the saved times."""
+        for part in load_manifest(self.folder).present(self.folder):
+            try:
+                content = part.content(self.folder)
+                unit = _dataset(self.folder / part.file, content).time.attrs["units"]
+            except DamagedFileError:
+                continue
+            return SCALED if unit == "1" else str(unit)
+        return "s"  # without any part that can be read, which is the error to report
 
     def _read(self, start: float, stop: float, skip_damaged: bool) -> Iterator[xr.Dataset]:
         """Parts with times from ``start`` to ``stop``, after a check that all files exist."""
@@ -183,7 +206,7 @@ class StoredRun:
                 raise error
             warn_user(f"{os.fspath(error.file)} {error.how}; it is omitted", DamageWarning)
 
-        parts = _listed(self.folder, damaged)
+        parts = _checked_parts(self.folder, damaged)
         for part in parts:
             if part.last >= start and part.first <= stop:
                 try:
@@ -371,7 +394,7 @@ def _remove_temporary(folder: Path) -> None:
         raise cannot_write(folder, error) from None
 
 
-def _listed(folder: Path, damaged: Callable[[DamagedFileError], None]) -> tuple[Part, ...]:
+def _checked_parts(folder: Path, damaged: Callable[[DamagedFileError], None]) -> tuple[Part, ...]:
     """The parts of a folder; reports files that are missing or not listed."""
     # The folder is read before the manifest, because a part is listed before it is written.
     found = sorted(file.name for file in folder.glob("part-*.nc"))

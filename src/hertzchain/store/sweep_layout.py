@@ -129,7 +129,7 @@ def check_layout(folder: Path, attributes: Mapping[str, Any]) -> None:
         file = folder / relative
         if not file.is_file():
             raise DamagedFileError(file, "is missing", folder, RESTORE)
-        if _digest(file) != digest:
+        if _file_digest(file) != digest:
             raise DamagedFileError(file, "is not as it was written", folder, RESTORE)
 
 
@@ -175,7 +175,7 @@ def _seal_group(group: Any, folder: Path) -> None:
     """Store digests of all files that exist before the first batch."""
     files = sorted(file for file in folder.rglob("*") if file.is_file())
     digests = {
-        file.relative_to(folder).as_posix(): _digest(file)
+        file.relative_to(folder).as_posix(): _file_digest(file)
         for file in files
         if file != folder / GROUP_FILE
     }
@@ -183,7 +183,7 @@ def _seal_group(group: Any, folder: Path) -> None:
     group.update_attributes({**attributes, SEAL: _seal(attributes)})
 
 
-def _digest(file: Path) -> str:
+def _file_digest(file: Path) -> str:
     with file.open("rb") as stream:
         return hashlib.file_digest(stream, "sha256").hexdigest()
 

@@ -68,7 +68,7 @@ class SweepStore:
 
         self.folder = Path(folder)
         name = os.fspath(folder)
-        _refuse_others(folder)
+        _check_folder(folder)
         if not os.path.isdir(folder):  # noqa: PTH112  (pathlib raises for names that are too long)
             raise InputError(f"there is no sweep store {name!r}: give the folder of a sweep")
         try:
@@ -290,13 +290,13 @@ def plain_text(dataset: xr.Dataset) -> xr.Dataset:
 
 def locked(folder: str | os.PathLike[str]) -> contextlib.AbstractContextManager[None]:
     """Lock a store for a ``with`` block by a file next to it."""
-    _refuse_others(folder)
+    _check_folder(folder)
     # A store has one lock, even if it is opened through a symbolic link.
     target = Path(os.path.realpath(folder))
     return lock(target.with_name(f".{target.name}.lock"), folder)
 
 
-def _refuse_others(folder: str | os.PathLike[str]) -> None:
+def _check_folder(folder: str | os.PathLike[str]) -> None:
     """Raise `InputError` for an existing file or folder that is not the store of a sweep."""
     # Path.exists raises OSError for a name that is too long.
     there = os.path.exists(folder)  # noqa: PTH110

@@ -134,7 +134,7 @@ class Axis:
     def _given(self) -> list[Any]:
         """All values as specified, numbers or text."""
         if not isinstance(self.entry, Mapping):
-            return _listed(self.entry)
+            return _checked_list(self.entry)
         known = (*SPACINGS, "unit")
         for key in self.entry:
             if key not in known:
@@ -143,7 +143,7 @@ class Axis:
         if len(given) != 1:
             raise InputError(f"must have one of {', '.join(SPACINGS)}, has {len(given)} of them")
         found = self.entry[given[0]]
-        return _listed(found) if given[0] == "list" else _spaced(given[0], found)
+        return _checked_list(found) if given[0] == "list" else _spaced(given[0], found)
 
     def _quantity(self, value: Any) -> tuple[str, str] | None:
         """Number and unit of text such as "5 mm" or "5%", if the parameter takes such a unit."""
@@ -357,7 +357,7 @@ def _plain_number(digits: str) -> float:
     return int(value) if value == round(value) and abs(value) < 2**53 else value
 
 
-def _listed(values: Any) -> list[Any]:
+def _checked_list(values: Any) -> list[Any]:
     """Check that the values are a list of one type."""
     if not isinstance(values, list):
         raise InputError(

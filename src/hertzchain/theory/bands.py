@@ -7,6 +7,7 @@ from typing import Final
 
 import numpy as np
 
+from ..chain.repeated_cells import smallest_cell
 from ..collision import Array
 from ..errors import InputError
 from ..validation.numbers import whole_number
@@ -19,15 +20,13 @@ SAME: Final = 1e-9
 def repeating_cell(contacts: LinearContacts, cell: int | None, description: str) -> int:
     """Check the number of beads per cell, or find the smallest one."""
     n = len(contacts.masses)
+    least, most = 1, n // 2
     if cell is not None:
-        cell = whole_number("cell", cell, least=1, most=n // 2)
-    for c in range(1, n // 2 + 1) if cell is None else (cell,):
-        if all(
-            np.allclose(values[c:], values[:-c], rtol=SAME, atol=0.0)
-            for values in (contacts.masses, contacts.springs[1:-1])
-            if len(values) > c
-        ):
-            return c
+        least = most = whole_number("cell", cell, least=1, most=n // 2)
+    values = contacts.masses, contacts.springs[1:-1]
+    found = smallest_cell(*values, least=least, most=most, rtol=SAME)
+    if found is not None:
+        return found
     size = "of any length" if cell is None else f"of {cell} beads"
     raise InputError(
         f"no cell {size} repeats in this chain ({description}); bands require a "

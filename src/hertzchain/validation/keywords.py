@@ -111,7 +111,8 @@ def _check_call(
         inspect.signature(function).bind(*given, **keywords)
     except TypeError as error:
         reason = str(error).replace("a required argument: ", "the argument ")
-        raise InputError(f"{label}: {reason}; it takes {', '.join(known)}") from None
+        takes = ", ".join(known) or "no arguments"
+        raise InputError(f"{label}: {reason}; it takes {takes}") from None
 
 
 def checked_fields(cls: type[R]) -> type[R]:
@@ -139,7 +140,7 @@ def check_keywords(label: str, given: Iterable[str], known: Iterable[str]) -> No
     meant = [_meant(name, names) for name in unknown]
     said = " and no argument ".join(map(repr, unknown))
     found = ", ".join(each for each in meant if each)
-    hint = f"did you mean {found}?" if found else f"it takes {', '.join(names)}"
+    hint = f"did you mean {found}?" if found else f"it takes {', '.join(names) or 'no arguments'}"
     if label.startswith("Chain.") and not found and MATERIALS & set(unknown):
         hint += "; Chain.from_materials and Chain.tapered make chains of materials"
     # The `TypeError` of Python says the same.

@@ -85,7 +85,7 @@ def steep(rate, beads):
 
 
 @pytest.mark.parametrize("clock", ["beads", "time"])
-@pytest.mark.parametrize("document", [WALL, steep(0.03, 60), steep(0.1, 40)], ids=str)
+@pytest.mark.parametrize("document", [WALL, steep(0.03, 60), steep(0.1, 35)], ids=str)
 def test_the_peak_on_a_wall_is_complete_and_shown(document, clock):
     wall = hc.simulate(chain_of(document), times=0, rtol=1e-9).wall_force()
     header, arrays = computed(document, frames=320, clock=clock)["run"]

@@ -208,7 +208,6 @@ def test_sizes_in_a_file_and_as_options(tmp_path, run):
         (["--diameter", "2:1", "--rate", "0.1"], "omit --rate"),
         (["--taper", "linear"], "--taper linear requires two sizes"),
         (["--wall", "brass"], "--wall brass requires --material"),
-        (["chain.toml", "--wall", "same"], "a chain FILE or --wall"),
     ],
 )
 def test_options_that_are_refused(arguments, said, run):

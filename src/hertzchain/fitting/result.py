@@ -353,7 +353,7 @@ class FitResult:
         --------
         >>> import hertzchain as hc
         >>> len(hc.fit(*hc.example_experiment(), free=["time_offset"]).plot().axes)
-        8
+        12
         """
         from ..plotting.fits import plot_fit
 

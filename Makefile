@@ -9,8 +9,7 @@ reproduce: .venv/compiled
 	$(BIN)/hertzchain reproduce
 
 # Kernels are compiled before the tests, because both processes of pytest would compile them.  The
-# two targets of a line run side by side.  Threads of OpenBLAS would wait for each other.
-test: export OPENBLAS_NUM_THREADS := 1
+# two targets of a line run side by side.
 test: .venv/installed-test
 	$(MAKE) --no-print-directory -j2 static-checks compile
 	$(MAKE) --no-print-directory -j2 pytest docs SPHINXOPTS=-q

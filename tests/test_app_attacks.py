@@ -67,7 +67,8 @@ def test_the_token_is_exchanged_for_a_cookie(running, client):
     assert "HttpOnly" in cookie
     assert "SameSite=Strict" in cookie
     assert client.ask("GET", "/", Cookie=cookie.partition(";")[0]).status == 200
-    assert client.ask("GET", f"/?token={token[:-1]}x", Cookie=None).status == 403
+    wrong = token[:-1] + ("y" if token.endswith("x") else "x")
+    assert client.ask("GET", f"/?token={wrong}", Cookie=None).status == 403
     assert client.ask("GET", f"/?token={token}", Cookie=None, Host="example.org").status == 403
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
@@ -94,14 +93,9 @@ def _one_shot(traces: Traces, shot: int | None) -> Traces:
 def _as_dict(found: TraceComparison) -> dict[str, Any]:
     """Plain values for JSON: numbers that do not exist are `None`."""
     from ..store import results
+    from ..validation.json_types import finite
 
-    def plain(value: Any) -> Any:
-        return None if isinstance(value, float) and not math.isfinite(value) else value
-
-    sensors = [
-        {name: plain(value) for name, value in dataclasses.asdict(each).items()}
-        for each in found.sensors
-    ]
+    sensors = [finite(dataclasses.asdict(each)) for each in found.sensors]
     return {
         "schema_version": results.SCHEMA_VERSION, "time_offset": found.time_offset,
         "interval": list(found.interval), "covered": found.covered, "sensors": sensors,

@@ -220,7 +220,7 @@ def switch(first, time, y, setup, contacts, segment, still, scratch, on_position
     """Change the mode of contact ``first``, and of all others that must change at this time.
 
     A contact that changes its mode alters the forces that stuck contacts on both sides must carry.
-    ``on_positions`` has the meaning that it has for `hertzchain.kernels.mode_search.first_switch`.
+    ``on_positions`` is that of `hertzchain.kernels.mode_search.first_switch`.
     """
     if on_positions is not None:
         return

@@ -35,7 +35,7 @@ class DeferredLibrary(JITCodeLibrary):
         """Make the code available to callers, but not to the engine that writes machine code."""
         self._finalize_dynamic_globals()
         self._verify_declare_only_symbols()
-        # Numba writes the address of each environment to a variable, which is as wide as this.
+        # Numba writes the address of each environment to a variable, which needs 64 bits.
         engine = self._codegen._engine
         names = [each.name for each in self._final_module.global_variables]
         new = [name for name in names
@@ -48,7 +48,7 @@ class DeferredLibrary(JITCodeLibrary):
 
 @register_pass(mutates_CFG=False, analysis_only=True)
 class DeferMachineCode(AnalysisPass):
-    """Let the function that is compiled have a `DeferredLibrary`."""
+    """Put the function that is being compiled into a `DeferredLibrary`."""
 
     _name = "defer_machine_code"
 

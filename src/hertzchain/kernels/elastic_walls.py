@@ -6,6 +6,7 @@ These are the compiled criteria of `hertzchain.simulation.wall_watch`;
 
 from __future__ import annotations
 
+from . import wall_rule
 from .compilation import compiled
 from .elastic_forces import closing_of, force_of, overlap_of
 from .elastic_layout import (
@@ -28,10 +29,9 @@ from .elastic_layout import (
     WATCH_START,
     V,
 )
+from .wall_rule import CHECKS, HELD, RELEASED, ROUNDING
 
-# As in `hertzchain.simulation.wall_watch`.
-HELD, MAX_TRANSITS, MOST_TRANSITS, CHECKS = 0.5, 10, 500, 16
-ROUNDING, RELEASED = 1e-9, 1e-3
+longest_watch = compiled(wall_rule.longest_watch)
 
 
 @compiled
@@ -208,7 +208,6 @@ def held(lane, state):
 @compiled
 def expired(lane, state, rebounds):
     """Whether the longest run has ended, and half a transit since the end of the impact."""
-    transit = state[TRANSIT, lane]
-    length = min(max((MAX_TRANSITS - 1) * transit, rebounds), (MOST_TRANSITS - 1) * transit)
-    late = state[TIME, lane] >= state[WATCH_START, lane] + length
+    last = state[WATCH_START, lane] + longest_watch(state[TRANSIT, lane], rebounds)
+    late = state[TIME, lane] >= last
     return late and (state[SINCE, lane] == 0.0 or held(lane, state))

@@ -8,9 +8,9 @@ from typing import Final
 import numpy as np
 
 from ..collision import Array
-from ..simulation.time_scales import rebound_time
+from ..kernels.wall_rule import HELD, MAX_REBOUNDS, RELEASED, ROUNDING, longest_watch
+from ..simulation.time_scales import impact_momentum, rebound_time
 from ..simulation.wall_bound import motion_can_escape, wall_targets
-from ..simulation.wall_watch import HELD, MAX_REBOUNDS, MAX_TRANSITS, RELEASED, ROUNDING
 from .equation import Equation
 from .names import Name
 from .record import Record, nothing_can_happen
@@ -148,9 +148,8 @@ class Ending:
             self.since.setdefault(side, record.time)
         transit = self.peak_times.get(side, 0.0)
         held = side in self.since and record.time - self.since[side] >= HELD * transit
-        expired = transit > 0.0 and record.time > max(
-            MAX_TRANSITS * transit, transit + self._rebounds(side)
-        )
+        last = transit + longest_watch(transit, self._rebounds(side))
+        expired = transit > 0.0 and record.time > last
         return expired or (held and self._proven(record, side))
 
     def _rebounds(self, side: int) -> float:
@@ -158,8 +157,7 @@ class Ending:
         chain = self.equation.chain
         if side == LEFT:
             return 0.0
-        momentum = float(chain.masses @ np.maximum(chain.velocities, 0.0))
-        return MAX_REBOUNDS * rebound_time(chain, momentum)
+        return MAX_REBOUNDS * rebound_time(chain, impact_momentum(chain))
 
     def _proven(self, record: Record, side: int) -> bool:
         """Whether no later force exceeds the peak, if this can be proven."""

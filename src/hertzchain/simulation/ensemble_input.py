@@ -12,10 +12,10 @@ import numpy as np
 from ..chain.chain import Chain
 from ..collision import HERTZ_EXPONENT, Array, compression_time
 from ..frozen import once
+from ..kernels.wall_rule import MAX_REBOUNDS
 from .kernel_input import static_closing
 from .time_scales import transit_times
 from .wall_bound import RIGHT, motion_can_escape, wall_targets
-from .wall_watch import MAX_REBOUNDS
 
 # First step as a fraction of the time in which the pulse passes the first contact; smallest impulse
 # of a first contact with the wall as a fraction of the initial momentum.

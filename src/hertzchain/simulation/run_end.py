@@ -15,7 +15,8 @@ import numpy as np
 from ..chain.chain import Chain
 from ..collision import Array
 from ..kernels import state_layout
-from .wall_watch import CHECKS, FEW_CHECKS, WallWatch
+from ..kernels.wall_rule import CHECKS
+from .wall_watch import FEW_CHECKS, WallWatch
 
 Status = Literal[
     "pulse left", "time reached", "wall force complete", "transit limit", "nothing more happens",

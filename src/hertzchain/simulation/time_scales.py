@@ -31,6 +31,11 @@ def check_clock(chain: Chain) -> None:
         )
 
 
+def impact_momentum(chain: Chain) -> float:
+    """Momentum of the beads that move towards the right end at time 0."""
+    return float(chain.masses @ np.maximum(chain.velocities, 0.0))
+
+
 def rebound_time(chain: Chain, momentum: float) -> float:
     """Time in which all beads, moving as one with a momentum, rebound from the right wall.
 

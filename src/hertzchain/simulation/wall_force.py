@@ -8,9 +8,9 @@ from typing import Final, Literal
 
 from ..chain.chain import Chain
 from ..collision import Array
+from ..kernels.wall_rule import HELD
 from ..representation import counted, measure, short
 from .wall_bound import motion_can_escape
-from .wall_watch import HELD
 
 Side = Literal["left", "right"]
 SIDES: Final[tuple[Side, ...]] = ("left", "right")

@@ -30,24 +30,14 @@ import numpy as np
 from ..chain.chain import Chain
 from ..collision import Array
 from ..kernels import state_layout
+from ..kernels.wall_rule import CHECKS, HELD, MAX_REBOUNDS, RELEASED, ROUNDING, longest_watch
 from .budget import overlaps_of, stored_energy
-from .time_scales import rebound_time, transit_times
+from .time_scales import impact_momentum, rebound_time, transit_times
 from .wall_bound import RIGHT, Approach, Target, wall_targets
 
-# Time for which the bound must have been below the peak, in transits.
-HELD: Final = 0.5
-# Maximum length of a run in transits, or in rebounds of the whole chain from a soft wall, but not
-# more than MOST_TRANSITS.  Impacts on soft walls end after up to 1.3 rebounds.
-MAX_TRANSITS: Final = 10
-MAX_REBOUNDS: Final = 2.0
-MOST_TRANSITS: Final = 500
-# Number of checks per transit.
-CHECKS: Final = 16
 # Checks per transit of a run by fixed steps to a given time, which may be very long.
 FEW_CHECKS: Final = 2
 SMALLEST: Final = float(np.finfo(float).tiny)
-# Relative rounding of the bound; fraction of the peak below which the force has left the wall.
-ROUNDING, RELEASED = 1e-9, 1e-3
 
 
 class WallWatch:
@@ -154,15 +144,14 @@ class WallWatch:
         """Momentum towards the right wall at time 0 or, after a drive, that which it has given."""
         chain = self.chain
         if chain.velocities.any():
-            return float(chain.masses @ np.maximum(chain.velocities, 0.0))
+            return impact_momentum(chain)
         return float(chain.masses @ self._velocities + self._impulse(RIGHT))
 
     @property
     def last(self) -> float:
         """Time at which a run without a given end stops at the latest."""
         rebounds = MAX_REBOUNDS * rebound_time(self.chain, self.momentum)
-        shortest, longest = ((most - 1) * self.transit for most in (MAX_TRANSITS, MOST_TRANSITS))
-        return self.start + min(max(shortest, rebounds), longest)
+        return self.start + longest_watch(self.transit, rebounds)
 
     @property
     def expired(self) -> bool:

@@ -1,0 +1,22 @@
+"""Numbers of the rule for complete peaks on walls, which `hertzchain.simulation.wall_watch` states.
+
+This module does not import numba, so that Python and compiled code share it.
+"""
+
+from __future__ import annotations
+
+# Time for which the bound must have been below the peak, and number of checks, per transit.
+HELD, CHECKS = 0.5, 16
+# Maximum length of a run in transits, or in rebounds of the whole chain from a soft wall, but not
+# more than MOST_TRANSITS.  Impacts on soft walls end after up to 1.3 rebounds.
+MAX_TRANSITS, MAX_REBOUNDS, MOST_TRANSITS = 10, 2.0, 500
+# Relative rounding of the bound; fraction of the peak below which the force has left the wall.
+ROUNDING, RELEASED = 1e-9, 1e-3
+
+
+def longest_watch(transit: float, rebounds: float) -> float:
+    """Time after the first transit at which a run without a given end stops at the latest.
+
+    The argument ``rebounds`` is the time of `MAX_REBOUNDS`.
+    """
+    return min(max((MAX_TRANSITS - 1) * transit, rebounds), (MOST_TRANSITS - 1) * transit)

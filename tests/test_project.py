@@ -212,14 +212,34 @@ def test_versions_agree():
 def test_cache_files_older_than_a_kernel_are_deleted(tmp_path):
     from hertzchain.kernels import _forget_stale
 
-    source, cache = tmp_path / "kernel.py", tmp_path / "__pycache__"
+    cache = tmp_path / "__pycache__"
     cache.mkdir()
-    old, new = cache / "old.nbi", cache / "new.nbi"
-    for at, file in enumerate((old, source, new)):
-        file.touch()
-        os.utime(file, (at, at))
-    _forget_stale(tmp_path)
-    assert [file.name for file in cache.iterdir()] == ["new.nbi"]
+    texts = {"step": "", "events": "from .step import take", "walls": "from . import events",
+             "forces": "import numpy\n"}  # fmt: skip
+    for at, (name, text) in enumerate(texts.items()):
+        (tmp_path / f"{name}.py").write_text(text)
+        os.utime(tmp_path / f"{name}.py", (at, at))
+
+    def kept(*edited):
+        for name in texts:
+            index = cache / f"{name}.solve-1.py311.nbi"
+            index.touch()
+            os.utime(index, (10, 10))
+        for name in edited:
+            os.utime(tmp_path / f"{name}.py", (20, 20))
+        _forget_stale(tmp_path)
+        for name in edited:
+            os.utime(tmp_path / f"{name}.py", (0, 0))
+        return {file.name.partition(".")[0] for file in cache.iterdir()}
+
+    assert kept() == set(texts)
+    assert kept("step") == {"forces"}
+    assert kept("walls") == {"step", "events", "forces"}
+    assert kept("forces", "events") == {"step"}
+    # A cache file of a module that no longer exists.
+    (cache / "old.solve-1.py311.nbi").touch()
+    os.utime(cache / "old.solve-1.py311.nbi", (10, 10))
+    assert "old" not in kept("forces")
 
 
 def test_the_table_of_numbering_names_arrays_of_the_stated_lengths():

@@ -125,7 +125,7 @@ def _columns(result: FitResult, start: Mapping[str, float], refit: Refit) -> Ite
     """Fits to columns with another sign, unit or order."""
     model = result.model
     for each in misread_columns(model):
-        problem = Problem(replace(model, traces=each.traces, _sampled={}))
+        problem = Problem(replace(model, traces=each.traces))
         try:
             yield Cause(each.what, each.advice, refit(problem, start, 1), 0)
         except SimulationError:
@@ -194,7 +194,7 @@ def _losses(result: FitResult, _: Mapping[str, float], refit: Refit) -> Iterator
     law = typical_law(LOSS, model.chains[0])
     chains = tuple(with_one_loss(chain, law) for chain in model.chains)
     name = Name("loss.time")
-    lossy = replace(model, chains=chains, _sampled={})
+    lossy = replace(model, chains=chains)
     cause = _tried(result, (name,), refit, lossy, neutral=0.0)
     if cause is not None:
         yield replace(cause, what=f"a {LOSS} loss, {cause.what}", advice=(

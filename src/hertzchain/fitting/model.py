@@ -8,8 +8,9 @@ requires no simulation if the scaling symmetry holds.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property, lru_cache
 from typing import Final
 
 import numpy as np
@@ -19,16 +20,18 @@ from ..collision import Array
 from .chain_parameters import is_motion, with_motion, with_sizes
 from .jumps import next_to_jumps
 from .names import Name
-from .parameters import Parameter
+from .parameters import Parameter, is_of_chain
 from .sensors import Sensor, filtered, sampled, with_crosstalk
 from .simulations import Signals, Simulator
 from .symmetry import Units, units_of
 from .traces import Signal, Traces
 
 Values = Mapping[Name, float]
+Items = tuple[tuple[Name, float], ...]
 # Largest logarithm of the ratio of a factor to its start.
 MAX_LOGARITHM: Final = 20.0
-# Number of sampled signals in the cache; a step of one gain does not change the other signals.
+# Number of sampled signals, and of chains, in the caches; a step of one gain changes neither the
+# other signals nor the chain.
 KEPT: Final = 64
 
 
@@ -55,7 +58,9 @@ class Model:
     parameters: tuple[Parameter, ...]
     simulator: Simulator
     reference: float
-    _sampled: dict[tuple[object, ...], Array] = field(default_factory=dict, repr=False)
+    _sampled: dict[tuple[object, ...], Array] = field(
+        default_factory=dict, init=False, repr=False
+    )
 
     def values(self, variables: Array, shot: int = 0) -> dict[Name, float]:
         """Values of the parameters from variables in the units of the motion of a shot."""
@@ -123,7 +128,17 @@ class Model:
         return units.scales.unit(scale)
 
     def _sized(self, shot: int, values: Values) -> Chain:
-        return with_sizes(self.chains[shot], self._of_shot(shot, values), self.reference)
+        given = self._of_shot(shot, values).items()
+        sizes = tuple(item for item in given if is_of_chain(item[0]) and not is_motion(item[0]))
+        return self._cached_sized(shot, sizes)
+
+    @cached_property
+    def _cached_sized(self) -> Callable[[int, Items], Chain]:
+        @lru_cache(KEPT)
+        def sized(shot: int, sizes: Items) -> Chain:
+            return with_sizes(self.chains[shot], dict(sizes), self.reference)
+
+        return sized
 
     @staticmethod
     def _of_shot(shot: int, values: Values) -> dict[Name, float]:
@@ -135,9 +150,13 @@ class Model:
 
     def chain(self, shot: int, values: Values) -> Chain:
         """The chain of a shot."""
-        given = self._of_shot(shot, values)
-        motion = {name: value for name, value in given.items() if is_motion(name)}
-        return with_motion(self._sized(shot, values), motion)
+        given = self._of_shot(shot, values).items()
+        motion = tuple(item for item in given if is_motion(item[0]))
+        return self._cached_moving(self._sized(shot, values), motion)
+
+    @cached_property
+    def _cached_moving(self) -> Callable[[Chain, Items], Chain]:
+        return lru_cache(KEPT)(lambda chain, motion: with_motion(chain, dict(motion)))
 
     def needs_simulation(self, values: Values, shot: int) -> bool:
         """Whether the chain of a shot has not been simulated with these values."""

@@ -66,7 +66,12 @@ class Parameter:
     @property
     def of_chain(self) -> bool:
         """Whether the parameter belongs to the chain, not to the sensors or the clock."""
-        return self.name.key not in SENSOR_KINDS and self.name.key != "time_offset"
+        return is_of_chain(self.name)
+
+
+def is_of_chain(name: Name) -> bool:
+    """Whether a parameter of this name belongs to the chain."""
+    return name.key not in SENSOR_KINDS and name.key != "time_offset"
 
 
 def default_names(traces: Traces, chain: Chain) -> list[str]:

@@ -18,20 +18,51 @@ Kernels raise no exceptions and print nothing; callers convert status codes to e
 
 Numba caches compiled functions next to these files, but compares the date of a cached function
 only with the file of the function itself, not with those of the functions that it calls.  When the
-package is imported, cache files that are older than any file here are therefore deleted.
+package is imported, cache files that are older than a file of which the function was made are
+therefore deleted.
 """
 
+import ast
+import os
 from contextlib import suppress
 from pathlib import Path
 
 
 def _forget_stale(folder: Path) -> None:
-    newest = max(source.stat().st_mtime for source in folder.glob("*.py"))
+    """Delete cache files that are older than their module or a module that it imports."""
+    dates = {each.stem: each.stat().st_mtime for each in folder.glob("*.py")}
+    newest = max(dates.values())
+    imports: dict[str, set[str]] = {}
     for index in (folder / "__pycache__").glob("*.nbi"):
         # Another process may have deleted the file, or the folder may be read-only.
         with suppress(OSError):
-            if index.stat().st_mtime < newest:
+            if (made := index.stat().st_mtime) >= newest:
+                continue
+            imports = imports or {name: _imports(folder / f"{name}.py") for name in dates}
+            module = index.name.partition(".")[0]
+            if any(dates.get(name, newest) > made for name in _sources(module, imports)):
                 index.unlink()
+            else:
+                # The next import of the package need not compare it again.
+                os.utime(index)
+
+
+def _imports(source: Path) -> set[str]:
+    """Names of the modules of this package that a file imports."""
+    found: set[str] = set()
+    for node in ast.walk(ast.parse(source.read_bytes())):
+        if isinstance(node, ast.ImportFrom) and node.level == 1:
+            found |= {node.module} if node.module else {each.name for each in node.names}
+    return found
+
+
+def _sources(module: str, imports: dict[str, set[str]]) -> set[str]:
+    """A module and all modules that it imports, also through others."""
+    found, new = set(), {module}
+    while new:
+        found |= new
+        new = set().union(*(imports.get(name, set()) for name in new)) - found
+    return found
 
 
 _forget_stale(Path(__file__).parent)

@@ -58,9 +58,7 @@ class Model:
     parameters: tuple[Parameter, ...]
     simulator: Simulator
     reference: float
-    _sampled: dict[tuple[object, ...], Array] = field(
-        default_factory=dict, init=False, repr=False
-    )
+    _sampled: dict[tuple[object, ...], Array] = field(default_factory=dict, init=False, repr=False)
 
     def values(self, variables: Array, shot: int = 0) -> dict[Name, float]:
         """Values of the parameters from variables in the units of the motion of a shot."""

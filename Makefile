@@ -23,6 +23,10 @@ static-checks: style
 compile: .venv/installed-test
 	$(BIN)/hertzchain warm-up
 
+# Several processes with as many threads of OpenBLAS as cores would spend a third of the time
+# waiting for each other.
+pytest docs test-long: export OPENBLAS_NUM_THREADS := 1
+
 pytest: .venv/installed-test
 	$(BIN)/pytest -q -n 2 --dist loadfile --no-loadscope-reorder
 

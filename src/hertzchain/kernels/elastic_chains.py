@@ -51,6 +51,8 @@ from .elastic_layout import (
     LANE_ROWS,
     LANES,
     LAST_CROSSING,
+    LAST_END,
+    LAST_IMPULSE,
     LEAST_PUSH,
     LENGTH,
     MOST,
@@ -106,7 +108,7 @@ from .elastic_walls import (
     complete,
     expired,
     held,
-    note_at_end,
+    note_end,
     nothing_can_happen,
     restart,
     start_watch,
@@ -180,7 +182,7 @@ def store(
             readings[g, row] = gauges[lane, g, row]
     peak, can_escape = gauges[lane, 0, PEAK], numbers[CAN_ESCAPE] != 0.0
     restart(lane, state, gauges[lane, 0, PEAK_TIME])
-    note_at_end(w, beads, lane, chain, state, peak, gauges[lane, 0, IMPULSE])
+    note_end(w, beads, lane, chain, state, peak, gauges[lane, 0, IMPULSE])
     summary[END_TIME], summary[STATUS] = state[TIME, lane], status
     summary[TAKEN] = state[STEPS, lane]
     summary[REFUSED] = state[TRIED, lane] - state[STEPS, lane]
@@ -285,8 +287,8 @@ def ending(w, beads, lane, chain, numbers, walled, state, gauges, records):
 
 @compiled
 def read_gauges(w, beads, lane, least_push, places, pushes, state, gauges, kinks, count):
-    """Update impulses and largest forces of gauges, and the end of the first wall contact."""
-    h = state[LENGTH, lane]
+    """Update impulses and largest forces of gauges, and the ends of contacts with the wall."""
+    h, pressed = state[LENGTH, lane], pushes[0, 0, lane] > 0.0
     for g in range(len(places)):
         start, end, top = pushes[0, g, lane], pushes[8, g, lane], 0.0
         # Stage 7 is at the end of the step, too, and less accurate.
@@ -303,6 +305,8 @@ def read_gauges(w, beads, lane, least_push, places, pushes, state, gauges, kinks
                 record_fall(end, gauges[lane, g])
         pushes[0, g, lane] = end
     impulse = gauges[lane, 0, IMPULSE]
+    if pressed and pushes[0, 0, lane] == 0.0:
+        state[LAST_END, lane], state[LAST_IMPULSE, lane] = state[TIME, lane] + h, impulse
     if state[FIRST_END, lane] == 0.0 and impulse > least_push and pushes[0, 0, lane] == 0.0:
         if w[NEW_V + beads * LANES + lane] < 0.0:
             state[FIRST_END, lane] = state[TIME, lane] + h

@@ -29,8 +29,8 @@ UNTIL, FIRST_STEP, BY_ITSELF, STRIKERS, LEAST_PUSH, CAN_ESCAPE, REBOUNDS, NUMBER
 
 # Entries of a lane.
 (TIME, STEP, LENGTH, WORST, FASTEST, MOST, TRIED, STEPS, GOOD, SINCE_CROSSING, LAST_CROSSING, PEAKS,
- CROSSINGS, FIRST_IMPULSE, FIRST_END, WATCH_START, TRANSIT, DUE, SINCE, IMPACT_IMPULSE,
- LANE_ROWS) = range(21)  # fmt: skip
+ CROSSINGS, FIRST_IMPULSE, FIRST_END, LAST_IMPULSE, LAST_END, WATCH_START, TRANSIT, DUE, BOUNDED,
+ SINCE, IMPACT_IMPULSE, LANE_ROWS) = range(24)  # fmt: skip
 # Entries of a gauge: gauge 0 is the right wall, others are sensors in beads.  Up to four maxima of
 # increasing height are stored, because only the end of the run determines which of them is high
 # enough.

@@ -11,12 +11,15 @@ from .compilation import compiled
 from .elastic_forces import closing_of, force_of, overlap_of
 from .elastic_layout import (
     BODY,
+    BOUNDED,
     DUE,
     EXPONENT,
     FORCE,
     IMPACT_IMPULSE,
     INVERSE_MASS,
     LANES,
+    LAST_END,
+    LAST_IMPULSE,
     RECORD_CROSSING,
     RECORD_PEAK_TIME,
     SINCE,
@@ -29,9 +32,9 @@ from .elastic_layout import (
     WATCH_START,
     V,
 )
-from .wall_rule import CHECKS, HELD, RELEASED, ROUNDING
+from .wall_rule import CHECKS, HELD, ROUNDING
 
-longest_watch = compiled(wall_rule.longest_watch)
+longest_watch, has_released = compiled(wall_rule.longest_watch), compiled(wall_rule.has_released)
 
 
 @compiled
@@ -139,17 +142,25 @@ def start_watch(w, beads, lane, state, records):
 
 
 @compiled
-def note(lane, state, impulse):
+def note(lane, state, time, impulse):
     """Record that the impact has ended, unless this is already recorded."""
     if state[SINCE, lane] == 0.0:
-        state[SINCE, lane], state[IMPACT_IMPULSE, lane] = state[TIME, lane], impulse
+        state[SINCE, lane], state[IMPACT_IMPULSE, lane] = time, impulse
+    if state[BOUNDED, lane] == 0.0:
+        state[BOUNDED, lane] = state[TIME, lane]
+
+
+@compiled
+def forget(lane, state):
+    """Forget the end of an impact, because the force may exceed its peak."""
+    state[BOUNDED, lane] = state[SINCE, lane] = state[IMPACT_IMPULSE, lane] = 0.0
 
 
 @compiled
 def restart(lane, state, peak_time):
     """Forget the end of an impact that a larger force has followed."""
-    if peak_time > state[SINCE, lane]:
-        state[SINCE, lane] = state[IMPACT_IMPULSE, lane] = 0.0
+    if peak_time > state[BOUNDED, lane]:
+        forget(lane, state)
 
 
 @compiled
@@ -157,7 +168,7 @@ def close(lane, state, impulse):
     """Record that nothing more can happen, so that the peak is complete."""
     state[WATCH_START, lane] = state[TIME, lane]
     state[TRANSIT, lane] = 0.0
-    note(lane, state, impulse)
+    note(lane, state, state[TIME, lane], impulse)
 
 
 @compiled
@@ -166,28 +177,31 @@ def check_wall(w, beads, lane, chain, state, peak, impulse):
     set_due(lane, state)
     if nothing_can_happen(w, beads, lane):
         close(lane, state, impulse)
-        return
-    if peak == 0.0 or bound_of(w, beads, lane, chain) > (1.0 + ROUNDING) * peak:
-        state[SINCE, lane] = state[IMPACT_IMPULSE, lane] = 0.0
-    elif released(w, beads, lane, chain, peak):
-        note(lane, state, impulse)
+    elif peak == 0.0 or bound_of(w, beads, lane, chain) > (1.0 + ROUNDING) * peak:
+        forget(lane, state)
+    else:
+        note_if_released(w, beads, lane, chain, state, peak, impulse)
 
 
 @compiled
-def released(w, beads, lane, chain, peak):
-    """Whether the force on the wall has fallen to a small part of its peak."""
-    static = chain[STATIC_FORCE, beads]
-    return w[FORCE + beads * LANES + lane] - static <= RELEASED * (peak - static)
+def note_if_released(w, beads, lane, chain, state, peak, impulse):
+    """Note the end of the impact if the wall has been released since the bound is low enough."""
+    if state[BOUNDED, lane] == 0.0:
+        state[BOUNDED, lane] = state[TIME, lane]
+    force, static = w[FORCE + beads * LANES + lane], chain[STATIC_FORCE, beads]
+    if state[LAST_END, lane] > state[BOUNDED, lane]:
+        note(lane, state, state[LAST_END, lane], state[LAST_IMPULSE, lane])
+    elif has_released(force, static, peak):
+        note(lane, state, state[TIME, lane], impulse)
 
 
 @compiled
-def note_at_end(w, beads, lane, chain, state, peak, impulse):
+def note_end(w, beads, lane, chain, state, peak, impulse):
     """Record at the end of the run that the impact has ended after the last check."""
     if peak == 0.0 or state[TRANSIT, lane] == 0.0:
         return
-    bounded = bound_of(w, beads, lane, chain) <= (1.0 + ROUNDING) * peak
-    if bounded and released(w, beads, lane, chain, peak):
-        note(lane, state, impulse)
+    if bound_of(w, beads, lane, chain) <= (1.0 + ROUNDING) * peak:
+        note_if_released(w, beads, lane, chain, state, peak, impulse)
 
 
 @compiled

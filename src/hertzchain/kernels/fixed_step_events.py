@@ -15,6 +15,8 @@ from .state_layout import (
     FIRST_END,
     FIRST_IMPULSE,
     FRAMES,
+    LAST_END,
+    LAST_IMPULSE,
     PEAK_TIME,
     PEAK_VELOCITY,
     PEAKS,
@@ -65,7 +67,7 @@ def inflection(c):
 
 @inlined
 def watch_wall(side, time, h, force, given, passed, x, v, a, spring, ends, walls):
-    """Record the largest force on a wall, the number of touches and the end of the first contact.
+    """Record the largest force on a wall, the number of touches, and the ends of contacts.
 
     ``given`` is the impulse on the wall so far.  The position, velocity and acceleration of the
     adjacent bead are positive away from the wall; ``ends`` has these values and the force at the
@@ -84,6 +86,8 @@ def watch_wall(side, time, h, force, given, passed, x, v, a, spring, ends, walls
                 walls[WALL_PEAK, side], walls[WALL_PEAK_TIME, side] = top, time - (1.0 - s) * h
         if force > 0.0 and walls[TOUCHING, side] == 0.0:
             walls[TOUCHES, side] += 1.0
+        elif force == 0.0 and walls[TOUCHING, side] > 0.0:
+            walls[LAST_END, side], walls[LAST_IMPULSE, side] = time, given
         walls[TOUCHING, side] = 1.0 if force > 0.0 else 0.0
         if force == 0.0 and given != 0.0 and v > 0.0 and walls[FIRST_END, side] == 0.0:
             walls[FIRST_IMPULSE, side], walls[FIRST_END, side] = given, time

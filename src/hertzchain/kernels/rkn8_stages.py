@@ -10,6 +10,8 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
+from numba import int64
+
 from .compilation import CONTRACTED, internal
 from .rkn8 import (
     A1,
@@ -82,20 +84,21 @@ def step_on(rows: Rows, accelerate: Any) -> tuple[Any, Any]:
     @inlined
     def try_step(w, low, high, h, a, b):
         """Stages of a step, and positions and velocities at its end."""
+        # Without `int64`, `accelerate` would be compiled again for every constant.
         place(w, low, high, h, C1, A1)
-        accelerate(w, low, high, s1, 1, a, b)
+        accelerate(w, low, high, int64(s1), int64(1), a, b)
         place(w, low, high, h, C2, A2)
-        accelerate(w, low, high, s2, 2, a, b)
+        accelerate(w, low, high, int64(s2), int64(2), a, b)
         place(w, low, high, h, C3, A3)
-        accelerate(w, low, high, s3, 3, a, b)
+        accelerate(w, low, high, int64(s3), int64(3), a, b)
         place(w, low, high, h, C4, A4)
-        accelerate(w, low, high, s4, 4, a, b)
+        accelerate(w, low, high, int64(s4), int64(4), a, b)
         place(w, low, high, h, C5, A5)
-        accelerate(w, low, high, s5, 5, a, b)
+        accelerate(w, low, high, int64(s5), int64(5), a, b)
         place(w, low, high, h, C6, A6)
-        accelerate(w, low, high, s6, 6, a, b)
+        accelerate(w, low, high, int64(s6), int64(6), a, b)
         place(w, low, high, h, C7, A7)
-        accelerate(w, low, high, s7, 7, a, b)
+        accelerate(w, low, high, int64(s7), int64(7), a, b)
         for i in range(low, high):
             push = B0 * w[s0 + i] + B2 * w[s2 + i] + B3 * w[s3 + i]
             push += B4 * w[s4 + i] + B5 * w[s5 + i] + B6 * w[s6 + i]

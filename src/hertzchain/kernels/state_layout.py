@@ -31,12 +31,15 @@ PEAK_TIME, PEAK_VELOCITY = 0, 1
 CROSSING_TIME, OVERLAP, RESIDENCE, HANDED_OVER, RISE_TIME = range(5)
 LEADING_MOMENTUM, LEADING_ENERGY, LARGEST_OVERLAP, CROSSING_ROWS = range(5, 9)
 # Rows of `walls`: largest force and its time; impulse and end of the first contact; time at which
-# the bead at the wall first moves back; number of touches; 1 while the bead touches the wall.
+# the bead at the wall first moves back; number of touches; 1 while the bead touches the wall; end
+# of the last contact, and impulse until then.
 WALL_PEAK_TIME, WALL_PEAK, FIRST_IMPULSE, FIRST_END, TURNED_BACK = range(5)
-TOUCHES, TOUCHING, WALL_ROWS = range(5, 8)
+TOUCHES, TOUCHING, LAST_END, LAST_IMPULSE, WALL_ROWS = range(5, 10)
 # Rows of `completion`, one column per wall, written between calls of the compiled loop: time from
-# which the wall is watched, transit time, time of the next check; time from which the largest force
-# is final, and impulse and number of touches until then.
-WATCH_START, TRANSIT, DUE, SINCE, IMPACT_IMPULSE, IMPACT_TOUCHES, COMPLETION_ROWS = range(7)
+# which the wall is watched, transit time, time of the next check, time since which the motion
+# towards the wall cannot exceed the largest force; end of the impact, and impulse and number of
+# touches until then.
+WATCH_START, TRANSIT, DUE, BOUNDED, SINCE, IMPACT_IMPULSE, IMPACT_TOUCHES = range(7)
+COMPLETION_ROWS = 7
 # Peak time of a striker, which has its largest velocity from the start.
 STRIKER_PEAK_TIME = -1.0

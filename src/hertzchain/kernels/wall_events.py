@@ -12,6 +12,8 @@ from .state_layout import (
     CROSSING_TIME,
     FIRST_END,
     FIRST_IMPULSE,
+    LAST_END,
+    LAST_IMPULSE,
     TOUCHES,
     TOUCHING,
     TURNED_BACK,
@@ -168,10 +170,13 @@ def record_wall_ends(time, y, rates, setup, segment, momentum, crossings, walls)
 
 
 @compiled
-def count_touches(beads, rates, walls):
-    """Count touches: contacts with a wall that are closed now and were open before the step."""
+def count_touches(time, y, rates, walls):
+    """Count contacts with each wall that a step has begun, and record the end of the last one."""
     for side in range(2):
-        pressed = 1.0 if rates[2 * beads + LEFT_IMPULSE + side] != 0.0 else 0.0
+        i = len(y) - ACCUMULATORS + LEFT_IMPULSE + side
+        pressed = 1.0 if rates[i] != 0.0 else 0.0
         if pressed > walls[TOUCHING, side]:
             walls[TOUCHES, side] += 1.0
+        elif pressed < walls[TOUCHING, side]:
+            walls[LAST_END, side], walls[LAST_IMPULSE, side] = time, y[i]
         walls[TOUCHING, side] = pressed

@@ -10,7 +10,8 @@ HELD, CHECKS = 0.5, 16
 # Maximum length of a run in transits, or in rebounds of the whole chain from a soft wall, but not
 # more than MOST_TRANSITS.  Impacts on soft walls end after up to 1.3 rebounds.
 MAX_TRANSITS, MAX_REBOUNDS, MOST_TRANSITS = 10, 2.0, 500
-# Relative rounding of the bound; fraction of the peak below which the force has left the wall.
+# Relative rounding of the bound; fraction of the peak to which the force of a contact that carries
+# a static force, and therefore need not open, falls when it releases the wall.
 ROUNDING, RELEASED = 1e-9, 1e-3
 
 
@@ -20,3 +21,8 @@ def longest_watch(transit: float, rebounds: float) -> float:
     The argument ``rebounds`` is the time of `MAX_REBOUNDS`.
     """
     return min(max((MAX_TRANSITS - 1) * transit, rebounds), (MOST_TRANSITS - 1) * transit)
+
+
+def has_released(force: float, static: float, peak: float) -> bool:
+    """Whether the force on a wall has fallen to zero, or to about the static force."""
+    return force <= (static + RELEASED * (peak - static) if static > 0.0 else 0.0)

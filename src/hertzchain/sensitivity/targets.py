@@ -8,7 +8,7 @@ from typing import Final
 import numpy as np
 
 from ..collision import Array
-from ..kernels.wall_rule import HELD, MAX_REBOUNDS, RELEASED, ROUNDING, longest_watch
+from ..kernels.wall_rule import HELD, MAX_REBOUNDS, ROUNDING, has_released, longest_watch
 from ..simulation.time_scales import impact_momentum, rebound_time
 from ..simulation.wall_bound import motion_can_escape, wall_targets
 from .equation import Equation
@@ -77,8 +77,12 @@ class Ending:
     equation: Equation
     names: list[Name]
     targets: Targets
-    # End of the impact on a wall, by side.
+    # By side: time since which the motion cannot exceed the peak on a wall, end of the impact,
+    # whether the wall is pressed, and end of the last contact.
+    bounded: dict[int, float] = field(default_factory=dict)
     since: dict[int, float] = field(default_factory=dict)
+    pressed: dict[int, bool] = field(default_factory=dict)
+    last_ends: dict[int, float] = field(default_factory=dict)
     watched: int = 0
     exhausted: bool = False
     # Largest force so far and its time, by side.
@@ -138,11 +142,15 @@ class Ending:
             bounds = bound_of(equation, block.positions[some], block.velocities[some], side)
             static = float(equation.chain.static_state.forces[c])
             complete = (top[some] > 0.0) & (bounds <= (1.0 + ROUNDING) * top[some])
-            released = stages[some, 0] - static <= RELEASED * (top[some] - static)
-            for time, below, free in zip(times[some], complete, released, strict=True):
+            ends = self._last_ends(side, times, stages[:, 0] > 0.0)[some]
+            rows = zip(times[some], complete, stages[some, 0], top[some], ends, strict=True)
+            for time, below, force, peak, end in rows:
                 if not below:
+                    self.bounded.pop(side, None)
                     self.since.pop(side, None)
-                elif free:
+                elif end > self.bounded.setdefault(side, float(time)):
+                    self.since.setdefault(side, float(end))
+                elif has_released(force, static, peak):
                     self.since.setdefault(side, float(time))
         if self.exhausted:
             self.since.setdefault(side, record.time)
@@ -151,6 +159,14 @@ class Ending:
         last = transit + longest_watch(transit, self._rebounds(side))
         expired = transit > 0.0 and record.time > last
         return expired or (held and self._proven(record, side))
+
+    def _last_ends(self, side: int, times: Array, pressed: Array) -> Array:
+        """End of the last contact with a wall before the start of each step; 0 before the first."""
+        before = np.append(self.pressed.get(side, False), pressed[:-1])
+        ends = np.where(before & ~pressed, times, self.last_ends.get(side, 0.0))
+        last = np.maximum.accumulate(ends)
+        self.pressed[side], self.last_ends[side] = bool(pressed[-1]), float(last[-1])
+        return np.asarray(last)
 
     def _rebounds(self, side: int) -> float:
         """Time that the impact of the whole chain on a soft right wall may take."""

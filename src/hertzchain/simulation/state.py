@@ -33,8 +33,8 @@ ROW_SCALES: Final[Mapping[str, tuple[str, ...]]] = {
     "crossings": (
         "time", "length", "time", "momentum", "time", "momentum", "energy", "length",
     ),
-    "walls": ("time", "force", "momentum", "time", "time", "1", "1"),
-    "completion": ("time", "time", "time", "time", "momentum", "1"),
+    "walls": ("time", "force", "momentum", "time", "time", "1", "1", "time", "momentum"),
+    "completion": ("time", "time", "time", "time", "time", "momentum", "1"),
 }  # fmt: skip
 # Units of the accumulators, which are integrated along with the motion.
 ACCUMULATOR_SCALES: Final = ("energy", "energy", "momentum", "momentum", "momentum")

@@ -24,9 +24,9 @@ class WallForce:
 
     If the other end of the chain is free and no constant force pushes the beads towards the wall,
     the peak is complete as soon as the conservation of energy and momentum proves that no later
-    force exceeds it (`hertzchain.simulation.wall_bound`).  Otherwise it is an estimate: the force
-    has fallen to 0.1% of the peak, and the motion towards the wall has not been able to exceed the
-    peak for half a transit of the pulse, but the beads can return, and a later impact may be
+    force exceeds it (`hertzchain.simulation.wall_bound`).  Otherwise it is an estimate: the
+    impact has ended, and the motion towards the wall has not been able to exceed the peak for half
+    a transit of the pulse since then, but the beads can return, and a later impact may be
     stronger.  Between two walls the pulse returns repeatedly,
     and the peak of a run without ``until`` is usually that of its first passage.  In a
     precompressed chain without losses, contacts do not open, waves may add up at any later time,
@@ -50,9 +50,10 @@ class WallForce:
     reason : str
         Why the peak is not complete, or why the impact has not ended; empty otherwise.
     complete_since : float or None
-        End of the impact: time at which the force had fallen to 0.1% of the peak and the motion
-        towards the wall could not exceed it; `None` if the peak is not complete or the impact has
-        not ended, as on a soft wall that is still loaded.
+        End of the impact: time at which the contact opened for the first time since the motion
+        towards the wall could not exceed the peak.  Under a static force it need not open: the
+        force must fall to 0.1% of the peak, both without the static force.  `None` if the peak is
+        not complete or the impact has not ended, as on a soft wall that is still loaded.
     largest_so_far, largest_so_far_time : float
         Largest force of the run and its time, complete or not.
     bound : float

@@ -3,12 +3,12 @@
 If motion can escape at the other end of the chain, the peak is complete as soon as the bound of
 `hertzchain.simulation.wall_bound` proves that no later force exceeds it.
 
-The impact on a wall has ended when the force on it has fallen to 0.1% of its peak, without the
-static force, and the motion towards the wall cannot exceed the peak (the estimate of the same
-module).  The contact with the wall need not have opened.  If motion cannot escape, the peak is
-complete when the impact has ended and the estimate has not exceeded the peak for half a transit
-since then, where a transit is the time that the pulse took to pass the chain.  This rule is
-empirical, and it starts again if a larger force follows.
+The impact on a wall has ended when the contact with it opens for the first time since the motion
+towards the wall cannot exceed the peak (the estimate of the same module).  A contact that carries a
+static force need not open; its force must fall to 0.1% of the peak, without the static force.
+If motion cannot escape, the peak is complete when the impact has ended and the estimate has not
+exceeded the peak for half a transit since then, where a transit is the time that the pulse took to
+pass the chain.  This rule is empirical, and it starts again if a larger force follows.
 
 Without a given end, a run continues until the peak is complete and half a transit has passed since
 the end of the impact, or until `WallWatch.last`: ten transits or, on a soft wall, the first transit
@@ -30,7 +30,14 @@ import numpy as np
 from ..chain.chain import Chain
 from ..collision import Array
 from ..kernels import state_layout
-from ..kernels.wall_rule import CHECKS, HELD, MAX_REBOUNDS, RELEASED, ROUNDING, longest_watch
+from ..kernels.wall_rule import (
+    CHECKS,
+    HELD,
+    MAX_REBOUNDS,
+    ROUNDING,
+    has_released,
+    longest_watch,
+)
 from .budget import overlaps_of, stored_energy
 from .time_scales import impact_momentum, rebound_time, transit_times
 from .wall_bound import RIGHT, Approach, Target, wall_targets
@@ -172,15 +179,22 @@ class WallWatch:
             side = target.side
             peak = float(self.walls[state_layout.WALL_PEAK, side])
             if peak == 0.0 or not self.bounded(side, self.approach(target, overlaps, stored)):
-                self.completion[state_layout.SINCE :, side] = 0.0
-            elif self.released(target, forces):
-                self._note(side)
+                self.completion[state_layout.BOUNDED :, side] = 0.0
+            else:
+                self._note_if_released(target, forces)
 
-    def released(self, target: Target, forces: Array) -> bool:
-        """Whether the force on a wall has fallen to a small part of its peak."""
-        peak = float(self.walls[state_layout.WALL_PEAK, target.side])
-        force, static = self.force_on(target, forces), float(target.forces[-1])
-        return force - static <= RELEASED * (peak - static)
+    def _note_if_released(self, target: Target, forces: Array) -> None:
+        """Note the end of the impact if the wall has been released since the bound is low."""
+        side, walls = target.side, self.walls
+        if self.completion[state_layout.BOUNDED, side] == 0.0:
+            self.completion[state_layout.BOUNDED, side] = self._mark
+        peak = float(walls[state_layout.WALL_PEAK, side])
+        last = float(walls[state_layout.LAST_END, side])
+        if last > self.completion[state_layout.BOUNDED, side]:
+            touches = walls[state_layout.TOUCHES, side] - walls[state_layout.TOUCHING, side]
+            self._note_at(side, last, float(walls[state_layout.LAST_IMPULSE, side]), touches)
+        elif has_released(self.force_on(target, forces), float(target.forces[-1]), peak):
+            self._note(side)
 
     def force_on(self, target: Target, forces: Array) -> float:
         """Force on a wall, given the forces of all contacts."""
@@ -193,9 +207,14 @@ class WallWatch:
 
     def _note(self, side: int) -> None:
         """Record that the impact on a wall has ended, unless it had before."""
+        touches = float(self.walls[state_layout.TOUCHES, side])
+        self._note_at(side, self._mark, self._impulse(side), touches)
+
+    def _note_at(self, side: int, time: float, impulse: float, touches: float) -> None:
         if self.completion[state_layout.SINCE, side] == 0.0:
-            impulse, touches = self._impulse(side), self.walls[state_layout.TOUCHES, side]
-            self.completion[state_layout.SINCE :, side] = self._mark, impulse, touches
+            self.completion[state_layout.SINCE :, side] = time, impulse, touches
+        if self.completion[state_layout.BOUNDED, side] == 0.0:
+            self.completion[state_layout.BOUNDED, side] = self._mark
 
     def _impulse(self, side: int) -> float:
         """Impulse on a wall so far."""
@@ -205,8 +224,8 @@ class WallWatch:
 
     def _restart(self) -> None:
         """Forget ends of impacts that a larger force has followed."""
-        risen = self.walls[state_layout.WALL_PEAK_TIME] > self.completion[state_layout.SINCE]
-        self.completion[state_layout.SINCE :, risen] = 0.0
+        risen = self.walls[state_layout.WALL_PEAK_TIME] > self.completion[state_layout.BOUNDED]
+        self.completion[state_layout.BOUNDED :, risen] = 0.0
 
     def close_if_apart(self, overlaps: Array) -> None:
         """Close if no contact is closed or closing and no force acts on the beads."""
@@ -259,8 +278,8 @@ class WallWatch:
             side = target.side
             hit = self.started and self.walls[state_layout.WALL_PEAK, side] > 0.0
             bounded = self.bounded(side, self.approach(target, overlaps, stored))
-            if hit and bounded and self.released(target, forces):
-                self._note(side)
+            if hit and bounded:
+                self._note_if_released(target, forces)
             found.append(self.reach(target, overlaps, stored))
         return found
 

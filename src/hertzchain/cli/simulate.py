@@ -114,12 +114,12 @@ def simulate(
 ) -> None:  # fmt: skip
     """Integrate the whole chain and keep its trajectories.
 
-    The forces on walls and in sensors are printed.  A wall receives the impulse of the impact
-    until the contact opens and no stronger motion approaches, possibly in several contacts, and
-    that of the whole run until its end.  The force in a sensor in a bead is the mean of the forces on both halves of
-    the bead.  Its first maximum belongs to the first pulse; a later wave may be larger.  It is the
-    largest value before the force first falls by 10% of it, if it is above 1% of the largest
-    force; smaller ripples on a rising flank are not counted as maxima.
+    The forces on walls and in sensors are printed.  A wall receives the impulse of the impact until
+    the contact opens and no stronger motion approaches, possibly in several contacts, and that of
+    the whole run until its end.  The force in a sensor in a bead is the mean of the forces on both
+    halves of the bead.  Its first maximum belongs to the first pulse; a later wave may be larger.
+    It is the largest value before the force first falls by 10% of it, if it is above 1% of the
+    largest force; smaller ripples on a rising flank are not counted as maxima.
 
     Several chain files are simulated one after another, and --plot compares them.
 

@@ -30,7 +30,7 @@ def everything(tmp_path_factory):
     run = hc.simulate(chain, until=40.0, times=400)
     pulse = hc.bca(hc.Chain.uniform(6))
     traces, file = hc.example_experiment()
-    fit = hc.fit(traces, file, free=["time_offset"])
+    fit = hc.fit(traces, file)
     measured = hc.simulate(hc.load_chain(file), until=6e-4, times=1201)
     radii = hc.vary.radii(0.5, 1.0, by="common")
     problem = hc.Design(hc.Chain.uniform(4), maximise="velocity@last", vary=[radii])

@@ -93,7 +93,7 @@ class DefectScan:
         Examples
         --------
         >>> import hertzchain as hc
-        >>> scan = hc.scan_defects(hc.fit(*hc.example_experiment(), free=["time_offset"]))
+        >>> scan = hc.scan_defects(hc.fit(*hc.example_experiment()))
         >>> fitted = scan.fit(candidates=1)  # doctest: +SKIP
         """
         callback("progress", progress)

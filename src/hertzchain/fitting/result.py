@@ -156,7 +156,7 @@ class FitResult:
         Examples
         --------
         >>> import hertzchain as hc
-        >>> result = hc.fit(*hc.example_experiment(), free=["time_offset"])
+        >>> result = hc.fit(*hc.example_experiment())
         >>> result.bic(inflation=1.0) > result.chi2
         True
         """
@@ -188,7 +188,7 @@ class FitResult:
         Examples
         --------
         >>> import hertzchain as hc
-        >>> result = hc.fit(*hc.example_experiment(), free=["time_offset"])
+        >>> result = hc.fit(*hc.example_experiment())
         >>> [name for _, name, _ in result.residuals()]
         ['ball 6', 'ball 11', 'ball 16', 'wall']
         """
@@ -214,7 +214,7 @@ class FitResult:
         Examples
         --------
         >>> import hertzchain as hc
-        >>> hc.fit(*hc.example_experiment(), free=["time_offset"]).chain_toml().splitlines()[0]
+        >>> hc.fit(*hc.example_experiment()).chain_toml().splitlines()[0]
         '[chain]'
         """
         from ..store.chain_as_toml import chain_as_toml
@@ -231,8 +231,8 @@ class FitResult:
         Examples
         --------
         >>> import hertzchain as hc
-        >>> print(hc.fit(*hc.example_experiment(), free=["time_offset"]).summary().splitlines()[0])
-        1 parameter from 2560 samples of 4 sensors
+        >>> print(hc.fit(*hc.example_experiment()).summary().splitlines()[0])
+        11 parameters from 2560 samples of 4 sensors
         """
         sensors = counted(len(self.traces.names), "sensor")
         shots = len(self.traces.shots)
@@ -258,8 +258,8 @@ class FitResult:
         Examples
         --------
         >>> import hertzchain as hc
-        >>> hc.fit(*hc.example_experiment(), free=["time_offset"]).rows()[0][0]
-        'time_offset'
+        >>> hc.fit(*hc.example_experiment()).rows()[0][0]
+        'stiffness'
         """
         triples = zip(self.model.parameters, self.estimates, self.sigmas, strict=True)
         return [
@@ -298,7 +298,7 @@ class FitResult:
         Examples
         --------
         >>> import hertzchain as hc
-        >>> result = hc.fit(*hc.example_experiment(), free=["time_offset"])
+        >>> result = hc.fit(*hc.example_experiment())
         >>> sorted(result.to_dataset().data_vars)[:3]
         ['ball_11', 'ball_11_fit', 'ball_16']
         """
@@ -323,7 +323,7 @@ class FitResult:
         Examples
         --------
         >>> import hertzchain as hc
-        >>> hc.fit(*hc.example_experiment(), free=["time_offset"]).as_dict()["converged"]
+        >>> hc.fit(*hc.example_experiment()).as_dict()["converged"]
         True
         """
         found: dict[str, Any] = finite({
@@ -352,7 +352,7 @@ class FitResult:
         Examples
         --------
         >>> import hertzchain as hc
-        >>> len(hc.fit(*hc.example_experiment(), free=["time_offset"]).plot().axes)
+        >>> len(hc.fit(*hc.example_experiment()).plot().axes)
         12
         """
         from ..plotting.fits import plot_fit
@@ -369,7 +369,7 @@ class FitResult:
         Examples
         --------
         >>> import hertzchain as hc
-        >>> len(hc.fit(*hc.example_experiment(), free=["time_offset"]).plot_residuals().axes)
+        >>> len(hc.fit(*hc.example_experiment()).plot_residuals().axes)
         2
         """
         from ..plotting.fits import plot_fit_residuals
@@ -386,7 +386,7 @@ class FitResult:
         Examples
         --------
         >>> import hertzchain as hc
-        >>> len(hc.fit(*hc.example_experiment(), free=["time_offset"]).plot_correlations().axes)
+        >>> len(hc.fit(*hc.example_experiment()).plot_correlations().axes)
         2
         """
         from ..plotting.fits import plot_correlations
@@ -419,7 +419,7 @@ class FitResult:
         Examples
         --------
         >>> import hertzchain as hc
-        >>> result = hc.fit(*hc.example_experiment(), free=["time_offset"])
+        >>> result = hc.fit(*hc.example_experiment())
         >>> posterior = result.sample(1000)  # doctest: +SKIP
         """
         from .posterior import sample

@@ -35,6 +35,7 @@ from .elastic_layout import (
 from .wall_rule import CHECKS, HELD, ROUNDING
 
 longest_watch, has_released = compiled(wall_rule.longest_watch), compiled(wall_rule.has_released)
+time_between_checks = compiled(wall_rule.time_between_checks)
 
 
 @compiled
@@ -120,7 +121,8 @@ def nothing_can_happen(w, beads, lane):
 @compiled
 def set_due(lane, state):
     """Set the next check to the first one after the next step."""
-    spacing = state[TRANSIT, lane] / CHECKS
+    watched = state[TIME, lane] - state[WATCH_START, lane]
+    spacing = time_between_checks(watched, state[TRANSIT, lane], CHECKS)
     # After free flight the predicted step may be longer than many transits.
     state[STEP, lane] = min(state[STEP, lane], spacing)
     time = state[TIME, lane] + state[STEP, lane]

@@ -23,6 +23,18 @@ def longest_watch(transit: float, rebounds: float) -> float:
     return min(max((MAX_TRANSITS - 1) * transit, rebounds), (MOST_TRANSITS - 1) * transit)
 
 
+def time_between_checks(elapsed: float, transit: float, checks: int) -> float:
+    """Time between checks of a wall that is watched for the time ``elapsed``.
+
+    It doubles with each doubling of this time beyond `MAX_TRANSITS`, because on soft walls an
+    impact may last hundreds of transits.
+    """
+    spacing, limit = transit / checks, MAX_TRANSITS * transit
+    while elapsed >= limit > 0.0:
+        spacing, limit = 2.0 * spacing, 2.0 * limit
+    return spacing
+
+
 def has_released(force: float, static: float, peak: float) -> bool:
     """Whether the force on a wall has fallen to zero, or to about the static force."""
     return force <= (static + RELEASED * (peak - static) if static > 0.0 else 0.0)

@@ -37,6 +37,7 @@ from ..kernels.wall_rule import (
     ROUNDING,
     has_released,
     longest_watch,
+    time_between_checks,
 )
 from .budget import overlaps_of, stored_energy
 from .time_scales import impact_momentum, rebound_time, transit_times
@@ -135,7 +136,7 @@ class WallWatch:
 
     def _set_due(self) -> None:
         """Set the next check to the first one after the next step."""
-        spacing = self.transit / self.checks
+        spacing = time_between_checks(self.time - self.start, self.transit, self.checks)
         if not self.fixed:
             # After free flight the predicted step may be longer than many transits.  It would be
             # reduced at the next collision, but the next check would remain late.

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Final
 
@@ -12,12 +13,11 @@ from ...collision import HERTZ_EXPONENT, Array
 from ...errors import InputError
 from ...kernels.law_kinds import YIELDING, LawRow
 from ...validation.keywords import checked_arguments, checked_fields
-from ..bisection import bisected
 from ..materials import FIRST_YIELD
 from .base import ContactArrays, ContactsAtRest, Loss, parameter
 
-# Bisections of an interval of overlaps, until its length is comparable with rounding.
-BISECTIONS: Final = 60
+# Steps of Newton's method; up to 6 except near the point of yield, where it has a double root.
+MOST_STEPS: Final = 60
 # Relative rounding error of a force.
 ROUNDING: Final = 1e-13
 
@@ -165,28 +165,29 @@ class ElasticPlastic(Loss, name="elastic-plastic"):
     def stored_energy(self, overlap: Array, force: Array, contacts: ContactArrays) -> Array:
         """Stored energy, from the unloading curve that passes through overlap and force."""
         k, first = contacts.stiffness, self.strength(contacts)
-        d = np.maximum(overlap, 0.0)
-        with np.errstate(divide="ignore", invalid="ignore"):
-            # The force falls with the largest overlap m, and is 0 at the second bound.
-            furthest = bisected(
-                lambda m: _unloading(d, m, k, first) > force, np.maximum(d, first),
-                2.0 * d + 2.25 * first, BISECTIONS,
-            )  # fmt: skip
-            width = d - furthest + _loading(furthest, k, first) / (k * np.sqrt(furthest))
-        elastic = (d <= first) & (force >= (1.0 - ROUNDING) * _loading(d, k, first))
-        return np.where(force > 0.0, 0.4 * force * np.where(elastic, d, width), 0.0)
+        width = np.maximum(overlap, 0.0)
+        elastic = (width <= first) & (force >= (1.0 - ROUNDING) * _loading(width, k, first))
+        dented = (force > 0.0) & ~elastic
+        if dented.any():
+            d, k, first = (np.broadcast_to(each, width.shape)[dented] for each in (width, k, first))
+            furthest = _furthest(d, force[dented], k, first)
+            width[dented] = d - furthest + _loading(furthest, k, first) / (k * np.sqrt(furthest))
+        return 0.4 * force * width
 
     def largest_overlap(self, energy: Array, contacts: ContactArrays) -> Array:
         """Overlaps from which unloading returns the energies; loading requires more energy."""
         k, first = contacts.stiffness, self.strength(contacts)
         elastic = super().largest_overlap(energy, contacts)
 
-        def less(m: Array) -> Array:
-            return 0.4 * _loading(m, k, first) ** 2 / (k * np.sqrt(m)) < energy
+        def step(r: Array) -> Array:
+            return (1.5 * r**4 - root * r - 0.5) / (6.0 * r**3 - root)
 
-        with np.errstate(invalid="ignore"):
-            most = (elastic**2.5 / first) ** (2.0 / 3.0)
-            return np.where(elastic > first, bisected(less, elastic, most, BISECTIONS), elastic)
+        # With m = r^4 d_y, the energy 2/5 F_m^2 / (k m^(1/2)) is 2/5 k d_y^(5/2) (3 r^4 - 1)^2 /
+        # (4 r^2).
+        with np.errstate(divide="ignore", invalid="ignore"):
+            root = (elastic / first) ** 1.25
+            most = first * _descended(step, ((root + 0.5) / 1.5) ** (1.0 / 3.0)) ** 4
+        return np.where(elastic > first, most, elastic)
 
     def damper(self, contacts: ContactsAtRest) -> Array:
         if np.any(contacts.overlap > self.strength(contacts)):
@@ -218,9 +219,28 @@ def _loading(overlap: Array, k: Array, first: Array) -> Array:
     return np.asarray(np.where(overlap > first, plastic, k * overlap * np.sqrt(overlap)))
 
 
-def _unloading(overlap: Array, furthest: Array, k: Array, first: Array) -> Array:
-    """Force during unloading from the overlap ``furthest``, which is beyond yield."""
-    peak = _loading(furthest, k, first)
-    width = peak / (k * np.sqrt(furthest))
-    part = np.maximum(1.0 - (furthest - overlap) / width, 0.0)
-    return np.asarray(peak * part * np.sqrt(part))
+def _furthest(overlap: Array, force: Array, k: Array, first: Array) -> Array:
+    """Largest overlap of the unloading curve that passes through overlap and force."""
+    d, f = overlap / first, (force / (k * first * np.sqrt(first))) ** (2.0 / 3.0)
+
+    def step(s: Array) -> Array:
+        peak = 1.5 * s * s - 0.5
+        root = f * np.cbrt(peak)
+        return (peak - s**3 + d * s - root) / (3.0 * s - 3.0 * s * s + d - root * s / peak)
+
+    # In units of the point of yield and with m = s^2, the force at d falls with m from F_m on, and
+    # is 0 at the latest at 2 d + 9/4.
+    return np.asarray(first * _descended(step, np.sqrt(2.0 * d + 2.25)) ** 2)
+
+
+def _descended(step: Callable[[Array], Array], above: Array) -> Array:
+    """Roots of functions without a turning point between a root and ``above``, by Newton's method.
+
+    The values then decrease monotonically until their changes are rounding errors.
+    """
+    for _ in range(MOST_STEPS):
+        below = above - step(above)
+        if not (below < above).any():
+            break
+        above = np.where(below < above, below, above)
+    return above

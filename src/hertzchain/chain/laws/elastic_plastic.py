@@ -176,7 +176,7 @@ class ElasticPlastic(Loss, name="elastic-plastic"):
 
     def largest_overlap(self, energy: Array, contacts: ContactArrays) -> Array:
         """Overlaps from which unloading returns the energies; loading requires more energy."""
-        k, first = contacts.stiffness, self.strength(contacts)
+        first = self.strength(contacts)
         elastic = super().largest_overlap(energy, contacts)
 
         def step(r: Array) -> Array:

@@ -8,7 +8,7 @@ import pytest
 import hertzchain as hc
 from hertzchain import Chain, InputError
 from hertzchain.chain.materials import contact_modulus, sphere_stiffness
-from hertzchain.chain.modifications import BALL_GRADES
+from hertzchain.chain.random_radii import BALL_GRADES
 
 
 def test_a_dimer_has_one_parameter():

@@ -53,7 +53,8 @@ class Chain(ChainFields):
     Attributes
     ----------
     radii : ndarray, shape (N,)
-        Radii :math:`R_k` [scaled, or m]; the first scaled radius after the strikers is 1.
+        Radii :math:`R_k` [scaled, or m].  The builders of scaled chains use the first radius as
+        the unit; it differs from 1 if beads deviate from those of such a chain.
     exponent : float, array_like of shape (N - 1,), or mapping
         Exponent p of the contact force, > 1; 3/2 for spheres (Hertz).  One value for all
         contacts and walls, one per contact of two beads, or one per pair of materials, such as

@@ -36,7 +36,13 @@ from .boundary_checks import (
 from .contact_groups import ContactGroup, group_contacts, loading_forces
 from .description import beads_description, cells_in_words, features_in_words, impact_in_words
 from .drives import Drive
-from .input_checks import checked_radii, positive_derived, scaled_radii, warn_large_radius
+from .input_checks import (
+    check_unit_of_length,
+    checked_radii,
+    positive_derived,
+    scaled_radii,
+    warn_large_radius,
+)
 from .laws import Loss
 from .mass_and_stiffness import contact_stiffness, sphere_masses, wall_stiffness
 from .materials import Material, material_per_bead
@@ -135,12 +141,8 @@ class ChainFields(Frozen):
         self._set("radii", _read_only(checked(radii)))
         strikers = whole_number("strikers", self.strikers, least=0, most=self.beads - 1)
         self._set("strikers", strikers)
-        if self.units == "scaled" and self.radii[strikers] != 1.0:
-            which = "after the strikers " if strikers else ""
-            raise InputError(
-                f"the first {which}of a scaled chain's radii must be 1, got "
-                f"{self.radii[strikers]:g}; Chain.from_radii accepts radii in any unit"
-            )
+        if self.units == "scaled":
+            check_unit_of_length(float(self.radii[strikers]), strikers=strikers)
         if self.units == "SI":
             warn_large_radius(self.radii)
 

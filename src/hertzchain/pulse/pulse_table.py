@@ -38,7 +38,8 @@ class PulseTable(Columns):
     Attributes
     ----------
     radii : ndarray, shape (C, N)
-        Radii, in units of each chain's first [scaled, or m].
+        Radii [scaled, or m].  Rows of radii are divided by their first, and their times, momenta,
+        energies and forces are in units of the first bead of each row.
     beads : ndarray of int, shape (C,)
         Number of beads of each chain.
     exponents : ndarray, shape (C,)
